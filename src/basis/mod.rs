@@ -1,0 +1,102 @@
+//! Floor 3: scalar bases, asked per element and batch of points in the element's own coordinates.
+
+mod table;
+
+use crate::linalg::{Real, Vector};
+use std::fmt::Debug;
+pub use table::{Order, ShapeTable};
+
+/// The reference cell of an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Cell {
+    /// Unit interval, square, cube.
+    Tensor,
+    /// Unit interval, triangle, tetrahedron: xi_k >= 0, sum xi_k <= 1.
+    Simplex,
+}
+
+/// The elements a basis and a geometry have in common.
+pub trait Elements: Debug + Send + Sync {
+    /// Number of elements.
+    fn num_elements(&self) -> usize;
+    /// Reference cell of `element`.
+    fn cell(&self, _element: usize) -> Cell {
+        Cell::Tensor
+    }
+    /// Topological ids of the element's corners, shared by neighbours, first axis fastest; none where unknown.
+    fn corners(&self, _element: usize, ids: &mut Vec<usize>) {
+        ids.clear();
+    }
+}
+
+/// A run of elements `first + e1 + n1 (e2 + n2 e3)` on which function i is a product N_i, or w_i N_i / sum_j w_j N_j.
+#[derive(Clone, Copy, Debug)]
+pub struct Block<'a, const D: usize, T: Real = f64> {
+    /// First element of the run.
+    pub first: usize,
+    /// Univariate factors; the first axis is the fastest in elements and functions.
+    pub axes: [&'a dyn Basis<1, T>; D],
+    /// Weights of a rational basis, one per function of the run.
+    pub weights: Option<&'a [T]>,
+}
+
+/// Which multiplier polynomials are wanted of a basis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Polynomials {
+    /// Degree p - k on the same breakpoints, knots kept with their multiplicity: regularity max(r - k, -1).
+    Lowered(usize),
+    /// Given degree and continuity (-1: discontinuous) on the same breakpoints.
+    Uniform {
+        /// Degree of the polynomials.
+        degree: usize,
+        /// Continuity between elements, -1 for none.
+        continuity: isize,
+    },
+}
+
+/// A scalar basis on elements.
+///
+/// Rules: [`tabulate`](Basis::tabulate) continues the element's own polynomials outside its cell;
+/// [`active`](Basis::active) lists each function once, in the order of the table; a [`Block`] numbers functions and
+/// elements with the first axis fastest, and the active ids of an axis are consecutive and never fall.
+pub trait Basis<const D: usize, T: Real = f64>: Elements {
+    /// Number of functions.
+    fn num_functions(&self) -> usize;
+    /// Degree per direction on `element`; on simplices the total degree in every entry.
+    fn degree(&self, element: usize) -> [usize; D];
+    /// Ids of the functions that live on `element`.
+    fn active(&self, element: usize, ids: &mut Vec<usize>);
+    /// Values and derivatives of the active functions at the local points `xi`.
+    fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>);
+    /// Product structure around `element`, where there is one: sum factorisation.
+    fn block(&self, _element: usize) -> Option<Block<'_, D, T>> {
+        None
+    }
+    /// Non-negative polynomials on the same elements that sum to one, never rational: what multipliers are made of.
+    fn polynomials(&self, _wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
+        None
+    }
+}
+
+macro_rules! forward_basis {
+    ($($pointer:ty),*) => {$(
+        impl<X: Elements + ?Sized> Elements for $pointer {
+            fn num_elements(&self) -> usize { (**self).num_elements() }
+            fn cell(&self, element: usize) -> Cell { (**self).cell(element) }
+            fn corners(&self, element: usize, ids: &mut Vec<usize>) { (**self).corners(element, ids) }
+        }
+        impl<const D: usize, T: Real, X: Basis<D, T> + ?Sized> Basis<D, T> for $pointer {
+            fn num_functions(&self) -> usize { (**self).num_functions() }
+            fn degree(&self, element: usize) -> [usize; D] { (**self).degree(element) }
+            fn active(&self, element: usize, ids: &mut Vec<usize>) { (**self).active(element, ids) }
+            fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
+                (**self).tabulate(element, xi, order, table)
+            }
+            fn block(&self, element: usize) -> Option<Block<'_, D, T>> { (**self).block(element) }
+            fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> { (**self).polynomials(wanted) }
+        }
+    )*};
+}
+forward_basis!(&X, Box<X>, std::sync::Arc<X>);

@@ -1,0 +1,2 @@
+//! The command line of faying; all logic is in the library.
+fn main() {}

@@ -1,0 +1,3 @@
+//! Contract tests for the public traits: run them on your own implementors.
+//!
+//! Each checker returns `Err` with a sentence that says which rule is broken and where.

@@ -1,0 +1,140 @@
+//! Floor 9: algorithms for constrained linear systems. They see matrices only.
+//!
+//!   K u + Bᵀ lambda = f,   rows C u + g: zero, soft, or a gap that stays open
+
+use crate::coupling::Rows;
+use crate::linalg::{LinearError, Operator, Real};
+use std::fmt::Debug;
+
+/// What a row of constraints asks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum RowKind {
+    /// (C u + g)_i = compliance_i lambda_i.
+    Equal,
+    /// (C u + g)_i >= 0, lambda_i <= 0, product zero.
+    Contact,
+    /// Not enforced: lambda_i = 0.
+    Open,
+}
+
+/// A linear system with constraints.
+#[derive(Clone, Copy, Debug)]
+pub struct ConstrainedSystem<'a, T: Real = f64> {
+    /// K.
+    pub stiffness: &'a dyn Operator<T>,
+    /// f.
+    pub load: &'a [T],
+    /// C = slave + master.
+    pub constraint: &'a Rows<T>,
+    /// B where it differs from C.
+    pub reaction: Option<&'a Rows<T>>,
+    /// g, one per row.
+    pub offset: &'a [T],
+    /// Kind of every row.
+    pub kind: &'a [RowKind],
+    /// Softness of every row, gap / lambda; empty: all exact.
+    pub compliance: &'a [T],
+}
+
+/// Counts of the nine sign cases: rows lambda < 0, = 0, > 0; columns gap = 0, > 0, < 0.
+pub type SignCases = [usize; 9];
+
+/// How an active set iteration went.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ActiveSetReport {
+    /// Number of linear systems solved.
+    pub iterations: usize,
+    /// Number of active rows in each of them.
+    pub history: Vec<usize>,
+    /// Sign cases after each of them.
+    pub sign_cases: Vec<SignCases>,
+}
+
+/// The answer of a constraint solver.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ConstrainedSolution<T: Real = f64> {
+    /// u.
+    pub unknowns: Vec<T>,
+    /// lambda, one per row; zero on open rows.
+    pub multipliers: Vec<T>,
+    /// Whether each row was enforced at the end.
+    pub active: Vec<bool>,
+    /// Relative residual of the true system.
+    pub residual: f64,
+    /// What was done, in words: "saddle-point, direct".
+    pub method: String,
+    /// The active set iteration, where there was one.
+    pub active_set: Option<ActiveSetReport>,
+}
+
+/// Why a constrained system was not solved.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolveError {
+    /// The linear systems inside failed.
+    #[error(transparent)]
+    Linear(#[from] LinearError),
+    /// This solver knows equalities only; wrap it in an active set.
+    #[error("constraint row {row} is a contact row; use an active-set solver")]
+    ContactRow {
+        /// The row.
+        row: usize,
+    },
+    /// This solver needs B = C.
+    #[error("the reaction differs from the transposed constraint; use a solver for non-symmetric systems")]
+    NotSymmetric,
+    /// More rows than slave unknowns that can carry them.
+    #[error("constraint row {row} has no slave unknown left that it could determine; {rows} rows are too many")]
+    OverConstrained {
+        /// The row that found none.
+        row: usize,
+        /// Number of rows.
+        rows: usize,
+    },
+    /// The active set visited a state twice.
+    #[error("the active set visited the same state twice (iterations {first} and {second})")]
+    Cycling {
+        /// First visit.
+        first: usize,
+        /// Second visit.
+        second: usize,
+        /// Rows that change between the states of the cycle.
+        rows: Vec<usize>,
+        /// The last state computed.
+        last: Box<ConstrainedSolution<f64>>,
+    },
+    /// The active set did not settle within the iterations allowed.
+    #[error("the active set did not settle within {iterations} iterations")]
+    TooManyIterations {
+        /// The limit.
+        iterations: usize,
+        /// The last state computed.
+        last: Box<ConstrainedSolution<f64>>,
+    },
+    /// Shapes of the system disagree.
+    #[error("{what}: {found} given, {expected} expected")]
+    Shape {
+        /// Which part.
+        what: &'static str,
+        /// Its size.
+        found: usize,
+        /// The size that fits.
+        expected: usize,
+    },
+}
+
+/// An algorithm for constrained linear systems.
+pub trait ConstraintSolver<T: Real = f64>: Debug + Send {
+    /// Solves `system`. Called again with the same pattern, it may reuse what it kept.
+    ///
+    /// # Errors
+    /// [`SolveError`] instead of a wrong answer.
+    fn solve(&mut self, system: &ConstrainedSystem<'_, T>) -> Result<ConstrainedSolution<T>, SolveError>;
+}
+
+impl<T: Real, X: ConstraintSolver<T> + ?Sized> ConstraintSolver<T> for Box<X> {
+    fn solve(&mut self, system: &ConstrainedSystem<'_, T>) -> Result<ConstrainedSolution<T>, SolveError> {
+        (**self).solve(system)
+    }
+}

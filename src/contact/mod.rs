@@ -1,0 +1,38 @@
+//! Floor 10: gaps, normals, targets and the loop that presses bodies together. Names no basis type.
+
+use crate::linalg::{Real, Vector};
+use std::fmt::Debug;
+
+/// Where a point lies on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Location<const D: usize, T: Real = f64> {
+    /// The element.
+    pub element: usize,
+    /// Local coordinates in it.
+    pub xi: Vector<D, T>,
+}
+
+/// The closest point of an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit<const D: usize, const N: usize, T: Real = f64> {
+    /// The closest point.
+    pub x: Vector<N, T>,
+    /// Unit normal there, out of the obstacle.
+    pub normal: Vector<N, T>,
+    /// (point - x) . normal [length], positive when open.
+    pub gap: T,
+    /// Where on a meshed obstacle; none on an analytic one.
+    pub at: Option<Location<D, T>>,
+}
+
+/// An obstacle. (D, N) stands for (N - 1, N).
+pub trait Target<const D: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
+    /// The closest point to `x`; none where the target does not face it.
+    fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>>;
+}
+
+impl<const D: usize, const N: usize, T: Real, X: Target<D, N, T> + ?Sized> Target<D, N, T> for Box<X> {
+    fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
+        (**self).project(x)
+    }
+}

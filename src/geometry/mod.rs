@@ -1,0 +1,89 @@
+//! Floor 4: maps from elements to space. Knows no unknowns.
+
+mod bounds;
+mod embedding;
+
+use crate::basis::{Block, Elements, Order, ShapeTable};
+use crate::linalg::{Matrix, Real, Vector};
+use std::borrow::Cow;
+
+pub use bounds::Bounds;
+pub use embedding::Embedding;
+
+/// Positions and derivatives of a map at a batch of points; caller-owned, keeps its memory between calls.
+#[derive(Clone, Debug)]
+pub struct MapTable<const D: usize, const N: usize, T: Real = f64> {
+    /// x(xi_q), [length].
+    pub x: Vec<Vector<N, T>>,
+    /// dx_i/dxi_k at `jacobian[q][(i, k)]`; filled from [`Order::Gradients`] on.
+    pub jacobian: Vec<Matrix<N, D, T>>,
+    /// d2x_i/dxi_k dxi_l at `hessian[q][i][(k, l)]`; filled from [`Order::Hessians`] on.
+    pub hessian: Vec<[Matrix<D, D, T>; N]>,
+    /// Scratch of implementors: shape functions of the map.
+    pub shapes: ShapeTable<D, T>,
+    /// Scratch of implementors: ids.
+    pub ids: Vec<usize>,
+    /// Scratch of implementors: the table of an inner map of the same dimension.
+    pub inner: Option<Box<MapTable<D, N, T>>>,
+}
+
+impl<const D: usize, const N: usize, T: Real> Default for MapTable<D, N, T> {
+    fn default() -> Self {
+        Self { x: Vec::new(), jacobian: Vec::new(), hessian: Vec::new(), shapes: ShapeTable::new(), ids: Vec::new(), inner: None }
+    }
+}
+
+impl<const D: usize, const N: usize, T: Real> MapTable<D, N, T> {
+    /// An empty table.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Makes room for `points` points up to `order`, all zero; implementors call it first.
+    pub fn reset(&mut self, points: usize, order: Order) {
+        self.x.clear();
+        self.x.resize(points, Vector::zeros());
+        self.jacobian.clear();
+        self.hessian.clear();
+        if order >= Order::Gradients {
+            self.jacobian.resize(points, Matrix::zeros());
+        }
+        if order >= Order::Hessians {
+            self.hessian.resize(points, [Matrix::zeros(); N]);
+        }
+    }
+}
+
+/// Univariate factors of a map: x = sum_i N_i control_i over the functions of `basis`.
+#[derive(Clone, Debug)]
+pub struct MapBlock<'a, const D: usize, const N: usize, T: Real = f64> {
+    /// The basis of the map, answering on the elements of the geometry.
+    pub basis: Block<'a, D, T>,
+    /// One control point per function of the run.
+    pub control: Cow<'a, [Vector<N, T>]>,
+}
+
+/// A map x(xi) per element.
+pub trait Geometry<const D: usize, const N: usize, T: Real = f64>: Elements {
+    /// Positions and derivatives at the local points `xi`; continues the element's own functions outside its cell.
+    fn map(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut MapTable<D, N, T>);
+    /// A box that holds the element, for trees.
+    fn bounds(&self, element: usize) -> Bounds<N, T>;
+    /// Product structure of the map around `element`, where there is one.
+    fn map_block(&self, _element: usize) -> Option<MapBlock<'_, D, N, T>> {
+        None
+    }
+}
+
+macro_rules! forward_geometry {
+    ($($pointer:ty),*) => {$(
+        impl<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?Sized> Geometry<D, N, T> for $pointer {
+            fn map(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut MapTable<D, N, T>) {
+                (**self).map(element, xi, order, table)
+            }
+            fn bounds(&self, element: usize) -> Bounds<N, T> { (**self).bounds(element) }
+            fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> { (**self).map_block(element) }
+        }
+    )*};
+}
+forward_geometry!(&X, Box<X>, std::sync::Arc<X>);

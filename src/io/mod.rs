@@ -1,0 +1,1 @@
+//! Floor 11: case files, formulas, errors with places, tables, pictures. Computes nothing.

@@ -1,0 +1,64 @@
+//! Linear solvers behind one trait: prepare on an operator, solve, check the residual.
+
+use super::{Operator, Real};
+use std::fmt::Debug;
+
+/// Why a linear system was not solved.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LinearError {
+    /// The factorisation met a zero pivot, or the residual of the true system stayed large.
+    #[error("the matrix is singular to working precision (relative residual {residual:.1e})")]
+    Singular {
+        /// Relative residual |b - A x| / (|A| |x| + |b|) that was reached.
+        residual: f64,
+    },
+    /// A number in the matrix, the right-hand side or the solution is infinite or not a number.
+    #[error("a value in the linear system is not finite")]
+    NotFinite,
+    /// An iterative method stopped before its tolerance.
+    #[error("the iterative solver stopped after {iterations} iterations at relative residual {residual:.1e}, wanted {tolerance:.1e}")]
+    NotConverged {
+        /// Iterations done.
+        iterations: usize,
+        /// Relative residual reached.
+        residual: f64,
+        /// Relative residual wanted.
+        tolerance: f64,
+    },
+    /// A direct solver was given an operator without a matrix.
+    #[error("this solver needs a matrix, the operator has none; take an iterative solver")]
+    NoMatrix,
+    /// Sizes disagree.
+    #[error("the right-hand side has {found} entries, the operator {expected}")]
+    Shape {
+        /// Size of the operator.
+        expected: usize,
+        /// Size that was given.
+        found: usize,
+    },
+}
+
+/// A method for A x = b.
+pub trait LinearSolver<T: Real = f64>: Debug + Send {
+    /// Looks at `a`: a direct solver factorises; a pattern seen before keeps its symbolic analysis.
+    ///
+    /// # Errors
+    /// [`LinearError`] where `a` cannot be prepared.
+    fn prepare(&mut self, a: &dyn Operator<T>) -> Result<(), LinearError>;
+    /// Solves for `x` (its content is the start value of iterative methods) and checks the residual on `a` itself.
+    /// Returns the number of iterations or refinements.
+    ///
+    /// # Errors
+    /// [`LinearError`] instead of a wrong answer.
+    fn solve(&self, a: &dyn Operator<T>, b: &[T], x: &mut [T]) -> Result<usize, LinearError>;
+}
+
+impl<T: Real, X: LinearSolver<T> + ?Sized> LinearSolver<T> for Box<X> {
+    fn prepare(&mut self, a: &dyn Operator<T>) -> Result<(), LinearError> {
+        (**self).prepare(a)
+    }
+    fn solve(&self, a: &dyn Operator<T>, b: &[T], x: &mut [T]) -> Result<usize, LinearError> {
+        (**self).solve(a, b, x)
+    }
+}

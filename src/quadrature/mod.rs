@@ -1,0 +1,33 @@
+//! Floor 2: quadrature rules on the reference cells (unit cube, unit simplex).
+
+use crate::linalg::{Real, Vector};
+use std::fmt::Debug;
+
+/// Points and weights on a reference cell; the weights sum to its measure.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rule<const D: usize, T: Real = f64> {
+    /// Local coordinates of the points.
+    pub points: Vec<Vector<D, T>>,
+    /// One weight per point.
+    pub weights: Vec<T>,
+}
+
+/// Which rule an element uses.
+pub trait Quadrature<const D: usize, T: Real = f64>: Debug + Send + Sync {
+    /// The rule of `element`, in its local coordinates.
+    fn rule(&self, element: usize) -> &Rule<D, T>;
+    /// The rules per direction of the element's block, where the rule is their product (first axis fastest).
+    fn axes(&self, _element: usize) -> Option<[&dyn Quadrature<1, T>; D]> {
+        None
+    }
+}
+
+macro_rules! forward_quadrature {
+    ($($pointer:ty),*) => {$(
+        impl<const D: usize, T: Real, X: Quadrature<D, T> + ?Sized> Quadrature<D, T> for $pointer {
+            fn rule(&self, element: usize) -> &Rule<D, T> { (**self).rule(element) }
+            fn axes(&self, element: usize) -> Option<[&dyn Quadrature<1, T>; D]> { (**self).axes(element) }
+        }
+    )*};
+}
+forward_quadrature!(&X, Box<X>, std::sync::Arc<X>);

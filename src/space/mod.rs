@@ -1,0 +1,154 @@
+//! Floor 5: spaces (a basis over a geometry), bodies with named sides, traces.
+
+mod trace;
+
+use crate::basis::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable};
+use crate::geometry::{Bounds, Geometry, MapBlock, MapTable};
+use crate::linalg::{Real, Vector};
+use std::fmt::Debug;
+use std::sync::Arc;
+
+pub use trace::Trace;
+
+/// Scalar functions and a map on the same elements.
+pub trait Space<const D: usize, const N: usize, T: Real = f64>: Basis<D, T> + Geometry<D, N, T> {
+    /// Both tables at once; isoparametric spaces override it to evaluate their functions only once.
+    fn evaluate(&self, element: usize, xi: &[Vector<D, T>], order: Order, shapes: &mut ShapeTable<D, T>, map: &mut MapTable<D, N, T>) {
+        self.tabulate(element, xi, order, shapes);
+        self.map(element, xi, order, map);
+    }
+}
+
+macro_rules! forward_space {
+    ($($pointer:ty),*) => {$(
+        impl<const D: usize, const N: usize, T: Real, X: Space<D, N, T> + ?Sized> Space<D, N, T> for $pointer {
+            fn evaluate(&self, element: usize, xi: &[Vector<D, T>], order: Order, shapes: &mut ShapeTable<D, T>, map: &mut MapTable<D, N, T>) {
+                (**self).evaluate(element, xi, order, shapes, map)
+            }
+        }
+    )*};
+}
+forward_space!(&X, Box<X>, Arc<X>);
+
+/// Any basis over any geometry on the same elements.
+#[derive(Clone, Copy, Debug)]
+pub struct Over<B, G> {
+    /// The functions.
+    pub basis: B,
+    /// The map.
+    pub geometry: G,
+}
+
+impl<B: Elements, G: Elements> Elements for Over<B, G> {
+    fn num_elements(&self) -> usize {
+        self.basis.num_elements()
+    }
+    fn cell(&self, element: usize) -> Cell {
+        self.basis.cell(element)
+    }
+    fn corners(&self, element: usize, ids: &mut Vec<usize>) {
+        self.basis.corners(element, ids);
+    }
+}
+
+impl<const D: usize, T: Real, B: Basis<D, T>, G: Elements> Basis<D, T> for Over<B, G> {
+    fn num_functions(&self) -> usize {
+        self.basis.num_functions()
+    }
+    fn degree(&self, element: usize) -> [usize; D] {
+        self.basis.degree(element)
+    }
+    fn active(&self, element: usize, ids: &mut Vec<usize>) {
+        self.basis.active(element, ids);
+    }
+    fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
+        self.basis.tabulate(element, xi, order, table);
+    }
+    fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
+        self.basis.block(element)
+    }
+    fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
+        self.basis.polynomials(wanted)
+    }
+}
+
+impl<const D: usize, const N: usize, T: Real, B: Elements, G: Geometry<D, N, T>> Geometry<D, N, T> for Over<B, G> {
+    fn map(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut MapTable<D, N, T>) {
+        self.geometry.map(element, xi, order, table);
+    }
+    fn bounds(&self, element: usize) -> Bounds<N, T> {
+        self.geometry.bounds(element)
+    }
+    fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> {
+        self.geometry.map_block(element)
+    }
+}
+
+impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>, G: Geometry<D, N, T>> Space<D, N, T> for Over<B, G> {}
+
+/// How the unknowns of a vector field are numbered: unknown = first + components * function + component.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// First unknown of the body.
+    pub first: usize,
+    /// Number of components.
+    pub components: usize,
+}
+
+impl Field {
+    /// The unknown of `component` of `function`.
+    #[inline]
+    pub fn unknown(&self, function: usize, component: usize) -> usize {
+        self.first + self.components * function + component
+    }
+}
+
+/// Why a side has no trace.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SideError {
+    /// The body has no side of that name.
+    #[error("there is no side `{side}`; sides are {known}")]
+    Unknown {
+        /// The name asked for.
+        side: String,
+        /// The names there are, separated by commas.
+        known: String,
+    },
+    /// A facet lies inside the body.
+    #[error("facet {facet} of the side lies inside the body; a side must be on its boundary")]
+    Interior {
+        /// The facet's number.
+        facet: usize,
+    },
+    /// The side is collapsed to a point or an edge.
+    #[error("side `{side}` is collapsed to a point and is no side")]
+    Collapsed {
+        /// The name asked for.
+        side: String,
+    },
+}
+
+/// A space with named sides. (S, N) stands for (N - 1, N).
+pub trait Body<const S: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
+    /// The functions and the map of the inside.
+    fn space(&self) -> &Arc<dyn Space<N, N, T>>;
+    /// Names of the sides, aliases left out.
+    fn sides(&self) -> Vec<String>;
+    /// The space on a side, with the facets behind it.
+    ///
+    /// # Errors
+    /// [`SideError`] for an unknown name, a collapsed side, or a facet inside the body.
+    fn trace(&self, side: &str) -> Result<Trace<S, N, T>, SideError>;
+}
+
+macro_rules! forward_body {
+    ($($pointer:ty),*) => {$(
+        impl<const S: usize, const N: usize, T: Real, X: Body<S, N, T> + ?Sized> Body<S, N, T> for $pointer {
+            fn space(&self) -> &Arc<dyn Space<N, N, T>> { (**self).space() }
+            fn sides(&self) -> Vec<String> { (**self).sides() }
+            fn trace(&self, side: &str) -> Result<Trace<S, N, T>, SideError> { (**self).trace(side) }
+        }
+    )*};
+}
+forward_body!(&X, Box<X>, Arc<X>);
