@@ -1,4 +1,54 @@
-//! Joining and pressing together discretisations that do not match.
+//! Joining and pressing together discretisations that do not match: one mortar and contact code for NURBS and Lagrange.
+//!
+//! # The idea in nine sentences
+//!
+//! 1. A domain is cut into **elements**; each has local coordinates `xi` in its reference cell. A knot span and a Lagrange
+//!    cell are the same thing from here on: both answer on the unit cell, derivatives with respect to `xi`.
+//! 2. A [`Basis`](basis::Basis) answers per element and per *batch of points*: active function ids, and a table of values
+//!    and derivatives.
+//! 3. A [`Geometry`](geometry::Geometry) answers per element and batch: `x(xi)` and its derivatives. A
+//!    [`Space`](space::Space) is any basis over any geometry on the same elements: a refined basis keeps its coarse exact
+//!    map, a Lagrange mesh may keep its own map or the exact one.
+//! 4. A [`Body`](space::Body) is a space with named sides. A side's [`Trace`](space::Trace) is a space one dimension lower,
+//!    plus its **facets**: where each of its elements lies in the body.
+//! 5. An interface is a list of [`Segments`](coupling::Segments): the same physical points seen from one slave and one
+//!    master element, with weights. Slave, mixed and merged integration differ only in who makes the list.
+//! 6. A **multiplier space** is an ordinary basis on the slave's elements: splines of degree p, p-1, p-2, end-lowered.
+//! 7. A [`Coupling`](coupling::Coupling) turns sides, multipliers and segments into rows `C` (mortar) or stiffness; it
+//!    decides nothing.
+//! 8. A [`ConstraintSolver`](constraint::ConstraintSolver) sees matrices only: `K u + Bᵀ lambda = f`, rows `C u + g` that
+//!    are zero, soft, or a gap that stays open. Solvers wrap solvers: `ActiveSet(Condensed)`.
+//! 9. Hence no line of mortar or contact code can ask "spline or Lagrange?"; there is no such question in any signature.
+//!
+//! # Floors
+//!
+//! A folder is a floor, imports point down only, and a test enforces it:
+//!
+//! ```text
+//! linalg < quadrature < basis < geometry < space < assembly < physics < coupling < constraint < contact < io < app < bin
+//!                                         check (public contract tests) may use everything up to contact
+//! ```
+//!
+//! | floor | holds |
+//! |---|---|
+//! | [`linalg`] | scalars, small and sparse matrices, orderings, linear solvers |
+//! | [`quadrature`] | rules on the unit cube and simplex |
+//! | [`basis`] | B-splines, NURBS, Lagrange, their products and combinations |
+//! | [`geometry`] | maps, control nets and their refinement, shapes, closest points |
+//! | [`space`] | spaces, bodies, traces: the spline patch and the Lagrange mesh |
+//! | [`assembly`] | the bulk loop, loads, Dirichlet projection, error norms |
+//! | [`physics`] | materials, stresses, fluxes |
+//! | [`coupling`] | segments, multipliers, the mortar rows |
+//! | [`constraint`] | saddle points, condensation, the active set |
+//! | [`contact`] | obstacles, gaps, pressures |
+//! | [`check`] | contract tests for everything above: run them on your own types |
+#![cfg_attr(feature = "cli", doc = "| [`io`] | case files, formulas, errors with places, VTU, SVG, tables |")]
+#![cfg_attr(feature = "cli", doc = "| [`app`] | names, models, runs, the command line |")]
+//!
+//! # Features
+//!
+//! `cli` (default) adds the program, its case files and its reports; with `default-features = false` the numerics build
+//! alone. The crate needs Rust 1.90.
 
 pub mod assembly;
 pub mod basis;
