@@ -19,7 +19,7 @@ pub struct Hit<const D: usize, const N: usize, T: Real = f64> {
     pub x: Vector<N, T>,
     /// Unit normal there, out of the obstacle.
     pub normal: Vector<N, T>,
-    /// (point - x) . normal [length], positive when open.
+    /// (point - x) . normal \[length\], positive when open.
     pub gap: T,
     /// Where on a meshed obstacle; none on an analytic one.
     pub at: Option<Location<D, T>>,

@@ -23,7 +23,7 @@ impl<const N: usize, T: Real> Bounds<N, T> {
         Self { lo: self.lo.zip_map(&other.lo, |a, b| a.min(b)), hi: self.hi.zip_map(&other.hi, |a, b| a.max(b)) }
     }
 
-    /// The box grown by `margin` [length] on every side.
+    /// The box grown by `margin` \[length\] on every side.
     pub fn inflated(&self, margin: T) -> Self {
         Self { lo: self.lo.add_scalar(-margin), hi: self.hi.add_scalar(margin) }
     }

@@ -13,7 +13,7 @@ pub use embedding::Embedding;
 /// Positions and derivatives of a map at a batch of points; caller-owned, keeps its memory between calls.
 #[derive(Clone, Debug)]
 pub struct MapTable<const D: usize, const N: usize, T: Real = f64> {
-    /// x(xi_q), [length].
+    /// x(xi_q), \[length\].
     pub x: Vec<Vector<N, T>>,
     /// dx_i/dxi_k at `jacobian[q][(i, k)]`; filled from [`Order::Gradients`] on.
     pub jacobian: Vec<Matrix<N, D, T>>,

@@ -12,7 +12,7 @@ pub struct Coverage<T: Real = f64> {
     pub slave_measure: T,
     /// Measure of its part that faces the master.
     pub covered: T,
-    /// Largest distance between partner points [length].
+    /// Largest distance between partner points \[length\].
     pub distance: T,
     /// Where that distance was found.
     pub at: [f64; 3],
