@@ -1,10 +1,23 @@
 //! Floor 3: scalar bases, asked per element and batch of points in the element's own coordinates.
 
+mod bspline;
+mod knots;
+mod lagrange;
+mod rational;
+mod refined;
 mod table;
+mod tensor;
 
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
+
+pub use bspline::BSpline;
+pub use knots::{ContainError, KnotError};
+pub use lagrange::{LagrangeLine, lagrange_nodes};
+pub use rational::{Rational, WeightError, check_weights};
+pub use refined::Refined;
 pub use table::{Order, ShapeTable};
+pub use tensor::TensorProduct;
 
 /// The reference cell of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,7 +1,17 @@
 //! Floor 2: quadrature rules on the reference cells (unit cube, unit simplex).
 
+mod gauss;
+mod per_element;
+mod simplex;
+mod tensor;
+
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
+
+pub use gauss::{gauss_legendre, gauss_lobatto_nodes};
+pub use per_element::PerElement;
+pub use simplex::simplex_rule;
+pub use tensor::TensorRule;
 
 /// Points and weights on a reference cell; the weights sum to its measure.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,3 +41,10 @@ macro_rules! forward_quadrature {
     )*};
 }
 forward_quadrature!(&X, Box<X>, std::sync::Arc<X>);
+
+/// A rule is the same on every element.
+impl<const D: usize, T: Real> Quadrature<D, T> for Rule<D, T> {
+    fn rule(&self, _element: usize) -> &Rule<D, T> {
+        self
+    }
+}

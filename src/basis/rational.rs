@@ -1,0 +1,153 @@
+//! Rational bases: NURBS, and the quotient of any basis by a weight function.
+
+use super::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable};
+use crate::linalg::{Matrix, Real, Vector, to_f64};
+
+/// Why numbers are no weights.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WeightError {
+    /// A weight is zero, negative, infinite or not a number.
+    #[error("the weight at index {index} is {value}; weights must be positive")]
+    NotPositive {
+        /// Its index, from 0.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// There is not one weight per function.
+    #[error("there are {found} weights for {expected} functions; give one per function")]
+    Counts {
+        /// How many weights there are.
+        found: usize,
+        /// How many functions there are.
+        expected: usize,
+    },
+}
+
+/// Checks that there are `expected` weights, all positive and finite.
+///
+/// # Errors
+/// [`WeightError`] with the first offender.
+pub fn check_weights<T: Real>(weights: &[T], expected: usize) -> Result<(), WeightError> {
+    if weights.len() != expected {
+        return Err(WeightError::Counts { found: weights.len(), expected });
+    }
+    match weights.iter().position(|&w| !(w > T::zero() && w.is_finite())) {
+        Some(index) => Err(WeightError::NotPositive { index, value: to_f64(weights[index]) }),
+        None => Ok(()),
+    }
+}
+
+/// R_i = w_i N_i / W,  W = sum_j w_j N_j, over any basis that sums to one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rational<B, T: Real = f64> {
+    basis: B,
+    weights: Vec<T>,
+}
+
+impl<B, T: Real> Rational<B, T> {
+    /// The quotient of `basis` by the weight function of `weights`.
+    ///
+    /// # Panics
+    /// If [`Rational::try_new`] fails.
+    pub fn new<const D: usize>(basis: B, weights: Vec<T>) -> Self
+    where
+        B: Basis<D, T>,
+    {
+        Self::try_new(basis, weights).expect("one positive weight per function")
+    }
+
+    /// The quotient of `basis` by the weight function of `weights`.
+    ///
+    /// # Errors
+    /// [`WeightError`] unless there is one positive weight per function.
+    pub fn try_new<const D: usize>(basis: B, weights: Vec<T>) -> Result<Self, WeightError>
+    where
+        B: Basis<D, T>,
+    {
+        check_weights(&weights, basis.num_functions())?;
+        Ok(Self { basis, weights })
+    }
+
+    /// The basis below.
+    pub fn basis(&self) -> &B {
+        &self.basis
+    }
+
+    /// One weight per function.
+    pub fn weights(&self) -> &[T] {
+        &self.weights
+    }
+}
+
+impl<B: Elements, T: Real> Elements for Rational<B, T> {
+    fn num_elements(&self) -> usize {
+        self.basis.num_elements()
+    }
+    fn cell(&self, element: usize) -> Cell {
+        self.basis.cell(element)
+    }
+    fn corners(&self, element: usize, ids: &mut Vec<usize>) {
+        self.basis.corners(element, ids);
+    }
+}
+
+impl<const D: usize, B: Basis<D, T>, T: Real> Basis<D, T> for Rational<B, T> {
+    fn num_functions(&self) -> usize {
+        self.basis.num_functions()
+    }
+    fn degree(&self, element: usize) -> [usize; D] {
+        self.basis.degree(element)
+    }
+    fn active(&self, element: usize, ids: &mut Vec<usize>) {
+        self.basis.active(element, ids);
+    }
+    fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
+        let mut inner = table.inner.take().unwrap_or_default();
+        let mut ids = std::mem::take(&mut table.ids);
+        self.basis.active(element, &mut ids);
+        self.basis.tabulate(element, xi, order, &mut inner);
+        table.reset(xi.len(), ids.len(), order);
+        for q in 0..xi.len() {
+            let n = inner.values(q);
+            let total = ids.iter().zip(n).fold(T::zero(), |s, (&i, &v)| s + self.weights[i] * v);
+            let inverse = T::one() / total;
+            for (a, &i) in ids.iter().enumerate() {
+                table.values_mut(q)[a] = self.weights[i] * n[a] * inverse;
+            }
+            if order < Order::Gradients {
+                continue;
+            }
+            // R' = (w N' - R W') / W
+            let dn = inner.grads(q);
+            let dtotal = ids.iter().zip(dn).fold(Vector::<D, T>::zeros(), |s, (&i, g)| s + g * self.weights[i]);
+            for (a, &i) in ids.iter().enumerate() {
+                let r = table.values(q)[a];
+                table.grads_mut(q)[a] = (dn[a] * self.weights[i] - dtotal * r) * inverse;
+            }
+            if order < Order::Hessians {
+                continue;
+            }
+            // R'' = (w N'' - R' ⊗ W' - W' ⊗ R' - R W'') / W
+            let ddn = inner.hessians(q);
+            let ddtotal = ids.iter().zip(ddn).fold(Matrix::<D, D, T>::zeros(), |s, (&i, h)| s + h * self.weights[i]);
+            for (a, &i) in ids.iter().enumerate() {
+                let (r, dr) = (table.values(q)[a], table.grads(q)[a]);
+                let mixed = dr * dtotal.transpose();
+                table.hessians_mut(q)[a] = (ddn[a] * self.weights[i] - mixed - mixed.transpose() - ddtotal * r) * inverse;
+            }
+        }
+        table.inner = Some(inner);
+        table.ids = ids;
+    }
+    fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
+        let block = self.basis.block(element)?;
+        let functions: usize = block.axes.iter().map(|axis| axis.num_functions()).product();
+        // a run that is only part of the functions has numbers of its own, which the weights do not follow
+        (block.weights.is_none() && functions == self.weights.len()).then_some(Block { weights: Some(&self.weights), ..block })
+    }
+    fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
+        self.basis.polynomials(wanted)
+    }
+}
