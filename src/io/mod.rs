@@ -1,1 +1,12 @@
 //! Floor 11: case files, formulas, errors with places, tables, pictures. Computes nothing.
+
+pub mod case;
+pub mod codes;
+pub mod errors;
+pub mod formula;
+pub mod place;
+
+pub use case::Case;
+pub use errors::{Diagnostic, Diagnostics, Severity};
+pub use formula::Formula;
+pub use place::{Located, Place};

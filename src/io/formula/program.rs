@@ -1,0 +1,199 @@
+//! Compiled formulas: a flat list of steps on a stack.
+
+use super::jet::{Binary, Jet, Number, Unary};
+
+/// What a formula may depend on beside constants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Variable {
+    /// First coordinate.
+    X,
+    /// Second coordinate.
+    Y,
+    /// Third coordinate.
+    Z,
+    /// Time.
+    T,
+    /// Geometric gap.
+    G,
+    /// sqrt(x^2 + y^2).
+    R,
+    /// atan2(y, x).
+    Theta,
+}
+
+/// Where a formula is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Coordinates, z = 0 in 2D.
+    pub x: [f64; 3],
+    /// Time; 1 without steps.
+    pub t: f64,
+    /// Geometric gap, in gap formulas.
+    pub g: f64,
+}
+
+impl Default for Point {
+    fn default() -> Self {
+        Self { x: [0.0; 3], t: 1.0, g: 0.0 }
+    }
+}
+
+impl Point {
+    /// A point of the plane or of space at t = 1; missing coordinates are 0.
+    pub fn new(x: &[f64]) -> Self {
+        let mut p = Self::default();
+        for (to, from) in p.x.iter_mut().zip(x) {
+            *to = *from;
+        }
+        p
+    }
+
+    /// The same place at another time.
+    pub fn at_time(self, t: f64) -> Self {
+        Self { t, ..self }
+    }
+
+    /// The same place with a gap.
+    pub fn with_gap(self, g: f64) -> Self {
+        Self { g, ..self }
+    }
+}
+
+/// One step of a program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Op {
+    Constant(f64),
+    Variable(Variable),
+    Quantity(usize),
+    Unary(Unary),
+    Binary(Binary),
+    /// c, a, b become a where c is not 0, else b.
+    If,
+}
+
+/// Stack that needs no heap up to this depth.
+const SHALLOW: usize = 24;
+
+/// Steps and the depth of stack they need.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub(super) struct Program {
+    pub ops: Vec<Op>,
+    pub depth: usize,
+}
+
+impl Program {
+    pub fn constant(value: f64) -> Self {
+        Self { ops: vec![Op::Constant(value)], depth: 1 }
+    }
+
+    pub fn as_constant(&self) -> Option<f64> {
+        match self.ops[..] {
+            [Op::Constant(v)] => Some(v),
+            _ => None,
+        }
+    }
+
+    pub fn run<N: Number>(&self, at: &Point, quantities: &[f64]) -> N {
+        if let Some(v) = self.as_constant() {
+            return N::constant(v);
+        }
+        if self.depth <= SHALLOW {
+            self.run_on(&mut [N::constant(0.0); SHALLOW], at, quantities)
+        } else {
+            self.run_on(&mut vec![N::constant(0.0); self.depth], at, quantities)
+        }
+    }
+
+    fn run_on<N: Number>(&self, stack: &mut [N], at: &Point, quantities: &[f64]) -> N {
+        let mut top = 0;
+        for op in &self.ops {
+            match *op {
+                Op::Constant(v) => {
+                    stack[top] = N::constant(v);
+                    top += 1;
+                }
+                Op::Variable(v) => {
+                    stack[top] = variable(v, at);
+                    top += 1;
+                }
+                Op::Quantity(k) => {
+                    // a quantity that nobody gave has no value
+                    stack[top] = N::constant(quantities.get(k).copied().unwrap_or(f64::NAN));
+                    top += 1;
+                }
+                Op::Unary(f) => stack[top - 1] = stack[top - 1].unary(f),
+                Op::Binary(f) => {
+                    top -= 1;
+                    stack[top - 1] = stack[top - 1].binary(stack[top], f);
+                }
+                Op::If => {
+                    top -= 2;
+                    stack[top - 1] = if stack[top - 1].value() != 0.0 { stack[top] } else { stack[top + 1] };
+                }
+            }
+        }
+        stack[0]
+    }
+}
+
+fn variable<N: Number>(v: Variable, at: &Point) -> N {
+    let axis = |k: usize| N::coordinate(at.x[k], k);
+    match v {
+        Variable::X => axis(0),
+        Variable::Y => axis(1),
+        Variable::Z => axis(2),
+        Variable::T => N::constant(at.t),
+        Variable::G => N::constant(at.g),
+        Variable::R => {
+            let square = |n: N| n.binary(n, Binary::Mul);
+            square(axis(0)).binary(square(axis(1)), Binary::Add).unary(Unary::Sqrt)
+        }
+        Variable::Theta => axis(1).binary(axis(0), Binary::Atan2),
+    }
+}
+
+/// Builds a program; constant parts are evaluated at once.
+#[derive(Debug, Default)]
+pub(super) struct Builder {
+    ops: Vec<Op>,
+    height: usize,
+    depth: usize,
+}
+
+impl Builder {
+    pub fn push(&mut self, op: Op) {
+        let (takes, fold) = match op {
+            Op::Constant(_) | Op::Variable(_) | Op::Quantity(_) => (0, false),
+            Op::Unary(_) => (1, true),
+            Op::Binary(_) => (2, true),
+            Op::If => (3, true),
+        };
+        self.height = self.height + 1 - takes;
+        self.depth = self.depth.max(self.height);
+        let n = self.ops.len();
+        self.ops.push(op);
+        if fold && n >= takes && self.ops[n - takes..n].iter().all(|o| matches!(o, Op::Constant(_))) {
+            let part = Program { ops: self.ops[n - takes..].to_vec(), depth: takes };
+            let value: f64 = part.run(&Point::default(), &[]);
+            self.ops.truncate(n - takes);
+            self.ops.push(Op::Constant(value));
+        }
+    }
+
+    pub fn finish(self) -> Program {
+        Program { ops: self.ops, depth: self.depth.max(1) }
+    }
+}
+
+impl Program {
+    /// Whether a step satisfies the predicate.
+    pub fn any(&self, predicate: impl Fn(&Op) -> bool) -> bool {
+        self.ops.iter().any(predicate)
+    }
+
+    /// Value and derivatives.
+    pub fn jet(&self, at: &Point, quantities: &[f64]) -> Jet {
+        self.run(at, quantities)
+    }
+}
