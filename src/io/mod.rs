@@ -5,6 +5,9 @@ pub mod codes;
 pub mod errors;
 pub mod formula;
 pub mod place;
+pub mod table;
+pub mod vtu;
+mod vtu_cells;
 
 pub use case::Case;
 pub use errors::{Diagnostic, Diagnostics, Severity};

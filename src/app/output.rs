@@ -1,0 +1,55 @@
+//! What a run hands to the files beside its numbers: bodies with fields, sides with multipliers.
+
+use crate::io::table::InterfaceRow;
+use crate::io::vtu::Part;
+use crate::linalg::Vector;
+
+/// The fields of a run, kept until the files are written; closures own what they need (`Arc` of the solution).
+#[derive(Debug, Default)]
+pub struct Output {
+    /// Heading of the pictures: the case's title, else its name.
+    pub title: String,
+    /// One part per patch, in the order of the case: `u` (1) or `displacement` (2), `stress` (6), `von_mises` (1).
+    /// The first is added by [`Part::with_exact`], the others by [`Part::with`].
+    pub parts: Vec<Part<'static, 2, 2>>,
+    /// The field of the picture; none: no picture.
+    pub picture: Option<Picture>,
+    /// Interfaces and contacts, in the order of the case.
+    pub sides: Vec<SideOutput>,
+}
+
+/// Which field `fields.svg` shows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Name of a field of every part.
+    pub field: String,
+    /// Component of it.
+    pub component: usize,
+    /// What the colour bar says.
+    pub label: String,
+}
+
+/// An exact multiplier at a point of the slave side.
+pub type ExactCurve = Box<dyn Fn(&Vector<2>) -> f64 + Send + Sync>;
+
+/// An interface or a contact as its files show it.
+pub struct SideOutput {
+    /// Name in the case.
+    pub name: String,
+    /// Whether it is a contact: its picture shows the pressure -lambda, else lambda itself.
+    pub contact: bool,
+    /// The slave side, [`Lagrange`](crate::io::vtu::CellStyle::Lagrange), `least_degree` that of the multiplier, with the fields
+    /// `lambda` (1, or 2 where tied in elasticity), `gap` (1, contact), `active` (1, contact: 0 or 1), `traction` (1 or 2),
+    /// `normal` (2, of the master). Files of different sides may have different fields.
+    pub part: Part<'static, 1, 2>,
+    /// One per multiplier function: the table `interface_NAME.csv`.
+    pub rows: Vec<InterfaceRow>,
+    /// The case's `exact` multiplier, for the picture.
+    pub exact: Option<ExactCurve>,
+}
+
+impl std::fmt::Debug for SideOutput {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("SideOutput").field("name", &self.name).field("contact", &self.contact).field("part", &self.part).finish_non_exhaustive()
+    }
+}

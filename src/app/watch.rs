@@ -1,0 +1,84 @@
+//! The way from a running case to those who wait for it: progress out, requests to stop in.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// News of a running case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Progress<'a> {
+    /// A phase begins: "build", "assemble", "solve", "measure", ...; the seconds of each go to the manifest.
+    Phase(&'a str),
+    /// A load step begins.
+    Step {
+        /// Its number, from 1.
+        step: usize,
+        /// How many there are.
+        of: usize,
+    },
+    /// An iteration of the active set was solved.
+    Iteration {
+        /// Its number, from 1.
+        iteration: usize,
+        /// Active rows.
+        active: usize,
+        /// All contact rows.
+        rows: usize,
+    },
+}
+
+/// Why a run should end early.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Stop {
+    /// The user asked for it: exit 130.
+    Interrupted,
+    /// The time limit has passed: E081, exit 6.
+    TimeLimit {
+        /// The limit in seconds.
+        seconds: u64,
+    },
+}
+
+/// What a run reports to and asks while it works. The default one hears nothing and never stops.
+#[derive(Default)]
+pub struct Watch {
+    /// Set from outside to end the run.
+    pub interrupted: Arc<AtomicBool>,
+    /// When the run must end, and the limit in seconds it came from.
+    pub deadline: Option<(Instant, u64)>,
+    /// Most bytes the run may use; it compares its prediction before it allocates (E081, exit 6).
+    pub max_memory: Option<u64>,
+    /// Who hears the news.
+    pub listener: Option<Box<dyn Fn(Progress<'_>) + Send + Sync>>,
+}
+
+impl Debug for Watch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Watch").field("deadline", &self.deadline).field("max_memory", &self.max_memory).finish_non_exhaustive()
+    }
+}
+
+impl Watch {
+    /// Tells the listener.
+    pub fn report(&self, news: Progress<'_>) {
+        if let Some(listener) = &self.listener {
+            listener(news);
+        }
+    }
+
+    /// A phase begins.
+    pub fn phase(&self, name: &str) {
+        self.report(Progress::Phase(name));
+    }
+
+    /// Whether to end now; asked between phases, steps and iterations.
+    pub fn stop(&self) -> Option<Stop> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            return Some(Stop::Interrupted);
+        }
+        self.deadline.filter(|(end, _)| Instant::now() >= *end).map(|(_, seconds)| Stop::TimeLimit { seconds })
+    }
+}
