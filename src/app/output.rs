@@ -50,6 +50,10 @@ pub struct SideOutput {
 
 impl std::fmt::Debug for SideOutput {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("SideOutput").field("name", &self.name).field("contact", &self.contact).field("part", &self.part).finish_non_exhaustive()
+        f.debug_struct("SideOutput")
+            .field("name", &self.name)
+            .field("contact", &self.contact)
+            .field("part", &self.part)
+            .finish_non_exhaustive()
     }
 }

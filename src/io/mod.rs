@@ -5,6 +5,7 @@ pub mod codes;
 pub mod errors;
 pub mod formula;
 pub mod place;
+pub mod plot;
 pub mod table;
 pub mod vtu;
 mod vtu_cells;

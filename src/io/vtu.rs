@@ -316,7 +316,12 @@ fn denominator<const D: usize, const N: usize>(part: &Part<'_, D, N>, element: u
 }
 
 /// Values of a field, padded to three where they are two.
-fn sampled<const D: usize, const N: usize>(part: &Part<'_, D, N>, field: &PointField<'_, D>, element: usize, xi: &[Vector<D>]) -> Result<DMatrix<f64>, VtuError> {
+fn sampled<const D: usize, const N: usize>(
+    part: &Part<'_, D, N>,
+    field: &PointField<'_, D>,
+    element: usize,
+    xi: &[Vector<D>],
+) -> Result<DMatrix<f64>, VtuError> {
     let values = (field.sample)(element, xi);
     let expected = xi.len() * field.components;
     if values.len() != expected {
@@ -347,7 +352,12 @@ fn check_points<const D: usize>(cell: Cell) -> [Vector<D>; 2] {
 }
 
 /// The Bezier cell of an element; none where it does not hold map and exact fields.
-fn bezier_piece<const D: usize, const N: usize>(part: &Part<'_, D, N>, element: usize, plan: &Plan<D>, of: &Interpolant<D>) -> Result<Option<Piece>, VtuError> {
+fn bezier_piece<const D: usize, const N: usize>(
+    part: &Part<'_, D, N>,
+    element: usize,
+    plan: &Plan<D>,
+    of: &Interpolant<D>,
+) -> Result<Option<Piece>, VtuError> {
     let d = denominator(part, element, plan, &of.points);
     let w = &of.to_bezier * DMatrix::from_column_slice(d.len(), 1, &d);
     if w.iter().any(|w| !(w.is_finite() && *w > 0.0)) {
@@ -369,7 +379,10 @@ fn bezier_piece<const D: usize, const N: usize>(part: &Part<'_, D, N>, element: 
         })
         .collect();
     let holds = |c: &DMatrix<f64>, values: &DMatrix<f64>, tolerance: f64| {
-        (0..at.len()).all(|q| (0..c.ncols()).all(|i| (shapes[q].iter().enumerate().map(|(a, b)| b * c[(a, i)]).sum::<f64>() - values[(q, i)]).abs() <= tolerance))
+        (0..at.len()).all(|q| {
+            (0..c.ncols())
+                .all(|i| (shapes[q].iter().enumerate().map(|(a, b)| b * c[(a, i)]).sum::<f64>() - values[(q, i)]).abs() <= tolerance)
+        })
     };
     let x = coefficients(&positions(part, element, &of.points));
     let size = (0..3).map(|i| x.column(i).max() - x.column(i).min()).fold(0.0, f64::max);
@@ -399,7 +412,12 @@ fn degrees<const D: usize>(degree: [usize; D]) -> [f64; 3] {
     std::array::from_fn(|k| if k < D { degree[k] as f64 } else { 0.0 })
 }
 
-fn lagrange_piece<const D: usize, const N: usize>(part: &Part<'_, D, N>, element: usize, plan: &Plan<D>, of: &Interpolant<D>) -> Result<Piece, VtuError> {
+fn lagrange_piece<const D: usize, const N: usize>(
+    part: &Part<'_, D, N>,
+    element: usize,
+    plan: &Plan<D>,
+    of: &Interpolant<D>,
+) -> Result<Piece, VtuError> {
     let mut fields = Vec::new();
     for field in &part.fields {
         let mut values = sampled(part, field, element, &of.lattice)?;
@@ -463,7 +481,10 @@ impl Grid {
         let high_order = self.types.iter().any(|t| *t >= 68);
         let mut file = File { xml: Writer::new_with_indent(Vec::new(), b' ', 2), appended: Vec::new() };
         let version = if hexahedra { "2.2" } else { "1.0" };
-        file.start("VTKFile", &[("type", "UnstructuredGrid"), ("version", version), ("byte_order", "LittleEndian"), ("header_type", "UInt64")]);
+        file.start(
+            "VTKFile",
+            &[("type", "UnstructuredGrid"), ("version", version), ("byte_order", "LittleEndian"), ("header_type", "UInt64")],
+        );
         file.start("UnstructuredGrid", &[]);
         let (points, cells) = ((self.points.len() / 3).to_string(), self.types.len().to_string());
         file.start("Piece", &[("NumberOfPoints", &points), ("NumberOfCells", &cells)]);
@@ -518,7 +539,13 @@ impl File {
 
     fn array(&mut self, kind: &str, name: &str, components: usize, bytes: impl Iterator<Item = u8>) {
         let (components, offset) = (components.to_string(), self.appended.len().to_string());
-        let attributes = [("type", kind), ("Name", name), ("NumberOfComponents", components.as_str()), ("format", "appended"), ("offset", offset.as_str())];
+        let attributes = [
+            ("type", kind),
+            ("Name", name),
+            ("NumberOfComponents", components.as_str()),
+            ("format", "appended"),
+            ("offset", offset.as_str()),
+        ];
         self.event(Event::Empty(BytesStart::new("DataArray").with_attributes(attributes)));
         let header = self.appended.len();
         self.appended.extend([0; 8]);

@@ -157,7 +157,9 @@ pub(crate) fn linear_pieces<const D: usize>(cell: Cell, degree: [usize; D], node
             (_, true) => {
                 // Kuhn's six tetrahedra around the diagonal; those inside the large one
                 let room = degree[0] - a.iter().sum::<usize>().min(degree[0]);
-                for (order, odd) in [([0, 1, 2], false), ([1, 2, 0], false), ([2, 0, 1], false), ([1, 0, 2], true), ([0, 2, 1], true), ([2, 1, 0], true)] {
+                for (order, odd) in
+                    [([0, 1, 2], false), ([1, 2, 0], false), ([2, 0, 1], false), ([1, 0, 2], true), ([0, 2, 1], true), ([2, 1, 0], true)]
+                {
                     let mut by = [0; 3];
                     let mut corners = vec![by];
                     for k in order {
@@ -176,7 +178,12 @@ pub(crate) fn linear_pieces<const D: usize>(cell: Cell, degree: [usize; D], node
                     pieces.push([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]].iter().map(|by| moved(a, by)).collect());
                 }
                 if room == 2 {
-                    for by in [[[1, 0, 0], [1, 1, 0], [0, 1, 0], [1, 0, 1]], [[0, 1, 0], [1, 1, 0], [0, 1, 1], [1, 0, 1]], [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1]], [[0, 1, 0], [0, 1, 1], [0, 0, 1], [1, 0, 1]]] {
+                    for by in [
+                        [[1, 0, 0], [1, 1, 0], [0, 1, 0], [1, 0, 1]],
+                        [[0, 1, 0], [1, 1, 0], [0, 1, 1], [1, 0, 1]],
+                        [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1]],
+                        [[0, 1, 0], [0, 1, 1], [0, 0, 1], [1, 0, 1]],
+                    ] {
                         pieces.push(by.iter().map(|by| moved(a, by)).collect());
                     }
                 }
@@ -232,7 +239,9 @@ pub(crate) fn bernstein<const D: usize>(cell: Cell, nodes: &[[usize; D]], degree
             })
             .collect();
     }
-    let line = |k: usize| -> Vec<f64> { (0..=degree[k]).map(|i| binomial(degree[k], i) * power(xi[k], i) * power(1.0 - xi[k], degree[k] - i)).collect() };
+    let line = |k: usize| -> Vec<f64> {
+        (0..=degree[k]).map(|i| binomial(degree[k], i) * power(xi[k], i) * power(1.0 - xi[k], degree[k] - i)).collect()
+    };
     let lines: [Vec<f64>; D] = std::array::from_fn(line);
     nodes.iter().map(|a| (0..D).map(|k| lines[k][a[k]]).product()).collect()
 }
