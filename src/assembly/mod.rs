@@ -1,7 +1,30 @@
 //! Floor 6: sums over elements. Gets coefficients per point, never a material.
 
+mod dirichlet;
+mod load;
+pub mod norms;
+mod pattern;
+mod places;
+mod plain;
+mod reduce;
+mod rules;
+mod sample;
+mod scratch;
+
 use crate::linalg::{Matrix, Real, Vector};
 use std::fmt::Debug;
+
+pub use dirichlet::{DirichletError, Fixed, dirichlet, planar_normal};
+pub use load::{load, measure, outward_normal, trace_load, trace_springs};
+pub use norms::{Errors, Norms, errors};
+pub use pattern::Pattern;
+pub use places::places;
+pub use plain::{add_stiffness, mass, stiffness};
+pub use reduce::{Equation, Reduced, ReductionError};
+pub use rules::gauss_rules;
+pub use sample::{Sample, sample};
+pub(crate) use plain::element_stiffness;
+pub(crate) use scratch::{Scratch, inverse_or_nan};
 
 /// d stress / d grad_u: `tangent[i][j][(k, l)]` = d sigma_(k,l) / d (grad u)_(i,j), i, k components, j, l directions.
 /// One C x N matrix (shaped like the stress) per entry (i, j) of grad_u.
@@ -13,7 +36,7 @@ pub enum Coefficient<'a, const C: usize, const N: usize, T: Real = f64> {
     /// One tangent everywhere.
     Constant(Tangent<C, N, T>),
     /// A tangent per physical point.
-    PerPoint(&'a (dyn Fn(&Vector<N, T>) -> Tangent<C, N, T> + Sync)),
+    PerPoint(Box<dyn Fn(&Vector<N, T>) -> Tangent<C, N, T> + Send + Sync + 'a>),
 }
 
 impl<const C: usize, const N: usize, T: Real> Debug for Coefficient<'_, C, N, T> {
@@ -25,11 +48,46 @@ impl<const C: usize, const N: usize, T: Real> Debug for Coefficient<'_, C, N, T>
     }
 }
 
+impl<const C: usize, const N: usize, T: Real> Coefficient<'_, C, N, T> {
+    /// The tangent at the physical point `x`.
+    pub fn at(&self, x: &Vector<N, T>) -> Tangent<C, N, T> {
+        match self {
+            Self::Constant(tangent) => *tangent,
+            Self::PerPoint(f) => f(x),
+        }
+    }
+}
+
 /// The bilinear form a(u, v) = ∫ grad v : tangent : grad u dx.
 #[derive(Debug)]
 pub struct Form<'a, const C: usize, const N: usize, T: Real = f64> {
     /// The tangent.
     pub coefficient: Coefficient<'a, C, N, T>,
-    /// Whether `tangent[i][j][(k, l)] = tangent[k][l][(i, j)]`.
+    /// Whether tangent[i][j][(k, l)] = tangent[k][l][(i, j)].
     pub symmetric: bool,
+}
+
+impl<const C: usize, const N: usize, T: Real> Form<'_, C, N, T> {
+    /// ∫ grad v : grad u dx, component by component.
+    pub fn laplace() -> Self {
+        let mut tangent = [[Matrix::zeros(); N]; C];
+        for (i, row) in tangent.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                entry[(i, j)] = T::one();
+            }
+        }
+        Self { coefficient: Coefficient::Constant(tangent), symmetric: true }
+    }
+}
+
+/// tangent : grad, the stress of the gradient `grad`.
+#[inline]
+pub fn contract<const C: usize, const N: usize, T: Real>(tangent: &Tangent<C, N, T>, grad: &Matrix<C, N, T>) -> Matrix<C, N, T> {
+    let mut stress = Matrix::zeros();
+    for (i, row) in tangent.iter().enumerate() {
+        for (j, entry) in row.iter().enumerate() {
+            stress += entry * grad[(i, j)];
+        }
+    }
+    stress
 }

@@ -1,8 +1,22 @@
 //! Floor 7: materials, stresses, fluxes. Poisson is elasticity with one component.
 
-use crate::assembly::Tangent;
+mod flux;
+mod hooke;
+mod jet;
+mod loads;
+mod poisson;
+mod stress;
+
+use crate::assembly::{Coefficient, Form, Tangent};
 use crate::linalg::{Matrix, Real, Vector};
 use std::fmt::Debug;
+
+pub use flux::BodyFlux;
+pub use hooke::{Assumption, Elastic, Hooke, MaterialError};
+pub use jet::Jet;
+pub use loads::{exact_traction, neumann, pressure, traction};
+pub use poisson::Conductor;
+pub use stress::{Stress, energy, stress_at, von_mises};
 
 /// Stress and its derivative at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,7 +27,7 @@ pub struct Response<const C: usize, const N: usize, T: Real = f64> {
     pub tangent: Tangent<C, N, T>,
 }
 
-/// Stress as a function of place and displacement gradient.
+/// Stress as a function of place and displacement gradient; the tangent is symmetric (there is an energy).
 pub trait Material<const C: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
     /// Stress and tangent at `x` for the gradient `grad_u[(i, j)]` = du_i/dx_j.
     fn respond(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> Response<C, N, T>;
@@ -23,18 +37,59 @@ pub trait Material<const C: usize, const N: usize, T: Real = f64>: Debug + Send 
     fn is_linear(&self) -> bool {
         false
     }
+    /// Whether the response does not depend on `x`.
+    fn is_homogeneous(&self) -> bool {
+        false
+    }
+    /// The stress in space, xx yy zz xy yz xz [force/area]: components that a plane model leaves out are added here.
+    fn spatial_stress(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> [T; 6] {
+        let stress = self.respond(x, grad_u).stress;
+        let at = |k: usize, l: usize| if k < C && l < N { stress[(k, l)] } else { T::zero() };
+        [at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(1, 2), at(0, 2)]
+    }
+    /// div sigma [force/volume], component i the sum of d sigma_ij/dx_j, for `hessian[i][(j, k)]` = d2u_i/dx_j dx_k.
+    ///
+    /// A material that depends on `x` adds the derivative of its constants; without an own implementation it is left out.
+    fn divergence(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>, hessian: &[Matrix<N, N, T>; C]) -> Vector<C, T> {
+        let tangent = self.respond(x, grad_u).tangent;
+        Vector::from_fn(|k, _| {
+            let mut sum = T::zero();
+            for i in 0..C {
+                for j in 0..N {
+                    for l in 0..N {
+                        sum += tangent[i][j][(k, l)] * hessian[i][(j, l)];
+                    }
+                }
+            }
+            sum
+        })
+    }
 }
 
-impl<const C: usize, const N: usize, T: Real, X: Material<C, N, T> + ?Sized> Material<C, N, T> for Box<X> {
-    fn respond(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> Response<C, N, T> {
-        (**self).respond(x, grad_u)
-    }
-    fn modulus(&self, x: &Vector<N, T>) -> T {
-        (**self).modulus(x)
-    }
-    fn is_linear(&self) -> bool {
-        (**self).is_linear()
-    }
+macro_rules! forward_material {
+    ($($pointer:ty),*) => {$(
+        impl<const C: usize, const N: usize, T: Real, X: Material<C, N, T> + ?Sized> Material<C, N, T> for $pointer {
+            fn respond(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> Response<C, N, T> { (**self).respond(x, grad_u) }
+            fn modulus(&self, x: &Vector<N, T>) -> T { (**self).modulus(x) }
+            fn is_linear(&self) -> bool { (**self).is_linear() }
+            fn is_homogeneous(&self) -> bool { (**self).is_homogeneous() }
+            fn spatial_stress(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> [T; 6] { (**self).spatial_stress(x, grad_u) }
+            fn divergence(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>, hessian: &[Matrix<N, N, T>; C]) -> Vector<C, T> {
+                (**self).divergence(x, grad_u, hessian)
+            }
+        }
+    )*};
+}
+forward_material!(&X, Box<X>, std::sync::Arc<X>);
+
+/// The form of `material` linearised at rest; for a linear material the form of the problem.
+pub fn form<const C: usize, const N: usize, T: Real, M: Material<C, N, T> + ?Sized>(material: &M) -> Form<'_, C, N, T> {
+    let coefficient = if material.is_homogeneous() {
+        Coefficient::Constant(material.respond(&Vector::zeros(), &Matrix::zeros()).tangent)
+    } else {
+        Coefficient::PerPoint(Box::new(move |x: &Vector<N, T>| material.respond(x, &Matrix::zeros()).tangent))
+    };
+    Form { coefficient, symmetric: true }
 }
 
 /// sigma n (k du/dn) at a batch of points as a linear map of unknowns.
@@ -52,6 +107,7 @@ pub struct FluxTable<T: Real = f64> {
 pub trait Flux<const S: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
     /// sigma n at local points `xi` of the trace's `element`.
     fn tabulate(&self, element: usize, xi: &[Vector<S, T>], table: &mut FluxTable<T>);
-    /// A bound of the flux by the energy on the element behind [modulus / length].
+    /// A bound of the flux by the energy on the element behind [modulus / length]:
+    /// ∫ |sigma n|² over the facet <= stabilisation ∫ sigma : grad u over the element.
     fn stabilisation(&self, element: usize) -> T;
 }

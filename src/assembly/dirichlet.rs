@@ -1,0 +1,230 @@
+//! Prescribed values: one L2 projection over all sides of a body that have data.
+
+use super::{gauss_rules, outward_normal};
+use crate::basis::{Basis, Elements, Order, ShapeTable};
+use crate::geometry::{Geometry, MapTable};
+use crate::linalg::{LinearError, LinearSolver, Real, Triplets, Vector, lit, measure, to_f64};
+use crate::quadrature::Quadrature;
+use crate::space::{Field, Space, Trace};
+use std::collections::HashMap;
+use std::fmt::Debug;
+
+/// A component prescribed on a side.
+#[derive(Clone, Copy)]
+pub struct Fixed<'a, const S: usize, const N: usize, T: Real = f64> {
+    /// The side.
+    pub trace: &'a Trace<S, N, T>,
+    /// The component.
+    pub component: usize,
+    /// Its value at a physical point; none is zero.
+    pub value: Option<&'a (dyn Fn(&Vector<N, T>) -> T + Sync)>,
+}
+
+impl<const S: usize, const N: usize, T: Real> Debug for Fixed<'_, S, N, T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Fixed").field("trace", self.trace).field("component", &self.component).finish_non_exhaustive()
+    }
+}
+
+/// Why values could not be prescribed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DirichletError {
+    /// Two sides meet in a point and want different values there.
+    #[error(
+        "component {component} is prescribed twice at {at:?}: {first_value:e} by condition {first} and {second_value:e} by condition {second}; \
+         make the values equal or drop one"
+    )]
+    Conflict {
+        /// The component.
+        component: usize,
+        /// Position of the first condition in the list.
+        first: usize,
+        /// Position of the second condition in the list.
+        second: usize,
+        /// Where.
+        at: [f64; 3],
+        /// Value of the first.
+        first_value: f64,
+        /// Value of the second.
+        second_value: f64,
+    },
+    /// The mass matrix of the sides could not be solved with.
+    #[error("projecting the prescribed values of component {component} failed: {source}")]
+    Projection {
+        /// The component.
+        component: usize,
+        /// Why.
+        source: LinearError,
+    },
+}
+
+/// Values that differ by less than this, relative to the largest of the component, are equal.
+const EQUAL_VALUES: f64 = 1e-9;
+/// Points nearer than this, relative to the extent of the sides, are one.
+const SAME_PLACE: f64 = 1e-9;
+
+/// (unknown, value) of all `conditions` on sides of one body, ascending by unknown.
+///
+/// Per component one L2 projection over the union of its sides, so that data in the space of the sides is met exactly,
+/// corners included. Rules have degree + 1 + `extra_points` points.
+///
+/// # Errors
+/// [`DirichletError::Conflict`] where sides that share a function want different values in a common corner;
+/// [`DirichletError::Projection`] if `solver` fails.
+pub fn dirichlet<const S: usize, const N: usize, T: Real>(
+    conditions: &[Fixed<'_, S, N, T>],
+    field: Field,
+    extra_points: usize,
+    solver: &mut dyn LinearSolver<T>,
+) -> Result<Vec<(usize, T)>, DirichletError> {
+    let mut values = Vec::new();
+    for component in 0..field.components {
+        let mine: Vec<(usize, Fixed<'_, S, N, T>)> = conditions.iter().copied().enumerate().filter(|(_, f)| f.component == component).collect();
+        if mine.iter().all(|(_, f)| f.value.is_none()) {
+            for (_, f) in &mine {
+                values.extend(f.trace.dofs.iter().map(|&i| (field.unknown(i, component), T::zero())));
+            }
+            continue;
+        }
+        conflicts(component, &mine)?;
+        let found = project(&mine, extra_points, solver).map_err(|source| DirichletError::Projection { component, source })?;
+        values.extend(found.into_iter().map(|(i, value)| (field.unknown(i, component), value)));
+    }
+    values.sort_by_key(|v| v.0);
+    values.dedup_by_key(|v| v.0);
+    Ok(values)
+}
+
+/// The projection of one component on the union of its sides: (function of the body, coefficient).
+fn project<const S: usize, const N: usize, T: Real>(
+    conditions: &[(usize, Fixed<'_, S, N, T>)],
+    extra_points: usize,
+    solver: &mut dyn LinearSolver<T>,
+) -> Result<Vec<(usize, T)>, LinearError> {
+    let mut functions: Vec<usize> = conditions.iter().flat_map(|(_, f)| f.trace.dofs.iter().copied()).collect();
+    functions.sort_unstable();
+    functions.dedup();
+    let number = |dof: usize| functions.binary_search(&dof).expect("every function of a side is in the list");
+    let mut matrix = Triplets::new(functions.len(), functions.len());
+    let mut rhs = vec![T::zero(); functions.len()];
+    let (mut ids, mut shapes, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
+    for (_, condition) in conditions {
+        let (trace, space) = (condition.trace, &*condition.trace.space);
+        let rules = gauss_rules(space, extra_points);
+        for e in 0..space.num_elements() {
+            let rule = rules.rule(e);
+            space.active(e, &mut ids);
+            space.evaluate(e, &rule.points, Order::Gradients, &mut shapes, &mut map);
+            let rows: Vec<usize> = ids.iter().map(|&i| number(trace.dofs[i])).collect();
+            let ds: Vec<T> = rule.weights.iter().zip(&map.jacobian).map(|(&w, j)| w * measure(j)).collect();
+            for (a, &i) in rows.iter().enumerate() {
+                for (b, &j) in rows.iter().enumerate() {
+                    let sum = ds.iter().enumerate().fold(T::zero(), |s, (q, &w)| s + w * shapes.values(q)[a] * shapes.values(q)[b]);
+                    matrix.push(i, j, sum);
+                }
+            }
+            if let Some(value) = condition.value {
+                for (q, &w) in ds.iter().enumerate() {
+                    let data = value(&map.x[q]) * w;
+                    for (&i, &n) in rows.iter().zip(shapes.values(q)) {
+                        rhs[i] += data * n;
+                    }
+                }
+            }
+        }
+    }
+    let mut solution = vec![T::zero(); functions.len()];
+    if rhs.iter().any(|&r| r != T::zero()) {
+        let matrix = matrix.to_csr();
+        solver.prepare(&matrix)?;
+        solver.solve(&matrix, &rhs, &mut solution)?;
+    }
+    Ok(functions.into_iter().zip(solution).collect())
+}
+
+/// Compares the data of different sides in the corners of their elements that coincide and share a function.
+fn conflicts<const S: usize, const N: usize, T: Real>(
+    component: usize,
+    conditions: &[(usize, Fixed<'_, S, N, T>)],
+) -> Result<(), DirichletError> {
+    struct Corner<const N: usize, T: Real> {
+        condition: usize,
+        x: Vector<N, T>,
+        value: T,
+    }
+    // functions of several sides are the only place where data can meet
+    let mut sides_of: HashMap<usize, usize> = HashMap::new();
+    for (_, f) in conditions {
+        for &dof in &f.trace.dofs {
+            *sides_of.entry(dof).or_default() += 1;
+        }
+    }
+    let mut at: HashMap<usize, Vec<Corner<N, T>>> = HashMap::new();
+    let (mut largest, mut lo, mut hi) = (T::zero(), Vector::<N, T>::repeat(lit(f64::MAX)), Vector::<N, T>::repeat(lit(f64::MIN)));
+    let (mut ids, mut shapes, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
+    for (k, f) in conditions {
+        let space = &*f.trace.space;
+        for e in 0..space.num_elements() {
+            space.active(e, &mut ids);
+            let corners = super::places::grid::<S, T>(space.cell(e), [1; S]);
+            space.evaluate(e, &corners, Order::Values, &mut shapes, &mut map);
+            for q in 0..corners.len() {
+                let x = map.x[q];
+                lo = lo.zip_map(&x, |a, b| a.min(b));
+                hi = hi.zip_map(&x, |a, b| a.max(b));
+                let value = f.value.map_or_else(T::zero, |value| value(&x));
+                largest = largest.max(value.abs());
+                for (&i, &n) in ids.iter().zip(shapes.values(q)) {
+                    let dof = f.trace.dofs[i];
+                    if n.abs() > lit(EQUAL_VALUES) && sides_of[&dof] > 1 {
+                        at.entry(dof).or_default().push(Corner { condition: *k, x, value });
+                    }
+                }
+            }
+        }
+    }
+    let (near, equal) = ((hi - lo).norm() * lit(SAME_PLACE), largest * lit(EQUAL_VALUES));
+    let mut shared: Vec<&usize> = at.keys().collect();
+    shared.sort_unstable();
+    for dof in shared {
+        let corners = &at[dof];
+        for (i, a) in corners.iter().enumerate() {
+            for b in &corners[i + 1..] {
+                if a.condition != b.condition && (a.x - b.x).norm() <= near && (a.value - b.value).abs() > equal {
+                    return Err(DirichletError::Conflict {
+                        component,
+                        first: a.condition,
+                        second: b.condition,
+                        at: std::array::from_fn(|k| if k < N { to_f64(a.x[k]) } else { 0.0 }),
+                        first_value: to_f64(a.value),
+                        second_value: to_f64(b.value),
+                    });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Unit normals that differ by less than this are one.
+const SAME_NORMAL: f64 = 1e-9;
+
+/// The outward unit normal of a planar side; `None` where it turns.
+pub fn planar_normal<const S: usize, const N: usize, T: Real>(trace: &Trace<S, N, T>) -> Option<Vector<N, T>> {
+    let space = &*trace.space;
+    let rules = gauss_rules(space, 0);
+    let (mut map, mut normal) = (MapTable::new(), None);
+    for e in 0..space.num_elements() {
+        space.map(e, &rules.rule(e).points, Order::Gradients, &mut map);
+        for jacobian in &map.jacobian {
+            let here = outward_normal(jacobian, trace.outward[e]);
+            let there = *normal.get_or_insert(here);
+            let distance: T = (here - there).norm();
+            if !distance.is_finite() || distance > lit(SAME_NORMAL) {
+                return None;
+            }
+        }
+    }
+    normal
+}

@@ -1,0 +1,137 @@
+//! Norms of errors: L2, H1 semi-norm, energy.
+
+use super::{Form, Sample, contract, scratch::Scratch};
+use crate::linalg::{Matrix, Real, Vector};
+use crate::quadrature::Quadrature;
+use crate::space::Space;
+use rayon::prelude::*;
+
+/// Norms of a field.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Norms<T: Real = f64> {
+    /// (∫ |u|² dx)^1/2.
+    pub l2: T,
+    /// Semi-norm (∫ |grad u|² dx)^1/2.
+    pub h1: T,
+    /// a(u, u)^1/2.
+    pub energy: T,
+}
+
+impl<T: Real> Norms<T> {
+    /// The norms over two bodies from the norms over each.
+    pub fn hypot(self, other: Self) -> Self {
+        let h = |a: T, b: T| (a * a + b * b).sqrt();
+        Self { l2: h(self.l2, other.l2), h1: h(self.h1, other.h1), energy: h(self.energy, other.energy) }
+    }
+}
+
+/// Norms of the error and of the exact field.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Errors<T: Real = f64> {
+    /// Of u - exact.
+    pub error: Norms<T>,
+    /// Of the exact field.
+    pub exact: Norms<T>,
+}
+
+impl<T: Real> Errors<T> {
+    /// The norms over two bodies from the norms over each.
+    pub fn hypot(self, other: Self) -> Self {
+        Self { error: self.error.hypot(other.error), exact: self.exact.hypot(other.exact) }
+    }
+}
+
+/// Norms of `u` minus an exact field, given as value and gradient at a physical point.
+///
+/// `u` holds unknown = C * function + component; an empty `u` is zero. Take more points than for the stiffness.
+/// Same bits for any number of threads.
+///
+/// # Panics
+/// If `u` is shorter than C times the number of functions and not empty.
+pub fn errors<const C: usize, const N: usize, T, S, Q>(
+    space: &S,
+    quadrature: &Q,
+    form: &Form<'_, C, N, T>,
+    u: &[T],
+    exact: &(impl Fn(&Vector<N, T>) -> (Vector<C, T>, Matrix<C, N, T>) + Sync + ?Sized),
+) -> Errors<T>
+where
+    T: Real,
+    S: Space<N, N, T> + ?Sized,
+    Q: Quadrature<N, T> + ?Sized,
+{
+    difference(space, quadrature, form, u, &|_, _, x| exact(x))
+}
+
+/// Norms of `u` minus another field, given as value and gradient at (element, local point, physical point): fields on
+/// other spaces over the same or a nested grid need no search.
+///
+/// # Panics
+/// If `u` is shorter than C times the number of functions and not empty.
+pub fn difference<const C: usize, const N: usize, T, S, Q>(
+    space: &S,
+    quadrature: &Q,
+    form: &Form<'_, C, N, T>,
+    u: &[T],
+    other: &(impl Fn(usize, &Vector<N, T>, &Vector<N, T>) -> (Vector<C, T>, Matrix<C, N, T>) + Sync + ?Sized),
+) -> Errors<T>
+where
+    T: Real,
+    S: Space<N, N, T> + ?Sized,
+    Q: Quadrature<N, T> + ?Sized,
+{
+    let squares: Vec<[T; 6]> = (0..space.num_elements())
+        .into_par_iter()
+        .map_init(Scratch::<N, N, T>::default, |scratch, e| {
+            let rule = quadrature.rule(e);
+            scratch.gradients(space, e, rule);
+            let mut sums = [T::zero(); 6];
+            for q in 0..scratch.dx.len() {
+                let (dx, x) = (scratch.dx[q], scratch.map.x[q]);
+                let (value, gradient) = other(e, &rule.points[q], &x);
+                let at = field_at::<C, N, T>(scratch, u, q);
+                let tangent = form.coefficient.at(&x);
+                let (ev, eg) = (at.value - value, at.gradient - gradient);
+                let terms = [
+                    ev.norm_squared(),
+                    eg.norm_squared(),
+                    contract(&tangent, &eg).dot(&eg),
+                    value.norm_squared(),
+                    gradient.norm_squared(),
+                    contract(&tangent, &gradient).dot(&gradient),
+                ];
+                for (sum, term) in sums.iter_mut().zip(terms) {
+                    *sum += dx * term;
+                }
+            }
+            sums
+        })
+        .collect();
+    let mut total = [T::zero(); 6];
+    for element in &squares {
+        for (sum, &term) in total.iter_mut().zip(element) {
+            *sum += term;
+        }
+    }
+    // a rounded energy of almost nothing may be below zero
+    let [l2, h1, energy, l2_exact, h1_exact, energy_exact] = total.map(|s| s.max(T::zero()).sqrt());
+    Errors { error: Norms { l2, h1, energy }, exact: Norms { l2: l2_exact, h1: h1_exact, energy: energy_exact } }
+}
+
+/// The field of coefficients `u` at point `q` of the element in `scratch`.
+fn field_at<const C: usize, const N: usize, T: Real>(scratch: &Scratch<N, N, T>, u: &[T], q: usize) -> Sample<C, N, T> {
+    let (mut value, mut gradient) = (Vector::<C, T>::zeros(), Matrix::<C, N, T>::zeros());
+    if !u.is_empty() {
+        for (a, (&i, &n)) in scratch.ids.iter().zip(scratch.shapes.values(q)).enumerate() {
+            let g = scratch.grad(q, a);
+            for c in 0..C {
+                let coefficient = u[C * i + c];
+                value[c] += coefficient * n;
+                for j in 0..N {
+                    gradient[(c, j)] += coefficient * g[j];
+                }
+            }
+        }
+    }
+    Sample { x: scratch.map.x[q], value, gradient }
+}

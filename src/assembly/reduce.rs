@@ -1,0 +1,357 @@
+//! Several bodies in one system with the prescribed unknowns eliminated.
+//!
+//!   u = P v + u0,   Pᵀ K P v = Pᵀ (f - K u0),   C P v + (g + C u0)
+//!
+//! K is block diagonal, one block per body in the order of their unknowns. Free unknowns keep their order; prescribed
+//! ones have an empty row in P; an unknown bound by an equation (sliding along an inclined plane, a side that moves as
+//! one) has a row of coefficients of free ones.
+
+use super::pattern::each_row;
+use crate::linalg::{Csr, Operator, Real, Triplets, lit, to_f64};
+use std::collections::BTreeMap;
+
+/// sum of terms (unknown, coefficient) = value.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Equation<T: Real = f64> {
+    /// (unknown, coefficient).
+    pub terms: Vec<(usize, T)>,
+    /// Right-hand side.
+    pub value: T,
+}
+
+/// Why unknowns could not be eliminated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReductionError {
+    /// The prescribed values contradict an equation.
+    #[error("the prescribed values contradict equation {equation} by {defect:e}; drop one of them")]
+    Contradiction {
+        /// Position in the list of equations.
+        equation: usize,
+        /// Left side minus right side.
+        defect: f64,
+    },
+    /// Sizes disagree.
+    #[error("{what}: {found} given, {expected} expected")]
+    Shape {
+        /// Which part.
+        what: &'static str,
+        /// Its size.
+        found: usize,
+        /// The size that fits.
+        expected: usize,
+    },
+}
+
+/// How an unknown follows from the free ones.
+#[derive(Clone, Debug, PartialEq)]
+enum Bound<T: Real> {
+    /// It is free, with this number.
+    Free(usize),
+    /// Coefficients of free unknowns; none where it is prescribed.
+    Terms(Vec<(usize, T)>),
+}
+
+/// The system of the free unknowns.
+#[derive(Clone, Debug)]
+pub struct Reduced<T: Real = f64> {
+    /// Pᵀ K P, with places.
+    pub stiffness: Csr<T>,
+    /// Pᵀ (f - K u0).
+    pub load: Vec<T>,
+    bound: Vec<Bound<T>>,
+    offset: Vec<T>,
+    free: Vec<usize>,
+}
+
+/// Coefficients below this, relative to the largest of their equation, are zero.
+const NO_COEFFICIENT: f64 = 1e-12;
+/// Defects below this, relative to the terms of their equation, are rounding.
+const NO_DEFECT: f64 = 1e-9;
+
+impl<T: Real> Reduced<T> {
+    /// Reduces the block diagonal system of `matrices` with the right-hand side `load`.
+    ///
+    /// `prescribed` lists (unknown, value), the first of an unknown counts. Of every equation the unknown with the
+    /// largest coefficient that is still free is bound; equations that follow from the others are skipped.
+    ///
+    /// # Errors
+    /// [`ReductionError`] if sizes disagree or an equation contradicts the prescribed values.
+    pub fn try_new(
+        matrices: &[&Csr<T>],
+        load: &[T],
+        prescribed: &[(usize, T)],
+        equations: &[Equation<T>],
+    ) -> Result<Self, ReductionError> {
+        let unknowns: usize = matrices.iter().map(|k| k.num_rows()).sum();
+        let shape = |what, found| if found == unknowns { Ok(()) } else { Err(ReductionError::Shape { what, found, expected: unknowns }) };
+        shape("entries of the load", load.len())?;
+        let highest = prescribed.iter().map(|p| p.0).chain(equations.iter().flat_map(|e| e.terms.iter().map(|t| t.0))).max();
+        if let Some(highest) = highest.filter(|&h| h >= unknowns) {
+            shape("unknowns that conditions name", highest + 1)?;
+        }
+        let (bound, offset, free) = eliminate(unknowns, prescribed, equations)?;
+        let mut reduced = Self { stiffness: Csr::from_pattern(0, vec![0], Vec::new()), load: Vec::new(), bound, offset, free };
+        reduced.stiffness = reduced.matrix(matrices);
+        reduced.load = reduced.right_hand_side(matrices, load);
+        Ok(reduced)
+    }
+
+    /// Number of unknowns before the reduction.
+    pub fn num_unknowns(&self) -> usize {
+        self.bound.len()
+    }
+
+    /// Number of free unknowns.
+    pub fn num_free(&self) -> usize {
+        self.free.len()
+    }
+
+    /// The full number of every free unknown, ascending.
+    pub fn free(&self) -> &[usize] {
+        &self.free
+    }
+
+    /// Whether `unknown` is neither prescribed nor bound.
+    pub fn is_free(&self, unknown: usize) -> bool {
+        matches!(self.bound[unknown], Bound::Free(_))
+    }
+
+    /// C P and C u0 of constraint rows in full unknowns; add C u0 to the offset of the rows.
+    pub fn rows(&self, rows: &Triplets<T>) -> (Triplets<T>, Vec<T>) {
+        let mut reduced = Triplets::new(rows.rows, self.num_free());
+        let mut offset = vec![T::zero(); rows.rows];
+        for &(i, j, value) in &rows.entries {
+            offset[i] += value * self.offset[j];
+            self.each_term(j, |k, coefficient| reduced.push(i, k, value * coefficient));
+        }
+        (reduced, offset)
+    }
+
+    /// u = P v + u0.
+    pub fn expand(&self, v: &[T]) -> Vec<T> {
+        self.bound
+            .iter()
+            .zip(&self.offset)
+            .map(|(bound, &u0)| match bound {
+                Bound::Free(k) => v[*k],
+                Bound::Terms(terms) => terms.iter().fold(u0, |s, &(k, c)| s + c * v[k]),
+            })
+            .collect()
+    }
+
+    /// v of a full vector: its free entries.
+    pub fn restrict(&self, u: &[T]) -> Vec<T> {
+        self.free.iter().map(|&i| u[i]).collect()
+    }
+
+    /// Pᵀ (f - K u0) for another load on the same matrices.
+    pub fn right_hand_side(&self, matrices: &[&Csr<T>], load: &[T]) -> Vec<T> {
+        let mut rest = load.to_vec();
+        if self.offset.iter().any(|&v| v != T::zero()) {
+            for (r, k) in rest.iter_mut().zip(product(matrices, &self.offset)) {
+                *r -= k;
+            }
+        }
+        let mut reduced = vec![T::zero(); self.num_free()];
+        for (i, &value) in rest.iter().enumerate() {
+            self.each_term(i, |k, coefficient| reduced[k] += coefficient * value);
+        }
+        reduced
+    }
+
+    /// Pᵀ K P of block diagonal matrices of the same sizes.
+    pub fn matrix(&self, matrices: &[&Csr<T>]) -> Csr<T> {
+        let starts = starts(matrices);
+        // unknowns that a bound one brings into its equations, per free unknown
+        let mut followers: BTreeMap<usize, Vec<(usize, T)>> = BTreeMap::new();
+        for (i, bound) in self.bound.iter().enumerate() {
+            if let Bound::Terms(terms) = bound {
+                for &(k, coefficient) in terms {
+                    followers.entry(k).or_default().push((i, coefficient));
+                }
+            }
+        }
+        let row_of = |i: usize| {
+            let block = starts.partition_point(|&s| s <= i) - 1;
+            let (cols, vals) = matrices[block].row(i - starts[block]);
+            (starts[block], cols, vals)
+        };
+        let simple = |i: usize, k: usize| {
+            let (start, cols, _) = row_of(i);
+            !followers.contains_key(&k) && cols.iter().all(|&j| !matches!(&self.bound[start + j as usize], Bound::Terms(t) if !t.is_empty()))
+        };
+        let merged = |i: usize, k: usize| {
+            let mut row: BTreeMap<usize, T> = BTreeMap::new();
+            for &(i, factor) in std::iter::once(&(i, T::one())).chain(followers.get(&k).into_iter().flatten()) {
+                let (start, cols, vals) = row_of(i);
+                for (&j, &value) in cols.iter().zip(vals) {
+                    self.each_term(start + j as usize, |col, c| *row.entry(col).or_insert(T::zero()) += factor * value * c);
+                }
+            }
+            row
+        };
+        let mut ptr = Vec::with_capacity(self.num_free() + 1);
+        ptr.push(0usize);
+        for (k, &i) in self.free.iter().enumerate() {
+            let count = if simple(i, k) {
+                let (start, cols, _) = row_of(i);
+                cols.iter().filter(|&&j| self.is_free(start + j as usize)).count()
+            } else {
+                merged(i, k).len()
+            };
+            ptr.push(ptr[k] + count);
+        }
+        let mut entries = vec![(0u32, T::zero()); ptr[self.num_free()]];
+        each_row(&ptr, &mut entries, |k, row| {
+            let i = self.free[k];
+            if simple(i, k) {
+                let (start, cols, vals) = row_of(i);
+                let mut slots = row.iter_mut();
+                for (&j, &value) in cols.iter().zip(vals) {
+                    if let Bound::Free(col) = self.bound[start + j as usize] {
+                        *slots.next().expect("a slot per free column") = (col as u32, value);
+                    }
+                }
+            } else {
+                for (slot, (col, value)) in row.iter_mut().zip(merged(i, k)) {
+                    *slot = (col as u32, value);
+                }
+            }
+        });
+        let (cols, vals) = entries.into_iter().unzip();
+        let matrix = Csr::from_parts(self.num_free(), ptr, cols, vals);
+        if matrices.iter().any(|m| m.places().len() != m.num_rows()) {
+            return matrix;
+        }
+        let places: Vec<[f64; 3]> = matrices.iter().flat_map(|m| m.places().iter().copied()).collect();
+        matrix.with_places(self.free.iter().map(|&i| places[i]).collect())
+    }
+
+    /// r = K u - f + Bᵀ lambda in all unknowns: what supports do to the bodies, zero where an unknown is free.
+    ///
+    /// `reaction` lists parts of B in full unknowns (slave and master rows).
+    pub fn residual(&self, matrices: &[&Csr<T>], load: &[T], reaction: &[&Triplets<T>], lambda: &[T], u: &[T]) -> Vec<T> {
+        let mut r = product(matrices, u);
+        for (r, &f) in r.iter_mut().zip(load) {
+            *r -= f;
+        }
+        for part in reaction {
+            for &(i, j, value) in &part.entries {
+                r[j] += value * lambda[i];
+            }
+        }
+        r
+    }
+
+    /// Calls `visit(free unknown, coefficient)` for row `i` of P.
+    fn each_term(&self, i: usize, mut visit: impl FnMut(usize, T)) {
+        match &self.bound[i] {
+            Bound::Free(k) => visit(*k, T::one()),
+            Bound::Terms(terms) => {
+                for &(k, coefficient) in terms {
+                    visit(k, coefficient);
+                }
+            }
+        }
+    }
+}
+
+/// First unknown of every block.
+fn starts<T: Real>(matrices: &[&Csr<T>]) -> Vec<usize> {
+    matrices
+        .iter()
+        .scan(0, |next, m| {
+            let start = *next;
+            *next += m.num_rows();
+            Some(start)
+        })
+        .collect()
+}
+
+/// K u, block by block.
+fn product<T: Real>(matrices: &[&Csr<T>], u: &[T]) -> Vec<T> {
+    let mut y = vec![T::zero(); u.len()];
+    for (m, start) in matrices.iter().zip(starts(matrices)) {
+        let range = start..start + m.num_rows();
+        m.apply(&u[range.clone()], &mut y[range]);
+    }
+    y
+}
+
+/// Rows of P, u0, and the free unknowns.
+fn eliminate<T: Real>(
+    unknowns: usize,
+    prescribed: &[(usize, T)],
+    equations: &[Equation<T>],
+) -> Result<(Vec<Bound<T>>, Vec<T>, Vec<usize>), ReductionError> {
+    // rows in full unknowns first; a bound unknown never stays in another's row
+    let mut rows: BTreeMap<usize, BTreeMap<usize, T>> = BTreeMap::new();
+    let mut offset = vec![T::zero(); unknowns];
+    for &(i, value) in prescribed {
+        rows.entry(i).or_insert_with(|| {
+            offset[i] = value;
+            BTreeMap::new()
+        });
+    }
+    // who follows an unknown, so that binding it rewrites only those
+    let mut users: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (number, equation) in equations.iter().enumerate() {
+        let largest = equation.terms.iter().fold(T::zero(), |m, t| m.max(t.1.abs()));
+        let (mut terms, mut rest, mut size) = (BTreeMap::<usize, T>::new(), equation.value, equation.value.abs());
+        for &(i, c) in &equation.terms {
+            match rows.get(&i) {
+                None => *terms.entry(i).or_insert(T::zero()) += c,
+                Some(row) => {
+                    rest -= c * offset[i];
+                    size = size.max((c * offset[i]).abs());
+                    for (&j, &d) in row {
+                        *terms.entry(j).or_insert(T::zero()) += c * d;
+                    }
+                }
+            }
+        }
+        terms.retain(|_, c| c.abs() > largest * lit(NO_COEFFICIENT));
+        // the largest coefficient is the pivot, the last of equals: u_i - u_0 = 0 binds u_i and no row is rewritten
+        let pivot = terms.iter().fold(None, |best: Option<(usize, T)>, (&i, &c)| match best {
+            Some(b) if b.1.abs() > c.abs() => Some(b),
+            _ => Some((i, c)),
+        });
+        let Some((pivot, factor)) = pivot else {
+            if rest.abs() > size * lit(NO_DEFECT) {
+                return Err(ReductionError::Contradiction { equation: number, defect: -to_f64(rest) });
+            }
+            continue;
+        };
+        terms.remove(&pivot);
+        let row: BTreeMap<usize, T> = terms.into_iter().map(|(i, c)| (i, -c / factor)).collect();
+        offset[pivot] = rest / factor;
+        for user in users.remove(&pivot).unwrap_or_default() {
+            let Some(c) = rows.get_mut(&user).and_then(|r| r.remove(&pivot)) else { continue };
+            let shift = c * offset[pivot];
+            offset[user] += shift;
+            let target = rows.get_mut(&user).expect("it was there");
+            for (&i, &d) in &row {
+                *target.entry(i).or_insert(T::zero()) += c * d;
+                users.entry(i).or_default().push(user);
+            }
+        }
+        for &i in row.keys() {
+            users.entry(i).or_default().push(pivot);
+        }
+        rows.insert(pivot, row);
+    }
+    let free: Vec<usize> = (0..unknowns).filter(|i| !rows.contains_key(i)).collect();
+    let mut bound: Vec<Bound<T>> = Vec::with_capacity(unknowns);
+    let mut next = 0;
+    for i in 0..unknowns {
+        if let Some(row) = rows.get(&i) {
+            let number = |j: usize| free.binary_search(&j).expect("rows name free unknowns only");
+            bound.push(Bound::Terms(row.iter().map(|(&j, &c)| (number(j), c)).collect()));
+        } else {
+            bound.push(Bound::Free(next));
+            next += 1;
+        }
+    }
+    Ok((bound, offset, free))
+}

@@ -1,0 +1,26 @@
+//! Gauss rules that fit a basis.
+
+use crate::basis::{Basis, Cell};
+use crate::linalg::Real;
+use crate::quadrature::{PerElement, Rule, TensorRule, gauss_legendre, simplex_rule};
+
+/// Rules for bulk integrals over the elements of `basis`.
+///
+/// Tensor cells: degree + 1 + `extra` Gauss points per direction. Simplices: exact for polynomials of total degree
+/// max(2p, D (p - 1)) + 2 `extra`, which is what linear fields on isoparametric cells of degree p ask for.
+pub fn gauss_rules<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(basis: &B, extra: usize) -> PerElement<D, T> {
+    let mut kinds: Vec<(Cell, [usize; D])> = Vec::new();
+    let mut rules: Vec<Rule<D, T>> = Vec::new();
+    let mut which = Vec::with_capacity(basis.num_elements());
+    for e in 0..basis.num_elements() {
+        let kind = (basis.cell(e), basis.degree(e));
+        // neighbours are mostly alike: look at the latest kinds first
+        let k = kinds.iter().rposition(|k| *k == kind).unwrap_or_else(|| {
+            kinds.push(kind);
+            rules.push(rule(kind.0, kind.1, extra));
+            kinds.len() - 1
+        });
+        which.push(k);
+    }
+    PerElement { rules, which }
+}

@@ -1,0 +1,90 @@
+//! What one task needs per element: tables, physical gradients, weights; kept between elements.
+
+use crate::basis::{Order, ShapeTable};
+use crate::geometry::MapTable;
+use crate::linalg::{Matrix, Real, Vector, determinant, inverse, measure};
+use crate::quadrature::Rule;
+use crate::space::Space;
+
+/// Tables of one element at the points of its rule.
+#[derive(Debug)]
+pub(crate) struct Scratch<const D: usize, const N: usize, T: Real> {
+    /// Shape functions in local coordinates.
+    pub shapes: ShapeTable<D, T>,
+    /// The map.
+    pub map: MapTable<D, N, T>,
+    /// Ids of the functions.
+    pub ids: Vec<usize>,
+    /// Physical weights: rule weight times measure of the map.
+    pub dx: Vec<T>,
+    /// dN_a/dx_j at `grads[(j * points + q) * functions + a]`.
+    pub grads: Vec<T>,
+    /// Factors of the test function, one row of terms per local function.
+    pub factors: Vec<T>,
+    /// Planes of sums over points, `planes[(plane * functions + a) * functions + b]`.
+    pub planes: Vec<T>,
+}
+
+impl<const D: usize, const N: usize, T: Real> Default for Scratch<D, N, T> {
+    fn default() -> Self {
+        Self {
+            shapes: ShapeTable::new(),
+            map: MapTable::new(),
+            ids: Vec::new(),
+            dx: Vec::new(),
+            grads: Vec::new(),
+            factors: Vec::new(),
+            planes: Vec::new(),
+        }
+    }
+}
+
+impl<const D: usize, const N: usize, T: Real> Scratch<D, N, T> {
+    /// Ids, values, positions and weights.
+    pub fn values<S: Space<D, N, T> + ?Sized>(&mut self, space: &S, element: usize, rule: &Rule<D, T>) {
+        space.active(element, &mut self.ids);
+        // the Jacobian is wanted for the weights; the functions' derivatives come with it
+        space.evaluate(element, &rule.points, Order::Gradients, &mut self.shapes, &mut self.map);
+        self.dx.clear();
+        self.dx.extend(rule.weights.iter().zip(&self.map.jacobian).map(|(&w, j)| w * measure(j)));
+    }
+}
+
+impl<const N: usize, T: Real> Scratch<N, N, T> {
+    /// Ids, values, positions, weights and physical gradients.
+    ///
+    /// At a point with a singular Jacobian the gradients are not finite, and so is all that is made of them: linear
+    /// solvers answer [`LinearError::NotFinite`](crate::linalg::LinearError::NotFinite).
+    pub fn gradients<S: Space<N, N, T> + ?Sized>(&mut self, space: &S, element: usize, rule: &Rule<N, T>) {
+        space.active(element, &mut self.ids);
+        space.evaluate(element, &rule.points, Order::Gradients, &mut self.shapes, &mut self.map);
+        let (points, n) = (rule.points.len(), self.ids.len());
+        self.dx.clear();
+        self.grads.clear();
+        self.grads.resize(N * points * n, T::zero());
+        for q in 0..points {
+            let jacobian = &self.map.jacobian[q];
+            self.dx.push(rule.weights[q] * determinant(jacobian).abs());
+            let inv = inverse_or_nan(jacobian);
+            let local = self.shapes.grads(q);
+            for j in 0..N {
+                let row = &mut self.grads[(j * points + q) * n..][..n];
+                for (g, d) in row.iter_mut().zip(local) {
+                    // grad N = J^-T grad_xi N
+                    *g = (0..N).fold(T::zero(), |s, k| s + inv[(k, j)] * d[k]);
+                }
+            }
+        }
+    }
+
+    /// The gradient of function `a` at point `q`.
+    pub fn grad(&self, q: usize, a: usize) -> Vector<N, T> {
+        let (points, n) = (self.dx.len(), self.ids.len());
+        Vector::from_fn(|j, _| self.grads[(j * points + q) * n + a])
+    }
+}
+
+/// J^-1, or values that are not numbers where there is none.
+pub(crate) fn inverse_or_nan<const N: usize, T: Real>(jacobian: &Matrix<N, N, T>) -> Matrix<N, N, T> {
+    inverse(jacobian).unwrap_or_else(|| Matrix::repeat(T::zero() / T::zero()))
+}

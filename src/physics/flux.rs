@@ -1,0 +1,121 @@
+//! The flux sigma n of a body on one of its sides, for Nitsche's method and for tractions.
+
+use super::{Flux, FluxTable, Material};
+use crate::assembly::{Scratch, element_stiffness, gauss_rules, inverse_or_nan, outward_normal};
+use crate::basis::{Basis, Order, ShapeTable};
+use crate::geometry::{Geometry, MapTable};
+use crate::linalg::{Matrix, Real, Vector, lit, measure};
+use crate::quadrature::{PerElement, Quadrature, Rule};
+use crate::space::{Field, Space, Trace};
+use nalgebra::{DMatrix, SymmetricEigen};
+use std::sync::Arc;
+
+/// sigma n of a body with C components, seen from a trace: its points are lifted through the facets.
+#[derive(Clone, Debug)]
+pub struct BodyFlux<const C: usize, const S: usize, const N: usize, T: Real = f64> {
+    space: Arc<dyn Space<N, N, T>>,
+    trace: Trace<S, N, T>,
+    field: Field,
+    material: Arc<dyn Material<C, N, T>>,
+    inside: PerElement<N, T>,
+    outside: PerElement<S, T>,
+}
+
+impl<const C: usize, const S: usize, const N: usize, T: Real> BodyFlux<C, S, N, T> {
+    /// The flux of the field numbered by `field` on `space` through `trace`; the material is taken at rest.
+    pub fn new(space: Arc<dyn Space<N, N, T>>, trace: Trace<S, N, T>, field: Field, material: Arc<dyn Material<C, N, T>>) -> Self {
+        let (inside, outside) = (gauss_rules(&*space, 0), gauss_rules(&*trace.space, 1));
+        Self { space, trace, field, material, inside, outside }
+    }
+
+    /// Gradients of the functions behind the facet, positions and normals at lifted points, then `visit(q, x, normal,
+    /// grads)` for every point.
+    fn each_point(
+        &self,
+        element: usize,
+        xi: &[Vector<S, T>],
+        mut visit: impl FnMut(usize, &Vector<N, T>, &Vector<N, T>, T, &[Vector<N, T>]),
+    ) {
+        let facet = &self.trace.facets[element];
+        let lifted: Vec<Vector<N, T>> = xi.iter().map(|xi| facet.lift(xi)).collect();
+        let (mut shapes, mut map) = (ShapeTable::new(), MapTable::new());
+        self.space.evaluate(facet.element, &lifted, Order::Gradients, &mut shapes, &mut map);
+        let mut grads = Vec::new();
+        for q in 0..xi.len() {
+            let jacobian = &map.jacobian[q];
+            let to_physical = inverse_or_nan(jacobian).transpose();
+            grads.clear();
+            grads.extend(shapes.grads(q).iter().map(|g| to_physical * g));
+            // tangents of the side are those of the body along the facet
+            let tangents = jacobian * facet.axes;
+            let normal = outward_normal(&tangents, self.trace.outward[element]);
+            visit(q, &map.x[q], &normal, measure(&tangents), &grads);
+        }
+    }
+}
+
+/// How much of the trace of the element matrix is added before it is inverted: rigid motions have no energy and no flux.
+const RIGID_SHIFT: f64 = 1e-10;
+
+impl<const C: usize, const S: usize, const N: usize, T: Real> Flux<S, N, T> for BodyFlux<C, S, N, T> {
+    fn tabulate(&self, element: usize, xi: &[Vector<S, T>], table: &mut FluxTable<T>) {
+        let mut ids = Vec::new();
+        self.space.active(self.trace.facets[element].element, &mut ids);
+        let n = ids.len() * C;
+        table.components = C;
+        table.dofs.clear();
+        table.dofs.extend(ids.iter().flat_map(|&i| (0..C).map(move |c| (i, c))).map(|(i, c)| self.field.unknown(i, c)));
+        table.values.clear();
+        table.values.resize(xi.len() * C * n, T::zero());
+        self.each_point(element, xi, |q, x, normal, _, grads| {
+            let tangent = self.material.respond(x, &Matrix::zeros()).tangent;
+            for (a, grad) in grads.iter().enumerate() {
+                for e in 0..C {
+                    let mut flux = Vector::<C, T>::zeros();
+                    for j in 0..N {
+                        flux += tangent[e][j] * normal * grad[j];
+                    }
+                    for c in 0..C {
+                        table.values[(q * C + c) * n + a * C + e] = flux[c];
+                    }
+                }
+            }
+        });
+    }
+
+    /// The largest eigenvalue of ∫ sigma n . sigma n ds over the facet against the energy of the element.
+    fn stabilisation(&self, element: usize) -> T {
+        let parent = self.trace.facets[element].element;
+        let rule: &Rule<S, T> = self.outside.rule(element);
+        let mut table = FluxTable::default();
+        self.tabulate(element, &rule.points, &mut table);
+        let n = table.dofs.len();
+        let mut facet = DMatrix::<T>::zeros(n, n);
+        self.each_point(element, &rule.points, |q, _, _, stretch, _| {
+            let ds = rule.weights[q] * stretch;
+            for c in 0..C {
+                let row = &table.values[(q * C + c) * n..][..n];
+                for a in 0..n {
+                    for b in 0..n {
+                        facet[(a, b)] += ds * row[a] * row[b];
+                    }
+                }
+            }
+        });
+        let mut scratch = Scratch::default();
+        scratch.gradients(&*self.space, parent, self.inside.rule(parent));
+        let mut energy = vec![T::zero(); n * n];
+        element_stiffness(&mut scratch, &super::form(&*self.material), &mut energy);
+        let mut energy = DMatrix::from_row_slice(n, n, &energy);
+        let shift = energy.trace() * lit(RIGID_SHIFT);
+        for a in 0..n {
+            energy[(a, a)] += shift;
+        }
+        let Some(root) = energy.cholesky() else { return T::zero() / T::zero() };
+        // eigenvalues of L^-1 F L^-T
+        let root = root.l();
+        let half = root.solve_lower_triangular(&facet).unwrap_or(facet);
+        let whole = root.solve_lower_triangular(&half.transpose()).unwrap_or(half);
+        SymmetricEigen::new(whole).eigenvalues.iter().fold(T::zero(), |m, &v| m.max(v))
+    }
+}
