@@ -4,7 +4,20 @@ use std::path::{Path, PathBuf};
 
 /// Lowest first; `check` may use everything up to `contact` and nothing uses it.
 const FLOORS: [&str; 14] = [
-    "linalg", "quadrature", "basis", "geometry", "space", "assembly", "physics", "coupling", "constraint", "contact", "check", "io", "app", "bin",
+    "linalg",
+    "quadrature",
+    "basis",
+    "geometry",
+    "space",
+    "assembly",
+    "physics",
+    "coupling",
+    "constraint",
+    "contact",
+    "check",
+    "io",
+    "app",
+    "bin",
 ];
 
 fn rank(floor: &str) -> Option<usize> {

@@ -1,11 +1,11 @@
 //! Prescribed values: one L2 projection over all sides of a body that have data.
 
 use super::{gauss_rules, outward_normal};
-use crate::basis::{Basis, Elements, Order, ShapeTable};
-use crate::geometry::{Geometry, MapTable};
+use crate::basis::{Order, ShapeTable};
+use crate::geometry::MapTable;
 use crate::linalg::{LinearError, LinearSolver, Real, Triplets, Vector, lit, measure, to_f64};
 use crate::quadrature::Quadrature;
-use crate::space::{Field, Space, Trace};
+use crate::space::{Field, Trace};
 use std::collections::HashMap;
 use std::fmt::Debug;
 
@@ -80,7 +80,8 @@ pub fn dirichlet<const S: usize, const N: usize, T: Real>(
 ) -> Result<Vec<(usize, T)>, DirichletError> {
     let mut values = Vec::new();
     for component in 0..field.components {
-        let mine: Vec<(usize, Fixed<'_, S, N, T>)> = conditions.iter().copied().enumerate().filter(|(_, f)| f.component == component).collect();
+        let mine: Vec<(usize, Fixed<'_, S, N, T>)> =
+            conditions.iter().copied().enumerate().filter(|(_, f)| f.component == component).collect();
         if mine.iter().all(|(_, f)| f.value.is_none()) {
             for (_, f) in &mine {
                 values.extend(f.trace.dofs.iter().map(|&i| (field.unknown(i, component), T::zero())));

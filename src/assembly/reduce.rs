@@ -77,12 +77,7 @@ impl<T: Real> Reduced<T> {
     ///
     /// # Errors
     /// [`ReductionError`] if sizes disagree or an equation contradicts the prescribed values.
-    pub fn try_new(
-        matrices: &[&Csr<T>],
-        load: &[T],
-        prescribed: &[(usize, T)],
-        equations: &[Equation<T>],
-    ) -> Result<Self, ReductionError> {
+    pub fn try_new(matrices: &[&Csr<T>], load: &[T], prescribed: &[(usize, T)], equations: &[Equation<T>]) -> Result<Self, ReductionError> {
         let unknowns: usize = matrices.iter().map(|k| k.num_rows()).sum();
         let shape = |what, found| if found == unknowns { Ok(()) } else { Err(ReductionError::Shape { what, found, expected: unknowns }) };
         shape("entries of the load", load.len())?;
@@ -179,7 +174,8 @@ impl<T: Real> Reduced<T> {
         };
         let simple = |i: usize, k: usize| {
             let (start, cols, _) = row_of(i);
-            !followers.contains_key(&k) && cols.iter().all(|&j| !matches!(&self.bound[start + j as usize], Bound::Terms(t) if !t.is_empty()))
+            !followers.contains_key(&k)
+                && cols.iter().all(|&j| !matches!(&self.bound[start + j as usize], Bound::Terms(t) if !t.is_empty()))
         };
         let merged = |i: usize, k: usize| {
             let mut row: BTreeMap<usize, T> = BTreeMap::new();

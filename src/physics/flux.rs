@@ -2,8 +2,8 @@
 
 use super::{Flux, FluxTable, Material};
 use crate::assembly::{Scratch, element_stiffness, gauss_rules, inverse_or_nan, outward_normal};
-use crate::basis::{Basis, Order, ShapeTable};
-use crate::geometry::{Geometry, MapTable};
+use crate::basis::{Order, ShapeTable};
+use crate::geometry::MapTable;
 use crate::linalg::{Matrix, Real, Vector, lit, measure};
 use crate::quadrature::{PerElement, Quadrature, Rule};
 use crate::space::{Field, Space, Trace};

@@ -93,7 +93,7 @@ pub fn form<const C: usize, const N: usize, T: Real, M: Material<C, N, T> + ?Siz
 }
 
 /// sigma n (k du/dn) at a batch of points as a linear map of unknowns.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct FluxTable<T: Real = f64> {
     /// The unknowns.
     pub dofs: Vec<usize>,
@@ -101,6 +101,12 @@ pub struct FluxTable<T: Real = f64> {
     pub components: usize,
     /// `values[(q * components + component) * dofs.len() + a]`.
     pub values: Vec<T>,
+}
+
+impl<T: Real> Default for FluxTable<T> {
+    fn default() -> Self {
+        Self { dofs: Vec::new(), components: 0, values: Vec::new() }
+    }
 }
 
 /// The flux of a body on one of its traces. (S, N) stands for (N - 1, N).

@@ -38,8 +38,7 @@ const UNARY: [(&str, Unary); 14] = [
 ];
 
 // min and max take two or more arguments
-const BINARY: [(&str, Binary); 4] =
-    [("min", Binary::Min), ("max", Binary::Max), ("pow", Binary::Pow), ("atan2", Binary::Atan2)];
+const BINARY: [(&str, Binary); 4] = [("min", Binary::Min), ("max", Binary::Max), ("pow", Binary::Pow), ("atan2", Binary::Atan2)];
 
 /// Whether a name has a meaning in formulas of its own.
 pub(super) fn is_reserved(name: &str) -> bool {
