@@ -2,9 +2,19 @@
 //!
 //!   K u + Bᵀ lambda = f,   rows C u + g: zero, soft, or a gap that stays open
 
+mod active_set;
+mod condensed;
+mod direct;
+pub mod scale;
+
 use crate::coupling::Rows;
 use crate::linalg::{LinearError, Operator, Real};
 use std::fmt::Debug;
+
+pub use active_set::ActiveSet;
+pub use condensed::Condensed;
+pub use direct::Direct;
+pub use scale::penalty;
 
 /// What a row of constraints asks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +68,8 @@ pub struct ConstrainedSolution<T: Real = f64> {
     pub unknowns: Vec<T>,
     /// lambda, one per row; zero on open rows.
     pub multipliers: Vec<T>,
+    /// (C u + g)_i of every row, open ones too.
+    pub gap: Vec<T>,
     /// Whether each row was enforced at the end.
     pub active: Vec<bool>,
     /// Relative residual of the true system.
@@ -91,6 +103,16 @@ pub enum SolveError {
         row: usize,
         /// Number of rows.
         rows: usize,
+    },
+    /// With some contact rows open nothing holds a body any more.
+    #[error("a rigid motion is left: with {} contact rows open the system is singular (iteration {iteration})", open.len())]
+    RigidMotion {
+        /// The iteration, counted from 1, whose system is singular.
+        iteration: usize,
+        /// Contact rows that are open in it.
+        open: Vec<usize>,
+        /// The last state computed, where there is one.
+        last: Option<Box<ConstrainedSolution<f64>>>,
     },
     /// The active set visited a state twice.
     #[error("the active set visited the same state twice (iterations {first} and {second})")]

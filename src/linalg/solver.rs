@@ -29,6 +29,9 @@ pub enum LinearError {
     /// A direct solver was given an operator without a matrix.
     #[error("this solver needs a matrix, the operator has none; take an iterative solver")]
     NoMatrix,
+    /// The machine has not enough memory for the factor, or an index overflows.
+    #[error("the factorisation does not fit into memory; take a coarser mesh or an iterative solver")]
+    Memory,
     /// Sizes disagree.
     #[error("the right-hand side has {found} entries, the operator {expected}")]
     Shape {

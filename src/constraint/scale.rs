@@ -1,0 +1,257 @@
+//! Row scales of constraints, and the constrained system in scaled rows.
+//!
+//!   k_i = sum_j |C_ij| K_jj / sum_j |C_ij|   over the slave: the stiffness a row acts on
+//!   r_i = k_i / max_j |C_ij|                 factor of row i; lambda_i = r_i l_i
+//!
+//! In scaled rows a constraint weighs as much as the stiffness beside it, whatever the units and the contrast.
+
+use super::{ConstrainedSystem, RowKind, SolveError};
+use crate::coupling::Rows;
+use crate::linalg::residual::{max, ratio};
+use crate::linalg::{Csr, LinearError, Operator, Real, Triplets};
+
+/// What a constraint row weighs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RowScales<T: Real = f64> {
+    /// k_i: mean diagonal stiffness of the row's slave unknowns [force / length].
+    pub stiffness: Vec<T>,
+    /// s_i = sum_j |C_ij| over the slave: makes forces of multipliers, lengths of weighted gaps [length^D].
+    pub weight: Vec<T>,
+}
+
+/// Scales of all rows; a row without slave entries is weighed by all its entries, an empty row has weight zero.
+///
+/// `diagonal` is that of the stiffness; where it is zero the largest one stands in, so that k_i > 0.
+pub fn row_scales<T: Real>(diagonal: &[T], constraint: &Rows<T>, num_rows: usize) -> RowScales<T> {
+    let largest = diagonal.iter().fold(T::zero(), |m, d| m.max(d.abs()));
+    let fallback = if largest > T::zero() { largest } else { T::one() };
+    let mut sums = vec![[T::zero(); 4]; num_rows]; // slave: sum of |C|, of |C| K; all: the same
+    for (triplets, first) in [(&constraint.slave, true), (&constraint.master, false)] {
+        // repeated places are summed first: parts of one entry may cancel
+        let csr = triplets.to_csr();
+        for i in 0..csr.num_rows().min(num_rows) {
+            let (cols, vals) = csr.row(i);
+            for (&j, &v) in cols.iter().zip(vals) {
+                let (a, k) = (v.abs(), diagonal[j as usize].abs());
+                sums[i][2] += a;
+                sums[i][3] += a * k;
+                if first {
+                    sums[i][0] += a;
+                    sums[i][1] += a * k;
+                }
+            }
+        }
+    }
+    let mut scales = RowScales { stiffness: Vec::with_capacity(num_rows), weight: Vec::with_capacity(num_rows) };
+    for [slave, slave_k, all, all_k] in sums {
+        let (weight, sum) = if slave > T::zero() { (slave, slave_k) } else { (all, all_k) };
+        let mean = if weight > T::zero() { sum / weight } else { T::zero() };
+        scales.stiffness.push(if mean > T::zero() { mean } else { fallback });
+        scales.weight.push(weight);
+    }
+    scales
+}
+
+/// The compliance that makes a penalty of every row: s_i² / (factor k_i) [gap / lambda].
+///
+/// `factor` is a pure number: penalty stiffness over the stiffness of the row's own slave unknowns.
+pub fn penalty<T: Real>(diagonal: &[T], constraint: &Rows<T>, num_rows: usize, factor: T) -> Vec<T> {
+    let scales = row_scales(diagonal, constraint, num_rows);
+    (0..num_rows).map(|i| scales.weight[i] * scales.weight[i] / (factor * scales.stiffness[i])).collect()
+}
+
+/// The system with scaled rows, checked for shape: what both direct methods start from.
+#[derive(Debug)]
+pub(crate) struct Scaled<'a> {
+    pub stiffness: &'a Csr<f64>,
+    pub diagonal: Vec<f64>,
+    pub load: &'a [f64],
+    /// Scaled C of all rows, also of the open ones.
+    pub rows: Csr<f64>,
+    /// Scaled B where it differs from C.
+    pub reaction: Option<Csr<f64>>,
+    /// Scaled g.
+    pub offset: Vec<f64>,
+    /// Scaled compliance.
+    pub compliance: Vec<f64>,
+    /// k_i.
+    pub k: Vec<f64>,
+    /// r_i.
+    pub factor: Vec<f64>,
+    /// Rows that are enforced; the multiplier of the others is zero.
+    pub enforced: Vec<bool>,
+    /// Where the rows live: the place of the slave unknown with the largest entry; empty without places.
+    pub places: Vec<[f64; 3]>,
+}
+
+impl<'a> Scaled<'a> {
+    pub(crate) fn of(system: &ConstrainedSystem<'a, f64>) -> Result<Self, SolveError> {
+        let (n, m) = (system.stiffness.size(), system.offset.len());
+        check_shape(system)?;
+        if let Some(row) = system.kind.iter().position(|k| *k == RowKind::Contact) {
+            return Err(SolveError::ContactRow { row });
+        }
+        let stiffness = system.stiffness.csr().ok_or(LinearError::NoMatrix)?;
+        let diagonal = stiffness.diagonal();
+        let finite = |x: &[f64]| x.iter().all(|v| v.is_finite());
+        let mut rows = combined(system.constraint, m, n);
+        let differs = system.reaction.filter(|b| *b != system.constraint);
+        let mut reaction = differs.map(|b| combined(b, m, n));
+        if !(finite(system.load)
+            && finite(system.offset)
+            && finite(system.compliance)
+            && finite(rows.vals())
+            && finite(stiffness.vals())
+            && reaction.as_ref().is_none_or(|b| finite(b.vals())))
+        {
+            return Err(LinearError::NotFinite.into());
+        }
+        let k = row_scales(&diagonal, system.constraint, m).stiffness;
+        let largest: Vec<f64> = (0..m).map(|i| rows.row(i).1.iter().fold(0.0, |a: f64, v| a.max(v.abs()))).collect();
+        let factor: Vec<f64> = (0..m).map(|i| if largest[i] > 0.0 { k[i] / largest[i] } else { 1.0 }).collect();
+        scale_rows(&mut rows, &factor);
+        if let Some(b) = &mut reaction {
+            scale_rows(b, &factor);
+        }
+        let compliance: Vec<f64> = (0..m).map(|i| system.compliance.get(i).map_or(0.0, |s| s * factor[i] * factor[i])).collect();
+        let far = system.offset.iter().fold(0.0, |a: f64, g| a.max(g.abs()));
+        let mut enforced = vec![false; m];
+        for i in 0..m {
+            enforced[i] = system.kind[i] == RowKind::Equal;
+            if enforced[i] && largest[i] == 0.0 && compliance[i] == 0.0 {
+                // 0 u + g = 0 says nothing, or cannot be met
+                if system.offset[i].abs() > 1e-12 * far || (m == 1 && system.offset[i] != 0.0) {
+                    return Err(SolveError::OverConstrained { row: i, rows: m });
+                }
+                enforced[i] = false;
+            }
+        }
+        let offset = (0..m).map(|i| system.offset[i] * factor[i]).collect();
+        let places = row_places(system, m, n);
+        Ok(Self { stiffness, diagonal, load: system.load, rows, reaction, offset, compliance, k, factor, enforced, places })
+    }
+
+    pub(crate) fn num_unknowns(&self) -> usize {
+        self.load.len()
+    }
+
+    pub(crate) fn num_rows(&self) -> usize {
+        self.offset.len()
+    }
+
+    /// Residuals r1 = f - K u - Bᵀ l, r2 = -g - C u + s l (zero on open rows), and their size relative to their terms.
+    ///
+    /// Rows of r1 are measured by `scale` (the reciprocal of a diagonal), rows of r2 by 1 / k_i.
+    pub(crate) fn residual(&self, scale: &[f64], u: &[f64], l: &[f64], r1: &mut [f64], r2: &mut [f64]) -> f64 {
+        let mut size1 = vec![0.0; r1.len()];
+        for i in 0..r1.len() {
+            let (cols, vals) = self.stiffness.row(i);
+            let (mut sum, mut size) = (0.0, self.load[i].abs());
+            for (&j, &v) in cols.iter().zip(vals) {
+                let term = v * u[j as usize];
+                sum += term;
+                size += term.abs();
+            }
+            r1[i] = self.load[i] - sum;
+            size1[i] = size;
+        }
+        let reaction = self.reaction.as_ref().unwrap_or(&self.rows);
+        let mut bottom2 = 0.0f64;
+        for a in 0..r2.len() {
+            r2[a] = 0.0;
+            if !self.enforced[a] {
+                continue;
+            }
+            let (cols, vals) = reaction.row(a);
+            for (&j, &v) in cols.iter().zip(vals) {
+                let term = v * l[a];
+                r1[j as usize] -= term;
+                size1[j as usize] += term.abs();
+            }
+            let (cols, vals) = self.rows.row(a);
+            let soft = self.compliance[a] * l[a];
+            let (mut sum, mut size) = (0.0, self.offset[a].abs() + soft.abs());
+            for (&j, &v) in cols.iter().zip(vals) {
+                let term = v * u[j as usize];
+                sum += term;
+                size += term.abs();
+            }
+            r2[a] = -self.offset[a] - sum + soft;
+            bottom2 = bottom2.max(size / self.k[a]);
+        }
+        let (mut top1, mut bottom1, mut top2) = (0.0, 0.0, 0.0);
+        for i in 0..r1.len() {
+            top1 = max(top1, r1[i].abs() * scale[i]);
+            bottom1 = max(bottom1, size1[i] * scale[i]);
+        }
+        for a in 0..r2.len() {
+            top2 = max(top2, r2[a].abs() / self.k[a]);
+        }
+        max(ratio(top1, bottom1), ratio(top2, bottom2))
+    }
+}
+
+/// (C u + g)_i of all rows, in the caller's units.
+pub(crate) fn gaps<T: Real>(system: &ConstrainedSystem<'_, T>, u: &[T]) -> Vec<T> {
+    let mut gap = system.offset.to_vec();
+    for triplets in [&system.constraint.slave, &system.constraint.master] {
+        for &(i, j, v) in &triplets.entries {
+            gap[i] += v * u[j];
+        }
+    }
+    gap
+}
+
+/// Sizes and indices of the parts fit together.
+pub(crate) fn check_shape<T: Real>(system: &ConstrainedSystem<'_, T>) -> Result<(), SolveError> {
+    let (n, m) = (system.stiffness.size(), system.offset.len());
+    let shape = |what, found, expected| if found == expected { Ok(()) } else { Err(SolveError::Shape { what, found, expected }) };
+    shape("entries of the load", system.load.len(), n)?;
+    shape("kinds of rows", system.kind.len(), m)?;
+    if !system.compliance.is_empty() {
+        shape("compliances", system.compliance.len(), m)?;
+    }
+    for rows in [Some(system.constraint), system.reaction].into_iter().flatten() {
+        for part in [&rows.slave, &rows.master] {
+            if let Some(e) = part.entries.iter().find(|e| e.0 >= m || e.1 >= n) {
+                let (what, found, expected) =
+                    if e.0 >= m { ("rows of the constraint", e.0 + 1, m) } else { ("columns of the constraint", e.1 + 1, n) };
+                return Err(SolveError::Shape { what, found, expected });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// C = slave + master as m rows of n columns.
+pub(crate) fn combined<T: Real>(rows: &Rows<T>, m: usize, n: usize) -> Csr<T> {
+    let mut all = Triplets::new(m, n);
+    all.entries = rows.slave.entries.iter().chain(&rows.master.entries).copied().collect();
+    all.to_csr()
+}
+
+fn scale_rows(rows: &mut Csr<f64>, factor: &[f64]) {
+    let (ptr, _, vals) = rows.parts_mut();
+    for i in 0..factor.len() {
+        for v in &mut vals[ptr[i]..ptr[i + 1]] {
+            *v *= factor[i];
+        }
+    }
+}
+
+fn row_places(system: &ConstrainedSystem<'_, f64>, m: usize, n: usize) -> Vec<[f64; 3]> {
+    let places = system.stiffness.places();
+    if places.len() != n || n == 0 {
+        return Vec::new();
+    }
+    let mut best = vec![(0.0, usize::MAX); m];
+    for part in [&system.constraint.slave, &system.constraint.master] {
+        for &(i, j, v) in &part.entries {
+            // master entries stand in only for rows without slave entries
+            if best[i].1 == usize::MAX || (std::ptr::eq(part, &system.constraint.slave) && v.abs() > best[i].0) {
+                best[i] = (v.abs(), j);
+            }
+        }
+    }
+    best.iter().map(|&(_, j)| if j == usize::MAX { places[0] } else { places[j] }).collect()
+}

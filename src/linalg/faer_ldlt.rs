@@ -1,0 +1,257 @@
+//! Sparse LDLᵀ of symmetric positive definite and quasi-definite matrices, on faer.
+//!
+//! P A Pᵀ = L D Lᵀ without pivoting. P is a geometric nested dissection where the operator knows the places of its unknowns, else
+//! approximate minimum degree. A pattern seen before keeps its analysis.
+
+use super::residual::{KERNEL, RESIDUAL_LIMIT, kernel_ratio, residual, row_scale, softest};
+use super::{Csr, LinearError, LinearSolver, Operator, ordering};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::perm::PermRef;
+use faer::sparse::linalg::cholesky::{self, LdltRef, SymbolicCholesky, SymmetricOrdering};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side, Spec};
+use std::fmt;
+use std::sync::Arc;
+
+/// Refinements after which a residual that still falls is taken as it is.
+const MAX_REFINEMENTS: usize = 10;
+
+/// Rows of the upper triangle, diagonal included and first in every row.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Upper {
+    /// Row pointers and ascending columns; shared with the analysis.
+    pub pattern: Arc<(Vec<usize>, Vec<usize>)>,
+    /// Values.
+    pub vals: Vec<f64>,
+}
+
+impl Upper {
+    /// The upper triangle of `a`; a diagonal that is not stored becomes a stored zero.
+    pub(crate) fn of(a: &Csr<f64>) -> Self {
+        let n = a.num_rows();
+        let (mut ptr, mut cols, mut vals) = (Vec::with_capacity(n + 1), Vec::new(), Vec::new());
+        ptr.push(0);
+        for i in 0..n {
+            let (row, row_vals) = a.row(i);
+            let first = row.partition_point(|&j| (j as usize) < i);
+            if row.get(first).is_none_or(|&j| j as usize != i) {
+                cols.push(i);
+                vals.push(0.0);
+            }
+            for k in first..row.len() {
+                cols.push(row[k] as usize);
+                vals.push(row_vals[k]);
+            }
+            ptr.push(cols.len());
+        }
+        Self { pattern: Arc::new((ptr, cols)), vals }
+    }
+}
+
+/// LDLᵀ factorisation with refinement and a check of the residual.
+///
+/// For positive definite and quasi-definite matrices of which both triangles are stored and only one is read.
+/// A matrix that maps some vector to rounding errors is refused as singular.
+#[derive(Default)]
+pub struct Ldlt {
+    analysis: Option<Analysis>,
+    factor: Vec<f64>,
+    ready: bool,
+    analyses: usize,
+    scale: Vec<f64>,
+}
+
+struct Analysis {
+    pattern: Arc<(Vec<usize>, Vec<usize>)>,
+    symbolic: SymbolicCholesky<usize>,
+    dissected: bool,
+}
+
+impl fmt::Debug for Ldlt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Ldlt").field("analyses", &self.analyses).field("factor_entries", &self.factor.len()).finish()
+    }
+}
+
+impl Ldlt {
+    /// A solver that has seen no matrix yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// How often a new pattern was analysed.
+    pub fn analyses(&self) -> usize {
+        self.analyses
+    }
+
+    /// Numbers stored for the factor of the last matrix: 8 bytes each.
+    pub fn factor_entries(&self) -> usize {
+        self.factor.len()
+    }
+
+    /// Whether the last analysis used the places of the unknowns.
+    pub fn dissected(&self) -> bool {
+        self.analysis.as_ref().is_some_and(|a| a.dissected)
+    }
+
+    /// Factorises the matrix with this upper triangle; no check of singularity beyond zero and infinite pivots.
+    pub(crate) fn factorise(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {
+        self.ready = false;
+        if upper.vals.iter().any(|v| !v.is_finite()) {
+            return Err(LinearError::NotFinite);
+        }
+        let seen = self.analysis.as_ref().is_some_and(|a| Arc::ptr_eq(&a.pattern, &upper.pattern) || a.pattern == upper.pattern);
+        if !seen {
+            self.analysis = None;
+            self.factor = Vec::new();
+            self.analysis = Some(analyse(&upper.pattern, places)?);
+            self.analyses += 1;
+        }
+        let symbolic = &self.analysis.as_ref().expect("analysed above").symbolic;
+        let n = symbolic.nrows();
+        self.factor.resize(symbolic.len_val(), 0.0);
+        if n == 0 {
+            self.ready = true;
+            return Ok(());
+        }
+        let (ptr, cols) = &*upper.pattern;
+        // rows of the upper triangle are columns of the lower one
+        let matrix = SparseColMatRef::new(SymbolicSparseColMatRef::new_checked(n, n, ptr, None, cols), &upper.vals);
+        let mut memory = buffer(symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()))?;
+        symbolic
+            .factorize_numeric_ldlt(
+                &mut self.factor,
+                matrix,
+                Side::Lower,
+                faer::linalg::cholesky::ldlt::factor::LdltRegularization::default(),
+                Par::Seq,
+                MemStack::new(&mut memory),
+                Spec::default(),
+            )
+            .map_err(|_| LinearError::Singular { residual: 1.0 })?;
+        self.ready = true;
+        Ok(())
+    }
+
+    /// x = A⁻¹ x by the factor alone.
+    pub(crate) fn apply_inverse(&self, x: &mut [f64]) -> Result<(), LinearError> {
+        let Some(analysis) = self.analysis.as_ref().filter(|_| self.ready) else {
+            return Err(LinearError::Singular { residual: 1.0 });
+        };
+        let n = analysis.symbolic.nrows();
+        if x.len() != n {
+            return Err(LinearError::Shape { expected: n, found: x.len() });
+        }
+        if n == 0 {
+            return Ok(());
+        }
+        let mut memory = buffer(analysis.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq))?;
+        LdltRef::new(&analysis.symbolic, &self.factor).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(x, n, 1),
+            Par::Seq,
+            MemStack::new(&mut memory),
+        );
+        Ok(())
+    }
+}
+
+impl LinearSolver<f64> for Ldlt {
+    fn prepare(&mut self, a: &dyn Operator<f64>) -> Result<(), LinearError> {
+        let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
+        self.factorise(&Upper::of(matrix), a.places())?;
+        self.scale = row_scale(a);
+        let diagonal: Vec<f64> = matrix.diagonal().iter().map(|d| d.abs()).collect();
+        if diagonal.is_empty() {
+            return Ok(());
+        }
+        let mut fault = None;
+        let soft = softest(&diagonal, |v| {
+            if let Err(error) = self.apply_inverse(v) {
+                fault = Some(error);
+            }
+        });
+        if let Some(error) = fault {
+            self.ready = false;
+            return Err(error);
+        }
+        if soft.is_none_or(|v| kernel_ratio(matrix, &self.scale, &v) < KERNEL) {
+            self.ready = false;
+            return Err(LinearError::Singular { residual: 1.0 });
+        }
+        Ok(())
+    }
+
+    fn solve(&self, a: &dyn Operator<f64>, b: &[f64], x: &mut [f64]) -> Result<usize, LinearError> {
+        refine(a, &self.scale, b, x, |r| self.apply_inverse(r))
+    }
+}
+
+/// Solves by `inverse` and refines on `a` until the residual stalls; returns the number of refinements.
+pub(crate) fn refine(
+    a: &dyn Operator<f64>,
+    scale: &[f64],
+    b: &[f64],
+    x: &mut [f64],
+    mut inverse: impl FnMut(&mut [f64]) -> Result<(), LinearError>,
+) -> Result<usize, LinearError> {
+    let n = a.size();
+    for found in [b.len(), x.len(), scale.len()] {
+        if found != n {
+            return Err(LinearError::Shape { expected: n, found });
+        }
+    }
+    if b.iter().any(|v| !v.is_finite()) {
+        return Err(LinearError::NotFinite);
+    }
+    x.copy_from_slice(b);
+    inverse(x)?;
+    let mut r = vec![0.0; n];
+    let mut size = residual(a, scale, b, x, &mut r);
+    let (mut best, mut steps) = (x.to_vec(), 0);
+    while steps < MAX_REFINEMENTS && size > 0.0 {
+        inverse(&mut r)?;
+        for i in 0..n {
+            x[i] += r[i];
+        }
+        let after = residual(a, scale, b, x, &mut r);
+        steps += 1;
+        if after.is_nan() || after >= size {
+            x.copy_from_slice(&best);
+            break;
+        }
+        best.copy_from_slice(x);
+        let stalled = after > 0.25 * size;
+        size = after;
+        if stalled {
+            break;
+        }
+    }
+    if size.is_nan() || size > RESIDUAL_LIMIT {
+        return Err(LinearError::Singular { residual: if size.is_finite() { size } else { 1.0 } });
+    }
+    Ok(steps)
+}
+
+fn analyse(pattern: &Arc<(Vec<usize>, Vec<usize>)>, places: &[[f64; 3]]) -> Result<Analysis, LinearError> {
+    let (ptr, cols) = &**pattern;
+    let n = ptr.len() - 1;
+    let order = ordering::nested_dissection(ptr, cols, places).map(|order| ordering::postordered(ptr, cols, &order));
+    let mut inverse = vec![0usize; order.as_ref().map_or(0, Vec::len)];
+    for (new, &old) in order.iter().flatten().enumerate() {
+        inverse[old] = new;
+    }
+    let choice = match &order {
+        Some(order) => SymmetricOrdering::Custom(PermRef::new_checked(order, &inverse, n)),
+        None => SymmetricOrdering::Amd,
+    };
+    let matrix = SymbolicSparseColMatRef::new_checked(n, n, ptr, None, cols);
+    let symbolic =
+        cholesky::factorize_symbolic_cholesky(matrix, Side::Lower, choice, Default::default()).map_err(|_| LinearError::Memory)?;
+    Ok(Analysis { pattern: pattern.clone(), symbolic, dissected: order.is_some() })
+}
+
+/// Scratch memory; an error where the system has none left.
+pub(crate) fn buffer(size: faer::dyn_stack::StackReq) -> Result<MemBuffer, LinearError> {
+    MemBuffer::try_new(size).map_err(|_| LinearError::Memory)
+}

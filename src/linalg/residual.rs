@@ -1,0 +1,97 @@
+//! Residuals that do not depend on units, and vectors that a matrix maps to rounding errors.
+
+use super::{Csr, Operator, Real, to_f64};
+
+/// A direct solve with a larger relative residual than this is an error.
+pub(crate) const RESIDUAL_LIMIT: f64 = 1e-10;
+/// A vector v with |A v| below this part of |A| |v| belongs to the kernel: 50 units of rounding.
+pub(crate) const KERNEL: f64 = 1e-14;
+
+/// r = b - A x and its size relative to |A| |x| + |b|; every row is measured by its largest entry.
+///
+/// Where the operator has no matrix, |A| |x| is taken as |A x| + |diag A| |x|.
+pub(crate) fn residual<T: Real>(a: &dyn Operator<T>, scale: &[f64], b: &[T], x: &[T], r: &mut [T]) -> f64 {
+    a.apply(x, r);
+    let diagonal = if a.csr().is_none() { a.diagonal() } else { Vec::new() };
+    let (mut top, mut bottom) = (0.0f64, 0.0f64);
+    for i in 0..b.len() {
+        let product = to_f64(r[i]);
+        let size = match a.csr() {
+            Some(matrix) => {
+                let (cols, vals) = matrix.row(i);
+                cols.iter().zip(vals).map(|(&j, &v)| (to_f64(v) * to_f64(x[j as usize])).abs()).sum()
+            }
+            None => product.abs() + (to_f64(diagonal[i]) * to_f64(x[i])).abs(),
+        };
+        r[i] = b[i] - r[i];
+        top = max(top, to_f64(r[i]).abs() * scale[i]);
+        bottom = max(bottom, (size + to_f64(b[i]).abs()) * scale[i]);
+    }
+    ratio(top, bottom)
+}
+
+/// Reciprocal of the largest entry of every row (of the diagonal, where there is no matrix); one for empty rows.
+pub(crate) fn row_scale<T: Real>(a: &dyn Operator<T>) -> Vec<f64> {
+    let largest: Vec<f64> = match a.csr() {
+        Some(matrix) => (0..matrix.num_rows()).map(|i| matrix.row(i).1.iter().fold(0.0, |m: f64, &v| max(m, to_f64(v).abs()))).collect(),
+        None => a.diagonal().iter().map(|&d| to_f64(d).abs()).collect(),
+    };
+    largest.iter().map(|&m| if m > 0.0 && m.is_finite() { 1.0 / m } else { 1.0 }).collect()
+}
+
+/// The larger of two numbers; not a number if one is not.
+pub(crate) fn max(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}
+
+/// top / bottom with 0 / 0 = 0; not a number stays one.
+pub(crate) fn ratio(top: f64, bottom: f64) -> f64 {
+    if top == 0.0 { 0.0 } else { top / bottom }
+}
+
+/// Two steps of inverse iteration with M, scaled by |diagonal|: a vector that M maps to little, or `None` if `solve` overflows.
+///
+/// Rigid motions grow by the reciprocal of rounding errors in one step, all else by at most the condition.
+pub(crate) fn softest(diagonal: &[f64], mut solve: impl FnMut(&mut [f64])) -> Option<Vec<f64>> {
+    let weight = |i: usize| if diagonal[i] > 0.0 { diagonal[i] } else { 1.0 };
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut v: Vec<f64> = (0..diagonal.len())
+        .map(|i| {
+            // a fixed sequence of numbers in (-0.5, 1.5): all translations and rotations have a part in it
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 0.5) * weight(i).sqrt()
+        })
+        .collect();
+    for step in 0..2 {
+        if step > 0 {
+            for i in 0..v.len() {
+                v[i] *= weight(i);
+            }
+        }
+        solve(&mut v);
+        let norm = (0..v.len()).map(|i| v[i] * v[i] * weight(i)).sum::<f64>().sqrt();
+        if !norm.is_finite() || norm == 0.0 {
+            return None;
+        }
+        for x in &mut v {
+            *x /= norm;
+        }
+    }
+    Some(v)
+}
+
+/// Size of A v relative to |A| |v|, rows measured by `scale`: at rounding for a vector of the kernel.
+pub(crate) fn kernel_ratio(a: &Csr<f64>, scale: &[f64], v: &[f64]) -> f64 {
+    let (mut top, mut bottom) = (0.0f64, 0.0f64);
+    for i in 0..a.num_rows() {
+        let (cols, vals) = a.row(i);
+        let (mut sum, mut size) = (0.0, 0.0);
+        for (&j, &x) in cols.iter().zip(vals) {
+            sum += x * v[j as usize];
+            size += (x * v[j as usize]).abs();
+        }
+        top = max(top, (sum * scale[i]).abs());
+        bottom = max(bottom, size * scale[i]);
+    }
+    ratio(top, bottom)
+}
