@@ -1,10 +1,13 @@
 //! Floor 3: scalar bases, asked per element and batch of points in the element's own coordinates.
 
 mod bspline;
+mod convert;
+mod extracted;
 mod knots;
 mod lagrange;
 mod rational;
 mod refined;
+mod simplex;
 mod table;
 mod tensor;
 
@@ -12,10 +15,12 @@ use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
 
 pub use bspline::BSpline;
+pub use extracted::Extracted;
 pub use knots::{ContainError, KnotError};
 pub use lagrange::{LagrangeLine, lagrange_nodes};
 pub use rational::{Rational, WeightError, check_weights};
 pub use refined::Refined;
+pub use simplex::{BernsteinSimplex, LagrangeSimplex, simplex_lattice, simplex_nodes, simplex_numbering};
 pub use table::{Order, ShapeTable};
 pub use tensor::TensorProduct;
 

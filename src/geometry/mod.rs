@@ -2,6 +2,8 @@
 
 mod bounds;
 mod embedding;
+mod net;
+mod net_moves;
 
 use crate::basis::{Block, Elements, Order, ShapeTable};
 use crate::linalg::{Matrix, Real, Vector};
@@ -9,6 +11,8 @@ use std::borrow::Cow;
 
 pub use bounds::Bounds;
 pub use embedding::Embedding;
+pub use net::{ControlNet, NetError};
+pub use net_moves::{turn, turn_about};
 
 /// Positions and derivatives of a map at a batch of points; caller-owned, keeps its memory between calls.
 #[derive(Clone, Debug)]
