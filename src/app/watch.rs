@@ -30,7 +30,7 @@ pub enum Progress<'a> {
 }
 
 /// Why a run should end early.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Stop {
     /// The user asked for it: exit 130.
@@ -38,7 +38,7 @@ pub enum Stop {
     /// The time limit has passed: E081, exit 6.
     TimeLimit {
         /// The limit in seconds.
-        seconds: u64,
+        seconds: f64,
     },
 }
 
@@ -48,7 +48,7 @@ pub struct Watch {
     /// Set from outside to end the run.
     pub interrupted: Arc<AtomicBool>,
     /// When the run must end, and the limit in seconds it came from.
-    pub deadline: Option<(Instant, u64)>,
+    pub deadline: Option<(Instant, f64)>,
     /// Most bytes the run may use; it compares its prediction before it allocates (E081, exit 6).
     pub max_memory: Option<u64>,
     /// Who hears the news.
