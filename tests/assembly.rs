@@ -5,9 +5,12 @@ use faying::assembly::{
     measure, stiffness, trace_load, trace_springs,
 };
 use faying::basis::{BSpline, Basis, Block, Cell, Elements, LagrangeLine, Order, Polynomials, ShapeTable, TensorProduct};
+use faying::check;
 use faying::geometry::{Bounds, Embedding, Geometry, MapTable};
 use faying::linalg::{LinearError, LinearSolver, Matrix, Operator, Triplets, Vector};
-use faying::physics::{Conductor, Hooke, Material, form};
+use faying::physics::{
+    Assumption, BodyFlux, Conductor, Elastic, Hooke, Jet, Material, MaterialError, Response, form, stress_at, von_mises,
+};
 use faying::space::{Field, Over, Space, Trace};
 use std::sync::Arc;
 
@@ -427,4 +430,122 @@ fn norms_of_a_linear_field_are_its_integrals() {
     }
     assert_eq!(e.error, e.exact);
     assert!((e.hypot(e).error.h1 - 3f64.sqrt()).abs() < 1e-14);
+}
+
+/// Conductivity and elastic constants that vary in the plane.
+fn varying() -> (Conductor<2>, Hooke<2>, Hooke<2>) {
+    let k = Conductor::varying(|x: &Vector<2>| Jet::new(2.0 + x[0] * x[1], Vector::<2>::new(x[1], x[0])));
+    let law = |x: &Vector<2>| Elastic::Young {
+        young: Jet::new(3.0 + x[0] + x[1] * x[1], Vector::<2>::new(1.0, 2.0 * x[1])),
+        poisson: Jet::new(0.3 - 0.1 * x[1], Vector::<2>::new(0.0, -0.1)),
+    };
+    (k, Hooke::varying(law, Assumption::PlaneStrain), Hooke::varying(law, Assumption::PlaneStress))
+}
+
+#[test]
+fn materials_keep_the_rules_of_materials() {
+    let places = [Vector::<2>::new(0.1, 0.2), Vector::<2>::new(0.7, -0.3), Vector::<2>::new(-0.5, 0.4)];
+    let (k, strain, stress) = varying();
+    check::material(&Conductor::<2>::try_new(3.0).unwrap(), &places, 0.1).unwrap();
+    check::material(&k, &places, 0.1).unwrap();
+    for plane in [Hooke::<2>::plane_strain(210e3, 0.3).unwrap(), Hooke::plane_stress(210e3, 0.5).unwrap(), strain, stress] {
+        check::material(&plane, &places, 1e-3).unwrap();
+        check::material(&plane as &dyn Material<2, 2>, &places, 1e-3).unwrap();
+    }
+    let lame = Hooke::<2>::try_new(Elastic::Lame { lambda: 1.0, mu: 2.0 }, Assumption::PlaneStress).unwrap();
+    check::material(&lame, &places, 1e-3).unwrap();
+    check::material(&Hooke::<3>::solid(1.0, 0.3).unwrap(), &[Vector::<3>::zeros(), Vector::<3>::repeat(1.0)], 1e-3).unwrap();
+    check::material(&Hooke::<2, f32>::plane_strain(1.0, 0.3).unwrap(), &[Vector::<2, f32>::zeros()], 0.1).unwrap();
+}
+
+#[test]
+fn the_material_checker_finds_a_wrong_tangent_stress_at_rest_and_a_rotation() {
+    #[derive(Debug)]
+    struct Wrong(usize);
+    impl Material<2, 2> for Wrong {
+        fn respond(&self, x: &Vector<2>, grad_u: &Matrix<2, 2>) -> Response<2, 2> {
+            let steel = Hooke::<2>::plane_strain(1.0, 0.3).unwrap();
+            let mut r = steel.respond(x, grad_u);
+            match self.0 {
+                0 => r.tangent[0][1][(0, 1)] *= 1.001,
+                1 => r.stress[(0, 0)] += 1e-3,
+                _ => {
+                    // k grad u by component: symmetric, but rotations give stress
+                    r.stress = *grad_u;
+                    r.tangent =
+                        std::array::from_fn(|i| std::array::from_fn(|j| Matrix::from_fn(|k, l| f64::from(u8::from((i, j) == (k, l))))));
+                }
+            }
+            r
+        }
+        fn modulus(&self, _: &Vector<2>) -> f64 {
+            1.0
+        }
+        fn is_linear(&self) -> bool {
+            true
+        }
+    }
+    for (kind, words) in [(0, "not the derivative"), (1, "stress at rest"), (2, "rotation")] {
+        let text = check::material(&Wrong(kind), &[Vector::<2>::zeros()], 1e-2).unwrap_err();
+        assert!(text.contains(words), "{text}");
+    }
+}
+
+#[test]
+fn the_flux_of_a_body_is_its_stress_times_the_normal_and_bounded_by_its_energy() {
+    let field = Field { first: 7, components: 2 };
+    let (k, strain, _) = varying();
+    let strain: Arc<dyn Material<2, 2>> = Arc::new(strain);
+    let k: Arc<dyn Material<1, 2>> = Arc::new(k);
+    for degree in [1, 2, 3] {
+        let space: Arc<dyn Space<2, 2>> = Arc::new(splines::<2>(degree, [4, 3], 0.0));
+        for trace in two_sides(degree, [4, 3]) {
+            let flux = BodyFlux::new(space.clone(), trace.clone(), field, strain.clone());
+            check::flux(&flux, &trace, &*space, field, &*strain).unwrap();
+            let scalar = Field { first: 0, components: 1 };
+            let flux = BodyFlux::new(space.clone(), trace.clone(), scalar, k.clone());
+            check::flux(&flux, &trace, &*space, scalar, &*k).unwrap();
+            // a flux seen through the wrong normal is found
+            let mut turned = trace.clone();
+            turned.outward.iter_mut().for_each(|o| *o = -*o);
+            assert!(check::flux(&flux, &turned, &*space, scalar, &*k).unwrap_err().contains("the stress gives"));
+        }
+    }
+}
+
+#[test]
+fn elastic_constants_outside_their_limits_are_refused_with_the_limits() {
+    let text = |r: Result<Hooke<2>, MaterialError>| r.unwrap_err().to_string();
+    assert_eq!(text(Hooke::plane_strain(1.0, 0.5)), "poisson = 0.5 makes plane strain singular; allowed are -1 < poisson < 0.5");
+    assert_eq!(text(Hooke::plane_strain(0.0, 0.3)), "young = 0 is not allowed; it must be positive");
+    assert_eq!(text(Hooke::plane_stress(1.0, 0.6)), "poisson = 0.6 is not allowed; allowed are -1 < poisson <= 0.5");
+    assert!(text(Hooke::plane_strain(1.0, -1.0)).contains("singular"));
+    assert!(text(Hooke::plane_strain(f64::NAN, 0.3)).contains("must be positive"));
+    assert!(text(Hooke::plane_strain(1.0, f64::NAN)).contains("poisson = NaN"));
+    let lame = |lambda, mu| Hooke::<2>::try_new(Elastic::Lame { lambda, mu }, Assumption::PlaneStrain);
+    assert!(text(lame(-1.0, 1.0)).contains("lambda must be above -0.6666666666666666"));
+    assert!(text(lame(1.0, -1.0)).contains("mu = -1"));
+    assert!(Conductor::<2>::try_new(-2.0).unwrap_err().to_string().contains("conductivity = -2"));
+    assert!(Hooke::plane_stress(1.0, 0.5).is_ok());
+}
+
+#[test]
+fn plane_models_have_their_stress_out_of_the_plane() {
+    // uniaxial strain eps: plane strain zz = nu (xx + yy), plane stress zz = 0; von Mises of a uniaxial stress is itself
+    let space = splines::<2>(2, [2, 2], 0.1);
+    let rest = vec![0.0; 2 * space.num_functions()];
+    let (e, nu) = (2.0, 0.3);
+    let strain = Hooke::<2>::plane_strain(e, nu).unwrap();
+    let grad = Matrix::<2, 2>::new(1e-3, 2e-3, 5e-3, -4e-3);
+    let s = strain.spatial_stress(&Vector::zeros(), &grad);
+    assert!((s[2] - nu * (s[0] + s[1])).abs() < 1e-17);
+    assert!((s[0] - (s[1] * nu + s[2] * nu) - e * 1e-3).abs() < 1e-17, "eps_xx = (xx - nu (yy + zz)) / E");
+    assert!((s[3] - e / (2.0 * (1.0 + nu)) * 7e-3).abs() < 1e-17 && s[4] == 0.0 && s[5] == 0.0);
+    let stress = Hooke::<2>::plane_stress(e, nu).unwrap();
+    let t = stress.spatial_stress(&Vector::zeros(), &grad);
+    assert!(t[2] == 0.0 && (t[0] - nu * t[1] - e * 1e-3).abs() < 1e-17);
+    assert_eq!(stress_at(&space, &stress, &rest, 0, &[Vector::<2>::repeat(0.5)])[0].spatial, [0.0; 6]);
+    assert_eq!(von_mises(&[5.0, 0.0, 0.0, 0.0, 0.0, 0.0]), 5.0);
+    assert!((von_mises(&[0.0, 0.0, 0.0, 1.0, 2.0, 2.0]) - 27f64.sqrt()).abs() < 1e-15);
+    assert_eq!(von_mises::<f64>(&[3.0; 6]), von_mises(&[0.0, 0.0, 0.0, 3.0, 3.0, 3.0]), "pressure does not matter");
 }
