@@ -1,5 +1,7 @@
 //! The bulk loop, linear forms, projections and the reduction, on maps written down here.
 
+#![allow(clippy::unwrap_used)]
+
 use faying::assembly::{
     Coefficient, Equation, Fixed, Form, Pattern, Reduced, ReductionError, add_stiffness, dirichlet, errors, gauss_rules, load, mass,
     measure, stiffness, trace_load, trace_springs,
