@@ -1,16 +1,30 @@
 //! Floor 4: maps from elements to space. Knows no unknowns.
 
 mod bounds;
+mod bvh;
+pub mod cell;
+mod closest;
+mod control;
+mod embedded;
 mod embedding;
+mod frame;
+mod hull;
 mod net;
 mod net_moves;
+pub mod shapes;
 
 use crate::basis::{Block, Elements, Order, ShapeTable};
 use crate::linalg::{Matrix, Real, Vector};
 use std::borrow::Cow;
 
 pub use bounds::Bounds;
+pub use bvh::Tree;
+pub use closest::{ClosestPoint, Projection, closest_point};
+pub use control::ControlPoints;
+pub use embedded::Embedded;
 pub use embedding::Embedding;
+pub use frame::{cross, unit_normal, unit_tangent};
+pub use hull::hull;
 pub use net::{ControlNet, NetError};
 pub use net_moves::{turn, turn_about};
 

@@ -1,13 +1,28 @@
 //! Floor 5: spaces (a basis over a geometry), bodies with named sides, traces.
 
+mod deformed;
+mod field;
+mod grid;
+mod mesh;
+mod mesh_from_patch;
+mod patch;
+mod quality;
+pub mod refine;
+mod spec;
 mod trace;
 
 use crate::basis::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable};
-use crate::geometry::{Bounds, Geometry, MapBlock, MapTable};
+use crate::geometry::{Bounds, ControlPoints, Embedded, Geometry, MapBlock, MapTable};
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
 use std::sync::Arc;
 
+pub use deformed::Deformed;
+pub use field::{FieldAt, Located, Locator, OutsideBody, field_at, locate};
+pub use mesh::Mesh;
+pub use patch::Patch;
+pub use quality::{InvertedElement, Quality, measure, quality};
+pub use spec::{BasisKind, MAX_DEGREE_SIMPLEX, MAX_DEGREE_SPLINE, MAX_DEGREE_TENSOR, Mapping, PatchSpec, SpecError};
 pub use trace::Trace;
 
 /// Scalar functions and a map on the same elements.
@@ -85,6 +100,19 @@ impl<const D: usize, const N: usize, T: Real, B: Elements, G: Geometry<D, N, T>>
 }
 
 impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>, G: Geometry<D, N, T>> Space<D, N, T> for Over<B, G> {}
+
+/// Control points over a basis are an isoparametric space: one table serves the functions and the map.
+impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Space<D, N, T> for ControlPoints<B, N, T> {
+    fn evaluate(&self, element: usize, xi: &[Vector<D, T>], order: Order, shapes: &mut ShapeTable<D, T>, map: &mut MapTable<D, N, T>) {
+        let mut ids = std::mem::take(&mut map.ids);
+        self.basis.active(element, &mut ids);
+        self.basis.tabulate(element, xi, order, shapes);
+        self.combine(&ids, shapes, xi.len(), order, map);
+        map.ids = ids;
+    }
+}
+
+impl<const S: usize, const D: usize, const N: usize, T: Real, X: Space<D, N, T>> Space<S, N, T> for Embedded<S, D, X, T> {}
 
 /// How the unknowns of a vector field are numbered: unknown = first + components * function + component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

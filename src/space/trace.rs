@@ -1,9 +1,18 @@
 //! The space on a side of a body, and where each of its elements lies in the body.
 
-use super::Space;
-use crate::geometry::Embedding;
-use crate::linalg::Real;
+use super::{Over, SideError, Space};
+use crate::basis::{Cell, Order};
+use crate::geometry::{Bounds, ClosestPoint, Embedded, Embedding, MapTable, Tree, cell, cross, unit_normal};
+use crate::linalg::{Matrix, Real, Vector, lit};
+use std::collections::HashMap;
 use std::sync::Arc;
+
+/// A facet lies on a face of its cell if its corners are this near to it, in local coordinates.
+const ON_FACE: f64 = 1e-9;
+/// Corners of facets nearer than this share of the side's size are one corner.
+const SAME_CORNER: f64 = 1e-9;
+/// A facet pushed out by this share of its element's size must leave the body.
+const PUSH: f64 = 1e-3;
 
 /// A space one dimension lower than its body, with facets. (S, N) stands for (N - 1, N).
 #[derive(Clone, Debug)]
@@ -17,4 +26,184 @@ pub struct Trace<const S: usize, const N: usize, T: Real = f64> {
     /// Per element: +1 or -1 times the cross product of the tangents points out of the body (curves: the tangent
     /// turned clockwise, (t_y, -t_x)).
     pub outward: Vec<T>,
+}
+
+impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
+    /// A side with a space of its own on the elements `facets`; finds `outward` by looking away from the cell's centre.
+    ///
+    /// # Errors
+    /// [`SideError::Interior`] where a facet is not on the boundary of the body.
+    /// # Panics
+    /// If there is not one facet per element and one dof per function.
+    pub fn new(
+        body: &Arc<dyn Space<N, N, T>>,
+        space: Arc<dyn Space<S, N, T>>,
+        dofs: Vec<usize>,
+        facets: Vec<Embedding<S, N, T>>,
+    ) -> Result<Self, SideError> {
+        assert_eq!(space.num_elements(), facets.len(), "one facet per element of the side");
+        assert_eq!(space.num_functions(), dofs.len(), "one dof per function of the side");
+        let kinds: Vec<Cell> = (0..facets.len()).map(|e| space.cell(e)).collect();
+        let outward = look_out(&**body, &facets, &kinds)?;
+        Ok(Self { space, dofs, facets, outward })
+    }
+
+    /// The body's functions and map on `facets` of the shape `kind`: the side of any body.
+    ///
+    /// Corner ids of the facets follow from where their corners are.
+    /// # Errors
+    /// [`SideError::Interior`] where a facet is not on the boundary of the body.
+    pub fn from_facets(body: &Arc<dyn Space<N, N, T>>, facets: Vec<Embedding<S, N, T>>, kind: Cell) -> Result<Self, SideError> {
+        let outward = look_out(&**body, &facets, &vec![kind; facets.len()])?;
+        let corners = corner_ids(&**body, &facets, kind);
+        let geometry = Embedded::new(body.clone(), facets.clone(), kind).with_corners(corners.clone());
+        let (basis, dofs) = Embedded::new(body.clone(), facets.clone(), kind).with_corners(corners).restricted();
+        Ok(Self { space: Arc::new(Over { basis, geometry }), dofs, facets, outward })
+    }
+
+    /// The same side with another space on its elements, as [`Deformed`](super::Deformed).
+    ///
+    /// # Panics
+    /// If the number of elements or functions differs.
+    pub fn with_space(&self, space: Arc<dyn Space<S, N, T>>) -> Self {
+        assert_eq!(space.num_elements(), self.facets.len(), "one facet per element of the side");
+        assert_eq!(space.num_functions(), self.dofs.len(), "one dof per function of the side");
+        Self { space, dofs: self.dofs.clone(), facets: self.facets.clone(), outward: self.outward.clone() }
+    }
+
+    /// The body's element and local coordinates of a local point of the side.
+    #[inline]
+    pub fn lift(&self, element: usize, xi: &Vector<S, T>) -> (usize, Vector<N, T>) {
+        let facet = &self.facets[element];
+        (facet.element, facet.lift(xi))
+    }
+
+    /// The unit normal out of the body where the side's map has the Jacobian `jacobian`.
+    #[inline]
+    pub fn normal(&self, element: usize, jacobian: &Matrix<N, S, T>) -> Vector<N, T> {
+        unit_normal(jacobian, self.outward[element])
+    }
+}
+
+/// The local points of a facet's corners in its parent.
+fn lifted<const S: usize, const N: usize, T: Real>(facet: &Embedding<S, N, T>, kind: Cell) -> Vec<Vector<N, T>> {
+    cell::corners::<S, T>(kind).iter().map(|c| facet.lift(c)).collect()
+}
+
+/// The sign of every facet: the cross product of its tangents against the way from the parent's centre.
+fn look_out<const S: usize, const N: usize, T: Real>(
+    body: &dyn Space<N, N, T>,
+    facets: &[Embedding<S, N, T>],
+    kinds: &[Cell],
+) -> Result<Vec<T>, SideError> {
+    check_boundary(body, facets, kinds)?;
+    let mut table = MapTable::new();
+    Ok(facets
+        .iter()
+        .zip(kinds)
+        .map(|(facet, &kind)| {
+            let xi = facet.lift(&cell::center::<S, T>(kind));
+            let away = xi - cell::center::<N, T>(body.cell(facet.element));
+            body.map(facet.element, &[xi], Order::Gradients, &mut table);
+            // cofactors carry reference normals to physical ones; their sign survives any map that is not singular here
+            let tangents: Matrix<N, S, T> = table.jacobian[0] * facet.axes;
+            if cross(&tangents).dot(&(table.jacobian[0] * away)) < T::zero() { -T::one() } else { T::one() }
+        })
+        .collect())
+}
+
+/// Every facet must lie on a face of its cell that no other element has.
+fn check_boundary<const S: usize, const N: usize, T: Real>(
+    body: &dyn Space<N, N, T>,
+    facets: &[Embedding<S, N, T>],
+    kinds: &[Cell],
+) -> Result<(), SideError> {
+    let mut ids = Vec::new();
+    let mut named: HashMap<Vec<usize>, (usize, usize)> = HashMap::new();
+    let mut unnamed = Vec::new();
+    for (f, facet) in facets.iter().enumerate() {
+        let parent = body.cell(facet.element);
+        let face = cell::face_of(parent, &lifted(facet, kinds[f]), lit(ON_FACE)).ok_or(SideError::Interior { facet: f })?;
+        body.corners(facet.element, &mut ids);
+        let local = &cell::faces::<N, T>(parent)[face].corners;
+        if ids.is_empty() {
+            unnamed.push(f);
+        } else {
+            named.insert(sorted(local.iter().map(|&c| ids[c])), (facet.element, f));
+        }
+    }
+    if !named.is_empty() {
+        let mut inside = None::<usize>;
+        for e in 0..body.num_elements() {
+            body.corners(e, &mut ids);
+            if ids.is_empty() {
+                continue;
+            }
+            for face in cell::faces::<N, T>(body.cell(e)) {
+                if let Some(&(element, f)) = named.get(&sorted(face.corners.iter().map(|&c| ids[c])))
+                    && element != e
+                {
+                    inside = Some(inside.map_or(f, |g| g.min(f)));
+                }
+            }
+        }
+        if let Some(facet) = inside {
+            return Err(SideError::Interior { facet });
+        }
+    }
+    if unnamed.is_empty() { Ok(()) } else { check_by_leaving(body, facets, kinds, &unnamed) }
+}
+
+fn sorted(ids: impl Iterator<Item = usize>) -> Vec<usize> {
+    let mut ids: Vec<usize> = ids.collect();
+    ids.sort_unstable();
+    ids
+}
+
+/// Where no corner ids are known: a point pushed out through the facet must not be in the body.
+fn check_by_leaving<const S: usize, const N: usize, T: Real>(
+    body: &dyn Space<N, N, T>,
+    facets: &[Embedding<S, N, T>],
+    kinds: &[Cell],
+    which: &[usize],
+) -> Result<(), SideError> {
+    let closest = ClosestPoint::<N, N, _, T>::new(body);
+    let mut table = MapTable::new();
+    for &f in which {
+        let facet = &facets[f];
+        let xi = facet.lift(&cell::center::<S, T>(kinds[f]));
+        body.map(facet.element, &[xi], Order::Gradients, &mut table);
+        let jacobian = table.jacobian[0];
+        let mut normal = cross(&(jacobian * facet.axes));
+        if normal.dot(&(jacobian * (xi - cell::center::<N, T>(body.cell(facet.element))))) < T::zero() {
+            normal = -normal;
+        }
+        let push = body.bounds(facet.element).diagonal() * lit(PUSH);
+        let Some(normal) = normal.try_normalize(T::zero()) else { continue };
+        let left = closest.project(&(table.x[0] + normal * push)).is_none_or(|p| p.distance > push * lit(0.5));
+        if !left {
+            return Err(SideError::Interior { facet: f });
+        }
+    }
+    Ok(())
+}
+
+/// Corner ids of facets: corners at the same place have the same id.
+fn corner_ids<const S: usize, const N: usize, T: Real>(
+    body: &dyn Space<N, N, T>,
+    facets: &[Embedding<S, N, T>],
+    kind: Cell,
+) -> Vec<Vec<usize>> {
+    let mut table = MapTable::new();
+    let mut places: Vec<Vector<N, T>> = Vec::new();
+    for facet in facets {
+        body.map(facet.element, &lifted(facet, kind), Order::Values, &mut table);
+        places.extend_from_slice(&table.x);
+    }
+    let Some(all) = Bounds::around(&places) else { return Vec::new() };
+    let tree = Tree::new(places.iter().map(|p| Bounds { lo: *p, hi: *p }).collect());
+    let tolerance = all.diagonal() * lit(SAME_CORNER);
+    let ids: Vec<usize> =
+        places.iter().map(|p| tree.meeting(&Bounds { lo: *p, hi: *p }.inflated(tolerance)).first().copied().unwrap_or(0)).collect();
+    ids.chunks(cell::corners::<S, T>(kind).len()).map(<[usize]>::to_vec).collect()
 }

@@ -1,0 +1,440 @@
+//! The closest point of a map to a point: a tree of boxes, then Newton's method from several starts.
+//!
+//! Minimises f(xi) = |x(xi) - p|² / 2 over the closed cell of every element that a lower bound cannot rule out. Curves are
+//! cut into pieces that are bisected while a bound on the curvature leaves room for a closer point, so the answer is the
+//! closest one, not a local one. Surfaces and volumes start from the best points of a grid.
+
+use super::{Bounds, Geometry, MapTable, Tree, cell};
+use crate::basis::{Cell, Order};
+use crate::linalg::{Matrix, Real, Vector, lit, num};
+
+/// Pieces of an element of a curve before bisection.
+const PIECES: usize = 8;
+/// Bisections of a piece of a curve that a bound cannot rule out.
+const DEPTH: usize = 5;
+/// Sampled second derivatives may miss their peak: they are trusted up to this factor.
+const BEND_SAFETY: f64 = 2.0;
+/// Candidates that are farther than the best by less than this share of the size are not worth a search.
+const WORTH: f64 = 1e-11;
+/// Faces whose centres are this share of the size apart are the same face.
+const SAME_FACE: f64 = 1e-9;
+/// A foot is beyond the rim if the line to it leaves the right angle by more than this share of the size.
+const BEYOND: f64 = 1e-9;
+/// Steps of Newton's method; it converges in three to six.
+const STEPS: usize = 60;
+
+/// The closest point of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projection<const D: usize, const N: usize, T: Real = f64> {
+    /// The element.
+    pub element: usize,
+    /// Local coordinates in it, inside its closed cell.
+    pub xi: Vector<D, T>,
+    /// The closest point.
+    pub x: Vector<N, T>,
+    /// Distance to it [length].
+    pub distance: T,
+    /// Whether the closest point is an end (rim) of the curve (surface) and the point lies beyond it: the line between
+    /// them is not at right angles to the map. Never set where D = N.
+    pub rim: bool,
+}
+
+/// Closest points of one map, for many queries.
+///
+/// # Example
+/// The closest point of an arc of radius 1 to (2, 2) is (1, 1) / sqrt 2: see `tests/geometry.rs`.
+#[derive(Clone, Debug)]
+pub struct ClosestPoint<const D: usize, const N: usize, G, T: Real = f64> {
+    geometry: G,
+    tree: Tree<N, T>,
+    size: T,
+    /// Per element and face of its cell: no other element has that face.
+    loose: Vec<Vec<bool>>,
+    /// Per element: bound of the sum of second derivatives.
+    bend: Vec<T>,
+}
+
+/// The best point so far.
+struct Best<const D: usize, const N: usize, T: Real> {
+    element: usize,
+    xi: Vector<D, T>,
+    x: Vector<N, T>,
+    distance: T,
+    found: bool,
+}
+
+impl<const D: usize, const N: usize, T: Real> Best<D, N, T> {
+    fn offer(&mut self, element: usize, xi: Vector<D, T>, x: Vector<N, T>, distance: T) {
+        if distance < self.distance {
+            *self = Self { element, xi, x, distance, found: true };
+        }
+    }
+}
+
+/// One sample of a curve: parameter, x, f', f''.
+#[derive(Clone, Copy)]
+struct Sample<const N: usize, T: Real> {
+    t: T,
+    x: Vector<N, T>,
+    slope: T,
+    curvature: T,
+}
+
+impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint<D, N, G, T> {
+    /// Builds the tree over the elements of `geometry` (a reference, a box or an `Arc` will do).
+    pub fn new(geometry: G) -> Self {
+        let elements = geometry.num_elements();
+        let tree = Tree::new((0..elements).map(|e| geometry.bounds(e)).collect());
+        let size = tree.bounds().map_or(T::zero(), |b| b.diagonal());
+        let loose = if D < N { loose_faces(&geometry, size * lit(SAME_FACE)) } else { Vec::new() };
+        let mut table = MapTable::new();
+        let bend = (0..if D == 1 { elements } else { 0 })
+            .map(|e| {
+                geometry.map(e, &cell::grid::<D, T>(geometry.cell(e), 2 * PIECES + 1), Order::Hessians, &mut table);
+                let norm = |h: &[Matrix<D, D, T>; N]| h.iter().fold(T::zero(), |s, m| s + m[(0, 0)] * m[(0, 0)]).sqrt();
+                table.hessian.iter().fold(T::zero(), |m, h| m.max(norm(h))) * lit(BEND_SAFETY)
+            })
+            .collect();
+        Self { geometry, tree, size, loose, bend }
+    }
+
+    /// The map.
+    pub fn geometry(&self) -> &G {
+        &self.geometry
+    }
+
+    /// The tree over the elements' boxes.
+    pub fn tree(&self) -> &Tree<N, T> {
+        &self.tree
+    }
+
+    /// Diagonal of the box around all elements [length].
+    pub fn size(&self) -> T {
+        self.size
+    }
+
+    /// The closest point to `x`; `None` where there are no elements or `x` is not finite.
+    pub fn project(&self, x: &Vector<N, T>) -> Option<Projection<D, N, T>> {
+        let far = x.iter().all(|v| v.is_finite()).then(|| self.tree.bounds()).flatten()?;
+        self.project_within(x, (far.distance(x) + far.diagonal()) * lit(2.0) + T::one())
+    }
+
+    /// The closest point to `x` nearer than `reach`; `None` where there is none.
+    pub fn project_within(&self, x: &Vector<N, T>, reach: T) -> Option<Projection<D, N, T>> {
+        if !x.iter().all(|v| v.is_finite()) {
+            return None;
+        }
+        let mut best = Best { element: 0, xi: Vector::zeros(), x: *x, distance: reach, found: false };
+        let mut table = MapTable::new();
+        let worth = self.size * lit(WORTH);
+        self.tree.nearest(x, reach, |element| {
+            if D == 1 {
+                self.search_curve(element, x, &mut best, &mut table);
+            } else {
+                self.search_cell(element, x, &mut best, &mut table);
+            }
+            (best.distance - worth).max(T::zero())
+        });
+        if !best.found {
+            return None;
+        }
+        let rim = D < N && self.beyond_rim(&best, x, &mut table);
+        Some(Projection { element: best.element, xi: best.xi, x: best.x, distance: best.distance, rim })
+    }
+
+    fn beyond_rim(&self, best: &Best<D, N, T>, p: &Vector<N, T>, table: &mut MapTable<D, N, T>) -> bool {
+        let kind = self.geometry.cell(best.element);
+        let faces = cell::faces::<D, T>(kind);
+        let tiny = T::default_epsilon() * lit(8.0);
+        let at = |f: usize| match kind {
+            Cell::Tensor => (best.xi[f / 2] - num(f % 2)).abs() <= tiny,
+            Cell::Simplex if f < D => best.xi[f].abs() <= tiny,
+            Cell::Simplex => (best.xi.sum() - T::one()).abs() <= tiny,
+        };
+        if !(0..faces.len()).any(|f| at(f) && self.loose[best.element].get(f).copied().unwrap_or(false)) {
+            return false;
+        }
+        self.geometry.map(best.element, &[best.xi], Order::Gradients, table);
+        let away = p - best.x;
+        (0..D).any(|k| {
+            let t = table.jacobian[0].column(k);
+            let length = t.norm();
+            length > T::zero() && (away.dot(&t) / length).abs() > self.size * lit(BEYOND)
+        })
+    }
+
+    fn sample(&self, element: usize, t: &[T], p: &Vector<N, T>, table: &mut MapTable<D, N, T>, into: &mut Vec<Sample<N, T>>) {
+        let points: Vec<Vector<D, T>> = t.iter().map(|&t| Vector::repeat(t)).collect();
+        self.geometry.map(element, &points, Order::Hessians, table);
+        into.clear();
+        for (q, &t) in t.iter().enumerate() {
+            let (x, d) = (table.x[q], table.jacobian[q].column(0).into_owned());
+            let dd = Vector::<N, T>::from_fn(|c, _| table.hessian[q][c][(0, 0)]);
+            into.push(Sample { t, x, slope: (x - p).dot(&d), curvature: d.norm_squared() + (x - p).dot(&dd) });
+        }
+    }
+
+    /// D = 1: every piece of the element that may hold a closer point.
+    fn search_curve(&self, element: usize, p: &Vector<N, T>, best: &mut Best<D, N, T>, table: &mut MapTable<D, N, T>) {
+        let line: Vec<T> = (0..=PIECES).map(|i| num::<T>(i) / num(PIECES)).collect();
+        let mut samples = Vec::new();
+        self.sample(element, &line, p, table, &mut samples);
+        for s in &samples {
+            best.offer(element, Vector::repeat(s.t), s.x, (s.x - p).norm());
+        }
+        let mut pieces: Vec<(T, Sample<N, T>, Sample<N, T>, usize)> =
+            samples.windows(2).map(|w| (self.below(element, p, &w[0], &w[1]), w[0], w[1], 0)).collect();
+        // nearest piece first: a good best rules out the others
+        pieces.sort_by(|a, b| b.0.partial_cmp(&a.0).unwrap_or(std::cmp::Ordering::Equal));
+        let worth = self.size * lit(WORTH);
+        let mut one = Vec::with_capacity(1);
+        while let Some((below, a, b, depth)) = pieces.pop() {
+            if below > best.distance - worth {
+                continue;
+            }
+            if a.slope < T::zero() && b.slope > T::zero() {
+                self.newton(element, p, (a, b), best, table);
+            }
+            let (least, most) = (a.curvature.min(b.curvature), a.curvature.max(b.curvature));
+            let convex = least > T::zero() && most < least * lit(1.5);
+            if convex || depth == DEPTH || self.below(element, p, &a, &b) > best.distance - worth {
+                continue;
+            }
+            self.sample(element, &[(a.t + b.t) * lit(0.5)], p, table, &mut one);
+            let m = one[0];
+            best.offer(element, Vector::repeat(m.t), m.x, (m.x - p).norm());
+            for (a, b) in [(a, m), (m, b)] {
+                pieces.push((self.below(element, p, &a, &b), a, b, depth + 1));
+            }
+        }
+    }
+
+    /// No point of the piece is nearer to `p`: distance to the chord less |x''| h² / 8.
+    fn below(&self, element: usize, p: &Vector<N, T>, a: &Sample<N, T>, b: &Sample<N, T>) -> T {
+        let chord = b.x - a.x;
+        let square = chord.norm_squared();
+        let s = if square > T::zero() { ((p - a.x).dot(&chord) / square).clamp(T::zero(), T::one()) } else { T::zero() };
+        let h = b.t - a.t;
+        (a.x + chord * s - p).norm() - self.bend[element] * h * h * lit(0.125)
+    }
+
+    /// The zero of f' between `a` (f' < 0) and `b` (f' > 0) by Newton's method, bisection where it leaves the bracket.
+    fn newton(
+        &self,
+        element: usize,
+        p: &Vector<N, T>,
+        (a, b): (Sample<N, T>, Sample<N, T>),
+        best: &mut Best<D, N, T>,
+        table: &mut MapTable<D, N, T>,
+    ) {
+        let (mut lo, mut hi) = (a.t, b.t);
+        let mut t = lo + (hi - lo) * (a.slope / (a.slope - b.slope));
+        let mut one = Vec::with_capacity(1);
+        for _ in 0..STEPS {
+            self.sample(element, &[t], p, table, &mut one);
+            let s = one[0];
+            best.offer(element, Vector::repeat(s.t), s.x, (s.x - p).norm());
+            if s.slope == T::zero() {
+                break;
+            }
+            if s.slope < T::zero() {
+                lo = t
+            } else {
+                hi = t
+            }
+            let step = t - s.slope / s.curvature;
+            let next = if s.curvature > T::zero() && step > lo && step < hi { step } else { (lo + hi) * lit(0.5) };
+            if (next - t).abs() <= T::default_epsilon() * lit(2.0) {
+                break;
+            }
+            t = next;
+        }
+    }
+
+    /// D > 1: Newton with active faces from the best points of a grid.
+    fn search_cell(&self, element: usize, p: &Vector<N, T>, best: &mut Best<D, N, T>, table: &mut MapTable<D, N, T>) {
+        const STARTS: usize = 3;
+        let kind = self.geometry.cell(element);
+        let points = cell::grid::<D, T>(kind, 4);
+        self.geometry.map(element, &points, Order::Values, table);
+        let mut order: Vec<(T, usize)> = table.x.iter().enumerate().map(|(q, x)| ((x - p).norm(), q)).collect();
+        order.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+        for &(distance, q) in &order {
+            best.offer(element, points[q], table.x[q], distance);
+        }
+        // starts next to each other mostly end in the same point
+        let mut starts: Vec<Vector<D, T>> = Vec::new();
+        for &(_, q) in &order {
+            if starts.len() < STARTS && starts.iter().all(|s| (s - points[q]).amax() > lit(0.34)) {
+                starts.push(points[q]);
+            }
+        }
+        let done = self.size * T::default_epsilon() * lit(16.0);
+        for start in starts {
+            let found = self.descend(kind, element, p, start, table);
+            best.offer(element, found.0, found.1, found.2);
+            if best.distance <= done {
+                break;
+            }
+        }
+    }
+
+    fn descend(
+        &self,
+        kind: Cell,
+        element: usize,
+        p: &Vector<N, T>,
+        start: Vector<D, T>,
+        table: &mut MapTable<D, N, T>,
+    ) -> (Vector<D, T>, Vector<N, T>, T) {
+        let mut xi = start;
+        self.geometry.map(element, &[xi], Order::Hessians, table);
+        let mut x = table.x[0];
+        for _ in 0..STEPS {
+            let (j, away) = (table.jacobian[0], x - p);
+            let slope: Vector<D, T> = j.tr_mul(&away);
+            let gauss: Matrix<D, D, T> = j.tr_mul(&j);
+            let mut full = gauss;
+            for c in 0..N {
+                full += table.hessian[0][c] * away[c];
+            }
+            // Gauss-Newton always descends; the full matrix is quadratic where it does, too
+            let mut moved = false;
+            'matrices: for h in [full, gauss] {
+                let Some(step) = feasible_step(kind, &xi, &slope, &h) else { continue };
+                let mut scale = T::one();
+                for _ in 0..30 {
+                    let trial = into_cell(kind, xi + step * scale);
+                    if (trial - xi).amax() <= T::default_epsilon() {
+                        break;
+                    }
+                    self.geometry.map(element, &[trial], Order::Values, table);
+                    if (table.x[0] - p).norm_squared() < away.norm_squared() {
+                        xi = trial;
+                        moved = true;
+                        break 'matrices;
+                    }
+                    scale *= lit(0.5);
+                }
+            }
+            if !moved {
+                break;
+            }
+            self.geometry.map(element, &[xi], Order::Hessians, table);
+            let last = x;
+            x = table.x[0];
+            if (x - last).norm() <= self.size * T::default_epsilon() * lit(0.5) {
+                break;
+            }
+        }
+        (xi, x, (x - p).norm())
+    }
+}
+
+/// The Newton step -H⁻¹ slope in the directions that no active face blocks, cut at the first face it meets; `None` where
+/// nothing is left or the step does not descend.
+fn feasible_step<const D: usize, T: Real>(
+    kind: Cell,
+    xi: &Vector<D, T>,
+    slope: &Vector<D, T>,
+    h: &Matrix<D, D, T>,
+) -> Option<Vector<D, T>> {
+    let tiny = T::default_epsilon() * lit(4.0);
+    let simplex = kind == Cell::Simplex;
+    let mut low: [bool; D] = std::array::from_fn(|k| xi[k] <= tiny && slope[k] > T::zero());
+    let mut high: [bool; D] = std::array::from_fn(|k| !simplex && xi[k] >= T::one() - tiny && slope[k] < T::zero());
+    let mut slant = simplex && xi.sum() >= T::one() - tiny && (0..D).filter(|&k| !low[k]).fold(T::zero(), |s, k| s + slope[k]) < T::zero();
+    for _ in 0..=2 * D + 1 {
+        let free: Vec<usize> = (0..D).filter(|&k| !low[k] && !high[k]).collect();
+        // columns of z span the free directions; on the slanted face they keep the sum
+        let z: Vec<Vector<D, T>> = if slant {
+            let (&last, rest) = free.split_last()?;
+            rest.iter()
+                .map(|&k| {
+                    Vector::from_fn(|i, _| {
+                        if i == k {
+                            T::one()
+                        } else if i == last {
+                            -T::one()
+                        } else {
+                            T::zero()
+                        }
+                    })
+                })
+                .collect()
+        } else {
+            free.iter().map(|&k| Vector::from_fn(|i, _| if i == k { T::one() } else { T::zero() })).collect()
+        };
+        if z.is_empty() {
+            return None;
+        }
+        let n = z.len();
+        let matrix = nalgebra::DMatrix::from_fn(n, n, |a, b| z[a].dot(&(h * z[b])));
+        let right = nalgebra::DVector::from_fn(n, |a, _| -z[a].dot(slope));
+        let y = matrix.lu().solve(&right)?;
+        let step = z.iter().zip(y.iter()).fold(Vector::zeros(), |s: Vector<D, T>, (z, &y)| s + z * y);
+        if !step.iter().all(|v| v.is_finite()) || step.dot(slope) >= T::zero() {
+            return None;
+        }
+        // the first face on the way
+        let mut room = T::one();
+        let mut hit = None;
+        for k in 0..D {
+            if step[k] < T::zero() && xi[k] < -step[k] * room {
+                (room, hit) = (xi[k] / -step[k], Some((k, 0)));
+            }
+            if !simplex && step[k] > T::zero() && T::one() - xi[k] < step[k] * room {
+                (room, hit) = ((T::one() - xi[k]) / step[k], Some((k, 1)));
+            }
+        }
+        let (sum, grows) = (xi.sum(), step.sum());
+        if simplex && !slant && grows > T::zero() && T::one() - sum < grows * room {
+            (room, hit) = ((T::one() - sum) / grows, Some((0, 2)));
+        }
+        match hit {
+            Some((k, which)) if room * step.amax() <= tiny => match which {
+                0 => low[k] = true,
+                1 => high[k] = true,
+                _ => slant = true,
+            },
+            _ => return Some(step * room.max(T::zero())),
+        }
+    }
+    None
+}
+
+/// `xi` moved into the closed cell; only rounding is left to move.
+fn into_cell<const D: usize, T: Real>(kind: Cell, xi: Vector<D, T>) -> Vector<D, T> {
+    match kind {
+        Cell::Tensor => xi.map(|v| v.clamp(T::zero(), T::one())),
+        Cell::Simplex => {
+            let xi = xi.map(|v| v.max(T::zero()));
+            let sum = xi.sum();
+            if sum > T::one() { xi / sum } else { xi }
+        }
+    }
+}
+
+/// Per element and face: whether no other element has a face with the same centre.
+fn loose_faces<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>>(geometry: &G, tolerance: T) -> Vec<Vec<bool>> {
+    let mut table = MapTable::new();
+    let mut centers: Vec<Vector<N, T>> = Vec::new();
+    let mut start = vec![0];
+    for e in 0..geometry.num_elements() {
+        let points: Vec<Vector<D, T>> = cell::faces(geometry.cell(e)).into_iter().map(|f| f.center).collect();
+        geometry.map(e, &points, Order::Values, &mut table);
+        centers.extend_from_slice(&table.x);
+        start.push(centers.len());
+    }
+    let tree = Tree::new(centers.iter().map(|c| Bounds { lo: *c, hi: *c }).collect());
+    let alone = |c: &Vector<N, T>| tree.meeting(&Bounds { lo: *c, hi: *c }.inflated(tolerance)).len() == 1;
+    start.windows(2).map(|w| centers[w[0]..w[1]].iter().map(alone).collect()).collect()
+}
+
+/// The closest point of `target` to `x`; for many queries keep a [`ClosestPoint`].
+pub fn closest_point<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>(
+    target: &G,
+    x: &Vector<N, T>,
+) -> Option<Projection<D, N, T>> {
+    ClosestPoint::new(target).project(x)
+}

@@ -1,0 +1,114 @@
+//! Maps made of basis functions and control points.
+
+use super::{Bounds, Geometry, MapBlock, MapTable, hull};
+use crate::basis::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable};
+use crate::linalg::{Real, Vector};
+use std::borrow::Cow;
+
+/// x(xi) = sum_i N_i(xi) P_i with one point per function of `basis`.
+///
+/// It is a basis, too, so that it serves as an isoparametric space.
+#[derive(Clone, Debug)]
+pub struct ControlPoints<B, const N: usize, T: Real = f64> {
+    /// The functions N_i.
+    pub basis: B,
+    /// The points P_i [length].
+    pub points: Vec<Vector<N, T>>,
+}
+
+impl<B, const N: usize, T: Real> ControlPoints<B, N, T> {
+    /// Fills `table` from the tabulated functions of an element.
+    ///
+    /// `ids` are the active functions in the order of `shapes`; `points` local points were tabulated up to `order`.
+    pub fn combine<const D: usize>(
+        &self,
+        ids: &[usize],
+        shapes: &ShapeTable<D, T>,
+        points: usize,
+        order: Order,
+        table: &mut MapTable<D, N, T>,
+    ) {
+        table.reset(points, order);
+        for q in 0..points {
+            let x = &mut table.x[q];
+            for (&i, &n) in ids.iter().zip(shapes.values(q)) {
+                *x += self.points[i] * n;
+            }
+            if order >= Order::Gradients {
+                let jacobian = &mut table.jacobian[q];
+                for (&i, g) in ids.iter().zip(shapes.grads(q)) {
+                    let p = &self.points[i];
+                    for k in 0..D {
+                        for c in 0..N {
+                            jacobian[(c, k)] += p[c] * g[k];
+                        }
+                    }
+                }
+            }
+            if order >= Order::Hessians {
+                let hessian = &mut table.hessian[q];
+                for (&i, h) in ids.iter().zip(shapes.hessians(q)) {
+                    for (c, sum) in hessian.iter_mut().enumerate() {
+                        *sum += h * self.points[i][c];
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl<B: Elements, const N: usize, T: Real> Elements for ControlPoints<B, N, T> {
+    fn num_elements(&self) -> usize {
+        self.basis.num_elements()
+    }
+    fn cell(&self, element: usize) -> Cell {
+        self.basis.cell(element)
+    }
+    fn corners(&self, element: usize, ids: &mut Vec<usize>) {
+        self.basis.corners(element, ids);
+    }
+}
+
+impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Basis<D, T> for ControlPoints<B, N, T> {
+    fn num_functions(&self) -> usize {
+        self.basis.num_functions()
+    }
+    fn degree(&self, element: usize) -> [usize; D] {
+        self.basis.degree(element)
+    }
+    fn active(&self, element: usize, ids: &mut Vec<usize>) {
+        self.basis.active(element, ids);
+    }
+    fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
+        self.basis.tabulate(element, xi, order, table);
+    }
+    fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
+        self.basis.block(element)
+    }
+    fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
+        self.basis.polynomials(wanted)
+    }
+}
+
+impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Geometry<D, N, T> for ControlPoints<B, N, T> {
+    fn map(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut MapTable<D, N, T>) {
+        let mut shapes = std::mem::take(&mut table.shapes);
+        let mut ids = std::mem::take(&mut table.ids);
+        self.basis.active(element, &mut ids);
+        self.basis.tabulate(element, xi, order, &mut shapes);
+        self.combine(&ids, &shapes, xi.len(), order, table);
+        table.shapes = shapes;
+        table.ids = ids;
+    }
+
+    fn bounds(&self, element: usize) -> Bounds<N, T> {
+        hull(&self.basis, element, |i| self.points[i]).unwrap_or(Bounds { lo: Vector::zeros(), hi: Vector::zeros() })
+    }
+
+    fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> {
+        let basis = self.basis.block(element)?;
+        let functions: usize = basis.axes.iter().map(|a| a.num_functions()).product();
+        // a block of part of the basis numbers its functions by itself; only whole ones are known to number them alike
+        (functions == self.points.len()).then(|| MapBlock { basis, control: Cow::Borrowed(&self.points) })
+    }
+}

@@ -1,0 +1,177 @@
+//! A basis or a map seen from affine cells inside its elements: refined cells, simplices cut from cells, facets.
+
+use super::{Bounds, Embedding, Geometry, MapTable, cell};
+use crate::basis::{Basis, Cell, Elements, Order, ShapeTable};
+use crate::linalg::{Real, Vector, lit, num};
+
+/// Values below this share of one count as zero when functions are looked for on a cell.
+const VANISHES: f64 = 1e-10;
+
+/// A basis or a geometry of dimension D seen from cells of dimension S <= D.
+///
+/// The derivatives follow from the chain rule: d/dxi_S = axesᵀ d/dxi_D. A call makes the tables of the inner dimension
+/// anew, so bulk loops are better served by maps of their own where there is one.
+#[derive(Clone, Debug)]
+pub struct Embedded<const S: usize, const D: usize, X, T: Real = f64> {
+    /// What is seen.
+    pub inner: X,
+    /// One cell per element.
+    pub cells: Vec<Embedding<S, D, T>>,
+    kind: Cell,
+    corners: Vec<Vec<usize>>,
+    kept: Option<Kept>,
+}
+
+/// The functions that do not vanish on the cells.
+#[derive(Clone, Debug)]
+struct Kept {
+    functions: usize,
+    /// Per cell: place in the table of the parent element, id.
+    local: Vec<Vec<(usize, usize)>>,
+}
+
+impl<const S: usize, const D: usize, X, T: Real> Embedded<S, D, X, T> {
+    /// `inner` seen from `cells`, all of the shape `kind`, with the ids of its functions.
+    pub fn new(inner: X, cells: Vec<Embedding<S, D, T>>, kind: Cell) -> Self {
+        Self { inner, cells, kind, corners: Vec::new(), kept: None }
+    }
+
+    /// The same with topological corner ids per cell.
+    ///
+    /// # Panics
+    /// If there is not one list per cell.
+    pub fn with_corners(mut self, corners: Vec<Vec<usize>>) -> Self {
+        assert_eq!(corners.len(), self.cells.len(), "one list of corners per cell");
+        self.corners = corners;
+        self
+    }
+
+    /// The same without the functions that vanish on all cells, and the ids they had before.
+    pub fn restricted(mut self) -> (Self, Vec<usize>)
+    where
+        X: Basis<D, T>,
+    {
+        let mut shapes = ShapeTable::new();
+        let mut ids = Vec::new();
+        let mut kept: Vec<Vec<(usize, usize)>> = Vec::with_capacity(self.cells.len());
+        for embedding in &self.cells {
+            let degree: usize = self.inner.degree(embedding.element).into_iter().sum();
+            // inner points of an odd grid, off the nodes of any usual basis
+            let line: Vec<T> = (0..degree + 2).map(|j| (num::<T>(j) + lit(0.37)) / num(degree + 2)).collect();
+            let points: Vec<Vector<D, T>> = cell::spread::<S, T>(self.kind, &line).iter().map(|xi| embedding.lift(xi)).collect();
+            self.inner.active(embedding.element, &mut ids);
+            self.inner.tabulate(embedding.element, &points, Order::Values, &mut shapes);
+            let lives = |a: usize| (0..points.len()).any(|q| shapes.values(q)[a].abs() > lit(VANISHES));
+            kept.push(ids.iter().enumerate().filter(|&(a, _)| lives(a)).map(|(a, &i)| (a, i)).collect());
+        }
+        let mut dofs: Vec<usize> = kept.iter().flatten().map(|&(_, i)| i).collect();
+        dofs.sort_unstable();
+        dofs.dedup();
+        for (_, id) in kept.iter_mut().flatten() {
+            *id = dofs.binary_search(id).expect("every kept function is in the list");
+        }
+        self.kept = Some(Kept { functions: dofs.len(), local: kept });
+        (self, dofs)
+    }
+}
+
+impl<const S: usize, const D: usize, X: Elements, T: Real> Elements for Embedded<S, D, X, T> {
+    fn num_elements(&self) -> usize {
+        self.cells.len()
+    }
+    fn cell(&self, _element: usize) -> Cell {
+        self.kind
+    }
+    fn corners(&self, element: usize, ids: &mut Vec<usize>) {
+        ids.clear();
+        if let Some(list) = self.corners.get(element) {
+            ids.extend_from_slice(list);
+        }
+    }
+}
+
+impl<const S: usize, const D: usize, X: Basis<D, T>, T: Real> Basis<S, T> for Embedded<S, D, X, T> {
+    fn num_functions(&self) -> usize {
+        self.kept.as_ref().map_or_else(|| self.inner.num_functions(), |k| k.functions)
+    }
+
+    fn degree(&self, element: usize) -> [usize; S] {
+        let embedding = &self.cells[element];
+        let inner = self.inner.degree(embedding.element);
+        if self.inner.cell(embedding.element) == Cell::Simplex {
+            return [inner.into_iter().max().unwrap_or(0); S];
+        }
+        let along = |s: usize| (0..D).filter(|&k| embedding.axes[(k, s)] != T::zero()).map(|k| inner[k]).sum::<usize>();
+        let degree: [usize; S] = std::array::from_fn(along);
+        match self.kind {
+            Cell::Tensor => degree,
+            Cell::Simplex => [inner.into_iter().sum::<usize>().min(degree.into_iter().sum()); S],
+        }
+    }
+
+    fn active(&self, element: usize, ids: &mut Vec<usize>) {
+        match &self.kept {
+            None => self.inner.active(self.cells[element].element, ids),
+            Some(kept) => {
+                ids.clear();
+                ids.extend(kept.local[element].iter().map(|&(_, i)| i));
+            }
+        }
+    }
+
+    fn tabulate(&self, element: usize, xi: &[Vector<S, T>], order: Order, table: &mut ShapeTable<S, T>) {
+        let embedding = &self.cells[element];
+        let points: Vec<Vector<D, T>> = xi.iter().map(|xi| embedding.lift(xi)).collect();
+        let mut parent = ShapeTable::new();
+        self.inner.tabulate(embedding.element, &points, order, &mut parent);
+        let local = self.kept.as_ref().map(|k| &k.local[element]);
+        let functions = local.map_or(parent.num_functions(), Vec::len);
+        let place = |b: usize| local.map_or(b, |l| l[b].0);
+        table.reset(xi.len(), functions, order);
+        for q in 0..xi.len() {
+            for b in 0..functions {
+                let a = place(b);
+                table.values_mut(q)[b] = parent.values(q)[a];
+                if order >= Order::Gradients {
+                    table.grads_mut(q)[b] = embedding.axes.tr_mul(&parent.grads(q)[a]);
+                }
+                if order >= Order::Hessians {
+                    table.hessians_mut(q)[b] = embedding.axes.tr_mul(&(parent.hessians(q)[a] * embedding.axes));
+                }
+            }
+        }
+    }
+}
+
+impl<const S: usize, const D: usize, const N: usize, X: Geometry<D, N, T>, T: Real> Geometry<S, N, T> for Embedded<S, D, X, T> {
+    fn map(&self, element: usize, xi: &[Vector<S, T>], order: Order, table: &mut MapTable<S, N, T>) {
+        let embedding = &self.cells[element];
+        let points: Vec<Vector<D, T>> = xi.iter().map(|xi| embedding.lift(xi)).collect();
+        let mut parent = MapTable::new();
+        self.inner.map(embedding.element, &points, order, &mut parent);
+        std::mem::swap(&mut table.x, &mut parent.x);
+        table.jacobian.clear();
+        table.hessian.clear();
+        if order >= Order::Gradients {
+            table.jacobian.extend(parent.jacobian.iter().map(|j| j * embedding.axes));
+        }
+        if order >= Order::Hessians {
+            let turned = |h: &[crate::linalg::Matrix<D, D, T>; N]| std::array::from_fn(|c| embedding.axes.tr_mul(&(h[c] * embedding.axes)));
+            table.hessian.extend(parent.hessian.iter().map(turned));
+        }
+    }
+
+    /// A box around samples, grown by four times the sampled deviation from straight pieces, within the parent's box.
+    fn bounds(&self, element: usize) -> Bounds<N, T> {
+        const PIECES: usize = 4;
+        let outer = self.inner.bounds(self.cells[element].element);
+        let points = cell::grid::<S, T>(self.kind, PIECES + 1);
+        let mut table = MapTable::new();
+        self.map(element, &points, Order::Hessians, &mut table);
+        let Some(samples) = Bounds::around(&table.x) else { return outer };
+        let bend = table.hessian.iter().flatten().fold(T::zero(), |m, h| m.max(h.iter().fold(T::zero(), |s, v| s + v.abs())));
+        // |x - linear interpolation| <= max |x''| h^2 / 8 per coordinate; the samples of x'' may miss its peak
+        let grown = samples.inflated((bend * lit(0.5 / (PIECES * PIECES) as f64)) + samples.diagonal() * T::default_epsilon() * lit(16.0));
+        Bounds { lo: grown.lo.zip_map(&outer.lo, |a, b| a.max(b)), hi: grown.hi.zip_map(&outer.hi, |a, b| a.min(b)) }
+    }
+}

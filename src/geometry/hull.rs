@@ -1,0 +1,60 @@
+//! Boxes that surely hold a combination of basis functions on an element.
+
+use super::{Bounds, cell};
+use crate::basis::{Basis, Cell, Order, ShapeTable};
+use crate::linalg::{Real, Vector, lit, num};
+
+/// A box that holds sum_i N_i(xi) v_i for all xi in the cell of `element`; `value(i)` gives v_i. `None` without functions.
+///
+/// Where no function is negative the values themselves are a hull. Else (Lagrange) the functions are polynomials of the
+/// basis' degree, and the Bernstein coefficients of the sum are.
+pub fn hull<const D: usize, const N: usize, T: Real, B: Basis<D, T> + ?Sized>(
+    basis: &B,
+    element: usize,
+    value: impl Fn(usize) -> Vector<N, T>,
+) -> Option<Bounds<N, T>> {
+    let mut ids = Vec::new();
+    basis.active(element, &mut ids);
+    let values: Vec<Vector<N, T>> = ids.iter().map(|&i| value(i)).collect();
+    let around = Bounds::around(&values)?;
+    let degree = basis.degree(element).into_iter().max().unwrap_or(0);
+    let cell = basis.cell(element);
+    if degree <= 1 && cell == Cell::Simplex {
+        return Some(around);
+    }
+    // Chebyshev points: inside the cell, never nodes, so a Lagrange function of degree >= 2 shows a negative value
+    let line: Vec<T> =
+        (0..=degree).map(|j| lit((1.0 - (std::f64::consts::PI * (2 * j + 1) as f64 / (2 * degree + 2) as f64).cos()) / 2.0)).collect();
+    let points = cell::spread::<D, T>(cell, &line);
+    let mut table = ShapeTable::new();
+    basis.tabulate(element, &points, Order::Values, &mut table);
+    let noise = T::default_epsilon() * lit(64.0);
+    if (0..points.len()).all(|q| table.values(q).iter().all(|&n| n >= -noise)) {
+        return Some(around);
+    }
+    let mut coefficients: Vec<Vector<N, T>> =
+        (0..points.len()).map(|q| table.values(q).iter().zip(&values).fold(Vector::zeros(), |s, (&n, v)| s + v * n)).collect();
+    let inverse = bernstein_inverse(&line);
+    let n = line.len();
+    for axis in 0..D {
+        let stride = n.pow(axis as u32);
+        let old = coefficients.clone();
+        for (q, c) in coefficients.iter_mut().enumerate() {
+            let k = q / stride % n;
+            let base = q - k * stride;
+            *c = (0..n).fold(Vector::zeros(), |s, j| s + old[base + j * stride] * inverse[k * n + j]);
+        }
+    }
+    let hull = Bounds::around(&coefficients)?;
+    Some(hull.inflated(hull.diagonal() * noise * lit(16.0)))
+}
+
+/// The inverse of the matrix B_k(t_j) of Bernstein polynomials at `line`, row k and column j.
+fn bernstein_inverse<T: Real>(line: &[T]) -> Vec<T> {
+    let n = line.len();
+    let p = n - 1;
+    let choose = |k: usize| (0..k).fold(T::one(), |c, i| c * num(p - i) / num(i + 1));
+    let matrix = nalgebra::DMatrix::from_fn(n, n, |j, k| choose(k) * line[j].powi(k as i32) * (T::one() - line[j]).powi((p - k) as i32));
+    let inverse = matrix.try_inverse().expect("Bernstein polynomials are independent at distinct points");
+    (0..n * n).map(|i| inverse[(i / n, i % n)]).collect()
+}

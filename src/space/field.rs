@@ -1,0 +1,106 @@
+//! Fields at points: values and gradients on an element, and which element a physical point is in.
+
+use super::{Field, Space};
+use crate::basis::{Order, ShapeTable};
+use crate::geometry::{ClosestPoint, Geometry, MapTable};
+use crate::linalg::{Matrix, Real, Vector, inverse, lit};
+
+/// A point off the body by less than this share of the nearest element's size is moved to the nearest point.
+const OFF: f64 = 0.25;
+
+/// A field of C components at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FieldAt<const C: usize, const N: usize, T: Real = f64> {
+    /// Where.
+    pub x: Vector<N, T>,
+    /// u.
+    pub value: Vector<C, T>,
+    /// du_i/dx_j at (i, j); not finite where the map is singular (a collapsed edge).
+    pub gradient: Matrix<C, N, T>,
+}
+
+/// The field with the unknowns `u` at the local points `xi` of `element`.
+///
+/// # Panics
+/// If `field` has not C components.
+pub fn field_at<const C: usize, const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(
+    space: &X,
+    field: &Field,
+    u: &[T],
+    element: usize,
+    xi: &[Vector<N, T>],
+) -> Vec<FieldAt<C, N, T>> {
+    assert_eq!(field.components, C, "the field has {C} components");
+    let (mut shapes, mut map, mut ids) = (ShapeTable::new(), MapTable::new(), Vec::new());
+    space.active(element, &mut ids);
+    space.evaluate(element, xi, Order::Gradients, &mut shapes, &mut map);
+    (0..xi.len())
+        .map(|q| {
+            let mut value = Vector::<C, T>::zeros();
+            let mut local = Matrix::<C, N, T>::zeros();
+            for (a, &i) in ids.iter().enumerate() {
+                let u = Vector::<C, T>::from_fn(|c, _| u[field.unknown(i, c)]);
+                value += u * shapes.values(q)[a];
+                local += u * shapes.grads(q)[a].transpose();
+            }
+            let gradient = inverse(&map.jacobian[q]).map_or_else(|| Matrix::repeat(T::one() / T::zero()), |j| local * j);
+            FieldAt { x: map.x[q], value, gradient }
+        })
+        .collect()
+}
+
+/// Where a physical point is in a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Located<const N: usize, T: Real = f64> {
+    /// The element.
+    pub element: usize,
+    /// Local coordinates.
+    pub xi: Vector<N, T>,
+    /// The point there.
+    pub x: Vector<N, T>,
+    /// How far the point asked for is from it: zero inside, to rounding [length].
+    pub distance: T,
+}
+
+/// A point outside every element.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("the point is {distance:.4e} away from the body, more than a quarter of an element ({allowed:.4e})")]
+pub struct OutsideBody {
+    /// Distance to the nearest point of the body [length].
+    pub distance: f64,
+    /// What would have been allowed [length].
+    pub allowed: f64,
+}
+
+/// Finds elements by physical points, for many points of one body.
+#[derive(Clone, Debug)]
+pub struct Locator<const N: usize, G, T: Real = f64> {
+    closest: ClosestPoint<N, N, G, T>,
+}
+
+impl<const N: usize, G: Geometry<N, N, T>, T: Real> Locator<N, G, T> {
+    /// Builds the tree over the elements of `space`.
+    pub fn new(space: G) -> Self {
+        Self { closest: ClosestPoint::new(space) }
+    }
+
+    /// The element of the point `x`; a point off the body by less than a quarter of the nearest element's size moves to
+    /// the nearest point. A point shared by elements belongs to the first that is found, always the same one.
+    ///
+    /// # Errors
+    /// [`OutsideBody`] with the distance (infinite where the body is empty or `x` is not finite).
+    pub fn locate(&self, x: &Vector<N, T>) -> Result<Located<N, T>, OutsideBody> {
+        let Some(p) = self.closest.project(x) else { return Err(OutsideBody { distance: f64::INFINITY, allowed: 0.0 }) };
+        let allowed = self.closest.geometry().bounds(p.element).diagonal() * lit(OFF);
+        if p.distance > allowed {
+            return Err(OutsideBody { distance: crate::linalg::to_f64(p.distance), allowed: crate::linalg::to_f64(allowed) });
+        }
+        Ok(Located { element: p.element, xi: p.xi, x: p.x, distance: p.distance })
+    }
+}
+
+/// The element and local coordinates of the point `x`; for many points, and for the distance of points outside, keep a
+/// [`Locator`].
+pub fn locate<const N: usize, T: Real, G: Geometry<N, N, T> + ?Sized>(space: &G, x: &Vector<N, T>) -> Option<(usize, Vector<N, T>)> {
+    Locator::new(space).locate(x).ok().map(|l| (l.element, l.xi))
+}

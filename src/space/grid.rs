@@ -1,0 +1,259 @@
+//! What splines and Lagrange meshes of a patch have in common: elements, exact map, collapsed edges, sides.
+
+use super::refine::{self, SAME_KNOT};
+use super::{SideError, SpecError};
+use crate::basis::{Basis, Extracted, Rational, Refined, TensorProduct};
+use crate::geometry::{ControlNet, ControlPoints, Embedding, Geometry};
+use crate::linalg::{Matrix, Vector};
+use std::sync::Arc;
+
+/// Control points nearer than this share of the size are one point.
+const SAME_POINT: f64 = 1e-12;
+
+const AXES: [&str; 3] = ["u", "v", "w"];
+
+/// A face of the parameter box: xi_axis = end (0 or 1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SideOf {
+    pub axis: usize,
+    pub end: usize,
+}
+
+impl SideOf {
+    /// The name u0, u1, v0 and so on.
+    pub fn name(self) -> String {
+        format!("{}{}", AXES[self.axis], self.end)
+    }
+
+    /// All faces in dimension `n`: u0, u1, v0, ...
+    pub fn all(n: usize) -> Vec<Self> {
+        (0..2 * n).map(|f| Self { axis: f / 2, end: f % 2 }).collect()
+    }
+
+    /// The face of a name or alias in dimension `n`.
+    ///
+    /// Aliases: left, right = u0, u1; in the plane bottom, top = v0, v1; in space front, back = v0, v1 and bottom, top = w0, w1.
+    pub fn find(name: &str, n: usize) -> Option<Self> {
+        let alias = match (name, n) {
+            ("left", _) => "u0",
+            ("right", _) => "u1",
+            ("front", 3) | ("bottom", 2) => "v0",
+            ("back", 3) | ("top", 2) => "v1",
+            ("bottom", 3) => "w0",
+            ("top", 3) => "w1",
+            (other, _) => other,
+        };
+        Self::all(n).into_iter().find(|s| s.name() == alias)
+    }
+
+    /// The axes that run along the face, in order.
+    pub fn along(self, n: usize) -> Vec<usize> {
+        (0..n).filter(|&k| k != self.axis).collect()
+    }
+}
+
+/// The face whose lines along `along` are points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Collapse {
+    pub side: SideOf,
+    pub along: usize,
+}
+
+/// The element grid of a patch with its exact map.
+#[derive(Clone, Debug)]
+pub(crate) struct Grid<const N: usize> {
+    /// Element ends per direction in the parameters of the net.
+    pub breakpoints: [Vec<f64>; N],
+    /// The exact map of the net on these elements.
+    pub exact: Arc<dyn Geometry<N, N>>,
+    pub collapsed: Vec<Collapse>,
+}
+
+impl<const N: usize> Grid<N> {
+    /// The grid of `breakpoints`, to which the knots of the net are added.
+    pub fn new(net: &ControlNet<N, N>, breakpoints: &[Vec<f64>; N]) -> Result<Self, SpecError> {
+        let mut all: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
+        for k in 0..N {
+            all[k] = joined(k, net.axes[k].breakpoints(), &breakpoints[k])?;
+        }
+        let axes = std::array::from_fn(|k| {
+            let axis = &net.axes[k];
+            let cells = all[k].windows(2).map(|w| {
+                let (element, _) = axis.find(0.5 * (w[0] + w[1]));
+                let (a, b) = axis.interval(element);
+                (element, (w[0] - a) / (b - a), (w[1] - w[0]) / (b - a))
+            });
+            Refined::new(axis.clone(), cells.collect())
+        });
+        let product = TensorProduct::new(axes);
+        let points = net.points.clone();
+        let exact: Arc<dyn Geometry<N, N>> = match &net.weights {
+            Some(w) => Arc::new(ControlPoints { basis: Rational::new::<N>(product, w.clone()), points }),
+            None => Arc::new(ControlPoints { basis: product, points }),
+        };
+        Ok(Self { breakpoints: all, exact, collapsed: collapses(net) })
+    }
+
+    /// Elements per direction.
+    pub fn counts(&self) -> [usize; N] {
+        std::array::from_fn(|k| self.breakpoints[k].len() - 1)
+    }
+
+    /// The names of the sides that are no points or edges.
+    pub fn sides(&self) -> Vec<String> {
+        SideOf::all(N).into_iter().filter(|s| !self.is_collapsed(*s)).map(SideOf::name).collect()
+    }
+
+    /// Names of the faces that are points or edges.
+    pub fn collapsed_sides(&self) -> Vec<String> {
+        SideOf::all(N).into_iter().filter(|s| self.is_collapsed(*s)).map(SideOf::name).collect()
+    }
+
+    pub fn is_collapsed(&self, side: SideOf) -> bool {
+        self.collapsed.iter().any(|c| c.side == side)
+    }
+
+    /// The face of a name or alias.
+    pub fn side(&self, name: &str) -> Result<SideOf, SideError> {
+        let unknown = || SideError::Unknown { side: name.to_string(), known: self.sides().join(", ") };
+        let side = SideOf::find(name, N).ok_or_else(unknown)?;
+        if self.is_collapsed(side) {
+            return Err(SideError::Collapsed { side: name.to_string() });
+        }
+        Ok(side)
+    }
+
+    /// Where the elements of a side lie, first axis fastest.
+    pub fn facets<const S: usize>(&self, side: SideOf) -> Vec<Embedding<S, N>> {
+        let along = side.along(N);
+        let axes = Matrix::<N, S>::from_fn(|k, s| if along[s] == k { 1.0 } else { 0.0 });
+        let origin = Vector::<N>::from_fn(|k, _| if k == side.axis { side.end as f64 } else { 0.0 });
+        on_side(&self.counts(), side).into_iter().map(|element| Embedding { element, origin, axes }).collect()
+    }
+}
+
+/// The entries of a grid of `counts` that touch a face, first axis fastest.
+pub(crate) fn on_side<const N: usize>(counts: &[usize; N], side: SideOf) -> Vec<usize> {
+    let at = if side.end == 0 { 0 } else { counts[side.axis] - 1 };
+    (0..counts.iter().product()).filter(|&i| split(counts, i)[side.axis] == at).collect()
+}
+
+/// The multi-index of entry `i`, first axis fastest.
+pub(crate) fn split<const N: usize>(counts: &[usize; N], mut i: usize) -> [usize; N] {
+    counts.map(|n| {
+        let k = i % n;
+        i /= n;
+        k
+    })
+}
+
+/// The entry of a multi-index.
+pub(crate) fn join<const N: usize>(counts: &[usize; N], at: &[usize; N]) -> usize {
+    (0..N).rev().fold(0, |i, k| i * counts[k] + at[k])
+}
+
+/// Functions of a tensor grid that are one function because their edge is a point.
+#[derive(Clone, Debug)]
+pub(crate) struct Merged {
+    /// The merged function behind each function of the grid.
+    pub id: Vec<usize>,
+    pub functions: usize,
+}
+
+impl Merged {
+    /// Merges the functions of a grid of `counts` along collapsed faces.
+    pub fn new<const N: usize>(counts: &[usize; N], collapsed: &[Collapse]) -> Self {
+        let total = counts.iter().product();
+        let mut root: Vec<usize> = (0..total).collect();
+        fn find(root: &mut [usize], mut i: usize) -> usize {
+            while root[i] != i {
+                root[i] = root[root[i]];
+                i = root[i];
+            }
+            i
+        }
+        for c in collapsed {
+            for i in on_side(counts, c.side) {
+                let mut at = split(counts, i);
+                at[c.along] = 0;
+                let (a, b) = (find(&mut root, i), find(&mut root, join(counts, &at)));
+                // the least number stays the root, so the numbering follows the grid
+                root[a.max(b)] = a.min(b);
+            }
+        }
+        let mut id = vec![usize::MAX; total];
+        let mut functions = 0;
+        for i in 0..total {
+            let r = find(&mut root, i);
+            if r == i {
+                id[i] = functions;
+                functions += 1;
+            } else {
+                id[i] = id[r];
+            }
+        }
+        Self { id, functions }
+    }
+
+    /// Whether nothing is merged.
+    pub fn is_trivial(&self) -> bool {
+        self.functions == self.id.len()
+    }
+}
+
+/// `basis` with its functions merged: function `ids[i]` is the sum of all functions i with that id. The second value lists
+/// the ids in the order of the functions.
+pub(crate) fn merge<const D: usize>(basis: impl Basis<D> + 'static, ids: &[usize]) -> (Box<dyn Basis<D>>, Vec<usize>) {
+    let mut dofs: Vec<usize> = Vec::new();
+    let mut place = std::collections::HashMap::new();
+    let local: Vec<usize> = ids
+        .iter()
+        .map(|&id| {
+            *place.entry(id).or_insert_with(|| {
+                dofs.push(id);
+                dofs.len() - 1
+            })
+        })
+        .collect();
+    if dofs.len() == ids.len() {
+        return (Box::new(basis), dofs);
+    }
+    let rows = local.iter().map(|&k| vec![(k, 1.0)]).collect();
+    (Box::new(Extracted::new::<D>(basis, dofs.len(), rows)), dofs)
+}
+
+/// The breakpoints of a direction with the knots of the geometry.
+fn joined(direction: usize, knots: &[f64], wanted: &[f64]) -> Result<Vec<f64>, SpecError> {
+    let (a, b) = (knots[0], knots[knots.len() - 1]);
+    let near = SAME_KNOT * (b - a);
+    for (index, &t) in wanted.iter().enumerate() {
+        if !t.is_finite() || t < a - near || t > b + near {
+            return Err(SpecError::BreakpointOutside { direction, index, value: t, from: a, to: b });
+        }
+        if index > 0 && t <= wanted[index - 1] {
+            return Err(SpecError::BreakpointsFall { direction, index, value: t });
+        }
+    }
+    Ok(refine::joined(knots, wanted))
+}
+
+/// The faces of a net whose lines along a direction are points.
+fn collapses<const N: usize>(net: &ControlNet<N, N>) -> Vec<Collapse> {
+    let counts: [usize; N] = std::array::from_fn(|k| net.axes[k].num_functions());
+    let points = &net.points;
+    let size = crate::geometry::Bounds::around(points).map_or(0.0, |b| b.diagonal());
+    let mut found = Vec::new();
+    for side in SideOf::all(N) {
+        for along in side.along(N) {
+            let is_point = on_side(&counts, side).into_iter().all(|i| {
+                let mut at = split(&counts, i);
+                at[along] = 0;
+                (points[i] - points[join(&counts, &at)]).norm() <= SAME_POINT * size
+            });
+            if is_point {
+                found.push(Collapse { side, along });
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,129 @@
+//! Is the map of a body sound, and how large is it.
+
+use super::Space;
+use crate::basis::{Cell, Order};
+use crate::geometry::{Geometry, MapTable, cell};
+use crate::linalg::{Real, Vector, determinant, measure as scale, to_f64};
+use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
+use rayon::prelude::*;
+
+/// Jacobians below this share of the element's largest are zero: a collapsed edge, not an inversion.
+const ZERO: f64 = 1e-10;
+
+/// How sound the map of a body is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quality<const N: usize> {
+    /// Least |det dx/dxi| over sampled points that are not degenerate, in local coordinates [length^N].
+    pub least_jacobian: f64,
+    /// The element that has it.
+    pub element: usize,
+    /// Where.
+    pub at: Vector<N>,
+    /// Whether the determinant is negative throughout.
+    pub left_handed: bool,
+    /// Elements with a point where the map is singular: a collapsed edge.
+    pub degenerate: Vec<usize>,
+}
+
+/// The determinant of the Jacobian changes sign.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("element {element} is inverted: its Jacobian falls to {least_jacobian:.4e} at {at:?}; the map must not fold over")]
+pub struct InvertedElement {
+    /// The element.
+    pub element: usize,
+    /// Least determinant, in local coordinates, counted positive where the body as a whole is.
+    pub least_jacobian: f64,
+    /// Where; coordinates beyond the dimension are zero.
+    pub at: [f64; 3],
+}
+
+/// One element: points with their determinants.
+struct Sampled<const N: usize> {
+    least: (f64, Vector<N>),
+    most: (f64, Vector<N>),
+}
+
+/// Samples the Jacobian of every element on a grid of its cell, corners included.
+///
+/// # Errors
+/// [`InvertedElement`] where the determinant has two signs, or vanishes on a whole element; of several the worst.
+pub fn quality<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -> Result<Quality<N>, InvertedElement> {
+    let sampled: Vec<Sampled<N>> = (0..space.num_elements())
+        .into_par_iter()
+        .map_init(MapTable::<N, N, T>::new, |table, e| {
+            let degree = space.degree(e).into_iter().max().unwrap_or(1);
+            let points = cell::grid::<N, T>(space.cell(e), degree.clamp(2, 4) + 2);
+            space.map(e, &points, Order::Gradients, table);
+            let mut s = Sampled { least: (f64::INFINITY, Vector::zeros()), most: (f64::NEG_INFINITY, Vector::zeros()) };
+            for (j, x) in table.jacobian.iter().zip(&table.x) {
+                let d = to_f64(determinant(j));
+                let x = x.map(to_f64);
+                if d < s.least.0 || d.is_nan() {
+                    s.least = (d, x);
+                }
+                if d > s.most.0 || d.is_nan() {
+                    s.most = (d, x);
+                }
+            }
+            s
+        })
+        .collect();
+    let left_handed = sampled.iter().map(|s| s.least.0 + s.most.0).sum::<f64>() < 0.0;
+    let mut worst: Option<InvertedElement> = None;
+    let mut quality = Quality { least_jacobian: f64::INFINITY, element: 0, at: Vector::zeros(), left_handed, degenerate: Vec::new() };
+    for (element, s) in sampled.iter().enumerate() {
+        let (least, most) = if left_handed { ((-s.most.0, s.most.1), (-s.least.0, s.least.1)) } else { (s.least, s.most) };
+        let zero = ZERO * least.0.abs().max(most.0.abs());
+        // not a number fails this, too
+        let sound = least.0 >= -zero && most.0 > 0.0;
+        if !sound {
+            if worst.as_ref().is_none_or(|w| least.0 < w.least_jacobian) {
+                let at = std::array::from_fn(|k| if k < N { least.1[k] } else { 0.0 });
+                worst = Some(InvertedElement { element, least_jacobian: least.0, at });
+            }
+        } else if least.0 <= zero {
+            quality.degenerate.push(element);
+        } else if least.0 < quality.least_jacobian {
+            quality.least_jacobian = least.0;
+            quality.element = element;
+            quality.at = least.1;
+        }
+    }
+    if quality.degenerate.len() == sampled.len() {
+        quality.least_jacobian = 0.0;
+    }
+    worst.map_or(Ok(quality), Err)
+}
+
+/// Length, area or volume of a map: ∫ sqrt(det JᵀJ) dxi.
+///
+/// Gauss points are added per element until the sum settles, so that rational maps reach rounding; polynomial maps do at
+/// once.
+pub fn measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?Sized>(geometry: &X) -> T {
+    const COUNTS: [usize; 6] = [4, 6, 9, 13, 18, 24];
+    let rule_of = |kind: Cell, n: usize| -> Rule<D, T> {
+        match kind {
+            Cell::Tensor => TensorRule::<D, T>::gauss([n; D]).rule(0).clone(),
+            Cell::Simplex => simplex_rule(2 * n - 1),
+        }
+    };
+    let rules: Vec<[Rule<D, T>; 2]> = COUNTS.iter().map(|&n| [rule_of(Cell::Tensor, n), rule_of(Cell::Simplex, n)]).collect();
+    let parts: Vec<T> = (0..geometry.num_elements())
+        .into_par_iter()
+        .map_init(MapTable::<D, N, T>::new, |table, e| {
+            let mut last = T::zero();
+            for (k, rule) in rules.iter().enumerate() {
+                let rule = &rule[usize::from(geometry.cell(e) == Cell::Simplex)];
+                geometry.map(e, &rule.points, Order::Gradients, table);
+                let sum = table.jacobian.iter().zip(&rule.weights).fold(T::zero(), |s, (j, &w)| s + scale(j) * w);
+                let settled = k > 0 && (sum - last).abs() <= T::default_epsilon() * crate::linalg::lit(16.0) * sum.abs();
+                last = sum;
+                if settled {
+                    break;
+                }
+            }
+            last
+        })
+        .collect();
+    parts.into_iter().fold(T::zero(), |s, p| s + p)
+}

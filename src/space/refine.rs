@@ -1,0 +1,37 @@
+//! Element ends, refined.
+
+/// Breakpoints with every interval halved `times` times.
+pub fn halved(breakpoints: &[f64], times: usize) -> Vec<f64> {
+    let pieces = 1usize << times;
+    let mut all = Vec::with_capacity(breakpoints.len().saturating_sub(1) * pieces + 1);
+    for w in breakpoints.windows(2) {
+        all.extend((0..pieces).map(|i| w[0] + (w[1] - w[0]) * (i as f64 / pieces as f64)));
+    }
+    all.extend(breakpoints.last());
+    all
+}
+
+/// The increasing union of `knots` and `breakpoints`; a breakpoint nearer than 1e-10 of the range to a knot is the knot.
+pub fn joined(knots: &[f64], breakpoints: &[f64]) -> Vec<f64> {
+    let mut all = knots.to_vec();
+    if let (Some(a), Some(b)) = (knots.first(), knots.last()) {
+        all.extend(breakpoints.iter().copied().filter(|t| knots.iter().all(|k| (k - t).abs() > SAME_KNOT * (b - a))));
+    }
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+/// Breakpoints nearer than this share of the range to a knot are that knot.
+pub(crate) const SAME_KNOT: f64 = 1e-10;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halving_keeps_the_old_breakpoints_and_adds_the_middles() {
+        assert_eq!(halved(&[0.0, 1.0, 3.0], 1), [0.0, 0.5, 1.0, 2.0, 3.0]);
+        assert_eq!(halved(&[0.0, 1.0], 2), [0.0, 0.25, 0.5, 0.75, 1.0]);
+        assert_eq!(joined(&[0.0, 0.5, 1.0], &[0.0, 0.2, 0.5 + 1e-13, 1.0]), [0.0, 0.2, 0.5, 1.0]);
+    }
+}
