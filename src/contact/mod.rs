@@ -1,7 +1,19 @@
 //! Floor 10: gaps, normals, targets and the loop that presses bodies together. Names no basis type.
 
+mod frames;
+mod gap;
+mod pressure;
+mod surface;
+mod targets;
+
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
+
+pub use frames::Frames;
+pub use gap::{Contact, ContactError, Opponent};
+pub use pressure::{Transmitted, half_width};
+pub use surface::Surface;
+pub use targets::{HalfPlane, LevelSet, Moved, Sphere};
 
 /// Where a point lies on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

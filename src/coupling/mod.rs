@@ -1,6 +1,8 @@
 //! Floor 8: two sides, their segments and multipliers become rows or stiffness. Decides nothing.
 
 pub mod interface;
+pub mod mortar;
+pub mod multiplier;
 
 use crate::basis::Basis;
 use crate::linalg::{Real, Triplets, Vector};
@@ -9,6 +11,7 @@ use crate::space::{Field, Trace};
 use std::fmt::Debug;
 
 pub use interface::{Coverage, InterfaceQuadrature, Segments};
+pub use mortar::Mortar;
 
 /// Why sides could not be coupled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

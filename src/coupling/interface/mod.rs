@@ -1,12 +1,23 @@
 //! Segments: the same physical points seen from one slave and one master element, with weights.
 
+mod chain;
+mod merged_curve;
+mod pairing;
+mod slave;
+
 use super::CouplingError;
 use crate::geometry::Geometry;
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
+use std::ops::Range;
+
+pub use chain::{Chain, Vertex};
+pub use merged_curve::MergedCurve;
+pub use pairing::{MasterCurve, Partners, Place, Tolerance, crossing};
+pub use slave::{SlaveRule, slave_segments};
 
 /// How well a list of segments covers the slave side.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Coverage<T: Real = f64> {
     /// Measure of the slave side [length^D].
     pub slave_measure: T,
@@ -20,8 +31,14 @@ pub struct Coverage<T: Real = f64> {
     pub share: Vec<T>,
 }
 
+impl<T: Real> Default for Coverage<T> {
+    fn default() -> Self {
+        Self { slave_measure: T::zero(), covered: T::zero(), distance: T::zero(), at: [0.0; 3], share: Vec::new() }
+    }
+}
+
 /// Pairs of local points of the same physical points, with weights.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Segments<const D: usize, T: Real = f64> {
     /// Slave element of each piece.
     pub slave: Vec<usize>,
@@ -39,6 +56,66 @@ pub struct Segments<const D: usize, T: Real = f64> {
     pub report: Coverage<T>,
 }
 
+impl<const D: usize, T: Real> Default for Segments<D, T> {
+    fn default() -> Self {
+        Self {
+            slave: Vec::new(),
+            master: Vec::new(),
+            start: vec![0],
+            slave_xi: Vec::new(),
+            master_xi: Vec::new(),
+            ds: Vec::new(),
+            report: Coverage::default(),
+        }
+    }
+}
+
+impl<const D: usize, T: Real> Segments<D, T> {
+    /// No pieces yet, an empty report.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Number of pieces.
+    pub fn num_pieces(&self) -> usize {
+        self.slave.len()
+    }
+
+    /// Points of `piece`.
+    pub fn points(&self, piece: usize) -> Range<usize> {
+        self.start[piece]..self.start[piece + 1]
+    }
+
+    /// Appends a piece with points (slave xi, master xi, ds).
+    pub fn push_piece(&mut self, slave: usize, master: usize, points: impl IntoIterator<Item = (Vector<D, T>, Vector<D, T>, T)>) {
+        self.slave.push(slave);
+        self.master.push(master);
+        for (a, b, ds) in points {
+            self.slave_xi.push(a);
+            self.master_xi.push(b);
+            self.ds.push(ds);
+        }
+        self.start.push(self.ds.len());
+    }
+
+    /// Runs of pieces that share their slave element.
+    pub fn runs(&self) -> Vec<Range<usize>> {
+        let mut runs: Vec<Range<usize>> = Vec::new();
+        for piece in 0..self.num_pieces() {
+            match runs.last_mut() {
+                Some(run) if self.slave[run.start] == self.slave[piece] => run.end = piece + 1,
+                _ => runs.push(piece..piece + 1),
+            }
+        }
+        runs
+    }
+
+    /// Measure of all pieces [length^D].
+    pub fn measure(&self) -> T {
+        self.ds.iter().fold(T::zero(), |s, &ds| s + ds)
+    }
+}
+
 /// Makes the list of segments of two sides. Slave, mixed and merged integration differ only here.
 pub trait InterfaceQuadrature<const D: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
     /// The segments of `slave` against `master`, in order of slave elements.
@@ -46,4 +123,10 @@ pub trait InterfaceQuadrature<const D: usize, const N: usize, T: Real = f64>: De
     /// # Errors
     /// [`CouplingError`] where no segments can be made.
     fn segments(&self, slave: &dyn Geometry<D, N, T>, master: &dyn Geometry<D, N, T>) -> Result<Segments<D, T>, CouplingError>;
+}
+
+impl<const D: usize, const N: usize, T: Real, X: InterfaceQuadrature<D, N, T> + ?Sized> InterfaceQuadrature<D, N, T> for Box<X> {
+    fn segments(&self, slave: &dyn Geometry<D, N, T>, master: &dyn Geometry<D, N, T>) -> Result<Segments<D, T>, CouplingError> {
+        (**self).segments(slave, master)
+    }
 }

@@ -1,0 +1,172 @@
+//! Contract of [`InterfaceQuadrature`]: pieces tile the slave, points lie in their elements, partners coincide.
+
+use crate::basis::{Basis, Order, ShapeTable};
+use crate::coupling::{InterfaceQuadrature, Segments};
+use crate::geometry::{Geometry, MapTable};
+use crate::linalg::{Real, Vector, measure, to_f64};
+use crate::quadrature::Quadrature;
+use crate::space::Space;
+
+/// What [`interface_quadrature`] allows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SegmentLimits {
+    /// Defect of the measure of each fully covered slave element, as a share of its measure.
+    pub tiling: f64,
+    /// How far points may lie outside their cells, in local coordinates: 0 for exact sides, more where kinked sides
+    /// only approximate one curve.
+    pub outside: f64,
+    /// Distance of partners [length].
+    pub distance: f64,
+    /// Defect of the column sums of the master, as a share of the largest column; none: not asked (slave rules miss it).
+    pub columns: Option<f64>,
+}
+
+impl Default for SegmentLimits {
+    /// Two sides on exactly one curve, merged: 1e-12 for measures, 1e-9 for places, 1e-11 for columns.
+    fn default() -> Self {
+        Self { tiling: 1e-12, outside: 1e-9, distance: 1e-12, columns: Some(1e-11) }
+    }
+}
+
+/// Checks the segments that `rule` makes of `slave` and `master`.
+///
+/// `own`: rules that integrate each side's own functions exactly enough, slave and master. The column sums
+/// sum_j M_jk = ∫ N_k ds over the master are the test of a segmentation: row sums and force balance hold for any rule.
+///
+/// # Errors
+/// A sentence that says which rule is broken and where.
+pub fn interface_quadrature<const D: usize, const N: usize, T: Real>(
+    rule: &dyn InterfaceQuadrature<D, N, T>,
+    slave: &dyn Space<D, N, T>,
+    master: &dyn Space<D, N, T>,
+    own: [&dyn Quadrature<D, T>; 2],
+    limits: SegmentLimits,
+) -> Result<(), String> {
+    let (slave_map, master_map): (&dyn Geometry<D, N, T>, &dyn Geometry<D, N, T>) = (slave, master);
+    let segments = rule.segments(slave_map, master_map).map_err(|e| format!("no segments: {e}"))?;
+    if rule.segments(slave_map, master_map).ok().as_ref() != Some(&segments) {
+        return Err("the same sides give different segments when asked again".into());
+    }
+    shapes(&segments, slave.num_elements(), master.num_elements())?;
+    tiling(&segments, slave, own[0], limits.tiling)?;
+    places(&segments, slave, master, limits)?;
+    if let Some(limit) = limits.columns {
+        columns(&segments, master, own[1], limit)?;
+    }
+    Ok(())
+}
+
+/// Lengths agree, elements exist, slave elements come in order.
+fn shapes<const D: usize, T: Real>(segments: &Segments<D, T>, slaves: usize, masters: usize) -> Result<(), String> {
+    let (pieces, points) = (segments.num_pieces(), segments.ds.len());
+    if segments.master.len() != pieces || segments.start.len() != pieces + 1 || segments.start.last() != Some(&points) {
+        return Err(format!("{pieces} pieces have {} masters and {} starts", segments.master.len(), segments.start.len()));
+    }
+    if segments.slave_xi.len() != points || segments.master_xi.len() != points {
+        return Err(format!("{points} weights have {} slave and {} master points", segments.slave_xi.len(), segments.master_xi.len()));
+    }
+    for piece in 0..pieces {
+        if segments.slave[piece] >= slaves || segments.master[piece] >= masters {
+            return Err(format!(
+                "piece {piece} names slave element {} and master element {}",
+                segments.slave[piece], segments.master[piece]
+            ));
+        }
+        if piece > 0 && segments.slave[piece] < segments.slave[piece - 1] {
+            return Err(format!("piece {piece} goes back to slave element {}", segments.slave[piece]));
+        }
+    }
+    if let Some(q) = segments.ds.iter().position(|ds| *ds < T::zero() || !ds.is_finite()) {
+        return Err(format!("point {q} has the weight {:?}", segments.ds[q]));
+    }
+    if segments.report.share.len() != slaves {
+        return Err(format!("the report has shares of {} elements, the slave {slaves}", segments.report.share.len()));
+    }
+    Ok(())
+}
+
+/// Pieces of a fully covered slave element have its measure.
+fn tiling<const D: usize, const N: usize, T: Real>(
+    segments: &Segments<D, T>,
+    slave: &dyn Space<D, N, T>,
+    own: &dyn Quadrature<D, T>,
+    limit: f64,
+) -> Result<(), String> {
+    let mut found = vec![0.0; slave.num_elements()];
+    for piece in 0..segments.num_pieces() {
+        found[segments.slave[piece]] += segments.points(piece).map(|q| to_f64(segments.ds[q])).sum::<f64>();
+    }
+    let mut table = MapTable::new();
+    for (element, found) in found.iter().enumerate() {
+        let rule = own.rule(element);
+        slave.map(element, &rule.points, Order::Gradients, &mut table);
+        let whole: f64 = table.jacobian.iter().zip(&rule.weights).map(|(j, &w)| to_f64(measure(j) * w)).sum();
+        let expected = whole * to_f64(segments.report.share[element]);
+        if (found - expected).abs() > limit * whole {
+            return Err(format!("the pieces of slave element {element} measure {found:e}, its covered part {expected:e}"));
+        }
+    }
+    Ok(())
+}
+
+/// Points lie in their cells, partners lie together and no farther apart than reported.
+fn places<const D: usize, const N: usize, T: Real>(
+    segments: &Segments<D, T>,
+    slave: &dyn Space<D, N, T>,
+    master: &dyn Space<D, N, T>,
+    limits: SegmentLimits,
+) -> Result<(), String> {
+    let inside = |xi: &Vector<D, T>| xi.iter().all(|&v| to_f64(v) >= -limits.outside && to_f64(v) <= 1.0 + limits.outside);
+    let (mut here, mut there) = (MapTable::new(), MapTable::new());
+    for piece in 0..segments.num_pieces() {
+        let points = segments.points(piece);
+        slave.map(segments.slave[piece], &segments.slave_xi[points.clone()], Order::Values, &mut here);
+        master.map(segments.master[piece], &segments.master_xi[points.clone()], Order::Values, &mut there);
+        for (k, q) in points.enumerate() {
+            if !inside(&segments.slave_xi[q]) || !inside(&segments.master_xi[q]) {
+                return Err(format!(
+                    "point {q} of piece {piece} lies at {:?} and {:?}, outside its cells",
+                    segments.slave_xi[q], segments.master_xi[q]
+                ));
+            }
+            let distance = to_f64((here.x[k] - there.x[k]).norm());
+            if distance > limits.distance || distance > to_f64(segments.report.distance) * (1.0 + 1e-9) + 1e-15 {
+                return Err(format!("partners of point {q} are {distance:e} apart; reported {:?}", segments.report.distance));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Sums over the points of the master's functions against the master's own rule, on elements that are met.
+fn columns<const D: usize, const N: usize, T: Real>(
+    segments: &Segments<D, T>,
+    master: &dyn Space<D, N, T>,
+    own: &dyn Quadrature<D, T>,
+    limit: f64,
+) -> Result<(), String> {
+    let n = Basis::<D, T>::num_functions(master);
+    let (mut found, mut expected, mut ids) = (vec![0.0; n], vec![0.0; n], Vec::new());
+    let (mut shapes, mut map) = (ShapeTable::new(), MapTable::new());
+    for piece in 0..segments.num_pieces() {
+        let points = segments.points(piece);
+        master.active(segments.master[piece], &mut ids);
+        master.tabulate(segments.master[piece], &segments.master_xi[points.clone()], Order::Values, &mut shapes);
+        for (k, q) in points.enumerate() {
+            ids.iter().zip(shapes.values(k)).for_each(|(&i, &v)| found[i] += to_f64(v * segments.ds[q]));
+        }
+    }
+    for element in 0..master.num_elements() {
+        let rule = own.rule(element);
+        master.active(element, &mut ids);
+        master.evaluate(element, &rule.points, Order::Gradients, &mut shapes, &mut map);
+        for (k, (j, &w)) in map.jacobian.iter().zip(&rule.weights).enumerate() {
+            ids.iter().zip(shapes.values(k)).for_each(|(&i, &v)| expected[i] += to_f64(v * measure(j) * w));
+        }
+    }
+    let largest = expected.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    match (0..n).find(|&i| (found[i] - expected[i]).abs() > limit * largest) {
+        None => Ok(()),
+        Some(i) => Err(format!("master function {i} sums to {:e} over the segments, to {:e} over the master", found[i], expected[i])),
+    }
+}

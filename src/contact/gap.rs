@@ -1,0 +1,141 @@
+//! Contact of a slave side with a master side or an obstacle as rows and a weighted gap.
+//!
+//!   rows     C_j = ∫ ψ_j (u_slave - u_master) . n ds
+//!   offset   g_j = ∫ g' ψ_j ds,   g' = the gap formula of the geometric gap g
+//!   weights  w_j = ∫ ψ_j ds
+//!   gap_j = (C u + g)_j / w_j     lumped [length], positive is open
+//!
+//! Sign: K u + Cᵀ lambda = f with C u + g >= 0, lambda <= 0; lambda is the normal stress sigma_N [force/area].
+//! A function whose support faces nothing has weight zero; its row stays open.
+
+use super::{Frames, Target};
+use crate::basis::Basis;
+use crate::constraint::RowKind;
+use crate::coupling::mortar::{multiplier_weights, weighted_sums};
+use crate::coupling::{Coupling, CouplingError, Interface, Mortar, Rows, Segments, Side};
+use crate::linalg::{Real, Vector, lit, to_f64};
+
+/// Functions with less than this share of the largest weight face nothing.
+const FACES_NOTHING: f64 = 1e-10;
+
+/// Why a contact could not be set up.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ContactError {
+    /// The rows could not be made.
+    #[error(transparent)]
+    Coupling(#[from] CouplingError),
+    /// A multiplier function has a negative mean: its sign says nothing about compression.
+    #[error(
+        "multiplier function {function} has the weight {weight:.3e}; contact needs multipliers with positive means, such as constant or p/p-2"
+    )]
+    Weight {
+        /// The function.
+        function: usize,
+        /// Its integral over the contact side.
+        weight: f64,
+    },
+    /// No multiplier has a facing point.
+    #[error("no part of the slave side faces the master within reach")]
+    NoTarget,
+    /// The gap formula gave no number.
+    #[error("the gap formula is not finite at {at:?}")]
+    Gap {
+        /// Where.
+        at: [f64; 3],
+    },
+}
+
+/// What a contact side is pressed against.
+#[derive(Clone, Copy, Debug)]
+pub enum Opponent<'a, const S: usize, const N: usize, T: Real = f64> {
+    /// A deformable body; the segments pair both sides.
+    Master(Side<'a, S, N, T>),
+    /// A rigid obstacle; the segments are points of the slave alone. Points farther than the reach face nothing.
+    Rigid(&'a dyn Target<S, N, T>, Option<T>),
+}
+
+/// A contact side ready for a constraint solver.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact<const S: usize, const N: usize, T: Real = f64> {
+    /// Where slave and master are seen together; points that face nothing are left out.
+    pub segments: Segments<S, T>,
+    /// Place, normal and geometric gap per point.
+    pub frames: Frames<N, T>,
+    /// C, one row per multiplier function.
+    pub rows: Rows<T>,
+    /// ∫ g' ψ_j ds.
+    pub offset: Vec<T>,
+    /// ∫ ψ_j ds.
+    pub weights: Vec<T>,
+    /// Whether the support of ψ_j faces something.
+    pub facing: Vec<bool>,
+}
+
+impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
+    /// Rows, offsets and weights of `slave` against `opponent` in a system of `unknowns` unknowns.
+    ///
+    /// `segments`: of both sides ([`crate::coupling::interface::MergedCurve`]) or of the slave alone
+    /// ([`crate::coupling::interface::slave_segments`]); `gap(x, g)`: the gap formula at the slave point x with the
+    /// geometric gap g.
+    ///
+    /// # Errors
+    /// [`ContactError`] where rows cannot be made, or a multiplier has no sign.
+    pub fn new(
+        slave: Side<'_, S, N, T>,
+        opponent: Opponent<'_, S, N, T>,
+        multiplier: &dyn Basis<S, T>,
+        segments: Segments<S, T>,
+        gap: &dyn Fn(&Vector<N, T>, T) -> T,
+        unknowns: usize,
+    ) -> Result<Self, ContactError> {
+        let (master, segments, frames) = match opponent {
+            Opponent::Master(master) => {
+                let frames = Frames::against_master(&*slave.trace.space, master.trace, &segments)?;
+                (Some(master), segments, frames)
+            }
+            Opponent::Rigid(target, reach) => {
+                let (segments, frames) = Frames::against_target(&*slave.trace.space, target, &segments, reach);
+                (None, segments, frames)
+            }
+        };
+        let wanted: Vec<T> = frames.x.iter().zip(&frames.gap).map(|(x, &g)| gap(x, g)).collect();
+        if let Some(q) = wanted.iter().position(|g| !g.is_finite()) {
+            return Err(ContactError::Gap { at: std::array::from_fn(|k| if k < N { to_f64(frames.x[q][k]) } else { 0.0 }) });
+        }
+        let interface = Interface {
+            slave,
+            master,
+            multiplier: &[multiplier],
+            segments: &segments,
+            master_segments: None,
+            direction: Some(&frames.normal),
+        };
+        let rows = Mortar.assemble(&interface, unknowns)?.constraint;
+        let offset = weighted_sums(multiplier, &segments, |q| wanted[q]);
+        let weights = multiplier_weights(multiplier, &segments);
+        let largest = weights.iter().fold(T::zero(), |m, w| m.max(w.abs()));
+        let threshold = largest * lit(FACES_NOTHING);
+        if let Some(function) = weights.iter().position(|&w| w < -threshold) {
+            return Err(ContactError::Weight { function, weight: to_f64(weights[function]) });
+        }
+        let facing = weights.iter().map(|&w| w > threshold).collect();
+        Ok(Self { segments, frames, rows, offset, weights, facing })
+    }
+
+    /// The kind of every row: contact, or open where it faces nothing.
+    pub fn kinds(&self) -> Vec<RowKind> {
+        self.facing.iter().map(|&f| if f { RowKind::Contact } else { RowKind::Open }).collect()
+    }
+
+    /// (C u + g)_j / w_j, one per multiplier function [length]; none where the function faces nothing.
+    pub fn lumped_gap(&self, unknowns: &[T]) -> Vec<Option<T>> {
+        let mut gap = self.offset.clone();
+        for part in [&self.rows.slave, &self.rows.master] {
+            for &(row, col, value) in &part.entries {
+                gap[row] += value * unknowns[col];
+            }
+        }
+        (0..gap.len()).map(|j| self.facing[j].then(|| gap[j] / self.weights[j])).collect()
+    }
+}

@@ -1,0 +1,297 @@
+//! Merged integration on curves: cut every slave element where its closest point changes the master element.
+//!
+//! A master vertex V with mean tangent t owns the plane (x - V) . t = 0. A slave element is cut at the roots of
+//!
+//!   φ(xi) = (x_s(xi) - V) . t
+//!
+//! for the vertices near it. On smooth sides this is where the closest point passes V; at a kink it halves the fan of
+//! points whose closest point is V. Each piece goes to the element that owns its middle; where owners inside a piece are
+//! no neighbours (the closest point jumps), bisection finds the jump. Partners are foot points on the continued curve of
+//! the assigned element, never clamped, so a cut misplaced by δ costs O(δ²) even between kinked functions.
+//! Neighbouring pieces share their cut, so they tile the slave element exactly. Cost: n log n.
+
+use super::pairing::{MasterCurve, Worst, crossing, place_of, size_of};
+use super::{Coverage, InterfaceQuadrature, Partners, Segments, Tolerance};
+use crate::basis::Order;
+use crate::coupling::CouplingError;
+use crate::geometry::{Geometry, MapTable};
+use crate::linalg::{Real, Vector, lit, num};
+use crate::quadrature::{Rule, gauss_legendre};
+use rayon::prelude::*;
+
+/// Pieces shorter than this share of the slave element join their neighbour.
+const SLIVER: f64 = 1e-12;
+/// Samples per slave element that bracket the cuts.
+const SAMPLES: usize = 9;
+/// Bisections of a jump of the closest point.
+const JUMP_STEPS: usize = 50;
+/// How often a piece may be cut at jumps.
+const JUMP_DEPTH: usize = 6;
+
+/// Gauss points on the pieces that both sides share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MergedCurve<T: Real = f64> {
+    /// Gauss points per piece; max(p_slave, p_master) + 1 is exact for products of polynomials on straight sides.
+    pub points: usize,
+    /// Which points are partners.
+    pub partners: Partners<T>,
+}
+
+impl<T: Real> MergedCurve<T> {
+    /// For tied sides that carry the same curve, or approximate it within `tolerance`.
+    pub fn tied(points: usize, tolerance: Tolerance<T>) -> Self {
+        Self { points, partners: Partners::Touching(tolerance) }
+    }
+
+    /// For sides in contact, possibly across a gap of at most `reach` (none: the size of the slave side).
+    pub fn facing(points: usize, reach: Option<T>) -> Self {
+        Self { points, partners: Partners::Facing { reach } }
+    }
+}
+
+impl<const N: usize, T: Real> InterfaceQuadrature<1, N, T> for MergedCurve<T> {
+    fn segments(&self, slave: &dyn Geometry<1, N, T>, master: &dyn Geometry<1, N, T>) -> Result<Segments<1, T>, CouplingError> {
+        if master.num_elements() == 0 {
+            return Err(CouplingError::NothingFaces);
+        }
+        let slave_size = size_of(slave);
+        let sides = Sides {
+            slave,
+            master: MasterCurve::new(master, slave_size),
+            slave_size,
+            partners: self.partners,
+            gauss: gauss_legendre::<T>(self.points.max(1)),
+        };
+        let parts: Vec<Part<T>> = (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| sides.element(e, work)).collect();
+        join(parts, matches!(self.partners, Partners::Touching(_)))
+    }
+}
+
+/// The pieces of one slave element.
+#[derive(Debug)]
+pub(super) struct Part<T: Real> {
+    pub element: usize,
+    /// master element and points (slave xi, master xi, ds) of each piece
+    pub pieces: Vec<(usize, Vec<(Vector<1, T>, Vector<1, T>, T)>)>,
+    pub measure: T,
+    pub covered: T,
+    pub worst: Worst<T>,
+    pub farthest: (T, [f64; 3]),
+}
+
+impl<T: Real> Part<T> {
+    pub fn new(element: usize) -> Self {
+        Self { element, pieces: Vec::new(), measure: T::zero(), covered: T::zero(), worst: Worst::none(), farthest: (T::zero(), [0.0; 3]) }
+    }
+
+    /// Takes note of a pair of partners.
+    pub fn see<const N: usize>(&mut self, x: &Vector<N, T>, distance: T, allowed: T) {
+        let ratio = distance / allowed.max(T::default_epsilon());
+        if distance > self.farthest.0 {
+            self.farthest = (distance, place_of(x));
+        }
+        if ratio > self.worst.ratio {
+            self.worst = Worst { distance, at: place_of(x), allowed, ratio };
+        }
+    }
+}
+
+/// One list in the order of slave elements, with its report.
+pub(super) fn join<T: Real>(parts: Vec<Part<T>>, touching: bool) -> Result<Segments<1, T>, CouplingError> {
+    let mut out = Segments::new();
+    let (mut report, mut worst) = (Coverage::default(), Worst::none());
+    for part in parts {
+        for (master, points) in part.pieces {
+            out.push_piece(part.element, master, points);
+        }
+        report.slave_measure += part.measure;
+        report.covered += part.covered;
+        report.share.push(if part.measure > T::zero() { (part.covered / part.measure).min(T::one()) } else { T::zero() });
+        if part.farthest.0 > report.distance {
+            (report.distance, report.at) = part.farthest;
+        }
+        if part.worst.ratio > worst.ratio {
+            worst = part.worst;
+        }
+    }
+    if touching {
+        if let Some(error) = worst.error() {
+            return Err(error);
+        }
+        if out.num_pieces() == 0 {
+            return Err(CouplingError::NothingFaces);
+        }
+    }
+    out.report = report;
+    Ok(out)
+}
+
+struct Sides<'a, const N: usize, T: Real> {
+    slave: &'a dyn Geometry<1, N, T>,
+    master: MasterCurve<&'a dyn Geometry<1, N, T>, N, T>,
+    slave_size: T,
+    partners: Partners<T>,
+    gauss: Rule<1, T>,
+}
+
+struct Work<const N: usize, T: Real> {
+    slave: MapTable<1, N, T>,
+    master: MapTable<1, N, T>,
+    samples: Vec<Vector<1, T>>,
+    cuts: Vec<T>,
+    x: Vec<Vector<N, T>>,
+    xi: Vec<Vector<1, T>>,
+    eta: Vec<Vector<1, T>>,
+}
+
+impl<const N: usize, T: Real> Work<N, T> {
+    fn new() -> Self {
+        let samples = (0..SAMPLES).map(|k| Vector::<1, T>::new(num::<T>(k) / num::<T>(SAMPLES - 1))).collect();
+        Self { slave: MapTable::new(), master: MapTable::new(), samples, cuts: Vec::new(), x: Vec::new(), xi: Vec::new(), eta: Vec::new() }
+    }
+}
+
+/// A piece of a slave element: from, to, and who owns it.
+type Piece<T> = (T, T, Option<usize>);
+
+impl<const N: usize, T: Real> Sides<'_, N, T> {
+    fn element(&self, element: usize, work: &mut Work<N, T>) -> Part<T> {
+        self.find_cuts(element, work);
+        let mut pieces: Vec<Piece<T>> = Vec::new();
+        for k in 1..work.cuts.len() {
+            self.assign(element, work.cuts[k - 1], work.cuts[k], JUMP_DEPTH, &mut work.slave, &mut pieces);
+        }
+        // false cuts vanish: neighbours with one owner are one piece
+        let mut merged: Vec<Piece<T>> = Vec::with_capacity(pieces.len());
+        for piece in pieces {
+            match merged.last_mut() {
+                Some(last) if last.2 == piece.2 => last.1 = piece.1,
+                _ => merged.push(piece),
+            }
+        }
+        let mut part = Part::new(element);
+        for piece in merged {
+            self.integrate(piece, work, &mut part);
+        }
+        part
+    }
+
+    /// Roots of φ for the vertices near the element, between 0 and 1, slivers left out.
+    fn find_cuts(&self, element: usize, work: &mut Work<N, T>) {
+        work.cuts.clear();
+        work.cuts.extend([T::zero(), T::one()]);
+        self.slave.map(element, &work.samples, Order::Values, &mut work.slave);
+        work.x.clear();
+        work.x.extend_from_slice(&work.slave.x);
+        let stride = work.x.windows(2).fold(T::zero(), |m, w| m.max((w[1] - w[0]).norm()));
+        let far = work.x.iter().filter_map(|x| self.master.place(x)).fold(T::zero(), |m, p| m.max(p.distance));
+        // a vertex that is a closest point is no farther than the closest point of the next sample, plus the way there
+        for near in self.master.vertices_in(&self.slave.bounds(element).inflated(far + stride)) {
+            let vertex = &self.master.chain().vertices[near];
+            let Some(tangent) = vertex.tangent else { continue };
+            for s in 1..SAMPLES {
+                let values = [(work.x[s - 1] - vertex.x).dot(&tangent), (work.x[s] - vertex.x).dot(&tangent)];
+                if (values[0] < T::zero()) != (values[1] < T::zero()) {
+                    let bracket = [work.samples[s - 1][0], work.samples[s][0]];
+                    work.cuts.push(crossing(self.slave, element, &vertex.x, &tangent, bracket, &mut work.slave));
+                }
+            }
+        }
+        work.cuts.sort_by(|a, b| a.partial_cmp(b).expect("cuts are numbers"));
+        let sliver = lit::<T>(SLIVER).max(T::default_epsilon() * lit(16.0));
+        let mut kept = T::zero();
+        work.cuts.retain(|&c| {
+            let keep = c == T::zero() || c == T::one() || (c - kept > sliver && T::one() - c > sliver);
+            if keep {
+                kept = c;
+            }
+            keep
+        });
+        work.cuts.dedup();
+    }
+
+    /// Who owns `xi`; none beyond a rim or out of reach.
+    fn owner(&self, element: usize, xi: T, table: &mut MapTable<1, N, T>) -> Option<usize> {
+        self.slave.map(element, &[Vector::<1, T>::new(xi)], Order::Values, table);
+        let place = self.master.place(&table.x[0]).filter(|p| !p.beyond)?;
+        let (allowed, is_error) = self.partners.allowed(self.master.size(), self.slave_size, [T::zero(); 2]);
+        (is_error || place.distance <= allowed).then_some(place.element)
+    }
+
+    /// Appends the pieces of [from, to]: one, or several where the owner jumps inside.
+    fn assign(&self, element: usize, from: T, to: T, depth: usize, table: &mut MapTable<1, N, T>, pieces: &mut Vec<Piece<T>>) {
+        let width = to - from;
+        let probes = [0.5, 0.02, 0.98].map(|t| from + width * lit::<T>(t));
+        let owners = probes.map(|xi| self.owner(element, xi, table));
+        let differ = |a: Option<usize>, b: Option<usize>| match (a, b) {
+            (Some(a), Some(b)) => !self.master.are_near(a, b),
+            (None, None) => false,
+            _ => true,
+        };
+        let jump = if differ(owners[0], owners[1]) {
+            Some((probes[1], probes[0], owners[1]))
+        } else if differ(owners[0], owners[2]) {
+            Some((probes[0], probes[2], owners[0]))
+        } else {
+            None
+        };
+        let sliver = lit::<T>(SLIVER).max(T::default_epsilon() * lit(16.0));
+        match jump {
+            Some((mut lo, mut hi, before)) if depth > 0 && width > sliver * lit(10.0) => {
+                for _ in 0..JUMP_STEPS {
+                    let middle = (lo + hi) * lit(0.5);
+                    if middle <= lo || middle >= hi {
+                        break;
+                    }
+                    if differ(before, self.owner(element, middle, table)) { hi = middle } else { lo = middle }
+                }
+                let cut = (lo + hi) * lit(0.5);
+                if cut - from > sliver && to - cut > sliver {
+                    self.assign(element, from, cut, depth - 1, table, pieces);
+                    self.assign(element, cut, to, depth - 1, table, pieces);
+                } else {
+                    pieces.push((from, to, owners[0]));
+                }
+            }
+            _ => pieces.push((from, to, owners[0])),
+        }
+    }
+
+    /// Gauss points of a piece and their partners.
+    fn integrate(&self, (from, to, owner): Piece<T>, work: &mut Work<N, T>, part: &mut Part<T>) {
+        let width = to - from;
+        work.xi.clear();
+        work.xi.extend(self.gauss.points.iter().map(|p| Vector::<1, T>::new(from + width * p[0])));
+        self.slave.map(part.element, &work.xi, Order::Gradients, &mut work.slave);
+        let ds = |q: usize| work.slave.jacobian[q].column(0).norm() * self.gauss.weights[q] * width;
+        let measure = (0..work.xi.len()).fold(T::zero(), |s, q| s + ds(q));
+        part.measure += measure;
+        let Some(owner) = owner else { return };
+        part.covered += measure;
+        work.eta.clear();
+        for x in &work.slave.x {
+            // a start on another element means that the point lies near a cut: the foot is near that end
+            let start = match self.master.place(x) {
+                Some(p) if p.element == owner => p.xi,
+                Some(p) => (0..2)
+                    .find(|&end| self.master.chain().neighbour(owner, end).is_some_and(|(e, _)| e == p.element))
+                    .map_or_else(|| lit(0.5), |end| if end == 0 { T::zero() } else { T::one() }),
+                None => lit(0.5),
+            };
+            work.eta.push(Vector::<1, T>::new(start));
+        }
+        self.master.feet(owner, &work.slave.x, &mut work.eta, &mut work.master);
+        let lengths = [chords(&work.x), self.master.chain().lengths[owner]];
+        let (allowed, _) = self.partners.allowed(self.master.size(), self.slave_size, lengths);
+        for (x, y) in work.slave.x.iter().zip(&work.master.x) {
+            part.see(x, (x - y).norm(), allowed);
+        }
+        let points = (0..work.xi.len()).map(|q| (work.xi[q], work.eta[q], ds(q))).collect();
+        part.pieces.push((owner, points));
+    }
+}
+
+/// Length of the polygon through `x`.
+fn chords<const N: usize, T: Real>(x: &[Vector<N, T>]) -> T {
+    x.windows(2).fold(T::zero(), |s, w| s + (w[1] - w[0]).norm())
+}

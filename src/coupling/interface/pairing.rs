@@ -1,0 +1,241 @@
+//! Which master element a slave point belongs to, and where on its continued curve the partner lies.
+
+use super::chain::Chain;
+use crate::basis::Order;
+use crate::coupling::CouplingError;
+use crate::geometry::{Bounds, ClosestPoint, Geometry, MapTable, Tree};
+use crate::linalg::{Real, Vector, lit, to_f64};
+
+/// Overhang beyond a master's end that counts as round-off, as a share of the size of both sides.
+const RIM: f64 = 1e-8;
+/// Local coordinates closer than this to an element's end are at the end.
+const AT_END: f64 = 1e-9;
+/// Newton steps of a foot point; quadratic convergence needs about five.
+const FOOT_STEPS: usize = 30;
+/// Steps of a crossing; bisection alone needs 53 for double precision.
+const CROSSING_STEPS: usize = 80;
+
+/// How far apart tied sides may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Tolerance<T: Real = f64> {
+    /// 1e-8 of the size: both sides carry the same curve.
+    Exact,
+    /// A quarter of the shorter of the two local elements: sides that only approximate one curve.
+    Local,
+    /// A given distance [length].
+    Given(T),
+}
+
+/// Which points are partners.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Partners<T: Real = f64> {
+    /// Sides that touch: partners farther apart than the tolerance are an error.
+    Touching(Tolerance<T>),
+    /// Sides that may be apart: points farther than `reach` face nothing; none: the diagonal of the box around the slave.
+    Facing {
+        /// Largest distance of partners [length].
+        reach: Option<T>,
+    },
+}
+
+impl<T: Real> Partners<T> {
+    /// The largest distance of partners on elements of these lengths [length], and whether more is an error.
+    pub(super) fn allowed(&self, size: T, slave_size: T, lengths: [T; 2]) -> (T, bool) {
+        match *self {
+            Self::Touching(Tolerance::Exact) => (size * lit(1e-8), true),
+            Self::Touching(Tolerance::Local) => ((lengths[0].min(lengths[1]) * lit(0.25)).max(size * lit(1e-8)), true),
+            Self::Touching(Tolerance::Given(distance)) => (distance, true),
+            Self::Facing { reach } => (reach.unwrap_or(slave_size), false),
+        }
+    }
+}
+
+/// A master curve ready for many queries: closest point, owner at vertices, rims, foot points.
+#[derive(Clone, Debug)]
+pub struct MasterCurve<G, const N: usize, T: Real = f64> {
+    closest: ClosestPoint<1, N, G, T>,
+    chain: Chain<N, T>,
+    size: T,
+    vertices: Tree<N, T>,
+}
+
+/// A point's place on a master curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place<T: Real = f64> {
+    /// The element that owns the point.
+    pub element: usize,
+    /// Local coordinate of the closest point on it.
+    pub xi: T,
+    /// Distance to the closest point [length].
+    pub distance: T,
+    /// Whether the point lies beyond a rim of the master.
+    pub beyond: bool,
+}
+
+impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
+    /// Trees over the elements and vertices of `geometry`; `other_size` is the size of what will be projected.
+    pub fn new(geometry: G, other_size: T) -> Self {
+        let chain = Chain::of(&geometry);
+        let size = other_size.max(chain.size);
+        let vertices = Tree::new(chain.vertices.iter().map(|v| Bounds { lo: v.x, hi: v.x }).collect());
+        Self { closest: ClosestPoint::new(geometry), chain, size, vertices }
+    }
+
+    /// The curve.
+    pub fn geometry(&self) -> &G {
+        self.closest.geometry()
+    }
+
+    /// How its elements follow one another.
+    pub fn chain(&self) -> &Chain<N, T> {
+        &self.chain
+    }
+
+    /// The larger of its size and the size of what is projected [length].
+    pub fn size(&self) -> T {
+        self.size
+    }
+
+    /// The element that owns `x`: the closest one, and at a vertex the one on x's side of the vertex's normal plane.
+    pub fn place(&self, x: &Vector<N, T>) -> Option<Place<T>> {
+        let hit = self.closest.project(x)?;
+        let mut place = Place { element: hit.element, xi: hit.xi[0], distance: hit.distance, beyond: false };
+        let end = if place.xi <= lit(AT_END) {
+            0
+        } else if place.xi >= T::one() - lit::<T>(AT_END) {
+            1
+        } else {
+            return Some(place);
+        };
+        let vertex = &self.chain.vertices[self.chain.ends[hit.element][end]];
+        if let Some(tangent) = &vertex.tangent {
+            let along = (x - vertex.x).dot(tangent);
+            if vertex.at.len() == 1 {
+                place.beyond = along > self.size * lit(RIM);
+            } else {
+                let (element, at) = vertex.at[if along > T::zero() { 1 } else { 0 }];
+                place.element = element;
+                place.xi = if at == 0 { T::zero() } else { T::one() };
+            }
+        }
+        Some(place)
+    }
+
+    /// Vertices in `bounds`, in ascending order.
+    pub(super) fn vertices_in(&self, bounds: &Bounds<N, T>) -> Vec<usize> {
+        let mut found = self.vertices.meeting(bounds);
+        found.sort_unstable();
+        found
+    }
+
+    /// Whether two elements are one or share a vertex.
+    pub(super) fn are_near(&self, a: usize, b: usize) -> bool {
+        a == b || (0..2).any(|end| self.chain.neighbour(a, end).is_some_and(|(e, _)| e == b))
+    }
+
+    /// Foot points of `x` on the continued curve of `element`: (x - x_m(eta)) . x_m'(eta) = 0, started at `eta`.
+    ///
+    /// Leaves the positions and derivatives at the feet in `table`.
+    pub fn feet(&self, element: usize, x: &[Vector<N, T>], eta: &mut [Vector<1, T>], table: &mut MapTable<1, N, T>) {
+        let (least, most) = (-T::one(), lit::<T>(2.0));
+        let small = T::default_epsilon() * lit(4.0);
+        let mut last = T::max_value().unwrap_or_else(T::one);
+        for _ in 0..FOOT_STEPS {
+            self.geometry().map(element, eta, Order::Hessians, table);
+            let mut largest = T::zero();
+            for (q, eta) in eta.iter_mut().enumerate() {
+                let (r, j) = (x[q] - table.x[q], table.jacobian[q].column(0));
+                let bend = Vector::<N, T>::from_fn(|i, _| table.hessian[q][i][(0, 0)]);
+                let (f, square) = (r.dot(&j), j.norm_squared());
+                let full = square - r.dot(&bend);
+                // beyond the centre of curvature the second derivative has the wrong sign: Gauss-Newton there
+                let slope = if full > square * lit(0.1) { full } else { square };
+                let step = if slope > T::zero() { (f / slope).max(lit(-0.5)).min(lit(0.5)) } else { T::zero() };
+                eta[0] = (eta[0] + step).max(least).min(most);
+                largest = largest.max(step.abs());
+            }
+            // round-off: the steps no longer shrink
+            if largest <= small || (largest < lit(1e-10) && largest >= last) {
+                break;
+            }
+            last = largest;
+        }
+        self.geometry().map(element, eta, Order::Values, table);
+    }
+}
+
+/// Where the continued curve of `element` crosses the plane through `point` at right angles to `along`:
+/// (x(xi) - point) . along = 0 with xi in `bracket`, which may reach beyond the cell.
+///
+/// Newton's method kept inside the bracket; without a change of sign, the best it finds there.
+pub fn crossing<const N: usize, T: Real>(
+    curve: &dyn Geometry<1, N, T>,
+    element: usize,
+    point: &Vector<N, T>,
+    along: &Vector<N, T>,
+    bracket: [T; 2],
+    table: &mut MapTable<1, N, T>,
+) -> T {
+    let [mut lo, mut hi] = bracket;
+    curve.map(element, &bracket.map(Vector::<1, T>::new), Order::Values, table);
+    let [mut f_lo, f_hi] = [0, 1].map(|k: usize| (table.x[k] - point).dot(along));
+    let mut xi = if f_lo == f_hi { (lo + hi) * lit(0.5) } else { (lo + (hi - lo) * (f_lo / (f_lo - f_hi))).max(lo).min(hi) };
+    for _ in 0..CROSSING_STEPS {
+        curve.map(element, &[Vector::<1, T>::new(xi)], Order::Gradients, table);
+        let f = (table.x[0] - point).dot(along);
+        let slope = table.jacobian[0].column(0).dot(along);
+        if f == T::zero() {
+            break;
+        }
+        if (f < T::zero()) == (f_lo < T::zero()) {
+            (lo, f_lo) = (xi, f);
+        } else {
+            hi = xi;
+        }
+        let newton = xi - f / slope;
+        let next = if slope != T::zero() && newton >= lo && newton <= hi { newton } else { (lo + hi) * lit(0.5) };
+        let step = (next - xi).abs();
+        xi = next;
+        if step <= T::default_epsilon() * lit(2.0) {
+            break;
+        }
+    }
+    xi
+}
+
+/// A box diagonal around a curve [length].
+pub(super) fn size_of<const N: usize, T: Real>(curve: &dyn Geometry<1, N, T>) -> T {
+    let all = (0..curve.num_elements()).map(|e| curve.bounds(e)).reduce(|a, b| a.union(&b));
+    all.map_or_else(T::zero, |b| b.diagonal())
+}
+
+/// Three coordinates for reports.
+pub(super) fn place_of<const N: usize, T: Real>(x: &Vector<N, T>) -> [f64; 3] {
+    std::array::from_fn(|k| if k < N { to_f64(x[k]) } else { 0.0 })
+}
+
+/// The worst pair found so far, for reports and errors.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Worst<T: Real> {
+    pub distance: T,
+    pub at: [f64; 3],
+    pub allowed: T,
+    pub ratio: T,
+}
+
+impl<T: Real> Worst<T> {
+    pub fn none() -> Self {
+        Self { distance: T::zero(), at: [0.0; 3], allowed: T::zero(), ratio: T::zero() }
+    }
+
+    /// Keeps the larger distance for the report, and for the error the pair farthest beyond what is allowed.
+    pub fn error(&self) -> Option<CouplingError> {
+        (self.ratio > T::one()).then(|| CouplingError::Apart {
+            distance: to_f64(self.distance),
+            at: self.at,
+            allowed: to_f64(self.allowed),
+        })
+    }
+}
