@@ -1,0 +1,333 @@
+//! The grammar of quantities: `u.y at [1.0, 0.5] in upper`, `stress.yy.max`, `contact.pad.force.y`.
+
+/// A field on the bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FieldName {
+    /// The unknown: a component of the displacement, or the scalar of Poisson's equation (none).
+    U(Option<usize>),
+    /// Component of k grad u (Poisson).
+    Flux(usize),
+    /// Component (i, j) of the stress (elasticity).
+    Stress(usize, usize),
+    /// The equivalent stress of von Mises (elasticity).
+    VonMises,
+}
+
+/// Where a field is asked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum At {
+    /// Nowhere in particular: the field as a whole.
+    Everywhere,
+    /// A point, one formula per coordinate.
+    Point(Vec<String>),
+    /// A named point of a mesh.
+    Tag(String),
+}
+
+/// What is made of a field as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reduce {
+    /// Nothing: a single value at a point, or both extremes where a check holds over all.
+    None,
+    /// The least value at the points of integration.
+    Min,
+    /// The largest value at the points of integration.
+    Max,
+}
+
+/// A quantity understood.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Kind {
+    /// A field at a point, or its extreme.
+    Field {
+        /// Which field.
+        field: FieldName,
+        /// Where.
+        at: At,
+        /// In which patch; none: the first that holds the point, or all.
+        patch: Option<String>,
+        /// Least or largest value.
+        reduce: Reduce,
+    },
+    /// lambda of an interface, or the pressure -lambda of a contact, at a point of its slave side.
+    Multiplier {
+        /// Whether it is the pressure of a contact.
+        pressure: bool,
+        /// The interface or contact.
+        name: String,
+        /// Component of an interface's multiplier.
+        component: Option<usize>,
+        /// The point.
+        at: At,
+    },
+    /// Length (area in 3D) of a side.
+    SideMeasure(String),
+    /// A quantity of studies: rates and inf-sup constants.
+    Study,
+    /// A number of the result by its path.
+    Path(Vec<String>),
+}
+
+/// A quantity and its text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Quantity {
+    /// As written.
+    pub text: String,
+    /// As understood.
+    pub kind: Kind,
+}
+
+/// Why a text is no quantity.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct GrammarError {
+    /// What is wrong, in words.
+    pub message: String,
+}
+
+fn wrong<T>(message: impl Into<String>) -> Result<T, GrammarError> {
+    Err(GrammarError { message: message.into() })
+}
+
+/// The axis of a letter x, y, z.
+pub fn axis(letter: &str) -> Option<usize> {
+    ["x", "y", "z"].iter().position(|&a| a == letter)
+}
+
+/// Parts of a dotted path; a quoted part may hold dots and blanks.
+pub fn parts(path: &str) -> Result<Vec<String>, GrammarError> {
+    let (mut parts, mut part, mut quoted) = (Vec::new(), String::new(), false);
+    for c in path.chars() {
+        match c {
+            '"' => quoted = !quoted,
+            '.' if !quoted => parts.push(std::mem::take(&mut part)),
+            _ => part.push(c),
+        }
+    }
+    parts.push(part);
+    if quoted || parts.iter().any(String::is_empty) {
+        return wrong(format!("`{path}` is no path: parts are joined by single dots, quotes come in pairs"));
+    }
+    Ok(parts)
+}
+
+/// The first `word` that stands alone, outside brackets and quotes.
+fn keyword(text: &str, word: &str) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let (mut depth, mut quoted) = (0i32, false);
+    for (k, &b) in bytes.iter().enumerate() {
+        match b {
+            b'"' => quoted = !quoted,
+            b'[' | b'(' if !quoted => depth += 1,
+            b']' | b')' if !quoted => depth -= 1,
+            b' ' if !quoted && depth == 0 => {
+                let rest = &text[k + 1..];
+                if rest.starts_with(word) && rest[word.len()..].starts_with([' ', '[']) {
+                    return Some(k);
+                }
+            }
+            _ => {}
+        }
+    }
+    None
+}
+
+fn coordinates(text: &str) -> Result<Vec<String>, GrammarError> {
+    let inner = text.strip_prefix('[').and_then(|t| t.strip_suffix(']'));
+    let Some(inner) = inner else { return wrong(format!("`{text}` is no point; write at [x, y]")) };
+    let (mut list, mut item, mut depth) = (Vec::new(), String::new(), 0i32);
+    for c in inner.chars() {
+        match c {
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            ',' if depth == 0 => {
+                list.push(std::mem::take(&mut item).trim().to_string());
+                continue;
+            }
+            _ => {}
+        }
+        item.push(c);
+    }
+    list.push(item.trim().to_string());
+    if list.iter().any(String::is_empty) {
+        return wrong(format!("`{text}` is no point; write at [x, y]"));
+    }
+    Ok(list)
+}
+
+fn field(head: &[String]) -> Result<Option<FieldName>, GrammarError> {
+    let rest: Vec<&str> = head[1..].iter().map(String::as_str).collect();
+    Ok(Some(match (head[0].as_str(), rest.as_slice()) {
+        ("u" | "displacement", []) => FieldName::U(None),
+        ("u" | "displacement", [c]) => match axis(c) {
+            Some(c) => FieldName::U(Some(c)),
+            None => return wrong(format!("unknown component `{c}` of u; components are x, y, z")),
+        },
+        ("flux", [c]) => match axis(c) {
+            Some(c) => FieldName::Flux(c),
+            None => return wrong(format!("unknown component `{c}` of the flux; components are x, y, z")),
+        },
+        ("flux", []) => return wrong("the flux has components; write flux.x or flux.y"),
+        ("stress", [c]) => {
+            let letters: Vec<Option<usize>> = c.chars().map(|l| axis(&l.to_string())).collect();
+            match letters.as_slice() {
+                [Some(i), Some(j)] => FieldName::Stress(*i, *j),
+                _ => return wrong(format!("unknown component `{c}` of the stress; components are xx, yy, zz, xy, yz, xz")),
+            }
+        }
+        ("stress", []) => return wrong("the stress has components; write stress.xx, stress.yy, stress.xy, ..."),
+        ("von_mises", []) => FieldName::VonMises,
+        ("u" | "displacement" | "flux" | "stress" | "von_mises", _) => {
+            return wrong(format!("`{}` has no part `{}`", head[0], rest.join(".")));
+        }
+        _ => return Ok(None),
+    }))
+}
+
+impl Quantity {
+    /// Reads a quantity.
+    ///
+    /// # Errors
+    /// [`GrammarError`] in words; a path that leads nowhere is found later, against a result.
+    pub fn parse(text: &str) -> Result<Self, GrammarError> {
+        let trimmed = text.trim();
+        if trimmed.is_empty() {
+            return wrong("an empty text is no quantity");
+        }
+        let (before, patch) = match keyword(trimmed, "in") {
+            Some(k) => {
+                let name = trimmed[k + 4..].trim();
+                let names = parts(name)?;
+                if name.contains(char::is_whitespace) && !name.contains('"') {
+                    return wrong(format!("`{name}` is no patch; a quantity ends with `in PATCH`"));
+                }
+                (trimmed[..k].trim(), Some(names.join(".")))
+            }
+            None => (trimmed, None),
+        };
+        let (head, at) = match keyword(before, "at") {
+            Some(k) => {
+                let place = before[k + 3..].trim();
+                let at = if place.starts_with('[') { At::Point(coordinates(place)?) } else { At::Tag(place.trim_matches('"').to_string()) };
+                (before[..k].trim(), at)
+            }
+            None => (before, At::Everywhere),
+        };
+        let mut path = parts(head)?;
+        if path.iter().any(|p| p.contains(['[', ']', '(', ')', '+', '*'])) || head.contains(' ') && !head.contains('"') {
+            return wrong(format!("`{head}` is no quantity"));
+        }
+        let kind = Self::kind(&mut path, at, patch)?;
+        Ok(Self { text: text.to_string(), kind })
+    }
+
+    fn kind(path: &mut Vec<String>, at: At, patch: Option<String>) -> Result<Kind, GrammarError> {
+        let placed = at != At::Everywhere;
+        if matches!(path[0].as_str(), "u" | "displacement" | "flux" | "stress" | "von_mises") {
+            let reduce = match path.last().map(String::as_str) {
+                Some("min") => Reduce::Min,
+                Some("max") => Reduce::Max,
+                _ => Reduce::None,
+            };
+            if reduce != Reduce::None {
+                path.pop();
+                if placed {
+                    return wrong("a value at a point has no extremes; leave out `.min` and `.max`, or `at`");
+                }
+            }
+            if let Some(field) = field(path)? {
+                return Ok(Kind::Field { field, at, patch, reduce });
+            }
+        }
+        if patch.is_some() {
+            return wrong(format!("`{}` takes no `in PATCH`; only u, flux, stress and von_mises do", path.join(".")));
+        }
+        match (path[0].as_str(), path.len()) {
+            ("rate" | "infsup", n) if n > 1 => return Ok(Kind::Study),
+            ("interface", 3 | 4) if placed && path[2] == "lambda" => {
+                let component = match path.get(3) {
+                    None => None,
+                    Some(c) => match axis(c) {
+                        Some(c) => Some(c),
+                        None => return wrong(format!("unknown component `{c}` of lambda; components are x, y, z")),
+                    },
+                };
+                return Ok(Kind::Multiplier { pressure: false, name: path[1].clone(), component, at });
+            }
+            ("contact", 3) if placed && matches!(path[2].as_str(), "pressure" | "lambda") => {
+                return Ok(Kind::Multiplier { pressure: path[2] == "pressure", name: path[1].clone(), component: None, at });
+            }
+            _ => {}
+        }
+        if placed {
+            return wrong(format!("`{}` takes no `at`; u, flux, stress, von_mises, interface.NAME.lambda and contact.NAME.pressure do", path.join(".")));
+        }
+        Ok(match (path[0].as_str(), path.len()) {
+            ("length" | "area", n) if n > 2 => Kind::SideMeasure(path[1..].join(".")),
+            _ => Kind::Path(std::mem::take(path)),
+        })
+    }
+
+    /// Whether only a study can answer.
+    pub fn is_study(&self) -> bool {
+        self.kind == Kind::Study
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kind(text: &str) -> Kind {
+        Quantity::parse(text).unwrap().kind
+    }
+
+    #[test]
+    fn fields_have_components_places_patches_and_extremes() {
+        assert_eq!(
+            kind("u.y at [1.0, 0.5] in upper"),
+            Kind::Field { field: FieldName::U(Some(1)), at: At::Point(vec!["1.0".into(), "0.5".into()]), patch: Some("upper".into()), reduce: Reduce::None }
+        );
+        assert_eq!(kind("displacement.x.max"), Kind::Field { field: FieldName::U(Some(0)), at: At::Everywhere, patch: None, reduce: Reduce::Max });
+        assert_eq!(kind("stress.xy.min in a"), Kind::Field { field: FieldName::Stress(0, 1), at: At::Everywhere, patch: Some("a".into()), reduce: Reduce::Min });
+        assert_eq!(kind("von_mises at TIP"), Kind::Field { field: FieldName::VonMises, at: At::Tag("TIP".into()), patch: None, reduce: Reduce::None });
+        assert_eq!(
+            kind("u at [max(a, b), 0]"),
+            Kind::Field { field: FieldName::U(None), at: At::Point(vec!["max(a, b)".into(), "0".into()]), patch: None, reduce: Reduce::None }
+        );
+    }
+
+    #[test]
+    fn multipliers_sides_and_paths_are_told_apart() {
+        assert_eq!(
+            kind("interface.arc.lambda.x at [1,2]"),
+            Kind::Multiplier { pressure: false, name: "arc".into(), component: Some(0), at: At::Point(vec!["1".into(), "2".into()]) }
+        );
+        assert_eq!(kind("length.lower.top"), Kind::SideMeasure("lower.top".into()));
+        assert_eq!(kind("area.lower"), Kind::Path(vec!["area".into(), "lower".into()]));
+        assert_eq!(kind("contact.pad.pressure.max"), Kind::Path(["contact", "pad", "pressure", "max"].map(String::from).to_vec()));
+        assert!(Quantity::parse("rate.error.u.L2").unwrap().is_study());
+        assert_eq!(kind("reaction.bracket.\"top face\".y"), Kind::Path(["reaction", "bracket", "top face", "y"].map(String::from).to_vec()));
+    }
+
+    #[test]
+    fn what_is_no_quantity_says_why() {
+        for (text, part) in [
+            ("", "empty"),
+            ("u.q", "components are x, y, z"),
+            ("stress at [0,0]", "write stress.xx"),
+            ("stress.xw", "components are xx"),
+            ("energy at [0,0]", "takes no `at`"),
+            ("energy in lower", "takes no `in PATCH`"),
+            ("u.x.max at [0, 0]", "no extremes"),
+            ("u.x at [0,, 1]", "no point"),
+            ("a..b", "no path"),
+        ] {
+            let error = Quantity::parse(text).unwrap_err().message;
+            assert!(error.contains(part), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,368 @@
+//! What a run reports: the public, serialisable content of `result.json`.
+
+use super::named::Named;
+use crate::io::errors::Diagnostic;
+use serde::Serialize;
+
+/// How a command ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Status {
+    /// Done, every check passed.
+    Ok,
+    /// Done, a check failed.
+    CheckFailed,
+    /// The case is wrong.
+    Invalid,
+    /// A file could not be read or written.
+    IoFailed,
+    /// An iteration did not settle.
+    NotConverged,
+    /// A system has no unique solution.
+    Singular,
+    /// A number is infinite or not a number.
+    NotFinite,
+    /// A limit of memory or time was reached.
+    Limit,
+    /// The user stopped the run.
+    Interrupted,
+    /// A bug.
+    Internal,
+}
+
+impl Status {
+    /// The exit code that belongs to the status.
+    pub fn exit(self) -> i32 {
+        match self {
+            Self::Ok => 0,
+            Self::CheckFailed => 1,
+            Self::Invalid => 3,
+            Self::IoFailed => 4,
+            Self::NotConverged | Self::Singular | Self::NotFinite => 5,
+            Self::Limit => 6,
+            Self::Internal => 70,
+            Self::Interrupted => 130,
+        }
+    }
+}
+
+/// Numbers of unknowns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Unknowns {
+    /// Coefficients of all bodies, prescribed ones included.
+    pub primal: usize,
+    /// Rows of all tied interfaces and contacts.
+    pub multipliers: usize,
+}
+
+/// Size and quality of the bodies.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct GeometryReport {
+    /// Area (volume in 3D) of each patch [length^N].
+    pub measure: Named<f64>,
+    /// Least determinant dx/dxi of the maps from unit cells over all Gauss points, signed by the patch [length^N].
+    pub least_jacobian: f64,
+}
+
+/// The active set iteration.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct ActiveSetSummary {
+    /// Linear systems solved.
+    pub iterations: usize,
+    /// Active rows in each of them.
+    pub history: Vec<usize>,
+    /// States that were visited twice.
+    pub cycles: usize,
+}
+
+/// The linear algebra of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SolveReport {
+    /// Why the iteration ended: converged, cycling, iterations, singular, not-finite.
+    pub reason: String,
+    /// What was done: "saddle-point, direct".
+    pub linear: String,
+    /// Relative residual of the true system.
+    pub residual: f64,
+    /// The active set iteration, where there is contact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub active_set: Option<ActiveSetSummary>,
+}
+
+/// Least and largest value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Extremes {
+    /// Least value.
+    pub min: f64,
+    /// Largest value.
+    pub max: f64,
+}
+
+/// Least value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Least {
+    /// Least value.
+    pub min: f64,
+}
+
+/// Violation of the contact conditions, each zero where they hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Kkt {
+    /// Largest tension, max(lambda_j, 0) [force/area].
+    pub lambda: f64,
+    /// Largest penetration, max(-gap_j, 0), of the lumped gap [length].
+    pub gap: f64,
+    /// Largest |lambda_j gap_j|.
+    pub product: f64,
+}
+
+/// Pieces of an interface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct SegmentsReport {
+    /// Number of pieces.
+    pub count: usize,
+    /// Their measure on the slave side [length^(N-1)].
+    pub measure: f64,
+}
+
+/// A moment about the origin: one number in the plane, three in space.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Moment {
+    /// About z [force length].
+    Plane(f64),
+    /// About x, y, z [force length].
+    Space(Vec<f64>),
+}
+
+impl Default for Moment {
+    fn default() -> Self {
+        Self::Plane(0.0)
+    }
+}
+
+/// One contact.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ContactReport {
+    /// What the master does to the slave [force].
+    pub force: Vec<f64>,
+    /// Its moment about the origin [force length].
+    pub moment: Moment,
+    /// Measure of the zone that carries pressure [length^(N-1)].
+    pub area: f64,
+    /// Extremes of the pressure -lambda at the points of integration [force/area].
+    pub pressure: Extremes,
+    /// Least lumped gap [length].
+    pub gap: Least,
+    /// Active multipliers.
+    pub active: usize,
+    /// Violation of the contact conditions.
+    pub kkt: Kkt,
+    /// Rows lambda <0, =0, >0; columns gap =0, >0, <0.
+    pub sign_cases: [usize; 9],
+    /// Pieces that face the master.
+    pub segments: SegmentsReport,
+    /// Half the extent of the zone along the side; all of it where the zone ends at an end of the side [length].
+    pub half_width: f64,
+    /// Linear systems solved by the active set.
+    pub iterations: usize,
+}
+
+/// Size of a multiplier.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Norm {
+    /// L2 norm over the slave side.
+    pub norm: f64,
+}
+
+/// L2 norm.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct L2 {
+    /// L2 norm over the slave side.
+    #[serde(rename = "L2")]
+    pub l2: f64,
+}
+
+/// One tied interface.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct InterfaceReport {
+    /// Norm of the multiplier.
+    pub lambda: Norm,
+    /// Norm of u_slave - u_master.
+    pub jump: L2,
+    /// Pieces seen from both sides.
+    pub segments: SegmentsReport,
+    /// Largest distance of partner points [length].
+    pub distance: f64,
+    /// Largest difference of the forces on both sides, relative to the sum of their sizes: zero by action and reaction.
+    pub consistency: f64,
+}
+
+/// Sum of all forces and moments on the model, zero in equilibrium.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Balance {
+    /// Loads + reactions + forces of obstacles [force].
+    pub force: Vec<f64>,
+    /// Their moment about the origin [force length]; elasticity only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moment: Option<Moment>,
+}
+
+/// A probe's answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ProbeReport {
+    /// Its name.
+    pub name: String,
+    /// Its quantity, as written.
+    pub quantity: String,
+    /// Its value; `null` in the file where it is not finite.
+    pub value: f64,
+    /// Why there is no value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+/// A check's answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CheckReport {
+    /// Its name.
+    pub name: String,
+    /// Its quantity, as written.
+    pub quantity: String,
+    /// The value found; the worst one where both extremes are held to the check.
+    pub value: f64,
+    /// The value wanted, or the bound.
+    pub expected: f64,
+    /// Whether it passed.
+    pub ok: bool,
+    /// What was compared: "below", "above", "equals".
+    pub relation: String,
+    /// Why it has no value or was skipped.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// Whether it was left to another command or backend; then it decides nothing.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub skipped: bool,
+}
+
+/// One step.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StepReport {
+    /// Its time.
+    pub t: f64,
+    /// How it ended.
+    pub status: Status,
+    /// The probes at its end.
+    pub probes: Vec<ProbeReport>,
+    /// The contacts at its end.
+    pub contact: Named<ContactReport>,
+}
+
+/// The content of `result.json`.
+///
+/// A number that is not finite is `null` in the file, with a `reason` beside it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct RunResult {
+    /// "faying.result/1".
+    pub schema: String,
+    /// Version of the program.
+    pub version: String,
+    /// "run" or "check".
+    pub command: String,
+    /// How it ended.
+    pub status: Status,
+    /// The exit code.
+    pub exit: i32,
+    /// The case file's name.
+    pub case: String,
+    /// The backend, or slave+master where they differ, or "mixed".
+    pub backend: String,
+    /// The backend of every patch.
+    pub backends: Named<String>,
+    /// Numbers of unknowns.
+    pub unknowns: Unknowns,
+    /// Size and quality of the bodies.
+    pub geometry: GeometryReport,
+    /// The linear algebra.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solve: Option<SolveReport>,
+    /// Every contact by name.
+    pub contact: Named<ContactReport>,
+    /// Every tied interface by name.
+    pub interface: Named<InterfaceReport>,
+    /// What the support of every side with Dirichlet data does to the body [force]; a corner's share is split equally
+    /// among the sides that hold it.
+    pub reactions: Named<Vec<f64>>,
+    /// Sum of all forces.
+    pub balance: Balance,
+    /// 1/2 a(u, u).
+    pub energy: f64,
+    /// Every error that can be measured, by its quantity.
+    pub errors: Named<f64>,
+    /// Probes in the order of the case.
+    pub probes: Vec<ProbeReport>,
+    /// Checks in the order of the case.
+    pub checks: Vec<CheckReport>,
+    /// Checks that were decided.
+    pub checks_performed: usize,
+    /// Checks in the case.
+    pub checks_expected: usize,
+    /// Checks that were left to another command or backend.
+    pub checks_skipped: usize,
+    /// Every step, where the case has some.
+    pub steps: Vec<StepReport>,
+    /// Warnings.
+    pub warnings: Vec<Diagnostic>,
+    /// Errors.
+    pub diagnostics: Vec<Diagnostic>,
+    /// Files written beside this one.
+    pub files: Vec<String>,
+}
+
+impl RunResult {
+    /// An empty result of `command` on the case file `case`.
+    pub fn new(command: &str, case: &str) -> Self {
+        Self {
+            schema: "faying.result/1".into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            command: command.into(),
+            status: Status::Ok,
+            exit: 0,
+            case: case.into(),
+            backend: String::new(),
+            backends: Named::default(),
+            unknowns: Unknowns::default(),
+            geometry: GeometryReport::default(),
+            solve: None,
+            contact: Named::default(),
+            interface: Named::default(),
+            reactions: Named::default(),
+            balance: Balance::default(),
+            energy: 0.0,
+            errors: Named::default(),
+            probes: Vec::new(),
+            checks: Vec::new(),
+            checks_performed: 0,
+            checks_expected: 0,
+            checks_skipped: 0,
+            steps: Vec::new(),
+            warnings: Vec::new(),
+            diagnostics: Vec::new(),
+            files: Vec::new(),
+        }
+    }
+
+    /// The result as a JSON value, numbers that are not finite as `null` with a `reason` beside them.
+    pub fn to_value(&self) -> serde_json::Value {
+        let mut value = serde_json::to_value(self).expect("a result has string keys and plain values only");
+        super::json::add_reasons(&mut value);
+        value
+    }
+
+    /// The text of `result.json`: one line per top-level field, 17 significant digits.
+    pub fn to_json(&self) -> String {
+        super::json::text(&self.to_value())
+    }
+}
