@@ -1,0 +1,175 @@
+//! The material of a patch behind one face, whatever the number of components of the unknown.
+
+use super::exact::Exact;
+use crate::assembly::{self, Errors};
+use crate::io::case::{self, Elastic as Constants};
+use crate::io::formula::{Formula, Point};
+use crate::linalg::{Csr, Vector};
+use crate::physics::{self, Assumption, Conductor, Elastic, Hooke, Jet, Material, MaterialError};
+use crate::quadrature::Quadrature;
+use crate::space::{Space, Trace};
+use std::sync::Arc;
+
+/// A material for one component (Poisson) or N (elasticity).
+#[derive(Clone, Debug)]
+pub enum Physics<const N: usize> {
+    /// One component.
+    Scalar(Arc<dyn Material<1, N>>),
+    /// As many components as coordinates.
+    Vector(Arc<dyn Material<N, N>>),
+}
+
+/// The solution at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointState<const N: usize> {
+    /// Where.
+    pub x: Vector<N>,
+    /// u, components that are missing zero.
+    pub u: [f64; 3],
+    /// xx yy zz xy yz xz [force/area]; Poisson: k grad u in the first entries.
+    pub stress: [f64; 6],
+}
+
+/// Values written by a function of place: one entry per component.
+pub type PlaceFn<'a, const N: usize> = dyn Fn(&Vector<N>, &mut [f64]) + Sync + 'a;
+/// Values written by a function of place and outward normal: one entry per component.
+pub type SideFn<'a, const N: usize> = dyn Fn(&Vector<N>, &Vector<N>, &mut [f64]) + 'a;
+
+/// Value and gradient of a formula at a place.
+fn jet<const N: usize>(formula: &Formula, x: &Vector<N>) -> Jet<N> {
+    let jet = formula.jet(&Point::new(x.as_slice()));
+    Jet::new(jet.value, Vector::from_fn(|k, _| jet.gradient[k]))
+}
+
+fn filled<const C: usize>(fill: impl FnOnce(&mut [f64])) -> Vector<C> {
+    let mut out = Vector::<C>::zeros();
+    fill(out.as_mut_slice());
+    out
+}
+
+impl<const N: usize> Physics<N> {
+    /// The material of the case.
+    ///
+    /// # Errors
+    /// [`MaterialError`] for constants that make no stable material.
+    pub fn of(material: &case::Material, assumption: case::Assumption) -> Result<Self, MaterialError> {
+        let Some(elastic) = &material.elastic else {
+            let k = material.conductivity.value.clone();
+            return Ok(Self::Scalar(match k.as_constant() {
+                Some(value) => Arc::new(Conductor::<N>::try_new(value)?),
+                None => Arc::new(Conductor::<N>::varying(move |x| jet(&k, x))),
+            }));
+        };
+        let assumption = match (N, assumption) {
+            (3, _) => Assumption::Solid,
+            (_, case::Assumption::PlaneStress) => Assumption::PlaneStress,
+            _ => Assumption::PlaneStrain,
+        };
+        let (a, b, young) = match elastic {
+            Constants::YoungPoisson(e, nu) => (e.value.clone(), nu.value.clone(), true),
+            Constants::Lame(l, m) => (l.value.clone(), m.value.clone(), false),
+        };
+        let hooke = match (a.as_constant(), b.as_constant()) {
+            (Some(a), Some(b)) if young => Hooke::<N>::try_new(Elastic::Young { young: a, poisson: b }, assumption)?,
+            (Some(a), Some(b)) => Hooke::<N>::try_new(Elastic::Lame { lambda: a, mu: b }, assumption)?,
+            _ => Hooke::<N>::varying(
+                move |x| {
+                    let (a, b) = (jet(&a, x), jet(&b, x));
+                    if young { Elastic::Young { young: a, poisson: b } } else { Elastic::Lame { lambda: a, mu: b } }
+                },
+                assumption,
+            ),
+        };
+        Ok(Self::Vector(Arc::new(hooke)))
+    }
+
+    /// Components of the unknown.
+    pub fn components(&self) -> usize {
+        match self {
+            Self::Scalar(_) => 1,
+            Self::Vector(_) => N,
+        }
+    }
+
+    /// The stiffness of a body.
+    pub fn stiffness(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>) -> Csr {
+        match self {
+            Self::Scalar(m) => assembly::stiffness(space, rules, &physics::form(&**m)),
+            Self::Vector(m) => assembly::stiffness(space, rules, &physics::form(&**m)),
+        }
+    }
+
+    /// ∫ f . N dx.
+    pub fn load(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, f: &PlaceFn<'_, N>) -> Vec<f64> {
+        match self {
+            Self::Scalar(_) => assembly::load::<1, N, N, f64, _, _>(space, rules, &|x: &Vector<N>| filled(|out| f(x, out))),
+            Self::Vector(_) => assembly::load::<N, N, N, f64, _, _>(space, rules, &|x: &Vector<N>| filled(|out| f(x, out))),
+        }
+    }
+
+    /// Adds ∫ f . N ds over a side to the load of its body.
+    pub fn side_load<const S: usize>(&self, trace: &Trace<S, N>, rules: &dyn Quadrature<S>, f: &SideFn<'_, N>, load: &mut [f64]) {
+        match self {
+            Self::Scalar(_) => {
+                assembly::trace_load::<1, S, N, f64, _>(trace, rules, &|x: &Vector<N>, n: &Vector<N>| filled(|out| f(x, n, out)), load);
+            }
+            Self::Vector(_) => {
+                assembly::trace_load::<N, S, N, f64, _>(trace, rules, &|x: &Vector<N>, n: &Vector<N>| filled(|out| f(x, n, out)), load);
+            }
+        }
+    }
+
+    /// -div sigma(exact): the source that makes it a solution.
+    pub fn exact_source(&self, exact: &Exact, at: &Point, x: &Vector<N>, out: &mut [f64]) {
+        match self {
+            Self::Scalar(m) => {
+                let jet = exact.jet::<1, N>(at);
+                out.copy_from_slice((-m.divergence(x, &jet.gradient, &jet.hessian)).as_slice());
+            }
+            Self::Vector(m) => {
+                let jet = exact.jet::<N, N>(at);
+                out.copy_from_slice((-m.divergence(x, &jet.gradient, &jet.hessian)).as_slice());
+            }
+        }
+    }
+
+    /// sigma n (k du/dn) of the exact solution.
+    pub fn exact_traction(&self, exact: &Exact, at: &Point, x: &Vector<N>, normal: &Vector<N>, out: &mut [f64]) {
+        match self {
+            Self::Scalar(m) => out.copy_from_slice((m.respond(x, &exact.jet::<1, N>(at).gradient).stress * normal).as_slice()),
+            Self::Vector(m) => out.copy_from_slice((m.respond(x, &exact.jet::<N, N>(at).gradient).stress * normal).as_slice()),
+        }
+    }
+
+    /// Norms of the error of `u` against the exact solution at time `t`.
+    pub fn errors(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, u: &[f64], exact: &Exact, t: f64) -> Errors {
+        match self {
+            Self::Scalar(m) => assembly::errors(space, rules, &physics::form(&**m), u, &|x: &Vector<N>| {
+                let jet = exact.jet::<1, N>(&Point::new(x.as_slice()).at_time(t));
+                (jet.value, jet.gradient)
+            }),
+            Self::Vector(m) => assembly::errors(space, rules, &physics::form(&**m), u, &|x: &Vector<N>| {
+                let jet = exact.jet::<N, N>(&Point::new(x.as_slice()).at_time(t));
+                (jet.value, jet.gradient)
+            }),
+        }
+    }
+
+    /// The solution at local points of an element.
+    pub fn at(&self, space: &dyn Space<N, N>, u: &[f64], element: usize, xi: &[Vector<N>]) -> Vec<PointState<N>> {
+        match self {
+            Self::Scalar(m) => physics::stress_at::<1, N, f64, _, _>(space, &**m, u, element, xi)
+                .into_iter()
+                .map(|s| PointState {
+                    x: s.x,
+                    u: [s.value[0], 0.0, 0.0],
+                    stress: std::array::from_fn(|k| if k < N { s.stress[(0, k)] } else { 0.0 }),
+                })
+                .collect(),
+            Self::Vector(m) => physics::stress_at::<N, N, f64, _, _>(space, &**m, u, element, xi)
+                .into_iter()
+                .map(|s| PointState { x: s.x, u: std::array::from_fn(|k| if k < N { s.value[k] } else { 0.0 }), stress: s.spatial })
+                .collect(),
+        }
+    }
+}

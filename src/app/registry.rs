@@ -1,0 +1,209 @@
+//! Names of the case file become boxes; outsiders add to the same families.
+
+use crate::basis::{Basis, Order, ShapeTable};
+use crate::constraint::{Condensed, ConstraintSolver, Direct};
+use crate::coupling::interface::{MergedCurve, Partners, SlaveRule};
+use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind, side_ends};
+use crate::coupling::{Coupling, InterfaceQuadrature, Mortar};
+use crate::io::errors::nearest;
+use crate::linalg::Vector;
+use crate::space::{Body, Mesh, Patch, PatchSpec, Trace};
+use std::fmt::Debug;
+
+/// A name that no entry has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown {family} `{name}`; known: {known}{}", .nearest.as_ref().map_or(String::new(), |n| format!("; did you mean `{n}`?")))]
+pub struct UnknownName {
+    /// What the family holds: "backend", "multiplier", ...
+    pub family: &'static str,
+    /// The name asked for.
+    pub name: String,
+    /// The names there are, separated by commas.
+    pub known: String,
+    /// The name that is nearest to it.
+    pub nearest: Option<String>,
+}
+
+/// Why a backend cannot make a body: a code of the program's errors and a sentence.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct Fault {
+    /// Code, "E015" unless said otherwise.
+    pub code: &'static str,
+    /// What happened, where, what is allowed.
+    pub message: String,
+}
+
+impl Fault {
+    /// A fault with a code.
+    pub fn new(code: &'static str, message: impl Into<String>) -> Self {
+        Self { code, message: message.into() }
+    }
+}
+
+/// Entries by name, in the order they were added.
+pub struct Family<F> {
+    what: &'static str,
+    entries: Vec<(String, F)>,
+}
+
+impl<F> Debug for Family<F> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Family").field("what", &self.what).field("names", &self.names()).finish()
+    }
+}
+
+impl<F> Family<F> {
+    /// A family without entries; `what` names one of them in messages.
+    pub fn new(what: &'static str) -> Self {
+        Self { what, entries: Vec::new() }
+    }
+
+    /// Adds an entry; one of the same name is replaced.
+    pub fn add(&mut self, name: &str, make: F) -> &mut Self {
+        match self.entries.iter_mut().find(|(known, _)| known == name) {
+            Some(entry) => entry.1 = make,
+            None => self.entries.push((name.into(), make)),
+        }
+        self
+    }
+
+    /// The entry called `name`.
+    ///
+    /// # Errors
+    /// [`UnknownName`] with the names there are and the nearest one.
+    pub fn get(&self, name: &str) -> Result<&F, UnknownName> {
+        self.entries.iter().find(|(known, _)| known == name).map(|(_, make)| make).ok_or_else(|| UnknownName {
+            family: self.what,
+            name: name.into(),
+            known: self.names().join(", "),
+            nearest: nearest(name, self.names()).map(str::to_owned),
+        })
+    }
+
+    /// All names.
+    pub fn names(&self) -> Vec<&str> {
+        self.entries.iter().map(|(name, _)| name.as_str()).collect()
+    }
+}
+
+/// Makes a body of a patch.
+pub type MakeBody<const S: usize, const N: usize> = Box<dyn Fn(&PatchSpec<N>) -> Result<Box<dyn Body<S, N>>, Fault> + Send + Sync>;
+/// Makes the multiplier of one component on a slave side; the closure says which functions of the body are constrained
+/// in that component.
+pub type MakeMultiplier<const S: usize, const N: usize> =
+    Box<dyn Fn(&Trace<S, N>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> + Send + Sync>;
+/// Makes a multiplier of a degree and a continuity, arguments after the first as in [`MakeMultiplier`].
+pub type MakePolynomial<const S: usize, const N: usize> =
+    Box<dyn Fn(MultiplierKind, &Trace<S, N>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> + Send + Sync>;
+/// Makes a coupling; the argument is the factor of soft couplings, none for auto.
+pub type MakeCoupling<const S: usize, const N: usize> = Box<dyn Fn(Option<f64>) -> Box<dyn Coupling<S, N>> + Send + Sync>;
+/// Makes an integration of interfaces with that many points per piece.
+pub type MakeIntegration<const S: usize, const N: usize> =
+    Box<dyn Fn(usize, Partners) -> Box<dyn InterfaceQuadrature<S, N>> + Send + Sync>;
+/// Makes a solver of constrained systems.
+pub type MakeSolver = Box<dyn Fn() -> Box<dyn ConstraintSolver> + Send + Sync>;
+
+/// The names for bodies in N dimensions with sides in S = N - 1.
+#[derive(Debug)]
+pub struct Names<const S: usize, const N: usize> {
+    /// Bodies of patches.
+    pub backends: Family<MakeBody<S, N>>,
+    /// Multiplier spaces.
+    pub multipliers: Family<MakeMultiplier<S, N>>,
+    /// Multiplier spaces given by degree and continuity; none: not there in this dimension.
+    pub polynomials: Polynomials<S, N>,
+    /// Couplings of interfaces.
+    pub couplings: Family<MakeCoupling<S, N>>,
+    /// Integrations of interfaces and contacts.
+    pub integrations: Family<MakeIntegration<S, N>>,
+}
+
+/// The maker of multipliers that are given by data, where there is one.
+pub struct Polynomials<const S: usize, const N: usize>(pub Option<MakePolynomial<S, N>>);
+
+impl<const S: usize, const N: usize> Debug for Polynomials<S, N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if self.0.is_some() { "Polynomials(Some)" } else { "Polynomials(None)" })
+    }
+}
+
+impl<const S: usize, const N: usize> Names<S, N> {
+    /// No names at all.
+    pub fn empty() -> Self {
+        Self {
+            backends: Family::new("backend"),
+            multipliers: Family::new("multiplier"),
+            polynomials: Polynomials(None),
+            couplings: Family::new("coupling"),
+            integrations: Family::new("integration"),
+        }
+    }
+}
+
+/// Highest k of the built-in pairings p/p-k: the highest degree of a patch.
+const HIGHEST_PAIRING: usize = 12;
+
+impl Names<1, 2> {
+    /// The built-in names of the plane.
+    pub fn plane() -> Self {
+        let mut names = Self::empty();
+        names
+            .backends
+            .add("iga", Box::new(|spec| Ok(Box::new(Patch::<1, 2>::try_new(spec).map_err(|e| super::build::patch_fault(&e))?))))
+            .add("fe", Box::new(|spec| Ok(Box::new(Mesh::<1, 2>::from_patch(spec).map_err(|e| super::build::patch_fault(&e))?))));
+        let mut kinds = vec![MultiplierKind::Auto, MultiplierKind::Constant];
+        kinds.extend((0..=HIGHEST_PAIRING).map(MultiplierKind::Lowered));
+        for kind in kinds {
+            names.multipliers.add(&kind.to_string(), Box::new(move |trace, constrained| curve_multiplier(kind, trace, constrained)));
+        }
+        names.polynomials = Polynomials(Some(Box::new(curve_multiplier)));
+        names.couplings.add("mortar", Box::new(|_| Box::new(Mortar)));
+        names
+            .integrations
+            .add("merged", Box::new(|points, partners| Box::new(MergedCurve { points, partners })))
+            .add("slave", Box::new(|points, partners| Box::new(SlaveRule { points, partners })));
+        names
+    }
+}
+
+/// Functions with less than this value at an end do not live there.
+const NO_VALUE: f64 = 1e-10;
+
+/// A multiplier on a curve; an end is constrained where a function that does not vanish there is.
+fn curve_multiplier<const N: usize>(
+    kind: MultiplierKind,
+    trace: &Trace<1, N>,
+    constrained: &dyn Fn(usize) -> bool,
+) -> Result<Box<dyn Basis<1>>, MultiplierError> {
+    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
+    let ends: Vec<bool> = side_ends(&*trace.space)
+        .iter()
+        .map(|end| {
+            trace.space.active(end.element, &mut ids);
+            trace.space.tabulate(end.element, &[Vector::<1>::new(end.at as f64)], Order::Values, &mut table);
+            ids.iter().zip(table.values(0)).any(|(&i, value)| value.abs() > NO_VALUE && constrained(trace.dofs[i]))
+        })
+        .collect();
+    multiplier::build(&trace.space, kind, &ends)
+}
+
+/// All names a case file may use.
+#[derive(Debug)]
+pub struct Registry {
+    /// Bodies in the plane.
+    pub plane: Names<1, 2>,
+    /// Solvers of constrained systems.
+    pub solvers: Family<MakeSolver>,
+}
+
+impl Default for Registry {
+    /// The built-in names.
+    fn default() -> Self {
+        let mut solvers: Family<MakeSolver> = Family::new("constraint solver");
+        solvers
+            .add("saddle-point", Box::new(|| Box::new(Direct::new())))
+            .add("condensed", Box::new(|| Box::new(Condensed::new())));
+        Self { plane: Names::plane(), solvers }
+    }
+}
