@@ -1,7 +1,16 @@
 //! Floor 12: names become boxes, cases become models, models become results.
 
+pub mod build;
+mod json;
+mod named;
 pub mod output;
+pub mod quantities;
+pub mod registry;
+pub mod result;
 pub mod watch;
 
+pub use named::Named;
 pub use output::{Output, Picture, SideOutput};
+pub use registry::{Family, Fault, Names, Registry, UnknownName};
+pub use result::{RunResult, Status};
 pub use watch::{Progress, Stop, Watch};

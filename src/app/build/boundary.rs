@@ -1,0 +1,178 @@
+//! Boundary conditions and loads of the case.
+
+use super::model::{Action, Condition, Model, SideLoad, SideModel, SideSpring, Value};
+use super::sides::Sides;
+use super::Builder;
+use crate::assembly::{Equation, measure, planar_normal};
+use crate::io::case::{Boundary, Datum, SideRef};
+use crate::io::errors::Diagnostic;
+use crate::io::formula::Formula;
+use crate::io::place::{Located, Place};
+use crate::linalg::Vector;
+use std::sync::Arc;
+
+/// Normals with less than this along an axis are perpendicular to it.
+const PERPENDICULAR: f64 = 1e-9;
+
+/// Names of components in messages.
+pub(crate) fn component_name(component: usize, components: usize) -> &'static str {
+    if components == 1 { "u" } else { ["x", "y", "z"][component.min(2)] }
+}
+
+/// Conditions, loads, springs and equations of all boundary blocks.
+pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &mut Model<S, N>, sides: &mut Sides<S, N>) {
+    for k in 0..builder.case.boundaries.len() {
+        let block = &builder.case.boundaries[k];
+        for wanted in &block.on {
+            let side = match &block.filter {
+                Some(filter) => sides.filtered(builder, &model.patches, wanted, filter),
+                None => sides.get(builder, &model.patches, wanted),
+            };
+            let done = side.and_then(|side| one(builder, model, block, wanted, &side));
+            if let Err(fault) = done {
+                builder.faults.push(fault);
+            }
+        }
+    }
+    duplicates(builder, model);
+}
+
+fn one<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    model: &mut Model<S, N>,
+    block: &Boundary,
+    wanted: &Located<SideRef>,
+    side: &Arc<SideModel<S, N>>,
+) -> Result<(), Diagnostic> {
+    let supports = model.conditions.len() + model.equations.len();
+    for (component, datum) in block.dirichlet.iter().enumerate() {
+        let Some(datum) = datum else { continue };
+        let value = match &datum.value {
+            Datum::Exact => Value::Exact,
+            Datum::Formula(f) if f.as_constant() == Some(0.0) => Value::Zero,
+            Datum::Formula(f) => Value::Formula(f.clone()),
+        };
+        if matches!(value, Value::Exact) {
+            needs_exact(builder, model, datum.at)?;
+        }
+        model.conditions.push(Condition { side: side.clone(), component, value, at: datum.at });
+    }
+    if let Some(at) = block.fix_normal.as_ref().map(|f| f.at) {
+        sliding(builder, model, side, at, true)?;
+    }
+    if let Some(at) = block.fix_tangential.as_ref().map(|f| f.at) {
+        sliding(builder, model, side, at, false)?;
+    }
+    for (component, datum) in block.traction.iter().enumerate() {
+        let Some(datum) = datum else { continue };
+        let action = match &datum.value {
+            Datum::Exact => {
+                needs_exact(builder, model, datum.at)?;
+                Action::Exact(component)
+            }
+            Datum::Formula(f) => Action::Traction(component, f.clone()),
+        };
+        model.loads.push(SideLoad { side: side.clone(), action });
+    }
+    if let Some(p) = &block.pressure {
+        model.loads.push(SideLoad { side: side.clone(), action: Action::Pressure(p.value.clone()) });
+    }
+    for (component, f) in each(&block.force) {
+        let area = measure(&*side.trace.space, &side.rules);
+        model.loads.push(SideLoad { side: side.clone(), action: Action::Force(component, f.value.clone(), area) });
+    }
+    for (component, f) in each(&block.spring) {
+        model.springs.push(SideSpring { side: side.clone(), component, stiffness: f.value.clone() });
+    }
+    for (component, f) in each(&block.rigid_force) {
+        let area = measure(&*side.trace.space, &side.rules);
+        model.loads.push(SideLoad { side: side.clone(), action: Action::Force(component, f.value.clone(), area) });
+        // functions of a side sum to one: equal coefficients are a constant
+        let field = model.patches[side.patch].field;
+        let mut dofs = side.trace.dofs.clone();
+        dofs.sort_unstable();
+        dofs.dedup();
+        for &dof in &dofs[1..] {
+            model.equations.push(Equation { terms: vec![(field.unknown(dof, component), 1.0), (field.unknown(dofs[0], component), -1.0)], value: 0.0 });
+        }
+    }
+    let _ = wanted;
+    if model.conditions.len() + model.equations.len() > supports && !model.supports.iter().any(|s| Arc::ptr_eq(s, side)) {
+        model.supports.push(side.clone());
+    }
+    Ok(())
+}
+
+fn each(list: &[Option<Located<Formula>>]) -> impl Iterator<Item = (usize, &Located<Formula>)> {
+    list.iter().enumerate().filter_map(|(k, f)| f.as_ref().map(|f| (k, f)))
+}
+
+fn needs_exact<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>, at: Place) -> Result<(), Diagnostic> {
+    match model.exact {
+        Some(_) => Ok(()),
+        None => Err(builder.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]")),
+    }
+}
+
+/// n . u = 0, or u - (n . u) n = 0, on a planar side.
+fn sliding<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    model: &mut Model<S, N>,
+    side: &Arc<SideModel<S, N>>,
+    at: Place,
+    along_normal: bool,
+) -> Result<(), Diagnostic> {
+    let word = if along_normal { "normal" } else { "tangential" };
+    let Some(normal) = planar_normal(&side.trace) else {
+        return Err(builder
+            .error("E015", format!("fix = [\"{word}\"] needs a planar side; `{}` is curved", side.label), at)
+            .with_help("prescribe components x, y on curved sides"));
+    };
+    if let Some(axis) = (0..N).find(|&k| (normal[k].abs() - 1.0).abs() < PERPENDICULAR) {
+        for component in (0..N).filter(|&c| (c == axis) == along_normal) {
+            model.conditions.push(Condition { side: side.clone(), component, value: Value::Zero, at });
+        }
+        return Ok(());
+    }
+    let directions: Vec<Vector<N>> = if along_normal { vec![normal] } else { tangents(&normal) };
+    let field = model.patches[side.patch].field;
+    let mut dofs = side.trace.dofs.clone();
+    dofs.sort_unstable();
+    dofs.dedup();
+    for dof in dofs {
+        for d in &directions {
+            let terms = (0..N).filter(|&c| d[c].abs() > PERPENDICULAR).map(|c| (field.unknown(dof, c), d[c])).collect();
+            model.equations.push(Equation { terms, value: 0.0 });
+        }
+    }
+    Ok(())
+}
+
+/// Unit vectors perpendicular to `normal` and to each other.
+fn tangents<const N: usize>(normal: &Vector<N>) -> Vec<Vector<N>> {
+    let mut basis: Vec<Vector<N>> = vec![*normal];
+    for k in 0..N {
+        let mut v = Vector::<N>::from_fn(|i, _| f64::from(u8::from(i == k)));
+        for b in &basis {
+            v -= b * b.dot(&v);
+        }
+        if v.norm() > 0.1 && basis.len() < N {
+            basis.push(v / v.norm());
+        }
+    }
+    basis.split_off(1)
+}
+
+/// A component of a side is prescribed once, and has no traction then.
+fn duplicates<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>) {
+    for (k, b) in model.conditions.iter().enumerate() {
+        let twin = model.conditions[..k].iter().find(|a| Arc::ptr_eq(&a.side, &b.side) && a.component == b.component);
+        if let Some(a) = twin {
+            let name = component_name(b.component, model.components);
+            let line = a.at.in_file().map_or(String::new(), |(line, _)| format!(", first in line {line}"));
+            let text = format!("component {name} of `{}` is prescribed twice{line}", b.side.label);
+            let fault = builder.error("E052", text, b.at).with_help("drop one of the two");
+            builder.faults.push(fault);
+        }
+    }
+}

@@ -1,0 +1,278 @@
+//! Contacts: multipliers, what each slave side faces, and its rows.
+
+use super::fixed::Fixed;
+use super::model::{Against, ContactModel, ContactPart, Model, SideModel};
+use super::sides::Sides;
+use super::ties::{degree, labels, list, memberships, multiplier, multiplier_fault};
+use super::Builder;
+use crate::assembly::gauss_rules;
+use crate::basis::{Elements, Order, ShapeTable};
+use crate::contact::{Contact, ContactError, HalfPlane, LevelSet, Moved, Opponent, Sphere, Target, outward_normal};
+use crate::coupling::interface::{Partners, slave_segments};
+use crate::coupling::multiplier::MultiplierError;
+use crate::coupling::Side;
+use crate::geometry::{MapTable, cell};
+use crate::io::case::{self, Cone, Integration, Master, Method, Obstacle, ObstacleShape};
+use crate::io::errors::Diagnostic;
+use crate::io::formula::{Formula, Point};
+use crate::io::place::Place;
+use crate::linalg::Vector;
+use crate::space::Space;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Directions with less than this along an axis do not need it.
+const PERPENDICULAR: f64 = 1e-9;
+/// Functions with less than this value at a corner do not live there.
+const NO_VALUE: f64 = 1e-10;
+
+/// All contacts of the case.
+pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &mut Model<S, N>, sides: &mut Sides<S, N>, fixed: &Fixed) {
+    if builder.case.contacts.is_empty() {
+        return;
+    }
+    let tied = memberships(builder, model, sides);
+    let case = builder.case;
+    for contact in &case.contacts {
+        if let Err(fault) = known(builder, contact, model) {
+            builder.faults.push(*fault);
+            continue;
+        }
+        let slaves = list(builder, model, sides, &contact.slave);
+        let masters = match &contact.master {
+            Master::Sides(wanted) => list(builder, model, sides, wanted),
+            _ => Vec::new(),
+        };
+        let mut built = ContactModel {
+            name: contact.name.value.clone(),
+            parts: Vec::new(),
+            gap: contact.gap.value.clone(),
+            reach: contact.reach.value,
+            exact: contact.exact.as_ref().map(|f| f.value.clone()),
+            start: contact.active_set.start.value,
+        };
+        for (k, slave) in slaves.iter().enumerate() {
+            let at = contact.slave.get(k).map_or(contact.head.at, |s| s.at);
+            let taken = |function: usize, component: usize| {
+                fixed.is(model.patches[slave.patch].field.unknown(function, component)) || tied.count(slave.patch, function) > 0
+            };
+            match part(builder, model, contact, &built, slave, &masters, at, &taken) {
+                Ok((part, warning)) => {
+                    model.rows += part.multiplier.num_functions();
+                    built.parts.push(part);
+                    if let Some(warning) = warning {
+                        builder.faults.push(warning);
+                    }
+                }
+                Err(fault) => builder.faults.push(*fault),
+            }
+        }
+        model.contacts.push(built);
+    }
+}
+
+/// What this version has.
+fn known<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, contact: &case::Contact, model: &Model<S, N>) -> Result<(), Box<Diagnostic>> {
+    let later = |text: &str, at: Place| Err(Box::new(builder.error("E019", format!("{text} is not in this version"), at)));
+    if contact.method.value != Method::Lagrange {
+        let name = format!("{:?}", contact.method.value).to_lowercase();
+        return later(&format!("contact method \"{name}\""), contact.method.at);
+    }
+    match contact.cone.value {
+        Cone::Coefficients => {}
+        Cone::Weights => return later("cone \"weights\"", contact.cone.at),
+        _ => return later("cone \"values\"", contact.cone.at),
+    }
+    if contact.integration.value == Integration::Mixed {
+        return later("mixed integration of contacts", contact.integration.at);
+    }
+    if let Master::Sides(list) = &contact.master
+        && list.len() > 1
+    {
+        return later("a contact with several master sides", list[1].at);
+    }
+    if model.components == 1 {
+        return Err(Box::new(builder.error("E015", "contact needs elasticity; the model is poisson", contact.head.at)));
+    }
+    if contact.active_set.c.value != model.c {
+        let text = "all contacts of a case share one active set; `c` must be the same";
+        return Err(Box::new(builder.error("E015", text, contact.active_set.c.at)));
+    }
+    Ok(())
+}
+
+#[allow(clippy::type_complexity)]
+fn part<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    model: &Model<S, N>,
+    contact: &case::Contact,
+    built: &ContactModel<S, N>,
+    slave: &Arc<SideModel<S, N>>,
+    masters: &[Arc<SideModel<S, N>>],
+    at: Place,
+    taken: &dyn Fn(usize, usize) -> bool,
+) -> Result<(ContactPart<S, N>, Option<Diagnostic>), Box<Diagnostic>> {
+    let name = &contact.name.value;
+    let normals = corner_normals(slave);
+    // the row of an end is along the normal: it is constrained where the body cannot move that way
+    let stuck = |function: usize| match normals.get(&function) {
+        Some(n) => (0..N).all(|c| n[c].abs() < PERPENDICULAR || taken(function, c)),
+        None => false,
+    };
+    let (psi, warning) = multiplier(builder, name, slave, &contact.multiplier, &stuck, None)?;
+    let free = slave.trace.dofs.iter().filter(|&&f| !stuck(f) && !(0..N).all(|c| taken(f, c))).count();
+    if psi.num_functions() > free {
+        let error = MultiplierError::TooMany { component: 0, multipliers: psi.num_functions(), free };
+        let mut fault = multiplier_fault(builder, name, slave, &error, contact.multiplier.at, N);
+        fault.message = fault.message.replace("component x", "the normal direction");
+        return Err(Box::new(fault));
+    }
+    let against = match &contact.master {
+        Master::Rigid(obstacle) => {
+            let target = rigid(builder, &obstacle.value, obstacle.at)?;
+            let rules = gauss_rules(&*slave.trace.space, contact.extra_points.value);
+            Against::Rigid(target, slave_segments(&*slave.trace.space, &rules))
+        }
+        _ => {
+            let Some(master) = masters.first() else {
+                return Err(Box::new(builder.error("E021", format!("contact \"{name}\" has no master"), contact.head.at)));
+            };
+            let points = degree(slave).max(degree(master)) + 1 + contact.extra_points.value;
+            let word = if contact.integration.value == Integration::Slave { "slave" } else { "merged" };
+            let make = builder.names.integrations.get(word).map_err(|e| Box::new(builder.error("E019", e.to_string(), contact.integration.at)))?;
+            let segments = make(points, Partners::Facing { reach: contact.reach.value })
+                .segments(&*slave.trace.space, &*master.trace.space)
+                .map_err(|e| Box::new(builder.error("E023", format!("contact \"{name}\": {e}"), at)))?;
+            Against::Side(master.clone(), segments)
+        }
+    };
+    let t = builder.case.steps.value.first().copied().unwrap_or(1.0);
+    let first = rows(model, slave, &against, &*psi, &built.gap, built.reach, t)
+        .map_err(|e| Box::new(contact_fault(builder, contact, slave, masters, &e, at)))?;
+    if !first.facing.contains(&true) {
+        return Err(Box::new(contact_fault(builder, contact, slave, masters, &ContactError::NoTarget, at)));
+    }
+    Ok((ContactPart { slave: slave.clone(), multiplier: psi, against, first, first_row: model.rows }, warning))
+}
+
+fn rows<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    slave: &SideModel<S, N>,
+    against: &Against<S, N>,
+    psi: &dyn crate::basis::Basis<S>,
+    gap: &Formula,
+    reach: Option<f64>,
+    t: f64,
+) -> Result<Contact<S, N>, ContactError> {
+    let side = Side { trace: &slave.trace, field: model.patches[slave.patch].field, flux: None };
+    let gap = |x: &Vector<N>, g: f64| gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(g));
+    match against {
+        Against::Side(master, segments) => {
+            let opponent = Opponent::Master(Side { trace: &master.trace, field: model.patches[master.patch].field, flux: None });
+            Contact::new(side, opponent, psi, segments.clone(), &gap, model.unknowns)
+        }
+        Against::Rigid(target, segments) => Contact::new(side, Opponent::Rigid(&*target(t), reach), psi, segments.clone(), &gap, model.unknowns),
+    }
+}
+
+impl<const S: usize, const N: usize> ContactModel<S, N> {
+    /// Rows, offsets and weights of a part at time `t`.
+    ///
+    /// # Errors
+    /// [`ContactError`] where the gap formula has no value.
+    pub fn at(&self, model: &Model<S, N>, part: &ContactPart<S, N>, t: f64) -> Result<Contact<S, N>, ContactError> {
+        rows(model, &part.slave, &part.against, &*part.multiplier, &self.gap, self.reach, t)
+    }
+}
+
+fn contact_fault<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    contact: &case::Contact,
+    slave: &SideModel<S, N>,
+    masters: &[Arc<SideModel<S, N>>],
+    error: &ContactError,
+    at: Place,
+) -> Diagnostic {
+    let text = format!("contact \"{}\": {error}", contact.name.value);
+    match error {
+        ContactError::Weight { .. } => builder.error("E064", text, contact.multiplier.at),
+        ContactError::Gap { .. } => builder.error("E017", text, contact.gap.at),
+        ContactError::NoTarget if masters.is_empty() => builder
+            .error("E023", format!("no part of `{}` faces the obstacle of contact \"{}\"", slave.label, contact.name.value), at)
+            .with_help("turn the obstacle's normal towards the body, or raise `reach`"),
+        ContactError::NoTarget => builder
+            .error("E023", format!("no part of `{}` faces {}", slave.label, labels(masters)), at)
+            .with_help("raise `reach`, or choose the sides that face each other"),
+        ContactError::Coupling(_) => builder.error("E041", text, at),
+        _ => builder.error("E015", text, at),
+    }
+}
+
+/// The outward normal at a corner of an element, for every function that does not vanish there.
+fn corner_normals<const S: usize, const N: usize>(side: &SideModel<S, N>) -> HashMap<usize, Vector<N>> {
+    let (space, trace) = (&*side.trace.space, &side.trace);
+    let (mut shapes, mut map, mut ids) = (ShapeTable::new(), MapTable::new(), Vec::new());
+    let mut out = HashMap::new();
+    for e in 0..space.num_elements() {
+        let corners = cell::grid::<S, f64>(space.cell(e), 1);
+        space.active(e, &mut ids);
+        space.evaluate(e, &corners, Order::Gradients, &mut shapes, &mut map);
+        for q in 0..corners.len() {
+            let Some(normal) = outward_normal(&map.jacobian[q], trace.outward[e]) else { continue };
+            for (&i, value) in ids.iter().zip(shapes.values(q)) {
+                if value.abs() > NO_VALUE {
+                    out.entry(trace.dofs[i]).or_insert(normal);
+                }
+            }
+        }
+    }
+    out
+}
+
+fn vector<const N: usize>(list: &[f64]) -> Vector<N> {
+    Vector::from_fn(|k, _| list.get(k).copied().unwrap_or(0.0))
+}
+
+type MakeTarget<const S: usize, const N: usize> = Box<dyn Fn(f64) -> Box<dyn Target<S, N>> + Send + Sync>;
+
+/// The obstacle as a function of time.
+fn rigid<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, obstacle: &Obstacle, at: Place) -> Result<MakeTarget<S, N>, Box<Diagnostic>> {
+    if let Some(force) = obstacle.force.iter().flatten().next() {
+        return Err(Box::new(builder.error("E019", "an obstacle driven by a force is not in this version", force.at)));
+    }
+    let motion: Vec<Option<Formula>> = obstacle.translate.iter().map(|f| f.as_ref().map(|f| f.value.clone())).collect();
+    let by = move |t: f64| {
+        Vector::<N>::from_fn(|k, _| motion.get(k).and_then(Option::as_ref).map_or(0.0, |f| f.value(&Point::default().at_time(t))))
+    };
+    Ok(match &obstacle.shape.value {
+        ObstacleShape::HalfPlane { point, normal } => {
+            let Some(plane) = HalfPlane::<N>::try_new(vector(&point.value), vector(&normal.value)) else {
+                return Err(Box::new(builder.error("E015", "the normal of the half-plane has length zero", normal.at)));
+            };
+            Box::new(move |t| Box::new(Moved { target: plane, by: by(t) }))
+        }
+        ObstacleShape::Sphere { center, radius, inside } => {
+            let sphere = Sphere::<N> { center: vector(&center.value), radius: radius.value, inside: inside.value };
+            Box::new(move |t| Box::new(Moved { target: sphere, by: by(t) }))
+        }
+        ObstacleShape::LevelSet { f, along } => {
+            let (f, along) = (f.value.clone(), along.as_ref().map(|a| vector::<N>(&a.value)));
+            if along.is_some_and(|a| a.norm() == 0.0) {
+                return Err(Box::new(builder.error("E015", "`along` of the level set has length zero", obstacle.shape.at)));
+            }
+            Box::new(move |t| {
+                let f = f.clone();
+                let function = move |x: &Vector<N>| {
+                    let jet = f.jet(&Point::new(x.as_slice()).at_time(t));
+                    (jet.value, Vector::<N>::from_fn(|k, _| jet.gradient[k]))
+                };
+                let by = by(t);
+                match along {
+                    Some(a) => Box::new(Moved { target: LevelSet::try_along(function, a).expect("its length was checked"), by }),
+                    None => Box::new(Moved { target: LevelSet::new(function), by }),
+                }
+            })
+        }
+        _ => return Err(Box::new(builder.error("E019", "this kind of obstacle is not in this version", at))),
+    })
+}

@@ -1,0 +1,108 @@
+//! Prescribed values at a time, and which unknowns they take.
+
+use super::boundary::component_name;
+use super::model::{Condition, Model, Value};
+use super::Builder;
+use crate::assembly::{DirichletError, Fixed as Prescribed, dirichlet};
+use crate::io::errors::Diagnostic;
+use crate::io::formula::Point;
+use crate::io::place::Place;
+use crate::linalg::{Ldlt, LinearError, Vector};
+
+/// Unknowns that supports take from the system.
+#[derive(Clone, Debug)]
+pub(super) struct Fixed {
+    taken: Vec<bool>,
+}
+
+impl Fixed {
+    /// The unknowns of `model` that are prescribed or bound by an equation.
+    pub fn of<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>) -> Result<Self, Diagnostic> {
+        let mut taken = vec![false; model.unknowns];
+        let t = builder.case.steps.value.first().copied().unwrap_or(1.0);
+        let prescribed = model.prescribed(t).map_err(|(error, places)| conflict(builder, model, &error, places))?;
+        for (unknown, _) in prescribed {
+            taken[unknown] = true;
+        }
+        for equation in &model.equations {
+            // the reduction binds the unknown with the largest coefficient that is still free
+            let free = equation.terms.iter().filter(|(i, _)| !taken[*i]);
+            if let Some(&(i, _)) = free.fold(None, |best: Option<&(usize, f64)>, t| best.filter(|b| b.1.abs() >= t.1.abs()).or(Some(t))) {
+                taken[i] = true;
+            }
+        }
+        Ok(Self { taken })
+    }
+
+    /// Whether an unknown is taken.
+    pub fn is(&self, unknown: usize) -> bool {
+        self.taken[unknown]
+    }
+}
+
+/// The two conditions an error speaks of.
+pub(crate) type Places = Option<(Place, Place)>;
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// (unknown, value) of all prescribed components at time `t`, ascending; an error comes with the places of the
+    /// conditions that disagree.
+    pub(crate) fn prescribed(&self, t: f64) -> Result<Vec<(usize, f64)>, (DirichletError, Places)> {
+        self.projected(|condition| match &condition.value {
+            Value::Zero => None,
+            Value::Exact => {
+                let exact = self.exact.as_ref().expect("exact data were refused without an exact solution");
+                let component = condition.component;
+                Some(Box::new(move |x: &Vector<N>| exact.value(component, &Point::new(x.as_slice()).at_time(t))))
+            }
+            Value::Formula(f) => Some(Box::new(move |x: &Vector<N>| f.value(&Point::new(x.as_slice()).at_time(t)))),
+        })
+    }
+
+    /// One L2 projection per body and component of values given per condition.
+    pub(crate) fn projected<'a>(
+        &'a self,
+        value: impl Fn(&'a Condition<S, N>) -> Option<Box<dyn Fn(&Vector<N>) -> f64 + Sync + 'a>>,
+    ) -> Result<Vec<(usize, f64)>, (DirichletError, Places)> {
+        let mut all = Vec::new();
+        for (k, patch) in self.patches.iter().enumerate() {
+            let mine: Vec<&Condition<S, N>> = self.conditions.iter().filter(|c| c.side.patch == k).collect();
+            let values: Vec<_> = mine.iter().map(|c| value(c)).collect();
+            let fixed: Vec<Prescribed<'_, S, N>> = mine
+                .iter()
+                .zip(&values)
+                .map(|(c, v)| Prescribed { trace: &c.side.trace, component: c.component, value: v.as_deref() })
+                .collect();
+            let places = |e: &DirichletError| match e {
+                DirichletError::Conflict { first, second, .. } => Some((mine[*first].at, mine[*second].at)),
+                _ => mine.first().map(|c| (c.at, c.at)),
+            };
+            let part = dirichlet(&fixed, patch.field, patch.extra_points, &mut Ldlt::new()).map_err(|e| {
+                let places = places(&e);
+                (e, places)
+            })?;
+            all.extend(part);
+        }
+        Ok(all)
+    }
+}
+
+/// E052 for values that disagree, E017 for values that are not finite.
+fn conflict<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>, error: &DirichletError, places: Places) -> Diagnostic {
+    let (first, second) = places.unwrap_or_default();
+    match error {
+        DirichletError::Conflict { component, at, first_value, second_value, .. } => {
+            let name = component_name(*component, model.components);
+            let place: Vec<String> = at[..N].iter().map(|x| format!("{x}")).collect();
+            let lines = first.in_file().map_or(String::new(), |(line, _)| format!(" (line {line})"));
+            builder
+                .error(
+                    "E052",
+                    format!("component {name} is prescribed as {first_value}{lines} and as {second_value} at the common point ({})", place.join(", ")),
+                    second,
+                )
+                .with_help("make the values equal there, or prescribe one of them")
+        }
+        DirichletError::Projection { source: LinearError::NotFinite, .. } => builder.error("E017", "a prescribed value is not finite somewhere on its side", second),
+        other => builder.error("E072", other.to_string(), second),
+    }
+}

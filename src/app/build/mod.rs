@@ -1,0 +1,106 @@
+//! From a typed case to a model: bodies, supports, loads, interfaces, contacts; what is wrong is found before solving.
+
+mod boundary;
+mod contacts;
+mod divisions;
+mod exact;
+mod fixed;
+mod model;
+mod patches;
+mod physics;
+mod plane;
+mod rigid;
+mod sides;
+mod supports;
+mod ties;
+
+use super::registry::Names;
+use crate::io::case::{Case, Shape};
+use crate::io::errors::{Diagnostic, Diagnostics};
+use crate::io::place::Place;
+use crate::geometry::ControlNet;
+
+pub use exact::{Exact, FieldJet};
+pub use model::{
+    Action, Against, Condition, ContactModel, ContactPart, Model, Pairing, PatchModel, SideLoad, SideModel, SideSpring, TieModel, TiePart, Value,
+};
+pub use patches::patch_fault;
+pub use physics::{Physics, PlaceFn, PointState, SideFn};
+pub use plane::plane_net;
+pub use rigid::{FreeBody, RigidModes, RigidRow};
+pub use supports::free_motions;
+
+/// Makes the net of a shape, its transformations included, in N dimensions.
+pub type MakeNet<const N: usize> = fn(&crate::io::case::Geometry) -> Result<ControlNet<N, N>, (&'static str, String)>;
+
+/// What every step of building needs.
+#[derive(Debug)]
+pub(crate) struct Builder<'a, const S: usize, const N: usize> {
+    pub case: &'a Case,
+    pub names: &'a Names<S, N>,
+    pub faults: Diagnostics,
+}
+
+impl<const S: usize, const N: usize> Builder<'_, S, N> {
+    /// An error at a place of the case.
+    pub fn error(&self, code: &'static str, message: impl Into<String>, at: Place) -> Diagnostic {
+        Diagnostic::error(code, message).at(&self.case.source, at)
+    }
+
+    /// A warning at a place of the case.
+    pub fn warning(&self, code: &'static str, message: impl Into<String>, at: Place) -> Diagnostic {
+        Diagnostic::warning(code, message).at(&self.case.source, at)
+    }
+
+    /// The errors so far, if there are any.
+    fn stop(&mut self) -> Result<(), Diagnostics> {
+        if self.faults.has_errors() { Err(std::mem::take(&mut self.faults)) } else { Ok(()) }
+    }
+}
+
+/// Builds the model of `case` with the bodies, multipliers and couplings of `names`.
+///
+/// # Errors
+/// Everything that is wrong with the case, with its places.
+pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, net: MakeNet<N>) -> Result<Model<S, N>, Diagnostics> {
+    let mut builder = Builder { case, names, faults: Diagnostics::new() };
+    let patches = patches::build(&mut builder, net);
+    builder.stop()?;
+    let (center, size) = patches::extent(&patches);
+    let mut model = Model {
+        components: case.model.components(),
+        unknowns: patches.last().map_or(0, |p| p.range().end),
+        patches,
+        conditions: Vec::new(),
+        supports: Vec::new(),
+        equations: Vec::new(),
+        loads: Vec::new(),
+        springs: Vec::new(),
+        exact: case.model.exact.as_ref().map(|e| Exact::of(&e.value)),
+        ties: Vec::new(),
+        contacts: Vec::new(),
+        rows: 0,
+        max_iterations: case.contacts.iter().map(|c| c.active_set.max_iterations.value).max().unwrap_or(1),
+        c: case.contacts.first().map_or(1.0, |c| c.active_set.c.value),
+        center,
+        size,
+        warnings: Diagnostics::new(),
+    };
+    let mut sides = sides::Sides::default();
+    boundary::build(&mut builder, &mut model, &mut sides);
+    builder.stop()?;
+    let fixed = fixed::Fixed::of(&builder, &model).map_err(Diagnostics::from)?;
+    ties::build(&mut builder, &mut model, &mut sides, &fixed);
+    builder.stop()?;
+    contacts::build(&mut builder, &mut model, &mut sides, &fixed);
+    builder.stop()?;
+    supports::check(&mut builder, &model);
+    builder.stop()?;
+    model.warnings.extend(std::mem::take(&mut builder.faults));
+    Ok(model)
+}
+
+/// Whether `elements` counts in total for this shape.
+fn counts_in_total(shape: &Shape) -> bool {
+    shape.is_built_in()
+}

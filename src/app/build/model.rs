@@ -1,0 +1,252 @@
+//! A case as bodies, conditions, loads, interfaces and contacts, ready to be assembled.
+
+use super::exact::Exact;
+use super::physics::Physics;
+use crate::assembly::Equation;
+use crate::basis::Basis;
+use crate::contact::{Contact, Target};
+use crate::coupling::{Rows, Segments};
+use crate::io::case;
+use crate::io::errors::Diagnostics;
+use crate::io::formula::Formula;
+use crate::io::place::Place;
+use crate::linalg::Vector;
+use crate::quadrature::PerElement;
+use crate::space::{Body, Field, Trace};
+use std::sync::Arc;
+
+/// A body with its unknowns and its material.
+#[derive(Debug)]
+pub struct PatchModel<const S: usize, const N: usize> {
+    /// Its name.
+    pub name: String,
+    /// The backend that made it.
+    pub backend: String,
+    /// The body.
+    pub body: Box<dyn Body<S, N>>,
+    /// Where its unknowns are.
+    pub field: Field,
+    /// Its material.
+    pub physics: Physics<N>,
+    /// Rules of the bulk integrals.
+    pub rules: PerElement<N>,
+    /// Gauss points per direction beyond degree + 1.
+    pub extra_points: usize,
+    /// Whether its sides lie exactly on those of the geometry.
+    pub exact_map: bool,
+    /// Body force or source of the patch, one formula per component.
+    pub source: Vec<Formula>,
+    /// Density and gravity, where both are given.
+    pub weight: Option<(Formula, Vec<f64>)>,
+}
+
+impl<const S: usize, const N: usize> PatchModel<S, N> {
+    /// Number of unknowns.
+    pub fn num_unknowns(&self) -> usize {
+        self.field.components * self.body.space().num_functions()
+    }
+
+    /// Its unknowns within those of the model.
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.field.first..self.field.first + self.num_unknowns()
+    }
+}
+
+/// A side of a body.
+#[derive(Debug)]
+pub struct SideModel<const S: usize, const N: usize> {
+    /// The patch.
+    pub patch: usize,
+    /// Canonical name of the side: u0, v1, ...
+    pub side: String,
+    /// Name as the case has it: "lower.bottom".
+    pub label: String,
+    /// Functions, map and facets.
+    pub trace: Trace<S, N>,
+    /// Rules of integrals over the side.
+    pub rules: PerElement<S>,
+}
+
+/// A prescribed value.
+#[derive(Clone, Debug)]
+pub enum Value {
+    /// Zero.
+    Zero,
+    /// The exact solution.
+    Exact,
+    /// A formula.
+    Formula(Formula),
+}
+
+/// A component prescribed on a side.
+#[derive(Debug)]
+pub struct Condition<const S: usize, const N: usize> {
+    /// The side.
+    pub side: Arc<SideModel<S, N>>,
+    /// The component.
+    pub component: usize,
+    /// Its value.
+    pub value: Value,
+    /// Where the case says so.
+    pub at: Place,
+}
+
+/// What acts on a side.
+#[derive(Clone, Debug)]
+pub enum Action {
+    /// Component of the traction [force/area], or k du/dn.
+    Traction(usize, Formula),
+    /// Component of the traction of the exact solution.
+    Exact(usize),
+    /// Pressure along minus the outward normal.
+    Pressure(Formula),
+    /// Component of a resultant, spread evenly [force].
+    Force(usize, Formula, f64),
+}
+
+/// A load on a side.
+#[derive(Debug)]
+pub struct SideLoad<const S: usize, const N: usize> {
+    /// The side.
+    pub side: Arc<SideModel<S, N>>,
+    /// What acts.
+    pub action: Action,
+}
+
+/// Springs between a side and the ground.
+#[derive(Debug)]
+pub struct SideSpring<const S: usize, const N: usize> {
+    /// The side.
+    pub side: Arc<SideModel<S, N>>,
+    /// The component.
+    pub component: usize,
+    /// Force/area per length.
+    pub stiffness: Formula,
+}
+
+/// A slave side seen together with one master side.
+#[derive(Debug)]
+pub struct Pairing<const S: usize, const N: usize> {
+    /// The master side.
+    pub master: Arc<SideModel<S, N>>,
+    /// Where both are seen together.
+    pub segments: Segments<S>,
+}
+
+/// A slave side of a tied interface.
+#[derive(Debug)]
+pub struct TiePart<const S: usize, const N: usize> {
+    /// The side that carries the multiplier.
+    pub slave: Arc<SideModel<S, N>>,
+    /// One multiplier space per component.
+    pub multipliers: Vec<Box<dyn Basis<S>>>,
+    /// The master sides.
+    pub pairings: Vec<Pairing<S, N>>,
+    /// C in unknowns of the model.
+    pub rows: Rows,
+    /// B where it differs from C.
+    pub reaction: Option<Rows>,
+    /// First row in the system.
+    pub first_row: usize,
+    /// Number of rows.
+    pub num_rows: usize,
+}
+
+/// A tied interface.
+#[derive(Debug)]
+pub struct TieModel<const S: usize, const N: usize> {
+    /// Its name.
+    pub name: String,
+    /// One part per slave side.
+    pub parts: Vec<TiePart<S, N>>,
+    /// Exact multiplier, one formula per component; none: from the model's exact solution, if any.
+    pub exact: Option<Vec<Formula>>,
+}
+
+/// What a contact side is pressed against.
+pub enum Against<const S: usize, const N: usize> {
+    /// A deformable side.
+    Side(Arc<SideModel<S, N>>, Segments<S>),
+    /// A rigid obstacle at a time.
+    Rigid(Box<dyn Fn(f64) -> Box<dyn Target<S, N>> + Send + Sync>, Segments<S>),
+}
+
+impl<const S: usize, const N: usize> std::fmt::Debug for Against<S, N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Side(side, _) => f.debug_tuple("Side").field(&side.label).finish(),
+            Self::Rigid(..) => f.write_str("Rigid(..)"),
+        }
+    }
+}
+
+/// A slave side of a contact.
+#[derive(Debug)]
+pub struct ContactPart<const S: usize, const N: usize> {
+    /// The side that carries the multiplier.
+    pub slave: Arc<SideModel<S, N>>,
+    /// The multiplier.
+    pub multiplier: Box<dyn Basis<S>>,
+    /// What it faces.
+    pub against: Against<S, N>,
+    /// Rows, offsets and weights at the first time.
+    pub first: Contact<S, N>,
+    /// First row in the system.
+    pub first_row: usize,
+}
+
+/// A contact.
+#[derive(Debug)]
+pub struct ContactModel<const S: usize, const N: usize> {
+    /// Its name.
+    pub name: String,
+    /// One part per slave side.
+    pub parts: Vec<ContactPart<S, N>>,
+    /// The gap formula.
+    pub gap: Formula,
+    /// Largest distance of partners of rigid obstacles.
+    pub reach: Option<f64>,
+    /// Exact multiplier; none: from the model's exact solution, if any.
+    pub exact: Option<Formula>,
+    /// First guess of the active set.
+    pub start: case::Start,
+}
+
+/// A whole case, ready to be assembled.
+#[derive(Debug)]
+pub struct Model<const S: usize, const N: usize> {
+    /// Components of the unknown.
+    pub components: usize,
+    /// Number of unknowns, prescribed ones included.
+    pub unknowns: usize,
+    /// Bodies in the order of the case.
+    pub patches: Vec<PatchModel<S, N>>,
+    /// Prescribed components.
+    pub conditions: Vec<Condition<S, N>>,
+    /// Sides with at least one prescribed component, in the order of the case.
+    pub supports: Vec<Arc<SideModel<S, N>>>,
+    /// Conditions between unknowns: sliding along inclined sides, sides that move as one.
+    pub equations: Vec<Equation>,
+    /// Loads on sides.
+    pub loads: Vec<SideLoad<S, N>>,
+    /// Springs on sides.
+    pub springs: Vec<SideSpring<S, N>>,
+    /// Manufactured solution.
+    pub exact: Option<Exact>,
+    /// Tied interfaces.
+    pub ties: Vec<TieModel<S, N>>,
+    /// Contacts.
+    pub contacts: Vec<ContactModel<S, N>>,
+    /// Rows of all interfaces and contacts.
+    pub rows: usize,
+    /// Most iterations of the active set.
+    pub max_iterations: usize,
+    /// Weight of the gap in the active set.
+    pub c: f64,
+    /// Middle of the model.
+    pub center: Vector<N>,
+    /// Diagonal of the box around the model [length].
+    pub size: f64,
+    /// Warnings found while building.
+    pub warnings: Diagnostics,
+}

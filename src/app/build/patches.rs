@@ -1,0 +1,140 @@
+//! Bodies: the net of a patch, its elements, its space, its material.
+
+use super::divisions::{breakpoints, grade_of};
+use super::model::PatchModel;
+use super::physics::Physics;
+use super::{Builder, MakeNet};
+use crate::app::registry::Fault;
+use crate::assembly::gauss_rules;
+use crate::basis::{Basis, Cell};
+use crate::geometry::{Bounds, ControlNet, Geometry};
+use crate::io::case::{self, Cells, Patch};
+use crate::io::errors::Diagnostic;
+use crate::linalg::Vector;
+use crate::space::{Field, PatchSpec, SpecError};
+
+/// The code and the text of what a built-in backend refuses.
+pub fn patch_fault(error: &SpecError) -> Fault {
+    let code = match error {
+        SpecError::Inverted(_) => "E041",
+        SpecError::SimplexDimension { .. } => "E019",
+        SpecError::Weights(_) => "E034",
+        _ => "E015",
+    };
+    Fault::new(code, error.to_string())
+}
+
+/// All bodies of the case; what is wrong goes to the builder's faults.
+pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, net: MakeNet<N>) -> Vec<PatchModel<S, N>> {
+    let mut patches = Vec::new();
+    let mut first = 0;
+    for k in 0..builder.case.patches.len() {
+        match one(builder, k, first, net) {
+            Ok(patch) => {
+                first += patch.num_unknowns();
+                patches.push(patch);
+            }
+            Err(fault) => builder.faults.push(fault),
+        }
+    }
+    patches
+}
+
+fn one<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, number: usize, first: usize, net: MakeNet<N>) -> Result<PatchModel<S, N>, Diagnostic> {
+    let case = builder.case;
+    let patch = &case.patches[number];
+    let name = &patch.name.value;
+    let net = net(&patch.geometry.value)
+        .map_err(|(code, text)| builder.error(code, format!("geometry of patch \"{name}\": {text}"), patch.geometry.at))?;
+    let spec = specification(builder, patch, net)?;
+    let backend = &patch.discretization.backend;
+    let make = builder.names.backends.get(&backend.value).map_err(|e| builder.error("E015", e.to_string(), backend.at))?;
+    let body = make(&spec).map_err(|fault| {
+        let at = match fault.code {
+            "E041" => patch.geometry.at,
+            _ if fault.message.contains("breakpoint") => patch.elements.at,
+            _ => patch.discretization.degree.at,
+        };
+        builder.error(fault.code, format!("patch \"{name}\": {}", fault.message), at)
+    })?;
+    let material = &case.materials[patch.material.value];
+    let physics = Physics::of(material, case.model.assumption.value).map_err(|e| {
+        let at = match (&material.elastic, &e) {
+            (Some(case::Elastic::YoungPoisson(_, nu)), crate::physics::MaterialError::Singular { .. } | crate::physics::MaterialError::Ratio { .. }) => nu.at,
+            (Some(case::Elastic::YoungPoisson(e, _)), _) => e.at,
+            (Some(case::Elastic::Lame(l, _)), crate::physics::MaterialError::Lambda { .. }) => l.at,
+            (Some(case::Elastic::Lame(_, m)), _) => m.at,
+            (None, _) => material.conductivity.at,
+        };
+        builder.error("E053", format!("material \"{}\": {e}", material.name.value), at)
+    })?;
+    let extra_points = patch.discretization.extra_points.value;
+    let rules = gauss_rules(&**body.space(), extra_points);
+    let source = [&case.model.source, &patch.source].into_iter().flatten().flat_map(|s| s.value.iter().map(|f| f.value.clone())).collect();
+    let weight = match (&case.model.gravity, &material.density) {
+        (Some(g), Some(density)) => Some((density.value.clone(), g.value.clone())),
+        _ => None,
+    };
+    Ok(PatchModel {
+        name: name.clone(),
+        backend: backend.value.clone(),
+        field: Field { first, components: case.model.components() },
+        exact_map: has_exact_map(patch, &spec),
+        body,
+        physics,
+        rules,
+        extra_points,
+        source,
+        weight,
+    })
+}
+
+/// The patch as data for a backend.
+fn specification<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patch: &Patch, net: ControlNet<N, N>) -> Result<PatchSpec<N>, Diagnostic> {
+    let d = &patch.discretization;
+    let total = super::counts_in_total(&patch.geometry.value.shape.value);
+    let mut lists: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
+    for (k, list) in lists.iter_mut().enumerate() {
+        let own = net.axes[k].breakpoints();
+        let (toward, ratio) = grade_of(patch.grade.as_ref().map(|g| &g.value), k);
+        let divisions = &patch.elements.value[k];
+        *list = breakpoints(own, &divisions.value, total, toward, ratio, patch.refine.value)
+            .map_err(|e| builder.error("E015", format!("elements of patch \"{}\": {e}", patch.name.value), divisions.at))?;
+    }
+    let mut spec = PatchSpec::new(net).with_breakpoints(lists);
+    spec.degree = std::array::from_fn(|k| d.degree.value[k.min(d.degree.value.len() - 1)]);
+    spec.continuity = d.continuity.value;
+    spec.basis = match d.basis.value {
+        case::BasisKind::Auto => crate::space::BasisKind::Auto,
+        case::BasisKind::Nurbs => crate::space::BasisKind::Nurbs,
+        case::BasisKind::BSpline => crate::space::BasisKind::BSpline,
+    };
+    spec.cells = match d.cells.value {
+        Cells::Tensor => Cell::Tensor,
+        Cells::Simplex => Cell::Simplex,
+    };
+    spec.mapping = match d.mapping.value {
+        case::Mapping::Isoparametric => crate::space::Mapping::Isoparametric,
+        case::Mapping::Exact => crate::space::Mapping::Exact,
+    };
+    Ok(spec)
+}
+
+/// Splines and exact maps carry the geometry itself; isoparametric meshes do where it is polynomial of their degree.
+fn has_exact_map<const N: usize>(patch: &Patch, spec: &PatchSpec<N>) -> bool {
+    if patch.discretization.backend.value != "fe" || patch.discretization.mapping.value == case::Mapping::Exact {
+        return true;
+    }
+    let polynomial = spec.net.weights.is_none();
+    polynomial && (0..N).all(|k| spec.net.axes[k].degree(0)[0] <= spec.degree[k])
+}
+
+/// Middle and diagonal of the box around all bodies.
+pub(super) fn extent<const S: usize, const N: usize>(patches: &[PatchModel<S, N>]) -> (Vector<N>, f64) {
+    let boxes = patches.iter().flat_map(|p| {
+        let space = p.body.space();
+        (0..space.num_elements()).map(move |e| space.bounds(e))
+    });
+    let whole: Option<Bounds<N>> = boxes.reduce(|a, b| a.union(&b));
+    whole.map_or((Vector::zeros(), 1.0), |b| (b.center(), b.diagonal().max(f64::MIN_POSITIVE)))
+}

@@ -1,0 +1,59 @@
+//! Nets of the shapes of plane cases.
+
+use crate::geometry::{ControlNet, NetError, shapes, turn};
+use crate::io::case::{Geometry, Shape};
+use crate::linalg::Vector;
+
+fn pair(list: &[f64]) -> [f64; 2] {
+    std::array::from_fn(|k| list.get(k).copied().unwrap_or(0.0))
+}
+
+/// The code of an unusable net.
+fn code(error: &NetError) -> &'static str {
+    match error {
+        NetError::Weights(_) => "E034",
+        NetError::Counts { .. } => "E033",
+        _ => "E031",
+    }
+}
+
+/// The net of a plane shape with its transformations; an error is a code and a sentence.
+///
+/// # Errors
+/// E015 for numbers out of range, E019 for shapes that are not in this version, E031 to E034 for nets.
+pub fn plane_net(geometry: &Geometry) -> Result<ControlNet<2, 2>, (&'static str, String)> {
+    let fault = |e: shapes::ShapeError| match &e {
+        shapes::ShapeError::Net(inner) => (code(inner), e.to_string()),
+        _ => ("E015", e.to_string()),
+    };
+    let mut net = match &geometry.shape.value {
+        Shape::Box { min, max } => shapes::rectangle(pair(&min.value), pair(&max.value)).map_err(fault)?,
+        Shape::AnnulusSector { center, radius, angle_deg } => {
+            shapes::annulus_sector(pair(&center.value), radius.value, angle_deg.value).map_err(fault)?
+        }
+        Shape::DiscSector { center, radius, angle_deg } => {
+            shapes::disc_sector(pair(&center.value), radius.value, angle_deg.value).map_err(fault)?
+        }
+        Shape::PlateWithHole { radius, half_width } => shapes::plate_with_hole(radius.value, half_width.value).map_err(fault)?,
+        Shape::Nurbs { degree, knots, points, weights } => {
+            let [p, q] = [0, 1].map(|k| degree.value.get(k).copied().unwrap_or(1));
+            let [u, v] = [0, 1].map(|k| knots.get(k).map(|list| list.value.clone()).unwrap_or_default());
+            let points = points.value.iter().map(|x| Vector::<2>::from(pair(x))).collect();
+            ControlNet::from_knots([p, q], [u, v], points, weights.as_ref().map(|w| w.value.clone())).map_err(|e| (code(&e), e.to_string()))?
+        }
+        other => return Err(("E019", format!("the kind \"{}\" in the plane is not in this version", other.kind()))),
+    };
+    if geometry.extrude.is_some() {
+        return Err(("E044", "`extrude` makes a body of three dimensions, the model has two".into()));
+    }
+    if let Some(factor) = &geometry.scale {
+        net = net.scale(factor.value);
+    }
+    if let Some(degrees) = &geometry.rotate_deg {
+        net = net.rotate(&turn(degrees.value));
+    }
+    if let Some(by) = &geometry.translate {
+        net = net.translate(&Vector::from(pair(&by.value)));
+    }
+    Ok(net)
+}

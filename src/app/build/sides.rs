@@ -1,0 +1,125 @@
+//! Sides of bodies by their references in the case, made once each.
+
+use super::model::{PatchModel, SideModel};
+use super::Builder;
+use crate::assembly::gauss_rules;
+use crate::basis::{Cell, Elements, Order};
+use crate::geometry::{Geometry, MapTable};
+use crate::io::case::SideRef;
+use crate::io::errors::Diagnostic;
+use crate::io::formula::{Formula, Point};
+use crate::io::place::{Located, Origin};
+use crate::linalg::{Vector, lit, num};
+use crate::space::{SideError, Trace};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Sides made so far, by patch and canonical name.
+#[derive(Debug)]
+pub(super) struct Sides<const S: usize, const N: usize> {
+    known: HashMap<(usize, String), Arc<SideModel<S, N>>>,
+}
+
+impl<const S: usize, const N: usize> Default for Sides<S, N> {
+    fn default() -> Self {
+        Self { known: HashMap::new() }
+    }
+}
+
+/// The short name of a side of a box: left, right, bottom, top, front, back.
+pub(crate) fn alias(side: &str, dimension: usize) -> &str {
+    match (side, dimension) {
+        ("u0", _) => "left",
+        ("u1", _) => "right",
+        ("v0", 2) | ("w0", 3) => "bottom",
+        ("v1", 2) | ("w1", 3) => "top",
+        ("v0", 3) => "front",
+        ("v1", 3) => "back",
+        _ => side,
+    }
+}
+
+/// The canonical name behind an alias.
+pub(crate) fn canonical(side: &str, dimension: usize) -> &str {
+    ["u0", "u1", "v0", "v1", "w0", "w1"].into_iter().find(|s| alias(s, dimension) == side).unwrap_or(side)
+}
+
+impl<const S: usize, const N: usize> Sides<S, N> {
+    /// The side of a reference.
+    pub fn get(&mut self, builder: &Builder<'_, S, N>, patches: &[PatchModel<S, N>], wanted: &Located<SideRef>) -> Result<Arc<SideModel<S, N>>, Diagnostic> {
+        let key = (wanted.value.patch, wanted.value.side.clone());
+        if let Some(side) = self.known.get(&key) {
+            return Ok(side.clone());
+        }
+        let patch = &patches[wanted.value.patch];
+        let trace = patch.body.trace(&wanted.value.side).map_err(|e| side_fault(builder, &patch.name, &e, &patch.body.sides(), wanted))?;
+        let side = Arc::new(make(label(builder, patch, wanted), wanted, trace, patch.extra_points));
+        self.known.insert(key, side.clone());
+        Ok(side)
+    }
+
+    /// The part of a side whose facets have their centre where `filter` holds; not kept.
+    pub fn filtered(
+        &mut self,
+        builder: &Builder<'_, S, N>,
+        patches: &[PatchModel<S, N>],
+        wanted: &Located<SideRef>,
+        filter: &Located<Formula>,
+    ) -> Result<Arc<SideModel<S, N>>, Diagnostic> {
+        let whole = self.get(builder, patches, wanted)?;
+        let patch = &patches[wanted.value.patch];
+        let space = &*whole.trace.space;
+        let mut table = MapTable::new();
+        let mut kind = Cell::Tensor;
+        let facets: Vec<_> = (0..space.num_elements())
+            .filter(|&e| {
+                kind = space.cell(e);
+                let middle = if kind == Cell::Simplex { lit::<f64>(1.0) / num::<f64>(S + 1) } else { 0.5 };
+                space.map(e, &[Vector::repeat(middle)], Order::Values, &mut table);
+                filter.value.value(&Point::new(table.x[0].as_slice())) != 0.0
+            })
+            .map(|e| whole.trace.facets[e])
+            .collect();
+        if facets.is_empty() {
+            return Err(builder.error("E015", format!("no facet of `{}` has its centre where `{}` holds", whole.label, filter.value.text()), filter.at));
+        }
+        let trace = Trace::from_facets(patch.body.space(), facets, kind)
+            .map_err(|e| side_fault(builder, &patch.name, &e, &patch.body.sides(), wanted))?;
+        Ok(Arc::new(make(whole.label.clone(), wanted, trace, patch.extra_points)))
+    }
+}
+
+fn make<const S: usize, const N: usize>(label: String, wanted: &SideRef, trace: Trace<S, N>, extra_points: usize) -> SideModel<S, N> {
+    let rules = gauss_rules(&*trace.space, extra_points);
+    SideModel { patch: wanted.patch, side: wanted.side.clone(), label, trace, rules }
+}
+
+/// The name as the case file has it where it stands there in full, else by alias on boxes and by direction elsewhere.
+fn label<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patch: &PatchModel<S, N>, wanted: &Located<SideRef>) -> String {
+    let prefix = format!("{}.", patch.name);
+    let at = wanted.at;
+    if at.origin == Origin::File && at.line > 0 {
+        let text: String = builder.case.source.lines.line(at.line).unwrap_or("").chars().skip(at.column.max(1) - 1).take(at.length).collect();
+        let text = text.trim_matches(['"', '\'']);
+        if text.starts_with(&prefix) && canonical(&text[prefix.len()..], N) == wanted.value.side {
+            return text.to_string();
+        }
+    }
+    let is_box = builder.case.patches[wanted.value.patch].geometry.value.shape.value.kind() == "box";
+    let side = if is_box { alias(&wanted.value.side, N) } else { &wanted.value.side };
+    format!("{prefix}{side}")
+}
+
+fn side_fault<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    patch: &str,
+    error: &SideError,
+    sides: &[String],
+    wanted: &Located<SideRef>,
+) -> Diagnostic {
+    let known = format!("sides of \"{patch}\" are {}", sides.join(", "));
+    match error {
+        SideError::Unknown { .. } => builder.error("E021", format!("there is no side `{patch}.{}`; {known}", wanted.value.side), wanted.at),
+        other => builder.error("E021", format!("`{patch}.{}`: {other}", wanted.value.side), wanted.at).with_help(known),
+    }
+}

@@ -1,0 +1,117 @@
+//! Rigid motions that are left when every contact is closed.
+
+use super::model::Model;
+use super::rigid::{FreeBody, RigidModes, RigidRow};
+use super::{Builder, SideModel};
+use crate::basis::{Elements, Order};
+use crate::geometry::{Geometry, MapTable};
+use crate::linalg::Vector;
+use crate::quadrature::Quadrature;
+
+/// Points looked at per side.
+const SAMPLES: usize = 24;
+
+fn unit<const N: usize>(component: usize) -> Vector<N> {
+    Vector::from_fn(|k, _| f64::from(u8::from(k == component)))
+}
+
+/// Some points of a side.
+fn points<const S: usize, const N: usize>(side: &SideModel<S, N>) -> Vec<Vector<N>> {
+    let space = &*side.trace.space;
+    let (elements, mut table, mut out) = (space.num_elements(), MapTable::new(), Vec::new());
+    for e in (0..elements).step_by(elements.div_ceil(SAMPLES).max(1)) {
+        space.map(e, &side.rules.rule(e).points, Order::Values, &mut table);
+        out.extend(table.x.iter().copied());
+    }
+    // the last element counts where the step jumped over it
+    if elements > 1 {
+        space.map(elements - 1, &side.rules.rule(elements - 1).points, Order::Values, &mut table);
+        out.extend(table.x.iter().copied());
+    }
+    out
+}
+
+/// Motions that supports, ties and the contacts in `closed` (one flag per point of a contact part) leave.
+pub fn free_motions<const S: usize, const N: usize>(model: &Model<S, N>, closed: &dyn Fn(usize, usize, usize) -> bool) -> Vec<FreeBody> {
+    let modes = RigidModes { bodies: model.patches.len(), components: model.components, center: model.center, size: model.size };
+    let mut rows: Vec<RigidRow<N>> = Vec::new();
+    let mut fix = |body: usize, direction: Vector<N>, x: Vector<N>| rows.push(RigidRow { terms: vec![(body, 1.0, x)], direction });
+    for c in &model.conditions {
+        for x in points(&c.side) {
+            fix(c.side.patch, unit(c.component), x);
+        }
+    }
+    for s in &model.springs {
+        for x in points(&s.side) {
+            fix(s.side.patch, unit(s.component), x);
+        }
+    }
+    // equations between unknowns: inclined sliding; sides that move as one support nothing
+    for e in model.equations.iter().filter(|e| e.terms.iter().map(|t| t.1).sum::<f64>().abs() > 1e-12 || e.terms.len() != 2) {
+        let Some(&(first, _)) = e.terms.first() else { continue };
+        let Some(body) = model.patches.iter().position(|p| p.range().contains(&first)) else { continue };
+        let field = model.patches[body].field;
+        let mut direction = Vector::<N>::zeros();
+        for &(i, value) in &e.terms {
+            direction[(i - field.first) % field.components] = value;
+        }
+        let function = (first - field.first) / field.components;
+        let side = model.supports.iter().find(|s| s.patch == body && s.trace.dofs.contains(&function));
+        for x in side.map(|s| points(s)).unwrap_or_default() {
+            fix(body, direction, x);
+        }
+    }
+    let mut table = MapTable::new();
+    for part in model.ties.iter().flat_map(|t| &t.parts) {
+        for pairing in &part.pairings {
+            let s = &pairing.segments;
+            for piece in (0..s.num_pieces()).step_by(s.num_pieces().div_ceil(SAMPLES).max(1)) {
+                part.slave.trace.space.map(s.slave[piece], &s.slave_xi[s.points(piece)], Order::Values, &mut table);
+                for x in &table.x {
+                    for c in 0..model.components {
+                        rows.push(RigidRow { terms: vec![(part.slave.patch, 1.0, *x), (pairing.master.patch, -1.0, *x)], direction: unit(c) });
+                    }
+                }
+            }
+        }
+    }
+    for (k, contact) in model.contacts.iter().enumerate() {
+        for (p, part) in contact.parts.iter().enumerate() {
+            for (q, x) in part.first.frames.x.iter().enumerate().filter(|(q, _)| closed(k, p, *q)) {
+                let mut terms = vec![(part.slave.patch, 1.0, *x)];
+                if let super::Against::Side(master, _) = &part.against {
+                    // the partner is the foot point: rotations act on it, not on the slave point
+                    let foot = x - part.first.frames.normal[q] * part.first.frames.gap[q];
+                    terms.push((master.patch, -1.0, foot));
+                }
+                rows.push(RigidRow { terms, direction: part.first.frames.normal[q] });
+            }
+        }
+    }
+    modes.free(&rows)
+}
+
+/// "body "upper" can still move: translation x, rotation" for every such body.
+pub(crate) fn sentences<const S: usize, const N: usize>(model: &Model<S, N>, free: &[FreeBody]) -> Vec<String> {
+    free.iter()
+        .map(|f| {
+            let name = &model.patches[f.body].name;
+            if model.components == 1 {
+                format!("the level of body \"{name}\" is not determined")
+            } else {
+                format!("body \"{name}\" can still move: {}", f.motions.join(", "))
+            }
+        })
+        .collect()
+}
+
+/// E051 for every body that can still move with all contacts closed.
+pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>) {
+    let free = free_motions(model, &|_, _, _| true);
+    for (f, sentence) in free.iter().zip(sentences(model, &free)) {
+        let at = builder.case.patches[f.body].head.at;
+        let text = if model.contacts.is_empty() { sentence } else { format!("{sentence}, even with every contact closed") };
+        let fault = builder.error("E051", text, at).with_help("prescribe what is left by [[boundary]], or tie the body to one that is supported");
+        builder.faults.push(fault);
+    }
+}

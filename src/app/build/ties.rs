@@ -1,0 +1,369 @@
+//! Tied interfaces: multipliers, segments and rows of every slave side.
+
+use super::boundary::component_name;
+use super::fixed::Fixed;
+use super::model::{Model, Pairing, SideModel, TieModel, TiePart};
+use super::sides::Sides;
+use super::Builder;
+use crate::basis::{Basis, Elements};
+use crate::coupling::interface::{Partners, Tolerance};
+use crate::coupling::multiplier::{Ends, MultiplierError, MultiplierKind, check_counts};
+use crate::coupling::{CouplingError, Interface, Rows, Segments, Side};
+use crate::io::case::{self, Integration, Multiplier, SideRef, Tie};
+use crate::io::errors::Diagnostic;
+use crate::io::place::{Located, Place};
+use crate::linalg::Triplets;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Largest share of a slave side that may be uncovered.
+const UNCOVERED: f64 = 1e-6;
+/// Couplings the contract knows and this version does not have.
+const LATER: [&str; 3] = ["nitsche", "penalty", "glue"];
+
+/// How many sides of tied interfaces a function of a body lies on.
+#[derive(Debug, Default)]
+pub(super) struct Memberships(HashMap<(usize, usize), usize>);
+
+impl Memberships {
+    fn add<const S: usize, const N: usize>(&mut self, side: &SideModel<S, N>) {
+        let mut dofs = side.trace.dofs.clone();
+        dofs.sort_unstable();
+        dofs.dedup();
+        for dof in dofs {
+            *self.0.entry((side.patch, dof)).or_default() += 1;
+        }
+    }
+
+    /// Sides of ties that hold `function` of `patch`.
+    pub fn count(&self, patch: usize, function: usize) -> usize {
+        self.0.get(&(patch, function)).copied().unwrap_or(0)
+    }
+}
+
+/// Sides of a list of references.
+pub(super) fn list<const S: usize, const N: usize>(
+    builder: &mut Builder<'_, S, N>,
+    model: &Model<S, N>,
+    sides: &mut Sides<S, N>,
+    wanted: &[Located<SideRef>],
+) -> Vec<Arc<SideModel<S, N>>> {
+    let mut out = Vec::new();
+    for side in wanted {
+        match sides.get(builder, &model.patches, side) {
+            Ok(side) => out.push(side),
+            Err(fault) => builder.faults.push(fault),
+        }
+    }
+    out
+}
+
+/// Slave and master sides of a tie.
+type Pair<const S: usize, const N: usize> = (Vec<Arc<SideModel<S, N>>>, Vec<Arc<SideModel<S, N>>>);
+
+/// All ties of the case.
+pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &mut Model<S, N>, sides: &mut Sides<S, N>, fixed: &Fixed) {
+    let members = memberships(builder, model, sides);
+    let case = builder.case;
+    for tie in &case.interfaces {
+        if let Some(between) = &tie.between {
+            let fault = builder.error("E019", "`between` is not in this version", between.at).with_help("name slave and master");
+            builder.faults.push(fault);
+            continue;
+        }
+        let (slaves, masters): Pair<S, N> = (list(builder, model, sides, &tie.slave), list(builder, model, sides, &tie.master));
+        let mut parts = Vec::new();
+        for (k, slave) in slaves.iter().enumerate() {
+            let at = tie.slave.get(k).map_or(tie.head.at, |s| s.at);
+            match part(builder, model, tie, slave, &masters, at, fixed, &members) {
+                Ok((part, warnings)) => {
+                    model.rows += part.num_rows;
+                    parts.push(part);
+                    for warning in warnings {
+                        builder.faults.push(warning);
+                    }
+                }
+                Err(fault) => builder.faults.push(*fault),
+            }
+        }
+        let exact = tie.exact.as_ref().map(|list| list.value.iter().map(|f| f.value.clone()).collect());
+        model.ties.push(TieModel { name: tie.name.value.clone(), parts, exact });
+    }
+}
+
+/// Counts the sides of all ties; also says which functions contact must leave to ties.
+pub(super) fn memberships<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>, sides: &mut Sides<S, N>) -> Memberships {
+    let mut members = Memberships::default();
+    let case = builder.case;
+    for tie in &case.interfaces {
+        // a side in two lists of one tie counts once
+        let mut seen: Vec<(usize, String)> = Vec::new();
+        for side in list(builder, model, sides, &tie.slave).into_iter().chain(list(builder, model, sides, &tie.master)) {
+            let key = (side.patch, side.side.clone());
+            if !seen.contains(&key) {
+                seen.push(key);
+                members.add(&side);
+            }
+        }
+    }
+    members
+}
+
+#[allow(clippy::result_large_err)]
+fn part<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    model: &Model<S, N>,
+    tie: &Tie,
+    slave: &Arc<SideModel<S, N>>,
+    masters: &[Arc<SideModel<S, N>>],
+    at: Place,
+    fixed: &Fixed,
+    members: &Memberships,
+) -> Result<(TiePart<S, N>, Vec<Diagnostic>), Box<Diagnostic>> {
+    let mut warnings = Vec::new();
+    let name = &tie.name.value;
+    let coupling = match builder.names.couplings.get(&tie.coupling.value) {
+        Ok(make) => make(tie.factor.value),
+        Err(_) if LATER.contains(&tie.coupling.value.as_str()) => {
+            return Err(Box::new(builder.error("E019", format!("coupling \"{}\" is not in this version", tie.coupling.value), tie.coupling.at)));
+        }
+        Err(unknown) => return Err(Box::new(builder.error("E015", unknown.to_string(), tie.coupling.at))),
+    };
+    let field = model.patches[slave.patch].field;
+    // multipliers, one per component: ends are constrained per component
+    let mut multipliers = Vec::with_capacity(model.components);
+    for c in 0..model.components {
+        let constrained = |function: usize| fixed.is(field.unknown(function, c)) || members.count(slave.patch, function) > 1;
+        let (psi, warning) = multiplier(builder, name, slave, &tie.multiplier, &constrained, Some(c).filter(|_| model.components > 1))?;
+        multipliers.push(psi);
+        if c == 0 {
+            warnings.extend(warning);
+        }
+    }
+    let borrowed: Vec<&dyn Basis<S>> = multipliers.iter().map(|m| &**m).collect();
+    check_counts(&slave.trace, model.components, &borrowed, &|function, c| fixed.is(field.unknown(function, c)))
+        .map_err(|e| Box::new(multiplier_fault(builder, name, slave, &e, tie.multiplier.at, model.components)))?;
+    // segments against every master
+    let mut pairings: Vec<(Pairing<S, N>, Option<Segments<S>>)> = Vec::new();
+    let mut missed: Option<CouplingError> = None;
+    for master in masters {
+        match segments(builder, model, tie, slave, master)? {
+            Ok((first, second)) => pairings.push((Pairing { master: master.clone(), segments: first }, second)),
+            Err(e) => missed = Some(e),
+        }
+    }
+    if let Some(error) = missed.filter(|e| pairings.is_empty() || !matches!(e, CouplingError::NothingFaces)) {
+        return Err(Box::new(apart(builder, slave, masters, &error, at)));
+    }
+    let total = pairings.first().map_or(0.0, |(p, _)| p.segments.report.slave_measure);
+    let covered: f64 = pairings.iter().map(|(p, _)| p.segments.report.covered).sum();
+    if covered < (1.0 - UNCOVERED) * total {
+        let text = format!("only {:.4} % of the slave side `{}` meets {}", 100.0 * covered / total, slave.label, labels(masters));
+        return Err(Box::new(
+            builder.error("E025", text, at).with_help("a tied slave must be covered: swap slave and master, or add the missing master sides"),
+        ));
+    }
+    // rows
+    let (mut rows, mut reaction, mut differs) = (empty(0, model.unknowns), empty(0, model.unknowns), false);
+    for (pairing, second) in &pairings {
+        let interface = Interface {
+            slave: Side { trace: &slave.trace, field, flux: None },
+            master: Some(Side { trace: &pairing.master.trace, field: model.patches[pairing.master.patch].field, flux: None }),
+            multiplier: &borrowed,
+            segments: &pairing.segments,
+            master_segments: second.as_ref(),
+            direction: None,
+        };
+        let blocks = coupling.assemble(&interface, model.unknowns).map_err(|e| Box::new(builder.error("E015", format!("interface \"{name}\": {e}"), tie.head.at)))?;
+        if !blocks.stiffness.entries.is_empty() {
+            let text = format!("coupling \"{}\" adds stiffness between bodies, which is not in this version", tie.coupling.value);
+            return Err(Box::new(builder.error("E019", text, tie.coupling.at)));
+        }
+        differs |= blocks.reaction.is_some();
+        add(&mut reaction, blocks.reaction.as_ref().unwrap_or(&blocks.constraint));
+        add(&mut rows, &blocks.constraint);
+    }
+    let num_rows = borrowed.iter().map(|m| m.num_functions()).sum();
+    let part = TiePart {
+        slave: slave.clone(),
+        multipliers,
+        pairings: pairings.into_iter().map(|(p, _)| p).collect(),
+        rows,
+        reaction: differs.then_some(reaction),
+        first_row: model.rows,
+        num_rows,
+    };
+    Ok((part, warnings))
+}
+
+fn empty(rows: usize, unknowns: usize) -> Rows {
+    Rows { slave: Triplets::new(rows, unknowns), master: Triplets::new(rows, unknowns) }
+}
+
+fn add(sum: &mut Rows, other: &Rows) {
+    sum.slave.append_below(&other.slave, 0);
+    sum.master.append_below(&other.master, 0);
+}
+
+/// Labels of sides in messages.
+pub(super) fn labels<const S: usize, const N: usize>(sides: &[Arc<SideModel<S, N>>]) -> String {
+    sides.iter().map(|s| format!("`{}`", s.label)).collect::<Vec<_>>().join(", ")
+}
+
+/// Highest degree of a side.
+pub(super) fn degree<const S: usize, const N: usize>(side: &SideModel<S, N>) -> usize {
+    let space = &side.trace.space;
+    (0..space.num_elements()).flat_map(|e| space.degree(e)).max().unwrap_or(1)
+}
+
+type Found<const S: usize> = Result<(Segments<S>, Option<Segments<S>>), CouplingError>;
+
+fn segments<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    model: &Model<S, N>,
+    tie: &Tie,
+    slave: &SideModel<S, N>,
+    master: &SideModel<S, N>,
+) -> Result<Found<S>, Box<Diagnostic>> {
+    let points = degree(slave).max(degree(master)) + 1 + tie.extra_points.value;
+    let is_exact = model.patches[slave.patch].exact_map && model.patches[master.patch].exact_map;
+    let tolerance = match tie.tolerance.value {
+        Some(distance) => Tolerance::Given(distance),
+        None if is_exact => Tolerance::Exact,
+        None => Tolerance::Local,
+    };
+    let partners = Partners::Touching(tolerance);
+    let word = if tie.integration.value == Integration::Merged { "merged" } else { "slave" };
+    let make = builder.names.integrations.get(word).map_err(|e| Box::new(builder.error("E019", e.to_string(), tie.integration.at)))?;
+    let integration = make(points, partners);
+    let first = integration.segments(&*slave.trace.space, &*master.trace.space);
+    Ok(first.and_then(|first| {
+        let second = match tie.integration.value {
+            Integration::Mixed => Some(swapped(integration.segments(&*master.trace.space, &*slave.trace.space)?)),
+            _ => None,
+        };
+        Ok((first, second))
+    }))
+}
+
+/// The same points with the roles exchanged.
+fn swapped<const S: usize>(s: Segments<S>) -> Segments<S> {
+    Segments { slave: s.master, master: s.slave, slave_xi: s.master_xi, master_xi: s.slave_xi, ..s }
+}
+
+fn apart<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    slave: &SideModel<S, N>,
+    masters: &[Arc<SideModel<S, N>>],
+    error: &CouplingError,
+    at: Place,
+) -> Diagnostic {
+    let help = "move the bodies together or raise `tolerance`; use [[contact]] if a gap is meant";
+    let masters = labels(masters);
+    match error {
+        CouplingError::Apart { distance, at: place, allowed } => {
+            let coordinates: Vec<String> = ["x", "y", "z"][..N].iter().zip(place).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
+            builder
+                .error(
+                    "E023",
+                    format!(
+                        "`{}` and {masters} are up to {} apart (at {}); allowed {}",
+                        slave.label,
+                        short(*distance),
+                        coordinates.join(", "),
+                        short(*allowed)
+                    ),
+                    at,
+                )
+                .with_help(help)
+        }
+        other => builder.error("E023", format!("`{}` and {masters} do not meet: {other}", slave.label), at).with_help(help),
+    }
+}
+
+/// Four digits of a number.
+pub(crate) fn short(x: f64) -> String {
+    format!("{x:.3e}").parse::<f64>().map_or_else(|_| x.to_string(), |v| format!("{v}"))
+}
+
+/// A multiplier by its words, and the warning it deserves.
+#[allow(clippy::type_complexity)]
+pub(super) fn multiplier<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    name: &str,
+    slave: &SideModel<S, N>,
+    wanted: &Located<Multiplier>,
+    constrained: &dyn Fn(usize) -> bool,
+    component: Option<usize>,
+) -> Result<(Box<dyn Basis<S>>, Option<Diagnostic>), Box<Diagnostic>> {
+    let mut warning = None;
+    let made = match &wanted.value {
+        Multiplier::Named(word) => match builder.names.multipliers.get(word) {
+            Ok(make) => {
+                if word.parse::<MultiplierKind>().is_ok_and(|k| k.is_unstable()) {
+                    let text = format!("multiplier \"{word}\" of \"{name}\" is not stable; `faying infsup` shows it");
+                    warning = Some(builder.warning("E061", text, wanted.at).with_help("use p/p or p/p-2"));
+                }
+                make(&slave.trace, constrained)
+            }
+            Err(unknown) => match word.parse::<MultiplierKind>() {
+                Err(e @ MultiplierError::NotYet { .. }) => Err(e),
+                _ => return Err(Box::new(builder.error("E064", unknown.to_string(), wanted.at))),
+            },
+        },
+        Multiplier::Data { degree, continuity, ends } => {
+            let ends = match ends {
+                case::Ends::Auto => Ends::Auto,
+                case::Ends::Full => Ends::Full,
+                case::Ends::Lowered => Ends::Lowered,
+            };
+            let kind = MultiplierKind::Uniform { degree: *degree, continuity: *continuity, ends };
+            match &builder.names.polynomials.0 {
+                Some(make) => make(kind, &slave.trace, constrained),
+                None => return Err(Box::new(builder.error("E019", "multipliers given by degree are not in this version here", wanted.at))),
+            }
+        }
+        #[allow(unreachable_patterns)] // the enum may grow
+        _ => return Err(Box::new(builder.error("E019", "this multiplier is not in this version", wanted.at))),
+    };
+    made.map(|psi| (psi, warning)).map_err(|e| {
+        let mut fault = multiplier_fault(builder, name, slave, &e, wanted.at, N.max(2));
+        if let (MultiplierError::NothingLeft { .. }, Some(c)) = (&e, component) {
+            fault.message = format!("{} (component {})", fault.message, component_name(c, 2));
+        }
+        Box::new(fault)
+    })
+}
+
+/// The diagnostic of a multiplier that cannot be.
+pub(super) fn multiplier_fault<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    name: &str,
+    slave: &SideModel<S, N>,
+    error: &MultiplierError,
+    at: Place,
+    components: usize,
+) -> Diagnostic {
+    let patch = slave.label.split('.').next().unwrap_or(&slave.label);
+    match error {
+        MultiplierError::NotYet { .. } => builder.error("E019", error.to_string(), at),
+        MultiplierError::NotHere { .. } | MultiplierError::Unknown { .. } => {
+            builder.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label), at)
+        }
+        MultiplierError::NothingLeft { .. } => builder
+            .error("E024", format!("the multiplier of \"{name}\" on `{}` cannot be lowered at an end: {error}", slave.label), at)
+            .with_help(format!("give patch \"{patch}\" more elements along `{}`, or take p/p-2", slave.label)),
+        MultiplierError::TooMany { component, multipliers, free } => builder
+            .error(
+                "E024",
+                format!(
+                    "the multiplier of \"{name}\" on `{}` is over-constrained: component {} has {multipliers} functions for {free} free unknowns",
+                    slave.label,
+                    component_name(*component, components)
+                ),
+                at,
+            )
+            .with_help(format!("give patch \"{patch}\" more elements along `{}`, or take a multiplier of lower degree", slave.label)),
+        other => builder.error("E064", format!("\"{name}\" on `{}`: {other}", slave.label), at),
+    }
+}
