@@ -6,8 +6,8 @@ use super::sides::Sides;
 use super::ties::{degree, labels, list, memberships, multiplier, multiplier_fault};
 use super::Builder;
 use crate::assembly::gauss_rules;
-use crate::basis::{Elements, Order, ShapeTable};
-use crate::contact::{Contact, ContactError, HalfPlane, LevelSet, Moved, Opponent, Sphere, Target, outward_normal};
+use crate::basis::{Order, ShapeTable};
+use crate::contact::{Contact, ContactError, HalfPlane, LevelSet, Moved, Opponent, Sphere, Target};
 use crate::coupling::interface::{Partners, slave_segments};
 use crate::coupling::multiplier::MultiplierError;
 use crate::coupling::Side;
@@ -17,7 +17,6 @@ use crate::io::errors::Diagnostic;
 use crate::io::formula::{Formula, Point};
 use crate::io::place::Place;
 use crate::linalg::Vector;
-use crate::space::Space;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -204,7 +203,6 @@ fn contact_fault<const S: usize, const N: usize>(
             .error("E023", format!("no part of `{}` faces {}", slave.label, labels(masters)), at)
             .with_help("raise `reach`, or choose the sides that face each other"),
         ContactError::Coupling(_) => builder.error("E041", text, at),
-        _ => builder.error("E015", text, at),
     }
 }
 
@@ -218,7 +216,10 @@ fn corner_normals<const S: usize, const N: usize>(side: &SideModel<S, N>) -> Has
         space.active(e, &mut ids);
         space.evaluate(e, &corners, Order::Gradients, &mut shapes, &mut map);
         for q in 0..corners.len() {
-            let Some(normal) = outward_normal(&map.jacobian[q], trace.outward[e]) else { continue };
+            let normal = trace.normal(e, &map.jacobian[q]);
+            if !normal.iter().all(|v| v.is_finite()) {
+                continue;
+            }
             for (&i, value) in ids.iter().zip(shapes.values(q)) {
                 if value.abs() > NO_VALUE {
                     out.entry(trace.dofs[i]).or_insert(normal);

@@ -3,8 +3,8 @@
 use super::model::{PatchModel, SideModel};
 use super::Builder;
 use crate::assembly::gauss_rules;
-use crate::basis::{Cell, Elements, Order};
-use crate::geometry::{Geometry, MapTable};
+use crate::basis::{Cell, Order};
+use crate::geometry::MapTable;
 use crate::io::case::SideRef;
 use crate::io::errors::Diagnostic;
 use crate::io::formula::{Formula, Point};

@@ -3,8 +3,8 @@
 use super::model::Model;
 use super::rigid::{FreeBody, RigidModes, RigidRow};
 use super::{Builder, SideModel};
-use crate::basis::{Elements, Order};
-use crate::geometry::{Geometry, MapTable};
+use crate::basis::Order;
+use crate::geometry::MapTable;
 use crate::linalg::Vector;
 use crate::quadrature::Quadrature;
 

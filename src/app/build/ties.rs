@@ -364,6 +364,5 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
                 at,
             )
             .with_help(format!("give patch \"{patch}\" more elements along `{}`, or take a multiplier of lower degree", slave.label)),
-        other => builder.error("E064", format!("\"{name}\" on `{}`: {other}", slave.label), at),
     }
 }
