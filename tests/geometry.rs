@@ -4,12 +4,9 @@ use faying::basis::{Cell, Order};
 
 use faying::geometry::{ControlNet, MapTable, shapes};
 use faying::linalg::Vector;
-use faying::space::{
-    BasisKind, Body, Mapping, Mesh, Patch, PatchSpec, measure,
-};
+use faying::space::{BasisKind, Body, Mapping, Mesh, Patch, PatchSpec, measure};
 
 use std::f64::consts::PI;
-
 
 type Plane = Box<dyn Body<1, 2>>;
 
@@ -99,7 +96,10 @@ fn gauss_theorem_holds_on_every_kind_of_body() {
             for (kind, body) in kinds(&net, [3, 2], degree) {
                 let (flux, area) = gauss(&*body);
                 let found = measure(&**body.space());
-                assert!(flux < 1e-12 * area && (found - area).abs() < 1e-12 * area, "{name}, {kind}, degree {degree}: {flux:e}, {found} against {area}");
+                assert!(
+                    flux < 1e-12 * area && (found - area).abs() < 1e-12 * area,
+                    "{name}, {kind}, degree {degree}: {flux:e}, {found} against {area}"
+                );
             }
         }
     }

@@ -1,8 +1,8 @@
 //! Prescribed values: one L2 projection over all sides of a body that have data.
 
-use super::{gauss_rules, outward_normal};
+use super::gauss_rules;
 use crate::basis::{Order, ShapeTable};
-use crate::geometry::MapTable;
+use crate::geometry::{MapTable, cell};
 use crate::linalg::{LinearError, LinearSolver, Real, Triplets, Vector, lit, measure, to_f64};
 use crate::quadrature::Quadrature;
 use crate::space::{Field, Trace};
@@ -168,7 +168,7 @@ fn conflicts<const S: usize, const N: usize, T: Real>(
         let space = &*f.trace.space;
         for e in 0..space.num_elements() {
             space.active(e, &mut ids);
-            let corners = super::places::grid::<S, T>(space.cell(e), [1; S]);
+            let corners = cell::corners::<S, T>(space.cell(e));
             space.evaluate(e, &corners, Order::Values, &mut shapes, &mut map);
             for q in 0..corners.len() {
                 let x = map.x[q];
@@ -219,10 +219,11 @@ pub fn planar_normal<const S: usize, const N: usize, T: Real>(trace: &Trace<S, N
     for e in 0..space.num_elements() {
         space.map(e, &rules.rule(e).points, Order::Gradients, &mut map);
         for jacobian in &map.jacobian {
-            let here = outward_normal(jacobian, trace.outward[e]);
+            let here = trace.normal(e, jacobian);
             let there = *normal.get_or_insert(here);
             let distance: T = (here - there).norm();
-            if !distance.is_finite() || distance > lit(SAME_NORMAL) {
+            // a side that is a point somewhere has no normal there
+            if distance > lit(SAME_NORMAL) || here.norm() < lit(0.5) {
                 return None;
             }
         }

@@ -133,35 +133,14 @@ fn each_point<const S: usize, const N: usize, T: Real, Q: Quadrature<S, T> + ?Si
         trace.space.evaluate(e, &rule.points, Order::Gradients, &mut shapes, &mut map);
         for (q, &w) in rule.weights.iter().enumerate() {
             let jacobian = &map.jacobian[q];
-            visit(&ids, shapes.values(q), &map.x[q], &outward_normal(jacobian, trace.outward[e]), w * stretch(jacobian));
+            visit(&ids, shapes.values(q), &map.x[q], &trace.normal(e, jacobian), w * stretch(jacobian));
         }
     }
 }
 
-/// The unit normal of a side: `outward` times the cross product of the tangents, curves (t_y, -t_x).
+/// Length, area or volume of a space by a given rule: a resultant divided by it and applied by the same rule is met exactly.
 ///
-/// # Panics
-/// In other than one to three dimensions.
-pub fn outward_normal<const S: usize, const N: usize, T: Real>(jacobian: &Matrix<N, S, T>, outward: T) -> Vector<N, T> {
-    let mut normal = Vector::<N, T>::zeros();
-    match (S, N) {
-        (0, 1) => normal[0] = T::one(),
-        (1, 2) => {
-            normal[0] = jacobian[(1, 0)];
-            normal[1] = -jacobian[(0, 0)];
-        }
-        (2, 3) => {
-            for k in 0..3 {
-                let (a, b) = ((k + 1) % 3, (k + 2) % 3);
-                normal[k] = jacobian[(a, 0)] * jacobian[(b, 1)] - jacobian[(b, 0)] * jacobian[(a, 1)];
-            }
-        }
-        _ => panic!("sides of bodies in one to three dimensions, not {S} in {N}"),
-    }
-    normal * (outward / normal.norm())
-}
-
-/// Length, area or volume of a space.
+/// The exact value is [`space::measure`](crate::space::measure).
 pub fn measure<const D: usize, const N: usize, T, S, Q>(space: &S, quadrature: &Q) -> T
 where
     T: Real,

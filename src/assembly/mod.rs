@@ -8,14 +8,13 @@ mod places;
 mod plain;
 mod reduce;
 mod rules;
-mod sample;
 mod scratch;
 
 use crate::linalg::{Matrix, Real, Vector};
 use std::fmt::Debug;
 
 pub use dirichlet::{DirichletError, Fixed, dirichlet, planar_normal};
-pub use load::{load, measure, outward_normal, trace_load, trace_springs};
+pub use load::{load, measure, trace_load, trace_springs};
 pub use norms::{Errors, Norms, errors};
 pub use pattern::Pattern;
 pub use places::places;
@@ -23,7 +22,6 @@ pub(crate) use plain::element_stiffness;
 pub use plain::{add_stiffness, mass, stiffness};
 pub use reduce::{Equation, Reduced, ReductionError};
 pub use rules::gauss_rules;
-pub use sample::{Sample, sample};
 pub(crate) use scratch::{Scratch, inverse_or_nan};
 
 /// d stress / d grad_u: `tangent[i][j][(k, l)]` = d sigma_(k,l) / d (grad u)_(i,j), i, k components, j, l directions.

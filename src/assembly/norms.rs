@@ -1,9 +1,9 @@
 //! Norms of errors: L2, H1 semi-norm, energy.
 
-use super::{Form, Sample, contract, scratch::Scratch};
+use super::{Form, contract, scratch::Scratch};
 use crate::linalg::{Matrix, Real, Vector};
 use crate::quadrature::Quadrature;
-use crate::space::Space;
+use crate::space::{FieldAt, Space};
 use rayon::prelude::*;
 
 /// Norms of a field.
@@ -119,7 +119,7 @@ where
 }
 
 /// The field of coefficients `u` at point `q` of the element in `scratch`.
-fn field_at<const C: usize, const N: usize, T: Real>(scratch: &Scratch<N, N, T>, u: &[T], q: usize) -> Sample<C, N, T> {
+fn field_at<const C: usize, const N: usize, T: Real>(scratch: &Scratch<N, N, T>, u: &[T], q: usize) -> FieldAt<C, N, T> {
     let (mut value, mut gradient) = (Vector::<C, T>::zeros(), Matrix::<C, N, T>::zeros());
     if !u.is_empty() {
         for (a, (&i, &n)) in scratch.ids.iter().zip(scratch.shapes.values(q)).enumerate() {
@@ -133,5 +133,5 @@ fn field_at<const C: usize, const N: usize, T: Real>(scratch: &Scratch<N, N, T>,
             }
         }
     }
-    Sample { x: scratch.map.x[q], value, gradient }
+    FieldAt { x: scratch.map.x[q], value, gradient }
 }

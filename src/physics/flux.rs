@@ -1,7 +1,7 @@
 //! The flux sigma n of a body on one of its sides, for Nitsche's method and for tractions.
 
 use super::{Flux, FluxTable, Material};
-use crate::assembly::{Scratch, element_stiffness, gauss_rules, inverse_or_nan, outward_normal};
+use crate::assembly::{Scratch, element_stiffness, gauss_rules, inverse_or_nan};
 use crate::basis::{Order, ShapeTable};
 use crate::geometry::MapTable;
 use crate::linalg::{Matrix, Real, Vector, lit, measure};
@@ -48,7 +48,7 @@ impl<const C: usize, const S: usize, const N: usize, T: Real> BodyFlux<C, S, N, 
             grads.extend(shapes.grads(q).iter().map(|g| to_physical * g));
             // tangents of the side are those of the body along the facet
             let tangents = jacobian * facet.axes;
-            let normal = outward_normal(&tangents, self.trace.outward[element]);
+            let normal = self.trace.normal(element, &tangents);
             visit(q, &map.x[q], &normal, measure(&tangents), &grads);
         }
     }

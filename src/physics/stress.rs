@@ -1,9 +1,8 @@
 //! Stress and energy of discrete fields.
 
 use super::Material;
-use crate::assembly::sample;
 use crate::linalg::{Matrix, Operator, Real, Vector, lit, num};
-use crate::space::Space;
+use crate::space::{Field, Space, field_at};
 
 /// A field and its stress at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,12 +19,13 @@ pub struct Stress<const C: usize, const N: usize, T: Real = f64> {
     pub spatial: [T; 6],
 }
 
-/// The field `u` (unknown = C * function + component) and its stress at the local points `xi` of `element`.
+/// The field with the unknowns `u` and its stress at the local points `xi` of `element`.
 ///
 /// # Panics
-/// If `u` is shorter than C times the number of functions.
+/// If `field` has not C components.
 pub fn stress_at<const C: usize, const N: usize, T, S, M>(
     space: &S,
+    field: &Field,
     material: &M,
     u: &[T],
     element: usize,
@@ -36,7 +36,7 @@ where
     S: Space<N, N, T> + ?Sized,
     M: Material<C, N, T> + ?Sized,
 {
-    sample::<C, N, T, S>(space, u, element, xi)
+    field_at::<C, N, T, S>(space, field, u, element, xi)
         .into_iter()
         .map(|s| Stress {
             x: s.x,
