@@ -1,0 +1,39 @@
+//! Names that a case may use for backends, couplings, multipliers and constraint solvers.
+
+/// Known names; a registry adds its own to these.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Names {
+    /// `backend`.
+    pub backends: Vec<String>,
+    /// `coupling` of interfaces.
+    pub couplings: Vec<String>,
+    /// `multiplier`, beside `p/p-k` for every k.
+    pub multipliers: Vec<String>,
+    /// `constraint` of the solver.
+    pub constraints: Vec<String>,
+}
+
+impl Default for Names {
+    /// The names of the contract, built or not.
+    fn default() -> Self {
+        let list = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect();
+        Self {
+            backends: list(&["iga", "fe"]),
+            couplings: list(&["mortar", "nitsche", "penalty", "glue"]),
+            multipliers: list(&["auto", "p/p", "p/p-1", "p/p-2", "constant", "dual"]),
+            constraints: list(&["auto", "saddle-point", "condensed", "schur", "uzawa"]),
+        }
+    }
+}
+
+impl Names {
+    /// Adds names that are not known yet.
+    pub fn add(list: &mut Vec<String>, names: impl IntoIterator<Item = impl Into<String>>) {
+        for name in names {
+            let name = name.into();
+            if !list.contains(&name) {
+                list.push(name);
+            }
+        }
+    }
+}

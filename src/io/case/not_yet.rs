@@ -1,0 +1,125 @@
+//! What the case file's language knows and this version does not build: E019 at its place.
+//!
+//! Every entry is already typed; building one means to delete its line here.
+
+use super::reader::Reader;
+use super::types::*;
+use crate::io::place::{Located, Place};
+
+/// Couplings of the contract that are not built.
+const COUPLINGS: &[&str] = &["nitsche", "penalty", "glue"];
+/// Constraint solvers of the contract that are not built.
+const CONSTRAINTS: &[&str] = &["schur", "uzawa"];
+/// Multipliers of the contract that are not built.
+const MULTIPLIERS: &[&str] = &["dual"];
+
+impl Reader {
+    fn later(&mut self, at: Place, what: &str, help: &str) {
+        self.fault("E019", at, format!("{what} is not in this version"), help);
+    }
+
+    fn later_if<T>(&mut self, value: &Option<Located<T>>, what: &str, help: &str) {
+        if let Some(v) = value {
+            self.later(v.at, what, help);
+        }
+    }
+
+    /// Reports everything that is not built.
+    pub fn not_in_this_version(&mut self, case: &Case) {
+        let m = &case.model;
+        if m.dimension.value == 3 {
+            self.later(m.dimension.at, "`dimension = 3`", "write dimension = 2");
+        }
+        self.later_if(&m.gravity, "`gravity`", "use body_force");
+        self.later_if(&m.reference, "`reference`", "errors are measured against `exact`");
+        for p in &case.patches {
+            self.later_patch(p);
+        }
+        for b in &case.boundaries {
+            self.later_boundary(b);
+        }
+        for t in &case.interfaces {
+            self.later_if(&t.between, "`between`", "name slave and master");
+            if COUPLINGS.contains(&t.coupling.value.as_str()) {
+                self.later(t.coupling.at, &format!("coupling {:?}", t.coupling.value), "write coupling = \"mortar\"");
+            }
+            self.later_multiplier(&t.multiplier);
+            self.later_integration(&t.integration);
+        }
+        for c in &case.contacts {
+            self.later_contact(c);
+        }
+        if case.steps.at.line > 0 || case.steps.value != [1.0] {
+            self.later(case.steps.at, "[steps]", "without it one step at t = 1 is solved");
+        }
+        let s = &case.solver;
+        if CONSTRAINTS.contains(&s.constraint.value.as_str()) {
+            self.later(s.constraint.at, &format!("constraint solver {:?}", s.constraint.value), "write constraint = \"auto\", \"saddle-point\" or \"condensed\"");
+        }
+        if s.linear.value == Linear::Iterative {
+            self.later(s.linear.at, "`linear = \"iterative\"`", "write linear = \"direct\"");
+        }
+    }
+
+    fn later_patch(&mut self, p: &Patch) {
+        let g = &p.geometry;
+        if matches!(g.shape.value, Shape::SphereOctant { .. } | Shape::File { .. }) {
+            self.later(g.shape.at, &format!("geometry of kind {:?}", g.shape.kind()), "kinds: box, annulus-sector, disc-sector, plate-with-hole, nurbs");
+        }
+        self.later_if(&g.extrude, "`extrude`", "");
+        self.later_if(&p.closed, "`closed`", "make the ring of two patches");
+        if !p.glue.value {
+            self.later(p.glue.at, "`glue`", "it belongs to files of several patches");
+        }
+    }
+
+    fn later_boundary(&mut self, b: &Boundary) {
+        self.later_if(&b.filter, "`where`", "conditions hold on whole sides");
+        self.later_if(&b.fix_normal, "`fix = [\"normal\"]`", "use components: x, y");
+        self.later_if(&b.fix_tangential, "`fix = [\"tangential\"]`", "use components: x, y");
+        for (key, data, help) in
+            [("force", &b.force, "use traction = force / length"), ("spring", &b.spring, ""), ("rigid_force", &b.rigid_force, "")]
+        {
+            if let Some(first) = data.iter().flatten().next() {
+                self.later(first.at, &format!("`{key}`"), help);
+            }
+        }
+    }
+
+    fn later_contact(&mut self, c: &Contact) {
+        if c.method.value != Method::Lagrange {
+            self.later(c.method.at, "this method", "write method = \"lagrange\"");
+        }
+        if c.cone.value != Cone::Coefficients {
+            self.later(c.cone.at, "this cone", "write cone = \"coefficients\"");
+        }
+        self.later_multiplier(&c.multiplier);
+        self.later_integration(&c.integration);
+        if let Master::Rigid(o) = &c.master {
+            let kinds = "kinds: half-plane, sphere, level-set";
+            match &o.shape.value {
+                ObstacleShape::Cylinder { .. } => self.later(o.shape.at, "an obstacle of kind \"cylinder\"", kinds),
+                ObstacleShape::Torus { .. } => self.later(o.shape.at, "an obstacle of kind \"torus\"", kinds),
+                ObstacleShape::Geometry(s) => self.later(o.shape.at, &format!("an obstacle of kind {:?}", s.kind()), kinds),
+                _ => {}
+            }
+            if let Some(f) = o.force.iter().flatten().next() {
+                self.later(f.at, "`force` of an obstacle", "use move");
+            }
+        }
+    }
+
+    fn later_multiplier(&mut self, m: &Located<Multiplier>) {
+        if let Multiplier::Named(name) = &m.value {
+            if MULTIPLIERS.contains(&name.as_str()) {
+                self.later(m.at, &format!("multiplier {name:?}"), "write multiplier = \"auto\"");
+            }
+        }
+    }
+
+    fn later_integration(&mut self, i: &Located<Integration>) {
+        if i.value != Integration::Merged {
+            self.later(i.at, "this integration", "write integration = \"merged\"");
+        }
+    }
+}

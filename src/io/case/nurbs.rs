@@ -1,0 +1,148 @@
+//! Reads inline `nurbs` geometry and checks knots, counts and weights at their places.
+
+use super::reader::{Block, Reader};
+use super::tree::{Node, Value};
+use super::types::Shape;
+use crate::io::place::Located;
+
+const DIRECTIONS: [&str; 3] = ["u", "v", "w"];
+
+impl Reader {
+    /// `{ kind = "nurbs", degree, knots, points, weights }`; u runs fastest.
+    pub fn nurbs(&mut self, b: &mut Block) -> Shape {
+        let n = self.dimension;
+        let fallback = Shape::Nurbs {
+            degree: Located::new(vec![1; n], b.at),
+            knots: vec![Located::new(vec![0.0, 0.0, 1.0, 1.0], b.at); n],
+            points: Located::new(vec![vec![0.0; n]; 1 << n], b.at),
+            weights: None,
+        };
+        let degree = self.required(b, "degree", "degree = [2, 1]");
+        let knots = self.required(b, "knots", "knots = [[0, 0, 0, 1, 1, 1], [0, 0, 1, 1]]");
+        let points = self.required(b, "points", "points = [[0, 0], [1, 0], ..]");
+        let (Some(degree), Some(knots), Some(points)) = (degree, knots, points) else { return fallback };
+        let degree = self.net_degree(&degree);
+        let knots = self.net_knots(&knots);
+        let points = self.net_points(&points);
+        let weights = b.node("weights").cloned().map(|w| (self.net_weights(&w), w.at));
+        let (Some(degree), Some(knots), Some(points)) = (degree, knots, points) else { return fallback };
+        // every direction is looked at, so that all their errors are listed
+        let good = (0..n).map(|k| self.check_knots(&knots[k], degree[k], k)).fold(true, |a, b| a && b);
+        if !good {
+            return fallback;
+        }
+        let counts: Vec<usize> = (0..n).map(|k| knots[k].len() - degree[k] - 1).collect();
+        let product = counts.iter().try_fold(1_usize, |a, c| a.checked_mul(*c));
+        let text = counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
+        if product != Some(points.len()) {
+            let message = format!("degree and knots ask for {text} control points, found {}", points.len());
+            self.fault("E033", points.at, message, "per direction: number of knots - degree - 1; u runs fastest");
+            return fallback;
+        }
+        let weights = match weights {
+            None => None,
+            Some((None, _)) => return fallback,
+            Some((Some(w), at)) => {
+                if w.len() != points.len() {
+                    let message = format!("there are {} control points, but {} weights", points.len(), w.len());
+                    self.fault("E033", at, message, "give one weight per point");
+                    return fallback;
+                }
+                Some(Located::new(w, at))
+            }
+        };
+        let knots = knots.into_iter().map(|u| Located::new(u.iter().map(|v| v.value).collect(), u.at)).collect();
+        Shape::Nurbs { degree, knots, points, weights }
+    }
+
+    fn net_degree(&mut self, node: &Node) -> Option<Located<Vec<usize>>> {
+        let n = self.dimension;
+        let all: Option<Vec<usize>> = match &node.value {
+            Value::List(l) if l.len() == n => l.iter().map(|item| self.whole_of(item, "degree", 1, 12)).collect(),
+            Value::Integer(_) => self.whole_of(node, "degree", 1, 12).map(|p| vec![p; n]),
+            _ => {
+                self.wrong_type(node, "degree", &format!("a list of {n} whole numbers"), "");
+                None
+            }
+        };
+        all.map(|d| Located::new(d, node.at))
+    }
+
+    fn net_knots(&mut self, node: &Node) -> Option<Vec<Located<Vec<Located<f64>>>>> {
+        let n = self.dimension;
+        match &node.value {
+            Value::List(l) if l.len() == n => {
+                l.iter().map(|item| self.numbers_of(item, "knots").map(|u| Located::new(u, item.at))).collect()
+            }
+            Value::List(l) => {
+                let message = format!("`knots` must have {n} lists, one per direction, found {}", l.len());
+                self.fault("E044", node.at, message, "");
+                None
+            }
+            _ => {
+                self.wrong_type(node, "knots", &format!("a list of {n} knot vectors"), "");
+                None
+            }
+        }
+    }
+
+    fn net_points(&mut self, node: &Node) -> Option<Located<Vec<Vec<f64>>>> {
+        let Value::List(list) = &node.value else {
+            self.wrong_type(node, "points", "a list of points", "");
+            return None;
+        };
+        let mut out = Vec::with_capacity(list.len());
+        for item in list {
+            out.push(self.vector_of(item, "points", false)?.value);
+        }
+        Some(Located::new(out, node.at))
+    }
+
+    fn net_weights(&mut self, node: &Node) -> Option<Vec<f64>> {
+        let all = self.numbers_of(node, "weights")?;
+        if let Some((k, w)) = all.iter().enumerate().find(|(_, w)| w.value <= 0.0) {
+            self.fault("E034", w.at, format!("weight {k} must be positive, found {:?}", w.value), "weights are counted from 0");
+            return None;
+        }
+        Some(all.iter().map(|w| w.value).collect())
+    }
+
+    /// Knots are open: they do not decrease, the ends stand degree + 1 times, inner ones at most degree times.
+    fn check_knots(&mut self, knots: &Located<Vec<Located<f64>>>, degree: usize, direction: usize) -> bool {
+        let d = DIRECTIONS[direction];
+        if knots.len() < 2 * (degree + 1) {
+            let message = format!("the knots of direction {d} are {}, degree {degree} needs at least {}", knots.len(), 2 * (degree + 1));
+            self.fault("E033", knots.at, message, "repeat the first and the last knot degree + 1 times");
+            return false;
+        }
+        for k in 1..knots.len() {
+            let (a, b) = (knots[k - 1].value, knots[k].value);
+            if b < a {
+                let message = format!("knots of direction {d} decrease at index {k}: {b:?} after {a:?}");
+                self.fault("E031", knots[k].at, message, "sort the knots");
+                return false;
+            }
+        }
+        let mut start = 0;
+        while start < knots.len() {
+            let value = knots[start].value;
+            let count = knots[start..].iter().take_while(|u| u.value == value).count();
+            let end = start + count;
+            let rim = start == 0 || end == knots.len();
+            let most = if rim { degree + 1 } else { degree };
+            if count > most {
+                let message = format!("knot {value:?} of direction {d} is repeated {count} times, at most {most} are allowed (index {start})");
+                let help = if rim { "ends: degree + 1 times" } else { "inside: degree times; a jump needs two patches" };
+                self.fault("E032", knots[start].at, message, help);
+                return false;
+            }
+            if rim && count < most {
+                let message = format!("knot {value:?} at an end of direction {d} stands {count} times, it must stand {most} times");
+                self.fault("E032", knots[start].at, message, "open knot vectors repeat both ends degree + 1 times");
+                return false;
+            }
+            start = end;
+        }
+        true
+    }
+}

@@ -1,0 +1,119 @@
+//! Names of sides: which a patch has, their aliases, and references such as `lower.bottom`.
+
+use super::reader::Reader;
+use super::tree::{Node, Value};
+use super::types::{Patch, Shape, SideRef};
+use crate::io::errors::{Diagnostic, nearest};
+use crate::io::place::Located;
+
+const ALL: [&str; 6] = ["u0", "u1", "v0", "v1", "w0", "w1"];
+const PLANE: [(&str, &str); 4] = [("left", "u0"), ("right", "u1"), ("bottom", "v0"), ("top", "v1")];
+const SPATIAL: [(&str, &str); 6] = [("left", "u0"), ("right", "u1"), ("front", "v0"), ("back", "v1"), ("bottom", "w0"), ("top", "w1")];
+
+/// The sides of a shape; collapsed edges are none.
+pub(super) fn sides_of(shape: &Shape, dimension: usize) -> Vec<&'static str> {
+    ALL[..2 * dimension].iter().copied().filter(|s| !is_collapsed(shape, s, dimension)).collect()
+}
+
+fn is_collapsed(shape: &Shape, side: &str, dimension: usize) -> bool {
+    match shape {
+        Shape::DiscSector { .. } => side == "v0",
+        Shape::Nurbs { degree, knots, points, .. } if dimension == 2 => {
+            let n: Vec<usize> = (0..2).map(|k| knots[k].len() - degree[k] - 1).collect();
+            let edge: Vec<&Vec<f64>> = match side {
+                "u0" => (0..n[1]).map(|j| &points[j * n[0]]).collect(),
+                "u1" => (0..n[1]).map(|j| &points[(j + 1) * n[0] - 1]).collect(),
+                "v0" => points.iter().take(n[0]).collect(),
+                _ => points.iter().skip((n[1] - 1) * n[0]).collect(),
+            };
+            edge.iter().all(|p| p == &edge[0])
+        }
+        _ => false,
+    }
+}
+
+fn canonical(side: &str, dimension: usize) -> Option<&'static str> {
+    let aliases: &[(&str, &'static str)] = if dimension == 2 { &PLANE } else { &SPATIAL };
+    let all = ALL[..2 * dimension].iter().find(|s| **s == side).copied();
+    all.or_else(|| aliases.iter().find(|(a, _)| *a == side).map(|(_, s)| *s))
+}
+
+// u0v0 and the like: an edge or a corner
+fn is_corner(side: &str) -> bool {
+    (side.len() == 4 || side.len() == 6) && side.is_ascii() && (0..side.len() / 2).all(|k| ALL.contains(&&side[2 * k..2 * k + 2]))
+}
+
+impl Reader {
+    /// A side or a list of sides.
+    pub fn sides(&mut self, node: &Node, what: &str, patches: &[Patch]) -> Vec<Located<SideRef>> {
+        let mut out: Vec<Located<SideRef>> = Vec::new();
+        match &node.value {
+            Value::Text(text) => out.extend(self.side(node, text, patches)),
+            Value::List(list) if !list.is_empty() => {
+                for item in list {
+                    let Value::Text(text) = &item.value else {
+                        self.wrong_type(item, what, "a side or a list of sides", "");
+                        continue;
+                    };
+                    if let Some(side) = self.side(item, text, patches) {
+                        if out.contains(&side) {
+                            self.fault("E016", side.at, format!("`{}` is named twice in `{what}`", show(&side, patches)), "");
+                        } else {
+                            out.push(side);
+                        }
+                    }
+                }
+            }
+            _ => {
+                let example = patches.first().map_or("lower", |p| p.name.as_str());
+                self.wrong_type(node, what, "a side or a list of sides", format!("write {what} = \"{example}.v0\""));
+            }
+        }
+        out
+    }
+
+    fn side(&mut self, node: &Node, text: &str, patches: &[Patch]) -> Option<Located<SideRef>> {
+        let list = |d: usize, p: &Patch| sides_of(&p.geometry.shape, d).join(", ");
+        let names = || patches.iter().map(|p| p.name.value.clone()).collect::<Vec<_>>().join(", ");
+        let (name, side) = text.rsplit_once('.').unwrap_or((text, ""));
+        let name = name.trim_matches('"');
+        let shown: String = text.chars().take(60).collect();
+        let Some(k) = patches.iter().position(|p| p.name.value == name) else {
+            let mut d = Diagnostic::error("E021", format!("there is no patch {:?}", name.chars().take(60).collect::<String>()));
+            if let Some(near) = nearest(name, patches.iter().map(|p| p.name.as_str())) {
+                d = d.with_label(format!("did you mean {near:?}?"));
+            }
+            self.push(node.at, d.with_help(format!("sides are written PATCH.SIDE; patches are {}", names())));
+            return None;
+        };
+        let dimension = self.dimension;
+        let known = sides_of(&patches[k].geometry.shape, dimension);
+        match canonical(side, dimension).filter(|s| known.contains(s)) {
+            Some(s) => Some(Located::new(SideRef { patch: k, side: s.to_owned() }, node.at)),
+            None if is_corner(side) => {
+                self.fault("E019", node.at, format!("edges and corners such as `{shown}` are not in this version"), format!("sides of {name:?} are {}", list(dimension, &patches[k])));
+                None
+            }
+            None => {
+                let message = if side.is_empty() {
+                    format!("`{shown}` names a patch, not a side; sides of {name:?} are {}", list(dimension, &patches[k]))
+                } else {
+                    format!("there is no side `{shown}`; sides of {name:?} are {}", list(dimension, &patches[k]))
+                };
+                let help = match (&patches[k].geometry.shape.value, canonical(side, dimension)) {
+                    (Shape::DiscSector { .. }, Some("v0")) => "v0 is the centre of the disc and no side",
+                    (Shape::Nurbs { .. }, Some(_)) => "this edge is collapsed to a point and no side",
+                    _ if dimension == 2 => "in 2D left, right, bottom, top are u0, u1, v0, v1",
+                    _ => "in 3D left, right, front, back, bottom, top are u0, u1, v0, v1, w0, w1",
+                };
+                self.fault("E021", node.at, message, help);
+                None
+            }
+        }
+    }
+}
+
+/// `lower.v0`.
+pub(super) fn show(side: &SideRef, patches: &[Patch]) -> String {
+    format!("{}.{}", patches.get(side.patch).map_or("?", |p| p.name.as_str()), side.side)
+}

@@ -1,0 +1,319 @@
+//! Reads `[[interface]]` and `[[contact]]`.
+
+use super::keys;
+use super::names::Names;
+use super::reader::{Block, Reader, Sign, Uses};
+use super::tree::{Node, Table, Value};
+use super::types::*;
+use crate::io::errors::{Diagnostic, nearest};
+use crate::io::formula::{Constants, Formula, Scope};
+use crate::io::place::Located;
+
+const INTEGRATIONS: &[(&str, Integration)] =
+    &[("merged", Integration::Merged), ("segments", Integration::Merged), ("slave", Integration::Slave), ("mixed", Integration::Mixed)];
+const VARIANTS: &[(&str, Variant)] =
+    &[("symmetric", Variant::Symmetric), ("unsymmetric", Variant::Unsymmetric), ("incomplete", Variant::Incomplete)];
+
+impl Reader {
+    /// One `[[interface]]`.
+    pub fn interface(&mut self, b: &mut Block, index: usize, model: &Model, patches: &[Patch], names: &Names) -> Tie {
+        let name = self.name(b, "interface", index, false);
+        let between = b.node("between").cloned().and_then(|node| self.between(&node, patches));
+        let mut side = |key: &str, example: &str| {
+            if b.has("between") {
+                if b.has(key) {
+                    self.fault("E015", b.key_at(key), format!("`{key}` does not stand beside `between`"), "");
+                }
+                return Vec::new();
+            }
+            self.required(b, key, example).map_or(Vec::new(), |node| self.sides(&node, key, patches))
+        };
+        let (slave, master) = (side("slave", "slave = \"upper.v0\""), side("master", "master = \"lower.v1\""));
+        let coupling = self.registered(b, "coupling", &names.couplings, "mortar");
+        let multiplier = self.multiplier(b, names);
+        let integration = self.word(b, "integration", INTEGRATIONS);
+        let extra_points = self.whole(b, "extra_points", 0, 60, 0);
+        let tolerance = self.auto(b, "tolerance");
+        let soft = matches!(coupling.value.as_str(), "penalty" | "nitsche");
+        let kind = format!("coupling = {:?}", coupling.value);
+        let factor = self.factor(b, soft, &kind, "coupling = \"penalty\" or \"nitsche\"");
+        let variant = self.variant(b, coupling.value == "nitsche", &kind, "coupling = \"nitsche\"");
+        let exact = b.node("exact").cloned().map(|node| self.field_of(&node, "exact", Uses::Space, model.components()));
+        Tie { head: b.head(), name, slave, master, between, coupling, multiplier, integration, extra_points, tolerance, factor, variant, exact }
+    }
+
+    /// One `[[contact]]`.
+    pub fn contact(&mut self, b: &mut Block, index: usize, model: &Model, patches: &[Patch], names: &Names) -> Contact {
+        let name = self.name(b, "contact", index, false);
+        if model.physics.value == Physics::Poisson {
+            self.fault("E015", b.at, "[[contact]] needs physics = \"elasticity\", the physics here is poisson", "");
+        }
+        let slave = self.required(b, "slave", "slave = \"upper.v0\"").map_or(Vec::new(), |node| self.sides(&node, "slave", patches));
+        let master = self.master(b, patches);
+        let gap = match b.node("gap").cloned() {
+            Some(node) => self.formula_of(&node, "gap", Uses::Gap),
+            None => {
+                let at = b.default("gap", Value::Text("g".to_owned()));
+                let f = Formula::parse("g", &Scope::gap(&Constants::default())).expect("g is a gap formula");
+                Some(Located::new(f, at))
+            }
+        };
+        let gap = gap.unwrap_or_else(|| Located::new(Formula::constant(0.0), b.at));
+        let methods =
+            [("lagrange", Method::Lagrange), ("penalty", Method::Penalty), ("augmented", Method::Augmented), ("nitsche", Method::Nitsche)];
+        let method = self.word(b, "method", &methods);
+        let multiplier = self.multiplier(b, names);
+        let integration = self.word(b, "integration", INTEGRATIONS);
+        let extra_points = self.whole(b, "extra_points", 0, 60, 0);
+        let cone = self.word(b, "cone", &[("coefficients", Cone::Coefficients), ("weights", Cone::Weights), ("values", Cone::Values)]);
+        let reach = self.auto(b, "reach");
+        let soft = method.value != Method::Lagrange;
+        let factor = self.factor(b, soft, "method = \"lagrange\"", "method = \"penalty\", \"augmented\" or \"nitsche\"");
+        let variant = self.variant(b, method.value == Method::Nitsche, "this method", "method = \"nitsche\"");
+        let tolerance = if soft || b.has("tolerance") { self.auto(b, "tolerance") } else { Located::new(None, b.at) };
+        if let (false, Some(_)) = (soft, tolerance.value) {
+            self.fault("E015", tolerance.at, "`tolerance` is not a key of method = \"lagrange\"", "use reach to limit the distance");
+        }
+        let exact = self.formula(b, "exact", Uses::Space);
+        let active_set = self.active_set(b);
+        Contact {
+            head: b.head(), name, slave, master, gap, method, multiplier, integration, extra_points, cone, reach, exact, active_set, tolerance,
+            factor, variant,
+        }
+    }
+
+    fn between(&mut self, node: &Node, patches: &[Patch]) -> Option<Located<Vec<String>>> {
+        let names = match &node.value {
+            Value::Text(s) if s == "all" => vec![s.clone()],
+            Value::List(list) => {
+                let mut out = Vec::new();
+                for item in list {
+                    let name = self.text_of(item, "between")?;
+                    if !patches.iter().any(|p| p.name == name) {
+                        let list = patches.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
+                        self.fault("E021", item.at, format!("there is no patch {:?}", name.value), format!("patches are {list}"));
+                    }
+                    out.push(name.value);
+                }
+                out
+            }
+            _ => {
+                self.wrong_type(node, "between", "\"all\" or a list of patches", "");
+                return None;
+            }
+        };
+        Some(Located::new(names, node.at))
+    }
+
+    // "auto" may stand anywhere, a number only where it is used
+    fn factor(&mut self, b: &mut Block, used: bool, kind: &str, where_used: &str) -> Located<Option<f64>> {
+        if !used && !b.has("factor") {
+            return Located::new(None, b.at);
+        }
+        let factor = self.auto(b, "factor");
+        if let (false, Some(_)) = (used, factor.value) {
+            self.fault("E015", factor.at, format!("`factor` is not a key of {kind}"), format!("it belongs to {where_used}"));
+        }
+        factor
+    }
+
+    fn variant(&mut self, b: &mut Block, used: bool, kind: &str, where_used: &str) -> Located<Variant> {
+        if !used && !b.has("variant") {
+            return Located::new(Variant::Symmetric, b.at);
+        }
+        let variant = self.word(b, "variant", VARIANTS);
+        if !used && variant.value != Variant::Symmetric {
+            self.fault("E015", variant.at, format!("`variant` is not a key of {kind}"), format!("it belongs to {where_used}"));
+        }
+        variant
+    }
+
+    fn multiplier(&mut self, b: &mut Block, names: &Names) -> Located<Multiplier> {
+        let auto = Multiplier::Named("auto".to_owned());
+        let Some(node) = b.node("multiplier").cloned() else {
+            return Located::new(auto, b.default("multiplier", Value::Text("auto".to_owned())));
+        };
+        let value = match &node.value {
+            Value::Text(name) => {
+                let lowered = name.strip_prefix("p/p-").and_then(|k| k.parse::<usize>().ok()).is_some_and(|k| (1..=12).contains(&k));
+                if names.multipliers.contains(name) || lowered {
+                    Multiplier::Named(name.clone())
+                } else {
+                    let shown: String = name.chars().take(60).collect();
+                    let mut d = Diagnostic::error("E064", format!("there is no multiplier {shown:?}"));
+                    if let Some(near) = nearest(&shown, names.multipliers.iter().map(String::as_str)) {
+                        d = d.with_label(format!("did you mean {near:?}?"));
+                    }
+                    let help = format!("known: {}, p/p-4, ..., or {{ degree = 1, continuity = 0, ends = \"auto\" }}", names.multipliers.join(", "));
+                    self.push(node.at, d.with_help(help));
+                    auto
+                }
+            }
+            Value::Table(_) => match self.multiplier_data(&node) {
+                Some((data, table)) => {
+                    b.replace("multiplier", table);
+                    data
+                }
+                None => auto,
+            },
+            _ => {
+                self.wrong_type(&node, "multiplier", "a name such as \"p/p-2\" or a table", "write multiplier = \"auto\"");
+                auto
+            }
+        };
+        Located::new(value, node.at)
+    }
+
+    fn multiplier_data(&mut self, node: &Node) -> Option<(Multiplier, Table)> {
+        let mut b = self.block(node, "`multiplier`", keys::MULTIPLIER)?;
+        let degree = self.required(&b, "degree", "degree = 1");
+        let degree = degree.and_then(|n| self.whole_of(&n, "degree", 0, 12));
+        let continuity = match b.node("continuity").cloned() {
+            None => None,
+            Some(n) => match n.value {
+                Value::Integer(k) if (-1..=11).contains(&k) => {
+                    if let Some(p) = degree {
+                        if k >= p as i64 {
+                            let message = format!("`continuity` must be less than the degree {p}, found {k}");
+                            self.fault("E015", n.at, message, "-1 is discontinuous");
+                        }
+                    }
+                    Some(k as isize)
+                }
+                _ => {
+                    self.wrong_type(&n, "continuity", "a whole number from -1 to degree - 1", "-1 is discontinuous");
+                    None
+                }
+            },
+        };
+        let ends = self.word(&mut b, "ends", &[("auto", Ends::Auto), ("full", Ends::Full), ("lowered", Ends::Lowered)]);
+        Some((Multiplier::Data { degree: degree?, continuity, ends: ends.value }, b.finish()))
+    }
+
+    fn active_set(&mut self, b: &mut Block) -> ActiveSetSpec {
+        let node = match b.node("active_set").cloned() {
+            Some(node) if matches!(node.value, Value::Table(_)) => node,
+            other => {
+                if let Some(node) = other {
+                    self.wrong_type(&node, "active_set", "a table", "write active_set = { max_iterations = 30 }");
+                }
+                let at = b.default("active_set", Value::Table(Table::default()));
+                Node::new(Value::Table(Table::default()), at)
+            }
+        };
+        let mut inner =
+            self.block(&node, "`active_set`", keys::ACTIVE_SET).expect("the value was just found to be a table");
+        let start = match inner.node("start").cloned() {
+            Some(n) if matches!(n.value, Value::Table(_)) => {
+                let seed = self.block(&n, "`start`", &["seed"]).and_then(|s| {
+                    let seed = self.required(&s, "seed", "start = { seed = 7 }")?;
+                    self.whole_of(&seed, "seed", 0, i64::MAX)
+                });
+                Located::new(seed.map_or(Start::All, |k| Start::Seed(k as u64)), n.at)
+            }
+            _ => self.word(&mut inner, "start", &[("all", Start::All), ("none", Start::None), ("gap", Start::Gap)]),
+        };
+        let max_iterations = self.whole(&mut inner, "max_iterations", 1, 100_000, 30);
+        let c = match self.number(&inner, "c", Sign::Positive) {
+            Some(c) => c,
+            None if inner.has("c") => Located::new(1.0, inner.at),
+            None => Located::new(1.0, inner.default("c", Value::Float(1.0))),
+        };
+        b.replace("active_set", inner.finish());
+        ActiveSetSpec { start, max_iterations, c }
+    }
+
+    fn master(&mut self, b: &mut Block, patches: &[Patch]) -> Master {
+        match (b.node("master").cloned(), b.node("rigid").cloned()) {
+            (Some(_), Some(rigid)) => {
+                self.fault("E015", rigid.at, "`rigid` does not stand beside `master`", "leave one of them out");
+                Master::Sides(Vec::new())
+            }
+            (Some(master), None) => Master::Sides(self.sides(&master, "master", patches)),
+            (None, Some(rigid)) => match self.obstacle(&rigid) {
+                Some((obstacle, table)) => {
+                    b.replace("rigid", table);
+                    Master::Rigid(Located::new(obstacle, rigid.at))
+                }
+                None => Master::Sides(Vec::new()),
+            },
+            (None, None) => {
+                let message = format!("`master` or `rigid` is missing in {}", b.what);
+                let help = "write master = \"lower.v1\", or rigid = { kind = \"half-plane\", point = [0, 0], normal = [0, 1] }";
+                self.fault("E013", b.at, message, help);
+                Master::Sides(Vec::new())
+            }
+        }
+    }
+
+    fn obstacle(&mut self, node: &Node) -> Option<(Obstacle, Table)> {
+        let kinds: Vec<(&'static str, &'static [&'static str])> = keys::OBSTACLES.iter().chain(keys::GEOMETRIES).copied().collect();
+        let (mut b, kind) = self.kinded(node, "rigid", &kinds, &["move", "force"])?;
+        let plane = self.dimension == 2;
+        let axis = |r: &mut Self, b: &Block| {
+            let v = r.required_vector(b, "axis", "axis = [0, 0, 1]");
+            r.unit(v, "axis")
+        };
+        let origin = if plane { "center = [0, 0]" } else { "center = [0, 0, 0]" };
+        let shape = match kind {
+            "half-plane" => {
+                let point = self.required_vector(&b, "point", if plane { "point = [0, 0]" } else { "point = [0, 0, 0]" });
+                let normal = self.required_vector(&b, "normal", if plane { "normal = [0, 1]" } else { "normal = [0, 0, 1]" });
+                let normal = if b.has("normal") { self.unit(normal, "normal") } else { normal };
+                ObstacleShape::HalfPlane { point, normal }
+            }
+            "sphere" => ObstacleShape::Sphere {
+                center: self.required_vector(&b, "center", origin),
+                radius: self.required_number(&b, "radius", Sign::Positive, "radius = 1.0"),
+                inside: self.flag(&mut b, "inside", false),
+            },
+            "cylinder" => ObstacleShape::Cylinder {
+                center: self.required_vector(&b, "center", origin),
+                axis: axis(self, &b),
+                radius: self.required_number(&b, "radius", Sign::Positive, "radius = 1.0"),
+            },
+            "torus" => ObstacleShape::Torus {
+                center: self.required_vector(&b, "center", origin),
+                axis: axis(self, &b),
+                radius: {
+                    // [R, r]: the tube is thinner
+                    let node = self.required(&b, "radius", "radius = [2.0, 0.5]")?;
+                    let r = self.numbers_of(&node, "radius")?;
+                    if r.len() != 2 || r.iter().any(|v| v.value <= 0.0) {
+                        self.fault("E015", node.at, "`radius` must be two positive numbers", "write radius = [2.0, 0.5]");
+                        return None;
+                    }
+                    Located::new([r[0].value, r[1].value], node.at)
+                },
+            },
+            "level-set" => {
+                let f = self.required(&b, "f", "f = \"y - 0.1*x^2\"").and_then(|n| self.formula_of(&n, "f", Uses::Space));
+                let along = b.node("along").cloned().and_then(|n| self.vector_of(&n, "along", false));
+                let along = along.map(|v| self.unit(v, "along"));
+                ObstacleShape::LevelSet { f: f?, along }
+            }
+            _ => ObstacleShape::Geometry(self.shape(&mut b, kind)),
+        };
+        let n = self.dimension;
+        let mut motion = |key: &str| match b.node(key).cloned() {
+            Some(node) => self.formulas_of(&node, key, Uses::Time, n),
+            None => (0..n).map(|_| None).collect(),
+        };
+        let (translate, force) = (motion("move"), motion("force"));
+        let at = b.node("kind").map_or(node.at, |k| k.at);
+        Some((Obstacle { shape: Located::new(shape, at), translate, force }, b.finish()))
+    }
+
+    // a direction of length 1
+    fn unit(&mut self, v: Located<Vec<f64>>, what: &str) -> Located<Vec<f64>> {
+        let largest = v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        if largest == 0.0 {
+            self.fault("E015", v.at, format!("`{what}` must not be zero"), "");
+            return v;
+        }
+        // scaled first: squares of tiny or huge numbers leave the range
+        let scaled: Vec<f64> = v.iter().map(|x| x / largest).collect();
+        let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
+        Located::new(scaled.iter().map(|x| x / length).collect(), v.at)
+    }
+}
