@@ -17,7 +17,7 @@ pub struct Fixed<'a, const S: usize, const N: usize, T: Real = f64> {
     /// The component.
     pub component: usize,
     /// Its value at a physical point; none is zero.
-    pub value: Option<&'a dyn Fn(&Vector<N, T>) -> T>,
+    pub value: Option<&'a (dyn Fn(&Vector<N, T>) -> T + Sync)>,
 }
 
 impl<const S: usize, const N: usize, T: Real> Debug for Fixed<'_, S, N, T> {

@@ -19,13 +19,12 @@ pub struct Stress<const C: usize, const N: usize, T: Real = f64> {
     pub spatial: [T; 6],
 }
 
-/// The field with the unknowns `u` and its stress at the local points `xi` of `element`.
+/// The field `u` (unknown = C * function + component) and its stress at the local points `xi` of `element`.
 ///
 /// # Panics
-/// If `field` has not C components.
+/// If `u` is shorter than C times the number of functions.
 pub fn stress_at<const C: usize, const N: usize, T, S, M>(
     space: &S,
-    field: &Field,
     material: &M,
     u: &[T],
     element: usize,
@@ -36,7 +35,7 @@ where
     S: Space<N, N, T> + ?Sized,
     M: Material<C, N, T> + ?Sized,
 {
-    field_at::<C, N, T, S>(space, field, u, element, xi)
+    field_at::<C, N, T, S>(space, &Field { first: 0, components: C }, u, element, xi)
         .into_iter()
         .map(|s| Stress {
             x: s.x,

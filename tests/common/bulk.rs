@@ -99,7 +99,8 @@ impl<'a, const C: usize, const N: usize> Problem<'a, C, N> {
         let of = |side: &String| body.trace(side).unwrap();
         let held: Vec<(Trace<S, N>, usize)> = self.held.iter().map(|(side, c)| (of(side), *c)).collect();
         let fixed: Vec<(Trace<S, N>, usize)> = self.fixed.iter().map(|(side, c)| (of(side), *c)).collect();
-        let values: Vec<_> = (0..C).map(|c| move |x: &Vector<N>| (self.exact)(x).0[c]).collect();
+        let exact = self.exact;
+        let values: Vec<_> = (0..C).map(|c| move |x: &Vector<N>| exact(x).0[c]).collect();
         let mut conditions: Vec<Fixed<'_, S, N>> =
             held.iter().map(|(trace, c)| Fixed { trace, component: *c, value: Some(&values[*c]) }).collect();
         conditions.extend(fixed.iter().map(|(trace, c)| Fixed { trace, component: *c, value: None }));
