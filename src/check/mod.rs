@@ -5,11 +5,17 @@
 mod coupling;
 mod flux;
 mod interface_quadrature;
+mod linear_solver;
 mod material;
+mod operator;
+mod solver;
 mod target;
 
 pub use coupling::coupling;
 pub use flux::flux;
 pub use interface_quadrature::{SegmentLimits, interface_quadrature};
+pub use linear_solver::linear_solver;
 pub use material::material;
+pub use operator::operator;
+pub use solver::solver;
 pub use target::target;

@@ -59,32 +59,9 @@ impl ConstraintSolver<f64> for Condensed {
         self.ldlt.prepare(&stiffness)?;
 
         let scale: Vec<f64> = s.diagonal.iter().map(|d| if *d != 0.0 { 1.0 / d.abs() } else { 1.0 }).collect();
-        let (mut u, mut l) = (vec![0.0; n], vec![0.0; m]);
-        let (mut r1, mut r2) = (vec![0.0; n], vec![0.0; m]);
-        let mut size = s.residual(&scale, &u, &l, &mut r1, &mut r2);
-        for step in 0..=MAX_REFINEMENTS {
-            if size == 0.0 {
-                break;
-            }
-            let (du, dl) = self.correct(&s, &map, &enforced, &reduced, &stiffness, (&block, &block_transposed), &r1, &r2)?;
-            let before = (u.clone(), l.clone());
-            for i in 0..n {
-                u[i] += du[i];
-            }
-            for a in 0..m {
-                l[a] += dl[a];
-            }
-            let after = s.residual(&scale, &u, &l, &mut r1, &mut r2);
-            if step > 0 && (after.is_nan() || after >= size) {
-                (u, l) = before;
-                break;
-            }
-            let stalled = step > 0 && after > 0.25 * size;
-            size = after;
-            if stalled {
-                break;
-            }
-        }
+        let (u, l, size) = s.refined(&scale, MAX_REFINEMENTS, |r1, r2| {
+            self.correct(&s, &map, &enforced, &reduced, &stiffness, (&block, &block_transposed), r1, r2)
+        })?;
         if size.is_nan() || size > RESIDUAL_LIMIT {
             return Err(LinearError::Singular { residual: if size.is_finite() { size } else { 1.0 } }.into());
         }

@@ -73,15 +73,8 @@ impl Direct {
         drop(upper);
         self.refuse_kernel(s, &w, &diagonal, &scale)?;
 
-        let (mut u, mut l) = (vec![0.0; n], vec![0.0; m]);
-        let (mut r1, mut r2) = (vec![0.0; n], vec![0.0; m]);
-        let mut size = s.residual(&scale, &u, &l, &mut r1, &mut r2);
-        let mut best = (u.clone(), l.clone());
-        for step in 0..=MAX_REFINEMENTS {
-            if size == 0.0 {
-                break;
-            }
-            let mut x = r1.clone();
+        s.refined(&scale, MAX_REFINEMENTS, |r1, r2| {
+            let mut x = r1.to_vec();
             x.extend((0..m).map(|a| f[a] * r2[a]));
             for a in 0..m {
                 let (cols, vals) = s.rows.row(a);
@@ -90,26 +83,10 @@ impl Direct {
                 }
             }
             self.ldlt.apply_inverse(&mut x)?;
-            for i in 0..n {
-                u[i] += x[i];
-            }
-            for a in 0..m {
-                l[a] += if s.enforced[a] { x[n + a] } else { 0.0 };
-            }
-            let after = s.residual(&scale, &u, &l, &mut r1, &mut r2);
-            if step > 0 && (after.is_nan() || after >= size) {
-                (u, l) = best;
-                break;
-            }
-            best.0.copy_from_slice(&u);
-            best.1.copy_from_slice(&l);
-            let stalled = step > 0 && after > 0.25 * size && after < RESIDUAL_LIMIT;
-            size = after;
-            if stalled {
-                break;
-            }
-        }
-        Ok((u, l, size))
+            let dl = (0..m).map(|a| if s.enforced[a] { x[n + a] } else { 0.0 }).collect();
+            x.truncate(n);
+            Ok((x, dl))
+        })
     }
 
     /// Refuses a system that leaves a motion without any resistance: K v + Cᵀ W C v is rounding for some v.

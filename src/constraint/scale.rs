@@ -7,7 +7,7 @@
 
 use super::{ConstrainedSystem, RowKind, SolveError};
 use crate::coupling::Rows;
-use crate::linalg::residual::{max, ratio};
+use crate::linalg::residual::{RESIDUAL_LIMIT, Sum, max, ratio};
 use crate::linalg::{Csr, LinearError, Operator, Real, Triplets};
 
 /// What a constraint row weighs.
@@ -141,22 +141,20 @@ impl<'a> Scaled<'a> {
 
     /// Residuals r1 = f - K u - Bᵀ l, r2 = -g - C u + s l (zero on open rows), and their size relative to their terms.
     ///
-    /// Rows of r1 are measured by `scale` (the reciprocal of a diagonal), rows of r2 by 1 / k_i.
+    /// Summed in twice the working precision. Rows of r1 are measured by `scale` (the reciprocal of a diagonal), rows of r2 by 1 / k_i.
     pub(crate) fn residual(&self, scale: &[f64], u: &[f64], l: &[f64], r1: &mut [f64], r2: &mut [f64]) -> f64 {
-        let mut size1 = vec![0.0; r1.len()];
+        let mut sums = vec![Sum::default(); r1.len()];
         for i in 0..r1.len() {
             let (cols, vals) = self.stiffness.row(i);
-            let (mut sum, mut size) = (0.0, self.load[i].abs());
+            let mut sum = Sum::default();
+            sum.add(self.load[i]);
             for (&j, &v) in cols.iter().zip(vals) {
-                let term = v * u[j as usize];
-                sum += term;
-                size += term.abs();
+                sum.add_product(-v, u[j as usize]);
             }
-            r1[i] = self.load[i] - sum;
-            size1[i] = size;
+            sums[i] = sum;
         }
         let reaction = self.reaction.as_ref().unwrap_or(&self.rows);
-        let mut bottom2 = 0.0f64;
+        let (mut top1, mut bottom1, mut top2, mut bottom2) = (0.0, 0.0, 0.0, 0.0);
         for a in 0..r2.len() {
             r2[a] = 0.0;
             if !self.enforced[a] {
@@ -164,30 +162,62 @@ impl<'a> Scaled<'a> {
             }
             let (cols, vals) = reaction.row(a);
             for (&j, &v) in cols.iter().zip(vals) {
-                let term = v * l[a];
-                r1[j as usize] -= term;
-                size1[j as usize] += term.abs();
+                sums[j as usize].add_product(-v, l[a]);
             }
             let (cols, vals) = self.rows.row(a);
-            let soft = self.compliance[a] * l[a];
-            let (mut sum, mut size) = (0.0, self.offset[a].abs() + soft.abs());
+            let mut sum = Sum::default();
+            sum.add(-self.offset[a]);
+            sum.add_product(self.compliance[a], l[a]);
             for (&j, &v) in cols.iter().zip(vals) {
-                let term = v * u[j as usize];
-                sum += term;
-                size += term.abs();
+                sum.add_product(-v, u[j as usize]);
             }
-            r2[a] = -self.offset[a] - sum + soft;
-            bottom2 = bottom2.max(size / self.k[a]);
-        }
-        let (mut top1, mut bottom1, mut top2) = (0.0, 0.0, 0.0);
-        for i in 0..r1.len() {
-            top1 = max(top1, r1[i].abs() * scale[i]);
-            bottom1 = max(bottom1, size1[i] * scale[i]);
-        }
-        for a in 0..r2.len() {
+            r2[a] = sum.value();
             top2 = max(top2, r2[a].abs() / self.k[a]);
+            bottom2 = max(bottom2, sum.size / self.k[a]);
+        }
+        for i in 0..r1.len() {
+            r1[i] = sums[i].value();
+            top1 = max(top1, r1[i].abs() * scale[i]);
+            bottom1 = max(bottom1, sums[i].size * scale[i]);
         }
         max(ratio(top1, bottom1), ratio(top2, bottom2))
+    }
+
+    /// Adds corrections until they stall: u += du, l += dl with (du, dl) = `correct`(r1, r2). Returns (u, l, residual).
+    pub(crate) fn refined(
+        &self,
+        scale: &[f64],
+        max_steps: usize,
+        mut correct: impl FnMut(&[f64], &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError>,
+    ) -> Result<(Vec<f64>, Vec<f64>, f64), LinearError> {
+        let largest = |x: &[f64]| x.iter().fold(0.0, |m, &v| max(m, v.abs()));
+        let (mut u, mut l) = (vec![0.0; self.num_unknowns()], vec![0.0; self.num_rows()]);
+        let (mut r1, mut r2) = (u.clone(), l.clone());
+        let mut size = self.residual(scale, &u, &l, &mut r1, &mut r2);
+        let mut step = f64::INFINITY;
+        for k in 0..=max_steps {
+            if size == 0.0 {
+                break;
+            }
+            let (du, dl) = correct(&r1, &r2)?;
+            // the scaled multipliers are lengths like u; each part is measured by itself
+            let next = max(ratio(largest(&du), largest(&u)), ratio(largest(&dl), largest(&l)));
+            if k > 0 && (next.is_nan() || (next > 0.5 * step && size <= RESIDUAL_LIMIT)) {
+                break;
+            }
+            for i in 0..u.len() {
+                u[i] += du[i];
+            }
+            for a in 0..l.len() {
+                l[a] += dl[a];
+            }
+            size = self.residual(scale, &u, &l, &mut r1, &mut r2);
+            step = if k > 0 { next } else { f64::INFINITY };
+            if step <= f64::EPSILON || size.is_nan() {
+                break;
+            }
+        }
+        Ok((u, l, size))
     }
 }
 

@@ -3,7 +3,7 @@
 //! P A Pᵀ = L D Lᵀ without pivoting. P is a geometric nested dissection where the operator knows the places of its unknowns, else
 //! approximate minimum degree. A pattern seen before keeps its analysis.
 
-use super::residual::{KERNEL, RESIDUAL_LIMIT, kernel_ratio, residual, row_scale, softest};
+use super::residual::{KERNEL, RESIDUAL_LIMIT, Sum, kernel_ratio, max, ratio, residual, row_scale, softest};
 use super::{Csr, LinearError, LinearSolver, Operator, ordering};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
@@ -187,7 +187,7 @@ impl LinearSolver<f64> for Ldlt {
     }
 }
 
-/// Solves by `inverse` and refines on `a` until the residual stalls; returns the number of refinements.
+/// Solves by `inverse` and refines on `a` until the correction stalls; returns the number of refinements.
 pub(crate) fn refine(
     a: &dyn Operator<f64>,
     scale: &[f64],
@@ -204,26 +204,25 @@ pub(crate) fn refine(
     if b.iter().any(|v| !v.is_finite()) {
         return Err(LinearError::NotFinite);
     }
+    let largest = |x: &[f64]| x.iter().fold(0.0, |m, &v| max(m, v.abs()));
     x.copy_from_slice(b);
     inverse(x)?;
     let mut r = vec![0.0; n];
-    let mut size = residual(a, scale, b, x, &mut r);
-    let (mut best, mut steps) = (x.to_vec(), 0);
+    let mut size = accurate_residual(a, scale, b, x, &mut r);
+    let (mut step, mut steps) = (f64::INFINITY, 0);
     while steps < MAX_REFINEMENTS && size > 0.0 {
         inverse(&mut r)?;
+        let next = ratio(largest(&r), largest(x));
+        if next.is_nan() || next > 0.5 * step {
+            break;
+        }
         for i in 0..n {
             x[i] += r[i];
         }
-        let after = residual(a, scale, b, x, &mut r);
+        size = accurate_residual(a, scale, b, x, &mut r);
         steps += 1;
-        if after.is_nan() || after >= size {
-            x.copy_from_slice(&best);
-            break;
-        }
-        best.copy_from_slice(x);
-        let stalled = after > 0.25 * size;
-        size = after;
-        if stalled {
+        step = next;
+        if step <= f64::EPSILON {
             break;
         }
     }
@@ -231,6 +230,26 @@ pub(crate) fn refine(
         return Err(LinearError::Singular { residual: if size.is_finite() { size } else { 1.0 } });
     }
     Ok(steps)
+}
+
+/// [`residual`] in twice the working precision where there is a matrix.
+fn accurate_residual(a: &dyn Operator<f64>, scale: &[f64], b: &[f64], x: &[f64], r: &mut [f64]) -> f64 {
+    let Some(matrix) = a.csr() else {
+        return residual(a, scale, b, x, r);
+    };
+    let (mut top, mut bottom) = (0.0, 0.0);
+    for i in 0..b.len() {
+        let (cols, vals) = matrix.row(i);
+        let mut sum = Sum::default();
+        sum.add(b[i]);
+        for (&j, &v) in cols.iter().zip(vals) {
+            sum.add_product(-v, x[j as usize]);
+        }
+        r[i] = sum.value();
+        top = max(top, r[i].abs() * scale[i]);
+        bottom = max(bottom, sum.size * scale[i]);
+    }
+    ratio(top, bottom)
 }
 
 fn analyse(pattern: &Arc<(Vec<usize>, Vec<usize>)>, places: &[[f64; 3]]) -> Result<Analysis, LinearError> {

@@ -1,0 +1,335 @@
+//! Contract of `ConstraintSolver`: small systems with answers found by hand.
+
+use crate::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError};
+use crate::coupling::Rows;
+use crate::linalg::{Csr, Triplets};
+
+/// Checks solvers made by `make`: tied, shifted, soft and open rows, floating bodies, rows that share unknowns, extreme units, one object
+/// for many systems; contact where the solver knows it; errors instead of wrong answers.
+///
+/// # Errors
+/// A sentence that says which rule is broken and where.
+pub fn solver(make: impl Fn() -> Box<dyn ConstraintSolver>) -> Result<(), String> {
+    let mut one = make();
+    for problem in known() {
+        problem.check(&mut *make())?;
+        // an object that has seen other systems forgets their values
+        problem.check(&mut *one)?;
+    }
+    for problem in contacts() {
+        match problem.solve(&mut *make()) {
+            Err(SolveError::ContactRow { row: 0 }) => {}
+            Err(error) => return Err(format!("solver: {}: {error}", problem.name)),
+            Ok(solution) => {
+                problem.compare(&solution)?;
+                problem.check(&mut *one)?;
+            }
+        }
+    }
+    for (problem, why) in impossible() {
+        if problem.solve(&mut *make()).is_ok() {
+            return Err(format!("solver: {}: {why}", problem.name));
+        }
+    }
+    other_reaction(&mut *make())?;
+    let mut short = tie();
+    short.load.pop();
+    if !matches!(short.solve(&mut *make()), Err(SolveError::Shape { .. })) {
+        return Err("solver: a load of another length is not refused as `Shape`".into());
+    }
+    Ok(())
+}
+
+/// A system and its answer.
+struct Problem {
+    name: String,
+    stiffness: Csr,
+    load: Vec<f64>,
+    rows: Rows,
+    offset: Vec<f64>,
+    kind: Vec<RowKind>,
+    compliance: Vec<f64>,
+    unknowns: Vec<f64>,
+    multipliers: Vec<f64>,
+}
+
+impl Problem {
+    /// Dense stiffness, rows as (slave entries, master entries).
+    fn new(name: &str, stiffness: &[&[f64]], load: &[f64], rows: &[(&[(usize, f64)], &[(usize, f64)])]) -> Self {
+        let (n, m) = (load.len(), rows.len());
+        let mut k = Triplets::new(n, n);
+        for (i, row) in stiffness.iter().enumerate() {
+            for (j, &v) in row.iter().enumerate() {
+                if v != 0.0 {
+                    k.push(i, j, v);
+                }
+            }
+        }
+        let (mut slave, mut master) = (Triplets::new(m, n), Triplets::new(m, n));
+        for (i, (s, p)) in rows.iter().enumerate() {
+            s.iter().for_each(|&(j, v)| slave.push(i, j, v));
+            p.iter().for_each(|&(j, v)| master.push(i, j, v));
+        }
+        Self {
+            name: name.into(),
+            stiffness: k.to_csr(),
+            load: load.to_vec(),
+            rows: Rows { slave, master },
+            offset: vec![0.0; m],
+            kind: vec![RowKind::Equal; m],
+            compliance: Vec::new(),
+            unknowns: vec![0.0; n],
+            multipliers: vec![0.0; m],
+        }
+    }
+
+    fn offset(mut self, offset: &[f64]) -> Self {
+        self.offset = offset.to_vec();
+        self
+    }
+
+    fn kind(mut self, kind: &[RowKind]) -> Self {
+        self.kind = kind.to_vec();
+        self
+    }
+
+    fn compliance(mut self, compliance: &[f64]) -> Self {
+        self.compliance = compliance.to_vec();
+        self
+    }
+
+    fn answer(mut self, unknowns: &[f64], multipliers: &[f64]) -> Self {
+        self.unknowns = unknowns.to_vec();
+        self.multipliers = multipliers.to_vec();
+        self
+    }
+
+    /// The same in other units: stiffness, length, and the weight of a row.
+    fn units(mut self, stiffness: f64, length: f64, weight: f64) -> Self {
+        self.name = format!("{} (stiffness {stiffness:.0e}, length {length:.0e}, weight {weight:.0e})", self.name);
+        let force = stiffness * length;
+        self.stiffness.vals_mut().iter_mut().for_each(|v| *v *= stiffness);
+        self.load.iter_mut().for_each(|v| *v *= force);
+        for part in [&mut self.rows.slave, &mut self.rows.master] {
+            part.entries.iter_mut().for_each(|e| e.2 *= weight);
+        }
+        self.offset.iter_mut().for_each(|v| *v *= length * weight);
+        self.compliance.iter_mut().for_each(|v| *v *= weight * weight / stiffness);
+        self.unknowns.iter_mut().for_each(|v| *v *= length);
+        self.multipliers.iter_mut().for_each(|v| *v *= force / weight);
+        self
+    }
+
+    fn solve(&self, solver: &mut dyn ConstraintSolver) -> Result<ConstrainedSolution, SolveError> {
+        solver.solve(&ConstrainedSystem {
+            stiffness: &self.stiffness,
+            load: &self.load,
+            constraint: &self.rows,
+            reaction: None,
+            offset: &self.offset,
+            kind: &self.kind,
+            compliance: &self.compliance,
+        })
+    }
+
+    fn check(&self, solver: &mut dyn ConstraintSolver) -> Result<(), String> {
+        self.compare(&self.solve(solver).map_err(|e| format!("solver: {}: {e}", self.name))?)
+    }
+
+    fn compare(&self, solution: &ConstrainedSolution) -> Result<(), String> {
+        near(&self.name, "unknown", &solution.unknowns, &self.unknowns)?;
+        near(&self.name, "multiplier", &solution.multipliers, &self.multipliers)?;
+        let mut gap = self.offset.clone();
+        for part in [&self.rows.slave, &self.rows.master] {
+            part.entries.iter().for_each(|&(i, j, v)| gap[i] += v * self.unknowns[j]);
+        }
+        let scale = self.rows.slave.entries.iter().fold(0.0, |m: f64, e| m.max(e.2.abs() * largest(&self.unknowns)));
+        if solution.gap.len() != gap.len() || (0..gap.len()).any(|i| !((solution.gap[i] - gap[i]).abs() <= 1e-9 * scale)) {
+            return Err(format!("solver: {}: the gaps are {:?} instead of {gap:?}", self.name, solution.gap));
+        }
+        if solution.active.len() != gap.len() {
+            return Err(format!("solver: {}: {} states for {} rows", self.name, solution.active.len(), gap.len()));
+        }
+        for i in 0..gap.len() {
+            if self.kind[i] == RowKind::Open && solution.multipliers[i] != 0.0 {
+                return Err(format!("solver: {}: the multiplier of open row {i} is not zero", self.name));
+            }
+            let expected = match self.kind[i] {
+                RowKind::Equal => true,
+                RowKind::Open => false,
+                // a row that just touches may be either
+                RowKind::Contact if self.multipliers[i] == 0.0 && gap[i] == 0.0 => solution.active[i],
+                RowKind::Contact => self.multipliers[i] != 0.0,
+            };
+            if solution.active[i] != expected {
+                return Err(format!("solver: {}: row {i} is reported {}", self.name, if expected { "open" } else { "active" }));
+            }
+        }
+        if !(solution.residual <= 1e-10) {
+            return Err(format!("solver: {}: the residual is {:.1e}", self.name, solution.residual));
+        }
+        Ok(())
+    }
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
+}
+
+fn near(name: &str, what: &str, found: &[f64], expected: &[f64]) -> Result<(), String> {
+    if found.len() != expected.len() {
+        return Err(format!("solver: {name}: {} {what}s instead of {}", found.len(), expected.len()));
+    }
+    let scale = largest(expected);
+    for (i, (a, b)) in found.iter().zip(expected).enumerate() {
+        if !((a - b).abs() <= 1e-9 * scale) {
+            return Err(format!("solver: {name}: {what} {i} is {a} instead of {b}"));
+        }
+    }
+    Ok(())
+}
+
+/// Two springs to the ground, stiffness 1 and 3, pulled by 4 at the first; u_0 = u_1.
+fn tie() -> Problem {
+    Problem::new("tie", &[&[1.0, 0.0], &[0.0, 3.0]], &[4.0, 0.0], &[(&[(0, 1.0)], &[(1, -1.0)])]).answer(&[1.0, 1.0], &[3.0])
+}
+
+fn known() -> Vec<Problem> {
+    use RowKind::{Equal, Open};
+    let shifted = || Problem { name: "shifted tie".into(), ..tie() }.offset(&[-2.0]).answer(&[2.5, 0.5], &[1.5]);
+    // u_0 = 4 - l, u_1 = l / 3, u_0 - u_1 = l / 2
+    let soft = || Problem { name: "soft tie".into(), ..tie() }.compliance(&[0.5]).answer(&[20.0 / 11.0, 8.0 / 11.0], &[24.0 / 11.0]);
+    // a spring of stiffness 2 that hangs on a support of stiffness 1 by its row alone, pulled by 1 at its end
+    let floating = || {
+        Problem::new(
+            "floating body",
+            &[&[1.0, 0.0, 0.0], &[0.0, 2.0, -2.0], &[0.0, -2.0, 2.0]],
+            &[0.0, 0.0, 1.0],
+            &[(&[(1, 1.0)], &[(0, -1.0)])],
+        )
+        .answer(&[1.0, 1.0, 1.5], &[1.0])
+    };
+    let identity: &[&[f64]] = &[&[1.0, 0.0, 0.0], &[0.0, 1.0, 0.0], &[0.0, 0.0, 1.0]];
+    // u_0 + u_1 = 0 and u_0 + u_1 + u_2 = 0: two rows over three slave unknowns
+    let shared = || {
+        Problem::new(
+            "rows that share unknowns",
+            identity,
+            &[1.0, 3.0, 5.0],
+            &[(&[(0, 1.0), (1, 1.0)], &[]), (&[(0, 1.0), (1, 1.0), (2, 1.0)], &[])],
+        )
+        .answer(&[-1.0, 1.0, 0.0], &[-3.0, 5.0])
+    };
+    let mixed = || {
+        Problem::new("exact, soft and open rows", identity, &[0.0, 2.0, 3.0], &[(&[(0, 1.0)], &[]), (&[(1, 1.0)], &[]), (&[(2, 1.0)], &[])])
+            .offset(&[-1.0, 0.0, 0.0])
+            .kind(&[Equal, Equal, Open])
+            .compliance(&[0.0, 1.0, 0.0])
+            .answer(&[1.0, 1.0, 3.0], &[-1.0, 1.0, 0.0])
+    };
+    // a body held by a soft row only: 1 = l, u_1 = u_0 + 5 l
+    let soft_floating =
+        || Problem { name: "body held by a soft row".into(), ..floating() }.compliance(&[5.0]).answer(&[1.0, 6.0, 6.5], &[1.0]);
+    // entries given in parts that are summed
+    let mut parts = Problem { name: "entries in parts".into(), ..tie() };
+    parts.rows.slave.entries = vec![(0, 0, 0.25), (0, 0, 0.75)];
+    let mut problems = vec![
+        Problem::new("no rows", &[&[2.0, -1.0], &[-1.0, 2.0]], &[1.0, 0.0], &[]).answer(&[2.0 / 3.0, 1.0 / 3.0], &[]),
+        tie(),
+        shifted(),
+        soft(),
+        Problem { name: "open tie".into(), ..tie() }.kind(&[Open]).answer(&[4.0, 0.0], &[0.0]),
+        tie(),
+        floating(),
+        shared(),
+        mixed(),
+        soft_floating(),
+        parts,
+        Problem { name: "no load".into(), ..tie() }.with_load(&[0.0, 0.0]).answer(&[0.0, 0.0], &[0.0]),
+    ];
+    for (stiffness, length, weight) in [(1e12, 1e-6, 1e-3), (1e9, 1e3, 1.0), (1e-9, 1e6, 1e6), (1.0, 1e-6, 1e-9)] {
+        for problem in [tie(), shifted(), soft(), floating(), shared(), mixed(), soft_floating()] {
+            problems.push(problem.units(stiffness, length, weight));
+        }
+    }
+    problems
+}
+
+impl Problem {
+    fn with_load(mut self, load: &[f64]) -> Self {
+        self.load = load.to_vec();
+        self
+    }
+}
+
+/// A spring of stiffness 1 pushed by f towards a wall at distance 1: gap 1 - u.
+fn wall(force: f64, unknown: f64, multiplier: f64) -> Problem {
+    Problem::new(&format!("wall, force {force}"), &[&[1.0]], &[force], &[(&[(0, -1.0)], &[])])
+        .offset(&[1.0])
+        .kind(&[RowKind::Contact])
+        .answer(&[unknown], &[multiplier])
+}
+
+fn contacts() -> Vec<Problem> {
+    let mut problems = vec![wall(2.0, 1.0, -1.0), wall(0.5, 0.5, 0.0), wall(-3.0, -3.0, 0.0), wall(1.0, 1.0, 0.0)];
+    for (stiffness, length, weight) in [(1e12, 1e-6, 1e-3), (1e-9, 1e6, 1e6)] {
+        problems.push(wall(2.0, 1.0, -1.0).units(stiffness, length, weight));
+        problems.push(wall(0.5, 0.5, 0.0).units(stiffness, length, weight));
+    }
+    // two springs between walls: one touches, one does not; a third row is open though the spring passes through it
+    problems.push(
+        Problem::new(
+            "three walls",
+            &[&[1.0, 0.0, 0.0], &[0.0, 1.0, 0.0], &[0.0, 0.0, 1.0]],
+            &[3.0, 0.5, 4.0],
+            &[(&[(0, -1.0)], &[]), (&[(1, -1.0)], &[]), (&[(2, -1.0)], &[])],
+        )
+        .offset(&[1.0, 1.0, 1.0])
+        .kind(&[RowKind::Contact, RowKind::Contact, RowKind::Open])
+        .answer(&[1.0, 0.5, 4.0], &[-2.0, 0.0, 0.0]),
+    );
+    problems
+}
+
+fn impossible() -> Vec<(Problem, &'static str)> {
+    let twice = Problem::new("contradicting rows", &[&[1.0]], &[0.0], &[(&[(0, 1.0)], &[]), (&[(0, 1.0)], &[])]).offset(&[0.0, -1.0]);
+    let free = Problem::new("free spring", &[&[1.0, -1.0], &[-1.0, 1.0]], &[0.0, 1.0], &[]);
+    let balanced = Problem::new("free spring, balanced load", &[&[1.0, -1.0], &[-1.0, 1.0]], &[-1.0, 1.0], &[]);
+    let mut nan = tie();
+    nan.name = "load that is not a number".into();
+    nan.load[0] = f64::NAN;
+    let empty = Problem::new("row without entries", &[&[1.0]], &[0.0], &[(&[], &[])]).offset(&[1.0]);
+    vec![
+        (twice, "u = 0 and u = 1 at once are answered"),
+        (free, "a body without support is answered"),
+        (balanced, "a body without support is answered: its rigid motion is not determined"),
+        (nan, "it is answered"),
+        (empty, "0 = 1 is answered"),
+    ]
+}
+
+/// C u = 1 on the first of two unknowns, reaction (1, 1/2): refused, or u = (1, 1/2), lambda = -1.
+fn other_reaction(solver: &mut dyn ConstraintSolver) -> Result<(), String> {
+    let mut problem = Problem::new("other reaction", &[&[1.0, 0.0], &[0.0, 1.0]], &[0.0, 0.0], &[(&[(0, 1.0)], &[])])
+        .offset(&[-1.0])
+        .answer(&[1.0, 0.5], &[-1.0]);
+    let mut reaction = problem.rows.clone();
+    reaction.slave.push(0, 1, 0.5);
+    let system = ConstrainedSystem {
+        stiffness: &problem.stiffness,
+        load: &problem.load,
+        constraint: &problem.rows,
+        reaction: Some(&reaction),
+        offset: &problem.offset,
+        kind: &problem.kind,
+        compliance: &problem.compliance,
+    };
+    match solver.solve(&system) {
+        Err(SolveError::NotSymmetric) => Ok(()),
+        Err(error) => Err(format!("solver: other reaction: {error}")),
+        Ok(solution) => {
+            problem.name = "other reaction".into();
+            problem.compare(&solution)
+        }
+    }
+}

@@ -1,0 +1,540 @@
+//! Linear solvers, orderings and constraint solvers: contracts, agreement with each other, hard cases.
+
+use faying::check;
+use faying::constraint::{
+    ActiveSet, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, RowKind, SolveError, penalty,
+};
+use faying::coupling::Rows;
+use faying::linalg::{Cg, Csr, Ldlt, LinearError, LinearSolver, Lu, Operator, Triplets};
+
+// ---------------------------------------------------------------------------------------------- models
+
+/// Two stacked elastic unit squares of bilinear cells, tied or in contact along y = 1 by a mortar with linear multipliers.
+/// The lower one is clamped below, the upper one (slave) floats and is loaded on its top.
+struct Blocks {
+    stiffness: Csr,
+    load: Vec<f64>,
+    rows: Rows,
+    offset: Vec<f64>,
+    kind: Vec<RowKind>,
+    /// Unknowns of the lower body come first.
+    lower: usize,
+}
+
+impl Blocks {
+    /// Cells per direction and Young's modulus of (lower, upper); plane strain, nu = 0.3. `components` of the interface that are tied.
+    fn new(lower: (usize, f64), upper: (usize, f64), components: &[usize]) -> Self {
+        let (nl, nu) = (lower.0, upper.0);
+        let clamped = nl + 1; // nodes of the bottom row carry no unknowns
+        let node_l = |i: usize, j: usize| j * (nl + 1) + i;
+        let id_l = move |node: usize, c: usize| (node >= clamped).then(|| 2 * (node - clamped) + c);
+        let count_l = 2 * ((nl + 1) * (nl + 1) - clamped);
+        let node_u = |i: usize, j: usize| j * (nu + 1) + i;
+        let count = count_l + 2 * (nu + 1) * (nu + 1);
+        let mut k = Triplets::new(count, count);
+        let mut places = vec![[0.0; 3]; count];
+        for (cells, young, upper) in [(nl, lower.1, false), (nu, upper.1, true)] {
+            let cell = q1_cell(young, 0.3);
+            let id = |node: usize, c: usize| if upper { Some(count_l + 2 * node + c) } else { id_l(node, c) };
+            let base = if upper { 1.0 } else { 0.0 };
+            for j in 0..=cells {
+                for i in 0..=cells {
+                    for c in 0..2 {
+                        if let Some(u) = id(j * (cells + 1) + i, c) {
+                            places[u] = [i as f64 / cells as f64, base + j as f64 / cells as f64, 0.0];
+                        }
+                    }
+                }
+            }
+            for j in 0..cells {
+                for i in 0..cells {
+                    let node = |a: usize| (j + a / 2) * (cells + 1) + i + a % 2;
+                    for a in 0..8 {
+                        for b in 0..8 {
+                            if let (Some(p), Some(q)) = (id(node(a / 2), a % 2), id(node(b / 2), b % 2)) {
+                                k.push(p, q, cell[a][b]);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        let mut load = vec![0.0; count];
+        for i in 0..=nu {
+            let share = if i == 0 || i == nu { 0.5 } else { 1.0 } / nu as f64;
+            load[count_l + 2 * node_u(i, nu)] = 1e-3 * share;
+            load[count_l + 2 * node_u(i, nu) + 1] = -1e-2 * share * (1.0 + i as f64 / nu as f64);
+        }
+        // D = ∫ psi_j N_i, M = ∫ psi_j N_k on merged pieces; two Gauss points integrate products of linear functions
+        let m = (nu + 1) * components.len();
+        let (mut slave, mut master) = (Triplets::new(m, count), Triplets::new(m, count));
+        let mut points: Vec<f64> = (0..=nl).map(|i| i as f64 / nl as f64).chain((0..=nu).map(|i| i as f64 / nu as f64)).collect();
+        points.sort_by(f64::total_cmp);
+        points.dedup_by(|a, b| (*a - *b).abs() < 1e-12);
+        for piece in points.windows(2) {
+            for g in [-1.0, 1.0] {
+                let x = 0.5 * (piece[0] + piece[1]) + 0.5 * (piece[1] - piece[0]) * g / 3f64.sqrt();
+                let ds = 0.5 * (piece[1] - piece[0]);
+                let hats = |cells: usize| {
+                    let e = ((x * cells as f64) as usize).min(cells - 1);
+                    let t = x * cells as f64 - e as f64;
+                    [(e, 1.0 - t), (e + 1, t)]
+                };
+                for (r, &c) in components.iter().enumerate() {
+                    for (j, psi) in hats(nu) {
+                        for (i, v) in hats(nu) {
+                            slave.push(r * (nu + 1) + j, count_l + 2 * node_u(i, 0) + c, psi * v * ds);
+                        }
+                        for (i, v) in hats(nl) {
+                            if let Some(u) = id_l(node_l(i, nl), c) {
+                                master.push(r * (nu + 1) + j, u, -psi * v * ds);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        Self {
+            stiffness: k.to_csr().with_places(places),
+            load,
+            rows: Rows { slave, master },
+            offset: vec![0.0; m],
+            kind: vec![RowKind::Equal; m],
+            lower: count_l,
+        }
+    }
+
+    fn system(&self) -> ConstrainedSystem<'_> {
+        ConstrainedSystem {
+            stiffness: &self.stiffness,
+            load: &self.load,
+            constraint: &self.rows,
+            reaction: None,
+            offset: &self.offset,
+            kind: &self.kind,
+            compliance: &[],
+        }
+    }
+
+    /// [K Cᵀ; C 0] as one matrix, for LU.
+    fn saddle(&self) -> Csr {
+        let (n, m) = (self.load.len(), self.offset.len());
+        let mut all = Triplets::new(n + m, n + m);
+        for i in 0..n {
+            let (cols, vals) = self.stiffness.row(i);
+            cols.iter().zip(vals).for_each(|(&j, &v)| all.push(i, j as usize, v));
+        }
+        for part in [&self.rows.slave, &self.rows.master] {
+            for &(i, j, v) in &part.entries {
+                all.push(n + i, j, v);
+                all.push(j, n + i, v);
+            }
+        }
+        all.to_csr()
+    }
+}
+
+/// Stiffness of a square bilinear cell, plane strain, any size; corners (0,0) (1,0) (0,1) (1,1), components alternate.
+fn q1_cell(young: f64, poisson: f64) -> [[f64; 8]; 8] {
+    let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
+    let mu = young / (2.0 * (1.0 + poisson));
+    let mut k = [[0.0; 8]; 8];
+    let g = 0.5 / 3f64.sqrt();
+    for (x, y) in [(0.5 - g, 0.5 - g), (0.5 + g, 0.5 - g), (0.5 - g, 0.5 + g), (0.5 + g, 0.5 + g)] {
+        let grad = [[y - 1.0, x - 1.0], [1.0 - y, -x], [-y, 1.0 - x], [y, x]];
+        for a in 0..8 {
+            for b in 0..8 {
+                let (p, q) = (grad[a / 2], grad[b / 2]);
+                let (i, j) = (a % 2, b % 2);
+                let dot = if i == j { p[0] * q[0] + p[1] * q[1] } else { 0.0 };
+                k[a][b] += 0.25 * (lambda * p[i] * q[j] + mu * p[j] * q[i] + mu * dot);
+            }
+        }
+    }
+    k
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
+}
+
+/// Largest difference relative to the largest entry of `b`.
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |m: f64, (x, y)| m.max((x - y).abs())) / largest(b).max(f64::MIN_POSITIVE)
+}
+
+/// Differences of (lower body, upper body, multipliers), each relative to its own size.
+fn differences(blocks: &Blocks, a: &ConstrainedSolution, b: &ConstrainedSolution) -> [f64; 3] {
+    let k = blocks.lower;
+    [
+        difference(&a.unknowns[..k], &b.unknowns[..k]),
+        difference(&a.unknowns[k..], &b.unknowns[k..]),
+        difference(&a.multipliers, &b.multipliers),
+    ]
+}
+
+// ---------------------------------------------------------------------------------------------- contracts
+
+#[test]
+fn matrices_and_their_pointers_keep_the_contract_of_operators() {
+    let blocks = Blocks::new((3, 1.0), (4, 2.0), &[0, 1]);
+    check::operator(&blocks.stiffness).unwrap();
+    check::operator(&Box::new(blocks.stiffness)).unwrap();
+}
+
+#[test]
+fn linear_solvers_keep_their_contract() {
+    check::linear_solver(|| Box::new(Ldlt::new())).unwrap();
+    check::linear_solver(|| Box::new(Lu::new())).unwrap();
+    check::linear_solver(|| Box::new(Cg::new(1e-13))).unwrap();
+}
+
+#[test]
+fn constraint_solvers_keep_their_contract() {
+    check::solver(|| Box::new(Direct::new())).unwrap();
+    check::solver(|| Box::new(Condensed::new())).unwrap();
+    check::solver(|| Box::new(ActiveSet::new(Direct::new()))).unwrap();
+    check::solver(|| Box::new(ActiveSet::new(Condensed::new()))).unwrap();
+    let boxed = || -> Box<dyn ConstraintSolver> { Box::new(Direct::new()) };
+    check::solver(|| Box::new(ActiveSet::new(boxed()))).unwrap();
+}
+
+/// A solver that returns its inner answer with one number changed.
+#[derive(Debug)]
+struct Wrong(Direct, fn(&mut ConstrainedSolution));
+impl ConstraintSolver for Wrong {
+    fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
+        let mut solution = self.0.solve(system)?;
+        (self.1)(&mut solution);
+        Ok(solution)
+    }
+}
+
+#[test]
+fn the_contract_of_constraint_solvers_notices_wrong_answers() {
+    for spoil in [
+        (|s| s.unknowns[0] *= 1.0 + 1e-6) as fn(&mut ConstrainedSolution),
+        |s| s.multipliers.iter_mut().for_each(|l| *l = -*l),
+        |s| s.gap.iter_mut().for_each(|g| *g += 1e-3),
+        |s| s.active.iter_mut().for_each(|a| *a = true),
+        |s| s.residual = 1.0,
+    ] {
+        assert!(check::solver(|| Box::new(Wrong(Direct::new(), spoil))).is_err());
+    }
+}
+
+/// -u'' on n points, no matrix stored.
+#[derive(Debug)]
+struct Chain(usize);
+impl Operator for Chain {
+    fn size(&self) -> usize {
+        self.0
+    }
+    fn apply(&self, x: &[f64], y: &mut [f64]) {
+        for i in 0..self.0 {
+            let at = |k: usize| x.get(k).copied().unwrap_or(0.0);
+            y[i] = 2.0 * x[i] - at(i.wrapping_sub(1)) - at(i + 1);
+        }
+    }
+    fn diagonal(&self) -> Vec<f64> {
+        vec![2.0; self.0]
+    }
+}
+
+#[test]
+fn conjugate_gradients_solve_an_operator_without_a_matrix_and_direct_solvers_refuse_it() {
+    let a = Chain(50);
+    check::operator(&a).unwrap();
+    let mut cg = Cg::new(1e-12);
+    cg.prepare(&a).unwrap();
+    let mut x = vec![0.0; 50];
+    let iterations = cg.solve(&a, &[1.0; 50], &mut x).unwrap();
+    assert!(iterations <= 50);
+    // -u'' = 1 with u_0 = u_51 = 0: u_i = i (51 - i) / 2
+    assert!((0..50).all(|i| (x[i] - ((i + 1) * (50 - i)) as f64 / 2.0).abs() < 1e-8));
+    assert_eq!(Ldlt::new().prepare(&a), Err(LinearError::NoMatrix));
+    assert_eq!(Lu::new().prepare(&a), Err(LinearError::NoMatrix));
+    let mut few = Cg::new(1e-12);
+    few.max_iterations = 3;
+    few.prepare(&a).unwrap();
+    assert!(matches!(few.solve(&a, &[1.0; 50], &mut [0.0; 50]), Err(LinearError::NotConverged { iterations: 3, .. })));
+}
+
+#[test]
+fn conjugate_gradients_work_in_single_precision() {
+    let a = Csr::from_parts(2, vec![0, 2, 4], vec![0, 1, 0, 1], vec![2.0f32, 1.0, 1.0, 3.0]);
+    let mut cg = Cg::<f32>::new(1e-6);
+    cg.prepare(&a).unwrap();
+    let mut x = [0.0f32; 2];
+    cg.solve(&a, &[3.0, 4.0], &mut x).unwrap();
+    assert!((x[0] - 1.0).abs() < 1e-5 && (x[1] - 1.0).abs() < 1e-5);
+}
+
+// ---------------------------------------------------------------------------------------------- agreement
+
+/// rust-notes 1.5: the recipe meets LU from contrast 1e-8 to 1e8, also with a floating body.
+#[test]
+fn saddle_point_condensed_and_lu_agree_across_contrasts_of_stiffness() {
+    for exponent in [-8, -4, 0, 4, 8] {
+        for unit in [1.0, 210e9] {
+            let blocks = Blocks::new((12, unit), (8, unit * 10f64.powi(exponent)), &[0, 1]);
+            let direct = Direct::new().solve(&blocks.system()).unwrap();
+            assert_eq!(direct.method, "saddle-point, direct");
+            let condensed = Condensed::new().solve(&blocks.system()).unwrap();
+            let d = differences(&blocks, &direct, &condensed);
+            assert!(d.iter().all(|&x| x < 1e-9), "contrast 1e{exponent}, unit {unit:.0e}, condensed: {d:?}");
+            // the force on the lower body is the load: lambda sums to it, whatever the stiffness (row sums of D are ∫ psi)
+            if unit == 1.0 {
+                let (n, m) = (blocks.load.len(), blocks.offset.len());
+                let mut b = blocks.load.clone();
+                b.resize(n + m, 0.0);
+                let saddle = blocks.saddle();
+                let (mut lu, mut x) = (Lu::new(), vec![0.0; n + m]);
+                lu.prepare(&saddle).unwrap();
+                lu.solve(&saddle, &b, &mut x).unwrap();
+                let reference =
+                    ConstrainedSolution { multipliers: x[n..].to_vec(), unknowns: x[..n].to_vec(), ..ConstrainedSolution::default() };
+                let d = differences(&blocks, &direct, &reference);
+                assert!(d.iter().all(|&x| x < 1e-9), "contrast 1e{exponent}, LU: {d:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn redundant_rows_share_their_multiplier_and_condensation_names_them() {
+    let mut blocks = Blocks::new((6, 1.0), (4, 1.0), &[0, 1]);
+    let once = Direct::new().solve(&blocks.system()).unwrap();
+    let m = blocks.offset.len();
+    let copy = |t: &Triplets| {
+        let mut all = t.clone();
+        all.append_below(t, m);
+        all
+    };
+    blocks.rows = Rows { slave: copy(&blocks.rows.slave), master: copy(&blocks.rows.master) };
+    blocks.offset = vec![0.0; 2 * m];
+    blocks.kind = vec![RowKind::Equal; 2 * m];
+    let twice = Direct::new().solve(&blocks.system()).unwrap();
+    assert!(difference(&twice.unknowns, &once.unknowns) < 1e-9);
+    for j in 0..m {
+        assert!((twice.multipliers[j] + twice.multipliers[m + j] - once.multipliers[j]).abs() < 1e-9 * largest(&once.multipliers));
+    }
+    assert_eq!(Condensed::new().solve(&blocks.system()).unwrap_err(), SolveError::OverConstrained { row: m, rows: 2 * m });
+}
+
+#[test]
+fn soft_rows_agree_and_approach_exact_ones_like_the_reciprocal_of_the_factor() {
+    let blocks = Blocks::new((6, 70e9), (4, 210e9), &[0, 1]);
+    let exact = Direct::new().solve(&blocks.system()).unwrap();
+    let mut errors = Vec::new();
+    for factor in [1e-3, 1e2, 1e4, 1e6, 1e12] {
+        let compliance = penalty(&blocks.stiffness.diagonal(), &blocks.rows, blocks.offset.len(), factor);
+        let system = ConstrainedSystem { compliance: &compliance, ..blocks.system() };
+        let direct = Direct::new().solve(&system).unwrap();
+        let condensed = Condensed::new().solve(&system).unwrap();
+        let d = differences(&blocks, &direct, &condensed);
+        assert!(d.iter().all(|&x| x < 1e-9), "factor {factor:.0e}: {d:?}");
+        errors.push(difference(&direct.unknowns, &exact.unknowns));
+    }
+    assert!((errors[1] / errors[2] - 100.0).abs() < 10.0 && (errors[2] / errors[3] - 100.0).abs() < 1.0, "{errors:?}");
+}
+
+#[test]
+fn another_reaction_is_solved_by_lu() {
+    let blocks = Blocks::new((6, 1.0), (4, 1.0), &[0, 1]);
+    let exact = Direct::new().solve(&blocks.system()).unwrap();
+    // the same reaction in other parts is still the same: split one entry
+    let mut reaction = blocks.rows.clone();
+    let (i, j, v) = reaction.slave.entries[0];
+    reaction.slave.entries[0].2 = 0.5 * v;
+    reaction.slave.push(i, j, 0.5 * v);
+    let system = ConstrainedSystem { reaction: Some(&reaction), ..blocks.system() };
+    let lu = Direct::new().solve(&system).unwrap();
+    assert_eq!(lu.method, "saddle-point, LU");
+    let d = differences(&blocks, &lu, &exact);
+    assert!(d.iter().all(|&x| x < 1e-9), "{d:?}");
+    assert_eq!(Condensed::new().solve(&system).unwrap_err(), SolveError::NotSymmetric);
+}
+
+#[test]
+fn a_body_that_slides_freely_is_singular_for_both_solvers() {
+    // only the normal component is tied: the upper block slides
+    let blocks = Blocks::new((6, 210e9), (4, 210e9), &[1]);
+    for (name, solver) in [("direct", &mut Direct::new() as &mut dyn ConstraintSolver), ("condensed", &mut Condensed::new())] {
+        let error = solver.solve(&blocks.system()).unwrap_err();
+        assert!(matches!(error, SolveError::Linear(LinearError::Singular { .. })), "{name}: {error}");
+    }
+}
+
+// ---------------------------------------------------------------------------------------------- active set
+
+/// Contact of the normal component, sliding held by a spring at one node of the upper body.
+fn contact_blocks(lift: f64) -> Blocks {
+    let mut blocks = Blocks::new((7, 1.0), (5, 1.0), &[1]);
+    // rows give u_slave - u_master along y: the gap of a body above
+    blocks.kind = vec![RowKind::Contact; blocks.offset.len()];
+    let n = blocks.load.len();
+    for i in (blocks.lower..n).step_by(2) {
+        blocks.load[i] = 0.0;
+        blocks.load[i + 1] += if i == n - 2 { lift } else { 0.0 };
+    }
+    let mut k = Triplets::new(n, n);
+    for i in 0..n {
+        let (cols, vals) = blocks.stiffness.row(i);
+        cols.iter().zip(vals).for_each(|(&j, &v)| k.push(i, j as usize, v));
+    }
+    k.push(blocks.lower, blocks.lower, 1.0);
+    blocks.stiffness = k.to_csr().with_places(blocks.stiffness.places().to_vec());
+    blocks
+}
+
+#[test]
+fn a_tilting_block_opens_in_part_with_equal_states_of_both_solvers_and_one_analysis() {
+    let blocks = contact_blocks(0.006);
+    let mut direct = ActiveSet::new(Direct::new());
+    let a = direct.solve(&blocks.system()).unwrap();
+    let b = ActiveSet::new(Condensed::new()).solve(&blocks.system()).unwrap();
+    let active = a.active.iter().filter(|&&x| x).count();
+    assert!(active > 0 && active < a.active.len(), "{:?}", a.active);
+    assert_eq!(a.active, b.active);
+    assert!(differences(&blocks, &a, &b).iter().all(|&x| x < 1e-9));
+    assert_eq!(direct.inner.analyses(), 1);
+    let report = a.active_set.unwrap();
+    let cases = report.sign_cases.last().unwrap();
+    // at rest every row is closed under pressure (0) or open without (4)
+    assert_eq!(cases[0] + cases[4], a.active.len());
+    assert_eq!(cases[0], active);
+    assert_eq!(report.history.len(), report.iterations);
+    for j in 0..a.active.len() {
+        assert!(a.multipliers[j] <= 0.0);
+        assert!(a.gap[j] >= -1e-12 * largest(&a.unknowns));
+    }
+}
+
+#[test]
+fn a_lifted_block_is_told_apart_from_a_block_without_support() {
+    let blocks = contact_blocks(1.0);
+    for solver in [&mut ActiveSet::new(Direct::new()) as &mut dyn ConstraintSolver, &mut ActiveSet::new(Condensed::new())] {
+        match solver.solve(&blocks.system()).unwrap_err() {
+            SolveError::RigidMotion { iteration, open, last } => {
+                assert!(iteration > 1);
+                assert!(!open.is_empty());
+                let last = last.unwrap();
+                assert_eq!(last.unknowns.len(), blocks.load.len());
+                assert_eq!(last.active_set.unwrap().iterations, iteration - 1);
+            }
+            other => panic!("{other}"),
+        }
+    }
+    // sliding is free even with all rows closed
+    let mut free = Blocks::new((4, 1.0), (3, 1.0), &[1]);
+    free.kind.fill(RowKind::Contact);
+    let error = ActiveSet::new(Direct::new()).solve(&free.system()).unwrap_err();
+    assert!(matches!(error, SolveError::Linear(LinearError::Singular { .. })), "{error}");
+}
+
+#[test]
+fn contact_does_not_depend_on_units_or_on_the_first_state() {
+    let blocks = contact_blocks(0.006);
+    let reference = ActiveSet::new(Direct::new()).solve(&blocks.system()).unwrap();
+    for (stiffness, length, weight) in [(210e9, 1e-6, 1e-6), (1e-6, 1e6, 1e6)] {
+        let mut other = contact_blocks(0.006);
+        other.stiffness.vals_mut().iter_mut().for_each(|v| *v *= stiffness);
+        other.load.iter_mut().for_each(|v| *v *= stiffness * length);
+        for part in [&mut other.rows.slave, &mut other.rows.master] {
+            part.entries.iter_mut().for_each(|e| e.2 *= weight);
+        }
+        let solution = ActiveSet::new(Direct::new()).solve(&other.system()).unwrap();
+        assert_eq!(solution.active, reference.active);
+        assert_eq!(solution.active_set, reference.active_set);
+        let scaled: Vec<f64> = solution.unknowns.iter().map(|u| u / length).collect();
+        assert!(difference(&scaled, &reference.unknowns) < 1e-9);
+    }
+    let m = blocks.offset.len();
+    for k in 0..m {
+        let mut start = vec![false; m];
+        start[k] = true;
+        start[m - 1] = true;
+        start[0] = true;
+        let solution = ActiveSet::new(Direct::new()).starting_from(start).solve(&blocks.system()).unwrap();
+        assert_eq!(solution.active, reference.active, "start {k}");
+    }
+}
+
+#[test]
+fn rows_that_neither_press_nor_part_keep_their_state() {
+    // no load, closed gaps: lambda = 0 and gap = 0 everywhere
+    let mut blocks = contact_blocks(0.0);
+    blocks.load.fill(0.0);
+    let closed = ActiveSet::new(Direct::new()).solve(&blocks.system()).unwrap();
+    assert!(closed.active.iter().all(|&a| a));
+    let m = blocks.offset.len();
+    let mut start = vec![true; m];
+    start[1] = false;
+    let kept = ActiveSet::new(Direct::new()).starting_from(start.clone()).solve(&blocks.system()).unwrap();
+    assert_eq!(kept.active, start);
+    assert_eq!(kept.active_set.unwrap().sign_cases, [[0, 0, 0, m, 0, 0, 0, 0, 0]]);
+}
+
+// ---------------------------------------------------------------------------------------------- orderings
+
+/// Pattern of nodes joined where they share a cell of an nx x ny x nz grid, `components` unknowns per node, and the places by `map`.
+fn grid(n: [usize; 3], components: usize, map: impl Fn([f64; 3]) -> [f64; 3]) -> Csr {
+    let node = |i: usize, j: usize, k: usize| (k * n[1] + j) * n[0] + i;
+    let total = n[0] * n[1] * n[2] * components;
+    let (mut ptr, mut cols, mut vals, mut places) = (vec![0usize], Vec::new(), Vec::new(), Vec::new());
+    for k in 0..n[2] {
+        for j in 0..n[1] {
+            for i in 0..n[0] {
+                for c in 0..components {
+                    let own = components * node(i, j, k) + c;
+                    for kk in k.saturating_sub(1)..(k + 2).min(n[2]) {
+                        for jj in j.saturating_sub(1)..(j + 2).min(n[1]) {
+                            for ii in i.saturating_sub(1)..(i + 2).min(n[0]) {
+                                for cc in 0..components {
+                                    let other = components * node(ii, jj, kk) + cc;
+                                    cols.push(other as u32);
+                                    vals.push(if other == own { 30.0 * components as f64 } else { -1.0 });
+                                }
+                            }
+                        }
+                    }
+                    ptr.push(cols.len());
+                    let at = |a: usize, x: usize| if n[a] > 1 { x as f64 / (n[a] - 1) as f64 } else { 0.0 };
+                    places.push(map([at(0, i), at(1, j), at(2, k)]));
+                }
+            }
+        }
+    }
+    Csr::from_parts(total, ptr, cols, vals).with_places(places)
+}
+
+/// Numbers in the factor with dissection and with minimum degree.
+fn fills(a: &Csr) -> (usize, usize) {
+    let (mut with, mut without) = (Ldlt::new(), Ldlt::new());
+    with.prepare(a).unwrap();
+    assert!(with.dissected());
+    without.prepare(&a.clone().with_places(Vec::new())).unwrap();
+    assert!(!without.dissected());
+    (with.factor_entries(), without.factor_entries())
+}
+
+#[test]
+fn dissection_fills_no_more_than_minimum_degree_on_flat_curved_thin_and_solid_grids() {
+    let quarter = |x: [f64; 3]| {
+        let (r, t) = (1.0 + x[0], 1.5 * x[1]);
+        [r * t.cos(), r * t.sin(), x[2]]
+    };
+    for (name, a, bound) in [
+        ("square", grid([120, 120, 1], 2, |x| x), 1.1),
+        ("rectangle", grid([60, 120, 1], 2, |x| [x[0], 2.0 * x[1], 0.0]), 1.1),
+        ("quarter ring", grid([60, 120, 1], 2, quarter), 1.2),
+        ("thin strip", grid([1000, 6, 1], 2, |x| [100.0 * x[0], x[1], 0.0]), 1.4),
+        ("thin strip along the diagonal", grid([600, 6, 1], 2, |x| [100.0 * x[0] - x[1], 100.0 * x[0] + x[1], 0.0]), 1.4),
+        ("cube", grid([18, 18, 18], 1, |x| x), 0.8),
+    ] {
+        let (dissection, degree) = fills(&a);
+        eprintln!("{name}: dissection {dissection}, minimum degree {degree}, ratio {:.2}", dissection as f64 / degree as f64);
+        assert!((dissection as f64) < bound * degree as f64, "{name}: dissection {dissection}, minimum degree {degree}");
+    }
+}
