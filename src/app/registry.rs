@@ -99,7 +99,8 @@ pub type MakePolynomial<const S: usize, const N: usize> =
 /// Makes a coupling; the argument is the factor of soft couplings, none for auto.
 pub type MakeCoupling<const S: usize, const N: usize> = Box<dyn Fn(Option<f64>) -> Box<dyn Coupling<S, N>> + Send + Sync>;
 /// Makes an integration of interfaces with that many points per piece.
-pub type MakeIntegration<const S: usize, const N: usize> = Box<dyn Fn(usize, Partners) -> Box<dyn InterfaceQuadrature<S, N>> + Send + Sync>;
+pub type MakeIntegration<const S: usize, const N: usize> =
+    Box<dyn Fn(usize, Partners) -> Box<dyn InterfaceQuadrature<S, N>> + Send + Sync>;
 /// Makes a solver of constrained systems.
 pub type MakeSolver = Box<dyn Fn() -> Box<dyn ConstraintSolver> + Send + Sync>;
 
@@ -200,7 +201,9 @@ impl Default for Registry {
     /// The built-in names.
     fn default() -> Self {
         let mut solvers: Family<MakeSolver> = Family::new("constraint solver");
-        solvers.add("saddle-point", Box::new(|| Box::new(Direct::new()))).add("condensed", Box::new(|| Box::new(Condensed::new())));
+        solvers
+            .add("saddle-point", Box::new(|| Box::new(Direct::new())))
+            .add("condensed", Box::new(|| Box::new(Condensed::new())));
         Self { plane: Names::plane(), solvers }
     }
 }

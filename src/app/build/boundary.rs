@@ -1,8 +1,8 @@
 //! Boundary conditions and loads of the case.
 
-use super::Builder;
 use super::model::{Action, Condition, Model, SideLoad, SideModel, SideSpring, Value};
 use super::sides::Sides;
+use super::Builder;
 use crate::assembly::{Equation, measure, planar_normal};
 use crate::io::case::{Boundary, Datum, SideRef};
 use crate::io::errors::Diagnostic;
@@ -93,10 +93,7 @@ fn one<const S: usize, const N: usize>(
         dofs.sort_unstable();
         dofs.dedup();
         for &dof in &dofs[1..] {
-            model.equations.push(Equation {
-                terms: vec![(field.unknown(dof, component), 1.0), (field.unknown(dofs[0], component), -1.0)],
-                value: 0.0,
-            });
+            model.equations.push(Equation { terms: vec![(field.unknown(dof, component), 1.0), (field.unknown(dofs[0], component), -1.0)], value: 0.0 });
         }
     }
     let _ = wanted;
@@ -113,9 +110,7 @@ fn each(list: &[Option<Located<Formula>>]) -> impl Iterator<Item = (usize, &Loca
 fn needs_exact<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>, at: Place) -> Result<(), Diagnostic> {
     match model.exact {
         Some(_) => Ok(()),
-        None => {
-            Err(builder.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]"))
-        }
+        None => Err(builder.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]")),
     }
 }
 

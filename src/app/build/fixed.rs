@@ -1,8 +1,8 @@
 //! Prescribed values at a time, and which unknowns they take.
 
-use super::Builder;
 use super::boundary::component_name;
 use super::model::{Condition, Model, Value};
+use super::Builder;
 use crate::assembly::{DirichletError, Fixed as Prescribed, dirichlet};
 use crate::io::errors::Diagnostic;
 use crate::io::formula::Point;
@@ -87,12 +87,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
 }
 
 /// E052 for values that disagree, E017 for values that are not finite.
-fn conflict<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
-    model: &Model<S, N>,
-    error: &DirichletError,
-    places: Places,
-) -> Diagnostic {
+fn conflict<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>, error: &DirichletError, places: Places) -> Diagnostic {
     let (first, second) = places.unwrap_or_default();
     match error {
         DirichletError::Conflict { component, at, first_value, second_value, .. } => {
@@ -102,17 +97,12 @@ fn conflict<const S: usize, const N: usize>(
             builder
                 .error(
                     "E052",
-                    format!(
-                        "component {name} is prescribed as {first_value}{lines} and as {second_value} at the common point ({})",
-                        place.join(", ")
-                    ),
+                    format!("component {name} is prescribed as {first_value}{lines} and as {second_value} at the common point ({})", place.join(", ")),
                     second,
                 )
                 .with_help("make the values equal there, or prescribe one of them")
         }
-        DirichletError::Projection { source: LinearError::NotFinite, .. } => {
-            builder.error("E017", "a prescribed value is not finite somewhere on its side", second)
-        }
+        DirichletError::Projection { source: LinearError::NotFinite, .. } => builder.error("E017", "a prescribed value is not finite somewhere on its side", second),
         other => builder.error("E072", other.to_string(), second),
     }
 }

@@ -15,15 +15,14 @@ mod supports;
 mod ties;
 
 use super::registry::Names;
-use crate::geometry::ControlNet;
 use crate::io::case::{Case, Shape};
 use crate::io::errors::{Diagnostic, Diagnostics};
 use crate::io::place::Place;
+use crate::geometry::ControlNet;
 
 pub use exact::{Exact, FieldJet};
 pub use model::{
-    Action, Against, Condition, ContactModel, ContactPart, Model, Pairing, PatchModel, SideLoad, SideModel, SideSpring, TieModel, TiePart,
-    Value,
+    Action, Against, Condition, ContactModel, ContactPart, Model, Pairing, PatchModel, SideLoad, SideModel, SideSpring, TieModel, TiePart, Value,
 };
 pub use patches::patch_fault;
 pub use physics::{Physics, PlaceFn, PointState, SideFn};

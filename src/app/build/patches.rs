@@ -40,12 +40,7 @@ pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
     patches
 }
 
-fn one<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
-    number: usize,
-    first: usize,
-    net: MakeNet<N>,
-) -> Result<PatchModel<S, N>, Diagnostic> {
+fn one<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, number: usize, first: usize, net: MakeNet<N>) -> Result<PatchModel<S, N>, Diagnostic> {
     let case = builder.case;
     let patch = &case.patches[number];
     let name = &patch.name.value;
@@ -65,10 +60,7 @@ fn one<const S: usize, const N: usize>(
     let material = &case.materials[patch.material.value];
     let physics = Physics::of(material, case.model.assumption.value).map_err(|e| {
         let at = match (&material.elastic, &e) {
-            (
-                Some(case::Elastic::YoungPoisson(_, nu)),
-                crate::physics::MaterialError::Singular { .. } | crate::physics::MaterialError::Ratio { .. },
-            ) => nu.at,
+            (Some(case::Elastic::YoungPoisson(_, nu)), crate::physics::MaterialError::Singular { .. } | crate::physics::MaterialError::Ratio { .. }) => nu.at,
             (Some(case::Elastic::YoungPoisson(e, _)), _) => e.at,
             (Some(case::Elastic::Lame(l, _)), crate::physics::MaterialError::Lambda { .. }) => l.at,
             (Some(case::Elastic::Lame(_, m)), _) => m.at,
@@ -98,11 +90,7 @@ fn one<const S: usize, const N: usize>(
 }
 
 /// The patch as data for a backend.
-fn specification<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
-    patch: &Patch,
-    net: ControlNet<N, N>,
-) -> Result<PatchSpec<N>, Diagnostic> {
+fn specification<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patch: &Patch, net: ControlNet<N, N>) -> Result<PatchSpec<N>, Diagnostic> {
     let d = &patch.discretization;
     let total = super::counts_in_total(&patch.geometry.value.shape.value);
     let mut lists: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
