@@ -399,4 +399,44 @@ fn pictures_to_look_at_are_written_where_asked() {
         std::fs::write(folder.join(format!("fields_{k}.svg")), plot::fields(&plot, &[part(name, space, CellStyle::Bezier)]).unwrap())
             .unwrap();
     }
+    let half = shapes::disc_sector([0.0, 1.0], 1.0, [180.0, 360.0]).unwrap();
+    let (upper, lower) =
+        (PatchSpec::new(half).with_elements([12, 6]), PatchSpec::new(shapes::rectangle([-1.5, -1.0], [1.5, 0.0]).unwrap()));
+    let upper = Patch::<1, 2>::try_new(&upper).unwrap();
+    let lower = Mesh::<1, 2>::from_patch(&lower.with_elements([14, 6]).with_cells(Cell::Simplex)).unwrap();
+    let peak = |space: &Arc<dyn Space<2, 2>>| {
+        let space = space.clone();
+        move |e: usize, xi: &[Vector<2>]| {
+            let mut table = MapTable::new();
+            space.map(e, xi, Order::Values, &mut table);
+            table.x.iter().map(|x| 1e3 / (0.1 + x.norm_squared()).sqrt()).collect()
+        }
+    };
+    let parts =
+        [upper.space(), lower.space()].map(|space| Part::new("body", space.clone(), CellStyle::Bezier).with("von_mises", 1, peak(space)));
+    let plot = plot::FieldPlot { title: "A half cylinder on a block", label: "von Mises stress", field: "von_mises", component: 0 };
+    std::fs::write(folder.join("pair.svg"), plot::fields(&plot, &parts).unwrap()).unwrap();
+    let trace = upper.trace("v1").unwrap();
+    let space = trace.space.clone();
+    let pressure = |x: &Vector<2>| -(0.09 - x[0] * x[0]).max(0.0).sqrt();
+    let side = Part::new("arc", trace.space.clone(), CellStyle::Lagrange).with("lambda", 1, move |e, xi: &[Vector<1>]| {
+        let mut table = MapTable::new();
+        space.map(e, xi, Order::Values, &mut table);
+        table.x.iter().map(|x| 0.97 * pressure(x)).collect()
+    });
+    let rows: Vec<_> = (0..24)
+        .map(|i| InterfaceRow {
+            s: 3.14159 * (i as f64 + 0.5) / 24.0,
+            active: (10..14).contains(&i),
+            lambda: vec![0.0],
+            ..InterfaceRow::default()
+        })
+        .collect();
+    let picture =
+        plot::SidePlot { title: "A half cylinder on a block: pressure on pad", contact: true, rows: &rows, exact: Some(&pressure) };
+    std::fs::write(folder.join("pressure.svg"), plot::side(&picture, &side).unwrap()).unwrap();
+    let tied = Part::new("arc", trace.space.clone(), CellStyle::Lagrange)
+        .with("lambda", 2, |e, xi: &[Vector<1>]| xi.iter().flat_map(|x| [(e as f64 + x[0]).sin(), (e as f64 * 0.5).cos()]).collect());
+    let picture = plot::SidePlot { title: "Multiplier", contact: false, rows: &rows, exact: None };
+    std::fs::write(folder.join("tied.svg"), plot::side(&picture, &tied).unwrap()).unwrap();
 }

@@ -10,7 +10,7 @@ pub mod result;
 pub mod watch;
 
 pub use named::Named;
-pub use output::{Output, Picture, SideOutput};
+pub use output::{Finished, Output, Picture, RunOptions, SideOutput};
 pub use registry::{Family, Fault, Names, Registry, UnknownName};
 pub use result::{RunResult, Status};
 pub use watch::{Progress, Stop, Watch};

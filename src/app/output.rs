@@ -1,8 +1,29 @@
 //! What a run hands to the files beside its numbers: bodies with fields, sides with multipliers.
 
+use crate::app::RunResult;
 use crate::io::table::InterfaceRow;
-use crate::io::vtu::Part;
+use crate::io::vtu::{CellStyle, Part};
 use crate::linalg::Vector;
+
+/// What decides about a run beside its case.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RunOptions {
+    /// Cells of every part; none: Bezier for `iga`, Lagrange for all else.
+    pub cells: Option<CellStyle>,
+}
+
+/// A run that came to an end, a good one or not: its numbers, and what its files show.
+///
+/// The command line calls `app::run::run(&Case, &Registry, &RunOptions, &Watch) -> Finished` for `faying run` and
+/// `app::run::check(..) -> Finished` (same arguments) for `faying check`; all errors are in `result.diagnostics`, all warnings,
+/// those of the case included, in `result.warnings`.
+#[derive(Debug)]
+pub struct Finished {
+    /// Status, exit code and numbers.
+    pub result: RunResult,
+    /// What there is to show; none where nothing was solved (exits 3 and a foreseen 6): then no folder is made.
+    pub output: Option<Output>,
+}
 
 /// The fields of a run, kept until the files are written; closures own what they need (`Arc` of the solution).
 #[derive(Debug, Default)]

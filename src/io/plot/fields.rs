@@ -34,7 +34,7 @@ struct Drawn {
 }
 
 /// Most pieces of a picture; elements of fine meshes are coloured whole.
-const PIECES: usize = 8000;
+const PIECES: usize = 6000;
 
 /// The picture of all `parts`.
 ///
@@ -44,7 +44,7 @@ pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, 
     let elements: usize = parts.iter().map(|p| p.space.num_elements()).sum();
     let mut drawn = Vec::new();
     for part in parts {
-        drawn.extend(part_drawn(plot, part, (PIECES / elements.max(1)).isqrt().clamp(1, 12))?);
+        drawn.extend(part_drawn(plot, part, (PIECES / elements.max(1)).isqrt().clamp(1, 24))?);
     }
     let points = || drawn.iter().flat_map(|d| d.edges.iter().flat_map(|(p, _)| p)).filter(|p| p[0].is_finite() && p[1].is_finite());
     let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -66,7 +66,7 @@ fn part_drawn(plot: &FieldPlot<'_>, part: &Part<'_, 2, 2>, m: usize) -> Result<V
     let field =
         field.ok_or_else(|| PlotError::NoField { part: part.name.clone(), field: plot.field.to_owned(), component: plot.component })?;
     let outer = outer_edges(&*part.space);
-    let curved = (2 * m).max(8);
+    let curved = m.max(8);
     Ok((0..part.space.num_elements())
         .into_par_iter()
         .map(|e| {
@@ -128,9 +128,11 @@ fn outer_edges(space: &dyn Space<2, 2>) -> BTreeMap<(usize, usize), bool> {
 }
 
 /// Local corners of the pieces of a cell and a point inside each.
+///
+/// Each piece reaches a little over its neighbours: later ones paint over it, and no seam shows between them.
 fn pieces(simplex: bool, m: usize) -> (Vec<Vec<[f64; 2]>>, Vec<Vector<2>>) {
-    let at = |i: usize, j: usize| [i as f64 / m as f64, j as f64 / m as f64];
-    let mut cells = Vec::new();
+    let at = |i: usize, j: usize| Vector::<2>::new(i as f64 / m as f64, j as f64 / m as f64);
+    let mut cells: Vec<Vec<Vector<2>>> = Vec::new();
     for j in 0..m {
         for i in 0..m {
             if !simplex {
@@ -143,7 +145,15 @@ fn pieces(simplex: bool, m: usize) -> (Vec<Vec<[f64; 2]>>, Vec<Vector<2>>) {
             }
         }
     }
-    let middles = cells.iter().map(|c| c.iter().map(|p| Vector::<2>::from(*p)).sum::<Vector<2>>() / c.len() as f64).collect();
+    let middles: Vec<Vector<2>> = cells.iter().map(|c| c.iter().sum::<Vector<2>>() / c.len() as f64).collect();
+    let grown = |p: &Vector<2>, middle: &Vector<2>| {
+        let mut p = (middle + (p - middle) * 1.3).map(|t| t.clamp(0.0, 1.0));
+        if simplex && p.sum() > 1.0 {
+            p /= p.sum();
+        }
+        [p[0], p[1]]
+    };
+    let cells = cells.iter().zip(&middles).map(|(c, middle)| c.iter().map(|p| grown(p, middle)).collect()).collect();
     (cells, middles)
 }
 
@@ -165,7 +175,7 @@ fn draw(plot: &FieldPlot<'_>, drawn: &[Drawn], lo: [f64; 2], hi: [f64; 2], size:
     let (x0, x1, y0, y1) = (lo[0] - pad, hi[0] + pad, lo[1] - pad, hi[1] + pad);
     let per_length = (720.0 / (x1 - x0)).min(560.0 / (y1 - y0));
     let (plot_w, plot_h) = ((x1 - x0) * per_length, (y1 - y0) * per_length);
-    let (left, top, right, bottom) = (62.0, 66.0, 132.0, 46.0);
+    let (left, top, right, bottom) = (62.0, 80.0, 132.0, 46.0);
     let frame_h = plot_h.max(150.0);
     let frame_w = plot_w.max(260.0);
     let (width, height) = (left + frame_w + right, top + frame_h + bottom);
@@ -236,7 +246,7 @@ fn axes(root: &Root<'_, '_>, x: [f64; 2], y: [f64; 2], [left, top, w, h]: [f64; 
         root.draw(&Text::new(short(v, 5), (corner - units(8.0), at), text(11.5, GREY, HPos::Right, VPos::Center)))?;
     }
     root.draw(&Text::new("x".to_owned(), (units(left + w), base + units(24.0)), text(11.5, GREY, HPos::Right, VPos::Top)))?;
-    root.draw(&Text::new("y".to_owned(), (corner - units(8.0), units(top - 16.0)), text(11.5, GREY, HPos::Right, VPos::Top)))?;
+    root.draw(&Text::new("y".to_owned(), (corner - units(8.0), units(top - 18.0)), text(11.5, GREY, HPos::Right, VPos::Top)))?;
     Ok(())
 }
 
