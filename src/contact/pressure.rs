@@ -2,6 +2,10 @@
 //!
 //! lambda = sum_j lambda_j ψ_j is the normal stress sigma_N <= 0, pressure = -lambda [force/area]. With n out of the
 //! master the traction on the slave is -lambda n: what the master does to the slave.
+//!
+//! The closed zone is read from the functions that carry pressure: χ = sum of ψ_j over lambda_j < 0 is one inside, zero
+//! outside, and falls over the overlap of the outermost functions. Its integral is the area; it ends where χ = 1/2. Taking
+//! the whole support of those functions would add up to half their width at either end.
 
 use super::Contact;
 use crate::basis::{Basis, Order, ShapeTable};
@@ -9,8 +13,8 @@ use crate::coupling::interface::Chain;
 use crate::geometry::Geometry;
 use crate::linalg::{Real, Vector, lit};
 
-/// Pressures below this share of the largest are round-off.
-const NO_PRESSURE: f64 = 1e-10;
+/// Multipliers below this share of the largest are round-off.
+const NO_PRESSURE: f64 = 1e-12;
 /// A zone that ends within this share of the side's length of an end of the side ends there.
 const AT_SIDE_END: f64 = 1e-9;
 
@@ -25,30 +29,38 @@ pub struct Transmitted<const N: usize, T: Real = f64> {
     pub least_pressure: T,
     /// Largest pressure there.
     pub largest_pressure: T,
-    /// Measure of the zone with pressure, integrated on segments.
+    /// ∫ χ ds: measure of the closed zone [length^S].
     pub area: T,
     /// Pressure per point of the segments.
     pub pressure: Vec<T>,
+    /// Whether each point of the segments lies in the closed zone, χ >= 1/2.
+    pub closed: Vec<bool>,
 }
 
 impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
     /// Pressure at the points of the segments for the multipliers `lambda`.
     pub fn pressure(&self, multiplier: &dyn Basis<S, T>, lambda: &[T]) -> Vec<T> {
-        let mut pressure = Vec::with_capacity(self.segments.ds.len());
+        self.combined(multiplier, |j| -lambda[j])
+    }
+
+    /// sum_j c_j ψ_j at the points of the segments.
+    fn combined(&self, multiplier: &dyn Basis<S, T>, coefficient: impl Fn(usize) -> T) -> Vec<T> {
+        let mut values = Vec::with_capacity(self.segments.ds.len());
         let (mut table, mut ids) = (ShapeTable::new(), Vec::new());
         for piece in 0..self.segments.num_pieces() {
             let (element, points) = (self.segments.slave[piece], self.segments.points(piece));
             multiplier.active(element, &mut ids);
             multiplier.tabulate(element, &self.segments.slave_xi[points.clone()], Order::Values, &mut table);
-            pressure.extend((0..points.len()).map(|q| -ids.iter().zip(table.values(q)).fold(T::zero(), |s, (&j, &v)| s + lambda[j] * v)));
+            values.extend((0..points.len()).map(|q| ids.iter().zip(table.values(q)).fold(T::zero(), |s, (&j, &v)| s + coefficient(j) * v)));
         }
-        pressure
+        values
     }
 
     /// Force, moment, pressures and zone for the multipliers `lambda`.
     pub fn transmitted(&self, multiplier: &dyn Basis<S, T>, lambda: &[T]) -> Transmitted<N, T> {
         let pressure = self.pressure(multiplier, lambda);
-        let largest = pressure.iter().fold(T::zero(), |m, &p| m.max(p));
+        let threshold = lambda.iter().fold(T::zero(), |m, l| m.max(l.abs())) * lit(-NO_PRESSURE);
+        let zone = self.combined(multiplier, |j| if lambda[j] < threshold { T::one() } else { T::zero() });
         let mut out = Transmitted {
             force: Vector::zeros(),
             moment: [T::zero(); 3],
@@ -56,6 +68,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
             largest_pressure: pressure.iter().copied().reduce(|a, b| a.max(b)).unwrap_or_else(T::zero),
             area: T::zero(),
             pressure: Vec::new(),
+            closed: zone.iter().map(|&chi| chi >= lit(0.5)).collect(),
         };
         for (q, &p) in pressure.iter().enumerate() {
             let ds = self.segments.ds[q];
@@ -66,26 +79,23 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
                 let (i, j) = ((k + 1) % 3, (k + 2) % 3);
                 out.moment[k] += at(&self.frames.x[q], i) * at(&pull, j) - at(&self.frames.x[q], j) * at(&pull, i);
             }
-            if p > largest * lit(NO_PRESSURE) {
-                out.area += ds;
-            }
+            out.area += zone[q] * ds;
         }
         out.pressure = pressure;
         out
     }
 }
 
-/// Half the extent of the zone with pressure along the slave side; all of it where it ends at an end of the side, as in
-/// half models. Zero without pressure.
+/// Half the extent of the closed zone along the slave side; all of it where it ends at an end of the side, as in half
+/// models. Zero where nothing is closed.
 ///
-/// The extent is measured along the curve, between the outermost points with pressure, each carried on to the end of its
-/// piece.
-pub fn half_width<const N: usize, T: Real>(slave: &dyn Geometry<1, N, T>, contact: &Contact<1, N, T>, pressure: &[T]) -> T {
+/// `closed` is that of [`Transmitted`]. The extent is measured along the curve, between the outermost closed points, each
+/// with the share of the curve that its weight stands for.
+pub fn half_width<const N: usize, T: Real>(slave: &dyn Geometry<1, N, T>, contact: &Contact<1, N, T>, closed: &[bool]) -> T {
     let chain = Chain::of(slave);
     let walk = chain.walk();
-    let largest = pressure.iter().fold(T::zero(), |m, &p| m.max(p));
     // length of every element, by the same points as its pieces where they cover it
-    let mut zone = vec![[T::zero(); 2]; slave.num_elements()]; // first and last arc length with pressure, within the element
+    let mut zone = vec![[T::zero(); 2]; slave.num_elements()]; // from and to: arc length within the element
     let mut touched = vec![false; slave.num_elements()];
     let mut length = chain.lengths.clone();
     for run in contact.segments.runs() {
@@ -94,7 +104,7 @@ pub fn half_width<const N: usize, T: Real>(slave: &dyn Geometry<1, N, T>, contac
         for piece in run {
             for q in contact.segments.points(piece) {
                 let ds = contact.segments.ds[q];
-                if pressure[q] > largest * lit(NO_PRESSURE) {
+                if closed[q] {
                     if !touched[element] {
                         (touched[element], zone[element][0]) = (true, at);
                     }

@@ -110,6 +110,11 @@ impl<const D: usize, T: Real> Segments<D, T> {
         runs
     }
 
+    /// The same points seen from the other side: for mixed integration, segments made with the master's rule.
+    pub fn swapped(self) -> Self {
+        Self { slave: self.master, master: self.slave, slave_xi: self.master_xi, master_xi: self.slave_xi, ..self }
+    }
+
     /// Measure of all pieces [length^D].
     pub fn measure(&self) -> T {
         self.ds.iter().fold(T::zero(), |s, &ds| s + ds)
