@@ -52,7 +52,7 @@ fn tied<const C: usize>(case: &Case, form: &Form<'_, C, 2>, stress: Matrix<C, 2>
             let inner = |k: usize| {
                 if k == 0 || k == n {
                     0.0
-                } else if k % 3 == 0 {
+                } else if k.is_multiple_of(3) {
                     -0.5 * shift
                 } else {
                     shift
@@ -162,7 +162,7 @@ fn cases(kinds: impl Fn(Kind, Kind) -> bool) -> Vec<Case> {
     cases
 }
 
-fn run<const C: usize>(cases: &[Case], material: &(impl Material<C, 2> + Sync), gradient: Matrix<C, 2>) {
+fn run<const C: usize>(cases: &[Case], material: &impl Material<C, 2>, gradient: Matrix<C, 2>) {
     let stress = material.respond(&Vector::<2>::zeros(), &gradient).stress;
     let failures: Vec<String> = cases
         .par_iter()

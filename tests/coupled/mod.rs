@@ -1,7 +1,7 @@
 //! Two bodies in one system: what the tied and the contact tests share.
 #![allow(dead_code, clippy::unwrap_used)]
 
-use faying::assembly::{Fixed, Form, Reduced, dirichlet, errors, gauss_rules, sample, stiffness};
+use faying::assembly::{Fixed, Form, Reduced, dirichlet, errors, gauss_rules, stiffness};
 use faying::basis::Basis;
 use faying::basis::Cell;
 use faying::basis::Order;
@@ -11,7 +11,7 @@ use faying::coupling::multiplier::{MultiplierKind, build, side_ends};
 use faying::geometry::shapes::rectangle;
 use faying::geometry::{ControlNet, MapTable};
 use faying::linalg::{Csr, Ldlt, Matrix, Vector};
-use faying::space::{BasisKind, Body, Field, Mesh, Patch, PatchSpec, Trace};
+use faying::space::{BasisKind, Body, Field, Mesh, Patch, PatchSpec, Trace, field_at};
 
 /// The four backends of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -179,10 +179,9 @@ impl<const C: usize> Bodies<C> {
         let mut worst = 0.0f64;
         for (body, field) in self.bodies.iter().zip(&self.fields) {
             let space = body.space();
-            let own = &u[field.first..field.first + C * space.num_functions()];
             for e in 0..space.num_elements() {
                 let points = [[0.2, 0.3], [0.6, 0.15], [0.05, 0.9], [1.0 / 3.0, 1.0 / 3.0]].map(|p| Vector::<2>::new(p[0], p[1]));
-                for s in sample::<C, 2, f64, _>(&**space, own, e, &points) {
+                for s in field_at::<C, 2, f64, _>(&**space, field, u, e, &points) {
                     worst = worst.max((s.value - exact(&s.x)).amax());
                 }
             }
