@@ -2,4 +2,5 @@
 //!
 //! One module per floor; each test instantiates the checkers for its own implementors.
 
+mod bodies;
 mod net;
