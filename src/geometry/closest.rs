@@ -138,6 +138,9 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         if !best.found {
             return None;
         }
+        if D == 1 {
+            self.polish(x, &mut best, &mut table);
+        }
         let rim = D < N && self.beyond_rim(&best, x, &mut table);
         Some(Projection { element: best.element, xi: best.xi, x: best.x, distance: best.distance, rim })
     }
@@ -251,6 +254,29 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         }
     }
 
+    /// D = 1: from a point whose distance is right to rounding to one that is right itself.
+    ///
+    /// Near the foot the distance changes with the square of the way, so pieces that cannot be nearer may hold it.
+    fn polish(&self, p: &Vector<N, T>, best: &mut Best<D, N, T>, table: &mut MapTable<D, N, T>) {
+        let mut one = Vec::with_capacity(1);
+        self.sample(best.element, &[best.xi[0]], p, table, &mut one);
+        let mut at = one[0];
+        let allowed = best.distance + self.size * lit(WORTH);
+        for _ in 0..STEPS {
+            if at.curvature <= T::zero() {
+                break;
+            }
+            let t = (at.t - at.slope / at.curvature).clamp(T::zero(), T::one());
+            self.sample(best.element, &[t], p, table, &mut one);
+            let distance = (one[0].x - p).norm();
+            if one[0].slope.abs() >= at.slope.abs() || distance > allowed {
+                break;
+            }
+            at = one[0];
+            (best.xi, best.x, best.distance) = (Vector::repeat(at.t), at.x, distance);
+        }
+    }
+
     /// D > 1: Newton with active faces from the best points of a grid.
     fn search_cell(&self, element: usize, p: &Vector<N, T>, best: &mut Best<D, N, T>, table: &mut MapTable<D, N, T>) {
         const STARTS: usize = 3;
@@ -298,9 +324,13 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
             for c in 0..N {
                 full += table.hessian[0][c] * away[c];
             }
-            // Gauss-Newton always descends; the full matrix is quadratic where it does, too
+            // the full matrix is quadratic where it descends, Gauss-Newton descends where the map is regular, damped everywhere
             let mut moved = false;
-            'matrices: for h in [full, gauss] {
+            let mut damped = gauss;
+            for k in 0..D {
+                damped[(k, k)] += gauss.trace() * lit(0.1);
+            }
+            'matrices: for h in [full, gauss, damped] {
                 let Some(step) = feasible_step(kind, &xi, &slope, &h) else { continue };
                 let mut scale = T::one();
                 for _ in 0..30 {

@@ -102,7 +102,8 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Geometry<D, N, T> 
     }
 
     fn bounds(&self, element: usize) -> Bounds<N, T> {
-        hull(&self.basis, element, |i| self.points[i]).unwrap_or(Bounds { lo: Vector::zeros(), hi: Vector::zeros() })
+        let held = hull::hull(&self.basis, element, |i| self.points[i]);
+        hull::tightened(self, element, held.unwrap_or(Bounds { lo: Vector::zeros(), hi: Vector::zeros() }))
     }
 
     fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> {

@@ -1,6 +1,6 @@
 //! A basis or a map seen from affine cells inside its elements: refined cells, simplices cut from cells, facets.
 
-use super::{Bounds, Embedding, Geometry, MapTable, cell};
+use super::{Bounds, Embedding, Geometry, MapTable, cell, hull};
 use crate::basis::{Basis, Cell, Elements, Order, ShapeTable};
 use crate::linalg::{Real, Vector, lit, num};
 
@@ -161,17 +161,7 @@ impl<const S: usize, const D: usize, const N: usize, X: Geometry<D, N, T>, T: Re
         }
     }
 
-    /// A box around samples, grown by four times the sampled deviation from straight pieces, within the parent's box.
     fn bounds(&self, element: usize) -> Bounds<N, T> {
-        const PIECES: usize = 4;
-        let outer = self.inner.bounds(self.cells[element].element);
-        let points = cell::grid::<S, T>(self.kind, PIECES + 1);
-        let mut table = MapTable::new();
-        self.map(element, &points, Order::Hessians, &mut table);
-        let Some(samples) = Bounds::around(&table.x) else { return outer };
-        let bend = table.hessian.iter().flatten().fold(T::zero(), |m, h| m.max(h.iter().fold(T::zero(), |s, v| s + v.abs())));
-        // |x - linear interpolation| <= max |x''| h^2 / 8 per coordinate; the samples of x'' may miss its peak
-        let grown = samples.inflated((bend * lit(0.5 / (PIECES * PIECES) as f64)) + samples.diagonal() * T::default_epsilon() * lit(16.0));
-        Bounds { lo: grown.lo.zip_map(&outer.lo, |a, b| a.max(b)), hi: grown.hi.zip_map(&outer.hi, |a, b| a.min(b)) }
+        hull::tightened(self, element, self.inner.bounds(self.cells[element].element))
     }
 }

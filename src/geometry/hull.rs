@@ -1,6 +1,6 @@
-//! Boxes that surely hold a combination of basis functions on an element.
+//! Boxes that surely hold a combination of basis functions on an element, and tighter ones for maps.
 
-use super::{Bounds, cell};
+use super::{Bounds, Geometry, MapTable, cell};
 use crate::basis::{Basis, Cell, Order, ShapeTable};
 use crate::linalg::{Real, Vector, lit, num};
 
@@ -47,6 +47,26 @@ pub fn hull<const D: usize, const N: usize, T: Real, B: Basis<D, T> + ?Sized>(
     }
     let hull = Bounds::around(&coefficients)?;
     Some(hull.inflated(hull.diagonal() * noise * lit(16.0)))
+}
+
+/// The box `outer` of an element cut to one around samples, grown by four times the sampled deviation from straight pieces.
+///
+/// The control points of a coarse map surround all of its cells; this box is near to the one asked for.
+pub(super) fn tightened<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>(
+    geometry: &G,
+    element: usize,
+    outer: Bounds<N, T>,
+) -> Bounds<N, T> {
+    let pieces = if D < 3 { 4 } else { 2 };
+    let points = cell::grid::<D, T>(geometry.cell(element), pieces + 1);
+    let mut table = MapTable::new();
+    geometry.map(element, &points, Order::Hessians, &mut table);
+    let Some(samples) = Bounds::around(&table.x) else { return outer };
+    let bend = table.hessian.iter().flatten().fold(T::zero(), |m, h| m.max(h.iter().fold(T::zero(), |s, v| s + v.abs())));
+    // |x - linear interpolation| <= max |x''| h^2 / 8 per coordinate; the samples of x'' may miss its peak
+    let rounding = samples.diagonal() * T::default_epsilon() * lit(16.0);
+    let grown = samples.inflated(bend * lit(0.5 / (pieces * pieces) as f64) + rounding);
+    Bounds { lo: grown.lo.zip_map(&outer.lo, |a, b| a.max(b)), hi: grown.hi.zip_map(&outer.hi, |a, b| a.min(b)) }
 }
 
 /// The inverse of the matrix B_k(t_j) of Bernstein polynomials at `line`, row k and column j.

@@ -39,6 +39,7 @@ pub struct InvertedElement {
 
 /// One element: points with their determinants.
 struct Sampled<const N: usize> {
+    mean: f64,
     least: (f64, Vector<N>),
     most: (f64, Vector<N>),
 }
@@ -54,10 +55,11 @@ pub fn quality<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -
             let degree = space.degree(e).into_iter().max().unwrap_or(1);
             let points = cell::grid::<N, T>(space.cell(e), degree.clamp(2, 4) + 2);
             space.map(e, &points, Order::Gradients, table);
-            let mut s = Sampled { least: (f64::INFINITY, Vector::zeros()), most: (f64::NEG_INFINITY, Vector::zeros()) };
+            let mut s = Sampled { mean: 0.0, least: (f64::INFINITY, Vector::zeros()), most: (f64::NEG_INFINITY, Vector::zeros()) };
             for (j, x) in table.jacobian.iter().zip(&table.x) {
                 let d = to_f64(determinant(j));
                 let x = x.map(to_f64);
+                s.mean += d / points.len() as f64;
                 if d < s.least.0 || d.is_nan() {
                     s.least = (d, x);
                 }
@@ -68,7 +70,7 @@ pub fn quality<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -
             s
         })
         .collect();
-    let left_handed = sampled.iter().map(|s| s.least.0 + s.most.0).sum::<f64>() < 0.0;
+    let left_handed = sampled.iter().map(|s| s.mean).sum::<f64>() < 0.0;
     let mut worst: Option<InvertedElement> = None;
     let mut quality = Quality { least_jacobian: f64::INFINITY, element: 0, at: Vector::zeros(), left_handed, degenerate: Vec::new() };
     for (element, s) in sampled.iter().enumerate() {
