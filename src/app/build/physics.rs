@@ -4,7 +4,7 @@ use super::exact::Exact;
 use crate::assembly::{self, Errors};
 use crate::io::case::{self, Elastic as Constants};
 use crate::io::formula::{Formula, Point};
-use crate::linalg::{Csr, Vector};
+use crate::linalg::{Csr, Matrix, Vector};
 use crate::physics::{self, Assumption, Conductor, Elastic, Hooke, Jet, Material, MaterialError};
 use crate::quadrature::Quadrature;
 use crate::space::{Space, Trace};
@@ -116,6 +116,32 @@ impl<const N: usize> Physics<N> {
             Self::Vector(_) => {
                 assembly::trace_load::<N, S, N, f64, _>(trace, rules, &|x: &Vector<N>, n: &Vector<N>| filled(|out| f(x, n, out)), load);
             }
+        }
+    }
+
+    /// Adds springs of stiffness `k(x)` [force/area per length] in a component to the matrix of a body.
+    pub fn springs<const S: usize>(
+        &self,
+        trace: &Trace<S, N>,
+        rules: &dyn Quadrature<S>,
+        component: usize,
+        k: &dyn Fn(&Vector<N>) -> f64,
+        matrix: &mut Csr,
+    ) {
+        match self {
+            Self::Scalar(_) => {
+                assembly::trace_springs::<1, S, N, f64, _>(trace, rules, &|x: &Vector<N>, _: &Vector<N>| Matrix::<1, 1>::from_element(k(x)), matrix);
+            }
+            Self::Vector(_) => assembly::trace_springs::<N, S, N, f64, _>(
+                trace,
+                rules,
+                &|x: &Vector<N>, _: &Vector<N>| {
+                    let mut value = Matrix::<N, N>::zeros();
+                    value[(component, component)] = k(x);
+                    value
+                },
+                matrix,
+            ),
         }
     }
 

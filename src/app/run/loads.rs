@@ -1,0 +1,113 @@
+//! Loads of a model at a time, and their resultant.
+
+use super::integrate::{cross, over_body, over_side};
+use crate::app::build::{Action, Model, PatchModel};
+use crate::io::formula::Point;
+use crate::linalg::Vector;
+
+/// A force and its moment about the origin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Resultant {
+    /// Sum of the forces.
+    pub force: [f64; 3],
+    /// Sum of the moments.
+    pub moment: [f64; 3],
+}
+
+impl Resultant {
+    /// Adds a force times `weight` at `x`.
+    pub fn add<const N: usize>(&mut self, x: &Vector<N>, force: &[f64], weight: f64) {
+        let moment = cross(x, force);
+        for k in 0..3 {
+            self.force[k] += weight * force.get(k).copied().unwrap_or(0.0);
+            self.moment[k] += weight * moment[k];
+        }
+    }
+
+    /// Adds another resultant.
+    pub fn sum(&mut self, other: &Self) {
+        for k in 0..3 {
+            self.force[k] += other.force[k];
+            self.moment[k] += other.moment[k];
+        }
+    }
+}
+
+fn place<const N: usize>(x: &Vector<N>, t: f64) -> Point {
+    Point::new(x.as_slice()).at_time(t)
+}
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// The force per volume of a patch at a point; false where there is none at all.
+    fn volume_force(&self, patch: &PatchModel<S, N>, t: f64) -> Option<Box<dyn Fn(&Vector<N>, &mut [f64]) + Sync + '_>> {
+        if let Some(exact) = &self.exact {
+            let physics = patch.physics.clone();
+            return Some(Box::new(move |x: &Vector<N>, out: &mut [f64]| physics.exact_source(exact, &place(x, t), x, out)));
+        }
+        if patch.source.is_empty() && patch.weight.is_none() {
+            return None;
+        }
+        let (source, weight) = (patch.source.clone(), patch.weight.clone());
+        Some(Box::new(move |x: &Vector<N>, out: &mut [f64]| {
+            let at = place(x, t);
+            out.fill(0.0);
+            let components = out.len();
+            // model and patch list one formula per component each
+            for (k, f) in source.iter().enumerate() {
+                out[k % components] += f.value(&at);
+            }
+            if let Some((density, gravity)) = &weight {
+                let rho = density.value(&at);
+                for (o, g) in out.iter_mut().zip(gravity) {
+                    *o += rho * g;
+                }
+            }
+        }))
+    }
+
+    /// f in all unknowns at time `t`, and the resultant of all loads.
+    pub(crate) fn loads(&self, t: f64) -> (Vec<f64>, Resultant) {
+        let mut load = vec![0.0; self.unknowns];
+        let mut total = Resultant::default();
+        let c = self.components;
+        for patch in &self.patches {
+            let Some(force) = self.volume_force(patch, t) else { continue };
+            let space = &**patch.body.space();
+            load[patch.range()].copy_from_slice(&patch.physics.load(space, &patch.rules, &*force));
+            let mut value = vec![0.0; c];
+            over_body(space, &patch.rules, |x, dx| {
+                force(x, &mut value);
+                total.add(x, &value, dx);
+            });
+        }
+        for side_load in &self.loads {
+            let (side, patch) = (&side_load.side, &self.patches[side_load.side.patch]);
+            let act = |x: &Vector<N>, n: &Vector<N>, out: &mut [f64]| {
+                out.fill(0.0);
+                match &side_load.action {
+                    Action::Traction(component, f) => out[*component] = f.value(&place(x, t)),
+                    Action::Exact(component) => {
+                        let exact = self.exact.as_ref().expect("exact data were refused without an exact solution");
+                        let mut traction = vec![0.0; out.len()];
+                        patch.physics.exact_traction(exact, &place(x, t), x, n, &mut traction);
+                        out[*component] = traction[*component];
+                    }
+                    Action::Pressure(p) => {
+                        let p = p.value(&place(x, t));
+                        for (o, n) in out.iter_mut().zip(n.iter()) {
+                            *o = -p * n;
+                        }
+                    }
+                    Action::Force(component, f, area) => out[*component] = f.value(&place(x, t)) / area,
+                }
+            };
+            patch.physics.side_load(&side.trace, &side.rules, &act, &mut load[patch.range()]);
+            let mut value = vec![0.0; c];
+            over_side(side, |_, _, x, n, ds| {
+                act(x, n, &mut value);
+                total.add(x, &value, ds);
+            });
+        }
+        (load, total)
+    }
+}

@@ -1,0 +1,286 @@
+//! Assembling and solving the system of a model at a time.
+
+use super::integrate::on_trace;
+use super::loads::Resultant;
+use crate::app::build::{ContactModel, Model};
+use crate::app::registry::Registry;
+use crate::assembly::{DirichletError, Reduced, ReductionError};
+use crate::constraint::{ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, scale::row_scales};
+use crate::contact::{Contact, ContactError};
+use crate::coupling::Rows;
+use crate::io::case::Start;
+use crate::io::formula::Point;
+use crate::linalg::{Csr, LinearError, Operator, Triplets};
+
+/// Forces below this share of their scale count as zero among the sign cases.
+const ZERO: f64 = 1e-12;
+
+/// The solution of a step.
+#[derive(Debug)]
+pub struct StepState<const S: usize, const N: usize> {
+    /// Its time.
+    pub t: f64,
+    /// All unknowns.
+    pub u: Vec<f64>,
+    /// One multiplier per row.
+    pub lambda: Vec<f64>,
+    /// Whether each row is enforced.
+    pub active: Vec<bool>,
+    /// Rows, weights and points of every contact part at this time.
+    pub contacts: Vec<Vec<Contact<S, N>>>,
+    /// What supports do to the bodies, per unknown.
+    pub support: Vec<f64>,
+    /// Sum of all loads, springs included.
+    pub load: Resultant,
+    /// Number of unknowns that are free.
+    pub free: usize,
+    /// Relative residual.
+    pub residual: f64,
+    /// What was done, in words.
+    pub method: String,
+    /// The active set, where there is contact.
+    pub active_set: Option<crate::constraint::ActiveSetReport>,
+    /// Sign case 0 to 8 of every row; 9 for rows of ties.
+    pub sign_case: Vec<u8>,
+}
+
+/// Why a step has no solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// Prescribed values could not be projected.
+    #[error(transparent)]
+    Dirichlet(#[from] DirichletError),
+    /// Conditions contradict each other.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
+    /// A contact could not be set up at this time.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// The system was not solved.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+}
+
+/// The stiffness of every body, springs included.
+pub fn stiffness<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<Csr> {
+    let mut matrices: Vec<Csr> = model.patches.iter().map(|p| p.physics.stiffness(&**p.body.space(), &p.rules)).collect();
+    for spring in &model.springs {
+        let k = |x: &crate::linalg::Vector<N>| spring.stiffness.value(&Point::new(x.as_slice()));
+        model.patches[spring.side.patch].physics.springs(&spring.side.trace, &spring.side.rules, spring.component, &k, &mut matrices[spring.side.patch]);
+    }
+    matrices
+}
+
+/// C, B, g and kinds of all rows in all unknowns.
+struct System<const S: usize, const N: usize> {
+    rows: Rows,
+    reaction: Option<Rows>,
+    offset: Vec<f64>,
+    kind: Vec<RowKind>,
+    start: Vec<bool>,
+    contacts: Vec<Vec<Contact<S, N>>>,
+}
+
+fn empty(rows: usize, unknowns: usize) -> Rows {
+    Rows { slave: Triplets::new(rows, unknowns), master: Triplets::new(rows, unknowns) }
+}
+
+fn append(sum: &mut Rows, part: &Rows, first: usize) {
+    sum.slave.append_below(&part.slave, first);
+    sum.master.append_below(&part.master, first);
+}
+
+impl<const S: usize, const N: usize> System<S, N> {
+    fn of(model: &Model<S, N>, t: f64) -> Result<Self, StepError> {
+        let m = model.rows;
+        let mut rows = empty(m, model.unknowns);
+        let (mut reaction, mut differs) = (empty(m, model.unknowns), false);
+        let (mut offset, mut kind, mut start) = (vec![0.0; m], vec![RowKind::Equal; m], vec![true; m]);
+        for part in model.ties.iter().flat_map(|tie| &tie.parts) {
+            append(&mut rows, &part.rows, part.first_row);
+            append(&mut reaction, part.reaction.as_ref().unwrap_or(&part.rows), part.first_row);
+            differs |= part.reaction.is_some();
+        }
+        let mut contacts = Vec::with_capacity(model.contacts.len());
+        for contact in &model.contacts {
+            let mut parts = Vec::with_capacity(contact.parts.len());
+            for part in &contact.parts {
+                let built = contact.at(model, part, t)?;
+                append(&mut rows, &built.rows, part.first_row);
+                append(&mut reaction, &built.rows, part.first_row);
+                for (j, (&g, k)) in built.offset.iter().zip(built.kinds()).enumerate() {
+                    offset[part.first_row + j] = g;
+                    kind[part.first_row + j] = k;
+                    start[part.first_row + j] = starts_active(contact, &built, j, part.first_row);
+                }
+                parts.push(built);
+            }
+            contacts.push(parts);
+        }
+        Ok(Self { rows, reaction: differs.then_some(reaction), offset, kind, start, contacts })
+    }
+}
+
+fn starts_active<const S: usize, const N: usize>(contact: &ContactModel<S, N>, built: &Contact<S, N>, j: usize, first: usize) -> bool {
+    match contact.start {
+        Start::All => true,
+        Start::None => false,
+        Start::Gap => built.offset[j] <= 0.0,
+        Start::Seed(seed) => {
+            // SplitMix64 of seed and row: the same on every machine
+            let mut z = seed.wrapping_add((first + j + 1) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+            (z ^ (z >> 31)) & 1 == 1
+        }
+    }
+}
+
+/// A step that was not solved, with the last state, where there is one.
+#[derive(Debug)]
+pub struct Unsolved<const S: usize, const N: usize> {
+    /// Why.
+    pub error: StepError,
+    /// The last state computed.
+    pub last: Option<Box<StepState<S, N>>>,
+}
+
+impl<const S: usize, const N: usize, E: Into<StepError>> From<E> for Unsolved<S, N> {
+    fn from(error: E) -> Self {
+        Self { error: error.into(), last: None }
+    }
+}
+
+/// The constraint solver that a case's word means.
+pub fn solver_name(word: &str) -> &str {
+    if word == "auto" { "saddle-point" } else { word }
+}
+
+/// Solves the model at time `t` with the matrices of its bodies.
+///
+/// # Errors
+/// [`Unsolved`], with the last state of an active set that did not settle.
+pub fn step<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    matrices: &[Csr],
+    registry: &Registry,
+    constraint: &str,
+    t: f64,
+) -> Result<StepState<S, N>, Unsolved<S, N>> {
+    let matrices: Vec<&Csr> = matrices.iter().collect();
+    let prescribed = model.prescribed(t).map_err(|(error, _)| Unsolved::<S, N>::from(error))?;
+    let (load, total) = model.loads(t);
+    let system = System::of(model, t)?;
+    let reduced = Reduced::try_new(&matrices, &load, &prescribed, &model.equations)?;
+    let (slave, shift) = reduced.rows(&system.rows.slave);
+    let (master, shift_master) = reduced.rows(&system.rows.master);
+    let offset: Vec<f64> = (0..model.rows).map(|i| system.offset[i] + shift[i] + shift_master[i]).collect();
+    let rows = Rows { slave, master };
+    let reaction = system.reaction.as_ref().map(|b| Rows { slave: reduced.rows(&b.slave).0, master: reduced.rows(&b.master).0 });
+    let constrained = ConstrainedSystem {
+        stiffness: &reduced.stiffness,
+        load: &reduced.load,
+        constraint: &rows,
+        reaction: reaction.as_ref(),
+        offset: &offset,
+        kind: &system.kind,
+        compliance: &[],
+    };
+    let make = registry.solvers.get(solver_name(constraint)).map_err(|e| SolveError::Linear(no_solver(&e)))?;
+    let has_contact = system.kind.iter().any(|k| *k != RowKind::Equal);
+    let solved = if reduced.num_free() == 0 && model.rows == 0 {
+        Ok(ConstrainedSolution { method: "nothing to solve".into(), ..ConstrainedSolution::default() })
+    } else if has_contact {
+        let mut solver = ActiveSet::new(make()).starting_from(system.start.clone());
+        solver.max_iterations = model.max_iterations;
+        solver.c = model.c;
+        solver.solve(&constrained)
+    } else {
+        make().solve(&constrained)
+    };
+    let finish = |solution: ConstrainedSolution| {
+        let sign_case = sign_cases(&constrained, &system, &solution);
+        finished(model, &matrices, &load, total, &reduced, &system, solution, sign_case, t)
+    };
+    match solved {
+        Ok(solution) => Ok(finish(solution)),
+        Err(error) => {
+            let last = match &error {
+                SolveError::Cycling { last, .. } | SolveError::TooManyIterations { last, .. } => Some(last.clone()),
+                SolveError::RigidMotion { last, .. } => last.clone(),
+                _ => None,
+            };
+            let usable = last.filter(|l| l.unknowns.len() == reduced.num_free() && l.multipliers.len() == model.rows);
+            Err(Unsolved { error: error.into(), last: usable.map(|l| Box::new(finish(*l))) })
+        }
+    }
+}
+
+/// A name that the reader lets pass and no entry has cannot occur in a run; it ends as a system without a solver.
+fn no_solver(_: &crate::app::registry::UnknownName) -> LinearError {
+    LinearError::NoMatrix
+}
+
+/// lambda <0, =0, >0 by gap =0, >0, <0, both as forces, zero within 1e-12 of the largest.
+fn sign_cases<const S: usize, const N: usize>(system: &ConstrainedSystem<'_>, full: &System<S, N>, solution: &ConstrainedSolution) -> Vec<u8> {
+    let m = system.offset.len();
+    if solution.gap.len() != m {
+        return vec![9; m];
+    }
+    let scales = row_scales(&system.stiffness.diagonal(), system.constraint, m);
+    let per_length = |j: usize| if scales.weight[j] > 0.0 { scales.stiffness[j] / scales.weight[j] } else { 1.0 };
+    let force: Vec<(f64, f64)> = (0..m).map(|j| (solution.multipliers[j] * scales.weight[j], solution.gap[j] * per_length(j))).collect();
+    let contact = |j: &usize| full.kind[*j] == RowKind::Contact;
+    let largest = (0..m).filter(contact).map(|j| force[j].0.abs().max((solution.gap[j] - system.offset[j]).abs() * per_length(j))).fold(0.0, f64::max);
+    (0..m)
+        .map(|j| {
+            if !contact(&j) {
+                return 9;
+            }
+            let zero = ZERO * largest.max(system.offset[j].abs() * per_length(j));
+            let column = |x: f64, below: u8, above: u8, at: u8| if x.abs() <= zero { at } else if x < 0.0 { below } else { above };
+            3 * column(force[j].0, 0, 2, 1) + column(force[j].1, 2, 1, 0)
+        })
+        .collect()
+}
+
+fn finished<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    matrices: &[&Csr],
+    load: &[f64],
+    mut total: Resultant,
+    reduced: &Reduced,
+    system: &System<S, N>,
+    solution: ConstrainedSolution,
+    sign_case: Vec<u8>,
+    t: f64,
+) -> StepState<S, N> {
+    let u = reduced.expand(&solution.unknowns);
+    let b = system.reaction.as_ref().unwrap_or(&system.rows);
+    let support = reduced.residual(matrices, load, &[&b.slave, &b.master], &solution.multipliers, &u);
+    // springs pull back
+    for spring in &model.springs {
+        let field = model.patches[spring.side.patch].field;
+        super::integrate::over_side(&spring.side, |e, xi, x, _, ds| {
+            let value = on_trace(&spring.side.trace, field, &u, e, &[*xi])[0];
+            let mut force = [0.0; 3];
+            force[spring.component] = -spring.stiffness.value(&Point::new(x.as_slice())) * value[spring.component];
+            total.add(x, &force, ds);
+        });
+    }
+    StepState {
+        t,
+        u,
+        lambda: solution.multipliers,
+        active: solution.active,
+        contacts: system.contacts.clone(),
+        support,
+        load: total,
+        free: reduced.num_free(),
+        residual: solution.residual,
+        method: solution.method,
+        active_set: solution.active_set,
+        sign_case,
+    }
+}
