@@ -7,6 +7,7 @@ pub mod output;
 pub mod quantities;
 pub mod registry;
 pub mod result;
+pub mod run;
 pub mod watch;
 
 pub use named::Named;

@@ -29,6 +29,9 @@ pub use physics::{Physics, PlaceFn, PointState, SideFn};
 pub use plane::plane_net;
 pub use rigid::{FreeBody, RigidModes, RigidRow};
 pub use supports::free_motions;
+pub(crate) use sides::canonical as canonical_side;
+pub(crate) use supports::sentences;
+pub(crate) use ties::short;
 
 /// Makes the net of a shape, its transformations included, in N dimensions.
 pub type MakeNet<const N: usize> = fn(&crate::io::case::Geometry) -> Result<ControlNet<N, N>, (&'static str, String)>;

@@ -7,7 +7,7 @@ use crate::io::formula::{Formula, Point};
 use crate::linalg::{Csr, Matrix, Vector};
 use crate::physics::{self, Assumption, Conductor, Elastic, Hooke, Jet, Material, MaterialError};
 use crate::quadrature::Quadrature;
-use crate::space::{Space, Trace};
+use crate::space::{Field, Space, Trace};
 use std::sync::Arc;
 
 /// A material for one component (Poisson) or N (elasticity).
@@ -182,9 +182,9 @@ impl<const N: usize> Physics<N> {
     }
 
     /// The solution at local points of an element.
-    pub fn at(&self, space: &dyn Space<N, N>, u: &[f64], element: usize, xi: &[Vector<N>]) -> Vec<PointState<N>> {
+    pub fn at(&self, space: &dyn Space<N, N>, field: &Field, u: &[f64], element: usize, xi: &[Vector<N>]) -> Vec<PointState<N>> {
         match self {
-            Self::Scalar(m) => physics::stress_at::<1, N, f64, _, _>(space, &**m, u, element, xi)
+            Self::Scalar(m) => physics::stress_at::<1, N, f64, _, _>(space, field, &**m, u, element, xi)
                 .into_iter()
                 .map(|s| PointState {
                     x: s.x,
@@ -192,7 +192,7 @@ impl<const N: usize> Physics<N> {
                     stress: std::array::from_fn(|k| if k < N { s.stress[(0, k)] } else { 0.0 }),
                 })
                 .collect(),
-            Self::Vector(m) => physics::stress_at::<N, N, f64, _, _>(space, &**m, u, element, xi)
+            Self::Vector(m) => physics::stress_at::<N, N, f64, _, _>(space, field, &**m, u, element, xi)
                 .into_iter()
                 .map(|s| PointState { x: s.x, u: std::array::from_fn(|k| if k < N { s.value[k] } else { 0.0 }), stress: s.spatial })
                 .collect(),

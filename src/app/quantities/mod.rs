@@ -1,7 +1,13 @@
 //! Quantities: one grammar for probes, checks and tables, and their evaluation on a solved model.
 
+mod checks;
+mod evaluate;
 mod grammar;
 mod path;
+mod prepare;
 
+pub use checks::Questions;
+pub use evaluate::{Answer, evaluate};
 pub use grammar::{At, FieldName, GrammarError, Kind, Quantity, Reduce};
 pub use path::{known, look_up, resolve};
+pub use prepare::{Prepared, Preparer, SideSpot, Spot};

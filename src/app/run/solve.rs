@@ -10,7 +10,7 @@ use crate::contact::{Contact, ContactError};
 use crate::coupling::Rows;
 use crate::io::case::Start;
 use crate::io::formula::Point;
-use crate::linalg::{Csr, LinearError, Operator, Triplets};
+use crate::linalg::{Csr, LinearError, Triplets};
 
 /// Forces below this share of their scale count as zero among the sign cases.
 const ZERO: f64 = 1e-12;

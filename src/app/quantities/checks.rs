@@ -1,0 +1,174 @@
+//! Probes and checks of a case: prepared before solving, answered after.
+
+use super::evaluate::{Answer, evaluate};
+use super::prepare::{Prepared, Preparer};
+use crate::app::build::Model;
+use crate::app::result::{CheckReport, ProbeReport, RunResult};
+use crate::app::run::StepState;
+use crate::io::case::{Case, Condition};
+use crate::io::errors::Diagnostics;
+use crate::io::formula::Formula;
+use crate::io::place::Located;
+use serde_json::Value;
+
+/// The probes and checks of a case, understood.
+#[derive(Debug)]
+pub struct Questions<const S: usize, const N: usize> {
+    probes: Vec<Prepared<S, N>>,
+    checks: Vec<Prepared<S, N>>,
+    /// Quantities in the values of each check: value, rtol, atol.
+    values: Vec<[Vec<Prepared<S, N>>; 3]>,
+}
+
+/// The formulas of a condition: bound or value, rtol, atol.
+fn formulas(condition: &Condition) -> [Option<&Located<Formula>>; 3] {
+    match condition {
+        Condition::Below(f) | Condition::Above(f) => [Some(f), None, None],
+        Condition::Equals { value, rtol, atol } => [Some(value), rtol.as_ref(), atol.as_ref()],
+    }
+}
+
+impl<const S: usize, const N: usize> Questions<S, N> {
+    /// Understands every probe and check of `case`.
+    ///
+    /// # Errors
+    /// E018, E021, E022, E062 at their places.
+    pub fn of(case: &Case, model: &Model<S, N>, skeleton: &Value) -> Result<Self, Diagnostics> {
+        let preparer = Preparer::new(case, model, skeleton);
+        let mut faults = Diagnostics::new();
+        let mut take = |text: &Located<String>, both: bool| match preparer.prepare(&text.value, text.at, both) {
+            Ok(prepared) => prepared,
+            Err(fault) => {
+                faults.push(*fault);
+                Prepared::Study
+            }
+        };
+        let probes = case.probes.iter().map(|p| take(&p.quantity, false)).collect();
+        let checks: Vec<_> = case.checks.iter().map(|c| take(&c.quantity, c.over_all.is_some())).collect();
+        let values = case
+            .checks
+            .iter()
+            .map(|c| {
+                formulas(&c.condition).map(|f| match f {
+                    Some(f) => f
+                        .value
+                        .quantities()
+                        .iter()
+                        .map(|q| take(&Located::new(q.text.clone(), f.at.inside(q.offset + 1, q.length)), false))
+                        .collect(),
+                    None => Vec::new(),
+                })
+            })
+            .collect();
+        if faults.has_errors() { Err(faults) } else { Ok(Self { probes, checks, values }) }
+    }
+
+    /// Answers all probes and checks from a solved state into `result`; returns whether every check that was decided passed.
+    pub fn answer(&self, case: &Case, model: &Model<S, N>, state: Option<&StepState<S, N>>, result: &mut RunResult) -> bool {
+        let value = result.to_value();
+        let ask = |prepared: &Prepared<S, N>| match state {
+            Some(state) => evaluate(prepared, model, state, &value),
+            None => match prepared {
+                Prepared::Study => Answer::Study,
+                _ => Answer::None("nothing was solved".into()),
+            },
+        };
+        result.probes = case
+            .probes
+            .iter()
+            .zip(&self.probes)
+            .map(|(probe, prepared)| {
+                let (value, reason) = match ask(prepared) {
+                    Answer::One(v) => (v, None),
+                    Answer::Range(low, _) => (low, None),
+                    Answer::None(reason) => (f64::NAN, Some(reason)),
+                    Answer::Study => (f64::NAN, Some("only studies answer this quantity".to_string())),
+                };
+                ProbeReport { name: probe.name.value.clone(), quantity: probe.quantity.value.clone(), value, reason }
+            })
+            .collect();
+        // probes are numbers of the result: checks may name them
+        let value = result.to_value();
+        let ask = |prepared: &Prepared<S, N>| match state {
+            Some(state) => evaluate(prepared, model, state, &value),
+            None => match prepared {
+                Prepared::Study => Answer::Study,
+                _ => Answer::None("nothing was solved".into()),
+            },
+        };
+        let mut reports = Vec::with_capacity(case.checks.len());
+        for (k, check) in case.checks.iter().enumerate() {
+            let [wanted, rtol, atol] = formulas(&check.condition);
+            let number = |f: Option<&Located<Formula>>, which: usize| -> Result<f64, String> {
+                let Some(f) = f else { return Ok(0.0) };
+                let values: Result<Vec<f64>, String> = self.values[k][which]
+                    .iter()
+                    .map(|p| match ask(p) {
+                        Answer::One(v) => Ok(v),
+                        Answer::None(reason) => Err(reason),
+                        _ => Err("a value of a check is one number".to_string()),
+                    })
+                    .collect();
+                let v = f.value.value_with(&values?);
+                if v.is_finite() { Ok(v) } else { Err(format!("`{}` is not finite", f.value.text())) }
+            };
+            let mut report = CheckReport {
+                name: check.name.value.clone(),
+                quantity: check.quantity.value.clone(),
+                value: f64::NAN,
+                expected: f64::NAN,
+                ok: false,
+                relation: match check.condition {
+                    Condition::Below(_) => "below",
+                    Condition::Above(_) => "above",
+                    Condition::Equals { .. } => "equals",
+                }
+                .into(),
+                reason: None,
+                skipped: false,
+            };
+            let elsewhere = check.backend.as_ref().filter(|b| model.patches.iter().any(|p| p.backend != b.value));
+            let answer = ask(&self.checks[k]);
+            if answer == Answer::Study || elsewhere.is_some() {
+                report.skipped = true;
+                report.ok = true;
+                report.reason =
+                    Some(elsewhere.map_or("decided by studies".to_string(), |b| format!("only for backend \"{}\"", b.value)));
+            } else {
+                let found = match answer {
+                    Answer::One(v) => Ok(vec![v]),
+                    Answer::Range(low, high) => Ok(vec![low, high]),
+                    Answer::None(reason) => Err(reason),
+                    Answer::Study => Err(String::new()),
+                };
+                let all = found.and_then(|v| Ok((v, number(wanted, 0)?, number(rtol, 1)?, number(atol, 2)?)));
+                match all {
+                    Ok((values, expected, rtol, atol)) => {
+                        // how far a value is on the wrong side; the worst one is reported
+                        let excess = |v: f64| match check.condition {
+                            Condition::Below(_) => v - expected,
+                            Condition::Above(_) => expected - v,
+                            Condition::Equals { .. } => (v - expected).abs(),
+                        };
+                        let passes = |v: f64| match check.condition {
+                            Condition::Below(_) => v < expected,
+                            Condition::Above(_) => v > expected,
+                            Condition::Equals { .. } => (v - expected).abs() <= atol + rtol * expected.abs(),
+                        };
+                        report.value = values.iter().copied().fold(values[0], |worst, v| if excess(v) > excess(worst) { v } else { worst });
+                        report.expected = expected;
+                        report.ok = values.iter().all(|&v| passes(v));
+                    }
+                    Err(reason) => report.reason = Some(reason),
+                }
+            }
+            reports.push(report);
+        }
+        result.checks_expected = reports.len();
+        result.checks_skipped = reports.iter().filter(|r| r.skipped).count();
+        result.checks_performed = reports.len() - result.checks_skipped;
+        let passed = reports.iter().all(|r| r.ok);
+        result.checks = reports;
+        passed
+    }
+}

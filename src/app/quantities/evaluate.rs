@@ -1,0 +1,112 @@
+//! Values of quantities on a solved model.
+
+use super::grammar::{FieldName, Reduce};
+use super::path::look_up;
+use super::prepare::Prepared;
+use crate::app::build::{Model, PointState};
+use crate::app::run::{StepState, multiplier_at, component_rows};
+use crate::basis::Basis;
+use crate::physics::von_mises;
+use crate::quadrature::Quadrature;
+use rayon::prelude::*;
+use serde_json::Value;
+
+/// The value of a quantity.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Answer {
+    /// One number.
+    One(f64),
+    /// Least and largest value of a field.
+    Range(f64, f64),
+    /// No number, and why.
+    None(String),
+    /// Left to studies.
+    Study,
+}
+
+/// Component of a field from the solution at a point.
+fn component<const N: usize>(field: FieldName, p: &PointState<N>) -> f64 {
+    match field {
+        FieldName::U(c) => p.u[c.unwrap_or(0)],
+        FieldName::Flux(c) => p.stress[c],
+        FieldName::Stress(i, j) => p.stress[voigt(i, j)],
+        FieldName::VonMises => von_mises(&p.stress),
+    }
+}
+
+/// Place of a component among xx yy zz xy yz xz.
+fn voigt(i: usize, j: usize) -> usize {
+    match (i.min(j), i.max(j)) {
+        (a, b) if a == b => a,
+        (0, 1) => 3,
+        (1, 2) => 4,
+        _ => 5,
+    }
+}
+
+fn finite(value: f64) -> Answer {
+    if value.is_finite() { Answer::One(value) } else { Answer::None("the value is not finite".into()) }
+}
+
+/// Evaluates a quantity on `state`; numbers of the result are read from `result`.
+pub fn evaluate<const S: usize, const N: usize>(prepared: &Prepared<S, N>, model: &Model<S, N>, state: &StepState<S, N>, result: &Value) -> Answer {
+    match prepared {
+        Prepared::Study => Answer::Study,
+        Prepared::Number(value) => finite(*value),
+        Prepared::Path(path) => match look_up(result, path) {
+            Some(Ok(value)) => finite(value),
+            Some(Err(reason)) => Answer::None(reason),
+            None => Answer::None("the result has no such number".into()),
+        },
+        Prepared::At(field, spot) => {
+            let patch = &model.patches[spot.patch];
+            let mut mean = PointState::<N> { x: crate::linalg::Vector::zeros(), u: [0.0; 3], stress: [0.0; 6] };
+            let share = 1.0 / spot.elements.len() as f64;
+            for (e, xi) in &spot.elements {
+                let p = patch.physics.at(&**patch.body.space(), &patch.field, &state.u, *e, std::slice::from_ref(xi))[0];
+                mean.u.iter_mut().zip(p.u).for_each(|(m, v)| *m += share * v);
+                mean.stress.iter_mut().zip(p.stress).for_each(|(m, v)| *m += share * v);
+            }
+            finite(component(*field, &mean))
+        }
+        Prepared::Over(field, patch, reduce) => {
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            let mut whole = true;
+            for (_, p) in model.patches.iter().enumerate().filter(|(k, _)| patch.is_none_or(|p| p == *k)) {
+                let space = &**p.body.space();
+                let parts: Vec<(f64, f64, bool)> = (0..space.num_elements())
+                    .into_par_iter()
+                    .map(|e| {
+                        let points = p.physics.at(space, &p.field, &state.u, e, &p.rules.rule(e).points);
+                        points.iter().map(|s| component(*field, s)).fold((f64::INFINITY, f64::NEG_INFINITY, true), |(l, h, ok), v| {
+                            (l.min(v), h.max(v), ok && v.is_finite())
+                        })
+                    })
+                    .collect();
+                for (l, h, ok) in parts {
+                    (low, high, whole) = (low.min(l), high.max(h), whole && ok);
+                }
+            }
+            if !whole {
+                return Answer::None("the field is not finite everywhere".into());
+            }
+            match reduce {
+                Reduce::Min => finite(low),
+                Reduce::Max => finite(high),
+                Reduce::None => Answer::Range(low, high),
+            }
+        }
+        Prepared::Lambda(spot, component) => {
+            let part = &model.ties[spot.number].parts[spot.part];
+            let rows = component_rows(part)[*component].clone();
+            finite(multiplier_at(&*part.multipliers[*component], &state.lambda[rows], spot.element, &[spot.xi])[0])
+        }
+        Prepared::Pressure(spot, pressure) => {
+            let part = &model.contacts[spot.number].parts[spot.part];
+            let rows = part.first_row..part.first_row + part.multiplier.num_functions();
+            let lambda = multiplier_at(&*part.multiplier, &state.lambda[rows], spot.element, &[spot.xi])[0];
+            finite(if *pressure { -lambda } else { lambda })
+        }
+    }
+}

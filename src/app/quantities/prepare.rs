@@ -1,0 +1,317 @@
+//! Quantities of a case against its model, before anything is solved: names, components, places.
+
+use super::grammar::{At, FieldName, Kind, Quantity, Reduce};
+use super::path::{known, look_up};
+use crate::app::build::{Model, canonical_side};
+use crate::geometry::{ClosestPoint, Geometry};
+use crate::io::case::Case;
+use crate::io::errors::{Diagnostic, nearest};
+use crate::io::formula::{Formula, Scope};
+use crate::io::place::Place;
+use crate::linalg::Vector;
+use crate::space::{Locator, measure};
+use serde_json::Value;
+
+/// A point off a body by less than this share of an element moves to the nearest point.
+const OFF: f64 = 0.25;
+
+/// A place in a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spot<const N: usize> {
+    /// The patch.
+    pub patch: usize,
+    /// Elements that hold the place, with local coordinates: several on common edges.
+    pub elements: Vec<(usize, Vector<N>)>,
+}
+
+/// A place on a slave side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SideSpot<const S: usize> {
+    /// The interface or contact, by number.
+    pub number: usize,
+    /// The part of it.
+    pub part: usize,
+    /// The element.
+    pub element: usize,
+    /// Local coordinates.
+    pub xi: Vector<S>,
+}
+
+/// A quantity ready to be evaluated.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Prepared<const S: usize, const N: usize> {
+    /// A field at a place.
+    At(FieldName, Spot<N>),
+    /// The least or largest value of a field, or both; in one patch or all.
+    Over(FieldName, Option<usize>, Reduce),
+    /// lambda of an interface at a place, one component.
+    Lambda(SideSpot<S>, usize),
+    /// Pressure (true) or lambda of a contact at a place.
+    Pressure(SideSpot<S>, bool),
+    /// A number known already.
+    Number(f64),
+    /// A number of the result.
+    Path(Vec<String>),
+    /// Left to studies.
+    Study,
+}
+
+/// Prepares quantities against one model.
+#[derive(Debug)]
+pub struct Preparer<'a, const S: usize, const N: usize> {
+    case: &'a Case,
+    model: &'a Model<S, N>,
+    skeleton: &'a Value,
+}
+
+impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
+    /// `skeleton`: the JSON of a result before it is filled.
+    pub fn new(case: &'a Case, model: &'a Model<S, N>, skeleton: &'a Value) -> Self {
+        Self { case, model, skeleton }
+    }
+
+    fn fault(&self, code: &'static str, message: String, at: Place) -> Box<Diagnostic> {
+        Box::new(Diagnostic::error(code, message).at(&self.case.source, at))
+    }
+
+    /// Understands `text`, which stands at `at`. With `both`, a field without a place means both extremes.
+    ///
+    /// # Errors
+    /// E018 for what is no quantity here, E021 for unknown names, E022 for points outside, E017 for coordinates.
+    pub fn prepare(&self, text: &str, at: Place, both: bool) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        let quantity = Quantity::parse(text).map_err(|e| self.fault("E018", format!("`{text}` is no quantity: {e}"), at))?;
+        match quantity.kind {
+            Kind::Study => Ok(Prepared::Study),
+            Kind::Path(path) => self.path(text, path, at),
+            Kind::SideMeasure(side) => self.side_measure(text, &side, at),
+            Kind::Multiplier { pressure, name, component, at: place } => {
+                if self.model.ties.iter().any(|t| t.name == name) {
+                    self.lambda(text, &name, component, &place, at)
+                } else {
+                    self.pressure(text, &name, pressure, &place, at)
+                }
+            }
+            Kind::Field { field, at: place, patch, reduce } => {
+                self.field_exists(text, field, at)?;
+                let patch = match patch {
+                    Some(name) => Some(self.patch(&name, at)?),
+                    None => None,
+                };
+                match (&place, reduce, both) {
+                    (At::Everywhere, Reduce::None, false) => Err(Box::new(
+                        Diagnostic::error("E018", format!("`{text}` is a field; a quantity is one number"))
+                            .at(&self.case.source, at)
+                            .with_help("add `at [x, y]`, `.min` or `.max`; a check may say over = \"all\""),
+                    )),
+                    (At::Everywhere, ..) => Ok(Prepared::Over(field, patch, reduce)),
+                    _ => Ok(Prepared::At(field, self.spot(text, &place, patch, at)?)),
+                }
+            }
+        }
+    }
+
+    fn field_exists(&self, text: &str, field: FieldName, at: Place) -> Result<(), Box<Diagnostic>> {
+        let scalar = self.model.components == 1;
+        let wrong = match field {
+            FieldName::U(Some(_)) if scalar => Some("u has no components in Poisson problems; write u"),
+            FieldName::U(None) if !scalar => Some("u has components in elasticity; write u.x or u.y"),
+            FieldName::U(Some(c)) | FieldName::Flux(c) if c >= N => Some("this component is not there in the plane"),
+            FieldName::Flux(_) if !scalar => Some("the flux belongs to Poisson problems; elasticity has stress.xx, stress.yy, stress.xy"),
+            FieldName::Stress(..) | FieldName::VonMises if scalar => Some("stresses belong to elasticity; Poisson problems have flux.x, flux.y"),
+            _ => None,
+        };
+        wrong.map_or(Ok(()), |why| Err(self.fault("E018", format!("`{text}` is no quantity here: {why}"), at)))
+    }
+
+    fn patch(&self, name: &str, at: Place) -> Result<usize, Box<Diagnostic>> {
+        let names: Vec<&str> = self.model.patches.iter().map(|p| p.name.as_str()).collect();
+        names.iter().position(|n| *n == name).ok_or_else(|| {
+            let near = nearest(name, names.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+            self.fault("E021", format!("there is no patch \"{name}\"; patches are {}{near}", names.join(", ")), at)
+        })
+    }
+
+    fn point(&self, text: &str, place: &At, at: Place) -> Result<Vector<N>, Box<Diagnostic>> {
+        let list = match place {
+            At::Point(list) => list,
+            At::Tag(tag) => return Err(self.fault("E021", format!("`{text}`: there is no mesh point `{tag}`; write at [x, y]"), at)),
+            At::Everywhere => return Err(self.fault("E018", format!("`{text}` needs a point; write at [x, y]"), at)),
+        };
+        let flat = list.len() == 3 && N == 2;
+        if list.len() != N && !flat {
+            return Err(self.fault("E018", format!("`{text}`: the point has {} coordinates, the model {N}", list.len()), at));
+        }
+        let mut x = Vector::<N>::zeros();
+        for (k, coordinate) in list.iter().enumerate() {
+            let value = Formula::parse(coordinate, &Scope::number(&self.case.constants))
+                .map_err(|e| self.fault("E017", format!("coordinate `{coordinate}` of `{text}`: {e}"), at))?
+                .as_constant()
+                .filter(|v| v.is_finite())
+                .ok_or_else(|| self.fault("E017", format!("coordinate `{coordinate}` of `{text}` is not finite"), at))?;
+            if k < N {
+                x[k] = value;
+            } else if value != 0.0 {
+                return Err(self.fault("E044", format!("`{text}`: z must be 0 in the plane"), at));
+            }
+        }
+        Ok(x)
+    }
+
+    fn spot(&self, text: &str, place: &At, patch: Option<usize>, at: Place) -> Result<Spot<N>, Box<Diagnostic>> {
+        let x = self.point(text, place, at)?;
+        let (mut best, mut nearest_body): (Option<(f64, usize, usize, Vector<N>, Vector<N>)>, f64) = (None, f64::INFINITY);
+        for (k, p) in self.model.patches.iter().enumerate().filter(|(k, _)| patch.is_none_or(|p| p == *k)) {
+            match Locator::new(p.body.space().clone()).locate(&x) {
+                Ok(found) => {
+                    // patches that touch in the point: the first one
+                    let better = best.as_ref().is_none_or(|b| found.distance < b.0 - 1e-9 * self.model.size);
+                    if better {
+                        best = Some((found.distance, k, found.element, found.xi, found.x));
+                    }
+                }
+                Err(outside) => nearest_body = nearest_body.min(outside.distance),
+            }
+        }
+        let Some((_, patch, element, xi, x)) = best else {
+            let coordinates: Vec<String> = x.iter().map(|v| format!("{v}")).collect();
+            let whole = patch.map_or("every body".into(), |p| format!("patch \"{}\"", self.model.patches[p].name));
+            let message = format!("the point ({}) is outside {whole}, {nearest_body:.3e} away", coordinates.join(", "));
+            return Err(Box::new(
+                Diagnostic::error("E022", message)
+                    .at(&self.case.source, at)
+                    .with_help("points off a body by less than a quarter of an element move to the nearest point"),
+            ));
+        };
+        Ok(Spot { patch, elements: self.neighbours(patch, element, xi, &x) })
+    }
+
+    /// All elements of the patch that hold the point `x`, the one found first.
+    fn neighbours(&self, patch: usize, element: usize, xi: Vector<N>, x: &Vector<N>) -> Vec<(usize, Vector<N>)> {
+        let space = self.model.patches[patch].body.space();
+        let mut all = vec![(element, xi)];
+        for e in (0..space.num_elements()).filter(|&e| e != element) {
+            let bounds = space.bounds(e);
+            let near = 1e-9 * bounds.diagonal();
+            if bounds.distance(x) > near {
+                continue;
+            }
+            let alone = crate::geometry::Embedded::new(
+                space.clone(),
+                vec![crate::geometry::Embedding { element: e, origin: Vector::zeros(), axes: crate::linalg::Matrix::<N, N>::identity() }],
+                space.cell(e),
+            );
+            if let Some(p) = crate::geometry::closest_point(&alone, x)
+                && p.distance <= near
+            {
+                all.push((e, p.xi));
+            }
+        }
+        all.sort_by_key(|(e, _)| *e);
+        all
+    }
+
+    fn side_measure(&self, text: &str, side: &str, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        for p in &self.model.patches {
+            if let Some(rest) = side.strip_prefix(&format!("{}.", p.name)) {
+                return match p.body.trace(canonical_side(rest, N)) {
+                    Ok(trace) => Ok(Prepared::Number(measure::<S, N, f64, _>(&*trace.space))),
+                    Err(e) => Err(self.fault("E021", format!("`{text}`: patch \"{}\": {e}", p.name), at)),
+                };
+            }
+        }
+        let name = side.split('.').next().unwrap_or(side);
+        self.patch(name, at).map(|_| Prepared::Study)
+    }
+
+    fn path(&self, text: &str, mut path: Vec<String>, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        if path[0] == "reaction" || path[0] == "reactions" {
+            path = self.support(path);
+        }
+        if look_up(self.skeleton, &path).is_some() {
+            return Ok(Prepared::Path(path));
+        }
+        // results of probes and checks are numbers of the result, too
+        let list = known(self.skeleton);
+        let fields = if self.model.components == 1 { "u, flux.x, flux.y" } else { "u.x, u.y, stress.xx, stress.yy, stress.xy, von_mises" };
+        let words = ["energy", "unknowns"].into_iter().map(String::from);
+        let candidates: Vec<String> = list.into_iter().chain(words).collect();
+        if path[0] == "error" && self.model.exact.is_none() && path.get(1).is_some_and(|p| p == "u") {
+            return Err(Box::new(
+                Diagnostic::error("E062", format!("`{text}` needs `exact` in [model]")).at(&self.case.source, at).with_help("give a manufactured solution"),
+            ));
+        }
+        let mut fault = self.fault("E018", format!("unknown quantity `{text}`"), at);
+        if let Some(near) = nearest(&path.join("."), candidates.iter().map(String::as_str)) {
+            fault = Box::new(fault.with_label(format!("did you mean `{near}`?")));
+        }
+        let heads: Vec<&str> = ["energy", "unknowns", "error", "reaction", "area", "length", "interface", "contact", "balance"].to_vec();
+        Err(Box::new(fault.with_help(format!("quantities: {fields} `at [x, y]`; {} ...", heads.join(", ")))))
+    }
+
+    /// `reaction.PATCH.SIDE.c` by the label the result has, whatever alias is used.
+    fn support(&self, path: Vec<String>) -> Vec<String> {
+        for (k, p) in self.model.patches.iter().enumerate() {
+            let head: Vec<&str> = p.name.split('.').collect();
+            let n = head.len();
+            if path.len() < n + 2 || path[1..=n].iter().map(String::as_str).collect::<Vec<_>>() != head {
+                continue;
+            }
+            let side = canonical_side(&path[n + 1], N);
+            if let Some(support) = self.model.supports.iter().find(|s| s.patch == k && s.side == side) {
+                let mut out = vec!["reactions".to_string(), support.label.clone()];
+                out.extend_from_slice(&path[n + 2..]);
+                if self.model.components == 1 && out.len() == 2 {
+                    out.push("0".into());
+                }
+                return out;
+            }
+        }
+        path
+    }
+
+    fn lambda(&self, text: &str, name: &str, component: Option<usize>, place: &At, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        let number = self.model.ties.iter().position(|t| t.name == name).unwrap_or(0);
+        let component = match (component, self.model.components) {
+            (None, 1) => 0,
+            (Some(c), n) if n > 1 && c < n => c,
+            (None, _) => return Err(self.fault("E018", format!("`{text}`: lambda has components; write interface.{name}.lambda.x"), at)),
+            _ => return Err(self.fault("E018", format!("`{text}`: lambda has no such component"), at)),
+        };
+        let x = self.point(text, place, at)?;
+        let sides: Vec<_> = self.model.ties[number].parts.iter().map(|p| &p.slave).collect();
+        let (part, element, xi) = self.on_sides(text, &sides, &x, at)?;
+        Ok(Prepared::Lambda(SideSpot { number, part, element, xi }, component))
+    }
+
+    fn pressure(&self, text: &str, name: &str, pressure: bool, place: &At, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        let Some(number) = self.model.contacts.iter().position(|c| c.name == name) else {
+            let names: Vec<&str> = self.model.ties.iter().map(|t| t.name.as_str()).chain(self.model.contacts.iter().map(|c| c.name.as_str())).collect();
+            let near = nearest(name, names.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+            return Err(self.fault("E018", format!("`{text}`: there is no interface or contact \"{name}\"{near}"), at));
+        };
+        let x = self.point(text, place, at)?;
+        let sides: Vec<_> = self.model.contacts[number].parts.iter().map(|p| &p.slave).collect();
+        let (part, element, xi) = self.on_sides(text, &sides, &x, at)?;
+        Ok(Prepared::Pressure(SideSpot { number, part, element, xi }, pressure))
+    }
+
+    fn on_sides(
+        &self,
+        text: &str,
+        sides: &[&std::sync::Arc<crate::app::build::SideModel<S, N>>],
+        x: &Vector<N>,
+        at: Place,
+    ) -> Result<(usize, usize, Vector<S>), Box<Diagnostic>> {
+        let mut best: Option<(f64, usize, usize, Vector<S>)> = None;
+        for (part, side) in sides.iter().enumerate() {
+            let closest = ClosestPoint::new(side.trace.space.clone());
+            let Some(p) = closest.project(x) else { continue };
+            if p.distance <= OFF * side.trace.space.bounds(p.element).diagonal() && best.as_ref().is_none_or(|b| p.distance < b.0) {
+                best = Some((p.distance, part, p.element, p.xi));
+            }
+        }
+        best.map(|(_, part, element, xi)| (part, element, xi))
+            .ok_or_else(|| self.fault("E022", format!("`{text}`: the point is not on the slave side"), at))
+    }
+}

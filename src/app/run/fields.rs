@@ -1,0 +1,222 @@
+//! Fields of a solved plane model for the files.
+
+use super::Solved;
+use super::arc_length::ArcLength;
+use super::report::{component_rows, multiplier_at};
+use crate::app::build::{Against, SideModel};
+use crate::app::output::{ExactCurve, Output, Picture, SideOutput};
+use crate::basis::{Basis, Order, ShapeTable};
+use crate::contact::{Surface, Target};
+use crate::geometry::{Geometry, MapTable};
+use crate::io::case::Case;
+use crate::io::formula::Point;
+use crate::io::table::InterfaceRow;
+use crate::io::vtu::{CellStyle, Part};
+use crate::linalg::{Vector, measure};
+use crate::physics::von_mises;
+use crate::quadrature::Quadrature;
+use std::ops::Range;
+use std::sync::Arc;
+
+type Plane = Solved<1, 2>;
+type Side = SideModel<1, 2>;
+
+/// Everything the files need.
+pub fn output(case: &Case, solved: Arc<Plane>) -> Output {
+    let scalar = solved.model.components == 1;
+    let title = if case.title.value.is_empty() { case.source.name.clone() } else { case.title.value.clone() };
+    let mut sides: Vec<SideOutput> = Vec::new();
+    for t in 0..solved.model.ties.len() {
+        sides.extend((0..solved.model.ties[t].parts.len()).map(|p| tied_side(&solved, t, p)));
+    }
+    for c in 0..solved.model.contacts.len() {
+        sides.extend((0..solved.model.contacts[c].parts.len()).map(|p| contact_side(&solved, c, p)));
+    }
+    let (field, label) = if scalar { ("u", "u") } else { ("von_mises", "von Mises stress") };
+    Output {
+        title,
+        parts: (0..solved.model.patches.len()).map(|k| body(&solved, k)).collect(),
+        picture: Some(Picture { field: field.into(), component: 0, label: label.into() }),
+        sides,
+    }
+}
+
+fn style(backend: &str) -> CellStyle {
+    if backend == "fe" { CellStyle::Lagrange } else { CellStyle::Bezier }
+}
+
+fn body(solved: &Arc<Plane>, k: usize) -> Part<'static, 2, 2> {
+    let patch = &solved.model.patches[k];
+    let at = |solved: &Arc<Plane>| {
+        let solved = Arc::clone(solved);
+        move |element: usize, xi: &[Vector<2>]| {
+            let patch = &solved.model.patches[k];
+            patch.physics.at(&**patch.body.space(), &patch.field, &solved.state.u, element, xi)
+        }
+    };
+    let (values, stresses, equivalent) = (at(solved), at(solved), at(solved));
+    let part = Part::new(patch.name.clone(), Arc::clone(patch.body.space()), style(&patch.backend));
+    if solved.model.components == 1 {
+        return part.with_exact("u", 1, move |e, xi| values(e, xi).iter().map(|p| p.u[0]).collect());
+    }
+    part.with_exact("displacement", 2, move |e, xi| values(e, xi).iter().flat_map(|p| [p.u[0], p.u[1]]).collect())
+        .with("stress", 6, move |e, xi| stresses(e, xi).iter().flat_map(|p| p.stress).collect())
+        .with("von_mises", 1, move |e, xi| equivalent(e, xi).iter().map(|p| von_mises(&p.stress)).collect())
+}
+
+/// The part of a name: the name itself where it is the only one.
+fn part_name(name: &str, part: usize, parts: usize) -> String {
+    if parts == 1 { name.into() } else { format!("{name}.{part}") }
+}
+
+/// The highest degree of a multiplier.
+fn degree(psi: &dyn Basis<1>) -> usize {
+    (0..psi.num_elements()).map(|e| psi.degree(e)[0]).max().unwrap_or(1).max(1)
+}
+
+/// Centre of every function along the side: arc length and point.
+fn centres(side: &Side, psi: &dyn Basis<1>) -> Vec<(f64, [f64; 3])> {
+    let space = &*side.trace.space;
+    let arc = ArcLength::new(space);
+    let (mut sums, mut table, mut ids, mut map) = (vec![[0.0; 2]; psi.num_functions()], ShapeTable::new(), Vec::new(), MapTable::new());
+    for e in 0..space.num_elements() {
+        let rule = side.rules.rule(e);
+        space.map(e, &rule.points, Order::Gradients, &mut map);
+        psi.active(e, &mut ids);
+        psi.tabulate(e, &rule.points, Order::Values, &mut table);
+        for (q, &w) in rule.weights.iter().enumerate() {
+            let (s, ds) = (arc.of(e, rule.points[q][0]), w * measure(&map.jacobian[q]));
+            for (&j, v) in ids.iter().zip(table.values(q)) {
+                sums[j][0] += v.abs() * ds * s;
+                sums[j][1] += v.abs() * ds;
+            }
+        }
+    }
+    sums.iter()
+        .map(|[moment, weight]| {
+            let s = if *weight > 0.0 { moment / weight } else { 0.0 };
+            let x = arc.point(s);
+            (s, [x[0], x[1], 0.0])
+        })
+        .collect()
+}
+
+/// The normal of the obstacle or master that faces each point of a slave element.
+type Normals = Box<dyn Fn(usize, &[Vector<1>]) -> Vec<f64> + Send + Sync>;
+
+fn normals(solved: &Arc<Plane>, slave: &Arc<Side>, target: Box<dyn Target<1, 2>>) -> Normals {
+    let (solved, slave) = (Arc::clone(solved), Arc::clone(slave));
+    Box::new(move |element, xi| {
+        let _ = &solved;
+        let mut map = MapTable::new();
+        slave.trace.space.map(element, xi, Order::Gradients, &mut map);
+        (0..xi.len())
+            .flat_map(|q| {
+                // what faces nothing shows the slave's own direction
+                let own = -slave.trace.normal(element, &map.jacobian[q]);
+                let n = target.project(&map.x[q]).map_or(own, |hit| hit.normal);
+                [n[0], n[1]]
+            })
+            .collect()
+    })
+}
+
+fn tied_side(solved: &Arc<Plane>, t: usize, p: usize) -> SideOutput {
+    let tie = &solved.model.ties[t];
+    let part = &tie.parts[p];
+    let components = solved.model.components;
+    let lambda = |solved: &Arc<Plane>, sign: f64| {
+        let solved = Arc::clone(solved);
+        move |element: usize, xi: &[Vector<1>]| {
+            let part = &solved.model.ties[t].parts[p];
+            let per_component: Vec<Vec<f64>> = part
+                .multipliers
+                .iter()
+                .zip(component_rows(part))
+                .map(|(psi, rows)| multiplier_at(&**psi, &solved.state.lambda[rows], element, xi))
+                .collect();
+            (0..xi.len()).flat_map(|q| per_component.iter().map(move |v| sign * v[q]).collect::<Vec<_>>()).collect::<Vec<f64>>()
+        }
+    };
+    let mut drawn = Part::new(part_name(&tie.name, p, tie.parts.len()), Arc::clone(&part.slave.trace.space), CellStyle::Lagrange);
+    drawn.least_degree = part.multipliers.iter().map(|m| degree(&**m)).max().unwrap_or(1);
+    drawn = drawn.with("lambda", components, lambda(solved, 1.0)).with("traction", components, lambda(solved, -1.0));
+    if let Some(pairing) = part.pairings.first() {
+        drawn = drawn.with("normal", 2, normals(solved, &part.slave, Box::new(Surface::new(&pairing.master.trace, None))));
+    }
+    let rows = component_rows(part);
+    // components may have different functions at the ends: one line per function of the richest
+    let richest = (0..rows.len()).max_by_key(|&c| rows[c].len()).unwrap_or(0);
+    let table = centres(&part.slave, &*part.multipliers[richest])
+        .into_iter()
+        .enumerate()
+        .map(|(j, (s, x))| {
+            let lambda = if rows.iter().all(|r| r.len() == rows[richest].len()) {
+                rows.iter().map(|r| solved.state.lambda[r.start + j]).collect()
+            } else {
+                at_centre(solved, t, p, s)
+            };
+            InterfaceRow { s, x, lambda, gap: None, active: true }
+        })
+        .collect();
+    let exact: Option<ExactCurve> = tie.exact.clone().filter(|list| list.len() == 1).map(|list| -> ExactCurve {
+        let t = solved.state.t;
+        Box::new(move |x| list[0].value(&Point::new(x.as_slice()).at_time(t)))
+    });
+    SideOutput { name: part_name(&tie.name, p, tie.parts.len()), contact: false, part: drawn, rows: table, exact }
+}
+
+/// Values of all components at an arc length, where components have different functions.
+fn at_centre(solved: &Arc<Plane>, t: usize, p: usize, s: f64) -> Vec<f64> {
+    let part = &solved.model.ties[t].parts[p];
+    let x = ArcLength::new(&*part.slave.trace.space).point(s);
+    let Some(found) = crate::geometry::closest_point(&*part.slave.trace.space, &x) else { return vec![0.0; part.multipliers.len()] };
+    part.multipliers
+        .iter()
+        .zip(component_rows(part))
+        .map(|(psi, rows)| multiplier_at(&**psi, &solved.state.lambda[rows], found.element, &[found.xi])[0])
+        .collect()
+}
+
+fn contact_side(solved: &Arc<Plane>, c: usize, p: usize) -> SideOutput {
+    let contact = &solved.model.contacts[c];
+    let part = &contact.parts[p];
+    let rows: Range<usize> = part.first_row..part.first_row + part.multiplier.num_functions();
+    let gaps: Vec<Option<f64>> = solved.state.contacts[c][p].lumped_gap(&solved.state.u);
+    let field = |coefficients: Vec<f64>, solved: &Arc<Plane>| {
+        let solved = Arc::clone(solved);
+        move |element: usize, xi: &[Vector<1>]| multiplier_at(&*solved.model.contacts[c].parts[p].multiplier, &coefficients, element, xi)
+    };
+    let lambda: Vec<f64> = solved.state.lambda[rows.clone()].to_vec();
+    let active: Vec<f64> = rows.clone().map(|j| f64::from(u8::from(solved.state.active[j]))).collect();
+    let target = |solved: &Arc<Plane>| -> Box<dyn Target<1, 2>> {
+        match &solved.model.contacts[c].parts[p].against {
+            Against::Side(master, _) => Box::new(Surface::new(&master.trace, None)),
+            Against::Rigid(make, _) => make(solved.state.t),
+        }
+    };
+    let shown = field(active.clone(), solved);
+    let push = field(lambda.clone(), solved);
+    let facing = normals(solved, &part.slave, target(solved));
+    let mut drawn = Part::new(part_name(&contact.name, p, contact.parts.len()), Arc::clone(&part.slave.trace.space), CellStyle::Lagrange);
+    drawn.least_degree = degree(&*part.multiplier);
+    drawn = drawn
+        .with("lambda", 1, field(lambda.clone(), solved))
+        .with("gap", 1, field(gaps.iter().map(|g| g.unwrap_or(0.0)).collect(), solved))
+        .with("active", 1, move |e, xi| shown(e, xi).iter().map(|v| f64::from(u8::from(*v > 0.5))).collect())
+        .with("traction", 2, move |e, xi| {
+            let pressure = push(e, xi);
+            facing(e, xi).iter().enumerate().map(|(k, n)| -pressure[k / 2] * n).collect()
+        })
+        .with("normal", 2, normals(solved, &part.slave, target(solved)));
+    let table = centres(&part.slave, &*part.multiplier)
+        .into_iter()
+        .enumerate()
+        .map(|(j, (s, x))| InterfaceRow { s, x, lambda: vec![lambda[j]], gap: gaps[j], active: solved.state.active[rows.start + j] })
+        .collect();
+    let exact: Option<ExactCurve> = contact.exact.clone().map(|f| -> ExactCurve {
+        let t = solved.state.t;
+        Box::new(move |x| f.value(&Point::new(x.as_slice()).at_time(t)))
+    });
+    SideOutput { name: part_name(&contact.name, p, contact.parts.len()), contact: true, part: drawn, rows: table, exact }
+}

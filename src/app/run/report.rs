@@ -1,0 +1,439 @@
+//! From solved unknowns to the numbers of a result.
+
+use super::integrate::{cross, on_trace};
+use super::loads::Resultant;
+use super::solve::StepState;
+use crate::app::build::{Model, SideModel, TieModel, TiePart};
+use crate::app::named::Named;
+use crate::app::result::{
+    ActiveSetSummary, Balance, ContactReport, Extremes, GeometryReport, InterfaceReport, Kkt, L2, Least, Moment, Norm, RunResult,
+    SolveReport, Unknowns,
+};
+use crate::assembly::Errors;
+use crate::basis::{Basis, Order, ShapeTable};
+use crate::contact::Contact;
+use crate::coupling::Segments;
+use crate::geometry::{Geometry, MapTable};
+use crate::io::case::Case;
+use crate::io::formula::Point;
+use crate::linalg::{Csr, Operator, Vector};
+use crate::space::{measure, quality};
+use std::sync::Arc;
+
+/// Half the width of a contact zone on slave sides of S dimensions, where that has a meaning.
+pub type HalfWidth<const S: usize, const N: usize> = fn(&dyn Geometry<S, N>, &Contact<S, N>, &[f64]) -> f64;
+
+/// The result before anything is solved: all names, all counts, the geometry.
+pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, model: &Model<S, N>) -> RunResult {
+    let mut result = RunResult::new(command, &case.source.name);
+    result.backend = backend(model);
+    result.backends = model.patches.iter().map(|p| (p.name.clone(), p.backend.clone())).collect();
+    result.unknowns = Unknowns { primal: model.unknowns, multipliers: model.rows };
+    let soundness = model.patches.iter().map(|p| quality(&**p.body.space()).map_or(f64::NAN, |q| q.least_jacobian));
+    result.geometry = GeometryReport {
+        measure: model.patches.iter().map(|p| (p.name.clone(), measure::<N, N, f64, _>(&**p.body.space()))).collect(),
+        least_jacobian: soundness.fold(f64::INFINITY, f64::min),
+    };
+    result.contact = model.contacts.iter().map(|c| (c.name.clone(), ContactReport { force: vec![0.0; N], moment: moment::<N>([0.0; 3]), ..Default::default() })).collect();
+    result.interface = model.ties.iter().map(|t| (t.name.clone(), InterfaceReport::default())).collect();
+    for side in &model.supports {
+        if result.reactions.get(&side.label).is_none() {
+            result.reactions.push(side.label.clone(), vec![0.0; model.components]);
+        }
+    }
+    result.balance = Balance {
+        force: vec![0.0; model.components],
+        moment: (model.components == N).then(|| moment::<N>([0.0; 3])),
+    };
+    for name in error_names(model) {
+        result.errors.push(name, 0.0);
+    }
+    result.solve = Some(SolveReport {
+        active_set: (!model.contacts.is_empty()).then(ActiveSetSummary::default),
+        ..Default::default()
+    });
+    result.checks_expected = case.checks.len();
+    result.warnings.extend(case.warnings.items.iter().chain(&model.warnings.items).cloned());
+    result
+}
+
+/// One backend for all, slave+master where that tells the patches apart, else "mixed".
+fn backend<const S: usize, const N: usize>(model: &Model<S, N>) -> String {
+    let first = model.patches.first().map_or("", |p| &p.backend);
+    if model.patches.iter().all(|p| p.backend == first) {
+        return first.into();
+    }
+    let name = |side: &SideModel<S, N>| model.patches[side.patch].backend.as_str();
+    let ties = model.ties.iter().flat_map(|t| &t.parts).flat_map(|p| p.pairings.iter().map(|m| (name(&p.slave), name(&m.master))));
+    let contacts = model.contacts.iter().flat_map(|c| &c.parts).filter_map(|p| match &p.against {
+        crate::app::build::Against::Side(master, _) => Some((name(&p.slave), name(master))),
+        crate::app::build::Against::Rigid(..) => None,
+    });
+    let mut pairs: Vec<(&str, &str)> = ties.chain(contacts).collect();
+    pairs.dedup();
+    match pairs.as_slice() {
+        [(slave, master)] if slave != master => format!("{slave}+{master}"),
+        _ => "mixed".into(),
+    }
+}
+
+fn moment<const N: usize>(m: [f64; 3]) -> Moment {
+    if N == 2 { Moment::Plane(m[2]) } else { Moment::Space(m.to_vec()) }
+}
+
+/// Errors that can be measured.
+fn error_names<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<String> {
+    let mut names = Vec::new();
+    let mut add = |name: String| {
+        names.push(name.clone());
+        names.push(format!("{name}.rel"));
+    };
+    if model.exact.is_some() {
+        for norm in ["L2", "H1", "energy"] {
+            add(format!("error.u.{norm}"));
+        }
+    }
+    let ties = model.ties.iter().filter(|t| t.exact.is_some() || model.exact.is_some()).map(|t| &t.name);
+    let contacts = model.contacts.iter().filter(|c| c.exact.is_some() || model.exact.is_some()).map(|c| &c.name);
+    let interfaces: Vec<&String> = ties.chain(contacts).collect();
+    for name in &interfaces {
+        add(format!("error.{name}.lambda.L2"));
+    }
+    if !interfaces.is_empty() {
+        add("error.lambda.L2".into());
+    }
+    names
+}
+
+/// Fills `result` from the solution of a step.
+pub fn fill<const S: usize, const N: usize>(
+    result: &mut RunResult,
+    model: &Model<S, N>,
+    state: &StepState<S, N>,
+    matrices: &[Csr],
+    half_width: Option<HalfWidth<S, N>>,
+    reason: &str,
+) {
+    result.solve = Some(SolveReport {
+        reason: reason.into(),
+        linear: state.method.clone(),
+        residual: state.residual,
+        active_set: state.active_set.as_ref().map(|a| ActiveSetSummary {
+            iterations: a.iterations,
+            history: a.history.clone(),
+            cycles: usize::from(reason == "cycling"),
+        }),
+    });
+    result.energy = model.patches.iter().zip(matrices).map(|(p, k)| energy(k, &state.u[p.range()])).sum();
+    let mut outside = state.load;
+    result.contact = contacts(model, state, half_width, &mut outside);
+    result.interface = model.ties.iter().map(|t| (t.name.clone(), interface(model, state, t))).collect();
+    result.reactions = reactions(model, state, &mut outside);
+    result.balance = Balance {
+        force: outside.force[..model.components].to_vec(),
+        moment: (model.components == N).then(|| moment::<N>(outside.moment)),
+    };
+    result.errors = errors(model, state);
+}
+
+/// 1/2 uᵀ K u.
+fn energy(matrix: &Csr, u: &[f64]) -> f64 {
+    let mut y = vec![0.0; u.len()];
+    matrix.apply(u, &mut y);
+    0.5 * u.iter().zip(&y).map(|(a, b)| a * b).sum::<f64>()
+}
+
+fn contacts<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    state: &StepState<S, N>,
+    half_width: Option<HalfWidth<S, N>>,
+    outside: &mut Resultant,
+) -> Named<ContactReport> {
+    let mut all = Named::default();
+    for (contact, built) in model.contacts.iter().zip(&state.contacts) {
+        let mut total = Resultant::default();
+        let mut report = ContactReport {
+            pressure: Extremes { min: f64::INFINITY, max: f64::NEG_INFINITY },
+            gap: Least { min: f64::INFINITY },
+            iterations: state.active_set.as_ref().map_or(0, |a| a.iterations),
+            ..Default::default()
+        };
+        for (part, rows) in contact.parts.iter().zip(built) {
+            let range = part.first_row..part.first_row + part.multiplier.num_functions();
+            let lambda = &state.lambda[range.clone()];
+            let sent = rows.transmitted(&*part.multiplier, lambda);
+            for k in 0..N {
+                total.force[k] += sent.force[k];
+            }
+            for k in 0..3 {
+                total.moment[k] += sent.moment[k];
+            }
+            report.area += sent.area;
+            report.pressure.min = report.pressure.min.min(sent.least_pressure);
+            report.pressure.max = report.pressure.max.max(sent.largest_pressure);
+            if let Some(half_width) = half_width {
+                report.half_width = report.half_width.max(half_width(&*part.slave.trace.space, rows, &sent.pressure));
+            }
+            for ((gap, &l), j) in rows.lumped_gap(&state.u).into_iter().zip(lambda).zip(range) {
+                report.active += usize::from(state.active[j]);
+                if state.sign_case[j] < 9 {
+                    report.sign_cases[usize::from(state.sign_case[j])] += 1;
+                }
+                let Some(gap) = gap else { continue };
+                report.gap.min = report.gap.min.min(gap);
+                report.kkt = Kkt {
+                    lambda: report.kkt.lambda.max(l),
+                    gap: report.kkt.gap.max(-gap),
+                    product: report.kkt.product.max((l * gap).abs()),
+                };
+            }
+            report.segments.count += rows.segments.num_pieces();
+            report.segments.measure += rows.segments.measure();
+            if matches!(part.against, crate::app::build::Against::Rigid(..)) {
+                let mut force = [0.0; 3];
+                force[..N].copy_from_slice(sent.force.as_slice());
+                outside.sum(&Resultant { force, moment: sent.moment });
+            }
+        }
+        report.force = total.force[..N].to_vec();
+        report.moment = moment::<N>(total.moment);
+        all.push(contact.name.clone(), report);
+    }
+    all
+}
+
+/// A multiplier at local points of an element.
+pub fn multiplier_at<const S: usize>(basis: &dyn Basis<S>, lambda: &[f64], element: usize, xi: &[Vector<S>]) -> Vec<f64> {
+    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
+    basis.active(element, &mut ids);
+    basis.tabulate(element, xi, Order::Values, &mut table);
+    (0..xi.len()).map(|q| ids.iter().zip(table.values(q)).map(|(&j, v)| lambda[j] * v).sum()).collect()
+}
+
+/// The rows of each component of a tied part.
+pub fn component_rows<const S: usize, const N: usize>(part: &TiePart<S, N>) -> Vec<std::ops::Range<usize>> {
+    let mut first = part.first_row;
+    part.multipliers
+        .iter()
+        .map(|m| {
+            let range = first..first + m.num_functions();
+            first = range.end;
+            range
+        })
+        .collect()
+}
+
+/// Calls `visit(piece, x, outward normal of the slave, points)` for the pieces of a slave side.
+fn each_piece<const S: usize, const N: usize>(slave: &SideModel<S, N>, segments: &Segments<S>, mut visit: impl FnMut(usize, &[Vector<N>], &[Vector<N>])) {
+    let (mut map, mut normals) = (MapTable::new(), Vec::new());
+    for piece in 0..segments.num_pieces() {
+        let element = segments.slave[piece];
+        slave.trace.space.map(element, &segments.slave_xi[segments.points(piece)], Order::Gradients, &mut map);
+        normals.clear();
+        normals.extend(map.jacobian.iter().map(|j| slave.trace.normal(element, j)));
+        visit(piece, &map.x, &normals);
+    }
+}
+
+fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, tie: &TieModel<S, N>) -> InterfaceReport {
+    let mut report = InterfaceReport::default();
+    let (mut size, mut defect) = (0.0, [0.0; 3]);
+    for part in &tie.parts {
+        let rows = component_rows(part);
+        for pairing in &part.pairings {
+            let s = &pairing.segments;
+            for piece in 0..s.num_pieces() {
+                let points = s.points(piece);
+                let own = on_trace(&part.slave.trace, model.patches[part.slave.patch].field, &state.u, s.slave[piece], &s.slave_xi[points.clone()]);
+                let other =
+                    on_trace(&pairing.master.trace, model.patches[pairing.master.patch].field, &state.u, s.master[piece], &s.master_xi[points.clone()]);
+                for (k, q) in points.clone().enumerate() {
+                    report.jump.l2 += s.ds[q] * (0..3).map(|c| (own[k][c] - other[k][c]).powi(2)).sum::<f64>();
+                }
+                for (c, psi) in part.multipliers.iter().enumerate() {
+                    let values = multiplier_at(&**psi, &state.lambda[rows[c].clone()], s.slave[piece], &s.slave_xi[points.clone()]);
+                    for (k, q) in points.clone().enumerate() {
+                        report.lambda.norm += s.ds[q] * values[k].powi(2);
+                    }
+                }
+            }
+            report.segments.count += s.num_pieces();
+            report.segments.measure += s.measure();
+            report.distance = report.distance.max(s.report.distance);
+        }
+        // action and reaction: columns of B sum to zero against each other
+        let b = part.reaction.as_ref().unwrap_or(&part.rows);
+        for triplets in [&b.slave, &b.master] {
+            for &(i, j, value) in &triplets.entries {
+                let force = value * state.lambda[part.first_row + i];
+                let component = model.patches.iter().find(|p| p.range().contains(&j)).map_or(0, |p| (j - p.field.first) % p.field.components);
+                defect[component] += force;
+                size += force.abs();
+            }
+        }
+    }
+    report.lambda = Norm { norm: report.lambda.norm.sqrt() };
+    report.jump = L2 { l2: report.jump.l2.sqrt() };
+    report.consistency = if size > 0.0 { defect.iter().fold(0.0, |m: f64, d| m.max(d.abs())) / size } else { 0.0 };
+    report
+}
+
+/// Reactions per side, added to the forces from outside. An unknown of several sides is shared equally.
+fn reactions<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, outside: &mut Resultant) -> Named<Vec<f64>> {
+    // coefficients of 1 and of the coordinates on the supported sides: forces and moments of any basis
+    let mut one = vec![1.0; model.unknowns];
+    for (i, v) in model.projected(|_| Some(Box::new(|_: &Vector<N>| 1.0))).unwrap_or_default() {
+        one[i] = v;
+    }
+    let mut place = vec![[0.0; 3]; model.unknowns];
+    for k in 0..N {
+        for (i, v) in model.projected(|_| Some(Box::new(move |x: &Vector<N>| x[k]))).unwrap_or_default() {
+            place[i][k] = v;
+        }
+    }
+    let prescribed = |side: &Arc<SideModel<S, N>>, c: usize| model.conditions.iter().any(|d| Arc::ptr_eq(&d.side, side) && d.component == c);
+    let unknowns = |side: &Arc<SideModel<S, N>>| -> Vec<(usize, usize)> {
+        let field = model.patches[side.patch].field;
+        let mut dofs = side.trace.dofs.clone();
+        dofs.sort_unstable();
+        dofs.dedup();
+        let by_equation = !model.conditions.iter().any(|d| Arc::ptr_eq(&d.side, side));
+        let components: Vec<usize> = (0..model.components).filter(|&c| by_equation || prescribed(side, c)).collect();
+        dofs.iter().flat_map(|&i| components.iter().map(move |&c| (field.unknown(i, c), c))).collect()
+    };
+    let mut holders = vec![0u32; model.unknowns];
+    for side in &model.supports {
+        for (i, _) in unknowns(side) {
+            holders[i] += 1;
+        }
+    }
+    let mut all: Named<Vec<f64>> = Named::default();
+    for side in &model.supports {
+        let mut force = vec![0.0; model.components];
+        for (i, c) in unknowns(side) {
+            let r = state.support[i] / f64::from(holders[i]);
+            force[c] += r * one[i];
+            let mut pull = [0.0; 3];
+            pull[c] = r;
+            let x = Vector::<N>::from_fn(|k, _| place[i][k]);
+            let moment = cross(&x, &pull);
+            outside.force[c] += r * one[i];
+            for k in 0..3 {
+                outside.moment[k] += moment[k];
+            }
+        }
+        match all.0.iter_mut().find(|(label, _)| *label == side.label) {
+            Some((_, sum)) => sum.iter_mut().zip(&force).for_each(|(s, f)| *s += f),
+            None => all.push(side.label.clone(), force),
+        }
+    }
+    all
+}
+
+/// Squares of an error and of the exact size.
+#[derive(Clone, Copy, Debug, Default)]
+struct Squares {
+    error: f64,
+    exact: f64,
+}
+
+fn errors<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Named<f64> {
+    let mut all = Named::default();
+    let mut add = |name: String, error: f64, exact: f64| {
+        all.push(name.clone(), error);
+        all.push(format!("{name}.rel"), error / exact);
+    };
+    if let Some(exact) = &model.exact {
+        let mut sum = Errors::default();
+        for p in &model.patches {
+            sum = sum.hypot(p.physics.errors(&**p.body.space(), &p.rules, &state.u[p.range()], exact, state.t));
+        }
+        add("error.u.L2".into(), sum.error.l2, sum.exact.l2);
+        add("error.u.H1".into(), sum.error.h1, sum.exact.h1);
+        add("error.u.energy".into(), sum.error.energy, sum.exact.energy);
+    }
+    let mut total = Squares::default();
+    let mut any = false;
+    for tie in model.ties.iter().filter(|t| t.exact.is_some() || model.exact.is_some()) {
+        let s = tie_error(model, state, tie);
+        total = Squares { error: total.error + s.error, exact: total.exact + s.exact };
+        add(format!("error.{}.lambda.L2", tie.name), s.error.sqrt(), s.exact.sqrt());
+        any = true;
+    }
+    for (k, contact) in model.contacts.iter().enumerate().filter(|(_, c)| c.exact.is_some() || model.exact.is_some()) {
+        let s = contact_error(model, state, k);
+        total = Squares { error: total.error + s.error, exact: total.exact + s.exact };
+        add(format!("error.{}.lambda.L2", contact.name), s.error.sqrt(), s.exact.sqrt());
+        any = true;
+    }
+    if any {
+        add("error.lambda.L2".into(), total.error.sqrt(), total.exact.sqrt());
+    }
+    all
+}
+
+fn tie_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, tie: &TieModel<S, N>) -> Squares {
+    let mut sum = Squares::default();
+    for part in &tie.parts {
+        let rows = component_rows(part);
+        let physics = &model.patches[part.slave.patch].physics;
+        for pairing in &part.pairings {
+            let s = &pairing.segments;
+            each_piece(&part.slave, s, |piece, x, normals| {
+                let points = s.points(piece);
+                let found: Vec<Vec<f64>> = part
+                    .multipliers
+                    .iter()
+                    .zip(&rows)
+                    .map(|(psi, range)| multiplier_at(&**psi, &state.lambda[range.clone()], s.slave[piece], &s.slave_xi[points.clone()]))
+                    .collect();
+                let mut wanted = vec![0.0; model.components];
+                for (k, q) in points.enumerate() {
+                    let at = Point::new(x[k].as_slice()).at_time(state.t);
+                    match (&tie.exact, &model.exact) {
+                        (Some(list), _) => wanted.iter_mut().zip(list).for_each(|(w, f)| *w = f.value(&at)),
+                        (None, Some(exact)) => {
+                            physics.exact_traction(exact, &at, &x[k], &normals[k], &mut wanted);
+                            wanted.iter_mut().for_each(|w| *w = -*w);
+                        }
+                        (None, None) => {}
+                    }
+                    for (c, w) in wanted.iter().enumerate() {
+                        sum.error += s.ds[q] * (found[c][k] - w).powi(2);
+                        sum.exact += s.ds[q] * w.powi(2);
+                    }
+                }
+            });
+        }
+    }
+    sum
+}
+
+fn contact_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, number: usize) -> Squares {
+    let contact = &model.contacts[number];
+    let mut sum = Squares::default();
+    for (part, built) in contact.parts.iter().zip(&state.contacts[number]) {
+        let s = &built.segments;
+        let lambda = &state.lambda[part.first_row..part.first_row + part.multiplier.num_functions()];
+        let physics = &model.patches[part.slave.patch].physics;
+        each_piece(&part.slave, s, |piece, x, normals| {
+            let points = s.points(piece);
+            let found = multiplier_at(&*part.multiplier, lambda, s.slave[piece], &s.slave_xi[points.clone()]);
+            for (k, q) in points.enumerate() {
+                let at = Point::new(x[k].as_slice()).at_time(state.t);
+                let wanted = match (&contact.exact, &model.exact) {
+                    (Some(f), _) => f.value(&at),
+                    (None, Some(exact)) => {
+                        let mut traction = vec![0.0; model.components];
+                        physics.exact_traction(exact, &at, &x[k], &normals[k], &mut traction);
+                        traction.iter().zip(normals[k].iter()).map(|(t, n)| t * n).sum()
+                    }
+                    (None, None) => 0.0,
+                };
+                sum.error += s.ds[q] * (found[k] - wanted).powi(2);
+                sum.exact += s.ds[q] * wanted.powi(2);
+            }
+        });
+    }
+    sum
+}
