@@ -1,6 +1,7 @@
 //! What a run reports: the public, serialisable content of `result.json`.
 
 use super::named::Named;
+use super::run::Prediction;
 use crate::io::errors::Diagnostic;
 use serde::Serialize;
 
@@ -288,6 +289,9 @@ pub struct RunResult {
     /// The linear algebra.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solve: Option<SolveReport>,
+    /// What a run will need: `check` alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub predicted: Option<Prediction>,
     /// Every contact by name.
     pub contact: Named<ContactReport>,
     /// Every tied interface by name.
@@ -336,6 +340,7 @@ impl RunResult {
             unknowns: Unknowns::default(),
             geometry: GeometryReport::default(),
             solve: None,
+            predicted: None,
             contact: Named::default(),
             interface: Named::default(),
             reactions: Named::default(),

@@ -70,7 +70,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             let fixed: Vec<Prescribed<'_, S, N>> = mine
                 .iter()
                 .zip(&values)
-                .map(|(c, v)| Prescribed { trace: &c.side.trace, component: c.component, value: v.as_ref().map(|f| &**f as &dyn Fn(&Vector<N>) -> f64) })
+                .map(|(c, v)| Prescribed { trace: &c.side.trace, component: c.component, value: v.as_deref() })
                 .collect();
             let places = |e: &DirichletError| match e {
                 DirichletError::Conflict { first, second, .. } => Some((mine[*first].at, mine[*second].at)),

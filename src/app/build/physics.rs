@@ -181,10 +181,10 @@ impl<const N: usize> Physics<N> {
         }
     }
 
-    /// The solution at local points of an element.
+    /// The solution at local points of an element; `u` holds the unknowns of all bodies.
     pub fn at(&self, space: &dyn Space<N, N>, field: &Field, u: &[f64], element: usize, xi: &[Vector<N>]) -> Vec<PointState<N>> {
         match self {
-            Self::Scalar(m) => physics::stress_at::<1, N, f64, _, _>(space, field, &**m, u, element, xi)
+            Self::Scalar(m) => physics::stress_at::<1, N, f64, _, _>(space, &**m, &u[field.first..], element, xi)
                 .into_iter()
                 .map(|s| PointState {
                     x: s.x,
@@ -192,7 +192,7 @@ impl<const N: usize> Physics<N> {
                     stress: std::array::from_fn(|k| if k < N { s.stress[(0, k)] } else { 0.0 }),
                 })
                 .collect(),
-            Self::Vector(m) => physics::stress_at::<N, N, f64, _, _>(space, field, &**m, u, element, xi)
+            Self::Vector(m) => physics::stress_at::<N, N, f64, _, _>(space, &**m, &u[field.first..], element, xi)
                 .into_iter()
                 .map(|s| PointState { x: s.x, u: std::array::from_fn(|k| if k < N { s.value[k] } else { 0.0 }), stress: s.spatial })
                 .collect(),

@@ -4,7 +4,7 @@ use super::Solved;
 use super::arc_length::ArcLength;
 use super::report::{component_rows, multiplier_at};
 use crate::app::build::{Against, SideModel};
-use crate::app::output::{ExactCurve, Output, Picture, SideOutput};
+use crate::app::output::{ExactCurve, Output, Picture, RunOptions, SideOutput};
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::contact::{Surface, Target};
 use crate::geometry::{Geometry, MapTable};
@@ -22,30 +22,26 @@ type Plane = Solved<1, 2>;
 type Side = SideModel<1, 2>;
 
 /// Everything the files need.
-pub fn output(case: &Case, solved: Arc<Plane>) -> Output {
+pub fn output(case: &Case, solved: &Arc<Plane>, options: &RunOptions) -> Output {
     let scalar = solved.model.components == 1;
     let title = if case.title.value.is_empty() { case.source.name.clone() } else { case.title.value.clone() };
     let mut sides: Vec<SideOutput> = Vec::new();
     for t in 0..solved.model.ties.len() {
-        sides.extend((0..solved.model.ties[t].parts.len()).map(|p| tied_side(&solved, t, p)));
+        sides.extend((0..solved.model.ties[t].parts.len()).map(|p| tied_side(solved, t, p)));
     }
     for c in 0..solved.model.contacts.len() {
-        sides.extend((0..solved.model.contacts[c].parts.len()).map(|p| contact_side(&solved, c, p)));
+        sides.extend((0..solved.model.contacts[c].parts.len()).map(|p| contact_side(solved, c, p)));
     }
     let (field, label) = if scalar { ("u", "u") } else { ("von_mises", "von Mises stress") };
     Output {
         title,
-        parts: (0..solved.model.patches.len()).map(|k| body(&solved, k)).collect(),
+        parts: (0..solved.model.patches.len()).map(|k| body(solved, k, options)).collect(),
         picture: Some(Picture { field: field.into(), component: 0, label: label.into() }),
         sides,
     }
 }
 
-fn style(backend: &str) -> CellStyle {
-    if backend == "fe" { CellStyle::Lagrange } else { CellStyle::Bezier }
-}
-
-fn body(solved: &Arc<Plane>, k: usize) -> Part<'static, 2, 2> {
+fn body(solved: &Arc<Plane>, k: usize, options: &RunOptions) -> Part<'static, 2, 2> {
     let patch = &solved.model.patches[k];
     let at = |solved: &Arc<Plane>| {
         let solved = Arc::clone(solved);
@@ -55,7 +51,8 @@ fn body(solved: &Arc<Plane>, k: usize) -> Part<'static, 2, 2> {
         }
     };
     let (values, stresses, equivalent) = (at(solved), at(solved), at(solved));
-    let part = Part::new(patch.name.clone(), Arc::clone(patch.body.space()), style(&patch.backend));
+    let usual = if patch.backend == "iga" { CellStyle::Bezier } else { CellStyle::Lagrange };
+    let part = Part::new(patch.name.clone(), Arc::clone(patch.body.space()), options.cells.unwrap_or(usual));
     if solved.model.components == 1 {
         return part.with_exact("u", 1, move |e, xi| values(e, xi).iter().map(|p| p.u[0]).collect());
     }

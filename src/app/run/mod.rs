@@ -9,7 +9,7 @@ mod report;
 mod solve;
 
 use super::build::{self, MakeNet, Model, free_motions, plane_net, sentences};
-use super::output::Output;
+use super::output::{Finished, RunOptions};
 use super::quantities::Questions;
 use super::registry::{Names, Registry};
 use super::result::{RunResult, Status, StepReport};
@@ -17,7 +17,7 @@ use super::watch::{Progress, Stop, Watch};
 use crate::constraint::SolveError;
 use crate::contact::half_width;
 use crate::io::case::Case;
-use crate::io::errors::{Diagnostic, Diagnostics};
+use crate::io::errors::{Diagnostic, Diagnostics, Severity};
 use crate::linalg::LinearError;
 use std::sync::Arc;
 
@@ -25,15 +25,6 @@ pub use loads::Resultant;
 pub use predict::{Prediction, bytes, predict};
 pub use report::{HalfWidth, component_rows, multiplier_at};
 pub use solve::{StepError, StepState, Unsolved};
-
-/// What a run leaves: its numbers, and its fields where there are some.
-#[derive(Debug)]
-pub struct Finished {
-    /// The content of `result.json`; `files` is filled by whoever writes them.
-    pub result: RunResult,
-    /// Fields for the files; none where nothing was solved.
-    pub output: Option<Output>,
-}
 
 /// A model with its solution.
 #[derive(Debug)]
@@ -72,38 +63,60 @@ impl Case {
     /// # Ok::<(), faying::io::Diagnostics>(())
     /// ```
     pub fn run(&self, registry: &Registry) -> Result<RunResult, Diagnostics> {
-        run(self, registry, &Watch::default()).map(|finished| finished.result)
+        solve_case("run", self, registry, &plane(registry), &Watch::default()).map(|(result, _)| result)
     }
 }
 
-/// Runs a case and keeps its fields for the files.
-///
-/// # Errors
-/// What is wrong with the case (exit 3), or a predicted excess of memory (E081, exit 6).
-pub fn run(case: &Case, registry: &Registry, watch: &Watch) -> Result<Finished, Diagnostics> {
-    let dimension = plane(registry);
-    let Some((finished, solved)) = solve_case("run", case, registry, &dimension, watch)? else {
-        return Err(Diagnostics::new());
-    };
-    let output = solved.map(|solved| {
-        watch.phase("fields");
-        fields::output(case, Arc::new(solved))
-    });
-    Ok(Finished { result: finished, output })
+/// Runs a case and keeps its fields for the files. What is wrong with the case stands in the result's diagnostics, with
+/// status `Invalid` (exit 3), or `Limit` (exit 6) where the predicted memory is too large.
+pub fn run(case: &Case, registry: &Registry, options: &RunOptions, watch: &Watch) -> Finished {
+    match solve_case("run", case, registry, &plane(registry), watch) {
+        Ok((result, solved)) => {
+            let output = solved.map(|solved| {
+                watch.phase("fields");
+                fields::output(case, &Arc::new(solved), options)
+            });
+            Finished { result, output }
+        }
+        Err(faults) => Finished { result: refused("run", case, faults), output: None },
+    }
 }
 
 /// Everything but the solve: the result has the names, the counts and the prediction.
-///
-/// # Errors
-/// What is wrong with the case.
-pub fn check(case: &Case, registry: &Registry, watch: &Watch) -> Result<(RunResult, Prediction), Diagnostics> {
-    let dimension = plane(registry);
-    watch.phase("build");
-    let model = built(case, registry, &dimension)?;
-    let mut result = report::skeleton("check", case, &model);
-    Questions::of(case, &model, &result.to_value())?;
-    result.solve = None;
-    Ok((result, predict(&model)))
+pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &Watch) -> Finished {
+    let outcome = || -> Result<RunResult, Diagnostics> {
+        watch.phase("build");
+        let model = built(case, registry, &plane(registry))?;
+        let mut result = report::skeleton("check", case, &model);
+        Questions::of(case, &model, &result.to_value())?;
+        result.solve = None;
+        let prediction = predict(&model);
+        if let Some(limit) = watch.max_memory.filter(|&limit| prediction.memory > limit) {
+            return Err(memory_limit(case, &model, &prediction, limit).into());
+        }
+        result.predicted = Some(prediction);
+        Ok(result)
+    };
+    let result = outcome().unwrap_or_else(|faults| refused("check", case, faults));
+    Finished { result, output: None }
+}
+
+/// The result of a case that cannot be run.
+fn refused(command: &str, case: &Case, faults: Diagnostics) -> RunResult {
+    let mut result = RunResult::new(command, &case.source.name);
+    result.status = match faults.exit() {
+        4 => Status::IoFailed,
+        6 => Status::Limit,
+        5 => Status::Singular,
+        _ => Status::Invalid,
+    };
+    result.exit = result.status.exit();
+    result.checks_expected = case.checks.len();
+    for d in case.warnings.items.iter().chain(&faults.items) {
+        let list = if d.severity == Severity::Error { &mut result.diagnostics } else { &mut result.warnings };
+        list.push(d.clone());
+    }
+    result
 }
 
 fn built<const S: usize, const N: usize>(case: &Case, registry: &Registry, dimension: &Dimension<'_, S, N>) -> Result<Model<S, N>, Diagnostics> {
@@ -123,18 +136,20 @@ fn solve_case<const S: usize, const N: usize>(
     registry: &Registry,
     dimension: &Dimension<'_, S, N>,
     watch: &Watch,
-) -> Result<Option<Outcome<S, N>>, Diagnostics> {
+) -> Result<Outcome<S, N>, Diagnostics> {
     watch.phase("build");
     let model = built(case, registry, dimension)?;
     let mut result = report::skeleton(command, case, &model);
     let questions = Questions::of(case, &model, &result.to_value())?;
-    let prediction = predict(&model);
-    if let Some(limit) = watch.max_memory.filter(|&limit| prediction.memory > limit) {
-        return Err(memory_limit(case, &model, &prediction, limit).into());
+    if let Some(limit) = watch.max_memory {
+        let prediction = predict(&model);
+        if prediction.memory > limit {
+            return Err(memory_limit(case, &model, &prediction, limit).into());
+        }
     }
     if let Some(stop) = watch.stop() {
         stopped(&mut result, stop);
-        return Ok(Some((result, None)));
+        return Ok((result, None));
     }
     watch.phase("assemble");
     let matrices = solve::stiffness(&model);
@@ -196,7 +211,7 @@ fn solve_case<const S: usize, const N: usize>(
             break;
         }
     }
-    Ok(Some((result, last.map(|state| Solved { model, state }))))
+    Ok((result, last.map(|state| Solved { model, state })))
 }
 
 fn memory_limit<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, prediction: &Prediction, limit: u64) -> Diagnostic {

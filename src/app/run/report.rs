@@ -21,7 +21,7 @@ use crate::space::{measure, quality};
 use std::sync::Arc;
 
 /// Half the width of a contact zone on slave sides of S dimensions, where that has a meaning.
-pub type HalfWidth<const S: usize, const N: usize> = fn(&dyn Geometry<S, N>, &Contact<S, N>, &[f64]) -> f64;
+pub type HalfWidth<const S: usize, const N: usize> = fn(&dyn Geometry<S, N>, &Contact<S, N>, &[bool]) -> f64;
 
 /// The result before anything is solved: all names, all counts, the geometry.
 pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, model: &Model<S, N>) -> RunResult {
@@ -172,7 +172,7 @@ fn contacts<const S: usize, const N: usize>(
             report.pressure.min = report.pressure.min.min(sent.least_pressure);
             report.pressure.max = report.pressure.max.max(sent.largest_pressure);
             if let Some(half_width) = half_width {
-                report.half_width = report.half_width.max(half_width(&*part.slave.trace.space, rows, &sent.pressure));
+                report.half_width = report.half_width.max(half_width(&*part.slave.trace.space, rows, &sent.closed));
             }
             for ((gap, &l), j) in rows.lumped_gap(&state.u).into_iter().zip(lambda).zip(range) {
                 report.active += usize::from(state.active[j]);
