@@ -7,6 +7,7 @@
 use super::{Bounds, Geometry, MapTable, Tree, cell};
 use crate::basis::{Cell, Order};
 use crate::linalg::{Matrix, Real, Vector, lit, num};
+use rayon::prelude::*;
 
 /// Pieces of an element of a curve before bisection.
 const PIECES: usize = 8;
@@ -84,13 +85,13 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
     /// Builds the tree over the elements of `geometry` (a reference, a box or an `Arc` will do).
     pub fn new(geometry: G) -> Self {
         let elements = geometry.num_elements();
-        let tree = Tree::new((0..elements).map(|e| geometry.bounds(e)).collect());
+        let tree = Tree::new((0..elements).into_par_iter().map(|e| geometry.bounds(e)).collect());
         let size = tree.bounds().map_or(T::zero(), |b| b.diagonal());
         let loose = if D < N { loose_faces(&geometry, size * lit(SAME_FACE)) } else { Vec::new() };
-        let mut table = MapTable::new();
         let bend = (0..if D == 1 { elements } else { 0 })
-            .map(|e| {
-                geometry.map(e, &cell::grid::<D, T>(geometry.cell(e), 2 * PIECES + 1), Order::Hessians, &mut table);
+            .into_par_iter()
+            .map_init(MapTable::new, |table, e| {
+                geometry.map(e, &cell::grid::<D, T>(geometry.cell(e), 2 * PIECES + 1), Order::Hessians, table);
                 let norm = |h: &[Matrix<D, D, T>; N]| h.iter().fold(T::zero(), |s, m| s + m[(0, 0)] * m[(0, 0)]).sqrt();
                 table.hessian.iter().fold(T::zero(), |m, h| m.max(norm(h))) * lit(BEND_SAFETY)
             })

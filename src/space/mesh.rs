@@ -61,6 +61,6 @@ impl<const S: usize, const N: usize> Body<S, N> for Mesh<S, N> {
         let side = &self.sides[&name];
         let (basis, dofs): (Box<dyn Basis<S>>, _) = super::grid::merge::<S>(TensorProduct::new(side.lines.clone()), &side.ids);
         let geometry = Embedded::new(self.geometry.clone(), side.facets.clone(), Cell::Tensor);
-        Trace::new(&self.space, Arc::new(Over { basis, geometry }), dofs, side.facets.clone())
+        Ok(Trace::on_boundary(&self.space, Arc::new(Over { basis, geometry }), dofs, side.facets.clone()))
     }
 }

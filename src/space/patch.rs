@@ -110,7 +110,7 @@ impl<const S: usize, const N: usize> Body<S, N> for Patch<S, N> {
         };
         let facets = self.grid.facets::<S>(side);
         let geometry = Embedded::new(self.grid.exact.clone(), facets.clone(), crate::basis::Cell::Tensor);
-        Trace::new(&self.space, Arc::new(Over { basis, geometry }), dofs, facets)
+        Ok(Trace::on_boundary(&self.space, Arc::new(Over { basis, geometry }), dofs, facets))
     }
 }
 

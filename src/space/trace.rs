@@ -42,10 +42,22 @@ impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
         facets: Vec<Embedding<S, N, T>>,
     ) -> Result<Self, SideError> {
         assert_eq!(space.num_elements(), facets.len(), "one facet per element of the side");
+        let kinds: Vec<Cell> = (0..facets.len()).map(|e| space.cell(e)).collect();
+        check_boundary(&**body, &facets, &kinds)?;
+        Ok(Self::on_boundary(body, space, dofs, facets))
+    }
+
+    /// [`Trace::new`] where the facets are known to be on the boundary.
+    pub(super) fn on_boundary(
+        body: &Arc<dyn Space<N, N, T>>,
+        space: Arc<dyn Space<S, N, T>>,
+        dofs: Vec<usize>,
+        facets: Vec<Embedding<S, N, T>>,
+    ) -> Self {
         assert_eq!(space.num_functions(), dofs.len(), "one dof per function of the side");
         let kinds: Vec<Cell> = (0..facets.len()).map(|e| space.cell(e)).collect();
-        let outward = look_out(&**body, &facets, &kinds)?;
-        Ok(Self { space, dofs, facets, outward })
+        let outward = look_out(&**body, &facets, &kinds);
+        Self { space, dofs, facets, outward }
     }
 
     /// The body's functions and map on `facets` of the shape `kind`: the side of any body.
@@ -54,7 +66,9 @@ impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
     /// # Errors
     /// [`SideError::Interior`] where a facet is not on the boundary of the body.
     pub fn from_facets(body: &Arc<dyn Space<N, N, T>>, facets: Vec<Embedding<S, N, T>>, kind: Cell) -> Result<Self, SideError> {
-        let outward = look_out(&**body, &facets, &vec![kind; facets.len()])?;
+        let kinds = vec![kind; facets.len()];
+        check_boundary(&**body, &facets, &kinds)?;
+        let outward = look_out(&**body, &facets, &kinds);
         let corners = corner_ids(&**body, &facets, kind);
         let geometry = Embedded::new(body.clone(), facets.clone(), kind).with_corners(corners.clone());
         let (basis, dofs) = Embedded::new(body.clone(), facets.clone(), kind).with_corners(corners).restricted();
@@ -91,14 +105,9 @@ fn lifted<const S: usize, const N: usize, T: Real>(facet: &Embedding<S, N, T>, k
 }
 
 /// The sign of every facet: the cross product of its tangents against the way from the parent's centre.
-fn look_out<const S: usize, const N: usize, T: Real>(
-    body: &dyn Space<N, N, T>,
-    facets: &[Embedding<S, N, T>],
-    kinds: &[Cell],
-) -> Result<Vec<T>, SideError> {
-    check_boundary(body, facets, kinds)?;
+fn look_out<const S: usize, const N: usize, T: Real>(body: &dyn Space<N, N, T>, facets: &[Embedding<S, N, T>], kinds: &[Cell]) -> Vec<T> {
     let mut table = MapTable::new();
-    Ok(facets
+    facets
         .iter()
         .zip(kinds)
         .map(|(facet, &kind)| {
@@ -109,7 +118,7 @@ fn look_out<const S: usize, const N: usize, T: Real>(
             let tangents: Matrix<N, S, T> = table.jacobian[0] * facet.axes;
             if cross(&tangents).dot(&(table.jacobian[0] * away)) < T::zero() { -T::one() } else { T::one() }
         })
-        .collect())
+        .collect()
 }
 
 /// Every facet must lie on a face of its cell that no other element has.

@@ -142,6 +142,32 @@ fn a_list_of_facets_makes_the_sides_of_any_body() {
 }
 
 #[test]
+fn sides_of_both_backends_answer_multiplier_polynomials_on_their_elements() {
+    for (name, net) in plane() {
+        let spec = spec(&net, [3, 3]);
+        let bodies: [(Box<dyn Body<1, 2>>, bool); 3] = [
+            (Box::new(Patch::<1, 2>::try_new(&spec).unwrap()), true),
+            (Box::new(Mesh::<1, 2>::from_patch(&spec).unwrap()), false),
+            (Box::new(Mesh::<1, 2>::from_patch(&spec.with_cells(Cell::Simplex)).unwrap()), false),
+        ];
+        for (body, smooth) in bodies {
+            for side in body.sides() {
+                let space = body.trace(&side).unwrap().space;
+                let n = space.num_elements();
+                for lowered in 0..=3 {
+                    let psi = space.polynomials(Polynomials::Lowered(lowered)).unwrap();
+                    assert_eq!((psi.num_elements(), psi.degree(0)), (n, [3 - lowered]), "{name}, {side}");
+                    // a Lagrange side counts as C^0: continuous at no reduction, discontinuous at any
+                    let functions = if lowered == 0 { 3 * n + 1 } else { (4 - lowered) * n };
+                    assert!(smooth || psi.num_functions() == functions, "{name}, {side}");
+                }
+                assert!(space.polynomials(Polynomials::Lowered(4)).is_none());
+            }
+        }
+    }
+}
+
+#[test]
 fn a_facet_inside_a_body_is_refused() {
     let spec = spec(&shapes::rectangle([0.0, 0.0], [1.0, 1.0]).unwrap(), [2, 2]);
     let across = |origin: [f64; 2], axis: [f64; 2]| Embedding {
