@@ -33,7 +33,7 @@ pub struct Projection<const D: usize, const N: usize, T: Real = f64> {
     pub xi: Vector<D, T>,
     /// The closest point.
     pub x: Vector<N, T>,
-    /// Distance to it [length].
+    /// Distance to it \[length\].
     pub distance: T,
     /// Whether the closest point is an end (rim) of the curve (surface) and the point lies beyond it: the line between
     /// them is not at right angles to the map. Never set where D = N.
@@ -109,7 +109,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         &self.tree
     }
 
-    /// Diagonal of the box around all elements [length].
+    /// Diagonal of the box around all elements \[length\].
     pub fn size(&self) -> T {
         self.size
     }

@@ -12,7 +12,7 @@ use std::borrow::Cow;
 pub struct ControlPoints<B, const N: usize, T: Real = f64> {
     /// The functions N_i.
     pub basis: B,
-    /// The points P_i [length].
+    /// The points P_i \[length\].
     pub points: Vec<Vector<N, T>>,
 }
 

@@ -10,7 +10,7 @@ use crate::linalg::{Real, Vector};
 pub struct Deformed<X, const N: usize, T: Real = f64> {
     /// The space.
     pub space: X,
-    /// One displacement per function [length].
+    /// One displacement per function \[length\].
     pub u: Vec<Vector<N, T>>,
 }
 

@@ -58,7 +58,7 @@ pub struct Located<const N: usize, T: Real = f64> {
     pub xi: Vector<N, T>,
     /// The point there.
     pub x: Vector<N, T>,
-    /// How far the point asked for is from it: zero inside, to rounding [length].
+    /// How far the point asked for is from it: zero inside, to rounding \[length\].
     pub distance: T,
 }
 
@@ -66,9 +66,9 @@ pub struct Located<const N: usize, T: Real = f64> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("the point is {distance:.4e} away from the body, more than a quarter of an element ({allowed:.4e})")]
 pub struct OutsideBody {
-    /// Distance to the nearest point of the body [length].
+    /// Distance to the nearest point of the body \[length\].
     pub distance: f64,
-    /// What would have been allowed [length].
+    /// What would have been allowed \[length\].
     pub allowed: f64,
 }
 

@@ -13,7 +13,7 @@ const ZERO: f64 = 1e-10;
 /// How sound the map of a body is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quality<const N: usize> {
-    /// Least |det dx/dxi| over sampled points that are not degenerate, in local coordinates [length^N].
+    /// Least |det dx/dxi| over sampled points that are not degenerate, in local coordinates \[length^N\].
     pub least_jacobian: f64,
     /// The element that has it.
     pub element: usize,
