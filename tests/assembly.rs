@@ -336,6 +336,21 @@ fn one_projection_over_two_sides_meets_data_of_the_space_and_its_corner() {
 }
 
 #[test]
+fn a_side_without_a_value_stays_zero_beside_data_that_is_not_in_the_space() {
+    let [bottom, left] = two_sides(2, [4, 3]);
+    let data = |x: &Vector<2>| (9.0 * x[0]).sin();
+    let conditions = [Fixed { trace: &bottom, component: 0, value: Some(&data) }, Fixed { trace: &left, component: 0, value: None }];
+    let found = dirichlet(&conditions, Field { first: 0, components: 1 }, 0, &mut Dense).unwrap();
+    assert_eq!(found.len(), bottom.dofs.len() + left.dofs.len() - 1, "every function once");
+    assert!(found.iter().filter(|f| left.dofs.contains(&f.0)).all(|f| f.1 == 0.0));
+    // zero given as a value takes part in the projection instead
+    let zero = |_: &Vector<2>| 0.0;
+    let joint = [conditions[0], Fixed { trace: &left, component: 0, value: Some(&zero) }];
+    let joint = dirichlet(&joint, Field { first: 0, components: 1 }, 0, &mut Dense).unwrap();
+    assert!(joint.iter().any(|f| left.dofs.contains(&f.0) && f.1 != 0.0));
+}
+
+#[test]
 fn unequal_values_in_a_common_corner_are_reported_with_place_and_values() {
     let [bottom, left] = two_sides(2, [4, 3]);
     let (one, two) = (|_: &Vector<2>| 1.0, |_: &Vector<2>| 2.0);

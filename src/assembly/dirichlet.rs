@@ -16,7 +16,7 @@ pub struct Fixed<'a, const S: usize, const N: usize, T: Real = f64> {
     pub trace: &'a Trace<S, N, T>,
     /// The component.
     pub component: usize,
-    /// Its value at a physical point; none is zero.
+    /// Its value at a physical point; none is zero, exactly and before any projection.
     pub value: Option<&'a (dyn Fn(&Vector<N, T>) -> T + Sync)>,
 }
 
@@ -67,7 +67,8 @@ const SAME_PLACE: f64 = 1e-9;
 /// (unknown, value) of all `conditions` on sides of one body, ascending by unknown.
 ///
 /// Per component one L2 projection over the union of its sides, so that data in the space of the sides is met exactly,
-/// corners included. Rules have degree + 1 + `extra_points` points.
+/// corners included. Sides without a value stay zero exactly: their functions are prescribed before the rest is projected.
+/// Rules have degree + 1 + `extra_points` points.
 ///
 /// # Errors
 /// [`DirichletError::Conflict`] where sides that share a function want different values in a common corner;
@@ -82,56 +83,47 @@ pub fn dirichlet<const S: usize, const N: usize, T: Real>(
     for component in 0..field.components {
         let mine: Vec<(usize, Fixed<'_, S, N, T>)> =
             conditions.iter().copied().enumerate().filter(|(_, f)| f.component == component).collect();
-        if mine.iter().all(|(_, f)| f.value.is_none()) {
-            for (_, f) in &mine {
-                values.extend(f.trace.dofs.iter().map(|&i| (field.unknown(i, component), T::zero())));
-            }
-            continue;
+        if mine.iter().any(|(_, f)| f.value.is_some()) {
+            conflicts(component, &mine)?;
         }
-        conflicts(component, &mine)?;
         let found = project(&mine, extra_points, solver).map_err(|source| DirichletError::Projection { component, source })?;
         values.extend(found.into_iter().map(|(i, value)| (field.unknown(i, component), value)));
     }
     values.sort_by_key(|v| v.0);
-    values.dedup_by_key(|v| v.0);
     Ok(values)
 }
 
-/// The projection of one component on the union of its sides: (function of the body, coefficient).
+/// The projection of one component on the union of its sides: (function of the body, coefficient), each function once.
 fn project<const S: usize, const N: usize, T: Real>(
     conditions: &[(usize, Fixed<'_, S, N, T>)],
     extra_points: usize,
     solver: &mut dyn LinearSolver<T>,
 ) -> Result<Vec<(usize, T)>, LinearError> {
-    let mut functions: Vec<usize> = conditions.iter().flat_map(|(_, f)| f.trace.dofs.iter().copied()).collect();
+    let moments: Vec<Option<Moments<T>>> = conditions.iter().map(|(_, f)| f.value.map(|v| Moments::of(f.trace, v, extra_points))).collect();
+    let mut zero: Vec<usize> = Vec::new();
+    for ((_, f), _) in conditions.iter().zip(&moments).filter(|(_, m)| m.is_none()) {
+        zero.extend_from_slice(&f.trace.dofs);
+    }
+    zero.sort_unstable();
+    zero.dedup();
+    let is_zero = |dof: usize| zero.binary_search(&dof).is_ok();
+    let mut functions: Vec<usize> =
+        conditions.iter().flat_map(|(_, f)| f.trace.dofs.iter().copied()).filter(|&dof| !is_zero(dof)).collect();
     functions.sort_unstable();
     functions.dedup();
-    let number = |dof: usize| functions.binary_search(&dof).expect("every function of a side is in the list");
     let mut matrix = Triplets::new(functions.len(), functions.len());
     let mut rhs = vec![T::zero(); functions.len()];
-    let (mut ids, mut shapes, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
-    for (_, condition) in conditions {
-        let (trace, space) = (condition.trace, &*condition.trace.space);
-        let rules = gauss_rules(space, extra_points);
-        for e in 0..space.num_elements() {
-            let rule = rules.rule(e);
-            space.active(e, &mut ids);
-            space.evaluate(e, &rule.points, Order::Gradients, &mut shapes, &mut map);
-            let rows: Vec<usize> = ids.iter().map(|&i| number(trace.dofs[i])).collect();
-            let ds: Vec<T> = rule.weights.iter().zip(&map.jacobian).map(|(&w, j)| w * measure(j)).collect();
-            for (a, &i) in rows.iter().enumerate() {
-                for (b, &j) in rows.iter().enumerate() {
-                    let sum = ds.iter().enumerate().fold(T::zero(), |s, (q, &w)| s + w * shapes.values(q)[a] * shapes.values(q)[b]);
-                    matrix.push(i, j, sum);
-                }
+    for ((_, f), moments) in conditions.iter().zip(&moments) {
+        let Some(moments) = moments else { continue };
+        let number: Vec<Option<usize>> = f.trace.dofs.iter().map(|dof| functions.binary_search(dof).ok()).collect();
+        for &(i, j, value) in &moments.mass {
+            if let (Some(i), Some(j)) = (number[i], number[j]) {
+                matrix.push(i, j, value);
             }
-            if let Some(value) = condition.value {
-                for (q, &w) in ds.iter().enumerate() {
-                    let data = value(&map.x[q]) * w;
-                    for (&i, &n) in rows.iter().zip(shapes.values(q)) {
-                        rhs[i] += data * n;
-                    }
-                }
+        }
+        for (&i, &value) in number.iter().zip(&moments.data) {
+            if let Some(i) = i {
+                rhs[i] += value;
             }
         }
     }
@@ -141,7 +133,46 @@ fn project<const S: usize, const N: usize, T: Real>(
         solver.prepare(&matrix)?;
         solver.solve(&matrix, &rhs, &mut solution)?;
     }
-    Ok(functions.into_iter().zip(solution).collect())
+    Ok(functions.into_iter().zip(solution).chain(zero.into_iter().map(|i| (i, T::zero()))).collect())
+}
+
+/// Products of the functions of a side with each other and with the data.
+struct Moments<T> {
+    /// (i, j, ∫ N_i N_j ds), one per element.
+    mass: Vec<(usize, usize, T)>,
+    /// ∫ value N_i ds.
+    data: Vec<T>,
+}
+
+impl<T: Real> Moments<T> {
+    fn of<const S: usize, const N: usize>(trace: &Trace<S, N, T>, value: &dyn Fn(&Vector<N, T>) -> T, extra_points: usize) -> Self {
+        let space = &*trace.space;
+        let rules = gauss_rules(space, extra_points);
+        let (mut mass, mut data) = (Vec::new(), vec![T::zero(); space.num_functions()]);
+        let (mut ids, mut shapes, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
+        for e in 0..space.num_elements() {
+            let rule = rules.rule(e);
+            space.active(e, &mut ids);
+            space.evaluate(e, &rule.points, Order::Gradients, &mut shapes, &mut map);
+            let ds: Vec<T> = rule.weights.iter().zip(&map.jacobian).map(|(&w, j)| w * measure(j)).collect();
+            for (a, &i) in ids.iter().enumerate() {
+                for (b, &j) in ids.iter().enumerate() {
+                    mass.push((
+                        i,
+                        j,
+                        ds.iter().enumerate().fold(T::zero(), |s, (q, &w)| s + w * shapes.values(q)[a] * shapes.values(q)[b]),
+                    ));
+                }
+            }
+            for (q, &w) in ds.iter().enumerate() {
+                let value = value(&map.x[q]);
+                for (&i, &n) in ids.iter().zip(shapes.values(q)) {
+                    data[i] += value * w * n;
+                }
+            }
+        }
+        Self { mass, data }
+    }
 }
 
 /// Compares the data of different sides in the corners of their elements that coincide and share a function.
