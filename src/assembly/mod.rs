@@ -61,7 +61,7 @@ impl<const C: usize, const N: usize, T: Real> Coefficient<'_, C, N, T> {
 pub struct Form<'a, const C: usize, const N: usize, T: Real = f64> {
     /// The tangent.
     pub coefficient: Coefficient<'a, C, N, T>,
-    /// Whether tangent[i][j][(k, l)] = tangent[k][l][(i, j)].
+    /// Whether `tangent[i][j][(k, l)] = tangent[k][l][(i, j)]`.
     pub symmetric: bool,
 }
 
