@@ -1,5 +1,7 @@
 //! The obstacle problem of deal.II's tutorial step-41: the active set alone, with sizes that others published.
 
+#![allow(clippy::unwrap_used)]
+
 use faying::constraint::{ActiveSet, Condensed, ConstrainedSystem, ConstraintSolver, Direct, RowKind};
 use faying::coupling::Rows;
 use faying::linalg::{Csr, Triplets};

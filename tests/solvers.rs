@@ -1,11 +1,16 @@
 //! Linear solvers, orderings and constraint solvers: contracts, agreement with each other, hard cases.
 
+#![allow(clippy::unwrap_used)]
+
+use faying::basis::{BSpline, Basis, LagrangeLine, Order, ShapeTable};
 use faying::check;
 use faying::constraint::{
     ActiveSet, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, RowKind, SolveError, penalty,
 };
 use faying::coupling::Rows;
-use faying::linalg::{Cg, Csr, Ldlt, LinearError, LinearSolver, Lu, Operator, Triplets};
+use faying::linalg::{Cg, Csr, Ldlt, LinearError, LinearSolver, Lu, Operator, Triplets, ordering, product};
+use faying::quadrature::gauss_legendre;
+use proptest::prelude::*;
 
 // ---------------------------------------------------------------------------------------------- models
 
@@ -340,6 +345,17 @@ fn soft_rows_agree_and_approach_exact_ones_like_the_reciprocal_of_the_factor() {
 }
 
 #[test]
+fn memory_is_predicted_by_the_analysis_that_the_solve_then_uses() {
+    let blocks = contact_blocks(0.006);
+    let mut solver = ActiveSet::new(Direct::new());
+    let bytes = solver.inner.predicted_memory(&blocks.system()).unwrap();
+    solver.solve(&blocks.system()).unwrap();
+    assert_eq!(solver.inner.analyses(), 1);
+    let factor = 8 * solver.inner.factor_entries();
+    assert!(bytes > factor && bytes < 10 * factor, "{bytes} bytes, factor {factor}");
+}
+
+#[test]
 fn another_reaction_is_solved_by_lu() {
     let blocks = Blocks::new((6, 1.0), (4, 1.0), &[0, 1]);
     let exact = Direct::new().solve(&blocks.system()).unwrap();
@@ -476,6 +492,178 @@ fn rows_that_neither_press_nor_part_keep_their_state() {
     assert_eq!(kept.active_set.unwrap().sign_cases, [[0, 0, 0, m, 0, 0, 0, 0, 0]]);
 }
 
+/// min u K u / 2 - f u over u >= 0. The matrix is positive definite; its iteration runs in a circle of three states (found by trial).
+fn circle() -> (Csr, Vec<f64>, Rows, Vec<RowKind>) {
+    let (mut k, mut rows) = (Triplets::new(3, 3), Triplets::new(3, 3));
+    for (i, row) in [[17.0, -5.0, 15.0], [-5.0, 2.0, -4.0], [15.0, -4.0, 14.0]].iter().enumerate() {
+        row.iter().enumerate().for_each(|(j, &v)| k.push(i, j, v));
+        rows.push(i, i, 1.0);
+    }
+    (k.to_csr(), vec![5.0, -3.0, 1.0], Rows { slave: rows, master: Triplets::new(3, 3) }, vec![RowKind::Contact; 3])
+}
+
+#[test]
+fn a_circle_of_states_is_an_error_that_names_iterations_and_rows() {
+    let (stiffness, load, constraint, kind) = circle();
+    let system = ConstrainedSystem {
+        stiffness: &stiffness,
+        load: &load,
+        constraint: &constraint,
+        reaction: None,
+        offset: &[0.0; 3],
+        kind: &kind,
+        compliance: &[],
+    };
+    match ActiveSet::new(Direct::new()).solve(&system).unwrap_err() {
+        SolveError::Cycling { first, second, rows, last } => {
+            assert_eq!((first, second, rows), (1, 4, vec![0, 1, 2]));
+            let report = last.active_set.unwrap();
+            assert_eq!(report.iterations, 3);
+            assert_eq!(report.history[0], 3);
+            assert!(report.sign_cases.iter().all(|c| c.iter().sum::<usize>() == 3));
+        }
+        other => panic!("{other}"),
+    }
+    let mut short = ActiveSet::new(Direct::new());
+    short.max_iterations = 2;
+    match short.solve(&system).unwrap_err() {
+        SolveError::TooManyIterations { iterations: 2, last } => assert_eq!(last.active_set.unwrap().iterations, 2),
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn penalty_contact_approaches_the_exact_contact() {
+    let blocks = contact_blocks(0.006);
+    let exact = ActiveSet::new(Direct::new()).solve(&blocks.system()).unwrap();
+    let mut errors = Vec::new();
+    for factor in [1e3, 1e5] {
+        let compliance = penalty(&blocks.stiffness.diagonal(), &blocks.rows, blocks.offset.len(), factor);
+        let system = ConstrainedSystem { compliance: &compliance, ..blocks.system() };
+        let soft = ActiveSet::new(Direct::new()).solve(&system).unwrap();
+        assert_eq!(soft.active, exact.active);
+        let condensed = ActiveSet::new(Condensed::new()).solve(&system).unwrap();
+        assert!(differences(&blocks, &soft, &condensed).iter().all(|&x| x < 1e-9));
+        for j in 0..compliance.len() {
+            if soft.active[j] {
+                assert!((soft.gap[j] - compliance[j] * soft.multipliers[j]).abs() < 1e-9 * soft.gap[j].abs());
+            }
+        }
+        errors.push(difference(&soft.unknowns, &exact.unknowns));
+    }
+    assert!((errors[0] / errors[1] - 100.0).abs() < 10.0, "{errors:?}");
+}
+
+// ---------------------------------------------------------------------------------------------- linear systems
+
+/// -Lap on the unit square or cube in products of a univariate basis, one side held: K ⊗ M + M ⊗ K (⊗ M + ..).
+fn laplace(basis: &dyn Basis<1>, dimensions: u32) -> Csr {
+    let n = basis.num_functions();
+    let (mut k, mut m) = (Triplets::new(n, n), Triplets::new(n, n));
+    let (mut ids, mut table) = (Vec::new(), ShapeTable::default());
+    for e in 0..basis.num_elements() {
+        let rule = gauss_legendre::<f64>(basis.degree(e)[0] + 1);
+        basis.active(e, &mut ids);
+        basis.tabulate(e, &rule.points, Order::Gradients, &mut table);
+        let h = 1.0 / basis.num_elements() as f64;
+        for (q, w) in rule.weights.iter().enumerate() {
+            for (a, &i) in ids.iter().enumerate() {
+                for (b, &j) in ids.iter().enumerate() {
+                    m.push(i, j, w * h * table.values(q)[a] * table.values(q)[b]);
+                    k.push(i, j, w / h * table.grads(q)[a][0] * table.grads(q)[b][0]);
+                }
+            }
+        }
+    }
+    let (k, m) = (k.to_csr(), m.to_csr());
+    let total = n.pow(dimensions);
+    let mut all = Triplets::new(total, total);
+    for i in 0..total {
+        let digit = |x: usize, d: u32| x / n.pow(d) % n;
+        let mut columns = vec![0usize];
+        for d in 0..dimensions {
+            let line = m.row(digit(i, d)).0;
+            columns = columns.iter().flat_map(|c| line.iter().map(move |&j| c + j as usize * n.pow(d))).collect();
+        }
+        for j in columns {
+            let mass = |d: u32| m.get(digit(i, d), digit(j, d));
+            let value: f64 = (0..dimensions)
+                .map(|a| k.get(digit(i, a), digit(j, a)) * (0..dimensions).filter(|&d| d != a).map(mass).product::<f64>())
+                .sum();
+            all.push(i, j, value);
+        }
+    }
+    // hold the functions of the side x_1 = 0
+    for e in &mut all.entries {
+        if e.0 % n == 0 || e.1 % n == 0 {
+            e.2 = if e.0 == e.1 { 1.0 } else { 0.0 };
+        }
+    }
+    all.to_csr()
+}
+
+/// Splines of high degree have small eigenvalues of their own (4^-pd of the diagonal): ill-conditioned is not singular.
+#[test]
+fn high_degrees_are_not_taken_for_singular_and_free_bodies_are() {
+    for (basis, dimensions) in [
+        (Box::new(BSpline::uniform(8, 8, 7)) as Box<dyn Basis<1>>, 2),
+        (Box::new(BSpline::uniform(5, 3, 4)), 3),
+        (Box::new(LagrangeLine::new(8, 3)), 2),
+        (Box::new(LagrangeLine::new(4, 2)), 3),
+        (Box::new(BSpline::uniform(3, 40, 2)), 2),
+    ] {
+        let a = laplace(&*basis, dimensions);
+        let n = a.size();
+        let expected: Vec<f64> = (0..n).map(|i| 1.0 + (i as f64).sin()).collect();
+        let (mut b, mut x) = (vec![0.0; n], vec![0.0; n]);
+        a.apply(&expected, &mut b);
+        for solver in [&mut Ldlt::new() as &mut dyn LinearSolver, &mut Lu::new()] {
+            solver.prepare(&a).unwrap();
+            solver.solve(&a, &b, &mut x).unwrap();
+            assert!(difference(&x, &expected) < 1e-6, "degree {:?} in {dimensions}D: {:.1e}", basis.degree(0), difference(&x, &expected));
+        }
+    }
+    // the upper block alone floats: three rigid motions
+    for cells in [1, 5, 40] {
+        let blocks = Blocks::new((1, 1.0), (cells, 210e9), &[]);
+        let free: Vec<usize> = (blocks.lower..blocks.load.len()).collect();
+        let mut k = Triplets::new(free.len(), free.len());
+        for &i in &free {
+            let (cols, vals) = blocks.stiffness.row(i);
+            cols.iter().zip(vals).for_each(|(&j, &v)| k.push(i - blocks.lower, j as usize - blocks.lower, v));
+        }
+        // with nothing held, and with one corner pinned (it still turns)
+        for pinned in [0, 2] {
+            let mut entries = k.clone();
+            entries.entries.extend((0..pinned).map(|c| (c, c, 210e9)));
+            let a = entries.to_csr();
+            assert!(matches!(Ldlt::new().prepare(&a), Err(LinearError::Singular { .. })), "LDLT, {cells} cells, {pinned} held");
+            assert!(matches!(Lu::new().prepare(&a), Err(LinearError::Singular { .. })), "LU, {cells} cells, {pinned} held");
+        }
+        let mut entries = k.clone();
+        entries.entries.extend([0, 1, 3].map(|c| (c, c, 210e9)));
+        Ldlt::new().prepare(&entries.to_csr()).unwrap();
+    }
+}
+
+#[test]
+fn results_are_the_same_bits_on_one_and_two_threads() {
+    let run = |threads: usize| {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
+            let blocks = Blocks::new((70, 1.0), (60, 3.0), &[0, 1]);
+            let a = Direct::new().solve(&blocks.system()).unwrap();
+            let b = Condensed::new().solve(&blocks.system()).unwrap();
+            let order = ordering::nested_dissection(&usizes(&blocks.stiffness).0, &usizes(&blocks.stiffness).1, blocks.stiffness.places());
+            (a, b, order)
+        })
+    };
+    assert_eq!(run(1), run(2));
+}
+
+fn usizes(a: &Csr) -> (Vec<usize>, Vec<usize>) {
+    (a.ptr().to_vec(), a.cols().iter().map(|&j| j as usize).collect())
+}
+
 // ---------------------------------------------------------------------------------------------- orderings
 
 /// Pattern of nodes joined where they share a cell of an nx x ny x nz grid, `components` unknowns per node, and the places by `map`.
@@ -534,7 +722,164 @@ fn dissection_fills_no_more_than_minimum_degree_on_flat_curved_thin_and_solid_gr
         ("cube", grid([18, 18, 18], 1, |x| x), 0.8),
     ] {
         let (dissection, degree) = fills(&a);
-        eprintln!("{name}: dissection {dissection}, minimum degree {degree}, ratio {:.2}", dissection as f64 / degree as f64);
         assert!((dissection as f64) < bound * degree as f64, "{name}: dissection {dissection}, minimum degree {degree}");
+    }
+}
+
+#[test]
+fn unknowns_without_places_of_their_own_are_not_dissected() {
+    let a = grid([10, 10, 1], 1, |x| x);
+    let (ptr, cols) = usizes(&a);
+    assert!(ordering::nested_dissection(&ptr, &cols, &[]).is_none());
+    assert!(ordering::nested_dissection(&ptr, &cols, &vec![[f64::NAN; 3]; 100]).is_none());
+    let b = grid([40, 40, 1], 1, |_| [0.0; 3]);
+    let (ptr, cols) = usizes(&b);
+    assert!(ordering::nested_dissection(&ptr, &cols, b.places()).is_none());
+    let mut solver = Ldlt::new();
+    solver.prepare(&b).unwrap();
+    assert!(!solver.dissected());
+}
+
+/// An unknown tied to all others (the motion of a rigid body) comes last and does not spoil the rest.
+#[test]
+fn an_unknown_tied_to_all_others_comes_last() {
+    let a = grid([40, 40, 1], 1, |x| x);
+    let n = a.size();
+    let mut all = Triplets::new(n + 1, n + 1);
+    for i in 0..n {
+        let (cols, vals) = a.row(i);
+        cols.iter().zip(vals).for_each(|(&j, &v)| all.push(i, j as usize, v));
+        all.push(i, n, -0.1);
+        all.push(n, i, -0.1);
+    }
+    all.push(n, n, 1e3);
+    let mut places = a.places().to_vec();
+    places.push([0.5, 0.5, 1.0]);
+    let b = all.to_csr().with_places(places);
+    let (ptr, cols) = usizes(&b);
+    let order = ordering::nested_dissection(&ptr, &cols, b.places()).unwrap();
+    assert_eq!(order[n], n);
+    let (plain_ptr, plain_cols) = usizes(&a);
+    let plain = ordering::nested_dissection(&plain_ptr, &plain_cols, a.places()).unwrap();
+    assert_eq!(ordering::factor_entries(&ptr, &cols, &order), ordering::factor_entries(&plain_ptr, &plain_cols, &plain) + n + 1);
+}
+
+// ---------------------------------------------------------------------------------------------- properties
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn dissection_of_any_points_and_edges_is_a_permutation_and_its_postorder_fills_the_same(
+        points in prop::collection::vec(prop::array::uniform3(-1.0f64..1.0), 2..600),
+        edges in prop::collection::vec((0usize..600, 0usize..600), 0..2000),
+        flat in any::<bool>(),
+    ) {
+        let n = points.len();
+        let points: Vec<[f64; 3]> = points.iter().map(|p| if flat { [(p[0] * 8.0).round(), (p[1] * 8.0).round(), 0.0] } else { *p }).collect();
+        let mut pattern = Triplets::new(n, n);
+        (0..n).for_each(|i| pattern.push(i, i, 1.0));
+        edges.iter().for_each(|&(i, j)| pattern.push((i % n).min(j % n), (i % n).max(j % n), 1.0));
+        let (ptr, cols) = usizes(&pattern.to_csr());
+        let order = ordering::nested_dissection(&ptr, &cols, &points).unwrap();
+        let post = ordering::postordered(&ptr, &cols, &order);
+        for o in [&order, &post] {
+            let mut sorted = o.clone();
+            sorted.sort_unstable();
+            prop_assert_eq!(sorted, (0..n).collect::<Vec<_>>());
+        }
+        prop_assert_eq!(ordering::factor_entries(&ptr, &cols, &order), ordering::factor_entries(&ptr, &cols, &post));
+    }
+
+    #[test]
+    fn products_are_those_of_dense_matrices(
+        a in prop::collection::vec((0usize..7, 0usize..5, -3i32..4), 0..30),
+        b in prop::collection::vec((0usize..5, 0usize..6, -3i32..4), 0..30),
+    ) {
+        let (mut s, mut t) = (Triplets::new(7, 5), Triplets::new(5, 6));
+        a.iter().for_each(|&(i, j, v)| s.push(i, j, f64::from(v)));
+        b.iter().for_each(|&(i, j, v)| t.push(i, j, f64::from(v)));
+        let (s, t) = (s.to_csr(), t.to_csr());
+        let p = product(&s, &t);
+        for i in 0..7 {
+            for j in 0..6 {
+                let expected: f64 = (0..5).map(|k| s.get(i, k) * t.get(k, j)).sum();
+                prop_assert_eq!(p.get(i, j), expected);
+            }
+        }
+    }
+
+    /// K = A Aᵀ + 1, rows of random numbers, soft and open ones among them: both methods answer the same.
+    #[test]
+    fn saddle_point_and_condensed_agree_on_random_systems(
+        a in prop::collection::vec(-1.0f64..1.0, 12 * 12),
+        c in prop::collection::vec(-1.0f64..1.0, 5 * 12),
+        f in prop::collection::vec(-1.0f64..1.0, 12),
+        g in prop::collection::vec(-1.0f64..1.0, 5),
+        kinds in prop::collection::vec(0u8..3, 5),
+        unit in -9i32..10,
+    ) {
+        let (n, m, unit) = (12, 5, 10f64.powi(unit));
+        let mut k = Triplets::new(n, n);
+        for i in 0..n {
+            for j in 0..n {
+                let v: f64 = (0..n).map(|q| a[i * n + q] * a[j * n + q]).sum();
+                k.push(i, j, unit * (v + if i == j { 1.0 } else { 0.0 }));
+            }
+        }
+        let (mut slave, mut master) = (Triplets::new(m, n), Triplets::new(m, n));
+        for i in 0..m {
+            (0..8).for_each(|j| slave.push(i, j, c[i * n + j]));
+            (8..n).for_each(|j| master.push(i, j, c[i * n + j]));
+        }
+        let stiffness = k.to_csr();
+        let rows = Rows { slave, master };
+        let kind: Vec<RowKind> = kinds.iter().map(|&k| if k == 2 { RowKind::Open } else { RowKind::Equal }).collect();
+        let compliance: Vec<f64> = kinds.iter().map(|&k| if k == 1 { 0.3 / unit } else { 0.0 }).collect();
+        let load: Vec<f64> = f.iter().map(|v| v * unit).collect();
+        let system = ConstrainedSystem {
+            stiffness: &stiffness, load: &load, constraint: &rows, reaction: None, offset: &g, kind: &kind, compliance: &compliance,
+        };
+        let a = Direct::new().solve(&system).unwrap();
+        let b = Condensed::new().solve(&system).unwrap();
+        prop_assert!(difference(&a.unknowns, &b.unknowns) < 1e-9);
+        prop_assert!(difference(&a.multipliers, &b.multipliers) < 1e-9 || largest(&b.multipliers) == 0.0);
+        for i in 0..m {
+            if kinds[i] == 0 {
+                prop_assert!(a.gap[i].abs() < 1e-9 * (1.0 + largest(&a.unknowns)));
+            }
+        }
+    }
+
+    /// A string over an uneven floor: the iteration ends from any state in the one answer that is feasible, pressed and complementary.
+    #[test]
+    fn a_string_over_any_floor_ends_in_the_only_complementary_state(
+        floor in prop::collection::vec(0.0f64..1.0, 5..60),
+        start in any::<u64>(),
+        pull in 0.0f64..0.05,
+    ) {
+        let n = floor.len();
+        let (mut k, mut rows) = (Triplets::new(n, n), Triplets::new(n, n));
+        for i in 0..n {
+            k.push(i, i, 2.0);
+            rows.push(i, i, 1.0);
+            if i > 0 {
+                k.push(i, i - 1, -1.0);
+                k.push(i - 1, i, -1.0);
+            }
+        }
+        let stiffness = k.to_csr();
+        let rows = Rows { slave: rows, master: Triplets::new(n, n) };
+        let system = ConstrainedSystem {
+            stiffness: &stiffness, load: &vec![-pull; n], constraint: &rows, reaction: None, offset: &floor, kind: &vec![RowKind::Contact; n], compliance: &[],
+        };
+        let mut solver = ActiveSet::new(Direct::new()).starting_from((0..n).map(|i| start >> (i % 64) & 1 == 1).collect());
+        solver.max_iterations = 2 * n;
+        let s = solver.solve(&system).unwrap();
+        let reference = ActiveSet { start: Vec::new(), ..solver }.solve(&system).unwrap();
+        prop_assert_eq!(&s.active, &reference.active);
+        for i in 0..n {
+            prop_assert!(s.gap[i] > -1e-12 && s.multipliers[i] < 1e-12 && (s.gap[i] * s.multipliers[i]).abs() < 1e-12);
+        }
     }
 }

@@ -41,10 +41,10 @@ pub fn operator(a: &dyn Operator) -> Result<(), String> {
         if (column[i] - diagonal[i]).abs() > 1e-11 * size {
             return Err(format!("operator: diagonal entry {i} is {}, A e_{i} has {}", diagonal[i], column[i]));
         }
-        if let Some(matrix) = a.csr() {
-            if let Some(k) = (0..n).find(|&k| (matrix.get(k, i) - column[k]).abs() > 1e-11 * size) {
-                return Err(format!("operator: the matrix has {} at ({k}, {i}), A e_{i} has {}", matrix.get(k, i), column[k]));
-            }
+        if let Some(matrix) = a.csr()
+            && let Some(k) = (0..n).find(|&k| (matrix.get(k, i) - column[k]).abs() > 1e-11 * size)
+        {
+            return Err(format!("operator: the matrix has {} at ({k}, {i}), A e_{i} has {}", matrix.get(k, i), column[k]));
         }
     }
     if let Some(matrix) = a.csr() {

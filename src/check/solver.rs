@@ -144,7 +144,7 @@ impl Problem {
             part.entries.iter().for_each(|&(i, j, v)| gap[i] += v * self.unknowns[j]);
         }
         let scale = self.rows.slave.entries.iter().fold(0.0, |m: f64, e| m.max(e.2.abs() * largest(&self.unknowns)));
-        if solution.gap.len() != gap.len() || (0..gap.len()).any(|i| !((solution.gap[i] - gap[i]).abs() <= 1e-9 * scale)) {
+        if solution.gap.len() != gap.len() || (0..gap.len()).any(|i| above((solution.gap[i] - gap[i]).abs(), 1e-9 * scale)) {
             return Err(format!("solver: {}: the gaps are {:?} instead of {gap:?}", self.name, solution.gap));
         }
         if solution.active.len() != gap.len() {
@@ -165,7 +165,7 @@ impl Problem {
                 return Err(format!("solver: {}: row {i} is reported {}", self.name, if expected { "open" } else { "active" }));
             }
         }
-        if !(solution.residual <= 1e-10) {
+        if above(solution.residual, 1e-10) {
             return Err(format!("solver: {}: the residual is {:.1e}", self.name, solution.residual));
         }
         Ok(())
@@ -176,13 +176,18 @@ fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
 }
 
+/// Above the bound, or not a number.
+fn above(x: f64, bound: f64) -> bool {
+    x.is_nan() || x > bound
+}
+
 fn near(name: &str, what: &str, found: &[f64], expected: &[f64]) -> Result<(), String> {
     if found.len() != expected.len() {
         return Err(format!("solver: {name}: {} {what}s instead of {}", found.len(), expected.len()));
     }
     let scale = largest(expected);
     for (i, (a, b)) in found.iter().zip(expected).enumerate() {
-        if !((a - b).abs() <= 1e-9 * scale) {
+        if above((a - b).abs(), 1e-9 * scale) {
             return Err(format!("solver: {name}: {what} {i} is {a} instead of {b}"));
         }
     }

@@ -131,6 +131,15 @@ impl<'a> Scaled<'a> {
         Ok(Self { stiffness, diagonal, load: system.load, rows, reaction, offset, compliance, k, factor, enforced, places })
     }
 
+    /// Places of unknowns, then rows; empty where the unknowns have none.
+    pub(crate) fn all_places(&self, unknowns: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        if unknowns.len() == self.num_unknowns() && self.places.len() == self.num_rows() {
+            unknowns.iter().chain(&self.places).copied().collect()
+        } else {
+            Vec::new()
+        }
+    }
+
     pub(crate) fn num_unknowns(&self) -> usize {
         self.load.len()
     }

@@ -94,19 +94,33 @@ impl Ldlt {
         self.analysis.as_ref().is_some_and(|a| a.dissected)
     }
 
+    /// Bytes that a factorisation of this pattern needs beyond the matrix itself: factor, pattern, scratch. The analysis is kept.
+    pub(crate) fn predict(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<usize, LinearError> {
+        self.analyse(upper, places)?;
+        let symbolic = &self.analysis.as_ref().expect("analysed above").symbolic;
+        let scratch = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()).size_bytes();
+        Ok(8 * symbolic.len_val() + 16 * upper.vals.len() + scratch)
+    }
+
+    fn analyse(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {
+        let seen = self.analysis.as_ref().is_some_and(|a| Arc::ptr_eq(&a.pattern, &upper.pattern) || a.pattern == upper.pattern);
+        if !seen {
+            self.ready = false;
+            self.analysis = None;
+            self.factor = Vec::new();
+            self.analysis = Some(analyse(&upper.pattern, places)?);
+            self.analyses += 1;
+        }
+        Ok(())
+    }
+
     /// Factorises the matrix with this upper triangle; no check of singularity beyond zero and infinite pivots.
     pub(crate) fn factorise(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {
         self.ready = false;
         if upper.vals.iter().any(|v| !v.is_finite()) {
             return Err(LinearError::NotFinite);
         }
-        let seen = self.analysis.as_ref().is_some_and(|a| Arc::ptr_eq(&a.pattern, &upper.pattern) || a.pattern == upper.pattern);
-        if !seen {
-            self.analysis = None;
-            self.factor = Vec::new();
-            self.analysis = Some(analyse(&upper.pattern, places)?);
-            self.analyses += 1;
-        }
+        self.analyse(upper, places)?;
         let symbolic = &self.analysis.as_ref().expect("analysed above").symbolic;
         let n = symbolic.nrows();
         self.factor.resize(symbolic.len_val(), 0.0);

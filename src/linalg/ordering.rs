@@ -19,6 +19,8 @@ const PARALLEL: usize = 4096;
 const EQUAL: f64 = 1e-9;
 /// Half width, as part of all vertices, of the band in which the smallest separator is sought.
 const BAND: f64 = 0.1;
+/// The same half width in separators of the straight cut, for large sets.
+const LAYERS: usize = 8;
 /// A place shared by more unknowns than this tells nothing about the pattern.
 const CROWD: usize = 256;
 
@@ -282,10 +284,10 @@ fn best_cut(piece: &Piece) -> Option<Vec<u8>> {
     let best = best?;
     if !best.straight {
         // oblique to the grid, or no grid: the smallest separator in a band around the median follows the mesh
-        if let Some((cost, label)) = band_cut(piece, &best.t) {
-            if cost < 0.98 * best.cost {
-                return Some(label);
-            }
+        if let Some((cost, label)) = band_cut(piece, &best.t, best.label.iter().filter(|&&l| l == SEPARATOR).count())
+            && cost < 0.98 * best.cost
+        {
+            return Some(label);
         }
     }
     Some(best.label)
@@ -351,10 +353,10 @@ fn median_cut(piece: &Piece, t: Vec<f64>) -> Option<Cut> {
 }
 
 /// The smallest separator between the lowest and the highest projections, by maximum flow through the band between them.
-fn band_cut(piece: &Piece, t: &[f64]) -> Option<(f64, Vec<u8>)> {
+fn band_cut(piece: &Piece, t: &[f64], separator: usize) -> Option<(f64, Vec<u8>)> {
     let n = t.len();
     let mut values = t.to_vec();
-    let width = (BAND * n as f64) as usize;
+    let width = ((BAND * n as f64) as usize).min(LAYERS * separator);
     let low = *values.select_nth_unstable_by(n / 2 - width, f64::total_cmp).1;
     let high = *values.select_nth_unstable_by((n / 2 + width).min(n - 1), f64::total_cmp).1;
     let mut label: Vec<u8> = t

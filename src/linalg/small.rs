@@ -86,6 +86,7 @@ fn minor<const R: usize, const C: usize, T: Real>(a: &Matrix<R, C, T>, r: [usize
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 
