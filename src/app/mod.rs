@@ -1,6 +1,7 @@
 //! Floor 12: names become boxes, cases become models, models become results.
 
 pub mod build;
+mod commands;
 mod json;
 mod named;
 pub mod output;
@@ -10,6 +11,7 @@ pub mod result;
 pub mod run;
 pub mod watch;
 
+pub use commands::main;
 pub use named::Named;
 pub use output::{Finished, Output, Picture, RunOptions, SideOutput};
 pub use registry::{Family, Fault, Names, Registry, UnknownName};

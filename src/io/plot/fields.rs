@@ -2,7 +2,7 @@
 
 use super::{FINE, GREY, INK, PALE, PlotError, document, shortened, stroke, text, ticks, units};
 use crate::basis::{Cell, Elements, Order};
-use crate::geometry::MapTable;
+use crate::geometry::{Geometry, MapTable};
 use crate::io::table::short;
 use crate::io::vtu::Part;
 use crate::linalg::Vector;
@@ -33,8 +33,22 @@ struct Drawn {
     edges: Vec<(Vec<[f64; 2]>, bool)>,
 }
 
-/// Most pieces of a picture; elements of fine meshes are coloured whole.
-const PIECES: usize = 6000;
+/// Most pieces of a picture; small elements are coloured whole.
+const PIECES: f64 = 7000.0;
+/// Size of a piece in pixels, where that makes not too many.
+const PIECE: f64 = 8.0;
+/// Most pieces per direction of an element.
+const FINEST: f64 = 24.0;
+
+/// Pieces per direction of every element of every part: by size, within [`PIECES`] in total.
+fn divisions(parts: &[Part<'_, 2, 2>]) -> Vec<Vec<usize>> {
+    let boxes: Vec<Vec<_>> = parts.iter().map(|p| (0..p.space.num_elements()).map(|e| p.space.bounds(e)).collect()).collect();
+    let size = boxes.iter().flatten().copied().reduce(|a, b| a.union(&b)).map_or(1.0, |b| b.diagonal());
+    let wanted = |diagonal: f64, scale: f64| (scale * diagonal / size * 900.0 / PIECE).clamp(1.0, FINEST);
+    let total: f64 = boxes.iter().flatten().map(|b| wanted(b.diagonal(), 1.0).powi(2)).sum();
+    let scale = (PIECES / total).sqrt().min(1.0);
+    boxes.iter().map(|part| part.iter().map(|b| wanted(b.diagonal(), scale).round() as usize).collect()).collect()
+}
 
 /// The picture of all `parts`.
 ///
@@ -43,8 +57,8 @@ const PIECES: usize = 6000;
 pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, PlotError> {
     let elements: usize = parts.iter().map(|p| p.space.num_elements()).sum();
     let mut drawn = Vec::new();
-    for part in parts {
-        drawn.extend(part_drawn(plot, part, (PIECES / elements.max(1)).isqrt().clamp(1, 24))?);
+    for (part, divisions) in parts.iter().zip(divisions(parts)) {
+        drawn.extend(part_drawn(plot, part, &divisions)?);
     }
     let points = || drawn.iter().flat_map(|d| d.edges.iter().flat_map(|(p, _)| p)).filter(|p| p[0].is_finite() && p[1].is_finite());
     let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -61,15 +75,16 @@ pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, 
     draw(plot, &drawn, lo, hi, size, elements)
 }
 
-fn part_drawn(plot: &FieldPlot<'_>, part: &Part<'_, 2, 2>, m: usize) -> Result<Vec<Drawn>, PlotError> {
+fn part_drawn(plot: &FieldPlot<'_>, part: &Part<'_, 2, 2>, divisions: &[usize]) -> Result<Vec<Drawn>, PlotError> {
     let field = part.fields.iter().find(|f| f.name == plot.field && plot.component < f.components);
     let field =
         field.ok_or_else(|| PlotError::NoField { part: part.name.clone(), field: plot.field.to_owned(), component: plot.component })?;
     let outer = outer_edges(&*part.space);
-    let curved = m.max(8);
     Ok((0..part.space.num_elements())
         .into_par_iter()
         .map(|e| {
+            let m = divisions[e];
+            let curved = if m == 1 { 4 } else { m.max(8) };
             let simplex = part.space.cell(e) == Cell::Simplex;
             let (cells, middles) = pieces(simplex, m);
             let values = (field.sample)(e, &middles);

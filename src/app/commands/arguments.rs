@@ -1,0 +1,260 @@
+//! The words of the command line.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// Mortar tying and contact of discretisations that do not match.
+#[derive(Clone, Debug, Parser)]
+#[command(
+    name = "faying",
+    version,
+    about = "Ties and presses together discretisations that do not match: NURBS and Lagrange elements through one mortar code.",
+    after_help = "A first run:  faying new hertz  &&  faying run hertz.toml\n\nExit: 0 done, 1 a check failed, 2 usage, 3 invalid case, 4 reading or writing failed, 5 numerical failure,\n6 a limit was reached, 70 internal error, 130 interrupted.",
+    propagate_version = true,
+    disable_help_subcommand = true
+)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Options of every command.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// The commands.
+#[derive(Clone, Debug, Subcommand)]
+#[non_exhaustive]
+pub enum Command {
+    /// Solve one case and write its folder of results
+    Run(RunArguments),
+    /// Validate a case and predict its size and memory; solves nothing
+    Check(CheckArguments),
+    /// Write a sample case here, never over a file
+    New(NewArguments),
+    /// Say what an error code means and what to do
+    Explain(ExplainArguments),
+    /// Several backends in one table (not in this version)
+    #[command(disable_help_flag = true)]
+    Compare(Later),
+    /// Refinement study (not in this version)
+    #[command(disable_help_flag = true)]
+    Convergence(Later),
+    /// Interface integration study (not in this version)
+    #[command(disable_help_flag = true)]
+    Quadrature(Later),
+    /// Stability of multiplier pairs (not in this version)
+    #[command(disable_help_flag = true)]
+    Infsup(Later),
+    /// One row per value of a key (not in this version)
+    #[command(disable_help_flag = true)]
+    Sweep(Later),
+    /// What is in a mesh, a geometry, a .vtu or a case (not in this version)
+    #[command(disable_help_flag = true)]
+    Inspect(Later),
+    /// Convert between mesh and geometry files (not in this version)
+    #[command(disable_help_flag = true)]
+    Convert(Later),
+    /// JSON Schema of the case file or of result.json (not in this version)
+    #[command(disable_help_flag = true)]
+    Schema(Later),
+}
+
+impl Command {
+    /// The word for it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Run(_) => "run",
+            Self::Check(_) => "check",
+            Self::New(_) => "new",
+            Self::Compare(_) => "compare",
+            Self::Convergence(_) => "convergence",
+            Self::Quadrature(_) => "quadrature",
+            Self::Infsup(_) => "infsup",
+            Self::Sweep(_) => "sweep",
+            Self::Inspect(_) => "inspect",
+            Self::Convert(_) => "convert",
+            Self::Schema(_) => "schema",
+            Self::Explain(_) => "explain",
+        }
+    }
+}
+
+/// Words of a command that this version does not have.
+#[derive(Args, Clone, Debug)]
+pub struct Later {
+    /// Anything.
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+    pub words: Vec<OsString>,
+}
+
+/// `run CASE`.
+#[derive(Args, Clone, Debug)]
+pub struct RunArguments {
+    /// The case file, or - for stdin
+    pub case: PathBuf,
+    /// Use this backend for every patch: iga, fe
+    #[arg(long, value_name = "NAME")]
+    pub backend: Option<String>,
+    /// Cells of fields.vtu [default: bezier for iga, lagrange for fe]
+    #[arg(long, value_name = "CELLS")]
+    pub vtu: Option<VtuCells>,
+    /// Store the run for later comparison (not in this version)
+    #[arg(long, value_name = "FILE")]
+    pub save_reference: Option<PathBuf>,
+}
+
+/// `check CASE`.
+#[derive(Args, Clone, Debug)]
+pub struct CheckArguments {
+    /// The case file, or - for stdin
+    pub case: PathBuf,
+    /// Use this backend for every patch: iga, fe
+    #[arg(long, value_name = "NAME")]
+    pub backend: Option<String>,
+}
+
+/// `new NAME`.
+#[derive(Args, Clone, Debug)]
+pub struct NewArguments {
+    /// Name of the sample
+    #[arg(required_unless_present = "list")]
+    pub name: Option<String>,
+    /// - prints the sample instead of writing a file
+    #[arg(value_parser = ["-"], hide_possible_values = true)]
+    pub to: Option<String>,
+    /// List the samples
+    #[arg(long)]
+    pub list: bool,
+}
+
+/// `explain CODE`.
+#[derive(Args, Clone, Debug)]
+pub struct ExplainArguments {
+    /// The code, such as E021
+    pub code: String,
+}
+
+/// Cells of `fields.vtu`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum VtuCells {
+    /// Exact, rational weights included
+    Bezier,
+    /// Equispaced nodes, for readers without Bezier cells
+    Lagrange,
+    /// Straight cells
+    Linear,
+    /// No .vtu files
+    None,
+}
+
+/// When to colour messages.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ColorChoice {
+    /// On a terminal, unless NO_COLOR is set
+    #[default]
+    Auto,
+    /// Always
+    Always,
+    /// Never
+    Never,
+}
+
+/// Options of every command.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Options of every command")]
+pub struct Common {
+    /// Folder of the results [default: CASE.out in the current folder]
+    #[arg(long, global = true, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Write into a folder that holds other files; overwrites files of the same name, deletes nothing
+    #[arg(long, global = true)]
+    pub force: bool,
+    /// One JSON document on stdout, or in FILE, instead of the summary on stdout
+    #[arg(long, global = true, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
+    pub json: Option<PathBuf>,
+    /// Number of threads [default: one per core]; results do not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Change a key of the case, such as patch.lower.degree=3 (repeatable)
+    #[arg(long = "set", global = true, value_name = "KEY=VALUE", value_parser = assignment)]
+    pub set: Vec<String>,
+    /// Most memory to use, such as 4GB; a run that would need more ends before it starts
+    #[arg(long, global = true, value_name = "SIZE", value_parser = bytes)]
+    pub max_memory: Option<u64>,
+    /// Longest time in seconds
+    #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds)]
+    pub time_limit: Option<f64>,
+    /// No summary and no warnings, errors only
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Say what happens and how long it takes
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
+    /// When to colour messages
+    #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
+    pub color: ColorChoice,
+}
+
+fn assignment(text: &str) -> Result<String, String> {
+    match text.split_once('=') {
+        Some((key, _)) if !key.trim().is_empty() => Ok(text.to_owned()),
+        _ => Err("expected KEY=VALUE, such as patch.lower.degree=3".to_owned()),
+    }
+}
+
+/// A size in bytes: a number with B, kB, MB, GB, TB (powers of 1000) or KiB, MiB, GiB, TiB (powers of 1024).
+fn bytes(text: &str) -> Result<u64, String> {
+    let wrong = || "expected a size such as 500MB, 4GB or 2GiB".to_owned();
+    let text = text.trim();
+    let split = text.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(text.len());
+    let number: f64 = text[..split].parse().map_err(|_| wrong())?;
+    let factor: f64 = match text[split..].trim().to_ascii_lowercase().as_str() {
+        "" | "b" => 1.0,
+        "k" | "kb" => 1e3,
+        "m" | "mb" => 1e6,
+        "g" | "gb" => 1e9,
+        "t" | "tb" => 1e12,
+        "kib" => 1024.0,
+        "mib" => 1024.0f64.powi(2),
+        "gib" => 1024.0f64.powi(3),
+        "tib" => 1024.0f64.powi(4),
+        _ => return Err(wrong()),
+    };
+    let size = number * factor;
+    if size >= 1.0 && size < u64::MAX as f64 { Ok(size as u64) } else { Err(wrong()) }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    text.parse::<f64>().ok().filter(|s| *s > 0.0 && *s <= 1e9).ok_or_else(|| "expected a number of seconds above 0".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_well_formed() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes_have_units() {
+        assert_eq!(bytes("4GB"), Ok(4_000_000_000));
+        assert_eq!(bytes("1.5 MiB"), Ok(1_572_864));
+        assert_eq!(bytes("100"), Ok(100));
+        assert!(bytes("-1GB").is_err());
+        assert!(bytes("GB").is_err());
+        assert!(bytes("4 elephants").is_err());
+    }
+
+    #[test]
+    fn json_takes_a_file_only_with_an_equals_sign() {
+        let json = |words: &[&str]| Arguments::try_parse_from(words).map(|a| a.common.json).unwrap();
+        assert_eq!(json(&["faying", "run", "--json", "a.toml"]), Some("-".into()));
+        assert_eq!(json(&["faying", "run", "a.toml", "--json=b.json"]), Some("b.json".into()));
+        assert_eq!(json(&["faying", "run", "a.toml"]), None);
+    }
+}

@@ -1,0 +1,100 @@
+//! Reading the case that a command names: a file or stdin.
+
+use super::arguments::Common;
+use super::ended::Ended;
+use super::manifest::Input;
+use crate::app::{Registry, Watch};
+use crate::io::case::{Case, Names, ReadOptions, not_found};
+use crate::io::errors::{Diagnostic, Diagnostics};
+use std::io::Read;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// A case with what is known of its file.
+#[derive(Debug)]
+pub struct Loaded {
+    /// The case.
+    pub case: Case,
+    /// Its name in messages and results.
+    pub name: String,
+    /// Its name without folder and ending: what the output folder is called after.
+    pub stem: String,
+    /// Its absolute path, "-" for stdin.
+    pub path: String,
+    /// What was read.
+    pub input: Input,
+}
+
+/// Reads the case at `path`, with the names of `registry` and the changes of the options.
+pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Registry) -> Result<Loaded, Ended> {
+    if let Some(name) = backend {
+        registry.plane.backends.get(name).map_err(|e| super::usage(&format!("--backend: {e}"), None))?;
+    }
+    let options = ReadOptions { sets: common.set.clone(), backend: backend.map(str::to_owned), names: names(registry) };
+    if path.as_os_str() == "-" {
+        let mut bytes = Vec::new();
+        let read = std::io::stdin().lock().read_to_end(&mut bytes);
+        read.map_err(|e| Ended::from(Diagnostic::error("E003", format!("stdin cannot be read: {e}"))))?;
+        let text = std::str::from_utf8(&bytes).map_err(|e| {
+            let message = format!("stdin is not valid TOML: byte {} is not UTF-8", e.valid_up_to());
+            Ended::from(Diagnostic::error("E005", message).in_file("stdin"))
+        })?;
+        let case = Case::parse("stdin", text, &options).map_err(Ended::failed)?;
+        return Ok(Loaded { case, name: "stdin".to_owned(), stem: "stdin".to_owned(), path: "-".to_owned(), input: Input::new("-", &bytes) });
+    }
+    let bytes = std::fs::read(path).map_err(|e| Ended::from(not_found(path, &e)))?;
+    let name = path.display().to_string();
+    let case = match std::str::from_utf8(&bytes) {
+        Ok(text) => Case::parse(&name, text, &options),
+        Err(_) => Case::read_with(path, &options), // says where the text stops being one
+    };
+    let case = case.map_err(Ended::failed)?;
+    let absolute = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let stem = path.file_stem().map_or_else(|| "case".to_owned(), |s| s.to_string_lossy().into_owned());
+    Ok(Loaded { case, stem, path: absolute.display().to_string(), input: Input::new(name.clone(), &bytes), name })
+}
+
+/// The names that a case may use: the built-in ones and those of the registry.
+fn names(registry: &Registry) -> Names {
+    let mut names = Names::default();
+    Names::add(&mut names.backends, registry.plane.backends.names());
+    Names::add(&mut names.couplings, registry.plane.couplings.names());
+    Names::add(&mut names.multipliers, registry.plane.multipliers.names());
+    Names::add(&mut names.constraints, registry.solvers.names());
+    names
+}
+
+/// The limits of the options, and a flag that Ctrl-C sets; a second Ctrl-C ends at once.
+pub fn watch(common: &Common) -> Watch {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = interrupted.clone();
+    let handler = move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+        eprintln!("interrupted: writing what there is; press again to end at once");
+    };
+    // a program around this library may have a handler of its own; then it decides
+    let _ = ctrlc::set_handler(handler);
+    let deadline = common.time_limit.map(|seconds| (Instant::now() + Duration::from_secs_f64(seconds), seconds));
+    Watch { interrupted, deadline, max_memory: common.max_memory, listener: None }
+}
+
+/// The threads of the options.
+pub fn pool(common: &Common) -> Result<rayon::ThreadPool, Ended> {
+    let wanted = common.threads.map_or(0, usize::from); // zero: one per core
+    rayon::ThreadPoolBuilder::new().num_threads(wanted).build().map_err(|e| Ended::plain("internal", 70, &format!("threads cannot be started: {e}"), None))
+}
+
+/// E091 where the file of `--json` cannot be written, found before anything is solved.
+pub fn json_file(common: &Common) -> Result<(), Ended> {
+    let Some(file) = common.json.as_ref().filter(|f| f.as_os_str() != "-") else { return Ok(()) };
+    let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
+    if folder.is_dir() && !file.is_dir() {
+        return Ok(());
+    }
+    let problem = Diagnostic::error("E091", format!("--json cannot write `{}`: there is no such folder, or it is one", file.display()));
+    Err(Ended::failed(Diagnostics::from(problem)))
+}

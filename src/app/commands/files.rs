@@ -1,0 +1,52 @@
+//! The files of a run: which there are, and what is in them.
+
+use super::arguments::VtuCells;
+use crate::app::{Output, SideOutput};
+use crate::io::errors::{Diagnostic, Diagnostics};
+use crate::io::plot::{self, FieldPlot, SidePlot};
+use crate::io::{table, vtu};
+
+/// A file to be written.
+#[derive(Clone, Debug)]
+pub struct Named {
+    /// Its name in the folder.
+    pub name: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
+}
+
+/// The files of fields and sides; what cannot be drawn is reported as a warning.
+pub fn of(output: &Output, cells: Option<VtuCells>, trouble: &mut Diagnostics) -> Vec<Named> {
+    let mut files = Vec::new();
+    let with_vtu = cells != Some(VtuCells::None);
+    let mut add = |name: String, made: Result<Vec<u8>, String>| match made {
+        Ok(bytes) => files.push(Named { name, bytes }),
+        Err(why) => trouble.push(Diagnostic::warning("E091", format!("`{name}` was not written: {why}"))),
+    };
+    if with_vtu && !output.parts.is_empty() {
+        add("fields.vtu".to_owned(), vtu::write(&output.parts).map_err(|e| e.to_string()));
+    }
+    if let Some(picture) = &output.picture {
+        let plot = FieldPlot { title: &output.title, label: &picture.label, field: &picture.field, component: picture.component };
+        add("fields.svg".to_owned(), plot::fields(&plot, &output.parts).map(String::into_bytes).map_err(|e| e.to_string()));
+    }
+    for side in &output.sides {
+        let name = |end: &str| format!("interface_{}.{end}", side.name);
+        if with_vtu {
+            add(name("vtu"), vtu::write(std::slice::from_ref(&side.part)).map_err(|e| e.to_string()));
+        }
+        add(name("csv"), Ok(table::interface_csv(&side.rows).into_bytes()));
+        add(name("svg"), picture(output, side).map(String::into_bytes).map_err(|e| e.to_string()));
+    }
+    files
+}
+
+fn picture(output: &Output, side: &SideOutput) -> Result<String, plot::PlotError> {
+    let title = match (output.title.is_empty(), side.contact) {
+        (true, _) => side.name.clone(),
+        (false, true) => format!("{}: pressure on {}", output.title, side.name),
+        (false, false) => format!("{}: multiplier on {}", output.title, side.name),
+    };
+    let exact = side.exact.as_ref().map(|f| &**f as plot::ExactCurve<'_>);
+    plot::side(&SidePlot { title: &title, contact: side.contact, rows: &side.rows, exact }, &side.part)
+}

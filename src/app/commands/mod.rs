@@ -1,0 +1,108 @@
+//! The command line: words in, one command, its summary, its document, its files, an exit code.
+
+mod arguments;
+mod case;
+mod check;
+mod clock;
+mod ended;
+mod explain;
+mod files;
+mod folder;
+mod manifest;
+mod new;
+mod panics;
+mod run;
+mod streams;
+mod summary;
+
+use self::arguments::{Arguments, Command};
+use self::ended::{Ended, plain_failure};
+use self::streams::Streams;
+use crate::app::Registry;
+use crate::io::errors::Diagnostic;
+use clap::Parser;
+use clap::error::ErrorKind;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// The whole command line of `faying` with the names of `registry`: parses the words of the process, does what they say, answers
+/// with the exit code. A program with names of its own is
+///
+/// ```no_run
+/// let mut registry = faying::app::Registry::default();
+/// // registry.plane.backends.add("mine", ..);
+/// let code: std::process::ExitCode = faying::app::main(registry);
+/// ```
+pub fn main(registry: Registry) -> ExitCode {
+    let words: Vec<OsString> = std::env::args_os().collect();
+    ExitCode::from(u8::try_from(exit_of(&registry, &words)).unwrap_or(70))
+}
+
+fn exit_of(registry: &Registry, words: &[OsString]) -> i32 {
+    match Arguments::try_parse_from(words) {
+        Ok(arguments) => obey(registry, &arguments, words),
+        Err(error) => refused(&error, words),
+    }
+}
+
+fn obey(registry: &Registry, arguments: &Arguments, words: &[OsString]) -> i32 {
+    let mut streams = Streams::new(&arguments.common);
+    streams.json = streams.json.or_else(|| json_asked(words));
+    let ended = panics::caught(&streams, || match &arguments.command {
+        Command::Run(run) => run::run(registry, run, &arguments.common, &streams, words),
+        Command::Check(check) => check::check(registry, check, &arguments.common, &streams),
+        Command::New(new) => new::new(new, &arguments.common),
+        Command::Explain(code) => explain::explain(code),
+        other => usage(&format!("`faying {}` is not in this version", other.name()), Some("commands of this version: run, check, new, explain")),
+    });
+    tell(&streams, &ended)
+}
+
+/// Says how a command ended; a stream that cannot be written makes it exit 4.
+fn tell(streams: &Streams, ended: &Ended) -> i32 {
+    streams.diagnostics(&ended.diagnostics);
+    if let Some((message, help)) = &ended.message {
+        let help = help.as_ref().map_or(String::new(), |h| format!("  = help: {h}\n"));
+        streams.message(&format!("error: {message}\n{help}"));
+    }
+    let said = streams.summary(&ended.summary).and_then(|()| streams.document(&ended.document));
+    match said {
+        Ok(()) => ended.exit,
+        Err(e) => {
+            streams.message(&Diagnostic::error("E091", format!("writing the answer failed: {e}")).render());
+            if matches!(ended.exit, 70 | 130) { ended.exit } else { 4 }
+        }
+    }
+}
+
+/// A wrong use of the command line: exit 2.
+fn usage(message: &str, help: Option<&str>) -> Ended {
+    Ended::plain("invalid", 2, message, help)
+}
+
+/// Help and version go to stdout; words that are not understood are exit 2, with a document where one is asked for.
+fn refused(error: &clap::Error, words: &[OsString]) -> i32 {
+    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        let _ = error.print(); // a reader that left has read enough
+        return 0;
+    }
+    let _ = error.print();
+    let text = error.render().to_string();
+    let message = text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
+    let document = plain_failure("invalid", 2, &message, Some("faying --help"));
+    let _ = match json_asked(words) {
+        None => Ok(()),
+        Some(file) if file.as_os_str() == "-" => streams::to_stdout(&document),
+        Some(file) => folder::write_whole(&file, document.as_bytes()),
+    };
+    2
+}
+
+/// The place of the document, looked up in words that were not understood.
+fn json_asked(words: &[OsString]) -> Option<PathBuf> {
+    words.iter().take_while(|w| *w != "--").find_map(|w| match w.to_str()? {
+        "--json" => Some(PathBuf::from("-")),
+        word => word.strip_prefix("--json=").map(PathBuf::from),
+    })
+}

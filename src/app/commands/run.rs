@@ -1,0 +1,131 @@
+//! `faying run`: one case from its file to its folder.
+
+use super::arguments::{Common, RunArguments, VtuCells};
+use super::case::{self, Loaded};
+use super::clock::Clock;
+use super::ended::{Ended, failure, status};
+use super::files::{self, Named};
+use super::folder::{Folder, MANIFEST};
+use super::manifest::Manifest;
+use super::streams::Streams;
+use super::summary;
+use crate::app::{Finished, Progress, Registry, RunOptions, Watch};
+use crate::io::errors::{Diagnostic, Diagnostics};
+use crate::io::vtu::CellStyle;
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// Solves a case and writes its folder.
+pub fn run(registry: &Registry, arguments: &RunArguments, common: &Common, streams: &Streams, words: &[OsString]) -> Ended {
+    if arguments.save_reference.is_some() {
+        return super::usage("`--save-reference` is not in this version", None);
+    }
+    let clock = Clock::start(streams);
+    let ended = solved(registry, arguments, common, words, &clock).unwrap_or_else(|ended| ended);
+    clock.stop();
+    ended
+}
+
+fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words: &[OsString], clock: &Clock) -> Result<Ended, Ended> {
+    let hears = clock.clone();
+    let watch = Watch { listener: Some(Box::new(move |news| hears.hear(news))), ..case::watch(common) };
+    clock.note(&format!("faying {} {}", env!("CARGO_PKG_VERSION"), shown(words).join(" ")));
+    clock.hear(Progress::Phase("read"));
+    case::json_file(common)?;
+    let loaded = case::load(&arguments.case, arguments.backend.as_deref(), common, registry)?;
+    let path = common.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.out", loaded.stem)));
+    let folder = Folder::claim(&path, &loaded.path, common.force).map_err(Ended::from)?;
+    let pool = case::pool(common)?;
+    let cells = match arguments.vtu {
+        Some(VtuCells::Bezier) => Some(CellStyle::Bezier),
+        Some(VtuCells::Lagrange) => Some(CellStyle::Lagrange),
+        Some(VtuCells::Linear) => Some(CellStyle::Linear),
+        Some(VtuCells::None) | None => None,
+    };
+    let job = Job { loaded: &loaded, folder: &folder, vtu: arguments.vtu, words, threads: pool.current_num_threads(), clock };
+    Ok(pool.install(|| {
+        let finished = crate::app::run::run(&loaded.case, registry, &RunOptions { cells }, &watch);
+        job.write(finished)
+    }))
+}
+
+/// The words after the program's name.
+fn shown(words: &[OsString]) -> Vec<String> {
+    words.iter().skip(1).map(|w| w.to_string_lossy().into_owned()).collect()
+}
+
+/// What the files of a run need to know.
+struct Job<'a> {
+    loaded: &'a Loaded,
+    folder: &'a Folder,
+    vtu: Option<VtuCells>,
+    words: &'a [OsString],
+    threads: usize,
+    clock: &'a Clock,
+}
+
+impl Job<'_> {
+    fn write(&self, finished: Finished) -> Ended {
+        let Finished { mut result, output } = finished;
+        let mut diagnostics = Diagnostics { items: result.diagnostics.iter().chain(&result.warnings).cloned().collect() };
+        let no_folder = result.exit == 3 || (result.exit == 6 && output.is_none());
+        if no_folder {
+            let document = result.to_json();
+            return Ended { exit: result.exit, document, diagnostics, ..Ended::default() };
+        }
+        self.clock.hear(Progress::Phase("draw"));
+        let mut trouble = Diagnostics::new();
+        let shown = output.map(|output| files::of(&output, self.vtu, &mut trouble)).unwrap_or_default();
+        result.warnings.extend(trouble.items.iter().cloned());
+        diagnostics.extend(trouble);
+
+        self.clock.hear(Progress::Phase("write"));
+        let mut names: Vec<String> = shown.iter().map(|f| f.name.clone()).collect();
+        names.extend(["case.effective.toml", "log.txt", MANIFEST].map(str::to_owned));
+        result.files = names.clone();
+        names.push("result.json".to_owned());
+        let document = result.to_json();
+        if let Err(problem) = self.files(&shown, &names, &document, &diagnostics) {
+            diagnostics.push(problem);
+            // 130 and 70 come before 4
+            let exit = if matches!(result.exit, 70 | 130) { result.exit } else { 4 };
+            let document = failure(status(exit), exit, diagnostics.to_json());
+            return Ended { exit, document, diagnostics, ..Ended::default() };
+        }
+        let summary = summary::of(&result, Some(&self.folder.path().display().to_string()));
+        Ended { exit: result.exit, summary, document, diagnostics, message: None }
+    }
+
+    /// Writes everything, `result.json` last.
+    fn files(&self, shown: &[Named], names: &[String], document: &str, diagnostics: &Diagnostics) -> Result<(), Diagnostic> {
+        let folder = self.folder;
+        folder.open()?;
+        // first of all: whatever stops this, the folder stays known as ours
+        folder.write(MANIFEST, self.manifest(names).as_bytes())?;
+        for file in shown {
+            folder.write(&file.name, &file.bytes)?;
+        }
+        folder.write("case.effective.toml", self.loaded.case.effective_toml().as_bytes())?;
+        self.clock.hear(Progress::Phase("done"));
+        let log = format!("{}\n{}", self.clock.log(), diagnostics.render());
+        folder.write("log.txt", format!("{}\n", log.trim_end()).as_bytes())?;
+        folder.write(MANIFEST, self.manifest(names).as_bytes())?;
+        folder.write("result.json", document.as_bytes())
+    }
+
+    fn manifest(&self, names: &[String]) -> String {
+        let manifest = Manifest {
+            schema: "faying.manifest/1".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            command: "run".to_owned(),
+            case: self.loaded.name.clone(),
+            case_path: self.loaded.path.clone(),
+            options: shown(self.words),
+            inputs: vec![self.loaded.input.clone()],
+            threads: self.threads,
+            seconds: self.clock.seconds(),
+            files: names.to_vec(),
+        };
+        manifest.to_json()
+    }
+}

@@ -1,0 +1,97 @@
+//! The short summary of a run for stdout.
+
+use crate::app::result::RunResult;
+use crate::app::run::bytes;
+use crate::io::table::{Table, short};
+use std::fmt::Write as _;
+
+/// A few lines and tables: the case, the active set, sides, errors, probes, checks.
+pub fn of(result: &RunResult, folder: Option<&str>) -> String {
+    let mut text = String::new();
+    // writing to a String cannot fail
+    let _ = writeln!(text, "{}: {}", result.case, status(result));
+    let bodies = result.backends.iter().map(|(patch, backend)| format!("{patch} {backend}")).collect::<Vec<_>>().join(", ");
+    let u = &result.unknowns;
+    let _ = writeln!(text, "{bodies}; {} unknowns, {} multipliers", u.primal, u.multipliers);
+    if let Some(solve) = &result.solve {
+        let _ = writeln!(text, "{}; residual {}", solve.linear, short(solve.residual, 2));
+        if let Some(set) = &solve.active_set {
+            let history = set.history.iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
+            let _ = writeln!(text, "active set: {} iterations, active rows {history}", set.iterations);
+        }
+    }
+    for table in [contacts(result), interfaces(result), errors(result), probes(result), checks(result)] {
+        if !table.is_empty() {
+            let _ = write!(text, "\n{table}");
+        }
+    }
+    if let Some(folder) = folder {
+        let _ = writeln!(text, "\nresults in {folder}");
+    }
+    text
+}
+
+/// What a check found: the case is valid, and this large.
+pub fn of_check(result: &RunResult) -> String {
+    let mut table = Table::new(["patch", "backend", "measure"]);
+    for (patch, backend) in result.backends.iter() {
+        table.row([patch.to_owned(), backend.clone(), result.geometry.measure.get(patch).map_or("-".to_owned(), |m| short(*m, 8))]);
+    }
+    let u = &result.unknowns;
+    let memory = result.predicted.map_or(String::new(), |p| format!("; about {} of memory", bytes(p.memory)));
+    format!("{}: valid\n\n{table}\n{} unknowns, {} multipliers{memory}\n", result.case, u.primal, u.multipliers)
+}
+
+fn status(result: &RunResult) -> String {
+    serde_json::to_value(result.status).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
+fn vector(values: &[f64]) -> String {
+    format!("({})", values.iter().map(|v| short(*v, 5)).collect::<Vec<_>>().join(", "))
+}
+
+fn contacts(result: &RunResult) -> Table {
+    let mut table = Table::new(["contact", "force", "largest pressure", "area", "half width", "least gap", "active"]);
+    for (name, c) in result.contact.iter() {
+        table.row([name.to_owned(), vector(&c.force), short(c.pressure.max, 6), short(c.area, 6), short(c.half_width, 6), short(c.gap.min, 3), c.active.to_string()]);
+    }
+    table
+}
+
+fn interfaces(result: &RunResult) -> Table {
+    let mut table = Table::new(["interface", "|lambda|", "jump", "distance", "segments"]);
+    for (name, i) in result.interface.iter() {
+        table.row([name.to_owned(), short(i.lambda.norm, 6), short(i.jump.l2, 3), short(i.distance, 3), i.segments.count.to_string()]);
+    }
+    table
+}
+
+fn errors(result: &RunResult) -> Table {
+    let mut table = Table::new(["error", "value"]);
+    for (name, value) in result.errors.iter().filter(|(name, _)| !name.ends_with(".rel")) {
+        table.row([name.to_owned(), short(*value, 6)]);
+    }
+    table
+}
+
+fn probes(result: &RunResult) -> Table {
+    let mut table = Table::new(["probe", "value", "quantity"]);
+    for probe in &result.probes {
+        let value = if probe.value.is_finite() { short(probe.value, 10) } else { "-".to_owned() };
+        table.row([probe.name.clone(), value, probe.reason.clone().unwrap_or_else(|| probe.quantity.clone())]);
+    }
+    table
+}
+
+fn checks(result: &RunResult) -> Table {
+    let mut table = Table::new(["check", "value", "", "wanted", "verdict"]);
+    for check in &result.checks {
+        let verdict = match (check.skipped, check.ok) {
+            (true, _) => "skipped".to_owned(),
+            (_, true) => "passed".to_owned(),
+            (_, false) => check.reason.as_ref().map_or("FAILED".to_owned(), |r| format!("FAILED: {r}")),
+        };
+        table.row([check.name.clone(), short(check.value, 8), check.relation.clone(), short(check.expected, 8), verdict]);
+    }
+    table
+}
