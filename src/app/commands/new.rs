@@ -22,7 +22,7 @@ macro_rules! sample {
 }
 
 const SAMPLES: [Sample; 4] = [
-    sample!("poisson-arc", "Poisson on two ring sectors tied along an arc, with a known solution"),
+    sample!("poisson-arc", "Poisson on a ring sector with a known solution"),
     sample!("contact-patch", "two blocks pressed together: uniform stress across meshes that do not match"),
     sample!("hertz", "a half cylinder pressed on a rigid plane, against the formula of Hertz"),
     sample!("iga-fe-arc", "a NURBS ring tied to a triangle mesh"),
