@@ -1,5 +1,6 @@
 //! Case files: every error with its text and place, options, defaults written out, hostile input, formulas.
 #![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used)]
 
 use std::f64::consts::PI;
 
@@ -238,8 +239,10 @@ fn e003_file_not_found_names_similar_files() {
 
 #[test]
 fn e005_toml_syntax_has_the_parsers_place() {
-    let d = fails("a = 1\nb = [1,\n", "E005", "the file is not valid TOML: unclosed array, expected `]`", "[1,");
-    assert!(d.help.is_some());
+    let d = error_of("a = 1\nb = [1,\n");
+    assert_eq!((d.code, d.message.as_str()), ("E005", "the file is not valid TOML: unclosed array, expected `]`"));
+    // behind the comma, where the bracket is missing
+    assert_eq!((d.line, d.column), (Some(2), Some(8)));
 }
 
 #[test]
@@ -268,7 +271,16 @@ fn e012_unknown_keys_everywhere() {
 fn e013_missing_keys_point_to_their_block() {
     fails(&with("physics = \"elasticity\"", ""), "E013", "`physics` is missing in [model]", "[model]");
     fails(&with("elements = [4, 2]", ""), "E013", "`elements` is missing in patch \"lower\"", "[[patch]]");
-    fails(&with("name = \"lower\"\n", "").replace("lower.", "upper.").replace("upper.top", "upper.left").replacen("upper.bottom", "upper.right", 1), "E013", "`name` is missing in patch 0", "[[patch]]");
+    fails(
+        &with("name = \"lower\"\n", "").replace("lower.", "upper.").replace("upper.top", "upper.left").replacen(
+            "upper.bottom",
+            "upper.right",
+            1,
+        ),
+        "E013",
+        "`name` is missing in patch 0",
+        "[[patch]]",
+    );
     fails(&with("poisson = 0.3", ""), "E013", "`poisson` is missing in material \"steel\"", "[[material]]");
     fails(&with("slave = \"upper.bottom\"", ""), "E013", "`slave` is missing in contact \"pad\"", "[[contact]]");
     fails(&with("master = \"lower.top\"", ""), "E013", "`master` or `rigid` is missing in contact \"pad\"", "[[contact]]");
@@ -287,9 +299,19 @@ fn e014_wrong_types() {
     fails(&with("young = 1.0", "young = [1.0]"), "E014", "`young` must be a number or a quoted formula, found a list of 1", "[1.0]");
     fails(&with("name = \"pad\"", "name = 3"), "E014", "`name` must be a text in quotes, found 3", "3\nslave");
     fails(&with("[[material]]", "[material]"), "E014", "`material` must be a list of tables, found a table", "[material]");
-    fails(&with("elements = [4, 2]", "elements = [4, 2.5]"), "E014", "`elements` must be a whole number of at least 1, found 2.5".replace("of at least 1", "from 1 to 1000000").as_str(), "2.5");
+    fails(
+        &with("elements = [4, 2]", "elements = [4, 2.5]"),
+        "E014",
+        "`elements` must be a whole number of at least 1, found 2.5".replace("of at least 1", "from 1 to 1000000").as_str(),
+        "2.5",
+    );
     fails(&with("min = [0, 0]", "min = 0"), "E014", "`min` must be a list of 2 numbers, found 0", "0, max");
-    fails(&with("pressure = \"F\"", "traction = \"F\""), "E014", "`traction` must be \"exact\", a list of 2 formulas or a table of some, found the text \"F\"", "\"F\"\n\n[[contact]]");
+    fails(
+        &with("pressure = \"F\"", "traction = \"F\""),
+        "E014",
+        "`traction` must be \"exact\", a list of 2 formulas or a table of some, found the text \"F\"",
+        "\"F\"\n\n[[contact]]",
+    );
     fails(&with("on = \"lower.bottom\"", "on = 7"), "E014", "`on` must be a side or a list of sides, found 7", "7");
     fails(&with("dimension = 2", "dimension = 2.0"), "E014", "`dimension` must be a whole number from 2 to 3, found 2.0", "2.0");
     fails(&with("F = 2e-4", "F = false"), "E014", "`F` must be a number or a quoted formula, found false", "false");
@@ -297,16 +319,51 @@ fn e014_wrong_types() {
 
 #[test]
 fn e015_ranges_words_and_keys_of_other_kinds() {
-    fails(&with("elements = [4, 2]", "elements = [4, 0]"), "E015", "`elements` must be a whole number from 1 to 1000000, found 0", "0]\n\n");
-    fails(&with("elements = [4, 2]", "elements = [4, 2]\nbackend = \"fe\"\ndegree = 9"), "E015", "`degree` must be a whole number from 1 to 8 for backend fe, found 9", "9");
+    fails(
+        &with("elements = [4, 2]", "elements = [4, 0]"),
+        "E015",
+        "`elements` must be a whole number from 1 to 1000000, found 0",
+        "0]\n\n",
+    );
+    fails(
+        &with("elements = [4, 2]", "elements = [4, 2]\nbackend = \"fe\"\ndegree = 9"),
+        "E015",
+        "`degree` must be a whole number from 1 to 8 for backend fe, found 9",
+        "9",
+    );
     let simplex = "elements = [4, 2]\nbackend = \"fe\"\ncells = \"simplex\"\ndegree = 5";
-    fails(&with("elements = [4, 2]", simplex), "E015", "`degree` must be a whole number from 1 to 4 for backend fe with simplex cells, found 5", "5\n");
-    fails(&with("elements = [4, 2]", "elements = [4, 2]\ndegree = 13"), "E015", "`degree` must be a whole number from 1 to 12, found 13", "13");
-    fails(&with("elements = [4, 2]", "elements = [4, 2]\ncontinuity = 2"), "E015", "`continuity` must be less than the degree 2, found 2", "2\n\n[[patch]]");
-    let d = fails(&with("physics = \"elasticity\"", "physics = \"elasticty\""), "E015", "`physics` must be one of \"poisson\", \"elasticity\", found \"elasticty\"", "\"elasticty\"");
+    fails(
+        &with("elements = [4, 2]", simplex),
+        "E015",
+        "`degree` must be a whole number from 1 to 4 for backend fe with simplex cells, found 5",
+        "5\n",
+    );
+    fails(
+        &with("elements = [4, 2]", "elements = [4, 2]\ndegree = 13"),
+        "E015",
+        "`degree` must be a whole number from 1 to 12, found 13",
+        "13",
+    );
+    fails(
+        &with("elements = [4, 2]", "elements = [4, 2]\ncontinuity = 2"),
+        "E015",
+        "`continuity` must be less than the degree 2, found 2",
+        "2\n\n[[patch]]",
+    );
+    let d = fails(
+        &with("physics = \"elasticity\"", "physics = \"elasticty\""),
+        "E015",
+        "`physics` must be one of \"poisson\", \"elasticity\", found \"elasticty\"",
+        "\"elasticty\"",
+    );
     assert_eq!(d.label.as_deref(), Some("did you mean \"elasticity\"?"));
     fails(&with("max = [1, 0.5]", "radius = 1, max = [1, 0.5]"), "E015", "`radius` is not a key of kind \"box\"", "radius");
-    fails(&with("max = [1, 0.5]", "max = [1, -0.5]"), "E015", "`max` must exceed `min` in every coordinate, but y does not: 0.0 and -0.5", "[1, -0.5]");
+    fails(
+        &with("max = [1, 0.5]", "max = [1, -0.5]"),
+        "E015",
+        "`max` must exceed `min` in every coordinate, but y does not: 0.0 and -0.5",
+        "[1, -0.5]",
+    );
     fails(&with("elements = [4, 2]", "elements = [[0, 0.5, 0.4, 1], 2]"), "E015", "breakpoints must increase, found 0.4 after 0.5", "0.4");
     fails(&with("elements = [4, 2]", "elements = [[0, 0.5, 0.9], 2]"), "E015", "breakpoints go from 0.0 to 1.0", "[0, 0.5, 0.9]");
     fails(&with("young = 1.0", "young = inf"), "E015", "`young` must be finite, found inf", "inf");
@@ -317,22 +374,47 @@ fn e015_ranges_words_and_keys_of_other_kinds() {
     fails(&with("slave =", "factor = 10\nslave ="), "E015", "`factor` is not a key of method = \"lagrange\"", "10");
     let rigid = "rigid = { kind = \"half-plane\", point = [0, 0], normal = [0, 0] }";
     fails(&with("master = \"lower.top\"", rigid), "E015", "`normal` must not be zero", "[0, 0] }\n\n[[probe]]");
-    fails(&with("master = \"lower.top\"", &format!("master = \"lower.top\"\n{rigid}")), "E015", "`rigid` does not stand beside `master`", "{ kind = \"half-plane\"");
-    fails(&POISSON.replace("exact = {", "source = 1\nexact = {"), "E015", "a body force or source does not stand beside `exact`", "1\nexact");
+    fails(
+        &with("master = \"lower.top\"", &format!("master = \"lower.top\"\n{rigid}")),
+        "E015",
+        "`rigid` does not stand beside `master`",
+        "{ kind = \"half-plane\"",
+    );
+    fails(
+        &POISSON.replace("exact = {", "source = 1\nexact = {"),
+        "E015",
+        "a body force or source does not stand beside `exact`",
+        "1\nexact",
+    );
 }
 
 #[test]
 fn e016_names() {
-    let d = fails(&with("name = \"upper\"", "name = \"lower\"").replace("upper.", "lower.").replace("lower.bottom\"\nmaster", "lower.left\"\nmaster"), "E016", "the patch name \"lower\" is already used on line 16", "\"lower\"\ngeometry = { kind = \"box\", min = [0, 0.5]");
+    let d = fails(
+        &with("name = \"upper\"", "name = \"lower\"").replace("upper.", "lower.").replace("lower.bottom\"\nmaster", "lower.left\"\nmaster"),
+        "E016",
+        "the patch name \"lower\" is already used on line 16",
+        "\"lower\"\ngeometry = { kind = \"box\", min = [0, 0.5]",
+    );
     assert!(d.help.is_some());
     fails(&with("name = \"pad\"", "name = \"my pad\""), "E016", "\"my pad\" is no name", "\"my pad\"");
     fails(&with("[let]", "[let]\npi = 3"), "E016", "`pi` cannot be the name of a constant", "pi");
     fails(&with("[let]", "[let]\nx = 3"), "E016", "`x` cannot be the name of a constant", "x = 3");
     fails(&with("on = \"upper.top\"", "on = [\"upper.top\", \"upper.v1\"]"), "E016", "`upper.v1` is named twice in `on`", "\"upper.v1\"");
-    fails(&with("slave =", "nonmortar = \"upper.bottom\"\nslave ="), "E016", "`nonmortar` is another name of `slave`, which is given too", "nonmortar");
+    fails(
+        &with("slave =", "nonmortar = \"upper.bottom\"\nslave ="),
+        "E016",
+        "`nonmortar` is another name of `slave`, which is given too",
+        "nonmortar",
+    );
     // interfaces and contacts share their names
     let tie = "[[interface]]\nname = \"pad\"\nslave = \"upper.left\"\nmaster = \"lower.left\"\n\n[[probe]]";
-    fails(&with("[[probe]]", tie), "E016", "the interface or contact name \"pad\" is already used on line 38", "\"pad\"\nslave = \"upper.bottom\"");
+    fails(
+        &with("[[probe]]", tie),
+        "E016",
+        "the interface or contact name \"pad\" is already used on line 39",
+        "\"pad\"\nslave = \"upper.bottom\"",
+    );
 }
 
 #[test]
@@ -340,10 +422,10 @@ fn e017_formulas_point_inside_the_text() {
     let formula = |text: &str, message: &str, at: &str| {
         fails(&with("pressure = \"F\"", &format!("pressure = \"{text}\"")), "E017", &format!("formula of `pressure`: {message}"), at)
     };
-    let d = formula("2*G + x", "unknown name `G`; did you mean `F`?", "G + x");
+    let d = formula("2*FF + x", "unknown name `FF`; did you mean `F`?", "FF + x");
     assert_eq!(d.help.as_deref(), Some("names here: x, y, z, t, r, theta, pi, e, F; others are defined in [let]"));
     formula("sni(x)", "unknown function `sni`; did you mean `sin`?", "sni(x)");
-    formula("2x", "an operator is missing; products are written with `*`", "x\"");
+    formula("2theta", "an operator is missing; products are written with `*`", "theta");
     formula("(x + 1", "a closing bracket `)` is missing", "\"\n\n[[contact]]");
     formula("x = 1", "`=` is no operator; write == to compare", "= 1\"");
     formula("1,5", "`,` is not expected here; a decimal point is written `.`", ",5");
@@ -368,24 +450,25 @@ fn e017_formulas_point_inside_the_text() {
         assert_eq!(d.code, "E017");
     }
     // where columns are unknown the position is counted in the text
-    fails(&with("pressure = \"F\"", "pressure = \"\\u0078 + Q\""), "E017", "formula of `pressure`: unknown name `Q`; did you mean `x`? (character 5)".replace("; did you mean `x`?", &hint("Q")).as_str(), "\"\\u0078");
-}
-
-// the suggestion for a short name depends on the names around it only
-fn hint(name: &str) -> String {
-    let c = Constants::default();
-    let mut c2 = c.clone();
-    c2.insert("F", 1.0);
-    let e = Formula::parse(name, &Scope::space(&c2)).unwrap_err();
-    e.message.strip_prefix(&format!("unknown name `{name}`")).unwrap().to_owned()
+    fails(
+        &with("pressure = \"F\"", "pressure = \"\\u0078 + Q\""),
+        "E017",
+        "formula of `pressure`: unknown name `Q` (character 5)",
+        "\"\\u0078",
+    );
 }
 
 #[test]
 fn e017_constants_that_define_each_other() {
     let text = with("F = 2e-4", "F = \"2*a\"\na = \"b + 1\"\nb = \"F/3\"");
     fails(&text, "E017", "formula of `F`: constants of [let] define each other: F -> a -> b -> F", "2*a");
-    fails(&with("F = 2e-4", "F = \"2*k\""), "E017", "formula of `F`: unknown constant `k`; did you mean `F`?", "k\"");
-    fails(&with("F = 2e-4", "F = \"2*x\""), "E017", "formula of `F`: `x` has no value here; only constants, and in checks quantities, are known", "x\"");
+    fails(&with("F = 2e-4", "F = \"2*k\""), "E017", "formula of `F`: unknown constant `k`", "k\"");
+    fails(
+        &with("F = 2e-4", "F = \"2*x\""),
+        "E017",
+        "formula of `F`: `x` has no value here; only constants, and in checks quantities, are known",
+        "x\"",
+    );
     fails(&with("F = 2e-4", "F = \"1/0\""), "E017", "formula of `F`: the value of `F` is not finite", "1/0");
 }
 
@@ -415,15 +498,26 @@ fn e019_known_but_not_in_this_version() {
     let kind = "kind = \"box\", min = [0, 0], max = [1, 0.5]";
     later(kind, "kind = \"file\", file = \"a.xml\"", "geometry of kind \"file\"", "\"file\"");
     later("elements = [4, 2]", "elements = [4, 2]\nclosed = \"u\"", "`closed`", "\"u\"");
-    later("master = \"lower.top\"", "rigid = { kind = \"half-plane\", point = [0, 0.5], normal = [0, 1], force = { y = 1 } }", "`force` of an obstacle", "1 } }");
+    later(
+        "master = \"lower.top\"",
+        "rigid = { kind = \"half-plane\", point = [0, 0.5], normal = [0, 1], force = { y = 1 } }",
+        "`force` of an obstacle",
+        "1 } }",
+    );
     let disc = "rigid = { kind = \"disc-sector\", radius = 1.0, angle_deg = [0, 90] }";
     later("master = \"lower.top\"", disc, "an obstacle of kind \"disc-sector\"", "\"disc-sector\"");
-    fails(&with("on = \"lower.bottom\"", "on = \"lower.u0v0\""), "E019", "edges and corners such as `lower.u0v0` are not in this version", "\"lower.u0v0\"");
+    fails(
+        &with("on = \"lower.bottom\"", "on = \"lower.u0v0\""),
+        "E019",
+        "edges and corners such as `lower.u0v0` are not in this version",
+        "\"lower.u0v0\"",
+    );
     for coupling in ["nitsche", "penalty", "glue"] {
         let tie = BASE.replace("[[contact]]", &format!("[[interface]]\ncoupling = \"{coupling}\""));
         fails(&tie, "E019", &format!("coupling \"{coupling}\" is not in this version"), &format!("\"{coupling}\""));
     }
-    let between = BASE.replace("[[contact]]\nname = \"pad\"\nslave = \"upper.bottom\"\nmaster = \"lower.top\"", "[[interface]]\nbetween = \"all\"");
+    let between =
+        BASE.replace("[[contact]]\nname = \"pad\"\nslave = \"upper.bottom\"\nmaster = \"lower.top\"", "[[interface]]\nbetween = \"all\"");
     fails(&between, "E019", "`between` is not in this version", "\"all\"");
     let volume = BASE
         .replace("dimension = 2", "dimension = 3")
@@ -439,11 +533,21 @@ fn e019_known_but_not_in_this_version() {
 #[test]
 fn e021_unknown_patches_and_sides() {
     // the text of the contract
-    fails(&with("\"upper.bottom\"", "\"upper.v2\""), "E021", "there is no side `upper.v2`; sides of \"upper\" are u0, u1, v0, v1", "\"upper.v2\"");
+    fails(
+        &with("\"upper.bottom\"", "\"upper.v2\""),
+        "E021",
+        "there is no side `upper.v2`; sides of \"upper\" are u0, u1, v0, v1",
+        "\"upper.v2\"",
+    );
     let d = fails(&with("\"upper.bottom\"", "\"uper.bottom\""), "E021", "there is no patch \"uper\"", "\"uper.bottom\"");
     assert_eq!(d.label.as_deref(), Some("did you mean \"upper\"?"));
     assert_eq!(d.help.as_deref(), Some("sides are written PATCH.SIDE; patches are lower, upper"));
-    fails(&with("\"upper.bottom\"", "\"upper\""), "E021", "`upper` names a patch, not a side; sides of \"upper\" are u0, u1, v0, v1", "\"upper\"\nmaster");
+    fails(
+        &with("\"upper.bottom\"", "\"upper\""),
+        "E021",
+        "`upper` names a patch, not a side; sides of \"upper\" are u0, u1, v0, v1",
+        "\"upper\"\nmaster",
+    );
     let disc = with("kind = \"box\", min = [0, 0], max = [1, 0.5]", "kind = \"disc-sector\", radius = 1.0, angle_deg = [0, 90]");
     let d = fails(&disc, "E021", "there is no side `lower.bottom`; sides of \"lower\" are u0, u1, v1", "\"lower.bottom\"");
     assert_eq!(d.help.as_deref(), Some("v0 is the centre of the disc and no side"));
@@ -476,7 +580,12 @@ fn e031_to_e034_name_direction_index_and_value() {
     let k = "[[0, 0, 0, 0.6, 0.5, 1, 1, 1], [0, 0, 1, 1]]";
     fails(&net(k, points, weights), "E031", "knots of direction u decrease at index 4: 0.5 after 0.6", "0.5, 1, 1, 1]");
     let k = "[[0, 0, 0, 0.5, 0.5, 0.5, 1, 1, 1], [0, 0, 1, 1]]";
-    fails(&net(k, points, weights), "E032", "knot 0.5 of direction u is repeated 3 times, at most 2 are allowed (index 3)", "0.5, 0.5, 0.5, 1");
+    fails(
+        &net(k, points, weights),
+        "E032",
+        "knot 0.5 of direction u is repeated 3 times, at most 2 are allowed (index 3)",
+        "0.5, 0.5, 0.5, 1",
+    );
     let k = "[[0, 0, 0, 1, 1, 1], [0, 0.2, 0.8, 1]]";
     fails(&net(k, points, weights), "E032", "knot 0.0 at an end of direction v stands 1 times, it must stand 2 times", "0, 0.2");
     let k = "[[0, 0, 0, 0.5, 1, 1, 1], [0, 0, 1, 1]]";
@@ -495,8 +604,18 @@ fn e044_wrong_dimensions() {
     fails(&with("min = [0, 0]", "min = [0, 0, 1]"), "E044", "`min` must have 2 coordinates, found 3", "[0, 0, 1]");
     // points with z = 0 are points of the plane
     read(&with("min = [0, 0]", "min = [0, 0, 0]"));
-    fails(&with("elements = [4, 2]", "elements = [4, 2, 1]"), "E044", "`elements` must have 2 entries, one per direction, found 3", "[4, 2, 1]");
-    fails(&with("elements = [4, 2]", "elements = [4, 2]\ndegree = [2]"), "E044", "`degree` must be one number or a list of 2, found a list of 1", "[2]");
+    fails(
+        &with("elements = [4, 2]", "elements = [4, 2, 1]"),
+        "E044",
+        "`elements` must have 2 entries, one per direction, found 3",
+        "[4, 2, 1]",
+    );
+    fails(
+        &with("elements = [4, 2]", "elements = [4, 2]\ndegree = [2]"),
+        "E044",
+        "`degree` must be one number or a list of 2, found a list of 1",
+        "[2]",
+    );
     fails(&with("pressure = \"F\"", "traction = [0]"), "E044", "`traction` must have 2 components, found 1", "[0]");
     let g = "max = [1, 0.5], extrude = 1.0";
     fails(&with("max = [1, 0.5]", g), "E044", "`extrude` makes a body of dimension 3, the model has dimension 2", "1.0 }");
@@ -504,11 +623,12 @@ fn e044_wrong_dimensions() {
 
 #[test]
 fn e052_two_conditions_name_both_lines() {
-    let text = with("pressure = \"F\"", "pressure = \"F\"\n\n[[boundary]]\non = [\"lower.left\", \"lower.v0\"]\ndirichlet = { y = \"-F\" }");
-    let d = fails(&text, "E052", "`lower.v0` has two conditions for component y: prescribed on line 26, and again on line 34", "\"-F\"");
+    let text =
+        with("pressure = \"F\"", "pressure = \"F\"\n\n[[boundary]]\non = [\"lower.left\", \"lower.v0\"]\ndirichlet = { y = \"-F\" }");
+    let d = fails(&text, "E052", "`lower.v0` has two conditions for component y: prescribed on line 27, and again on line 35", "\"-F\"");
     assert!(d.help.unwrap().contains("prescribed once"));
     let text = with("fix = [\"x\", \"y\"]", "fix = [\"x\", \"y\"]\ntraction = [0, 1]");
-    fails(&text, "E052", "`lower.v0` has two conditions for component y: prescribed on line 26, loaded on line 27", "1]\n\n[[boundary]]");
+    fails(&text, "E052", "`lower.v0` has two conditions for component y: prescribed on line 27, loaded on line 28", "1]\n\n[[boundary]]");
     let text = with("fix = [\"x\", \"y\"]", "fix = [\"x\"]\ndirichlet = { x = 1 }");
     fails(&text, "E052", "component x is fixed and prescribed in one block", "1 }\n\n[[boundary]]");
     let text = with("fix = [\"x\", \"y\"]", "fix = [\"x\", \"y\"]\npressure = 1");
@@ -541,7 +661,8 @@ fn e054_no_material() {
     let found = parse(&two).unwrap_err();
     assert_eq!(found.items[0].message, "patch \"lower\" has no material, and there are 2");
     assert_eq!(found.items[0].help.as_deref(), Some("write material = \"steel\"; materials: steel, brass"));
-    let d = fails(&with("elements = [4, 2]", "elements = [4, 2]\nmaterial = \"stel\""), "E054", "there is no material \"stel\"", "\"stel\"");
+    let d =
+        fails(&with("elements = [4, 2]", "elements = [4, 2]\nmaterial = \"stel\""), "E054", "there is no material \"stel\"", "\"stel\"");
     assert_eq!(d.label.as_deref(), Some("did you mean \"steel\"?"));
 }
 
@@ -569,14 +690,28 @@ fn e018_a_quantity_is_not_empty() {
 
 #[test]
 fn set_names_entries_by_name_or_position() {
-    let case = parse_set(BASE, &["patch.lower.degree=3", "boundary.1.pressure=2", "let.F=5e-4", "patch.upper.backend=fe", "solver.constraint=condensed"]).unwrap();
+    let case = parse_set(
+        BASE,
+        &["patch.lower.degree=3", "boundary.1.pressure=2", "let.F=5e-4", "patch.upper.backend=fe", "solver.constraint=condensed"],
+    )
+    .unwrap();
     assert_eq!(case.patches[0].discretization.degree.value, [3, 3]);
     assert_eq!(case.patches[1].discretization.degree.value, [2, 2]);
     assert_eq!(case.boundaries[1].pressure.as_ref().unwrap().as_constant(), Some(2.0));
     assert_eq!(case.constants.get("F"), Some(5e-4));
     assert_eq!(case.patches[1].discretization.backend.value, "fe");
     assert_eq!(case.solver.constraint.value, "condensed");
-    let case = parse_set(BASE, &["patch.0.elements.1=7", "boundary.1.pressure=x + F", "patch.1.name=above", "contact.pad.slave=above.v0", "boundary.1.on=above.top"]).unwrap();
+    let case = parse_set(
+        BASE,
+        &[
+            "patch.0.elements.1=7",
+            "boundary.1.pressure=x + F",
+            "patch.1.name=above",
+            "contact.pad.slave=above.v0",
+            "boundary.1.on=above.top",
+        ],
+    )
+    .unwrap();
     assert_eq!(case.patches[0].elements[1].value, Divisions::Count(7));
     assert_eq!(case.boundaries[1].pressure.as_ref().unwrap().value(&Point::new(&[1.0])), 1.0 + 2e-4);
     // the later option wins
@@ -593,7 +728,10 @@ fn errors_of_set_point_to_the_option() {
         assert_eq!((d.line, d.file.as_deref()), (None, Some(format!("--set {set}").as_str())));
         (d.code, d.message, d.help.unwrap_or_default())
     };
-    assert_eq!(one("patch.lowr.degree=3"), ("E012", "there is no patch `lowr`; did you mean `lower`?".into(), "names: lower, upper; positions 0 to 1".into()));
+    assert_eq!(
+        one("patch.lowr.degree=3"),
+        ("E012", "there is no patch `lowr`; did you mean `lower`?".into(), "names: lower, upper; positions 0 to 1".into())
+    );
     assert_eq!(one("patch.2.degree=3").1, "there is no patch `2`");
     assert_eq!(one("patch.lower.degree=\"x\"").1, "`degree` must be a whole number from 1 to 12, found the text \"x\"");
     assert_eq!(one("patch.lower.degre=3").1, "unknown key `degre` in patch \"lower\"");
@@ -636,7 +774,12 @@ fn the_base_case_is_typed_with_its_defaults() {
     assert_eq!(case.patches[1].material.value, 0);
     assert_eq!(case.side_name(&case.contacts[0].slave[0]), "upper.v0");
     assert_eq!(case.boundaries[0].name.value, "boundary-0");
-    assert!(case.boundaries[0].dirichlet.iter().all(|d| matches!(&d.as_ref().unwrap().value, Datum::Formula(f) if f.as_constant() == Some(0.0))));
+    assert!(
+        case.boundaries[0]
+            .dirichlet
+            .iter()
+            .all(|d| matches!(&d.as_ref().unwrap().value, Datum::Formula(f) if f.as_constant() == Some(0.0)))
+    );
     let c = &case.contacts[0];
     assert!(matches!(&c.master, Master::Sides(s) if s.len() == 1));
     assert_eq!(c.gap.value(&Point::default().with_gap(0.25)), 0.25);
@@ -671,7 +814,7 @@ fn obstacles_are_read() {
     let rigid = |r: &str| read(&with("master = \"lower.top\"", &format!("rigid = {r}")));
     let shape = |c: &Case| match &c.contacts[0].master {
         Master::Rigid(o) => o.shape.value.clone(),
-        Master::Sides(_) => panic!("a rigid master"),
+        _ => panic!("a rigid master"),
     };
     let case = rigid("{ kind = \"half-plane\", point = [0, 0.5], normal = [3, 4], move = { y = \"-0.05*t\" } }");
     let ObstacleShape::HalfPlane { normal, .. } = shape(&case) else { panic!() };
@@ -805,7 +948,16 @@ fn the_effective_case_reads_back_to_the_same_case() {
     assert_eq!(case.title.value, "all of it \"quoted\" \\ ü");
     assert_eq!(case.side_name(&case.interfaces[0].slave[0]), "one.v1");
     let toml = case.effective_toml();
-    for default in ["coupling = \"mortar\"", "integration = \"merged\"", "method = \"lagrange\"", "max_iterations = 30", "cells = \"tensor\"", "inside = false", "refine = 0", "center = [0.0, 0.0]"] {
+    for default in [
+        "coupling = \"mortar\"",
+        "integration = \"merged\"",
+        "method = \"lagrange\"",
+        "max_iterations = 30",
+        "cells = \"tensor\"",
+        "inside = false",
+        "refine = 0",
+        "center = [0.0, 0.0]",
+    ] {
         assert!(toml.contains(default), "{default} in\n{toml}");
     }
 }
@@ -840,7 +992,7 @@ impl Random {
 fn mutate(text: &str, r: &mut Random) -> String {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let k = r.next(lines.len());
-    match r.next(14) {
+    match r.next(15) {
         0 => {
             lines.remove(k);
         }
@@ -864,9 +1016,36 @@ fn mutate(text: &str, r: &mut Random) -> String {
         5 | 6 => {
             // another value
             let values = [
-                "1e400", "-1", "0", "99999999999999999999999", "-0.0", "nan", "inf", "true", "\"\"", "\"x\"", "[]", "{}", "[[]]", "[1, 2, 3]",
-                "\"exact\"", "2024-01-01", "{ kind = \"nurbs\" }", "[[0, 0, 1, 1], [0, 0, 1, 1]]", "\"auto\"", "0x7fffffffffffffff", "1e-320",
-                "\"sqrt(-1)\"", "\"x/0\"", "[\"x\", 3]", "{ x = 1, y = \"t\" }", "9223372036854775807", "\"lower.v0\"", "{ degree = 0 }",
+                "1e400",
+                "-1",
+                "0",
+                "99999999999999999999999",
+                "-0.0",
+                "nan",
+                "inf",
+                "true",
+                "\"\"",
+                "\"x\"",
+                "[]",
+                "{}",
+                "[[]]",
+                "[1, 2, 3]",
+                "\"exact\"",
+                "2024-01-01",
+                "{ kind = \"nurbs\" }",
+                "[[0, 0, 1, 1], [0, 0, 1, 1]]",
+                "\"auto\"",
+                "0x7fffffffffffffff",
+                "1e-320",
+                "\"sqrt(-1)\"",
+                "\"x/0\"",
+                "[\"x\", 3]",
+                "{ x = 1, y = \"t\" }",
+                "9223372036854775807",
+                "\"lower.v0\"",
+                "{ degree = 0 }",
+                "\"dual\"",
+                "\"penalty\"",
             ];
             if let Some((key, _)) = lines[k].clone().split_once('=') {
                 lines[k] = format!("{key}= {}", r.pick(&values));
@@ -897,7 +1076,30 @@ fn mutate(text: &str, r: &mut Random) -> String {
         10 => lines[k] = lines[k].replace(r.pick(&["1", "2", "0", "."]), r.pick(&["9", "-", "1e9", "000", "é"])),
         11 => lines.truncate(k),
         12 => {
-            let head = r.pick(&["[model]", "[[model]]", "[[patch]]", "[patch]", "[[contact]]", "[let]", "[[let]]", "[study.convergence]", "[[steps]]", "[a.b.c]"]);
+            let later = [
+                "friction = 0.1",
+                "gravity = [0, 1]",
+                "closed = \"u\"",
+                "where = \"x\"",
+                "force = { y = 1 }",
+                "method = \"penalty\"",
+                "gap = \"g*x\"",
+            ];
+            lines.insert(k, r.pick(&later).to_owned());
+        }
+        13 => {
+            let head = r.pick(&[
+                "[model]",
+                "[[model]]",
+                "[[patch]]",
+                "[patch]",
+                "[[contact]]",
+                "[let]",
+                "[[let]]",
+                "[study.convergence]",
+                "[[steps]]",
+                "[a.b.c]",
+            ]);
             lines.insert(k, head.to_owned());
         }
         _ => {
@@ -946,7 +1148,18 @@ fn two_thousand_mutated_case_files_do_not_panic() {
         }
         let options = ReadOptions {
             sets: if r.next(8) == 0 {
-                vec![r.pick(&["patch.0.degree=3", "let.F=\"1", "patch.lower.elements=[9999999, 1]", "boundary.0.on=é", "model=1", "patch=[]", "a.b.c.d=1"]).to_owned()]
+                vec![
+                    r.pick(&[
+                        "patch.0.degree=3",
+                        "let.F=\"1",
+                        "patch.lower.elements=[9999999, 1]",
+                        "boundary.0.on=é",
+                        "model=1",
+                        "patch=[]",
+                        "a.b.c.d=1",
+                    ])
+                    .to_owned(),
+                ]
             } else {
                 Vec::new()
             },
@@ -1011,7 +1224,15 @@ const UNARY: [(&str, fn(f64) -> f64); 15] = [
     ("log", f64::ln),
     ("sqrt", f64::sqrt),
     ("abs", f64::abs),
-    ("sign", |x| if x > 0.0 { 1.0 } else if x < 0.0 { -1.0 } else { 0.0 * x }),
+    ("sign", |x| {
+        if x > 0.0 {
+            1.0
+        } else if x < 0.0 {
+            -1.0
+        } else {
+            0.0 * x
+        }
+    }),
 ];
 
 const BINARY: [(&str, fn(f64, f64) -> f64); 9] = [
@@ -1031,11 +1252,13 @@ const VARIABLES: [&str; 6] = ["x", "y", "z", "t", "r", "theta"];
 impl Tree {
     fn text(&self) -> String {
         match self {
-            Self::Number(v) => format!("{v:?}"),
+            Self::Number(v) => format!("({v:?})"),
             Self::Variable(k) => VARIABLES[*k].to_owned(),
             Self::Unary(0, a) => format!("(-{})", a.text()),
             Self::Unary(k, a) => format!("{}({})", UNARY[*k].0, a.text()),
-            Self::Binary(k, a, b) if BINARY[*k].0.chars().all(char::is_alphanumeric) => format!("{}({}, {})", BINARY[*k].0, a.text(), b.text()),
+            Self::Binary(k, a, b) if BINARY[*k].0.chars().all(char::is_alphanumeric) => {
+                format!("{}({}, {})", BINARY[*k].0, a.text(), b.text())
+            }
             Self::Binary(k, a, b) => format!("({} {} {})", a.text(), BINARY[*k].0, b.text()),
             Self::Power(a, n) => format!("({}^{n})", a.text()),
             Self::If(c, a, b) => format!("if({}, {}, {})", c.text(), a.text(), b.text()),
@@ -1051,7 +1274,13 @@ impl Tree {
             Self::Unary(k, a) => UNARY[*k].1(a.value(at)),
             Self::Binary(k, a, b) => BINARY[*k].1(a.value(at), b.value(at)),
             Self::Power(a, n) => a.value(at).powi(*n),
-            Self::If(c, a, b) => if c.value(at) != 0.0 { a.value(at) } else { b.value(at) },
+            Self::If(c, a, b) => {
+                if c.value(at) != 0.0 {
+                    a.value(at)
+                } else {
+                    b.value(at)
+                }
+            }
         }
     }
 }
@@ -1108,10 +1337,23 @@ proptest! {
 #[test]
 fn jets_agree_with_finite_differences() {
     let texts = [
-        "sin(x)*cos(y) + tan(z/3)", "asin(x/3) + acos(y/3) + atan(z)", "sinh(x) + cosh(y*z) + tanh(x*y)", "exp(x*y - z)", "log(4 + x + y^2)",
-        "sqrt(5 + x*y*z)", "abs(x - 3)*y + sign(z)*x^2", "min(x, y + 5) * max(x, z - 5)", "(3 + x)^(y/2 + z)", "pow(x, 3) - x^-2 + 2^x",
-        "atan2(y + 3, x*z)", "r^3*cos(2*theta) + z*r", "if(x < 5, x^2*y, z)", "x/(y + 3) / (2 + z^2)", "-x^2*y^2 + x^1*y^0 + (x*0)^2.5",
-        "sqrt(x^2 + y^2) - r + theta - atan2(y, x)", "(x + 3)^2.5 * e^(pi*z/4)",
+        "sin(x)*cos(y) + tan(z/3)",
+        "asin(x/3) + acos(y/3) + atan(z)",
+        "sinh(x) + cosh(y*z) + tanh(x*y)",
+        "exp(x*y - z)",
+        "log(4 + x + y^2)",
+        "sqrt(5 + x*y*z)",
+        "abs(x - 3)*y + sign(z)*x^2",
+        "min(x, y + 5) * max(x, z - 5)",
+        "(3 + x)^(y/2 + z)",
+        "pow(x, 3) - x^-2 + 2^x",
+        "atan2(y + 3, x*z)",
+        "r^3*cos(2*theta) + z*r",
+        "if(x < 5, x^2*y, z)",
+        "x/(y + 3) / (2 + z^2)",
+        "-x^2*y^2 + x^1*y^0 + (x*0)^2.5",
+        "sqrt(x^2 + y^2) - r + theta - atan2(y, x)",
+        "(x + 3)^2.5 * e^(pi*z/4)",
     ];
     let c = Constants::default();
     let h = 1e-5;
@@ -1157,7 +1399,7 @@ fn the_laplacian_of_a_manufactured_solution_is_known() {
 fn derivatives_at_zero_are_those_of_polynomials() {
     let c = Constants::default();
     let jet = Formula::parse("x^2 + y^3 + x^1 + z^0 + 0^x", &Scope::space(&c)).unwrap().jet(&Point::new(&[0.0, 0.0, 0.0]));
-    assert_eq!(jet.hessian[0][0].is_nan(), true, "0^x has no derivative");
+    assert!(jet.hessian[0][0].is_nan(), "0^x has no derivative");
     let jet = Formula::parse("x^2 + y^3 + x^1 + z^0", &Scope::space(&c)).unwrap().jet(&Point::new(&[0.0, 0.0, 0.0]));
     assert_eq!((jet.value, jet.gradient, jet.hessian[0][0], jet.hessian[1][1]), (1.0, [1.0, 0.0, 0.0], 2.0, 0.0));
 }

@@ -331,7 +331,11 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     candidates
         .into_iter()
         .map(|c| (strsim::damerau_levenshtein(&lower, &c.to_lowercase()), c))
-        .filter(|(d, c)| *d <= 1 + word.chars().count().max(c.chars().count()) / 3)
+        .filter(|(d, c)| {
+            // something in common, and not much else
+            let longest = word.chars().count().max(c.chars().count());
+            *d < longest.max(1) && *d <= 1 + longest / 3
+        })
         .min_by_key(|(d, _)| *d)
         .map(|(_, c)| c)
 }

@@ -62,15 +62,35 @@ impl Reader {
             self.fault("E013", b.at, message, format!("give one of {}", kinds.join(", ")));
         }
         let boundary = Boundary {
-            head: b.head(), name, on, filter, dirichlet, fix_normal, fix_tangential, traction, pressure, force, spring, rigid_force,
+            head: b.head(),
+            name,
+            on,
+            filter,
+            dirichlet,
+            fix_normal,
+            fix_tangential,
+            traction,
+            pressure,
+            force,
+            spring,
+            rigid_force,
         };
         Read { boundary, all_outer }
     }
 
-    fn fix(&mut self, node: &Node, dirichlet: &mut Components<Datum>, normal: &mut Option<Located<()>>, tangential: &mut Option<Located<()>>) {
+    fn fix(
+        &mut self,
+        node: &Node,
+        dirichlet: &mut Components<Datum>,
+        normal: &mut Option<Located<()>>,
+        tangential: &mut Option<Located<()>>,
+    ) {
         let n = dirichlet.len();
-        let known: Vec<(&str, usize)> =
-            if n == 1 { vec![("u", 0)] } else { ["x", "y", "z"][..n].iter().copied().zip(0..).chain([("normal", 10), ("tangential", 11)]).collect() };
+        let known: Vec<(&str, usize)> = if n == 1 {
+            vec![("u", 0)]
+        } else {
+            ["x", "y", "z"][..n].iter().copied().zip(0..).chain([("normal", 10), ("tangential", 11)]).collect()
+        };
         let items: Vec<&Node> = match &node.value {
             Value::List(list) if !list.is_empty() => list.iter().collect(),
             Value::Text(_) => vec![node],
@@ -97,7 +117,12 @@ impl Reader {
             self.fault("E015", b.key_at("traction"), "`traction` is a key of elasticity, the physics here is poisson", "use neumann");
         }
         if b.has("traction") && b.has("neumann") {
-            self.fault("E015", b.key_at("neumann"), "`neumann` does not stand beside `traction`", "they mean the same: leave one of them out");
+            self.fault(
+                "E015",
+                b.key_at("neumann"),
+                "`neumann` does not stand beside `traction`",
+                "they mean the same: leave one of them out",
+            );
         }
         let key = if b.has("traction") { "traction" } else { "neumann" };
         match b.node(key).cloned() {

@@ -2,23 +2,50 @@
 
 /// Top level.
 pub(super) const ROOT: &[&str] = &[
-    "schema", "title", "let", "model", "discretization", "material", "patch", "boundary", "interface", "contact", "steps", "solver",
-    "probe", "check", "study",
+    "schema",
+    "title",
+    "let",
+    "model",
+    "discretization",
+    "material",
+    "patch",
+    "boundary",
+    "interface",
+    "contact",
+    "steps",
+    "solver",
+    "probe",
+    "check",
+    "study",
 ];
 
 /// Top-level keys that are lists of tables.
 pub(super) const LISTS: &[&str] = &["material", "patch", "boundary", "interface", "contact", "probe", "check"];
 
-pub(super) const MODEL: &[&str] =
-    &["physics", "dimension", "assumption", "exact", "reference", "source", "body_force", "gravity"];
+pub(super) const MODEL: &[&str] = &["physics", "dimension", "assumption", "exact", "reference", "source", "body_force", "gravity"];
 
 pub(super) const DISCRETIZATION: &[&str] = &["backend", "degree", "continuity", "basis", "cells", "mapping", "extra_points"];
 
 pub(super) const MATERIAL: &[&str] = &["name", "young", "poisson", "lambda", "mu", "conductivity", "density"];
 
 pub(super) const PATCH: &[&str] = &[
-    "name", "geometry", "material", "elements", "refine", "grade", "backend", "degree", "continuity", "basis", "cells", "mapping",
-    "extra_points", "source", "body_force", "closed", "glue",
+    "name",
+    "geometry",
+    "material",
+    "elements",
+    "refine",
+    "grade",
+    "backend",
+    "degree",
+    "continuity",
+    "basis",
+    "cells",
+    "mapping",
+    "extra_points",
+    "source",
+    "body_force",
+    "closed",
+    "glue",
 ];
 
 /// Keys of every geometry, applied in this order.
@@ -37,23 +64,45 @@ pub(super) const GEOMETRIES: &[(&str, &[&str])] = &[
 
 pub(super) const GRADE: &[&str] = &["toward", "ratio"];
 
-pub(super) const BOUNDARY: &[&str] = &[
-    "name", "on", "where", "fix", "dirichlet", "neumann", "traction", "pressure", "force", "spring", "rigid_force",
-];
+pub(super) const BOUNDARY: &[&str] =
+    &["name", "on", "where", "fix", "dirichlet", "neumann", "traction", "pressure", "force", "spring", "rigid_force"];
 
 pub(super) const INTERFACE: &[&str] = &[
-    "name", "slave", "master", "between", "coupling", "multiplier", "integration", "extra_points", "tolerance", "factor", "variant",
+    "name",
+    "slave",
+    "master",
+    "between",
+    "coupling",
+    "multiplier",
+    "integration",
+    "extra_points",
+    "tolerance",
+    "factor",
+    "variant",
     "exact",
 ];
 
 pub(super) const CONTACT: &[&str] = &[
-    "name", "slave", "master", "rigid", "gap", "method", "multiplier", "integration", "extra_points", "cone", "reach", "tolerance",
-    "factor", "variant", "exact", "active_set",
+    "name",
+    "slave",
+    "master",
+    "rigid",
+    "gap",
+    "method",
+    "multiplier",
+    "integration",
+    "extra_points",
+    "cone",
+    "reach",
+    "tolerance",
+    "factor",
+    "variant",
+    "exact",
+    "active_set",
 ];
 
 /// Other names of a key.
-pub(super) const ALIASES: &[(&str, &str)] =
-    &[("nonmortar", "slave"), ("secondary", "slave"), ("mortar", "master"), ("primary", "master")];
+pub(super) const ALIASES: &[(&str, &str)] = &[("nonmortar", "slave"), ("secondary", "slave"), ("mortar", "master"), ("primary", "master")];
 
 /// Kinds of obstacle with their own keys; every kind of geometry is one too.
 pub(super) const OBSTACLES: &[(&str, &[&str])] = &[
@@ -78,9 +127,8 @@ pub(super) const CHECK: &[&str] = &["name", "quantity", "below", "above", "equal
 
 pub(super) const STUDIES: &[&str] = &["compare", "convergence", "quadrature", "infsup", "sweep"];
 
-pub(super) const STUDY: &[&str] = &[
-    "levels", "degrees", "backends", "pairings", "integration", "extra_points", "vary", "quantities", "tol", "norm", "ends",
-];
+pub(super) const STUDY: &[&str] =
+    &["levels", "degrees", "backends", "pairings", "integration", "extra_points", "vary", "quantities", "tol", "norm", "ends"];
 
 /// Keys that users may expect and that no block knows yet.
 pub(super) const LATER: &[&str] = &["friction", "axisymmetric", "dynamics", "thermal", "plasticity", "adhesion", "damping"];

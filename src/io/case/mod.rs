@@ -89,6 +89,7 @@ impl Case {
             names: Vec::new(),
             dimension: 2,
             components: 1,
+            materials_broken: false,
         };
         for (k, option) in options.sets.iter().enumerate() {
             if let Err(d) = set::apply(&mut root, option, k) {
@@ -162,7 +163,11 @@ pub fn not_found(path: &Path, error: &std::io::Error) -> Diagnostic {
         format!("there is no folder {}", folder.display())
     } else if similar.is_empty() {
         let cases: Vec<&str> = names.iter().map(String::as_str).filter(|n| n.ends_with(".toml")).take(8).collect();
-        if cases.is_empty() { "no case file is in that folder; `faying new --list` shows samples".to_owned() } else { format!("case files there: {}", cases.join(", ")) }
+        if cases.is_empty() {
+            "no case file is in that folder; `faying new --list` shows samples".to_owned()
+        } else {
+            format!("case files there: {}", cases.join(", "))
+        }
     } else {
         format!("similar names there: {}", similar.join(", "))
     };
@@ -216,8 +221,8 @@ impl Reader {
             root.default("material", Value::List(vec![Node::new(Value::Table(table), Place::NONE)]));
             materials = self.list(&mut root, "material", keys::MATERIAL, |r, b, k| r.material(b, k, &model));
         }
-        let patches =
-            self.list(&mut root, "patch", keys::PATCH, |r, b, k| r.patch(b, k, &model, &discretization, &materials, names));
+        self.materials_broken = materials.is_empty() && root.has("material");
+        let patches = self.list(&mut root, "patch", keys::PATCH, |r, b, k| r.patch(b, k, &model, &discretization, &materials, names));
         if !root.has("patch") {
             let help = "write [[patch]] with name, geometry and elements";
             self.fault("E013", Place::NONE, "[[patch]] is missing in the case", help);
@@ -281,12 +286,12 @@ impl Reader {
         let Some(node) = root.node("schema").cloned() else {
             return Located::new(SCHEMA, root.default("schema", Value::Integer(SCHEMA as i64)));
         };
-        if let Value::Integer(n) = node.value {
-            if n > SCHEMA as i64 {
-                let message = format!("the case has schema {n}, this program reads schema {SCHEMA}");
-                self.fault("E001", node.at, message, "install a newer faying, or write the case for schema 1");
-                return Located::new(usize::MAX, node.at);
-            }
+        if let Value::Integer(n) = node.value
+            && n > SCHEMA as i64
+        {
+            let message = format!("the case has schema {n}, this program reads schema {SCHEMA}");
+            self.fault("E001", node.at, message, "install a newer faying, or write the case for schema 1");
+            return Located::new(usize::MAX, node.at);
         }
         Located::new(self.whole_of(&node, "schema", 1, SCHEMA as i64).unwrap_or(SCHEMA), node.at)
     }
@@ -307,7 +312,12 @@ impl Reader {
                 return None;
             }
             None if required => {
-                self.fault("E013", Place::NONE, format!("[{key}] is missing in the case"), format!("keys of [{key}]: {}", known.join(", ")));
+                self.fault(
+                    "E013",
+                    Place::NONE,
+                    format!("[{key}] is missing in the case"),
+                    format!("keys of [{key}]: {}", known.join(", ")),
+                );
                 return None;
             }
             None => {
@@ -410,7 +420,12 @@ impl Case {
             interfaces: Vec::new(),
             contacts: Vec::new(),
             steps: none(vec![1.0]),
-            solver: Solver { constraint: none("auto".to_owned()), linear: none(Linear::Auto), tolerance: none(1e-10), max_iterations: None },
+            solver: Solver {
+                constraint: none("auto".to_owned()),
+                linear: none(Linear::Auto),
+                tolerance: none(1e-10),
+                max_iterations: None,
+            },
             probes: Vec::new(),
             checks: Vec::new(),
             studies: Vec::new(),

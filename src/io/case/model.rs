@@ -18,12 +18,14 @@ impl Reader {
         };
         let mut definitions = Vec::new();
         let mut nodes = Vec::new();
+        let mut known = Vec::new();
         for e in &table.entries {
             if !is_free_name(&e.key) {
                 let help = "names in formulas are letters, digits and `_`, begin with a letter, and are none of x, y, z, t, r, theta, g, pi, e, nor a function";
                 self.fault("E016", e.key_at, format!("`{}` cannot be the name of a constant", e.key), help);
                 continue;
             }
+            known.push(e.key.clone());
             let text = match &e.node.value {
                 Value::Text(s) => ConstantText::Formula(s.clone()),
                 Value::Integer(_) | Value::Float(_) => match self.number_of(&e.node, &e.key, Sign::Any) {
@@ -44,7 +46,7 @@ impl Reader {
         }
         self.constants = constants;
         // a constant in error is known already: formulas that use it shall not be reported again
-        for (name, _) in &definitions {
+        for name in &known {
             if self.constants.get(name).is_none() {
                 self.constants.insert(name, 1.0);
             }
@@ -55,7 +57,8 @@ impl Reader {
     pub fn model(&mut self, b: &mut Block) -> Model {
         let physics = match self.required(b, "physics", "physics = \"elasticity\"") {
             Some(node) => Located::new(
-                self.word_of(&node, "physics", &[("poisson", Physics::Poisson), ("elasticity", Physics::Elasticity)]).unwrap_or(Physics::Elasticity),
+                self.word_of(&node, "physics", &[("poisson", Physics::Poisson), ("elasticity", Physics::Elasticity)])
+                    .unwrap_or(Physics::Elasticity),
                 node.at,
             ),
             None => Located::new(Physics::Elasticity, b.at),
@@ -71,7 +74,8 @@ impl Reader {
         let words = [("plane-strain", Assumption::PlaneStrain), ("plane-stress", Assumption::PlaneStress)];
         let assumption = if poisson || dimension.value == 3 {
             if b.has("assumption") {
-                let why = if poisson { "plane elasticity, the physics here is poisson" } else { "plane elasticity, the dimension here is 3" };
+                let why =
+                    if poisson { "plane elasticity, the physics here is poisson" } else { "plane elasticity, the dimension here is 3" };
                 self.fault("E015", b.key_at("assumption"), format!("`assumption` is a key of {why}"), "");
             }
             Located::new(Assumption::PlaneStrain, Place::NONE)
@@ -86,7 +90,12 @@ impl Reader {
         });
         let source = self.source(b, poisson, n);
         if let (Some(_), Some(s)) = (&exact, &source) {
-            self.fault("E015", s.at, "a body force or source does not stand beside `exact`".to_owned(), "it follows from `exact`; leave one of them out");
+            self.fault(
+                "E015",
+                s.at,
+                "a body force or source does not stand beside `exact`".to_owned(),
+                "it follows from `exact`; leave one of them out",
+            );
         }
         let gravity = b.node("gravity").cloned().and_then(|node| self.vector_of(&node, "gravity", true));
         if let (true, Some(g)) = (poisson, &gravity) {
@@ -110,7 +119,8 @@ impl Reader {
     /// `[discretization]`, or the keys of a patch over these defaults.
     pub fn discretization(&mut self, b: &mut Block, defaults: Option<&Discretization>, names: &Names) -> Discretization {
         let own = |b: &Block, key: &str| defaults.is_none() || b.has(key);
-        let backend = if own(b, "backend") { self.registered(b, "backend", &names.backends, "iga") } else { inherit(defaults, |d| &d.backend) };
+        let backend =
+            if own(b, "backend") { self.registered(b, "backend", &names.backends, "iga") } else { inherit(defaults, |d| &d.backend) };
         let degree = if own(b, "degree") { self.degrees(b) } else { inherit(defaults, |d| &d.degree) };
         let continuity = if own(b, "continuity") { self.continuity(b) } else { inherit(defaults, |d| &d.continuity) };
         let basis = if own(b, "basis") {
@@ -142,7 +152,12 @@ impl Reader {
         };
         let at = d.degree.at;
         if let Some(p) = d.degree.iter().find(|p| **p > most) {
-            self.fault("E015", at, format!("`degree` must be a whole number from 1 to {most}{what}, found {p}"), format!("write degree = {most}"));
+            self.fault(
+                "E015",
+                at,
+                format!("`degree` must be a whole number from 1 to {most}{what}, found {p}"),
+                format!("write degree = {most}"),
+            );
         }
         if d.backend.value == "fe" && d.cells.value == Cells::Simplex && d.degree.iter().any(|p| *p != d.degree[0]) {
             self.fault("E015", at, "simplex cells have one degree for all directions", format!("write degree = {}", d.degree[0]));
@@ -209,7 +224,12 @@ impl Reader {
         let wrong: &[&str] = if poisson { &["young", "poisson", "lambda", "mu"] } else { &["conductivity"] };
         for key in wrong.iter().filter(|k| b.has(k)) {
             let (physics, keys) = if poisson { ("poisson", "conductivity") } else { ("elasticity", "young, poisson, lambda, mu, density") };
-            self.fault("E015", b.key_at(key), format!("`{key}` is not a key of a material for physics {physics}"), format!("keys here: name, {keys}"));
+            self.fault(
+                "E015",
+                b.key_at(key),
+                format!("`{key}` is not a key of a material for physics {physics}"),
+                format!("keys here: name, {keys}"),
+            );
         }
         let density = self.formula(b, "density", Uses::Space);
         let conductivity = match self.formula(b, "conductivity", Uses::Space) {
@@ -246,10 +266,11 @@ impl Reader {
         let (p, q) = (p?, q?);
         if lame {
             self.limit(&q, "mu", "positive", |v| v > 0.0, "");
-            if let (Some(l), Some(m)) = (p.as_constant(), q.as_constant()) {
-                if m > 0.0 && 3.0 * l + 2.0 * m <= 0.0 {
-                    self.fault("E053", p.at, format!("3 lambda + 2 mu must be positive, found {:?}", 3.0 * l + 2.0 * m), "");
-                }
+            if let (Some(l), Some(m)) = (p.as_constant(), q.as_constant())
+                && m > 0.0
+                && 3.0 * l + 2.0 * m <= 0.0
+            {
+                self.fault("E053", p.at, format!("3 lambda + 2 mu must be positive, found {:?}", 3.0 * l + 2.0 * m), "");
             }
             return Some(Elastic::Lame(p, q));
         }
@@ -268,10 +289,10 @@ impl Reader {
 
     // formulas of x are checked where they are evaluated
     fn limit(&mut self, f: &Located<Formula>, what: &str, allowed: &str, good: impl Fn(f64) -> bool, help: &str) {
-        if let Some(v) = f.as_constant() {
-            if !good(v) {
-                self.fault("E053", f.at, format!("`{what}` must be {allowed}, found {v:?}"), help);
-            }
+        if let Some(v) = f.as_constant()
+            && !good(v)
+        {
+            self.fault("E053", f.at, format!("`{what}` must be {allowed}, found {v:?}"), help);
         }
     }
 
@@ -312,8 +333,10 @@ impl Reader {
             }
         }
         let tolerance = self.number(b, "tolerance", Sign::Positive).unwrap_or(Located::new(1e-10, b.at));
-        let max_iterations =
-            b.node("max_iterations").cloned().and_then(|n| self.whole_of(&n, "max_iterations", 1, 10_000_000).map(|v| Located::new(v, n.at)));
+        let max_iterations = b
+            .node("max_iterations")
+            .cloned()
+            .and_then(|n| self.whole_of(&n, "max_iterations", 1, 10_000_000).map(|v| Located::new(v, n.at)));
         Solver { constraint, linear, tolerance, max_iterations }
     }
 }

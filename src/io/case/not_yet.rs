@@ -54,7 +54,11 @@ impl Reader {
         }
         let s = &case.solver;
         if CONSTRAINTS.contains(&s.constraint.value.as_str()) {
-            self.later(s.constraint.at, &format!("constraint solver {:?}", s.constraint.value), "write constraint = \"auto\", \"saddle-point\" or \"condensed\"");
+            self.later(
+                s.constraint.at,
+                &format!("constraint solver {:?}", s.constraint.value),
+                "write constraint = \"auto\", \"saddle-point\" or \"condensed\"",
+            );
         }
         if s.linear.value == Linear::Iterative {
             self.later(s.linear.at, "`linear = \"iterative\"`", "write linear = \"direct\"");
@@ -64,9 +68,12 @@ impl Reader {
     fn later_patch(&mut self, p: &Patch) {
         let g = &p.geometry;
         if matches!(g.shape.value, Shape::SphereOctant { .. } | Shape::File { .. }) {
-            self.later(g.shape.at, &format!("geometry of kind {:?}", g.shape.kind()), "kinds: box, annulus-sector, disc-sector, plate-with-hole, nurbs");
+            self.later(
+                g.shape.at,
+                &format!("geometry of kind {:?}", g.shape.kind()),
+                "kinds: box, annulus-sector, disc-sector, plate-with-hole, nurbs",
+            );
         }
-        self.later_if(&g.extrude, "`extrude`", "");
         self.later_if(&p.closed, "`closed`", "make the ring of two patches");
         if !p.glue.value {
             self.later(p.glue.at, "`glue`", "it belongs to files of several patches");
@@ -110,10 +117,10 @@ impl Reader {
     }
 
     fn later_multiplier(&mut self, m: &Located<Multiplier>) {
-        if let Multiplier::Named(name) = &m.value {
-            if MULTIPLIERS.contains(&name.as_str()) {
-                self.later(m.at, &format!("multiplier {name:?}"), "write multiplier = \"auto\"");
-            }
+        if let Multiplier::Named(name) = &m.value
+            && MULTIPLIERS.contains(&name.as_str())
+        {
+            self.later(m.at, &format!("multiplier {name:?}"), "write multiplier = \"auto\"");
         }
     }
 

@@ -14,7 +14,8 @@ impl Reader {
         let fallback = Shape::Nurbs {
             degree: Located::new(vec![1; n], b.at),
             knots: vec![Located::new(vec![0.0, 0.0, 1.0, 1.0], b.at); n],
-            points: Located::new(vec![vec![0.0; n]; 1 << n], b.at),
+            // corners of the unit cube: no edge is collapsed
+            points: Located::new((0..1_usize << n).map(|c| (0..n).map(|k| ((c >> k) & 1) as f64).collect()).collect(), b.at),
             weights: None,
         };
         let degree = self.required(b, "degree", "degree = [2, 1]");
@@ -27,8 +28,8 @@ impl Reader {
         let weights = b.node("weights").cloned().map(|w| (self.net_weights(&w), w.at));
         let (Some(degree), Some(knots), Some(points)) = (degree, knots, points) else { return fallback };
         // every direction is looked at, so that all their errors are listed
-        let good = (0..n).map(|k| self.check_knots(&knots[k], degree[k], k)).fold(true, |a, b| a && b);
-        if !good {
+        let good: Vec<bool> = (0..n).map(|k| self.check_knots(&knots[k], degree[k], k)).collect();
+        if good.contains(&false) {
             return fallback;
         }
         let counts: Vec<usize> = (0..n).map(|k| knots[k].len() - degree[k] - 1).collect();
@@ -131,7 +132,8 @@ impl Reader {
             let rim = start == 0 || end == knots.len();
             let most = if rim { degree + 1 } else { degree };
             if count > most {
-                let message = format!("knot {value:?} of direction {d} is repeated {count} times, at most {most} are allowed (index {start})");
+                let message =
+                    format!("knot {value:?} of direction {d} is repeated {count} times, at most {most} are allowed (index {start})");
                 let help = if rim { "ends: degree + 1 times" } else { "inside: degree times; a jump needs two patches" };
                 self.fault("E032", knots[start].at, message, help);
                 return false;

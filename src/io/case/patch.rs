@@ -13,7 +13,15 @@ const MOST_ELEMENTS: i64 = 1_000_000;
 
 impl Reader {
     /// One `[[patch]]`.
-    pub fn patch(&mut self, b: &mut Block, index: usize, model: &Model, defaults: &Discretization, materials: &[Material], names: &Names) -> Patch {
+    pub fn patch(
+        &mut self,
+        b: &mut Block,
+        index: usize,
+        model: &Model,
+        defaults: &Discretization,
+        materials: &[Material],
+        names: &Names,
+    ) -> Patch {
         let name = self.name(b, "patch", index, true);
         let geometry = self.patch_geometry(b);
         let material = self.patch_material(b, materials, &name.value);
@@ -25,7 +33,12 @@ impl Reader {
         let poisson = model.physics.value == Physics::Poisson;
         let source = self.source(b, poisson, model.components());
         if let (Some(_), Some(s)) = (&model.exact, &source) {
-            self.fault("E015", s.at, "a body force or source does not stand beside `exact`", "it follows from `exact`; leave one of them out");
+            self.fault(
+                "E015",
+                s.at,
+                "a body force or source does not stand beside `exact`",
+                "it follows from `exact`; leave one of them out",
+            );
         }
         let closed = b.node("closed").cloned().and_then(|n| self.text_of(&n, "closed"));
         let glue = self.flag_without_default(b, "glue", true);
@@ -40,6 +53,8 @@ impl Reader {
         let list = || materials.iter().map(|m| m.name.value.as_str()).collect::<Vec<_>>().join(", ");
         let Some(node) = b.node("material").cloned() else {
             match materials.len() {
+                // [[material]] itself could not be read
+                0 if self.materials_broken => {}
                 0 => self.fault("E054", b.at, format!("patch {patch:?} has no material"), "add [[material]] with name, young and poisson"),
                 1 => {
                     let at = b.default("material", Value::Text(materials[0].name.value.clone()));
@@ -55,6 +70,9 @@ impl Reader {
         let Some(name) = self.text_of(&node, "material") else { return Located::new(0, node.at) };
         if let Some(k) = materials.iter().position(|m| m.name.value == name.value) {
             return Located::new(k, node.at);
+        }
+        if self.materials_broken {
+            return Located::new(0, node.at);
         }
         let mut d = Diagnostic::error("E054", format!("there is no material {:?}", short(&name.value)));
         if let Some(near) = nearest(&name.value, materials.iter().map(|m| m.name.value.as_str())) {
@@ -122,7 +140,12 @@ impl Reader {
         let words: Vec<(&str, usize)> = kinds.iter().enumerate().map(|(k, (n, _))| (*n, k)).collect();
         let Some(kind_node) = kind_node else {
             let list = kinds.iter().map(|(k, _)| *k).collect::<Vec<_>>().join(", ");
-            self.fault("E013", node.at, format!("`kind` is missing in `{what}`"), format!("write {what} = {{ kind = {:?}, .. }}; kinds: {list}", kinds[0].0));
+            self.fault(
+                "E013",
+                node.at,
+                format!("`kind` is missing in `{what}`"),
+                format!("write {what} = {{ kind = {:?}, .. }}; kinds: {list}", kinds[0].0),
+            );
             return None;
         };
         let (kind, own) = kinds[self.word_of(&kind_node, "kind", &words)?];
@@ -151,7 +174,12 @@ impl Reader {
                     let wrong = min.iter().zip(max.iter()).position(|(a, c)| a >= c);
                     // both zero: one of them was in error already
                     if let (Some(k), false) = (wrong, min.value == max.value && min.iter().all(|v| *v == 0.0)) {
-                        let message = format!("`max` must exceed `min` in every coordinate, but {} does not: {:?} and {:?}", ["x", "y", "z"][k], min[k], max[k]);
+                        let message = format!(
+                            "`max` must exceed `min` in every coordinate, but {} does not: {:?} and {:?}",
+                            ["x", "y", "z"][k],
+                            min[k],
+                            max[k]
+                        );
                         self.fault("E015", max.at, message, "");
                     }
                 }
@@ -169,7 +197,12 @@ impl Reader {
                 let radius = self.required_number(b, "radius", Sign::Positive, "radius = 1.0");
                 let half_width = self.required_number(b, "half_width", Sign::Positive, "half_width = 4.0");
                 if b.has("radius") && b.has("half_width") && half_width.value <= radius.value && half_width.value != 1.0 {
-                    self.fault("E015", half_width.at, format!("`half_width` must exceed the radius {:?}, found {:?}", radius.value, half_width.value), "");
+                    self.fault(
+                        "E015",
+                        half_width.at,
+                        format!("`half_width` must exceed the radius {:?}, found {:?}", radius.value, half_width.value),
+                        "",
+                    );
                 }
                 Shape::PlateWithHole { radius, half_width }
             }
@@ -252,7 +285,12 @@ impl Reader {
         let (first, last) = (points.first().map(|p| p.value), points.last().map(|p| p.value));
         if points.len() < 2 || first != Some(range.0) || last != Some(range.1) {
             let message = format!("breakpoints go from {:?} to {:?}", range.0, range.1);
-            self.fault("E015", node.at, message, format!("write a list such as [{:?}, {:?}, {:?}]", range.0, 0.5 * (range.0 + range.1), range.1));
+            self.fault(
+                "E015",
+                node.at,
+                message,
+                format!("write a list such as [{:?}, {:?}, {:?}]", range.0, 0.5 * (range.0 + range.1), range.1),
+            );
             return Divisions::Count(1);
         }
         Divisions::Breakpoints(points.iter().map(|p| p.value).collect())
@@ -265,7 +303,12 @@ impl Reader {
         let toward = self.required(&inner, "toward", example);
         let ratio = self.required_number(&inner, "ratio", Sign::Positive, example);
         if ratio.value > 1.0 {
-            self.fault("E015", ratio.at, format!("`ratio` must be at most 1, found {:?}", ratio.value), "it is the first element's size over the uniform size");
+            self.fault(
+                "E015",
+                ratio.at,
+                format!("`ratio` must be at most 1, found {:?}", ratio.value),
+                "it is the first element's size over the uniform size",
+            );
         }
         let directions: &[&'static str] = &["u", "v", "w"][..self.dimension];
         let places = self.block(&toward?, "`toward`", directions)?;

@@ -20,6 +20,8 @@ pub(super) struct Reader {
     pub names: Vec<String>,
     pub dimension: usize,
     pub components: usize,
+    /// Whether [[material]] is there but could not be read.
+    pub materials_broken: bool,
 }
 
 /// A table that is being read.
@@ -321,12 +323,7 @@ impl Reader {
             Some(node) => {
                 let Some(name) = self.text_of(&node, "name") else { return Located::new(fallback, node.at) };
                 if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
-                    self.fault(
-                        "E016",
-                        node.at,
-                        format!("{:?} is no name", name.value),
-                        "names are made of letters, digits, `_` and `-`",
-                    );
+                    self.fault("E016", node.at, format!("{:?} is no name", name.value), "names are made of letters, digits, `_` and `-`");
                     return Located::new(fallback, node.at);
                 }
                 name
@@ -341,7 +338,12 @@ impl Reader {
             if let Some(at) = first.get(&n.value).copied() {
                 let place: Place = at;
                 let line = place.in_file().map_or(String::new(), |(l, _)| format!(" on line {l}"));
-                self.fault("E016", n.at, format!("the {kind} name {:?} is already used{line}", n.value), "names are unique within their kind");
+                self.fault(
+                    "E016",
+                    n.at,
+                    format!("the {kind} name {:?} is already used{line}", n.value),
+                    "names are unique within their kind",
+                );
             } else {
                 first.insert(n.value.clone(), n.at);
             }
@@ -352,11 +354,7 @@ impl Reader {
 
     pub fn push_formula_error(&mut self, node: &Node, what: &str, e: &crate::io::formula::FormulaError) {
         let at = node.inside(e.offset, e.length);
-        let position = if node.literal && at.in_file().is_some() {
-            String::new()
-        } else {
-            format!(" (character {})", e.offset + 1)
-        };
+        let position = if node.literal && at.in_file().is_some() { String::new() } else { format!(" (character {})", e.offset + 1) };
         let help = e.help.clone().unwrap_or_default();
         self.fault("E017", at, format!("formula of `{what}`: {}{position}", e.message), help);
     }
@@ -496,7 +494,8 @@ impl Reader {
                 known.iter().map(|k| b.node(k).cloned().and_then(|item| self.datum(&item, what, uses, exact))).collect()
             }
             _ => {
-                let expected = if n == 1 { "a number or a quoted formula".to_owned() } else { format!("a list of {n} formulas or a table of some") };
+                let expected =
+                    if n == 1 { "a number or a quoted formula".to_owned() } else { format!("a list of {n} formulas or a table of some") };
                 let expected = if exact { format!("\"exact\", {expected}") } else { expected };
                 let help = if n == 1 { String::new() } else { format!("write {what} = {{ {} = {} }}", axis(n, n - 1), sample(node)) };
                 self.wrong_type(node, what, &expected, help);

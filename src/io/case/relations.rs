@@ -34,7 +34,12 @@ impl Reader {
                 match first.get(&(s.patch, s.side.as_str())) {
                     Some(at) => {
                         let message = format!("`{name}` is slave twice: {} and {}", line(*at), line(s.at));
-                        self.fault("E026", s.at, message, "a side carries one multiplier; list all its masters in one block, or exchange slave and master");
+                        self.fault(
+                            "E026",
+                            s.at,
+                            message,
+                            "a side carries one multiplier; list all its masters in one block, or exchange slave and master",
+                        );
                     }
                     None => {
                         first.insert((s.patch, &s.side), s.at);
@@ -66,10 +71,14 @@ impl Reader {
         for r in read {
             let mut boundary = r.boundary;
             if let Some(at) = r.all_outer {
-                boundary.on = rest(at);
-                if let Some(before) = seen {
-                    self.fault("E052", at, format!("\"all-outer\" stands in two blocks: {} and {}", line(before), line(at)), "put both conditions into one block");
-                } else if boundary.on.is_empty() && !patches.is_empty() {
+                match seen {
+                    None => boundary.on = rest(at),
+                    Some(before) => {
+                        let message = format!("\"all-outer\" stands in two blocks: {} and {}", line(before), line(at));
+                        self.fault("E052", at, message, "put both conditions into one block");
+                    }
+                }
+                if seen.is_none() && boundary.on.is_empty() && !patches.is_empty() {
                     self.push(at, Diagnostic::warning("E021", "\"all-outer\" is no side: every side stands in another block"));
                 }
                 seen = Some(at);
@@ -87,7 +96,12 @@ impl Reader {
         let clash = |r: &mut Self, s: &SideRef, k: usize, at: Place, before: Place, what: [&str; 2]| {
             let message = format!(
                 "`{}` has two conditions for component {}: {} {}, {} {}",
-                show(s, patches), component(n, k), what[0], line(before), what[1], line(at)
+                show(s, patches),
+                component(n, k),
+                what[0],
+                line(before),
+                what[1],
+                line(at)
             );
             r.fault("E052", at, message, "each component of a side is prescribed once, or loaded");
         };
@@ -111,7 +125,8 @@ impl Reader {
             for s in &b.on {
                 for k in 0..n {
                     // a load that is zero asks for nothing
-                    let traction = b.traction[k].as_ref().filter(|t| !matches!(&t.value, Datum::Formula(f) if f.as_constant() == Some(0.0)));
+                    let traction =
+                        b.traction[k].as_ref().filter(|t| !matches!(&t.value, Datum::Formula(f) if f.as_constant() == Some(0.0)));
                     let loads = [
                         traction.map(|t| t.at),
                         b.force[k].as_ref().map(|f| f.at),

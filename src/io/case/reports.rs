@@ -59,7 +59,8 @@ impl Reader {
             let value = self.registered_of(&node, "backend", &names.backends)?;
             Some(Located::new(value, node.at))
         });
-        let over_all = b.node("over").cloned().and_then(|node| self.word_of(&node, "over", &[("all", ())]).map(|()| Located::new((), node.at)));
+        let over_all =
+            b.node("over").cloned().and_then(|node| self.word_of(&node, "over", &[("all", ())]).map(|()| Located::new((), node.at)));
         Check { head: b.head(), name, quantity, condition, backend, over_all }
     }
 

@@ -91,7 +91,12 @@ impl Reader {
         match canonical(side, dimension).filter(|s| known.contains(s)) {
             Some(s) => Some(Located::new(SideRef { patch: k, side: s.to_owned() }, node.at)),
             None if is_corner(side) => {
-                self.fault("E019", node.at, format!("edges and corners such as `{shown}` are not in this version"), format!("sides of {name:?} are {}", list(dimension, &patches[k])));
+                self.fault(
+                    "E019",
+                    node.at,
+                    format!("edges and corners such as `{shown}` are not in this version"),
+                    format!("sides of {name:?} are {}", list(dimension, &patches[k])),
+                );
                 None
             }
             None => {

@@ -39,7 +39,21 @@ impl Reader {
         let factor = self.factor(b, soft, &kind, "coupling = \"penalty\" or \"nitsche\"");
         let variant = self.variant(b, coupling.value == "nitsche", &kind, "coupling = \"nitsche\"");
         let exact = b.node("exact").cloned().map(|node| self.field_of(&node, "exact", Uses::Space, model.components()));
-        Tie { head: b.head(), name, slave, master, between, coupling, multiplier, integration, extra_points, tolerance, factor, variant, exact }
+        Tie {
+            head: b.head(),
+            name,
+            slave,
+            master,
+            between,
+            coupling,
+            multiplier,
+            integration,
+            extra_points,
+            tolerance,
+            factor,
+            variant,
+            exact,
+        }
     }
 
     /// One `[[contact]]`.
@@ -77,8 +91,22 @@ impl Reader {
         let exact = self.formula(b, "exact", Uses::Space);
         let active_set = self.active_set(b);
         Contact {
-            head: b.head(), name, slave, master, gap, method, multiplier, integration, extra_points, cone, reach, exact, active_set, tolerance,
-            factor, variant,
+            head: b.head(),
+            name,
+            slave,
+            master,
+            gap,
+            method,
+            multiplier,
+            integration,
+            extra_points,
+            cone,
+            reach,
+            exact,
+            active_set,
+            tolerance,
+            factor,
+            variant,
         }
     }
 
@@ -144,7 +172,10 @@ impl Reader {
                     if let Some(near) = nearest(&shown, names.multipliers.iter().map(String::as_str)) {
                         d = d.with_label(format!("did you mean {near:?}?"));
                     }
-                    let help = format!("known: {}, p/p-4, ..., or {{ degree = 1, continuity = 0, ends = \"auto\" }}", names.multipliers.join(", "));
+                    let help = format!(
+                        "known: {}, p/p-4, ..., or {{ degree = 1, continuity = 0, ends = \"auto\" }}",
+                        names.multipliers.join(", ")
+                    );
                     self.push(node.at, d.with_help(help));
                     auto
                 }
@@ -172,11 +203,9 @@ impl Reader {
             None => None,
             Some(n) => match n.value {
                 Value::Integer(k) if (-1..=11).contains(&k) => {
-                    if let Some(p) = degree {
-                        if k >= p as i64 {
-                            let message = format!("`continuity` must be less than the degree {p}, found {k}");
-                            self.fault("E015", n.at, message, "-1 is discontinuous");
-                        }
+                    if let Some(p) = degree.filter(|p| k >= *p as i64) {
+                        let message = format!("`continuity` must be less than the degree {p}, found {k}");
+                        self.fault("E015", n.at, message, "-1 is discontinuous");
                     }
                     Some(k as isize)
                 }
@@ -201,8 +230,7 @@ impl Reader {
                 Node::new(Value::Table(Table::default()), at)
             }
         };
-        let mut inner =
-            self.block(&node, "`active_set`", keys::ACTIVE_SET).expect("the value was just found to be a table");
+        let mut inner = self.block(&node, "`active_set`", keys::ACTIVE_SET).expect("the value was just found to be a table");
         let start = match inner.node("start").cloned() {
             Some(n) if matches!(n.value, Value::Table(_)) => {
                 let seed = self.block(&n, "`start`", &["seed"]).and_then(|s| {

@@ -542,6 +542,8 @@ pub struct Obstacle {
 /// What the slave of a contact faces.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
+// a case has few contacts: a box would save nothing
+#[allow(clippy::large_enum_variant)]
 pub enum Master {
     /// Sides of bodies.
     Sides(Vec<Located<SideRef>>),

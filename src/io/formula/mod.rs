@@ -201,6 +201,7 @@ pub fn is_free_name(name: &str) -> bool {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 
@@ -218,7 +219,7 @@ mod tests {
         assert_eq!(value("8/4/2"), 1.0);
         assert_eq!(value("1 + 2*3 < 8"), 1.0);
         assert_eq!(value("if(x > 1, 1, max(1, y, z))"), 3.0);
-        assert_eq!(value("2*e^0 + 2e0"), 4.0 + (value("2*e") - value("2*e")));
+        assert_eq!(value("2*e^0 + 2e0"), 4.0);
         assert_eq!(value("--x"), 0.5);
         assert_eq!(value("atan2(y, x) - theta"), 0.0);
     }
