@@ -458,3 +458,32 @@ fn obstacles_project_to_their_closest_points() {
     assert!((hit.gap - 0.25).abs() < 1e-15 && hit.normal == Vector::<2>::new(0.0, 1.0));
     assert!(HalfPlane::try_new(Vector::<2>::zeros(), Vector::<2>::zeros()).is_none());
 }
+
+#[test]
+fn segments_and_rows_are_the_same_bits_for_any_number_of_threads() {
+    let (slave, master) = (spline_on(&random_grid(40, 5), 3, arc, false), spline_on(&random_grid(33, 6), 2, arc, true));
+    let (a, b) = (bare_trace(&slave, 0), bare_trace(&master, slave.num_functions()));
+    let psi = build(&slave, MultiplierKind::Auto, &[]).unwrap();
+    let unknowns = 2 * (slave.num_functions() + master.num_functions());
+    let make = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let segments = MergedCurve::tied(5, Tolerance::Exact).segments(&*slave, &*master).unwrap();
+            let field = Field { first: 0, components: 2 };
+            let interface = Interface {
+                slave: Side { trace: &a, field, flux: None },
+                master: Some(Side { trace: &b, field, flux: None }),
+                multiplier: &[&*psi],
+                segments: &segments,
+                master_segments: None,
+                direction: None,
+            };
+            let rows = Mortar.assemble(&interface, unknowns).unwrap();
+            (segments, rows)
+        })
+    };
+    let one = make(1);
+    for threads in [2, 3, 7] {
+        assert!(make(threads) == one, "{threads} threads give other numbers");
+    }
+}

@@ -8,6 +8,7 @@ use faying::assembly::Form;
 use faying::basis::Basis;
 use faying::check;
 use faying::constraint::{Condensed, ConstraintSolver, Direct, RowKind};
+use faying::coupling::evaluate;
 use faying::coupling::interface::{MergedCurve, SlaveRule, Tolerance};
 use faying::coupling::multiplier::{MultiplierKind, check_counts};
 use faying::coupling::{Coupling, Interface, InterfaceQuadrature, Mortar, Side};
@@ -116,6 +117,12 @@ fn tied<const C: usize>(case: &Case, form: &Form<'_, C, 2>, stress: Matrix<C, 2>
         let differ = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
         solvers = differ(&solution.unknowns, &other.unknowns).max(differ(&solution.multipliers, &other.multipliers));
     }
+    // both sides meet, and the multiplier carries what the field pulls through the side of length one
+    let jump = evaluate::norm(&evaluate::jumps(&interface, &solution.unknowns), &segments);
+    let carried = evaluate::integral(&evaluate::multiplier_values(&psi, C, &solution.multipliers, &segments), &segments);
+    let (_, normals) = evaluate::slave_points(&interface.slave, &segments);
+    assert!(jump < 1e-11, "{case:?}: jump {jump:e}");
+    assert!((0..C).all(|c| (carried[c] + (stress * normals[0])[c]).abs() < 1e-9), "{case:?}: {carried:?}");
     let (mut worst, mut first) = (0.0f64, 0);
     for (c, psi) in psi.iter().enumerate() {
         let lambda = &solution.multipliers[first..first + psi.num_functions()];

@@ -1,5 +1,6 @@
 //! Floor 8: two sides, their segments and multipliers become rows or stiffness. Decides nothing.
 
+pub mod evaluate;
 pub mod interface;
 pub mod mortar;
 pub mod multiplier;

@@ -184,9 +184,11 @@ impl<const N: usize, T: Real> Sides<'_, N, T> {
         work.x.clear();
         work.x.extend_from_slice(&work.slave.x);
         let stride = work.x.windows(2).fold(T::zero(), |m, w| m.max((w[1] - w[0]).norm()));
-        let far = work.x.iter().filter_map(|x| self.master.place(x)).fold(T::zero(), |m, p| m.max(p.distance));
-        // a vertex that is a closest point is no farther than the closest point of the next sample, plus the way there
-        for near in self.master.vertices_in(&self.slave.bounds(element).inflated(far + stride)) {
+        let probed = [0, SAMPLES / 2, SAMPLES - 1].map(|s| self.master.place(&work.x[s]));
+        let far = probed.iter().flatten().fold(T::zero(), |m, p| m.max(p.distance));
+        // a vertex that is a closest point is no farther than the closest point of the next probe, plus the way there
+        let margin = far + stride * lit(0.25 * SAMPLES as f64);
+        for near in self.master.vertices_in(&self.slave.bounds(element).inflated(margin)) {
             let vertex = &self.master.chain().vertices[near];
             let Some(tangent) = vertex.tangent else { continue };
             for s in 1..SAMPLES {
@@ -222,7 +224,11 @@ impl<const N: usize, T: Real> Sides<'_, N, T> {
     fn assign(&self, element: usize, from: T, to: T, depth: usize, table: &mut MapTable<1, N, T>, pieces: &mut Vec<Piece<T>>) {
         let width = to - from;
         let probes = [0.5, 0.02, 0.98].map(|t| from + width * lit::<T>(t));
-        let owners = probes.map(|xi| self.owner(element, xi, table));
+        let middle = self.owner(element, probes[0], table);
+        // the closest point of touching sides moves along with the slave: it cannot jump
+        let touching = matches!(self.partners, Partners::Touching(_));
+        let mut at = |k: usize| if touching { middle } else { self.owner(element, probes[k], table) };
+        let owners = [middle, at(1), at(2)];
         let differ = |a: Option<usize>, b: Option<usize>| match (a, b) {
             (Some(a), Some(b)) => !self.master.are_near(a, b),
             (None, None) => false,
@@ -269,16 +275,12 @@ impl<const N: usize, T: Real> Sides<'_, N, T> {
         let Some(owner) = owner else { return };
         part.covered += measure;
         work.eta.clear();
+        // starts: the closest of a few points of the owner, found without a search
+        self.master.geometry().map(owner, &work.samples, Order::Values, &mut work.master);
         for x in &work.slave.x {
-            // a start on another element means that the point lies near a cut: the foot is near that end
-            let start = match self.master.place(x) {
-                Some(p) if p.element == owner => p.xi,
-                Some(p) => (0..2)
-                    .find(|&end| self.master.chain().neighbour(owner, end).is_some_and(|(e, _)| e == p.element))
-                    .map_or_else(|| lit(0.5), |end| if end == 0 { T::zero() } else { T::one() }),
-                None => lit(0.5),
-            };
-            work.eta.push(Vector::<1, T>::new(start));
+            let far = |s: usize| (work.master.x[s] - x).norm_squared();
+            let nearest = (1..SAMPLES).fold(0, |best, s| if far(s) < far(best) { s } else { best });
+            work.eta.push(work.samples[nearest]);
         }
         self.master.feet(owner, &work.slave.x, &mut work.eta, &mut work.master);
         let lengths = [chords(&work.x), self.master.chain().lengths[owner]];
