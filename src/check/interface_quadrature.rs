@@ -15,7 +15,7 @@ pub struct SegmentLimits {
     /// How far points may lie outside their cells, in local coordinates: 0 for exact sides, more where kinked sides
     /// only approximate one curve.
     pub outside: f64,
-    /// Distance of partners [length].
+    /// Distance of partners \[length\].
     pub distance: f64,
     /// Defect of the column sums of the master, as a share of the largest column; none: not asked (slave rules miss it).
     pub columns: Option<f64>,

@@ -3,7 +3,7 @@
 use crate::contact::Target;
 use crate::linalg::{Real, Vector, to_f64};
 
-/// Checks `target` at `points` (those that do not face it are skipped), with defects up to `tolerance` [length].
+/// Checks `target` at `points` (those that do not face it are skipped), with defects up to `tolerance` \[length\].
 ///
 /// Targets that are exact to first order only (level sets by f / |grad f|) need points near their surface, and a
 /// tolerance of the square of the distance over the radius of curvature.

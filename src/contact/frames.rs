@@ -2,7 +2,7 @@
 //!
 //! The normal n points out of the master (or the obstacle) at the slave point's partner, and
 //!
-//!   g = (x_slave - x_master) . n          [length], positive when open
+//!   g = (x_slave - x_master) . n          \[length\], positive when open
 //!
 //! On a master with kinks the normal is that of the facet of the assigned element: it jumps with the master element, in
 //! the rows and in the gap alike, so both speak of the same plane.
@@ -21,7 +21,7 @@ pub struct Frames<const N: usize, T: Real = f64> {
     pub x: Vec<Vector<N, T>>,
     /// Unit normal out of the master at its partner.
     pub normal: Vec<Vector<N, T>>,
-    /// Geometric gap [length], positive when open.
+    /// Geometric gap \[length\], positive when open.
     pub gap: Vec<T>,
 }
 

@@ -3,9 +3,9 @@
 //!   rows     C_j = ∫ ψ_j (u_slave - u_master) . n ds
 //!   offset   g_j = ∫ g' ψ_j ds,   g' = the gap formula of the geometric gap g
 //!   weights  w_j = ∫ ψ_j ds
-//!   gap_j = (C u + g)_j / w_j     lumped [length], positive is open
+//!   gap_j = (C u + g)_j / w_j     lumped \[length\], positive is open
 //!
-//! Sign: K u + Cᵀ lambda = f with C u + g >= 0, lambda <= 0; lambda is the normal stress sigma_N [force/area].
+//! Sign: K u + Cᵀ lambda = f with C u + g >= 0, lambda <= 0; lambda is the normal stress sigma_N \[force/area\].
 //! A function whose support faces nothing has weight zero; its row stays open.
 
 use super::{Frames, Target};
@@ -128,7 +128,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         self.facing.iter().map(|&f| if f { RowKind::Contact } else { RowKind::Open }).collect()
     }
 
-    /// (C u + g)_j / w_j, one per multiplier function [length]; none where the function faces nothing.
+    /// (C u + g)_j / w_j, one per multiplier function \[length\]; none where the function faces nothing.
     pub fn lumped_gap(&self, unknowns: &[T]) -> Vec<Option<T>> {
         let mut gap = self.offset.clone();
         for part in [&self.rows.slave, &self.rows.master] {

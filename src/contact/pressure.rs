@@ -1,6 +1,6 @@
 //! What a contact transmits: pressure, force, moment, and the zone where it is closed.
 //!
-//! lambda = sum_j lambda_j ψ_j is the normal stress sigma_N <= 0, pressure = -lambda [force/area]. With n out of the
+//! lambda = sum_j lambda_j ψ_j is the normal stress sigma_N <= 0, pressure = -lambda \[force/area\]. With n out of the
 //! master the traction on the slave is -lambda n: what the master does to the slave.
 //!
 //! The closed zone is read from the functions that carry pressure: χ = sum of ψ_j over lambda_j < 0 is one inside, zero
@@ -21,7 +21,7 @@ const AT_SIDE_END: f64 = 1e-9;
 /// Sums and extremes over a contact side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transmitted<const N: usize, T: Real = f64> {
-    /// What the master does to the slave [force; 2D: per thickness].
+    /// What the master does to the slave \[force; 2D: per thickness\].
     pub force: Vector<N, T>,
     /// Its moment about the origin: (0, 0, m) in 2D.
     pub moment: [T; 3],
@@ -29,7 +29,7 @@ pub struct Transmitted<const N: usize, T: Real = f64> {
     pub least_pressure: T,
     /// Largest pressure there.
     pub largest_pressure: T,
-    /// ∫ χ ds: measure of the closed zone [length^S].
+    /// ∫ χ ds: measure of the closed zone \[length^S\].
     pub area: T,
     /// Pressure per point of the segments.
     pub pressure: Vec<T>,

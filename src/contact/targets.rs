@@ -30,7 +30,7 @@ impl<const D: usize, const N: usize, T: Real> Target<D, N, T> for HalfPlane<N, T
 pub struct Sphere<const N: usize, T: Real = f64> {
     /// Its centre.
     pub center: Vector<N, T>,
-    /// Its radius [length].
+    /// Its radius \[length\].
     pub radius: T,
     /// Whether bodies are inside and the obstacle is what lies around.
     pub inside: bool,
@@ -93,7 +93,7 @@ impl<const D: usize, const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector
 pub struct Moved<X, const N: usize, T: Real = f64> {
     /// The target at rest.
     pub target: X,
-    /// Its translation [length].
+    /// Its translation \[length\].
     pub by: Vector<N, T>,
 }
 

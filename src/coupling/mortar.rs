@@ -251,7 +251,7 @@ impl<T: Real> Block<'_, T> {
     }
 }
 
-/// w_j = ∫ ψ_j ds over the segments, one per multiplier function [length^S].
+/// w_j = ∫ ψ_j ds over the segments, one per multiplier function \[length^S\].
 pub fn multiplier_weights<const S: usize, T: Real>(multiplier: &dyn Basis<S, T>, segments: &Segments<S, T>) -> Vec<T> {
     weighted_sums(multiplier, segments, |_| T::one())
 }

@@ -27,9 +27,9 @@ pub struct Chain<const N: usize, T: Real = f64> {
     pub vertices: Vec<Vertex<N, T>>,
     /// The vertices at xi = 0 and xi = 1 of every element.
     pub ends: Vec<[usize; 2]>,
-    /// Diagonal of the box around the curve [length].
+    /// Diagonal of the box around the curve \[length\].
     pub size: T,
-    /// Length of the chord polygon of each element [length].
+    /// Length of the chord polygon of each element \[length\].
     pub lengths: Vec<T>,
 }
 

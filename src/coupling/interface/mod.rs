@@ -19,7 +19,7 @@ pub use slave::{SlaveRule, slave_segments};
 /// How well a list of segments covers the slave side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coverage<T: Real = f64> {
-    /// Measure of the slave side [length^D].
+    /// Measure of the slave side \[length^D\].
     pub slave_measure: T,
     /// Measure of its part that faces the master.
     pub covered: T,
@@ -50,7 +50,7 @@ pub struct Segments<const D: usize, T: Real = f64> {
     pub slave_xi: Vec<Vector<D, T>>,
     /// Local coordinates on the master element, per point; never clamped to the cell.
     pub master_xi: Vec<Vector<D, T>>,
-    /// Physical weight of the point [length^D].
+    /// Physical weight of the point \[length^D\].
     pub ds: Vec<T>,
     /// How well the slave side is covered.
     pub report: Coverage<T>,
@@ -115,7 +115,7 @@ impl<const D: usize, T: Real> Segments<D, T> {
         Self { slave: self.master, master: self.slave, slave_xi: self.master_xi, master_xi: self.slave_xi, ..self }
     }
 
-    /// Measure of all pieces [length^D].
+    /// Measure of all pieces \[length^D\].
     pub fn measure(&self) -> T {
         self.ds.iter().fold(T::zero(), |s, &ds| s + ds)
     }

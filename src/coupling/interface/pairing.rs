@@ -23,7 +23,7 @@ pub enum Tolerance<T: Real = f64> {
     Exact,
     /// A quarter of the shorter of the two local elements: sides that only approximate one curve.
     Local,
-    /// A given distance [length].
+    /// A given distance \[length\].
     Given(T),
 }
 
@@ -35,13 +35,13 @@ pub enum Partners<T: Real = f64> {
     Touching(Tolerance<T>),
     /// Sides that may be apart: points farther than `reach` face nothing; none: the diagonal of the box around the slave.
     Facing {
-        /// Largest distance of partners [length].
+        /// Largest distance of partners \[length\].
         reach: Option<T>,
     },
 }
 
 impl<T: Real> Partners<T> {
-    /// The largest distance of partners on elements of these lengths [length], and whether more is an error.
+    /// The largest distance of partners on elements of these lengths \[length\], and whether more is an error.
     pub(super) fn allowed(&self, size: T, slave_size: T, lengths: [T; 2]) -> (T, bool) {
         match *self {
             Self::Touching(Tolerance::Exact) => (size * lit(1e-8), true),
@@ -68,7 +68,7 @@ pub struct Place<T: Real = f64> {
     pub element: usize,
     /// Local coordinate of the closest point on it.
     pub xi: T,
-    /// Distance to the closest point [length].
+    /// Distance to the closest point \[length\].
     pub distance: T,
     /// Whether the point lies beyond a rim of the master.
     pub beyond: bool,
@@ -93,7 +93,7 @@ impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
         &self.chain
     }
 
-    /// The larger of its size and the size of what is projected [length].
+    /// The larger of its size and the size of what is projected \[length\].
     pub fn size(&self) -> T {
         self.size
     }
@@ -205,7 +205,7 @@ pub fn crossing<const N: usize, T: Real>(
     xi
 }
 
-/// A box diagonal around a curve [length].
+/// A box diagonal around a curve \[length\].
 pub(super) fn size_of<const N: usize, T: Real>(curve: &dyn Geometry<1, N, T>) -> T {
     let all = (0..curve.num_elements()).map(|e| curve.bounds(e)).reduce(|a, b| a.union(&b));
     all.map_or_else(T::zero, |b| b.diagonal())
