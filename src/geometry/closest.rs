@@ -43,7 +43,15 @@ pub struct Projection<const D: usize, const N: usize, T: Real = f64> {
 /// Closest points of one map, for many queries.
 ///
 /// # Example
-/// The closest point of an arc of radius 1 to (2, 2) is (1, 1) / sqrt 2: see `tests/geometry.rs`.
+/// The point of a straight line nearest to (0.3, 2):
+/// ```
+/// use faying::{basis::BSpline, geometry::{ClosestPoint, ControlPoints}, linalg::Vector};
+/// let points = vec![Vector::<2>::new(0.0, 0.0), Vector::<2>::new(1.0, 0.0)];
+/// let line = ControlPoints { basis: BSpline::uniform(1, 1, 0), points };
+/// let closest = ClosestPoint::<1, 2, _>::new(&line);
+/// let foot = closest.project(&Vector::<2>::new(0.3, 2.0)).expect("a line has points");
+/// assert!((foot.x[0] - 0.3).abs() < 1e-15 && (foot.distance - 2.0).abs() < 1e-15 && !foot.rim);
+/// ```
 #[derive(Clone, Debug)]
 pub struct ClosestPoint<const D: usize, const N: usize, G, T: Real = f64> {
     geometry: G,

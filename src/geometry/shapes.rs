@@ -132,7 +132,7 @@ fn spans_of([from, to]: [f64; 2]) -> Result<usize, ShapeError> {
     Ok(((span / 90.0) * (1.0 - 1e-14)).ceil().max(1.0) as usize)
 }
 
-/// The curve from the inner to the outer row of a ruled patch, weights of the rows alike.
+/// The patch of straight lines between two rows of points with the same weights; v runs from the first to the second.
 fn ruled(axis: BSpline<f64>, rows: [Vec<Vector<2>>; 2], weights: &[f64]) -> Result<ControlNet<2, 2>, ShapeError> {
     let points = rows.concat();
     Ok(ControlNet::try_new([axis, straight()], points, Some([weights, weights].concat()))?)

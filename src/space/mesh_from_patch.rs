@@ -97,16 +97,15 @@ struct Triangle<const N: usize> {
     /// Ids of its vertices; those of a collapsed edge are one in an isoparametric mesh.
     ids: [usize; 3],
     /// The vertex at a collapsed edge whose other triangle was dropped: the nodes fan out from it over the whole cell.
-    apex: Option<Fan<N>>,
+    apex: Option<Fan>,
 }
 
 /// How a triangle covers a cell with a collapsed edge: corner `apex` of the triangle, and the ends of the edge opposite.
-struct Fan<const N: usize> {
+struct Fan {
     apex: usize,
     collapsed: SideOf,
     /// Position along the collapsed edge (0 or 1) of the two other vertices.
     ends: [(usize, f64); 2],
-    scalar: std::marker::PhantomData<[(); N]>,
 }
 
 fn simplex<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S, N>, SpecError> {
@@ -224,19 +223,14 @@ fn cut<const N: usize>(grid: &Grid<N>, exact: bool) -> Vec<Triangle<N>> {
 }
 
 /// How the triangle that is left covers its cell.
-fn fan<const N: usize>(grid: &Grid<N>, at: &[usize; N], vertices: &[Vector<N>; 3]) -> Option<Fan<N>> {
+fn fan<const N: usize>(grid: &Grid<N>, at: &[usize; N], vertices: &[Vector<N>; 3]) -> Option<Fan> {
     grid.collapsed.iter().find_map(|c| {
         let side = c.side;
         let touches = at[side.axis] == side.end * (grid.counts()[side.axis] - 1);
         let on: Vec<usize> = (0..3).filter(|&v| vertices[v][side.axis] == side.end as f64).collect();
         let [apex] = on[..] else { return None };
         let [a, b] = [(apex + 1) % 3, (apex + 2) % 3];
-        touches.then(|| Fan {
-            apex,
-            collapsed: side,
-            ends: [(a, vertices[a][c.along]), (b, vertices[b][c.along])],
-            scalar: std::marker::PhantomData,
-        })
+        touches.then(|| Fan { apex, collapsed: side, ends: [(a, vertices[a][c.along]), (b, vertices[b][c.along])] })
     })
 }
 
