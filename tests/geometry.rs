@@ -1,5 +1,7 @@
 //! Shapes, bodies and closest points against lengths, areas and volumes known in closed form.
 
+#![allow(clippy::unwrap_used)]
+
 use faying::basis::{BSpline, Basis, Cell, Elements, LagrangeLine, Order, Rational, ShapeTable};
 use faying::geometry::{ClosestPoint, ControlNet, ControlPoints, Geometry, MapTable, Projection, closest_point, shapes};
 use faying::linalg::Vector;
