@@ -5,13 +5,16 @@ use serde_json::Value;
 use serde_json::ser::{Formatter, Serializer};
 use std::io::{self, Write};
 
-/// Adds `reason` to every object that holds a `null`, itself or in a list.
+/// Lists in which `null` means "none there", not a lost number.
+const WORDS: [&str; 2] = ["warnings", "diagnostics"];
+
+/// Adds `reason` to every object that holds a `null`, itself or in a list; diagnostics are left alone.
 pub fn add_reasons(value: &mut Value) {
     match value {
         Value::Array(items) => items.iter_mut().for_each(add_reasons),
         Value::Object(map) => {
             let lost: Vec<String> = map.iter().filter(|(_, v)| holds_null(v)).map(|(k, _)| k.clone()).collect();
-            map.values_mut().for_each(add_reasons);
+            map.iter_mut().filter(|(key, _)| !WORDS.contains(&key.as_str())).for_each(|(_, inner)| add_reasons(inner));
             if !lost.is_empty() && !map.contains_key("reason") {
                 map.insert("reason".into(), Value::String(format!("not finite: {}", lost.join(", "))));
             }

@@ -11,7 +11,7 @@ use crate::contact::{Contact, ContactError, HalfPlane, LevelSet, Moved, Opponent
 use crate::coupling::interface::{Partners, slave_segments};
 use crate::coupling::multiplier::MultiplierError;
 use crate::coupling::Side;
-use crate::geometry::{MapTable, cell};
+use crate::geometry::{ClosestPoint, MapTable, cell};
 use crate::io::case::{self, Cone, Integration, Master, Method, Obstacle, ObstacleShape};
 use crate::io::errors::Diagnostic;
 use crate::io::formula::{Formula, Point};
@@ -112,20 +112,7 @@ fn part<const S: usize, const N: usize>(
     taken: &dyn Fn(usize, usize) -> bool,
 ) -> Result<(ContactPart<S, N>, Option<Diagnostic>), Box<Diagnostic>> {
     let name = &contact.name.value;
-    let normals = corner_normals(slave);
-    // the row of an end is along the normal: it is constrained where the body cannot move that way
-    let stuck = |function: usize| match normals.get(&function) {
-        Some(n) => (0..N).all(|c| n[c].abs() < PERPENDICULAR || taken(function, c)),
-        None => false,
-    };
-    let (psi, warning) = multiplier(builder, name, slave, &contact.multiplier, &stuck, None)?;
-    let free = slave.trace.dofs.iter().filter(|&&f| !stuck(f) && !(0..N).all(|c| taken(f, c))).count();
-    if psi.num_functions() > free {
-        let error = MultiplierError::TooMany { component: 0, multipliers: psi.num_functions(), free };
-        let mut fault = multiplier_fault(builder, name, slave, &error, contact.multiplier.at, N);
-        fault.message = fault.message.replace("component x", "the normal direction");
-        return Err(Box::new(fault));
-    }
+    let t = builder.case.steps.value.first().copied().unwrap_or(1.0);
     let against = match &contact.master {
         Master::Rigid(obstacle) => {
             let target = rigid(builder, &obstacle.value, obstacle.at)?;
@@ -145,7 +132,20 @@ fn part<const S: usize, const N: usize>(
             Against::Side(master.clone(), segments)
         }
     };
-    let t = builder.case.steps.value.first().copied().unwrap_or(1.0);
+    let normals = corner_directions(slave, &against, t);
+    // rows are along the normal of what is faced: an end is constrained where the body cannot move that way
+    let stuck = |function: usize| match normals.get(&function) {
+        Some(n) => (0..N).all(|c| n[c].abs() < PERPENDICULAR || taken(function, c)),
+        None => false,
+    };
+    let (psi, warning) = multiplier(builder, name, slave, &contact.multiplier, &stuck, None)?;
+    let free = slave.trace.dofs.iter().filter(|&&f| !stuck(f) && !(0..N).all(|c| taken(f, c))).count();
+    if psi.num_functions() > free {
+        let error = MultiplierError::TooMany { component: 0, multipliers: psi.num_functions(), free };
+        let mut fault = multiplier_fault(builder, name, slave, &error, contact.multiplier.at, N);
+        fault.message = fault.message.replace("component x", "the normal direction");
+        return Err(Box::new(fault));
+    }
     let first = rows(model, slave, &against, &*psi, &built.gap, built.reach, t)
         .map_err(|e| Box::new(contact_fault(builder, contact, slave, masters, &e, at)))?;
     if !first.facing.contains(&true) {
@@ -206,17 +206,31 @@ fn contact_fault<const S: usize, const N: usize>(
     }
 }
 
-/// The outward normal at a corner of an element, for every function that does not vanish there.
-fn corner_normals<const S: usize, const N: usize>(side: &SideModel<S, N>) -> HashMap<usize, Vector<N>> {
+/// The direction of contact at a corner of an element, for every function that does not vanish there: the normal of
+/// what is faced, the slave's own where nothing is.
+fn corner_directions<const S: usize, const N: usize>(side: &SideModel<S, N>, against: &Against<S, N>, t: f64) -> HashMap<usize, Vector<N>> {
     let (space, trace) = (&*side.trace.space, &side.trace);
+    let mut other = MapTable::new();
+    let closest = match against {
+        Against::Side(master, _) => Some(ClosestPoint::new(master.trace.space.clone())),
+        Against::Rigid(..) => None,
+    };
+    let mut facing = |x: &Vector<N>| match against {
+        Against::Rigid(target, _) => target(t).project(x).map(|hit| hit.normal),
+        Against::Side(master, _) => {
+            let foot = closest.as_ref()?.project(x)?;
+            master.trace.space.map(foot.element, &[foot.xi], Order::Gradients, &mut other);
+            Some(master.trace.normal(foot.element, &other.jacobian[0]))
+        }
+    };
     let (mut shapes, mut map, mut ids) = (ShapeTable::new(), MapTable::new(), Vec::new());
     let mut out = HashMap::new();
     for e in 0..space.num_elements() {
-        let corners = cell::grid::<S, f64>(space.cell(e), 1);
+        let corners = cell::grid::<S, f64>(space.cell(e), 2);
         space.active(e, &mut ids);
         space.evaluate(e, &corners, Order::Gradients, &mut shapes, &mut map);
         for q in 0..corners.len() {
-            let normal = trace.normal(e, &map.jacobian[q]);
+            let normal = facing(&map.x[q]).unwrap_or_else(|| trace.normal(e, &map.jacobian[q]));
             if !normal.iter().all(|v| v.is_finite()) {
                 continue;
             }
