@@ -6,12 +6,12 @@ use faying::io::Case;
 use faying::io::case::ReadOptions;
 use faying::io::errors::Diagnostics;
 
-#[allow(dead_code)]
+
 fn read(text: &str) -> Result<Case, Diagnostics> {
     Case::parse("case.toml", text, &ReadOptions::default())
 }
 
-#[allow(dead_code)]
+
 fn run(text: &str) -> RunResult {
     let case = read(text).unwrap_or_else(|e| panic!("{e}"));
     case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}"))
@@ -38,4 +38,349 @@ fn sample_cases_pass_their_checks_as_written_and_with_each_backend() {
             assert_eq!(result.status, Status::Ok, "{name} {backend:?}: {}", show(&result));
         }
     }
+}
+
+/// A unit square of elasticity, clamped below, with `rest` appended.
+fn square(rest: &str) -> String {
+    format!(
+        "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+         [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [1, 1] }}\nelements = [3, 2]\n\
+         [[boundary]]\non = \"a.bottom\"\nfix = [\"x\", \"y\"]\n{rest}"
+    )
+}
+
+/// Two unit squares of elasticity above each other, the lower one clamped below.
+fn pair(upper: &str, rest: &str) -> String {
+    square(&format!("[[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", {upper} }}\nelements = [4, 2]\n{rest}"))
+}
+
+/// The errors of a case, found while reading or building.
+fn faults(text: &str) -> Diagnostics {
+    match read(text) {
+        Err(found) => found,
+        Ok(case) => case.run(&Registry::default()).expect_err("the case is wrong"),
+    }
+}
+
+/// What is missing where the case should have an error of this code with a place, whose text holds `part`.
+fn refuses(text: &str, code: &str, part: &str) -> Option<String> {
+    let found = faults(text);
+    match found.items.iter().find(|d| d.code == code && d.render().contains(part)) {
+        None => Some(format!("no {code} with `{part}` in\n{found}")),
+        Some(d) if d.line.is_none() => Some(format!("{code} has no place: {found}")),
+        Some(_) => None,
+    }
+}
+
+fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!((found - expected).abs() <= tolerance * expected.abs().max(1.0), "{what}: {found:e}, expected {expected:e}");
+}
+
+fn number(result: &RunResult, path: &[&str]) -> f64 {
+    let value = result.to_value();
+    let mut at = &value;
+    for key in path {
+        at = match key.parse::<usize>() {
+            Ok(k) => &at[k],
+            Err(_) => &at[*key],
+        };
+    }
+    at.as_f64().unwrap_or_else(|| panic!("{path:?} is {at}"))
+}
+
+/// The values of the probes by name.
+fn probe(result: &RunResult, name: &str) -> f64 {
+    result.probes.iter().find(|p| p.name == name).unwrap_or_else(|| panic!("probe {name}")).value
+}
+
+#[test]
+fn polynomial_manufactured_solutions_are_met_to_rounding() {
+    // both fields are polynomials of degree 3 on a box: in the space of p = 3; constants of the material vary
+    for backend in ["iga", "fe"] {
+        for (model, material) in [
+            ("physics = \"poisson\"\nexact = { u = \"x^3 - 2*x*y^2 + y\" }", "conductivity = \"1 + x*y\""),
+            ("physics = \"elasticity\"\nexact = { u = [\"x^3 - y^2\", \"x*y^2 + 1\"] }", "young = \"2 + x*y\"\npoisson = 0.3"),
+            (
+                "physics = \"elasticity\"\nassumption = \"plane-stress\"\nexact = { u = [\"x^3 - y^2\", \"x*y^2 + 1\"] }",
+                "lambda = \"2 + x\"\nmu = \"1 + y\"",
+            ),
+        ] {
+            let text = format!(
+                "[model]\ndimension = 2\n{model}\n[discretization]\nbackend = \"{backend}\"\ndegree = 3\nextra_points = 2\n\
+                 [[material]]\nname = \"m\"\n{material}\n\
+                 [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [1, 2] }}\nelements = [2, 3]\n\
+                 [[boundary]]\non = [\"a.left\", \"a.top\"]\ndirichlet = \"exact\"\n[[boundary]]\non = [\"a.right\", \"a.bottom\"]\nneumann = \"exact\"\n"
+            );
+            let result = run(&text);
+            for norm in ["error.u.L2", "error.u.H1", "error.u.energy"] {
+                let error = *result.errors.get(norm).unwrap();
+                assert!(error < 1e-11, "{backend} {norm} = {error:e}\n{text}");
+            }
+        }
+    }
+}
+
+#[test]
+fn quantities_of_a_homogeneous_state_have_their_known_values() {
+    // uniaxial tension q = 2 along y, plane stress, E = 4, nu = 0.25: eps_y = q/E, eps_x = -nu q/E
+    let text = "[let]\nq = 2.0\nE = 4.0\n[model]\nphysics = \"elasticity\"\ndimension = 2\nassumption = \"plane-stress\"\n\
+        [[material]]\nname = \"m\"\nyoung = \"E\"\npoisson = 0.25\n\
+        [[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [3, 2] }\nelements = [3, 2]\n\
+        [[boundary]]\non = \"a.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"a.bottom\"\nfix = [\"y\"]\n[[boundary]]\non = \"a.top\"\ntraction = { y = \"q\" }\n\
+        [[probe]]\nname = \"tip\"\nquantity = \"u.y at [3, 2]\"\n\
+        [[probe]]\nname = \"tip-in\"\nquantity = \"displacement.y at [q + 1, 2] in a\"\n\
+        [[probe]]\nname = \"edge\"\nquantity = \"stress.yy at [1, 1]\"\n\
+        [[probe]]\nname = \"zz\"\nquantity = \"stress.zz at [1, 1]\"\n\
+        [[probe]]\nname = \"mises\"\nquantity = \"von_mises.max\"\n\
+        [[probe]]\nname = \"least\"\nquantity = \"u.x.min in a\"\n\
+        [[probe]]\nname = \"energy\"\nquantity = \"energy\"\n\
+        [[probe]]\nname = \"support\"\nquantity = \"reaction.a.v0.y\"\n\
+        [[probe]]\nname = \"support-path\"\nquantity = \"reactions.a.bottom.1\"\n\
+        [[probe]]\nname = \"area\"\nquantity = \"area.a\"\n\
+        [[probe]]\nname = \"length\"\nquantity = \"length.a.top\"\n\
+        [[probe]]\nname = \"all\"\nquantity = \"unknowns\"\n\
+        [[probe]]\nname = \"path\"\nquantity = \"unknowns.primal\"\n\
+        [[check]]\nname = \"stress\"\nquantity = \"stress.yy\"\nover = \"all\"\nequals = \"q\"\nrtol = 1e-11\n\
+        [[check]]\nname = \"formula\"\nquantity = \"energy\"\nequals = \"-0.5*reaction.a.bottom.y*u.y at [0, 2]\"\nrtol = 1e-11\n\
+        [[check]]\nname = \"rate\"\nquantity = \"rate.error.u.L2\"\nabove = 2\n\
+        [[check]]\nname = \"elsewhere\"\nquantity = \"energy\"\nabove = 1e9\nbackend = \"fe\"\n\
+        [[check]]\nname = \"wrong\"\nquantity = \"stress.yy.max\"\nbelow = 1.0\n";
+    let result = run(text);
+    let tight = 1e-12;
+    close(probe(&result, "tip"), 2.0 * 2.0 / 4.0, tight, "u.y = q L / E");
+    close(probe(&result, "tip-in"), 1.0, tight, "the same in the patch");
+    close(probe(&result, "edge"), 2.0, tight, "stress on a common edge of elements");
+    close(probe(&result, "zz"), 0.0, tight, "plane stress");
+    close(probe(&result, "mises"), 2.0, tight, "uniaxial");
+    // quadrature points do not reach the right side: between -nu q/E * 3 and the last Gauss point
+    let least = probe(&result, "least");
+    assert!(least > -0.375 && least < -0.32, "u.x.min = {least}");
+    close(probe(&result, "energy"), 0.5 * 2.0 * 2.0 / 4.0 * 6.0, tight, "q^2/(2E) area");
+    close(probe(&result, "support"), -6.0, tight, "reaction by alias");
+    close(probe(&result, "support-path"), -6.0, tight, "reaction by path");
+    close(probe(&result, "area"), 6.0, tight, "area");
+    close(probe(&result, "length"), 3.0, tight, "length");
+    // 5 x 4 functions of degree 2, two components
+    assert_eq!(probe(&result, "all"), 40.0);
+    assert_eq!(probe(&result, "path"), 40.0);
+    let ok: Vec<bool> = result.checks.iter().map(|c| c.ok).collect();
+    let skipped: Vec<bool> = result.checks.iter().map(|c| c.skipped).collect();
+    assert_eq!(ok, [true, true, true, true, false], "{}", show(&result));
+    assert_eq!(skipped, [false, false, true, true, false]);
+    assert_eq!((result.status, result.exit), (Status::CheckFailed, 1));
+    assert_eq!((result.checks_expected, result.checks_performed, result.checks_skipped), (5, 3, 2));
+    for k in ["0", "1"] {
+        close(number(&result, &["balance", "force", k]), 0.0, 1e-13, "balance of forces");
+    }
+    close(number(&result, &["balance", "moment"]), 0.0, 1e-12, "balance of moments");
+}
+
+#[test]
+fn springs_resultants_and_sliding_sides_carry_their_share() {
+    // inclined rollers at 45 degrees and a box that hangs on springs: forces by hand
+    let springs = "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1e6\npoisson = 0.0\n\
+        [[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [2, 1] }\nelements = [2, 1]\n\
+        [[boundary]]\non = \"a.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"a.bottom\"\nspring = { y = 5.0 }\n[[boundary]]\non = \"a.top\"\nforce = { y = -3.0 }\n\
+        [[probe]]\nname = \"sink\"\nquantity = \"u.y at [1, 0]\"\n";
+    if let Ok(case) = read(springs) {
+        let result = case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}"));
+        close(probe(&result, "sink"), -3.0 / (5.0 * 2.0), 1e-9, "force over spring stiffness");
+        close(number(&result, &["balance", "force", "1"]), 0.0, 1e-10, "springs balance the force");
+    }
+    let inclined = "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+        [[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1], rotate_deg = 45 }\nelements = [2, 2]\n\
+        [[boundary]]\non = \"a.bottom\"\nfix = [\"normal\"]\n[[boundary]]\non = \"a.left\"\nfix = [\"normal\"]\n[[boundary]]\non = \"a.top\"\npressure = 1.0\n\
+        [[probe]]\nname = \"mises\"\nquantity = \"von_mises.max\"\n[[probe]]\nname = \"low\"\nquantity = \"von_mises.min\"\n";
+    if let Ok(case) = read(inclined) {
+        let result = case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}"));
+        // uniaxial in plane strain: sqrt(1 - nu + nu^2)
+        let expected = (1.0_f64 - 0.3 + 0.09).sqrt();
+        close(probe(&result, "mises"), expected, 1e-11, "one stress everywhere");
+        close(probe(&result, "low"), expected, 1e-11, "one stress everywhere");
+    }
+}
+
+#[test]
+fn set_changes_the_case_and_ends_with_another_result() {
+    let text = square("[[boundary]]\non = \"a.top\"\npressure = \"p\"\n[let]\np = 1.0\n[[probe]]\nname = \"top\"\nquantity = \"u.y at [0.5, 1]\"\n");
+    let with = |sets: &[&str]| {
+        let options = ReadOptions { sets: sets.iter().map(|s| (*s).to_string()).collect(), ..ReadOptions::default() };
+        Case::parse("case.toml", &text, &options).unwrap().run(&Registry::default()).unwrap()
+    };
+    let (one, two, fine) = (with(&[]), with(&["let.p=2.0"]), with(&["patch.a.elements=[6, 4]", "patch.a.degree=3"]));
+    close(probe(&two, "top"), 2.0 * probe(&one, "top"), 1e-12, "twice the pressure");
+    assert!(fine.unknowns.primal > one.unknowns.primal);
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let text = pair(
+        "min = [0, 1], max = [1, 2]",
+        "[[boundary]]\non = \"b.top\"\npressure = \"1 + x\"\n[[boundary]]\non = [\"b.left\"]\nfix = [\"x\"]\n\
+         [[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n",
+    );
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| run(&text).to_json())
+    };
+    assert_eq!(with(1), with(2));
+}
+
+#[test]
+fn both_constraint_solvers_give_the_same_numbers() {
+    let text = pair(
+        "min = [0, 1], max = [1, 2]",
+        "[[boundary]]\non = \"b.top\"\ntraction = [\"0.3*x\", \"x - 2\"]\n[[interface]]\nname = \"i\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n\
+         [[probe]]\nname = \"u\"\nquantity = \"u.x at [0.7, 1.5]\"\n[[probe]]\nname = \"l\"\nquantity = \"interface.i.lambda.y at [0.4, 1]\"\n[solver]\nconstraint = \"WHICH\"\n",
+    );
+    let [a, b] = ["saddle-point", "condensed"].map(|which| run(&text.replace("WHICH", which)));
+    close(probe(&a, "u"), probe(&b, "u"), 1e-9, "displacement");
+    close(probe(&a, "l"), probe(&b, "l"), 1e-9, "multiplier");
+    assert_ne!(a.solve.as_ref().unwrap().linear, b.solve.as_ref().unwrap().linear);
+    let i = a.interface.get("i").unwrap();
+    assert!(i.consistency < 1e-12, "action and reaction: {:e}", i.consistency);
+    close(i.segments.measure, 1.0, 1e-12, "the interface's length");
+}
+
+#[test]
+fn a_list_of_masters_is_one_side_and_cross_points_are_lowered() {
+    // one slave over two masters that are tied to each other: p/p is lowered at the cross point and at the fixed ends
+    let text = "[model]\nphysics = \"elasticity\"\ndimension = 2\nexact = { u = [\"x + 2*y\", \"y - x\"] }\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+        [[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [2, 2]\n\
+        [[patch]]\nname = \"b\"\ngeometry = { kind = \"box\", min = [1, 0], max = [2, 1] }\nelements = [3, 3]\n\
+        [[patch]]\nname = \"c\"\ngeometry = { kind = \"box\", min = [0, 1], max = [2, 2] }\nelements = [5, 2]\n\
+        [[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n\
+        [[interface]]\nname = \"v\"\nslave = \"b.left\"\nmaster = \"a.right\"\nmultiplier = \"p/p\"\n\
+        [[interface]]\nname = \"h\"\nslave = \"c.bottom\"\nmaster = [\"a.top\", \"b.top\"]\nmultiplier = \"p/p\"\n\
+        [[check]]\nname = \"error\"\nquantity = \"error.u.L2\"\nbelow = 1e-12\n[[check]]\nname = \"lambda\"\nquantity = \"error.lambda.L2\"\nbelow = 1e-10\n\
+        [[check]]\nname = \"length\"\nquantity = \"interface.h.measure\"\nequals = 2\nrtol = 1e-12\n";
+    let result = run(text);
+    assert_eq!(result.status, Status::Ok, "{}", show(&result));
+    // v: 5 functions, both ends lowered (one prescribed, one a cross point) per component; h: 7 functions, both ends prescribed
+    assert_eq!(result.unknowns.multipliers, 2 * 3 + 2 * 5);
+}
+
+#[test]
+fn wrong_cases_are_refused_with_code_place_and_advice() {
+    let tie = |rest: &str| format!("[[interface]]\nname = \"i\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n{rest}");
+    let probe = |q: &str| square(&format!("[[probe]]\nname = \"p\"\nquantity = '{q}'\n"));
+    let upper = "min = [0, 1], max = [1, 2]";
+    let mut wrong: Vec<String> = Vec::new();
+    for (text, code, part) in [
+        // quantities
+        (probe("enrgy"), "E018", "did you mean `energy`"),
+        (probe("u at [0, 0]"), "E018", "write u.x or u.y"),
+        (probe("stress.yy"), "E018", "add `at [x, y]`"),
+        (probe("flux.x at [0, 0]"), "E018", "the flux belongs to Poisson"),
+        (probe("contact.c.pressure at [0, 0]"), "E018", "no interface or contact \"c\""),
+        (probe("u.x at [0, 0] in c"), "E021", "patches are a"),
+        (probe("u.x at [3, 0]"), "E022", "outside every body"),
+        (probe("u.x at [1, q]"), "E017", "coordinate `q`"),
+        (probe("error.u.L2"), "E062", "needs `exact`"),
+        // sides that do not fit
+        (pair("min = [0, 1.25], max = [1, 2]", &tie("")), "E023", "`b.bottom` and `a.top` are up to 0.25 apart"),
+        (pair("min = [0.5, 1], max = [1.5, 2]", &tie("")), "E025", "only 50 % of the slave side `b.bottom`"),
+        // multipliers
+        (pair(upper, &tie("multiplier = \"p/p-4\"\n")), "E064", "p/p-4"),
+        (pair(upper, &tie("multiplier = \"p/p-1\"\n[discretization]\ndegree = 1\nbasis = \"b-spline\"\nbackend = \"fe\"\n")), "E051", "can still move"),
+        // supports
+        (pair(upper, ""), "E051", "body \"b\" can still move: translation x, translation y, rotation"),
+        (
+            pair(upper, "[[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n"),
+            "E051",
+            "body \"b\" can still move: translation x, even with every contact closed",
+        ),
+        // values that disagree in a corner
+        (square("[[boundary]]\non = \"a.left\"\ndirichlet = { x = \"1 + y\" }\n"), "E052", "prescribed as"),
+        (square("[[boundary]]\non = \"a.left\"\ndirichlet = { x = \"1/(y - y)\" }\n"), "E017", "not finite"),
+        // contact
+        (
+            pair(upper, "[[boundary]]\non = \"b.left\"\nfix = [\"x\"]\n[[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nrigid = { kind = \"sphere\", center = [0.5, 0], radius = 1 }\ngap = \"g/(x - x)\"\n"),
+            "E017",
+            "gap formula is not finite",
+        ),
+        // geometry: the second column of control points lies behind the first
+        (
+            "[model]\nphysics = \"poisson\"\ndimension = 2\n[[patch]]\nname = \"a\"\ngeometry = { kind = \"nurbs\", degree = [2, 1], knots = [[0, 0, 0, 1, 1, 1], [0, 0, 1, 1]], \
+             points = [[0, 0], [-2, 0], [1, 0], [0, 1], [-2, 1], [1, 1]] }\n[[boundary]]\non = \"all-outer\"\ndirichlet = 0\n"
+                .to_string(),
+            "E041",
+            "inverted",
+        ),
+        (
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.5\n[[patch]]\nname = \"a\"\n\
+             geometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [2, 2]\n[[boundary]]\non = \"all-outer\"\nfix = [\"x\", \"y\"]\n"
+                .to_string(),
+            "E053",
+            "poisson = 0.5",
+        ),
+    ] {
+        wrong.extend(refuses(&text, code, part));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn too_few_elements_for_the_multiplier_are_over_constrained() {
+    // a slave side of one element with both ends prescribed: 3 functions, 1 is free, the multiplier p/p-1 has 2
+    let text = "[model]\nphysics = \"poisson\"\ndimension = 2\n\
+        [[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [1, 1]\n\
+        [[patch]]\nname = \"b\"\ngeometry = { kind = \"box\", min = [0, 1], max = [1, 2] }\nelements = [2, 1]\n\
+        [[boundary]]\non = \"all-outer\"\ndirichlet = 0\n\
+        [[interface]]\nname = \"i\"\nslave = \"a.top\"\nmaster = \"b.bottom\"\nmultiplier = \"p/p-1\"\n";
+    assert_eq!(refuses(text, "E024", "2 functions for 1 free unknowns"), None);
+    assert_eq!(refuses(text, "E024", "give patch \"a\" more elements"), None);
+    let warned = read(&text.replace("elements = [1, 1]", "elements = [6, 1]").replace("elements = [2, 1]", "elements = [4, 1]").replace("all-outer", "a.bottom")).unwrap();
+    let result = warned.run(&Registry::default()).unwrap();
+    assert!(result.warnings.iter().any(|d| d.code == "E061" && d.message.contains("p/p-1")), "{:?}", result.warnings);
+}
+
+#[test]
+fn a_body_that_loses_contact_ends_with_rigid_motion_left_and_exit_five() {
+    // pulled up from the plane: nothing holds it once the contact opens
+    let text = "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+        [[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [3, 2]\n\
+        [[boundary]]\non = \"a.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"a.top\"\ntraction = { y = 1.0 }\n\
+        [[contact]]\nname = \"c\"\nslave = \"a.bottom\"\nrigid = { kind = \"half-plane\", point = [0, 0], normal = [0, 1] }\n";
+    let result = run(text);
+    assert_eq!((result.status, result.exit), (Status::Singular, 5));
+    let text = result.diagnostics.iter().map(|d| d.message.clone()).collect::<String>();
+    assert!(text.contains("rigid motion left") && text.contains("translation y"), "{text}");
+}
+
+#[test]
+fn an_active_set_that_does_not_settle_keeps_its_last_state() {
+    let text = pair(
+        "min = [0, 1], max = [1, 2]",
+        "[[boundary]]\non = \"b.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"b.top\"\ntraction = { y = \"5*x - 3\" }\n\
+         [[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\nactive_set = { max_iterations = 1 }\n\
+         [[probe]]\nname = \"p\"\nquantity = \"contact.c.force.y\"\n",
+    );
+    let result = run(&text);
+    assert_eq!((result.status, result.exit), (Status::NotConverged, 5), "{}", show(&result));
+    assert_eq!(result.diagnostics[0].code, "E071");
+    assert!(probe(&result, "p").is_finite(), "the last state answers probes");
+    assert_eq!(result.solve.unwrap().active_set.unwrap().iterations, 1);
+}
+
+#[test]
+fn memory_is_predicted_before_anything_is_allocated() {
+    let case = read(&square("")).unwrap();
+    let watch = faying::app::Watch { max_memory: Some(1000), ..Default::default() };
+    let finished = faying::app::run::run(&case, &Registry::default(), &faying::app::RunOptions::default(), &watch);
+    assert_eq!((finished.result.status, finished.result.exit), (Status::Limit, 6));
+    let d = &finished.result.diagnostics[0];
+    assert!(d.code == "E081" && d.message.contains("the limit is 1 kB"), "{}", d.render());
+    assert!(finished.output.is_none());
+    let checked = faying::app::run::check(&case, &Registry::default(), &faying::app::RunOptions::default(), &faying::app::Watch::default());
+    assert!(checked.result.predicted.is_some_and(|p| p.memory > 1_000_000) && checked.result.solve.is_none());
+}
+
+#[test]
+fn a_source_that_has_no_value_is_not_finite() {
+    let text = "[model]\nphysics = \"poisson\"\ndimension = 2\nsource = \"1/(x - x)\"\n[[patch]]\nname = \"a\"\n\
+        geometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [2, 2]\n[[boundary]]\non = \"all-outer\"\ndirichlet = 0\n";
+    let result = run(text);
+    assert_eq!((result.status, result.exit), (Status::NotFinite, 5));
+    assert_eq!(result.diagnostics[0].code, "E073");
 }

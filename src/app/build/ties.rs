@@ -158,7 +158,7 @@ fn part<const S: usize, const N: usize>(
     let total = pairings.first().map_or(0.0, |(p, _)| p.segments.report.slave_measure);
     let covered: f64 = pairings.iter().map(|(p, _)| p.segments.report.covered).sum();
     if covered < (1.0 - UNCOVERED) * total {
-        let text = format!("only {:.4} % of the slave side `{}` meets {}", 100.0 * covered / total, slave.label, labels(masters));
+        let text = format!("only {} % of the slave side `{}` meets {}", percent(covered / total), slave.label, labels(masters));
         return Err(Box::new(
             builder.error("E025", text, at).with_help("a tied slave must be covered: swap slave and master, or add the missing master sides"),
         ));
@@ -279,6 +279,11 @@ fn apart<const S: usize, const N: usize>(
         }
         other => builder.error("E023", format!("`{}` and {masters} do not meet: {other}", slave.label), at).with_help(help),
     }
+}
+
+/// A share in percent, rounded down to four decimals.
+fn percent(share: f64) -> String {
+    format!("{}", (share * 1e6).floor() / 1e4)
 }
 
 /// Four digits of a number.
