@@ -1,5 +1,6 @@
 //! The .vtu files, read by a reader of our own and evaluated by VTK itself where it is installed (Debian: python3-vtk9).
 #![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used)]
 
 use faying::basis::{Cell, Elements, Order};
 use faying::geometry::{ControlNet, Geometry, MapTable, shapes};

@@ -126,6 +126,7 @@ pub fn interface_csv(rows: &[InterfaceRow]) -> String {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

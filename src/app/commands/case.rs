@@ -8,8 +8,8 @@ use crate::io::case::{Case, Names, ReadOptions, not_found};
 use crate::io::errors::{Diagnostic, Diagnostics};
 use std::io::Read;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// A case with what is known of its file.
@@ -42,7 +42,13 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
             Ended::from(Diagnostic::error("E005", message).in_file("stdin"))
         })?;
         let case = Case::parse("stdin", text, &options).map_err(Ended::failed)?;
-        return Ok(Loaded { case, name: "stdin".to_owned(), stem: "stdin".to_owned(), path: "-".to_owned(), input: Input::new("-", &bytes) });
+        return Ok(Loaded {
+            case,
+            name: "stdin".to_owned(),
+            stem: "stdin".to_owned(),
+            path: "-".to_owned(),
+            input: Input::new("-", &bytes),
+        });
     }
     let bytes = std::fs::read(path).map_err(|e| Ended::from(not_found(path, &e)))?;
     let name = path.display().to_string();
@@ -85,7 +91,10 @@ pub fn watch(common: &Common) -> Watch {
 /// The threads of the options.
 pub fn pool(common: &Common) -> Result<rayon::ThreadPool, Ended> {
     let wanted = common.threads.map_or(0, usize::from); // zero: one per core
-    rayon::ThreadPoolBuilder::new().num_threads(wanted).build().map_err(|e| Ended::plain("internal", 70, &format!("threads cannot be started: {e}"), None))
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(wanted)
+        .build()
+        .map_err(|e| Ended::plain("internal", 70, &format!("threads cannot be started: {e}"), None))
 }
 
 /// E091 where the file of `--json` cannot be written, found before anything is solved.

@@ -37,7 +37,16 @@ impl Clock {
             bar
         });
         let verbose = streams.verbose.then(|| streams.clone());
-        Self { state: Arc::new(Mutex::new(State { begun: Instant::now(), phase: None, seconds: Vec::new(), log: String::new(), bar, verbose })) }
+        Self {
+            state: Arc::new(Mutex::new(State {
+                begun: Instant::now(),
+                phase: None,
+                seconds: Vec::new(),
+                log: String::new(),
+                bar,
+                verbose,
+            })),
+        }
     }
 
     fn with<R>(&self, act: impl FnOnce(&mut State) -> R) -> R {
@@ -54,7 +63,9 @@ impl Clock {
                 s.say(name);
             }
             Progress::Step { step, of } => s.say(&format!("step {step} of {of}")),
-            Progress::Iteration { iteration, active, rows } => s.say(&format!("active set, iteration {iteration}: {active} of {rows} rows active")),
+            Progress::Iteration { iteration, active, rows } => {
+                s.say(&format!("active set, iteration {iteration}: {active} of {rows} rows active"))
+            }
         });
     }
 

@@ -49,7 +49,8 @@ impl Ended {
 
     /// Done without a result: `fields` are added to the document.
     pub fn done(command: &str, summary: String, fields: Value) -> Self {
-        let mut document = json!({"schema": "faying.result/1", "version": env!("CARGO_PKG_VERSION"), "command": command, "status": "ok", "exit": 0});
+        let mut document =
+            json!({"schema": "faying.result/1", "version": env!("CARGO_PKG_VERSION"), "command": command, "status": "ok", "exit": 0});
         if let (Some(all), Value::Object(more)) = (document.as_object_mut(), fields) {
             all.extend(more);
         }
@@ -65,10 +66,16 @@ impl From<Diagnostic> for Ended {
 
 /// The document of a failure.
 pub fn failure(status: &str, exit: i32, diagnostics: Value) -> String {
-    json::text(&json!({"schema": "faying.result/1", "version": env!("CARGO_PKG_VERSION"), "status": status, "exit": exit, "diagnostics": diagnostics}))
+    json::text(
+        &json!({"schema": "faying.result/1", "version": env!("CARGO_PKG_VERSION"), "status": status, "exit": exit, "diagnostics": diagnostics}),
+    )
 }
 
 /// The document of a failure that has no code: usage and internal errors.
 pub fn plain_failure(status: &str, exit: i32, message: &str, help: Option<&str>) -> String {
-    failure(status, exit, json!([{"code": null, "severity": "error", "message": message, "file": null, "line": null, "column": null, "help": help}]))
+    failure(
+        status,
+        exit,
+        json!([{"code": null, "severity": "error", "message": message, "file": null, "line": null, "column": null, "help": help}]),
+    )
 }

@@ -23,9 +23,13 @@ impl Folder {
     /// E090 where the folder holds anything else than results of the same case and `force` is not given.
     pub fn claim(path: &Path, case: &str, force: bool) -> Result<Self, Diagnostic> {
         let taken = |why: &str| {
-            Diagnostic::error("E090", format!("output folder `{}` {why}", path.display())).with_help("choose another folder with --out, or overwrite files of the same name with --force")
+            Diagnostic::error("E090", format!("output folder `{}` {why}", path.display()))
+                .with_help("choose another folder with --out, or overwrite files of the same name with --force")
         };
-        let unreadable = |e: std::io::Error| Diagnostic::error("E091", format!("output folder `{}` cannot be read: {e}", path.display())).with_help("choose another folder with --out");
+        let unreadable = |e: std::io::Error| {
+            Diagnostic::error("E091", format!("output folder `{}` cannot be read: {e}", path.display()))
+                .with_help("choose another folder with --out")
+        };
         let mut folder = Self { path: path.to_owned(), old: Vec::new() };
         let entries = match std::fs::read_dir(path) {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(folder),
@@ -38,7 +42,9 @@ impl Folder {
         }
         match Manifest::read(&path.join(MANIFEST)) {
             None => Err(taken("holds files that faying did not write")),
-            Some(manifest) if manifest.case_path != case => Err(taken(&format!("holds the results of another case, `{}`", manifest.case_path))),
+            Some(manifest) if manifest.case_path != case => {
+                Err(taken(&format!("holds the results of another case, `{}`", manifest.case_path)))
+            }
             Some(manifest) => {
                 // a list that was tampered with must not reach beyond the folder
                 folder.old = manifest.files.into_iter().filter(|name| is_plain(name)).collect();
@@ -85,7 +91,8 @@ fn is_plain(name: &str) -> bool {
 }
 
 fn failed(file: &Path, error: &std::io::Error) -> Diagnostic {
-    Diagnostic::error("E091", format!("writing `{}` failed: {error}", file.display())).with_help("make room or permissions, or choose another folder with --out")
+    Diagnostic::error("E091", format!("writing `{}` failed: {error}", file.display()))
+        .with_help("make room or permissions, or choose another folder with --out")
 }
 
 /// Writes a file that appears whole or not at all: first beside its place, then moved.
@@ -133,6 +140,7 @@ fn ignore_unsupported(e: std::io::Error) -> std::io::Result<()> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -1,5 +1,8 @@
 //! The command line: words in, one command, its summary, its document, its files, an exit code.
 
+// what ends the program is moved once or twice
+#![allow(clippy::result_large_err)]
+
 mod arguments;
 mod case;
 mod check;
@@ -54,7 +57,9 @@ fn obey(registry: &Registry, arguments: &Arguments, words: &[OsString]) -> i32 {
         Command::Check(check) => check::check(registry, check, &arguments.common, &streams),
         Command::New(new) => new::new(new, &arguments.common),
         Command::Explain(code) => explain::explain(code),
-        other => usage(&format!("`faying {}` is not in this version", other.name()), Some("commands of this version: run, check, new, explain")),
+        other => {
+            usage(&format!("`faying {}` is not in this version", other.name()), Some("commands of this version: run, check, new, explain"))
+        }
     });
     tell(&streams, &ended)
 }

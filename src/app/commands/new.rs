@@ -55,7 +55,9 @@ pub fn new(arguments: &NewArguments, common: &Common) -> Ended {
         }
         Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {
             let message = format!("`{}` exists; `faying new` never writes over a file", file.display());
-            Diagnostic::error("E090", message).with_help(format!("remove it, choose another folder with --out, or print the sample: faying new {} -", sample.name)).into()
+            Diagnostic::error("E090", message)
+                .with_help(format!("remove it, choose another folder with --out, or print the sample: faying new {} -", sample.name))
+                .into()
         }
         Err(e) => Diagnostic::error("E091", format!("writing `{}` failed: {e}", file.display())).into(),
     }

@@ -11,7 +11,12 @@ pub fn caught(streams: &Streams, act: impl FnOnce() -> Ended) -> Ended {
     let hears = first.clone();
     let verbose = streams.verbose;
     std::panic::set_hook(Box::new(move |info| {
-        let message = info.payload_as_str().unwrap_or("no message");
+        let payload = info.payload();
+        let message = payload
+            .downcast_ref::<&str>()
+            .copied()
+            .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
+            .unwrap_or("no message");
         let place = info.location().map_or(String::new(), |at| format!(" ({}:{})", at.file(), at.line()));
         hears.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(format!("{message}{place}"));
         if verbose {
@@ -30,6 +35,7 @@ pub fn caught(streams: &Streams, act: impl FnOnce() -> Ended) -> Ended {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::app::commands::arguments::Arguments;

@@ -53,7 +53,15 @@ fn vector(values: &[f64]) -> String {
 fn contacts(result: &RunResult) -> Table {
     let mut table = Table::new(["contact", "force", "largest pressure", "area", "half width", "least gap", "active"]);
     for (name, c) in result.contact.iter() {
-        table.row([name.to_owned(), vector(&c.force), short(c.pressure.max, 6), short(c.area, 6), short(c.half_width, 6), short(c.gap.min, 3), c.active.to_string()]);
+        table.row([
+            name.to_owned(),
+            vector(&c.force),
+            short(c.pressure.max, 6),
+            short(c.area, 6),
+            short(c.half_width, 6),
+            short(c.gap.min, 3),
+            c.active.to_string(),
+        ]);
     }
     table
 }

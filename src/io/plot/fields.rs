@@ -55,7 +55,6 @@ fn divisions(parts: &[Part<'_, 2, 2>]) -> Vec<Vec<usize>> {
 /// # Errors
 /// [`PlotError`] where a part lacks the field or there is nothing to draw.
 pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, PlotError> {
-    let elements: usize = parts.iter().map(|p| p.space.num_elements()).sum();
     let mut drawn = Vec::new();
     for (part, divisions) in parts.iter().zip(divisions(parts)) {
         drawn.extend(part_drawn(plot, part, &divisions)?);
@@ -72,7 +71,7 @@ pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, 
     if !(size.is_finite() && size > 0.0) {
         return Err(PlotError::Empty(plot.title.to_owned()));
     }
-    draw(plot, &drawn, lo, hi, size, elements)
+    draw(plot, &drawn, lo, hi, size)
 }
 
 fn part_drawn(plot: &FieldPlot<'_>, part: &Part<'_, 2, 2>, divisions: &[usize]) -> Result<Vec<Drawn>, PlotError> {
@@ -172,7 +171,7 @@ fn pieces(simplex: bool, m: usize) -> (Vec<Vec<[f64; 2]>>, Vec<Vector<2>>) {
     (cells, middles)
 }
 
-fn draw(plot: &FieldPlot<'_>, drawn: &[Drawn], lo: [f64; 2], hi: [f64; 2], size: f64, elements: usize) -> Result<String, PlotError> {
+fn draw(plot: &FieldPlot<'_>, drawn: &[Drawn], lo: [f64; 2], hi: [f64; 2], size: f64) -> Result<String, PlotError> {
     let values = drawn.iter().flat_map(|d| d.pieces.iter().map(|(_, v)| *v)).filter(|v| v.is_finite());
     let (mut least, mut most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     if least > most {
@@ -219,11 +218,12 @@ fn draw(plot: &FieldPlot<'_>, drawn: &[Drawn], lo: [f64; 2], hi: [f64; 2], size:
                 d.pieces.iter().map(|(corners, v)| Polygon::new(overlapping(corners, 0.4 / per_length), color(*v).filled())),
             )?;
         }
-        let thin = if elements > 3000 { 0.25 } else { 0.6 };
         for outer in [false, true] {
-            let style = if outer { stroke(INK, 1.5) } else { stroke(BLACK.mix(0.28), thin) };
-            let lines = drawn.iter().flat_map(|d| d.edges.iter()).filter(|(_, o)| *o == outer);
-            chart.draw_series(lines.map(|(line, _)| PathElement::new(line.iter().map(|p| (p[0], p[1])).collect::<Vec<_>>(), style)))?;
+            for d in drawn {
+                let style = if outer { stroke(INK, 1.5) } else { inner_edges(d, per_length) };
+                let lines = d.edges.iter().filter(|(_, o)| *o == outer);
+                chart.draw_series(lines.map(|(line, _)| PathElement::new(line.iter().map(|p| (p[0], p[1])).collect::<Vec<_>>(), style)))?;
+            }
         }
 
         axes(root, [x0 - grow_x, x1 + grow_x], [y0 - grow_y, y1 + grow_y], [left, top, frame_w, frame_h])?;
@@ -231,16 +231,28 @@ fn draw(plot: &FieldPlot<'_>, drawn: &[Drawn], lo: [f64; 2], hi: [f64; 2], size:
     })
 }
 
-/// The polygon pushed out by `by` around its middle, so that neighbours leave no seam.
+/// The polygon pushed out by about `by` along its edges, so that neighbours leave no seam.
 fn overlapping(corners: &[[f64; 2]], by: f64) -> Vec<(f64, f64)> {
-    let n = corners.len() as f64;
-    let middle = corners.iter().fold([0.0; 2], |m, c| [m[0] + c[0] / n, m[1] + c[1] / n]);
-    let out = |c: &[f64; 2]| {
-        let d = [c[0] - middle[0], c[1] - middle[1]];
-        let length = d[0].hypot(d[1]).max(f64::MIN_POSITIVE);
-        (c[0] + by * d[0] / length, c[1] + by * d[1] / length)
+    let n = corners.len();
+    let unit = |from: [f64; 2], to: [f64; 2]| {
+        let d = [to[0] - from[0], to[1] - from[1]];
+        let length = d[0].hypot(d[1]);
+        if length > 0.0 { [d[0] / length, d[1] / length] } else { [0.0; 2] }
     };
-    corners.iter().map(out).collect()
+    (0..n)
+        .map(|k| {
+            let (a, b) = (unit(corners[(k + n - 1) % n], corners[k]), unit(corners[(k + 1) % n], corners[k]));
+            (corners[k][0] + by * (a[0] + b[0]), corners[k][1] + by * (a[1] + b[1]))
+        })
+        .collect()
+}
+
+/// Lines between elements fade where the elements are only a few pixels wide.
+fn inner_edges(element: &Drawn, per_length: f64) -> ShapeStyle {
+    let length = |line: &[[f64; 2]]| line.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum::<f64>();
+    let width = element.edges.iter().map(|(line, _)| length(line)).fold(f64::INFINITY, f64::min) * per_length;
+    let share = (width / 12.0).clamp(0.0, 1.0);
+    stroke(BLACK.mix(0.06 + 0.22 * share), 0.25 + 0.35 * share)
 }
 
 type Root<'a, 'b> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;

@@ -71,7 +71,24 @@ pub fn side(plot: &SidePlot<'_>, part: &Part<'_, 1, 2>) -> Result<String, PlotEr
     if !(from.is_finite() && from > 0.0) {
         return Err(PlotError::Empty(plot.title.to_owned()));
     }
-    draw(plot, from, &curves, &exact)
+    let window = window(plot, from, &curves);
+    let within = |p: &(f64, f64)| p.0 >= window[0] && p.0 <= window[1];
+    let curves: Vec<Runs> =
+        curves.iter().map(|runs| runs.iter().map(|run| run.iter().copied().filter(within).collect()).collect()).collect();
+    exact.retain(within);
+    draw(plot, from, window, &curves, &exact)
+}
+
+/// The stretch of arc length to show: all of it, or the surroundings of a contact zone that is small against the side.
+fn window(plot: &SidePlot<'_>, length: f64, curves: &[Runs]) -> [f64; 2] {
+    let greatest = curves.iter().flatten().flatten().map(|p| p.1).fold(0.0, f64::max);
+    let pressed = curves.iter().flatten().flatten().filter(|p| p.1 > 1e-6 * greatest);
+    let (a, b) = pressed.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
+    let zone = b - a;
+    if !plot.contact || !(zone > 0.0 && zone < 0.25 * length) {
+        return [0.0, length];
+    }
+    [(a - 0.6 * zone).max(0.0), (b + 0.6 * zone).min(length)]
 }
 
 /// Arc length up to the points `xi` of an element, by three Gauss points between neighbours.
@@ -89,7 +106,7 @@ fn arc_lengths(curve: &dyn crate::space::Space<1, 2>, element: usize, xi: &[Vect
     s
 }
 
-fn draw(plot: &SidePlot<'_>, length: f64, curves: &[Runs], exact: &[(f64, f64)]) -> Result<String, PlotError> {
+fn draw(plot: &SidePlot<'_>, length: f64, [s0, s1]: [f64; 2], curves: &[Runs], exact: &[(f64, f64)]) -> Result<String, PlotError> {
     let values = || curves.iter().flatten().flatten().chain(exact).map(|p| p.1);
     let (lo, hi) = values().fold((0.0f64, 0.0f64), |(lo, hi), v| (lo.min(v), hi.max(v)));
     let span = if hi - lo > 0.0 { hi - lo } else { 1.0 };
@@ -97,7 +114,7 @@ fn draw(plot: &SidePlot<'_>, length: f64, curves: &[Runs], exact: &[(f64, f64)])
     let (left, top, w, h) = (78.0, 84.0, 700.0, 330.0);
     let (width, height) = (left + w + 30.0, top + h + 52.0);
     let colors = [BLUE_LINE, RED_LINE, INK];
-    let px = |s: f64| units(left + w * s / length);
+    let px = |s: f64| units(left + w * (s - s0) / (s1 - s0));
     let py = |v: f64| units(top + h * (y1 - v) / (y1 - y0));
     let pixels = |line: &[(f64, f64)]| line.iter().map(|p| (px(p.0), py(p.1))).collect::<Vec<_>>();
     document(width, height, |root| {
@@ -107,19 +124,20 @@ fn draw(plot: &SidePlot<'_>, length: f64, curves: &[Runs], exact: &[(f64, f64)])
             text(17.0, INK, HPos::Left, VPos::Top),
         ))?;
         for v in ticks(y0, y1, 6) {
-            root.draw(&PathElement::new(vec![(px(0.0), py(v)), (px(length), py(v))], stroke(PALE, 0.8)))?;
-            root.draw(&Text::new(short(v, 5), (px(0.0) - units(8.0), py(v)), text(11.5, GREY, HPos::Right, VPos::Center)))?;
+            root.draw(&PathElement::new(vec![(px(s0), py(v)), (px(s1), py(v))], stroke(PALE, 0.8)))?;
+            root.draw(&Text::new(short(v, 5), (px(s0) - units(8.0), py(v)), text(11.5, GREY, HPos::Right, VPos::Center)))?;
         }
         let base = units(top + h);
-        for s in ticks(0.0, length, 7) {
+        for s in ticks(s0, s1, 7) {
             root.draw(&PathElement::new(vec![(px(s), base), (px(s), base + units(4.0))], stroke(GREY, 0.8)))?;
             root.draw(&Text::new(short(s, 5), (px(s), base + units(8.0)), text(11.5, GREY, HPos::Center, VPos::Top)))?;
         }
-        root.draw(&PathElement::new(vec![(px(0.0), base), (px(length), base)], stroke(GREY, 0.8)))?;
-        root.draw(&PathElement::new(vec![(px(0.0), py(0.0)), (px(length), py(0.0))], stroke(GREY, 1.0)))?;
+        root.draw(&PathElement::new(vec![(px(s0), base), (px(s1), base)], stroke(GREY, 0.8)))?;
+        root.draw(&PathElement::new(vec![(px(s0), py(0.0)), (px(s1), py(0.0))], stroke(GREY, 1.0)))?;
+        let all = if s1 - s0 < length { format!(" ({} in all)", short(length, 4)) } else { String::new() };
         root.draw(&Text::new(
-            "arc length along the slave side".to_owned(),
-            (px(length), base + units(28.0)),
+            format!("arc length along the slave side{all}"),
+            (px(s1), base + units(28.0)),
             text(12.0, GREY, HPos::Right, VPos::Top),
         ))?;
 
@@ -139,7 +157,7 @@ fn draw(plot: &SidePlot<'_>, length: f64, curves: &[Runs], exact: &[(f64, f64)])
             root.draw(&DashedPathElement::new(pixels(exact), units(7.0), units(5.0), stroke(RED_LINE, 1.6)))?;
         }
         if plot.contact {
-            for row in plot.rows {
+            for row in plot.rows.iter().filter(|row| row.s >= s0 && row.s <= s1) {
                 root.draw(&mark((px(row.s), py(0.0)), row.active))?;
                 if !row.active {
                     root.draw(&Circle::new((px(row.s), py(0.0)), units(3.2), stroke(GREY, 1.2)))?;
