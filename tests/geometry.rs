@@ -150,7 +150,7 @@ fn lengths_and_volumes_of_exact_shapes_are_those_of_their_formulas() {
 fn points_of_arcs_lie_on_their_circles() {
     for angles in [[0.0, 90.0], [90.0, 0.0], [13.0, 14.0], [-200.0, 159.0], [0.0, 360.0], [45.0, -315.0], [0.0, 90.0000001]] {
         let net = shapes::annulus_sector([2.0, 1.0], [3.0, 5.0], angles).unwrap();
-        let arcs = ((angles[1] - angles[0] as f64).abs() / 90.0 - 1e-12).ceil() as usize;
+        let arcs = (f64::abs(angles[1] - angles[0]) / 90.0 - 1e-12).ceil() as usize;
         assert_eq!(net.axes[0].breakpoints().len() - 1, arcs, "{angles:?}");
         let patch = Patch::<1, 2>::try_new(&PatchSpec::new(net)).unwrap();
         for (side, radius) in [("v0", 3.0), ("v1", 5.0)] {
@@ -456,7 +456,7 @@ fn closest_points_of_surfaces_are_those_of_a_sphere_like_patch() {
         let to = z.clamp(0.0, 1.0);
         let distance = ((r - 2.0).powi(2) + (z - to).powi(2)).sqrt();
         assert!((found.distance - distance).abs() < 1e-12, "{i}: {} instead of {distance}", found.distance);
-        assert_eq!(found.rim, z < 0.0 || z > 1.0, "{i}");
+        assert_eq!(found.rim, !(0.0..=1.0).contains(&z), "{i}");
     }
 }
 
