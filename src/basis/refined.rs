@@ -103,7 +103,7 @@ impl<B: Basis<1, T>, T: Real> Basis<1, T> for Refined<B, T> {
     }
     fn block(&self, _element: usize) -> Option<Block<'_, 1, T>> {
         let whole = super::tensor::is_one_block(&self.inner);
-        (whole && self.ordered).then(|| Block { first: 0, axes: [self], weights: None })
+        (whole && self.ordered).then_some(Block { first: 0, axes: [self], weights: None })
     }
     /// The polynomials of the inner basis on the smaller elements.
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<1, T>>> {

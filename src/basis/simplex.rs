@@ -103,6 +103,7 @@ impl Cells {
 #[derive(Clone, Debug, PartialEq)]
 pub struct BernsteinSimplex<const D: usize, T: Real = f64> {
     degree: usize,
+    continuous: bool,
     cells: Cells,
     lattice: Vec<[usize; D]>,
     factors: Vec<T>,
@@ -126,10 +127,10 @@ impl<const D: usize, T: Real> BernsteinSimplex<D, T> {
             let n = corners.len() / (D + 1) * local;
             (n, (0..n).collect())
         };
-        Self::on_cells(degree, Cells { functions, local, connectivity, corners })
+        Self::on_cells(degree, continuous, Cells { functions, local, connectivity, corners })
     }
 
-    fn on_cells(degree: usize, cells: Cells) -> Self {
+    fn on_cells(degree: usize, continuous: bool, cells: Cells) -> Self {
         const { assert!(D >= 1 && D < MOST, "simplices of dimension 1 to 3") }
         let lattice = simplex_lattice::<D>(degree);
         let factorial = |n: usize| (1..=n).fold(T::one(), |f, k| f * num(k));
@@ -137,7 +138,7 @@ impl<const D: usize, T: Real> BernsteinSimplex<D, T> {
             .iter()
             .map(|a| a.iter().fold(factorial(degree) / factorial(degree - a.iter().sum::<usize>()), |f, &k| f / factorial(k)))
             .collect();
-        Self { degree, cells, lattice, factors }
+        Self { degree, continuous, cells, lattice, factors }
     }
 }
 
@@ -206,19 +207,14 @@ impl<const D: usize, T: Real> Basis<D, T> for BernsteinSimplex<D, T> {
         table.numbers = powers;
     }
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
-        polynomials_on::<D, T>(self.degree, &self.cells.corners, wanted)
+        let (degree, continuous) = match wanted {
+            Polynomials::Lowered(k) => (self.degree.checked_sub(k)?, self.continuous && k == 0),
+            Polynomials::Uniform { degree, continuity: -1 } => (degree, false),
+            Polynomials::Uniform { degree, continuity: 0 } if degree > 0 => (degree, true),
+            Polynomials::Uniform { .. } => return None,
+        };
+        Some(Box::new(Self::new(degree, self.cells.corners.clone(), continuous)))
     }
-}
-
-/// Bernstein polynomials as `wanted` of a continuous basis of `degree`.
-fn polynomials_on<const D: usize, T: Real>(degree: usize, corners: &[usize], wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
-    let (degree, continuous) = match wanted {
-        Polynomials::Lowered(k) => (degree.checked_sub(k)?, k == 0),
-        Polynomials::Uniform { degree, continuity: -1 } => (degree, false),
-        Polynomials::Uniform { degree, continuity: 0 } if degree > 0 => (degree, true),
-        Polynomials::Uniform { .. } => return None,
-    };
-    Some(Box::new(BernsteinSimplex::<D, T>::new(degree, corners.to_vec(), continuous)))
 }
 
 /// Lagrange polynomials of one degree on triangles (D = 2) or tetrahedra (D = 3), continuous where cells share ids.
@@ -264,7 +260,7 @@ impl<const D: usize, T: Real> LagrangeSimplex<D, T> {
 
     fn on_cells(degree: usize, cells: Cells) -> Self {
         assert!(degree > 0, "a continuous Lagrange basis has degree 1 or more");
-        let bernstein = BernsteinSimplex::<D, T>::on_cells(degree, cells);
+        let bernstein = BernsteinSimplex::<D, T>::on_cells(degree, true, cells);
         let nodes = simplex_nodes::<D, T>(degree);
         let n = nodes.len();
         let mut table = ShapeTable::new();

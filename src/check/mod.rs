@@ -2,7 +2,10 @@
 //!
 //! Each checker returns `Err` with a sentence that says which rule is broken and where.
 
+mod basis;
+mod block;
 mod body;
+mod continuation;
 mod coupling;
 mod flux;
 mod geometry;
@@ -10,10 +13,13 @@ mod interface_quadrature;
 mod linear_solver;
 mod material;
 mod operator;
+mod points;
+mod quadrature;
 mod solver;
 mod space;
 mod target;
 
+pub use basis::{basis, non_negative, partition_of_unity};
 pub use body::{body, closed_body};
 pub use coupling::coupling;
 pub use flux::flux;
@@ -22,6 +28,7 @@ pub use interface_quadrature::{SegmentLimits, interface_quadrature};
 pub use linear_solver::linear_solver;
 pub use material::material;
 pub use operator::operator;
+pub use quadrature::quadrature;
 pub use solver::solver;
 pub use space::space;
 pub use target::target;
