@@ -52,6 +52,10 @@ impl Kind {
 
 /// The net with the given degree and weights between 0.92 and 1.08: a rational map that keeps straight sides straight.
 ///
+/// Integrals of rational functions are never exact: what a patch test misses falls with the number of points. With p + 4
+/// points these weights stay below 1e-11; weights between 0.9 and 1.1 leave 1.06e-11 in 4 of 1120 cases (2 elements of
+/// degree 2), and pass with p + 5.
+///
 /// Rational functions are never integrated exactly: with degree + 4 points the patch test leaves 1e-12 at 8 % and 1e-11
 /// at 10 % on two elements, and falls with every point.
 pub fn weighted(net: &ControlNet<2, 2>, degree: usize) -> ControlNet<2, 2> {
