@@ -477,7 +477,6 @@ fn e019_known_but_not_in_this_version() {
     let later = |from: &str, to: &str, what: &str, at: &str| {
         fails(&with(from, to), "E019", &format!("{what} is not in this version"), at);
     };
-    later("dimension = 2", "dimension = 2\ngravity = [0, -9.81]", "`gravity`", "[0, -9.81]");
     later("dimension = 2", "dimension = 2\nreference = \"p4.ref\"", "`reference`", "\"p4.ref\"");
     later("dimension = 2", "dimension = 2\nassumption = \"axisymmetric\"", "\"axisymmetric\"", "\"axisymmetric\"");
     later("slave =", "friction = 0.3\nslave =", "`friction`", "friction");
@@ -487,11 +486,6 @@ fn e019_known_but_not_in_this_version() {
     later("slave =", "cone = \"weights\"\nslave =", "this cone", "\"weights\"");
     later("slave =", "multiplier = \"dual\"\nslave =", "multiplier \"dual\"", "\"dual\"");
     later("on = \"lower.bottom\"", "on = \"lower.bottom\"\nwhere = \"x > 0.9\"", "`where`", "\"x > 0.9\"");
-    later("\"x\", \"y\"]", "\"normal\"]", "`fix = [\"normal\"]`", "\"normal\"");
-    later("\"x\", \"y\"]", "\"tangential\"]", "`fix = [\"tangential\"]`", "\"tangential\"");
-    later("pressure = \"F\"", "force = { y = -1 }", "`force`", "-1");
-    later("pressure = \"F\"", "spring = { x = 1e3 }", "`spring`", "1e3");
-    later("pressure = \"F\"", "rigid_force = { y = -1.0 }", "`rigid_force`", "-1.0");
     later("[[probe]]", "[steps]\ncount = 4\n\n[[probe]]", "[steps]", "[steps]");
     later("[[probe]]", "[solver]\nlinear = \"iterative\"\ntolerance = 1e-8\n\n[[probe]]", "`linear = \"iterative\"`", "\"iterative\"");
     later("[[probe]]", "[solver]\nconstraint = \"uzawa\"\n\n[[probe]]", "constraint solver \"uzawa\"", "\"uzawa\"");

@@ -47,10 +47,13 @@ pub fn free_motions<const S: usize, const N: usize>(model: &Model<S, N>, closed:
         }
     }
     // equations between unknowns: inclined sliding; sides that move as one support nothing
-    for e in model.equations.iter().filter(|e| e.terms.iter().map(|t| t.1).sum::<f64>().abs() > 1e-12 || e.terms.len() != 2) {
+    for e in &model.equations {
         let Some(&(first, _)) = e.terms.first() else { continue };
         let Some(body) = model.patches.iter().position(|p| p.range().contains(&first)) else { continue };
         let field = model.patches[body].field;
+        if e.terms.iter().any(|t| (t.0 - field.first) / field.components != (first - field.first) / field.components) {
+            continue;
+        }
         let mut direction = Vector::<N>::zeros();
         for &(i, value) in &e.terms {
             direction[(i - field.first) % field.components] = value;

@@ -30,7 +30,6 @@ impl Reader {
         if m.dimension.value == 3 {
             self.later(m.dimension.at, "`dimension = 3`", "write dimension = 2");
         }
-        self.later_if(&m.gravity, "`gravity`", "use body_force");
         self.later_if(&m.reference, "`reference`", "errors are measured against `exact`");
         for p in &case.patches {
             self.later_patch(p);
@@ -82,15 +81,6 @@ impl Reader {
 
     fn later_boundary(&mut self, b: &Boundary) {
         self.later_if(&b.filter, "`where`", "conditions hold on whole sides");
-        self.later_if(&b.fix_normal, "`fix = [\"normal\"]`", "use components: x, y");
-        self.later_if(&b.fix_tangential, "`fix = [\"tangential\"]`", "use components: x, y");
-        for (key, data, help) in
-            [("force", &b.force, "use traction = force / length"), ("spring", &b.spring, ""), ("rigid_force", &b.rigid_force, "")]
-        {
-            if let Some(first) = data.iter().flatten().next() {
-                self.later(first.at, &format!("`{key}`"), help);
-            }
-        }
     }
 
     fn later_contact(&mut self, c: &Contact) {
