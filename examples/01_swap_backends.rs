@@ -26,7 +26,8 @@ fn tied<L: Body<1, 2> + ?Sized, U: Body<1, 2> + ?Sized>(lower: &L, upper: &U) ->
     let fields = [Field { first: 0, components: 1 }, Field { first: n, components: 1 }];
     let matrices = spaces.map(|s| stiffness(&**s, &gauss_rules(&**s, 0), &form(&material)));
     let mut prescribed = Vec::new();
-    for (sides, field) in [(["u0", "u1", "v0"].map(|s| lower.trace(s)), fields[0]), (["u0", "u1", "v1"].map(|s| upper.trace(s)), fields[1])] {
+    for (sides, field) in [(["u0", "u1", "v0"].map(|s| lower.trace(s)), fields[0]), (["u0", "u1", "v1"].map(|s| upper.trace(s)), fields[1])]
+    {
         let traces = sides.into_iter().collect::<Result<Vec<_>, _>>()?;
         let conditions: Vec<_> = traces.iter().map(|trace| Fixed { trace, component: 0, value: Some(&exact) }).collect();
         prescribed.extend(dirichlet(&conditions, field, 0, &mut Ldlt::new())?);

@@ -72,7 +72,8 @@ impl Random {
 }
 
 /// Numbers and words that stand in the place of others.
-const NUMBERS: [&str; 16] = ["0", "1", "-1", "2", "3", "7", "0.5", "1e-9", "1e9", "-0.25", "90", "360", "\"x\"", "\"1/k\"", "1e-300", "1e300"];
+const NUMBERS: [&str; 16] =
+    ["0", "1", "-1", "2", "3", "7", "0.5", "1e-9", "1e9", "-0.25", "90", "360", "\"x\"", "\"1/k\"", "1e-300", "1e300"];
 const WORDS: [&[&str]; 9] = [
     &["iga", "fe"],
     &["auto", "p/p", "p/p-2", "p/p-1", "constant", "p/p-4"],
@@ -153,7 +154,13 @@ fn mutate(text: &str, r: &mut Random) -> String {
 /// The sample with few elements, so that hundreds of them run in seconds.
 fn small(text: &str) -> String {
     text.lines()
-        .map(|l| if l.trim_start().starts_with("elements = [") { "elements = [5, 3]".to_owned() } else { l.replace("ratio = 0.02", "ratio = 0.2") })
+        .map(|l| {
+            if l.trim_start().starts_with("elements = [") {
+                "elements = [5, 3]".to_owned()
+            } else {
+                l.replace("ratio = 0.02", "ratio = 0.2")
+            }
+        })
         .collect::<Vec<_>>()
         .join("\n")
 }
@@ -175,7 +182,11 @@ fn mutated_cases_end_as_the_contract_says() {
                 Err(_) => return 3,
             };
             let limit = Duration::from_secs(10);
-            let watch = || Watch { max_memory: Some(200_000_000), deadline: Some((Instant::now() + limit, limit.as_secs_f64())), ..Watch::default() };
+            let watch = || Watch {
+                max_memory: Some(200_000_000),
+                deadline: Some((Instant::now() + limit, limit.as_secs_f64())),
+                ..Watch::default()
+            };
             let checked = check(&case, &registry, &RunOptions::default(), &watch()).result;
             let finished = run(&case, &registry, &RunOptions::default(), &watch());
             if checked.exit == 3 {

@@ -51,7 +51,7 @@ pub enum NetError {
 pub struct ControlNet<const D: usize, const N: usize, T: Real = f64> {
     /// Splines per direction.
     pub axes: [BSpline<T>; D],
-    /// Control points P_i [length].
+    /// Control points P_i \[length\].
     pub points: Vec<Vector<N, T>>,
     /// Weights w_i of a rational map.
     pub weights: Option<Vec<T>>,

@@ -62,7 +62,7 @@ impl<const D: usize, const N: usize, T: Real> ControlNet<D, N, T> {
 }
 
 impl<T: Real> ControlNet<2, 2, T> {
-    /// The body swept from z = 0 to z = `height` [length]; w is z, of degree 1 with one element on [0, 1].
+    /// The body swept from z = 0 to z = `height` \[length\]; w is z, of degree 1 with one element on [0, 1].
     pub fn extrude(&self, height: T) -> ControlNet<3, 3, T> {
         let at = |z: T| self.points.iter().map(move |x| Vector::<3, T>::new(x[0], x[1], z));
         let points = at(T::zero()).chain(at(height)).collect();
@@ -93,7 +93,7 @@ pub fn turn<T: Real>(degrees: T) -> Matrix<2, 2, T> {
 
 /// The rotation of space by `degrees` about `axis` (right-hand rule); `None` if the axis has no direction.
 ///
-///   Q = c I + s [a]x + (1 - c) a aᵀ
+///   `Q = c I + s [a]x + (1 - c) a aᵀ`
 pub fn turn_about<T: Real>(axis: &Vector<3, T>, degrees: T) -> Option<Matrix<3, 3, T>> {
     let norm = axis.norm();
     if !(norm > T::zero() && norm.is_finite()) {

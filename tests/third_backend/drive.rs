@@ -40,7 +40,13 @@ struct System {
 }
 
 /// `fixed(part, side)`: which components of a side take the exact values; the sides left get the exact traction.
-fn assemble(parts: &[Part<'_>; 2], grad: &Matrix<2, 2>, shift: [f64; 2], contact: [usize; 2], fixed: impl Fn(usize, usize) -> Vec<usize>) -> System {
+fn assemble(
+    parts: &[Part<'_>; 2],
+    grad: &Matrix<2, 2>,
+    shift: [f64; 2],
+    contact: [usize; 2],
+    fixed: impl Fn(usize, usize) -> Vec<usize>,
+) -> System {
     let material = steel();
     let sigma = material.respond(&Vector::<2>::zeros(), grad).stress;
     let first = [0, 2 * parts[0].body.space().num_functions()];
@@ -70,7 +76,13 @@ fn assemble(parts: &[Part<'_>; 2], grad: &Matrix<2, 2>, shift: [f64; 2], contact
     System { matrices, load, prescribed, fields }
 }
 
-fn solve(system: &System, rows: &Rows, offset: &[f64], kind: &[RowKind], solver: &mut dyn ConstraintSolver) -> (Vec<f64>, ConstrainedSolution) {
+fn solve(
+    system: &System,
+    rows: &Rows,
+    offset: &[f64],
+    kind: &[RowKind],
+    solver: &mut dyn ConstraintSolver,
+) -> (Vec<f64>, ConstrainedSolution) {
     let matrices: Vec<&Csr> = system.matrices.iter().collect();
     let reduced = Reduced::try_new(&matrices, &system.load, &system.prescribed, &[]).expect("no contradiction");
     let ((slave, from_slave), (master, from_master)) = (reduced.rows(&rows.slave), reduced.rows(&rows.master));
@@ -160,7 +172,8 @@ pub fn contact_patch(parts: &[Part<'_>; 2], slave: usize, condensed: bool) -> Ou
     let points = degree(parts[0].body).max(degree(parts[1].body)) + 1;
     let segments = MergedCurve::facing(points, None).segments(&*traces[slave].space, &*traces[master].space).expect("the sides face");
     let side = |b: usize| Side { trace: &traces[b], field: system.fields[b], flux: None };
-    let contact = Contact::new(side(slave), Opponent::Master(side(master)), &*psi, segments, &|_, g| g, system.load.len()).expect("a contact");
+    let contact =
+        Contact::new(side(slave), Opponent::Master(side(master)), &*psi, segments, &|_, g| g, system.load.len()).expect("a contact");
     let kinds = contact.kinds();
     let inner: Box<dyn ConstraintSolver> = if condensed { Box::new(Condensed::new()) } else { Box::new(Direct::new()) };
     let (u, solution) = solve(&system, &contact.rows, &contact.offset, &kinds, &mut ActiveSet::new(inner));

@@ -43,7 +43,10 @@ fn body(kind: &str, cells: [usize; 2], p: usize, low: f64) -> (Box<dyn Body<1, 2
 
 /// All pairs in which at least one body comes from outside.
 fn pairs() -> impl Iterator<Item = (&'static str, &'static str)> {
-    KINDS.into_iter().enumerate().flat_map(|(i, a)| KINDS.into_iter().enumerate().filter(move |(j, _)| i.min(*j) < 3).map(move |(_, b)| (a, b)))
+    KINDS
+        .into_iter()
+        .enumerate()
+        .flat_map(|(i, a)| KINDS.into_iter().enumerate().filter(move |(j, _)| i.min(*j) < 3).map(move |(_, b)| (a, b)))
 }
 
 #[test]
