@@ -680,6 +680,18 @@ fn e018_a_quantity_is_not_empty() {
     fails(&with("quantity = \"contact.pad.force.y\"", "quantity = \" \""), "E018", "the quantity is empty", "\" \"");
 }
 
+#[test]
+fn gravity_needs_densities() {
+    let text = with("dimension = 2", "dimension = 2\ngravity = [0, -9.81]");
+    fails(&text, "E013", "`gravity` needs a density, material \"steel\" has none", "[0, -9.81]");
+    let case = read(&text.replace("poisson = 0.3", "poisson = 0.3\ndensity = 7.8e-9"));
+    assert_eq!(case.model.gravity.unwrap().value, [0.0, -9.81]);
+    let exact =
+        POISSON.replace("physics = \"poisson\"", "physics = \"elasticity\"\ngravity = [0, -1]").replace("\"x*y\"", "[\"x\", \"y\"]");
+    let exact = exact.replace("[[patch]]", "[[material]]\nname = \"m\"\nyoung = 1\npoisson = 0\ndensity = 1\n\n[[patch]]");
+    fails(&exact, "E015", "`gravity` does not stand beside `exact`", "[0, -1]");
+}
+
 // options ----------------------------------------------------------------------------------------
 
 #[test]
@@ -1403,4 +1415,44 @@ fn warnings_do_not_stop_reading() {
     let d = Diagnostic::warning("E061", "multiplier \"p/p-1\" is not stable");
     assert_eq!((d.severity, d.exit()), (Severity::Warning, 0));
     assert!(d.render().starts_with("warning[E061]: multiplier"));
+}
+
+// every load and support that needs an integral or an equation of its own -----------------------
+
+/// One box 2 x 1 with E = rho = 1 and nu = 0, so that every direction is a bar of its own: answers by hand.
+#[test]
+fn loads_and_supports_of_a_side_have_the_answers_of_a_bar() {
+    let run = |model: &str, motion: &str, blocks: &str, checks: &[(&str, f64)]| {
+        let rollers = "[[boundary]]\non = \"b.left\"\nfix = [\"x\"]\n";
+        let text = format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n{model}\n[[material]]\nname = \"m\"\nyoung = 1\npoisson = 0\ndensity = 1\n\
+             [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [2, 1]{motion} }}\nelements = [3, 2]\n{}{blocks}\n{}",
+            if motion.is_empty() { rollers } else { "" },
+            checks.iter().map(|(q, v)| format!("[[check]]\nquantity = \"{q}\"\nequals = {v:?}\natol = 1e-11\n")).collect::<String>()
+        );
+        for backend in ["iga", "fe"] {
+            let options = ReadOptions { backend: Some(backend.into()), ..ReadOptions::default() };
+            let case = Case::parse("bar.toml", &text, &options).unwrap_or_else(|e| panic!("{e}"));
+            let result = case.run(&faying::app::Registry::default()).unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!(result.exit, 0, "{backend}\n{text}\n{:?}", result.checks);
+        }
+    };
+    let held = "[[boundary]]\non = \"b.bottom\"\nfix = [\"y\"]\n";
+    let on_top = |load: &str| format!("{held}[[boundary]]\non = \"b.top\"\n{load}\n");
+    // own weight: half of rho g h / E, the support carries rho g times the area
+    run("gravity = [0, -1]", "", held, &[("u.y at [1, 1]", -0.5), ("reaction.b.v0.y", 2.0)]);
+    // a resultant of 2 over a length of 2
+    run("", "", &on_top("force = { y = -2 }"), &[("stress.yy at [1, 0.5]", -1.0)]);
+    run("", "", &on_top("rigid_force = { y = -2 }"), &[("u.y at [0.3, 1]", -1.0), ("u.y at [2, 1]", -1.0)]);
+    // pressure / stiffness
+    let springs = "[[boundary]]\non = \"b.bottom\"\nspring = { y = 10 }\n[[boundary]]\non = \"b.top\"\npressure = 1\n";
+    run("", "", springs, &[("u.y at [1, 0]", -0.1), ("u.y at [1, 1]", -1.1)]);
+    // the same bar turned by 30 degrees moves by -1 along its own axis (-sin 30, cos 30)
+    let turned = "[[boundary]]\non = [\"b.bottom\", \"b.left\"]\nfix = [\"normal\"]\n[[boundary]]\non = \"b.top\"\npressure = 1\n";
+    let corner = "at [-0.5, 0.8660254037844386]";
+    let answer = [(format!("u.x {corner}"), 0.5), (format!("u.y {corner}"), -(3.0_f64.sqrt() / 2.0))];
+    let answer: Vec<(&str, f64)> = answer.iter().map(|(q, v)| (q.as_str(), *v)).collect();
+    run("", ", rotate_deg = 30", turned, &answer);
+    let clamped = turned.replace("[\"b.bottom\", \"b.left\"]", "\"b.bottom\"").replace("[\"normal\"]", "[\"normal\", \"tangential\"]");
+    run("", ", rotate_deg = 30", &clamped, &answer);
 }

@@ -251,6 +251,7 @@ impl Reader {
         self.slaves(&interfaces, &contacts, &patches);
         self.conditions(&boundaries, &patches, model.components());
         self.exact_data(&boundaries, &model);
+        self.weight(&model, &materials, &patches);
 
         case = Case {
             source: Source::default(),
