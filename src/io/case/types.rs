@@ -387,11 +387,11 @@ pub struct Boundary {
     pub traction: Components<Datum>,
     /// Pressure along minus the outward normal [force/area].
     pub pressure: Option<Located<Formula>>,
-    /// Resultant per component, spread evenly [force].
+    /// Resultant per component, spread evenly, a force.
     pub force: Components<Formula>,
     /// Springs per component [force/area per length].
     pub spring: Components<Formula>,
-    /// The side moves as one in this component, resultant given [force].
+    /// The side moves as one in this component, resultant given, a force.
     pub rigid_force: Components<Formula>,
 }
 
