@@ -192,9 +192,9 @@ pub struct Material {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Elastic {
-    /// Young's modulus [force/area] and Poisson's ratio.
+    /// Young's modulus (force per area) and Poisson's ratio.
     YoungPoisson(Located<Formula>, Located<Formula>),
-    /// Lamé's constants lambda and mu [force/area].
+    /// Lamé's constants lambda and mu (force per area).
     Lame(Located<Formula>, Located<Formula>),
 }
 
@@ -383,13 +383,13 @@ pub struct Boundary {
     pub fix_normal: Option<Located<()>>,
     /// `fix = ["tangential"]`.
     pub fix_tangential: Option<Located<()>>,
-    /// Traction [force/area], or k du/dn: `traction` and `neumann`.
+    /// Traction (force per area), or k du/dn: `traction` and `neumann`.
     pub traction: Components<Datum>,
-    /// Pressure along minus the outward normal [force/area].
+    /// Pressure along minus the outward normal (force per area).
     pub pressure: Option<Located<Formula>>,
     /// Resultant per component, spread evenly, a force.
     pub force: Components<Formula>,
-    /// Springs per component [force/area per length].
+    /// Springs per component (force per area and length).
     pub spring: Components<Formula>,
     /// The side moves as one in this component, resultant given, a force.
     pub rigid_force: Components<Formula>,
@@ -469,7 +469,7 @@ pub struct Tie {
     pub integration: Located<Integration>,
     /// Gauss points per segment beyond max(p_slave, p_master) + 1.
     pub extra_points: Located<usize>,
-    /// Largest distance of the sides [length], `None`: auto.
+    /// Largest distance of the sides (a length), `None`: auto.
     pub tolerance: Located<Option<f64>>,
     /// Multiplies modulus / h, `None`: auto.
     pub factor: Located<Option<f64>>,
@@ -625,9 +625,9 @@ pub struct Contact {
     pub extra_points: Located<usize>,
     /// Cone.
     pub cone: Located<Cone>,
-    /// Farther points face nothing [length], `None`: auto.
+    /// Farther points face nothing (a length), `None`: auto.
     pub reach: Located<Option<f64>>,
-    /// Exact multiplier, negative in compression [force/area].
+    /// Exact multiplier, negative in compression (force per area).
     pub exact: Option<Located<Formula>>,
     /// Active set.
     pub active_set: ActiveSetSpec,
