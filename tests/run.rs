@@ -1,16 +1,15 @@
 //! Whole runs through the library: sample cases, quantities, errors of the build, repeatability.
 #![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used)]
 
 use faying::app::{Registry, RunResult, Status};
 use faying::io::Case;
 use faying::io::case::ReadOptions;
 use faying::io::errors::Diagnostics;
 
-
 fn read(text: &str) -> Result<Case, Diagnostics> {
     Case::parse("case.toml", text, &ReadOptions::default())
 }
-
 
 fn run(text: &str) -> RunResult {
     let case = read(text).unwrap_or_else(|e| panic!("{e}"));
@@ -33,7 +32,6 @@ fn sample_cases_pass_their_checks_as_written_and_with_each_backend() {
             let path = format!("{}/examples/cases/{name}.toml", env!("CARGO_MANIFEST_DIR"));
             let case = Case::read_with(path, &options).unwrap_or_else(|e| panic!("{name}: {e}"));
             let result = case.run(&Registry::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
-
 
             assert_eq!(result.status, Status::Ok, "{name} {backend:?}: {}", show(&result));
         }
@@ -226,7 +224,9 @@ fn springs_resultants_gravity_and_sliding_sides_carry_their_share() {
 
 #[test]
 fn set_changes_the_case_and_ends_with_another_result() {
-    let text = square("[[boundary]]\non = \"a.top\"\npressure = \"p\"\n[let]\np = 1.0\n[[probe]]\nname = \"top\"\nquantity = \"u.y at [0.5, 1]\"\n");
+    let text = square(
+        "[[boundary]]\non = \"a.top\"\npressure = \"p\"\n[let]\np = 1.0\n[[probe]]\nname = \"top\"\nquantity = \"u.y at [0.5, 1]\"\n",
+    );
     let with = |sets: &[&str]| {
         let options = ReadOptions { sets: sets.iter().map(|s| (*s).to_string()).collect(), ..ReadOptions::default() };
         Case::parse("case.toml", &text, &options).unwrap().run(&Registry::default()).unwrap()
@@ -354,7 +354,13 @@ fn too_few_elements_for_the_multiplier_are_over_constrained() {
         [[interface]]\nname = \"i\"\nslave = \"a.top\"\nmaster = \"b.bottom\"\nmultiplier = \"p/p-1\"\n";
     assert_eq!(refuses(text, "E024", "2 functions for 1 free unknowns"), None);
     assert_eq!(refuses(text, "E024", "give patch \"a\" more elements"), None);
-    let warned = read(&text.replace("elements = [1, 1]", "elements = [6, 1]").replace("elements = [2, 1]", "elements = [4, 1]").replace("all-outer", "a.bottom")).unwrap();
+    let warned = read(
+        &text
+            .replace("elements = [1, 1]", "elements = [6, 1]")
+            .replace("elements = [2, 1]", "elements = [4, 1]")
+            .replace("all-outer", "a.bottom"),
+    )
+    .unwrap();
     let result = warned.run(&Registry::default()).unwrap();
     assert!(result.warnings.iter().any(|d| d.code == "E061" && d.message.contains("p/p-1")), "{:?}", result.warnings);
 }
@@ -407,4 +413,39 @@ fn a_source_that_has_no_value_is_not_finite() {
     let result = run(text);
     assert_eq!((result.status, result.exit), (Status::NotFinite, 5));
     assert_eq!(result.diagnostics[0].code, "E073");
+}
+
+#[test]
+fn names_of_a_registry_from_outside_run_from_a_case_file() {
+    use faying::constraint::Direct;
+    use faying::coupling::Mortar;
+    use faying::coupling::multiplier::{MultiplierKind, build};
+    use faying::space::Patch;
+    let mut registry = Registry::default();
+    // a backend that makes splines one degree higher than asked for, and the other families under new names
+    registry.plane.backends.add(
+        "higher",
+        Box::new(|spec| {
+            let spec = spec.clone().with_degree(spec.degree.map(|p| p + 1));
+            Ok(Box::new(Patch::<1, 2>::try_new(&spec).map_err(|e| faying::app::Fault::new("E015", e.to_string()))?))
+        }),
+    );
+    registry.plane.multipliers.add("mine", Box::new(|trace, _| build(&trace.space, MultiplierKind::Constant, &[])));
+    registry.plane.couplings.add("dowels", Box::new(|_| Box::new(Mortar)));
+    registry.solvers.add("direct", Box::new(|| Box::new(Direct::new())));
+    let text = pair(
+        "min = [0, 1], max = [1, 2]",
+        "backend = \"higher\"\n[[boundary]]\non = \"b.top\"\npressure = 1.0\n\
+         [[interface]]\nname = \"i\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\nmultiplier = \"mine\"\ncoupling = \"dowels\"\n[solver]\nconstraint = \"direct\"\n",
+    );
+    let options = ReadOptions { names: registry.case_names(), ..ReadOptions::default() };
+    let result =
+        Case::parse("case.toml", &text, &options).unwrap_or_else(|e| panic!("{e}")).run(&registry).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(result.status, Status::Ok);
+    assert_eq!(result.backend, "higher+iga");
+    // b has degree 3 on 4 x 2 elements: 7 x 5 functions; a has 5 x 4
+    assert_eq!((result.unknowns.primal, result.unknowns.multipliers), (2 * (7 * 5 + 5 * 4), 2 * 4));
+    // without the names the case is refused with the names there are
+    let refused = Case::parse("case.toml", &text, &ReadOptions::default()).expect_err("unknown names");
+    assert!(refused.to_string().contains("higher"), "{refused}");
 }

@@ -11,10 +11,8 @@ use faying::io::case::ReadOptions;
 use faying::linalg::Vector;
 
 /// The two discretisations of one space.
-const TWINS: [&str; 2] = [
-    "backend = \"iga\"\ncontinuity = 0\nbasis = \"b-spline\"\n",
-    "backend = \"fe\"\ncells = \"tensor\"\nmapping = \"exact\"\n",
-];
+const TWINS: [&str; 2] =
+    ["backend = \"iga\"\ncontinuity = 0\nbasis = \"b-spline\"\n", "backend = \"fe\"\ncells = \"tensor\"\nmapping = \"exact\"\n"];
 
 fn solve(text: &str) -> Finished {
     let case = Case::parse("twin.toml", text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));

@@ -5,9 +5,11 @@ use crate::constraint::{Condensed, ConstraintSolver, Direct};
 use crate::coupling::interface::{MergedCurve, Partners, SlaveRule};
 use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind, side_ends};
 use crate::coupling::{Coupling, InterfaceQuadrature, Mortar};
+use crate::io::case;
 use crate::io::errors::nearest;
+use crate::io::vtu::CellStyle;
 use crate::linalg::Vector;
-use crate::space::{Body, Mesh, Patch, PatchSpec, Trace};
+use crate::space::{Body, Mapping, Mesh, Patch, PatchSpec, Trace};
 use std::fmt::Debug;
 
 /// A name that no entry has.
@@ -99,8 +101,7 @@ pub type MakePolynomial<const S: usize, const N: usize> =
 /// Makes a coupling; the argument is the factor of soft couplings, none for auto.
 pub type MakeCoupling<const S: usize, const N: usize> = Box<dyn Fn(Option<f64>) -> Box<dyn Coupling<S, N>> + Send + Sync>;
 /// Makes an integration of interfaces with that many points per piece.
-pub type MakeIntegration<const S: usize, const N: usize> =
-    Box<dyn Fn(usize, Partners) -> Box<dyn InterfaceQuadrature<S, N>> + Send + Sync>;
+pub type MakeIntegration<const S: usize, const N: usize> = Box<dyn Fn(usize, Partners) -> Box<dyn InterfaceQuadrature<S, N>> + Send + Sync>;
 /// Makes a solver of constrained systems.
 pub type MakeSolver = Box<dyn Fn() -> Box<dyn ConstraintSolver> + Send + Sync>;
 
@@ -138,6 +139,33 @@ impl<const S: usize, const N: usize> Names<S, N> {
             couplings: Family::new("coupling"),
             integrations: Family::new("integration"),
         }
+    }
+}
+
+/// Whether the sides of a body of this backend lie exactly on those of the geometry: splines do, Lagrange meshes on the
+/// exact map or of a polynomial geometry of their degree do, of others it is not known.
+pub(super) fn carries_geometry<const N: usize>(backend: &str, spec: &PatchSpec<N>) -> bool {
+    let polynomial = spec.net.weights.is_none() && (0..N).all(|k| spec.net.axes[k].degree(0)[0] <= spec.degree[k]);
+    match backend {
+        "iga" => true,
+        "fe" => spec.mapping == Mapping::Exact || polynomial,
+        _ => false,
+    }
+}
+
+/// The cells that show a body of this backend best.
+pub(super) fn usual_cells(backend: &str) -> CellStyle {
+    match backend {
+        "iga" => CellStyle::Bezier,
+        _ => CellStyle::Lagrange,
+    }
+}
+
+/// The constraint solver that a case's word means.
+pub(super) fn solver_name(word: &str) -> &str {
+    match word {
+        "auto" => "saddle-point",
+        other => other,
     }
 }
 
@@ -197,13 +225,24 @@ pub struct Registry {
     pub solvers: Family<MakeSolver>,
 }
 
+impl Registry {
+    /// The names a case may use: those of the contract and all entries; for
+    /// [`ReadOptions::names`](crate::io::case::ReadOptions::names).
+    pub fn case_names(&self) -> case::Names {
+        let mut names = case::Names::default();
+        case::Names::add(&mut names.backends, self.plane.backends.names());
+        case::Names::add(&mut names.couplings, self.plane.couplings.names());
+        case::Names::add(&mut names.multipliers, self.plane.multipliers.names());
+        case::Names::add(&mut names.constraints, self.solvers.names());
+        names
+    }
+}
+
 impl Default for Registry {
     /// The built-in names.
     fn default() -> Self {
         let mut solvers: Family<MakeSolver> = Family::new("constraint solver");
-        solvers
-            .add("saddle-point", Box::new(|| Box::new(Direct::new())))
-            .add("condensed", Box::new(|| Box::new(Condensed::new())));
+        solvers.add("saddle-point", Box::new(|| Box::new(Direct::new()))).add("condensed", Box::new(|| Box::new(Condensed::new())));
         Self { plane: Names::plane(), solvers }
     }
 }

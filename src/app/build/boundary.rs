@@ -1,8 +1,8 @@
 //! Boundary conditions and loads of the case.
 
+use super::Builder;
 use super::model::{Action, Condition, Model, SideLoad, SideModel, SideSpring, Value};
 use super::sides::Sides;
-use super::Builder;
 use crate::assembly::{Equation, measure, planar_normal};
 use crate::io::case::{Boundary, Datum, SideRef};
 use crate::io::errors::Diagnostic;
@@ -30,7 +30,7 @@ pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
             };
             let done = side.and_then(|side| one(builder, model, block, wanted, &side));
             if let Err(fault) = done {
-                builder.faults.push(fault);
+                builder.faults.push(*fault);
             }
         }
     }
@@ -43,7 +43,7 @@ fn one<const S: usize, const N: usize>(
     block: &Boundary,
     wanted: &Located<SideRef>,
     side: &Arc<SideModel<S, N>>,
-) -> Result<(), Diagnostic> {
+) -> Result<(), Box<Diagnostic>> {
     let supports = model.conditions.len() + model.equations.len();
     for (component, datum) in block.dirichlet.iter().enumerate() {
         let Some(datum) = datum else { continue };
@@ -93,7 +93,10 @@ fn one<const S: usize, const N: usize>(
         dofs.sort_unstable();
         dofs.dedup();
         for &dof in &dofs[1..] {
-            model.equations.push(Equation { terms: vec![(field.unknown(dof, component), 1.0), (field.unknown(dofs[0], component), -1.0)], value: 0.0 });
+            model.equations.push(Equation {
+                terms: vec![(field.unknown(dof, component), 1.0), (field.unknown(dofs[0], component), -1.0)],
+                value: 0.0,
+            });
         }
     }
     let _ = wanted;
@@ -107,10 +110,12 @@ fn each(list: &[Option<Located<Formula>>]) -> impl Iterator<Item = (usize, &Loca
     list.iter().enumerate().filter_map(|(k, f)| f.as_ref().map(|f| (k, f)))
 }
 
-fn needs_exact<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>, at: Place) -> Result<(), Diagnostic> {
+fn needs_exact<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>, at: Place) -> Result<(), Box<Diagnostic>> {
     match model.exact {
         Some(_) => Ok(()),
-        None => Err(builder.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]")),
+        None => Err(Box::new(
+            builder.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]"),
+        )),
     }
 }
 
@@ -121,12 +126,11 @@ fn sliding<const S: usize, const N: usize>(
     side: &Arc<SideModel<S, N>>,
     at: Place,
     along_normal: bool,
-) -> Result<(), Diagnostic> {
+) -> Result<(), Box<Diagnostic>> {
     let word = if along_normal { "normal" } else { "tangential" };
     let Some(normal) = planar_normal(&side.trace) else {
-        return Err(builder
-            .error("E015", format!("fix = [\"{word}\"] needs a planar side; `{}` is curved", side.label), at)
-            .with_help("prescribe components x, y on curved sides"));
+        let text = format!("fix = [\"{word}\"] needs a planar side; `{}` is curved", side.label);
+        return Err(Box::new(builder.error("E015", text, at).with_help("prescribe components x, y on curved sides")));
     };
     if let Some(axis) = (0..N).find(|&k| (normal[k].abs() - 1.0).abs() < PERPENDICULAR) {
         for component in (0..N).filter(|&c| (c == axis) == along_normal) {

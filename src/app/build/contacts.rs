@@ -1,16 +1,16 @@
 //! Contacts: multipliers, what each slave side faces, and its rows.
 
+use super::Builder;
 use super::fixed::Fixed;
 use super::model::{Against, ContactModel, ContactPart, Model, SideModel};
 use super::sides::Sides;
 use super::ties::{degree, labels, list, memberships, multiplier, multiplier_fault};
-use super::Builder;
 use crate::assembly::gauss_rules;
 use crate::basis::{Order, ShapeTable};
 use crate::contact::{Contact, ContactError, HalfPlane, LevelSet, Moved, Opponent, Sphere, Target};
+use crate::coupling::Side;
 use crate::coupling::interface::{Partners, slave_segments};
 use crate::coupling::multiplier::MultiplierError;
-use crate::coupling::Side;
 use crate::geometry::{ClosestPoint, MapTable, cell};
 use crate::io::case::{self, Cone, Integration, Master, Method, Obstacle, ObstacleShape};
 use crate::io::errors::Diagnostic;
@@ -26,7 +26,12 @@ const PERPENDICULAR: f64 = 1e-9;
 const NO_VALUE: f64 = 1e-10;
 
 /// All contacts of the case.
-pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &mut Model<S, N>, sides: &mut Sides<S, N>, fixed: &Fixed) {
+pub(super) fn build<const S: usize, const N: usize>(
+    builder: &mut Builder<'_, S, N>,
+    model: &mut Model<S, N>,
+    sides: &mut Sides<S, N>,
+    fixed: &Fixed,
+) {
     if builder.case.contacts.is_empty() {
         return;
     }
@@ -71,7 +76,11 @@ pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
 }
 
 /// What this version has.
-fn known<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, contact: &case::Contact, model: &Model<S, N>) -> Result<(), Box<Diagnostic>> {
+fn known<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    contact: &case::Contact,
+    model: &Model<S, N>,
+) -> Result<(), Box<Diagnostic>> {
     let later = |text: &str, at: Place| Err(Box::new(builder.error("E019", format!("{text} is not in this version"), at)));
     if contact.method.value != Method::Lagrange {
         let name = format!("{:?}", contact.method.value).to_lowercase();
@@ -125,7 +134,8 @@ fn part<const S: usize, const N: usize>(
             };
             let points = degree(slave).max(degree(master)) + 1 + contact.extra_points.value;
             let word = if contact.integration.value == Integration::Slave { "slave" } else { "merged" };
-            let make = builder.names.integrations.get(word).map_err(|e| Box::new(builder.error("E019", e.to_string(), contact.integration.at)))?;
+            let make =
+                builder.names.integrations.get(word).map_err(|e| Box::new(builder.error("E019", e.to_string(), contact.integration.at)))?;
             let segments = make(points, Partners::Facing { reach: contact.reach.value })
                 .segments(&*slave.trace.space, &*master.trace.space)
                 .map_err(|e| Box::new(builder.error("E023", format!("contact \"{name}\": {e}"), at)))?;
@@ -170,7 +180,9 @@ fn rows<const S: usize, const N: usize>(
             let opponent = Opponent::Master(Side { trace: &master.trace, field: model.patches[master.patch].field, flux: None });
             Contact::new(side, opponent, psi, segments.clone(), &gap, model.unknowns)
         }
-        Against::Rigid(target, segments) => Contact::new(side, Opponent::Rigid(&*target(t), reach), psi, segments.clone(), &gap, model.unknowns),
+        Against::Rigid(target, segments) => {
+            Contact::new(side, Opponent::Rigid(&*target(t), reach), psi, segments.clone(), &gap, model.unknowns)
+        }
     }
 }
 
@@ -251,7 +263,11 @@ fn vector<const N: usize>(list: &[f64]) -> Vector<N> {
 type MakeTarget<const S: usize, const N: usize> = Box<dyn Fn(f64) -> Box<dyn Target<S, N>> + Send + Sync>;
 
 /// The obstacle as a function of time.
-fn rigid<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, obstacle: &Obstacle, at: Place) -> Result<MakeTarget<S, N>, Box<Diagnostic>> {
+fn rigid<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    obstacle: &Obstacle,
+    at: Place,
+) -> Result<MakeTarget<S, N>, Box<Diagnostic>> {
     if let Some(force) = obstacle.force.iter().flatten().next() {
         return Err(Box::new(builder.error("E019", "an obstacle driven by a force is not in this version", force.at)));
     }

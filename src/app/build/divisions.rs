@@ -17,7 +17,14 @@ const SAME: f64 = 1e-10;
 ///
 /// # Errors
 /// [`DivisionError`] where a list does not span the direction.
-pub fn breakpoints(own: &[f64], divisions: &Divisions, total: bool, toward: Option<f64>, ratio: f64, refine: usize) -> Result<Vec<f64>, DivisionError> {
+pub fn breakpoints(
+    own: &[f64],
+    divisions: &Divisions,
+    total: bool,
+    toward: Option<f64>,
+    ratio: f64,
+    refine: usize,
+) -> Result<Vec<f64>, DivisionError> {
     let (first, last) = (own[0], own[own.len() - 1]);
     let length = last - first;
     let mut points = match divisions {
@@ -89,7 +96,13 @@ fn graded(own: &[f64], count: usize, at: f64, ratio: f64) -> Vec<f64> {
     let (first, last) = (own[0], own[own.len() - 1]);
     let length = last - first;
     let at = at.clamp(0.0, 1.0);
-    let left = if at <= SAME { 0 } else if at >= 1.0 - SAME { count } else { ((count as f64 * at).round() as usize).clamp(1, count.max(2) - 1) };
+    let left = if at <= SAME {
+        0
+    } else if at >= 1.0 - SAME {
+        count
+    } else {
+        ((count as f64 * at).round() as usize).clamp(1, count.max(2) - 1)
+    };
     let smallest = ratio / count as f64;
     let mut unit: Vec<f64> = growing(left, at, smallest).into_iter().rev().map(|d| at - d).collect();
     unit.push(at);

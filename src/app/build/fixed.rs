@@ -1,8 +1,8 @@
 //! Prescribed values at a time, and which unknowns they take.
 
+use super::Builder;
 use super::boundary::component_name;
 use super::model::{Condition, Model, Value};
-use super::Builder;
 use crate::assembly::{DirichletError, Fixed as Prescribed, dirichlet};
 use crate::io::errors::Diagnostic;
 use crate::io::formula::Point;
@@ -17,10 +17,10 @@ pub(super) struct Fixed {
 
 impl Fixed {
     /// The unknowns of `model` that are prescribed or bound by an equation.
-    pub fn of<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>) -> Result<Self, Diagnostic> {
+    pub fn of<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>) -> Result<Self, Box<Diagnostic>> {
         let mut taken = vec![false; model.unknowns];
         let t = builder.case.steps.value.first().copied().unwrap_or(1.0);
-        let prescribed = model.prescribed(t).map_err(|(error, places)| conflict(builder, model, &error, places))?;
+        let prescribed = model.prescribed(t).map_err(|e| conflict(builder, model, &e.0, e.1))?;
         for (unknown, _) in prescribed {
             taken[unknown] = true;
         }
@@ -46,7 +46,7 @@ pub(crate) type Places = Option<(Place, Place)>;
 impl<const S: usize, const N: usize> Model<S, N> {
     /// (unknown, value) of all prescribed components at time `t`, ascending; an error comes with the places of the
     /// conditions that disagree.
-    pub(crate) fn prescribed(&self, t: f64) -> Result<Vec<(usize, f64)>, (DirichletError, Places)> {
+    pub(crate) fn prescribed(&self, t: f64) -> Result<Vec<(usize, f64)>, Box<(DirichletError, Places)>> {
         self.projected(|condition| match &condition.value {
             Value::Zero => None,
             Value::Exact => {
@@ -62,7 +62,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     pub(crate) fn projected<'a>(
         &'a self,
         value: impl Fn(&'a Condition<S, N>) -> Option<Box<dyn Fn(&Vector<N>) -> f64 + Sync + 'a>>,
-    ) -> Result<Vec<(usize, f64)>, (DirichletError, Places)> {
+    ) -> Result<Vec<(usize, f64)>, Box<(DirichletError, Places)>> {
         let mut all = Vec::new();
         for (k, patch) in self.patches.iter().enumerate() {
             let mine: Vec<&Condition<S, N>> = self.conditions.iter().filter(|c| c.side.patch == k).collect();
@@ -78,7 +78,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             };
             let part = dirichlet(&fixed, patch.field, patch.extra_points, &mut Ldlt::new()).map_err(|e| {
                 let places = places(&e);
-                (e, places)
+                Box::new((e, places))
             })?;
             all.extend(part);
         }
@@ -87,7 +87,12 @@ impl<const S: usize, const N: usize> Model<S, N> {
 }
 
 /// E052 for values that disagree, E017 for values that are not finite.
-fn conflict<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>, error: &DirichletError, places: Places) -> Diagnostic {
+fn conflict<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    model: &Model<S, N>,
+    error: &DirichletError,
+    places: Places,
+) -> Diagnostic {
     let (first, second) = places.unwrap_or_default();
     match error {
         DirichletError::Conflict { component, at, first_value, second_value, .. } => {
@@ -97,12 +102,17 @@ fn conflict<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: 
             builder
                 .error(
                     "E052",
-                    format!("component {name} is prescribed as {first_value}{lines} and as {second_value} at the common point ({})", place.join(", ")),
+                    format!(
+                        "component {name} is prescribed as {first_value}{lines} and as {second_value} at the common point ({})",
+                        place.join(", ")
+                    ),
                     second,
                 )
                 .with_help("make the values equal there, or prescribe one of them")
         }
-        DirichletError::Projection { source: LinearError::NotFinite, .. } => builder.error("E017", "a prescribed value is not finite somewhere on its side", second),
+        DirichletError::Projection { source: LinearError::NotFinite, .. } => {
+            builder.error("E017", "a prescribed value is not finite somewhere on its side", second)
+        }
         other => builder.error("E072", other.to_string(), second),
     }
 }

@@ -15,21 +15,22 @@ mod supports;
 mod ties;
 
 use super::registry::Names;
+use crate::geometry::ControlNet;
 use crate::io::case::{Case, Shape};
 use crate::io::errors::{Diagnostic, Diagnostics};
 use crate::io::place::Place;
-use crate::geometry::ControlNet;
 
 pub use exact::{Exact, FieldJet};
 pub use model::{
-    Action, Against, Condition, ContactModel, ContactPart, Model, Pairing, PatchModel, SideLoad, SideModel, SideSpring, TieModel, TiePart, Value,
+    Action, Against, Condition, ContactModel, ContactPart, Model, Pairing, PatchModel, SideLoad, SideModel, SideSpring, TieModel, TiePart,
+    Value,
 };
 pub use patches::patch_fault;
 pub use physics::{Physics, PlaceFn, PointState, SideFn};
 pub use plane::plane_net;
 pub use rigid::{FreeBody, RigidModes, RigidRow};
-pub use supports::free_motions;
 pub(crate) use sides::canonical as canonical_side;
+pub use supports::free_motions;
 pub(crate) use supports::sentences;
 pub(crate) use ties::short;
 
@@ -92,7 +93,7 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
     let mut sides = sides::Sides::default();
     boundary::build(&mut builder, &mut model, &mut sides);
     builder.stop()?;
-    let fixed = fixed::Fixed::of(&builder, &model).map_err(Diagnostics::from)?;
+    let fixed = fixed::Fixed::of(&builder, &model).map_err(|fault| Diagnostics::from(*fault))?;
     ties::build(&mut builder, &mut model, &mut sides, &fixed);
     builder.stop()?;
     contacts::build(&mut builder, &mut model, &mut sides, &fixed);

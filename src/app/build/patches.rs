@@ -4,9 +4,9 @@ use super::divisions::{breakpoints, grade_of};
 use super::model::PatchModel;
 use super::physics::Physics;
 use super::{Builder, MakeNet};
-use crate::app::registry::Fault;
+use crate::app::registry::{Fault, carries_geometry};
 use crate::assembly::gauss_rules;
-use crate::basis::{Basis, Cell};
+use crate::basis::Cell;
 use crate::geometry::{Bounds, ControlNet, Geometry};
 use crate::io::case::{self, Cells, Patch};
 use crate::io::errors::Diagnostic;
@@ -34,13 +34,18 @@ pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
                 first += patch.num_unknowns();
                 patches.push(patch);
             }
-            Err(fault) => builder.faults.push(fault),
+            Err(fault) => builder.faults.push(*fault),
         }
     }
     patches
 }
 
-fn one<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, number: usize, first: usize, net: MakeNet<N>) -> Result<PatchModel<S, N>, Diagnostic> {
+fn one<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    number: usize,
+    first: usize,
+    net: MakeNet<N>,
+) -> Result<PatchModel<S, N>, Box<Diagnostic>> {
     let case = builder.case;
     let patch = &case.patches[number];
     let name = &patch.name.value;
@@ -60,7 +65,10 @@ fn one<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, number: usiz
     let material = &case.materials[patch.material.value];
     let physics = Physics::of(material, case.model.assumption.value).map_err(|e| {
         let at = match (&material.elastic, &e) {
-            (Some(case::Elastic::YoungPoisson(_, nu)), crate::physics::MaterialError::Singular { .. } | crate::physics::MaterialError::Ratio { .. }) => nu.at,
+            (
+                Some(case::Elastic::YoungPoisson(_, nu)),
+                crate::physics::MaterialError::Singular { .. } | crate::physics::MaterialError::Ratio { .. },
+            ) => nu.at,
             (Some(case::Elastic::YoungPoisson(e, _)), _) => e.at,
             (Some(case::Elastic::Lame(l, _)), crate::physics::MaterialError::Lambda { .. }) => l.at,
             (Some(case::Elastic::Lame(_, m)), _) => m.at,
@@ -75,7 +83,7 @@ fn one<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, number: usiz
         (Some(g), Some(density)) => Some((density.value.clone(), g.value.clone())),
         (Some(_), None) => {
             let text = format!("gravity needs the density of material \"{}\"", material.name.value);
-            return Err(builder.error("E013", text, material.head.at).with_help("write density = ..."));
+            return Err(Box::new(builder.error("E013", text, material.head.at).with_help("write density = ...")));
         }
         _ => None,
     };
@@ -83,7 +91,7 @@ fn one<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, number: usiz
         name: name.clone(),
         backend: backend.value.clone(),
         field: Field { first, components: case.model.components() },
-        exact_map: has_exact_map(patch, &spec),
+        exact_map: carries_geometry(&backend.value, &spec),
         body,
         physics,
         rules,
@@ -94,7 +102,11 @@ fn one<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, number: usiz
 }
 
 /// The patch as data for a backend.
-fn specification<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patch: &Patch, net: ControlNet<N, N>) -> Result<PatchSpec<N>, Diagnostic> {
+fn specification<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    patch: &Patch,
+    net: ControlNet<N, N>,
+) -> Result<PatchSpec<N>, Box<Diagnostic>> {
     let d = &patch.discretization;
     let total = super::counts_in_total(&patch.geometry.value.shape.value);
     let mut lists: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
@@ -122,15 +134,6 @@ fn specification<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, pa
         case::Mapping::Exact => crate::space::Mapping::Exact,
     };
     Ok(spec)
-}
-
-/// Splines and exact maps carry the geometry itself; isoparametric meshes do where it is polynomial of their degree.
-fn has_exact_map<const N: usize>(patch: &Patch, spec: &PatchSpec<N>) -> bool {
-    if patch.discretization.backend.value != "fe" || patch.discretization.mapping.value == case::Mapping::Exact {
-        return true;
-    }
-    let polynomial = spec.net.weights.is_none();
-    polynomial && (0..N).all(|k| spec.net.axes[k].degree(0)[0] <= spec.degree[k])
 }
 
 /// Middle and diagonal of the box around all bodies.

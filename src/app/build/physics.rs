@@ -130,7 +130,12 @@ impl<const N: usize> Physics<N> {
     ) {
         match self {
             Self::Scalar(_) => {
-                assembly::trace_springs::<1, S, N, f64, _>(trace, rules, &|x: &Vector<N>, _: &Vector<N>| Matrix::<1, 1>::from_element(k(x)), matrix);
+                assembly::trace_springs::<1, S, N, f64, _>(
+                    trace,
+                    rules,
+                    &|x: &Vector<N>, _: &Vector<N>| Matrix::<1, 1>::from_element(k(x)),
+                    matrix,
+                );
             }
             Self::Vector(_) => assembly::trace_springs::<N, S, N, f64, _>(
                 trace,

@@ -39,7 +39,8 @@ pub fn plane_net(geometry: &Geometry) -> Result<ControlNet<2, 2>, (&'static str,
             let [p, q] = [0, 1].map(|k| degree.value.get(k).copied().unwrap_or(1));
             let [u, v] = [0, 1].map(|k| knots.get(k).map(|list| list.value.clone()).unwrap_or_default());
             let points = points.value.iter().map(|x| Vector::<2>::from(pair(x))).collect();
-            ControlNet::from_knots([p, q], [u, v], points, weights.as_ref().map(|w| w.value.clone())).map_err(|e| (code(&e), e.to_string()))?
+            ControlNet::from_knots([p, q], [u, v], points, weights.as_ref().map(|w| w.value.clone()))
+                .map_err(|e| (code(&e), e.to_string()))?
         }
         other => return Err(("E019", format!("the kind \"{}\" in the plane is not in this version", other.kind()))),
     };

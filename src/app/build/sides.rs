@@ -1,7 +1,7 @@
 //! Sides of bodies by their references in the case, made once each.
 
-use super::model::{PatchModel, SideModel};
 use super::Builder;
+use super::model::{PatchModel, SideModel};
 use crate::assembly::gauss_rules;
 use crate::basis::{Cell, Order};
 use crate::geometry::MapTable;
@@ -46,7 +46,12 @@ pub(crate) fn canonical(side: &str, dimension: usize) -> &str {
 
 impl<const S: usize, const N: usize> Sides<S, N> {
     /// The side of a reference.
-    pub fn get(&mut self, builder: &Builder<'_, S, N>, patches: &[PatchModel<S, N>], wanted: &Located<SideRef>) -> Result<Arc<SideModel<S, N>>, Diagnostic> {
+    pub fn get(
+        &mut self,
+        builder: &Builder<'_, S, N>,
+        patches: &[PatchModel<S, N>],
+        wanted: &Located<SideRef>,
+    ) -> Result<Arc<SideModel<S, N>>, Box<Diagnostic>> {
         let key = (wanted.value.patch, wanted.value.side.clone());
         if let Some(side) = self.known.get(&key) {
             return Ok(side.clone());
@@ -65,7 +70,7 @@ impl<const S: usize, const N: usize> Sides<S, N> {
         patches: &[PatchModel<S, N>],
         wanted: &Located<SideRef>,
         filter: &Located<Formula>,
-    ) -> Result<Arc<SideModel<S, N>>, Diagnostic> {
+    ) -> Result<Arc<SideModel<S, N>>, Box<Diagnostic>> {
         let whole = self.get(builder, patches, wanted)?;
         let patch = &patches[wanted.value.patch];
         let space = &*whole.trace.space;
@@ -81,7 +86,8 @@ impl<const S: usize, const N: usize> Sides<S, N> {
             .map(|e| whole.trace.facets[e])
             .collect();
         if facets.is_empty() {
-            return Err(builder.error("E015", format!("no facet of `{}` has its centre where `{}` holds", whole.label, filter.value.text()), filter.at));
+            let text = format!("no facet of `{}` has its centre where `{}` holds", whole.label, filter.value.text());
+            return Err(Box::new(builder.error("E015", text, filter.at)));
         }
         let trace = Trace::from_facets(patch.body.space(), facets, kind)
             .map_err(|e| side_fault(builder, &patch.name, &e, &patch.body.sides(), wanted))?;
@@ -99,7 +105,8 @@ fn label<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patch: &Pa
     let prefix = format!("{}.", patch.name);
     let at = wanted.at;
     if at.origin == Origin::File && at.line > 0 {
-        let text: String = builder.case.source.lines.line(at.line).unwrap_or("").chars().skip(at.column.max(1) - 1).take(at.length).collect();
+        let text: String =
+            builder.case.source.lines.line(at.line).unwrap_or("").chars().skip(at.column.max(1) - 1).take(at.length).collect();
         let text = text.trim_matches(['"', '\'']);
         if text.starts_with(&prefix) && canonical(&text[prefix.len()..], N) == wanted.value.side {
             return text.to_string();

@@ -72,7 +72,10 @@ pub fn free_motions<const S: usize, const N: usize>(model: &Model<S, N>, closed:
                 part.slave.trace.space.map(s.slave[piece], &s.slave_xi[s.points(piece)], Order::Values, &mut table);
                 for x in &table.x {
                     for c in 0..model.components {
-                        rows.push(RigidRow { terms: vec![(part.slave.patch, 1.0, *x), (pairing.master.patch, -1.0, *x)], direction: unit(c) });
+                        rows.push(RigidRow {
+                            terms: vec![(part.slave.patch, 1.0, *x), (pairing.master.patch, -1.0, *x)],
+                            direction: unit(c),
+                        });
                     }
                 }
             }
@@ -114,7 +117,8 @@ pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
     for (f, sentence) in free.iter().zip(sentences(model, &free)) {
         let at = builder.case.patches[f.body].head.at;
         let text = if model.contacts.is_empty() { sentence } else { format!("{sentence}, even with every contact closed") };
-        let fault = builder.error("E051", text, at).with_help("prescribe what is left by [[boundary]], or tie the body to one that is supported");
+        let fault =
+            builder.error("E051", text, at).with_help("prescribe what is left by [[boundary]], or tie the body to one that is supported");
         builder.faults.push(fault);
     }
 }

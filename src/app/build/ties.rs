@@ -1,10 +1,10 @@
 //! Tied interfaces: multipliers, segments and rows of every slave side.
 
+use super::Builder;
 use super::boundary::component_name;
 use super::fixed::Fixed;
 use super::model::{Model, Pairing, SideModel, TieModel, TiePart};
 use super::sides::Sides;
-use super::Builder;
 use crate::basis::{Basis, Elements};
 use crate::coupling::interface::{Partners, Tolerance};
 use crate::coupling::multiplier::{Ends, MultiplierError, MultiplierKind, check_counts};
@@ -18,8 +18,6 @@ use std::sync::Arc;
 
 /// Largest share of a slave side that may be uncovered.
 const UNCOVERED: f64 = 1e-6;
-/// Couplings the contract knows and this version does not have.
-const LATER: [&str; 3] = ["nitsche", "penalty", "glue"];
 
 /// How many sides of tied interfaces a function of a body lies on.
 #[derive(Debug, Default)]
@@ -52,7 +50,7 @@ pub(super) fn list<const S: usize, const N: usize>(
     for side in wanted {
         match sides.get(builder, &model.patches, side) {
             Ok(side) => out.push(side),
-            Err(fault) => builder.faults.push(fault),
+            Err(fault) => builder.faults.push(*fault),
         }
     }
     out
@@ -62,7 +60,12 @@ pub(super) fn list<const S: usize, const N: usize>(
 type Pair<const S: usize, const N: usize> = (Vec<Arc<SideModel<S, N>>>, Vec<Arc<SideModel<S, N>>>);
 
 /// All ties of the case.
-pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &mut Model<S, N>, sides: &mut Sides<S, N>, fixed: &Fixed) {
+pub(super) fn build<const S: usize, const N: usize>(
+    builder: &mut Builder<'_, S, N>,
+    model: &mut Model<S, N>,
+    sides: &mut Sides<S, N>,
+    fixed: &Fixed,
+) {
     let members = memberships(builder, model, sides);
     let case = builder.case;
     for tie in &case.interfaces {
@@ -92,7 +95,11 @@ pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
 }
 
 /// Counts the sides of all ties; also says which functions contact must leave to ties.
-pub(super) fn memberships<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>, sides: &mut Sides<S, N>) -> Memberships {
+pub(super) fn memberships<const S: usize, const N: usize>(
+    builder: &mut Builder<'_, S, N>,
+    model: &Model<S, N>,
+    sides: &mut Sides<S, N>,
+) -> Memberships {
     let mut members = Memberships::default();
     let case = builder.case;
     for tie in &case.interfaces {
@@ -124,9 +131,6 @@ fn part<const S: usize, const N: usize>(
     let name = &tie.name.value;
     let coupling = match builder.names.couplings.get(&tie.coupling.value) {
         Ok(make) => make(tie.factor.value),
-        Err(_) if LATER.contains(&tie.coupling.value.as_str()) => {
-            return Err(Box::new(builder.error("E019", format!("coupling \"{}\" is not in this version", tie.coupling.value), tie.coupling.at)));
-        }
         Err(unknown) => return Err(Box::new(builder.error("E015", unknown.to_string(), tie.coupling.at))),
     };
     let field = model.patches[slave.patch].field;
@@ -160,7 +164,9 @@ fn part<const S: usize, const N: usize>(
     if covered < (1.0 - UNCOVERED) * total {
         let text = format!("only {} % of the slave side `{}` meets {}", percent(covered / total), slave.label, labels(masters));
         return Err(Box::new(
-            builder.error("E025", text, at).with_help("a tied slave must be covered: swap slave and master, or add the missing master sides"),
+            builder
+                .error("E025", text, at)
+                .with_help("a tied slave must be covered: swap slave and master, or add the missing master sides"),
         ));
     }
     // rows
@@ -174,7 +180,9 @@ fn part<const S: usize, const N: usize>(
             master_segments: second.as_ref(),
             direction: None,
         };
-        let blocks = coupling.assemble(&interface, model.unknowns).map_err(|e| Box::new(builder.error("E015", format!("interface \"{name}\": {e}"), tie.head.at)))?;
+        let blocks = coupling
+            .assemble(&interface, model.unknowns)
+            .map_err(|e| Box::new(builder.error("E015", format!("interface \"{name}\": {e}"), tie.head.at)))?;
         if !blocks.stiffness.entries.is_empty() {
             let text = format!("coupling \"{}\" adds stiffness between bodies, which is not in this version", tie.coupling.value);
             return Err(Box::new(builder.error("E019", text, tie.coupling.at)));

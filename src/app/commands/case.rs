@@ -4,7 +4,7 @@ use super::arguments::Common;
 use super::ended::Ended;
 use super::manifest::Input;
 use crate::app::{Registry, Watch};
-use crate::io::case::{Case, Names, ReadOptions, not_found};
+use crate::io::case::{Case, ReadOptions, not_found};
 use crate::io::errors::{Diagnostic, Diagnostics};
 use std::io::Read;
 use std::path::Path;
@@ -32,7 +32,7 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
     if let Some(name) = backend {
         registry.plane.backends.get(name).map_err(|e| super::usage(&format!("--backend: {e}"), None))?;
     }
-    let options = ReadOptions { sets: common.set.clone(), backend: backend.map(str::to_owned), names: names(registry) };
+    let options = ReadOptions { sets: common.set.clone(), backend: backend.map(str::to_owned), names: registry.case_names() };
     if path.as_os_str() == "-" {
         let mut bytes = Vec::new();
         let read = std::io::stdin().lock().read_to_end(&mut bytes);
@@ -60,16 +60,6 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
     let absolute = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let stem = path.file_stem().map_or_else(|| "case".to_owned(), |s| s.to_string_lossy().into_owned());
     Ok(Loaded { case, stem, path: absolute.display().to_string(), input: Input::new(name.clone(), &bytes), name })
-}
-
-/// The names that a case may use: the built-in ones and those of the registry.
-fn names(registry: &Registry) -> Names {
-    let mut names = Names::default();
-    Names::add(&mut names.backends, registry.plane.backends.names());
-    Names::add(&mut names.couplings, registry.plane.couplings.names());
-    Names::add(&mut names.multipliers, registry.plane.multipliers.names());
-    Names::add(&mut names.constraints, registry.solvers.names());
-    names
 }
 
 /// The limits of the options, and a flag that Ctrl-C sets; a second Ctrl-C ends at once.

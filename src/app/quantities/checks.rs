@@ -132,8 +132,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
             if answer == Answer::Study || elsewhere.is_some() {
                 report.skipped = true;
                 report.ok = true;
-                report.reason =
-                    Some(elsewhere.map_or("decided by studies".to_string(), |b| format!("only for backend \"{}\"", b.value)));
+                report.reason = Some(elsewhere.map_or("decided by studies".to_string(), |b| format!("only for backend \"{}\"", b.value)));
             } else {
                 let found = match answer {
                     Answer::One(v) => Ok(vec![v]),

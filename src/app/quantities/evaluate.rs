@@ -4,7 +4,7 @@ use super::grammar::{FieldName, Reduce};
 use super::path::look_up;
 use super::prepare::Prepared;
 use crate::app::build::{Model, PointState};
-use crate::app::run::{StepState, multiplier_at, component_rows};
+use crate::app::run::{StepState, component_rows, multiplier_at};
 use crate::basis::Basis;
 use crate::physics::von_mises;
 use crate::quadrature::Quadrature;
@@ -50,7 +50,12 @@ fn finite(value: f64) -> Answer {
 }
 
 /// Evaluates a quantity on `state`; numbers of the result are read from `result`.
-pub fn evaluate<const S: usize, const N: usize>(prepared: &Prepared<S, N>, model: &Model<S, N>, state: &StepState<S, N>, result: &Value) -> Answer {
+pub fn evaluate<const S: usize, const N: usize>(
+    prepared: &Prepared<S, N>,
+    model: &Model<S, N>,
+    state: &StepState<S, N>,
+    result: &Value,
+) -> Answer {
     match prepared {
         Prepared::Study => Answer::Study,
         Prepared::Number(value) => finite(*value),
@@ -79,9 +84,10 @@ pub fn evaluate<const S: usize, const N: usize>(prepared: &Prepared<S, N>, model
                     .into_par_iter()
                     .map(|e| {
                         let points = p.physics.at(space, &p.field, &state.u, e, &p.rules.rule(e).points);
-                        points.iter().map(|s| component(*field, s)).fold((f64::INFINITY, f64::NEG_INFINITY, true), |(l, h, ok), v| {
-                            (l.min(v), h.max(v), ok && v.is_finite())
-                        })
+                        points
+                            .iter()
+                            .map(|s| component(*field, s))
+                            .fold((f64::INFINITY, f64::NEG_INFINITY, true), |(l, h, ok), v| (l.min(v), h.max(v), ok && v.is_finite()))
                     })
                     .collect();
                 for (l, h, ok) in parts {

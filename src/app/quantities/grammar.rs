@@ -263,7 +263,10 @@ impl Quantity {
             _ => {}
         }
         if placed {
-            return wrong(format!("`{}` takes no `at`; u, flux, stress, von_mises, interface.NAME.lambda and contact.NAME.pressure do", path.join(".")));
+            return wrong(format!(
+                "`{}` takes no `at`; u, flux, stress, von_mises, interface.NAME.lambda and contact.NAME.pressure do",
+                path.join(".")
+            ));
         }
         Ok(match (path[0].as_str(), path.len()) {
             ("length" | "area", n) if n > 2 => Kind::SideMeasure(path[1..].join(".")),
@@ -289,14 +292,33 @@ mod tests {
     fn fields_have_components_places_patches_and_extremes() {
         assert_eq!(
             kind("u.y at [1.0, 0.5] in upper"),
-            Kind::Field { field: FieldName::U(Some(1)), at: At::Point(vec!["1.0".into(), "0.5".into()]), patch: Some("upper".into()), reduce: Reduce::None }
+            Kind::Field {
+                field: FieldName::U(Some(1)),
+                at: At::Point(vec!["1.0".into(), "0.5".into()]),
+                patch: Some("upper".into()),
+                reduce: Reduce::None
+            }
         );
-        assert_eq!(kind("displacement.x.max"), Kind::Field { field: FieldName::U(Some(0)), at: At::Everywhere, patch: None, reduce: Reduce::Max });
-        assert_eq!(kind("stress.xy.min in a"), Kind::Field { field: FieldName::Stress(0, 1), at: At::Everywhere, patch: Some("a".into()), reduce: Reduce::Min });
-        assert_eq!(kind("von_mises at TIP"), Kind::Field { field: FieldName::VonMises, at: At::Tag("TIP".into()), patch: None, reduce: Reduce::None });
+        assert_eq!(
+            kind("displacement.x.max"),
+            Kind::Field { field: FieldName::U(Some(0)), at: At::Everywhere, patch: None, reduce: Reduce::Max }
+        );
+        assert_eq!(
+            kind("stress.xy.min in a"),
+            Kind::Field { field: FieldName::Stress(0, 1), at: At::Everywhere, patch: Some("a".into()), reduce: Reduce::Min }
+        );
+        assert_eq!(
+            kind("von_mises at TIP"),
+            Kind::Field { field: FieldName::VonMises, at: At::Tag("TIP".into()), patch: None, reduce: Reduce::None }
+        );
         assert_eq!(
             kind("u at [max(a, b), 0]"),
-            Kind::Field { field: FieldName::U(None), at: At::Point(vec!["max(a, b)".into(), "0".into()]), patch: None, reduce: Reduce::None }
+            Kind::Field {
+                field: FieldName::U(None),
+                at: At::Point(vec!["max(a, b)".into(), "0".into()]),
+                patch: None,
+                reduce: Reduce::None
+            }
         );
     }
 
@@ -310,7 +332,10 @@ mod tests {
         assert_eq!(kind("area.lower"), Kind::Path(vec!["area".into(), "lower".into()]));
         assert_eq!(kind("contact.pad.pressure.max"), Kind::Path(["contact", "pad", "pressure", "max"].map(String::from).to_vec()));
         assert!(Quantity::parse("rate.error.u.L2").unwrap().is_study());
-        assert_eq!(kind("reaction.bracket.\"top face\".y"), Kind::Path(["reaction", "bracket", "top face", "y"].map(String::from).to_vec()));
+        assert_eq!(
+            kind("reaction.bracket.\"top face\".y"),
+            Kind::Path(["reaction", "bracket", "top face", "y"].map(String::from).to_vec())
+        );
     }
 
     #[test]

@@ -118,7 +118,9 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
             FieldName::U(None) if !scalar => Some("u has components in elasticity; write u.x or u.y"),
             FieldName::U(Some(c)) | FieldName::Flux(c) if c >= N => Some("this component is not there in the plane"),
             FieldName::Flux(_) if !scalar => Some("the flux belongs to Poisson problems; elasticity has stress.xx, stress.yy, stress.xy"),
-            FieldName::Stress(..) | FieldName::VonMises if scalar => Some("stresses belong to elasticity; Poisson problems have flux.x, flux.y"),
+            FieldName::Stress(..) | FieldName::VonMises if scalar => {
+                Some("stresses belong to elasticity; Poisson problems have flux.x, flux.y")
+            }
             _ => None,
         };
         wrong.map_or(Ok(()), |why| Err(self.fault("E018", format!("`{text}` is no quantity here: {why}"), at)))
@@ -238,12 +240,14 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         let candidates: Vec<String> = list.into_iter().chain(words).collect();
         if path[0] == "error" && self.model.exact.is_none() && path.get(1).is_some_and(|p| p == "u") {
             return Err(Box::new(
-                Diagnostic::error("E062", format!("`{text}` needs `exact` in [model]")).at(&self.case.source, at).with_help("give a manufactured solution"),
+                Diagnostic::error("E062", format!("`{text}` needs `exact` in [model]"))
+                    .at(&self.case.source, at)
+                    .with_help("give a manufactured solution"),
             ));
         }
-        let mut fault = self.fault("E018", format!("unknown quantity `{text}`"), at);
+        let mut fault = *self.fault("E018", format!("unknown quantity `{text}`"), at);
         if let Some(near) = nearest(&path.join("."), candidates.iter().map(String::as_str)) {
-            fault = Box::new(fault.with_label(format!("did you mean `{near}`?")));
+            fault = fault.with_label(format!("did you mean `{near}`?"));
         }
         let heads: Vec<&str> = ["energy", "unknowns", "error", "reaction", "area", "length", "interface", "contact", "balance"].to_vec();
         Err(Box::new(fault.with_help(format!("quantities: {fields} `at [x, y]`; {} ...", heads.join(", ")))))
@@ -286,7 +290,8 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
 
     fn pressure(&self, text: &str, name: &str, pressure: bool, place: &At, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         let Some(number) = self.model.contacts.iter().position(|c| c.name == name) else {
-            let names: Vec<&str> = self.model.ties.iter().map(|t| t.name.as_str()).chain(self.model.contacts.iter().map(|c| c.name.as_str())).collect();
+            let names: Vec<&str> =
+                self.model.ties.iter().map(|t| t.name.as_str()).chain(self.model.contacts.iter().map(|c| c.name.as_str())).collect();
             let near = nearest(name, names.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
             return Err(self.fault("E018", format!("`{text}`: there is no interface or contact \"{name}\"{near}"), at));
         };

@@ -5,6 +5,7 @@ use super::arc_length::ArcLength;
 use super::report::{component_rows, multiplier_at};
 use crate::app::build::{Against, SideModel};
 use crate::app::output::{ExactCurve, Output, Picture, RunOptions, SideOutput};
+use crate::app::registry::usual_cells;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::contact::{Surface, Target};
 use crate::geometry::{Geometry, MapTable};
@@ -51,8 +52,7 @@ fn body(solved: &Arc<Plane>, k: usize, options: &RunOptions) -> Part<'static, 2,
         }
     };
     let (values, stresses, equivalent) = (at(solved), at(solved), at(solved));
-    let usual = if patch.backend == "iga" { CellStyle::Bezier } else { CellStyle::Lagrange };
-    let part = Part::new(patch.name.clone(), Arc::clone(patch.body.space()), options.cells.unwrap_or(usual));
+    let part = Part::new(patch.name.clone(), Arc::clone(patch.body.space()), options.cells.unwrap_or_else(|| usual_cells(&patch.backend)));
     if solved.model.components == 1 {
         return part.with_exact("u", 1, move |e, xi| values(e, xi).iter().map(|p| p.u[0]).collect());
     }

@@ -36,7 +36,13 @@ pub fn over_side<const S: usize, const N: usize>(
 }
 
 /// The field `u` on a trace at local points of an element; components beyond the field's are zero.
-pub fn on_trace<const S: usize, const N: usize>(trace: &Trace<S, N>, field: Field, u: &[f64], element: usize, xi: &[Vector<S>]) -> Vec<[f64; 3]> {
+pub fn on_trace<const S: usize, const N: usize>(
+    trace: &Trace<S, N>,
+    field: Field,
+    u: &[f64],
+    element: usize,
+    xi: &[Vector<S>],
+) -> Vec<[f64; 3]> {
     let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
     trace.space.active(element, &mut ids);
     trace.space.tabulate(element, xi, Order::Values, &mut table);

@@ -11,7 +11,7 @@ mod solve;
 use super::build::{self, MakeNet, Model, free_motions, plane_net, sentences};
 use super::output::{Finished, RunOptions};
 use super::quantities::Questions;
-use super::registry::{Names, Registry};
+use super::registry::{Names, Registry, solver_name};
 use super::result::{RunResult, Status, StepReport};
 use super::watch::{Progress, Stop, Watch};
 use crate::constraint::SolveError;
@@ -119,9 +119,13 @@ fn refused(command: &str, case: &Case, faults: Diagnostics) -> RunResult {
     result
 }
 
-fn built<const S: usize, const N: usize>(case: &Case, registry: &Registry, dimension: &Dimension<'_, S, N>) -> Result<Model<S, N>, Diagnostics> {
+fn built<const S: usize, const N: usize>(
+    case: &Case,
+    registry: &Registry,
+    dimension: &Dimension<'_, S, N>,
+) -> Result<Model<S, N>, Diagnostics> {
     let word = &case.solver.constraint;
-    if let Err(unknown) = registry.solvers.get(solve::solver_name(&word.value)) {
+    if let Err(unknown) = registry.solvers.get(solver_name(&word.value)) {
         return Err(Diagnostic::error("E015", unknown.to_string()).at(&case.source, word.at).into());
     }
     build::build(case, dimension.names, dimension.net)
@@ -248,7 +252,11 @@ fn step_fault<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, 
                 "contact does not settle: the active set visited the same state twice (iterations {first} and {second}); {}",
                 flipping(model, rows)
             );
-            (Status::NotConverged, "cycling", at(Diagnostic::error("E071", text)).with_help("try active_set = { start = \"gap\" }, another c, or more elements"))
+            (
+                Status::NotConverged,
+                "cycling",
+                at(Diagnostic::error("E071", text)).with_help("try active_set = { start = \"gap\" }, another c, or more elements"),
+            )
         }
         StepError::Solve(SolveError::TooManyIterations { iterations, .. }) => {
             let text = format!("contact does not settle within {iterations} iterations of the active set");
@@ -266,7 +274,11 @@ fn step_fault<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, 
             let bodies = sentences(model, &free);
             let who = if bodies.is_empty() { "a body lost its support".to_string() } else { bodies.join("; ") };
             let text = format!("rigid motion left: {who} (iteration {iteration} of the active set, {} contact rows open)", open.len());
-            (Status::Singular, "rigid motion left", Diagnostic::error("E072", text).with_help("support the body beside its contacts, or press it on"))
+            (
+                Status::Singular,
+                "rigid motion left",
+                Diagnostic::error("E072", text).with_help("support the body beside its contacts, or press it on"),
+            )
         }
         StepError::Solve(SolveError::Linear(LinearError::NotFinite)) => {
             let text = "a number in the system is not finite; a load or a material formula has no value somewhere on its body";
@@ -274,7 +286,11 @@ fn step_fault<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, 
         }
         StepError::Solve(SolveError::OverConstrained { row, .. }) => {
             let text = format!("the constraints are redundant: {}", owner(model, *row));
-            (Status::Singular, "singular", Diagnostic::error("E072", text).with_help("lower the multiplier's degree or refine the slave side"))
+            (
+                Status::Singular,
+                "singular",
+                Diagnostic::error("E072", text).with_help("lower the multiplier's degree or refine the slave side"),
+            )
         }
         other => (Status::Singular, "singular", Diagnostic::error("E072", other.to_string())),
     }
@@ -324,7 +340,8 @@ fn place_of<const S: usize, const N: usize>(part: &build::ContactPart<S, N>, fun
         }
     }
     let (_, q) = best?;
-    let list: Vec<String> = ["x", "y", "z"][..N].iter().zip(part.first.frames.x[q].iter()).map(|(l, v)| format!("{l} = {}", build::short(*v))).collect();
+    let list: Vec<String> =
+        ["x", "y", "z"][..N].iter().zip(part.first.frames.x[q].iter()).map(|(l, v)| format!("{l} = {}", build::short(*v))).collect();
     Some(list.join(", "))
 }
 

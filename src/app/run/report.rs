@@ -34,24 +34,22 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, mode
         measure: model.patches.iter().map(|p| (p.name.clone(), measure::<N, N, f64, _>(&**p.body.space()))).collect(),
         least_jacobian: soundness.fold(f64::INFINITY, f64::min),
     };
-    result.contact = model.contacts.iter().map(|c| (c.name.clone(), ContactReport { force: vec![0.0; N], moment: moment::<N>([0.0; 3]), ..Default::default() })).collect();
+    result.contact = model
+        .contacts
+        .iter()
+        .map(|c| (c.name.clone(), ContactReport { force: vec![0.0; N], moment: moment::<N>([0.0; 3]), ..Default::default() }))
+        .collect();
     result.interface = model.ties.iter().map(|t| (t.name.clone(), InterfaceReport::default())).collect();
     for side in &model.supports {
         if result.reactions.get(&side.label).is_none() {
             result.reactions.push(side.label.clone(), vec![0.0; model.components]);
         }
     }
-    result.balance = Balance {
-        force: vec![0.0; model.components],
-        moment: (model.components == N).then(|| moment::<N>([0.0; 3])),
-    };
+    result.balance = Balance { force: vec![0.0; model.components], moment: (model.components == N).then(|| moment::<N>([0.0; 3])) };
     for name in error_names(model) {
         result.errors.push(name, 0.0);
     }
-    result.solve = Some(SolveReport {
-        active_set: (!model.contacts.is_empty()).then(ActiveSetSummary::default),
-        ..Default::default()
-    });
+    result.solve = Some(SolveReport { active_set: (!model.contacts.is_empty()).then(ActiveSetSummary::default), ..Default::default() });
     result.checks_expected = case.checks.len();
     result.warnings.extend(case.warnings.items.iter().chain(&model.warnings.items).cloned());
     result
@@ -129,10 +127,8 @@ pub fn fill<const S: usize, const N: usize>(
     result.contact = contacts(model, state, half_width, &mut outside);
     result.interface = model.ties.iter().map(|t| (t.name.clone(), interface(model, state, t))).collect();
     result.reactions = reactions(model, state, &mut outside);
-    result.balance = Balance {
-        force: outside.force[..model.components].to_vec(),
-        moment: (model.components == N).then(|| moment::<N>(outside.moment)),
-    };
+    result.balance =
+        Balance { force: outside.force[..model.components].to_vec(), moment: (model.components == N).then(|| moment::<N>(outside.moment)) };
     result.errors = errors(model, state);
 }
 
@@ -224,7 +220,11 @@ pub fn component_rows<const S: usize, const N: usize>(part: &TiePart<S, N>) -> V
 }
 
 /// Calls `visit(piece, x, outward normal of the slave, points)` for the pieces of a slave side.
-fn each_piece<const S: usize, const N: usize>(slave: &SideModel<S, N>, segments: &Segments<S>, mut visit: impl FnMut(usize, &[Vector<N>], &[Vector<N>])) {
+fn each_piece<const S: usize, const N: usize>(
+    slave: &SideModel<S, N>,
+    segments: &Segments<S>,
+    mut visit: impl FnMut(usize, &[Vector<N>], &[Vector<N>]),
+) {
     let (mut map, mut normals) = (MapTable::new(), Vec::new());
     for piece in 0..segments.num_pieces() {
         let element = segments.slave[piece];
@@ -244,9 +244,20 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
             let s = &pairing.segments;
             for piece in 0..s.num_pieces() {
                 let points = s.points(piece);
-                let own = on_trace(&part.slave.trace, model.patches[part.slave.patch].field, &state.u, s.slave[piece], &s.slave_xi[points.clone()]);
-                let other =
-                    on_trace(&pairing.master.trace, model.patches[pairing.master.patch].field, &state.u, s.master[piece], &s.master_xi[points.clone()]);
+                let own = on_trace(
+                    &part.slave.trace,
+                    model.patches[part.slave.patch].field,
+                    &state.u,
+                    s.slave[piece],
+                    &s.slave_xi[points.clone()],
+                );
+                let other = on_trace(
+                    &pairing.master.trace,
+                    model.patches[pairing.master.patch].field,
+                    &state.u,
+                    s.master[piece],
+                    &s.master_xi[points.clone()],
+                );
                 for (k, q) in points.clone().enumerate() {
                     report.jump.l2 += s.ds[q] * (0..3).map(|c| (own[k][c] - other[k][c]).powi(2)).sum::<f64>();
                 }
@@ -266,7 +277,8 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
         for triplets in [&b.slave, &b.master] {
             for &(i, j, value) in &triplets.entries {
                 let force = value * state.lambda[part.first_row + i];
-                let component = model.patches.iter().find(|p| p.range().contains(&j)).map_or(0, |p| (j - p.field.first) % p.field.components);
+                let component =
+                    model.patches.iter().find(|p| p.range().contains(&j)).map_or(0, |p| (j - p.field.first) % p.field.components);
                 defect[component] += force;
                 size += force.abs();
             }
@@ -291,7 +303,8 @@ fn reactions<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
             place[i][k] = v;
         }
     }
-    let prescribed = |side: &Arc<SideModel<S, N>>, c: usize| model.conditions.iter().any(|d| Arc::ptr_eq(&d.side, side) && d.component == c);
+    let prescribed =
+        |side: &Arc<SideModel<S, N>>, c: usize| model.conditions.iter().any(|d| Arc::ptr_eq(&d.side, side) && d.component == c);
     let unknowns = |side: &Arc<SideModel<S, N>>| -> Vec<(usize, usize)> {
         let field = model.patches[side.patch].field;
         let mut dofs = side.trace.dofs.clone();

@@ -3,7 +3,7 @@
 use super::integrate::on_trace;
 use super::loads::Resultant;
 use crate::app::build::{ContactModel, Model};
-use crate::app::registry::Registry;
+use crate::app::registry::{Registry, solver_name};
 use crate::assembly::{DirichletError, Reduced, ReductionError};
 use crate::constraint::{ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, scale::row_scales};
 use crate::contact::{Contact, ContactError};
@@ -67,7 +67,13 @@ pub fn stiffness<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<Csr
     let mut matrices: Vec<Csr> = model.patches.iter().map(|p| p.physics.stiffness(&**p.body.space(), &p.rules)).collect();
     for spring in &model.springs {
         let k = |x: &crate::linalg::Vector<N>| spring.stiffness.value(&Point::new(x.as_slice()));
-        model.patches[spring.side.patch].physics.springs(&spring.side.trace, &spring.side.rules, spring.component, &k, &mut matrices[spring.side.patch]);
+        model.patches[spring.side.patch].physics.springs(
+            &spring.side.trace,
+            &spring.side.rules,
+            spring.component,
+            &k,
+            &mut matrices[spring.side.patch],
+        );
     }
     matrices
 }
@@ -152,11 +158,6 @@ impl<const S: usize, const N: usize, E: Into<StepError>> From<E> for Unsolved<S,
     }
 }
 
-/// The constraint solver that a case's word means.
-pub fn solver_name(word: &str) -> &str {
-    if word == "auto" { "saddle-point" } else { word }
-}
-
 /// Solves the model at time `t` with the matrices of its bodies.
 ///
 /// # Errors
@@ -169,7 +170,7 @@ pub fn step<const S: usize, const N: usize>(
     t: f64,
 ) -> Result<StepState<S, N>, Unsolved<S, N>> {
     let matrices: Vec<&Csr> = matrices.iter().collect();
-    let prescribed = model.prescribed(t).map_err(|(error, _)| Unsolved::<S, N>::from(error))?;
+    let prescribed = model.prescribed(t).map_err(|e| Unsolved::<S, N>::from(e.0))?;
     let (load, total) = model.loads(t);
     let system = System::of(model, t)?;
     let reduced = Reduced::try_new(&matrices, &load, &prescribed, &model.equations)?;
@@ -223,7 +224,11 @@ fn no_solver(_: &crate::app::registry::UnknownName) -> LinearError {
 }
 
 /// lambda <0, =0, >0 by gap =0, >0, <0, both as forces, zero within 1e-12 of the largest.
-fn sign_cases<const S: usize, const N: usize>(system: &ConstrainedSystem<'_>, full: &System<S, N>, solution: &ConstrainedSolution) -> Vec<u8> {
+fn sign_cases<const S: usize, const N: usize>(
+    system: &ConstrainedSystem<'_>,
+    full: &System<S, N>,
+    solution: &ConstrainedSolution,
+) -> Vec<u8> {
     let m = system.offset.len();
     if solution.gap.len() != m {
         return vec![9; m];
@@ -232,14 +237,25 @@ fn sign_cases<const S: usize, const N: usize>(system: &ConstrainedSystem<'_>, fu
     let per_length = |j: usize| if scales.weight[j] > 0.0 { scales.stiffness[j] / scales.weight[j] } else { 1.0 };
     let force: Vec<(f64, f64)> = (0..m).map(|j| (solution.multipliers[j] * scales.weight[j], solution.gap[j] * per_length(j))).collect();
     let contact = |j: &usize| full.kind[*j] == RowKind::Contact;
-    let largest = (0..m).filter(contact).map(|j| force[j].0.abs().max((solution.gap[j] - system.offset[j]).abs() * per_length(j))).fold(0.0, f64::max);
+    let largest = (0..m)
+        .filter(contact)
+        .map(|j| force[j].0.abs().max((solution.gap[j] - system.offset[j]).abs() * per_length(j)))
+        .fold(0.0, f64::max);
     (0..m)
         .map(|j| {
             if !contact(&j) {
                 return 9;
             }
             let zero = ZERO * largest.max(system.offset[j].abs() * per_length(j));
-            let column = |x: f64, below: u8, above: u8, at: u8| if x.abs() <= zero { at } else if x < 0.0 { below } else { above };
+            let column = |x: f64, below: u8, above: u8, at: u8| {
+                if x.abs() <= zero {
+                    at
+                } else if x < 0.0 {
+                    below
+                } else {
+                    above
+                }
+            };
             3 * column(force[j].0, 0, 2, 1) + column(force[j].1, 2, 1, 0)
         })
         .collect()
