@@ -1,5 +1,6 @@
 //! Floor 3: scalar bases, asked per element and batch of points in the element's own coordinates.
 
+mod bernstein;
 mod bspline;
 mod convert;
 mod extracted;
@@ -14,13 +15,14 @@ mod tensor;
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
 
+pub use bernstein::BernsteinSimplex;
 pub use bspline::BSpline;
 pub use extracted::Extracted;
 pub use knots::{ContainError, KnotError};
 pub use lagrange::{LagrangeLine, lagrange_nodes};
 pub use rational::{Rational, WeightError, check_weights};
 pub use refined::Refined;
-pub use simplex::{BernsteinSimplex, LagrangeSimplex, simplex_lattice, simplex_nodes, simplex_numbering};
+pub use simplex::{LagrangeSimplex, simplex_lattice, simplex_nodes, simplex_numbering};
 pub use table::{Order, ShapeTable};
 pub use tensor::TensorProduct;
 

@@ -201,11 +201,9 @@ proptest! {
         let last = breakpoints[breakpoints.len() - 1];
         let new: Vec<f64> = new.iter().map(|t| t * last).collect();
         let finer = net.insert(0, &new).unwrap().elevate(0, times);
-        let size = 1.0;
         for t in parameters(&finer.axes) {
             let error = (position(&net, t) - position(&finer, t)).amax();
-            // homogeneous coordinates are divided by weights down to a tenth
-            prop_assert!(error <= 1e-12 * size, "{} at {:?}", error, t);
+            prop_assert!(error <= 1e-13, "{} at {:?}", error, t);
         }
         prop_assert!(finer.weights.unwrap().iter().all(|&w| w > 0.0));
     }

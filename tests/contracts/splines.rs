@@ -90,8 +90,8 @@ fn lagrange_and_rough_splines_offer_the_same_multipliers() {
 }
 
 /// Knots of random spacing, over so many decades, and random multiplicity.
-fn any_spline(decades: f64) -> impl Strategy<Value = BSpline> {
-    (0usize..8, prop::collection::vec((-decades..0.0, 0usize..9), 1..8)).prop_map(|(degree, spans)| {
+fn any_spline(decades: f64, degrees: usize, spans: usize) -> impl Strategy<Value = BSpline> {
+    (0..degrees, prop::collection::vec((-decades..0.0, 0usize..9), 1..spans)).prop_map(|(degree, spans)| {
         let mut breakpoints = vec![-1.0];
         for s in &spans {
             breakpoints.push(breakpoints[breakpoints.len() - 1] + 10f64.powf(s.0));
@@ -105,27 +105,26 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(48) })]
 
     #[test]
-    fn any_spline_sums_to_one_and_is_not_negative(spline in any_spline(3.0)) {
+    fn any_spline_sums_to_one_and_is_not_negative(spline in any_spline(3.0, 8, 8)) {
         prop_assert_eq!(check::partition_of_unity(&spline), Ok(()));
         prop_assert_eq!(check::non_negative(&spline), Ok(()));
     }
 
     // on an element a thousand times smaller than its neighbours splines of degree 7 are dependent to working precision
     #[test]
-    fn any_spline_keeps_the_contract(spline in any_spline(0.7)) {
+    fn any_spline_keeps_the_contract(spline in any_spline(0.7, 8, 8)) {
         prop_assert_eq!(check::basis(&spline), Ok(()));
     }
 
     #[test]
-    fn any_product_is_a_block(a in any_spline(2.0), b in any_spline(2.0)) {
-        prop_assume!(a.num_elements() * b.num_elements() <= 12);
+    fn any_product_is_a_block(a in any_spline(0.7, 4, 4), b in any_spline(0.7, 3, 3)) {
         let plane = TensorProduct::<2, _>::new([a, b]);
         prop_assert!(plane.block(0).is_some());
-        prop_assert_eq!(check::partition_of_unity(&plane), Ok(()));
+        prop_assert_eq!(check::basis(&plane), Ok(()));
     }
 
     #[test]
-    fn any_spline_is_as_smooth_as_its_regularity_says(spline in any_spline(2.0)) {
+    fn any_spline_is_as_smooth_as_its_regularity_says(spline in any_spline(2.0, 8, 8)) {
         let (mut left, mut right, mut l, mut r) = (ShapeTable::new(), ShapeTable::new(), Vec::new(), Vec::new());
         for b in 1..spline.num_elements() {
             spline.tabulate(b - 1, &[Vector::<1>::new(1.0)], Order::Hessians, &mut left);
@@ -138,11 +137,9 @@ proptest! {
             });
             for i in 0..spline.num_functions() {
                 let (x, y) = (jet(&left, &l, i, h[0]), jet(&right, &r, i, h[1]));
-                for d in 0..=2usize.min(spline.regularity(b).max(-1) as usize).min(if spline.regularity(b) < 0 { 0 } else { 2 }) {
-                    if spline.regularity(b) >= d as isize {
-                        let size = h[0].min(h[1]).powi(-(d as i32)) * 100.0;
-                        prop_assert!((x[d] - y[d]).abs() <= 1e-13 * size, "derivative {} of {} jumps by {}", d, i, x[d] - y[d]);
-                    }
+                for d in (0..=2).filter(|&d| d as isize <= spline.regularity(b)) {
+                    let size = h[0].min(h[1]).powi(-(d as i32)) * 100.0;
+                    prop_assert!((x[d] - y[d]).abs() <= 1e-13 * size, "derivative {} of {} jumps by {}", d, i, x[d] - y[d]);
                 }
             }
         }
