@@ -427,7 +427,7 @@ fn pictures_to_look_at_are_written_where_asked() {
     });
     let rows: Vec<_> = (0..24)
         .map(|i| InterfaceRow {
-            s: 3.14159 * (i as f64 + 0.5) / 24.0,
+            s: std::f64::consts::PI * (i as f64 + 0.5) / 24.0,
             active: (10..14).contains(&i),
             lambda: vec![0.0],
             ..InterfaceRow::default()
@@ -440,4 +440,54 @@ fn pictures_to_look_at_are_written_where_asked() {
         .with("lambda", 2, |e, xi: &[Vector<1>]| xi.iter().flat_map(|x| [(e as f64 + x[0]).sin(), (e as f64 * 0.5).cos()]).collect());
     let picture = plot::SidePlot { title: "Multiplier", contact: false, rows: &rows, exact: None };
     std::fs::write(folder.join("tied.svg"), plot::side(&picture, &tied).unwrap()).unwrap();
+}
+
+/// Runs `case` in `folder` and returns its fields.vtu and its probes by name.
+fn run(folder: &std::path::Path, case: &str, backend: &str) -> (Vec<u8>, BTreeMap<String, f64>) {
+    std::fs::write(folder.join("case.toml"), case).unwrap();
+    let words = ["run", "case.toml", "--backend", backend, "--json"];
+    let out = Command::new(env!("CARGO_BIN_EXE_faying")).current_dir(folder).args(words).output().unwrap();
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let result: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    let probes = result["probes"].as_array().unwrap().iter();
+    let value = |p: &serde_json::Value| (p["name"].as_str().unwrap().to_owned(), p["value"].as_f64().unwrap());
+    (std::fs::read(folder.join("case.out/fields.vtu")).unwrap(), probes.map(value).collect())
+}
+
+#[test]
+fn vtk_finds_in_the_file_of_a_run_what_its_quantities_say() {
+    let sample = |name: &str| std::fs::read_to_string(format!("{}/examples/cases/{name}.toml", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    // stress in the patch test alone: elsewhere it is a quotient that the cells interpolate
+    for (name, patches, stress) in [("contact-patch", ["lower", "upper"], true), ("iga-fe-arc", ["inner", "outer"], false)] {
+        for backend in ["iga", "fe"] {
+            let case = sample(name);
+            let case = case.split("[[check]]").next().unwrap(); // probes are enough
+            let (bytes, _) = run(folder.path(), case, backend);
+            let file = read(&bytes);
+            file.check();
+            let Some(found) = by_vtk(&bytes, &POINTS[..3]) else { return };
+            let mut asked = case.to_owned();
+            for ((cell, q), vtk) in found.iter().filter(|((cell, _), _)| cell % 3 == 0) {
+                let patch = patches[file.arrays["patch"].1[*cell] as usize];
+                for quantity in ["u.x", "u.y", "stress.yy"] {
+                    let at = format!("{quantity} at [{:?}, {:?}] in {patch}", vtk["x"][0], vtk["x"][1]);
+                    let probe = quantity.replace('.', "-");
+                    asked += &format!("\n[[probe]]\nname = \"{probe}-{cell}-{q}\"\nquantity = \"{at}\"\n");
+                }
+            }
+            let (_, probes) = run(folder.path(), &asked, backend);
+            for ((cell, q), vtk) in found.iter().filter(|((cell, _), _)| cell % 3 == 0) {
+                let u = &vtk["displacement"];
+                let mut pairs = vec![("u-x", u[0]), ("u-y", u[1])];
+                if stress {
+                    pairs.push(("stress-yy", vtk["stress"][1]));
+                }
+                for (what, by_vtk) in pairs {
+                    let ours = probes[&format!("{what}-{cell}-{q}")];
+                    assert!((ours - by_vtk).abs() < 1e-9, "{name} ({backend}): {what} in cell {cell}: VTK {by_vtk}, ours {ours}");
+                }
+            }
+        }
+    }
 }

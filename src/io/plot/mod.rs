@@ -3,6 +3,8 @@
 //! Text uses the viewer's own sans-serif font. Equal input gives equal bytes.
 
 mod fields;
+mod frame;
+mod sample;
 mod side;
 
 use plotters::prelude::*;
@@ -39,6 +41,9 @@ impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for PlotE
     }
 }
 
+/// What is drawn on.
+type Root<'a, 'b> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
 /// Units of the drawing per pixel of the picture: the backend rounds to whole units, so curves stay smooth.
 const FINE: f64 = 8.0;
 
@@ -71,11 +76,7 @@ fn shortened(text: &str, pixels: f64, size: f64) -> String {
 }
 
 /// Draws in units and returns the text of an SVG that is `width` x `height` pixels large.
-fn document(
-    width: f64,
-    height: f64,
-    draw: impl FnOnce(&DrawingArea<SVGBackend<'_>, plotters::coord::Shift>) -> Result<(), PlotError>,
-) -> Result<String, PlotError> {
+fn document(width: f64, height: f64, draw: impl FnOnce(&Root<'_, '_>) -> Result<(), PlotError>) -> Result<String, PlotError> {
     let (w, h) = (units(width).max(1) as u32, units(height).max(1) as u32);
     let mut svg = String::new();
     {

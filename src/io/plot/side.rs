@@ -85,7 +85,7 @@ fn window(plot: &SidePlot<'_>, length: f64, curves: &[Runs]) -> [f64; 2] {
     let pressed = curves.iter().flatten().flatten().filter(|p| p.1 > 1e-6 * greatest);
     let (a, b) = pressed.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
     let zone = b - a;
-    if !plot.contact || !(zone > 0.0 && zone < 0.25 * length) {
+    if !(plot.contact && zone > 0.0 && zone < 0.25 * length) {
         return [0.0, length];
     }
     [(a - 0.6 * zone).max(0.0), (b + 0.6 * zone).min(length)]
