@@ -26,6 +26,9 @@ fn checked(registry: &Registry, arguments: &CheckArguments, common: &Common, clo
     let pool = case::pool(common)?;
     let result = pool.install(|| crate::app::run::check(&loaded.case, registry, &RunOptions::default(), &watch)).result;
     let diagnostics = Diagnostics { items: result.diagnostics.iter().chain(&result.warnings).cloned().collect() };
-    let summary = if result.exit == 0 { summary::of_check(&result) } else { String::new() };
+    if result.exit != 0 {
+        return Err(Ended::refused(result.exit, diagnostics));
+    }
+    let summary = summary::of_check(&result);
     Ok(Ended { exit: result.exit, summary, document: result.to_json(), diagnostics, message: None })
 }

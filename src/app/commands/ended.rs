@@ -36,7 +36,11 @@ pub fn status(exit: i32) -> &'static str {
 impl Ended {
     /// Ended by `diagnostics`, before there was a result.
     pub fn failed(diagnostics: Diagnostics) -> Self {
-        let exit = diagnostics.exit();
+        Self::refused(diagnostics.exit(), diagnostics)
+    }
+
+    /// Ended by `diagnostics` with this exit code; the document has no numbers, there are none.
+    pub fn refused(exit: i32, diagnostics: Diagnostics) -> Self {
         let document = failure(status(exit), exit, diagnostics.to_json());
         Self { exit, document, diagnostics, ..Self::default() }
     }

@@ -68,10 +68,9 @@ impl Job<'_> {
     fn write(&self, finished: Finished) -> Ended {
         let Finished { mut result, output } = finished;
         let mut diagnostics = Diagnostics { items: result.diagnostics.iter().chain(&result.warnings).cloned().collect() };
-        let no_folder = result.exit == 3 || (result.exit == 6 && output.is_none());
-        if no_folder {
-            let document = result.to_json();
-            return Ended { exit: result.exit, document, diagnostics, ..Ended::default() };
+        // refused before anything was solved: no folder
+        if result.exit == 3 || (matches!(result.exit, 4 | 6) && output.is_none()) {
+            return Ended::refused(result.exit, diagnostics);
         }
         self.clock.hear(Progress::Phase("draw"));
         let mut trouble = Diagnostics::new();
