@@ -306,7 +306,7 @@ fn wrong_cases_are_refused_with_code_place_and_advice() {
         (pair("min = [0.5, 1], max = [1.5, 2]", &tie("")), "E025", "only 50 % of the slave side `b.bottom`"),
         // multipliers
         (pair(upper, &tie("multiplier = \"p/p-4\"\n")), "E064", "p/p-4"),
-(square("").replace("dimension = 2", "dimension = 2\ngravity = [0, -9.81]"), "E013", "gravity needs the density of material \"m\""),
+(square("").replace("dimension = 2", "dimension = 2\ngravity = [0, -9.81]"), "E013", "`gravity` needs a density, material \"m\" has none"),
         // supports
         (pair(upper, ""), "E051", "body \"b\" can still move: translation x, translation y, rotation"),
         (
@@ -448,4 +448,47 @@ fn names_of_a_registry_from_outside_run_from_a_case_file() {
     // without the names the case is refused with the names there are
     let refused = Case::parse("case.toml", &text, &ReadOptions::default()).expect_err("unknown names");
     assert!(refused.to_string().contains("higher"), "{refused}");
+}
+
+/// Solves, and then claims that row 0 pulls while it is closed and penetrates while it is open.
+#[derive(Debug, Default)]
+struct Fickle(faying::constraint::Direct);
+
+impl faying::constraint::ConstraintSolver for Fickle {
+    fn solve(
+        &mut self,
+        system: &faying::constraint::ConstrainedSystem<'_>,
+    ) -> Result<faying::constraint::ConstrainedSolution, faying::constraint::SolveError> {
+        let mut solution = self.0.solve(system)?;
+        if solution.active[0] {
+            solution.multipliers[0] = 10.0;
+        } else {
+            solution.gap[0] = -10.0;
+        }
+        Ok(solution)
+    }
+}
+
+#[test]
+fn an_active_set_that_cycles_names_the_iterations_and_the_functions() {
+    let mut registry = Registry::default();
+    registry.solvers.add("fickle", Box::new(|| Box::new(Fickle::default())));
+    let text = pair(
+        "min = [0, 1], max = [1, 2]",
+        "[[boundary]]\non = \"b.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"b.top\"\npressure = 1.0\n\
+         [[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n[[probe]]\nname = \"p\"\nquantity = \"u.y at [1, 2] in b\"\n\
+         [solver]\nconstraint = \"fickle\"\n",
+    );
+    let options = ReadOptions { names: registry.case_names(), ..ReadOptions::default() };
+    let result =
+        Case::parse("case.toml", &text, &options).unwrap_or_else(|e| panic!("{e}")).run(&registry).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!((result.status, result.exit), (Status::NotConverged, 5));
+    let d = &result.diagnostics[0];
+    assert_eq!(d.code, "E071");
+    for part in ["visited the same state twice (iterations 1 and 3)", "functions 0 of \"c\" on `b.bottom` flip", "near x = ", "y = 1"] {
+        assert!(d.message.contains(part), "{}", d.message);
+    }
+    let set = result.solve.as_ref().and_then(|s| s.active_set.as_ref()).unwrap();
+    assert_eq!((set.cycles, set.iterations), (1, 2));
+    assert!(probe(&result, "p").is_finite(), "the last state is kept");
 }

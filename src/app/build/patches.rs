@@ -81,10 +81,6 @@ fn one<const S: usize, const N: usize>(
     let source = [&case.model.source, &patch.source].into_iter().flatten().flat_map(|s| s.value.iter().map(|f| f.value.clone())).collect();
     let weight = match (&case.model.gravity, &material.density) {
         (Some(g), Some(density)) => Some((density.value.clone(), g.value.clone())),
-        (Some(_), None) => {
-            let text = format!("gravity needs the density of material \"{}\"", material.name.value);
-            return Err(Box::new(builder.error("E013", text, material.head.at).with_help("write density = ...")));
-        }
         _ => None,
     };
     Ok(PatchModel {

@@ -223,7 +223,8 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
             }
         }
         let name = side.split('.').next().unwrap_or(side);
-        self.patch(name, at).map(|_| Prepared::Study)
+        self.patch(name, at)?;
+        Err(self.fault("E018", format!("`{text}` is no quantity; write length.PATCH.SIDE"), at))
     }
 
     fn path(&self, text: &str, mut path: Vec<String>, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
