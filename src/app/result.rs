@@ -112,7 +112,7 @@ pub struct Least {
 pub struct Kkt {
     /// Largest tension, max(lambda_j, 0) [force/area].
     pub lambda: f64,
-    /// Largest penetration, max(-gap_j, 0), of the lumped gap [length].
+    /// Largest penetration, max(-gap_j, 0), of the lumped gap \[length\].
     pub gap: f64,
     /// Largest |lambda_j gap_j|.
     pub product: f64,
@@ -146,7 +146,7 @@ impl Default for Moment {
 /// One contact.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ContactReport {
-    /// What the master does to the slave [force].
+    /// What the master does to the slave \[force\].
     pub force: Vec<f64>,
     /// Its moment about the origin [force length].
     pub moment: Moment,
@@ -154,7 +154,7 @@ pub struct ContactReport {
     pub area: f64,
     /// Extremes of the pressure -lambda at the points of integration [force/area].
     pub pressure: Extremes,
-    /// Least lumped gap [length].
+    /// Least lumped gap \[length\].
     pub gap: Least,
     /// Active multipliers.
     pub active: usize,
@@ -164,7 +164,7 @@ pub struct ContactReport {
     pub sign_cases: [usize; 9],
     /// Pieces that face the master.
     pub segments: SegmentsReport,
-    /// Half the extent of the zone along the side; all of it where the zone ends at an end of the side [length].
+    /// Half the extent of the zone along the side; all of it where the zone ends at an end of the side \[length\].
     pub half_width: f64,
     /// Linear systems solved by the active set.
     pub iterations: usize,
@@ -194,7 +194,7 @@ pub struct InterfaceReport {
     pub jump: L2,
     /// Pieces seen from both sides.
     pub segments: SegmentsReport,
-    /// Largest distance of partner points [length].
+    /// Largest distance of partner points \[length\].
     pub distance: f64,
     /// Largest difference of the forces on both sides, relative to the sum of their sizes: zero by action and reaction.
     pub consistency: f64,
@@ -203,7 +203,7 @@ pub struct InterfaceReport {
 /// Sum of all forces and moments on the model, zero in equilibrium.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Balance {
-    /// Loads + reactions + forces of obstacles [force].
+    /// Loads + reactions + forces of obstacles \[force\].
     pub force: Vec<f64>,
     /// Their moment about the origin [force length]; elasticity only.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -296,7 +296,7 @@ pub struct RunResult {
     pub contact: Named<ContactReport>,
     /// Every tied interface by name.
     pub interface: Named<InterfaceReport>,
-    /// What the support of every side with Dirichlet data does to the body [force]; a corner's share is split equally
+    /// What the support of every side with Dirichlet data does to the body \[force\]; a corner's share is split equally
     /// among the sides that hold it.
     pub reactions: Named<Vec<f64>>,
     /// Sum of all forces.

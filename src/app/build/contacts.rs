@@ -3,8 +3,9 @@
 use super::Builder;
 use super::fixed::Fixed;
 use super::model::{Against, ContactModel, ContactPart, Model, SideModel};
+use super::multipliers::{multiplier, multiplier_fault};
 use super::sides::Sides;
-use super::ties::{degree, labels, list, memberships, multiplier, multiplier_fault};
+use super::ties::{degree, labels, list, memberships};
 use crate::assembly::gauss_rules;
 use crate::basis::{Order, ShapeTable};
 use crate::contact::{Contact, ContactError, HalfPlane, LevelSet, Moved, Opponent, Sphere, Target};

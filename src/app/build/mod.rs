@@ -6,6 +6,7 @@ mod divisions;
 mod exact;
 mod fixed;
 mod model;
+mod multipliers;
 mod patches;
 mod physics;
 mod plane;

@@ -100,7 +100,7 @@ pub enum Action {
     Exact(usize),
     /// Pressure along minus the outward normal.
     Pressure(Formula),
-    /// Component of a resultant, spread evenly [force].
+    /// Component of a resultant, spread evenly \[force\].
     Force(usize, Formula, f64),
 }
 
@@ -245,7 +245,7 @@ pub struct Model<const S: usize, const N: usize> {
     pub c: f64,
     /// Middle of the model.
     pub center: Vector<N>,
-    /// Diagonal of the box around the model [length].
+    /// Diagonal of the box around the model \[length\].
     pub size: f64,
     /// Warnings found while building.
     pub warnings: Diagnostics,

@@ -1,6 +1,8 @@
 //! Running a case: build, predict, assemble, solve, measure.
 
 mod arc_length;
+mod errors;
+mod faults;
 mod fields;
 mod integrate;
 mod loads;
@@ -8,17 +10,17 @@ mod predict;
 mod report;
 mod solve;
 
-use super::build::{self, MakeNet, Model, free_motions, plane_net, sentences};
+use faults::{floating, memory_limit, step_fault, stopped};
+
+use super::build::{self, MakeNet, Model, plane_net};
 use super::output::{Finished, RunOptions};
 use super::quantities::Questions;
 use super::registry::{Names, Registry, solver_name};
 use super::result::{RunResult, Status, StepReport};
-use super::watch::{Progress, Stop, Watch};
-use crate::constraint::SolveError;
+use super::watch::{Progress, Watch};
 use crate::contact::half_width;
 use crate::io::case::Case;
 use crate::io::errors::{Diagnostic, Diagnostics, Severity};
-use crate::linalg::LinearError;
 use std::sync::Arc;
 
 pub use loads::Resultant;
@@ -216,165 +218,4 @@ fn solve_case<const S: usize, const N: usize>(
         }
     }
     Ok((result, last.map(|state| Solved { model, state })))
-}
-
-fn memory_limit<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, prediction: &Prediction, limit: u64) -> Diagnostic {
-    let largest = (0..model.patches.len()).max_by_key(|&k| model.patches[k].num_unknowns()).unwrap_or(0);
-    let at = case.patches.get(largest).map(|p| p.elements.at).unwrap_or_default();
-    let name = model.patches.get(largest).map_or("", |p| p.name.as_str());
-    let text = format!("{} unknowns need about {} of memory; the limit is {}", model.unknowns, bytes(prediction.memory), bytes(limit));
-    Diagnostic::error("E081", text).at(&case.source, at).with_help(format!("raise --max-memory, or give patch \"{name}\" fewer elements"))
-}
-
-fn stopped(result: &mut RunResult, stop: Stop) {
-    let (status, text) = match stop {
-        Stop::Interrupted => (Status::Interrupted, "the run was interrupted".to_string()),
-        Stop::TimeLimit { seconds } => {
-            let text = format!("the time limit of {seconds} s has passed");
-            result.diagnostics.push(Diagnostic::error("E081", text.clone()).with_help("raise --time-limit"));
-            (Status::Limit, text)
-        }
-    };
-    if let Some(solve) = &mut result.solve {
-        solve.reason = text;
-    }
-    result.status = status;
-    result.exit = status.exit();
-}
-
-/// What a failed step means to the user.
-fn step_fault<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, error: &StepError) -> (Status, &'static str, Diagnostic) {
-    let contact = case.contacts.first().map(|c| c.active_set.max_iterations.at).unwrap_or_default();
-    let at = |d: Diagnostic| d.at(&case.source, contact);
-    match error {
-        StepError::Solve(SolveError::Cycling { first, second, rows, .. }) => {
-            let text = format!(
-                "contact does not settle: the active set visited the same state twice (iterations {first} and {second}); {}",
-                flipping(model, rows)
-            );
-            (
-                Status::NotConverged,
-                "cycling",
-                at(Diagnostic::error("E071", text)).with_help("try active_set = { start = \"gap\" }, another c, or more elements"),
-            )
-        }
-        StepError::Solve(SolveError::TooManyIterations { iterations, .. }) => {
-            let text = format!("contact does not settle within {iterations} iterations of the active set");
-            (Status::NotConverged, "iterations", at(Diagnostic::error("E071", text)).with_help("raise active_set.max_iterations"))
-        }
-        StepError::Solve(SolveError::RigidMotion { iteration, open, .. }) => {
-            let is_open = |k: usize, p: usize, q: usize| {
-                let part = &model.contacts[k].parts[p];
-                let piece = part.first.segments.start.partition_point(|&s| s <= q) - 1;
-                let mut ids = Vec::new();
-                part.multiplier.active(part.first.segments.slave[piece], &mut ids);
-                ids.iter().all(|j| open.contains(&(part.first_row + j)))
-            };
-            let free = free_motions(model, &|k, p, q| !is_open(k, p, q));
-            let bodies = sentences(model, &free);
-            let who = if bodies.is_empty() { "a body lost its support".to_string() } else { bodies.join("; ") };
-            let text = format!("rigid motion left: {who} (iteration {iteration} of the active set, {} contact rows open)", open.len());
-            (
-                Status::Singular,
-                "rigid motion left",
-                Diagnostic::error("E072", text).with_help("support the body beside its contacts, or press it on"),
-            )
-        }
-        StepError::Solve(SolveError::Linear(LinearError::NotFinite)) => {
-            let text = "a number in the system is not finite; a load or a material formula has no value somewhere on its body";
-            (Status::NotFinite, "not-finite", Diagnostic::error("E073", text))
-        }
-        StepError::Solve(SolveError::OverConstrained { row, .. }) => {
-            let text = format!("the constraints are redundant: {}", owner(model, *row));
-            (
-                Status::Singular,
-                "singular",
-                Diagnostic::error("E072", text).with_help("lower the multiplier's degree or refine the slave side"),
-            )
-        }
-        other => (Status::Singular, "singular", Diagnostic::error("E072", other.to_string())),
-    }
-}
-
-/// Which interface a row belongs to, and its number there.
-fn owner<const S: usize, const N: usize>(model: &Model<S, N>, row: usize) -> String {
-    let ties = model.ties.iter().flat_map(|t| t.parts.iter().map(move |p| (&t.name, p.first_row, p.num_rows)));
-    let contacts = model.contacts.iter().flat_map(|c| c.parts.iter().map(move |p| (&c.name, p.first_row, p.multiplier.num_functions())));
-    ties.chain(contacts)
-        .find(|(_, first, n)| (*first..first + n).contains(&row))
-        .map_or_else(|| format!("row {row}"), |(name, first, _)| format!("row {} of \"{name}\"", row - first))
-}
-
-fn flipping<const S: usize, const N: usize>(model: &Model<S, N>, rows: &[usize]) -> String {
-    let mut lists: Vec<String> = Vec::new();
-    for c in &model.contacts {
-        for p in &c.parts {
-            let range = p.first_row..p.first_row + p.multiplier.num_functions();
-            let mine: Vec<usize> = rows.iter().copied().filter(|r| range.contains(r)).collect();
-            if mine.is_empty() {
-                continue;
-            }
-            let numbers: Vec<String> = mine.iter().take(8).map(|r| (r - p.first_row).to_string()).collect();
-            let more = if mine.len() > 8 { format!(" and {} more", mine.len() - 8) } else { String::new() };
-            let place = place_of(p, mine[0] - p.first_row).map_or(String::new(), |x| format!(" (near {x})"));
-            lists.push(format!("functions {}{more} of \"{}\" on `{}` flip{place}", numbers.join(", "), c.name, p.slave.label));
-        }
-    }
-    lists.join("; ")
-}
-
-/// Where a multiplier function of a contact lives: its heaviest point.
-fn place_of<const S: usize, const N: usize>(part: &build::ContactPart<S, N>, function: usize) -> Option<String> {
-    let s = &part.first.segments;
-    let mut best: Option<(f64, usize)> = None;
-    let (mut ids, mut table) = (Vec::new(), crate::basis::ShapeTable::new());
-    for piece in 0..s.num_pieces() {
-        part.multiplier.active(s.slave[piece], &mut ids);
-        let Some(a) = ids.iter().position(|&j| j == function) else { continue };
-        part.multiplier.tabulate(s.slave[piece], &s.slave_xi[s.points(piece)], crate::basis::Order::Values, &mut table);
-        for (k, q) in s.points(piece).enumerate() {
-            let value = table.values(k)[a];
-            if best.is_none_or(|b| value > b.0) {
-                best = Some((value, q));
-            }
-        }
-    }
-    let (_, q) = best?;
-    let list: Vec<String> =
-        ["x", "y", "z"][..N].iter().zip(part.first.frames.x[q].iter()).map(|(l, v)| format!("{l} = {}", build::short(*v))).collect();
-    Some(list.join(", "))
-}
-
-/// A body that the final active set leaves free: nothing determines where it is.
-fn floating<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Option<Diagnostic> {
-    if model.contacts.is_empty() {
-        return None;
-    }
-    let mut ids = Vec::new();
-    // a point counts as closed where an active function lives
-    let closed: Vec<Vec<Vec<bool>>> = model
-        .contacts
-        .iter()
-        .map(|c| {
-            c.parts
-                .iter()
-                .map(|p| {
-                    let s = &p.first.segments;
-                    let mut flags = vec![false; s.ds.len()];
-                    for piece in 0..s.num_pieces() {
-                        p.multiplier.active(s.slave[piece], &mut ids);
-                        let active = ids.iter().any(|j| state.active[p.first_row + j]);
-                        s.points(piece).for_each(|q| flags[q] = active);
-                    }
-                    flags
-                })
-                .collect()
-        })
-        .collect();
-    let free = free_motions(model, &|k, p, q| closed[k][p][q]);
-    if free.is_empty() {
-        return None;
-    }
-    let text = format!("rigid motion left: {}", sentences(model, &free).join("; "));
-    Some(Diagnostic::error("E072", text).with_help("every contact that held it has opened"))
 }
