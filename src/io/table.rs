@@ -96,13 +96,13 @@ pub fn exact(x: f64) -> String {
 /// One multiplier function of an interface or a contact.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InterfaceRow {
-    /// Arc length along the slave side where the function is centred [length].
+    /// Arc length along the slave side where the function is centred \[length\].
     pub s: f64,
     /// That point.
     pub x: [f64; 3],
     /// The multiplier: one number in contact and for Poisson, else one per component.
     pub lambda: Vec<f64>,
-    /// The lumped gap [length]; tied sides have none.
+    /// The lumped gap \[length\]; tied sides have none.
     pub gap: Option<f64>,
     /// Whether the row is enforced.
     pub active: bool,
