@@ -429,6 +429,32 @@ fn lowered_ends_lose_a_degree_there_and_still_sum_to_one() {
 }
 
 #[test]
+fn lowered_ends_keep_splines_of_any_smoothness_non_negative() {
+    for p in 1..=6_usize {
+        for continuity in 0..p as isize {
+            for elements in [2, 3, 7] {
+                let spline = BSpline::<f64>::from_breakpoints(p, &random_grid(elements, 3 + p as u64), &vec![continuity; elements - 1]);
+                let ends = side_ends(&spline);
+                let full = spline.num_functions();
+                let psi = faying::coupling::multiplier::end_lowered(Box::new(spline), &ends).unwrap();
+                assert_eq!(psi.num_functions(), full - 2);
+                faying::check::non_negative(&*psi).unwrap();
+                faying::check::partition_of_unity(&*psi).unwrap();
+            }
+        }
+    }
+    // the end element of a Lagrange trace has the Bernstein functions of one degree less
+    let cubic = BSpline::<f64>::uniform(3, 2, 0);
+    let ends = side_ends(&cubic);
+    let psi = faying::coupling::multiplier::end_lowered(Box::new(cubic), &ends).unwrap();
+    let (mut table, t) = (ShapeTable::new(), 0.3);
+    psi.tabulate(0, &[Vector::<1>::new(t)], Order::Values, &mut table);
+    for (found, expected) in table.values(0).iter().zip([(1.0 - t) * (1.0 - t), 2.0 * t * (1.0 - t), t * t]) {
+        assert!((found - expected).abs() < 1e-14);
+    }
+}
+
+#[test]
 fn one_element_lowered_at_both_ends_loses_two_degrees() {
     let space = spline_on(&uniform(1), 3, line, false);
     assert_eq!(build(&space, MultiplierKind::Lowered(0), &[true, true]).unwrap().num_functions(), 2);
