@@ -194,6 +194,10 @@ fn springs_resultants_gravity_and_sliding_sides_carry_their_share() {
     // the same under its own weight: density 2 times 9 times area 2
     let result = run(&springs.replace("GRAVITY", "gravity = [0, -9]").replace("young", "density = 2.0\nyoung"));
     close(probe(&result, "sink"), -(3.0 + 36.0) / 10.0, 1e-6, "force and weight over spring stiffness");
+    // gravity of the patch adds to it
+    let own = springs.replace("GRAVITY", "gravity = [0, -5]").replace("young", "density = 2.0\nyoung");
+    let result = run(&own.replace("elements", "gravity = [0, -4]\nelements"));
+    close(probe(&result, "sink"), -(3.0 + 36.0) / 10.0, 1e-6, "gravity of model and patch");
     // inclined rollers at 45 degrees, pressure on the third side: one stress everywhere, sqrt(1 - nu + nu^2) in plane strain
     let inclined = plate(
         "min = [0, 0], max = [1, 1], rotate_deg = 45",

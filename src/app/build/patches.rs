@@ -79,10 +79,11 @@ fn one<const S: usize, const N: usize>(
     let extra_points = patch.discretization.extra_points.value;
     let rules = gauss_rules(&**body.space(), extra_points);
     let source = [&case.model.source, &patch.source].into_iter().flatten().flat_map(|s| s.value.iter().map(|f| f.value.clone())).collect();
-    let weight = match (&case.model.gravity, &material.density) {
-        (Some(g), Some(density)) => Some((density.value.clone(), g.value.clone())),
-        _ => None,
-    };
+    let accelerations = [&case.model.gravity, &patch.gravity].into_iter().flatten();
+    let gravity = accelerations.fold(None, |sum: Option<Vec<f64>>, g| {
+        Some(sum.map_or_else(|| g.value.clone(), |s| s.iter().zip(g.iter()).map(|(a, b)| a + b).collect()))
+    });
+    let weight = material.density.as_ref().map(|d| d.value.clone()).zip(gravity);
     Ok(PatchModel {
         name: name.clone(),
         backend: backend.value.clone(),

@@ -44,6 +44,7 @@ pub(super) const PATCH: &[&str] = &[
     "extra_points",
     "source",
     "body_force",
+    "gravity",
     "closed",
     "glue",
 ];
@@ -103,6 +104,9 @@ pub(super) const CONTACT: &[&str] = &[
 
 /// Other names of a key.
 pub(super) const ALIASES: &[(&str, &str)] = &[("nonmortar", "slave"), ("secondary", "slave"), ("mortar", "master"), ("primary", "master")];
+
+/// Symbols that stand in textbooks for a key.
+pub(super) const SYMBOLS: &[(&str, &str)] = &[("E", "young"), ("nu", "poisson"), ("rho", "density")];
 
 /// Kinds of obstacle with their own keys; every kind of geometry is one too.
 pub(super) const OBSTACLES: &[(&str, &[&str])] = &[

@@ -20,6 +20,7 @@ mod tie;
 mod tree;
 mod types;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use self::reader::{Block, Reader};
@@ -89,7 +90,8 @@ impl Case {
             names: Vec::new(),
             dimension: 2,
             components: 1,
-            materials_broken: false,
+            broken: BTreeSet::new(),
+            density_broken: false,
         };
         for (k, option) in options.sets.iter().enumerate() {
             if let Err(d) = set::apply(&mut root, option, k) {
@@ -221,11 +223,14 @@ impl Reader {
             root.default("material", Value::List(vec![Node::new(Value::Table(table), Place::NONE)]));
             materials = self.list(&mut root, "material", keys::MATERIAL, |r, b, k| r.material(b, k, &model));
         }
-        self.materials_broken = materials.is_empty() && root.has("material");
+        // before the patches, which refer to them
+        self.unique("material", &materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>());
         let patches = self.list(&mut root, "patch", keys::PATCH, |r, b, k| r.patch(b, k, &model, &discretization, &materials, names));
+        self.unique("patch", &patches.iter().map(|p| p.name.clone()).collect::<Vec<_>>());
         if !root.has("patch") {
             let help = "write [[patch]] with name, geometry and elements";
-            self.fault("E013", Place::NONE, "[[patch]] is missing in the case", help);
+            self.broken.insert("patch".to_owned());
+            self.fault("E013", self.source.lines.place(0..0), "[[patch]] is missing in the case", help);
         }
         let read = self.list(&mut root, "boundary", keys::BOUNDARY, |r, b, k| r.boundary(b, k, &model, &patches));
         let interfaces = self.list(&mut root, "interface", keys::INTERFACE, |r, b, k| r.interface(b, k, &model, &patches, names));
@@ -240,8 +245,6 @@ impl Reader {
         let checks = self.list(&mut root, "check", keys::CHECK, |r, b, k| r.check(b, k, names));
         let studies = self.studies(root.node("study").cloned().as_ref());
 
-        self.unique("material", &materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>());
-        self.unique("patch", &patches.iter().map(|p| p.name.clone()).collect::<Vec<_>>());
         self.unique("boundary", &read.iter().map(|b| b.boundary.name.clone()).collect::<Vec<_>>());
         let couples = interfaces.iter().map(|t| t.name.clone()).chain(contacts.iter().map(|c| c.name.clone()));
         self.unique("interface or contact", &couples.collect::<Vec<_>>());
@@ -315,7 +318,7 @@ impl Reader {
             None if required => {
                 self.fault(
                     "E013",
-                    Place::NONE,
+                    self.source.lines.place(0..0),
                     format!("[{key}] is missing in the case"),
                     format!("keys of [{key}]: {}", known.join(", ")),
                 );
@@ -340,8 +343,12 @@ impl Reader {
         known: &[&'static str],
         mut read: impl FnMut(&mut Self, &mut Block, usize) -> T,
     ) -> Vec<T> {
+        if root.meant.contains(&key) {
+            self.broken.insert(key.to_owned());
+        }
         let Some(node) = root.node(key).cloned() else { return Vec::new() };
         let wrong = |r: &mut Self, node: &Node| {
+            r.broken.insert(key.to_owned());
             r.fault("E014", node.at, format!("`{key}` must be a list of tables, found {}", node.describe()), format!("write [[{key}]]"));
         };
         let Value::List(items) = &node.value else {
@@ -371,7 +378,7 @@ impl Reader {
 // names that quantities may hold
 fn name_list(root: &Block) -> Vec<String> {
     let mut out = Vec::new();
-    for key in ["patch", "interface", "contact", "boundary"] {
+    for key in ["patch", "interface", "contact", "boundary", "probe"] {
         let Some(Value::List(items)) = root.node(key).map(|n| &n.value) else { continue };
         for (k, item) in items.iter().enumerate() {
             let Value::Table(t) = &item.value else { continue };

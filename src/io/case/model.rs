@@ -88,6 +88,9 @@ impl Reader {
             let field = self.field_of(&u, "exact.u", Uses::Space, n);
             Some(field)
         });
+        if b.has("exact") && exact.is_none() {
+            self.broken.insert("exact".to_owned());
+        }
         let source = self.source(b, poisson, n);
         if let (Some(_), Some(s)) = (&exact, &source) {
             self.fault(
@@ -97,12 +100,19 @@ impl Reader {
                 "it follows from `exact`; leave one of them out",
             );
         }
+        let gravity = self.gravity(b, poisson);
+        let reference = b.node("reference").cloned().and_then(|node| self.text_of(&node, "reference"));
+        Model { head: b.head(), physics, dimension, assumption, exact, source, gravity, reference }
+    }
+
+    /// `gravity` (elasticity).
+    pub fn gravity(&mut self, b: &Block, poisson: bool) -> Option<Located<Vec<f64>>> {
         let gravity = b.node("gravity").cloned().and_then(|node| self.vector_of(&node, "gravity", true));
         if let (true, Some(g)) = (poisson, &gravity) {
             self.fault("E015", g.at, "`gravity` is a key of elasticity, the physics here is poisson", "use source");
+            return None;
         }
-        let reference = b.node("reference").cloned().and_then(|node| self.text_of(&node, "reference"));
-        Model { head: b.head(), physics, dimension, assumption, exact, source, gravity, reference }
+        gravity
     }
 
     /// `source` (Poisson) or `body_force` (elasticity).
@@ -232,6 +242,7 @@ impl Reader {
             );
         }
         let density = self.formula(b, "density", Uses::Space);
+        self.density_broken |= density.is_none() && b.has("density");
         let conductivity = match self.formula(b, "conductivity", Uses::Space) {
             Some(k) => k,
             None if poisson && !b.has("conductivity") => Located::new(Formula::constant(1.0), b.default("conductivity", Value::Float(1.0))),

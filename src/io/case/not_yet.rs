@@ -2,6 +2,7 @@
 //!
 //! Every entry is already typed; building one means to delete its line here.
 
+use super::keys;
 use super::reader::Reader;
 use super::types::*;
 use crate::io::place::{Located, Place};
@@ -10,6 +11,8 @@ use crate::io::place::{Located, Place};
 const COUPLINGS: &[&str] = &["nitsche", "penalty", "glue"];
 /// Constraint solvers of the contract that are not built.
 const CONSTRAINTS: &[&str] = &["schur", "uzawa"];
+/// Kinds of obstacle that are built.
+const OBSTACLES: &[&str] = &["half-plane", "sphere", "level-set"];
 /// Multipliers of the contract that are not built.
 const MULTIPLIERS: &[&str] = &["dual"];
 
@@ -93,17 +96,21 @@ impl Reader {
         self.later_multiplier(&c.multiplier);
         self.later_integration(&c.integration);
         if let Master::Rigid(o) = &c.master {
-            let kinds = "kinds: half-plane, sphere, level-set";
-            match &o.shape.value {
-                ObstacleShape::Cylinder { .. } => self.later(o.shape.at, "an obstacle of kind \"cylinder\"", kinds),
-                ObstacleShape::Torus { .. } => self.later(o.shape.at, "an obstacle of kind \"torus\"", kinds),
-                ObstacleShape::Geometry(s) => self.later(o.shape.at, &format!("an obstacle of kind {:?}", s.kind()), kinds),
-                _ => {}
-            }
             if let Some(f) = o.force.iter().flatten().next() {
                 self.later(f.at, "`force` of an obstacle", "use move");
             }
         }
+    }
+
+    /// Reports an obstacle of a kind that is not built in place of everything found since `before`.
+    pub fn later_obstacle(&mut self, kind: &str, at: Place, before: usize) -> bool {
+        let known = keys::OBSTACLES.iter().chain(keys::GEOMETRIES).any(|(k, _)| *k == kind);
+        let later = known && !OBSTACLES.contains(&kind);
+        if later {
+            self.found.items.truncate(before);
+            self.later(at, &format!("an obstacle of kind {kind:?}"), "kinds: half-plane, sphere, level-set");
+        }
+        later
     }
 
     fn later_multiplier(&mut self, m: &Located<Multiplier>) {

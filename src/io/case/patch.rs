@@ -24,7 +24,7 @@ impl Reader {
     ) -> Patch {
         let name = self.name(b, "patch", index, true);
         let geometry = self.patch_geometry(b);
-        let material = self.patch_material(b, materials, &name.value);
+        let material = self.patch_material(b, materials);
         let discretization = self.discretization(b, Some(defaults), names);
         self.check_discretization(&discretization);
         let elements = self.elements(b, &geometry.shape);
@@ -40,29 +40,32 @@ impl Reader {
                 "it follows from `exact`; leave one of them out",
             );
         }
+        let gravity = self.gravity(b, poisson);
         let closed = b.node("closed").cloned().and_then(|n| self.text_of(&n, "closed"));
         let glue = self.flag_without_default(b, "glue", true);
-        Patch { head: b.head(), name, geometry, material, elements, refine, grade, discretization, source, closed, glue }
+        Patch { head: b.head(), name, geometry, material, elements, refine, grade, discretization, source, gravity, closed, glue }
     }
 
     fn flag_without_default(&mut self, b: &mut Block, key: &str, default: bool) -> Located<bool> {
         if b.has(key) { self.flag(b, key, default) } else { Located::new(default, b.at) }
     }
 
-    fn patch_material(&mut self, b: &mut Block, materials: &[Material], patch: &str) -> Located<usize> {
+    fn patch_material(&mut self, b: &mut Block, materials: &[Material]) -> Located<usize> {
         let list = || materials.iter().map(|m| m.name.value.as_str()).collect::<Vec<_>>().join(", ");
+        // [[material]] itself could not be read
+        let broken = self.broken.contains("material");
+        let what = b.what.clone();
         let Some(node) = b.node("material").cloned() else {
             match materials.len() {
-                // [[material]] itself could not be read
-                0 if self.materials_broken => {}
-                0 => self.fault("E054", b.at, format!("patch {patch:?} has no material"), "add [[material]] with name, young and poisson"),
+                0 if broken => {}
+                0 => self.fault("E054", b.at, format!("{what} has no material"), "add [[material]] with name, young and poisson"),
                 1 => {
                     let at = b.default("material", Value::Text(materials[0].name.value.clone()));
                     return Located::new(0, at);
                 }
                 _ => {
                     let help = format!("write material = {:?}; materials: {}", materials[0].name.value, list());
-                    self.fault("E054", b.at, format!("patch {patch:?} has no material, and there are {}", materials.len()), help);
+                    self.fault("E054", b.at, format!("{what} has no material, and there are {}", materials.len()), help);
                 }
             }
             return Located::new(0, b.at);
@@ -71,7 +74,7 @@ impl Reader {
         if let Some(k) = materials.iter().position(|m| m.name.value == name.value) {
             return Located::new(k, node.at);
         }
-        if self.materials_broken {
+        if broken {
             return Located::new(0, node.at);
         }
         let mut d = Diagnostic::error("E054", format!("there is no material {:?}", short(&name.value)));
@@ -131,7 +134,7 @@ impl Reader {
             std::iter::once("kind").chain(kinds.iter().flat_map(|(_, k)| k.iter().copied())).chain(common.iter().copied()).collect();
         // the kind first: its keys are the ones to suggest
         let kind_node = match &node.value {
-            Value::Table(t) => t.get("kind").map(|e| e.node.clone()),
+            Value::Table(t) => self.kind_of(t, what, &all),
             _ => {
                 self.wrong_type(node, what, "a table with a `kind`", format!("write {what} = {{ kind = {:?}, .. }}", kinds[0].0));
                 return None;
@@ -152,6 +155,12 @@ impl Reader {
         let known: Vec<&'static str> = std::iter::once("kind").chain(own.iter().copied()).chain(common.iter().copied()).collect();
         let Value::Table(table) = &node.value else { return None };
         let mut table = table.clone();
+        if table.get("kind").is_none() {
+            // misspelt, and reported
+            if let Some(e) = table.entries.iter_mut().find(|e| e.node.at == kind_node.at) {
+                e.key = "kind".to_owned();
+            }
+        }
         for e in &table.entries {
             if !known.contains(&e.key.as_str()) && all.contains(&e.key.as_str()) {
                 let help = format!("keys here: {}", known.join(", "));
@@ -162,6 +171,16 @@ impl Reader {
         let clean = Node { value: Value::Table(table), ..node.clone() };
         let b = self.block(&clean, &format!("`{what}` of kind {kind:?}"), &known)?;
         Some((b, kind))
+    }
+
+    // `kind`, or the unknown key that stands for it
+    fn kind_of(&mut self, table: &Table, what: &str, all: &[&'static str]) -> Option<Node> {
+        if let Some(e) = table.get("kind") {
+            return Some(e.node.clone());
+        }
+        let e = table.entries.iter().find(|e| !all.contains(&e.key.as_str()) && nearest(&e.key, all.iter().copied()) == Some("kind"))?;
+        self.unknown_key(&e.key, e.key_at, &format!("`{what}`"), &["kind"]);
+        Some(e.node.clone())
     }
 
     /// The shape of a kind; also used for obstacles.

@@ -1,5 +1,7 @@
 //! Typed reading of values: every getter reports what is wrong at its place and lets reading go on.
 
+use std::collections::BTreeSet;
+
 use super::keys;
 use super::tree::{Node, Table, Value};
 use super::types::{Components, Datum};
@@ -20,8 +22,10 @@ pub(super) struct Reader {
     pub names: Vec<String>,
     pub dimension: usize,
     pub components: usize,
-    /// Whether [[material]] is there but could not be read.
-    pub materials_broken: bool,
+    /// What could not be read as a whole, `exact` or the names of a list such as `patch`: what refers to them shall not be reported again.
+    pub broken: BTreeSet<String>,
+    /// Whether a density is given but could not be read.
+    pub density_broken: bool,
 }
 
 /// A table that is being read.
@@ -33,6 +37,8 @@ pub(super) struct Block {
     /// What it is: `material "steel"`.
     pub what: String,
     pub keys: Vec<&'static str>,
+    /// Keys that unknown ones stand for although they are given, too.
+    pub meant: Vec<&'static str>,
 }
 
 impl Block {
@@ -105,12 +111,15 @@ impl Reader {
     }
 
     pub fn wrong_type(&mut self, node: &Node, what: &str, expected: &str, help: impl Into<String>) {
+        // names of blocks are quoted already
+        let what = what.trim_matches('`');
         self.fault("E014", node.at, format!("`{what}` must be {expected}, found {}", node.describe()), help);
     }
 
     // blocks ------------------------------------------------------------------------------------
 
-    /// Opens a table; unknown keys are reported with the nearest known one.
+    /// Opens a table; unknown keys are reported with the nearest known one, and read as it where it is absent, so that a
+    /// misspelt key is one error.
     pub fn block(&mut self, node: &Node, what: &str, known: &[&'static str]) -> Option<Block> {
         let Value::Table(table) = &node.value else {
             self.wrong_type(node, what, "a table", "");
@@ -136,24 +145,34 @@ impl Reader {
         };
         let unknown: Vec<(String, Place)> =
             table.entries.iter().filter(|e| !known.contains(&e.key.as_str())).map(|e| (e.key.clone(), e.key_at)).collect();
+        let mut meant = Vec::new();
         for (key, at) in unknown {
-            self.unknown_key(&key, at, &named, known);
+            let Some(near) = self.unknown_key(&key, at, &named, known) else { continue };
+            if table.get(near).is_some() {
+                meant.push(near);
+            } else if let Some(e) = table.get_mut(&key) {
+                e.key = near.to_owned();
+            }
         }
         table.entries.retain(|e| known.contains(&e.key.as_str()));
-        Some(Block { table, at: node.at, what: named, keys: known.to_vec() })
+        Some(Block { table, at: node.at, what: named, keys: known.to_vec(), meant })
     }
 
-    pub fn unknown_key(&mut self, key: &str, at: Place, what: &str, known: &[&str]) {
+    /// Reports an unknown key; returns the known one that it stands for.
+    pub fn unknown_key(&mut self, key: &str, at: Place, what: &str, known: &[&'static str]) -> Option<&'static str> {
         if keys::LATER.contains(&key) {
             self.fault("E019", at, format!("`{key}` is not in this version"), format!("keys here: {}", known.join(", ")));
-            return;
+            return None;
         }
         let place = if what.is_empty() { "at the top level".to_owned() } else { format!("in {what}") };
         let mut d = Diagnostic::error("E012", format!("unknown key `{key}` {place}"));
-        if let Some(near) = nearest(key, known.iter().copied()) {
+        let symbol = keys::SYMBOLS.iter().find(|(s, k)| *s == key && known.contains(k)).map(|(_, k)| *k);
+        let near = symbol.or_else(|| nearest(key, known.iter().copied())).and_then(|n| known.iter().find(|k| **k == n).copied());
+        if let Some(near) = near {
             d = d.with_label(format!("did you mean `{near}`?"));
         }
         self.push(at, d.with_help(format!("keys here: {}", known.join(", "))));
+        near
     }
 
     pub fn missing(&mut self, block: &Block, key: &str, example: &str) {
@@ -314,6 +333,7 @@ impl Reader {
         match block.node("name").cloned() {
             None if required => {
                 self.missing(block, "name", "name = \"lower\"");
+                self.broken.insert(kind.to_owned());
                 Located::new(fallback, block.at)
             }
             None => {
@@ -321,10 +341,13 @@ impl Reader {
                 Located::new(fallback, at)
             }
             Some(node) => {
-                let Some(name) = self.text_of(&node, "name") else { return Located::new(fallback, node.at) };
+                let Some(name) = self.text_of(&node, "name") else {
+                    self.broken.insert(kind.to_owned());
+                    return Located::new(fallback, node.at);
+                };
+                // a bad name stays: what refers to it finds it
                 if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
                     self.fault("E016", node.at, format!("{:?} is no name", name.value), "names are made of letters, digits, `_` and `-`");
-                    return Located::new(fallback, node.at);
                 }
                 name
             }
@@ -344,6 +367,7 @@ impl Reader {
                     format!("the {kind} name {:?} is already used{line}", n.value),
                     "names are unique within their kind",
                 );
+                self.broken.insert(kind.to_owned());
             } else {
                 first.insert(n.value.clone(), n.at);
             }

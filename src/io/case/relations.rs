@@ -152,25 +152,31 @@ impl Reader {
 
     /// Gravity needs densities, and follows from `exact` where there is one.
     pub fn weight(&mut self, model: &Model, materials: &[Material], patches: &[Patch]) {
-        let Some(gravity) = &model.gravity else { return };
-        if model.exact.is_some() {
-            self.fault(
-                "E015",
-                gravity.at,
-                "`gravity` does not stand beside `exact`",
-                "the body force follows from `exact`; leave one of them out",
-            );
-        }
-        let bare = patches.iter().filter_map(|p| materials.get(p.material.value)).find(|m| m.density.is_none());
-        if let Some(m) = bare {
-            let message = format!("`gravity` needs a density, material {:?} has none", m.name.value);
-            self.fault("E013", gravity.at, message, "write density = 7.8e-9 in the material");
+        let all = model
+            .gravity
+            .iter()
+            .map(|g| (g, patches))
+            .chain(patches.iter().filter_map(|p| Some((p.gravity.as_ref()?, std::slice::from_ref(p)))));
+        for (gravity, patches) in all {
+            if model.exact.is_some() {
+                self.fault(
+                    "E015",
+                    gravity.at,
+                    "`gravity` does not stand beside `exact`",
+                    "the body force follows from `exact`; leave one of them out",
+                );
+            }
+            let bare = patches.iter().filter_map(|p| materials.get(p.material.value)).find(|m| m.density.is_none());
+            if let (Some(m), false) = (bare, self.density_broken) {
+                let message = format!("`gravity` needs a density, material {:?} has none", m.name.value);
+                self.fault("E013", gravity.at, message, "write density = 7.8e-9 in the material");
+            }
         }
     }
 
     /// Data marked "exact" need `exact` (E062).
     pub fn exact_data(&mut self, boundaries: &[Boundary], model: &Model) {
-        if model.exact.is_some() {
+        if model.exact.is_some() || self.broken.contains("exact") {
             return;
         }
         for b in boundaries {

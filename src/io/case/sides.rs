@@ -79,6 +79,9 @@ impl Reader {
         let name = name.trim_matches('"');
         let shown: String = text.chars().take(60).collect();
         let Some(k) = patches.iter().position(|p| p.name.value == name) else {
+            if self.broken.contains("patch") {
+                return None;
+            }
             let mut d = Diagnostic::error("E021", format!("there is no patch {:?}", name.chars().take(60).collect::<String>()));
             if let Some(near) = nearest(name, patches.iter().map(|p| p.name.as_str())) {
                 d = d.with_label(format!("did you mean {near:?}?"));

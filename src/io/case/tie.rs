@@ -14,6 +14,11 @@ const INTEGRATIONS: &[(&str, Integration)] =
 const VARIANTS: &[(&str, Variant)] =
     &[("symmetric", Variant::Symmetric), ("unsymmetric", Variant::Unsymmetric), ("incomplete", Variant::Incomplete)];
 
+// k of the multiplier p/p-k
+fn lowered_by(name: &str) -> Option<usize> {
+    name.strip_prefix("p/p-")?.parse().ok()
+}
+
 impl Reader {
     /// One `[[interface]]`.
     pub fn interface(&mut self, b: &mut Block, index: usize, model: &Model, patches: &[Patch], names: &Names) -> Tie {
@@ -117,7 +122,7 @@ impl Reader {
                 let mut out = Vec::new();
                 for item in list {
                     let name = self.text_of(item, "between")?;
-                    if !patches.iter().any(|p| p.name == name) {
+                    if !patches.iter().any(|p| p.name == name) && !self.broken.contains("patch") {
                         let list = patches.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
                         self.fault("E021", item.at, format!("there is no patch {:?}", name.value), format!("patches are {list}"));
                     }
@@ -163,7 +168,7 @@ impl Reader {
         };
         let value = match &node.value {
             Value::Text(name) => {
-                let lowered = name.strip_prefix("p/p-").and_then(|k| k.parse::<usize>().ok()).is_some_and(|k| (1..=12).contains(&k));
+                let lowered = lowered_by(name).is_some_and(|k| (1..=12).contains(&k));
                 if names.multipliers.contains(name) || lowered {
                     Multiplier::Named(name.clone())
                 } else {
@@ -172,10 +177,12 @@ impl Reader {
                     if let Some(near) = nearest(&shown, names.multipliers.iter().map(String::as_str)) {
                         d = d.with_label(format!("did you mean {near:?}?"));
                     }
-                    let help = format!(
-                        "known: {}, p/p-4, ..., or {{ degree = 1, continuity = 0, ends = \"auto\" }}",
-                        names.multipliers.join(", ")
-                    );
+                    // one entry for the whole family p/p-4, p/p-6, ...
+                    let mut list: Vec<&str> =
+                        names.multipliers.iter().map(String::as_str).filter(|n| lowered_by(n).is_none_or(|k| k <= 2)).collect();
+                    let family = list.iter().position(|n| *n == "p/p-2").map_or(list.len(), |k| k + 1);
+                    list.insert(family, "p/p-2k");
+                    let help = format!("known: {}, or {{ degree = 1, continuity = 0, ends = \"auto\" }}", list.join(", "));
                     self.push(node.at, d.with_help(help));
                     auto
                 }
@@ -274,7 +281,23 @@ impl Reader {
         }
     }
 
+    // a kind that is not in this version is that one error
     fn obstacle(&mut self, node: &Node) -> Option<(Obstacle, Table)> {
+        let before = self.found.items.len();
+        let read = self.obstacle_of_any_kind(node);
+        let kind = match &node.value {
+            Value::Table(t) => t.get("kind").map(|e| &e.node),
+            _ => None,
+        };
+        if let Some(Node { value: Value::Text(word), at, .. }) = kind
+            && self.later_obstacle(word, *at, before)
+        {
+            return None;
+        }
+        read
+    }
+
+    fn obstacle_of_any_kind(&mut self, node: &Node) -> Option<(Obstacle, Table)> {
         let kinds: Vec<(&'static str, &'static [&'static str])> = keys::OBSTACLES.iter().chain(keys::GEOMETRIES).copied().collect();
         let (mut b, kind) = self.kinded(node, "rigid", &kinds, &["move", "force"])?;
         let plane = self.dimension == 2;

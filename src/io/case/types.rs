@@ -338,6 +338,8 @@ pub struct Patch {
     pub discretization: Discretization,
     /// Body force or source of this patch, beside that of the model, one formula per component.
     pub source: Option<Located<Vec<Located<Formula>>>>,
+    /// Acceleration of this patch, beside that of the model; needs a density.
+    pub gravity: Option<Located<Vec<f64>>>,
     /// Direction that closes on itself.
     pub closed: Option<Located<String>>,
     /// Whether the patches of a file are glued.
