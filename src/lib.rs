@@ -45,6 +45,18 @@
 #![cfg_attr(feature = "cli", doc = "| [`io`] | case files, formulas, errors with places, VTU, SVG, tables |")]
 #![cfg_attr(feature = "cli", doc = "| [`app`] | names, models, runs, the command line |")]
 //!
+//! # What the traits learnt from their first implementors
+//!
+//! - [`Coefficient::PerPoint`](assembly::Coefficient::PerPoint) owns its closure: the form of a material outlives the call
+//!   that made it.
+//! - A [`Material`](physics::Material) also answers its six spatial stresses and the divergence of its stress, so that plane
+//!   strain, plane stress and manufactured sources need no case anywhere else.
+//! - [`PerElement`](quadrature::PerElement) holds rules as quadratures: a rule that is a product keeps its axes.
+//! - [`SolveError`](constraint::SolveError) tells a system that is singular because contact opened (a rigid motion is left)
+//!   from one that is singular with every contact closed; solutions carry `C u + g` of every row.
+//! - Direct and condensed solvers and the active set are `f64`, as their factorisations are; the floors below keep `T`.
+//! - Lowered ends combine two neighbours at a time, which keeps multipliers of splines non-negative.
+//!
 //! # Features
 //!
 //! `cli` (default) adds the program, its case files and its reports; with `default-features = false` the numerics build
