@@ -496,3 +496,28 @@ fn an_active_set_that_cycles_names_the_iterations_and_the_functions() {
     assert_eq!((set.cycles, set.iterations), (1, 2));
     assert!(probe(&result, "p").is_finite(), "the last state is kept");
 }
+
+#[test]
+fn cases_too_large_for_the_machine_are_refused_at_once_at_their_elements() {
+    let options = |sets: &[&str]| ReadOptions { sets: sets.iter().map(|s| s.to_string()).collect(), ..ReadOptions::default() };
+    let begun = std::time::Instant::now();
+    for (sets, limit, part) in [
+        // (n + 2)^2 functions of degree 2, two components each
+        (&["patch.a.elements=[1000000, 1000000]"][..], None, "about 2000008000008 unknowns"),
+        (&["patch.a.elements=[30000, 30000]"], None, "about 1800240008 unknowns"),
+        (&["patch.a.elements=[30000, 30000]", "discretization.backend=fe", "discretization.degree=8"], None, "this version holds up to 2e9"),
+        (&["patch.a.elements=[1000000, 1000000]", "patch.a.refine=20"], None, "unknowns"),
+        (&["patch.a.elements=[1500, 1500]"], Some(1_000_000_000), "about 4512008 unknowns"),
+    ] {
+        let case = Case::parse("case.toml", &square(""), &options(sets)).unwrap_or_else(|e| panic!("{e}"));
+        let watch = faying::app::Watch { max_memory: limit, ..Default::default() };
+        for go in [faying::app::run::run, faying::app::run::check] {
+            let finished = go(&case, &Registry::default(), &faying::app::RunOptions::default(), &watch);
+            assert_eq!((finished.result.status, finished.result.exit), (Status::Limit, 6), "{sets:?}");
+            let d = &finished.result.diagnostics[0];
+            assert!(d.code == "E081" && d.message.contains(part) && finished.output.is_none(), "{}", d.render());
+            assert!(d.render().contains(&format!("--set {}", sets[0])), "{}", d.render());
+        }
+    }
+    assert!(begun.elapsed().as_secs() < 5, "{:?}", begun.elapsed());
+}

@@ -153,6 +153,11 @@ pub(super) fn carries_geometry<const N: usize>(backend: &str, spec: &PatchSpec<N
     }
 }
 
+/// Whether the functions of a backend are smooth across knots; of backends from outside it is not known.
+pub(super) fn is_spline(backend: &str) -> bool {
+    backend == "iga"
+}
+
 /// The cells that show a body of this backend best.
 pub(super) fn usual_cells(backend: &str) -> CellStyle {
     match backend {

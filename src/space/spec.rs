@@ -123,6 +123,9 @@ impl<const N: usize> PatchSpec<N> {
     }
 
     /// The same with every element halved `times` times in every direction.
+    ///
+    /// # Panics
+    /// If more than 2^32 elements would come out in one direction.
     pub fn refined(mut self, times: usize) -> Self {
         for (k, b) in self.breakpoints.iter_mut().enumerate() {
             // knots of the net first, or halving would not see the elements they cut

@@ -1,6 +1,6 @@
 //! Breakpoints of a patch: counts, explicit lists, grading, halving.
 
-use crate::io::case::{Divisions, Grade};
+use crate::io::case::{Divisions, Grade, Patch};
 
 /// Why breakpoints could not be made, in words.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -62,6 +62,20 @@ pub fn breakpoints(
         points = halved(&points);
     }
     Ok(points)
+}
+
+/// Number of elements of `patch` in direction `axis` whose geometry has the breakpoints `own`: what [`breakpoints`] makes,
+/// a list at most. `f64`, because halving many times leaves the whole numbers.
+pub fn elements_along(patch: &Patch, own: &[f64], axis: usize) -> Option<f64> {
+    let pieces = own.len().checked_sub(1).filter(|&n| n > 0)?;
+    let base = match &patch.elements.value.get(axis)?.value {
+        Divisions::Count(n) if super::counts_in_total(&patch.geometry.value.shape.value) => n.div_ceil(pieces) as f64 * pieces as f64,
+        Divisions::Count(n) => *n as f64 * pieces as f64,
+        Divisions::Breakpoints(list) => (list.len().saturating_sub(1) + pieces - 1) as f64,
+        #[allow(unreachable_patterns)] // the enum may grow
+        _ => return None,
+    };
+    Some(base * f64::exp2(patch.refine.value as f64))
 }
 
 /// Where a grade stands in the direction, and how strong it is.

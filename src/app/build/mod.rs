@@ -21,6 +21,7 @@ use crate::io::case::{Case, Shape};
 use crate::io::errors::{Diagnostic, Diagnostics};
 use crate::io::place::Place;
 
+pub(crate) use divisions::elements_along;
 pub use exact::{Exact, FieldJet};
 pub use model::{
     Action, Against, Condition, ContactModel, ContactPart, Model, Pairing, PatchModel, SideLoad, SideModel, SideSpring, TieModel, TiePart,

@@ -4,6 +4,7 @@ mod arc_length;
 mod errors;
 mod faults;
 mod fields;
+mod forecast;
 mod integrate;
 mod loads;
 mod predict;
@@ -88,7 +89,7 @@ pub fn run(case: &Case, registry: &Registry, options: &RunOptions, watch: &Watch
 pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &Watch) -> Finished {
     let outcome = || -> Result<RunResult, Diagnostics> {
         watch.phase("build");
-        let model = built(case, registry, &plane(registry))?;
+        let model = built(case, registry, &plane(registry), watch)?;
         let mut result = report::skeleton("check", case, &model);
         Questions::of(case, &model, &result.to_value())?;
         result.solve = None;
@@ -125,10 +126,14 @@ fn built<const S: usize, const N: usize>(
     case: &Case,
     registry: &Registry,
     dimension: &Dimension<'_, S, N>,
+    watch: &Watch,
 ) -> Result<Model<S, N>, Diagnostics> {
     let word = &case.solver.constraint;
     if let Err(unknown) = registry.solvers.get(solver_name(&word.value)) {
         return Err(Diagnostic::error("E015", unknown.to_string()).at(&case.source, word.at).into());
+    }
+    if let Some(fault) = forecast::too_large(case, dimension.net, watch.max_memory) {
+        return Err(fault.into());
     }
     build::build(case, dimension.names, dimension.net)
 }
@@ -144,7 +149,7 @@ fn solve_case<const S: usize, const N: usize>(
     watch: &Watch,
 ) -> Result<Outcome<S, N>, Diagnostics> {
     watch.phase("build");
-    let model = built(case, registry, dimension)?;
+    let model = built(case, registry, dimension, watch)?;
     let mut result = report::skeleton(command, case, &model);
     let questions = Questions::of(case, &model, &result.to_value())?;
     if let Some(limit) = watch.max_memory {
