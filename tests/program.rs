@@ -105,12 +105,16 @@ fn help_and_version_go_to_stdout() {
     let version = faying(at.path(), &["--version"]);
     assert_eq!((code(&version), stdout(&version)), (0, format!("faying {}\n", env!("CARGO_PKG_VERSION"))));
     assert_eq!(code(&faying(at.path(), &["run", "--help"])), 0);
+    let word = faying(at.path(), &["help"]);
+    assert_eq!((code(&word), stdout(&word)), (0, stdout(&help)));
 }
 
 #[test]
 fn wrong_words_are_exit_2() {
     let at = folder();
     assert_eq!(code(&faying(at.path(), &[])), 2);
+    let document = json(&stdout(&faying(at.path(), &["run", "--json"])));
+    assert!(document["diagnostics"][0]["message"].as_str().unwrap().contains("<CASE>"), "{document}");
     fails(at.path(), &["run", "square.toml", "--frobnicate"], 2, "--frobnicate");
     fails(at.path(), &["run", "square.toml", "--backend", "fem"], 2, "unknown backend `fem`; known: iga, fe");
     fails(at.path(), &["run", "square.toml", "--threads", "0"], 2, "--threads");
@@ -193,7 +197,27 @@ fn the_document_is_the_result_file() {
     assert_eq!(std::fs::read(at.path().join("r.json")).unwrap(), std::fs::read(at.path().join("square.out/result.json")).unwrap());
     let out = faying(at.path(), &["run", "square.toml", "--json=nowhere/r.json"]);
     assert_eq!(code(&out), 4);
-    assert!(stderr(&out).contains("E091"), "{}", stderr(&out));
+    assert_eq!(stderr(&out).matches("error[E091]").count(), 1, "{}", stderr(&out));
+}
+
+#[test]
+fn the_document_never_replaces_what_is_read_or_written() {
+    let at = folder();
+    std::fs::create_dir(at.path().join("sub")).unwrap();
+    for words in [
+        &["run", "square.toml", "--json=square.toml"][..],
+        &["check", "square.toml", "--json=sub/../square.toml"],
+        &["run", "square.toml", "--json=square.toml", "--frobnicate"],
+        &["run", "square.toml", "--json=square.out/result.json"],
+        &["run", "square.toml", "--out", "new", "--json=./new/r.json"],
+        &["new", "hertz", "--json=hertz.toml"],
+    ] {
+        let out = faying(at.path(), words);
+        assert_eq!(code(&out), 2, "{words:?} {}", stderr(&out));
+        assert_eq!(std::fs::read_to_string(at.path().join("square.toml")).unwrap(), SQUARE);
+        assert_eq!(names(at.path()).len(), 2, "nothing is made by {words:?}");
+    }
+    assert!(stderr(&faying(at.path(), &["run", "square.toml", "--json=square.toml"])).contains("--json would write over `square.toml`"));
 }
 
 #[test]
@@ -275,6 +299,54 @@ fn a_case_may_come_from_stdin() {
     child.stdin.take().unwrap().write_all(SQUARE.as_bytes()).unwrap();
     assert_eq!(child.wait_with_output().unwrap().status.code(), Some(0));
     assert!(at.path().join("stdin.out/result.json").exists());
+}
+
+#[test]
+fn another_text_on_stdin_is_another_case() {
+    let at = folder();
+    let run = |text: &str| {
+        let mut child =
+            program(at.path()).args(["run", "-"]).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        child.stdin.take().unwrap().write_all(text.as_bytes()).unwrap();
+        child.wait_with_output().unwrap()
+    };
+    assert_eq!(code(&run(SQUARE)), 0);
+    let first = std::fs::read(at.path().join("stdin.out/result.json")).unwrap();
+    let other = run(&SQUARE.replace("[4, 4]", "[2, 2]"));
+    assert_eq!(code(&other), 4);
+    assert!(stderr(&other).contains("error[E090]"), "{}", stderr(&other));
+    assert_eq!(std::fs::read(at.path().join("stdin.out/result.json")).unwrap(), first);
+    assert_eq!(code(&run(SQUARE)), 0, "the same text is the same case");
+}
+
+#[test]
+fn a_case_that_moved_keeps_its_folder() {
+    let at = folder();
+    assert_eq!(code(&faying(at.path(), &["run", "square.toml"])), 0);
+    std::fs::rename(at.path().join("square.toml"), at.path().join("box.toml")).unwrap();
+    assert_eq!(code(&faying(at.path(), &["run", "box.toml", "--out", "square.out"])), 0);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_endless_case_is_a_limit() {
+    let at = folder();
+    fails(at.path(), &["run", "/dev/zero"], 6, "error[E081]: /dev/zero is longer than 16 MiB");
+    let out = program(at.path()).args(["run", "-"]).stdin(std::fs::File::open("/dev/zero").unwrap()).output().unwrap();
+    assert_eq!(code(&out), 6);
+    assert!(stderr(&out).contains("error[E081]: stdin is longer"), "{}", stderr(&out));
+}
+
+#[test]
+fn a_reason_stands_beside_numbers_only() {
+    let at = folder();
+    assert_eq!(code(&faying(at.path(), &["new", "hertz"])), 0);
+    let words = ["run", "hertz.toml", "--json", "--vtu", "none", "--set", "contact.0.active_set.max_iterations=1"];
+    let out = faying(at.path(), &words);
+    assert_eq!(code(&out), 5);
+    let document = json(&stdout(&out));
+    assert_eq!(document["diagnostics"][0]["code"], "E071");
+    assert_eq!(document["diagnostics"][0].as_object().unwrap().len(), 7, "{document}");
 }
 
 #[test]

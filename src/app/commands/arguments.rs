@@ -11,8 +11,7 @@ use std::path::PathBuf;
     version,
     about = "Ties and presses together discretisations that do not match: NURBS and Lagrange elements through one mortar code.",
     after_help = "A first run:  faying new hertz  &&  faying run hertz.toml\n\nExit: 0 done, 1 a check failed, 2 usage, 3 invalid case, 4 reading or writing failed, 5 numerical failure,\n6 a limit was reached, 70 internal error, 130 interrupted.",
-    propagate_version = true,
-    disable_help_subcommand = true
+    propagate_version = true
 )]
 pub struct Arguments {
     /// What to do.

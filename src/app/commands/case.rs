@@ -5,9 +5,9 @@ use super::ended::Ended;
 use super::manifest::Input;
 use crate::app::{Registry, Watch};
 use crate::io::case::{Case, ReadOptions, not_found};
-use crate::io::errors::{Diagnostic, Diagnostics};
-use std::io::Read;
-use std::path::Path;
+use crate::io::errors::Diagnostic;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -19,12 +19,35 @@ pub struct Loaded {
     pub case: Case,
     /// Its name in messages and results.
     pub name: String,
-    /// Its name without folder and ending: what the output folder is called after.
-    pub stem: String,
     /// Its absolute path, "-" for stdin.
     pub path: String,
     /// What was read.
     pub input: Input,
+}
+
+/// Longest case that is read, in bytes: thousands of times a long one.
+const LONGEST: u64 = 16 << 20;
+
+/// All bytes of a case; none where there are more than [`LONGEST`].
+fn bounded(from: impl std::io::Read) -> std::io::Result<Option<Vec<u8>>> {
+    let mut bytes = Vec::new();
+    from.take(LONGEST + 1).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= LONGEST).then_some(bytes))
+}
+
+fn too_long(name: &str) -> Ended {
+    let message = format!("{name} is longer than {} MiB, the longest case that is read", LONGEST >> 20);
+    Diagnostic::error("E081", message).with_help("give a case file, a TOML text of some lines").in_file(name).into()
+}
+
+/// The folder of results of the case at `path`: that of `--out`, else after the name of the file.
+pub fn out(path: &Path, common: &Common) -> PathBuf {
+    let stem = || match path.file_stem() {
+        _ if path.as_os_str() == "-" => "stdin".to_owned(),
+        Some(stem) => stem.to_string_lossy().into_owned(),
+        None => "case".to_owned(),
+    };
+    common.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.out", stem())))
 }
 
 /// Reads the case at `path`, with the names of `registry` and the changes of the options.
@@ -34,32 +57,26 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
     }
     let options = ReadOptions { sets: common.set.clone(), backend: backend.map(str::to_owned), names: registry.case_names() };
     if path.as_os_str() == "-" {
-        let mut bytes = Vec::new();
-        let read = std::io::stdin().lock().read_to_end(&mut bytes);
-        read.map_err(|e| Ended::from(Diagnostic::error("E003", format!("stdin cannot be read: {e}"))))?;
+        let read = bounded(std::io::stdin().lock());
+        let bytes = read.map_err(|e| Ended::from(Diagnostic::error("E003", format!("stdin cannot be read: {e}"))))?;
+        let bytes = bytes.ok_or_else(|| too_long("stdin"))?;
         let text = std::str::from_utf8(&bytes).map_err(|e| {
             let message = format!("stdin is not valid TOML: byte {} is not UTF-8", e.valid_up_to());
             Ended::from(Diagnostic::error("E005", message).in_file("stdin"))
         })?;
         let case = Case::parse("stdin", text, &options).map_err(Ended::failed)?;
-        return Ok(Loaded {
-            case,
-            name: "stdin".to_owned(),
-            stem: "stdin".to_owned(),
-            path: "-".to_owned(),
-            input: Input::new("-", &bytes),
-        });
+        return Ok(Loaded { case, name: "stdin".to_owned(), path: "-".to_owned(), input: Input::new("-", &bytes) });
     }
-    let bytes = std::fs::read(path).map_err(|e| Ended::from(not_found(path, &e)))?;
     let name = path.display().to_string();
+    let read = std::fs::File::open(path).and_then(bounded);
+    let bytes = read.map_err(|e| Ended::from(not_found(path, &e)))?.ok_or_else(|| too_long(&name))?;
     let case = match std::str::from_utf8(&bytes) {
         Ok(text) => Case::parse(&name, text, &options),
         Err(_) => Case::read_with(path, &options), // says where the text stops being one
     };
     let case = case.map_err(Ended::failed)?;
     let absolute = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let stem = path.file_stem().map_or_else(|| "case".to_owned(), |s| s.to_string_lossy().into_owned());
-    Ok(Loaded { case, stem, path: absolute.display().to_string(), input: Input::new(name.clone(), &bytes), name })
+    Ok(Loaded { case, path: absolute.display().to_string(), input: Input::new(name.clone(), &bytes), name })
 }
 
 /// The limits of the options, and a flag that Ctrl-C sets; a second Ctrl-C ends at once.
@@ -85,15 +102,4 @@ pub fn pool(common: &Common) -> Result<rayon::ThreadPool, Ended> {
         .num_threads(wanted)
         .build()
         .map_err(|e| Ended::plain("internal", 70, &format!("threads cannot be started: {e}"), None))
-}
-
-/// E091 where the file of `--json` cannot be written, found before anything is solved.
-pub fn json_file(common: &Common) -> Result<(), Ended> {
-    let Some(file) = common.json.as_ref().filter(|f| f.as_os_str() != "-") else { return Ok(()) };
-    let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
-    if folder.is_dir() && !file.is_dir() {
-        return Ok(());
-    }
-    let problem = Diagnostic::error("E091", format!("--json cannot write `{}`: there is no such folder, or it is one", file.display()));
-    Err(Ended::failed(Diagnostics::from(problem)))
 }

@@ -21,7 +21,6 @@ fn checked(registry: &Registry, arguments: &CheckArguments, common: &Common, clo
     let hears = clock.clone();
     let watch = Watch { listener: Some(Box::new(move |news| hears.hear(news))), ..case::watch(common) };
     clock.hear(Progress::Phase("read"));
-    case::json_file(common)?;
     let loaded = case::load(&arguments.case, arguments.backend.as_deref(), common, registry)?;
     let pool = case::pool(common)?;
     let result = pool.install(|| crate::app::run::check(&loaded.case, registry, &RunOptions::default(), &watch)).result;

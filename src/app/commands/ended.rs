@@ -11,7 +11,7 @@ pub struct Ended {
     pub exit: i32,
     /// What stdout says where no document takes its place.
     pub summary: String,
-    /// The JSON document.
+    /// The JSON document; empty where it has no place.
     pub document: String,
     /// What stderr says.
     pub diagnostics: Diagnostics,
@@ -49,6 +49,12 @@ impl Ended {
     pub fn plain(status: &str, exit: i32, message: &str, help: Option<&str>) -> Self {
         let message_and_help = Some((message.to_owned(), help.map(str::to_owned)));
         Self { exit, document: plain_failure(status, exit, message, help), message: message_and_help, ..Self::default() }
+    }
+
+    /// The same end where the document has no place.
+    #[must_use]
+    pub fn without_document(self) -> Self {
+        Self { document: String::new(), ..self }
     }
 
     /// Done without a result: `fields` are added to the document.

@@ -17,11 +17,13 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Looks whether results of `case` may go to `path`; makes nothing.
+    /// Looks whether results of `case` with these bytes may go to `path`; makes nothing.
+    ///
+    /// The same case is the same file, whatever is in it now, or a file that was moved here; on stdin it is the same text.
     ///
     /// # Errors
     /// E090 where the folder holds anything else than results of the same case and `force` is not given.
-    pub fn claim(path: &Path, case: &str, force: bool) -> Result<Self, Diagnostic> {
+    pub fn claim(path: &Path, case: &str, sha256: &str, force: bool) -> Result<Self, Diagnostic> {
         let taken = |why: &str| {
             Diagnostic::error("E090", format!("output folder `{}` {why}", path.display()))
                 .with_help("choose another folder with --out, or overwrite files of the same name with --force")
@@ -42,8 +44,9 @@ impl Folder {
         }
         match Manifest::read(&path.join(MANIFEST)) {
             None => Err(taken("holds files that faying did not write")),
-            Some(manifest) if manifest.case_path != case => {
-                Err(taken(&format!("holds the results of another case, `{}`", manifest.case_path)))
+            Some(manifest) if !is_same(&manifest, case, sha256) => {
+                let other = if manifest.case_path == "-" { "read from stdin".to_owned() } else { format!("`{}`", manifest.case_path) };
+                Err(taken(&format!("holds the results of another case, {other}")))
             }
             Some(manifest) => {
                 // a list that was tampered with must not reach beyond the folder
@@ -84,6 +87,15 @@ impl Folder {
     }
 }
 
+/// Whether the results of `manifest` are those of `case` with these bytes.
+fn is_same(manifest: &Manifest, case: &str, sha256: &str) -> bool {
+    let same_text = manifest.inputs.first().is_some_and(|input| input.sha256 == sha256);
+    match manifest.case_path == case {
+        true => case != "-" || same_text,
+        false => same_text && !Path::new(&manifest.case_path).exists(),
+    }
+}
+
 /// Whether `name` is the name of a file in this very folder.
 fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
@@ -102,6 +114,10 @@ fn failed(file: &Path, error: &std::io::Error) -> Diagnostic {
 pub fn write_whole(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     if file.is_dir() {
         return Err(std::io::Error::new(std::io::ErrorKind::IsADirectory, "it is a folder"));
+    }
+    if std::fs::metadata(file).is_ok_and(|known| !known.is_file()) {
+        // a device or a pipe takes bytes and stays what it is
+        return std::fs::OpenOptions::new().write(true).open(file)?.write_all(bytes);
     }
     beside(file, bytes)?.persist(file).map(|_| ()).map_err(|e| e.error)
 }

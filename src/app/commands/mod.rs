@@ -14,6 +14,7 @@ mod folder;
 mod manifest;
 mod new;
 mod panics;
+mod place;
 mod run;
 mod streams;
 mod summary;
@@ -52,16 +53,35 @@ fn exit_of(registry: &Registry, words: &[OsString]) -> i32 {
 fn obey(registry: &Registry, arguments: &Arguments, words: &[OsString]) -> i32 {
     let mut streams = Streams::new(&arguments.common);
     streams.json = streams.json.or_else(|| json_asked(words));
-    let ended = panics::caught(&streams, || match &arguments.command {
-        Command::Run(run) => run::run(registry, run, &arguments.common, &streams, words),
-        Command::Check(check) => check::check(registry, check, &arguments.common, &streams),
+    let ended = panics::caught(&streams, || match place_of_document(arguments, &streams, words) {
+        Err(ended) => ended,
+        Ok(()) => command(registry, arguments, &streams, words),
+    });
+    tell(&streams, &ended)
+}
+
+/// Whether there is a place for the document, found before anything is done.
+fn place_of_document(arguments: &Arguments, streams: &Streams, words: &[OsString]) -> Result<(), Ended> {
+    let file = streams.json.as_deref();
+    match &arguments.command {
+        Command::Run(run) => place::beside_results(file, &case::out(&run.case, &arguments.common))?,
+        Command::Check(check) => place::beside_results(file, &case::out(&check.case, &arguments.common))?,
+        Command::New(new) => place::not_over(file, &new::file(new, &arguments.common))?,
+        _ => {}
+    }
+    place::document(file, words)
+}
+
+fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words: &[OsString]) -> Ended {
+    match &arguments.command {
+        Command::Run(run) => run::run(registry, run, &arguments.common, streams, words),
+        Command::Check(check) => check::check(registry, check, &arguments.common, streams),
         Command::New(new) => new::new(new, &arguments.common),
         Command::Explain(code) => explain::explain(code),
         other => {
             usage(&format!("`faying {}` is not in this version", other.name()), Some("commands of this version: run, check, new, explain"))
         }
-    });
-    tell(&streams, &ended)
+    }
 }
 
 /// Says how a command ended; a stream that cannot be written makes it exit 4.
@@ -94,9 +114,11 @@ fn refused(error: &clap::Error, words: &[OsString]) -> i32 {
     }
     let _ = error.print();
     let text = error.render().to_string();
-    let message = text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
+    // clap's first paragraph: what is wrong, and the words that are missing
+    let paragraph: Vec<&str> = text.lines().take_while(|line| !line.trim().is_empty()).map(str::trim).collect();
+    let message = paragraph.join(" ").trim_start_matches("error: ").to_owned();
     let document = plain_failure("invalid", 2, &message, Some("faying --help"));
-    let _ = match json_asked(words) {
+    let _ = match json_asked(words).filter(|file| place::document(Some(file), words).is_ok()) {
         None => Ok(()),
         Some(file) if file.as_os_str() == "-" => streams::to_stdout(&document),
         Some(file) => folder::write_whole(&file, document.as_bytes()),

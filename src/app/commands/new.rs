@@ -28,6 +28,13 @@ const SAMPLES: [Sample; 4] = [
     sample!("iga-fe-arc", "a NURBS ring tied to a triangle mesh"),
 ];
 
+/// The file of the sample, where one is written.
+pub fn file(arguments: &NewArguments, common: &Common) -> PathBuf {
+    let name = arguments.name.as_deref().unwrap_or_default().trim_end_matches(".toml");
+    let file = common.out.clone().unwrap_or_else(|| PathBuf::from(".")).join(format!("{name}.toml"));
+    file.strip_prefix(".").map(PathBuf::from).unwrap_or(file)
+}
+
 /// Lists, prints or writes a sample.
 pub fn new(arguments: &NewArguments, common: &Common) -> Ended {
     let names: Vec<&str> = SAMPLES.iter().map(|s| s.name).collect();
@@ -46,8 +53,7 @@ pub fn new(arguments: &NewArguments, common: &Common) -> Ended {
     if arguments.to.is_some() {
         return Ended::done("new", sample.text.to_owned(), json!({"name": sample.name, "text": sample.text}));
     }
-    let file = common.out.clone().unwrap_or_else(|| PathBuf::from(".")).join(format!("{}.toml", sample.name));
-    let file: PathBuf = file.strip_prefix(".").map(PathBuf::from).unwrap_or(file);
+    let file = file(arguments, common);
     match write_new(&file, sample.text.as_bytes()) {
         Ok(()) => {
             let shown = file.display().to_string();

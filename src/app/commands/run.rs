@@ -13,7 +13,6 @@ use crate::app::{Finished, Progress, Registry, RunOptions, Watch};
 use crate::io::errors::{Diagnostic, Diagnostics};
 use crate::io::vtu::CellStyle;
 use std::ffi::OsString;
-use std::path::PathBuf;
 
 /// Solves a case and writes its folder.
 pub fn run(registry: &Registry, arguments: &RunArguments, common: &Common, streams: &Streams, words: &[OsString]) -> Ended {
@@ -31,10 +30,9 @@ fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words:
     let watch = Watch { listener: Some(Box::new(move |news| hears.hear(news))), ..case::watch(common) };
     clock.note(&format!("faying {} {}", env!("CARGO_PKG_VERSION"), shown(words).join(" ")));
     clock.hear(Progress::Phase("read"));
-    case::json_file(common)?;
+    let path = case::out(&arguments.case, common);
     let loaded = case::load(&arguments.case, arguments.backend.as_deref(), common, registry)?;
-    let path = common.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.out", loaded.stem)));
-    let folder = Folder::claim(&path, &loaded.path, common.force).map_err(Ended::from)?;
+    let folder = Folder::claim(&path, &loaded.path, &loaded.input.sha256, common.force).map_err(Ended::from)?;
     let pool = case::pool(common)?;
     let cells = match arguments.vtu {
         Some(VtuCells::Bezier) => Some(CellStyle::Bezier),

@@ -49,6 +49,7 @@ impl Streams {
     /// What writing answers.
     pub fn document(&self, text: &str) -> std::io::Result<()> {
         match &self.json {
+            _ if text.is_empty() => Ok(()),
             None => Ok(()),
             Some(file) if file.as_os_str() == "-" => to_stdout(text),
             Some(file) => super::folder::write_whole(file, text.as_bytes()),
