@@ -140,6 +140,7 @@ fn quantities_of_a_homogeneous_state_have_their_known_values() {
         [[probe]]\nname = \"path\"\nquantity = \"unknowns.primal\"\n\
         [[check]]\nname = \"stress\"\nquantity = \"stress.yy\"\nover = \"all\"\nequals = \"q\"\nrtol = 1e-11\n\
         [[check]]\nname = \"formula\"\nquantity = \"energy\"\nequals = \"-0.5*reaction.a.bottom.y*u.y at [0, 2]\"\nrtol = 1e-11\n\
+        [[check]]\nname = \"of-probe\"\nquantity = \"probes.tip.value\"\nequals = \"probes.tip-in.value + 0*probes.0.value\"\nrtol = 1e-11\n\
         [[check]]\nname = \"rate\"\nquantity = \"rate.error.u.L2\"\nabove = 2\n\
         [[check]]\nname = \"elsewhere\"\nquantity = \"energy\"\nabove = 1e9\nbackend = \"fe\"\n\
         [[check]]\nname = \"wrong\"\nquantity = \"stress.yy.max\"\nbelow = 1.0\n";
@@ -163,10 +164,10 @@ fn quantities_of_a_homogeneous_state_have_their_known_values() {
     assert_eq!(probe(&result, "path"), 40.0);
     let ok: Vec<bool> = result.checks.iter().map(|c| c.ok).collect();
     let skipped: Vec<bool> = result.checks.iter().map(|c| c.skipped).collect();
-    assert_eq!(ok, [true, true, true, true, false], "{}", show(&result));
-    assert_eq!(skipped, [false, false, true, true, false]);
+    assert_eq!(ok, [true, true, true, true, true, false], "{}", show(&result));
+    assert_eq!(skipped, [false, false, false, true, true, false]);
     assert_eq!((result.status, result.exit), (Status::CheckFailed, 1));
-    assert_eq!((result.checks_expected, result.checks_performed, result.checks_skipped), (5, 3, 2));
+    assert_eq!((result.checks_expected, result.checks_performed, result.checks_skipped), (6, 4, 2));
     for k in ["0", "1"] {
         close(number(&result, &["balance", "force", k]), 0.0, 1e-13, "balance of forces");
     }
@@ -293,6 +294,16 @@ fn wrong_cases_are_refused_with_code_place_and_advice() {
     let tie = |rest: &str| format!("[[interface]]\nname = \"i\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n{rest}");
     let probe = |q: &str| square(&format!("[[probe]]\nname = \"p\"\nquantity = '{q}'\n"));
     let upper = "min = [0, 1], max = [1, 2]";
+    // a check of a supported pair in contact
+    let pad = |quantity: &str, rest: &str| {
+        pair(
+            "min = [0, 1], max = [1, 2]",
+            &format!(
+                "[[boundary]]\non = \"b.left\"\nfix = [\"x\"]\n[[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n\
+                 [[probe]]\nname = \"p\"\nquantity = \"energy\"\n[[check]]\nquantity = \"{quantity}\"\nbelow = 1\n{rest}"
+            ),
+        )
+    };
     let mut wrong: Vec<String> = Vec::new();
     for (text, code, part) in [
         // quantities
@@ -305,6 +316,20 @@ fn wrong_cases_are_refused_with_code_place_and_advice() {
         (probe("u.x at [3, 0]"), "E022", "outside every body"),
         (probe("u.x at [1, q]"), "E017", "coordinate `q`"),
         (probe("error.u.L2"), "E062", "needs `exact`"),
+        (probe("error.u.L3"), "E018", "unknown quantity"),
+        (probe("stres.xx at [0, 0]"), "E018", "did you mean `stress.xx`?"),
+        (probe("U.y at [0, 0]"), "E018", "did you mean `u.y`?"),
+        (probe("area.nope"), "E018", "did you mean `area.a`?"),
+        (pad("contact.mid.force.y", ""), "E018", "did you mean `contact.c.force.y`?"),
+        (pad("error.c.lambda.L2", ""), "E062", "needs `exact` in [[contact]] \"c\""),
+        (pad("error.lambda.L2.rel", ""), "E062", "needs `exact` in [[contact]]"),
+        (pad("error.d.lambda.L2", ""), "E018", "unknown quantity"),
+        (pad("energy", "over = \"all\"\n"), "E015", "`over` holds both extremes"),
+        (pad("rate.foo", ""), "E018", "unknown quantity `foo`"),
+        (pad("infsup.xyz.beta", ""), "E018", "infsup.PAIRING.beta"),
+        (pad("probes.1.value", ""), "E018", "unknown quantity"),
+        (probe("probes.p.value"), "E018", "unknown quantity"),
+        (probe("checks.0.value"), "E018", "unknown quantity"),
         // sides that do not fit
         (pair("min = [0, 1.25], max = [1, 2]", &tie("")), "E023", "`b.bottom` and `a.top` are up to 0.25 apart"),
         (pair("min = [0.5, 1], max = [1.5, 2]", &tie("")), "E025", "only 50 % of the slave side `b.bottom`"),

@@ -1,15 +1,16 @@
 //! Probes and checks of a case: prepared before solving, answered after.
 
 use super::evaluate::{Answer, evaluate};
+use super::grammar::Reduce;
 use super::prepare::{Prepared, Preparer};
 use crate::app::build::Model;
 use crate::app::result::{CheckReport, ProbeReport, RunResult};
 use crate::app::run::StepState;
 use crate::io::case::{Case, Condition};
-use crate::io::errors::Diagnostics;
+use crate::io::errors::{Diagnostic, Diagnostics};
 use crate::io::formula::Formula;
 use crate::io::place::Located;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// The probes and checks of a case, understood.
 #[derive(Debug)]
@@ -32,19 +33,34 @@ impl<const S: usize, const N: usize> Questions<S, N> {
     /// Understands every probe and check of `case`.
     ///
     /// # Errors
-    /// E018, E021, E022, E062 at their places.
+    /// E015, E018, E021, E022, E062 at their places.
     pub fn of(case: &Case, model: &Model<S, N>, skeleton: &Value) -> Result<Self, Diagnostics> {
-        let preparer = Preparer::new(case, model, skeleton);
+        // probes are answered before checks: checks may name them, probes neither probes nor checks
+        let answered: Vec<Value> = case.probes.iter().map(|p| json!({ "name": p.name.value, "value": 0.0 })).collect();
+        let mut with_probes = skeleton.clone();
+        with_probes["probes"] = Value::Array(answered);
+        let (of_probes, of_checks) = (Preparer::new(case, model, skeleton), Preparer::new(case, model, &with_probes));
         let mut faults = Diagnostics::new();
-        let mut take = |text: &Located<String>, both: bool| match preparer.prepare(&text.value, text.at, both) {
-            Ok(prepared) => prepared,
-            Err(fault) => {
+        let ask = |preparer: &Preparer<'_, S, N>, faults: &mut Diagnostics, text: &Located<String>, both: bool| {
+            preparer.prepare(&text.value, text.at, both).unwrap_or_else(|fault| {
                 faults.push(*fault);
                 Prepared::Study
-            }
+            })
         };
-        let probes = case.probes.iter().map(|p| take(&p.quantity, false)).collect();
-        let checks: Vec<_> = case.checks.iter().map(|c| take(&c.quantity, c.over_all.is_some())).collect();
+        let probes = case.probes.iter().map(|p| ask(&of_probes, &mut faults, &p.quantity, false)).collect();
+        let mut checks = Vec::with_capacity(case.checks.len());
+        for c in &case.checks {
+            let before = faults.items.len();
+            let prepared = ask(&of_checks, &mut faults, &c.quantity, c.over_all.is_some());
+            let field = matches!(prepared, Prepared::Over(_, _, Reduce::None));
+            if let (Some(over), false, true) = (&c.over_all, field, faults.items.len() == before) {
+                let message = format!("`over` holds both extremes of a field to a check, `{}` is one number", c.quantity.value);
+                let help = "leave it out, or name a field as a whole such as stress.yy";
+                faults.push(Diagnostic::error("E015", message).with_help(help).at(&case.source, over.at));
+            }
+            checks.push(prepared);
+        }
+        let mut take = |text: &Located<String>| ask(&of_checks, &mut faults, text, false);
         let values = case
             .checks
             .iter()
@@ -54,7 +70,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
                         .value
                         .quantities()
                         .iter()
-                        .map(|q| take(&Located::new(q.text.clone(), f.at.inside(q.offset + 1, q.length)), false))
+                        .map(|q| take(&Located::new(q.text.clone(), f.at.inside(q.offset + 1, q.length))))
                         .collect(),
                     None => Vec::new(),
                 })

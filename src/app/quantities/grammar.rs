@@ -65,8 +65,10 @@ pub enum Kind {
     },
     /// Length (area in 3D) of a side.
     SideMeasure(String),
-    /// A quantity of studies: rates and inf-sup constants.
-    Study,
+    /// The inf-sup constant of a multiplier, found by studies.
+    Beta(String),
+    /// The rate of a quantity, found by studies.
+    Rate(String),
     /// A number of the result by its path.
     Path(Vec<String>),
 }
@@ -246,7 +248,13 @@ impl Quantity {
             return wrong(format!("`{}` takes no `in PATCH`; only u, flux, stress and von_mises do", path.join(".")));
         }
         match (path[0].as_str(), path.len()) {
-            ("rate" | "infsup", n) if n > 1 => return Ok(Kind::Study),
+            ("rate", n) if n > 1 && !placed => return Ok(Kind::Rate(path[1..].join("."))),
+            ("infsup", n) if n > 1 && !placed => {
+                return match path.last().map(String::as_str) {
+                    Some("beta") if n == 3 => Ok(Kind::Beta(path[1].clone())),
+                    _ => wrong("inf-sup constants are written infsup.PAIRING.beta, such as infsup.p/p-2.beta"),
+                };
+            }
             ("interface", 3 | 4) if placed && path[2] == "lambda" => {
                 let component = match path.get(3) {
                     None => None,
@@ -276,7 +284,7 @@ impl Quantity {
 
     /// Whether only a study can answer.
     pub fn is_study(&self) -> bool {
-        self.kind == Kind::Study
+        matches!(self.kind, Kind::Beta(_) | Kind::Rate(_))
     }
 }
 
@@ -332,6 +340,7 @@ mod tests {
         assert_eq!(kind("area.lower"), Kind::Path(vec!["area".into(), "lower".into()]));
         assert_eq!(kind("contact.pad.pressure.max"), Kind::Path(["contact", "pad", "pressure", "max"].map(String::from).to_vec()));
         assert!(Quantity::parse("rate.error.u.L2").unwrap().is_study());
+        assert!(Quantity::parse("infsup.p/p-2.beta").unwrap().is_study());
         assert_eq!(
             kind("reaction.bracket.\"top face\".y"),
             Kind::Path(["reaction", "bracket", "top face", "y"].map(String::from).to_vec())
@@ -349,6 +358,7 @@ mod tests {
             ("energy in lower", "takes no `in PATCH`"),
             ("u.x.max at [0, 0]", "no extremes"),
             ("u.x at [0,, 1]", "no point"),
+            ("infsup.p/p-2.gamma", "infsup.PAIRING.beta"),
             ("a..b", "no path"),
         ] {
             let error = Quantity::parse(text).unwrap_err().message;

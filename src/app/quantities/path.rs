@@ -60,6 +60,11 @@ pub fn known(value: &Value) -> Vec<String> {
                 let path = if prefix.is_empty() || prefix == "errors" { key.clone() } else { format!("{prefix}.{key}") };
                 walk(inner, &path, list);
             }),
+            Value::Array(items) if prefix == "probes" => {
+                for name in items.iter().filter_map(|item| item.get("name").and_then(Value::as_str)) {
+                    list.push(format!("probes.{name}.value"));
+                }
+            }
             Value::Array(items) if items.len() <= 3 => {
                 for (inner, letter) in items.iter().zip(["x", "y", "z"]) {
                     walk(inner, &format!("{prefix}.{letter}"), list);

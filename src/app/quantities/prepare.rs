@@ -4,7 +4,7 @@ use super::grammar::{At, FieldName, Kind, Quantity, Reduce};
 use super::path::{known, look_up};
 use crate::app::build::{Model, canonical_side};
 use crate::geometry::{ClosestPoint, Geometry};
-use crate::io::case::Case;
+use crate::io::case::{Case, Multiplier};
 use crate::io::errors::{Diagnostic, nearest};
 use crate::io::formula::{Formula, Scope};
 use crate::io::place::Place;
@@ -80,9 +80,13 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     /// # Errors
     /// E018 for what is no quantity here, E021 for unknown names, E022 for points outside, E017 for coordinates.
     pub fn prepare(&self, text: &str, at: Place, both: bool) -> Result<Prepared<S, N>, Box<Diagnostic>> {
-        let quantity = Quantity::parse(text).map_err(|e| self.fault("E018", format!("`{text}` is no quantity: {e}"), at))?;
+        let quantity = Quantity::parse(text).map_err(|e| {
+            let fault = self.fault("E018", format!("`{text}` is no quantity: {e}"), at);
+            Box::new(self.suggest(*fault, text))
+        })?;
         match quantity.kind {
-            Kind::Study => Ok(Prepared::Study),
+            Kind::Beta(pairing) => self.beta(text, &pairing, at),
+            Kind::Rate(inner) => self.rate(&inner, at),
             Kind::Path(path) => self.path(text, path, at),
             Kind::SideMeasure(side) => self.side_measure(text, &side, at),
             Kind::Multiplier { pressure, name, component, at: place } => {
@@ -235,23 +239,99 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
             return Ok(Prepared::Path(path));
         }
         // results of probes and checks are numbers of the result, too
-        let list = known(self.skeleton);
-        let fields = if self.model.components == 1 { "u, flux.x, flux.y" } else { "u.x, u.y, stress.xx, stress.yy, stress.xy, von_mises" };
-        let words = ["energy", "unknowns"].into_iter().map(String::from);
-        let candidates: Vec<String> = list.into_iter().chain(words).collect();
-        if path[0] == "error" && self.model.exact.is_none() && path.get(1).is_some_and(|p| p == "u") {
-            return Err(Box::new(
-                Diagnostic::error("E062", format!("`{text}` needs `exact` in [model]"))
-                    .at(&self.case.source, at)
-                    .with_help("give a manufactured solution"),
-            ));
+        if let Some((place, help)) = self.lacks_exact(&path) {
+            let fault = Diagnostic::error("E062", format!("`{text}` needs `exact` {place}"));
+            return Err(Box::new(fault.at(&self.case.source, at).with_help(help)));
         }
-        let mut fault = *self.fault("E018", format!("unknown quantity `{text}`"), at);
-        if let Some(near) = nearest(&path.join("."), candidates.iter().map(String::as_str)) {
-            fault = fault.with_label(format!("did you mean `{near}`?"));
-        }
+        let fields = self.fields().join(", ");
+        let fault = self.suggest(*self.fault("E018", format!("unknown quantity `{text}`"), at), text);
         let heads: Vec<&str> = ["energy", "unknowns", "error", "reaction", "area", "length", "interface", "contact", "balance"].to_vec();
         Err(Box::new(fault.with_help(format!("quantities: {fields} `at [x, y]`; {} ...", heads.join(", ")))))
+    }
+
+    fn fields(&self) -> &'static [&'static str] {
+        match self.model.components {
+            1 => &["u", "flux.x", "flux.y"],
+            _ => &["u.x", "u.y", "stress.xx", "stress.yy", "stress.xy", "von_mises"],
+        }
+    }
+
+    // where `exact` is missing for an error that would be known with it
+    fn lacks_exact(&self, path: &[String]) -> Option<(String, &'static str)> {
+        let words: Vec<&str> = path.iter().map(String::as_str).collect();
+        let words = words.strip_suffix(&["rel"]).unwrap_or(&words);
+        let manufactured = "give a manufactured solution";
+        match words {
+            ["error", "u", "L2" | "H1" | "energy"] if self.model.exact.is_none() => Some(("in [model]".into(), manufactured)),
+            ["error", name @ .., "lambda", "L2"] => {
+                let name = name.join(".");
+                let tie = self.model.ties.iter().any(|t| name.is_empty() || t.name == name);
+                let contact = self.model.contacts.iter().any(|c| name.is_empty() || c.name == name);
+                let block = match (tie, contact) {
+                    (true, true) => "[[interface]] or [[contact]]",
+                    (true, false) => "[[interface]]",
+                    (false, true) => "[[contact]]",
+                    (false, false) => return None,
+                };
+                let named = if name.is_empty() { String::new() } else { format!(" \"{name}\"") };
+                Some((format!("in {block}{named}, or in [model]"), "write exact = \"..\", the exact multiplier, in that block"))
+            }
+            _ => None,
+        }
+    }
+
+    /// The rate of anything that is known, a probe by its name included, is left to studies; what only `exact` lacks, too.
+    fn rate(&self, inner: &str, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        let probe = self.case.probes.iter().any(|p| p.name.value == inner || format!("probes.{}.value", p.name.value) == inner);
+        match if probe { Ok(Prepared::Study) } else { self.prepare(inner, at, false) } {
+            Err(fault) if fault.code != "E062" => Err(fault),
+            _ => Ok(Prepared::Study),
+        }
+    }
+
+    // multipliers of the contract, and those that the case uses
+    fn beta(&self, text: &str, pairing: &str, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        let lowered = pairing.strip_prefix("p/p-").is_some_and(|k| k.parse::<usize>().is_ok_and(|k| (1..=12).contains(&k)));
+        let ties = self.case.interfaces.iter().map(|t| &t.multiplier.value);
+        let mut used = ties.chain(self.case.contacts.iter().map(|c| &c.multiplier.value));
+        if lowered
+            || matches!(pairing, "auto" | "p/p" | "constant" | "dual")
+            || used.any(|m| matches!(m, Multiplier::Named(name) if name == pairing))
+        {
+            return Ok(Prepared::Study);
+        }
+        let fault = self.fault("E018", format!("`{text}`: there is no multiplier \"{pairing}\"; write infsup.PAIRING.beta"), at);
+        Err(Box::new(fault.with_help("pairings: p/p, p/p-1, p/p-2, p/p-2k, constant, dual")))
+    }
+
+    /// Adds the quantity that is nearest to what stands before `at` and `in`.
+    fn suggest(&self, fault: Diagnostic, text: &str) -> Diagnostic {
+        let head = [" at ", " at[", " in "].iter().fold(text.trim(), |t, word| t.split(word).next().unwrap_or(t)).trim();
+        let named = |list: &[&str], names: &[&str]| -> Vec<String> {
+            names.iter().flat_map(|n| list.iter().map(move |form| form.replace("NAME", n))).collect()
+        };
+        let patches: Vec<&str> = self.model.patches.iter().map(|p| p.name.as_str()).collect();
+        let ties: Vec<&str> = self.model.ties.iter().map(|t| t.name.as_str()).collect();
+        let contacts: Vec<&str> = self.model.contacts.iter().map(|c| c.name.as_str()).collect();
+        let lambda: &[&str] =
+            if self.model.components == 1 { &["interface.NAME.lambda"] } else { &["interface.NAME.lambda.x", "interface.NAME.lambda.y"] };
+        let mut candidates: Vec<String> = self.fields().iter().map(|f| (*f).to_owned()).collect();
+        candidates.extend(["energy", "unknowns"].map(String::from));
+        candidates.extend(known(self.skeleton));
+        candidates.extend(named(&["area.NAME"], &patches));
+        candidates.extend(named(lambda, &ties));
+        candidates.extend(named(&["interface.NAME.segments", "interface.NAME.measure"], &ties));
+        candidates.extend(named(&["contact.NAME.pressure", "contact.NAME.moment.z"], &contacts));
+        // a name that is far off, where all else agrees
+        let all_but_one = |c: &&String| {
+            let (a, b): (Vec<&str>, Vec<&str>) = (head.split('.').collect(), c.split('.').collect());
+            a.len() > 1 && a.len() == b.len() && a[0] == b[0] && a.iter().zip(&b).filter(|(x, y)| x != y).count() == 1
+        };
+        let near = nearest(head, candidates.iter().map(String::as_str)).filter(|n| *n != head);
+        match near.or_else(|| candidates.iter().find(all_but_one).map(String::as_str)) {
+            Some(near) => fault.with_label(format!("did you mean `{near}`?")),
+            None => fault,
+        }
     }
 
     /// `reaction.PATCH.SIDE.c` by the label the result has, whatever alias is used.
