@@ -12,7 +12,7 @@ use crate::io::case::Start;
 use crate::io::formula::Point;
 use crate::linalg::{Csr, LinearError, Triplets};
 
-/// Forces below this share of their scale count as zero among the sign cases.
+/// Forces and gaps below this share of their scale count as zero: among the sign cases, and where a start looks at gaps.
 const ZERO: f64 = 1e-12;
 
 /// The solution of a step.
@@ -118,7 +118,7 @@ impl<const S: usize, const N: usize> System<S, N> {
                 for (j, (&g, k)) in built.offset.iter().zip(built.kinds()).enumerate() {
                     offset[part.first_row + j] = g;
                     kind[part.first_row + j] = k;
-                    start[part.first_row + j] = starts_active(contact, &built, j, part.first_row);
+                    start[part.first_row + j] = starts_active(model, contact, &built, j, part.first_row);
                 }
                 parts.push(built);
             }
@@ -128,11 +128,18 @@ impl<const S: usize, const N: usize> System<S, N> {
     }
 }
 
-fn starts_active<const S: usize, const N: usize>(contact: &ContactModel<S, N>, built: &Contact<S, N>, j: usize, first: usize) -> bool {
+fn starts_active<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    contact: &ContactModel<S, N>,
+    built: &Contact<S, N>,
+    j: usize,
+    first: usize,
+) -> bool {
     match contact.start {
         Start::All => true,
         Start::None => false,
-        Start::Gap => built.offset[j] <= 0.0,
+        // bodies that touch have gaps of round-off: zero within a share of the lengths the gaps come from
+        Start::Gap => built.offset[j] <= ZERO * model.size.max(model.center.norm()) * built.weights[j].abs(),
         Start::Seed(seed) => {
             // SplitMix64 of seed and row: the same on every machine
             let mut z = seed.wrapping_add((first + j + 1) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);

@@ -14,18 +14,38 @@ fn line(at: Place) -> String {
 }
 
 impl Reader {
-    /// A side is slave once, and never its own master (E026).
+    /// A side is slave once, and never its own master; two sides are coupled once, in one direction (E026).
     pub fn slaves(&mut self, interfaces: &[Tie], contacts: &[Contact], patches: &[Patch]) {
         let mut first: BTreeMap<(usize, &str), Place> = BTreeMap::new();
         let none: &[Located<SideRef>] = &[];
-        let pairs = interfaces.iter().map(|t| (&t.slave[..], &t.master[..])).chain(contacts.iter().map(|c| {
-            let master = match &c.master {
-                Master::Sides(sides) => &sides[..],
-                Master::Rigid(_) => none,
-            };
-            (&c.slave[..], master)
-        }));
-        for (slave, master) in pairs {
+        let ties = interfaces.iter().map(|t| ("interface", &t.name.value, &t.slave[..], &t.master[..]));
+        let all: Vec<_> = ties
+            .chain(contacts.iter().map(|c| {
+                let master = match &c.master {
+                    Master::Sides(sides) => &sides[..],
+                    Master::Rigid(_) => none,
+                };
+                ("contact", &c.name.value, &c.slave[..], master)
+            }))
+            .collect();
+        for (k, &(kind, name, slave, master)) in all.iter().enumerate() {
+            for &(other_kind, other, other_slave, other_master) in &all[..k] {
+                let twice = slave.iter().find_map(|s| {
+                    let before = other_slave.iter().find(|o| master.contains(o) && other_master.contains(s))?;
+                    Some((s, before))
+                });
+                let Some((s, before)) = twice else { continue };
+                let message = format!(
+                    "`{}` and `{}` are coupled twice, with slave and master exchanged: {other_kind} {other:?} {} and {kind} {name:?} {}",
+                    show(before, patches),
+                    show(s, patches),
+                    line(before.at),
+                    line(s.at)
+                );
+                self.fault("E026", s.at, message, "two sides are coupled once: drop one of the two blocks");
+            }
+        }
+        for (_, _, slave, master) in all {
             for s in slave {
                 let name = show(s, patches);
                 if master.contains(s) {
