@@ -5,15 +5,17 @@ mod gap;
 mod pressure;
 mod surface;
 mod targets;
+mod width;
 
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
 
 pub use frames::Frames;
 pub use gap::{Contact, ContactError, Opponent};
-pub use pressure::{Transmitted, half_width};
+pub use pressure::Transmitted;
 pub use surface::Surface;
 pub use targets::{HalfPlane, LevelSet, Moved, Sphere};
+pub use width::{ClosedSide, half_width};
 
 /// Where a point lies on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

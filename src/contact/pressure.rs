@@ -9,14 +9,10 @@
 
 use super::Contact;
 use crate::basis::{Basis, Order, ShapeTable};
-use crate::coupling::interface::Chain;
-use crate::geometry::Geometry;
 use crate::linalg::{Real, Vector, lit};
 
 /// Multipliers below this share of the largest are round-off.
 const NO_PRESSURE: f64 = 1e-12;
-/// A zone that ends within this share of the side's length of an end of the side ends there.
-const AT_SIDE_END: f64 = 1e-9;
 
 /// Sums and extremes over a contact side.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,49 +80,4 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         out.pressure = pressure;
         out
     }
-}
-
-/// Half the extent of the closed zone along the slave side; all of it where it ends at an end of the side, as in half
-/// models. Zero where nothing is closed.
-///
-/// `closed` is that of [`Transmitted`]. The extent is measured along the curve, between the outermost closed points, each
-/// with the share of the curve that its weight stands for.
-pub fn half_width<const N: usize, T: Real>(slave: &dyn Geometry<1, N, T>, contact: &Contact<1, N, T>, closed: &[bool]) -> T {
-    let chain = Chain::of(slave);
-    let walk = chain.walk();
-    // length of every element, by the same points as its pieces where they cover it
-    let mut zone = vec![[T::zero(); 2]; slave.num_elements()]; // from and to: arc length within the element
-    let mut touched = vec![false; slave.num_elements()];
-    let mut length = chain.lengths.clone();
-    for run in contact.segments.runs() {
-        let element = contact.segments.slave[run.start];
-        let mut at = T::zero();
-        for piece in run {
-            for q in contact.segments.points(piece) {
-                let ds = contact.segments.ds[q];
-                if closed[q] {
-                    if !touched[element] {
-                        (touched[element], zone[element][0]) = (true, at);
-                    }
-                    zone[element][1] = at + ds;
-                }
-                at += ds;
-            }
-        }
-        length[element] = length[element].max(at);
-    }
-    let (mut start, mut first, mut last) = (T::zero(), None, T::zero());
-    for &(element, reversed) in &walk {
-        if touched[element] {
-            let [a, b] = zone[element];
-            let [a, b] = if reversed { [length[element] - b, length[element] - a] } else { [a, b] };
-            first = first.or(Some(start + a));
-            last = start + b;
-        }
-        start += length[element];
-    }
-    let Some(first) = first else { return T::zero() };
-    let is_closed = walk.first().is_some_and(|&(e, r)| chain.neighbour(e, usize::from(r)).is_some());
-    let margin = start * lit(AT_SIDE_END);
-    if !is_closed && (first <= margin || last >= start - margin) { last - first } else { (last - first) * lit(0.5) }
 }

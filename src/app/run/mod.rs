@@ -19,14 +19,14 @@ use super::quantities::Questions;
 use super::registry::{Names, Registry, solver_name};
 use super::result::{RunResult, Status, StepReport};
 use super::watch::{Progress, Watch};
-use crate::contact::half_width;
+use crate::contact::{ClosedSide, half_width};
 use crate::io::case::Case;
 use crate::io::errors::{Diagnostic, Diagnostics, Severity};
 use std::sync::Arc;
 
 pub use loads::Resultant;
 pub use predict::{Prediction, bytes, predict};
-pub use report::{HalfWidth, component_rows, multiplier_at};
+pub use report::{HalfWidth, Zone, component_rows, multiplier_at};
 pub use solve::{StepError, StepState, Unsolved};
 
 /// A model with its solution.
@@ -46,7 +46,12 @@ struct Dimension<'a, const S: usize, const N: usize> {
 }
 
 fn plane(registry: &Registry) -> Dimension<'_, 1, 2> {
-    Dimension { names: &registry.plane, net: plane_net, half_width: Some(half_width::<2, f64>) }
+    Dimension { names: &registry.plane, net: plane_net, half_width: Some(zone) }
+}
+
+fn zone(sides: &[report::Zone<'_, 1, 2>]) -> f64 {
+    let sides: Vec<_> = sides.iter().map(|(slave, contact, closed)| ClosedSide { slave: *slave, contact, closed }).collect();
+    half_width(&sides)
 }
 
 impl Case {

@@ -18,8 +18,10 @@ use crate::linalg::{Csr, Operator, Vector};
 use crate::space::{measure, quality};
 use std::sync::Arc;
 
+/// A slave side with the rows of its contact and the points that are closed.
+pub type Zone<'a, const S: usize, const N: usize> = (&'a dyn Geometry<S, N>, &'a Contact<S, N>, Vec<bool>);
 /// Half the width of a contact zone on slave sides of S dimensions, where that has a meaning.
-pub type HalfWidth<const S: usize, const N: usize> = fn(&dyn Geometry<S, N>, &Contact<S, N>, &[bool]) -> f64;
+pub type HalfWidth<const S: usize, const N: usize> = fn(&[Zone<'_, S, N>]) -> f64;
 
 /// The result before anything is solved: all names, all counts, the geometry.
 pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, model: &Model<S, N>) -> RunResult {
@@ -128,6 +130,7 @@ fn contacts<const S: usize, const N: usize>(
             iterations: state.active_set.as_ref().map_or(0, |a| a.iterations),
             ..Default::default()
         };
+        let mut zones: Vec<Zone<'_, S, N>> = Vec::new();
         for (part, rows) in contact.parts.iter().zip(built) {
             let range = part.first_row..part.first_row + part.multiplier.num_functions();
             let lambda = &state.lambda[range.clone()];
@@ -141,9 +144,6 @@ fn contacts<const S: usize, const N: usize>(
             report.area += sent.area;
             report.pressure.min = report.pressure.min.min(sent.least_pressure);
             report.pressure.max = report.pressure.max.max(sent.largest_pressure);
-            if let Some(half_width) = half_width {
-                report.half_width = report.half_width.max(half_width(&*part.slave.trace.space, rows, &sent.closed));
-            }
             for ((gap, &l), j) in rows.lumped_gap(&state.u).into_iter().zip(lambda).zip(range) {
                 report.active += usize::from(state.active[j]);
                 if state.sign_case[j] < 9 {
@@ -164,7 +164,9 @@ fn contacts<const S: usize, const N: usize>(
                 force[..N].copy_from_slice(sent.force.as_slice());
                 outside.sum(&Resultant { force, moment: sent.moment });
             }
+            zones.push((&*part.slave.trace.space, rows, sent.closed));
         }
+        report.half_width = half_width.map_or(0.0, |f| f(&zones));
         report.force = total.force[..N].to_vec();
         report.moment = moment::<N>(total.moment);
         all.push(contact.name.clone(), report);
