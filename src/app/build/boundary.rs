@@ -3,6 +3,7 @@
 use super::Builder;
 use super::model::{Action, Condition, Model, SideLoad, SideModel, SideSpring, Value};
 use super::sides::Sides;
+use super::values::on_side;
 use crate::assembly::{Equation, measure, planar_normal};
 use crate::io::case::{Boundary, Datum, SideRef};
 use crate::io::errors::Diagnostic;
@@ -70,21 +71,28 @@ fn one<const S: usize, const N: usize>(
                 needs_exact(builder, model, datum.at)?;
                 Action::Exact(component)
             }
-            Datum::Formula(f) => Action::Traction(component, f.clone()),
+            Datum::Formula(f) => {
+                on_side(builder, side, &Located::new(f.clone(), datum.at), "the traction")?;
+                Action::Traction(component, f.clone())
+            }
         };
         model.loads.push(SideLoad { side: side.clone(), action });
     }
     if let Some(p) = &block.pressure {
+        on_side(builder, side, p, "the pressure")?;
         model.loads.push(SideLoad { side: side.clone(), action: Action::Pressure(p.value.clone()) });
     }
     for (component, f) in each(&block.force) {
+        on_side(builder, side, f, "the force")?;
         let area = measure(&*side.trace.space, &side.rules);
         model.loads.push(SideLoad { side: side.clone(), action: Action::Force(component, f.value.clone(), area) });
     }
     for (component, f) in each(&block.spring) {
+        on_side(builder, side, f, "the spring")?;
         model.springs.push(SideSpring { side: side.clone(), component, stiffness: f.value.clone() });
     }
     for (component, f) in each(&block.rigid_force) {
+        on_side(builder, side, f, "the rigid force")?;
         let area = measure(&*side.trace.space, &side.rules);
         model.loads.push(SideLoad { side: side.clone(), action: Action::Force(component, f.value.clone(), area) });
         // functions of a side sum to one: equal coefficients are a constant

@@ -3,7 +3,7 @@
 use super::Builder;
 use super::fixed::Fixed;
 use super::model::{Against, ContactModel, ContactPart, Model, SideModel};
-use super::multipliers::{multiplier, multiplier_fault};
+use super::multipliers::{held_help, multiplier, multiplier_fault};
 use super::sides::Sides;
 use super::ties::{degree, labels, list, memberships};
 use crate::assembly::gauss_rules;
@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 /// Directions with less than this along an axis do not need it.
 const PERPENDICULAR: f64 = 1e-9;
-/// Functions with less than this value at a corner do not live there.
+/// Functions with less than this value at a point do not live there.
 const NO_VALUE: f64 = 1e-10;
 
 /// All contacts of the case.
@@ -143,18 +143,36 @@ fn part<const S: usize, const N: usize>(
             Against::Side(master.clone(), segments)
         }
     };
-    let normals = corner_directions(slave, &against, t);
     // rows are along the normal of what is faced: an end is constrained where the body cannot move that way
-    let stuck = |function: usize| match normals.get(&function) {
-        Some(n) => (0..N).all(|c| n[c].abs() < PERPENDICULAR || taken(function, c)),
-        None => false,
+    let slides = slides(model, slave);
+    let cannot_move = |function: usize, n: &Vector<N>| {
+        (0..N).all(|c| n[c].abs() < PERPENDICULAR || taken(function, c))
+            || slides.iter().any(|(f, d)| *f == function && (n - d * n.dot(d)).norm() < PERPENDICULAR)
     };
+    let normals = directions(slave, &against, t, 2);
+    let stuck = |function: usize| normals.get(&function).is_some_and(|n| cannot_move(function, n));
+    // functions inside of elements vanish at corners: their direction is that where they are largest
+    let inner = directions(slave, &against, t, degree(slave) + 2);
+    let held = |f: usize| stuck(f) || inner.get(&f).is_some_and(|n| cannot_move(f, n)) || (0..N).all(|c| taken(f, c));
+    let free = slave.trace.dofs.iter().filter(|&&f| !held(f)).count();
+    let along: Vec<usize> = (0..N).filter(|&c| inner.values().any(|n| n[c].abs() >= PERPENDICULAR)).collect();
+    let help = || held_help(model, slave, &along, !slides.is_empty());
+    if free == 0 {
+        let text = format!(
+            "the multiplier of \"{name}\" on `{}` is over-constrained: the normal direction has 0 free unknowns",
+            slave.label
+        );
+        let advice = help().unwrap_or_else(|| "free the side, or give it more elements".into());
+        return Err(Box::new(builder.error("E024", text, at).with_help(advice)));
+    }
     let (psi, warning) = multiplier(builder, name, slave, &contact.multiplier, &stuck, None)?;
-    let free = slave.trace.dofs.iter().filter(|&&f| !stuck(f) && !(0..N).all(|c| taken(f, c))).count();
     if psi.num_functions() > free {
         let error = MultiplierError::TooMany { component: 0, multipliers: psi.num_functions(), free };
         let mut fault = multiplier_fault(builder, name, slave, &error, contact.multiplier.at, N);
         fault.message = fault.message.replace("component x", "the normal direction");
+        if let Some(help) = help() {
+            fault = fault.with_help(help);
+        }
         return Err(Box::new(fault));
     }
     let first = rows(model, slave, &against, &*psi, &built.gap, built.reach, t)
@@ -219,9 +237,37 @@ fn contact_fault<const S: usize, const N: usize>(
     }
 }
 
-/// The direction of contact at a corner of an element, for every function that does not vanish there: the normal of
-/// what is faced, the slave's own where nothing is.
-fn corner_directions<const S: usize, const N: usize>(side: &SideModel<S, N>, against: &Against<S, N>, t: f64) -> HashMap<usize, Vector<N>> {
+/// Directions along which the functions of a side cannot move by conditions between components: inclined sliding.
+fn slides<const S: usize, const N: usize>(model: &Model<S, N>, side: &SideModel<S, N>) -> Vec<(usize, Vector<N>)> {
+    let field = model.patches[side.patch].field;
+    let range = model.patches[side.patch].range();
+    let mut out = Vec::new();
+    for e in &model.equations {
+        let place = |i: usize| range.contains(&i).then(|| ((i - field.first) / field.components, (i - field.first) % field.components));
+        let Some((function, _)) = e.terms.first().and_then(|t| place(t.0)) else { continue };
+        let mut d = Vector::<N>::zeros();
+        let mut own = true;
+        for &(i, value) in &e.terms {
+            match place(i) {
+                Some((f, c)) if f == function => d[c] += value,
+                _ => own = false,
+            }
+        }
+        if own && d.norm() > 0.0 {
+            out.push((function, d / d.norm()));
+        }
+    }
+    out
+}
+
+/// The direction of contact of every function, where it is largest among `n` points per direction of each element that
+/// it does not vanish at: the normal of what is faced, the slave's own where nothing is. Two points are the corners.
+fn directions<const S: usize, const N: usize>(
+    side: &SideModel<S, N>,
+    against: &Against<S, N>,
+    t: f64,
+    n: usize,
+) -> HashMap<usize, Vector<N>> {
     let (space, trace) = (&*side.trace.space, &side.trace);
     let mut other = MapTable::new();
     let closest = match against {
@@ -237,24 +283,27 @@ fn corner_directions<const S: usize, const N: usize>(side: &SideModel<S, N>, aga
         }
     };
     let (mut shapes, mut map, mut ids) = (ShapeTable::new(), MapTable::new(), Vec::new());
-    let mut out = HashMap::new();
+    let mut out: HashMap<usize, (f64, Vector<N>)> = HashMap::new();
     for e in 0..space.num_elements() {
-        let corners = cell::grid::<S, f64>(space.cell(e), 2);
+        let points = cell::grid::<S, f64>(space.cell(e), n);
         space.active(e, &mut ids);
-        space.evaluate(e, &corners, Order::Gradients, &mut shapes, &mut map);
-        for q in 0..corners.len() {
+        space.evaluate(e, &points, Order::Gradients, &mut shapes, &mut map);
+        for q in 0..points.len() {
             let normal = facing(&map.x[q]).unwrap_or_else(|| trace.normal(e, &map.jacobian[q]));
             if !normal.iter().all(|v| v.is_finite()) {
                 continue;
             }
             for (&i, value) in ids.iter().zip(shapes.values(q)) {
                 if value.abs() > NO_VALUE {
-                    out.entry(trace.dofs[i]).or_insert(normal);
+                    let best = out.entry(trace.dofs[i]).or_insert((0.0, normal));
+                    if value.abs() > best.0 {
+                        *best = (value.abs(), normal);
+                    }
                 }
             }
         }
     }
-    out
+    out.into_iter().map(|(f, (_, normal))| (f, normal)).collect()
 }
 
 fn vector<const N: usize>(list: &[f64]) -> Vector<N> {

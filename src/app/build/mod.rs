@@ -14,6 +14,7 @@ mod rigid;
 mod sides;
 mod supports;
 mod ties;
+mod values;
 
 use super::registry::Names;
 use crate::geometry::ControlNet;
@@ -72,6 +73,7 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
     let mut builder = Builder { case, names, faults: Diagnostics::new() };
     let patches = patches::build(&mut builder, net);
     builder.stop()?;
+    values::materials(&mut builder, &patches);
     let (center, size) = patches::extent(&patches);
     let mut model = Model {
         components: case.model.components(),
@@ -94,6 +96,7 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
     };
     let mut sides = sides::Sides::default();
     boundary::build(&mut builder, &mut model, &mut sides);
+    values::in_bodies(&mut builder, &model);
     builder.stop()?;
     let fixed = fixed::Fixed::of(&builder, &model).map_err(|fault| Diagnostics::from(*fault))?;
     ties::build(&mut builder, &mut model, &mut sides, &fixed);

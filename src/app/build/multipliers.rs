@@ -2,7 +2,7 @@
 
 use super::Builder;
 use super::boundary::component_name;
-use super::model::SideModel;
+use super::model::{Model, SideModel};
 use crate::basis::Basis;
 use crate::coupling::multiplier::{Ends, MultiplierError, MultiplierKind};
 use crate::io::case::{self, Multiplier};
@@ -88,4 +88,28 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
             )
             .with_help(format!("give patch \"{patch}\" more elements along `{}`, or take a multiplier of lower degree", slave.label)),
     }
+}
+
+/// What to do about a side that is held itself in one of `components`: names the conditions; none where there is none.
+pub(super) fn held_help<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    slave: &SideModel<S, N>,
+    components: &[usize],
+    slides: bool,
+) -> Option<String> {
+    let mine = model.conditions.iter().filter(|c| c.side.patch == slave.patch && c.side.side == slave.side);
+    let mut places: Vec<String> = mine
+        .filter(|c| components.contains(&c.component))
+        .map(|c| {
+            let line = c.at.in_file().map_or(String::new(), |(line, _)| format!(" (line {line})"));
+            format!("component {} by `fix` or `dirichlet`{line}", component_name(c.component, model.components))
+        })
+        .collect();
+    places.dedup();
+    if places.is_empty() && slides && model.supports.iter().any(|s| s.patch == slave.patch && s.side == slave.side) {
+        places.push("by fix = [\"normal\"] or fix = [\"tangential\"]".into());
+    }
+    (!places.is_empty()).then(|| {
+        format!("`{}` is prescribed itself: {}; drop that condition, or let another side be the slave", slave.label, places.join(", "))
+    })
 }

@@ -64,17 +64,7 @@ fn one<const S: usize, const N: usize>(
     })?;
     let material = &case.materials[patch.material.value];
     let physics = Physics::of(material, case.model.assumption.value).map_err(|e| {
-        let at = match (&material.elastic, &e) {
-            (
-                Some(case::Elastic::YoungPoisson(_, nu)),
-                crate::physics::MaterialError::Singular { .. } | crate::physics::MaterialError::Ratio { .. },
-            ) => nu.at,
-            (Some(case::Elastic::YoungPoisson(e, _)), _) => e.at,
-            (Some(case::Elastic::Lame(l, _)), crate::physics::MaterialError::Lambda { .. }) => l.at,
-            (Some(case::Elastic::Lame(_, m)), _) => m.at,
-            (None, _) => material.conductivity.at,
-        };
-        builder.error("E053", format!("material \"{}\": {e}", material.name.value), at)
+        builder.error("E053", format!("material \"{}\": {e}", material.name.value), super::values::key(material, &e))
     })?;
     let extra_points = patch.discretization.extra_points.value;
     let rules = gauss_rules(&**body.space(), extra_points);

@@ -47,6 +47,15 @@ fn filled<const C: usize>(fill: impl FnOnce(&mut [f64])) -> Vector<C> {
     out
 }
 
+/// The word of the case in N dimensions.
+pub(super) fn assumption<const N: usize>(word: case::Assumption) -> Assumption {
+    match (N, word) {
+        (3, _) => Assumption::Solid,
+        (_, case::Assumption::PlaneStress) => Assumption::PlaneStress,
+        _ => Assumption::PlaneStrain,
+    }
+}
+
 impl<const N: usize> Physics<N> {
     /// The material of the case.
     ///
@@ -60,11 +69,7 @@ impl<const N: usize> Physics<N> {
                 None => Arc::new(Conductor::<N>::varying(move |x| jet(&k, x))),
             }));
         };
-        let assumption = match (N, assumption) {
-            (3, _) => Assumption::Solid,
-            (_, case::Assumption::PlaneStress) => Assumption::PlaneStress,
-            _ => Assumption::PlaneStrain,
-        };
+        let assumption = self::assumption::<N>(assumption);
         let (a, b, young) = match elastic {
             Constants::YoungPoisson(e, nu) => (e.value.clone(), nu.value.clone(), true),
             Constants::Lame(l, m) => (l.value.clone(), m.value.clone(), false),

@@ -1,9 +1,10 @@
 //! Tied interfaces: multipliers, segments and rows of every slave side.
 
 use super::Builder;
+use super::boundary::component_name;
 use super::fixed::Fixed;
 use super::model::{Model, Pairing, SideModel, TieModel, TiePart};
-use super::multipliers::{multiplier, multiplier_fault};
+use super::multipliers::{held_help, multiplier, multiplier_fault};
 use super::sides::Sides;
 use crate::basis::{Basis, Elements};
 use crate::coupling::interface::{Partners, Tolerance};
@@ -137,6 +138,16 @@ fn part<const S: usize, const N: usize>(
     // multipliers, one per component: ends are constrained per component
     let mut multipliers = Vec::with_capacity(model.components);
     for c in 0..model.components {
+        if slave.trace.dofs.iter().all(|&function| fixed.is(field.unknown(function, c)))
+            && let Some(help) = held_help(model, slave, &[c], !model.equations.is_empty())
+        {
+            let text = format!(
+                "the multiplier of \"{name}\" on `{}` is over-constrained: component {} has 0 free unknowns",
+                slave.label,
+                component_name(c, model.components)
+            );
+            return Err(Box::new(builder.error("E024", text, at).with_help(help)));
+        }
         let constrained = |function: usize| fixed.is(field.unknown(function, c)) || members.count(slave.patch, function) > 1;
         let (psi, warning) = multiplier(builder, name, slave, &tie.multiplier, &constrained, Some(c).filter(|_| model.components > 1))?;
         multipliers.push(psi);

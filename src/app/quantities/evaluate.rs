@@ -5,11 +5,19 @@ use super::path::look_up;
 use super::prepare::Prepared;
 use crate::app::build::{Model, PointState};
 use crate::app::run::{StepState, component_rows, multiplier_at};
-use crate::basis::Basis;
+use crate::basis::{Basis, Cell, Order};
+use crate::geometry::MapTable;
+use crate::linalg::{Vector, measure};
 use crate::physics::von_mises;
 use crate::quadrature::Quadrature;
+use crate::space::Space;
 use rayon::prelude::*;
 use serde_json::Value;
+
+/// A map that shrinks volumes to less than this share of what it does in the middle of the element has collapsed.
+const COLLAPSED: f64 = 1e-12;
+/// Share of the element by which points leave a collapsed edge.
+const NUDGE: f64 = 1e-9;
 
 /// The value of a quantity.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +57,20 @@ fn finite(value: f64) -> Answer {
     if value.is_finite() { Answer::One(value) } else { Answer::None("the value is not finite".into()) }
 }
 
+/// The point, or where the map of the element collapses there, as at the centre of a disc, one a share of 1e-9 of the
+/// element nearer to its middle: gradients have a limit there and no value at the point itself.
+fn off_collapsed<const N: usize>(space: &dyn Space<N, N>, element: usize, xi: &Vector<N>) -> Vector<N> {
+    let middle = match space.cell(element) {
+        Cell::Simplex => 1.0 / (N + 1) as f64,
+        _ => 0.5,
+    };
+    let middle = Vector::<N>::repeat(middle);
+    let mut map = MapTable::new();
+    space.map(element, &[*xi, middle], Order::Gradients, &mut map);
+    let collapsed = measure(&map.jacobian[0]) <= COLLAPSED * measure(&map.jacobian[1]);
+    if collapsed { xi + (middle - xi) * NUDGE } else { *xi }
+}
+
 /// Evaluates a quantity on `state`; numbers of the result are read from `result`.
 pub fn evaluate<const S: usize, const N: usize>(
     prepared: &Prepared<S, N>,
@@ -69,7 +91,10 @@ pub fn evaluate<const S: usize, const N: usize>(
             let mut mean = PointState::<N> { x: crate::linalg::Vector::zeros(), u: [0.0; 3], stress: [0.0; 6] };
             let share = 1.0 / spot.elements.len() as f64;
             for (e, xi) in &spot.elements {
-                let p = patch.physics.at(&**patch.body.space(), &patch.field, &state.u, *e, std::slice::from_ref(xi))[0];
+                let space = &**patch.body.space();
+                // displacements need no derivative
+                let xi = if matches!(field, FieldName::U(_)) { *xi } else { off_collapsed(space, *e, xi) };
+                let p = patch.physics.at(space, &patch.field, &state.u, *e, &[xi])[0];
                 mean.u.iter_mut().zip(p.u).for_each(|(m, v)| *m += share * v);
                 mean.stress.iter_mut().zip(p.stress).for_each(|(m, v)| *m += share * v);
             }
