@@ -436,12 +436,166 @@ fn memory_is_predicted_before_anything_is_allocated() {
 }
 
 #[test]
-fn a_source_that_has_no_value_is_not_finite() {
-    let text = "[model]\nphysics = \"poisson\"\ndimension = 2\nsource = \"1/(x - x)\"\n[[patch]]\nname = \"a\"\n\
+fn loads_and_materials_without_a_value_are_refused_at_their_place() {
+    let source = "[model]\nphysics = \"poisson\"\ndimension = 2\nsource = \"1/(x - x)\"\n[[patch]]\nname = \"a\"\n\
         geometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [2, 2]\n[[boundary]]\non = \"all-outer\"\ndirichlet = 0\n";
-    let result = run(text);
-    assert_eq!((result.status, result.exit), (Status::NotFinite, 5));
-    assert_eq!(result.diagnostics[0].code, "E073");
+    let load = |on: &str, what: &str| square(&format!("[[boundary]]\non = \"{on}\"\n{what}\n"));
+    let material = |young: &str, poisson: &str| {
+        load("a.top", "pressure = 1")
+            .replace("young = 1.0", &format!("young = {young}"))
+            .replace("poisson = 0.3", &format!("poisson = {poisson}"))
+    };
+    let mut wrong: Vec<String> = Vec::new();
+    for (text, code, part) in [
+        (source.to_string(), "E017", "source in patch \"a\""),
+        (source.replace("1/(x - x)", "x").replace("elements", "source = \"sqrt(y - 0.9)\"\nelements"), "E017", "found NaN"),
+        (load("a.left", "pressure = \"1/x\""), "E017", "the pressure of `a.left`: `1/x` is not finite at x = 0"),
+        (load("a.top", "traction = { y = \"sqrt(x - 0.5)\" }"), "E017", "the traction of `a.top`"),
+        (load("a.top", "spring = { y = \"1/(y - 1)\" }"), "E017", "the spring of `a.top`"),
+        // at the first of the times only
+        (load("a.top", "pressure = \"1/t\"") + "[steps]\nt = [0, 1]\n", "E017", "t = 0"),
+        (material("\"x - 0.5\"", "0.3"), "E053", "young = \"x - 0.5\""),
+        (material("1.0", "\"0.3 + 0.4*x\""), "E053", "poisson = \"0.3 + 0.4*x\""),
+        (material("1.0", "\"0.3 + 0.4*x\""), "E053", "at x = 0.5"),
+        (
+            source.replace("1/(x - x)", "1").replace("[[patch]]", "[[material]]\nname = \"m\"\nconductivity = \"0.5 - y\"\n[[patch]]"),
+            "E053",
+            "conductivity = -",
+        ),
+    ] {
+        wrong.extend(refuses(&text, code, part));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    // zero at the rim alone is no quadrature point
+    assert_eq!(run(&material("\"x\"", "0.3")).status, Status::Ok);
+}
+
+#[test]
+fn two_sides_are_coupled_once() {
+    let upper = "min = [0, 1], max = [1, 2]";
+    let up = "[[interface]]\nname = \"i\"\nslave = \"a.top\"\nmaster = \"b.bottom\"\n";
+    for down in [
+        "[[interface]]\nname = \"k\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n",
+        "[[interface]]\nname = \"k\"\nslave = [\"b.left\", \"b.bottom\"]\nmaster = [\"a.right\", \"a.top\"]\n",
+        "[[contact]]\nname = \"k\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n",
+    ] {
+        let text = pair(upper, &format!("{up}{down}"));
+        let kind = if down.contains("contact") { "contact" } else { "interface" };
+        assert_eq!(refuses(&text, "E026", "interface \"i\" on line"), None);
+        assert_eq!(refuses(&text, "E026", &format!("and {kind} \"k\" on line")), None);
+    }
+}
+
+#[test]
+fn a_start_by_gaps_takes_bodies_that_touch_as_closed() {
+    // gaps of touching boxes are round-off of either sign
+    for (slave, master, force) in [("l.top", "u.bottom", -1e-3), ("u.bottom", "l.top", 1e-3)] {
+        let text = format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\ndegree = 3\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+             [[patch]]\nname = \"l\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [1, 0.5] }}\nelements = [4, 2]\n\
+             [[patch]]\nname = \"u\"\ngeometry = {{ kind = \"box\", min = [0, 0.5], max = [1, 1] }}\nelements = [[0, 0.2, 0.45, 0.8, 1.0], 2]\nbackend = \"fe\"\n\
+             [[boundary]]\non = \"l.bottom\"\nfix = [\"y\"]\n[[boundary]]\non = [\"l.left\", \"u.left\"]\nfix = [\"x\"]\n[[boundary]]\non = \"u.top\"\npressure = 1e-3\n\
+             [[contact]]\nname = \"c\"\nslave = \"{slave}\"\nmaster = \"{master}\"\nactive_set = {{ start = \"gap\" }}\n\
+             [[probe]]\nname = \"f\"\nquantity = \"contact.c.force.y\"\n"
+        );
+        let result = run(&text);
+        assert_eq!(result.status, Status::Ok, "{slave}: {}", show(&result));
+        close(probe(&result, "f"), force, 1e-12, slave);
+        assert_eq!(result.solve.unwrap().active_set.unwrap().iterations, 1, "{slave}");
+    }
+}
+
+#[test]
+fn the_half_width_is_that_of_the_sides_as_one() {
+    // one box of 20 elements, and the same cut at `cut`: the joint is no end of the side
+    let case = |cut: f64, left: usize, obstacle: &str| {
+        format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+             [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [{cut}, 1] }}\nelements = [{left}, 4]\n\
+             [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [{cut}, 0], max = [1, 1] }}\nelements = [{}, 4]\n\
+             [[boundary]]\non = [\"a.top\", \"b.top\"]\ndirichlet = [\"0\", \"-0.02\"]\n\
+             [[interface]]\nname = \"t\"\nslave = \"a.right\"\nmaster = \"b.left\"\n\
+             [[contact]]\nname = \"c\"\nslave = [\"b.bottom\", \"a.bottom\"]\nrigid = {{ {obstacle} }}\n\
+             [[probe]]\nname = \"w\"\nquantity = \"contact.c.half_width\"\n",
+            20 - left
+        )
+    };
+    let plane = "kind = \"half-plane\", point = [0, 0], normal = [0, 1]";
+    let round = "kind = \"sphere\", center = [0.5, -2], radius = 2.0";
+    close(probe(&run(&case(0.6, 12, plane)), "w"), 1.0, 1e-9, "all of it");
+    // what one box gives: 0.15, within a fraction of the element of 0.05
+    close(probe(&run(&case(0.45, 9, round)), "w"), 0.15, 0.005, "a zone over the joint");
+}
+
+#[test]
+fn a_contact_side_held_along_the_normal_is_refused_with_the_condition() {
+    for backend in ["iga", "fe"] {
+        for degree in [1, 2, 3] {
+            let text = format!(
+                "[discretization]\ndegree = {degree}\nbackend = \"{backend}\"\n{}",
+                square(
+                    "[[contact]]\nname = \"c\"\nslave = \"a.bottom\"\nrigid = { kind = \"half-plane\", point = [0, 0], normal = [0, 1] }\n"
+                )
+            );
+            assert_eq!(refuses(&text, "E024", "0 free unknowns"), None, "{backend} {degree}");
+            assert_eq!(refuses(&text, "E024", "component y by `fix` or `dirichlet` (line "), None, "{backend} {degree}");
+        }
+    }
+    // a tied slave side, one component of which is prescribed
+    let tied = pair(
+        "min = [0, 1], max = [1, 2]",
+        "[[interface]]\nname = \"i\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n[[boundary]]\non = \"b.bottom\"\nfix = [\"x\"]\n",
+    );
+    assert_eq!(refuses(&tied, "E024", "component x has 0 free unknowns"), None);
+    assert_eq!(refuses(&tied, "E024", "component x by `fix` or `dirichlet` (line "), None);
+}
+
+#[test]
+fn stresses_have_a_value_at_the_centre_of_a_disc() {
+    // uniform pressure: one stress everywhere, also where the map collapses
+    for backend in ["iga", "fe"] {
+        let text = format!(
+            "[discretization]\nbackend = \"{backend}\"\n[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+             [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"disc-sector\", center = [0.3, 0.2], radius = 1.0, angle_deg = [0, 90] }}\nelements = [16, 3]\n\
+             [[boundary]]\non = \"a.u0\"\nfix = [\"y\"]\n[[boundary]]\non = \"a.u1\"\nfix = [\"x\"]\n[[boundary]]\non = \"a.v1\"\npressure = 1.0\n\
+             [[probe]]\nname = \"s\"\nquantity = \"stress.xx at [0.3, 0.2]\"\n"
+        );
+        let result = run(&text);
+        // the sides of elements of degree 2 leave the circle by the fourth power of their size
+        close(probe(&result, "s"), -1.0, if backend == "iga" { 1e-6 } else { 1e-3 }, backend);
+    }
+}
+
+#[test]
+fn contact_next_to_a_prescribed_corner_is_the_same_in_a_mirror() {
+    for (degree, multiplier) in [(1, "p/p"), (1, "auto"), (2, "p/p"), (3, "p/p")] {
+        for backend in ["iga", "fe"] {
+            // bodies from -1 to 1; `right`: the prescribed side
+            let case = |right: bool, at: f64| {
+                let (held, other) = if right { ("a.right", "a.left") } else { ("a.left", "a.right") };
+                format!(
+                    "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\ndegree = {degree}\nbackend = \"{backend}\"\n\
+                     [[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+                     [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = [-1, 0], max = [1, 1] }}\nelements = [8, 4]\n\
+                     [[boundary]]\non = \"{held}\"\ndirichlet = {{ y = \"-0.001\" }}\n[[boundary]]\non = \"a.top\"\ntraction = {{ y = -0.1 }}\n\
+                     [[boundary]]\non = \"{other}\"\nfix = [\"x\"]\n\
+                     [[contact]]\nname = \"c\"\nslave = \"a.bottom\"\nrigid = {{ kind = \"half-plane\", point = [0, 0], normal = [0, 1] }}\nmultiplier = \"{multiplier}\"\n\
+                     [[probe]]\nname = \"force\"\nquantity = \"contact.c.force.y\"\n[[probe]]\nname = \"largest\"\nquantity = \"contact.c.pressure.max\"\n\
+                     [[probe]]\nname = \"end\"\nquantity = \"contact.c.pressure at [{at}, 0]\"\n[[probe]]\nname = \"width\"\nquantity = \"contact.c.half_width\"\n\
+                     [[probe]]\nname = \"u\"\nquantity = \"u.y at [{}, 0.6]\"\n[[probe]]\nname = \"moment\"\nquantity = \"contact.c.moment.z\"\n",
+                    at / 2.0
+                )
+            };
+            let (left, right) = (run(&case(false, -0.98)), run(&case(true, 0.98)));
+            let what = format!("degree {degree}, {multiplier}, {backend}");
+            assert_eq!((left.status, right.status), (Status::Ok, Status::Ok), "{what}");
+            assert_eq!(left.unknowns.multipliers, right.unknowns.multipliers, "{what}");
+            for name in ["force", "largest", "end", "width", "u"] {
+                close(probe(&right, name), probe(&left, name), 1e-10, &format!("{what}: {name}"));
+            }
+            close(probe(&right, "moment"), -probe(&left, "moment"), 1e-10, &format!("{what}: moment"));
+        }
+    }
 }
 
 #[test]

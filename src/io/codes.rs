@@ -66,7 +66,7 @@ pub const CODES: &[Code] = &[
         "E017",
         3,
         "formula",
-        "A quoted formula cannot be read. The caret stands at the character where reading stopped. Formulas know + - * / ^, comparisons, if(c, a, b), the usual functions, pi, e, x, y, z, t, r, theta and the names of [let].",
+        "A quoted formula cannot be read. The caret stands at the character where reading stopped. Formulas know + - * / ^, comparisons, if(c, a, b), the usual functions, pi, e, x, y, z, t, r, theta and the names of [let]. Data of sides and loads must be finite at every point where they are integrated.",
     ),
     code("E018", 3, "unknown quantity", "A quantity of a probe or a check is not known. The message names the nearest one."),
     code(
@@ -97,7 +97,7 @@ pub const CODES: &[Code] = &[
         "E024",
         3,
         "over-constrained",
-        "There are more multipliers than free unknowns of the slave side: a cross point where several interfaces end, or too few elements. Use more elements on the slave side, exchange slave and master, or choose a smaller multiplier space.",
+        "There are more multipliers than free unknowns of the slave side: a cross point where several interfaces end, too few elements, or a `fix` or `dirichlet` on the slave side itself. Use more elements on the slave side, exchange slave and master, or choose a smaller multiplier space.",
     ),
     code(
         "E025",
@@ -109,7 +109,7 @@ pub const CODES: &[Code] = &[
         "E026",
         3,
         "side slave twice, or its own master",
-        "A side carries one multiplier: it may be slave once. It cannot be its own master.",
+        "A side carries one multiplier: it may be slave once. It cannot be its own master, and two sides are coupled by one block: not again with slave and master exchanged.",
     ),
     code("E031", 3, "knots decrease", "A knot vector must not decrease."),
     code(
@@ -155,7 +155,7 @@ pub const CODES: &[Code] = &[
         "E053",
         3,
         "material limits",
-        "The material's constants leave the range in which the problem can be solved: -1 < poisson < 0.5, young > 0, conductivity > 0.",
+        "The material's constants leave the range in which the problem can be solved: -1 < poisson < 0.5, young > 0, conductivity > 0. Formulas are checked at the quadrature points.",
     ),
     code(
         "E054",

@@ -17,7 +17,7 @@ use serde_json::Value;
 /// A map that shrinks volumes to less than this share of what it does in the middle of the element has collapsed.
 const COLLAPSED: f64 = 1e-12;
 /// Share of the element by which points leave a collapsed edge.
-const NUDGE: f64 = 1e-9;
+const NUDGE: f64 = 1e-7;
 
 /// The value of a quantity.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,8 +57,9 @@ fn finite(value: f64) -> Answer {
     if value.is_finite() { Answer::One(value) } else { Answer::None("the value is not finite".into()) }
 }
 
-/// The point, or where the map of the element collapses there, as at the centre of a disc, one a share of 1e-9 of the
-/// element nearer to its middle: gradients have a limit there and no value at the point itself.
+/// The point, or where the map of the element collapses there, as at the centre of a disc, one a share of 1e-7 of the
+/// element nearer to its middle: gradients have a limit there and no value at the point itself. Nearer points lose more
+/// to round-off than this share changes the field.
 fn off_collapsed<const N: usize>(space: &dyn Space<N, N>, element: usize, xi: &Vector<N>) -> Vector<N> {
     let middle = match space.cell(element) {
         Cell::Simplex => 1.0 / (N + 1) as f64,
