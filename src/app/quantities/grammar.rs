@@ -199,6 +199,10 @@ impl Quantity {
         if trimmed.is_empty() {
             return wrong("an empty text is no quantity");
         }
+        // the quantity itself is read when it is prepared
+        if let Some(inner) = trimmed.strip_prefix("rate.").filter(|inner| !inner.is_empty()) {
+            return Ok(Self { text: text.to_string(), kind: Kind::Rate(inner.to_string()) });
+        }
         let (before, patch) = match keyword(trimmed, "in") {
             Some(k) => {
                 let name = trimmed[k + 4..].trim();
@@ -248,7 +252,6 @@ impl Quantity {
             return wrong(format!("`{}` takes no `in PATCH`; only u, flux, stress and von_mises do", path.join(".")));
         }
         match (path[0].as_str(), path.len()) {
-            ("rate", n) if n > 1 && !placed => return Ok(Kind::Rate(path[1..].join("."))),
             ("infsup", n) if n > 1 && !placed => {
                 return match path.last().map(String::as_str) {
                     Some("beta") if n == 3 => Ok(Kind::Beta(path[1].clone())),
@@ -340,6 +343,7 @@ mod tests {
         assert_eq!(kind("area.lower"), Kind::Path(vec!["area".into(), "lower".into()]));
         assert_eq!(kind("contact.pad.pressure.max"), Kind::Path(["contact", "pad", "pressure", "max"].map(String::from).to_vec()));
         assert!(Quantity::parse("rate.error.u.L2").unwrap().is_study());
+        assert_eq!(kind("rate.u.y at [0, 1] in a"), Kind::Rate("u.y at [0, 1] in a".into()));
         assert!(Quantity::parse("infsup.p/p-2.beta").unwrap().is_study());
         assert_eq!(
             kind("reaction.bracket.\"top face\".y"),

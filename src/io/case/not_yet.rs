@@ -95,10 +95,10 @@ impl Reader {
         }
         self.later_multiplier(&c.multiplier);
         self.later_integration(&c.integration);
-        if let Master::Rigid(o) = &c.master {
-            if let Some(f) = o.force.iter().flatten().next() {
-                self.later(f.at, "`force` of an obstacle", "use move");
-            }
+        if let Master::Rigid(o) = &c.master
+            && let Some(f) = o.force.iter().flatten().next()
+        {
+            self.later(f.at, "`force` of an obstacle", "use move");
         }
     }
 
