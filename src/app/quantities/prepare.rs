@@ -282,6 +282,9 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
 
     /// The rate of anything that is known, a probe by its name included, is left to studies; what only `exact` lacks, too.
     fn rate(&self, inner: &str, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        if inner.trim_start().starts_with("rate.") {
+            return Err(self.fault("E018", "a rate has no rate".to_owned(), at));
+        }
         let probe = self.case.probes.iter().any(|p| p.name.value == inner || format!("probes.{}.value", p.name.value) == inner);
         match if probe { Ok(Prepared::Study) } else { self.prepare(inner, at, false) } {
             Err(fault) if fault.code != "E062" => Err(fault),
