@@ -8,7 +8,7 @@ pub fn halved(breakpoints: &[f64], times: usize) -> Vec<f64> {
     let intervals = breakpoints.len().saturating_sub(1);
     let total = u32::try_from(times).ok().and_then(|t| 1usize.checked_shl(t)).and_then(|pieces| pieces.checked_mul(intervals));
     let total = total.filter(|&n| n as u64 <= 1 << 32).expect("at most 2^32 elements per direction");
-    let pieces = if intervals > 0 { total / intervals } else { 1 };
+    let pieces = total.checked_div(intervals).unwrap_or(1);
     let mut all = Vec::with_capacity(total + 1);
     for w in breakpoints.windows(2) {
         all.extend((0..pieces).map(|i| w[0] + (w[1] - w[0]) * (i as f64 / pieces as f64)));
