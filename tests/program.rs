@@ -403,6 +403,39 @@ fn contact_writes_its_side() {
 }
 
 #[test]
+fn a_tie_writes_what_is_left_of_it() {
+    let at = folder();
+    assert_eq!(code(&faying(at.path(), &["new", "iga-fe-arc"])), 0);
+    let out = faying(at.path(), &["run", "iga-fe-arc.toml", "--vtu", "linear"]);
+    assert_eq!(code(&out), 0, "{}", stderr(&out));
+    let results = at.path().join("iga-fe-arc.out");
+    let side = names(&results).into_iter().find(|n| n.starts_with("interface_") && n.ends_with(".vtu")).unwrap();
+    let bytes = std::fs::read(results.join(&side)).unwrap();
+    let text = String::from_utf8_lossy(&bytes);
+    for name in ["lambda", "gap", "active", "traction", "normal"] {
+        assert!(text.contains(&format!("Name=\"{name}\"")), "{name} is not in {side}");
+    }
+    assert!(!text.contains("HigherOrderDegrees"), "linear cells have no degrees");
+    let csv = std::fs::read_to_string(results.join(side.replace(".vtu", ".csv"))).unwrap();
+    for line in csv.lines().skip(1) {
+        let words: Vec<&str> = line.split(',').rev().collect();
+        let gap: f64 = words[1].parse().unwrap();
+        assert!(gap.abs() < 1e-2, "the jump is an error of the discretisation: {line}");
+        assert_eq!(words[0], "1");
+    }
+}
+
+#[test]
+fn a_picture_of_many_elements_is_small() {
+    let at = folder();
+    let words = ["run", "square.toml", "--vtu", "none", "--set", "discretization.degree=1", "--set", "patch.square.elements=[200, 200]"];
+    let out = faying(at.path(), &words);
+    assert_eq!(code(&out), 0, "{}", stderr(&out));
+    let length = std::fs::metadata(at.path().join("square.out/fields.svg")).unwrap().len();
+    assert!(length < 2_000_000, "{length} bytes");
+}
+
+#[test]
 fn quiet_verbose_and_colour_change_words_only() {
     let at = folder();
     let quiet = faying(at.path(), &["run", "square.toml", "-q"]);

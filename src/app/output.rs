@@ -59,8 +59,8 @@ pub struct SideOutput {
     pub name: String,
     /// Whether it is a contact: its picture shows the pressure -lambda, else lambda itself.
     pub contact: bool,
-    /// The slave side, [`Lagrange`](crate::io::vtu::CellStyle::Lagrange), `least_degree` that of the multiplier, with the fields
-    /// `lambda` (1, or 2 where tied in elasticity), `gap` (1, contact), `active` (1, contact: 0 or 1), `traction` (1 or 2),
+    /// The slave side, [`Lagrange`](crate::io::vtu::CellStyle::Lagrange) or straight, `least_degree` that of the multiplier, with the fields
+    /// `lambda` (1, or 2 where tied in elasticity), `gap` (1; where tied the jump along the normal), `active` (1: 0 or 1), `traction` (1 or 2),
     /// `normal` (2, of the master). Files of different sides may have different fields.
     pub part: Part<'static, 1, 2>,
     /// One per multiplier function: the table `interface_NAME.csv`.

@@ -102,7 +102,7 @@ pub struct InterfaceRow {
     pub x: [f64; 3],
     /// The multiplier: one number in contact and for Poisson, else one per component.
     pub lambda: Vec<f64>,
-    /// The lumped gap \[length\]; tied sides have none.
+    /// The lumped gap in contact, u_slave - u_master along the master's normal where tied \[length\]; none where nothing faces.
     pub gap: Option<f64>,
     /// Whether the row is enforced.
     pub active: bool,

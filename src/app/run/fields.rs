@@ -2,6 +2,7 @@
 
 use super::Solved;
 use super::arc_length::ArcLength;
+use super::integrate::on_trace;
 use super::report::{component_rows, multiplier_at};
 use crate::app::build::{Against, SideModel};
 use crate::app::output::{ExactCurve, Output, Picture, RunOptions, SideOutput};
@@ -28,10 +29,10 @@ pub fn output(case: &Case, solved: &Arc<Plane>, options: &RunOptions) -> Output 
     let title = if case.title.value.is_empty() { case.source.name.clone() } else { case.title.value.clone() };
     let mut sides: Vec<SideOutput> = Vec::new();
     for t in 0..solved.model.ties.len() {
-        sides.extend((0..solved.model.ties[t].parts.len()).map(|p| tied_side(solved, t, p)));
+        sides.extend((0..solved.model.ties[t].parts.len()).map(|p| tied_side(solved, t, p, options)));
     }
     for c in 0..solved.model.contacts.len() {
-        sides.extend((0..solved.model.contacts[c].parts.len()).map(|p| contact_side(solved, c, p)));
+        sides.extend((0..solved.model.contacts[c].parts.len()).map(|p| contact_side(solved, c, p, options)));
     }
     let (field, label) = if scalar { ("u", "u") } else { ("von_mises", "von Mises stress") };
     Output {
@@ -118,7 +119,42 @@ fn normals(solved: &Arc<Plane>, slave: &Arc<Side>, target: Box<dyn Target<1, 2>>
     })
 }
 
-fn tied_side(solved: &Arc<Plane>, t: usize, p: usize) -> SideOutput {
+/// Cells of a side: straight where those of the bodies are, else curved.
+fn side_cells(options: &RunOptions) -> CellStyle {
+    if options.cells == Some(CellStyle::Linear) { CellStyle::Linear } else { CellStyle::Lagrange }
+}
+
+/// What is left of the tie at points of a slave element: the jump u_slave - u_master, in elasticity its component along the
+/// master's outward normal, positive when open. Points that no master faces have none: zero.
+fn jumps(solved: &Arc<Plane>, t: usize, p: usize) -> impl Fn(usize, &[Vector<1>]) -> Vec<f64> + Send + Sync + use<> {
+    let solved = Arc::clone(solved);
+    let surfaces: Vec<Surface> =
+        solved.model.ties[t].parts[p].pairings.iter().map(|pairing| Surface::new(&pairing.master.trace, None)).collect();
+    move |element, xi| {
+        let model = &solved.model;
+        let part = &model.ties[t].parts[p];
+        let mut map = MapTable::new();
+        part.slave.trace.space.map(element, xi, Order::Values, &mut map);
+        let own = on_trace(&part.slave.trace, model.patches[part.slave.patch].field, &solved.state.u, element, xi);
+        map.x
+            .iter()
+            .zip(own)
+            .map(|(x, own)| {
+                let hits = surfaces.iter().zip(&part.pairings).filter_map(|(s, pairing)| Some((s.project(x)?, &pairing.master)));
+                let nearest = hits.min_by(|(a, _), (b, _)| a.gap.abs().total_cmp(&b.gap.abs()));
+                let Some((hit, master)) = nearest else { return 0.0 };
+                let Some(at) = hit.at else { return 0.0 };
+                let other = on_trace(&master.trace, model.patches[master.patch].field, &solved.state.u, at.element, &[at.xi])[0];
+                match model.components {
+                    1 => own[0] - other[0],
+                    _ => (0..2).map(|k| (own[k] - other[k]) * hit.normal[k]).sum(),
+                }
+            })
+            .collect()
+    }
+}
+
+fn tied_side(solved: &Arc<Plane>, t: usize, p: usize, options: &RunOptions) -> SideOutput {
     let tie = &solved.model.ties[t];
     let part = &tie.parts[p];
     let components = solved.model.components;
@@ -135,15 +171,24 @@ fn tied_side(solved: &Arc<Plane>, t: usize, p: usize) -> SideOutput {
             (0..xi.len()).flat_map(|q| per_component.iter().map(move |v| sign * v[q]).collect::<Vec<_>>()).collect::<Vec<f64>>()
         }
     };
-    let mut drawn = Part::new(part_name(&tie.name, p, tie.parts.len()), Arc::clone(&part.slave.trace.space), CellStyle::Lagrange);
+    let mut drawn = Part::new(part_name(&tie.name, p, tie.parts.len()), Arc::clone(&part.slave.trace.space), side_cells(options));
     drawn.least_degree = part.multipliers.iter().map(|m| degree(&**m)).max().unwrap_or(1);
-    drawn = drawn.with("lambda", components, lambda(solved, 1.0)).with("traction", components, lambda(solved, -1.0));
+    drawn = drawn
+        .with("lambda", components, lambda(solved, 1.0))
+        .with("gap", 1, jumps(solved, t, p))
+        .with("active", 1, |_, xi| vec![1.0; xi.len()])
+        .with("traction", components, lambda(solved, -1.0));
     if let Some(pairing) = part.pairings.first() {
         drawn = drawn.with("normal", 2, normals(solved, &part.slave, Box::new(Surface::new(&pairing.master.trace, None))));
     }
     let rows = component_rows(part);
     // components may have different functions at the ends: one line per function of the richest
     let richest = (0..rows.len()).max_by_key(|&c| rows[c].len()).unwrap_or(0);
+    let jump = jumps(solved, t, p);
+    let gap_at = |x: [f64; 3]| {
+        let found = crate::geometry::closest_point(&*part.slave.trace.space, &Vector::<2>::new(x[0], x[1]))?;
+        jump(found.element, &[found.xi]).first().copied()
+    };
     let table = centres(&part.slave, &*part.multipliers[richest])
         .into_iter()
         .enumerate()
@@ -153,7 +198,7 @@ fn tied_side(solved: &Arc<Plane>, t: usize, p: usize) -> SideOutput {
             } else {
                 at_centre(solved, t, p, s)
             };
-            InterfaceRow { s, x, lambda, gap: None, active: true }
+            InterfaceRow { s, x, lambda, gap: gap_at(x), active: true }
         })
         .collect();
     let exact: Option<ExactCurve> = tie.exact.clone().filter(|list| list.len() == 1).map(|list| -> ExactCurve {
@@ -175,7 +220,7 @@ fn at_centre(solved: &Arc<Plane>, t: usize, p: usize, s: f64) -> Vec<f64> {
         .collect()
 }
 
-fn contact_side(solved: &Arc<Plane>, c: usize, p: usize) -> SideOutput {
+fn contact_side(solved: &Arc<Plane>, c: usize, p: usize, options: &RunOptions) -> SideOutput {
     let contact = &solved.model.contacts[c];
     let part = &contact.parts[p];
     let rows: Range<usize> = part.first_row..part.first_row + part.multiplier.num_functions();
@@ -195,7 +240,7 @@ fn contact_side(solved: &Arc<Plane>, c: usize, p: usize) -> SideOutput {
     let shown = field(active.clone(), solved);
     let push = field(lambda.clone(), solved);
     let facing = normals(solved, &part.slave, target(solved));
-    let mut drawn = Part::new(part_name(&contact.name, p, contact.parts.len()), Arc::clone(&part.slave.trace.space), CellStyle::Lagrange);
+    let mut drawn = Part::new(part_name(&contact.name, p, contact.parts.len()), Arc::clone(&part.slave.trace.space), side_cells(options));
     drawn.least_degree = degree(&*part.multiplier);
     drawn = drawn
         .with("lambda", 1, field(lambda.clone(), solved))

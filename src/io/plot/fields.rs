@@ -1,5 +1,6 @@
 //! `fields.svg`: bodies with their curved element edges over a colour field, a small peak once more in detail.
 
+use super::fewer::{chained, few_lines, joined, straightened};
 use super::frame::{axes, bar, outline};
 use super::sample::{Drawn, division, divisions, sampled};
 use super::{GREY, INK, PlotError, Root, document, shortened, stroke, text, units};
@@ -36,7 +37,7 @@ const DETAIL: f64 = 300.0;
 pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, PlotError> {
     let all = drawn(plot, parts, &divisions(parts))?;
     let points: Vec<Vector<2>> =
-        all.iter().flat_map(|d| d.edges.iter().flat_map(|(line, _)| line)).map(|p| Vector::<2>::from(*p)).collect();
+        all.iter().flatten().flat_map(|d| d.edges.iter().flat_map(|(line, _)| line)).map(|p| Vector::<2>::from(*p)).collect();
     let finite: Vec<Vector<2>> = points.into_iter().filter(|p| p.iter().all(|x| x.is_finite())).collect();
     let bounds = Bounds::around(&finite).filter(|b| b.diagonal() > 0.0).ok_or_else(|| PlotError::Empty(plot.title.to_owned()))?;
     let scale = Scale::of(&all);
@@ -49,15 +50,26 @@ pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, 
             Some((window, drawn(plot, parts, &wanted)?))
         }
     };
-    draw(plot, &all, &bounds, &scale, detail.as_ref())
+    let detail = detail.map(|(window, close)| (window, fewer(close)));
+    draw(plot, &fewer(all), &bounds, &scale, detail.as_ref())
 }
 
-fn drawn(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>], divisions: &[Vec<Option<usize>>]) -> Result<Vec<Drawn>, PlotError> {
-    let mut all = Vec::new();
-    for (part, divisions) in parts.iter().zip(divisions) {
-        all.extend(sampled(plot, part, divisions)?);
+/// The bodies with as many pieces and lines as a picture needs, after the scale has seen every value.
+fn fewer(mut bodies: Vec<Vec<Drawn>>) -> Vec<Drawn> {
+    let count = |body: &Vec<Drawn>| body.iter().map(|d| d.pieces.len()).sum::<usize>();
+    let total = bodies.iter().map(count).sum::<usize>().max(1) as f64;
+    for body in &mut bodies {
+        let share = count(body) as f64 / total;
+        let pieces = body.iter_mut().flat_map(|d| std::mem::take(&mut d.pieces)).collect();
+        if let Some(first) = body.first_mut() {
+            first.pieces = joined(pieces, share);
+        }
     }
-    Ok(all)
+    bodies.into_iter().flatten().collect()
+}
+
+fn drawn(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>], divisions: &[Vec<Option<usize>>]) -> Result<Vec<Vec<Drawn>>, PlotError> {
+    parts.iter().zip(divisions).map(|(part, divisions)| sampled(plot, part, divisions)).collect()
 }
 
 /// Values and their colours.
@@ -69,8 +81,8 @@ struct Scale {
 }
 
 impl Scale {
-    fn of(drawn: &[Drawn]) -> Self {
-        let values = drawn.iter().flat_map(|d| d.pieces.iter().map(|(_, v)| *v)).filter(|v| v.is_finite());
+    fn of(drawn: &[Vec<Drawn>]) -> Self {
+        let values = drawn.iter().flatten().flat_map(|d| d.pieces.iter().map(|(_, v)| *v)).filter(|v| v.is_finite());
         let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         let (least, most) = if least > most { (0.0, 0.0) } else { (least, most) };
         Self { least, most, uniform: most - least <= 1e-9 * most.abs().max(least.abs()) }
@@ -86,9 +98,9 @@ impl Scale {
 }
 
 /// A square around all that is above half of the range, where that is a small part of the bodies.
-fn peak(drawn: &[Drawn], scale: &Scale, bounds: &Bounds<2>) -> Option<Bounds<2>> {
+fn peak(drawn: &[Vec<Drawn>], scale: &Scale, bounds: &Bounds<2>) -> Option<Bounds<2>> {
     let high = |v: f64| v - scale.least > 0.5 * (scale.most - scale.least);
-    let corners = drawn.iter().flat_map(|d| &d.pieces).filter(|(_, v)| high(*v)).flat_map(|(corners, _)| corners);
+    let corners = drawn.iter().flatten().flat_map(|d| &d.pieces).filter(|(_, v)| high(*v)).flat_map(|(corners, _)| corners);
     let around = Bounds::around(&corners.map(|p| Vector::<2>::from(*p)).collect::<Vec<_>>())?;
     let size = (bounds.hi - bounds.lo).amax();
     let extent = (around.hi - around.lo).amax();
@@ -159,7 +171,7 @@ fn draw(
     })
 }
 
-/// Pieces, then the lines between elements, then the outlines; what leaves the window is cut off.
+/// Pieces, then the lines between elements where they are few enough, then the outlines; what leaves the window is cut off.
 fn paint(root: &Root<'_, '_>, view: &View, drawn: &[Drawn], scale: &Scale) -> Result<(), PlotError> {
     let by = 0.4 / view.per_length();
     for (corners, v) in drawn.iter().flat_map(|d| &d.pieces) {
@@ -168,16 +180,26 @@ fn paint(root: &Root<'_, '_>, view: &View, drawn: &[Drawn], scale: &Scale) -> Re
             root.draw(&Polygon::new(inside.iter().map(|p| view.pixel(p)).collect::<Vec<_>>(), scale.color(*v).filled()))?;
         }
     }
-    for outer in [false, true] {
+    let lines = |d: &Drawn, outer: bool| -> Vec<Vec<(i32, i32)>> {
+        let of_kind = d.edges.iter().filter(|(_, o)| *o == outer);
+        of_kind.flat_map(|(line, _)| runs_inside(line, &view.window)).map(|run| run.iter().map(|p| view.pixel(p)).collect()).collect()
+    };
+    let trace = |line: &[(i32, i32)], style: ShapeStyle| -> Result<(), PlotError> {
+        let line = straightened(line, 1.0);
+        // what is shorter than a unit is a point
+        if line.len() > 2 || line.first() != line.last() {
+            root.draw(&PathElement::new(line, style))?;
+        }
+        Ok(())
+    };
+    if few_lines(drawn) {
         for d in drawn {
-            let style = if outer { stroke(INK, 1.5) } else { inner_edges(d, view.per_length()) };
-            for (line, _) in d.edges.iter().filter(|(_, o)| *o == outer) {
-                for run in runs_inside(line, &view.window) {
-                    root.draw(&PathElement::new(run.iter().map(|p| view.pixel(p)).collect::<Vec<_>>(), style))?;
-                }
-            }
+            let style = inner_edges(d, view.per_length());
+            lines(d, false).iter().try_for_each(|line| trace(line, style))?;
         }
     }
+    let outlines = chained(drawn.iter().flat_map(|d| lines(d, true)).collect());
+    outlines.iter().try_for_each(|line| trace(line, stroke(INK, 1.5)))?;
     Ok(())
 }
 

@@ -2,6 +2,7 @@
 //!
 //! Text uses the viewer's own sans-serif font. Equal input gives equal bytes.
 
+mod fewer;
 mod fields;
 mod frame;
 mod sample;
