@@ -9,6 +9,7 @@ pub mod quantities;
 pub mod registry;
 pub mod result;
 pub mod run;
+mod unsolved;
 pub mod watch;
 
 pub use commands::main;

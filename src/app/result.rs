@@ -274,6 +274,9 @@ pub struct RunResult {
     pub command: String,
     /// How it ended.
     pub status: Status,
+    /// Whether there is a solution; without one the numbers that need it are zero here, and `null` or absent in the file.
+    #[serde(skip)]
+    pub solved: bool,
     /// The exit code.
     pub exit: i32,
     /// The case file's name.
@@ -333,6 +336,7 @@ impl RunResult {
             version: env!("CARGO_PKG_VERSION").into(),
             command: command.into(),
             status: Status::Ok,
+            solved: false,
             exit: 0,
             case: case.into(),
             backend: String::new(),
@@ -359,8 +363,17 @@ impl RunResult {
         }
     }
 
-    /// The result as a JSON value, numbers that are not finite as `null` with a `reason` beside them.
+    /// The result as a JSON value, numbers that are not finite or were not computed as `null` with a `reason` beside them.
     pub fn to_value(&self) -> serde_json::Value {
+        let mut value = self.numbers();
+        if !self.solved {
+            super::unsolved::forget(&mut value, &self.command, !self.backends.is_empty());
+        }
+        value
+    }
+
+    /// Every number of the result under its name, computed or not.
+    pub(super) fn numbers(&self) -> serde_json::Value {
         let mut value = serde_json::to_value(self).expect("a result has string keys and plain values only");
         super::json::add_reasons(&mut value);
         value

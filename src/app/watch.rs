@@ -18,11 +18,11 @@ pub enum Progress<'a> {
         /// How many there are.
         of: usize,
     },
-    /// An iteration of the active set was solved.
+    /// An iteration of the active set begins.
     Iteration {
         /// Its number, from 1.
         iteration: usize,
-        /// Active rows.
+        /// Active rows in it.
         active: usize,
         /// All contact rows.
         rows: usize,
@@ -30,6 +30,8 @@ pub enum Progress<'a> {
 }
 
 /// Why a run should end early.
+///
+/// Asked before every linear system and between phases; a factorisation, an assembly or a picture that has begun comes to its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Stop {

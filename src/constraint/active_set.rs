@@ -41,8 +41,34 @@ impl<C> ActiveSet<C> {
     }
 }
 
+/// A linear system that an active set is about to solve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct IterationNews {
+    /// Its number, from 1.
+    pub iteration: usize,
+    /// Active contact rows in it.
+    pub active: usize,
+    /// All contact rows.
+    pub rows: usize,
+}
+
 impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for ActiveSet<C> {
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
+        self.solve_watched(system, &mut |_| true)
+    }
+}
+
+impl<C: ConstraintSolver<f64>> ActiveSet<C> {
+    /// Solves `system` and asks `goes_on` before every linear system; one that has begun is not interrupted.
+    ///
+    /// # Errors
+    /// [`SolveError::Stopped`] where `goes_on` says no, and all others of [`ConstraintSolver::solve`].
+    pub fn solve_watched(
+        &mut self,
+        system: &ConstrainedSystem<'_, f64>,
+        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+    ) -> Result<ConstrainedSolution<f64>, SolveError> {
         check_shape(system)?;
         let (n, m) = (system.stiffness.size(), system.offset.len());
         if !self.start.is_empty() && self.start.len() != m {
@@ -61,6 +87,12 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for ActiveSet<C> {
             if iteration > self.max_iterations {
                 let last = last.map(|l| finished(l, &report)).unwrap_or_default();
                 return Err(SolveError::TooManyIterations { iterations: self.max_iterations, last: Box::new(last) });
+            }
+            if !goes_on(IterationNews { iteration, active: state.iter().filter(|&&a| a).count(), rows: contact.len() }) {
+                return Err(SolveError::Stopped {
+                    iterations: report.iterations,
+                    last: last.map(|l| Box::new(finished(l, &report))),
+                });
             }
             let mut kind = system.kind.to_vec();
             for (k, &j) in contact.iter().enumerate() {

@@ -11,7 +11,7 @@ use crate::coupling::Rows;
 use crate::linalg::{LinearError, Operator, Real};
 use std::fmt::Debug;
 
-pub use active_set::ActiveSet;
+pub use active_set::{ActiveSet, IterationNews};
 pub use condensed::Condensed;
 pub use direct::Direct;
 pub use scale::penalty;
@@ -133,6 +133,14 @@ pub enum SolveError {
         iterations: usize,
         /// The last state computed.
         last: Box<ConstrainedSolution<f64>>,
+    },
+    /// Who watches the iteration ended it.
+    #[error("the active set was stopped after {iterations} iterations")]
+    Stopped {
+        /// Linear systems solved.
+        iterations: usize,
+        /// The last state computed, where there is one.
+        last: Option<Box<ConstrainedSolution<f64>>>,
     },
     /// Shapes of the system disagree.
     #[error("{what}: {found} given, {expected} expected")]

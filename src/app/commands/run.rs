@@ -9,7 +9,7 @@ use super::folder::{Folder, MANIFEST};
 use super::manifest::Manifest;
 use super::streams::Streams;
 use super::summary;
-use crate::app::{Finished, Progress, Registry, RunOptions, Watch};
+use crate::app::{Finished, Progress, Registry, RunOptions, RunResult, Watch};
 use crate::io::errors::{Diagnostic, Diagnostics};
 use crate::io::vtu::CellStyle;
 use std::ffi::OsString;
@@ -40,7 +40,7 @@ fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words:
         Some(VtuCells::Linear) => Some(CellStyle::Linear),
         Some(VtuCells::None) | None => None,
     };
-    let job = Job { loaded: &loaded, folder: &folder, vtu: arguments.vtu, words, threads: pool.current_num_threads(), clock };
+    let job = Job { loaded: &loaded, folder: &folder, vtu: arguments.vtu, words, threads: pool.current_num_threads(), clock, watch: &watch };
     Ok(pool.install(|| {
         let finished = crate::app::run::run(&loaded.case, registry, &RunOptions { cells }, &watch);
         job.write(finished)
@@ -60,21 +60,24 @@ struct Job<'a> {
     words: &'a [OsString],
     threads: usize,
     clock: &'a Clock,
+    watch: &'a Watch,
 }
 
 impl Job<'_> {
     fn write(&self, finished: Finished) -> Ended {
         let Finished { mut result, output } = finished;
-        let mut diagnostics = Diagnostics { items: result.diagnostics.iter().chain(&result.warnings).cloned().collect() };
-        // refused before anything was solved: no folder
-        if result.exit == 3 || (matches!(result.exit, 4 | 6) && output.is_none()) {
-            return Ended::refused(result.exit, diagnostics);
+        let messages = |result: &RunResult| Diagnostics { items: result.diagnostics.iter().chain(&result.warnings).cloned().collect() };
+        // refused before anything began: no folder
+        if result.exit == 3 || (matches!(result.exit, 4 | 6) && output.is_none() && result.solve.is_none()) {
+            return Ended::refused(result.exit, messages(&result));
         }
         self.clock.hear(Progress::Phase("draw"));
         let mut trouble = Diagnostics::new();
         let shown = output.map(|output| files::of(&output, self.vtu, &mut trouble)).unwrap_or_default();
-        result.warnings.extend(trouble.items.iter().cloned());
-        diagnostics.extend(trouble);
+        result.warnings.extend(trouble.items);
+        // drawing takes its time, too
+        crate::app::run::end_early(&mut result, self.watch);
+        let mut diagnostics = messages(&result);
 
         self.clock.hear(Progress::Phase("write"));
         let mut names: Vec<String> = shown.iter().map(|f| f.name.clone()).collect();

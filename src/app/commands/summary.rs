@@ -13,14 +13,15 @@ pub fn of(result: &RunResult, folder: Option<&str>) -> String {
     let bodies = result.backends.iter().map(|(patch, backend)| format!("{patch} {backend}")).collect::<Vec<_>>().join(", ");
     let u = &result.unknowns;
     let _ = writeln!(text, "{bodies}; {} unknowns, {} multipliers", u.primal, u.multipliers);
-    if let Some(solve) = &result.solve {
+    if let Some(solve) = result.solve.as_ref().filter(|_| result.solved) {
         let _ = writeln!(text, "{}; residual {}", solve.linear, short(solve.residual, 2));
         if let Some(set) = &solve.active_set {
             let history = set.history.iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
             let _ = writeln!(text, "active set: {} iterations, active rows {history}", set.iterations);
         }
     }
-    for table in [contacts(result), interfaces(result), errors(result), probes(result), checks(result)] {
+    let numbers = if result.solved { vec![contacts(result), interfaces(result), errors(result)] } else { Vec::new() };
+    for table in numbers.into_iter().chain([probes(result), checks(result)]) {
         if !table.is_empty() {
             let _ = write!(text, "\n{table}");
         }

@@ -81,7 +81,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
 
     /// Answers all probes and checks from a solved state into `result`; returns whether every check that was decided passed.
     pub fn answer(&self, case: &Case, model: &Model<S, N>, state: Option<&StepState<S, N>>, result: &mut RunResult) -> bool {
-        let value = result.to_value();
+        let value = result.numbers();
         let ask = |prepared: &Prepared<S, N>| match state {
             Some(state) => evaluate(prepared, model, state, &value),
             None => match prepared {
@@ -104,7 +104,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
             })
             .collect();
         // probes are numbers of the result: checks may name them
-        let value = result.to_value();
+        let value = result.numbers();
         let ask = |prepared: &Prepared<S, N>| match state {
             Some(state) => evaluate(prepared, model, state, &value),
             None => match prepared {

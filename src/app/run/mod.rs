@@ -19,6 +19,7 @@ use super::quantities::Questions;
 use super::registry::{Names, Registry, solver_name};
 use super::result::{RunResult, Status, StepReport};
 use super::watch::{Progress, Watch};
+use crate::constraint::SolveError;
 use crate::contact::{ClosedSide, half_width};
 use crate::io::case::Case;
 use crate::io::errors::{Diagnostic, Diagnostics, Severity};
@@ -79,11 +80,12 @@ impl Case {
 /// status `Invalid` (exit 3), or `Limit` (exit 6) where the predicted memory is too large.
 pub fn run(case: &Case, registry: &Registry, options: &RunOptions, watch: &Watch) -> Finished {
     match solve_case("run", case, registry, &plane(registry), watch) {
-        Ok((result, solved)) => {
+        Ok((mut result, solved)) => {
             let output = solved.map(|solved| {
                 watch.phase("fields");
                 fields::output(case, &Arc::new(solved), options)
             });
+            end_early(&mut result, watch);
             Finished { result, output }
         }
         Err(faults) => Finished { result: refused("run", case, faults), output: None },
@@ -96,17 +98,27 @@ pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &Wa
         watch.phase("build");
         let model = built(case, registry, &plane(registry), watch)?;
         let mut result = report::skeleton("check", case, &model);
-        Questions::of(case, &model, &result.to_value())?;
+        Questions::of(case, &model, &result.numbers())?;
         result.solve = None;
         let prediction = predict(&model);
         if let Some(limit) = watch.max_memory.filter(|&limit| prediction.memory > limit) {
             return Err(memory_limit(case, &model, &prediction, limit).into());
         }
         result.predicted = Some(prediction);
+        end_early(&mut result, watch);
         Ok(result)
     };
     let result = outcome().unwrap_or_else(|faults| refused("check", case, faults));
     Finished { result, output: None }
+}
+
+/// Marks a result that is good so far as ended early where `watch` says so; returns whether it did.
+pub(super) fn end_early(result: &mut RunResult, watch: &Watch) -> bool {
+    let stop = watch.stop().filter(|_| matches!(result.status, Status::Ok | Status::CheckFailed));
+    if let Some(stop) = stop {
+        stopped(result, stop);
+    }
+    stop.is_some()
 }
 
 /// The result of a case that cannot be run.
@@ -156,7 +168,7 @@ fn solve_case<const S: usize, const N: usize>(
     watch.phase("build");
     let model = built(case, registry, dimension, watch)?;
     let mut result = report::skeleton(command, case, &model);
-    let questions = Questions::of(case, &model, &result.to_value())?;
+    let questions = Questions::of(case, &model, &result.numbers())?;
     if let Some(limit) = watch.max_memory {
         let prediction = predict(&model);
         if prediction.memory > limit {
@@ -180,19 +192,15 @@ fn solve_case<const S: usize, const N: usize>(
             watch.report(Progress::Step { step: k + 1, of: times.len() });
         }
         watch.phase("solve");
-        let (state, failure) = match solve::step(&model, &matrices, registry, &case.solver.constraint.value, t) {
+        let (state, failure) = match solve::step(&model, &matrices, registry, &case.solver.constraint.value, t, watch) {
             Ok(state) => (Some(state), None),
             Err(unsolved) => (unsolved.last.map(|b| *b), Some(unsolved.error)),
         };
-        if let Some(active) = state.as_ref().and_then(|s| s.active_set.as_ref()) {
-            let rows = state.as_ref().map_or(0, |s| s.sign_case.iter().filter(|c| **c < 9).count());
-            for (i, &n) in active.history.iter().enumerate() {
-                watch.report(Progress::Iteration { iteration: i + 1, active: n, rows });
-            }
-        }
+        let unfinished = matches!(failure, Some(StepError::Solve(SolveError::Stopped { .. })));
         watch.phase("measure");
         let (mut status, mut reason, fault) = match &failure {
             None => (Status::Ok, "converged", None),
+            Some(_) if unfinished => (Status::Ok, "stopped", None),
             Some(error) => {
                 let (status, reason, fault) = step_fault(case, &model, error);
                 (status, reason, Some(fault))
@@ -218,8 +226,12 @@ fn solve_case<const S: usize, const N: usize>(
         }
         result.status = status;
         result.exit = status.exit();
+        if let Some(stop) = watch.stop().filter(|_| matches!(status, Status::Ok | Status::CheckFailed)) {
+            stopped(&mut result, stop);
+            status = result.status;
+        }
         if times.len() > 1 {
-            let contact = result.contact.clone();
+            let contact = state.as_ref().map(|_| result.contact.clone()).unwrap_or_default();
             result.steps.push(StepReport { t, status, probes: result.probes.clone(), contact });
         }
         last = state.or(last);

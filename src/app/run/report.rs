@@ -88,6 +88,7 @@ pub fn fill<const S: usize, const N: usize>(
     half_width: Option<HalfWidth<S, N>>,
     reason: &str,
 ) {
+    result.solved = true;
     result.solve = Some(SolveReport {
         reason: reason.into(),
         linear: state.method.clone(),

@@ -4,6 +4,7 @@ use super::integrate::on_trace;
 use super::loads::Resultant;
 use crate::app::build::{ContactModel, Model};
 use crate::app::registry::{Registry, solver_name};
+use crate::app::watch::{Progress, Watch};
 use crate::assembly::{DirichletError, Reduced, ReductionError};
 use crate::constraint::{ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, scale::row_scales};
 use crate::contact::{Contact, ContactError};
@@ -168,14 +169,19 @@ impl<const S: usize, const N: usize, E: Into<StepError>> From<E> for Unsolved<S,
 /// Solves the model at time `t` with the matrices of its bodies.
 ///
 /// # Errors
-/// [`Unsolved`], with the last state of an active set that did not settle.
+/// [`Unsolved`], with the last state of an active set that did not settle or that `watch` stopped.
 pub fn step<const S: usize, const N: usize>(
     model: &Model<S, N>,
     matrices: &[Csr],
     registry: &Registry,
     constraint: &str,
     t: f64,
+    watch: &Watch,
 ) -> Result<StepState<S, N>, Unsolved<S, N>> {
+    let goes_on = || match watch.stop() {
+        None => Ok(()),
+        Some(_) => Err(SolveError::Stopped { iterations: 0, last: None }),
+    };
     let matrices: Vec<&Csr> = matrices.iter().collect();
     let prescribed = model.prescribed(t).map_err(|e| Unsolved::<S, N>::from(e.0))?;
     let (load, total) = model.loads(t);
@@ -196,6 +202,7 @@ pub fn step<const S: usize, const N: usize>(
         compliance: &[],
     };
     let make = registry.solvers.get(solver_name(constraint)).map_err(|e| SolveError::Linear(no_solver(&e)))?;
+    goes_on()?;
     let has_contact = system.kind.iter().any(|k| *k != RowKind::Equal);
     let solved = if reduced.num_free() == 0 && model.rows == 0 {
         Ok(ConstrainedSolution { method: "nothing to solve".into(), ..ConstrainedSolution::default() })
@@ -203,7 +210,13 @@ pub fn step<const S: usize, const N: usize>(
         let mut solver = ActiveSet::new(make()).starting_from(system.start.clone());
         solver.max_iterations = model.max_iterations;
         solver.c = model.c;
-        solver.solve(&constrained)
+        solver.solve_watched(&constrained, &mut |news| {
+            if watch.stop().is_some() {
+                return false;
+            }
+            watch.report(Progress::Iteration { iteration: news.iteration, active: news.active, rows: news.rows });
+            true
+        })
     } else {
         make().solve(&constrained)
     };
@@ -216,7 +229,7 @@ pub fn step<const S: usize, const N: usize>(
         Err(error) => {
             let last = match &error {
                 SolveError::Cycling { last, .. } | SolveError::TooManyIterations { last, .. } => Some(last.clone()),
-                SolveError::RigidMotion { last, .. } => last.clone(),
+                SolveError::RigidMotion { last, .. } | SolveError::Stopped { last, .. } => last.clone(),
                 _ => None,
             };
             let usable = last.filter(|l| l.unknowns.len() == reduced.num_free() && l.multipliers.len() == model.rows);
