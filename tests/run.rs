@@ -2,7 +2,7 @@
 #![cfg(feature = "cli")]
 #![allow(clippy::unwrap_used)]
 
-use faying::app::{Registry, RunResult, Status};
+use faying::app::{Progress, Registry, RunResult, Status, Watch};
 use faying::io::Case;
 use faying::io::case::ReadOptions;
 use faying::io::errors::Diagnostics;
@@ -684,7 +684,11 @@ fn cases_too_large_for_the_machine_are_refused_at_once_at_their_elements() {
         // (n + 2)^2 functions of degree 2, two components each
         (&["patch.a.elements=[1000000, 1000000]"][..], None, "about 2000008000008 unknowns"),
         (&["patch.a.elements=[30000, 30000]"], None, "about 1800240008 unknowns"),
-        (&["patch.a.elements=[30000, 30000]", "discretization.backend=fe", "discretization.degree=8"], None, "this version holds up to 2e9"),
+        (
+            &["patch.a.elements=[30000, 30000]", "discretization.backend=fe", "discretization.degree=8"],
+            None,
+            "this version holds up to 2e9",
+        ),
         (&["patch.a.elements=[1000000, 1000000]", "patch.a.refine=20"], None, "unknowns"),
         (&["patch.a.elements=[1500, 1500]"], Some(1_000_000_000), "about 4512008 unknowns"),
     ] {
@@ -699,4 +703,73 @@ fn cases_too_large_for_the_machine_are_refused_at_once_at_their_elements() {
         }
     }
     assert!(begun.elapsed().as_secs() < 5, "{:?}", begun.elapsed());
+}
+
+/// A watch that raises its flag at the first news that `pick` chooses.
+fn interrupts(pick: fn(&Progress<'_>) -> bool) -> Watch {
+    let interrupted = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+    let flag = interrupted.clone();
+    let listener = move |news: Progress<'_>| {
+        if pick(&news) {
+            flag.store(true, std::sync::atomic::Ordering::Relaxed);
+        }
+    };
+    Watch { interrupted, listener: Some(Box::new(listener)), ..Watch::default() }
+}
+
+#[test]
+fn a_run_stops_where_it_is_told_to_and_says_null_for_what_it_did_not_compute() {
+    let path = format!("{}/examples/cases/hertz.toml", env!("CARGO_MANIFEST_DIR"));
+    let case = Case::read(path).unwrap();
+    let go = |watch: &Watch| faying::app::run::run(&case, &Registry::default(), &faying::app::RunOptions::default(), watch);
+    for phase in ["assemble", "solve"] {
+        let watch = if phase == "solve" {
+            interrupts(|n| matches!(n, Progress::Phase("solve")))
+        } else {
+            interrupts(|n| matches!(n, Progress::Phase("assemble")))
+        };
+        let finished = go(&watch);
+        assert_eq!((finished.result.status, finished.result.exit), (Status::Interrupted, 130), "{phase}");
+        assert!(finished.output.is_none() && !finished.result.solved);
+        let value = finished.result.to_value();
+        let contact = value["contact"].as_object().unwrap().values().next().unwrap();
+        assert!(contact["active"].is_null() && contact["force"][0].is_null() && contact["gap"]["min"].is_null(), "{contact}");
+        assert_eq!(contact["reason"], "nothing was solved");
+        assert!(value["energy"].is_null() && value["solve"]["residual"].is_null() && value["unknowns"]["primal"].as_u64() > Some(0));
+    }
+    // within the active set: its last state is kept
+    let finished = go(&interrupts(|n| matches!(n, Progress::Iteration { iteration: 2, .. })));
+    assert_eq!((finished.result.status, finished.result.exit), (Status::Interrupted, 130));
+    assert!(finished.output.is_some() && finished.result.solved);
+    let iterations = finished.result.solve.as_ref().unwrap().active_set.as_ref().unwrap().iterations;
+    assert_eq!(iterations, 2, "the system that had begun comes to its end");
+    // after everything was solved
+    let finished = go(&interrupts(|n| matches!(n, Progress::Phase("fields"))));
+    assert_eq!((finished.result.status, finished.result.exit), (Status::Interrupted, 130));
+    assert!(finished.output.is_some() && finished.result.to_value()["energy"].as_f64() > Some(0.0));
+    // a deadline that has passed
+    let watch = Watch { deadline: Some((std::time::Instant::now(), 1e-9)), ..Watch::default() };
+    let finished = go(&watch);
+    assert_eq!((finished.result.status, finished.result.exit), (Status::Limit, 6));
+    assert_eq!(finished.result.diagnostics.len(), 1);
+}
+
+#[test]
+fn documents_have_no_numbers_that_nobody_computed() {
+    let go = |text: &str, command: fn(&Case, &Registry, &faying::app::RunOptions, &Watch) -> faying::app::Finished| {
+        command(&read(text).unwrap(), &Registry::default(), &faying::app::RunOptions::default(), &Watch::default()).result
+    };
+    let checked = go(&square(""), faying::app::run::check).to_value();
+    for key in ["energy", "reactions", "contact", "interface", "balance", "errors", "solve"] {
+        assert!(checked.get(key).is_none(), "{key}");
+    }
+    assert!(checked["geometry"]["least_jacobian"].as_f64() > Some(0.0));
+    // a source without a value: nothing is solved
+    let lost = square("[[boundary]]\non = \"a.top\"\ntraction = { y = \"sqrt(-1 - x)\" }\n");
+    let result = go(&lost, faying::app::run::run);
+    assert_eq!((result.status, result.solved), (Status::NotFinite, false), "{}", show(&result));
+    let value = result.to_value();
+    assert!(value["energy"].is_null() && value["reactions"]["a.bottom"][0].is_null() && value["solve"]["residual"].is_null(), "{value}");
+    assert_eq!(value["reason"], "nothing was solved");
+    assert_eq!(value["solve"]["reason"], "not-finite");
 }

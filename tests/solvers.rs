@@ -428,6 +428,29 @@ fn a_tilting_block_opens_in_part_with_equal_states_of_both_solvers_and_one_analy
 }
 
 #[test]
+fn an_active_set_stops_before_the_system_its_watcher_refuses_and_keeps_its_last_state() {
+    let blocks = contact_blocks(0.006);
+    let whole = ActiveSet::new(Direct::new()).solve(&blocks.system()).unwrap().active_set.unwrap();
+    assert!(whole.iterations > 1);
+    for allowed in 0..whole.iterations {
+        let mut seen = Vec::new();
+        let error = ActiveSet::new(Direct::new())
+            .solve_watched(&blocks.system(), &mut |news| {
+                seen.push(news.active);
+                assert_eq!((news.iteration, news.rows), (seen.len(), blocks.offset.len()));
+                news.iteration <= allowed
+            })
+            .unwrap_err();
+        let SolveError::Stopped { iterations, last } = error else { panic!("{error}") };
+        assert_eq!((iterations, &seen[..]), (allowed, &whole.history[..=allowed]));
+        match last {
+            None => assert_eq!(allowed, 0),
+            Some(last) => assert_eq!(last.active_set.unwrap().history, whole.history[..allowed]),
+        }
+    }
+}
+
+#[test]
 fn a_lifted_block_is_told_apart_from_a_block_without_support() {
     let blocks = contact_blocks(1.0);
     for solver in [&mut ActiveSet::new(Direct::new()) as &mut dyn ConstraintSolver, &mut ActiveSet::new(Condensed::new())] {

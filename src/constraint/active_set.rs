@@ -89,10 +89,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
                 return Err(SolveError::TooManyIterations { iterations: self.max_iterations, last: Box::new(last) });
             }
             if !goes_on(IterationNews { iteration, active: state.iter().filter(|&&a| a).count(), rows: contact.len() }) {
-                return Err(SolveError::Stopped {
-                    iterations: report.iterations,
-                    last: last.map(|l| Box::new(finished(l, &report))),
-                });
+                return Err(SolveError::Stopped { iterations: report.iterations, last: last.map(|l| Box::new(finished(l, &report))) });
             }
             let mut kind = system.kind.to_vec();
             for (k, &j) in contact.iter().enumerate() {

@@ -40,7 +40,8 @@ fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words:
         Some(VtuCells::Linear) => Some(CellStyle::Linear),
         Some(VtuCells::None) | None => None,
     };
-    let job = Job { loaded: &loaded, folder: &folder, vtu: arguments.vtu, words, threads: pool.current_num_threads(), clock, watch: &watch };
+    let job =
+        Job { loaded: &loaded, folder: &folder, vtu: arguments.vtu, words, threads: pool.current_num_threads(), clock, watch: &watch };
     Ok(pool.install(|| {
         let finished = crate::app::run::run(&loaded.case, registry, &RunOptions { cells }, &watch);
         job.write(finished)
