@@ -764,12 +764,14 @@ fn documents_have_no_numbers_that_nobody_computed() {
         assert!(checked.get(key).is_none(), "{key}");
     }
     assert!(checked["geometry"]["least_jacobian"].as_f64() > Some(0.0));
-    // a source without a value: nothing is solved
-    let lost = square("[[boundary]]\non = \"a.top\"\ntraction = { y = \"sqrt(-1 - x)\" }\n");
-    let result = go(&lost, faying::app::run::run);
-    assert_eq!((result.status, result.solved), (Status::NotFinite, false), "{}", show(&result));
+    // interrupted before anything was solved
+    let watch = Watch::default();
+    watch.interrupted.store(true, std::sync::atomic::Ordering::Relaxed);
+    let case = read(&square("")).unwrap();
+    let result = faying::app::run::run(&case, &Registry::default(), &faying::app::RunOptions::default(), &watch).result;
+    assert_eq!((result.status, result.solved), (Status::Interrupted, false), "{}", show(&result));
     let value = result.to_value();
     assert!(value["energy"].is_null() && value["reactions"]["a.bottom"][0].is_null() && value["solve"]["residual"].is_null(), "{value}");
     assert_eq!(value["reason"], "nothing was solved");
-    assert_eq!(value["solve"]["reason"], "not-finite");
+    assert_eq!(value["solve"]["reason"], "the run was interrupted");
 }

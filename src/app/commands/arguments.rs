@@ -182,7 +182,7 @@ pub struct Common {
     /// Most memory to use, such as 4GB; a run that would need more ends before it starts
     #[arg(long, global = true, value_name = "SIZE", value_parser = bytes)]
     pub max_memory: Option<u64>,
-    /// Longest time in seconds
+    /// Longest time in seconds; a factorisation that has begun comes to its end first
     #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds)]
     pub time_limit: Option<f64>,
     /// No summary and no warnings, errors only
