@@ -158,10 +158,8 @@ fn part<const S: usize, const N: usize>(
     let along: Vec<usize> = (0..N).filter(|&c| inner.values().any(|n| n[c].abs() >= PERPENDICULAR)).collect();
     let help = || held_help(model, slave, &along, !slides.is_empty());
     if free == 0 {
-        let text = format!(
-            "the multiplier of \"{name}\" on `{}` is over-constrained: the normal direction has 0 free unknowns",
-            slave.label
-        );
+        let text =
+            format!("the multiplier of \"{name}\" on `{}` is over-constrained: the normal direction has 0 free unknowns", slave.label);
         let advice = help().unwrap_or_else(|| "free the side, or give it more elements".into());
         return Err(Box::new(builder.error("E024", text, at).with_help(advice)));
     }

@@ -63,9 +63,8 @@ fn one<const S: usize, const N: usize>(
         builder.error(fault.code, format!("patch \"{name}\": {}", fault.message), at)
     })?;
     let material = &case.materials[patch.material.value];
-    let physics = Physics::of(material, case.model.assumption.value).map_err(|e| {
-        builder.error("E053", format!("material \"{}\": {e}", material.name.value), super::values::key(material, &e))
-    })?;
+    let physics = Physics::of(material, case.model.assumption.value)
+        .map_err(|e| builder.error("E053", format!("material \"{}\": {e}", material.name.value), super::values::key(material, &e)))?;
     let extra_points = patch.discretization.extra_points.value;
     let rules = gauss_rules(&**body.space(), extra_points);
     let source = [&case.model.source, &patch.source].into_iter().flatten().flat_map(|s| s.value.iter().map(|f| f.value.clone())).collect();
