@@ -176,7 +176,9 @@ pub const CODES: &[Code] = &[
         "E071",
         5,
         "contact does not settle",
-        "The active set visited the same state twice. The message names the functions that flip and where; the last state is saved.",
+        "The active set visited the same state twice, or did not settle within active_set.max_iterations (default 30): raise it, \
+         or begin nearer to the answer with active_set.start = \"gap\". After a cycle the message names the functions that flip \
+         and where. The last state is saved.",
     ),
     code("E072", 5, "singular", "The system of equations is singular: a body can move, or a constraint is redundant."),
     code("E073", 5, "not finite", "A number became infinite or undefined while solving."),

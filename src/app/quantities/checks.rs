@@ -82,8 +82,8 @@ impl<const S: usize, const N: usize> Questions<S, N> {
     /// Answers all probes and checks from a solved state into `result`; returns whether every check that was decided passed.
     pub fn answer(&self, case: &Case, model: &Model<S, N>, state: Option<&StepState<S, N>>, result: &mut RunResult) -> bool {
         let value = result.numbers();
-        let ask = |prepared: &Prepared<S, N>| match state {
-            Some(state) => evaluate(prepared, model, state, &value),
+        let ask = |prepared: &Prepared<S, N>, value: &_| match state {
+            Some(state) => evaluate(prepared, model, state, value),
             None => match prepared {
                 Prepared::Study => Answer::Study,
                 _ => Answer::None("nothing was solved".into()),
@@ -94,7 +94,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
             .iter()
             .zip(&self.probes)
             .map(|(probe, prepared)| {
-                let (value, reason) = match ask(prepared) {
+                let (value, reason) = match ask(prepared, &value) {
                     Answer::One(v) => (v, None),
                     Answer::Range(low, _) => (low, None),
                     Answer::None(reason) => (f64::NAN, Some(reason)),
@@ -105,13 +105,6 @@ impl<const S: usize, const N: usize> Questions<S, N> {
             .collect();
         // probes are numbers of the result: checks may name them
         let value = result.numbers();
-        let ask = |prepared: &Prepared<S, N>| match state {
-            Some(state) => evaluate(prepared, model, state, &value),
-            None => match prepared {
-                Prepared::Study => Answer::Study,
-                _ => Answer::None("nothing was solved".into()),
-            },
-        };
         let mut reports = Vec::with_capacity(case.checks.len());
         for (k, check) in case.checks.iter().enumerate() {
             let [wanted, rtol, atol] = formulas(&check.condition);
@@ -119,7 +112,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
                 let Some(f) = f else { return Ok(0.0) };
                 let values: Result<Vec<f64>, String> = self.values[k][which]
                     .iter()
-                    .map(|p| match ask(p) {
+                    .map(|p| match ask(p, &value) {
                         Answer::One(v) => Ok(v),
                         Answer::None(reason) => Err(reason),
                         _ => Err("a value of a check is one number".to_string()),
@@ -144,7 +137,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
                 skipped: false,
             };
             let elsewhere = check.backend.as_ref().filter(|b| model.patches.iter().any(|p| p.backend != b.value));
-            let answer = ask(&self.checks[k]);
+            let answer = ask(&self.checks[k], &value);
             if answer == Answer::Study || elsewhere.is_some() {
                 report.skipped = true;
                 report.ok = true;

@@ -58,10 +58,12 @@ pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, limit: Option<u64
     let need = &forecast.need;
     let Prediction { memory, .. } = need.prediction();
     let machine = limit.is_none().then(physical_memory).flatten();
-    let why = if let Some(limit) = limit.filter(|&l| memory > l) {
-        format!("the limit is {}", bytes(limit))
-    } else if need.unknowns > MOST_UNKNOWNS || need.entries > MOST_ENTRIES {
+    // what this version holds is asked first: no limit on memory can be raised above it
+    let fixed = need.unknowns > MOST_UNKNOWNS || need.entries > MOST_ENTRIES;
+    let why = if fixed {
         format!("this version holds up to {MOST_ENTRIES:.0e} entries, this stiffness has {:.1e}", need.entries)
+    } else if let Some(limit) = limit.filter(|&l| memory > l) {
+        format!("the limit is {}", bytes(limit))
     } else if let Some(all) = machine.filter(|&all| memory as f64 > SHARE * all as f64) {
         format!("this machine has {}", bytes(all))
     } else {
@@ -74,7 +76,7 @@ pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, limit: Option<u64
     if patch.refine.value > 0 {
         help += &format!(" or a smaller refine (it is {})", patch.refine.value);
     }
-    if limit.is_some() || machine.is_some_and(|all| memory as f64 > SHARE * all as f64) {
+    if !fixed {
         help += "; or raise --max-memory";
     }
     Some(Diagnostic::error("E081", text).at(&case.source, patch.elements.at).with_help(help))
