@@ -1,8 +1,9 @@
-//! Floor 11: case files, formulas, errors with places, tables, pictures. Computes nothing.
+//! Floor 11: case files, geometry and mesh files, formulas, errors with places, tables, pictures. Computes nothing.
 
 pub mod case;
 pub mod codes;
 pub mod errors;
+pub mod files;
 pub mod formula;
 pub mod place;
 pub mod plot;

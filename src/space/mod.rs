@@ -1,5 +1,6 @@
 //! Floor 5: spaces (a basis over a geometry), bodies with named sides, traces.
 
+mod cells;
 mod deformed;
 mod field;
 mod grid;
@@ -17,6 +18,7 @@ use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
 use std::sync::Arc;
 
+pub use cells::{CellBlock, FacetTag, MeshCells};
 pub use deformed::Deformed;
 pub use field::{FieldAt, Located, Locator, OutsideBody, field_at, locate};
 pub use mesh::Mesh;
