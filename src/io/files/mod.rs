@@ -7,7 +7,7 @@ mod mesh;
 mod spline;
 
 pub use mesh::{CellShape, Group, MeshBlock, MeshFile};
-pub use spline::{Label, PatchSide, SplineFile, SplinePatch};
+pub use spline::{KnotUse, Label, PatchSide, SplineFile, SplinePatch};
 
 /// What a file holds.
 #[derive(Clone, Debug, PartialEq)]

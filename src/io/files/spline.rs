@@ -22,8 +22,17 @@ pub struct Label {
     pub sides: Vec<PatchSide>,
 }
 
+/// The knot vector of a file that a direction of a patch uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct KnotUse {
+    /// Its number in the file, from 0.
+    pub vector: usize,
+    /// Whether the direction runs against it.
+    pub reversed: bool,
+}
+
 /// A NURBS or B-spline patch.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SplinePatch {
     /// Its number in the file, where it has one.
     pub id: Option<i64>,
@@ -39,6 +48,10 @@ pub struct SplinePatch {
     pub weights: Option<Vec<f64>>,
     /// Coordinates per point in the file: 1 to 3.
     pub world: usize,
+    /// The number of its material, where the file has one (the attribute of MFEM).
+    pub attribute: Option<i64>,
+    /// Per direction the knot vector of the file; empty where the file does not number them.
+    pub uses: Vec<KnotUse>,
 }
 
 impl SplinePatch {
