@@ -3,7 +3,10 @@
 //! Formats are told by content, never by the name of the file. Counts that a file declares are never trusted: memory grows with what
 //! was read, and the whole stays below [`Limits::memory`].
 
+mod budget;
+pub mod gmsh;
 mod mesh;
+mod select;
 mod spline;
 
 pub use mesh::{CellShape, Group, MeshBlock, MeshFile};
