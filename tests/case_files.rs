@@ -534,7 +534,6 @@ fn e019_known_but_not_in_this_version() {
     later("[[probe]]", "[solver]\nconstraint = \"uzawa\"\n\n[[probe]]", "constraint solver \"uzawa\"", "\"uzawa\"");
     let kind = "kind = \"box\", min = [0, 0], max = [1, 0.5]";
     later(kind, "kind = \"file\", file = \"a.xml\"", "geometry of kind \"file\"", "\"file\"");
-    later("elements = [4, 2]", "elements = [4, 2]\nclosed = \"u\"", "`closed`", "\"u\"");
     later(
         "master = \"lower.top\"",
         "rigid = { kind = \"half-plane\", point = [0, 0.5], normal = [0, 1], force = { y = 1 } }",
@@ -558,13 +557,10 @@ fn e019_known_but_not_in_this_version() {
         "edges and corners such as `lower.u0v0` are not in this version",
         "\"lower.u0v0\"",
     );
-    for coupling in ["nitsche", "penalty", "glue"] {
+    for coupling in ["nitsche", "penalty"] {
         let tie = BASE.replace("[[contact]]", &format!("[[interface]]\ncoupling = \"{coupling}\""));
         fails(&tie, "E019", &format!("coupling \"{coupling}\" is not in this version"), &format!("\"{coupling}\""));
     }
-    let between =
-        BASE.replace("[[contact]]\nname = \"pad\"\nslave = \"upper.bottom\"\nmaster = \"lower.top\"", "[[interface]]\nbetween = \"all\"");
-    fails(&between, "E019", "`between` is not in this version", "\"all\"");
     let volume = BASE
         .replace("dimension = 2", "dimension = 3")
         .replace("[0, 0]", "[0, 0, 0]")

@@ -174,6 +174,11 @@ pub(super) fn solver_name(word: &str) -> &str {
     }
 }
 
+/// Whether a coupling shares functions instead of tying two sides by rows.
+pub(super) fn is_glue(coupling: &str) -> bool {
+    coupling == "glue"
+}
+
 /// Highest k of the built-in pairings p/p-k: the highest degree of a patch.
 const HIGHEST_PAIRING: usize = 12;
 

@@ -3,6 +3,7 @@
 mod cells;
 mod deformed;
 mod field;
+mod glue;
 mod grid;
 mod mesh;
 mod mesh_from_patch;
@@ -21,6 +22,7 @@ use std::sync::Arc;
 pub use cells::{CellBlock, FacetTag, MeshCells};
 pub use deformed::Deformed;
 pub use field::{FieldAt, Located, Locator, OutsideBody, field_at, locate};
+pub use glue::{GlueError, GlueRow, Near, glue};
 pub use mesh::Mesh;
 pub use patch::Patch;
 pub use quality::{InvertedElement, Quality, measure, quality};

@@ -1,6 +1,7 @@
 //! Boundary conditions and loads of the case.
 
 use super::Builder;
+use super::couples::Couples;
 use super::model::{Action, Condition, Model, SideLoad, SideModel, SideSpring, Value};
 use super::sides::Sides;
 use super::values::on_side;
@@ -21,10 +22,19 @@ pub(crate) fn component_name(component: usize, components: usize) -> &'static st
 }
 
 /// Conditions, loads, springs and equations of all boundary blocks.
-pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &mut Model<S, N>, sides: &mut Sides<S, N>) {
+pub(super) fn build<const S: usize, const N: usize>(
+    builder: &mut Builder<'_, S, N>,
+    model: &mut Model<S, N>,
+    sides: &mut Sides<S, N>,
+    couples: &Couples<S, N>,
+) {
     for k in 0..builder.case.boundaries.len() {
         let block = &builder.case.boundaries[k];
         for wanted in &block.on {
+            // sides that were found to touch others are no outer ones
+            if block.all_outer && couples.hold(wanted.value.patch, &wanted.value.side) {
+                continue;
+            }
             let side = match &block.filter {
                 Some(filter) => sides.filtered(builder, &model.patches, wanted, filter),
                 None => sides.get(builder, &model.patches, wanted),

@@ -1,6 +1,7 @@
 //! Contacts: multipliers, what each slave side faces, and its rows.
 
 use super::Builder;
+use super::couples::Couples;
 use super::fixed::Fixed;
 use super::model::{Against, ContactModel, ContactPart, Model, SideModel};
 use super::multipliers::{held_help, multiplier, multiplier_fault};
@@ -31,12 +32,13 @@ pub(super) fn build<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
     model: &mut Model<S, N>,
     sides: &mut Sides<S, N>,
+    couples: &Couples<S, N>,
     fixed: &Fixed,
 ) {
     if builder.case.contacts.is_empty() {
         return;
     }
-    let tied = memberships(builder, model, sides);
+    let tied = memberships(builder, model, couples);
     let case = builder.case;
     for contact in &case.contacts {
         if let Err(fault) = known(builder, contact, model) {
@@ -59,7 +61,7 @@ pub(super) fn build<const S: usize, const N: usize>(
         for (k, slave) in slaves.iter().enumerate() {
             let at = contact.slave.get(k).map_or(contact.head.at, |s| s.at);
             let taken = |function: usize, component: usize| {
-                fixed.is(model.patches[slave.patch].field.unknown(function, component)) || tied.count(slave.patch, function) > 0
+                fixed.is(model.patches[slave.patch].field.unknown(function, component)) || tied.count(model, slave.patch, function) > 0
             };
             match part(builder, model, contact, &built, slave, &masters, at, &taken) {
                 Ok((part, warning)) => {

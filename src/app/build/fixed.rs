@@ -2,12 +2,14 @@
 
 use super::Builder;
 use super::boundary::component_name;
-use super::model::{Condition, Model, Value};
+use super::model::{Condition, Model, SideModel, Value};
 use crate::assembly::{DirichletError, Fixed as Prescribed, dirichlet};
 use crate::io::errors::Diagnostic;
 use crate::io::formula::Point;
 use crate::io::place::Place;
 use crate::linalg::{Ldlt, LinearError, Vector};
+use crate::space::{Field, Trace};
+use std::collections::BTreeMap;
 
 /// Unknowns that supports take from the system.
 #[derive(Clone, Debug)]
@@ -26,9 +28,18 @@ impl Fixed {
         }
         for equation in &model.equations {
             // the reduction binds the unknown with the largest coefficient that is still free
-            let free = equation.terms.iter().filter(|(i, _)| !taken[*i]);
-            if let Some(&(i, _)) = free.fold(None, |best: Option<&(usize, f64)>, t| best.filter(|b| b.1.abs() >= t.1.abs()).or(Some(t))) {
+            let free = equation.terms.iter().map(|&(i, c)| (model.glued.unknown(i), c)).filter(|(i, _)| !taken[*i]);
+            if let Some((i, _)) = free.fold(None, |best: Option<(usize, f64)>, t| best.filter(|b| b.1.abs() >= t.1.abs()).or(Some(t))) {
                 taken[i] = true;
+            }
+        }
+        // what is glued to a held function is held
+        for i in 0..model.unknowns {
+            taken[i] = taken[model.glued.unknown(i)];
+        }
+        for (a, terms) in model.glued.combined() {
+            for c in 0..model.components {
+                taken[model.components * a + c] |= terms.iter().all(|&(b, _)| taken[model.components * b + c]);
             }
         }
         Ok(Self { taken })
@@ -58,31 +69,46 @@ impl<const S: usize, const N: usize> Model<S, N> {
         })
     }
 
-    /// One L2 projection per body and component of values given per condition.
+    /// One L2 projection per glued body and component of values given per condition; of glued unknowns only the one that
+    /// stands for all is listed.
     pub(crate) fn projected<'a>(
         &'a self,
         value: impl Fn(&'a Condition<S, N>) -> Option<Box<dyn Fn(&Vector<N>) -> f64 + Sync + 'a>>,
     ) -> Result<Vec<(usize, f64)>, Box<(DirichletError, Places)>> {
         let mut all = Vec::new();
-        for (k, patch) in self.patches.iter().enumerate() {
-            let mine: Vec<&Condition<S, N>> = self.conditions.iter().filter(|c| c.side.patch == k).collect();
+        let mut by_body: BTreeMap<usize, Vec<&Condition<S, N>>> = BTreeMap::new();
+        for condition in &self.conditions {
+            by_body.entry(self.glued.body(condition.side.patch)).or_default().push(condition);
+        }
+        for mine in by_body.values() {
             let values: Vec<_> = mine.iter().map(|c| value(c)).collect();
+            let traces: Vec<Trace<S, N>> = mine.iter().map(|c| self.in_model(&c.side)).collect();
             let fixed: Vec<Prescribed<'_, S, N>> = mine
                 .iter()
                 .zip(&values)
-                .map(|(c, v)| Prescribed { trace: &c.side.trace, component: c.component, value: v.as_deref() })
+                .zip(&traces)
+                .map(|((c, v), trace)| Prescribed { trace, component: c.component, value: v.as_deref() })
                 .collect();
+            let field = Field { first: 0, components: self.components };
+            let extra_points = mine.iter().map(|c| self.patches[c.side.patch].extra_points).max().unwrap_or(0);
             let places = |e: &DirichletError| match e {
                 DirichletError::Conflict { first, second, .. } => Some((mine[*first].at, mine[*second].at)),
                 _ => mine.first().map(|c| (c.at, c.at)),
             };
-            let part = dirichlet(&fixed, patch.field, patch.extra_points, &mut Ldlt::new()).map_err(|e| {
+            let part = dirichlet(&fixed, field, extra_points, &mut Ldlt::new()).map_err(|e| {
                 let places = places(&e);
                 Box::new((e, places))
             })?;
             all.extend(part);
         }
+        all.sort_by_key(|v| v.0);
         Ok(all)
+    }
+
+    /// The trace of a side in functions of the model: unknown / components, glued ones by the one that stands for all.
+    fn in_model(&self, side: &SideModel<S, N>) -> Trace<S, N> {
+        let dofs = side.trace.dofs.iter().map(|&dof| self.function(side.patch, dof)).collect();
+        Trace { dofs, ..side.trace.clone() }
     }
 }
 

@@ -2,9 +2,11 @@
 
 mod boundary;
 mod contacts;
+mod couples;
 mod divisions;
 mod exact;
 mod fixed;
+mod glue;
 mod model;
 mod multipliers;
 mod patches;
@@ -24,6 +26,7 @@ use crate::io::place::Place;
 
 pub(crate) use divisions::elements_along;
 pub use exact::{Exact, FieldJet};
+pub use glue::Glued;
 pub use model::{
     Action, Against, Condition, ContactModel, ContactPart, Model, Pairing, PatchModel, SideLoad, SideModel, SideSpring, TieModel, TiePart,
     Value,
@@ -75,7 +78,14 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
     builder.stop()?;
     values::materials(&mut builder, &patches);
     let (center, size) = patches::extent(&patches);
+    let mut sides = sides::Sides::default();
+    // patches of files with several patches: their touching sides are glued
+    let files: Vec<(std::ops::Range<usize>, Place)> = Vec::new();
+    let couples = couples::find(&mut builder, &patches, &mut sides, &files);
+    let glued = Glued::of(&mut builder, &patches, &couples);
+    builder.stop()?;
     let mut model = Model {
+        glued,
         components: case.model.components(),
         unknowns: patches.last().map_or(0, |p| p.range().end),
         patches,
@@ -94,14 +104,13 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
         size,
         warnings: Diagnostics::new(),
     };
-    let mut sides = sides::Sides::default();
-    boundary::build(&mut builder, &mut model, &mut sides);
+    boundary::build(&mut builder, &mut model, &mut sides, &couples);
     values::in_bodies(&mut builder, &model);
     builder.stop()?;
     let fixed = fixed::Fixed::of(&builder, &model).map_err(|fault| Diagnostics::from(*fault))?;
-    ties::build(&mut builder, &mut model, &mut sides, &fixed);
+    ties::build(&mut builder, &mut model, &couples, &fixed);
     builder.stop()?;
-    contacts::build(&mut builder, &mut model, &mut sides, &fixed);
+    contacts::build(&mut builder, &mut model, &mut sides, &couples, &fixed);
     builder.stop()?;
     supports::check(&mut builder, &model);
     builder.stop()?;

@@ -1,6 +1,7 @@
 //! A case as bodies, conditions, loads, interfaces and contacts, ready to be assembled.
 
 use super::exact::Exact;
+use super::glue::Glued;
 use super::physics::Physics;
 use crate::assembly::Equation;
 use crate::basis::Basis;
@@ -221,6 +222,8 @@ pub struct Model<const S: usize, const N: usize> {
     pub unknowns: usize,
     /// Bodies in the order of the case.
     pub patches: Vec<PatchModel<S, N>>,
+    /// Functions that glued patches share.
+    pub glued: Glued,
     /// Prescribed components.
     pub conditions: Vec<Condition<S, N>>,
     /// Sides with at least one prescribed component, in the order of the case.
@@ -249,4 +252,23 @@ pub struct Model<const S: usize, const N: usize> {
     pub size: f64,
     /// Warnings found while building.
     pub warnings: Diagnostics,
+}
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// The number unknown / components of the function that stands for `function` of `patch`.
+    pub fn function(&self, patch: usize, function: usize) -> usize {
+        self.glued.root(self.patches[patch].field.first / self.components + function)
+    }
+
+    /// Number of unknowns, those of glued functions counted once.
+    pub fn num_primal(&self) -> usize {
+        self.unknowns - self.glued.num_bound()
+    }
+
+    /// All conditions between unknowns: glued functions first.
+    pub fn all_equations(&self) -> Vec<Equation> {
+        let mut all = self.glued.equations();
+        all.extend(self.equations.iter().cloned());
+        all
+    }
 }

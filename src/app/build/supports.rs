@@ -33,24 +33,28 @@ fn points<const S: usize, const N: usize>(side: &SideModel<S, N>) -> Vec<Vector<
 
 /// Motions that supports, ties and the contacts in `closed` (one flag per point of a contact part) leave.
 pub fn free_motions<const S: usize, const N: usize>(model: &Model<S, N>, closed: &dyn Fn(usize, usize, usize) -> bool) -> Vec<FreeBody> {
-    let modes = RigidModes { bodies: model.patches.len(), components: model.components, center: model.center, size: model.size };
+    // glued patches move as one body
+    let mut first: Vec<usize> = (0..model.patches.len()).filter(|&k| model.glued.body(k) == k).collect();
+    first.sort_unstable();
+    let body = |patch: usize| first.binary_search(&model.glued.body(patch)).expect("every patch is part of a body");
+    let modes = RigidModes { bodies: first.len(), components: model.components, center: model.center, size: model.size };
     let mut rows: Vec<RigidRow<N>> = Vec::new();
     let mut fix = |body: usize, direction: Vector<N>, x: Vector<N>| rows.push(RigidRow { terms: vec![(body, 1.0, x)], direction });
     for c in &model.conditions {
         for x in points(&c.side) {
-            fix(c.side.patch, unit(c.component), x);
+            fix(body(c.side.patch), unit(c.component), x);
         }
     }
     for s in &model.springs {
         for x in points(&s.side) {
-            fix(s.side.patch, unit(s.component), x);
+            fix(body(s.side.patch), unit(s.component), x);
         }
     }
     // equations between unknowns: inclined sliding; sides that move as one support nothing
     for e in &model.equations {
         let Some(&(first, _)) = e.terms.first() else { continue };
-        let Some(body) = model.patches.iter().position(|p| p.range().contains(&first)) else { continue };
-        let field = model.patches[body].field;
+        let Some(patch) = model.patches.iter().position(|p| p.range().contains(&first)) else { continue };
+        let field = model.patches[patch].field;
         if e.terms.iter().any(|t| (t.0 - field.first) / field.components != (first - field.first) / field.components) {
             continue;
         }
@@ -59,9 +63,9 @@ pub fn free_motions<const S: usize, const N: usize>(model: &Model<S, N>, closed:
             direction[(i - field.first) % field.components] = value;
         }
         let function = (first - field.first) / field.components;
-        let side = model.supports.iter().find(|s| s.patch == body && s.trace.dofs.contains(&function));
+        let side = model.supports.iter().find(|s| s.patch == patch && s.trace.dofs.contains(&function));
         for x in side.map(|s| points(s)).unwrap_or_default() {
-            fix(body, direction, x);
+            fix(body(patch), direction, x);
         }
     }
     let mut table = MapTable::new();
@@ -73,7 +77,7 @@ pub fn free_motions<const S: usize, const N: usize>(model: &Model<S, N>, closed:
                 for x in &table.x {
                     for c in 0..model.components {
                         rows.push(RigidRow {
-                            terms: vec![(part.slave.patch, 1.0, *x), (pairing.master.patch, -1.0, *x)],
+                            terms: vec![(body(part.slave.patch), 1.0, *x), (body(pairing.master.patch), -1.0, *x)],
                             direction: unit(c),
                         });
                     }
@@ -84,17 +88,17 @@ pub fn free_motions<const S: usize, const N: usize>(model: &Model<S, N>, closed:
     for (k, contact) in model.contacts.iter().enumerate() {
         for (p, part) in contact.parts.iter().enumerate() {
             for (q, x) in part.first.frames.x.iter().enumerate().filter(|(q, _)| closed(k, p, *q)) {
-                let mut terms = vec![(part.slave.patch, 1.0, *x)];
+                let mut terms = vec![(body(part.slave.patch), 1.0, *x)];
                 if let super::Against::Side(master, _) = &part.against {
                     // the partner is the foot point: rotations act on it, not on the slave point
                     let foot = x - part.first.frames.normal[q] * part.first.frames.gap[q];
-                    terms.push((master.patch, -1.0, foot));
+                    terms.push((body(master.patch), -1.0, foot));
                 }
                 rows.push(RigidRow { terms, direction: part.first.frames.normal[q] });
             }
         }
     }
-    modes.free(&rows)
+    modes.free(&rows).into_iter().map(|f| FreeBody { body: first[f.body], ..f }).collect()
 }
 
 /// "body "upper" can still move: translation x, rotation" for every such body.

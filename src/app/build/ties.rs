@@ -2,10 +2,12 @@
 
 use super::Builder;
 use super::boundary::component_name;
+use super::couples::Couples;
 use super::fixed::Fixed;
 use super::model::{Model, Pairing, SideModel, TieModel, TiePart};
 use super::multipliers::{held_help, multiplier, multiplier_fault};
 use super::sides::Sides;
+use crate::app::registry::is_glue;
 use crate::basis::{Basis, Elements};
 use crate::coupling::interface::{Partners, Tolerance};
 use crate::coupling::multiplier::check_counts;
@@ -14,7 +16,7 @@ use crate::io::case::{Integration, SideRef, Tie};
 use crate::io::errors::Diagnostic;
 use crate::io::place::{Located, Place};
 use crate::linalg::Triplets;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 /// Largest share of a slave side that may be uncovered.
@@ -22,21 +24,21 @@ const UNCOVERED: f64 = 1e-6;
 
 /// How many sides of tied interfaces a function of a body lies on.
 #[derive(Debug, Default)]
-pub(super) struct Memberships(HashMap<(usize, usize), usize>);
+pub(super) struct Memberships(HashMap<usize, usize>);
 
 impl Memberships {
-    fn add<const S: usize, const N: usize>(&mut self, side: &SideModel<S, N>) {
-        let mut dofs = side.trace.dofs.clone();
-        dofs.sort_unstable();
-        dofs.dedup();
-        for dof in dofs {
-            *self.0.entry((side.patch, dof)).or_default() += 1;
+    pub(super) fn add<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, side: &SideModel<S, N>) {
+        let mut functions: Vec<usize> = side.trace.dofs.iter().map(|&dof| model.function(side.patch, dof)).collect();
+        functions.sort_unstable();
+        functions.dedup();
+        for function in functions {
+            *self.0.entry(function).or_default() += 1;
         }
     }
 
-    /// Sides of ties that hold `function` of `patch`.
-    pub fn count(&self, patch: usize, function: usize) -> usize {
-        self.0.get(&(patch, function)).copied().unwrap_or(0)
+    /// Sides that hold `function` of `patch`, or one that is glued to it.
+    pub fn count<const S: usize, const N: usize>(&self, model: &Model<S, N>, patch: usize, function: usize) -> usize {
+        self.0.get(&model.function(patch, function)).copied().unwrap_or(0)
     }
 }
 
@@ -57,29 +59,22 @@ pub(super) fn list<const S: usize, const N: usize>(
     out
 }
 
-/// Slave and master sides of a tie.
-type Pair<const S: usize, const N: usize> = (Vec<Arc<SideModel<S, N>>>, Vec<Arc<SideModel<S, N>>>);
-
 /// All ties of the case.
 pub(super) fn build<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
     model: &mut Model<S, N>,
-    sides: &mut Sides<S, N>,
+    couples: &Couples<S, N>,
     fixed: &Fixed,
 ) {
-    let members = memberships(builder, model, sides);
+    let members = memberships(builder, model, couples);
     let case = builder.case;
-    for tie in &case.interfaces {
-        if let Some(between) = &tie.between {
-            let fault = builder.error("E019", "`between` is not in this version", between.at).with_help("name slave and master");
-            builder.faults.push(fault);
+    for (tie, couples) in case.interfaces.iter().zip(&couples.ties) {
+        if is_glue(&tie.coupling.value) {
             continue;
         }
-        let (slaves, masters): Pair<S, N> = (list(builder, model, sides, &tie.slave), list(builder, model, sides, &tie.master));
         let mut parts = Vec::new();
-        for (k, slave) in slaves.iter().enumerate() {
-            let at = tie.slave.get(k).map_or(tie.head.at, |s| s.at);
-            match part(builder, model, tie, slave, &masters, at, fixed, &members) {
+        for couple in couples {
+            match part(builder, model, tie, &couple.slave, &couple.masters, couple.at, fixed, &members) {
                 Ok((part, warnings)) => {
                     model.rows += part.num_rows;
                     parts.push(part);
@@ -97,20 +92,17 @@ pub(super) fn build<const S: usize, const N: usize>(
 
 /// Counts the sides of all ties; also says which functions contact must leave to ties.
 pub(super) fn memberships<const S: usize, const N: usize>(
-    builder: &mut Builder<'_, S, N>,
+    builder: &Builder<'_, S, N>,
     model: &Model<S, N>,
-    sides: &mut Sides<S, N>,
+    couples: &Couples<S, N>,
 ) -> Memberships {
     let mut members = Memberships::default();
-    let case = builder.case;
-    for tie in &case.interfaces {
+    for (_, list) in builder.case.interfaces.iter().zip(&couples.ties).filter(|(tie, _)| !is_glue(&tie.coupling.value)) {
         // a side in two lists of one tie counts once
-        let mut seen: Vec<(usize, String)> = Vec::new();
-        for side in list(builder, model, sides, &tie.slave).into_iter().chain(list(builder, model, sides, &tie.master)) {
-            let key = (side.patch, side.side.clone());
-            if !seen.contains(&key) {
-                seen.push(key);
-                members.add(&side);
+        let mut seen: BTreeSet<(usize, &str)> = BTreeSet::new();
+        for side in list.iter().flat_map(|c| c.masters.iter().chain([&c.slave])) {
+            if seen.insert((side.patch, &side.side)) {
+                members.add(model, side);
             }
         }
     }
@@ -148,7 +140,7 @@ fn part<const S: usize, const N: usize>(
             );
             return Err(Box::new(builder.error("E024", text, at).with_help(help)));
         }
-        let constrained = |function: usize| fixed.is(field.unknown(function, c)) || members.count(slave.patch, function) > 1;
+        let constrained = |function: usize| fixed.is(field.unknown(function, c)) || members.count(model, slave.patch, function) > 1;
         let (psi, warning) = multiplier(builder, name, slave, &tie.multiplier, &constrained, Some(c).filter(|_| model.components > 1))?;
         multipliers.push(psi);
         if c == 0 {

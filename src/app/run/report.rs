@@ -28,7 +28,7 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, mode
     let mut result = RunResult::new(command, &case.source.name);
     result.backend = backend(model);
     result.backends = model.patches.iter().map(|p| (p.name.clone(), p.backend.clone())).collect();
-    result.unknowns = Unknowns { primal: model.unknowns, multipliers: model.rows };
+    result.unknowns = Unknowns { primal: model.num_primal(), multipliers: model.rows };
     let soundness = model.patches.iter().map(|p| quality(&**p.body.space()).map_or(f64::NAN, |q| q.least_jacobian));
     result.geometry = GeometryReport {
         measure: model.patches.iter().map(|p| (p.name.clone(), measure::<N, N, f64, _>(&**p.body.space()))).collect(),
@@ -251,7 +251,8 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
     report
 }
 
-/// Reactions per side, added to the forces from outside. An unknown of several sides is shared equally.
+/// Reactions per side, added to the forces from outside. An unknown of several sides is shared equally, also where the
+/// sides are of glued patches: forces across seams cancel in the unknown that stands for all.
 fn reactions<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, outside: &mut Resultant) -> Named<Vec<f64>> {
     // coefficients of 1 and of the coordinates on the supported sides: forces and moments of any basis
     let mut one = vec![1.0; model.unknowns];
@@ -273,7 +274,11 @@ fn reactions<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
         dofs.dedup();
         let by_equation = !model.conditions.iter().any(|d| Arc::ptr_eq(&d.side, side));
         let components: Vec<usize> = (0..model.components).filter(|&c| by_equation || prescribed(side, c)).collect();
-        dofs.iter().flat_map(|&i| components.iter().map(move |&c| (field.unknown(i, c), c))).collect()
+        let mut all: Vec<(usize, usize)> =
+            dofs.iter().flat_map(|&i| components.iter().map(move |&c| (model.glued.unknown(field.unknown(i, c)), c))).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
     };
     let mut holders = vec![0u32; model.unknowns];
     for side in &model.supports {

@@ -186,7 +186,7 @@ pub fn step<const S: usize, const N: usize>(
     let prescribed = model.prescribed(t).map_err(|e| Unsolved::<S, N>::from(e.0))?;
     let (load, total) = model.loads(t);
     let system = System::of(model, t)?;
-    let reduced = Reduced::try_new(&matrices, &load, &prescribed, &model.equations)?;
+    let reduced = Reduced::try_new(&matrices, &load, &prescribed, &model.all_equations())?;
     let (slave, shift) = reduced.rows(&system.rows.slave);
     let (master, shift_master) = reduced.rows(&system.rows.master);
     let offset: Vec<f64> = (0..model.rows).map(|i| system.offset[i] + shift[i] + shift_master[i]).collect();
@@ -294,7 +294,8 @@ fn finished<const S: usize, const N: usize>(
 ) -> StepState<S, N> {
     let u = reduced.expand(&solution.unknowns);
     let b = system.reaction.as_ref().unwrap_or(&system.rows);
-    let support = reduced.residual(matrices, load, &[&b.slave, &b.master], &solution.multipliers, &u);
+    let mut support = reduced.residual(matrices, load, &[&b.slave, &b.master], &solution.multipliers, &u);
+    model.glued.gather(&mut support);
     // springs pull back
     for spring in &model.springs {
         let field = model.patches[spring.side.patch].field;

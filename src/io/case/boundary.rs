@@ -62,6 +62,7 @@ impl Reader {
             self.fault("E013", b.at, message, format!("give one of {}", kinds.join(", ")));
         }
         let boundary = Boundary {
+            all_outer: all_outer.is_some(),
             head: b.head(),
             name,
             on,

@@ -8,7 +8,7 @@ use super::types::*;
 use crate::io::place::{Located, Place};
 
 /// Couplings of the contract that are not built.
-const COUPLINGS: &[&str] = &["nitsche", "penalty", "glue"];
+const COUPLINGS: &[&str] = &["nitsche", "penalty"];
 /// Constraint solvers of the contract that are not built.
 const CONSTRAINTS: &[&str] = &["schur", "uzawa"];
 /// Kinds of obstacle that are built.
@@ -41,7 +41,6 @@ impl Reader {
             self.later_boundary(b);
         }
         for t in &case.interfaces {
-            self.later_if(&t.between, "`between`", "name slave and master");
             if COUPLINGS.contains(&t.coupling.value.as_str()) {
                 self.later(t.coupling.at, &format!("coupling {:?}", t.coupling.value), "write coupling = \"mortar\"");
             }
@@ -76,7 +75,6 @@ impl Reader {
                 "kinds: box, annulus-sector, disc-sector, plate-with-hole, nurbs",
             );
         }
-        self.later_if(&p.closed, "`closed`", "make the ring of two patches");
         if !p.glue.value {
             self.later(p.glue.at, "`glue`", "it belongs to files of several patches");
         }

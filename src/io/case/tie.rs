@@ -35,9 +35,16 @@ impl Reader {
         };
         let (slave, master) = (side("slave", "slave = \"upper.v0\""), side("master", "master = \"lower.v1\""));
         let coupling = self.registered(b, "coupling", &names.couplings, "mortar");
-        let multiplier = self.multiplier(b, names);
-        let integration = self.word(b, "integration", INTEGRATIONS);
-        let extra_points = self.whole(b, "extra_points", 0, 60, 0);
+        // glued sides share their unknowns: there is no multiplier and nothing to integrate
+        let glue = coupling.value == "glue";
+        for key in ["multiplier", "integration", "extra_points", "exact"].into_iter().filter(|key| glue && b.has(key)) {
+            let message = format!("`{key}` is not a key of coupling = \"glue\"");
+            self.fault("E015", b.key_at(key), message, "glued sides share their unknowns: there is no multiplier");
+        }
+        let none = || Located::new(Multiplier::Named("auto".to_owned()), b.at);
+        let multiplier = if glue { none() } else { self.multiplier(b, names) };
+        let integration = if glue { Located::new(Integration::Merged, b.at) } else { self.word(b, "integration", INTEGRATIONS) };
+        let extra_points = if glue { Located::new(0, b.at) } else { self.whole(b, "extra_points", 0, 60, 0) };
         let tolerance = self.auto(b, "tolerance");
         let soft = matches!(coupling.value.as_str(), "penalty" | "nitsche");
         let kind = format!("coupling = {:?}", coupling.value);

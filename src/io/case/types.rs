@@ -375,8 +375,10 @@ pub struct Boundary {
     pub head: Head,
     /// Its name, `boundary-0`, ... by default.
     pub name: Located<String>,
-    /// The sides; "all-outer" is already resolved.
+    /// The sides; "all-outer" is already resolved, but for sides that will be found to touch others.
     pub on: Vec<Located<SideRef>>,
+    /// Whether the case says "all-outer".
+    pub all_outer: bool,
     /// Keeps facets whose centre satisfies it (`where`).
     pub filter: Option<Located<Formula>>,
     /// Prescribed components: `fix` (zero) and `dirichlet` together.
@@ -461,7 +463,7 @@ pub struct Tie {
     pub slave: Vec<Located<SideRef>>,
     /// Master sides.
     pub master: Vec<Located<SideRef>>,
-    /// `between`: not in this version.
+    /// Patches whose touching sides are coupled, "all" for all: stands for slave and master.
     pub between: Option<Located<Vec<String>>>,
     /// Name of the coupling: `mortar`, `nitsche`, `penalty`, `glue`, or one of a registry.
     pub coupling: Located<String>,

@@ -1,0 +1,287 @@
+//! Glued patches: one solution, whatever the patches' order, orientation, backend, and however many meet in a point.
+#![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used)]
+
+use faying::app::run::run;
+use faying::app::{Finished, Registry, RunOptions, Status, Watch};
+use faying::io::Case;
+use faying::io::case::ReadOptions;
+use faying::io::errors::Diagnostics;
+use faying::linalg::Vector;
+
+fn read(text: &str) -> Result<Case, Diagnostics> {
+    Case::parse("glue.toml", text, &ReadOptions::default())
+}
+
+fn solve(text: &str) -> Finished {
+    let case = read(text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let finished = run(&case, &Registry::default(), &RunOptions::default(), &Watch::default());
+    assert_eq!(finished.result.status, Status::Ok, "{:?}\n{text}", finished.result.diagnostics);
+    finished
+}
+
+fn faults(text: &str) -> Diagnostics {
+    match read(text) {
+        Err(found) => found,
+        Ok(case) => case.run(&Registry::default()).expect_err("the case is wrong"),
+    }
+}
+
+fn probe(finished: &Finished, name: &str) -> f64 {
+    finished.result.probes.iter().find(|p| p.name == name).unwrap().value
+}
+
+fn error(finished: &Finished, name: &str) -> f64 {
+    *finished.result.errors.get(name).unwrap()
+}
+
+/// A bilinear patch of four corners, first axis fastest.
+fn quad(name: &str, corners: [[f64; 2]; 4], rest: &str) -> String {
+    let [a, b, c, d] = corners.map(|p| format!("[{:?}, {:?}]", p[0], p[1]));
+    format!(
+        "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"nurbs\", degree = [1, 1], knots = [[0, 0, 1, 1], [0, 0, 1, 1]], \
+         points = [{a}, {b}, {c}, {d}] }}\n{rest}\n"
+    )
+}
+
+/// The symmetries of a square: the corners of the same patch seen from elsewhere.
+fn turned(c: [[f64; 2]; 4], k: usize) -> [[f64; 2]; 4] {
+    let flipped = if k & 1 == 1 { [c[1], c[0], c[3], c[2]] } else { c };
+    let flipped = if k & 2 == 2 { [flipped[2], flipped[3], flipped[0], flipped[1]] } else { flipped };
+    if k & 4 == 4 { [flipped[0], flipped[2], flipped[1], flipped[3]] } else { flipped }
+}
+
+const ELASTIC: &str = "[model]\nphysics = \"elasticity\"\ndimension = 2\n";
+const STEEL: &str = "[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n";
+
+/// The three squares of GeoPDEs' L-shape with `joints` between them.
+fn l_shape(elements: usize, joints: &str) -> String {
+    let patch = |name: &str, min: &str, max: &str| {
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = {min}, max = {max} }}\nelements = [{elements}, {elements}]\n"
+        )
+    };
+    format!(
+        "{ELASTIC}exact = {{ u = [\"x*sin(y)\", \"x*cos(y)\"] }}\n[discretization]\ndegree = 3\n{STEEL}{}{}{}{joints}\
+         [[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n",
+        patch("a", "[-1, -1]", "[0, 0]"),
+        patch("b", "[-1, 0]", "[0, 1]"),
+        patch("c", "[0, 0]", "[1, 1]")
+    )
+}
+
+/// Error of GeoPDEs' three-patch L-shape, geopdes ex_plane_strain_Lshaped_mp: cubic, 6 x 6 elements per patch.
+const GEOPDES_L: f64 = 6.41633220768243e-07;
+
+#[test]
+fn the_glued_l_shape_has_the_error_that_geopdes_prints() {
+    for joints in [
+        "[[interface]]\nbetween = \"all\"\ncoupling = \"glue\"\n",
+        "[[interface]]\nslave = \"a.top\"\nmaster = \"b.bottom\"\ncoupling = \"glue\"\n\
+         [[interface]]\nslave = \"c.left\"\nmaster = \"b.right\"\ncoupling = \"glue\"\n",
+        "[[interface]]\nslave = [\"a.top\", \"b.right\"]\nmaster = [\"b.bottom\", \"c.left\"]\ncoupling = \"glue\"\n",
+    ] {
+        let solved = solve(&l_shape(6, joints));
+        let e = error(&solved, "error.u.L2");
+        assert!((e - GEOPDES_L).abs() <= 1e-12, "{e:e}");
+        // 9 functions per direction of a patch, two seams of 9
+        assert_eq!(solved.result.unknowns.primal, 2 * (3 * 81 - 18));
+    }
+}
+
+#[test]
+fn the_tied_l_shape_stays_within_twice_the_glued_one_and_keeps_its_order() {
+    for [first, second] in [[["a.top", "b.bottom"], ["c.left", "b.right"]], [["b.bottom", "a.top"], ["b.right", "c.left"]]] {
+        let joints: String = [first, second].map(|[s, m]| format!("[[interface]]\nslave = \"{s}\"\nmaster = \"{m}\"\n")).concat();
+        let errors = [3, 6, 12].map(|n| error(&solve(&l_shape(n, &joints)), "error.u.L2"));
+        assert!(errors[1] <= 2.0 * GEOPDES_L, "{errors:?}");
+        let rate = (errors[1] / errors[2]).log2();
+        assert!(rate > 3.9, "rate {rate} of {errors:?}");
+    }
+}
+
+/// Sectors of a regular polygon around the origin, glued; `turn` permutes the axes of each.
+fn star(sectors: usize, turn: impl Fn(usize) -> usize, disc: &str, joint: &str) -> String {
+    let at = |r: f64, k: f64| {
+        let angle = 0.3 + 2.0 * std::f64::consts::PI * k / sectors as f64;
+        [r * angle.cos(), r * angle.sin()]
+    };
+    let patches: String = (0..sectors)
+        .map(|k| {
+            let k0 = k as f64;
+            let corners = [[0.0, 0.0], at(0.8, k0), at(0.8, k0 + 1.0), at(1.0, k0 + 0.5)];
+            quad(&format!("p{k}"), turned(corners, turn(k)), "elements = [3, 3]")
+        })
+        .collect();
+    format!(
+        "{ELASTIC}body_force = [\"x + 1\", \"y*x\"]\n[discretization]\n{disc}{STEEL}{patches}\
+         [[interface]]\nbetween = \"all\"\n{joint}[[boundary]]\non = \"all-outer\"\ndirichlet = [\"0.01*x*y\", \"0.02*x\"]\n\
+         [[probe]]\nname = \"x\"\nquantity = \"u.x at [0.2, 0.1]\"\n[[probe]]\nname = \"y\"\nquantity = \"u.y at [-0.3, 0.15]\"\n"
+    )
+}
+
+const GLUE: &str = "coupling = \"glue\"\n";
+
+#[test]
+fn cross_points_of_three_four_and_five_patches_do_not_depend_on_how_the_patches_lie() {
+    for sectors in [3, 4, 5] {
+        for disc in ["degree = 2\n", "backend = \"fe\"\ndegree = 2\n", "backend = \"fe\"\ncells = \"simplex\"\ndegree = 1\n"] {
+            let straight = solve(&star(sectors, |_| 0, disc, GLUE));
+            // a triangle mesh cuts along one diagonal: turn by what keeps it
+            let turns: &[usize] = if disc.contains("simplex") { &[0, 3, 4, 7] } else { &[0, 1, 2, 3, 4, 5, 6, 7] };
+            let mixed = solve(&star(sectors, |k| turns[(3 * k + sectors) % turns.len()], disc, GLUE));
+            for name in ["x", "y"] {
+                let (a, b) = (probe(&straight, name), probe(&mixed, name));
+                assert!((a - b).abs() <= 1e-10 * a.abs(), "{sectors} {disc} {name}: {a:e} {b:e}");
+            }
+            assert_eq!(straight.result.unknowns.primal, mixed.result.unknowns.primal);
+            assert!((straight.result.energy - mixed.result.energy).abs() <= 1e-12 * straight.result.energy);
+        }
+    }
+}
+
+#[test]
+fn a_neighbour_may_be_flipped_and_rotated_in_eight_ways() {
+    let plate = |k: usize| {
+        let (left, right) = ([[0.0, 0.0], [1.0, 0.1], [0.1, 1.0], [0.9, 1.2]], [[1.0, 0.1], [2.0, 0.0], [0.9, 1.2], [2.1, 0.9]]);
+        format!(
+            "{ELASTIC}body_force = [\"1\", \"x\"]\n{STEEL}{}{}[[interface]]\nbetween = [\"l\", \"r\"]\n{GLUE}\
+             [[boundary]]\non = \"l.left\"\nfix = [\"x\", \"y\"]\n[[probe]]\nname = \"x\"\nquantity = \"u.x at [2.05, 0.45]\"\n",
+            quad("l", left, "elements = [4, 3]"),
+            quad("r", turned(right, k), if k & 4 == 0 { "elements = [2, 3]" } else { "elements = [3, 2]" })
+        )
+    };
+    let first = probe(&solve(&plate(0)), "x");
+    assert!(first > 0.0);
+    for k in 1..8 {
+        let x = probe(&solve(&plate(k)), "x");
+        assert!((x - first).abs() <= 1e-10 * first, "{k}: {x:e} {first:e}");
+    }
+}
+
+/// A bending plate of one box, or of two glued at x = 1.
+fn plate(patches: &str, boundary: &str) -> String {
+    format!(
+        "{ELASTIC}body_force = [\"0.2\", \"-1 + 0.1*x\"]\n[discretization]\ndegree = 2\ncontinuity = 0\n{STEEL}{patches}{boundary}\
+         [[probe]]\nname = \"y\"\nquantity = \"u.y at [1.3, 0.6]\"\n"
+    )
+}
+
+const ONE: &str = "[[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [2, 1] }\nelements = [4, 2]\n";
+const TWO: &str = "[[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [2, 2]\n\
+                   [[patch]]\nname = \"b\"\ngeometry = { kind = \"box\", min = [1, 0], max = [2, 1] }\nelements = [2, 2]\n\
+                   [[interface]]\nslave = \"a.right\"\nmaster = \"b.left\"\ncoupling = \"glue\"\n";
+
+#[test]
+fn reactions_of_a_glued_body_are_those_of_the_single_patch() {
+    let one = solve(&plate(ONE, "[[boundary]]\non = \"a.bottom\"\nfix = [\"x\", \"y\"]\n"));
+    let two = solve(&plate(TWO, "[[boundary]]\non = [\"a.bottom\", \"b.bottom\"]\nfix = [\"x\", \"y\"]\n"));
+    let half = solve(&plate(TWO, "[[boundary]]\non = \"a.bottom\"\nfix = [\"x\", \"y\"]\n"));
+    assert!((probe(&one, "y") - probe(&two, "y")).abs() <= 1e-12 * probe(&one, "y").abs());
+    assert!((one.result.energy - two.result.energy).abs() <= 1e-12 * one.result.energy);
+    assert_eq!(one.result.unknowns.primal, two.result.unknowns.primal);
+    let reaction = |f: &Finished, side: &str| f.result.reactions.get(side).unwrap().clone();
+    let whole = reaction(&one, "a.bottom");
+    // the load is 2 area times the force: -(0.4, -1.8)
+    assert!((whole[0] + 0.4).abs() <= 1e-10 && (whole[1] - 1.8).abs() <= 1e-10, "{whole:?}");
+    let (a, b) = (reaction(&two, "a.bottom"), reaction(&two, "b.bottom"));
+    for c in 0..2 {
+        assert!((a[c] + b[c] - whole[c]).abs() <= 1e-10, "{a:?} {b:?} {whole:?}");
+        // nothing of the force across the seam
+        assert!((reaction(&half, "a.bottom")[c] - whole[c]).abs() <= 1e-10);
+    }
+    for f in [&one, &two, &half] {
+        assert!(f.result.balance.force.iter().all(|v| v.abs() <= 1e-10), "{:?}", f.result.balance);
+    }
+}
+
+#[test]
+fn a_closed_ring_is_two_glued_half_rings() {
+    let ring = |patches: &str, inner: &str, outer: &str| {
+        format!(
+            "{ELASTIC}[discretization]\ndegree = 2\ncontinuity = 0\n{STEEL}{patches}[[boundary]]\non = {outer}\nfix = [\"x\", \"y\"]\n\
+             [[boundary]]\non = {inner}\npressure = \"1 + 0.3*x + 0.2*y\"\n\
+             [[probe]]\nname = \"x\"\nquantity = \"u.x at [1.2, 0.5]\"\n[[probe]]\nname = \"y\"\nquantity = \"u.y at [-0.4, -1.4]\"\n"
+        )
+    };
+    let sector = |name: &str, from: f64, to: f64, n: usize, rest: &str| {
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"annulus-sector\", center = [0, 0], radius = [1, 2], angle_deg = [{from}, {to}] }}\n\
+             elements = [{n}, 3]\n{rest}"
+        )
+    };
+    let closed = solve(&ring(&sector("a", 0.0, 360.0, 8, "closed = \"u\"\n"), "\"a.v0\"", "\"a.v1\""));
+    let halves = sector("a", 0.0, 180.0, 4, "") + &sector("b", 180.0, 360.0, 4, "") + "[[interface]]\nbetween = \"all\"\n" + GLUE;
+    let halves = solve(&ring(&halves, "[\"a.v0\", \"b.v0\"]", "[\"a.v1\", \"b.v1\"]"));
+    for name in ["x", "y"] {
+        let (a, b) = (probe(&closed, name), probe(&halves, name));
+        assert!((a - b).abs() <= 1e-10 * a.abs(), "{name}: {a:e} {b:e}");
+    }
+    assert_eq!(closed.result.unknowns.primal, halves.result.unknowns.primal);
+    let sum = |f: &Finished| f.result.reactions.iter().fold([0.0; 2], |s, (_, r)| [s[0] + r[0], s[1] + r[1]]);
+    let (a, b) = (sum(&closed), sum(&halves));
+    assert!((0..2).all(|c| (a[c] - b[c]).abs() <= 1e-10), "{a:?} {b:?}");
+}
+
+/// Values of the displacement at points inside every element, patch after patch.
+fn values(finished: &Finished) -> Vec<f64> {
+    let xi: Vec<Vector<2>> = [[0.1, 0.2], [0.5, 0.5], [0.9, 0.3]].map(Vector::from).to_vec();
+    let parts = &finished.output.as_ref().unwrap().parts;
+    parts.iter().flat_map(|part| (0..part.space.num_elements()).flat_map(|e| (part.fields[0].sample)(e, &xi)).collect::<Vec<_>>()).collect()
+}
+
+#[test]
+fn twins_stay_twins_when_glued_also_one_of_each() {
+    let [iga, fe] = ["continuity = 0\nbasis = \"b-spline\"\n", "backend = \"fe\"\nmapping = \"exact\"\n"];
+    for degree in [1, 2, 3] {
+        let case = |left: &str, right: &str| {
+            let sector = |name: &str, from: f64, to: f64, disc: &str| {
+                format!(
+                    "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"annulus-sector\", center = [0, 0], radius = [1, 2], \
+                     angle_deg = [{from}, {to}] }}\nelements = [3, 2]\ndegree = {degree}\n{disc}"
+                )
+            };
+            format!(
+                "{ELASTIC}body_force = [\"x\", \"1\"]\n{STEEL}{}{}[[interface]]\nslave = \"a.u1\"\nmaster = \"b.u0\"\n{GLUE}\
+                 [[boundary]]\non = \"a.u0\"\nfix = [\"x\", \"y\"]\n[[boundary]]\non = \"b.v1\"\npressure = \"x*y\"\n",
+                sector("a", 0.0, 60.0, left),
+                sector("b", 60.0, 150.0, right)
+            )
+        };
+        let first = values(&solve(&case(iga, iga)));
+        let largest = first.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        for (left, right) in [(fe, fe), (iga, fe), (fe, iga)] {
+            let other = values(&solve(&case(left, right)));
+            let d = first.iter().zip(&other).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+            assert!(d <= 1e-10 * largest, "degree {degree}: {d:e}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_glued_says_why() {
+    let two = |first: &str, second: &str, rest: &str| {
+        format!(
+            "{ELASTIC}{STEEL}[[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [1, 1] }}\n{first}\
+             [[patch]]\nname = \"b\"\n{second}[[interface]]\nname = \"s\"\nslave = \"a.right\"\nmaster = \"b.left\"\ncoupling = \"glue\"\n{rest}\
+             [[boundary]]\non = \"a.left\"\nfix = [\"x\", \"y\"]\n"
+        )
+    };
+    let neighbour = |x: f64| format!("geometry = {{ kind = \"box\", min = [{x:?}, 0], max = [2, 1] }}\n");
+    let cases = [
+        (two("elements = [2, 3]\n", &(neighbour(1.25) + "elements = [2, 3]\n"), ""), "E023", "up to 0.25 apart (at x = 1, y = "),
+        (two("elements = [2, 3]\n", &(neighbour(1.0) + "elements = [2, 4]\n"), ""), "E015", "their grids do not match at element 0"),
+        (two("elements = [2, 3]\n", &(neighbour(1.0) + "elements = [2, 3]\ndegree = 3\n"), ""), "E015", "degree 2 against 3"),
+        (two("elements = [2, 3]\n", &(neighbour(1.0) + "elements = [2, 3]\ncontinuity = 0\n"), ""), "E015", "continuity"),
+        (
+            two("elements = [2, 3]\n", &(neighbour(1.0) + "elements = [2, 3]\n"), "multiplier = \"p/p\"\n"),
+            "E015",
+            "`multiplier` is not a key",
+        ),
+    ];
+    for (text, code, words) in cases {
+        let found = faults(&text);
+        let first = &found.items[0];
+        assert!(first.code == code && first.message.contains(words), "{found}");
+    }
+}
