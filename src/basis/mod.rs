@@ -11,6 +11,8 @@ mod refined;
 mod simplex;
 mod table;
 mod tensor;
+mod topology;
+mod unstructured;
 
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
@@ -25,6 +27,9 @@ pub use refined::Refined;
 pub use simplex::{LagrangeSimplex, simplex_lattice, simplex_nodes, simplex_numbering};
 pub use table::{Order, ShapeTable};
 pub use tensor::TensorProduct;
+pub use topology::Topology;
+pub(crate) use topology::{key_of, lattice};
+pub use unstructured::Unstructured;
 
 /// The reference cell of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

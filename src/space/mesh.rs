@@ -1,23 +1,36 @@
 //! Lagrange meshes: finite elements.
 
 use super::grid::Grid;
+use super::mesh_trace::FacetSides;
 use super::{Body, Over, Quality, SideError, Space, Trace};
 use crate::basis::{Basis, Cell, LagrangeLine, TensorProduct};
 use crate::geometry::{Embedded, Embedding, Geometry};
+use crate::linalg::Vector;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A Lagrange mesh of a patch, tensor or simplex cells, isoparametric or on the exact map. (S, N) stands for (N - 1, N).
+/// A Lagrange mesh, tensor or simplex cells, isoparametric or on the exact map. (S, N) stands for (N - 1, N).
 ///
-/// Made by [`Mesh::from_patch`].
+/// Made by [`Mesh::from_patch`] and [`Mesh::from_cells`].
 #[derive(Clone, Debug)]
 pub struct Mesh<const S: usize, const N: usize> {
-    pub(super) grid: Grid<N>,
+    /// The grid of the patch, where it is the mesh of one.
+    pub(super) grid: Option<Grid<N>>,
     pub(super) space: Arc<dyn Space<N, N>>,
     /// The map of the mesh's elements.
     pub(super) geometry: Arc<dyn Geometry<N, N>>,
-    pub(super) sides: HashMap<String, MeshSide<S, N>>,
+    pub(super) sides: Sides<S, N>,
     pub(super) quality: Quality<N>,
+    pub(super) named: Named<N>,
+}
+
+/// What the traces of a mesh are made of.
+#[derive(Clone, Debug)]
+pub(super) enum Sides<const S: usize, const N: usize> {
+    /// Products of lines along the sides of a patch.
+    Lines(HashMap<String, MeshSide<S, N>>),
+    /// Facets of cells.
+    Facets(FacetSides<N>),
 }
 
 /// What the trace of a side is made of.
@@ -30,20 +43,51 @@ pub(super) struct MeshSide<const S: usize, const N: usize> {
     pub facets: Vec<Embedding<S, N>>,
 }
 
+/// The points of a mesh of cells.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Named<const N: usize> {
+    pub points: Vec<Vector<N>>,
+    /// The function whose node is there, [`usize::MAX`] for none.
+    pub function: Vec<usize>,
+}
+
 impl<const S: usize, const N: usize> Mesh<S, N> {
-    /// Elements per direction of the patch; a simplex mesh cuts each in two (or six).
-    pub fn elements(&self) -> [usize; N] {
-        self.grid.counts()
+    /// Elements per direction of the patch; a simplex mesh cuts each in two or six. None for a mesh of cells.
+    pub fn elements(&self) -> Option<[usize; N]> {
+        self.grid.as_ref().map(Grid::counts)
     }
 
-    /// Faces of the patch that are points or edges.
+    /// Faces of the patch that are points or edges; none for a mesh of cells.
     pub fn collapsed_sides(&self) -> Vec<String> {
-        self.grid.collapsed_sides()
+        self.grid.as_ref().map(Grid::collapsed_sides).unwrap_or_default()
     }
 
     /// Least Jacobian, orientation, degenerate points.
     pub fn quality(&self) -> &Quality<N> {
         &self.quality
+    }
+
+    /// The side of a mesh of cells that holds the boundary facets of no tag, where there are any: `untagged`, with as many
+    /// underscores behind it as keep it apart from the tags.
+    pub fn untagged(&self) -> Option<&str> {
+        match &self.sides {
+            Sides::Lines(_) => None,
+            Sides::Facets(sides) => sides.named.untagged.as_deref(),
+        }
+    }
+
+    /// The place of a point that is a vertex of a mesh of cells, or another node of its space \[length\].
+    ///
+    /// `point` counts the points that [`Mesh::from_cells`] was given.
+    pub fn vertex(&self, point: usize) -> Option<Vector<N>> {
+        self.function_at(point).map(|_| self.named.points[point])
+    }
+
+    /// The function whose node is a point of a mesh of cells: a field has its coefficient as value there.
+    ///
+    /// All corners of cells are nodes; of the points between them those that the nodes of the space coincide with.
+    pub fn function_at(&self, point: usize) -> Option<usize> {
+        self.named.function.get(point).copied().filter(|&i| i != usize::MAX)
     }
 }
 
@@ -53,12 +97,21 @@ impl<const S: usize, const N: usize> Body<S, N> for Mesh<S, N> {
     }
 
     fn sides(&self) -> Vec<String> {
-        self.grid.sides()
+        match &self.sides {
+            Sides::Lines(_) => self.grid.as_ref().map(Grid::sides).unwrap_or_default(),
+            Sides::Facets(sides) => sides.names(),
+        }
     }
 
     fn trace(&self, side: &str) -> Result<Trace<S, N>, SideError> {
-        let name = self.grid.side(side)?.name();
-        let side = &self.sides[&name];
+        let name = match &self.grid {
+            Some(grid) => grid.side(side)?.name(),
+            None => side.to_string(),
+        };
+        let side = match &self.sides {
+            Sides::Facets(sides) => return sides.trace(&self.space, &name),
+            Sides::Lines(sides) => &sides[&name],
+        };
         let (basis, dofs): (Box<dyn Basis<S>>, _) = super::grid::merge::<S>(TensorProduct::new(side.lines.clone()), &side.ids);
         let geometry = Embedded::new(self.geometry.clone(), side.facets.clone(), Cell::Tensor);
         Ok(Trace::on_boundary(&self.space, Arc::new(Over { basis, geometry }), dofs, side.facets.clone()))

@@ -1,7 +1,7 @@
 //! The Lagrange mesh of a patch.
 
 use super::grid::{Grid, Merged, SideOf, join, merge, on_side, split};
-use super::mesh::MeshSide;
+use super::mesh::{MeshSide, Named, Sides};
 use super::patch::side_axes;
 use super::{MAX_DEGREE_SIMPLEX, MAX_DEGREE_TENSOR, Mapping, Mesh, Over, PatchSpec, Space, SpecError, quality};
 use crate::basis::{
@@ -64,7 +64,7 @@ fn tensor<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S,
             (side.name(), MeshSide { lines: side_axes::<S, N, _>(&lines, side), ids, facets: grid.facets(side) })
         })
         .collect();
-    Ok(Mesh { grid, space, geometry, sides, quality })
+    Ok(Mesh { grid: Some(grid), space, geometry, sides: Sides::Lines(sides), quality, named: Named::default() })
 }
 
 /// The nodes of a tensor mesh on the exact map, one per function.
@@ -167,7 +167,7 @@ fn simplex<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S
     };
     let quality = quality(&*space)?;
     let sides = sides(spec, &grid, &triangles, exact, &connectivity, &id);
-    Ok(Mesh { grid, space, geometry, sides, quality })
+    Ok(Mesh { grid: Some(grid), space, geometry, sides: Sides::Lines(sides), quality, named: Named::default() })
 }
 
 impl<const N: usize> Triangle<N> {
