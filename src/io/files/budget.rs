@@ -25,6 +25,11 @@ impl Budget {
         Ok(())
     }
 
+    /// Counts `count` items of `size` bytes.
+    pub fn items(&mut self, count: usize, size: usize) -> Result<(), FileError> {
+        self.take((count as u64).saturating_mul(size as u64))
+    }
+
     /// Counts memory given back.
     pub fn give(&mut self, bytes: u64) {
         self.used = self.used.saturating_sub(bytes);

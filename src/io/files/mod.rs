@@ -4,12 +4,18 @@
 //! was read, and the whole stays below [`Limits::memory`].
 
 mod budget;
+pub mod gismo;
 pub mod gmsh;
 mod mesh;
+pub mod mfem;
+mod read;
 mod select;
 mod spline;
+mod text;
+mod xml;
 
 pub use mesh::{CellShape, Group, MeshBlock, MeshFile};
+pub use read::{parse, read};
 pub use spline::{KnotUse, Label, PatchSide, SplineFile, SplinePatch};
 
 /// What a file holds.

@@ -1,0 +1,83 @@
+//! Any file: its format is told by what is in it.
+
+use super::text::shown;
+use super::{Contents, FileError, Limits, Spot, gismo, gmsh, mfem};
+use std::fs::File;
+use std::io::{ErrorKind, Read};
+use std::path::Path;
+
+/// Most bytes of a file without another limit: endless files end here.
+const MOST: u64 = 1 << 32;
+
+/// Reads a file of any format.
+///
+/// # Errors
+/// [`FileError::System`] where it cannot be opened or read; [`FileError::Memory`] for a file longer than the limit, before it is read;
+/// otherwise as [`parse`].
+pub fn read(path: &Path, limits: &Limits) -> Result<Contents, FileError> {
+    let system = |e: std::io::Error| FileError::System { missing: e.kind() == ErrorKind::NotFound, message: e.to_string() };
+    let allowed = limits.memory.unwrap_or(MOST);
+    let about = std::fs::metadata(path).map_err(system)?;
+    if about.is_dir() {
+        return Err(FileError::System { missing: false, message: "it is a folder".to_string() });
+    }
+    if about.is_file() && about.len() > allowed {
+        return Err(FileError::Memory { needed: about.len(), allowed });
+    }
+    let file = File::open(path).map_err(system)?;
+    let mut bytes = Vec::new();
+    let expected = if about.is_file() { about.len() } else { 0 };
+    bytes
+        .try_reserve_exact(usize::try_from(expected).unwrap_or(usize::MAX))
+        .map_err(|_| FileError::Memory { needed: expected, allowed })?;
+    // One byte more than allowed tells a longer file, be it endless.
+    file.take(allowed.saturating_add(1)).read_to_end(&mut bytes).map_err(system)?;
+    if bytes.len() as u64 > allowed {
+        return Err(FileError::Memory { needed: bytes.len() as u64, allowed });
+    }
+    parse(&path.display().to_string(), &bytes, limits)
+}
+
+/// Reads the bytes of a file of any format; `name` is used in messages alone.
+///
+/// # Errors
+/// [`FileError::Unsupported`] for a format or a kind that is not read, [`FileError::Broken`], [`FileError::Memory`].
+pub fn parse(name: &str, bytes: &[u8], limits: &Limits) -> Result<Contents, FileError> {
+    let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    let start = text.trim_ascii_start();
+    if gmsh::recognises(bytes) {
+        return gmsh::parse(bytes, limits).map(Contents::Mesh);
+    }
+    if start.starts_with(b"MFEM") {
+        return mfem::parse(text, limits);
+    }
+    if start.starts_with(b"<") {
+        return gismo::parse(text, limits).map(Contents::Patches);
+    }
+    let what = format!("{} {}; G+Smo XML, MFEM meshes and Gmsh MSH files are read", shown(name.as_bytes()), looks(bytes));
+    Err(FileError::Broken { what, spot: Some(Spot::Line(1)) })
+}
+
+/// What a file looks like.
+fn looks(bytes: &[u8]) -> String {
+    let start = &bytes[..bytes.len().min(1 << 12)];
+    let first = start.split(|b| *b == b'\n').find(|l| !l.trim_ascii().is_empty()).unwrap_or_default().trim_ascii();
+    let binary = start.iter().filter(|b| **b == 0 || (**b < 32 && !b.is_ascii_whitespace())).count();
+    if bytes.is_empty() {
+        "is empty".to_string()
+    } else if first.is_empty() {
+        "is blank".to_string()
+    } else if binary > 0 {
+        "looks like binary data of another format".to_string()
+    } else if start.starts_with(b"{") {
+        "looks like JSON".to_string()
+    } else if start.starts_with(b"# vtk DataFile") {
+        "looks like a legacy VTK file".to_string()
+    } else if start.starts_with(b"solid") {
+        "looks like an STL file".to_string()
+    } else if start.starts_with(b"ISO-10303-21") {
+        "looks like a STEP file".to_string()
+    } else {
+        format!("begins with \"{}\"", shown(first))
+    }
+}
