@@ -21,8 +21,26 @@ pub struct RunOptions {
 pub struct Finished {
     /// Status, exit code and numbers.
     pub result: RunResult,
-    /// What there is to show; none where nothing was solved (exits 3 and a foreseen 6): then no folder is made.
+    /// What there is to show of the last step; none where nothing was solved (exits 3 and a foreseen 6): then no folder is made.
     pub output: Option<Output>,
+    /// Every step with a state, where the case has `[steps]`.
+    pub steps: Vec<StepOutput>,
+}
+
+/// What there is to show of one step, made when it is asked for.
+pub struct StepOutput {
+    /// Its number, from 1.
+    pub number: usize,
+    /// Its time.
+    pub t: f64,
+    /// Makes it.
+    pub make: Box<dyn Fn() -> Output + Send + Sync>,
+}
+
+impl std::fmt::Debug for StepOutput {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("StepOutput").field("number", &self.number).field("t", &self.t).finish_non_exhaustive()
+    }
 }
 
 /// The fields of a run, kept until the files are written; closures own what they need (`Arc` of the solution).

@@ -252,7 +252,7 @@ pub struct CheckReport {
 pub struct StepReport {
     /// Its time.
     pub t: f64,
-    /// How it ended.
+    /// How it ended; checks are decided by the last step alone.
     pub status: Status,
     /// The probes at its end.
     pub probes: Vec<ProbeReport>,
@@ -295,6 +295,9 @@ pub struct RunResult {
     /// What a run will need: `check` alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted: Option<Prediction>,
+    /// Time of the numbers below, where the case has steps: that of the last one that has a state.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub t: Option<f64>,
     /// Every contact by name.
     pub contact: Named<ContactReport>,
     /// Every tied interface by name.
@@ -345,6 +348,7 @@ impl RunResult {
             geometry: GeometryReport::default(),
             solve: None,
             predicted: None,
+            t: None,
             contact: Named::default(),
             interface: Named::default(),
             reactions: Named::default(),

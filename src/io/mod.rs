@@ -7,6 +7,7 @@ pub mod files;
 pub mod formula;
 pub mod place;
 pub mod plot;
+pub mod pvd;
 pub mod table;
 pub mod vtu;
 mod vtu_cells;

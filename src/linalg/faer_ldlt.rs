@@ -57,7 +57,10 @@ pub struct Ldlt {
     analysis: Option<Analysis>,
     factor: Vec<f64>,
     ready: bool,
+    /// Values that were factorised, from the second matrix of a pattern on: one matrix alone needs no memory to compare.
+    values: Vec<f64>,
     analyses: usize,
+    factorisations: usize,
     scale: Vec<f64>,
 }
 
@@ -84,6 +87,11 @@ impl Ldlt {
         self.analyses
     }
 
+    /// How often numbers were factorised; the same matrix again keeps its factor.
+    pub fn factorisations(&self) -> usize {
+        self.factorisations
+    }
+
     /// Numbers stored for the factor of the last matrix: 8 bytes each.
     pub fn factor_entries(&self) -> usize {
         self.factor.len()
@@ -94,12 +102,13 @@ impl Ldlt {
         self.analysis.as_ref().is_some_and(|a| a.dissected)
     }
 
-    /// Bytes that a factorisation of this pattern needs beyond the matrix itself: factor, pattern, scratch. The analysis is kept.
+    /// Bytes that a factorisation of this pattern needs beyond the matrix itself: factor, pattern, scratch, and the numbers that a
+    /// second matrix of the pattern is compared with. The analysis is kept.
     pub(crate) fn predict(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<usize, LinearError> {
         self.analyse(upper, places)?;
         let symbolic = &self.analysis.as_ref().expect("analysed above").symbolic;
         let scratch = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()).size_bytes();
-        Ok(8 * symbolic.len_val() + 16 * upper.vals.len() + scratch)
+        Ok(8 * symbolic.len_val() + 24 * upper.vals.len() + scratch)
     }
 
     fn analyse(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {
@@ -116,11 +125,21 @@ impl Ldlt {
 
     /// Factorises the matrix with this upper triangle; no check of singularity beyond zero and infinite pivots.
     pub(crate) fn factorise(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {
-        self.ready = false;
         if upper.vals.iter().any(|v| !v.is_finite()) {
+            self.ready = false;
             return Err(LinearError::NotFinite);
         }
+        let before = self.analyses;
         self.analyse(upper, places)?;
+        if self.ready && self.values == upper.vals {
+            return Ok(());
+        }
+        self.ready = false;
+        self.values.clear();
+        if self.analyses == before {
+            self.values.extend_from_slice(&upper.vals);
+        }
+        self.factorisations += 1;
         let symbolic = &self.analysis.as_ref().expect("analysed above").symbolic;
         let n = symbolic.nrows();
         self.factor.resize(symbolic.len_val(), 0.0);

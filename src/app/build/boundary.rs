@@ -6,7 +6,7 @@ use super::model::{Action, Condition, Model, SideLoad, SideModel, SideSpring, Va
 use super::sides::Sides;
 use super::values::on_side;
 use crate::assembly::{Equation, measure, planar_normal};
-use crate::io::case::{Boundary, Datum, SideRef};
+use crate::io::case::{Boundary, Datum};
 use crate::io::errors::Diagnostic;
 use crate::io::formula::Formula;
 use crate::io::place::{Located, Place};
@@ -30,6 +30,7 @@ pub(super) fn build<const S: usize, const N: usize>(
 ) {
     for k in 0..builder.case.boundaries.len() {
         let block = &builder.case.boundaries[k];
+        let mut on = Vec::with_capacity(block.on.len());
         for wanted in &block.on {
             // sides that were found to touch others are no outer ones
             if block.all_outer && couples.hold(wanted.value.patch, &wanted.value.side) {
@@ -39,10 +40,18 @@ pub(super) fn build<const S: usize, const N: usize>(
                 Some(filter) => sides.filtered(builder, &model.patches, wanted, filter),
                 None => sides.get(builder, &model.patches, wanted),
             };
-            let done = side.and_then(|side| one(builder, model, block, wanted, &side));
-            if let Err(fault) = done {
+            match side {
+                Ok(side) => on.push(side),
+                Err(fault) => builder.faults.push(*fault),
+            }
+        }
+        for side in &on {
+            if let Err(fault) = one(builder, model, block, side) {
                 builder.faults.push(*fault);
             }
+        }
+        if let Err(fault) = resultants(builder, model, block, &on) {
+            builder.faults.push(*fault);
         }
     }
     duplicates(builder, model);
@@ -52,7 +61,6 @@ fn one<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     model: &mut Model<S, N>,
     block: &Boundary,
-    wanted: &Located<SideRef>,
     side: &Arc<SideModel<S, N>>,
 ) -> Result<(), Box<Diagnostic>> {
     let supports = model.conditions.len() + model.equations.len();
@@ -92,34 +100,54 @@ fn one<const S: usize, const N: usize>(
         on_side(builder, side, p, "the pressure")?;
         model.loads.push(SideLoad { side: side.clone(), action: Action::Pressure(p.value.clone()) });
     }
-    for (component, f) in each(&block.force) {
-        on_side(builder, side, f, "the force")?;
-        let area = measure(&*side.trace.space, &side.rules);
-        model.loads.push(SideLoad { side: side.clone(), action: Action::Force(component, f.value.clone(), area) });
-    }
     for (component, f) in each(&block.spring) {
         on_side(builder, side, f, "the spring")?;
         model.springs.push(SideSpring { side: side.clone(), component, stiffness: f.value.clone() });
     }
-    for (component, f) in each(&block.rigid_force) {
-        on_side(builder, side, f, "the rigid force")?;
-        let area = measure(&*side.trace.space, &side.rules);
-        model.loads.push(SideLoad { side: side.clone(), action: Action::Force(component, f.value.clone(), area) });
-        // functions of a side sum to one: equal coefficients are a constant
-        let field = model.patches[side.patch].field;
-        let mut dofs = side.trace.dofs.clone();
-        dofs.sort_unstable();
-        dofs.dedup();
-        for &dof in &dofs[1..] {
-            model.equations.push(Equation {
-                terms: vec![(field.unknown(dof, component), 1.0), (field.unknown(dofs[0], component), -1.0)],
-                value: 0.0,
-            });
+    if model.conditions.len() + model.equations.len() > supports {
+        supported(model, side);
+    }
+    Ok(())
+}
+
+/// Counts a side among the supports, once.
+fn supported<const S: usize, const N: usize>(model: &mut Model<S, N>, side: &Arc<SideModel<S, N>>) {
+    if !model.supports.iter().any(|s| Arc::ptr_eq(s, side)) {
+        model.supports.push(side.clone());
+    }
+}
+
+/// Resultants, spread over all sides of the block, and sides that move as one.
+fn resultants<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    model: &mut Model<S, N>,
+    block: &Boundary,
+    sides: &[Arc<SideModel<S, N>>],
+) -> Result<(), Box<Diagnostic>> {
+    let area = || sides.iter().map(|side| measure(&*side.trace.space, &side.rules)).sum::<f64>();
+    for (list, what) in [(&block.force, "the force"), (&block.rigid_force, "the rigid force")] {
+        for (component, f) in each(list) {
+            let area = area();
+            for side in sides {
+                on_side(builder, side, f, what)?;
+                model.loads.push(SideLoad { side: side.clone(), action: Action::Force(component, f.value.clone(), area) });
+            }
         }
     }
-    let _ = wanted;
-    if model.conditions.len() + model.equations.len() > supports && !model.supports.iter().any(|s| Arc::ptr_eq(s, side)) {
-        model.supports.push(side.clone());
+    for (component, _) in each(&block.rigid_force) {
+        // functions of a side sum to one: equal coefficients are a constant
+        let mut unknowns: Vec<usize> = Vec::new();
+        for side in sides {
+            let field = model.patches[side.patch].field;
+            unknowns.extend(side.trace.dofs.iter().map(|&dof| field.unknown(dof, component)));
+        }
+        unknowns.sort_unstable();
+        unknowns.dedup();
+        let Some((&first, rest)) = unknowns.split_first() else { continue };
+        model.equations.extend(rest.iter().map(|&i| Equation { terms: vec![(i, 1.0), (first, -1.0)], value: 0.0 }));
+        for side in sides {
+            supported(model, side);
+        }
     }
     Ok(())
 }

@@ -7,6 +7,7 @@ use super::model::{Against, ContactModel, ContactPart, Model, SideModel};
 use super::multipliers::{held_help, multiplier, multiplier_fault};
 use super::sides::Sides;
 use super::ties::{degree, labels, list, memberships};
+use super::values::times;
 use crate::assembly::gauss_rules;
 use crate::basis::{Order, ShapeTable};
 use crate::contact::{Contact, ContactError, HalfPlane, LevelSet, Moved, Opponent, Sphere, Target};
@@ -124,10 +125,11 @@ fn part<const S: usize, const N: usize>(
     taken: &dyn Fn(usize, usize) -> bool,
 ) -> Result<(ContactPart<S, N>, Option<Diagnostic>), Box<Diagnostic>> {
     let name = &contact.name.value;
-    let t = builder.case.steps.value.first().copied().unwrap_or(1.0);
+    let mut moves = false;
     let against = match &contact.master {
         Master::Rigid(obstacle) => {
             let target = rigid(builder, &obstacle.value, obstacle.at)?;
+            moves = changes_with_time(&obstacle.value);
             let rules = gauss_rules(&*slave.trace.space, contact.extra_points.value);
             Against::Rigid(target, slave_segments(&*slave.trace.space, &rules))
         }
@@ -151,13 +153,16 @@ fn part<const S: usize, const N: usize>(
         (0..N).all(|c| n[c].abs() < PERPENDICULAR || taken(function, c))
             || slides.iter().any(|(f, d)| *f == function && (n - d * n.dot(d)).norm() < PERPENDICULAR)
     };
-    let normals = directions(slave, &against, t, 2);
-    let stuck = |function: usize| normals.get(&function).is_some_and(|n| cannot_move(function, n));
+    // an obstacle that moves turns its normals; what cannot move at one of the times is constrained
+    let turning = |n: usize| -> Vec<_> { times(builder.case, moves).iter().map(|&t| directions(slave, &against, t, n)).collect() };
+    let normals = turning(2);
+    let stuck = |function: usize| normals.iter().filter_map(|list| list.get(&function)).any(|n| cannot_move(function, n));
     // functions inside of elements vanish at corners: their direction is that where they are largest
-    let inner = directions(slave, &against, t, degree(slave) + 2);
-    let held = |f: usize| stuck(f) || inner.get(&f).is_some_and(|n| cannot_move(f, n)) || (0..N).all(|c| taken(f, c));
+    let inner = turning(degree(slave) + 2);
+    let held =
+        |f: usize| stuck(f) || inner.iter().filter_map(|list| list.get(&f)).any(|n| cannot_move(f, n)) || (0..N).all(|c| taken(f, c));
     let free = slave.trace.dofs.iter().filter(|&&f| !held(f)).count();
-    let along: Vec<usize> = (0..N).filter(|&c| inner.values().any(|n| n[c].abs() >= PERPENDICULAR)).collect();
+    let along: Vec<usize> = (0..N).filter(|&c| inner.iter().flat_map(|list| list.values()).any(|n| n[c].abs() >= PERPENDICULAR)).collect();
     let help = || held_help(model, slave, &along, !slides.is_empty());
     if free == 0 {
         let text =
@@ -175,12 +180,16 @@ fn part<const S: usize, const N: usize>(
         }
         return Err(Box::new(fault));
     }
-    let first = rows(model, slave, &against, &*psi, &built.gap, built.reach, t)
-        .map_err(|e| Box::new(contact_fault(builder, contact, slave, masters, &e, at)))?;
-    if !first.facing.contains(&true) {
-        return Err(Box::new(contact_fault(builder, contact, slave, masters, &ContactError::NoTarget, at)));
+    let changes = moves || built.gap.depends_on_time();
+    // an obstacle may come within reach later
+    for &t in times(builder.case, moves) {
+        let first = rows(model, slave, &against, &*psi, &built.gap, built.reach, t)
+            .map_err(|e| Box::new(contact_fault(builder, contact, slave, masters, &e, at)))?;
+        if first.facing.contains(&true) {
+            return Ok((ContactPart { slave: slave.clone(), multiplier: psi, against, first, changes, first_row: model.rows }, warning));
+        }
     }
-    Ok((ContactPart { slave: slave.clone(), multiplier: psi, against, first, first_row: model.rows }, warning))
+    Err(Box::new(contact_fault(builder, contact, slave, masters, &ContactError::NoTarget, at)))
 }
 
 fn rows<const S: usize, const N: usize>(
@@ -211,6 +220,9 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
     /// # Errors
     /// [`ContactError`] where the gap formula has no value.
     pub fn at(&self, model: &Model<S, N>, part: &ContactPart<S, N>, t: f64) -> Result<Contact<S, N>, ContactError> {
+        if !part.changes {
+            return Ok(part.first.clone());
+        }
         rows(model, &part.slave, &part.against, &*part.multiplier, &self.gap, self.reach, t)
     }
 }
@@ -304,6 +316,15 @@ fn directions<const S: usize, const N: usize>(
         }
     }
     out.into_iter().map(|(f, (_, normal))| (f, normal)).collect()
+}
+
+/// Whether an obstacle changes with the time.
+fn changes_with_time(obstacle: &Obstacle) -> bool {
+    let level_set = match &obstacle.shape.value {
+        ObstacleShape::LevelSet { f, .. } => f.depends_on_time(),
+        _ => false,
+    };
+    level_set || obstacle.translate.iter().flatten().any(|f| f.depends_on_time())
 }
 
 fn vector<const N: usize>(list: &[f64]) -> Vector<N> {

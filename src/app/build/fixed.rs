@@ -3,6 +3,7 @@
 use super::Builder;
 use super::boundary::component_name;
 use super::model::{Condition, Model, SideModel, Value};
+use super::values::{time_text, times};
 use crate::assembly::{DirichletError, Fixed as Prescribed, dirichlet};
 use crate::io::errors::Diagnostic;
 use crate::io::formula::Point;
@@ -21,10 +22,16 @@ impl Fixed {
     /// The unknowns of `model` that are prescribed or bound by an equation.
     pub fn of<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>) -> Result<Self, Box<Diagnostic>> {
         let mut taken = vec![false; model.unknowns];
-        let t = builder.case.steps.value.first().copied().unwrap_or(1.0);
-        let prescribed = model.prescribed(t).map_err(|e| conflict(builder, model, &e.0, e.1))?;
-        for (unknown, _) in prescribed {
-            taken[unknown] = true;
+        let changes = model.conditions.iter().any(|c| match &c.value {
+            Value::Zero => false,
+            Value::Exact => builder.case.model.exact.iter().flat_map(|e| &e.value).any(|f| f.depends_on_time()),
+            Value::Formula(f) => f.depends_on_time(),
+        });
+        // values that contradict each other at a later time are found now, too
+        for &t in times(builder.case, changes) {
+            for (unknown, _) in model.prescribed(t).map_err(|e| conflict(builder, model, &e.0, e.1, &time_text(changes, t)))? {
+                taken[unknown] = true;
+            }
         }
         for equation in &model.equations {
             // the reduction binds the unknown with the largest coefficient that is still free
@@ -118,6 +125,7 @@ fn conflict<const S: usize, const N: usize>(
     model: &Model<S, N>,
     error: &DirichletError,
     places: Places,
+    time: &str,
 ) -> Diagnostic {
     let (first, second) = places.unwrap_or_default();
     match error {
@@ -129,7 +137,7 @@ fn conflict<const S: usize, const N: usize>(
                 .error(
                     "E052",
                     format!(
-                        "component {name} is prescribed as {first_value}{lines} and as {second_value} at the common point ({})",
+                        "component {name} is prescribed as {first_value}{lines} and as {second_value} at the common point ({}{time})",
                         place.join(", ")
                     ),
                     second,
@@ -137,7 +145,7 @@ fn conflict<const S: usize, const N: usize>(
                 .with_help("make the values equal there, or prescribe one of them")
         }
         DirichletError::Projection { source: LinearError::NotFinite, .. } => {
-            builder.error("E017", "a prescribed value is not finite somewhere on its side", second)
+            builder.error("E017", format!("a prescribed value is not finite somewhere on its side{time}"), second)
         }
         other => builder.error("E072", other.to_string(), second),
     }

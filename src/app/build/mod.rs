@@ -28,8 +28,8 @@ pub(crate) use divisions::elements_along;
 pub use exact::{Exact, FieldJet};
 pub use glue::Glued;
 pub use model::{
-    Action, Against, Condition, ContactModel, ContactPart, Model, Pairing, PatchModel, SideLoad, SideModel, SideSpring, TieModel, TiePart,
-    Value,
+    Action, Against, Changing, Condition, ContactModel, ContactPart, Model, Pairing, PatchModel, SideLoad, SideModel, SideSpring, TieModel,
+    TiePart, Value,
 };
 pub use patches::patch_fault;
 pub use physics::{Physics, PlaceFn, PointState, SideFn};

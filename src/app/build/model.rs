@@ -27,8 +27,10 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub body: Box<dyn Body<S, N>>,
     /// Where its unknowns are.
     pub field: Field,
-    /// Its material.
+    /// Its material at the first time; [`PatchModel::physics_at`] at any other.
     pub physics: Physics<N>,
+    /// The formulas of a material that changes with the time.
+    pub changing: Option<Box<Changing>>,
     /// Rules of the bulk integrals.
     pub rules: PerElement<N>,
     /// Gauss points per direction beyond degree + 1.
@@ -41,7 +43,24 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub weight: Option<(Formula, Vec<f64>)>,
 }
 
+/// A material that changes with the time.
+#[derive(Clone, Debug)]
+pub struct Changing {
+    /// Its formulas.
+    pub material: case::Material,
+    /// Plane strain or plane stress.
+    pub assumption: case::Assumption,
+}
+
 impl<const S: usize, const N: usize> PatchModel<S, N> {
+    /// Its material at time `t`.
+    pub fn physics_at(&self, t: f64) -> Physics<N> {
+        match &self.changing {
+            None => self.physics.clone(),
+            Some(c) => Physics::of(&c.material, c.assumption, t).expect("constants were checked when the first one was made"),
+        }
+    }
+
     /// Number of unknowns.
     pub fn num_unknowns(&self) -> usize {
         self.field.components * self.body.space().num_functions()
@@ -190,8 +209,10 @@ pub struct ContactPart<const S: usize, const N: usize> {
     pub multiplier: Box<dyn Basis<S>>,
     /// What it faces.
     pub against: Against<S, N>,
-    /// Rows, offsets and weights at the first time.
+    /// Rows, offsets and weights at the first time at which it faces something.
     pub first: Contact<S, N>,
+    /// Whether they change with the time.
+    pub changes: bool,
     /// First row in the system.
     pub first_row: usize,
 }

@@ -1,7 +1,7 @@
 //! Bodies: the net of a patch, its elements, its space, its material.
 
 use super::divisions::{breakpoints, grade_of};
-use super::model::PatchModel;
+use super::model::{Changing, PatchModel};
 use super::physics::Physics;
 use super::{Builder, MakeNet};
 use crate::app::registry::{Fault, carries_geometry};
@@ -63,7 +63,9 @@ fn one<const S: usize, const N: usize>(
         builder.error(fault.code, format!("patch \"{name}\": {}", fault.message), at)
     })?;
     let material = &case.materials[patch.material.value];
-    let physics = Physics::of(material, case.model.assumption.value)
+    let assumption = case.model.assumption.value;
+    let first_time = case.steps.value.first().copied().unwrap_or(1.0);
+    let physics = Physics::of(material, assumption, first_time)
         .map_err(|e| builder.error("E053", format!("material \"{}\": {e}", material.name.value), super::values::key(material, &e)))?;
     let extra_points = patch.discretization.extra_points.value;
     let rules = gauss_rules(&**body.space(), extra_points);
@@ -80,6 +82,10 @@ fn one<const S: usize, const N: usize>(
         exact_map: carries_geometry(&backend.value, &spec),
         body,
         physics,
+        changing: super::values::constants(material)
+            .iter()
+            .any(|f| f.depends_on_time())
+            .then(|| Box::new(Changing { material: material.clone(), assumption })),
         rules,
         extra_points,
         source,

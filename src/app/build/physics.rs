@@ -35,9 +35,9 @@ pub type PlaceFn<'a, const N: usize> = dyn Fn(&Vector<N>, &mut [f64]) + Sync + '
 /// Values written by a function of place and outward normal: one entry per component.
 pub type SideFn<'a, const N: usize> = dyn Fn(&Vector<N>, &Vector<N>, &mut [f64]) + 'a;
 
-/// Value and gradient of a formula at a place.
-fn jet<const N: usize>(formula: &Formula, x: &Vector<N>) -> Jet<N> {
-    let jet = formula.jet(&Point::new(x.as_slice()));
+/// Value and gradient of a formula at a place and a time.
+fn jet<const N: usize>(formula: &Formula, x: &Vector<N>, t: f64) -> Jet<N> {
+    let jet = formula.jet(&Point::new(x.as_slice()).at_time(t));
     Jet::new(jet.value, Vector::from_fn(|k, _| jet.gradient[k]))
 }
 
@@ -57,16 +57,16 @@ pub(super) fn assumption<const N: usize>(word: case::Assumption) -> Assumption {
 }
 
 impl<const N: usize> Physics<N> {
-    /// The material of the case.
+    /// The material of the case at time `t`.
     ///
     /// # Errors
     /// [`MaterialError`] for constants that make no stable material.
-    pub fn of(material: &case::Material, assumption: case::Assumption) -> Result<Self, MaterialError> {
+    pub fn of(material: &case::Material, assumption: case::Assumption, t: f64) -> Result<Self, MaterialError> {
         let Some(elastic) = &material.elastic else {
             let k = material.conductivity.value.clone();
             return Ok(Self::Scalar(match k.as_constant() {
                 Some(value) => Arc::new(Conductor::<N>::try_new(value)?),
-                None => Arc::new(Conductor::<N>::varying(move |x| jet(&k, x))),
+                None => Arc::new(Conductor::<N>::varying(move |x| jet(&k, x, t))),
             }));
         };
         let assumption = self::assumption::<N>(assumption);
@@ -79,7 +79,7 @@ impl<const N: usize> Physics<N> {
             (Some(a), Some(b)) => Hooke::<N>::try_new(Elastic::Lame { lambda: a, mu: b }, assumption)?,
             _ => Hooke::<N>::varying(
                 move |x| {
-                    let (a, b) = (jet(&a, x), jet(&b, x));
+                    let (a, b) = (jet(&a, x, t), jet(&b, x, t));
                     if young { Elastic::Young { young: a, poisson: b } } else { Elastic::Lame { lambda: a, mu: b } }
                 },
                 assumption,

@@ -4,6 +4,7 @@ use super::model::Model;
 use super::rigid::{FreeBody, RigidModes, RigidRow};
 use super::{Builder, SideModel};
 use crate::basis::Order;
+use crate::contact::Contact;
 use crate::geometry::MapTable;
 use crate::linalg::Vector;
 use crate::quadrature::Quadrature;
@@ -31,8 +32,12 @@ fn points<const S: usize, const N: usize>(side: &SideModel<S, N>) -> Vec<Vector<
     out
 }
 
-/// Motions that supports, ties and the contacts in `closed` (one flag per point of a contact part) leave.
-pub fn free_motions<const S: usize, const N: usize>(model: &Model<S, N>, closed: &dyn Fn(usize, usize, usize) -> bool) -> Vec<FreeBody> {
+/// Motions that supports, ties and contacts leave: `contacts` at a time, per contact and part, of them the points in `closed`.
+pub fn free_motions<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    contacts: &[Vec<&Contact<S, N>>],
+    closed: &dyn Fn(usize, usize, usize) -> bool,
+) -> Vec<FreeBody> {
     // glued patches move as one body
     let mut first: Vec<usize> = (0..model.patches.len()).filter(|&k| model.glued.body(k) == k).collect();
     first.sort_unstable();
@@ -87,14 +92,15 @@ pub fn free_motions<const S: usize, const N: usize>(model: &Model<S, N>, closed:
     }
     for (k, contact) in model.contacts.iter().enumerate() {
         for (p, part) in contact.parts.iter().enumerate() {
-            for (q, x) in part.first.frames.x.iter().enumerate().filter(|(q, _)| closed(k, p, *q)) {
+            let frames = &contacts[k][p].frames;
+            for (q, x) in frames.x.iter().enumerate().filter(|(q, _)| closed(k, p, *q)) {
                 let mut terms = vec![(body(part.slave.patch), 1.0, *x)];
                 if let super::Against::Side(master, _) = &part.against {
                     // the partner is the foot point: rotations act on it, not on the slave point
-                    let foot = x - part.first.frames.normal[q] * part.first.frames.gap[q];
+                    let foot = x - frames.normal[q] * frames.gap[q];
                     terms.push((body(master.patch), -1.0, foot));
                 }
-                rows.push(RigidRow { terms, direction: part.first.frames.normal[q] });
+                rows.push(RigidRow { terms, direction: frames.normal[q] });
             }
         }
     }
@@ -117,7 +123,8 @@ pub(crate) fn sentences<const S: usize, const N: usize>(model: &Model<S, N>, fre
 
 /// E051 for every body that can still move with all contacts closed.
 pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>) {
-    let free = free_motions(model, &|_, _, _| true);
+    let first: Vec<Vec<_>> = model.contacts.iter().map(|c| c.parts.iter().map(|p| &p.first).collect()).collect();
+    let free = free_motions(model, &first, &|_, _, _| true);
     for (f, sentence) in free.iter().zip(sentences(model, &free)) {
         let at = builder.case.patches[f.body].head.at;
         let text = if model.contacts.is_empty() { sentence } else { format!("{sentence}, even with every contact closed") };

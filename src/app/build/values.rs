@@ -33,6 +33,20 @@ fn place_text<const N: usize>(x: &Vector<N>) -> String {
     ["x", "y", "z"].iter().zip(x.iter()).map(|(name, v)| format!("{name} = {}", short(*v))).collect::<Vec<_>>().join(", ")
 }
 
+/// The times at which something is looked at: all of the case where it changes, else the first.
+pub(super) fn times(case: &case::Case, changes: bool) -> &[f64] {
+    match case.steps.value.as_slice() {
+        [] => &[1.0],
+        all if changes => all,
+        all => &all[..1],
+    }
+}
+
+/// ", t = 0.5" where that matters.
+pub(super) fn time_text(changes: bool, t: f64) -> String {
+    if changes { format!(", t = {}", short(t)) } else { String::new() }
+}
+
 /// The key an error of a material speaks of.
 pub(super) fn key(material: &case::Material, error: &MaterialError) -> Place {
     match (&material.elastic, error) {
@@ -44,21 +58,26 @@ pub(super) fn key(material: &case::Material, error: &MaterialError) -> Place {
     }
 }
 
-/// E053 where constants that vary leave their limits at a quadrature point of a patch.
+/// The formulas of the constants of a material.
+pub(super) fn constants(material: &case::Material) -> Vec<&Formula> {
+    match &material.elastic {
+        Some(Constants::YoungPoisson(a, b) | Constants::Lame(a, b)) => vec![&a.value, &b.value],
+        None => vec![&material.conductivity.value],
+    }
+}
+
+/// E053 where constants that vary leave their limits at a quadrature point of a patch, at one of the times of the case.
 pub(super) fn materials<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, patches: &[PatchModel<S, N>]) {
     let case = builder.case;
     for (patch, read) in patches.iter().zip(&case.patches) {
         let material = &case.materials[read.material.value];
-        let formulas: Vec<&Formula> = match &material.elastic {
-            Some(Constants::YoungPoisson(a, b) | Constants::Lame(a, b)) => vec![&a.value, &b.value],
-            None => vec![&material.conductivity.value],
-        };
+        let formulas = constants(material);
         if formulas.iter().all(|f| f.as_constant().is_some()) {
             continue;
         }
         let assumption = assumption::<N>(case.model.assumption.value);
-        let refused = |x: &Vector<N>| {
-            let at = Point::new(x.as_slice());
+        let refused = |x: &Vector<N>, t: f64| {
+            let at = Point::new(x.as_slice()).at_time(t);
             match &material.elastic {
                 None => Conductor::<N>::try_new(material.conductivity.value.value(&at)).err(),
                 Some(Constants::YoungPoisson(e, nu)) => {
@@ -67,8 +86,13 @@ pub(super) fn materials<const S: usize, const N: usize>(builder: &mut Builder<'_
                 Some(Constants::Lame(l, m)) => Elastic::Lame { lambda: l.value.value(&at), mu: m.value.value(&at) }.check(assumption).err(),
             }
         };
-        if let Some((x, error)) = first_wrong(&**patch.body.space(), &patch.rules, &refused) {
-            let text = format!("material \"{}\" in patch \"{}\", at {}: {error}", material.name.value, patch.name, place_text(&x));
+        let changes = formulas.iter().any(|f| f.depends_on_time());
+        let wrong = times(case, changes)
+            .iter()
+            .find_map(|&t| first_wrong(&**patch.body.space(), &patch.rules, &|x: &Vector<N>| refused(x, t)).map(|(x, e)| (x, e, t)));
+        if let Some((x, error, t)) = wrong {
+            let place = place_text(&x) + &time_text(changes, t);
+            let text = format!("material \"{}\" in patch \"{}\", at {place}: {error}", material.name.value, patch.name);
             let fault = builder
                 .error("E053", text, key(material, &error))
                 .with_help("formulas of materials are checked at the quadrature points of the patches that use them");
@@ -86,17 +110,15 @@ fn finite<const S: usize, const N: usize, const D: usize>(
     what: &str,
 ) -> Result<(), Box<Diagnostic>> {
     let f = &formula.value;
-    let steps = &builder.case.steps.value;
-    let times = if f.depends_on_time() { &steps[..] } else { &steps[..steps.len().min(1)] };
-    for &t in if times.is_empty() { &[1.0] } else { times } {
+    for &t in times(builder.case, f.depends_on_time()) {
         let value = |x: &Vector<N>| Some(f.value(&Point::new(x.as_slice()).at_time(t))).filter(|v| !v.is_finite());
         let found = match f.as_constant() {
             Some(_) => None,
             None => first_wrong(space, rules, &value),
         };
         if let Some((x, value)) = found {
-            let time = if f.depends_on_time() { format!(", t = {}", short(t)) } else { String::new() };
-            let text = format!("{what}: `{}` is not finite at {}{time} (found {value})", f.text(), place_text(&x));
+            let place = place_text(&x) + &time_text(f.depends_on_time(), t);
+            let text = format!("{what}: `{}` is not finite at {place} (found {value})", f.text());
             let help = "loads are integrated over the whole side or patch: give a formula that has a value at each of its points";
             return Err(Box::new(builder.error("E017", text, formula.at).with_help(help)));
         }

@@ -1,6 +1,5 @@
 //! The files of a run: which there are, and what is in them.
 
-use super::arguments::VtuCells;
 use crate::app::{Output, SideOutput};
 use crate::io::errors::{Diagnostic, Diagnostics};
 use crate::io::plot::{self, FieldPlot, SidePlot};
@@ -15,10 +14,26 @@ pub struct Named {
     pub bytes: Vec<u8>,
 }
 
+/// The names of the `.vtu` files of an output, without number and ending: the fields, then the sides.
+pub fn stems(output: &Output) -> Vec<String> {
+    let fields = (!output.parts.is_empty()).then(|| "fields".to_owned());
+    fields.into_iter().chain(output.sides.iter().map(|s| format!("interface_{}", s.name))).collect()
+}
+
+/// The contents of the `.vtu` files, in the order of [`stems`].
+pub fn vtus(output: &Output) -> impl Iterator<Item = Result<Vec<u8>, String>> {
+    let fields = (!output.parts.is_empty()).then(|| vtu::write(&output.parts).map_err(|e| e.to_string()));
+    fields.into_iter().chain(output.sides.iter().map(|s| vtu::write(std::slice::from_ref(&s.part)).map_err(|e| e.to_string())))
+}
+
+/// The name of a file of a step.
+pub fn numbered(stem: &str, number: usize) -> String {
+    format!("{stem}_{number:04}.vtu")
+}
+
 /// The files of fields and sides; what cannot be drawn is reported as a warning.
-pub fn of(output: &Output, cells: Option<VtuCells>, trouble: &mut Diagnostics) -> Vec<Named> {
+pub fn of(output: &Output, with_vtu: bool, trouble: &mut Diagnostics) -> Vec<Named> {
     let mut files = Vec::new();
-    let with_vtu = cells != Some(VtuCells::None);
     let mut add = |name: String, made: Result<Vec<u8>, String>| match made {
         Ok(bytes) => files.push(Named { name, bytes }),
         Err(why) => trouble.push(Diagnostic::warning("E091", format!("`{name}` was not written: {why}"))),

@@ -11,6 +11,7 @@ mod ended;
 mod explain;
 mod files;
 mod folder;
+mod history;
 mod manifest;
 mod new;
 mod panics;

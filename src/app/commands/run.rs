@@ -6,11 +6,13 @@ use super::clock::Clock;
 use super::ended::{Ended, failure, status};
 use super::files::{self, Named};
 use super::folder::{Folder, MANIFEST};
+use super::history;
 use super::manifest::Manifest;
 use super::streams::Streams;
 use super::summary;
-use crate::app::{Finished, Progress, Registry, RunOptions, RunResult, Watch};
+use crate::app::{Finished, Progress, Registry, RunOptions, RunResult, StepOutput, Watch};
 use crate::io::errors::{Diagnostic, Diagnostics};
+use crate::io::pvd;
 use crate::io::vtu::CellStyle;
 use std::ffi::OsString;
 
@@ -48,6 +50,48 @@ fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words:
     }))
 }
 
+/// What stderr says of a result.
+fn messages(result: &RunResult) -> Diagnostics {
+    Diagnostics { items: result.diagnostics.iter().chain(&result.warnings).cloned().collect() }
+}
+
+/// The fields of all steps: one file per step and stem, made one after the other, and a collection per stem.
+struct Steps {
+    outputs: Vec<StepOutput>,
+    stems: Vec<String>,
+}
+
+impl Steps {
+    /// The names of all files.
+    fn names(&self) -> impl Iterator<Item = String> {
+        let numbered = self.outputs.iter().flat_map(|s| self.stems.iter().map(|stem| files::numbered(stem, s.number)));
+        let collections = self.stems.iter().filter(|_| !self.outputs.is_empty()).map(|stem| format!("{stem}.pvd"));
+        numbered.chain(collections)
+    }
+
+    /// Writes all files; what cannot be drawn is a warning, and missing from its collection.
+    fn write(&self, folder: &Folder, warnings: &mut Vec<Diagnostic>) -> Result<(), Diagnostic> {
+        let mut written: Vec<Vec<(f64, String)>> = vec![Vec::new(); self.stems.len()];
+        for step in &self.outputs {
+            for (k, made) in files::vtus(&(step.make)()).enumerate() {
+                let name = files::numbered(&self.stems[k], step.number);
+                match made {
+                    Ok(bytes) => {
+                        folder.write(&name, &bytes)?;
+                        written[k].push((step.t, name));
+                    }
+                    Err(why) => warnings.push(Diagnostic::warning("E091", format!("`{name}` was not written: {why}"))),
+                }
+            }
+        }
+        for (stem, list) in self.stems.iter().zip(&written).filter(|_| !self.outputs.is_empty()) {
+            let text = pvd::collection(list.iter().map(|(t, name)| (*t, name.as_str())));
+            folder.write(&format!("{stem}.pvd"), text.as_bytes())?;
+        }
+        Ok(())
+    }
+}
+
 /// The words after the program's name.
 fn shown(words: &[OsString]) -> Vec<String> {
     words.iter().skip(1).map(|w| w.to_string_lossy().into_owned()).collect()
@@ -66,52 +110,64 @@ struct Job<'a> {
 
 impl Job<'_> {
     fn write(&self, finished: Finished) -> Ended {
-        let Finished { mut result, output } = finished;
-        let messages = |result: &RunResult| Diagnostics { items: result.diagnostics.iter().chain(&result.warnings).cloned().collect() };
+        let Finished { mut result, output, steps } = finished;
         // refused before anything began: no folder
         if result.exit == 3 || (matches!(result.exit, 4 | 6) && output.is_none() && result.solve.is_none()) {
             return Ended::refused(result.exit, messages(&result));
         }
         self.clock.hear(Progress::Phase("draw"));
         let mut trouble = Diagnostics::new();
-        let shown = output.map(|output| files::of(&output, self.vtu, &mut trouble)).unwrap_or_default();
+        let with_vtu = self.vtu != Some(VtuCells::None);
+        let stems = output.as_ref().map(files::stems).unwrap_or_default();
+        // steps have files of their own
+        let alone = with_vtu && !self.loaded.case.has_steps();
+        let mut shown = output.map(|output| files::of(&output, alone, &mut trouble)).unwrap_or_default();
+        if !result.steps.is_empty() {
+            shown.push(Named { name: "history.csv".to_owned(), bytes: history::csv(&result).into_bytes() });
+        }
+        let steps = Steps { outputs: if with_vtu { steps } else { Vec::new() }, stems };
         result.warnings.extend(trouble.items);
-        // drawing takes its time, too
-        crate::app::run::end_early(&mut result, self.watch);
-        let mut diagnostics = messages(&result);
+        match self.files(&mut result, &shown, &steps) {
+            Ok(document) => {
+                let summary = summary::of(&result, Some(&self.folder.path().display().to_string()));
+                Ended { exit: result.exit, summary, document, diagnostics: messages(&result), message: None }
+            }
+            Err(problem) => {
+                let mut diagnostics = messages(&result);
+                diagnostics.push(problem);
+                // 130 and 70 come before 4
+                let exit = if matches!(result.exit, 70 | 130) { result.exit } else { 4 };
+                let document = failure(status(exit), exit, diagnostics.to_json());
+                Ended { exit, document, diagnostics, ..Ended::default() }
+            }
+        }
+    }
 
+    /// Writes everything, `result.json` last; returns its text.
+    fn files(&self, result: &mut RunResult, shown: &[Named], steps: &Steps) -> Result<String, Diagnostic> {
+        let folder = self.folder;
         self.clock.hear(Progress::Phase("write"));
-        let mut names: Vec<String> = shown.iter().map(|f| f.name.clone()).collect();
+        folder.open()?;
+        let mut names: Vec<String> = shown.iter().map(|f| f.name.clone()).chain(steps.names()).collect();
         names.extend(["case.effective.toml", "log.txt", MANIFEST].map(str::to_owned));
         result.files = names.clone();
         names.push("result.json".to_owned());
-        let document = result.to_json();
-        if let Err(problem) = self.files(&shown, &names, &document, &diagnostics) {
-            diagnostics.push(problem);
-            // 130 and 70 come before 4
-            let exit = if matches!(result.exit, 70 | 130) { result.exit } else { 4 };
-            let document = failure(status(exit), exit, diagnostics.to_json());
-            return Ended { exit, document, diagnostics, ..Ended::default() };
-        }
-        let summary = summary::of(&result, Some(&self.folder.path().display().to_string()));
-        Ended { exit: result.exit, summary, document, diagnostics, message: None }
-    }
-
-    /// Writes everything, `result.json` last.
-    fn files(&self, shown: &[Named], names: &[String], document: &str, diagnostics: &Diagnostics) -> Result<(), Diagnostic> {
-        let folder = self.folder;
-        folder.open()?;
         // first of all: whatever stops this, the folder stays known as ours
-        folder.write(MANIFEST, self.manifest(names).as_bytes())?;
+        folder.write(MANIFEST, self.manifest(&names).as_bytes())?;
+        steps.write(folder, &mut result.warnings)?;
+        // drawing takes its time, too
+        crate::app::run::end_early(result, self.watch);
         for file in shown {
             folder.write(&file.name, &file.bytes)?;
         }
         folder.write("case.effective.toml", self.loaded.case.effective_toml().as_bytes())?;
         self.clock.hear(Progress::Phase("done"));
-        let log = format!("{}\n{}", self.clock.log(), diagnostics.render());
+        let log = format!("{}\n{}", self.clock.log(), messages(result).render());
         folder.write("log.txt", format!("{}\n", log.trim_end()).as_bytes())?;
-        folder.write(MANIFEST, self.manifest(names).as_bytes())?;
-        folder.write("result.json", document.as_bytes())
+        folder.write(MANIFEST, self.manifest(&names).as_bytes())?;
+        let document = result.to_json();
+        folder.write("result.json", document.as_bytes())?;
+        Ok(document)
     }
 
     fn manifest(&self, names: &[String]) -> String {

@@ -21,7 +21,7 @@ pub fn of(result: &RunResult, folder: Option<&str>) -> String {
         }
     }
     let numbers = if result.solved { vec![contacts(result), interfaces(result), errors(result)] } else { Vec::new() };
-    for table in numbers.into_iter().chain([probes(result), checks(result)]) {
+    for table in numbers.into_iter().chain([steps(result), probes(result), checks(result)]) {
         if !table.is_empty() {
             let _ = write!(text, "\n{table}");
         }
@@ -41,6 +41,28 @@ pub fn of_check(result: &RunResult) -> String {
     let u = &result.unknowns;
     let memory = result.predicted.map_or(String::new(), |p| format!("; about {} of memory", bytes(p.memory)));
     format!("{}: valid\n\n{table}\n{} unknowns, {} multipliers{memory}\n", result.case, u.primal, u.multipliers)
+}
+
+/// Steps shown; `history.csv` has all of them.
+const STEPS_SHOWN: usize = 20;
+
+/// The last steps: time, status, probes, and the force and active rows of every contact.
+fn steps(result: &RunResult) -> Table {
+    let mut head = vec!["t".to_owned(), "status".to_owned()];
+    head.extend(result.probes.iter().map(|p| p.name.clone()));
+    head.extend(result.contact.iter().flat_map(|(name, _)| [format!("{name}.force"), format!("{name}.active")]));
+    let mut table = Table::new(head);
+    for step in &result.steps[result.steps.len().saturating_sub(STEPS_SHOWN)..] {
+        let word = serde_json::to_value(step.status).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default();
+        let mut row = vec![short(step.t, 6), word];
+        row.extend(step.probes.iter().map(|p| short(p.value, 8)));
+        for (name, _) in result.contact.iter() {
+            let of = step.contact.get(name);
+            row.extend([of.map_or("-".to_owned(), |c| vector(&c.force)), of.map_or("-".to_owned(), |c| c.active.to_string())]);
+        }
+        table.row(row);
+    }
+    table
 }
 
 fn status(result: &RunResult) -> String {

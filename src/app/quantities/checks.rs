@@ -29,6 +29,20 @@ fn formulas(condition: &Condition) -> [Option<&Located<Formula>>; 3] {
     }
 }
 
+/// The answer from a state, where there is one.
+fn ask<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    state: Option<&StepState<S, N>>,
+    prepared: &Prepared<S, N>,
+    numbers: &Value,
+) -> Answer {
+    match (state, prepared) {
+        (Some(state), _) => evaluate(prepared, model, state, numbers),
+        (None, Prepared::Study) => Answer::Study,
+        (None, _) => Answer::None("nothing was solved".into()),
+    }
+}
+
 impl<const S: usize, const N: usize> Questions<S, N> {
     /// Understands every probe and check of `case`.
     ///
@@ -41,17 +55,17 @@ impl<const S: usize, const N: usize> Questions<S, N> {
         with_probes["probes"] = Value::Array(answered);
         let (of_probes, of_checks) = (Preparer::new(case, model, skeleton), Preparer::new(case, model, &with_probes));
         let mut faults = Diagnostics::new();
-        let ask = |preparer: &Preparer<'_, S, N>, faults: &mut Diagnostics, text: &Located<String>, both: bool| {
+        let understand = |preparer: &Preparer<'_, S, N>, faults: &mut Diagnostics, text: &Located<String>, both: bool| {
             preparer.prepare(&text.value, text.at, both).unwrap_or_else(|fault| {
                 faults.push(*fault);
                 Prepared::Study
             })
         };
-        let probes = case.probes.iter().map(|p| ask(&of_probes, &mut faults, &p.quantity, false)).collect();
+        let probes = case.probes.iter().map(|p| understand(&of_probes, &mut faults, &p.quantity, false)).collect();
         let mut checks = Vec::with_capacity(case.checks.len());
         for c in &case.checks {
             let before = faults.items.len();
-            let prepared = ask(&of_checks, &mut faults, &c.quantity, c.over_all.is_some());
+            let prepared = understand(&of_checks, &mut faults, &c.quantity, c.over_all.is_some());
             let field = matches!(prepared, Prepared::Over(_, _, Reduce::None));
             if let (Some(over), false, true) = (&c.over_all, field, faults.items.len() == before) {
                 let message = format!("`over` holds both extremes of a field to a check, `{}` is one number", c.quantity.value);
@@ -60,7 +74,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
             }
             checks.push(prepared);
         }
-        let mut take = |text: &Located<String>| ask(&of_checks, &mut faults, text, false);
+        let mut take = |text: &Located<String>| understand(&of_checks, &mut faults, text, false);
         let values = case
             .checks
             .iter()
@@ -79,22 +93,15 @@ impl<const S: usize, const N: usize> Questions<S, N> {
         if faults.has_errors() { Err(faults) } else { Ok(Self { probes, checks, values }) }
     }
 
-    /// Answers all probes and checks from a solved state into `result`; returns whether every check that was decided passed.
-    pub fn answer(&self, case: &Case, model: &Model<S, N>, state: Option<&StepState<S, N>>, result: &mut RunResult) -> bool {
+    /// Answers all probes from a state into `result`.
+    pub fn probes(&self, case: &Case, model: &Model<S, N>, state: Option<&StepState<S, N>>, result: &mut RunResult) {
         let value = result.numbers();
-        let ask = |prepared: &Prepared<S, N>, value: &_| match state {
-            Some(state) => evaluate(prepared, model, state, value),
-            None => match prepared {
-                Prepared::Study => Answer::Study,
-                _ => Answer::None("nothing was solved".into()),
-            },
-        };
         result.probes = case
             .probes
             .iter()
             .zip(&self.probes)
             .map(|(probe, prepared)| {
-                let (value, reason) = match ask(prepared, &value) {
+                let (value, reason) = match ask(model, state, prepared, &value) {
                     Answer::One(v) => (v, None),
                     Answer::Range(low, _) => (low, None),
                     Answer::None(reason) => (f64::NAN, Some(reason)),
@@ -103,6 +110,10 @@ impl<const S: usize, const N: usize> Questions<S, N> {
                 ProbeReport { name: probe.name.value.clone(), quantity: probe.quantity.value.clone(), value, reason }
             })
             .collect();
+    }
+
+    /// Answers all checks from a state into `result`; returns whether every check that was decided passed.
+    pub fn checks(&self, case: &Case, model: &Model<S, N>, state: Option<&StepState<S, N>>, result: &mut RunResult) -> bool {
         // probes are numbers of the result: checks may name them
         let value = result.numbers();
         let mut reports = Vec::with_capacity(case.checks.len());
@@ -112,7 +123,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
                 let Some(f) = f else { return Ok(0.0) };
                 let values: Result<Vec<f64>, String> = self.values[k][which]
                     .iter()
-                    .map(|p| match ask(p, &value) {
+                    .map(|p| match ask(model, state, p, &value) {
                         Answer::One(v) => Ok(v),
                         Answer::None(reason) => Err(reason),
                         _ => Err("a value of a check is one number".to_string()),
@@ -137,7 +148,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
                 skipped: false,
             };
             let elsewhere = check.backend.as_ref().filter(|b| model.patches.iter().any(|p| p.backend != b.value));
-            let answer = ask(&self.checks[k], &value);
+            let answer = ask(model, state, &self.checks[k], &value);
             if answer == Answer::Study || elsewhere.is_some() {
                 report.skipped = true;
                 report.ok = true;

@@ -91,11 +91,12 @@ pub fn evaluate<const S: usize, const N: usize>(
             let patch = &model.patches[spot.patch];
             let mut mean = PointState::<N> { x: crate::linalg::Vector::zeros(), u: [0.0; 3], stress: [0.0; 6] };
             let share = 1.0 / spot.elements.len() as f64;
+            let physics = patch.physics_at(state.t);
             for (e, xi) in &spot.elements {
                 let space = &**patch.body.space();
                 // displacements need no derivative
                 let xi = if matches!(field, FieldName::U(_)) { *xi } else { off_collapsed(space, *e, xi) };
-                let p = patch.physics.at(space, &patch.field, &state.u, *e, &[xi])[0];
+                let p = physics.at(space, &patch.field, &state.u, *e, &[xi])[0];
                 mean.u.iter_mut().zip(p.u).for_each(|(m, v)| *m += share * v);
                 mean.stress.iter_mut().zip(p.stress).for_each(|(m, v)| *m += share * v);
             }
@@ -105,11 +106,11 @@ pub fn evaluate<const S: usize, const N: usize>(
             let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
             let mut whole = true;
             for (_, p) in model.patches.iter().enumerate().filter(|(k, _)| patch.is_none_or(|p| p == *k)) {
-                let space = &**p.body.space();
+                let (space, physics) = (&**p.body.space(), p.physics_at(state.t));
                 let parts: Vec<(f64, f64, bool)> = (0..space.num_elements())
                     .into_par_iter()
                     .map(|e| {
-                        let points = p.physics.at(space, &p.field, &state.u, e, &p.rules.rule(e).points);
+                        let points = physics.at(space, &p.field, &state.u, e, &p.rules.rule(e).points);
                         points
                             .iter()
                             .map(|s| component(*field, s))

@@ -68,7 +68,7 @@ pub fn errors<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepS
     if let Some(exact) = &model.exact {
         let mut sum = Errors::default();
         for p in &model.patches {
-            sum = sum.hypot(p.physics.errors(&**p.body.space(), &p.rules, &state.u[p.range()], exact, state.t));
+            sum = sum.hypot(p.physics_at(state.t).errors(&**p.body.space(), &p.rules, &state.u[p.range()], exact, state.t));
         }
         add("error.u.L2".into(), sum.error.l2, sum.exact.l2);
         add("error.u.H1".into(), sum.error.h1, sum.exact.h1);
@@ -98,7 +98,7 @@ fn tie_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
     let mut sum = Squares::default();
     for part in &tie.parts {
         let rows = component_rows(part);
-        let physics = &model.patches[part.slave.patch].physics;
+        let physics = model.patches[part.slave.patch].physics_at(state.t);
         for pairing in &part.pairings {
             let s = &pairing.segments;
             each_piece(&part.slave, s, |piece, x, normals| {
@@ -137,7 +137,7 @@ fn contact_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &St
     for (part, built) in contact.parts.iter().zip(&state.contacts[number]) {
         let s = &built.segments;
         let lambda = &state.lambda[part.first_row..part.first_row + part.multiplier.num_functions()];
-        let physics = &model.patches[part.slave.patch].physics;
+        let physics = model.patches[part.slave.patch].physics_at(state.t);
         each_piece(&part.slave, s, |piece, x, normals| {
             let points = s.points(piece);
             let found = multiplier_at(&*part.multiplier, lambda, s.slave[piece], &s.slave_xi[points.clone()]);

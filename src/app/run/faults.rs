@@ -6,9 +6,11 @@ use crate::app::build::{self, Model, free_motions, sentences};
 use crate::app::result::{RunResult, Status};
 use crate::app::watch::Stop;
 use crate::constraint::SolveError;
+use crate::contact::{Contact, ContactError};
 use crate::io::case::Case;
 use crate::io::errors::Diagnostic;
 use crate::linalg::LinearError;
+use std::collections::HashSet;
 
 /// E081 for a prediction above the limit.
 pub fn memory_limit<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, prediction: &Prediction, limit: u64) -> Diagnostic {
@@ -41,6 +43,7 @@ pub fn step_fault<const S: usize, const N: usize>(
     case: &Case,
     model: &Model<S, N>,
     error: &StepError,
+    t: f64,
 ) -> (Status, &'static str, Diagnostic) {
     let contact = case.contacts.first().map(|c| c.active_set.max_iterations.at).unwrap_or_default();
     let at = |d: Diagnostic| d.at(&case.source, contact);
@@ -61,14 +64,15 @@ pub fn step_fault<const S: usize, const N: usize>(
             (Status::NotConverged, "iterations", at(Diagnostic::error("E071", text)).with_help("raise active_set.max_iterations"))
         }
         StepError::Solve(SolveError::RigidMotion { iteration, open, .. }) => {
-            let is_open = |k: usize, p: usize, q: usize| {
-                let part = &model.contacts[k].parts[p];
-                let piece = part.first.segments.start.partition_point(|&s| s <= q) - 1;
-                let mut ids = Vec::new();
-                part.multiplier.active(part.first.segments.slave[piece], &mut ids);
-                ids.iter().all(|j| open.contains(&(part.first_row + j)))
+            let at_time = |c: &build::ContactModel<S, N>| -> Vec<_> {
+                c.parts.iter().map(|p| c.at(model, p, t).unwrap_or_else(|_| p.first.clone())).collect()
             };
-            let free = free_motions(model, &|k, p, q| !is_open(k, p, q));
+            let contacts: Vec<Vec<_>> = model.contacts.iter().map(at_time).collect();
+            let contacts: Vec<Vec<_>> = contacts.iter().map(|c| c.iter().collect()).collect();
+            // a point counts as closed where an active function lives
+            let open: HashSet<usize> = open.iter().copied().collect();
+            let closed = closed_points(model, &contacts, &|row| !open.contains(&row));
+            let free = free_motions(model, &contacts, &|k, p, q| closed[k][p][q]);
             let bodies = sentences(model, &free);
             let who = if bodies.is_empty() { "a body lost its support".to_string() } else { bodies.join("; ") };
             let text = format!("rigid motion left: {who} (iteration {iteration} of the active set, {} contact rows open)", open.len());
@@ -78,6 +82,7 @@ pub fn step_fault<const S: usize, const N: usize>(
                 Diagnostic::error("E072", text).with_help("support the body beside its contacts, or press it on"),
             )
         }
+        StepError::Contact(ContactError::Gap { .. }) => (Status::NotFinite, "not-finite", Diagnostic::error("E073", error.to_string())),
         StepError::Solve(SolveError::Linear(LinearError::NotFinite)) => {
             let text = "a number in the system is not finite; a load or a material formula has no value somewhere on its body";
             (Status::NotFinite, "not-finite", Diagnostic::error("E073", text))
@@ -148,31 +153,32 @@ pub fn floating<const S: usize, const N: usize>(model: &Model<S, N>, state: &Ste
     if model.contacts.is_empty() {
         return None;
     }
-    let mut ids = Vec::new();
-    // a point counts as closed where an active function lives
-    let closed: Vec<Vec<Vec<bool>>> = model
-        .contacts
-        .iter()
-        .map(|c| {
-            c.parts
-                .iter()
-                .map(|p| {
-                    let s = &p.first.segments;
-                    let mut flags = vec![false; s.ds.len()];
-                    for piece in 0..s.num_pieces() {
-                        p.multiplier.active(s.slave[piece], &mut ids);
-                        let active = ids.iter().any(|j| state.active[p.first_row + j]);
-                        s.points(piece).for_each(|q| flags[q] = active);
-                    }
-                    flags
-                })
-                .collect()
-        })
-        .collect();
-    let free = free_motions(model, &|k, p, q| closed[k][p][q]);
+    let contacts: Vec<Vec<_>> = state.contacts.iter().map(|c| c.iter().collect()).collect();
+    let closed = closed_points(model, &contacts, &|row| state.active[row]);
+    let free = free_motions(model, &contacts, &|k, p, q| closed[k][p][q]);
     if free.is_empty() {
         return None;
     }
     let text = format!("rigid motion left: {}", sentences(model, &free).join("; "));
     Some(Diagnostic::error("E072", text).with_help("every contact that held it has opened"))
+}
+
+/// One flag per point of `contacts`: whether a function lives there whose row is closed.
+fn closed_points<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    contacts: &[Vec<&Contact<S, N>>],
+    closed: &dyn Fn(usize) -> bool,
+) -> Vec<Vec<Vec<bool>>> {
+    let mut ids = Vec::new();
+    let mut of_part = |p: &build::ContactPart<S, N>, contact: &Contact<S, N>| {
+        let s = &contact.segments;
+        let mut flags = vec![false; s.ds.len()];
+        for piece in 0..s.num_pieces() {
+            p.multiplier.active(s.slave[piece], &mut ids);
+            let any = ids.iter().any(|j| closed(p.first_row + j));
+            s.points(piece).for_each(|q| flags[q] = any);
+        }
+        flags
+    };
+    model.contacts.iter().zip(contacts).map(|(c, built)| c.parts.iter().zip(built).map(|(p, b)| of_part(p, b)).collect()).collect()
 }

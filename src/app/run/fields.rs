@@ -49,7 +49,7 @@ fn body(solved: &Arc<Plane>, k: usize, options: &RunOptions) -> Part<'static, 2,
         let solved = Arc::clone(solved);
         move |element: usize, xi: &[Vector<2>]| {
             let patch = &solved.model.patches[k];
-            patch.physics.at(&**patch.body.space(), &patch.field, &solved.state.u, element, xi)
+            patch.physics_at(solved.state.t).at(&**patch.body.space(), &patch.field, &solved.state.u, element, xi)
         }
     };
     let (values, stresses, equivalent) = (at(solved), at(solved), at(solved));

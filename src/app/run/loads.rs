@@ -41,7 +41,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     /// The force per volume of a patch at a point; false where there is none at all.
     fn volume_force(&self, patch: &PatchModel<S, N>, t: f64) -> Option<Box<dyn Fn(&Vector<N>, &mut [f64]) + Sync + '_>> {
         if let Some(exact) = &self.exact {
-            let physics = patch.physics.clone();
+            let physics = patch.physics_at(t);
             return Some(Box::new(move |x: &Vector<N>, out: &mut [f64]| physics.exact_source(exact, &place(x, t), x, out)));
         }
         if patch.source.is_empty() && patch.weight.is_none() {
@@ -82,6 +82,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         }
         for side_load in &self.loads {
             let (side, patch) = (&side_load.side, &self.patches[side_load.side.patch]);
+            let physics = patch.physics_at(t);
             let act = |x: &Vector<N>, n: &Vector<N>, out: &mut [f64]| {
                 out.fill(0.0);
                 match &side_load.action {
@@ -89,7 +90,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
                     Action::Exact(component) => {
                         let exact = self.exact.as_ref().expect("exact data were refused without an exact solution");
                         let mut traction = vec![0.0; out.len()];
-                        patch.physics.exact_traction(exact, &place(x, t), x, n, &mut traction);
+                        physics.exact_traction(exact, &place(x, t), x, n, &mut traction);
                         out[*component] = traction[*component];
                     }
                     Action::Pressure(p) => {
@@ -101,7 +102,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
                     Action::Force(component, f, area) => out[*component] = f.value(&place(x, t)) / area,
                 }
             };
-            patch.physics.side_load(&side.trace, &side.rules, &act, &mut load[patch.range()]);
+            physics.side_load(&side.trace, &side.rules, &act, &mut load[patch.range()]);
             let mut value = vec![0.0; c];
             over_side(side, |_, _, x, n, ds| {
                 act(x, n, &mut value);

@@ -14,7 +14,7 @@ mod solve;
 use faults::{floating, memory_limit, step_fault, stopped};
 
 use super::build::{self, MakeNet, Model, plane_net};
-use super::output::{Finished, RunOptions};
+use super::output::{Finished, RunOptions, StepOutput};
 use super::quantities::Questions;
 use super::registry::{Names, Registry, solver_name};
 use super::result::{RunResult, Status, StepReport};
@@ -28,15 +28,17 @@ use std::sync::Arc;
 pub use loads::Resultant;
 pub use predict::{Prediction, bytes, predict};
 pub use report::{HalfWidth, Zone, component_rows, multiplier_at};
-pub use solve::{StepError, StepState, Unsolved};
+pub use solve::{Solver, StepError, StepState, Stiffness, Unsolved};
 
 /// A model with its solution.
 #[derive(Debug)]
 pub struct Solved<const S: usize, const N: usize> {
     /// The model.
-    pub model: Model<S, N>,
-    /// The last step.
+    pub model: Arc<Model<S, N>>,
+    /// The state at the end of a step.
     pub state: StepState<S, N>,
+    /// The number of the step, from 1.
+    pub step: usize,
 }
 
 /// What belongs to a dimension.
@@ -81,14 +83,15 @@ impl Case {
 pub fn run(case: &Case, registry: &Registry, options: &RunOptions, watch: &Watch) -> Finished {
     match solve_case("run", case, registry, &plane(registry), watch) {
         Ok((mut result, solved)) => {
-            let output = solved.map(|solved| {
+            let output = solved.last().map(|last| {
                 watch.phase("fields");
-                fields::output(case, &Arc::new(solved), options)
+                fields::output(case, last, options)
             });
             end_early(&mut result, watch);
-            Finished { result, output }
+            let steps = if case.has_steps() { solved.into_iter().map(|s| step_output(case, s, *options)).collect() } else { Vec::new() };
+            Finished { result, output, steps }
         }
-        Err(faults) => Finished { result: refused("run", case, faults), output: None },
+        Err(faults) => Finished { result: refused("run", case, faults), output: None, steps: Vec::new() },
     }
 }
 
@@ -100,7 +103,7 @@ pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &Wa
         let mut result = report::skeleton("check", case, &model);
         Questions::of(case, &model, &result.numbers())?;
         result.solve = None;
-        let prediction = predict(&model);
+        let prediction = predict(&model, case.steps.value.len());
         if let Some(limit) = watch.max_memory.filter(|&limit| prediction.memory > limit) {
             return Err(memory_limit(case, &model, &prediction, limit).into());
         }
@@ -109,7 +112,13 @@ pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &Wa
         Ok(result)
     };
     let result = outcome().unwrap_or_else(|faults| refused("check", case, faults));
-    Finished { result, output: None }
+    Finished { result, output: None, steps: Vec::new() }
+}
+
+/// What there is to show of a step, made when it is written.
+fn step_output(case: &Case, solved: Arc<Solved<1, 2>>, options: RunOptions) -> StepOutput {
+    let (case, number, t) = (case.clone(), solved.step, solved.state.t);
+    StepOutput { number, t, make: Box::new(move || fields::output(&case, &solved, &options)) }
 }
 
 /// Marks a result that is good so far as ended early where `watch` says so; returns whether it did.
@@ -155,8 +164,8 @@ fn built<const S: usize, const N: usize>(
     build::build(case, dimension.names, dimension.net)
 }
 
-/// A result, and the solution where there is one.
-type Outcome<const S: usize, const N: usize> = (RunResult, Option<Solved<S, N>>);
+/// A result and its solutions: of all steps that have one, the last where the case has no steps.
+type Outcome<const S: usize, const N: usize> = (RunResult, Vec<Arc<Solved<S, N>>>);
 
 fn solve_case<const S: usize, const N: usize>(
     command: &str,
@@ -170,29 +179,34 @@ fn solve_case<const S: usize, const N: usize>(
     let mut result = report::skeleton(command, case, &model);
     let questions = Questions::of(case, &model, &result.numbers())?;
     if let Some(limit) = watch.max_memory {
-        let prediction = predict(&model);
+        let prediction = predict(&model, case.steps.value.len());
         if prediction.memory > limit {
             return Err(memory_limit(case, &model, &prediction, limit).into());
         }
     }
     if let Some(stop) = watch.stop() {
         stopped(&mut result, stop);
-        return Ok((result, None));
+        return Ok((result, Vec::new()));
     }
-    watch.phase("assemble");
-    let matrices = solve::stiffness(&model);
     let times = &case.steps.value;
-    let mut last: Option<StepState<S, N>> = None;
+    watch.phase("assemble");
+    let mut stiffness = Stiffness::new(&model, times.first().copied().unwrap_or(1.0));
+    let mut solver = Solver::new(registry, &case.solver.constraint.value).expect("the name was looked up before the model was built");
+    let (model, mut solved) = (Arc::new(model), Vec::<Arc<Solved<S, N>>>::new());
+    let mut finished = false;
     for (k, &t) in times.iter().enumerate() {
         if let Some(stop) = watch.stop() {
             stopped(&mut result, stop);
             break;
         }
-        if times.len() > 1 {
+        if case.has_steps() {
             watch.report(Progress::Step { step: k + 1, of: times.len() });
         }
+        watch.phase("assemble");
+        let matrices = stiffness.at(&model, t);
         watch.phase("solve");
-        let (state, failure) = match solve::step(&model, &matrices, registry, &case.solver.constraint.value, t, watch) {
+        let before = solved.last().map(|s| &s.state);
+        let (state, failure) = match solve::step(&model, matrices, &mut solver, t, before, watch) {
             Ok(state) => (Some(state), None),
             Err(unsolved) => (unsolved.last.map(|b| *b), Some(unsolved.error)),
         };
@@ -202,26 +216,30 @@ fn solve_case<const S: usize, const N: usize>(
             None => (Status::Ok, "converged", None),
             Some(_) if unfinished => (Status::Ok, "stopped", None),
             Some(error) => {
-                let (status, reason, fault) = step_fault(case, &model, error);
+                let (status, reason, fault) = step_fault(case, &model, error, t);
                 (status, reason, Some(fault))
             }
         };
+        let when = |d: Diagnostic| if case.has_steps() { at_step(d, k, t) } else { d };
         if let Some(state) = &state {
-            report::fill(&mut result, &model, state, &matrices, dimension.half_width, reason);
+            report::fill(&mut result, &model, state, matrices, dimension.half_width, reason);
+            result.t = case.has_steps().then_some(t);
             if status == Status::Ok && !state.u.iter().chain(&state.lambda).all(|v| v.is_finite()) {
                 (status, reason) = (Status::NotFinite, "not-finite");
-                result.diagnostics.push(Diagnostic::error("E073", "the solution is not finite"));
+                result.diagnostics.push(when(Diagnostic::error("E073", "the solution is not finite")));
             } else if let Some(left) = floating(&model, state).filter(|_| status == Status::Ok) {
                 (status, reason) = (Status::Singular, "singular");
-                result.diagnostics.push(left);
+                result.diagnostics.push(when(left));
             }
         }
         if let Some(solve) = &mut result.solve {
             solve.reason = reason.into();
         }
-        result.diagnostics.extend(fault);
-        let passed = questions.answer(case, &model, state.as_ref(), &mut result);
-        if status == Status::Ok && !passed {
+        result.diagnostics.extend(fault.map(when));
+        questions.probes(case, &model, state.as_ref(), &mut result);
+        // checks speak of the end: of the last step, or of the one that ended the run
+        finished = k + 1 == times.len();
+        if finished && !questions.checks(case, &model, state.as_ref(), &mut result) && status == Status::Ok {
             status = Status::CheckFailed;
         }
         result.status = status;
@@ -230,14 +248,27 @@ fn solve_case<const S: usize, const N: usize>(
             stopped(&mut result, stop);
             status = result.status;
         }
-        if times.len() > 1 {
+        if case.has_steps() {
             let contact = state.as_ref().map(|_| result.contact.clone()).unwrap_or_default();
             result.steps.push(StepReport { t, status, probes: result.probes.clone(), contact });
         }
-        last = state.or(last);
+        if let Some(state) = state {
+            if !case.has_steps() {
+                solved.clear();
+            }
+            solved.push(Arc::new(Solved { model: Arc::clone(&model), state, step: k + 1 }));
+        }
         if !matches!(status, Status::Ok | Status::CheckFailed) {
             break;
         }
     }
-    Ok((result, last.map(|state| Solved { model, state })))
+    if !finished {
+        questions.checks(case, &model, None, &mut result);
+    }
+    Ok((result, solved))
+}
+
+/// The same fault, with the step that it ended.
+fn at_step(fault: Diagnostic, step: usize, t: f64) -> Diagnostic {
+    Diagnostic { message: format!("step {}, t = {}: {}", step + 1, build::short(t), fault.message), ..fault }
 }

@@ -29,6 +29,8 @@ const BYTES_PER_UNKNOWN: f64 = 400.0;
 /// Bytes of the program itself.
 const PROGRAM: f64 = 2e7;
 
+/// Bytes per unknown of a step that is kept: the solution and what supports do.
+const BYTES_PER_STATE: f64 = 16.0;
 /// Bytes per element for quadrature, connectivity and bounds.
 const BYTES_PER_ELEMENT: f64 = 100.0;
 
@@ -95,8 +97,8 @@ fn fill(unknowns: f64, degree: usize, width: f64, components: usize, dimension: 
     inside + if dimension == 3 { separators * unknowns.powf(1.0 / 3.0) / 4.0 } else { separators }
 }
 
-/// Predicts the need of `model`.
-pub fn predict<const S: usize, const N: usize>(model: &Model<S, N>) -> Prediction {
+/// Predicts the need of `model` in a number of steps, whose states are kept for the files.
+pub fn predict<const S: usize, const N: usize>(model: &Model<S, N>, steps: usize) -> Prediction {
     let mut all = Need { unknowns: model.rows as f64, ..Need::default() };
     for patch in &model.patches {
         let space = patch.body.space();
@@ -111,7 +113,10 @@ pub fn predict<const S: usize, const N: usize>(model: &Model<S, N>) -> Predictio
         let factor = unknowns * fill(unknowns, p, width, components, N);
         all = all.and(&Need { unknowns, elements, entries: unknowns * row, factor });
     }
-    all.prediction()
+    let mut prediction = all.prediction();
+    let kept = BYTES_PER_STATE * (model.unknowns + model.rows) as f64 * steps.saturating_sub(1) as f64;
+    prediction.memory = (prediction.memory as f64 + kept) as u64;
+    prediction
 }
 
 /// Bytes in words.

@@ -3,7 +3,7 @@
 use super::integrate::on_trace;
 use super::loads::Resultant;
 use crate::app::build::{ContactModel, Model};
-use crate::app::registry::{Registry, solver_name};
+use crate::app::registry::{Registry, UnknownName, solver_name};
 use crate::app::watch::{Progress, Watch};
 use crate::assembly::{DirichletError, Reduced, ReductionError};
 use crate::constraint::{ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, scale::row_scales};
@@ -11,8 +11,10 @@ use crate::contact::{Contact, ContactError};
 use crate::coupling::Rows;
 use crate::io::case::Start;
 use crate::io::formula::Point;
-use crate::linalg::{Csr, LinearError, Triplets};
+use crate::linalg::{Csr, Triplets, Vector};
 
+/// Sign case of rows without one: ties, and contact rows that face nothing.
+const NO_CONTACT: u8 = 9;
 /// Forces and gaps below this share of their scale count as zero: among the sign cases, and where a start looks at gaps.
 const ZERO: f64 = 1e-12;
 
@@ -63,20 +65,46 @@ pub enum StepError {
     Solve(#[from] SolveError),
 }
 
-/// The stiffness of every body, springs included.
-pub fn stiffness<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<Csr> {
-    let mut matrices: Vec<Csr> = model.patches.iter().map(|p| p.physics.stiffness(&**p.body.space(), &p.rules)).collect();
-    for spring in &model.springs {
-        let k = |x: &crate::linalg::Vector<N>| spring.stiffness.value(&Point::new(x.as_slice()));
-        model.patches[spring.side.patch].physics.springs(
-            &spring.side.trace,
-            &spring.side.rules,
-            spring.component,
-            &k,
-            &mut matrices[spring.side.patch],
-        );
+/// The stiffness of every body at a time, springs included.
+#[derive(Clone, Debug)]
+pub struct Stiffness {
+    matrices: Vec<Csr>,
+    changes: Vec<bool>,
+    t: f64,
+}
+
+impl Stiffness {
+    /// Assembles all bodies at time `t`.
+    pub fn new<const S: usize, const N: usize>(model: &Model<S, N>, t: f64) -> Self {
+        let springs = |k: usize| model.springs.iter().any(|s| s.side.patch == k && s.stiffness.depends_on_time());
+        Self {
+            matrices: (0..model.patches.len()).map(|k| assembled(model, k, t)).collect(),
+            changes: (0..model.patches.len()).map(|k| model.patches[k].changing.is_some() || springs(k)).collect(),
+            t,
+        }
     }
-    matrices
+
+    /// The matrices at time `t`: bodies whose material and springs do not change keep theirs.
+    pub fn at<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, t: f64) -> &[Csr] {
+        if t != self.t {
+            for k in (0..self.matrices.len()).filter(|&k| self.changes[k]) {
+                self.matrices[k] = assembled(model, k, t);
+            }
+            self.t = t;
+        }
+        &self.matrices
+    }
+}
+
+/// The stiffness of body `k` at time `t`.
+fn assembled<const S: usize, const N: usize>(model: &Model<S, N>, k: usize, t: f64) -> Csr {
+    let (patch, physics) = (&model.patches[k], model.patches[k].physics_at(t));
+    let mut matrix = physics.stiffness(&**patch.body.space(), &patch.rules);
+    for spring in model.springs.iter().filter(|s| s.side.patch == k) {
+        let value = |x: &Vector<N>| spring.stiffness.value(&Point::new(x.as_slice()).at_time(t));
+        physics.springs(&spring.side.trace, &spring.side.rules, spring.component, &value, &mut matrix);
+    }
+    matrix
 }
 
 /// C, B, g and kinds of all rows in all unknowns.
@@ -99,7 +127,8 @@ fn append(sum: &mut Rows, part: &Rows, first: usize) {
 }
 
 impl<const S: usize, const N: usize> System<S, N> {
-    fn of(model: &Model<S, N>, t: f64) -> Result<Self, StepError> {
+    /// `before`: the step whose active rows are the first guess.
+    fn of(model: &Model<S, N>, t: f64, before: Option<&StepState<S, N>>) -> Result<Self, StepError> {
         let m = model.rows;
         let mut rows = empty(m, model.unknowns);
         let (mut reaction, mut differs) = (empty(m, model.unknowns), false);
@@ -119,7 +148,10 @@ impl<const S: usize, const N: usize> System<S, N> {
                 for (j, (&g, k)) in built.offset.iter().zip(built.kinds()).enumerate() {
                     offset[part.first_row + j] = g;
                     kind[part.first_row + j] = k;
-                    start[part.first_row + j] = starts_active(model, contact, &built, j, part.first_row);
+                    let row = part.first_row + j;
+                    // rows that faced nothing say nothing
+                    let known = before.filter(|b| b.sign_case[row] != NO_CONTACT);
+                    start[row] = known.map_or_else(|| starts_active(model, contact, &built, j, part.first_row), |b| b.active[row]);
                 }
                 parts.push(built);
             }
@@ -166,16 +198,52 @@ impl<const S: usize, const N: usize, E: Into<StepError>> From<E> for Unsolved<S,
     }
 }
 
-/// Solves the model at time `t` with the matrices of its bodies.
+/// The constraint solver of a run: what it learnt from a step serves the next ones.
+#[derive(Debug)]
+pub struct Solver(ActiveSet<Box<dyn ConstraintSolver>>);
+
+impl Solver {
+    /// The solver of this name.
+    ///
+    /// # Errors
+    /// [`UnknownName`] where the registry has none.
+    pub fn new(registry: &Registry, constraint: &str) -> Result<Self, UnknownName> {
+        let make = registry.solvers.get(solver_name(constraint))?;
+        Ok(Self(ActiveSet::new(make())))
+    }
+}
+
+/// Solves the model at time `t` with the matrices of its bodies at that time.
+///
+/// The active set starts as it ended in `before`. Where that leads nowhere it starts again as the case says: a set that holds a
+/// body in one step may leave it free in the next.
 ///
 /// # Errors
 /// [`Unsolved`], with the last state of an active set that did not settle or that `watch` stopped.
 pub fn step<const S: usize, const N: usize>(
     model: &Model<S, N>,
     matrices: &[Csr],
-    registry: &Registry,
-    constraint: &str,
+    solver: &mut Solver,
     t: f64,
+    before: Option<&StepState<S, N>>,
+    watch: &Watch,
+) -> Result<StepState<S, N>, Unsolved<S, N>> {
+    let before = before.filter(|_| !model.contacts.is_empty());
+    let solved = once(model, matrices, solver, t, before, watch);
+    match &solved {
+        Err(Unsolved { error: StepError::Solve(e), .. }) if before.is_some() && !matches!(e, SolveError::Stopped { .. }) => {
+            once(model, matrices, solver, t, None, watch)
+        }
+        _ => solved,
+    }
+}
+
+fn once<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    matrices: &[Csr],
+    solver: &mut Solver,
+    t: f64,
+    before: Option<&StepState<S, N>>,
     watch: &Watch,
 ) -> Result<StepState<S, N>, Unsolved<S, N>> {
     let goes_on = || match watch.stop() {
@@ -185,7 +253,7 @@ pub fn step<const S: usize, const N: usize>(
     let matrices: Vec<&Csr> = matrices.iter().collect();
     let prescribed = model.prescribed(t).map_err(|e| Unsolved::<S, N>::from(e.0))?;
     let (load, total) = model.loads(t);
-    let system = System::of(model, t)?;
+    let system = System::of(model, t, before)?;
     let reduced = Reduced::try_new(&matrices, &load, &prescribed, &model.all_equations())?;
     let (slave, shift) = reduced.rows(&system.rows.slave);
     let (master, shift_master) = reduced.rows(&system.rows.master);
@@ -201,16 +269,16 @@ pub fn step<const S: usize, const N: usize>(
         kind: &system.kind,
         compliance: &[],
     };
-    let make = registry.solvers.get(solver_name(constraint)).map_err(|e| SolveError::Linear(no_solver(&e)))?;
     goes_on()?;
     let has_contact = system.kind.iter().any(|k| *k != RowKind::Equal);
     let solved = if reduced.num_free() == 0 && model.rows == 0 {
         Ok(ConstrainedSolution { method: "nothing to solve".into(), ..ConstrainedSolution::default() })
     } else if has_contact {
-        let mut solver = ActiveSet::new(make()).starting_from(system.start.clone());
-        solver.max_iterations = model.max_iterations;
-        solver.c = model.c;
-        solver.solve_watched(&constrained, &mut |news| {
+        let active_set = &mut solver.0;
+        active_set.start.clone_from(&system.start);
+        active_set.max_iterations = model.max_iterations;
+        active_set.c = model.c;
+        active_set.solve_watched(&constrained, &mut |news| {
             if watch.stop().is_some() {
                 return false;
             }
@@ -218,7 +286,7 @@ pub fn step<const S: usize, const N: usize>(
             true
         })
     } else {
-        make().solve(&constrained)
+        solver.0.inner.solve(&constrained)
     };
     let finish = |solution: ConstrainedSolution| {
         let sign_case = sign_cases(&constrained, &system, &solution);
@@ -238,11 +306,6 @@ pub fn step<const S: usize, const N: usize>(
     }
 }
 
-/// A name that the reader lets pass and no entry has cannot occur in a run; it ends as a system without a solver.
-fn no_solver(_: &crate::app::registry::UnknownName) -> LinearError {
-    LinearError::NoMatrix
-}
-
 /// lambda <0, =0, >0 by gap =0, >0, <0, both as forces, zero within 1e-12 of the largest.
 fn sign_cases<const S: usize, const N: usize>(
     system: &ConstrainedSystem<'_>,
@@ -251,7 +314,7 @@ fn sign_cases<const S: usize, const N: usize>(
 ) -> Vec<u8> {
     let m = system.offset.len();
     if solution.gap.len() != m {
-        return vec![9; m];
+        return vec![NO_CONTACT; m];
     }
     let scales = row_scales(&system.stiffness.diagonal(), system.constraint, m);
     let per_length = |j: usize| if scales.weight[j] > 0.0 { scales.stiffness[j] / scales.weight[j] } else { 1.0 };
@@ -264,7 +327,7 @@ fn sign_cases<const S: usize, const N: usize>(
     (0..m)
         .map(|j| {
             if !contact(&j) {
-                return 9;
+                return NO_CONTACT;
             }
             let zero = ZERO * largest.max(system.offset[j].abs() * per_length(j));
             let column = |x: f64, below: u8, above: u8, at: u8| {
@@ -302,7 +365,7 @@ fn finished<const S: usize, const N: usize>(
         super::integrate::over_side(&spring.side, |e, xi, x, _, ds| {
             let value = on_trace(&spring.side.trace, field, &u, e, &[*xi])[0];
             let mut force = [0.0; 3];
-            force[spring.component] = -spring.stiffness.value(&Point::new(x.as_slice())) * value[spring.component];
+            force[spring.component] = -spring.stiffness.value(&Point::new(x.as_slice()).at_time(t)) * value[spring.component];
             total.add(x, &force, ds);
         });
     }

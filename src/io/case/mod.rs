@@ -120,6 +120,11 @@ impl Case {
         self.model.components()
     }
 
+    /// Whether the case has `[steps]`; without it there is one step at t = 1.
+    pub fn has_steps(&self) -> bool {
+        self.steps.at != Place::NONE
+    }
+
     /// The position of a patch by its name.
     pub fn patch_index(&self, name: &str) -> Option<usize> {
         self.patches.iter().position(|p| p.name.value == name)

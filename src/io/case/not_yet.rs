@@ -50,9 +50,6 @@ impl Reader {
         for c in &case.contacts {
             self.later_contact(c);
         }
-        if case.steps.at.line > 0 || case.steps.value != [1.0] {
-            self.later(case.steps.at, "[steps]", "without it one step at t = 1 is solved");
-        }
         let s = &case.solver;
         if CONSTRAINTS.contains(&s.constraint.value.as_str()) {
             self.later(
