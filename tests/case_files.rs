@@ -568,7 +568,7 @@ fn e019_known_but_not_in_this_version() {
         .replace("[1, 1]", "[1, 1, 1]")
         .replace("[4, 2]", "[4, 4, 2]")
         .replace("[3, 2]", "[3, 3, 2]");
-    fails(&volume, "E019", "`dimension = 3` is not in this version", "3\n\n[[material]]");
+    fails(&volume, "E019", "interfaces between surfaces are not in this version", "[[contact]]");
 }
 
 #[test]

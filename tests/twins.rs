@@ -5,9 +5,10 @@
 #![cfg(feature = "cli")]
 
 use faying::app::run::run;
-use faying::app::{Finished, Registry, RunOptions, Status, Watch};
+use faying::app::{Finished, Parts, Registry, RunOptions, Status, Watch};
 use faying::io::Case;
 use faying::io::case::ReadOptions;
+use faying::io::vtu::Part;
 use faying::linalg::Vector;
 
 /// The two discretisations of one space.
@@ -23,14 +24,16 @@ fn solve(text: &str) -> Finished {
 
 /// Values of the first field (u or displacement) at points inside every element, patch after patch.
 fn values(finished: &Finished) -> Vec<f64> {
-    let xi: Vec<Vector<2>> = [[0.1, 0.2], [0.5, 0.5], [0.9, 0.3], [0.35, 0.85]].map(Vector::from).to_vec();
-    let mut all = Vec::new();
-    for part in &finished.output.as_ref().expect("a solved case has fields").parts {
-        for e in 0..part.space.num_elements() {
-            all.extend((part.fields[0].sample)(e, &xi));
-        }
+    fn of<const N: usize>(parts: &[Part<'_, N, N>]) -> Vec<f64> {
+        const INSIDE: [[f64; 3]; 4] = [[0.1, 0.2, 0.6], [0.5, 0.5, 0.5], [0.9, 0.3, 0.2], [0.35, 0.85, 0.9]];
+        let xi: Vec<Vector<N>> = INSIDE.map(|x| Vector::from_fn(|k, _| x[k])).to_vec();
+        parts.iter().flat_map(|part| (0..part.space.num_elements()).flat_map(|e| (part.fields[0].sample)(e, &xi))).collect()
     }
-    all
+    match &finished.output.as_ref().expect("a solved case has fields").parts {
+        Parts::Plane(parts) => of(parts),
+        Parts::Volume(parts) => of(parts),
+        other => panic!("no values of {other:?}"),
+    }
 }
 
 /// Largest difference relative to the largest value.
@@ -87,6 +90,33 @@ fn one_body_has_the_same_solution_on_both_backends() {
         }
     }
     assert_eq!(pairs, 24);
+}
+
+#[test]
+fn one_solid_has_the_same_solution_on_both_backends() {
+    let mut pairs = 0;
+    for p in 1..=3 {
+        for (name, geometry, elements) in [
+            ("box", "{ kind = \"box\", min = [0, 0, 0], max = [1, 0.6, 0.8] }", "[3, 2, 2]"),
+            ("ring", "{ kind = \"annulus-sector\", radius = [1, 2], angle_deg = [10, 100], extrude = 0.7 }", "[4, 2, 2]"),
+            ("shell", "{ kind = \"sphere-octant\", radius = [1, 2] }", "[2, 2, 2]"),
+        ] {
+            for (physics, material, exact) in [
+                ("poisson", "conductivity = \"1 + 0.2*x*z\"", "\"sin(x + 2*y - z)\""),
+                ("elasticity", "young = 3.0\npoisson = 0.3", "[\"sin(x + 2*y)\", \"x*cos(z)\", \"y*z\"]"),
+            ] {
+                let text = format!(
+                    "[model]\nphysics = \"{physics}\"\ndimension = 3\nexact = {{ u = {exact} }}\n[discretization]\ndegree = {p}\nDISC\n\
+                     [[material]]\nname = \"m\"\n{material}\n[[patch]]\nname = \"b\"\ngeometry = {geometry}\nelements = {elements}\n\
+                     [[boundary]]\non = [\"b.u0\", \"b.u1\", \"b.w1\"]\ndirichlet = \"exact\"\n\
+                     [[boundary]]\non = [\"b.v0\", \"b.w0\"]\nneumann = \"exact\"\n"
+                );
+                compare(&format!("{name} p={p} {physics}"), &text, 1e-10);
+                pairs += 1;
+            }
+        }
+    }
+    assert_eq!(pairs, 18);
 }
 
 #[test]

@@ -14,7 +14,7 @@ pub mod watch;
 
 pub use commands::main;
 pub use named::Named;
-pub use output::{Finished, Output, Picture, RunOptions, SideOutput, StepOutput};
+pub use output::{Finished, Output, Parts, Picture, RunOptions, SideOutput, StepOutput};
 pub use registry::{Family, Fault, Names, Registry, UnknownName};
 pub use result::{RunResult, Status};
 pub use watch::{Progress, Stop, Watch};

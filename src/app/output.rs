@@ -1,8 +1,9 @@
 //! What a run hands to the files beside its numbers: bodies with fields, sides with multipliers.
 
 use crate::app::RunResult;
+use crate::io::plot::{self, FieldPlot, PlotError};
 use crate::io::table::InterfaceRow;
-use crate::io::vtu::{CellStyle, Part};
+use crate::io::vtu::{self, CellStyle, Part, VtuError};
 use crate::linalg::Vector;
 
 /// What decides about a run beside its case.
@@ -48,13 +49,68 @@ impl std::fmt::Debug for StepOutput {
 pub struct Output {
     /// Heading of the pictures: the case's title, else its name.
     pub title: String,
-    /// One part per patch, in the order of the case: `u` (1) or `displacement` (2), `stress` (6), `von_mises` (1).
-    /// The first is added by [`Part::with_exact`], the others by [`Part::with`].
-    pub parts: Vec<Part<'static, 2, 2>>,
+    /// The bodies.
+    pub parts: Parts,
     /// The field of the picture; none: no picture.
     pub picture: Option<Picture>,
     /// Interfaces and contacts, in the order of the case.
     pub sides: Vec<SideOutput>,
+}
+
+/// One part per patch, in the order of the case: `u` (1) or `displacement` (N), `stress` (6), `von_mises` (1).
+///
+/// The first is added by [`Part::with_exact`], the others by [`Part::with`].
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Parts {
+    /// Bodies in the plane.
+    Plane(Vec<Part<'static, 2, 2>>),
+    /// Bodies in space.
+    Volume(Vec<Part<'static, 3, 3>>),
+}
+
+impl Default for Parts {
+    /// No bodies.
+    fn default() -> Self {
+        Self::Plane(Vec::new())
+    }
+}
+
+impl Parts {
+    /// Number of bodies.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Plane(parts) => parts.len(),
+            Self::Volume(parts) => parts.len(),
+        }
+    }
+
+    /// Whether there is no body.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The bodies as `fields.vtu`.
+    ///
+    /// # Errors
+    /// As [`vtu::write`].
+    pub fn vtu(&self) -> Result<Vec<u8>, VtuError> {
+        match self {
+            Self::Plane(parts) => vtu::write(parts),
+            Self::Volume(parts) => vtu::write(parts),
+        }
+    }
+
+    /// The bodies as `fields.svg`: plane bodies as they are, solids by their surface.
+    ///
+    /// # Errors
+    /// As [`plot::fields`] and [`plot::solids`].
+    pub fn svg(&self, plot: &FieldPlot<'_>) -> Result<String, PlotError> {
+        match self {
+            Self::Plane(parts) => plot::fields(plot, parts),
+            Self::Volume(parts) => plot::solids(plot, parts),
+        }
+    }
 }
 
 /// Which field `fields.svg` shows.

@@ -130,6 +130,16 @@ impl<const S: usize, const N: usize> Debug for Polynomials<S, N> {
 }
 
 impl<const S: usize, const N: usize> Names<S, N> {
+    /// The built-in backends, and no other names.
+    fn bodies() -> Self {
+        let mut names = Self::empty();
+        names
+            .backends
+            .add("iga", Box::new(|spec| Ok(Box::new(Patch::<S, N>::try_new(spec).map_err(|e| super::build::patch_fault(&e))?))))
+            .add("fe", Box::new(|spec| Ok(Box::new(Mesh::<S, N>::from_patch(spec).map_err(|e| super::build::patch_fault(&e))?))));
+        names
+    }
+
     /// No names at all.
     pub fn empty() -> Self {
         Self {
@@ -185,11 +195,7 @@ const HIGHEST_PAIRING: usize = 12;
 impl Names<1, 2> {
     /// The built-in names of the plane.
     pub fn plane() -> Self {
-        let mut names = Self::empty();
-        names
-            .backends
-            .add("iga", Box::new(|spec| Ok(Box::new(Patch::<1, 2>::try_new(spec).map_err(|e| super::build::patch_fault(&e))?))))
-            .add("fe", Box::new(|spec| Ok(Box::new(Mesh::<1, 2>::from_patch(spec).map_err(|e| super::build::patch_fault(&e))?))));
+        let mut names = Self::bodies();
         let mut kinds = vec![MultiplierKind::Auto, MultiplierKind::Constant];
         kinds.extend((0..=HIGHEST_PAIRING).map(MultiplierKind::Lowered));
         for kind in kinds {
@@ -202,6 +208,13 @@ impl Names<1, 2> {
             .add("merged", Box::new(|points, partners| Box::new(MergedCurve { points, partners })))
             .add("slave", Box::new(|points, partners| Box::new(SlaveRule { points, partners })));
         names
+    }
+}
+
+impl Names<2, 3> {
+    /// The built-in names of space: bodies; couplings of surfaces are not in this version.
+    pub fn volume() -> Self {
+        Self::bodies()
     }
 }
 
@@ -229,8 +242,10 @@ fn curve_multiplier<const N: usize>(
 /// All names a case file may use.
 #[derive(Debug)]
 pub struct Registry {
-    /// Bodies in the plane.
+    /// Names of cases in the plane.
     pub plane: Names<1, 2>,
+    /// Names of cases in space.
+    pub volume: Names<2, 3>,
     /// Solvers of constrained systems.
     pub solvers: Family<MakeSolver>,
 }
@@ -240,9 +255,15 @@ impl Registry {
     /// [`ReadOptions::names`](crate::io::case::ReadOptions::names).
     pub fn case_names(&self) -> case::Names {
         let mut names = case::Names::default();
-        case::Names::add(&mut names.backends, self.plane.backends.names());
-        case::Names::add(&mut names.couplings, self.plane.couplings.names());
-        case::Names::add(&mut names.multipliers, self.plane.multipliers.names());
+        for backends in [self.plane.backends.names(), self.volume.backends.names()] {
+            case::Names::add(&mut names.backends, backends);
+        }
+        for couplings in [self.plane.couplings.names(), self.volume.couplings.names()] {
+            case::Names::add(&mut names.couplings, couplings);
+        }
+        for multipliers in [self.plane.multipliers.names(), self.volume.multipliers.names()] {
+            case::Names::add(&mut names.multipliers, multipliers);
+        }
         case::Names::add(&mut names.constraints, self.solvers.names());
         names
     }
@@ -253,6 +274,6 @@ impl Default for Registry {
     fn default() -> Self {
         let mut solvers: Family<MakeSolver> = Family::new("constraint solver");
         solvers.add("saddle-point", Box::new(|| Box::new(Direct::new()))).add("condensed", Box::new(|| Box::new(Condensed::new())));
-        Self { plane: Names::plane(), solvers }
+        Self { plane: Names::plane(), volume: Names::volume(), solvers }
     }
 }

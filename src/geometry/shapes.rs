@@ -138,14 +138,8 @@ fn ruled(axis: BSpline<f64>, rows: [Vec<Vector<2>>; 2], weights: &[f64]) -> Resu
     Ok(ControlNet::try_new([axis, straight()], points, Some([weights, weights].concat()))?)
 }
 
-/// A ring sector; u runs along the angle from `angle_deg[0]` to `angle_deg[1]`, v from `radius[0]` to `radius[1]`.
-///
-/// The angle may fall and the radii may come in either order; the patch is then left-handed.
-/// # Errors
-/// [`ShapeError`] for numbers that are not finite, radii that are not positive or equal, and a sector of 0 or more than
-/// 360 degrees.
-pub fn annulus_sector(center: [f64; 2], radius: [f64; 2], angle_deg: [f64; 2]) -> Result<ControlNet<2, 2>, ShapeError> {
-    finite("center", &center)?;
+/// Two radii of a ring or a shell: positive, and not the same.
+fn check_radii(radius: [f64; 2]) -> Result<(), ShapeError> {
     finite("radius", &radius)?;
     for r in radius {
         if r <= 0.0 {
@@ -155,6 +149,18 @@ pub fn annulus_sector(center: [f64; 2], radius: [f64; 2], angle_deg: [f64; 2]) -
     if radius[0] == radius[1] {
         return Err(ShapeError::Radius { name: "radius", value: radius[1], allowed: "the two radii must differ" });
     }
+    Ok(())
+}
+
+/// A ring sector; u runs along the angle from `angle_deg[0]` to `angle_deg[1]`, v from `radius[0]` to `radius[1]`.
+///
+/// The angle may fall and the radii may come in either order; the patch is then left-handed.
+/// # Errors
+/// [`ShapeError`] for numbers that are not finite, radii that are not positive or equal, and a sector of 0 or more than
+/// 360 degrees.
+pub fn annulus_sector(center: [f64; 2], radius: [f64; 2], angle_deg: [f64; 2]) -> Result<ControlNet<2, 2>, ShapeError> {
+    finite("center", &center)?;
+    check_radii(radius)?;
     let (axis, unit, weights) = arc(angle_deg[0], angle_deg[1], spans_of(angle_deg)?);
     let c = Vector::<2>::from(center);
     let row = |r: f64| unit.iter().map(|p| c + p * r).collect();
@@ -198,4 +204,31 @@ pub fn plate_with_hole(radius: f64, half_width: f64) -> Result<ControlNet<2, 2>,
     // a rational span with symmetric weights and a middle point in the middle is straight
     let edge = [[l, 0.0], [l, 0.5 * l], [l, l], [0.5 * l, l], [0.0, l]].map(Vector::<2>::from).to_vec();
     ruled(axis, [hole, edge], &weights)
+}
+
+/// An eighth of a spherical shell, the first octant about `center`; u runs along the longitude from the x axis to the y
+/// axis, v along the latitude from the equator to the pole, w from `radius[0]` to `radius[1]`.
+///
+///   `x = center + r (cos v cos u, cos v sin u, sin v)`,  u, v from 0 to 90 degrees
+///
+/// The pole is a collapsed face: v1 is the line from (0, 0, r0) to (0, 0, r1) and no side. With r0 < r1 the patch is
+/// right-handed.
+/// # Errors
+/// [`ShapeError`] for numbers that are not finite, and radii that are not positive or equal.
+pub fn sphere_octant(center: [f64; 3], radius: [f64; 2]) -> Result<ControlNet<3, 3>, ShapeError> {
+    finite("center", &center)?;
+    check_radii(radius)?;
+    let (axis, unit, weights) = arc(0.0, 90.0, 1);
+    let c = Vector::<3>::from(center);
+    let (mut points, mut all) = (Vec::new(), Vec::new());
+    for r in radius {
+        // the meridian (cos v, sin v) turned about the z axis: coefficients and weights are products of both arcs'
+        for (meridian, wv) in unit.iter().zip(&weights) {
+            for (parallel, wu) in unit.iter().zip(&weights) {
+                points.push(c + Vector::<3>::new(meridian[0] * parallel[0], meridian[0] * parallel[1], meridian[1]) * r);
+                all.push(wu * wv);
+            }
+        }
+    }
+    Ok(ControlNet::try_new([axis.clone(), axis, straight()], points, Some(all))?)
 }

@@ -17,6 +17,7 @@ mod sides;
 mod supports;
 mod ties;
 mod values;
+mod volume;
 
 use super::registry::Names;
 use crate::geometry::ControlNet;
@@ -34,6 +35,7 @@ pub use model::{
 pub use patches::patch_fault;
 pub use physics::{Physics, PlaceFn, PointState, SideFn};
 pub use plane::plane_net;
+pub use volume::volume_net;
 pub use rigid::{FreeBody, RigidModes, RigidRow};
 pub(crate) use sides::canonical as canonical_side;
 pub use supports::free_motions;

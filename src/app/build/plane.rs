@@ -17,33 +17,48 @@ fn code(error: &NetError) -> &'static str {
     }
 }
 
-/// The net of a plane shape with its transformations; an error is a code and a sentence.
-///
-/// # Errors
-/// E015 for numbers out of range, E019 for shapes that are not in this version, E031 to E034 for nets.
-pub fn plane_net(geometry: &Geometry) -> Result<ControlNet<2, 2>, (&'static str, String)> {
-    let fault = |e: shapes::ShapeError| match &e {
-        shapes::ShapeError::Net(inner) => (code(inner), e.to_string()),
-        _ => ("E015", e.to_string()),
-    };
-    let mut net = match &geometry.shape.value {
-        Shape::Box { min, max } => shapes::rectangle(pair(&min.value), pair(&max.value)).map_err(fault)?,
+/// The code and the sentence of a shape that there is not.
+pub(super) fn shape_fault(error: shapes::ShapeError) -> (&'static str, String) {
+    match &error {
+        shapes::ShapeError::Net(inner) => (code(inner), error.to_string()),
+        _ => ("E015", error.to_string()),
+    }
+}
+
+/// The code and the sentence of a net that there is not.
+pub(super) fn net_fault(error: NetError) -> (&'static str, String) {
+    (code(&error), error.to_string())
+}
+
+/// The net of a plane shape, without transformations.
+pub(super) fn plane_shape(shape: &Shape) -> Result<ControlNet<2, 2>, (&'static str, String)> {
+    match shape {
+        Shape::Box { min, max } => shapes::rectangle(pair(&min.value), pair(&max.value)).map_err(shape_fault),
         Shape::AnnulusSector { center, radius, angle_deg } => {
-            shapes::annulus_sector(pair(&center.value), radius.value, angle_deg.value).map_err(fault)?
+            shapes::annulus_sector(pair(&center.value), radius.value, angle_deg.value).map_err(shape_fault)
         }
         Shape::DiscSector { center, radius, angle_deg } => {
-            shapes::disc_sector(pair(&center.value), radius.value, angle_deg.value).map_err(fault)?
+            shapes::disc_sector(pair(&center.value), radius.value, angle_deg.value).map_err(shape_fault)
         }
-        Shape::PlateWithHole { radius, half_width } => shapes::plate_with_hole(radius.value, half_width.value).map_err(fault)?,
+        Shape::PlateWithHole { radius, half_width } => shapes::plate_with_hole(radius.value, half_width.value).map_err(shape_fault),
         Shape::Nurbs { degree, knots, points, weights } => {
             let [p, q] = [0, 1].map(|k| degree.value.get(k).copied().unwrap_or(1));
             let [u, v] = [0, 1].map(|k| knots.get(k).map(|list| list.value.clone()).unwrap_or_default());
             let points = points.value.iter().map(|x| Vector::<2>::from(pair(x))).collect();
-            ControlNet::from_knots([p, q], [u, v], points, weights.as_ref().map(|w| w.value.clone()))
-                .map_err(|e| (code(&e), e.to_string()))?
+            ControlNet::from_knots([p, q], [u, v], points, weights.as_ref().map(|w| w.value.clone())).map_err(net_fault)
         }
-        other => return Err(("E019", format!("the kind \"{}\" in the plane is not in this version", other.kind()))),
-    };
+        Shape::SphereOctant { .. } => Err(("E044", "a sphere-octant is a body of three dimensions, the model has two".into())),
+        other => Err(("E019", format!("the kind \"{}\" in the plane is not in this version", other.kind()))),
+    }
+}
+
+/// The net of a plane shape with its transformations; an error is a code and a sentence.
+///
+/// # Errors
+/// E015 for numbers out of range, E019 for shapes that are not in this version, E031 to E034 for nets, E044 for shapes of
+/// three dimensions.
+pub fn plane_net(geometry: &Geometry) -> Result<ControlNet<2, 2>, (&'static str, String)> {
+    let mut net = plane_shape(&geometry.shape.value)?;
     if geometry.extrude.is_some() {
         return Err(("E044", "`extrude` makes a body of three dimensions, the model has two".into()));
     }

@@ -53,7 +53,8 @@ pub fn out(path: &Path, common: &Common) -> PathBuf {
 /// Reads the case at `path`, with the names of `registry` and the changes of the options.
 pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Registry) -> Result<Loaded, Ended> {
     if let Some(name) = backend {
-        registry.plane.backends.get(name).map_err(|e| super::usage(&format!("--backend: {e}"), None))?;
+        let known = registry.volume.backends.get(name).map(|_| ());
+        known.or_else(|_| registry.plane.backends.get(name).map(|_| ())).map_err(|e| super::usage(&format!("--backend: {e}"), None))?;
     }
     let options = ReadOptions { sets: common.set.clone(), backend: backend.map(str::to_owned), names: registry.case_names() };
     if path.as_os_str() == "-" {

@@ -39,11 +39,11 @@ pub fn of(output: &Output, with_vtu: bool, trouble: &mut Diagnostics) -> Vec<Nam
         Err(why) => trouble.push(Diagnostic::warning("E091", format!("`{name}` was not written: {why}"))),
     };
     if with_vtu && !output.parts.is_empty() {
-        add("fields.vtu".to_owned(), vtu::write(&output.parts).map_err(|e| e.to_string()));
+        add("fields.vtu".to_owned(), output.parts.vtu().map_err(|e| e.to_string()));
     }
     if let Some(picture) = &output.picture {
         let plot = FieldPlot { title: &output.title, label: &picture.label, field: &picture.field, component: picture.component };
-        add("fields.svg".to_owned(), plot::fields(&plot, &output.parts).map(String::into_bytes).map_err(|e| e.to_string()));
+        add("fields.svg".to_owned(), output.parts.svg(&plot).map(String::into_bytes).map_err(|e| e.to_string()));
     }
     for side in &output.sides {
         let name = |end: &str| format!("interface_{}.{end}", side.name);

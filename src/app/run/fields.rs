@@ -1,11 +1,11 @@
-//! Fields of a solved plane model for the files.
+//! Fields of a solved model for the files.
 
 use super::Solved;
 use super::arc_length::ArcLength;
 use super::integrate::on_trace;
 use super::report::{component_rows, multiplier_at};
 use crate::app::build::{Against, SideModel};
-use crate::app::output::{ExactCurve, Output, Picture, RunOptions, SideOutput};
+use crate::app::output::{ExactCurve, Output, Parts, Picture, RunOptions, SideOutput};
 use crate::app::registry::usual_cells;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::contact::{Surface, Target};
@@ -23,10 +23,8 @@ use std::sync::Arc;
 type Plane = Solved<1, 2>;
 type Side = SideModel<1, 2>;
 
-/// Everything the files need.
-pub fn output(case: &Case, solved: &Arc<Plane>, options: &RunOptions) -> Output {
-    let scalar = solved.model.components == 1;
-    let title = if case.title.value.is_empty() { case.source.name.clone() } else { case.title.value.clone() };
+/// Everything the files of a plane case need.
+pub fn plane_output(case: &Case, solved: &Arc<Plane>, options: &RunOptions) -> Output {
     let mut sides: Vec<SideOutput> = Vec::new();
     for t in 0..solved.model.ties.len() {
         sides.extend((0..solved.model.ties[t].parts.len()).map(|p| tied_side(solved, t, p, options)));
@@ -34,20 +32,29 @@ pub fn output(case: &Case, solved: &Arc<Plane>, options: &RunOptions) -> Output 
     for c in 0..solved.model.contacts.len() {
         sides.extend((0..solved.model.contacts[c].parts.len()).map(|p| contact_side(solved, c, p, options)));
     }
-    let (field, label) = if scalar { ("u", "u") } else { ("von_mises", "von Mises stress") };
-    Output {
-        title,
-        parts: (0..solved.model.patches.len()).map(|k| body(solved, k, options)).collect(),
-        picture: Some(Picture { field: field.into(), component: 0, label: label.into() }),
-        sides,
-    }
+    assembled(case, solved, Parts::Plane(bodies(solved, options)), sides)
 }
 
-fn body(solved: &Arc<Plane>, k: usize, options: &RunOptions) -> Part<'static, 2, 2> {
+/// Everything the files of a case in space need.
+pub fn volume_output(case: &Case, solved: &Arc<Solved<2, 3>>, options: &RunOptions) -> Output {
+    assembled(case, solved, Parts::Volume(bodies(solved, options)), Vec::new())
+}
+
+fn assembled<const S: usize, const N: usize>(case: &Case, solved: &Solved<S, N>, parts: Parts, sides: Vec<SideOutput>) -> Output {
+    let title = if case.title.value.is_empty() { case.source.name.clone() } else { case.title.value.clone() };
+    let (field, label) = if solved.model.components == 1 { ("u", "u") } else { ("von_mises", "von Mises stress") };
+    Output { title, parts, picture: Some(Picture { field: field.into(), component: 0, label: label.into() }), sides }
+}
+
+fn bodies<const S: usize, const N: usize>(solved: &Arc<Solved<S, N>>, options: &RunOptions) -> Vec<Part<'static, N, N>> {
+    (0..solved.model.patches.len()).map(|k| body(solved, k, options)).collect()
+}
+
+fn body<const S: usize, const N: usize>(solved: &Arc<Solved<S, N>>, k: usize, options: &RunOptions) -> Part<'static, N, N> {
     let patch = &solved.model.patches[k];
-    let at = |solved: &Arc<Plane>| {
+    let at = |solved: &Arc<Solved<S, N>>| {
         let solved = Arc::clone(solved);
-        move |element: usize, xi: &[Vector<2>]| {
+        move |element: usize, xi: &[Vector<N>]| {
             let patch = &solved.model.patches[k];
             patch.physics_at(solved.state.t).at(&**patch.body.space(), &patch.field, &solved.state.u, element, xi)
         }
@@ -57,7 +64,7 @@ fn body(solved: &Arc<Plane>, k: usize, options: &RunOptions) -> Part<'static, 2,
     if solved.model.components == 1 {
         return part.with_exact("u", 1, move |e, xi| values(e, xi).iter().map(|p| p.u[0]).collect());
     }
-    part.with_exact("displacement", 2, move |e, xi| values(e, xi).iter().flat_map(|p| [p.u[0], p.u[1]]).collect())
+    part.with_exact("displacement", N, move |e, xi| values(e, xi).iter().flat_map(|p| p.u.into_iter().take(N)).collect())
         .with("stress", 6, move |e, xi| stresses(e, xi).iter().flat_map(|p| p.stress).collect())
         .with("von_mises", 1, move |e, xi| equivalent(e, xi).iter().map(|p| von_mises(&p.stress)).collect())
 }

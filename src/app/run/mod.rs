@@ -13,8 +13,8 @@ mod solve;
 
 use faults::{floating, memory_limit, step_fault, stopped};
 
-use super::build::{self, MakeNet, Model, plane_net};
-use super::output::{Finished, RunOptions, StepOutput};
+use super::build::{self, MakeNet, Model, plane_net, volume_net};
+use super::output::{Finished, Output, RunOptions, StepOutput};
 use super::quantities::Questions;
 use super::registry::{Names, Registry, solver_name};
 use super::result::{RunResult, Status, StepReport};
@@ -46,10 +46,20 @@ struct Dimension<'a, const S: usize, const N: usize> {
     names: &'a Names<S, N>,
     net: MakeNet<N>,
     half_width: Option<HalfWidth<S, N>>,
+    output: MakeOutput<S, N>,
 }
 
 fn plane(registry: &Registry) -> Dimension<'_, 1, 2> {
-    Dimension { names: &registry.plane, net: plane_net, half_width: Some(zone) }
+    Dimension { names: &registry.plane, net: plane_net, half_width: Some(zone), output: fields::plane_output }
+}
+
+fn volume(registry: &Registry) -> Dimension<'_, 2, 3> {
+    Dimension { names: &registry.volume, net: volume_net, half_width: None, output: fields::volume_output }
+}
+
+/// Whether a case is one of space; every other is one of the plane.
+fn in_space(case: &Case) -> bool {
+    case.model.dimension.value == 3
 }
 
 fn zone(sides: &[report::Zone<'_, 1, 2>]) -> f64 {
@@ -74,21 +84,40 @@ impl Case {
     /// # Ok::<(), faying::io::Diagnostics>(())
     /// ```
     pub fn run(&self, registry: &Registry) -> Result<RunResult, Diagnostics> {
-        solve_case("run", self, registry, &plane(registry), &Watch::default()).map(|(result, _)| result)
+        let watch = Watch::default();
+        if in_space(self) {
+            solve_case("run", self, registry, &volume(registry), &watch).map(|(result, _)| result)
+        } else {
+            solve_case("run", self, registry, &plane(registry), &watch).map(|(result, _)| result)
+        }
     }
 }
 
 /// Runs a case and keeps its fields for the files. What is wrong with the case stands in the result's diagnostics, with
 /// status `Invalid` (exit 3), or `Limit` (exit 6) where the predicted memory is too large.
 pub fn run(case: &Case, registry: &Registry, options: &RunOptions, watch: &Watch) -> Finished {
-    match solve_case("run", case, registry, &plane(registry), watch) {
+    if in_space(case) {
+        run_in(case, registry, &volume(registry), options, watch)
+    } else {
+        run_in(case, registry, &plane(registry), options, watch)
+    }
+}
+
+fn run_in<const S: usize, const N: usize>(
+    case: &Case,
+    registry: &Registry,
+    dimension: &Dimension<'_, S, N>,
+    options: &RunOptions,
+    watch: &Watch,
+) -> Finished {
+    match solve_case("run", case, registry, dimension, watch) {
         Ok((mut result, solved)) => {
             let output = solved.last().map(|last| {
                 watch.phase("fields");
-                fields::output(case, last, options)
+                (dimension.output)(case, last, options)
             });
             end_early(&mut result, watch);
-            let steps = if case.has_steps() { solved.into_iter().map(|s| step_output(case, s, *options)).collect() } else { Vec::new() };
+            let steps = if case.has_steps() { solved.into_iter().map(|s| step_output(case, s, dimension.output, *options)).collect() } else { Vec::new() };
             Finished { result, output, steps }
         }
         Err(faults) => Finished { result: refused("run", case, faults), output: None, steps: Vec::new() },
@@ -97,9 +126,13 @@ pub fn run(case: &Case, registry: &Registry, options: &RunOptions, watch: &Watch
 
 /// Everything but the solve: the result has the names, the counts and the prediction.
 pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &Watch) -> Finished {
+    if in_space(case) { check_in(case, registry, &volume(registry), watch) } else { check_in(case, registry, &plane(registry), watch) }
+}
+
+fn check_in<const S: usize, const N: usize>(case: &Case, registry: &Registry, dimension: &Dimension<'_, S, N>, watch: &Watch) -> Finished {
     let outcome = || -> Result<RunResult, Diagnostics> {
         watch.phase("build");
-        let model = built(case, registry, &plane(registry), watch)?;
+        let model = built(case, registry, dimension, watch)?;
         let mut result = report::skeleton("check", case, &model);
         Questions::of(case, &model, &result.numbers())?;
         result.solve = None;
@@ -115,10 +148,18 @@ pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &Wa
     Finished { result, output: None, steps: Vec::new() }
 }
 
+/// Makes what there is to show of a solution.
+type MakeOutput<const S: usize, const N: usize> = fn(&Case, &Arc<Solved<S, N>>, &RunOptions) -> Output;
+
 /// What there is to show of a step, made when it is written.
-fn step_output(case: &Case, solved: Arc<Solved<1, 2>>, options: RunOptions) -> StepOutput {
+fn step_output<const S: usize, const N: usize>(
+    case: &Case,
+    solved: Arc<Solved<S, N>>,
+    output: MakeOutput<S, N>,
+    options: RunOptions,
+) -> StepOutput {
     let (case, number, t) = (case.clone(), solved.step, solved.state.t);
-    StepOutput { number, t, make: Box::new(move || fields::output(&case, &solved, &options)) }
+    StepOutput { number, t, make: Box::new(move || output(&case, &solved, &options)) }
 }
 
 /// Marks a result that is good so far as ended early where `watch` says so; returns whether it did.

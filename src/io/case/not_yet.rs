@@ -9,6 +9,8 @@ use crate::io::place::{Located, Place};
 
 /// Couplings of the contract that are not built.
 const COUPLINGS: &[&str] = &["nitsche", "penalty"];
+/// Couplings of the contract that integrate over the surfaces of both sides.
+const SURFACE_COUPLINGS: &[&str] = &["mortar", "nitsche", "penalty"];
 /// Constraint solvers of the contract that are not built.
 const CONSTRAINTS: &[&str] = &["schur", "uzawa"];
 /// Kinds of obstacle that are built.
@@ -31,7 +33,7 @@ impl Reader {
     pub fn not_in_this_version(&mut self, case: &Case) {
         let m = &case.model;
         if m.dimension.value == 3 {
-            self.later(m.dimension.at, "`dimension = 3`", "write dimension = 2");
+            self.later_surfaces(case);
         }
         self.later_if(&m.reference, "`reference`", "errors are measured against `exact`");
         for p in &case.patches {
@@ -63,13 +65,22 @@ impl Reader {
         }
     }
 
+    fn later_surfaces(&mut self, case: &Case) {
+        let ties = case.interfaces.iter().filter(|t| SURFACE_COUPLINGS.contains(&t.coupling.value.as_str()));
+        let heads: Vec<Place> = ties.map(|t| t.head.at).chain(case.contacts.iter().map(|c| c.head.at)).collect();
+        for at in heads {
+            let help = "share the unknowns of sides that match by coupling = \"glue\", or take a plane model";
+            self.fault("E019", at, "interfaces between surfaces are not in this version", help);
+        }
+    }
+
     fn later_patch(&mut self, p: &Patch) {
         let g = &p.geometry;
-        if matches!(g.shape.value, Shape::SphereOctant { .. } | Shape::File { .. }) {
+        if matches!(g.shape.value, Shape::File { .. }) {
             self.later(
                 g.shape.at,
                 &format!("geometry of kind {:?}", g.shape.kind()),
-                "kinds: box, annulus-sector, disc-sector, plate-with-hole, nurbs",
+                "kinds: box, annulus-sector, disc-sector, plate-with-hole, sphere-octant, nurbs",
             );
         }
         if !p.glue.value {

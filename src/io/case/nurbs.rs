@@ -22,6 +22,13 @@ impl Reader {
         let knots = self.required(b, "knots", "knots = [[0, 0, 0, 1, 1, 1], [0, 0, 1, 1]]");
         let points = self.required(b, "points", "points = [[0, 0], [1, 0], ..]");
         let (Some(degree), Some(knots), Some(points)) = (degree, knots, points) else { return fallback };
+        if let (3, Value::List(lists)) = (n, &knots.value)
+            && lists.len() == 2
+        {
+            let help = "add extrude = h for a solid of height h along z";
+            self.fault("E044", knots.at, "two knot vectors make a plane patch, the model has dimension 3", help);
+            return fallback;
+        }
         let degree = self.net_degree(&degree);
         let knots = self.net_knots(&knots);
         let points = self.net_points(&points);

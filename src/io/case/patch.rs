@@ -106,7 +106,7 @@ impl Reader {
     fn geometry(&mut self, node: &Node) -> Option<(Located<Geometry>, Table)> {
         let (mut b, kind) = self.kinded(node, "geometry", keys::GEOMETRIES, keys::MOTIONS)?;
         let at = b.node("kind").map_or(node.at, |k| k.at);
-        let shape = Located::new(self.shape(&mut b, kind), at);
+        let shape = Located::new(self.shape_of_patch(&mut b, kind), at);
         let extrude = self.number(&b, "extrude", Sign::Positive);
         let scale = self.number(&b, "scale", Sign::Positive);
         let rotate_deg = self.number(&b, "rotate_deg", Sign::Any);
@@ -120,6 +120,19 @@ impl Reader {
         let translate = b.node("move").cloned().and_then(|n| self.vector_of(&n, "move", true));
         let geometry = Geometry { shape, extrude, scale, rotate_deg, axis, translate };
         Some((Located::new(geometry, node.at), b.finish()))
+    }
+
+    // shapes of the plane, and what is extruded, have two coordinates in space, too
+    fn shape_of_patch(&mut self, b: &mut Block, kind: &str) -> Shape {
+        let plane = matches!(kind, "annulus-sector" | "disc-sector" | "plate-with-hole");
+        let extruded = b.has("extrude") && matches!(kind, "box" | "nurbs");
+        let whole = self.dimension;
+        if plane || extruded {
+            self.dimension = 2;
+        }
+        let shape = self.shape(b, kind);
+        self.dimension = whole;
+        shape
     }
 
     /// Opens a table with a `kind`; keys of other kinds are E015, keys of none E012.

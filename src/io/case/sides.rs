@@ -6,6 +6,9 @@ use super::types::{Patch, Shape, SideRef};
 use crate::io::errors::{Diagnostic, nearest};
 use crate::io::place::Located;
 
+/// Control points nearer than this share of the size are one point.
+const SAME_POINT: f64 = 1e-12;
+
 const ALL: [&str; 6] = ["u0", "u1", "v0", "v1", "w0", "w1"];
 const PLANE: [(&str, &str); 4] = [("left", "u0"), ("right", "u1"), ("bottom", "v0"), ("top", "v1")];
 const SPATIAL: [(&str, &str); 6] = [("left", "u0"), ("right", "u1"), ("front", "v0"), ("back", "v1"), ("bottom", "w0"), ("top", "w1")];
@@ -18,18 +21,28 @@ pub(super) fn sides_of(shape: &Shape, dimension: usize) -> Vec<&'static str> {
 fn is_collapsed(shape: &Shape, side: &str, dimension: usize) -> bool {
     match shape {
         Shape::DiscSector { .. } => side == "v0",
-        Shape::Nurbs { degree, knots, points, .. } if dimension == 2 => {
-            let n: Vec<usize> = (0..2).map(|k| knots[k].len() - degree[k] - 1).collect();
-            let edge: Vec<&Vec<f64>> = match side {
-                "u0" => (0..n[1]).map(|j| &points[j * n[0]]).collect(),
-                "u1" => (0..n[1]).map(|j| &points[(j + 1) * n[0] - 1]).collect(),
-                "v0" => points.iter().take(n[0]).collect(),
-                _ => points.iter().skip((n[1] - 1) * n[0]).collect(),
-            };
-            edge.iter().all(|p| p == &edge[0])
+        Shape::SphereOctant { .. } => side == "v1",
+        Shape::Nurbs { degree, knots, points, .. } => {
+            let counts: Vec<usize> = knots.iter().zip(&degree.value).map(|(u, p)| u.len() - p - 1).collect();
+            let Some(face) = ALL[..2 * dimension.min(counts.len())].iter().position(|s| *s == side) else { return false };
+            let (axis, end) = (face / 2, face % 2);
+            (0..counts.len()).filter(|&along| along != axis).any(|along| lines_are_points(points, &counts, (axis, end), along))
         }
         _ => false,
     }
+}
+
+/// Whether the lines along `along` of a face (axis, end) of a net are points; `counts` points per direction, the first fastest.
+fn lines_are_points(points: &[Vec<f64>], counts: &[usize], (axis, end): (usize, usize), along: usize) -> bool {
+    let stride = |k: usize| counts[..k].iter().product::<usize>();
+    let index = |i: usize, k: usize| i / stride(k) % counts[k];
+    let extent = |k: usize| points.iter().fold((f64::MAX, f64::MIN), |(a, b), p| (a.min(p[k]), b.max(p[k])));
+    let size = (0..points[0].len()).map(|k| extent(k).1 - extent(k).0).fold(0.0, f64::max);
+    let on_face = (0..points.len()).filter(|&i| index(i, axis) == end * (counts[axis] - 1));
+    on_face.into_iter().all(|i| {
+        let first = i - index(i, along) * stride(along);
+        points[i].iter().zip(&points[first]).all(|(a, b)| (a - b).abs() <= SAME_POINT * size)
+    })
 }
 
 fn canonical(side: &str, dimension: usize) -> Option<&'static str> {

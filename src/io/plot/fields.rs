@@ -73,22 +73,35 @@ fn drawn(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>], divisions: &[Vec<Option
 }
 
 /// Values and their colours.
-struct Scale {
-    least: f64,
-    most: f64,
+pub(super) struct Scale {
+    pub least: f64,
+    pub most: f64,
     /// Constant up to rounding: one colour.
-    uniform: bool,
+    pub uniform: bool,
 }
 
 impl Scale {
     fn of(drawn: &[Vec<Drawn>]) -> Self {
-        let values = drawn.iter().flatten().flat_map(|d| d.pieces.iter().map(|(_, v)| *v)).filter(|v| v.is_finite());
-        let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        Self::of_values(drawn.iter().flatten().flat_map(|d| d.pieces.iter().map(|(_, v)| *v)))
+    }
+
+    /// From the least to the largest finite value.
+    pub fn of_values(values: impl Iterator<Item = f64>) -> Self {
+        let (least, most) = values.filter(|v| v.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         let (least, most) = if least > most { (0.0, 0.0) } else { (least, most) };
         Self { least, most, uniform: most - least <= 1e-9 * most.abs().max(least.abs()) }
     }
 
-    fn color(&self, v: f64) -> RGBColor {
+    /// The field's name and its range.
+    pub fn words(&self, label: &str) -> String {
+        if self.uniform {
+            format!("{label}: {} everywhere", short(0.5 * (self.least + self.most), 4))
+        } else {
+            format!("{label}: from {} to {}", short(self.least, 4), short(self.most, 4))
+        }
+    }
+
+    pub fn color(&self, v: f64) -> RGBColor {
         match v.is_finite() {
             false => RGBColor(190, 190, 190),
             true if self.uniform => ViridisRGB.get_color(0.5),
@@ -148,12 +161,7 @@ fn draw(
     document(width, height, |root| {
         let title = shortened(plot.title, width - left - 20.0, 17.0);
         root.draw(&Text::new(title, (units(left), units(16.0)), text(17.0, INK, HPos::Left, VPos::Top)))?;
-        let range = if scale.uniform {
-            format!("{}: {} everywhere", plot.label, short(0.5 * (scale.least + scale.most), 4))
-        } else {
-            format!("{}: from {} to {}", plot.label, short(scale.least, 4), short(scale.most, 4))
-        };
-        root.draw(&Text::new(range, (units(left), units(42.0)), text(12.0, GREY, HPos::Left, VPos::Top)))?;
+        root.draw(&Text::new(scale.words(plot.label), (units(left), units(42.0)), text(12.0, GREY, HPos::Left, VPos::Top)))?;
         paint(root, &view, all, scale)?;
         let ranges = |v: &View| [0, 1].map(|k| [v.window.lo[k], v.window.hi[k]]);
         let [x, y] = ranges(&view);

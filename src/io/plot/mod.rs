@@ -7,12 +7,14 @@ mod fields;
 mod frame;
 mod sample;
 mod side;
+mod solids;
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 pub use fields::{FieldPlot, fields};
 pub use side::{ExactCurve, SidePlot, side};
+pub use solids::solids;
 
 /// Why there is no picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
