@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use faying::app::run::run;
-use faying::app::{Finished, Registry, RunOptions, Status, Watch};
+use faying::app::{Finished, Parts, Registry, RunOptions, Status, Watch};
 use faying::io::Case;
 use faying::io::case::ReadOptions;
 use faying::io::errors::Diagnostics;
@@ -226,7 +226,7 @@ fn a_closed_ring_is_two_glued_half_rings() {
 /// Values of the displacement at points inside every element, patch after patch.
 fn values(finished: &Finished) -> Vec<f64> {
     let xi: Vec<Vector<2>> = [[0.1, 0.2], [0.5, 0.5], [0.9, 0.3]].map(Vector::from).to_vec();
-    let parts = &finished.output.as_ref().unwrap().parts;
+    let Parts::Plane(parts) = &finished.output.as_ref().unwrap().parts else { panic!("a case in the plane") };
     parts.iter().flat_map(|part| (0..part.space.num_elements()).flat_map(|e| (part.fields[0].sample)(e, &xi)).collect::<Vec<_>>()).collect()
 }
 
