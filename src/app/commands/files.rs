@@ -22,7 +22,7 @@ pub fn stems(output: &Output) -> Vec<String> {
 
 /// The contents of the `.vtu` files, in the order of [`stems`].
 pub fn vtus(output: &Output) -> impl Iterator<Item = Result<Vec<u8>, String>> {
-    let fields = (!output.parts.is_empty()).then(|| vtu::write(&output.parts).map_err(|e| e.to_string()));
+    let fields = (!output.parts.is_empty()).then(|| output.parts.vtu().map_err(|e| e.to_string()));
     fields.into_iter().chain(output.sides.iter().map(|s| vtu::write(std::slice::from_ref(&s.part)).map_err(|e| e.to_string())))
 }
 
