@@ -14,7 +14,7 @@ use faying::check;
 use faying::geometry::{MapTable, cell};
 use faying::linalg::{Matrix, Vector};
 use faying::physics::{Conductor, Hooke, Material};
-use faying::space::{Body, Mapping, Mesh, MeshCells, MeshError, SideError, measure};
+use faying::space::{Body, Mapping, Mesh, MeshCells, MeshError, PatchSpec, SideError, measure};
 use std::collections::HashMap;
 
 fn plane(shapes: Shapes, order: usize, degree: usize, mapping: Mapping) -> Mesh<1, 2> {
@@ -387,4 +387,95 @@ fn neighbours_that_disagree_on_their_edge_are_refused() {
     second.iter_mut().filter(|p| **p == edge).for_each(|p| *p = last);
     let Err(MeshError::Torn { cell: 1, distance, .. }) = Mesh::<1, 2>::from_cells(&m, 2, Mapping::Exact) else { panic!("not refused") };
     assert!((distance - 0.01).abs() < 1e-12);
+}
+
+/// sin(1.3 x + 0.4) e^(y / 2) cos(0.9 z).
+fn smooth(x: &Vector<3>) -> Jet2<1, 3> {
+    let (s, c) = (1.3 * x[0] + 0.4).sin_cos();
+    let e = (0.5 * x[1]).exp();
+    let (t, d) = (0.9 * x[2]).sin_cos();
+    let lines = [[s, 1.3 * c, -1.69 * s], [e, 0.5 * e, 0.25 * e], [d, -0.9 * t, -0.81 * d]];
+    let product = |order: [usize; 3]| (0..3).map(|k| lines[k][order[k]]).product::<f64>();
+    let unit = |k: usize, l: usize| std::array::from_fn(|m| usize::from(m == k) + usize::from(m == l));
+    let gradient = Matrix::from_fn(|_, k| product(unit(k, 3)));
+    (Vector::<1>::new(product([0; 3])), gradient, [Matrix::from_fn(|k, l| product(unit(k, l)))])
+}
+
+#[test]
+fn orders_in_space_are_p_plus_1_in_l2_and_p_in_h1_on_hexahedra_and_tetrahedra() {
+    let conductor = Conductor::<3>::try_new(1.5).unwrap();
+    for shapes in [Shapes::Tensor, Shapes::Simplex] {
+        for (degree, counts) in [(1, [6, 12]), (2, [4, 8]), (3, [3, 6])] {
+            let errors = counts.map(|n| {
+                let cells = boxes([n; 3], shapes, degree, Some(8), &bent);
+                let body = Mesh::<2, 3>::from_cells(&cells, degree, Mapping::Isoparametric).unwrap();
+                Problem::new(&conductor, &smooth).held_on(&body, &["x0", "y1", "z0"]).solve(&body).errors.error
+            });
+            let order = |a: f64, b: f64| (a / b).log2();
+            let (l2, h1) = (order(errors[0].l2, errors[1].l2), order(errors[0].h1, errors[1].h1));
+            println!("{shapes:?}, p = {degree}: L2 {:.2e} order {l2:.2}, H1 {:.2e} order {h1:.2}", errors[1].l2, errors[1].h1);
+            let p = degree as f64;
+            assert!(l2 > p + 0.9 && h1 > p - 0.1, "{shapes:?}, p = {degree}: {l2} {h1}");
+        }
+    }
+}
+
+#[test]
+fn tetrahedra_of_patches_fill_the_patch_and_its_sides() {
+    use faying::geometry::shapes;
+    let disc = shapes::disc_sector([0.0, 0.0], 1.0, [0.0, 180.0]).unwrap().extrude(2.0);
+    for degree in 1..=4 {
+        let of = |n: usize| {
+            let spec = PatchSpec::new(disc.clone()).with_elements([2 * n, n, 1]).with_cells(Cell::Simplex).with_degree([degree; 3]);
+            let body = Mesh::<2, 3>::from_patch(&spec).unwrap();
+            // three of six tetrahedra are left at the axis
+            assert_eq!(body.space().num_elements(), 2 * n * (6 * (n - 1) + 3));
+            let side = |name: &str| measure(&*body.trace(name).unwrap().space);
+            assert_eq!(body.trace("v1").unwrap().space.num_elements(), 4 * n);
+            // the flat sides are as long as the radius
+            assert!((side("u0") - 2.0).abs() < 1e-13 && (side("u1") - 2.0).abs() < 1e-13);
+            assert!((side("w0") - side("w1")).abs() < 1e-13);
+            let pi = std::f64::consts::PI;
+            [measure(&**body.space()) - pi, side("v1") - 2.0 * pi, side("w0") - pi / 2.0].map(f64::abs)
+        };
+        let (coarse, fine) = (of(4), of(8));
+        println!(
+            "half cylinder in tetrahedra, degree {degree}: volume, mantle and base off by {:.1e} {:.1e} {:.1e}",
+            fine[0], fine[1], fine[2]
+        );
+        for k in 0..3 {
+            let rate = (coarse[k] / fine[k]).log2();
+            assert!(rate > degree as f64 + 0.9, "degree {degree}, {k}: rate {rate}");
+        }
+    }
+    // straight and exact maps have the measure itself
+    let ring = shapes::annulus_sector([0.0, 0.0], [1.0, 2.0], [0.0, 90.0]).unwrap().extrude(0.5);
+    let spec = PatchSpec::new(ring).with_elements([2, 1, 1]).with_cells(Cell::Simplex).with_mapping(Mapping::Exact);
+    let body = Mesh::<2, 3>::from_patch(&spec).unwrap();
+    assert!((measure(&**body.space()) - 0.375 * std::f64::consts::PI).abs() < 1e-12);
+    assert!((measure(&*body.trace("v1").unwrap().space) - 0.5 * std::f64::consts::PI).abs() < 1e-12);
+}
+
+#[test]
+fn tetrahedra_of_patches_have_the_orders_of_their_degree() {
+    use faying::geometry::shapes;
+    let conductor = Conductor::<3>::try_new(1.5).unwrap();
+    let net = shapes::annulus_sector([0.0, 0.0], [1.0, 1.6], [0.0, 40.0]).unwrap().extrude(0.6);
+    for mapping in [Mapping::Isoparametric, Mapping::Exact] {
+        for (degree, counts) in [(1, [4, 8]), (2, [4, 8]), (3, [3, 6])] {
+            if mapping == Mapping::Exact && degree == 3 {
+                continue; // slow: the exact map is rational
+            }
+            let errors = counts.map(|n| {
+                let spec = PatchSpec::new(net.clone()).with_elements([n; 3]).with_cells(Cell::Simplex).with_degree([degree; 3]);
+                let body = Mesh::<2, 3>::from_patch(&spec.with_mapping(mapping)).unwrap();
+                Problem::new(&conductor, &smooth).held_on(&body, &["u0", "v1", "w0"]).solve(&body).errors.error
+            });
+            let order = |a: f64, b: f64| (a / b).log2();
+            let (l2, h1) = (order(errors[0].l2, errors[1].l2), order(errors[0].h1, errors[1].h1));
+            println!("patch in tetrahedra, {mapping:?}, p = {degree}: L2 order {l2:.2}, H1 order {h1:.2}");
+            let p = degree as f64;
+            assert!(l2 > p + 0.9 && h1 > p - 0.1, "{mapping:?}, p = {degree}: {l2} {h1}");
+        }
+    }
 }

@@ -6,6 +6,7 @@ mod convert;
 mod extracted;
 mod knots;
 mod lagrange;
+mod numbering;
 mod rational;
 mod refined;
 mod simplex;
@@ -28,7 +29,8 @@ pub use simplex::{LagrangeSimplex, simplex_lattice, simplex_nodes, simplex_numbe
 pub use table::{Order, ShapeTable};
 pub use tensor::TensorProduct;
 pub use topology::Topology;
-pub(crate) use topology::{key_of, lattice};
+pub(crate) use numbering::lattice;
+pub(crate) use topology::key_of;
 pub use unstructured::Unstructured;
 
 /// The reference cell of an element.

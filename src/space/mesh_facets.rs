@@ -47,7 +47,23 @@ pub(super) struct NamedFacets {
 }
 
 impl<'a, const N: usize> Facets<'a, N> {
-    /// Finds the facets; `places` of the vertices are for errors.
+    /// The facets of cells that are known to fit.
+    pub fn of(topology: &'a Topology<N>) -> Self {
+        let mut at: Vec<Option<(FaceOf, bool)>> = vec![None; topology.num_facets()];
+        for cell in 0..topology.num_cells() {
+            for (face, &f) in topology.facets(cell).iter().enumerate() {
+                at[f] = Some(at[f].map_or(((cell, face), false), |(first, _)| (first, true)));
+            }
+        }
+        Self { topology, at: at.into_iter().map(|a| a.expect("every facet has a cell")).collect() }
+    }
+
+    /// The facets of one cell only.
+    pub fn boundary(&self) -> impl Iterator<Item = FaceOf> + '_ {
+        self.at.iter().filter(|a| !a.1).map(|a| a.0)
+    }
+
+    /// Finds the facets and checks that cells fit; `places` of the vertices are for errors.
     pub fn new(topology: &'a Topology<N>, places: &[Vector<N>]) -> Result<Self, MeshError> {
         let mut at: Vec<Option<(FaceOf, bool)>> = vec![None; topology.num_facets()];
         let middle = |of: FaceOf| {

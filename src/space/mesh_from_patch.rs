@@ -2,6 +2,7 @@
 
 use super::grid::{Grid, Merged, SideOf, join, merge, on_side, split};
 use super::mesh::{MeshSide, Named, Sides};
+use super::mesh_tetrahedra::tetrahedra;
 use super::patch::side_axes;
 use super::{MAX_DEGREE_SIMPLEX, MAX_DEGREE_TENSOR, Mapping, Mesh, Over, PatchSpec, Space, SpecError, quality};
 use crate::basis::{
@@ -18,17 +19,20 @@ const ON_EDGE: f64 = 1e-12;
 impl<const S: usize, const N: usize> Mesh<S, N> {
     /// The mesh that `spec` describes; its continuity and basis are not read.
     ///
-    /// Simplex cells cut every quadrilateral by the diagonal from its (u0, v0) corner to its (u1, v1) corner.
-    /// Isoparametric nodes lie on the exact map; at a collapsed edge the triangle without area is dropped, and the other
-    /// one takes the whole cell. On the exact map both stay, with the functions on the edge merged.
+    /// Simplex cells cut every quadrilateral by the diagonal from its (u0, v0) corner to its (u1, v1) corner, and every
+    /// hexahedron into six tetrahedra around the diagonal from (u0, v0, w0) to (u1, v1, w1).
+    /// Isoparametric nodes lie on the exact map; at a collapsed edge the simplices without volume are dropped, and the
+    /// others take the whole cell. On the exact map both triangles stay, with the functions on the edge merged;
+    /// tetrahedra are refused there.
     /// # Errors
-    /// [`SpecError`] for degrees and breakpoints out of range, simplex cells of mixed degree or in three dimensions, and
-    /// inverted elements.
+    /// [`SpecError`] for degrees and breakpoints out of range, simplex cells of mixed degree, tetrahedra on the exact map of
+    /// a geometry with collapsed edges, and inverted elements.
     pub fn from_patch(spec: &PatchSpec<N>) -> Result<Self, SpecError> {
         const { assert!(S + 1 == N, "a mesh has sides of one dimension less") };
         match spec.cells {
             Cell::Tensor => tensor(spec),
-            Cell::Simplex => simplex(spec),
+            Cell::Simplex if N == 2 => simplex(spec),
+            Cell::Simplex => tetrahedra(spec),
         }
     }
 }
@@ -109,9 +113,6 @@ struct Fan {
 }
 
 fn simplex<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S, N>, SpecError> {
-    if N != 2 {
-        return Err(SpecError::SimplexDimension { dimension: N });
-    }
     spec.check_degree(MAX_DEGREE_SIMPLEX, "simplices")?;
     let degree = spec.degree[0];
     if spec.degree.iter().any(|&d| d != degree) {

@@ -3,7 +3,7 @@
 use super::mesh_facets::{FaceOf, NamedFacets, outward_corners};
 use super::{Over, SideError, Space, Trace};
 use crate::basis::{Basis, Cell, Elements, LagrangeLine, TensorProduct, Topology, Unstructured, lattice};
-use crate::geometry::{ControlPoints, Embedding, cell};
+use crate::geometry::{ControlPoints, Embedded, Embedding, Geometry, cell};
 use crate::linalg::{Matrix, Vector};
 use std::sync::Arc;
 
@@ -21,6 +21,8 @@ pub(super) struct FacetSides<const N: usize> {
 pub(super) enum FacetMap<const N: usize> {
     /// Nodes of Lagrange cells.
     Nodes(Arc<ControlPoints<Unstructured<N>, N>>),
+    /// The map of the body's elements, all tetrahedra.
+    Through(Arc<dyn Geometry<N, N>>),
 }
 
 impl<const N: usize> FacetSides<N> {
@@ -56,6 +58,10 @@ impl<const N: usize> FacetSides<N> {
                     let points = places.iter().map(|&i| map.points[i]).collect();
                     (Arc::new(Over { basis, geometry: ControlPoints { basis: nodes, points } }), dofs)
                 }
+            }
+            FacetMap::Through(map) => {
+                let (basis, dofs) = functions(&self.basis, &facets, &Arc::new(Topology::new(kinds, corners)), None);
+                (Arc::new(Over { basis, geometry: Embedded::new(map.clone(), facets.clone(), Cell::Simplex) }), dofs)
             }
         };
         Ok(Trace::on_boundary(body, space, dofs, facets))

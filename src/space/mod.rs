@@ -10,6 +10,7 @@ mod mesh_error;
 mod mesh_facets;
 mod mesh_from_cells;
 mod mesh_from_patch;
+mod mesh_tetrahedra;
 mod mesh_trace;
 mod patch;
 mod quality;

@@ -217,11 +217,19 @@ pub enum SpecError {
         /// The degrees asked for.
         degree: Vec<usize>,
     },
-    /// Simplices in this dimension are not built.
-    #[error("simplex cells in {dimension} dimensions are not in this version; use tensor cells")]
-    SimplexDimension {
-        /// The dimension.
-        dimension: usize,
+    /// Tetrahedra on the exact map at a collapsed edge are not built.
+    #[error(
+        "side {side} is collapsed: tetrahedra on the exact map are not in this version there; use the isoparametric map or tensor cells"
+    )]
+    ExactCollapsed {
+        /// The collapsed side.
+        side: String,
+    },
+    /// A cell between collapsed edges has no tetrahedron with volume.
+    #[error("cell {cell} of the patch lies between collapsed edges and leaves no tetrahedron; take more elements, or tensor cells")]
+    FlatCell {
+        /// The cell, first axis fastest.
+        cell: usize,
     },
     /// The weights of the refined weight function are unusable.
     #[error(transparent)]

@@ -82,8 +82,17 @@ fn bodies_in_space_keep_the_contract_of_bodies() {
             let mesh = Mesh::<2, 3>::from_patch(&spec.clone().with_mapping(mapping)).unwrap();
             check::closed_body(&mesh).unwrap_or_else(|e| panic!("{name}, {mapping:?}: {e}"));
         }
-        let refused = Mesh::<2, 3>::from_patch(&spec.with_cells(Cell::Simplex)).unwrap_err();
-        assert_eq!(refused, SpecError::SimplexDimension { dimension: 3 });
+        for degree in 1..=4 {
+            let spec = spec.clone().with_cells(Cell::Simplex).with_degree([degree; 3]);
+            let mesh = Mesh::<2, 3>::from_patch(&spec).unwrap();
+            check::closed_body(&mesh).unwrap_or_else(|e| panic!("{name}, tetrahedra of degree {degree}: {e}"));
+            let exact = Mesh::<2, 3>::from_patch(&spec.with_mapping(Mapping::Exact));
+            if mesh.collapsed_sides().is_empty() {
+                check::closed_body(&exact.unwrap()).unwrap_or_else(|e| panic!("{name}, tetrahedra on the exact map, {degree}: {e}"));
+            } else {
+                assert_eq!(exact.unwrap_err(), SpecError::ExactCollapsed { side: "v0".into() });
+            }
+        }
     }
 }
 

@@ -16,8 +16,8 @@ use crate::space::{Field, PatchSpec, SpecError};
 /// The code and the text of what a built-in backend refuses.
 pub fn patch_fault(error: &SpecError) -> Fault {
     let code = match error {
-        SpecError::Inverted(_) => "E041",
-        SpecError::SimplexDimension { .. } => "E019",
+        SpecError::Inverted(_) | SpecError::FlatCell { .. } => "E041",
+        SpecError::ExactCollapsed { .. } => "E019",
         SpecError::Weights(_) => "E034",
         _ => "E015",
     };

@@ -1,0 +1,162 @@
+//! The mesh of a solid patch in tetrahedra.
+
+use super::grid::{Grid, Merged, SideOf, join, on_side, split};
+use super::mesh::{Named, Sides};
+use super::mesh_facets::{Facets, NamedFacets, vertices_of};
+use super::mesh_trace::{FacetMap, FacetSides};
+use super::{MAX_DEGREE_SIMPLEX, Mapping, Mesh, Over, PatchSpec, Space, SpecError, quality};
+use crate::basis::{Basis, Cell, Order, Topology, Unstructured, simplex_nodes};
+use crate::geometry::{ControlPoints, Embedded, Embedding, Geometry, MapTable};
+use crate::linalg::{Matrix, Vector};
+use std::sync::Arc;
+
+/// Corners of a hexahedron, as bits per axis, on the six ways along its edges from (0, 0, 0) to (1, 1, 1): right-handed tetrahedra.
+const CORNERS: [[usize; 4]; 6] = [[0, 1, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 3, 2, 7], [0, 6, 4, 7], [0, 5, 1, 7]];
+
+/// A tetrahedron cut from a cell of the grid.
+struct Tetrahedron {
+    cell: usize,
+    /// Its corners in the cell.
+    corners: [usize; 4],
+    ids: [usize; 4],
+}
+
+/// Six tetrahedra per cell around its diagonal; those that a collapsed edge leaves without volume are dropped, and the others
+/// take their part of the cell.
+pub(super) fn tetrahedra<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S, N>, SpecError> {
+    spec.check_degree(MAX_DEGREE_SIMPLEX, "simplices")?;
+    let degree = spec.degree[0];
+    if spec.degree.iter().any(|&d| d != degree) {
+        return Err(SpecError::MixedDegree { degree: spec.degree.to_vec() });
+    }
+    let grid = Grid::new(&spec.net, &spec.breakpoints)?;
+    let exact = spec.mapping == Mapping::Exact;
+    if let Some(c) = grid.collapsed.first().filter(|_| exact) {
+        return Err(SpecError::ExactCollapsed { side: c.side.name() });
+    }
+    let counts = grid.counts().map(|n| n + 1);
+    let vertex = Merged::new(&counts, &grid.collapsed);
+    let cut = cut(&grid, &counts, &vertex.id)?;
+    let topology = Arc::new(Topology::<N>::new(vec![Cell::Simplex; cut.len()], cut.iter().flat_map(|t| t.ids).collect()));
+    let basis = Unstructured::<N>::lagrange(degree, topology.clone());
+    let isoparametric = Arc::new(ControlPoints { points: nodes_of(&grid, &cut, &basis, degree), basis });
+    let basis = isoparametric.basis.clone();
+    let named = sides(&grid, &counts, &vertex.id, &topology);
+    let (space, geometry, map): (Arc<dyn Space<N, N>>, Arc<dyn Geometry<N, N>>, _) = if exact {
+        let corner = |bits: usize| Vector::<N>::from_fn(|k, _| (bits >> k & 1) as f64);
+        let embedding = |t: &Tetrahedron| Embedding {
+            element: t.cell,
+            origin: corner(t.corners[0]),
+            axes: Matrix::from_fn(|k, s| (corner(t.corners[s + 1]) - corner(t.corners[0]))[k]),
+        };
+        let cells = cut.iter().map(embedding).collect();
+        let geometry: Arc<dyn Geometry<N, N>> = Arc::new(Embedded::new(grid.exact.clone(), cells, Cell::Simplex));
+        (Arc::new(Over { basis: basis.clone(), geometry: geometry.clone() }), geometry.clone(), FacetMap::Through(geometry))
+    } else {
+        (isoparametric.clone(), isoparametric.clone(), FacetMap::Nodes(isoparametric))
+    };
+    let quality = quality(&*space)?;
+    let sides = Sides::Facets(FacetSides { basis, map, named });
+    Ok(Mesh { grid: Some(grid), space, geometry, sides, quality, named: Named::default() })
+}
+
+/// The tetrahedra of all cells with their merged vertices.
+fn cut<const N: usize>(grid: &Grid<N>, counts: &[usize; N], id: &[usize]) -> Result<Vec<Tetrahedron>, SpecError> {
+    let cells = grid.counts();
+    let mut all = Vec::new();
+    for cell in 0..cells.iter().product() {
+        let at = split(&cells, cell);
+        let before = all.len();
+        for corners in CORNERS {
+            let ids = corners.map(|c| id[join(counts, &std::array::from_fn(|k| at[k] + (c >> k & 1)))]);
+            if (0..4).all(|a| (0..a).all(|b| ids[a] != ids[b])) {
+                all.push(Tetrahedron { cell, corners, ids });
+            }
+        }
+        if all.len() == before {
+            return Err(SpecError::FlatCell { cell });
+        }
+    }
+    Ok(all)
+}
+
+/// The nodes of all functions on the exact map.
+fn nodes_of<const N: usize>(grid: &Grid<N>, cut: &[Tetrahedron], basis: &Unstructured<N>, degree: usize) -> Vec<Vector<N>> {
+    let nodes = simplex_nodes::<N, f64>(degree);
+    let mut points = vec![Vector::zeros(); basis.num_functions()];
+    let (mut map, mut places) = (MapTable::new(), Vec::new());
+    for (e, t) in cut.iter().enumerate() {
+        let fans = fans(grid, t.cell);
+        places.clear();
+        places.extend(nodes.iter().map(|xi| {
+            let weight = |v: usize| if v == 0 { 1.0 - xi.sum() } else { xi[v - 1] };
+            let place = Vector::<N>::from_fn(|k, _| (0..4).filter(|&v| t.corners[v] >> k & 1 == 1).map(weight).sum());
+            fans.iter().fold(place, spread)
+        }));
+        grid.exact.map(t.cell, &places, Order::Values, &mut map);
+        basis.functions(e).iter().zip(&map.x).for_each(|(&i, x)| points[i] = *x);
+    }
+    points
+}
+
+/// A face of a cell whose lines along an axis are points.
+struct Fan {
+    side: SideOf,
+    along: usize,
+}
+
+/// The collapsed faces of a cell, those that are points before those that are edges.
+fn fans<const N: usize>(grid: &Grid<N>, cell: usize) -> Vec<Fan> {
+    let (counts, at) = (grid.counts(), split(&grid.counts(), cell));
+    let touches = |side: SideOf| at[side.axis] == side.end * (counts[side.axis] - 1);
+    let here = grid.collapsed.iter().filter(|c| touches(c.side));
+    let mut fans: Vec<Fan> = here.map(|c| Fan { side: c.side, along: c.along }).collect();
+    fans.sort_by_key(|f| std::cmp::Reverse(grid.collapsed.iter().filter(|c| c.side == f.side).count()));
+    fans
+}
+
+/// The tetrahedra that are left at a collapsed face fill half of the cell; this carries that half to the whole cell, on rays
+/// from the face.
+fn spread<const N: usize>(mut place: Vector<N>, fan: &Fan) -> Vector<N> {
+    let away = place[fan.side.axis];
+    let (part, whole) = if fan.side.end == 0 { (place[fan.along], away) } else { (place[fan.along] - away, 1.0 - away) };
+    // on the face itself all places are one
+    place[fan.along] = if whole > 0.0 { (part / whole).clamp(0.0, 1.0) } else { 0.0 };
+    place
+}
+
+/// The boundary facets of every face of the patch, by their vertices.
+fn sides<const N: usize>(grid: &Grid<N>, counts: &[usize; N], id: &[usize], topology: &Topology<N>) -> NamedFacets {
+    let all: Vec<SideOf> = SideOf::all(N).into_iter().filter(|s| !grid.is_collapsed(*s)).collect();
+    // per merged vertex: the faces it is on, as bits; the topology numbers vertices anew
+    let mut faces = vec![0u8; id.len()];
+    for (k, &side) in all.iter().enumerate() {
+        on_side(counts, side).into_iter().for_each(|v| faces[id[v]] |= 1 << k);
+    }
+    let mut on = vec![0u8; topology.num_vertices()];
+    for e in 0..topology.num_cells() {
+        topology.vertices(e).iter().zip(topology.corners(e)).for_each(|(&v, &i)| on[v] = faces[i]);
+    }
+    let mut named = NamedFacets { sides: all.iter().map(|s| (s.name(), Vec::new())).collect(), ..NamedFacets::default() };
+    for of in Facets::of(topology).boundary() {
+        let common = vertices_of(topology, of).fold(u8::MAX, |bits, v| bits & on[v]);
+        if let Some(k) = (0..all.len()).find(|k| common >> k & 1 == 1) {
+            named.sides[k].1.push(of);
+        }
+    }
+    named
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn six_right_handed_tetrahedra_fill_the_cube() {
+        let corner = |bits: usize| Vector::<3>::from_fn(|k, _| (bits >> k & 1) as f64);
+        for c in CORNERS {
+            let axes = Matrix::<3, 3>::from_fn(|k, s| (corner(c[s + 1]) - corner(c[0]))[k]);
+            assert_eq!(axes.determinant(), 1.0, "{c:?}");
+        }
+    }
+}
