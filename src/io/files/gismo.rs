@@ -5,13 +5,13 @@
 //! Source: G+Smo, `src/gsIO/gsXmlUtils.hpp` and the files in `filedata`.
 
 use super::budget::Budget;
+use super::sides::SIDES;
 use super::text::{Words, broken, check_knots, check_weights, shown, unsupported};
 use super::xml::{self, Node};
 use super::{FileError, Format, Label, Limits, PatchSide, SplineFile, SplinePatch};
 use std::collections::BTreeMap;
 
-/// Names of the sides in the order of their numbers.
-const SIDES: [&str; 6] = ["u0", "u1", "v0", "v1", "w0", "w1"];
+pub use super::gismo_write::write;
 
 /// Reads a file.
 ///

@@ -5,11 +5,13 @@
 
 mod budget;
 pub mod gismo;
+mod gismo_write;
 pub mod gmsh;
 mod mesh;
 pub mod mfem;
 mod read;
 mod select;
+mod sides;
 mod spline;
 mod text;
 mod xml;
@@ -40,6 +42,15 @@ pub enum Format {
     Gmsh,
     /// VTK XML unstructured grid.
     Vtu,
+}
+
+/// The text of a file that was written, and what it does not carry.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// The text.
+    pub text: String,
+    /// What is lost, one phrase each.
+    pub lost: Vec<String>,
 }
 
 /// What reading may use.

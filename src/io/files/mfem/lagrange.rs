@@ -112,7 +112,7 @@ fn inside(shape: CellShape, order: usize) -> usize {
 }
 
 /// Places of the nodes of a line, square, cube or simplex: multi-indices, the first axis fastest.
-fn lattice(shape: CellShape, order: usize) -> Vec<[usize; 3]> {
+pub(super) fn lattice(shape: CellShape, order: usize) -> Vec<[usize; 3]> {
     let dimension = shape.dimension();
     let simplex = matches!(shape, CellShape::Triangle | CellShape::Tetrahedron);
     let side = |d: usize| if d < dimension { order } else { 0 };
@@ -153,6 +153,23 @@ fn collection(field: &Field) -> Result<(usize, Spread), FileError> {
     }
 }
 
+/// The unknown of a cell at a place of its lattice; `start` is that of its interior unless it is a boundary element.
+pub(super) fn unknown(
+    cell: &Cell,
+    order: usize,
+    index: &[usize; 3],
+    skeleton: &Skeleton,
+    starts: &Starts,
+    start: Option<usize>,
+) -> Option<usize> {
+    let index = &index[..cell.shape.dimension()];
+    match cell.shape {
+        CellShape::Point => Some(cell.vertices[0] as usize),
+        CellShape::Triangle | CellShape::Tetrahedron => simplex_unknown(cell, order, index, skeleton, starts, start),
+        _ => tensor_unknown(cell, &[order + 1; 3][..index.len()], index, skeleton, starts, start),
+    }
+}
+
 type Curved = (usize, Vec<[f64; 3]>, [Vec<Vec<u32>>; 2]);
 
 /// Points and nodes of curved cells.
@@ -179,14 +196,7 @@ fn curved(words: &mut Words<'_>, num_vertices: usize, lists: [&[Cell]; 2], budge
         for (k, cell) in list.iter().enumerate() {
             let lattice = lattices.entry(cell.shape).or_insert_with(|| lattice(cell.shape, order));
             let start = (cell.shape.dimension() == dimension).then(|| starts.cells[k]);
-            let one = |index: &[usize; 3]| {
-                let index = &index[..cell.shape.dimension()];
-                match cell.shape {
-                    CellShape::Point => Some(cell.vertices[0] as usize),
-                    CellShape::Triangle | CellShape::Tetrahedron => simplex_unknown(cell, order, index, &skeleton, &starts, start),
-                    _ => tensor_unknown(cell, &[order + 1; 3][..index.len()], index, &skeleton, &starts, start),
-                }
-            };
+            let one = |index: &[usize; 3]| unknown(cell, order, index, &skeleton, &starts, start);
             budget.items(1, lattice.len() * size_of::<u32>() + 2 * size_of::<Vec<u32>>())?;
             let all: Option<Vec<u32>> = match cell.shape {
                 CellShape::Prism | CellShape::Pyramid => Some(cell.corners().to_vec()),
@@ -201,7 +211,7 @@ fn curved(words: &mut Words<'_>, num_vertices: usize, lists: [&[Cell]; 2], budge
     Ok((order, points, nodes))
 }
 
-fn starts(num_vertices: usize, list: &[Cell], skeleton: &Skeleton, order: usize, budget: &mut Budget) -> Result<Starts, FileError> {
+pub(super) fn starts(num_vertices: usize, list: &[Cell], skeleton: &Skeleton, order: usize, budget: &mut Budget) -> Result<Starts, FileError> {
     let cells = list.len();
     let plane = list[0].shape.dimension() > 1;
     let num_edges = if plane { skeleton.num_edges() } else { 0 };

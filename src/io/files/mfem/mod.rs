@@ -6,12 +6,16 @@ mod cells;
 mod lagrange;
 mod nurbs;
 mod refine;
+mod write;
+mod write_mesh;
 
 use super::budget::Budget;
 use super::text::{Words, broken, shown, unsupported};
 use super::{Contents, FileError, Limits};
 
 pub use refine::refinement_list;
+pub use write::write;
+pub use write_mesh::write_mesh;
 
 /// Reads a file.
 ///

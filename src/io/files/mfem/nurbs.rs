@@ -4,6 +4,7 @@
 //! either with every patch (`patches`) or once for the whole mesh, numbered as `cells` says.
 
 use super::super::budget::Budget;
+use super::super::sides::SIDES;
 use super::super::text::{Words, broken, check_knots, check_weights, shown, unsupported};
 use super::super::{CellShape, FileError, Format, KnotUse, Label, PatchSide, SplineFile, SplinePatch};
 use super::cells::{self, Cell, Skeleton, Starts, tensor_unknown};
@@ -11,7 +12,7 @@ use super::{Field, dimension, end};
 use std::collections::{BTreeMap, HashMap};
 
 /// An edge of the file: its knot vector and its two vertices, along the knots.
-struct Edge {
+pub(super) struct Edge {
     vector: usize,
     from: u32,
     to: u32,
@@ -96,7 +97,7 @@ fn read_edges(words: &mut Words<'_>, budget: &mut Budget) -> Result<Vec<Edge>, F
 }
 
 /// Edges of a patch along direction d: vertices from the lower to the upper end.
-fn along(patch: &Cell, dimension: usize, d: usize) -> impl Iterator<Item = (u32, u32)> {
+pub(super) fn along(patch: &Cell, dimension: usize, d: usize) -> impl Iterator<Item = (u32, u32)> {
     (0..1usize << dimension).filter(move |bits| bits & (1 << d) == 0).map(move |bits| (patch.corner(bits), patch.corner(bits | 1 << d)))
 }
 
@@ -136,7 +137,7 @@ impl Classes {
 }
 
 /// Which knot vector every direction of every patch uses.
-fn knot_uses(
+pub(super) fn knot_uses(
     patches: &[Cell],
     dimension: usize,
     edges: &[Edge],
@@ -466,8 +467,6 @@ fn skip_spacing(words: &mut Words<'_>, notes: &mut Vec<String>) -> Result<(), Fi
 /// Sides by their vertices in rising order.
 type Sides = HashMap<[u32; 4], Vec<(u32, u8)>>;
 
-const NAMES: [&str; 6] = ["u0", "u1", "v0", "v1", "w0", "w1"];
-
 /// Vertices of a side in rising order.
 fn side_key(patch: &Cell, dimension: usize, side: usize) -> [u32; 4] {
     let mut key = [cells::NONE; 4];
@@ -493,7 +492,7 @@ fn sides_of(patches: &[Cell], dimension: usize, budget: &mut Budget) -> Result<S
 }
 
 fn named(&(patch, side): &(u32, u8)) -> PatchSide {
-    PatchSide { patch: patch as usize, side: NAMES[side as usize].to_string() }
+    PatchSide { patch: patch as usize, side: SIDES[side as usize].to_string() }
 }
 
 /// Sides with the same vertices, in the order of the patches.

@@ -1,0 +1,175 @@
+//! Writes MFEM meshes of Lagrange elements.
+
+use super::super::budget::Budget;
+use super::super::{CellShape, FileError, Group, Limits, MeshBlock, MeshFile, Written};
+use super::cells::{CORNERS, Cell, NONE, Skeleton};
+use super::lagrange::{lattice, starts, unknown};
+use super::write::{TEXT, element};
+use std::collections::{BTreeMap, HashMap};
+use std::fmt::Write;
+
+/// Writes an "MFEM mesh v1.0" of the cells of the highest dimension and of the facets that are in a group.
+///
+/// Order 1 is written with vertices, orders 2 and 3 with nodes (Quadratic, Cubic). A cell has the number of its first group; names, further
+/// groups and cells of lower dimension are lost.
+///
+/// # Errors
+/// [`FileError::Unsupported`] for mixed orders, order 4, order 3 in three dimensions, curved prisms and pyramids.
+pub fn write_mesh(mesh: &MeshFile) -> Result<Written, FileError> {
+    let unsupported = |what: String| Err(FileError::Unsupported { what, spot: None });
+    let d = mesh.dimension();
+    if d == 0 {
+        return unsupported("an MFEM mesh without elements".to_string());
+    }
+    let order = mesh.blocks.iter().filter(|b| b.shape.dimension() == d).map(|b| b.order).max().unwrap_or(1);
+    for block in mesh.blocks.iter().filter(|b| b.shape.dimension() + 1 >= d && b.shape != CellShape::Point) {
+        if block.order != order {
+            return unsupported(format!("an MFEM mesh of the orders {} and {order}", block.order));
+        }
+        let wedge = matches!(block.shape, CellShape::Prism | CellShape::Pyramid);
+        if order > 3 || (order == 3 && d == 3) || (order > 1 && wedge) {
+            return unsupported(format!("a {:?} of order {order} in an MFEM mesh that is written", block.shape));
+        }
+    }
+    let mut lost = Vec::new();
+    let mut numbers: BTreeMap<usize, u32> = BTreeMap::new();
+    for block in mesh.blocks.iter().filter(|b| b.shape.dimension() == d) {
+        for nodes in block.nodes.chunks_exact(per_cell(block)) {
+            numbers.extend(corners(block, nodes).map(|n| (n as usize, 0)));
+        }
+    }
+    for (k, number) in numbers.values_mut().enumerate() {
+        *number = k as u32;
+    }
+    let attributes = attributes(mesh, d, &mut lost);
+    let mut out = format!("MFEM mesh v1.0\n\ndimension\n{d}\n");
+    let mut all: [Vec<(Cell, &[u32])>; 2] = [Vec::new(), Vec::new()];
+    for block in &mesh.blocks {
+        let at = d - block.shape.dimension();
+        if at > 1 || (at == 1 && block.groups.is_empty()) {
+            continue;
+        }
+        let attribute = block.groups.first().map_or(1, |g| attributes[*g]);
+        for nodes in block.nodes.chunks_exact(per_cell(block)) {
+            let mut vertices = [NONE; 8];
+            for (slot, node) in vertices.iter_mut().zip(corners(block, nodes)) {
+                match numbers.get(&(node as usize)) {
+                    Some(v) => *slot = *v,
+                    None => return unsupported("an MFEM mesh with facets off its elements".to_string()),
+                }
+            }
+            all[at].push((Cell { attribute, shape: block.shape, vertices, line: 0 }, nodes));
+        }
+    }
+    for (name, list) in ["elements", "boundary"].iter().zip(&all) {
+        write!(out, "\n{name}\n{}\n", list.len()).expect(TEXT);
+        for (cell, _) in list {
+            element(&mut out, cell.attribute, cell.shape, cell.corners());
+        }
+    }
+    let flat = mesh.points.iter().all(|p| p[2] == 0.0);
+    let line = flat && mesh.points.iter().all(|p| p[1] == 0.0);
+    let world = if d == 1 && line { 1 } else if d <= 2 && flat { 2 } else { 3 };
+    write!(out, "\nvertices\n{}\n", numbers.len()).expect(TEXT);
+    let points: Vec<usize> = if order == 1 {
+        writeln!(out, "{world}").expect(TEXT);
+        numbers.keys().copied().collect()
+    } else {
+        let name = if order == 2 { "Quadratic" } else { "Cubic" };
+        write!(out, "\nnodes\nFiniteElementSpace\nFiniteElementCollection: {name}\nVDim: {world}\nOrdering: 1\n\n").expect(TEXT);
+        nodes_in_order(&all[0], order, numbers.len())?
+    };
+    for p in points {
+        let p = &mesh.points[p][..world];
+        writeln!(out, "{}", p.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(" ")).expect(TEXT);
+    }
+    if mesh.blocks.iter().any(|b| b.shape.dimension() + 1 < d) {
+        lost.push("cells of lower dimension than the facets".to_string());
+    }
+    if mesh.blocks.iter().any(|b| b.groups.len() > 1) {
+        lost.push("all groups of a cell but the first".to_string());
+    }
+    if mesh.blocks.iter().any(|b| b.shape.dimension() + 1 == d && b.groups.is_empty()) {
+        lost.push("facets in no group".to_string());
+    }
+    Ok(Written { text: out, lost })
+}
+
+/// Nodes of a cell of a block.
+fn per_cell(block: &MeshBlock) -> usize {
+    match block.shape {
+        CellShape::Prism => 6,
+        CellShape::Pyramid => 5,
+        shape => lattice(shape, block.order).len(),
+    }
+}
+
+/// Nodes at the corners of a cell, in MFEM's order.
+fn corners<'a>(block: &MeshBlock, nodes: &'a [u32]) -> impl Iterator<Item = u32> + 'a {
+    let n = block.order;
+    let tensor = matches!(block.shape, CellShape::Line | CellShape::Quadrilateral | CellShape::Hexahedron);
+    let count = match block.shape {
+        CellShape::Point => 1,
+        CellShape::Line => 2,
+        CellShape::Triangle => 3,
+        CellShape::Quadrilateral | CellShape::Tetrahedron => 4,
+        CellShape::Hexahedron => 8,
+        CellShape::Prism => 6,
+        CellShape::Pyramid => 5,
+    };
+    let place = move |k: usize| match count {
+        // A tetrahedron's last node is its last corner; the first triangle of nodes has the others.
+        3 | 4 if !tensor => [0, n, (n + 1) * (n + 2) / 2 - 1, (n + 1) * (n + 2) * (n + 3) / 6 - 1][k],
+        _ if tensor => {
+            let bits = CORNERS[k];
+            n * (bits & 1) + n * (n + 1) * (bits >> 1 & 1) + n * (n + 1) * (n + 1) * (bits >> 2)
+        }
+        _ => k,
+    };
+    (0..count).map(move |k| nodes[place(k)])
+}
+
+/// The number of every group in the file that is written: its own where that is positive.
+fn attributes(mesh: &MeshFile, d: usize, lost: &mut Vec<String>) -> Vec<i64> {
+    let used = |g: &Group| g.dimension + 1 >= d;
+    let mut next: BTreeMap<usize, i64> = BTreeMap::new();
+    for group in &mesh.groups {
+        let most = next.entry(group.dimension).or_insert(0);
+        *most = group.number.max(*most);
+    }
+    let mut all = Vec::new();
+    for group in &mesh.groups {
+        let mut number = group.number;
+        if number <= 0 {
+            let most = next.entry(group.dimension).or_insert(0);
+            *most = most.saturating_add(1);
+            number = *most;
+        }
+        if used(group) && (group.name.is_some() || number != group.number) {
+            lost.push(format!("the label \"{}\" of a group of dimension {}: it has the number {number}", group.label(), group.dimension));
+        }
+        all.push(number);
+    }
+    all
+}
+
+/// The points in the order of MFEM's unknowns.
+fn nodes_in_order(list: &[(Cell, &[u32])], order: usize, num_vertices: usize) -> Result<Vec<usize>, FileError> {
+    let cells: Vec<Cell> = list.iter().map(|(cell, _)| cell.clone()).collect();
+    let mut budget = Budget::new(&Limits::default(), 0);
+    let skeleton = Skeleton::new(&cells, HashMap::new(), &mut budget)?;
+    let starts = starts(num_vertices, &cells, &skeleton, order, &mut budget)?;
+    let mut points = vec![usize::MAX; starts.total];
+    for (k, (cell, nodes)) in list.iter().enumerate() {
+        for (index, node) in lattice(cell.shape, order).iter().zip(*nodes) {
+            let place = unknown(cell, order, index, &skeleton, &starts, Some(starts.cells[k])).expect("the skeleton is that of the cells");
+            let known = &mut points[place];
+            if *known != usize::MAX && *known != *node as usize {
+                let what = "an MFEM mesh whose neighbours have different nodes on a common edge or face".to_string();
+                return Err(FileError::Unsupported { what, spot: None });
+            }
+            *known = *node as usize;
+        }
+    }
+    Ok(points)
+}
