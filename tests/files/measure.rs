@@ -180,9 +180,7 @@ pub fn block_measure(mesh: &MeshFile, block: &MeshBlock) -> f64 {
     for nodes in block.nodes.chunks_exact(lattice.len()) {
         let (mut sum, mut absolute) = (0.0f64, 0.0f64);
         for ((_, w), slopes) in rule.iter().zip(&slopes) {
-            let tangent = |of: &Vec<f64>| {
-                std::array::from_fn(|k| nodes.iter().zip(of).map(|(n, s)| s * mesh.points[*n as usize][k]).sum())
-            };
+            let tangent = |of: &Vec<f64>| std::array::from_fn(|k| nodes.iter().zip(of).map(|(n, s)| s * mesh.points[*n as usize][k]).sum());
             let e = element(&slopes.iter().map(tangent).collect::<Vec<[f64; 3]>>());
             sum += w * e;
             absolute += w * e.abs();

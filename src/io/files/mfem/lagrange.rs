@@ -211,7 +211,13 @@ fn curved(words: &mut Words<'_>, num_vertices: usize, lists: [&[Cell]; 2], budge
     Ok((order, points, nodes))
 }
 
-pub(super) fn starts(num_vertices: usize, list: &[Cell], skeleton: &Skeleton, order: usize, budget: &mut Budget) -> Result<Starts, FileError> {
+pub(super) fn starts(
+    num_vertices: usize,
+    list: &[Cell],
+    skeleton: &Skeleton,
+    order: usize,
+    budget: &mut Budget,
+) -> Result<Starts, FileError> {
     let cells = list.len();
     let plane = list[0].shape.dimension() > 1;
     let num_edges = if plane { skeleton.num_edges() } else { 0 };

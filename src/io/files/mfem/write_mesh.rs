@@ -69,7 +69,13 @@ pub fn write_mesh(mesh: &MeshFile) -> Result<Written, FileError> {
     }
     let flat = mesh.points.iter().all(|p| p[2] == 0.0);
     let line = flat && mesh.points.iter().all(|p| p[1] == 0.0);
-    let world = if d == 1 && line { 1 } else if d <= 2 && flat { 2 } else { 3 };
+    let world = if d == 1 && line {
+        1
+    } else if d <= 2 && flat {
+        2
+    } else {
+        3
+    };
     write!(out, "\nvertices\n{}\n", numbers.len()).expect(TEXT);
     let points: Vec<usize> = if order == 1 {
         writeln!(out, "{world}").expect(TEXT);
