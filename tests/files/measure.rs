@@ -80,7 +80,8 @@ fn element(tangents: &[[f64; 3]]) -> f64 {
     let norm = |a: [f64; 3]| a.iter().map(|x| x * x).sum::<f64>().sqrt();
     match tangents {
         [a] => norm(*a),
-        [a, b] if a[2] == 0.0 && b[2] == 0.0 => cross(a, b)[2],
+        // in a plane of constant z, up to rounding
+        [a, b] if a[2].abs() < 1e-12 && b[2].abs() < 1e-12 => cross(a, b)[2],
         [a, b] => norm(cross(a, b)),
         [a, b, c] => cross(a, b).iter().zip(c).map(|(x, y)| x * y).sum(),
         _ => unreachable!("one to three tangents"),

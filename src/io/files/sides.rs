@@ -78,6 +78,20 @@ pub(super) fn lie(one: (&SplinePatch, usize), other: (&SplinePatch, usize)) -> L
     all.filter(fits).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or_default()
 }
 
+/// Whether the corners of two sides that lie on each other are the same points, up to a millionth of the first patch's size.
+pub(super) fn touch(one: (&SplinePatch, usize), other: (&SplinePatch, usize), lie: Lie) -> bool {
+    const TOLERANCE: f64 = 1e-6;
+    let dimension = one.0.dimension();
+    let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+    let first = one.0.points[0];
+    let size = one.0.points.iter().map(|p| distance(*p, first)).fold(0.0, f64::max);
+    (0..1usize << (dimension - 1)).all(|bits| {
+        let a = corner_point(one.0, side_corner(dimension, one.1, bits));
+        let b = corner_point(other.0, side_corner(dimension, other.1, lie.corner(bits, dimension - 1)));
+        distance(a, b) <= TOLERANCE * size
+    })
+}
+
 /// Whether the knots of two sides that lie on each other agree, up to the origin and the length of the parameters.
 pub(super) fn knots_agree(one: (&SplinePatch, usize), other: (&SplinePatch, usize), lie: Lie) -> bool {
     /// Largest difference of knots on the unit interval that counts as rounding.

@@ -1,7 +1,7 @@
 //! Writes MFEM NURBS meshes with control points per patch.
 
 use super::super::budget::Budget;
-use super::super::sides::{knots_agree, lie, side_corner, side_number};
+use super::super::sides::{knots_agree, lie, side_corner, side_number, touch};
 use super::super::{CellShape, FileError, KnotUse, Limits, SplineFile, Written};
 use super::cells::{CORNERS, Cell, NONE, Skeleton};
 use super::nurbs::{along, knot_uses};
@@ -115,6 +115,14 @@ fn topology(file: &SplineFile, d: usize, lost: &mut Vec<String>) -> (Vec<Cell>, 
         let (Some(s), Some(t)) = (side_number(&one.side), side_number(&other.side)) else { continue };
         let (a, b) = ((&file.patches[one.patch], s), (&file.patches[other.patch], t));
         let lie = lie(a, b);
+        if one.patch == other.patch {
+            lost.push(format!("that patch {} closes on itself: in MFEM its corners must differ", one.patch));
+            continue;
+        }
+        if !touch(a, b, lie) {
+            lost.push(format!("that patches {} and {} have a side in common: the corners lie apart", one.patch, other.patch));
+            continue;
+        }
         if !knots_agree(a, b, lie) {
             lost.push(format!(
                 "that patches {} and {} have a side in common: their knots differ there, in MFEM they must agree",
