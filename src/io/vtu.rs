@@ -479,7 +479,7 @@ impl Grid {
     fn into_bytes(self) -> Vec<u8> {
         let hexahedra = self.types.iter().any(|t| [72, 79].contains(t));
         let high_order = self.types.iter().any(|t| *t >= 68);
-        let mut file = File { xml: Writer::new_with_indent(Vec::new(), b' ', 2), appended: Vec::new() };
+        let mut file = File::new();
         let version = if hexahedra { "2.2" } else { "1.0" };
         file.start(
             "VTKFile",
@@ -519,25 +519,29 @@ impl Grid {
 }
 
 /// An XML document with raw data appended.
-struct File {
+pub(in crate::io) struct File {
     xml: Writer<Vec<u8>>,
     appended: Vec<u8>,
 }
 
 impl File {
+    pub fn new() -> Self {
+        Self { xml: Writer::new_with_indent(Vec::new(), b' ', 2), appended: Vec::new() }
+    }
+
     fn event(&mut self, event: Event<'_>) {
         self.xml.write_event(event).expect("a Vec takes every byte");
     }
 
-    fn start(&mut self, tag: &str, attributes: &[(&str, &str)]) {
+    pub fn start(&mut self, tag: &str, attributes: &[(&str, &str)]) {
         self.event(Event::Start(BytesStart::new(tag).with_attributes(attributes.iter().copied())));
     }
 
-    fn end(&mut self, tag: &str) {
+    pub fn end(&mut self, tag: &str) {
         self.event(Event::End(BytesEnd::new(tag)));
     }
 
-    fn array(&mut self, kind: &str, name: &str, components: usize, bytes: impl Iterator<Item = u8>) {
+    pub fn array(&mut self, kind: &str, name: &str, components: usize, bytes: impl Iterator<Item = u8>) {
         let (components, offset) = (components.to_string(), self.appended.len().to_string());
         let attributes = [
             ("type", kind),
@@ -554,7 +558,7 @@ impl File {
         self.appended[header..header + 8].copy_from_slice(&length.to_le_bytes());
     }
 
-    fn finish(mut self) -> Vec<u8> {
+    pub fn finish(mut self) -> Vec<u8> {
         self.start("AppendedData", &[("encoding", "raw")]);
         let raw = std::mem::take(&mut self.appended);
         let out = self.xml.get_mut();

@@ -14,11 +14,14 @@ mod select;
 mod sides;
 mod spline;
 mod text;
+mod vtu_mesh;
+pub mod vtu_read;
 mod xml;
 
 pub use mesh::{CellShape, Group, MeshBlock, MeshFile};
 pub use read::{parse, read};
 pub use spline::{KnotUse, Label, PatchSide, SplineFile, SplinePatch};
+pub use vtu_mesh::write_vtu;
 
 /// What a file holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +29,7 @@ pub use spline::{KnotUse, Label, PatchSide, SplineFile, SplinePatch};
 pub enum Contents {
     /// Spline patches: G+Smo XML, MFEM NURBS meshes.
     Patches(SplineFile),
-    /// A Lagrange mesh: Gmsh, MFEM.
+    /// A Lagrange mesh: Gmsh, MFEM, VTU.
     Mesh(MeshFile),
 }
 

@@ -1,7 +1,7 @@
 //! Any file: its format is told by what is in it.
 
 use super::text::shown;
-use super::{Contents, FileError, Limits, Spot, gismo, gmsh, mfem};
+use super::{Contents, FileError, Limits, Spot, gismo, gmsh, mfem, vtu_read};
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
@@ -51,10 +51,13 @@ pub fn parse(name: &str, bytes: &[u8], limits: &Limits) -> Result<Contents, File
     if start.starts_with(b"MFEM") {
         return mfem::parse(text, limits);
     }
+    if vtu_read::recognises(bytes) {
+        return vtu_read::parse(bytes, limits)?.mesh().map(Contents::Mesh);
+    }
     if start.starts_with(b"<") {
         return gismo::parse(text, limits).map(Contents::Patches);
     }
-    let what = format!("{} {}; G+Smo XML, MFEM meshes and Gmsh MSH files are read", shown(name.as_bytes()), looks(bytes));
+    let what = format!("{} {}; G+Smo XML, MFEM meshes, Gmsh MSH files and VTU grids are read", shown(name.as_bytes()), looks(bytes));
     Err(FileError::Broken { what, spot: Some(Spot::Line(1)) })
 }
 

@@ -18,13 +18,13 @@ impl MeshFile {
     /// The cells of dimension N (2 or 3), all of them or those of one group, by name or number.
     ///
     /// Points keep their places in [`MeshFile::points`], so that two groups of a file still show which points they share. Sides are the
-    /// groups of dimension N - 1 by label, groups of one label together; of each the facets that bound exactly one of the cells: facets
-    /// between two of them, and those of cells that were not chosen, are no side of this body.
+    /// groups of dimension N - 1 by label, groups of one label together; of each the facets of the cells: those of cells that were not
+    /// chosen are left out. Facets between two of the cells are among them; a body refuses such a side where it is used.
     ///
     /// # Errors
     /// [`FileError::Dimension`] without cells of dimension N, with cells of a higher one unless a group is asked for, and in the plane for
     /// points off z = 0; [`FileError::Missing`] for an unknown group; [`FileError::Unsupported`] for prisms and pyramids;
-    /// [`FileError::Broken`] where all cells are asked for and a group is partly on their boundary, partly no facet of any.
+    /// [`FileError::Broken`] where all cells are asked for and a group is partly facets of them, partly not.
     pub fn cells<const N: usize>(&self, group: Option<&str>) -> Result<MeshCells<N>, FileError> {
         let chosen = self.chosen(N, group)?;
         let mut blocks = Vec::new();
@@ -112,7 +112,7 @@ impl MeshFile {
     fn sides(&self, dimension: usize, chosen: &[&MeshBlock], whole: bool) -> Result<Vec<FacetTag>, FileError> {
         let facets: Vec<&MeshBlock> = self.blocks.iter().filter(|b| b.shape.dimension() + 1 == dimension && !b.groups.is_empty()).collect();
         // only facets of groups are looked for, so the cost is one pass over the cells
-        let mut wanted: Vec<(Key, u8)> = facets.iter().flat_map(|b| corners(b).map(|c| (key(&c), 0))).collect();
+        let mut wanted: Vec<(Key, bool)> = facets.iter().flat_map(|b| corners(b).map(|c| (key(&c), false))).collect();
         wanted.sort_unstable();
         wanted.dedup();
         let mut marked = vec![false; self.points.len()];
@@ -126,7 +126,7 @@ impl MeshFile {
                         let mut own = [NONE; 8];
                         own.iter_mut().zip(*facet).for_each(|(o, c)| *o = corners[*c]);
                         if let Ok(k) = wanted.binary_search_by_key(&key(&own), |w| w.0) {
-                            wanted[k].1 = wanted[k].1.saturating_add(1);
+                            wanted[k].1 = true;
                         }
                     }
                 }
@@ -140,9 +140,8 @@ impl MeshFile {
                 for (e, c) in corners(block).enumerate() {
                     let k = wanted.binary_search_by_key(&key(&c), |w| w.0).expect("every facet of a group is in the list");
                     match wanted[k].1 {
-                        0 => odd = odd.or(Some(block.ids[e])),
-                        1 => list.push(std::array::from_fn(|k| if c[k] == NONE { usize::MAX } else { c[k] as usize })),
-                        _ => {}
+                        false => odd = odd.or(Some(block.ids[e])),
+                        true => list.push(std::array::from_fn(|k| if c[k] == NONE { usize::MAX } else { c[k] as usize })),
                     }
                 }
             }

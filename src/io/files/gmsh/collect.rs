@@ -5,7 +5,7 @@ use crate::io::files::budget::Budget;
 use crate::io::files::{FileError, Group, MeshBlock};
 use std::collections::BTreeMap;
 
-/// Memory of a small list or an entry of a map beside its items, roughly [bytes].
+/// Memory of a small list or an entry of a map beside its items, roughly \[bytes\].
 const ENTRY: u64 = 256;
 
 /// Elements of one type.

@@ -39,18 +39,19 @@ const TYPES: [(i64, CellShape, usize); 25] = [
 ];
 
 /// Elements without the nodes inside their faces or themselves.
-const SERENDIPITY: [(i64, &str); 11] = [
+const SERENDIPITY: [(i64, &str); 12] = [
     (16, "8-node quadrilaterals"),
     (17, "20-node hexahedra"),
     (18, "15-node prisms"),
     (19, "13-node pyramids"),
     (20, "9-node triangles"),
     (22, "12-node triangles"),
-    (34, "22-node tetrahedra"),
+    (32, "22-node tetrahedra"),
     (39, "12-node quadrilaterals"),
     (40, "16-node quadrilaterals of order 4"),
     (99, "32-node hexahedra"),
     (100, "44-node hexahedra"),
+    (137, "16-node tetrahedra"),
 ];
 
 /// A type of elements with its nodes.
@@ -75,6 +76,11 @@ impl Kind {
             "element type {number} (orders 1 to {MAX_ORDER} of lines, triangles, quadrilaterals, tetrahedra and hexahedra are read)"
         ))
     }
+}
+
+/// Gmsh's number of a type.
+pub(super) fn number_of(shape: CellShape, order: usize) -> Option<i64> {
+    TYPES.iter().find(|t| t.1 == shape && t.2 == order).map(|t| t.0)
 }
 
 /// Place of Gmsh's a-th node in the list with the first axis fastest.

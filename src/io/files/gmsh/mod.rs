@@ -9,6 +9,9 @@ mod kinds;
 mod nodes;
 mod parse;
 mod scan;
+mod write;
+
+pub(super) use kinds::lexicographic;
 
 use super::{FileError, Limits, MeshFile};
 
@@ -29,4 +32,15 @@ pub fn recognises(bytes: &[u8]) -> bool {
 /// binary data the byte; [`FileError::Memory`] before memory beyond the limit is taken, the bytes of the file counted.
 pub fn parse(bytes: &[u8], limits: &Limits) -> Result<MeshFile, FileError> {
     parse::parse(bytes, limits)
+}
+
+/// The bytes of an MSH file of version 4.1.
+///
+/// Every set of groups becomes an entity of its own. Numbers of points and elements are kept where they are positive and unique, else all
+/// are numbered anew. [`parse`] gives an equal mesh back, notes apart, and equal bits of every coordinate.
+///
+/// # Errors
+/// [`FileError::Unsupported`] for orders above 4.
+pub fn write(mesh: &MeshFile, binary: bool) -> Result<Vec<u8>, FileError> {
+    write::write(mesh, binary)
 }
