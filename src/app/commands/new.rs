@@ -13,19 +13,36 @@ struct Sample {
     name: &'static str,
     about: &'static str,
     text: &'static str,
+    /// Meshes and geometries that the case reads, and what they were made of.
+    files: &'static [(&'static str, &'static [u8])],
 }
 
 macro_rules! sample {
-    ($name:literal, $about:literal) => {
-        Sample { name: $name, about: $about, text: include_str!(concat!("../../../examples/cases/", $name, ".toml")) }
+    ($name:literal, $about:literal $(, $file:literal)*) => {
+        Sample {
+            name: $name,
+            about: $about,
+            text: include_str!(concat!("../../../examples/cases/", $name, ".toml")),
+            files: &[$(($file, include_bytes!(concat!("../../../examples/cases/", $file)))),*],
+        }
     };
 }
 
-const SAMPLES: [Sample; 4] = [
+const SAMPLES: [Sample; 8] = [
     sample!("poisson-arc", "Poisson on a ring sector with a known solution"),
     sample!("contact-patch", "two blocks pressed together: uniform stress across meshes that do not match"),
     sample!("hertz", "a half cylinder pressed on a rigid plane, against the formula of Hertz"),
     sample!("iga-fe-arc", "a NURBS ring tied to a triangle mesh"),
+    sample!("cross-point", "three patches of a G+Smo file that meet in a point, grids that do not match", "cross-point.xml"),
+    sample!(
+        "iga-fe-plate",
+        "a plate with a hole: a NURBS patch of a G+Smo file tied to a mesh of a Gmsh file",
+        "iga-fe-plate.xml",
+        "iga-fe-plate.msh",
+        "iga-fe-plate.geo"
+    ),
+    sample!("l-bracket", "a bracket from Gmsh: physical groups, curved triangles", "l-bracket.msh", "l-bracket.geo"),
+    sample!("solid", "a pipe in three dimensions: NURBS, hexahedra, tetrahedra"),
 ];
 
 /// The file of the sample, where one is written.
@@ -54,17 +71,28 @@ pub fn new(arguments: &NewArguments, common: &Common) -> Ended {
         return Ended::done("new", sample.text.to_owned(), json!({"name": sample.name, "text": sample.text}));
     }
     let file = file(arguments, common);
-    match write_new(&file, sample.text.as_bytes()) {
-        Ok(()) => {
-            let shown = file.display().to_string();
-            Ended::done("new", format!("{shown} written; solve it with: faying run {shown}\n"), json!({"files": [shown]}))
-        }
-        Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {
-            let message = format!("`{}` exists; `faying new` never writes over a file", file.display());
-            Diagnostic::error("E090", message)
-                .with_help(format!("remove it, choose another folder with --out, or print the sample: faying new {} -", sample.name))
-                .into()
-        }
-        Err(e) => Diagnostic::error("E091", format!("writing `{}` failed: {e}", file.display())).into(),
+    let beside = |name: &str| file.with_file_name(name);
+    let parts = || sample.files.iter().map(|(name, bytes)| (beside(name), *bytes)).chain([(file.clone(), sample.text.as_bytes())]);
+    // nothing is written where one of them exists
+    if let Some((there, _)) = parts().find(|(path, _)| path.exists()) {
+        return exists(&there, sample.name);
     }
+    // the case last: what it needs is there when it appears
+    for (path, bytes) in parts() {
+        match write_new(&path, bytes) {
+            Ok(()) => {}
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => return exists(&path, sample.name),
+            Err(e) => return Diagnostic::error("E091", format!("writing `{}` failed: {e}", path.display())).into(),
+        }
+    }
+    let shown = file.display().to_string();
+    let all: Vec<String> =
+        std::iter::once(shown.clone()).chain(sample.files.iter().map(|(n, _)| beside(n).display().to_string())).collect();
+    Ended::done("new", format!("{} written; solve it with: faying run {shown}\n", all.join(", ")), json!({"files": all}))
+}
+
+fn exists(file: &std::path::Path, sample: &str) -> Ended {
+    Diagnostic::error("E090", format!("`{}` exists; `faying new` never writes over a file", file.display()))
+        .with_help(format!("remove it, choose another folder with --out, or print the sample: faying new {sample} -"))
+        .into()
 }
