@@ -285,3 +285,126 @@ fn what_cannot_be_glued_says_why() {
         assert!(first.code == code && first.message.contains(words), "{found}");
     }
 }
+
+/// A block pressed on a body by a displacement of its top; LOWER and UPPER stand for patches and their sides.
+fn pressed(lower: &str, upper: &str, contact: &str, base: &str, top: &str) -> String {
+    format!(
+        "{ELASTIC}[discretization]\ndegree = 2\ncontinuity = 0\n{STEEL}{lower}{upper}{contact}\
+         [[boundary]]\non = {base}\nfix = [\"x\", \"y\"]\n[[boundary]]\non = {top}\ndirichlet = [\"0.01\", \"-0.05 - 0.02*x\"]\n"
+    )
+}
+
+fn block(name: &str, min: [f64; 2], max: [f64; 2], elements: [usize; 2]) -> String {
+    format!("[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = {min:?}, max = {max:?} }}\nelements = {elements:?}\n")
+}
+
+#[test]
+fn a_block_across_the_seam_of_two_masters_is_pressed_as_on_one_patch() {
+    let whole = block("l", [0.0, 0.0], [2.0, 1.0], [4, 2]);
+    let straight = block("l", [0.0, 0.0], [1.0, 1.0], [2, 2]) + &block("r", [1.0, 0.0], [2.0, 1.0], [2, 2]);
+    // the right half runs the other way and upwards first
+    let corners = turned([[1.0, 0.0], [2.0, 0.0], [1.0, 1.0], [2.0, 1.0]], 7);
+    let other = block("l", [0.0, 0.0], [1.0, 1.0], [2, 2]) + &quad("r", corners, "elements = [2, 2]");
+    let top_of_other = "r.u0";
+    for (from, to) in [(0.55, 1.45), (0.9, 1.7), (0.13, 1.03)] {
+        let upper = block("up", [from, 1.0], [to, 1.6], [5, 2]);
+        let contact = |master: &str| format!("[[contact]]\nname = \"c\"\nslave = \"up.bottom\"\nmaster = {master}\n");
+        let one = solve(&pressed(&whole, &upper, &contact("\"l.top\""), "\"l.bottom\"", "\"up.top\""));
+        let glued = |lower: &str, masters: &str, base: &str| {
+            let joint = "[[interface]]\nbetween = [\"l\", \"r\"]\n".to_owned() + GLUE;
+            solve(&pressed(&(lower.to_owned() + &joint), &upper, &contact(masters), base, "\"up.top\""))
+        };
+        let two = glued(&straight, "[\"l.top\", \"r.top\"]", "[\"l.bottom\", \"r.bottom\"]");
+        let swapped = glued(&straight, "[\"r.top\", \"l.top\"]", "[\"l.bottom\", \"r.bottom\"]");
+        let turned = glued(&other, &format!("[\"l.top\", \"{top_of_other}\"]"), "[\"l.bottom\", \"r.u1\"]");
+        let c = |f: &Finished| f.result.contact.get("c").unwrap().clone();
+        let a = c(&one);
+        assert!(a.force[1] > 1e-3 && a.active > 0, "{a:?}");
+        for b in [c(&two), c(&swapped), c(&turned)] {
+            // nothing of the slave side is lost at the seam
+            assert!((b.segments.measure - (to - from)).abs() <= 1e-12, "{}", b.segments.measure);
+            for k in 0..2 {
+                assert!((a.force[k] - b.force[k]).abs() <= 1e-9 * a.force[1], "{:?} {:?}", a.force, b.force);
+            }
+            assert!((a.pressure.max - b.pressure.max).abs() <= 1e-9 * a.pressure.max);
+            assert_eq!(a.active, b.active);
+        }
+    }
+}
+
+#[test]
+fn a_glued_pair_of_slaves_is_pressed_as_one_patch() {
+    let lower = block("l", [0.0, 0.0], [2.0, 1.0], [7, 2]);
+    let contact =
+        |slaves: &str, psi: &str| format!("[[contact]]\nname = \"c\"\nslave = {slaves}\nmaster = \"l.top\"\nmultiplier = \"{psi}\"\n");
+    let upper = block("a", [0.2, 1.0], [1.8, 1.6], [4, 2]);
+    let halves = block("a", [0.2, 1.0], [1.0, 1.6], [2, 2])
+        + &block("b", [1.0, 1.0], [1.8, 1.6], [2, 2])
+        + "[[interface]]\nslave = \"a.right\"\nmaster = \"b.left\"\n"
+        + GLUE;
+    // p/p-2 of a C^0 trace is discontinuous: the same multipliers on one side and on two
+    let one = solve(&pressed(&lower, &upper, &contact("\"a.bottom\"", "p/p-2"), "\"l.bottom\"", "\"a.top\""));
+    let tops = "[\"a.top\", \"b.top\"]";
+    let two = solve(&pressed(&lower, &halves, &contact("[\"a.bottom\", \"b.bottom\"]", "p/p-2"), "\"l.bottom\"", tops));
+    let c = |f: &Finished| f.result.contact.get("c").unwrap().clone();
+    let (a, b) = (c(&one), c(&two));
+    assert!((a.force[1] - b.force[1]).abs() <= 1e-9 * a.force[1] && a.active == b.active, "{a:?} {b:?}");
+    assert!((a.pressure.max - b.pressure.max).abs() <= 1e-9 * a.pressure.max);
+    // p/p has a multiplier per function: both sides are lowered where they share one, and the system stays regular
+    let full = solve(&pressed(&lower, &halves, &contact("[\"a.bottom\", \"b.bottom\"]", "p/p"), "\"l.bottom\"", tops));
+    let f = c(&full);
+    assert!((a.force[1] - f.force[1]).abs() <= 0.01 * a.force[1], "{a:?} {f:?}");
+    assert_eq!(full.result.unknowns.multipliers, 2 * (5 - 1));
+}
+
+#[test]
+fn a_mortar_tie_may_end_on_a_glued_seam() {
+    // an exact linear field through a seam and two ties: p/p is lowered where both slaves share a function
+    let case = |psi: &str, lists: [&str; 2]| {
+        let [slaves, masters] = lists;
+        format!(
+            "{ELASTIC}exact = {{ u = [\"0.1*x + 0.2*y\", \"0.3*x - 0.1*y\"] }}\n{STEEL}{}{}{}\
+             [[interface]]\nname = \"g\"\nslave = \"a.right\"\nmaster = \"b.left\"\n{GLUE}\
+             [[interface]]\nname = \"m\"\nslave = {slaves}\nmaster = {masters}\nmultiplier = \"{psi}\"\n\
+             [[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n",
+            block("l", [0.0, 0.0], [2.0, 1.0], [5, 2]),
+            block("a", [0.0, 1.0], [1.1, 2.0], [3, 3]),
+            block("b", [1.1, 1.0], [2.0, 2.0], [4, 3])
+        )
+    };
+    for psi in ["p/p", "p/p-2"] {
+        for lists in [["[\"a.bottom\", \"b.bottom\"]", "\"l.top\""], ["\"l.top\"", "[\"a.bottom\", \"b.bottom\"]"]] {
+            let solved = solve(&case(psi, lists));
+            assert!(error(&solved, "error.u.L2") <= 1e-11, "{psi} {lists:?}: {:e}", error(&solved, "error.u.L2"));
+        }
+    }
+}
+
+#[test]
+fn between_ties_what_touches_with_the_finer_side_as_slave() {
+    let case = |joint: &str| {
+        format!(
+            "{ELASTIC}exact = {{ u = [\"0.1*x + 0.2*y\", \"0.3*x - 0.1*y\"] }}\n{STEEL}{}{}{}{}{joint}\
+             [[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n",
+            block("a", [0.0, 0.0], [1.0, 1.0], [4, 3]),
+            block("b", [1.0, 0.0], [2.0, 1.0], [3, 5]),
+            block("c", [0.0, 1.0], [2.0, 2.0], [5, 2]),
+            // touches nothing but a corner
+            block("d", [2.0, -1.0], [3.0, 0.0], [2, 2])
+        )
+    };
+    let solved = solve(&case("[[interface]]\nname = \"m\"\nbetween = \"all\"\n"));
+    assert!(error(&solved, "error.u.L2") <= 1e-11);
+    let m = solved.result.interface.get("m").unwrap();
+    assert!((m.segments.measure - 3.0).abs() <= 1e-12, "{}", m.segments.measure);
+    // slaves: b.left with 5 elements, and a.top with b.top, 7 elements, against c.bottom with 5;
+    // p/p-2 = p/0 per component
+    assert_eq!(solved.result.unknowns.multipliers, 2 * (5 + 4 + 3));
+    // a pair that is named is not found again
+    let named = "[[interface]]\nname = \"m\"\nbetween = \"all\"\n[[interface]]\nname = \"n\"\nslave = \"a.right\"\nmaster = \"b.left\"\n";
+    let solved = solve(&case(named));
+    assert!((solved.result.interface.get("m").unwrap().segments.measure - 2.0).abs() <= 1e-12);
+    assert!((solved.result.interface.get("n").unwrap().segments.measure - 1.0).abs() <= 1e-12);
+    let found = faults(&case("[[interface]]\nname = \"m\"\nbetween = [\"a\", \"d\"]\n"));
+    assert!(found.items[0].code == "E023" && found.items[0].message.contains("touch"), "{found}");
+}

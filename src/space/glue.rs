@@ -67,6 +67,19 @@ pub enum GlueError {
     },
 }
 
+/// Two facets at one place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GluedFacet<const S: usize, T: Real = f64> {
+    /// The slave's element.
+    pub slave: usize,
+    /// Position of the master side in the list.
+    pub master: usize,
+    /// The master's element.
+    pub element: usize,
+    /// Corners of both at one place, in local coordinates.
+    pub corners: Vec<(Vector<S, T>, Vector<S, T>)>,
+}
+
 /// A coefficient of the slave side by those of a master side: a = sum of terms.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GlueRow<T: Real = f64> {
@@ -101,6 +114,21 @@ pub fn glue<const S: usize, const N: usize, T: Real>(
     masters: &[&Trace<S, N, T>],
     near: Near<T>,
 ) -> Result<Vec<GlueRow<T>>, GlueError> {
+    glue_facets(slave, masters, near).map(|(rows, _)| rows)
+}
+
+/// Rows and pairs of facets.
+type Found<const S: usize, T> = (Vec<GlueRow<T>>, Vec<GluedFacet<S, T>>);
+
+/// [`glue`], and which facets lie on one another.
+///
+/// # Errors
+/// As [`glue`].
+pub fn glue_facets<const S: usize, const N: usize, T: Real>(
+    slave: &Trace<S, N, T>,
+    masters: &[&Trace<S, N, T>],
+    near: Near<T>,
+) -> Result<Found<S, T>, GlueError> {
     let size = sides_size(slave, masters);
     let (tight, share) = match near {
         Near::Exact => (size * lit(SAME_PLACE), T::zero()),
@@ -109,14 +137,16 @@ pub fn glue<const S: usize, const N: usize, T: Real>(
     };
     let partners = Partners::of(masters);
     let mut rows: BTreeMap<(usize, usize), Vec<(usize, T)>> = BTreeMap::new();
+    let mut facets = Vec::with_capacity(slave.facets.len());
     let mut facet = Facet::default();
     for e in 0..slave.space.num_elements() {
         let allowed = tight.max(slave.space.bounds(e).diagonal() * share);
         let center = center_of(slave, e);
-        let mut outcome = Outcome::<T>::NoPartner;
+        let mut outcome = Outcome::<S, T>::NoPartner;
         for (m, f) in partners.near(&center, allowed) {
             match facet.compare(slave, e, masters[m], f, tight, allowed) {
-                Outcome::Rows(found) => {
+                Outcome::Rows(found, corners) => {
+                    facets.push(GluedFacet { slave: e, master: m, element: f, corners });
                     let mut agrees = true;
                     for (function, terms) in found {
                         agrees &= match rows.get(&(function, m)) {
@@ -127,7 +157,8 @@ pub fn glue<const S: usize, const N: usize, T: Real>(
                             }
                         };
                     }
-                    outcome = if agrees { Outcome::Rows(Vec::new()) } else { Outcome::Differs("their continuity differs".into()) };
+                    outcome =
+                        if agrees { Outcome::Rows(Vec::new(), Vec::new()) } else { Outcome::Differs("their continuity differs".into()) };
                     break;
                 }
                 Outcome::Differs(why) => outcome = Outcome::Differs(why),
@@ -135,13 +166,14 @@ pub fn glue<const S: usize, const N: usize, T: Real>(
             }
         }
         match outcome {
-            Outcome::Rows(_) => {}
+            Outcome::Rows(..) => {}
             Outcome::Differs(difference) => return Err(GlueError::Functions { element: e, at: place(&center), difference }),
             Outcome::NoPartner => return Err(no_partner(slave, masters, e, &center, tight, share)),
         }
     }
     several_masters(slave, &rows)?;
-    Ok(rows.into_iter().map(|((function, master), terms)| GlueRow { function, master, terms }).collect())
+    let rows = rows.into_iter().map(|((function, master), terms)| GlueRow { function, master, terms }).collect();
+    Ok((rows, facets))
 }
 
 /// A function that reaches over two masters must be one function of each: else it is smoother than they are.
@@ -164,9 +196,9 @@ fn several_masters<const S: usize, const N: usize, T: Real>(
 }
 
 /// What two facets are to each other.
-enum Outcome<T: Real> {
-    /// The same functions: (slave function of the body, terms of functions of the master's body).
-    Rows(Vec<(usize, Vec<(usize, T)>)>),
+enum Outcome<const S: usize, T: Real> {
+    /// The same functions: (slave function of the body, terms of functions of the master's body); corners at one place.
+    Rows(Vec<(usize, Vec<(usize, T)>)>, Vec<(Vector<S, T>, Vector<S, T>)>),
     /// The same element with other functions.
     Differs(String),
     /// Another element.
@@ -220,7 +252,7 @@ impl<const S: usize, const N: usize, T: Real> Default for Facet<S, N, T> {
 
 impl<const S: usize, const N: usize, T: Real> Facet<S, N, T> {
     /// Element `e` of `a` against element `f` of `b`.
-    fn compare(&mut self, a: &Trace<S, N, T>, e: usize, b: &Trace<S, N, T>, f: usize, tight: T, allowed: T) -> Outcome<T> {
+    fn compare(&mut self, a: &Trace<S, N, T>, e: usize, b: &Trace<S, N, T>, f: usize, tight: T, allowed: T) -> Outcome<S, T> {
         let kind = a.space.cell(e);
         // a line is a line
         if S > 1 && b.space.cell(f) != kind {
@@ -249,7 +281,8 @@ impl<const S: usize, const N: usize, T: Real> Facet<S, N, T> {
                         terms.sort_unstable_by_key(|t| t.0);
                         (a.dofs[self.ids[0][i]], terms)
                     };
-                    return Outcome::Rows(local.into_iter().map(body).collect());
+                    let pairs = corners.iter().copied().zip(turned.iter().copied()).collect();
+                    return Outcome::Rows(local.into_iter().map(body).collect(), pairs);
                 }
                 None => {
                     outcome = Outcome::Differs(if degree_a.iter().max() != degree_b.iter().max() {

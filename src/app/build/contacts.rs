@@ -5,7 +5,7 @@ use super::couples::Couples;
 use super::fixed::Fixed;
 use super::model::{Against, ContactModel, ContactPart, Model, SideModel};
 use super::multipliers::{held_help, multiplier, multiplier_fault};
-use super::sides::Sides;
+use super::sides::{Sides, as_one};
 use super::ties::{degree, labels, list, memberships};
 use super::values::times;
 use crate::assembly::gauss_rules;
@@ -20,7 +20,7 @@ use crate::io::errors::Diagnostic;
 use crate::io::formula::{Formula, Point};
 use crate::io::place::Place;
 use crate::linalg::Vector;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Directions with less than this along an axis do not need it.
@@ -41,6 +41,7 @@ pub(super) fn build<const S: usize, const N: usize>(
     }
     let tied = memberships(builder, model, couples);
     let case = builder.case;
+    let seams = seams(builder, model, sides);
     for contact in &case.contacts {
         if let Err(fault) = known(builder, contact, model) {
             builder.faults.push(*fault);
@@ -64,7 +65,8 @@ pub(super) fn build<const S: usize, const N: usize>(
             let taken = |function: usize, component: usize| {
                 fixed.is(model.patches[slave.patch].field.unknown(function, component)) || tied.count(model, slave.patch, function) > 0
             };
-            match part(builder, model, contact, &built, slave, &masters, at, &taken) {
+            let on_seam = |function: usize| seams.contains(&model.function(slave.patch, function));
+            match part(builder, model, contact, &built, slave, &masters, at, &taken, &on_seam) {
                 Ok((part, warning)) => {
                     model.rows += part.multiplier.num_functions();
                     built.parts.push(part);
@@ -77,6 +79,26 @@ pub(super) fn build<const S: usize, const N: usize>(
         }
         model.contacts.push(built);
     }
+}
+
+/// Functions of the model that slave sides of different patches share.
+fn seams<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>, sides: &mut Sides<S, N>) -> HashSet<usize> {
+    let (mut first, mut shared) = (HashMap::new(), HashSet::new());
+    if model.glued.is_empty() {
+        return shared;
+    }
+    let case = builder.case;
+    for slave in case.contacts.iter().flat_map(|c| &c.slave) {
+        // what is wrong with a side is reported where its contact is built
+        let Ok(side) = sides.get(builder, &model.patches, slave) else { continue };
+        for &dof in &side.trace.dofs {
+            let function = model.function(side.patch, dof);
+            if *first.entry(function).or_insert(side.patch) != side.patch {
+                shared.insert(function);
+            }
+        }
+    }
+    shared
 }
 
 /// What this version has.
@@ -98,11 +120,6 @@ fn known<const S: usize, const N: usize>(
     if contact.integration.value == Integration::Mixed {
         return later("mixed integration of contacts", contact.integration.at);
     }
-    if let Master::Sides(list) = &contact.master
-        && list.len() > 1
-    {
-        return later("a contact with several master sides", list[1].at);
-    }
     if model.components == 1 {
         return Err(Box::new(builder.error("E015", "contact needs elasticity; the model is poisson", contact.head.at)));
     }
@@ -123,6 +140,7 @@ fn part<const S: usize, const N: usize>(
     masters: &[Arc<SideModel<S, N>>],
     at: Place,
     taken: &dyn Fn(usize, usize) -> bool,
+    on_seam: &dyn Fn(usize) -> bool,
 ) -> Result<(ContactPart<S, N>, Option<Diagnostic>), Box<Diagnostic>> {
     let name = &contact.name.value;
     let mut moves = false;
@@ -134,7 +152,7 @@ fn part<const S: usize, const N: usize>(
             Against::Rigid(target, slave_segments(&*slave.trace.space, &rules))
         }
         _ => {
-            let Some(master) = masters.first() else {
+            let Some(master) = &as_one(model, masters) else {
                 return Err(Box::new(builder.error("E021", format!("contact \"{name}\" has no master"), contact.head.at)));
             };
             let points = degree(slave).max(degree(master)) + 1 + contact.extra_points.value;
@@ -156,7 +174,9 @@ fn part<const S: usize, const N: usize>(
     // an obstacle that moves turns its normals; what cannot move at one of the times is constrained
     let turning = |n: usize| -> Vec<_> { times(builder.case, moves).iter().map(|&t| directions(slave, &against, t, n)).collect() };
     let normals = turning(2);
-    let stuck = |function: usize| normals.iter().filter_map(|list| list.get(&function)).any(|n| cannot_move(function, n));
+    // two slave sides that share a function have one multiplier too many there
+    let stuck =
+        |function: usize| on_seam(function) || normals.iter().filter_map(|list| list.get(&function)).any(|n| cannot_move(function, n));
     // functions inside of elements vanish at corners: their direction is that where they are largest
     let inner = turning(degree(slave) + 2);
     let held =
@@ -205,7 +225,7 @@ fn rows<const S: usize, const N: usize>(
     let gap = |x: &Vector<N>, g: f64| gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(g));
     match against {
         Against::Side(master, segments) => {
-            let opponent = Opponent::Master(Side { trace: &master.trace, field: model.patches[master.patch].field, flux: None });
+            let opponent = Opponent::Master(Side { trace: &master.trace, field: master.field, flux: None });
             Contact::new(side, opponent, psi, segments.clone(), &gap, model.unknowns)
         }
         Against::Rigid(target, segments) => {

@@ -83,8 +83,19 @@ pub struct SideModel<const S: usize, const N: usize> {
     pub label: String,
     /// Functions, map and facets.
     pub trace: Trace<S, N>,
+    /// Where the unknowns of the trace's functions are.
+    pub field: Field,
+    /// (first element, patch) of every run of elements; one unless several sides are seen as one.
+    pub runs: Vec<(usize, usize)>,
     /// Rules of integrals over the side.
     pub rules: PerElement<S>,
+}
+
+impl<const S: usize, const N: usize> SideModel<S, N> {
+    /// The patch behind an element of the side.
+    pub fn patch_of(&self, element: usize) -> usize {
+        self.runs[self.runs.partition_point(|r| r.0 <= element) - 1].1
+    }
 }
 
 /// A prescribed value.

@@ -1,7 +1,7 @@
 //! Sides of bodies by their references in the case, made once each.
 
 use super::Builder;
-use super::model::{PatchModel, SideModel};
+use super::model::{Model, PatchModel, SideModel};
 use crate::assembly::gauss_rules;
 use crate::basis::{Cell, Order};
 use crate::geometry::MapTable;
@@ -10,7 +10,7 @@ use crate::io::errors::Diagnostic;
 use crate::io::formula::{Formula, Point};
 use crate::io::place::{Located, Origin};
 use crate::linalg::{Vector, lit, num};
-use crate::space::{SideError, Trace};
+use crate::space::{Field, JoinedSide, SideError, Trace};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -58,7 +58,7 @@ impl<const S: usize, const N: usize> Sides<S, N> {
         }
         let patch = &patches[wanted.value.patch];
         let trace = patch.body.trace(&wanted.value.side).map_err(|e| side_fault(builder, &patch.name, &e, &patch.body.sides(), wanted))?;
-        let side = Arc::new(make(label(builder, patch, wanted), wanted, trace, patch.extra_points));
+        let side = Arc::new(make(label(builder, patch, wanted), wanted, trace, patch));
         self.known.insert(key, side.clone());
         Ok(side)
     }
@@ -91,13 +91,41 @@ impl<const S: usize, const N: usize> Sides<S, N> {
         }
         let trace = Trace::from_facets(patch.body.space(), facets, kind)
             .map_err(|e| side_fault(builder, &patch.name, &e, &patch.body.sides(), wanted))?;
-        Ok(Arc::new(make(whole.label.clone(), wanted, trace, patch.extra_points)))
+        Ok(Arc::new(make(whole.label.clone(), wanted, trace, patch)))
     }
 }
 
-fn make<const S: usize, const N: usize>(label: String, wanted: &SideRef, trace: Trace<S, N>, extra_points: usize) -> SideModel<S, N> {
-    let rules = gauss_rules(&*trace.space, extra_points);
-    SideModel { patch: wanted.patch, side: wanted.side.clone(), label, trace, rules }
+fn make<const S: usize, const N: usize>(label: String, wanted: &SideRef, trace: Trace<S, N>, patch: &PatchModel<S, N>) -> SideModel<S, N> {
+    let rules = gauss_rules(&*trace.space, patch.extra_points);
+    SideModel { patch: wanted.patch, side: wanted.side.clone(), label, field: patch.field, runs: vec![(0, wanted.patch)], trace, rules }
+}
+
+/// Several sides as one surface, in functions of the model: what is glued is one function.
+pub(super) fn as_one<const S: usize, const N: usize>(model: &Model<S, N>, sides: &[Arc<SideModel<S, N>>]) -> Option<Arc<SideModel<S, N>>> {
+    let (first, others) = sides.split_first()?;
+    if others.is_empty() {
+        return Some(first.clone());
+    }
+    let parts: Vec<JoinedSide<'_, S, N>> = sides
+        .iter()
+        .map(|s| JoinedSide {
+            trace: &s.trace,
+            dofs: s.trace.dofs.iter().map(|&dof| model.function(s.patch, dof)).collect(),
+            first_element: 0,
+        })
+        .collect();
+    let trace = Trace::joined(&parts);
+    let mut next = 0;
+    let run = |s: &Arc<SideModel<S, N>>| {
+        let start = next;
+        next += s.trace.facets.len();
+        (start, s.patch)
+    };
+    let runs = sides.iter().map(run).collect();
+    let rules = gauss_rules(&*trace.space, sides.iter().map(|s| model.patches[s.patch].extra_points).max().unwrap_or(0));
+    let label = sides.iter().map(|s| s.label.as_str()).collect::<Vec<_>>().join(", ");
+    let field = Field { first: 0, components: model.components };
+    Some(Arc::new(SideModel { patch: first.patch, side: first.side.clone(), label, field, runs, trace, rules }))
 }
 
 /// The name as the case file has it where it stands there in full, else by alias on boxes and by direction elsewhere.

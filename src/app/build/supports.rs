@@ -92,13 +92,14 @@ pub fn free_motions<const S: usize, const N: usize>(
     }
     for (k, contact) in model.contacts.iter().enumerate() {
         for (p, part) in contact.parts.iter().enumerate() {
-            let frames = &contacts[k][p].frames;
+            let (frames, segments) = (&contacts[k][p].frames, &contacts[k][p].segments);
             for (q, x) in frames.x.iter().enumerate().filter(|(q, _)| closed(k, p, *q)) {
                 let mut terms = vec![(body(part.slave.patch), 1.0, *x)];
                 if let super::Against::Side(master, _) = &part.against {
                     // the partner is the foot point: rotations act on it, not on the slave point
                     let foot = x - frames.normal[q] * frames.gap[q];
-                    terms.push((body(master.patch), -1.0, foot));
+                    let piece = segments.start.partition_point(|&s| s <= q) - 1;
+                    terms.push((body(master.patch_of(segments.master[piece])), -1.0, foot));
                 }
                 rows.push(RigidRow { terms, direction: frames.normal[q] });
             }

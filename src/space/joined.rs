@@ -1,0 +1,185 @@
+//! Several bases or spaces as one: their elements in a row, their functions under common numbers.
+
+use super::Space;
+use crate::basis::{Basis, Block, Cell, Elements, Extracted, Order, Polynomials, ShapeTable};
+use crate::geometry::{Bounds, Geometry, MapBlock, MapTable};
+use crate::linalg::{Real, Vector};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Elements of all parts in a row; functions and corners of each part under the numbers of the whole.
+///
+/// A part keeps its blocks, shifted: one block per patch for sum factorisation. Multipliers of the whole are those of
+/// the parts, discontinuous between them.
+#[derive(Clone, Debug)]
+pub struct Joined<X> {
+    parts: Vec<Part<X>>,
+    functions: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Part<X> {
+    inner: X,
+    /// First element of the whole.
+    first: usize,
+    /// The whole's function behind each function.
+    ids: Vec<usize>,
+    /// The whole's corner behind each corner id of the part.
+    corners: HashMap<usize, usize>,
+}
+
+impl<X: Elements> Joined<X> {
+    /// The parts with the numbers of their functions and corners in the whole.
+    ///
+    /// No two functions of one element may have the same number; see [`one_each`].
+    pub(super) fn new(parts: Vec<(X, Vec<usize>, HashMap<usize, usize>)>, functions: usize) -> Self {
+        let mut first = 0;
+        let parts = parts
+            .into_iter()
+            .map(|(inner, ids, corners)| {
+                let part = Part { first, ids, corners, inner };
+                first += part.inner.num_elements();
+                part
+            })
+            .collect();
+        Self { parts, functions }
+    }
+
+    /// The part of an element, and its number there.
+    #[inline]
+    fn at(&self, element: usize) -> (&Part<X>, usize) {
+        let part = &self.parts[self.parts.partition_point(|p| p.first <= element) - 1];
+        (part, element - part.first)
+    }
+
+    /// Number of the part that holds `element`.
+    pub fn part(&self, element: usize) -> usize {
+        self.parts.partition_point(|p| p.first <= element) - 1
+    }
+
+    /// First element of every part.
+    pub fn first_elements(&self) -> Vec<usize> {
+        self.parts.iter().map(|p| p.first).collect()
+    }
+}
+
+impl<X: Elements> Elements for Joined<X> {
+    fn num_elements(&self) -> usize {
+        self.parts.last().map_or(0, |p| p.first + p.inner.num_elements())
+    }
+    fn cell(&self, element: usize) -> Cell {
+        let (part, e) = self.at(element);
+        part.inner.cell(e)
+    }
+    fn corners(&self, element: usize, ids: &mut Vec<usize>) {
+        let (part, e) = self.at(element);
+        part.inner.corners(e, ids);
+        for id in ids {
+            *id = part.corners[id];
+        }
+    }
+}
+
+impl<const D: usize, T: Real, X: Basis<D, T>> Basis<D, T> for Joined<X> {
+    fn num_functions(&self) -> usize {
+        self.functions
+    }
+    fn degree(&self, element: usize) -> [usize; D] {
+        let (part, e) = self.at(element);
+        part.inner.degree(e)
+    }
+    fn active(&self, element: usize, ids: &mut Vec<usize>) {
+        let (part, e) = self.at(element);
+        part.inner.active(e, ids);
+        for id in ids {
+            *id = part.ids[*id];
+        }
+    }
+    fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
+        let (part, e) = self.at(element);
+        part.inner.tabulate(e, xi, order, table);
+    }
+    fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
+        let (part, e) = self.at(element);
+        part.inner.block(e).map(|block| Block { first: block.first + part.first, ..block })
+    }
+    fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
+        let mut functions = 0;
+        let mut parts = Vec::with_capacity(self.parts.len());
+        for part in &self.parts {
+            let own = part.inner.polynomials(wanted)?;
+            let ids = (functions..functions + own.num_functions()).collect();
+            functions += own.num_functions();
+            let corners = corner_ids(&own, &part.corners);
+            parts.push((own, ids, corners));
+        }
+        Some(Box::new(Joined::new(parts, functions)))
+    }
+}
+
+/// The corner numbers that polynomials on the elements of a part need: those of the part.
+fn corner_ids<X: Elements>(part: &X, known: &HashMap<usize, usize>) -> HashMap<usize, usize> {
+    let mut ids = Vec::new();
+    let mut out = HashMap::new();
+    for e in 0..part.num_elements() {
+        part.corners(e, &mut ids);
+        for &id in &ids {
+            out.insert(id, known.get(&id).copied().unwrap_or(id));
+        }
+    }
+    out
+}
+
+impl<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T>> Geometry<D, N, T> for Joined<X> {
+    fn map(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut MapTable<D, N, T>) {
+        let (part, e) = self.at(element);
+        part.inner.map(e, xi, order, table);
+    }
+    fn bounds(&self, element: usize) -> Bounds<N, T> {
+        let (part, e) = self.at(element);
+        part.inner.bounds(e)
+    }
+    fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> {
+        let (part, e) = self.at(element);
+        part.inner.map_block(e).map(|m| MapBlock { basis: Block { first: m.basis.first + part.first, ..m.basis }, ..m })
+    }
+}
+
+impl<const D: usize, const N: usize, T: Real, X: Space<D, N, T>> Space<D, N, T> for Joined<X> {
+    fn evaluate(&self, element: usize, xi: &[Vector<D, T>], order: Order, shapes: &mut ShapeTable<D, T>, map: &mut MapTable<D, N, T>) {
+        let (part, e) = self.at(element);
+        part.inner.evaluate(e, xi, order, shapes, map);
+    }
+}
+
+/// `space` with numbers `ids` for its functions, so that no element has a number twice: where it would, functions of one
+/// number become their sum.
+pub(super) fn one_each<const D: usize, const N: usize, T: Real>(
+    space: &Arc<dyn Space<D, N, T>>,
+    ids: Vec<usize>,
+) -> (Arc<dyn Space<D, N, T>>, Vec<usize>) {
+    let (mut active, mut numbers) = (Vec::new(), Vec::new());
+    let twice = (0..space.num_elements()).any(|e| {
+        space.active(e, &mut active);
+        numbers.clear();
+        numbers.extend(active.iter().map(|&i| ids[i]));
+        numbers.sort_unstable();
+        numbers.windows(2).any(|w| w[0] == w[1])
+    });
+    if !twice {
+        return (space.clone(), ids);
+    }
+    let (mut place, mut own) = (HashMap::new(), Vec::new());
+    let rows = ids
+        .iter()
+        .map(|&id| {
+            let k = *place.entry(id).or_insert_with(|| {
+                own.push(id);
+                own.len() - 1
+            });
+            vec![(k, T::one())]
+        })
+        .collect();
+    let basis = Extracted::new::<D>(space.clone(), own.len(), rows);
+    (Arc::new(super::Over { basis, geometry: space.clone() }), own)
+}
