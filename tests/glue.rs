@@ -408,3 +408,103 @@ fn between_ties_what_touches_with_the_finer_side_as_slave() {
     let found = faults(&case("[[interface]]\nname = \"m\"\nbetween = [\"a\", \"d\"]\n"));
     assert!(found.items[0].code == "E023" && found.items[0].message.contains("touch"), "{found}");
 }
+
+/// The corners of the unit cube, deformed, first axis fastest.
+fn corner(c: usize) -> [f64; 3] {
+    let x: [f64; 3] = std::array::from_fn(|k| (c >> k & 1) as f64);
+    [x[0] + 0.1 * x[1] * x[2], x[1] - 0.1 * x[0], x[2] + 0.15 * x[0] * x[1]]
+}
+
+/// A trilinear patch over a part of the cube; its axes are those of the cube in the order `order`, `flip` turns them round.
+fn brick(name: &str, lo: [f64; 3], hi: [f64; 3], order: [usize; 3], flip: usize, elements: [usize; 3]) -> String {
+    let point = |c: usize| -> [f64; 3] {
+        let xi: [f64; 3] = {
+            let mut xi = [0.0; 3];
+            for k in 0..3 {
+                xi[order[k]] = if (c >> k ^ flip >> k) & 1 == 1 { hi[order[k]] } else { lo[order[k]] };
+            }
+            xi
+        };
+        let mut x = [0.0; 3];
+        for c in 0..8 {
+            let weight: f64 = (0..3).map(|k| if c >> k & 1 == 1 { xi[k] } else { 1.0 - xi[k] }).product();
+            (0..3).for_each(|k| x[k] += weight * corner(c)[k]);
+        }
+        x
+    };
+    let points: Vec<String> = (0..8).map(|c| format!("{:?}", point(c))).collect();
+    let elements: Vec<usize> = (0..3).map(|k| elements[order[k]]).collect();
+    format!(
+        "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"nurbs\", degree = [1, 1, 1], knots = [[0, 0, 1, 1], [0, 0, 1, 1], [0, 0, 1, 1]], \
+         points = [{}] }}\nelements = {elements:?}\n",
+        points.join(", ")
+    )
+}
+
+const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
+
+#[test]
+fn eight_boxes_in_any_orientation_are_one_box() {
+    let case = |disc: &str, patches: &str, joint: &str| {
+        format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 3\nbody_force = [\"x\", \"1\", \"-y\"]\n[discretization]\n{disc}{STEEL}{patches}{joint}\
+             [[boundary]]\non = \"all-outer\"\ndirichlet = [\"0.01*x*y\", \"0\", \"0.02*x\"]\n\
+             [[probe]]\nname = \"x\"\nquantity = \"u.x at [0.45, 0.31, 0.62]\"\n[[probe]]\nname = \"y\"\nquantity = \"u.y at [0.7, 0.55, 0.4]\"\n"
+        )
+    };
+    for (disc, elements) in
+        [("degree = 2\ncontinuity = 0\n", 2), ("backend = \"fe\"\ndegree = 2\n", 2), ("backend = \"fe\"\ndegree = 1\n", 4)]
+    {
+        let one = solve(&case(disc, &brick("a", [0.0; 3], [1.0; 3], [0, 1, 2], 0, [elements; 3]), ""));
+        for seed in [1, 2] {
+            let patches: String = (0..8usize)
+                .map(|p| {
+                    let lo: [f64; 3] = std::array::from_fn(|k| 0.5 * (p >> k & 1) as f64);
+                    let hi = lo.map(|v| v + 0.5);
+                    brick(&format!("p{p}"), lo, hi, ORDERS[(5 * p + seed) % 6], (3 * p * seed + p / 2) % 8, [elements / 2; 3])
+                })
+                .collect();
+            let eight = solve(&case(disc, &patches, "[[interface]]\nbetween = \"all\"\ncoupling = \"glue\"\n"));
+            assert_eq!(eight.result.unknowns.primal, one.result.unknowns.primal);
+            for name in ["x", "y"] {
+                let (a, b) = (probe(&one, name), probe(&eight, name));
+                assert!((a - b).abs() <= 1e-10 * a.abs(), "{disc} {seed} {name}: {a:e} {b:e}");
+            }
+            let sum = |f: &Finished| f.result.reactions.iter().fold([0.0; 3], |s, (_, r)| std::array::from_fn(|k| s[k] + r[k]));
+            let (a, b) = (sum(&one), sum(&eight));
+            assert!((0..3).all(|k| (a[k] - b[k]).abs() <= 1e-9), "{a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn a_long_list_of_glued_patches_stays_one_body() {
+    // a chain of twelve squares, named in no order, one body for the supports
+    let patches: String =
+        (0..12).map(|k| 5 * k % 12).map(|k| block(&format!("p{k}"), [f64::from(k), 0.0], [f64::from(k) + 1.0, 1.0], [1, 1])).collect();
+    let text = format!(
+        "{ELASTIC}{STEEL}{patches}[[interface]]\nbetween = \"all\"\n{GLUE}[[boundary]]\non = \"p0.left\"\nfix = [\"x\", \"y\"]\n\
+         [[boundary]]\non = \"p11.right\"\ntraction = [\"1\", \"0\"]\n"
+    );
+    let solved = solve(&text);
+    let r = solved.result.reactions.get("p0.left").unwrap();
+    assert!((r[0] + 1.0).abs() <= 1e-10 && r[1].abs() <= 1e-9, "{r:?}");
+    // without the support the first patch speaks for the body
+    let free = faults(&text.replace("on = \"p0.left\"\nfix = [\"x\", \"y\"]", "on = \"p0.left\"\nfix = [\"x\"]"));
+    assert!(free.items[0].code == "E051" && free.items.len() == 1, "{free}");
+}
+
+#[test]
+fn prescribed_values_meet_at_glued_corners_or_are_refused() {
+    let held = |a: &str, b: &str| {
+        plate(TWO, &format!("[[boundary]]\non = \"a.bottom\"\ndirichlet = {a}\n[[boundary]]\non = \"b.bottom\"\ndirichlet = {b}\n"))
+    };
+    // one formula that is met by both, corner included: the field of the single patch
+    let (f, whole) = ("[\"0.1*x^2\", \"0.2*x\"]", "[[boundary]]\non = \"a.bottom\"\ndirichlet = [\"0.1*x^2\", \"0.2*x\"]\n");
+    let (one, two) = (solve(&plate(ONE, whole)), solve(&held(f, f)));
+    assert!((probe(&one, "y") - probe(&two, "y")).abs() <= 1e-12 * probe(&one, "y").abs());
+    // different formulas with one value at the corner (1, 0)
+    solve(&held("[\"0.1*x\", \"0\"]", "[\"0.1\", \"0\"]"));
+    let found = faults(&held("[\"0.1*x\", \"0\"]", "[\"0.2\", \"0\"]"));
+    assert!(found.items[0].code == "E052" && found.items[0].message.contains("common point (1, 0)"), "{found}");
+}

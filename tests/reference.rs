@@ -1,0 +1,46 @@
+//! Published cases under reference/: every folder's case meets its own checks, with each backend.
+#![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used)]
+
+use faying::app::{Registry, Status};
+use faying::io::Case;
+use faying::io::case::ReadOptions;
+use std::path::Path;
+
+#[test]
+fn published_cases_meet_their_numbers_with_each_backend() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference");
+    let mut folders: Vec<_> =
+        std::fs::read_dir(root).unwrap().map(|f| f.unwrap().path()).filter(|p| p.join("case.toml").is_file()).collect();
+    folders.sort();
+    assert!(!folders.is_empty());
+    for folder in folders {
+        for backend in ["iga", "fe"] {
+            let options = ReadOptions { backend: Some(backend.into()), ..ReadOptions::default() };
+            let case = Case::read_with(folder.join("case.toml"), &options).unwrap_or_else(|e| panic!("{e}"));
+            let result = case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!(result.status, Status::Ok, "{} {backend}: {:?} {:?}", folder.display(), result.checks, result.diagnostics);
+            for name in ["expected.json", "source.md"] {
+                assert!(folder.join(name).is_file(), "{} has no {name}", folder.display());
+            }
+            for c in &result.checks {
+                println!("{} {backend}: {} = {:.7}", folder.display(), c.quantity, c.value);
+            }
+            // the numbers of expected.json are those that the case as written checks
+            if backend != "iga" {
+                continue;
+            }
+            let expected: serde_json::Value =
+                serde_json::from_str(&std::fs::read_to_string(folder.join("expected.json")).unwrap()).unwrap();
+            for entry in expected["quantities"].as_array().unwrap() {
+                let quantity = entry["quantity"].as_str().unwrap();
+                let value = entry["value"].as_f64().unwrap();
+                assert!(
+                    result.checks.iter().any(|c| c.quantity == quantity && c.expected == value),
+                    "{}: {quantity} = {value} is not checked",
+                    folder.display()
+                );
+            }
+        }
+    }
+}
