@@ -550,12 +550,6 @@ fn e019_known_but_not_in_this_version() {
         let rigid = format!("rigid = {{ kind = \"{kind}\", {keys} }}");
         later("master = \"lower.top\"", &rigid, &format!("an obstacle of kind \"{kind}\""), &format!("\"{kind}\""));
     }
-    fails(
-        &with("on = \"lower.bottom\"", "on = \"lower.u0v0\""),
-        "E019",
-        "edges and corners such as `lower.u0v0` are not in this version",
-        "\"lower.u0v0\"",
-    );
     for coupling in ["nitsche", "penalty"] {
         let tie = BASE.replace("[[contact]]", &format!("[[interface]]\ncoupling = \"{coupling}\""));
         fails(&tie, "E019", &format!("coupling \"{coupling}\" is not in this version"), &format!("\"{coupling}\""));
@@ -573,6 +567,12 @@ fn e019_known_but_not_in_this_version() {
 
 #[test]
 fn e021_unknown_patches_and_sides() {
+    fails(
+        &with("slave = \"upper.bottom\"", "slave = \"upper.u0v0\""),
+        "E021",
+        "`upper.u0v0` is an edge or a corner; `slave` takes sides",
+        "\"upper.u0v0\"",
+    );
     // the text of the contract
     fails(
         &with("\"upper.bottom\"", "\"upper.v2\""),

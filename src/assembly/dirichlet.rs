@@ -1,6 +1,7 @@
 //! Prescribed values: one L2 projection over all sides of a body that have data.
 
 use super::gauss_rules;
+use super::rim::{self, Pinned};
 use crate::basis::{Order, ShapeTable};
 use crate::geometry::{MapTable, cell};
 use crate::linalg::{LinearError, LinearSolver, Real, Triplets, Vector, lit, measure, to_f64};
@@ -60,7 +61,7 @@ pub enum DirichletError {
 }
 
 /// Values that differ by less than this, relative to the largest of the component, are equal.
-const EQUAL_VALUES: f64 = 1e-9;
+pub(super) const EQUAL_VALUES: f64 = 1e-9;
 /// Points nearer than this, relative to the extent of the sides, are one.
 const SAME_PLACE: f64 = 1e-9;
 
@@ -79,6 +80,21 @@ pub fn dirichlet<const S: usize, const N: usize, T: Real>(
     extra_points: usize,
     solver: &mut dyn LinearSolver<T>,
 ) -> Result<Vec<(usize, T)>, DirichletError> {
+    dirichlet_with(conditions, &[], field, extra_points, solver)
+}
+
+/// As [`dirichlet`], with data on edges and in corners: they take the functions that no side prescribes, edges first, each
+/// by one L2 projection along them.
+///
+/// # Errors
+/// As [`dirichlet`]; positions in errors count on from the conditions through `pinned`.
+pub fn dirichlet_with<const S: usize, const N: usize, T: Real>(
+    conditions: &[Fixed<'_, S, N, T>],
+    pinned: &[Pinned<'_, N, T>],
+    field: Field,
+    extra_points: usize,
+    solver: &mut dyn LinearSolver<T>,
+) -> Result<Vec<(usize, T)>, DirichletError> {
     let mut values = Vec::new();
     for component in 0..field.components {
         let mine: Vec<(usize, Fixed<'_, S, N, T>)> =
@@ -86,7 +102,14 @@ pub fn dirichlet<const S: usize, const N: usize, T: Real>(
         if mine.iter().any(|(_, f)| f.value.is_some()) {
             conflicts(component, &mine)?;
         }
-        let found = project(&mine, extra_points, solver).map_err(|source| DirichletError::Projection { component, source })?;
+        let pins: Vec<(usize, Pinned<'_, N, T>)> =
+            pinned.iter().copied().enumerate().filter(|(_, p)| p.component == component).map(|(k, p)| (conditions.len() + k, p)).collect();
+        rim::conflicts(component, &mine, &pins)?;
+        let mut found = project(&mine, extra_points, solver).map_err(|source| DirichletError::Projection { component, source })?;
+        if !pins.is_empty() {
+            found.sort_by_key(|f| f.0);
+            rim::project(&pins, &mut found, solver).map_err(|source| DirichletError::Projection { component, source })?;
+        }
         values.extend(found.into_iter().map(|(i, value)| (field.unknown(i, component), value)));
     }
     values.sort_by_key(|v| v.0);

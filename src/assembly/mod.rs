@@ -7,13 +7,14 @@ mod pattern;
 mod places;
 mod plain;
 mod reduce;
+mod rim;
 mod rules;
 mod scratch;
 
 use crate::linalg::{Matrix, Real, Vector};
 use std::fmt::Debug;
 
-pub use dirichlet::{DirichletError, Fixed, dirichlet, planar_normal};
+pub use dirichlet::{DirichletError, Fixed, dirichlet, dirichlet_with, planar_normal};
 pub use load::{load, measure, trace_load, trace_springs};
 pub use norms::{Errors, Norms, errors};
 pub use pattern::Pattern;
@@ -21,6 +22,7 @@ pub use places::places;
 pub(crate) use plain::element_stiffness;
 pub use plain::{add_stiffness, mass, stiffness};
 pub use reduce::{Equation, Reduced, ReductionError};
+pub use rim::{Pinned, Rim};
 pub use rules::gauss_rules;
 pub(crate) use scratch::{Scratch, inverse_or_nan};
 

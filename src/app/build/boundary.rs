@@ -3,6 +3,7 @@
 use super::Builder;
 use super::couples::Couples;
 use super::model::{Action, Condition, Model, SideLoad, SideModel, SideSpring, Value};
+use super::rims;
 use super::sides::Sides;
 use super::values::on_side;
 use crate::assembly::{Equation, measure, planar_normal};
@@ -34,6 +35,12 @@ pub(super) fn build<const S: usize, const N: usize>(
         for wanted in &block.on {
             // sides that were found to touch others are no outer ones
             if block.all_outer && couples.hold(wanted.value.patch, &wanted.value.side) {
+                continue;
+            }
+            if let Some(names) = rims::sides(&wanted.value.side) {
+                if let Err(fault) = rims::pin(builder, model, sides, block, wanted, &names) {
+                    builder.faults.push(*fault);
+                }
                 continue;
             }
             let side = match &block.filter {
@@ -156,7 +163,11 @@ fn each(list: &[Option<Located<Formula>>]) -> impl Iterator<Item = (usize, &Loca
     list.iter().enumerate().filter_map(|(k, f)| f.as_ref().map(|f| (k, f)))
 }
 
-fn needs_exact<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>, at: Place) -> Result<(), Box<Diagnostic>> {
+pub(super) fn needs_exact<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    model: &Model<S, N>,
+    at: Place,
+) -> Result<(), Box<Diagnostic>> {
     match model.exact {
         Some(_) => Ok(()),
         None => Err(Box::new(

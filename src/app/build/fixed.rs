@@ -2,9 +2,9 @@
 
 use super::Builder;
 use super::boundary::component_name;
-use super::model::{Condition, Model, SideModel, Value};
+use super::model::{Condition, Model, Pin, RimModel, SideModel, Value};
 use super::values::{time_text, times};
-use crate::assembly::{DirichletError, Fixed as Prescribed, dirichlet};
+use crate::assembly::{DirichletError, Fixed as Prescribed, Pinned, Rim, dirichlet_with};
 use crate::io::errors::Diagnostic;
 use crate::io::formula::Point;
 use crate::io::place::Place;
@@ -65,11 +65,10 @@ impl<const S: usize, const N: usize> Model<S, N> {
     /// (unknown, value) of all prescribed components at time `t`, ascending; an error comes with the places of the
     /// conditions that disagree.
     pub(crate) fn prescribed(&self, t: f64) -> Result<Vec<(usize, f64)>, Box<(DirichletError, Places)>> {
-        self.projected(|condition| match &condition.value {
+        self.projected(|value, component| match value {
             Value::Zero => None,
             Value::Exact => {
                 let exact = self.exact.as_ref().expect("exact data were refused without an exact solution");
-                let component = condition.component;
                 Some(Box::new(move |x: &Vector<N>| exact.value(component, &Point::new(x.as_slice()).at_time(t))))
             }
             Value::Formula(f) => Some(Box::new(move |x: &Vector<N>| f.value(&Point::new(x.as_slice()).at_time(t)))),
@@ -80,15 +79,26 @@ impl<const S: usize, const N: usize> Model<S, N> {
     /// stands for all is listed.
     pub(crate) fn projected<'a>(
         &'a self,
-        value: impl Fn(&'a Condition<S, N>) -> Option<Box<dyn Fn(&Vector<N>) -> f64 + Sync + 'a>>,
+        value: impl Fn(&'a Value, usize) -> Option<Box<dyn Fn(&Vector<N>) -> f64 + Sync + 'a>>,
     ) -> Result<Vec<(usize, f64)>, Box<(DirichletError, Places)>> {
         let mut all = Vec::new();
-        let mut by_body: BTreeMap<usize, Vec<&Condition<S, N>>> = BTreeMap::new();
+        let mut by_body: BTreeMap<usize, (Vec<&Condition<S, N>>, Vec<&Pin<N>>)> = BTreeMap::new();
         for condition in &self.conditions {
-            by_body.entry(self.glued.body(condition.side.patch)).or_default().push(condition);
+            by_body.entry(self.glued.body(condition.side.patch)).or_default().0.push(condition);
         }
-        for mine in by_body.values() {
-            let values: Vec<_> = mine.iter().map(|c| value(c)).collect();
+        for pin in &self.pins {
+            by_body.entry(self.glued.body(pin.rim.patch)).or_default().1.push(pin);
+        }
+        for (mine, pins) in by_body.values() {
+            let values: Vec<_> = mine.iter().map(|c| value(&c.value, c.component)).collect();
+            let pin_values: Vec<_> = pins.iter().map(|p| value(&p.value, p.component)).collect();
+            let rims: Vec<Rim<N>> = pins.iter().map(|p| self.rim_in_model(&p.rim)).collect();
+            let pinned: Vec<Pinned<'_, N>> = pins
+                .iter()
+                .zip(&pin_values)
+                .zip(&rims)
+                .map(|((p, v), rim)| Pinned { rim, component: p.component, value: v.as_deref() })
+                .collect();
             let traces: Vec<Trace<S, N>> = mine.iter().map(|c| self.in_model(&c.side)).collect();
             let fixed: Vec<Prescribed<'_, S, N>> = mine
                 .iter()
@@ -98,11 +108,12 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 .collect();
             let field = Field { first: 0, components: self.components };
             let extra_points = mine.iter().map(|c| self.patches[c.side.patch].extra_points).max().unwrap_or(0);
+            let at: Vec<Place> = mine.iter().map(|c| c.at).chain(pins.iter().map(|p| p.at)).collect();
             let places = |e: &DirichletError| match e {
-                DirichletError::Conflict { first, second, .. } => Some((mine[*first].at, mine[*second].at)),
-                _ => mine.first().map(|c| (c.at, c.at)),
+                DirichletError::Conflict { first, second, .. } => Some((at[*first], at[*second])),
+                _ => at.first().map(|&at| (at, at)),
             };
-            let part = dirichlet(&fixed, field, extra_points, &mut Ldlt::new()).map_err(|e| {
+            let part = dirichlet_with(&fixed, &pinned, field, extra_points, &mut Ldlt::new()).map_err(|e| {
                 let places = places(&e);
                 Box::new((e, places))
             })?;
@@ -116,6 +127,17 @@ impl<const S: usize, const N: usize> Model<S, N> {
     fn in_model(&self, side: &SideModel<S, N>) -> Trace<S, N> {
         let dofs = side.trace.dofs.iter().map(|&dof| self.function(side.patch, dof)).collect();
         Trace { dofs, ..side.trace.clone() }
+    }
+}
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// An edge or a corner in functions of the model, as [`Self::in_model`].
+    fn rim_in_model(&self, rim: &RimModel<N>) -> Rim<N> {
+        let mut out = rim.rim.clone();
+        for f in out.shapes.iter_mut().flatten() {
+            f.0 = self.function(rim.patch, f.0);
+        }
+        out
     }
 }
 

@@ -13,6 +13,7 @@ mod patches;
 mod physics;
 mod plane;
 mod rigid;
+mod rims;
 mod sides;
 mod supports;
 mod ties;
@@ -29,7 +30,7 @@ pub(crate) use divisions::elements_along;
 pub use exact::{Exact, FieldJet};
 pub use glue::Glued;
 pub use model::{
-    Action, Against, Changing, Condition, ContactModel, ContactPart, Model, Pairing, PatchModel, SideLoad, SideModel, SideSpring, TieModel,
+    Action, Against, Changing, Condition, ContactModel, ContactPart, Model, Pairing, PatchModel, Pin, RimModel, SideLoad, SideModel, SideSpring, TieModel,
     TiePart, Value,
 };
 pub use patches::patch_fault;
@@ -92,6 +93,7 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
         unknowns: patches.last().map_or(0, |p| p.range().end),
         patches,
         conditions: Vec::new(),
+        pins: Vec::new(),
         supports: Vec::new(),
         equations: Vec::new(),
         loads: Vec::new(),

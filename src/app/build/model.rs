@@ -3,7 +3,7 @@
 use super::exact::Exact;
 use super::glue::Glued;
 use super::physics::Physics;
-use crate::assembly::Equation;
+use crate::assembly::{Equation, Rim};
 use crate::basis::Basis;
 use crate::contact::{Contact, Target};
 use crate::coupling::{Rows, Segments};
@@ -114,6 +114,32 @@ pub enum Value {
 pub struct Condition<const S: usize, const N: usize> {
     /// The side.
     pub side: Arc<SideModel<S, N>>,
+    /// The component.
+    pub component: usize,
+    /// Its value.
+    pub value: Value,
+    /// Where the case says so.
+    pub at: Place,
+}
+
+/// An edge or a corner of a body.
+#[derive(Debug)]
+pub struct RimModel<const N: usize> {
+    /// The patch.
+    pub patch: usize,
+    /// Canonical name: u0w1, u0v0w0, ...
+    pub name: String,
+    /// Name in results: "lower.u0w1".
+    pub label: String,
+    /// Its points and functions.
+    pub rim: Rim<N>,
+}
+
+/// A component prescribed on an edge or in a corner.
+#[derive(Debug)]
+pub struct Pin<const N: usize> {
+    /// The edge or the corner.
+    pub rim: Arc<RimModel<N>>,
     /// The component.
     pub component: usize,
     /// Its value.
@@ -258,6 +284,8 @@ pub struct Model<const S: usize, const N: usize> {
     pub glued: Glued,
     /// Prescribed components.
     pub conditions: Vec<Condition<S, N>>,
+    /// Components prescribed on edges and in corners.
+    pub pins: Vec<Pin<N>>,
     /// Sides with at least one prescribed component, in the order of the case.
     pub supports: Vec<Arc<SideModel<S, N>>>,
     /// Conditions between unknowns: sliding along inclined sides, sides that move as one.

@@ -50,6 +50,11 @@ pub fn free_motions<const S: usize, const N: usize>(
             fix(body(c.side.patch), unit(c.component), x);
         }
     }
+    for p in &model.pins {
+        for x in p.rim.rim.x.iter().step_by(p.rim.rim.x.len().div_ceil(SAMPLES).max(1)).chain(p.rim.rim.x.last()) {
+            fix(body(p.rim.patch), unit(p.component), *x);
+        }
+    }
     for s in &model.springs {
         for x in points(&s.side) {
             fix(body(s.side.patch), unit(s.component), x);

@@ -346,8 +346,10 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
                 continue;
             }
             let side = canonical_side(&path[n + 1], N);
-            if let Some(support) = self.model.supports.iter().find(|s| s.patch == k && s.side == side) {
-                let mut out = vec!["reactions".to_string(), support.label.clone()];
+            let held = self.model.supports.iter().find(|s| s.patch == k && s.side == side).map(|s| &s.label);
+            let pinned = || self.model.pins.iter().find(|p| p.rim.patch == k && p.rim.name == path[n + 1]).map(|p| &p.rim.label);
+            if let Some(label) = held.or_else(pinned) {
+                let mut out = vec!["reactions".to_string(), label.clone()];
                 out.extend_from_slice(&path[n + 2..]);
                 if self.model.components == 1 && out.len() == 2 {
                     out.push("0".into());

@@ -40,9 +40,9 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, mode
         .map(|c| (c.name.clone(), ContactReport { force: vec![0.0; N], moment: moment::<N>([0.0; 3]), ..Default::default() }))
         .collect();
     result.interface = model.ties.iter().map(|t| (t.name.clone(), InterfaceReport::default())).collect();
-    for side in &model.supports {
-        if result.reactions.get(&side.label).is_none() {
-            result.reactions.push(side.label.clone(), vec![0.0; model.components]);
+    for label in model.supports.iter().map(|s| &s.label).chain(model.pins.iter().map(|p| &p.rim.label)) {
+        if result.reactions.get(label).is_none() {
+            result.reactions.push(label.clone(), vec![0.0; model.components]);
         }
     }
     result.balance = Balance { force: vec![0.0; model.components], moment: (model.components == N).then(|| moment::<N>([0.0; 3])) };
@@ -256,12 +256,12 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
 fn reactions<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, outside: &mut Resultant) -> Named<Vec<f64>> {
     // coefficients of 1 and of the coordinates on the supported sides: forces and moments of any basis
     let mut one = vec![1.0; model.unknowns];
-    for (i, v) in model.projected(|_| Some(Box::new(|_: &Vector<N>| 1.0))).unwrap_or_default() {
+    for (i, v) in model.projected(|_, _| Some(Box::new(|_: &Vector<N>| 1.0))).unwrap_or_default() {
         one[i] = v;
     }
     let mut place = vec![[0.0; 3]; model.unknowns];
     for k in 0..N {
-        for (i, v) in model.projected(|_| Some(Box::new(move |x: &Vector<N>| x[k]))).unwrap_or_default() {
+        for (i, v) in model.projected(|_, _| Some(Box::new(move |x: &Vector<N>| x[k]))).unwrap_or_default() {
             place[i][k] = v;
         }
     }
@@ -280,16 +280,23 @@ fn reactions<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
         all.dedup();
         all
     };
+    let mut held: Vec<(&str, Vec<(usize, usize)>)> = model.supports.iter().map(|s| (s.label.as_str(), unknowns(s))).collect();
+    for pin in &model.pins {
+        let field = model.patches[pin.rim.patch].field;
+        let mut all: Vec<(usize, usize)> =
+            pin.rim.rim.functions().iter().map(|&i| (model.glued.unknown(field.unknown(i, pin.component)), pin.component)).collect();
+        all.sort_unstable();
+        all.dedup();
+        held.push((pin.rim.label.as_str(), all));
+    }
     let mut holders = vec![0u32; model.unknowns];
-    for side in &model.supports {
-        for (i, _) in unknowns(side) {
-            holders[i] += 1;
-        }
+    for (i, _) in held.iter().flat_map(|(_, list)| list) {
+        holders[*i] += 1;
     }
     let mut all: Named<Vec<f64>> = Named::default();
-    for side in &model.supports {
+    for (label, unknowns) in &held {
         let mut force = vec![0.0; model.components];
-        for (i, c) in unknowns(side) {
+        for &(i, c) in unknowns {
             let r = state.support[i] / f64::from(holders[i]);
             force[c] += r * one[i];
             let mut pull = [0.0; 3];
@@ -301,9 +308,9 @@ fn reactions<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
                 outside.moment[k] += moment[k];
             }
         }
-        match all.0.iter_mut().find(|(label, _)| *label == side.label) {
+        match all.0.iter_mut().find(|(known, _)| known == label) {
             Some((_, sum)) => sum.iter_mut().zip(&force).for_each(|(s, f)| *s += f),
-            None => all.push(side.label.clone(), force),
+            None => all.push(*label, force),
         }
     }
     all

@@ -51,9 +51,13 @@ fn canonical(side: &str, dimension: usize) -> Option<&'static str> {
     all.or_else(|| aliases.iter().find(|(a, _)| *a == side).map(|(_, s)| *s))
 }
 
-// u0v0 and the like: an edge or a corner
-fn is_corner(side: &str) -> bool {
-    (side.len() == 4 || side.len() == 6) && side.is_ascii() && (0..side.len() / 2).all(|k| ALL.contains(&&side[2 * k..2 * k + 2]))
+/// The sides that meet in an edge or a corner such as u0w1, in the order u, v, w; none for other words.
+fn rim_of(side: &str, dimension: usize) -> Option<Vec<&'static str>> {
+    let word = |k: usize| side.get(2 * k..2 * k + 2).and_then(|w| ALL[..2 * dimension].iter().copied().find(|s| *s == w));
+    let mut all: Vec<&'static str> = (0..side.len() / 2).map(word).collect::<Option<_>>()?;
+    all.sort_unstable();
+    let apart = all.windows(2).all(|w| w[0].as_bytes()[0] != w[1].as_bytes()[0]);
+    (2 * all.len() == side.len() && all.len() > 1 && apart).then_some(all)
 }
 
 impl Reader {
@@ -61,14 +65,14 @@ impl Reader {
     pub fn sides(&mut self, node: &Node, what: &str, patches: &[Patch]) -> Vec<Located<SideRef>> {
         let mut out: Vec<Located<SideRef>> = Vec::new();
         match &node.value {
-            Value::Text(text) => out.extend(self.side(node, text, patches)),
+            Value::Text(text) => out.extend(self.side(node, text, what, patches)),
             Value::List(list) if !list.is_empty() => {
                 for item in list {
                     let Value::Text(text) = &item.value else {
                         self.wrong_type(item, what, "a side or a list of sides", "");
                         continue;
                     };
-                    if let Some(side) = self.side(item, text, patches) {
+                    if let Some(side) = self.side(item, text, what, patches) {
                         if out.contains(&side) {
                             self.fault("E016", side.at, format!("`{}` is named twice in `{what}`", show(&side, patches)), "");
                         } else {
@@ -85,7 +89,7 @@ impl Reader {
         out
     }
 
-    fn side(&mut self, node: &Node, text: &str, patches: &[Patch]) -> Option<Located<SideRef>> {
+    fn side(&mut self, node: &Node, text: &str, what: &str, patches: &[Patch]) -> Option<Located<SideRef>> {
         let list = |d: usize, p: &Patch| sides_of(&p.geometry.shape, d).join(", ");
         let names = || patches.iter().map(|p| p.name.value.clone()).collect::<Vec<_>>().join(", ");
         let (name, side) = text.rsplit_once('.').unwrap_or((text, ""));
@@ -106,14 +110,14 @@ impl Reader {
         let known = sides_of(&patches[k].geometry.shape, dimension);
         match canonical(side, dimension).filter(|s| known.contains(s)) {
             Some(s) => Some(Located::new(SideRef { patch: k, side: s.to_owned() }, node.at)),
-            None if is_corner(side) => {
-                self.fault(
-                    "E019",
-                    node.at,
-                    format!("edges and corners such as `{shown}` are not in this version"),
-                    format!("sides of {name:?} are {}", list(dimension, &patches[k])),
-                );
-                None
+            None if rim_of(side, dimension).is_some_and(|r| r.iter().all(|s| known.contains(s))) => {
+                if what != "on" {
+                    let help = format!("sides of {name:?} are {}", list(dimension, &patches[k]));
+                    self.fault("E021", node.at, format!("`{shown}` is an edge or a corner; `{what}` takes sides"), help);
+                    return None;
+                }
+                let side = rim_of(side, dimension).unwrap_or_default().concat();
+                Some(Located::new(SideRef { patch: k, side }, node.at))
             }
             None => {
                 let message = if side.is_empty() {

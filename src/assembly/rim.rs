@@ -1,0 +1,206 @@
+//! Functions along edges and in corners of bodies: what is prescribed there.
+//!
+//! The functions of an edge or a corner are those that all its sides share. Data on an edge is one L2 projection along it,
+//! data in a corner one value; what sides prescribe comes first, then edges, then corners take the functions that are left.
+
+use super::dirichlet::{DirichletError, EQUAL_VALUES, Fixed};
+use crate::basis::{Order, ShapeTable};
+use crate::geometry::{MapTable, cell};
+use crate::linalg::{LinearError, LinearSolver, Real, Triplets, Vector, lit, to_f64};
+use crate::quadrature::gauss_legendre;
+use crate::space::Trace;
+use std::fmt::Debug;
+
+/// Functions with less than this value at a point do not live there.
+const NO_VALUE: f64 = 1e-10;
+
+/// Points of an edge or a corner, with the functions of the body that live there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rim<const N: usize, T: Real = f64> {
+    /// 1 for an edge, 0 for a corner.
+    pub dimension: usize,
+    /// Positions \[length\].
+    pub x: Vec<Vector<N, T>>,
+    /// Weight of each: ds along an edge \[length\], 1 in a corner; 0 at the ends of edges, where values are only compared.
+    pub weight: Vec<T>,
+    /// (function, value) of those that do not vanish, per point.
+    pub shapes: Vec<Vec<(usize, T)>>,
+}
+
+impl<const N: usize, T: Real> Rim<N, T> {
+    /// What `side` has in common with all of `others`: with one other side an edge of a body in space or a corner of one in
+    /// the plane, with two a corner in space. Empty where they share no functions along an edge or in a corner.
+    ///
+    /// # Panics
+    /// Unless the number of `others` is S or S - 1, at least 1.
+    pub fn shared<const S: usize>(side: &Trace<S, N, T>, others: &[&Trace<S, N, T>], extra_points: usize) -> Self {
+        assert!(!others.is_empty() && others.len() <= S && S - others.len() <= 1, "sides of a corner or an edge");
+        let sorted: Vec<Vec<usize>> = others
+            .iter()
+            .map(|t| {
+                let mut dofs = t.dofs.clone();
+                dofs.sort_unstable();
+                dofs
+            })
+            .collect();
+        let of_all = |f: &(usize, T)| sorted.iter().all(|dofs| dofs.binary_search(&f.0).is_ok());
+        let mut rim = Self { dimension: S - others.len(), x: Vec::new(), weight: Vec::new(), shapes: Vec::new() };
+        let (space, mut ids, mut table, mut map) = (&*side.space, Vec::new(), ShapeTable::new(), MapTable::new());
+        for e in 0..space.num_elements() {
+            space.active(e, &mut ids);
+            let corners = cell::corners::<S, T>(space.cell(e));
+            let points = |line: Option<(usize, usize)>| -> (Vec<Vector<S, T>>, Vec<T>, Vector<S, T>) {
+                let Some((a, b)) = line else { return (corners.clone(), vec![T::one(); corners.len()], Vector::zeros()) };
+                let degree = space.degree(e).into_iter().max().unwrap_or(1);
+                let rule = gauss_legendre::<T>(degree + 1 + extra_points);
+                let along = corners[b] - corners[a];
+                let inside = rule.points.iter().map(|t| corners[a] + along * t[0]);
+                let xi = [corners[a], corners[b]].into_iter().chain(inside).collect();
+                (xi, [T::zero(); 2].into_iter().chain(rule.weights.iter().copied()).collect(), along)
+            };
+            let lines: Vec<Option<(usize, usize)>> = match rim.dimension {
+                0 => vec![None],
+                _ => cell::faces::<S, T>(space.cell(e)).iter().map(|f| Some((f.corners[0], f.corners[f.corners.len() - 1]))).collect(),
+            };
+            for line in lines {
+                let (xi, weights, along) = points(line);
+                space.evaluate(e, &xi, Order::Gradients, &mut table, &mut map);
+                let alive = |q: usize| -> Vec<(usize, T)> {
+                    let all = ids.iter().zip(table.values(q)).filter(|(_, v)| v.abs() > lit(NO_VALUE));
+                    all.map(|(&i, &v)| (side.dofs[i], v)).collect()
+                };
+                let shapes: Vec<Vec<(usize, T)>> = (0..xi.len()).map(alive).collect();
+                if rim.dimension == 1 && !shapes.iter().flatten().all(of_all) {
+                    continue;
+                }
+                for (q, list) in shapes.into_iter().enumerate() {
+                    // one corner of several elements counts once
+                    if rim.dimension == 0 && (!list.iter().all(of_all) || rim.shapes.contains(&list)) {
+                        continue;
+                    }
+                    let stretch = if rim.dimension == 0 { T::one() } else { (map.jacobian[q] * along).norm() };
+                    rim.x.push(map.x[q]);
+                    rim.weight.push(weights[q] * stretch);
+                    rim.shapes.push(list);
+                }
+            }
+        }
+        rim
+    }
+
+    /// The functions of the body that live here, ascending.
+    pub fn functions(&self) -> Vec<usize> {
+        let mut all: Vec<usize> = self.shapes.iter().flatten().map(|f| f.0).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+}
+
+/// A component prescribed on an edge or in a corner.
+#[derive(Clone, Copy)]
+pub struct Pinned<'a, const N: usize, T: Real = f64> {
+    /// The edge or the corner.
+    pub rim: &'a Rim<N, T>,
+    /// The component.
+    pub component: usize,
+    /// Its value at a physical point; none is zero, exactly and before any projection.
+    pub value: Option<&'a (dyn Fn(&Vector<N, T>) -> T + Sync)>,
+}
+
+impl<const N: usize, T: Real> Debug for Pinned<'_, N, T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Pinned").field("rim", self.rim).field("component", &self.component).finish_non_exhaustive()
+    }
+}
+
+impl<const N: usize, T: Real> Pinned<'_, N, T> {
+    fn at(&self, x: &Vector<N, T>) -> T {
+        self.value.map_or_else(T::zero, |value| value(x))
+    }
+}
+
+/// Adds the values of `pinned`, all of one component, to `found` (ascending by function), which holds those of the sides.
+pub(super) fn project<const N: usize, T: Real>(
+    pinned: &[(usize, Pinned<'_, N, T>)],
+    found: &mut Vec<(usize, T)>,
+    solver: &mut dyn LinearSolver<T>,
+) -> Result<(), LinearError> {
+    for dimension in [1, 0] {
+        let mine: Vec<&Pinned<'_, N, T>> = pinned.iter().map(|p| &p.1).filter(|p| p.rim.dimension == dimension).collect();
+        for p in mine.iter().filter(|p| p.value.is_none()) {
+            let known = std::mem::take(found);
+            let new = p.rim.functions().into_iter().filter(|f| known.binary_search_by_key(f, |k| k.0).is_err()).map(|f| (f, T::zero()));
+            *found = known.iter().copied().chain(new).collect();
+            found.sort_by_key(|f| f.0);
+        }
+        let known = |f: usize| found.binary_search_by_key(&f, |k| k.0).ok().map(|k| found[k].1);
+        let mut free: Vec<usize> = mine.iter().flat_map(|p| p.rim.functions()).filter(|&f| known(f).is_none()).collect();
+        free.sort_unstable();
+        free.dedup();
+        if free.is_empty() {
+            continue;
+        }
+        let mut matrix = Triplets::new(free.len(), free.len());
+        let mut rhs = vec![T::zero(); free.len()];
+        for p in &mine {
+            for ((x, &w), shapes) in p.rim.x.iter().zip(&p.rim.weight).zip(&p.rim.shapes).filter(|((_, w), _)| **w > T::zero()) {
+                let rest = shapes.iter().fold(p.at(x), |s, &(f, n)| s - known(f).map_or_else(T::zero, |c| c * n));
+                let mine = || shapes.iter().filter_map(|&(f, n)| free.binary_search(&f).ok().map(|i| (i, n)));
+                for (i, a) in mine() {
+                    rhs[i] += w * rest * a;
+                    for (j, b) in mine() {
+                        matrix.push(i, j, w * a * b);
+                    }
+                }
+            }
+        }
+        let matrix = matrix.to_csr();
+        let mut solution = vec![T::zero(); free.len()];
+        solver.prepare(&matrix)?;
+        solver.solve(&matrix, &rhs, &mut solution)?;
+        found.extend(free.into_iter().zip(solution));
+        found.sort_by_key(|f| f.0);
+    }
+    Ok(())
+}
+
+/// Compares data of edges and corners with that of sides, edges and corners that hold all functions of one of its points.
+pub(super) fn conflicts<const S: usize, const N: usize, T: Real>(
+    component: usize,
+    sides: &[(usize, Fixed<'_, S, N, T>)],
+    pinned: &[(usize, Pinned<'_, N, T>)],
+) -> Result<(), DirichletError> {
+    let sorted = |mut list: Vec<usize>| {
+        list.sort_unstable();
+        list
+    };
+    let mut others: Vec<(usize, Vec<usize>, Option<&(dyn Fn(&Vector<N, T>) -> T + Sync)>)> = Vec::new();
+    others.extend(sides.iter().map(|(k, f)| (*k, sorted(f.trace.dofs.clone()), f.value)));
+    others.extend(pinned.iter().map(|(k, p)| (*k, p.rim.functions(), p.value)));
+    let mut largest = T::zero();
+    for (_, p) in pinned {
+        largest = p.rim.x.iter().fold(largest, |m, x| m.max(p.at(x).abs()));
+    }
+    for (k, p) in pinned {
+        for (first, functions, value) in others.iter().filter(|o| o.0 < *k) {
+            // corners and the ends of edges: between them both are projected
+            let compared = (0..p.rim.x.len()).filter(|&q| p.rim.dimension == 0 || p.rim.weight[q] == T::zero());
+            for q in compared.filter(|&q| p.rim.shapes[q].iter().all(|(f, _)| functions.binary_search(f).is_ok())) {
+                let x = p.rim.x[q];
+                let (a, b) = (value.map_or_else(T::zero, |value| value(&x)), p.at(&x));
+                if (a - b).abs() > lit::<T>(EQUAL_VALUES) * largest.max(a.abs()) {
+                    return Err(DirichletError::Conflict {
+                        component,
+                        first: *first,
+                        second: *k,
+                        at: std::array::from_fn(|i| if i < N { to_f64(x[i]) } else { 0.0 }),
+                        first_value: to_f64(a),
+                        second_value: to_f64(b),
+                    });
+                }
+            }
+        }
+    }
+    Ok(())
+}
