@@ -2,6 +2,8 @@
 
 pub mod build;
 mod commands;
+pub mod convert;
+pub mod inspect;
 mod json;
 mod named;
 pub mod output;

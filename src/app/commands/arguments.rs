@@ -49,12 +49,10 @@ pub enum Command {
     /// One row per value of a key (not in this version)
     #[command(disable_help_flag = true)]
     Sweep(Later),
-    /// What is in a mesh, a geometry, a .vtu or a case (not in this version)
-    #[command(disable_help_flag = true)]
-    Inspect(Later),
-    /// Convert between mesh and geometry files (not in this version)
-    #[command(disable_help_flag = true)]
-    Convert(Later),
+    /// Say what is in a mesh, a geometry, a .vtu or a case
+    Inspect(InspectArguments),
+    /// Convert between Gmsh, G+Smo XML, MFEM meshes and VTU, by the extension of OUT
+    Convert(ConvertArguments),
     /// JSON Schema of the case file or of result.json (not in this version)
     #[command(disable_help_flag = true)]
     Schema(Later),
@@ -112,6 +110,33 @@ pub struct CheckArguments {
     /// Use this backend for every patch: iga, fe
     #[arg(long, value_name = "NAME")]
     pub backend: Option<String>,
+}
+
+/// `inspect FILE`.
+#[derive(Args, Clone, Debug)]
+pub struct InspectArguments {
+    /// The file: G+Smo XML, MFEM mesh, Gmsh MSH, VTU, or a case (.toml, - for stdin)
+    pub file: PathBuf,
+    /// Draw a picture, in FILE [default: the name of the file with .svg, in the current folder]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
+    pub svg: Option<OsString>,
+}
+
+/// `convert IN OUT`.
+#[derive(Args, Clone, Debug)]
+pub struct ConvertArguments {
+    /// The file to read, of any of these formats
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// The file to write: .msh (Gmsh 4.1), .xml (G+Smo), .mesh (MFEM), .vtu
+    #[arg(value_name = "OUT")]
+    pub output: PathBuf,
+    /// Order of the cells that are made of splines, 1 to 4 [default: the degree of the splines, at most 4]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=4))]
+    pub order: Option<u8>,
+    /// Write Gmsh files in binary
+    #[arg(long)]
+    pub binary: bool,
 }
 
 /// `new NAME`.

@@ -7,11 +7,13 @@ mod arguments;
 mod case;
 mod check;
 mod clock;
+mod convert;
 mod ended;
 mod explain;
 mod files;
 mod folder;
 mod history;
+mod inspect;
 mod manifest;
 mod new;
 mod panics;
@@ -68,6 +70,8 @@ fn place_of_document(arguments: &Arguments, streams: &Streams, words: &[OsString
         Command::Run(run) => place::beside_results(file, &case::out(&run.case, &arguments.common))?,
         Command::Check(check) => place::beside_results(file, &case::out(&check.case, &arguments.common))?,
         Command::New(new) => place::not_over(file, &new::file(new, &arguments.common))?,
+        Command::Inspect(inspect) => inspect::check_place(inspect, file)?,
+        Command::Convert(convert) => convert::check_place(convert, &arguments.common, file)?,
         _ => {}
     }
     place::document(file, words)
@@ -79,9 +83,12 @@ fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words:
         Command::Check(check) => check::check(registry, check, &arguments.common, streams),
         Command::New(new) => new::new(new, &arguments.common),
         Command::Explain(code) => explain::explain(code),
-        other => {
-            usage(&format!("`faying {}` is not in this version", other.name()), Some("commands of this version: run, check, new, explain"))
-        }
+        Command::Inspect(inspect) => inspect::inspect(registry, inspect, &arguments.common),
+        Command::Convert(convert) => convert::convert(convert, &arguments.common),
+        other => usage(
+            &format!("`faying {}` is not in this version", other.name()),
+            Some("commands of this version: run, check, inspect, convert, new, explain"),
+        ),
     }
 }
 

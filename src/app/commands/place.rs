@@ -52,6 +52,17 @@ pub fn not_over(file: Option<&Path>, written: &Path) -> Result<(), Ended> {
     }
 }
 
+/// Whether a file that is written is the one that is read.
+///
+/// # Errors
+/// Exit 2.
+pub fn apart(written: &Path, read: &Path, option: &str) -> Result<(), Ended> {
+    if absolute(written) != absolute(read) {
+        return Ok(());
+    }
+    Err(super::usage(&format!("{option} would write over `{}`", read.display()), Some("give another file")))
+}
+
 fn is_option(word: &OsString) -> bool {
     word.to_string_lossy().starts_with('-')
 }

@@ -3,6 +3,7 @@
 //! Text uses the viewer's own sans-serif font. Equal input gives equal bytes.
 
 mod fewer;
+pub mod faces;
 mod fields;
 mod frame;
 mod sample;

@@ -1,0 +1,86 @@
+//! One file format into another, as far as the other can carry it; what is lost is said.
+
+mod sample;
+
+pub use sample::{MAX_ORDER, Sampled, sample};
+
+use crate::io::files::{Contents, FileError, Format, gismo, gmsh, mfem, write_vtu};
+use crate::io::table::short;
+use std::path::Path;
+
+/// Cells are as the spline where they are nearer than this share of the size of everything.
+const EXACT: f64 = 1e-12;
+
+/// How to convert.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ConvertOptions {
+    /// Order of cells made of splines, 1 to 4; none: the highest degree of the file, at most 4.
+    pub order: Option<usize>,
+    /// Gmsh files in binary.
+    pub binary: bool,
+}
+
+/// A converted file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Converted {
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+    /// What it does not carry, one sentence each.
+    pub lost: Vec<String>,
+}
+
+/// The format that an extension stands for: .msh, .xml, .mesh, .vtu.
+pub fn format_of(path: &Path) -> Option<Format> {
+    match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+        "msh" => Some(Format::Gmsh),
+        "xml" => Some(Format::Gismo),
+        "mesh" => Some(Format::Mfem),
+        "vtu" => Some(Format::Vtu),
+        _ => None,
+    }
+}
+
+/// Writes `contents` in another format.
+///
+/// Splines become Lagrange cells on their knot spans in Gmsh and VTU files; a mesh never becomes splines.
+///
+/// # Errors
+/// [`FileError::Unsupported`] where the format cannot hold it.
+pub fn convert(contents: &Contents, to: Format, options: &ConvertOptions) -> Result<Converted, FileError> {
+    match contents {
+        Contents::Patches(file) => {
+            let written = match to {
+                Format::Gismo => gismo::write(file),
+                Format::Mfem => mfem::write(file)?,
+                Format::Gmsh | Format::Vtu => {
+                    let degree = file.patches.iter().flat_map(|p| p.degree.iter().copied()).max().unwrap_or(1);
+                    let sampled = sample(file, options.order.unwrap_or(degree.clamp(1, MAX_ORDER)))?;
+                    let mut lost = file.notes.clone();
+                    lost.push("knots, weights and smoothness of the splines: there is a cell per knot span".into());
+                    if sampled.distance > EXACT * sampled.size {
+                        let (order, far) = (sampled.order, short(sampled.distance, 3));
+                        lost.push(format!("the exact shape: cells of order {order} are up to {far} away from it"));
+                    }
+                    return Ok(Converted { bytes: of_mesh(&sampled.mesh, to, options)?, lost });
+                }
+            };
+            let lost = file.notes.iter().cloned().chain(written.lost).collect();
+            Ok(Converted { bytes: written.text.into_bytes(), lost })
+        }
+        Contents::Mesh(mesh) => match to {
+            Format::Gismo => {
+                let what = "a Lagrange mesh in G+Smo XML (it holds spline patches; .msh, .mesh and .vtu hold meshes)".to_owned();
+                Err(FileError::Unsupported { what, spot: None })
+            }
+            Format::Mfem => {
+                let written = mfem::write_mesh(mesh)?;
+                Ok(Converted { bytes: written.text.into_bytes(), lost: mesh.notes.iter().cloned().chain(written.lost).collect() })
+            }
+            Format::Gmsh | Format::Vtu => Ok(Converted { bytes: of_mesh(mesh, to, options)?, lost: mesh.notes.clone() }),
+        },
+    }
+}
+
+fn of_mesh(mesh: &crate::io::files::MeshFile, to: Format, options: &ConvertOptions) -> Result<Vec<u8>, FileError> {
+    if to == Format::Vtu { write_vtu(mesh) } else { gmsh::write(mesh, options.binary) }
+}

@@ -1,0 +1,135 @@
+//! A picture of faces: elements in colours per part, names beside them; bodies in space seen from the corner (1, -1, 1).
+
+use std::fmt::Write as _;
+
+/// A polygon.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Face {
+    /// Its corners in order.
+    pub points: Vec<[f64; 3]>,
+    /// The part it belongs to.
+    pub part: usize,
+    /// Lines on it where they are not its whole outline.
+    pub lines: Option<Vec<[[f64; 3]; 2]>>,
+}
+
+/// What a picture shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FacePlot {
+    /// Its heading.
+    pub title: String,
+    /// Names of the parts.
+    pub parts: Vec<String>,
+    /// The polygons.
+    pub faces: Vec<Face>,
+    /// Words at places.
+    pub labels: Vec<([f64; 3], String)>,
+}
+
+/// Most polygons of a picture.
+pub const MOST_FACES: usize = 60_000;
+/// Most words of a picture.
+const MOST_LABELS: usize = 60;
+/// Width of the drawing, in pixels.
+const WIDTH: f64 = 900.0;
+/// Highest drawing, in pixels.
+const HEIGHT: f64 = 900.0;
+/// Space around it.
+const MARGIN: f64 = 60.0;
+/// Colours of the parts in turn.
+const COLOURS: [&str; 10] = ["#8fb8de", "#f2b880", "#a3cf9e", "#d9a3c7", "#c9c37a", "#9fd3d0", "#e59c94", "#b6a8dd", "#c2b59b", "#b9c4cf"];
+
+/// Right, up and towards the eye.
+fn view(flat: bool) -> [[f64; 3]; 3] {
+    if flat {
+        return [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    }
+    let (a, b, c) = (0.5f64.sqrt(), 1.0 / 6f64.sqrt(), 1.0 / 3f64.sqrt());
+    [[a, a, 0.0], [-b, b, 2.0 * b], [c, -c, c]]
+}
+
+fn escaped(text: &str) -> String {
+    quick_xml::escape::escape(text).into_owned()
+}
+
+/// The picture as SVG; none where there is nothing to draw, or more than [`MOST_FACES`] polygons.
+pub fn faces(plot: &FacePlot) -> Option<String> {
+    let all = || plot.faces.iter().flat_map(|f| &f.points);
+    if plot.faces.is_empty() || plot.faces.len() > MOST_FACES || !all().all(|p| p.iter().all(|x| x.is_finite())) {
+        return None;
+    }
+    let flat = all().all(|p| p[2] == 0.0);
+    let axes = view(flat);
+    let seen = |p: &[f64; 3]| axes.map(|a| a[0] * p[0] + a[1] * p[1] + a[2] * p[2]);
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for p in all().map(seen) {
+        for k in 0..2 {
+            (low[k], high[k]) = (low[k].min(p[k]), high[k].max(p[k]));
+        }
+    }
+    let (w, h) = (high[0] - low[0], high[1] - low[1]);
+    let scale = ((WIDTH - 2.0 * MARGIN) / w.max(f64::MIN_POSITIVE)).min((HEIGHT - 2.0 * MARGIN) / h.max(f64::MIN_POSITIVE));
+    let scale = if scale.is_finite() { scale } else { 1.0 };
+    let rows = plot.parts.len().min(COLOURS.len());
+    let (width, height) = (w * scale + 2.0 * MARGIN + 160.0, (h * scale).max(18.0 * rows as f64) + 2.0 * MARGIN);
+    let place = |p: [f64; 3]| (MARGIN + (p[0] - low[0]) * scale, MARGIN + (high[1] - p[1]) * scale);
+    // far faces first
+    let mut order: Vec<(f64, usize)> = plot
+        .faces
+        .iter()
+        .enumerate()
+        .map(|(k, f)| (f.points.iter().map(|p| seen(p)[2]).sum::<f64>() / f.points.len().max(1) as f64, k))
+        .collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut svg = String::new();
+    // writing to a String cannot fail
+    let _ = writeln!(
+        svg,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" \
+         font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
+         <text x=\"{MARGIN}\" y=\"28\" font-size=\"15\">{}</text>",
+        escaped(&plot.title)
+    );
+    let line = if plot.faces.len() > 4000 { 0.3 } else { 0.7 };
+    let _ = writeln!(svg, "<g stroke=\"#33404d\" stroke-width=\"{line}\" stroke-linejoin=\"round\">");
+    for (_, k) in order {
+        let face = &plot.faces[k];
+        let points: Vec<String> = face.points.iter().map(|p| place(seen(p))).map(|(x, y)| format!("{x:.2},{y:.2}")).collect();
+        let (colour, points) = (COLOURS[face.part % COLOURS.len()], points.join(" "));
+        match &face.lines {
+            None => {
+                let _ = writeln!(svg, "<polygon fill=\"{colour}\" points=\"{points}\"/>");
+            }
+            Some(lines) => {
+                let _ = writeln!(svg, "<polygon fill=\"{colour}\" stroke=\"{colour}\" points=\"{points}\"/>");
+                for [a, b] in lines {
+                    let ((x, y), (u, v)) = (place(seen(a)), place(seen(b)));
+                    let _ = writeln!(svg, "<path d=\"M{x:.2},{y:.2}L{u:.2},{v:.2}\"/>");
+                }
+            }
+        }
+    }
+    svg.push_str("</g>\n");
+    for (at, text) in plot.labels.iter().take(MOST_LABELS) {
+        let (x, y) = place(seen(at));
+        let _ = writeln!(
+            svg,
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\" dominant-baseline=\"middle\" stroke=\"white\" stroke-width=\"3\" \
+             paint-order=\"stroke\" fill=\"#7a1f1f\">{}</text>",
+            escaped(text)
+        );
+    }
+    for (k, name) in plot.parts.iter().enumerate().take(COLOURS.len()) {
+        let (x, y) = (width - 150.0, MARGIN + 18.0 * k as f64);
+        let _ = writeln!(
+            svg,
+            "<rect x=\"{x:.1}\" y=\"{:.1}\" width=\"12\" height=\"12\" fill=\"{}\"/><text x=\"{:.1}\" y=\"{y:.1}\">{}</text>",
+            y - 10.0,
+            COLOURS[k],
+            x + 18.0,
+            escaped(name)
+        );
+    }
+    svg.push_str("</svg>\n");
+    Some(svg)
+}
