@@ -528,11 +528,8 @@ fn e019_known_but_not_in_this_version() {
     later("slave =", "integration = \"slave\"\nslave =", "this integration", "\"slave\"");
     later("slave =", "cone = \"weights\"\nslave =", "this cone", "\"weights\"");
     later("slave =", "multiplier = \"dual\"\nslave =", "multiplier \"dual\"", "\"dual\"");
-    later("on = \"lower.bottom\"", "on = \"lower.bottom\"\nwhere = \"x > 0.9\"", "`where`", "\"x > 0.9\"");
     later("[[probe]]", "[solver]\nlinear = \"iterative\"\ntolerance = 1e-8\n\n[[probe]]", "`linear = \"iterative\"`", "\"iterative\"");
     later("[[probe]]", "[solver]\nconstraint = \"uzawa\"\n\n[[probe]]", "constraint solver \"uzawa\"", "\"uzawa\"");
-    let kind = "kind = \"box\", min = [0, 0], max = [1, 0.5]";
-    later(kind, "kind = \"file\", file = \"a.xml\"", "geometry of kind \"file\"", "\"file\"");
     later(
         "master = \"lower.top\"",
         "rigid = { kind = \"half-plane\", point = [0, 0.5], normal = [0, 1], force = { y = 1 } }",

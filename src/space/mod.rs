@@ -17,6 +17,7 @@ mod multipatch;
 mod patch;
 mod quality;
 pub mod refine;
+mod refine_cells;
 mod spec;
 mod trace;
 
@@ -37,6 +38,9 @@ pub use mesh_from_cells::MAX_ORDER;
 pub use multipatch::{JoinedSide, MultiPatch, MultiPatchError, Seam};
 pub use patch::Patch;
 pub use quality::{InvertedElement, Quality, measure, quality};
+pub use refine_cells::refine_cells;
+#[cfg(feature = "cli")]
+pub(crate) use refine_cells::{corner_places, facet_key, facets, nodes_per_cell};
 pub use spec::{BasisKind, MAX_DEGREE_SIMPLEX, MAX_DEGREE_SPLINE, MAX_DEGREE_TENSOR, Mapping, PatchSpec, SpecError};
 pub use trace::Trace;
 

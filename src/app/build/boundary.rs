@@ -45,10 +45,10 @@ pub(super) fn build<const S: usize, const N: usize>(
             }
             let side = match &block.filter {
                 Some(filter) => sides.filtered(builder, &model.patches, wanted, filter),
-                None => sides.get(builder, &model.patches, wanted),
+                None => sides.get(builder, &model.patches, wanted).map(Some),
             };
             match side {
-                Ok(side) => on.push(side),
+                Ok(side) => on.extend(side),
                 Err(fault) => builder.faults.push(*fault),
             }
         }
@@ -59,6 +59,11 @@ pub(super) fn build<const S: usize, const N: usize>(
         }
         if let Err(fault) = resultants(builder, model, block, &on) {
             builder.faults.push(*fault);
+        }
+        if let (true, false, true, Some(filter)) = (on.is_empty(), block.on.is_empty(), !builder.faults.has_errors(), &block.filter) {
+            let text = format!("no facet of the sides of \"{}\" has its centre where `{}` holds", block.name.value, filter.value.text());
+            let fault = builder.error("E015", text, filter.at).with_help("`where` keeps whole facets; a finer mesh has smaller ones");
+            builder.faults.push(fault);
         }
     }
     duplicates(builder, model);

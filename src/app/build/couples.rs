@@ -66,8 +66,16 @@ pub(super) fn find<const S: usize, const N: usize>(
         }
     }
     for (range, at) in files {
-        match touching(builder, patches, sides, &range.clone().collect::<Vec<_>>(), &BTreeSet::new(), *at, None) {
+        match touching(builder, patches, sides, &range.clone().collect::<Vec<_>>(), &explicit(builder), *at, None) {
             Ok(found) => couples.seams.extend(found),
+            Err(fault) => builder.faults.push(*fault),
+        }
+    }
+    // groups of one mesh share the functions of common facets
+    for joint in &case.joints {
+        let mut side = |k: usize| sides.get(builder, patches, &Located::new(joint.sides[k].clone(), joint.at));
+        match side(0).and_then(|slave| Ok((slave, side(1)?))) {
+            Ok((slave, master)) => couples.seams.push(Couple { slave, masters: vec![master], at: joint.at, tolerance: None }),
             Err(fault) => builder.faults.push(*fault),
         }
     }

@@ -7,6 +7,7 @@ mod divisions;
 mod exact;
 mod fixed;
 mod glue;
+mod meshes;
 mod model;
 mod multipliers;
 mod patches;
@@ -29,19 +30,20 @@ use crate::io::place::Place;
 pub(crate) use divisions::elements_along;
 pub use exact::{Exact, FieldJet};
 pub use glue::Glued;
+pub(crate) use meshes::{counts as mesh_counts, named_point};
 pub use model::{
-    Action, Against, Changing, Condition, ContactModel, ContactPart, Model, Pairing, PatchModel, Pin, RimModel, SideLoad, SideModel, SideSpring, TieModel,
-    TiePart, Value,
+    Action, Against, Changing, Condition, ContactModel, ContactPart, Model, Pairing, PatchModel, Pin, RimModel, SideLoad, SideModel,
+    SideSpring, TieModel, TiePart, Value,
 };
 pub use patches::patch_fault;
 pub use physics::{Physics, PlaceFn, PointState, SideFn};
 pub use plane::plane_net;
-pub use volume::volume_net;
 pub use rigid::{FreeBody, RigidModes, RigidRow};
 pub(crate) use sides::canonical as canonical_side;
 pub use supports::free_motions;
 pub(crate) use supports::sentences;
 pub(crate) use ties::short;
+pub use volume::volume_net;
 
 /// Makes the net of a shape, its transformations included, in N dimensions.
 pub type MakeNet<const N: usize> = fn(&crate::io::case::Geometry) -> Result<ControlNet<N, N>, (&'static str, String)>;
@@ -83,8 +85,7 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
     let (center, size) = patches::extent(&patches);
     let mut sides = sides::Sides::default();
     // patches of files with several patches: their touching sides are glued
-    let files: Vec<(std::ops::Range<usize>, Place)> = Vec::new();
-    let couples = couples::find(&mut builder, &patches, &mut sides, &files);
+    let couples = couples::find(&mut builder, &patches, &mut sides, &case.glued_files());
     let glued = Glued::of(&mut builder, &patches, &couples);
     builder.stop()?;
     let mut model = Model {

@@ -10,8 +10,9 @@ use crate::basis::Cell;
 use crate::geometry::{Bounds, ControlNet, Geometry};
 use crate::io::case::{self, Cells, Patch};
 use crate::io::errors::Diagnostic;
+use crate::io::place::Located;
 use crate::linalg::Vector;
-use crate::space::{Field, PatchSpec, SpecError};
+use crate::space::{Body, Field, PatchSpec, SpecError};
 
 /// The code and the text of what a built-in backend refuses.
 pub fn patch_fault(error: &SpecError) -> Fault {
@@ -49,19 +50,10 @@ fn one<const S: usize, const N: usize>(
     let case = builder.case;
     let patch = &case.patches[number];
     let name = &patch.name.value;
-    let net = net(&patch.geometry.value)
-        .map_err(|(code, text)| builder.error(code, format!("geometry of patch \"{name}\": {text}"), patch.geometry.at))?;
-    let spec = specification(builder, patch, net)?;
     let backend = &patch.discretization.backend;
-    let make = builder.names.backends.get(&backend.value).map_err(|e| builder.error("E015", e.to_string(), backend.at))?;
-    let body = make(&spec).map_err(|fault| {
-        let at = match fault.code {
-            "E041" => patch.geometry.at,
-            _ if fault.message.contains("breakpoint") => patch.elements.at,
-            _ => patch.discretization.degree.at,
-        };
-        builder.error(fault.code, format!("patch \"{name}\": {}", fault.message), at)
-    })?;
+    let is_mesh = patch.geometry.shape.part().is_some_and(case::FilePart::is_mesh);
+    // curves are known from a mesh only as far as its cells follow them
+    let (body, exact_map) = if is_mesh { (super::meshes::body(builder, patch)?, false) } else { of_net(builder, patch, net, backend)? };
     let material = &case.materials[patch.material.value];
     let assumption = case.model.assumption.value;
     let first_time = case.steps.value.first().copied().unwrap_or(1.0);
@@ -79,7 +71,7 @@ fn one<const S: usize, const N: usize>(
         name: name.clone(),
         backend: backend.value.clone(),
         field: Field { first, components: case.model.components() },
-        exact_map: carries_geometry(&backend.value, &spec),
+        exact_map,
         body,
         physics,
         changing: super::values::constants(material)
@@ -91,6 +83,29 @@ fn one<const S: usize, const N: usize>(
         source,
         weight,
     })
+}
+
+/// The body of a net, and whether its sides lie exactly on those of the net.
+fn of_net<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    patch: &Patch,
+    net: MakeNet<N>,
+    backend: &Located<String>,
+) -> Result<(Box<dyn Body<S, N>>, bool), Box<Diagnostic>> {
+    let name = &patch.name.value;
+    let net = net(&patch.geometry.value)
+        .map_err(|(code, text)| builder.error(code, format!("geometry of patch \"{name}\": {text}"), patch.geometry.at))?;
+    let spec = specification(builder, patch, net)?;
+    let make = builder.names.backends.get(&backend.value).map_err(|e| builder.error("E015", e.to_string(), backend.at))?;
+    let body = make(&spec).map_err(|fault| {
+        let at = match fault.code {
+            "E041" => patch.geometry.at,
+            _ if fault.message.contains("breakpoint") => patch.elements.at,
+            _ => patch.discretization.degree.at,
+        };
+        builder.error(fault.code, format!("patch \"{name}\": {}", fault.message), at)
+    })?;
+    Ok((body, carries_geometry(&backend.value, &spec)))
 }
 
 /// The patch as data for a backend.

@@ -1,7 +1,7 @@
 //! Nets of the shapes of plane cases.
 
 use crate::geometry::{ControlNet, NetError, shapes, turn};
-use crate::io::case::{Geometry, Shape};
+use crate::io::case::{FilePart, Geometry, Shape};
 use crate::linalg::Vector;
 
 fn pair(list: &[f64]) -> [f64; 2] {
@@ -48,6 +48,11 @@ pub(super) fn plane_shape(shape: &Shape) -> Result<ControlNet<2, 2>, (&'static s
             ControlNet::from_knots([p, q], [u, v], points, weights.as_ref().map(|w| w.value.clone())).map_err(net_fault)
         }
         Shape::SphereOctant { .. } => Err(("E044", "a sphere-octant is a body of three dimensions, the model has two".into())),
+        Shape::File { .. } => match shape.part().and_then(FilePart::spline) {
+            Some(patch) => patch.net::<2, 2>().map_err(|e| (e.code(), e.to_string())),
+            None => Err(("E043", "the file gave no spline patch".into())),
+        },
+        #[allow(unreachable_patterns)] // the enum may grow
         other => Err(("E019", format!("the kind \"{}\" in the plane is not in this version", other.kind()))),
     }
 }

@@ -4,7 +4,7 @@ use super::Builder;
 use super::model::{Model, PatchModel, SideModel};
 use crate::assembly::gauss_rules;
 use crate::basis::{Cell, Order};
-use crate::geometry::MapTable;
+use crate::geometry::{Embedding, MapTable};
 use crate::io::case::SideRef;
 use crate::io::errors::Diagnostic;
 use crate::io::formula::{Formula, Point};
@@ -63,35 +63,41 @@ impl<const S: usize, const N: usize> Sides<S, N> {
         Ok(side)
     }
 
-    /// The part of a side whose facets have their centre where `filter` holds; not kept.
+    /// The part of a side whose facets have their centre where `filter` holds, none where there are none; not kept.
     pub fn filtered(
         &mut self,
         builder: &Builder<'_, S, N>,
         patches: &[PatchModel<S, N>],
         wanted: &Located<SideRef>,
         filter: &Located<Formula>,
-    ) -> Result<Arc<SideModel<S, N>>, Box<Diagnostic>> {
+    ) -> Result<Option<Arc<SideModel<S, N>>>, Box<Diagnostic>> {
         let whole = self.get(builder, patches, wanted)?;
         let patch = &patches[wanted.value.patch];
         let space = &*whole.trace.space;
         let mut table = MapTable::new();
-        let mut kind = Cell::Tensor;
-        let facets: Vec<_> = (0..space.num_elements())
-            .filter(|&e| {
-                kind = space.cell(e);
-                let middle = if kind == Cell::Simplex { lit::<f64>(1.0) / num::<f64>(S + 1) } else { 0.5 };
-                space.map(e, &[Vector::repeat(middle)], Order::Values, &mut table);
-                filter.value.value(&Point::new(table.x[0].as_slice())) != 0.0
-            })
-            .map(|e| whole.trace.facets[e])
-            .collect();
-        if facets.is_empty() {
-            let text = format!("no facet of `{}` has its centre where `{}` holds", whole.label, filter.value.text());
-            return Err(Box::new(builder.error("E015", text, filter.at)));
+        // facets of both shapes come together in meshes of both
+        let mut facets: [Vec<Embedding<S, N>>; 2] = [Vec::new(), Vec::new()];
+        for e in 0..space.num_elements() {
+            let simplex = space.cell(e) == Cell::Simplex;
+            let middle = if simplex { lit::<f64>(1.0) / num::<f64>(S + 1) } else { 0.5 };
+            space.map(e, &[Vector::repeat(middle)], Order::Values, &mut table);
+            if filter.value.value(&Point::new(table.x[0].as_slice())) != 0.0 {
+                facets[usize::from(simplex)].push(whole.trace.facets[e]);
+            }
         }
+        let label = format!("{} where {}", whole.label, filter.value.text());
+        let (kind, facets) = match facets {
+            [a, b] if a.is_empty() && b.is_empty() => return Ok(None),
+            [a, b] if b.is_empty() => (Cell::Tensor, a),
+            [a, b] if a.is_empty() => (Cell::Simplex, b),
+            _ => {
+                let text = format!("`where` on `{}`, a side of triangles and quadrilaterals, is not in this version", whole.label);
+                return Err(Box::new(builder.error("E019", text, filter.at).with_help("give the part a tag of its own in the mesh")));
+            }
+        };
         let trace = Trace::from_facets(patch.body.space(), facets, kind)
             .map_err(|e| side_fault(builder, &patch.name, &e, &patch.body.sides(), wanted))?;
-        Ok(Arc::new(make(whole.label.clone(), wanted, trace, patch)))
+        Ok(Some(Arc::new(make(label, wanted, trace, patch))))
     }
 }
 
@@ -128,21 +134,20 @@ pub(super) fn as_one<const S: usize, const N: usize>(model: &Model<S, N>, sides:
     Some(Arc::new(SideModel { patch: first.patch, side: first.side.clone(), label, field, runs, trace, rules }))
 }
 
-/// The name as the case file has it where it stands there in full, else by alias on boxes and by direction elsewhere.
+/// The name as the case file has it where it stands there in full, else by alias on boxes and by direction or tag elsewhere.
 fn label<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patch: &PatchModel<S, N>, wanted: &Located<SideRef>) -> String {
-    let prefix = format!("{}.", patch.name);
     let at = wanted.at;
+    let case = builder.case;
     if at.origin == Origin::File && at.line > 0 {
-        let text: String =
-            builder.case.source.lines.line(at.line).unwrap_or("").chars().skip(at.column.max(1) - 1).take(at.length).collect();
-        let text = text.trim_matches(['"', '\'']);
-        if text.starts_with(&prefix) && canonical(&text[prefix.len()..], N) == wanted.value.side {
-            return text.to_string();
+        let text: String = case.source.lines.line(at.line).unwrap_or("").chars().skip(at.column.max(1) - 1).take(at.length).collect();
+        let inside = |mark: char| text.strip_prefix(mark).and_then(|t| t.strip_suffix(mark));
+        let text = inside('\'').map(str::to_owned).or_else(|| inside('"').map(|t| t.replace("\\\"", "\""))).unwrap_or(text.clone());
+        if case.find_sides(&text) == [wanted.value.clone()] {
+            return text;
         }
     }
-    let is_box = builder.case.patches[wanted.value.patch].geometry.value.shape.value.kind() == "box";
-    let side = if is_box { alias(&wanted.value.side, N) } else { &wanted.value.side };
-    format!("{prefix}{side}")
+    let is_box = case.patches[wanted.value.patch].geometry.value.shape.value.kind() == "box";
+    if is_box { format!("{}.{}", patch.name, alias(&wanted.value.side, N)) } else { case.side_name(&wanted.value) }
 }
 
 fn side_fault<const S: usize, const N: usize>(

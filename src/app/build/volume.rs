@@ -2,7 +2,7 @@
 
 use super::plane::{net_fault, plane_shape, shape_fault};
 use crate::geometry::{ControlNet, shapes, turn_about};
-use crate::io::case::{Geometry, Shape};
+use crate::io::case::{FilePart, Geometry, Shape};
 use crate::linalg::Vector;
 
 fn triple(list: &[f64]) -> [f64; 3] {
@@ -20,7 +20,10 @@ fn solid(shape: &Shape) -> Option<Result<ControlNet<3, 3>, (&'static str, String
             let points = points.value.iter().map(|x| Vector::<3>::from(triple(x))).collect();
             ControlNet::from_knots(degree, knots, points, weights.as_ref().map(|w| w.value.clone())).map_err(net_fault)
         }
-        Shape::File { .. } => Err(("E019", "the kind \"file\" in space is not in this version".into())),
+        Shape::File { .. } => match shape.part().and_then(FilePart::spline) {
+            Some(patch) if patch.dimension() == 3 => patch.net::<3, 3>().map_err(|e| (e.code(), e.to_string())),
+            _ => return None,
+        },
         _ => return None,
     })
 }

@@ -21,8 +21,8 @@ pub struct Loaded {
     pub name: String,
     /// Its absolute path, "-" for stdin.
     pub path: String,
-    /// What was read.
-    pub input: Input,
+    /// What was read: the case first, then the files it names.
+    pub inputs: Vec<Input>,
 }
 
 /// Longest case that is read, in bytes: thousands of times a long one.
@@ -56,7 +56,14 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
         let known = registry.volume.backends.get(name).map(|_| ());
         known.or_else(|_| registry.plane.backends.get(name).map(|_| ())).map_err(|e| super::usage(&format!("--backend: {e}"), None))?;
     }
-    let options = ReadOptions { sets: common.set.clone(), backend: backend.map(str::to_owned), names: registry.case_names() };
+    let folder = (path.as_os_str() != "-").then(|| path.parent().map(Path::to_owned)).flatten();
+    let options = ReadOptions {
+        sets: common.set.clone(),
+        backend: backend.map(str::to_owned),
+        names: registry.case_names(),
+        folder,
+        memory: crate::app::run::memory_for_files(common.max_memory),
+    };
     if path.as_os_str() == "-" {
         let read = bounded(std::io::stdin().lock());
         let bytes = read.map_err(|e| Ended::from(Diagnostic::error("E003", format!("stdin cannot be read: {e}"))))?;
@@ -66,9 +73,15 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
             Ended::from(Diagnostic::error("E005", message).in_file("stdin"))
         })?;
         let case = Case::parse("stdin", text, &options).map_err(Ended::failed)?;
-        return Ok(Loaded { case, name: "stdin".to_owned(), path: "-".to_owned(), input: Input::new("-", &bytes) });
+        let inputs = inputs(Input::new("-", &bytes), &case);
+        return Ok(Loaded { case, name: "stdin".to_owned(), path: "-".to_owned(), inputs });
     }
     let name = path.display().to_string();
+    // asked before it is opened: opening a pipe waits for somebody to write
+    if std::fs::metadata(path).is_ok_and(|known| !known.is_file() && !known.is_dir()) {
+        let message = format!("cannot read {name}: it is no regular file");
+        return Err(Diagnostic::error("E003", message).in_file(name).with_help("write - for a case on stdin").into());
+    }
     let read = std::fs::File::open(path).and_then(bounded);
     let bytes = read.map_err(|e| Ended::from(not_found(path, &e)))?.ok_or_else(|| too_long(&name))?;
     let case = match std::str::from_utf8(&bytes) {
@@ -77,7 +90,14 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
     };
     let case = case.map_err(Ended::failed)?;
     let absolute = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    Ok(Loaded { case, path: absolute.display().to_string(), input: Input::new(name.clone(), &bytes), name })
+    let inputs = inputs(Input::new(name.clone(), &bytes), &case);
+    Ok(Loaded { case, path: absolute.display().to_string(), inputs, name })
+}
+
+/// The case and the files that it names.
+fn inputs(case_file: Input, case: &Case) -> Vec<Input> {
+    let others = case.files.iter().map(|f| Input { file: f.name.clone(), bytes: f.bytes, sha256: f.sha256.clone() });
+    std::iter::once(case_file).chain(others).collect()
 }
 
 /// The limits of the options, and a flag that Ctrl-C sets; a second Ctrl-C ends at once.

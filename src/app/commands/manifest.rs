@@ -1,7 +1,6 @@
 //! `manifest.json`: what was run, on which input, how long it took, which files it wrote.
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use std::path::Path;
 
 /// A file that was read.
@@ -18,8 +17,7 @@ pub struct Input {
 impl Input {
     /// Hashes what was read.
     pub fn new(file: impl Into<String>, bytes: &[u8]) -> Self {
-        let sha256 = Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect();
-        Self { file: file.into(), bytes: bytes.len(), sha256 }
+        Self { file: file.into(), bytes: bytes.len(), sha256: crate::io::case::sha256(bytes) }
     }
 }
 

@@ -34,7 +34,7 @@ fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words:
     clock.hear(Progress::Phase("read"));
     let path = case::out(&arguments.case, common);
     let loaded = case::load(&arguments.case, arguments.backend.as_deref(), common, registry)?;
-    let folder = Folder::claim(&path, &loaded.path, &loaded.input.sha256, common.force).map_err(Ended::from)?;
+    let folder = Folder::claim(&path, &loaded.path, &loaded.inputs[0].sha256, common.force).map_err(Ended::from)?;
     let pool = case::pool(common)?;
     let cells = match arguments.vtu {
         Some(VtuCells::Bezier) => Some(CellStyle::Bezier),
@@ -178,7 +178,7 @@ impl Job<'_> {
             case: self.loaded.name.clone(),
             case_path: self.loaded.path.clone(),
             options: shown(self.words),
-            inputs: vec![self.loaded.input.clone()],
+            inputs: self.loaded.inputs.clone(),
             threads: self.threads,
             seconds: self.clock.seconds(),
             files: names.to_vec(),

@@ -102,10 +102,10 @@ pub fn evaluate<const S: usize, const N: usize>(
             }
             finite(component(*field, &mean))
         }
-        Prepared::Over(field, patch, reduce) => {
+        Prepared::Over(field, bodies, reduce) => {
             let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
             let mut whole = true;
-            for (_, p) in model.patches.iter().enumerate().filter(|(k, _)| patch.is_none_or(|p| p == *k)) {
+            for p in bodies.iter().map(|k| &model.patches[*k]) {
                 let (space, physics) = (&**p.body.space(), p.physics_at(state.t));
                 let parts: Vec<(f64, f64, bool)> = (0..space.num_elements())
                     .into_par_iter()

@@ -2,7 +2,7 @@
 
 use super::grammar::{At, FieldName, Kind, Quantity, Reduce};
 use super::path::{known, look_up};
-use crate::app::build::{Model, canonical_side};
+use crate::app::build::{Model, canonical_side, named_point};
 use crate::geometry::{ClosestPoint, Geometry};
 use crate::io::case::{Case, Multiplier};
 use crate::io::errors::{Diagnostic, nearest};
@@ -44,7 +44,7 @@ pub enum Prepared<const S: usize, const N: usize> {
     /// A field at a place.
     At(FieldName, Spot<N>),
     /// The least or largest value of a field, or both; in one patch or all.
-    Over(FieldName, Option<usize>, Reduce),
+    Over(FieldName, Vec<usize>, Reduce),
     /// lambda of an interface at a place, one component.
     Lambda(SideSpot<S>, usize),
     /// Pressure (true) or lambda of a contact at a place.
@@ -98,9 +98,9 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
             }
             Kind::Field { field, at: place, patch, reduce } => {
                 self.field_exists(text, field, at)?;
-                let patch = match patch {
-                    Some(name) => Some(self.patch(&name, at)?),
-                    None => None,
+                let bodies = match &patch {
+                    Some(name) => self.bodies(name, at)?,
+                    None => (0..self.model.patches.len()).collect(),
                 };
                 match (&place, reduce, both) {
                     (At::Everywhere, Reduce::None, false) => Err(Box::new(
@@ -108,8 +108,8 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
                             .at(&self.case.source, at)
                             .with_help("add `at [x, y]`, `.min` or `.max`; a check may say over = \"all\""),
                     )),
-                    (At::Everywhere, ..) => Ok(Prepared::Over(field, patch, reduce)),
-                    _ => Ok(Prepared::At(field, self.spot(text, &place, patch, at)?)),
+                    (At::Everywhere, ..) => Ok(Prepared::Over(field, bodies, reduce)),
+                    _ => Ok(Prepared::At(field, self.spot(text, &place, &bodies, at)?)),
                 }
             }
         }
@@ -130,6 +130,12 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         wrong.map_or(Ok(()), |why| Err(self.fault("E018", format!("`{text}` is no quantity here: {why}"), at)))
     }
 
+    /// The patches that a name stands for: one, or all those of a file.
+    fn bodies(&self, name: &str, at: Place) -> Result<Vec<usize>, Box<Diagnostic>> {
+        let found = self.case.find_patches(name);
+        if found.is_empty() { Ok(vec![self.patch(name, at)?]) } else { Ok(found) }
+    }
+
     fn patch(&self, name: &str, at: Place) -> Result<usize, Box<Diagnostic>> {
         let names: Vec<&str> = self.model.patches.iter().map(|p| p.name.as_str()).collect();
         names.iter().position(|n| *n == name).ok_or_else(|| {
@@ -138,10 +144,25 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         })
     }
 
+    /// The place of a named point of a mesh, of whichever patch has it.
+    fn named_point(&self, text: &str, tag: &str, at: Place) -> Result<Vector<N>, Box<Diagnostic>> {
+        if let Some(x) = self.case.patches.iter().find_map(|p| named_point::<N>(p, tag)) {
+            return Ok(x);
+        }
+        let parts = self.case.patches.iter().filter_map(|p| p.geometry.shape.part());
+        let mut known: Vec<&str> = parts.flat_map(|p| p.points()).collect();
+        known.sort_unstable();
+        known.dedup();
+        let known =
+            if known.is_empty() { "no mesh of the case names points".to_owned() } else { format!("points are {}", known.join(", ")) };
+        let fault = *self.fault("E021", format!("`{text}`: there is no mesh point `{tag}`; {known}"), at);
+        Err(Box::new(fault.with_help("or write at [x, y]")))
+    }
+
     fn point(&self, text: &str, place: &At, at: Place) -> Result<Vector<N>, Box<Diagnostic>> {
         let list = match place {
             At::Point(list) => list,
-            At::Tag(tag) => return Err(self.fault("E021", format!("`{text}`: there is no mesh point `{tag}`; write at [x, y]"), at)),
+            At::Tag(tag) => return self.named_point(text, tag, at),
             At::Everywhere => return Err(self.fault("E018", format!("`{text}` needs a point; write at [x, y]"), at)),
         };
         let flat = list.len() == 3 && N == 2;
@@ -164,10 +185,11 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         Ok(x)
     }
 
-    fn spot(&self, text: &str, place: &At, patch: Option<usize>, at: Place) -> Result<Spot<N>, Box<Diagnostic>> {
+    fn spot(&self, text: &str, place: &At, bodies: &[usize], at: Place) -> Result<Spot<N>, Box<Diagnostic>> {
         let x = self.point(text, place, at)?;
         let (mut best, mut nearest_body): (Option<(f64, usize, usize, Vector<N>, Vector<N>)>, f64) = (None, f64::INFINITY);
-        for (k, p) in self.model.patches.iter().enumerate().filter(|(k, _)| patch.is_none_or(|p| p == *k)) {
+        for &k in bodies {
+            let p = &self.model.patches[k];
             match Locator::new(p.body.space().clone()).locate(&x) {
                 Ok(found) => {
                     // patches that touch in the point: the first one
@@ -181,7 +203,10 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         }
         let Some((_, patch, element, xi, x)) = best else {
             let coordinates: Vec<String> = x.iter().map(|v| format!("{v}")).collect();
-            let whole = patch.map_or("every body".into(), |p| format!("patch \"{}\"", self.model.patches[p].name));
+            let whole = match bodies {
+                [one] if self.model.patches.len() > 1 => format!("patch \"{}\"", self.model.patches[*one].name),
+                _ => "every body".to_owned(),
+            };
             let message = format!("the point ({}) is outside {whole}, {nearest_body:.3e} away", coordinates.join(", "));
             return Err(Box::new(
                 Diagnostic::error("E022", message)
@@ -218,6 +243,19 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     }
 
     fn side_measure(&self, text: &str, side: &str, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        let sides = self.case.find_sides(side);
+        if !sides.is_empty() {
+            let mut sum = 0.0;
+            for s in &sides {
+                let p = &self.model.patches[s.patch];
+                let trace = p.body.trace(&s.side).map_err(|e| self.fault("E021", format!("`{text}`: patch \"{}\": {e}", p.name), at))?;
+                sum += measure::<S, N, f64, _>(&*trace.space);
+            }
+            return Ok(Prepared::Number(sum));
+        }
+        if let Some(measured) = self.measure_of(side).filter(|_| !text.trim_start().starts_with("length")) {
+            return Ok(measured);
+        }
         for p in &self.model.patches {
             if let Some(rest) = side.strip_prefix(&format!("{}.", p.name)) {
                 return match p.body.trace(canonical_side(rest, N)) {
@@ -231,12 +269,22 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         Err(self.fault("E018", format!("`{text}` is no quantity; write length.PATCH.SIDE"), at))
     }
 
+    /// The area (volume in 3D) of the patches that a name stands for.
+    fn measure_of(&self, name: &str) -> Option<Prepared<S, N>> {
+        let patches = self.case.find_patches(name);
+        let of = |k: &usize| measure::<N, N, f64, _>(&**self.model.patches[*k].body.space());
+        (!patches.is_empty()).then(|| Prepared::Number(patches.iter().map(of).sum()))
+    }
+
     fn path(&self, text: &str, mut path: Vec<String>, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         if path[0] == "reaction" || path[0] == "reactions" {
             path = self.support(path);
         }
         if look_up(self.skeleton, &path).is_some() {
             return Ok(Prepared::Path(path));
+        }
+        if let ("area" | "volume", Some(measured)) = (path[0].as_str(), self.measure_of(&path[1..].join("."))) {
+            return Ok(measured);
         }
         // results of probes and checks are numbers of the result, too
         if let Some((place, help)) = self.lacks_exact(&path) {
@@ -339,17 +387,31 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
 
     /// `reaction.PATCH.SIDE.c` by the label the result has, whatever alias is used.
     fn support(&self, path: Vec<String>) -> Vec<String> {
-        for (k, p) in self.model.patches.iter().enumerate() {
-            let head: Vec<&str> = p.name.split('.').collect();
-            let n = head.len();
-            if path.len() < n + 2 || path[1..=n].iter().map(String::as_str).collect::<Vec<_>>() != head {
+        // the component may be left out in Poisson problems
+        for end in [path.len() - 1, path.len()] {
+            if end < 2 {
                 continue;
             }
-            let side = canonical_side(&path[n + 1], N);
-            let held = self.model.supports.iter().find(|s| s.patch == k && s.side == side).map(|s| &s.label);
-            let pinned = || self.model.pins.iter().find(|p| p.rim.patch == k && p.rim.name == path[n + 1]).map(|p| &p.rim.label);
-            if let Some(label) = held.or_else(pinned) {
-                let mut out = vec!["reactions".to_string(), label.clone()];
+            let [wanted] = &self.case.find_sides(&path[1..end].join("."))[..] else { continue };
+            let mut supports = self.model.supports.iter().filter(|s| s.patch == wanted.patch && s.side == wanted.side);
+            // of parts of one side only the labels tell
+            if let (Some(support), None) = (supports.next(), supports.next()) {
+                let mut out = vec!["reactions".to_string(), support.label.clone()];
+                out.extend_from_slice(&path[end..]);
+                if self.model.components == 1 && out.len() == 2 {
+                    out.push("0".into());
+                }
+                return out;
+            }
+        }
+        // edges and corners
+        for (k, p) in self.model.patches.iter().enumerate() {
+            let n = p.name.split('.').count();
+            if path.len() < n + 2 || path[1..=n].join(".") != p.name {
+                continue;
+            }
+            if let Some(pin) = self.model.pins.iter().find(|pin| pin.rim.patch == k && pin.rim.name == path[n + 1]) {
+                let mut out = vec!["reactions".to_string(), pin.rim.label.clone()];
                 out.extend_from_slice(&path[n + 2..]);
                 if self.model.components == 1 && out.len() == 2 {
                     out.push("0".into());

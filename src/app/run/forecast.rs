@@ -3,7 +3,7 @@
 //! Counts are `f64`: a product of large counts grows, it never wraps around.
 
 use super::predict::{Need, Prediction, bytes};
-use crate::app::build::{MakeNet, elements_along};
+use crate::app::build::{MakeNet, elements_along, mesh_counts};
 use crate::app::registry::is_spline;
 use crate::io::case::{Case, Patch};
 use crate::io::errors::Diagnostic;
@@ -25,8 +25,11 @@ struct Forecast {
 
 /// Unknowns, entries and factor of a patch; none where its geometry is wrong, which building says better.
 fn of_patch<const N: usize>(case: &Case, patch: &Patch, net: MakeNet<N>) -> Option<Need> {
-    let net = net(&patch.geometry.value).ok()?;
     let d = &patch.discretization;
+    if let Some(cells) = mesh_counts::<N>(patch) {
+        return Some(Need::of_mesh(cells, N, d.degree.value.first().copied()?, case.model.components()));
+    }
+    let net = net(&patch.geometry.value).ok()?;
     let spline = is_spline(&d.backend.value);
     let mut sizes = [(0.0, 0usize, 0usize); N];
     for (k, size) in sizes.iter_mut().enumerate() {
@@ -80,6 +83,11 @@ pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, limit: Option<u64
         help += "; or raise --max-memory";
     }
     Some(Diagnostic::error("E081", text).at(&case.source, patch.elements.at).with_help(help))
+}
+
+/// Most bytes that reading a geometry file may take: the limit of the user, else what this machine has.
+pub fn memory_for_files(limit: Option<u64>) -> Option<u64> {
+    limit.or_else(|| physical_memory().map(|all| (SHARE * all as f64) as u64))
 }
 
 /// Bytes of the machine's memory, where the system says them.

@@ -25,6 +25,7 @@ use crate::io::case::Case;
 use crate::io::errors::{Diagnostic, Diagnostics, Severity};
 use std::sync::Arc;
 
+pub(super) use forecast::memory_for_files;
 pub use loads::Resultant;
 pub use predict::{Prediction, bytes, predict};
 pub use report::{HalfWidth, Zone, component_rows, multiplier_at};
@@ -117,7 +118,11 @@ fn run_in<const S: usize, const N: usize>(
                 (dimension.output)(case, last, options)
             });
             end_early(&mut result, watch);
-            let steps = if case.has_steps() { solved.into_iter().map(|s| step_output(case, s, dimension.output, *options)).collect() } else { Vec::new() };
+            let steps = if case.has_steps() {
+                solved.into_iter().map(|s| step_output(case, s, dimension.output, *options)).collect()
+            } else {
+                Vec::new()
+            };
             Finished { result, output, steps }
         }
         Err(faults) => Finished { result: refused("run", case, faults), output: None, steps: Vec::new() },

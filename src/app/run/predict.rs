@@ -66,6 +66,20 @@ impl Need {
         Self { unknowns, elements, entries: c * c * pairs, factor }
     }
 
+    /// A mesh of as many product and simplex cells of `dimension`, Lagrange functions of degree `p`.
+    pub fn of_mesh(cells: [f64; 2], dimension: usize, p: usize, components: usize) -> Self {
+        let (c, n, degree) = (components as f64, dimension as i32, p as f64);
+        // in a large mesh a product cell adds p^n functions; simplices are as many as fill a product cell: two, or about six
+        let fill_product = if dimension == 3 { 6.0 } else { 2.0 };
+        let functions = (cells[0] + cells[1] / fill_product) * degree.powi(n) + 1.0;
+        let own: f64 = (1..=dimension).map(|k| (p + k) as f64 / k as f64).product();
+        let per_cell = [(degree + 1.0).powi(2 * n), own * own];
+        let unknowns = c * functions;
+        let factor = unknowns * fill(unknowns, p, 1.0, components, dimension);
+        let entries = c * c * (cells[0] * per_cell[0] + cells[1] * per_cell[1]);
+        Self { unknowns, elements: cells[0] + cells[1], entries, factor }
+    }
+
     /// Both together.
     pub fn and(&self, other: &Self) -> Self {
         Self {

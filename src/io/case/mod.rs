@@ -5,11 +5,15 @@
 //! errors are reported together.
 
 mod boundary;
+mod from_file;
 mod keys;
+mod mesh_part;
 mod model;
 mod names;
 mod not_yet;
 mod nurbs;
+mod opened;
+mod part;
 mod patch;
 mod reader;
 mod relations;
@@ -21,7 +25,8 @@ mod tree;
 mod types;
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use self::reader::{Block, Reader};
 use self::tree::{Node, Table, Value};
@@ -30,6 +35,8 @@ use super::formula::Constants;
 use super::place::{Lines, Located, Origin, Place};
 
 pub use names::Names;
+pub use opened::{FileRead, sha256};
+pub use part::{FilePart, MeshPart};
 pub use types::*;
 
 /// The schema that this version writes and reads.
@@ -44,6 +51,10 @@ pub struct ReadOptions {
     pub backend: Option<String>,
     /// Known names of backends, couplings, multipliers and constraint solvers.
     pub names: Names,
+    /// The folder that paths in the case are relative to; none: that of the case file, or the current one for a text.
+    pub folder: Option<PathBuf>,
+    /// Most bytes that reading a geometry file may take; none: no limit.
+    pub memory: Option<u64>,
 }
 
 impl Case {
@@ -71,7 +82,8 @@ impl Case {
             let message = format!("the file is not valid TOML: byte {at} is not UTF-8");
             Diagnostics::from(Diagnostic::error("E005", message).with_help("save the file as UTF-8 text").at(&source, place))
         })?;
-        Self::parse(&name, &text, options)
+        let folder = options.folder.clone().or_else(|| path.parent().map(Path::to_owned));
+        Self::parse(&name, &text, &ReadOptions { folder, ..options.clone() })
     }
 
     /// Reads the text of a case; `name` stands in messages.
@@ -92,6 +104,13 @@ impl Case {
             components: 1,
             broken: BTreeSet::new(),
             density_broken: false,
+            folder: options.folder.clone().unwrap_or_default(),
+            memory: options.memory,
+            files: Vec::new(),
+            opened: Vec::new(),
+            from_files: Vec::new(),
+            families: Vec::new(),
+            joints: Vec::new(),
         };
         for (k, option) in options.sets.iter().enumerate() {
             if let Err(d) = set::apply(&mut root, option, k) {
@@ -136,8 +155,28 @@ impl Case {
     }
 
     /// The sides of a patch; collapsed edges are none.
-    pub fn sides(&self, patch: usize) -> Vec<&'static str> {
+    pub fn sides(&self, patch: usize) -> Vec<&str> {
         self.patches.get(patch).map_or(Vec::new(), |p| sides::sides_of(&p.geometry.shape, self.model.dimension.value))
+    }
+
+    /// The sides that a text names: `lower.top`, `bracket."top face"`, or a name that a file gives to several; none where there is no
+    /// such side.
+    pub fn find_sides(&self, text: &str) -> Vec<SideRef> {
+        sides::find(text, &self.patches, &self.families, self.model.dimension.value).unwrap_or_default()
+    }
+
+    /// The patches that a name stands for: one, or all those of a file.
+    pub fn find_patches(&self, name: &str) -> Vec<usize> {
+        if let Some(k) = self.patch_index(name) {
+            return vec![k];
+        }
+        self.families.iter().find(|f| f.name == name).map_or(Vec::new(), |f| f.patches.clone().collect())
+    }
+
+    /// The patches of every file whose touching sides are glued, with the place of the block that says so.
+    pub fn glued_files(&self) -> Vec<(Range<usize>, Place)> {
+        let glued = self.families.iter().filter(|f| f.patches.len() > 1 && self.patches[f.patches.start].glue.value);
+        glued.map(|f| (f.patches.clone(), self.patches[f.patches.start].geometry.at)).collect()
     }
 
     /// A diagnostic at a place of this case.
@@ -237,6 +276,7 @@ impl Reader {
             self.broken.insert("patch".to_owned());
             self.fault("E013", self.source.lines.place(0..0), "[[patch]] is missing in the case", help);
         }
+        let mut patches = self.expand(patches);
         let read = self.list(&mut root, "boundary", keys::BOUNDARY, |r, b, k| r.boundary(b, k, &model, &patches));
         let interfaces = self.list(&mut root, "interface", keys::INTERFACE, |r, b, k| r.interface(b, k, &model, &patches, names));
         let contacts = self.list(&mut root, "contact", keys::CONTACT, |r, b, k| r.contact(b, k, &model, &patches, names));
@@ -255,7 +295,8 @@ impl Reader {
         self.unique("interface or contact", &couples.collect::<Vec<_>>());
         self.unique("probe", &probes.iter().map(|p| p.name.clone()).collect::<Vec<_>>());
         self.unique("check", &checks.iter().map(|c| c.name.clone()).collect::<Vec<_>>());
-        let boundaries = self.outer(read, &interfaces, &contacts, &patches);
+        let joints = self.kept_joints(&interfaces, &contacts);
+        let boundaries = self.outer(read, &interfaces, &contacts, &joints, &mut patches);
         self.slaves(&interfaces, &contacts, &patches);
         self.conditions(&boundaries, &patches, model.components());
         self.exact_data(&boundaries, &model);
@@ -271,6 +312,9 @@ impl Reader {
             discretization,
             materials,
             patches,
+            joints,
+            files: std::mem::take(&mut self.files),
+            families: std::mem::take(&mut self.families),
             boundaries,
             interfaces,
             contacts,
@@ -429,6 +473,9 @@ impl Case {
             },
             materials: Vec::new(),
             patches: Vec::new(),
+            joints: Vec::new(),
+            files: Vec::new(),
+            families: Vec::new(),
             boundaries: Vec::new(),
             interfaces: Vec::new(),
             contacts: Vec::new(),

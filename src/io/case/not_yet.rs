@@ -36,12 +36,6 @@ impl Reader {
             self.later_surfaces(case);
         }
         self.later_if(&m.reference, "`reference`", "errors are measured against `exact`");
-        for p in &case.patches {
-            self.later_patch(p);
-        }
-        for b in &case.boundaries {
-            self.later_boundary(b);
-        }
         for t in &case.interfaces {
             if COUPLINGS.contains(&t.coupling.value.as_str()) {
                 self.later(t.coupling.at, &format!("coupling {:?}", t.coupling.value), "write coupling = \"mortar\"");
@@ -72,24 +66,6 @@ impl Reader {
             let help = "share the unknowns of sides that match by coupling = \"glue\", or take a plane model";
             self.fault("E019", at, "interfaces between surfaces are not in this version", help);
         }
-    }
-
-    fn later_patch(&mut self, p: &Patch) {
-        let g = &p.geometry;
-        if matches!(g.shape.value, Shape::File { .. }) {
-            self.later(
-                g.shape.at,
-                &format!("geometry of kind {:?}", g.shape.kind()),
-                "kinds: box, annulus-sector, disc-sector, plate-with-hole, sphere-octant, nurbs",
-            );
-        }
-        if !p.glue.value {
-            self.later(p.glue.at, "`glue`", "it belongs to files of several patches");
-        }
-    }
-
-    fn later_boundary(&mut self, b: &Boundary) {
-        self.later_if(&b.filter, "`where`", "conditions hold on whole sides");
     }
 
     fn later_contact(&mut self, c: &Contact) {

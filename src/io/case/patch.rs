@@ -2,6 +2,7 @@
 
 use super::keys;
 use super::names::Names;
+use super::part::FilePart;
 use super::reader::{Block, Reader, Sign};
 use super::tree::{Node, Table, Value};
 use super::types::*;
@@ -23,9 +24,12 @@ impl Reader {
         names: &Names,
     ) -> Patch {
         let name = self.name(b, "patch", index, true);
-        let geometry = self.patch_geometry(b);
+        let mut geometry = self.patch_geometry(b);
+        let from = self.parts(&mut geometry.value);
+        self.from_files.push(from);
         let material = self.patch_material(b, materials);
-        let discretization = self.discretization(b, Some(defaults), names);
+        let mut discretization = self.discretization(b, Some(defaults), names);
+        self.mesh_discretization(b, &geometry, &mut discretization);
         self.check_discretization(&discretization);
         let elements = self.elements(b, &geometry.shape);
         let refine = self.whole(b, "refine", 0, 20, 0);
@@ -43,6 +47,10 @@ impl Reader {
         let gravity = self.gravity(b, poisson);
         let closed = b.node("closed").cloned().and_then(|n| self.text_of(&n, "closed"));
         let glue = self.flag_without_default(b, "glue", true);
+        if b.has("glue") && !matches!(geometry.shape.value, Shape::File { .. }) {
+            let message = "`glue` is a key of files of several patches";
+            self.fault("E015", b.key_at("glue"), message, "write an interface with coupling = \"glue\" to glue patches");
+        }
         Patch { head: b.head(), name, geometry, material, elements, refine, grade, discretization, source, gravity, closed, glue }
     }
 
@@ -243,12 +251,7 @@ impl Reader {
                 Shape::SphereOctant { center: self.center(b), radius }
             }
             "nurbs" => self.nurbs(b),
-            _ => {
-                let file = self.required(b, "file", "file = \"part.xml\"").and_then(|n| self.text_of(&n, "file"));
-                let id = ["id", "group"].iter().find_map(|k| b.node(k).cloned());
-                let id = id.map(|n| Located::new(n.describe(), n.at));
-                Shape::File { file: file.unwrap_or_default(), id }
-            }
+            _ => self.file_shape(b),
         }
     }
 
@@ -281,10 +284,14 @@ impl Reader {
                 self.missing(b, "elements", if n == 2 { "elements = [4, 4]" } else { "elements = [4, 4, 4]" });
                 return ones(b.at);
             }
+            if shape.part().is_some_and(FilePart::is_mesh) {
+                return ones(b.at);
+            }
             let at = b.default("elements", Value::Integer(1));
             return ones(at);
         };
         let range = |k: usize| match &shape.value {
+            Shape::File { parts, .. } => parts.first().and_then(|p| p.spline()?.knots.get(k)).map_or((0.0, 1.0), |u| ends(u)),
             Shape::Nurbs { knots, .. } => knots.get(k).and_then(|u| Some((*u.first()?, *u.last()?))).unwrap_or((0.0, 1.0)),
             _ => (0.0, 1.0),
         };
@@ -359,6 +366,10 @@ impl Reader {
         }
         Some(Located::new(Grade { toward: out, ratio: ratio.value }, node.at))
     }
+}
+
+fn ends(knots: &[f64]) -> (f64, f64) {
+    (knots.first().copied().unwrap_or(0.0), knots.last().copied().unwrap_or(1.0))
 }
 
 fn short(text: &str) -> String {

@@ -1,10 +1,14 @@
 //! Typed reading of values: every getter reports what is wrong at its place and lets reading go on.
 
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 
+use super::from_file::FromFile;
 use super::keys;
+use super::opened::{FileRead, Opened};
+use super::sides::Family;
 use super::tree::{Node, Table, Value};
-use super::types::{Components, Datum};
+use super::types::{Components, Datum, Joint};
 use crate::io::errors::{Diagnostic, Diagnostics, Source, nearest};
 use crate::io::formula::{Constants, Formula, Scope};
 use crate::io::place::{Located, Origin, Place};
@@ -26,6 +30,20 @@ pub(super) struct Reader {
     pub broken: BTreeSet<String>,
     /// Whether a density is given but could not be read.
     pub density_broken: bool,
+    /// The folder that paths are relative to.
+    pub folder: PathBuf,
+    /// Most bytes that reading a file may take.
+    pub memory: Option<u64>,
+    /// Files read so far.
+    pub files: Vec<FileRead>,
+    /// Geometry files opened so far.
+    pub opened: Vec<Opened>,
+    /// One entry per patch, until patches are expanded.
+    pub from_files: Vec<Option<FromFile>>,
+    /// Names that stand for all patches of a file.
+    pub families: Vec<Family>,
+    /// Sides that are one.
+    pub joints: Vec<Joint>,
 }
 
 /// A table that is being read.

@@ -1,8 +1,10 @@
 //! What blocks say about each other: sides used twice, two conditions on one component, data marked "exact".
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use super::boundary::{Read, component};
+use super::from_file::outer_of;
+use super::part::FilePart;
 use super::reader::Reader;
 use super::sides::{show, sides_of};
 use super::types::*;
@@ -11,6 +13,21 @@ use crate::io::place::{Located, Place};
 
 fn line(at: Place) -> String {
     at.in_file().map_or("in an option".to_owned(), |(l, _)| format!("on line {l}"))
+}
+
+// the sides that are not used; those of a mesh are tags and what no tag holds
+fn rest(patches: &mut [Patch], used: &HashSet<SideRef>, dimension: usize) -> Vec<SideRef> {
+    let mut out = Vec::new();
+    for (patch, p) in patches.iter_mut().enumerate() {
+        let sides: Vec<String> = if p.geometry.shape.part().is_some_and(FilePart::is_mesh) {
+            let own: Vec<&str> = used.iter().filter(|s| s.patch == patch).map(|s| s.side.as_str()).collect();
+            outer_of(p, &own)
+        } else {
+            sides_of(&p.geometry.shape, dimension).into_iter().map(str::to_owned).collect()
+        };
+        out.extend(sides.into_iter().map(|side| SideRef { patch, side }).filter(|s| !used.contains(s)));
+    }
+    out
 }
 
 impl Reader {
@@ -69,9 +86,16 @@ impl Reader {
         }
     }
 
-    /// Resolves "all-outer": the sides that stand in no other block.
-    pub fn outer(&mut self, read: Vec<Read>, interfaces: &[Tie], contacts: &[Contact], patches: &[Patch]) -> Vec<Boundary> {
-        let mut used: Vec<SideRef> = read.iter().flat_map(|r| r.boundary.on.iter().map(|s| s.value.clone())).collect();
+    /// Resolves "all-outer": the sides that stand in no other block and are not glued to another one.
+    pub fn outer(
+        &mut self,
+        read: Vec<Read>,
+        interfaces: &[Tie],
+        contacts: &[Contact],
+        joints: &[Joint],
+        patches: &mut [Patch],
+    ) -> Vec<Boundary> {
+        let mut used: HashSet<SideRef> = read.iter().flat_map(|r| r.boundary.on.iter().map(|s| s.value.clone())).collect();
         used.extend(interfaces.iter().flat_map(|t| t.slave.iter().chain(&t.master)).map(|s| s.value.clone()));
         for c in contacts {
             used.extend(c.slave.iter().map(|s| s.value.clone()));
@@ -79,20 +103,14 @@ impl Reader {
                 used.extend(sides.iter().map(|s| s.value.clone()));
             }
         }
-        let dimension = self.dimension;
-        let rest = |at: Place| -> Vec<Located<SideRef>> {
-            let all = patches.iter().enumerate().flat_map(|(patch, p)| {
-                sides_of(&p.geometry.shape, dimension).into_iter().map(move |s| SideRef { patch, side: s.to_owned() })
-            });
-            all.filter(|s| !used.contains(s)).map(|s| Located::new(s, at)).collect()
-        };
+        used.extend(joints.iter().flat_map(|j| j.sides.iter().cloned()));
         let mut seen: Option<Place> = None;
         let mut out = Vec::with_capacity(read.len());
         for r in read {
             let mut boundary = r.boundary;
             if let Some(at) = r.all_outer {
                 match seen {
-                    None => boundary.on = rest(at),
+                    None => boundary.on = rest(patches, &used, self.dimension).into_iter().map(|s| Located::new(s, at)).collect(),
                     Some(before) => {
                         let message = format!("\"all-outer\" stands in two blocks: {} and {}", line(before), line(at));
                         self.fault("E052", at, message, "put both conditions into one block");

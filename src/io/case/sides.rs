@@ -1,10 +1,32 @@
 //! Names of sides: which a patch has, their aliases, and references such as `lower.bottom`.
 
+use super::part::{FilePart, collapsed_sides};
 use super::reader::Reader;
 use super::tree::{Node, Value};
 use super::types::{Patch, Shape, SideRef};
 use crate::io::errors::{Diagnostic, nearest};
 use crate::io::place::Located;
+use std::ops::Range;
+
+/// Sides under a name that the file gives them.
+#[derive(Clone, Debug)]
+pub(crate) struct Label {
+    /// The name.
+    pub name: String,
+    /// The sides.
+    pub sides: Vec<SideRef>,
+}
+
+/// The patches of one file under the name of their block.
+#[derive(Clone, Debug)]
+pub(crate) struct Family {
+    /// The name of the block.
+    pub name: String,
+    /// Its patches.
+    pub patches: Range<usize>,
+    /// Names of sides.
+    pub labels: Vec<Label>,
+}
 
 /// Control points nearer than this share of the size are one point.
 const SAME_POINT: f64 = 1e-12;
@@ -13,9 +35,16 @@ const ALL: [&str; 6] = ["u0", "u1", "v0", "v1", "w0", "w1"];
 const PLANE: [(&str, &str); 4] = [("left", "u0"), ("right", "u1"), ("bottom", "v0"), ("top", "v1")];
 const SPATIAL: [(&str, &str); 6] = [("left", "u0"), ("right", "u1"), ("front", "v0"), ("back", "v1"), ("bottom", "w0"), ("top", "w1")];
 
-/// The sides of a shape; collapsed edges are none.
-pub(super) fn sides_of(shape: &Shape, dimension: usize) -> Vec<&'static str> {
-    ALL[..2 * dimension].iter().copied().filter(|s| !is_collapsed(shape, s, dimension)).collect()
+/// The sides of a shape; collapsed edges are none. Those of a mesh are its tags.
+pub(super) fn sides_of(shape: &Shape, dimension: usize) -> Vec<&str> {
+    match shape.part() {
+        Some(part) if part.is_mesh() => part.tags(),
+        Some(FilePart::Spline(patch)) => {
+            let collapsed = collapsed_sides(patch);
+            ALL[..2 * dimension].iter().copied().filter(|s| !collapsed.contains(s)).collect()
+        }
+        _ => ALL[..2 * dimension].iter().copied().filter(|s| !is_collapsed(shape, s, dimension)).collect(),
+    }
 }
 
 fn is_collapsed(shape: &Shape, side: &str, dimension: usize) -> bool {
@@ -60,6 +89,81 @@ fn rim_of(side: &str, dimension: usize) -> Option<Vec<&'static str>> {
     (2 * all.len() == side.len() && all.len() > 1 && apart).then_some(all)
 }
 
+/// What a text names where a side is meant.
+enum Named<'a> {
+    /// A patch, and the rest of the text.
+    Patch(usize, &'a str),
+    /// All patches of a file, and the rest of the text.
+    Family(usize, &'a str),
+}
+
+// the longest name that the text begins with, followed by a dot or by nothing
+fn owner<'a>(text: &'a str, patches: &[Patch], families: &[Family]) -> Option<Named<'a>> {
+    let rest = |name: &str| -> Option<&'a str> {
+        let after = match text.strip_prefix('"') {
+            Some(inner) => inner.strip_prefix(name)?.strip_prefix('"')?,
+            None => text.strip_prefix(name)?,
+        };
+        if after.is_empty() { Some("") } else { after.strip_prefix('.') }
+    };
+    let of_patches = patches.iter().enumerate().filter_map(|(k, p)| Some((p.name.len(), Named::Patch(k, rest(&p.name.value)?))));
+    let of_families = families.iter().enumerate().filter(|(_, f)| f.patches.len() != 1);
+    let of_families = of_families.filter_map(|(k, f)| Some((f.name.len(), Named::Family(k, rest(&f.name)?))));
+    of_patches.chain(of_families).max_by_key(|(length, _)| *length).map(|(_, named)| named)
+}
+
+// a quoted tag may hold dots and blanks
+fn unquoted(side: &str) -> &str {
+    side.strip_prefix('"').and_then(|s| s.strip_suffix('"')).unwrap_or(side)
+}
+
+fn labelled(family: &Family, side: &str) -> Option<Vec<SideRef>> {
+    family.labels.iter().find(|l| l.name == side).map(|l| l.sides.clone())
+}
+
+/// The sides that a text names; none where it names no side.
+pub(super) fn find(text: &str, patches: &[Patch], families: &[Family], dimension: usize) -> Option<Vec<SideRef>> {
+    match owner(text, patches, families)? {
+        Named::Family(k, rest) => labelled(&families[k], unquoted(rest)),
+        Named::Patch(k, rest) => of_patch(k, rest, patches, families, dimension).or_else(|| {
+            // NAME.0 may be a label of the file, too
+            let (family, label) = text.rsplit_once('.')?;
+            labelled(families.iter().find(|f| f.name == family)?, label).filter(|_| rest.is_empty())
+        }),
+    }
+}
+
+// names of the file go before left, right, .., which go after u0, u1, ..
+fn of_patch(k: usize, rest: &str, patches: &[Patch], families: &[Family], dimension: usize) -> Option<Vec<SideRef>> {
+    let side = unquoted(rest);
+    let known = sides_of(&patches[k].geometry.shape, dimension);
+    let one = |side: &str| vec![SideRef { patch: k, side: side.to_owned() }];
+    if known.contains(&side) {
+        return Some(one(side));
+    }
+    let family = families.iter().find(|f| f.patches.contains(&k));
+    if let Some(sides) = family.and_then(|f| labelled(f, side)) {
+        let own: Vec<SideRef> = sides.into_iter().filter(|s| s.patch == k).collect();
+        if !own.is_empty() {
+            return Some(own);
+        }
+    }
+    if patches[k].geometry.shape.part().is_some_and(FilePart::is_mesh) {
+        return None;
+    }
+    canonical(side, dimension).filter(|s| known.contains(s)).map(one)
+}
+
+// the sides that meet in an edge or a corner of the patch
+fn edge(rest: &str, patch: &Patch, dimension: usize) -> Option<String> {
+    let shape = &patch.geometry.shape;
+    if shape.part().is_some_and(FilePart::is_mesh) {
+        return None;
+    }
+    let known = sides_of(shape, dimension);
+    rim_of(rest, dimension).filter(|r| r.iter().all(|s| known.contains(s))).map(|r| r.concat())
+}
+
 impl Reader {
     /// A side or a list of sides.
     pub fn sides(&mut self, node: &Node, what: &str, patches: &[Patch]) -> Vec<Located<SideRef>> {
@@ -72,7 +176,7 @@ impl Reader {
                         self.wrong_type(item, what, "a side or a list of sides", "");
                         continue;
                     };
-                    if let Some(side) = self.side(item, text, what, patches) {
+                    for side in self.side(item, text, what, patches) {
                         if out.contains(&side) {
                             self.fault("E016", side.at, format!("`{}` is named twice in `{what}`", show(&side, patches)), "");
                         } else {
@@ -89,56 +193,107 @@ impl Reader {
         out
     }
 
-    fn side(&mut self, node: &Node, text: &str, what: &str, patches: &[Patch]) -> Option<Located<SideRef>> {
-        let list = |d: usize, p: &Patch| sides_of(&p.geometry.shape, d).join(", ");
-        let names = || patches.iter().map(|p| p.name.value.clone()).collect::<Vec<_>>().join(", ");
-        let (name, side) = text.rsplit_once('.').unwrap_or((text, ""));
-        let name = name.trim_matches('"');
-        let shown: String = text.chars().take(60).collect();
-        let Some(k) = patches.iter().position(|p| p.name.value == name) else {
-            if self.broken.contains("patch") {
-                return None;
-            }
-            let mut d = Diagnostic::error("E021", format!("there is no patch {:?}", name.chars().take(60).collect::<String>()));
-            if let Some(near) = nearest(name, patches.iter().map(|p| p.name.as_str())) {
-                d = d.with_label(format!("did you mean {near:?}?"));
-            }
-            self.push(node.at, d.with_help(format!("sides are written PATCH.SIDE; patches are {}", names())));
-            return None;
-        };
+    fn side(&mut self, node: &Node, text: &str, what: &str, patches: &[Patch]) -> Vec<Located<SideRef>> {
         let dimension = self.dimension;
-        let known = sides_of(&patches[k].geometry.shape, dimension);
-        match canonical(side, dimension).filter(|s| known.contains(s)) {
-            Some(s) => Some(Located::new(SideRef { patch: k, side: s.to_owned() }, node.at)),
-            None if rim_of(side, dimension).is_some_and(|r| r.iter().all(|s| known.contains(s))) => {
-                if what != "on" {
-                    let help = format!("sides of {name:?} are {}", list(dimension, &patches[k]));
-                    self.fault("E021", node.at, format!("`{shown}` is an edge or a corner; `{what}` takes sides"), help);
-                    return None;
-                }
-                let side = rim_of(side, dimension).unwrap_or_default().concat();
-                Some(Located::new(SideRef { patch: k, side }, node.at))
-            }
-            None => {
-                let message = if side.is_empty() {
-                    format!("`{shown}` names a patch, not a side; sides of {name:?} are {}", list(dimension, &patches[k]))
-                } else {
-                    format!("there is no side `{shown}`; sides of {name:?} are {}", list(dimension, &patches[k]))
-                };
-                let help = match (&patches[k].geometry.shape.value, canonical(side, dimension)) {
-                    (Shape::DiscSector { .. }, Some("v0")) => "v0 is the centre of the disc and no side",
-                    (Shape::Nurbs { .. }, Some(_)) => "this edge is collapsed to a point and no side",
-                    _ if dimension == 2 => "in 2D left, right, bottom, top are u0, u1, v0, v1",
-                    _ => "in 3D left, right, front, back, bottom, top are u0, u1, v0, v1, w0, w1",
-                };
-                self.fault("E021", node.at, message, help);
-                None
-            }
+        if let Some(sides) = find(text, patches, &self.families, dimension) {
+            return sides.into_iter().map(|s| Located::new(s, node.at)).collect();
         }
+        let shown: String = text.chars().take(60).collect();
+        match owner(text, patches, &self.families) {
+            None => self.no_patch(node, text, patches),
+            Some(Named::Family(k, rest)) => {
+                let family = &self.families[k];
+                let labels = family.labels.iter().map(|l| quoted(&l.name)).collect::<Vec<_>>().join(", ");
+                let (name, n) = (family.name.clone(), family.patches.len());
+                if n == 0 {
+                    // its file could not be read, and that was reported
+                    return Vec::new();
+                }
+                let named =
+                    if labels.is_empty() { "none of their sides has a name".to_owned() } else { format!("named sides are {labels}") };
+                let side = if rest.is_empty() { "u0" } else { rest };
+                let message = format!("there is no side `{shown}`; {name:?} is a file of {n} patches, {named}");
+                self.fault("E021", node.at, message, format!("write {name}.0.{side} for a side of the first patch"));
+            }
+            Some(Named::Patch(k, rest)) => match edge(rest, &patches[k], dimension) {
+                Some(side) if what == "on" => return vec![Located::new(SideRef { patch: k, side }, node.at)],
+                Some(_) => {
+                    let help =
+                        format!("sides of {:?} are {}", patches[k].name.value, sides_of(&patches[k].geometry.shape, dimension).join(", "));
+                    self.fault("E021", node.at, format!("`{shown}` is an edge or a corner; `{what}` takes sides"), help);
+                }
+                None => self.no_side(node, &shown, k, rest, patches),
+            },
+        }
+        Vec::new()
     }
+
+    fn no_patch(&mut self, node: &Node, text: &str, patches: &[Patch]) {
+        if self.broken.contains("patch") {
+            return;
+        }
+        let name = text.rsplit_once('.').map_or(text, |(name, _)| name).trim_matches('"');
+        let names = patches.iter().map(|p| p.name.value.clone()).collect::<Vec<_>>();
+        let mut d = Diagnostic::error("E021", format!("there is no patch {:?}", name.chars().take(60).collect::<String>()));
+        if let Some(near) = nearest(name, names.iter().map(String::as_str)) {
+            d = d.with_label(format!("did you mean {near:?}?"));
+        }
+        self.push(node.at, d.with_help(format!("sides are written PATCH.SIDE; patches are {}", some(&names))));
+    }
+
+    fn no_side(&mut self, node: &Node, shown: &str, k: usize, rest: &str, patches: &[Patch]) {
+        let (dimension, name, shape) = (self.dimension, &patches[k].name.value, &patches[k].geometry.shape.value);
+        if matches!(shape, Shape::File { parts, .. } if parts.is_empty()) {
+            // its file could not be read, and that was reported
+            return;
+        }
+        let mut known: Vec<String> = sides_of(shape, dimension).into_iter().map(quoted).collect();
+        if let Some(family) = self.families.iter().find(|f| f.patches.contains(&k)) {
+            let own = family.labels.iter().filter(|l| l.sides.iter().any(|s| s.patch == k));
+            known.extend(own.map(|l| quoted(&l.name)));
+        }
+        let mesh = shape.part().is_some_and(FilePart::is_mesh);
+        let list = match (mesh, known.is_empty()) {
+            (true, true) => format!("no side of {name:?} is named in its file; \"all-outer\" is its whole boundary"),
+            _ => format!("sides of {name:?} are {}", some(&known)),
+        };
+        let message = if rest.is_empty() {
+            format!("`{shown}` names a patch, not a side; {list}")
+        } else {
+            format!("there is no side `{shown}`; {list}")
+        };
+        let help = match (shape, canonical(rest, dimension)) {
+            (Shape::DiscSector { .. }, Some("v0")) => "v0 is the centre of the disc and no side",
+            (Shape::Nurbs { .. }, Some(_)) => "this edge is collapsed to a point and no side",
+            (Shape::File { .. }, Some(_)) if !mesh => "this side is collapsed and none",
+            _ if mesh => "tags with dots or blanks are quoted: PATCH.\"top face\"",
+            _ if dimension == 2 => "in 2D left, right, bottom, top are u0, u1, v0, v1",
+            _ => "in 3D left, right, front, back, bottom, top are u0, u1, v0, v1, w0, w1",
+        };
+        let mut d = Diagnostic::error("E021", message).with_help(help);
+        if let Some(near) = nearest(unquoted(rest), known.iter().map(String::as_str)).filter(|_| mesh) {
+            d = d.with_label(format!("did you mean {near}?"));
+        }
+        self.push(node.at, d);
+    }
+}
+
+// a list of bounded length
+fn some(names: &[String]) -> String {
+    const MOST: usize = 20;
+    match names.len() {
+        n if n > MOST => format!("{}, .. ({n} in all)", names[..MOST].join(", ")),
+        _ => names.join(", "),
+    }
+}
+
+/// A name as it is written in references: quoted where it holds anything but letters, digits, `_`, `-`.
+pub(crate) fn quoted(name: &str) -> String {
+    let plain = !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-');
+    if plain { name.to_owned() } else { format!("\"{name}\"") }
 }
 
 /// `lower.v0`.
 pub(super) fn show(side: &SideRef, patches: &[Patch]) -> String {
-    format!("{}.{}", patches.get(side.patch).map_or("?", |p| p.name.as_str()), side.side)
+    format!("{}.{}", patches.get(side.patch).map_or("?", |p| p.name.as_str()), quoted(&side.side))
 }

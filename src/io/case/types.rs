@@ -4,8 +4,12 @@
 //! dimension for elasticity. Names of patches and sides are resolved; formulas are parsed.
 
 use super::super::formula::{Constants, Formula};
-use super::super::place::Located;
+use super::super::place::{Located, Place};
 use super::super::{errors::Diagnostics, errors::Source};
+use super::opened::FileRead;
+use super::part::FilePart;
+use super::sides::Family;
+use std::sync::Arc;
 
 /// The head of a block, for errors that concern it as a whole.
 pub type Head = Located<()>;
@@ -29,8 +33,13 @@ pub struct Case {
     pub discretization: Discretization,
     /// `[[material]]`; a Poisson case without any gets one named `default` of conductivity 1.
     pub materials: Vec<Material>,
-    /// `[[patch]]`.
+    /// `[[patch]]`; a file of several patches gives NAME.0, NAME.1, ...
     pub patches: Vec<Patch>,
+    /// Sides that are one because groups of one mesh share their facets.
+    pub joints: Vec<Joint>,
+    /// Files that were read beside the case.
+    pub files: Vec<FileRead>,
+    pub(super) families: Vec<Family>,
     /// `[[boundary]]`.
     pub boundaries: Vec<Boundary>,
     /// `[[interface]]`.
@@ -60,6 +69,7 @@ impl PartialEq for Case {
             && self.discretization == other.discretization
             && self.materials == other.materials
             && self.patches == other.patches
+            && self.joints.iter().map(|j| &j.sides).eq(other.joints.iter().map(|j| &j.sides))
             && self.boundaries == other.boundaries
             && self.interfaces == other.interfaces
             && self.contacts == other.contacts
@@ -275,12 +285,33 @@ pub enum Shape {
     File {
         /// Path relative to the case file.
         file: Located<String>,
-        /// Patch or group in it.
+        /// The number of a spline patch in it.
         id: Option<Located<String>>,
+        /// Name or number of the group of a mesh.
+        group: Option<Located<String>>,
+        /// Path of a list of knots that are added to the spline patches.
+        refinement: Option<Located<String>>,
+        /// What was read: one part for a patch of the case; none for obstacles.
+        parts: Vec<Arc<FilePart>>,
     },
 }
 
 impl Shape {
+    /// What a patch takes from its file.
+    pub fn part(&self) -> Option<&FilePart> {
+        match self {
+            Self::File { parts, .. } => parts.first().map(|p| &**p),
+            _ => None,
+        }
+    }
+
+    pub(super) fn part_mut(&mut self) -> Option<&mut FilePart> {
+        match self {
+            Self::File { parts, .. } => parts.first_mut().map(Arc::make_mut),
+            _ => None,
+        }
+    }
+
     /// The word of the case file.
     pub fn kind(&self) -> &'static str {
         match self {
@@ -346,12 +377,21 @@ pub struct Patch {
     pub glue: Located<bool>,
 }
 
-/// A side of a patch by its canonical name.
+/// Two sides that are the same facets of one mesh file: their patches share the functions there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Joint {
+    /// The sides.
+    pub sides: [SideRef; 2],
+    /// The patch block that says so.
+    pub at: Place,
+}
+
+/// A side of a patch by its canonical name, or the tag of a mesh.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct SideRef {
     /// Index into [`Case::patches`].
     pub patch: usize,
-    /// `u0`, `u1`, `v0`, `v1`, `w0`, `w1`.
+    /// `u0`, `u1`, `v0`, `v1`, `w0`, `w1`, or the tag of a mesh.
     pub side: String,
 }
 

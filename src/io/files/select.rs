@@ -38,6 +38,11 @@ impl MeshFile {
         Ok(MeshCells { points, blocks, tags: self.sides(N, &chosen, group.is_none())? })
     }
 
+    /// The file's numbers of the cells that [`MeshFile::cells`] gives, in their order; none where it gives an error.
+    pub fn cell_ids(&self, dimension: usize, group: Option<&str>) -> Vec<u64> {
+        self.chosen(dimension, group).map_or(Vec::new(), |all| all.iter().flat_map(|b| b.ids.iter().copied()).collect())
+    }
+
     /// The point of a group of dimension zero, by name or number; none without the group or where it has several points.
     pub fn point(&self, tag: &str) -> Option<[f64; 3]> {
         let group = find(&self.groups, 0, tag)?;
