@@ -104,7 +104,7 @@ fn a_list_of_knots_is_the_same_as_breakpoints() {
     for (a, b) in listed.iter().zip(&plain) {
         assert!((a - b).abs() < 1e-10 * b.abs(), "{listed:?} {plain:?}");
     }
-    refused(&folder, &poisson("file = \"two-squares-nurbs.mesh\", refinement = \"cube.ref\"", "", &points), "E043", "cube.ref");
+    refused(&folder, &poisson("file = \"two-squares-nurbs.mesh\", refinement = \"two-cubes.ref\"", "", &points), "E043", "two-cubes.ref");
 }
 
 #[test]

@@ -77,8 +77,9 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
         return Ok(Loaded { case, name: "stdin".to_owned(), path: "-".to_owned(), inputs });
     }
     let name = path.display().to_string();
-    // asked before it is opened: opening a pipe waits for somebody to write
-    if std::fs::metadata(path).is_ok_and(|known| !known.is_file() && !known.is_dir()) {
+    // asked before it is opened: opening a pipe waits for somebody to write; those below /dev are open already, or are bounded below
+    let special = std::fs::metadata(path).is_ok_and(|known| !known.is_file() && !known.is_dir());
+    if special && !path.starts_with("/dev") {
         let message = format!("cannot read {name}: it is no regular file");
         return Err(Diagnostic::error("E003", message).in_file(name).with_help("write - for a case on stdin").into());
     }
