@@ -202,7 +202,8 @@ fn six_pinned_components_hold_a_solid_without_forces_and_fewer_are_named() {
             text.replace(", z = \"0.05*y + 0.01*z + 0.2*x\" }\n[[boundary]]\non = \"a.v1u0w0\"", " }\n[[boundary]]\non = \"a.v1u0w0\"");
         let found = faults(&loose);
         assert_eq!(found.items[0].code, "E051");
-        assert!(found.items[0].message.contains("rotation about y"), "{}", found.items[0].message);
+        let line = "rotation about the line along (0, 1, 0) through (0, 0, 0)";
+        assert!(found.items[0].message.contains(line), "{}", found.items[0].message);
     }
 }
 

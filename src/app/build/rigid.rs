@@ -136,10 +136,31 @@ impl<const N: usize> RigidModes<N> {
             return format!("rotation about ({}, {})", short(x, self.size), short(y, self.size));
         }
         if turning {
-            return "a rotation".into();
+            return self.turn(v);
         }
         let list: Vec<String> = (0..N).map(|k| short(v[k] / v.norm(), 1.0)).collect();
         format!("translation along ({})", list.join(", "))
+    }
+}
+
+impl<const N: usize> RigidModes<N> {
+    /// A motion of space that turns: about a line, or along it, too.
+    ///
+    /// With u = t + w x r, r from the middle of the model: the line runs along w through r = (w x t) / w.w if w.t = 0.
+    fn turn(&self, v: &DVector<f64>) -> String {
+        let t = Vector::<3>::new(v[0], v[1], v[2]);
+        // planes (x, y), (x, z), (y, z): the second turns about -y
+        let w = Vector::<3>::new(v[5], -v[4], v[3]) / self.size;
+        let list = |x: &Vector<3>, scale: f64| x.iter().map(|&c| short(c, scale)).collect::<Vec<_>>().join(", ");
+        let along = w / w[w.iamax()];
+        if w.dot(&t).abs() > NEGLIGIBLE * w.norm() * v.norm() {
+            return format!("screw motion along ({})", list(&along, 1.0));
+        }
+        let center = Vector::<3>::from_fn(|k, _| if k < N { self.center[k] } else { 0.0 });
+        let point = center + w.cross(&t) / w.norm_squared();
+        // the point of the line that is nearest to the origin
+        let point = point - along * (point.dot(&along) / along.norm_squared());
+        format!("rotation about the line along ({}) through ({})", list(&along, 1.0), list(&point, self.size))
     }
 }
 
@@ -177,6 +198,19 @@ mod tests {
         assert_eq!(modes(1).free(&hinge)[0].motions, ["rotation about (0, 1)"]);
         let clamped = [fixed(0, 0, [0.0, 0.0]), fixed(0, 1, [0.0, 0.0]), fixed(0, 1, [1.0, 0.0])];
         assert!(modes(1).free(&clamped).is_empty());
+    }
+
+    #[test]
+    fn a_solid_on_two_hinges_turns_about_their_line() {
+        let modes = RigidModes::<3> { bodies: 1, components: 3, center: Vector::from([0.5, 0.5, 0.5]), size: 2.0 };
+        let at = |c: usize, x: [f64; 3]| RigidRow::<3> {
+            terms: vec![(0, 1.0, Vector::from(x))],
+            direction: Vector::from_fn(|k, _| f64::from(u8::from(k == c))),
+        };
+        // all of (1, 0, 2), x and z of (1, 3, 2): the line x = 1, z = 2
+        let mut rows: Vec<_> = (0..3).map(|c| at(c, [1.0, 0.0, 2.0])).collect();
+        rows.extend([at(0, [1.0, 3.0, 2.0]), at(2, [1.0, 3.0, 2.0])]);
+        assert_eq!(modes.free(&rows)[0].motions, ["rotation about the line along (0, 1, 0) through (1, 0, 2)"]);
     }
 
     #[test]

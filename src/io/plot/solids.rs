@@ -62,6 +62,12 @@ impl Piece {
     fn depth(&self) -> f64 {
         self.corners.iter().map(|c| c[2]).sum::<f64>() / self.corners.len() as f64
     }
+
+    /// From its farthest to its nearest corner.
+    fn extent(&self) -> f64 {
+        let (far, near) = self.corners.iter().fold((f64::MAX, f64::MIN), |(a, b), c| (a.min(c[2]), b.max(c[2])));
+        near - far
+    }
 }
 
 /// A face of an element: reference corners, in order around it.
@@ -227,7 +233,8 @@ fn draw(plot: &FieldPlot<'_>, all: &[Piece], scale: &Scale, camera: &Camera) -> 
                 let points = polygon(piece);
                 for (k, _) in piece.edges.iter().enumerate().filter(|(_, e)| **e) {
                     let next = (k + 1) % points.len();
-                    let depth = 0.5 * (piece.corners[k][2] + piece.corners[next][2]) + IN_FRONT * size;
+                    // in front of both pieces that meet there, which are about as deep
+                    let depth = 0.5 * (piece.corners[k][2] + piece.corners[next][2]) + piece.extent() + IN_FRONT * size;
                     if points[k] != points[next] {
                         strokes.push((depth, vec![points[k], points[next]]));
                     }
