@@ -10,7 +10,9 @@ pub mod output;
 pub mod quantities;
 pub mod registry;
 pub mod result;
+mod result_schema;
 pub mod run;
+pub mod studies;
 mod unsolved;
 pub mod watch;
 
@@ -19,4 +21,5 @@ pub use named::Named;
 pub use output::{Finished, Output, Parts, Picture, RunOptions, SideOutput, StepOutput};
 pub use registry::{Family, Fault, Names, Registry, UnknownName};
 pub use result::{RunResult, Status};
+pub use result_schema::result_schema;
 pub use watch::{Progress, Stop, Watch};

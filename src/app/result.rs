@@ -64,6 +64,10 @@ pub struct GeometryReport {
     pub measure: Named<f64>,
     /// Least determinant dx/dxi of the maps from unit cells over all Gauss points, signed by the patch [length^N].
     pub least_jacobian: f64,
+    /// Elements of all patches.
+    pub elements: usize,
+    /// Largest diameter of an element \[length\].
+    pub h: f64,
 }
 
 /// The active set iteration.

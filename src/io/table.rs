@@ -33,6 +33,16 @@ impl Table {
         self.rows.len()
     }
 
+    /// The names of the columns.
+    pub fn head(&self) -> &[String] {
+        &self.head
+    }
+
+    /// The cells of every row.
+    pub fn rows(&self) -> impl Iterator<Item = &[String]> {
+        self.rows.iter().map(Vec::as_slice)
+    }
+
     /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
@@ -91,6 +101,11 @@ pub fn short(x: f64, digits: usize) -> String {
 /// A number for programs: 17 significant digits; what is not finite is empty.
 pub fn exact(x: f64) -> String {
     if x.is_finite() { format!("{x:.16e}") } else { String::new() }
+}
+
+/// A cell of comma-separated values, quoted where it holds a comma, a quote or a line break (RFC 4180).
+pub fn csv_field(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
 /// One multiplier function of an interface or a contact.

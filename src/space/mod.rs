@@ -2,6 +2,7 @@
 
 mod cells;
 mod deformed;
+mod diameter;
 mod field;
 mod glue;
 mod grid;
@@ -29,6 +30,7 @@ use std::sync::Arc;
 
 pub use cells::{CellBlock, FacetTag, MeshCells};
 pub use deformed::Deformed;
+pub use diameter::diameter;
 pub use field::{FieldAt, Located, Locator, OutsideBody, field_at, locate};
 pub use glue::{GlueError, GlueRow, GluedFacet, Near, glue, glue_facets};
 pub use joined::Joined;

@@ -34,9 +34,8 @@ pub enum Command {
     New(NewArguments),
     /// Say what an error code means and what to do
     Explain(ExplainArguments),
-    /// Several backends in one table (not in this version)
-    #[command(disable_help_flag = true)]
-    Compare(Later),
+    /// Several backends in one table
+    Compare(CompareArguments),
     /// Refinement study (not in this version)
     #[command(disable_help_flag = true)]
     Convergence(Later),
@@ -53,9 +52,8 @@ pub enum Command {
     Inspect(InspectArguments),
     /// Convert between Gmsh, G+Smo XML, MFEM meshes and VTU, by the extension of OUT
     Convert(ConvertArguments),
-    /// JSON Schema of the case file or of result.json (not in this version)
-    #[command(disable_help_flag = true)]
-    Schema(Later),
+    /// JSON Schema of the case file or of result.json
+    Schema(SchemaArguments),
 }
 
 impl Command {
@@ -153,11 +151,74 @@ pub struct NewArguments {
     pub list: bool,
 }
 
-/// `explain CODE`.
+/// `explain [CODE]`.
 #[derive(Args, Clone, Debug)]
 pub struct ExplainArguments {
-    /// The code, such as E021
-    pub code: String,
+    /// The code, such as E021; none: the list of all codes
+    pub code: Option<String>,
+}
+
+/// `schema [result]`.
+#[derive(Args, Clone, Debug)]
+pub struct SchemaArguments {
+    /// What the schema is of
+    #[arg(value_enum, default_value = "case")]
+    pub of: SchemaOf,
+}
+
+/// Documents with a schema.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SchemaOf {
+    /// The case file, as the JSON that its TOML stands for
+    Case,
+    /// result.json and the document of --json
+    Result,
+}
+
+/// `compare CASE`.
+#[derive(Args, Clone, Debug)]
+pub struct CompareArguments {
+    /// The case file, or - for stdin
+    pub case: PathBuf,
+    /// Probes or quantities to compare, separated by commas (repeatable) [default: all probes]
+    #[arg(long, value_name = "Q1,Q2")]
+    pub quantity: Vec<String>,
+    /// Largest relative difference from the first row; beyond it the exit is 1 [default: only a table]
+    #[arg(long, value_name = "TOL", value_parser = tolerance)]
+    pub tol: Option<f64>,
+    /// What the rows vary.
+    #[command(flatten)]
+    pub study: StudyArguments,
+}
+
+/// Options of every study.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Options of every study")]
+pub struct StudyArguments {
+    /// Backends, one row each; iga+fe: patches with a slave side iga, all others fe [default: iga,fe]
+    #[arg(long, value_name = "B1,B2")]
+    pub backends: Option<String>,
+    /// Number of levels; each halves every element, level 0 is the case as written
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=20))]
+    pub levels: Option<u8>,
+    /// Degrees: 1,2,3 for all backends, iga:2,3,4 for one (repeatable)
+    #[arg(long, value_name = "LIST")]
+    pub degrees: Vec<String>,
+    /// One row per value of a key of the case (repeatable)
+    #[arg(long, value_name = "KEY=V1,V2")]
+    pub vary: Vec<String>,
+    /// Multipliers (not in this version)
+    #[arg(long, value_name = "LIST")]
+    pub pairings: Option<String>,
+    /// Integrations of interfaces (not in this version)
+    #[arg(long, value_name = "LIST")]
+    pub integration: Option<String>,
+    /// Additional points of interfaces (not in this version)
+    #[arg(long, value_name = "LIST")]
+    pub extra_points: Option<String>,
+    /// Keep the rows of an earlier study (not in this version)
+    #[arg(long)]
+    pub resume: bool,
 }
 
 /// Cells of `fields.vtu`.
@@ -189,7 +250,7 @@ pub enum ColorChoice {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Options of every command")]
 pub struct Common {
-    /// Folder of the results [default: CASE.out in the current folder]
+    /// Folder of the results [default: CASE.out, of a study CASE.COMMAND, in the current folder]
     #[arg(long, global = true, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Write into a folder that holds other files; overwrites files of the same name, deletes nothing
@@ -248,6 +309,10 @@ fn bytes(text: &str) -> Result<u64, String> {
     };
     let size = number * factor;
     if size >= 1.0 && size < u64::MAX as f64 { Ok(size as u64) } else { Err(wrong()) }
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    text.parse::<f64>().ok().filter(|t| *t >= 0.0 && t.is_finite()).ok_or_else(|| "expected a number from 0, such as 1e-8".to_owned())
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -23,6 +23,10 @@ pub struct Loaded {
     pub path: String,
     /// What was read: the case first, then the files it names.
     pub inputs: Vec<Input>,
+    /// The text of the case.
+    pub text: String,
+    /// What it was read with, for reading it again.
+    pub options: ReadOptions,
 }
 
 /// Longest case that is read, in bytes: thousands of times a long one.
@@ -42,19 +46,23 @@ fn too_long(name: &str) -> Ended {
 
 /// The folder of results of the case at `path`: that of `--out`, else after the name of the file.
 pub fn out(path: &Path, common: &Common) -> PathBuf {
+    folder(path, common, "out")
+}
+
+/// The folder that a command writes, CASE.`end`: that of `--out`, else after the name of the file.
+pub fn folder(path: &Path, common: &Common, end: &str) -> PathBuf {
     let stem = || match path.file_stem() {
         _ if path.as_os_str() == "-" => "stdin".to_owned(),
         Some(stem) => stem.to_string_lossy().into_owned(),
         None => "case".to_owned(),
     };
-    common.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.out", stem())))
+    common.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.{end}", stem())))
 }
 
 /// Reads the case at `path`, with the names of `registry` and the changes of the options.
 pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Registry) -> Result<Loaded, Ended> {
     if let Some(name) = backend {
-        let known = registry.volume.backends.get(name).map(|_| ());
-        known.or_else(|_| registry.plane.backends.get(name).map(|_| ())).map_err(|e| super::usage(&format!("--backend: {e}"), None))?;
+        known_backend(registry, name, "--backend")?;
     }
     let folder = (path.as_os_str() != "-").then(|| path.parent().map(Path::to_owned)).flatten();
     let options = ReadOptions {
@@ -63,6 +71,7 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
         names: registry.case_names(),
         folder,
         memory: crate::app::run::memory_for_files(common.max_memory),
+        ..ReadOptions::default()
     };
     if path.as_os_str() == "-" {
         let read = bounded(std::io::stdin().lock());
@@ -74,7 +83,7 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
         })?;
         let case = Case::parse("stdin", text, &options).map_err(Ended::failed)?;
         let inputs = inputs(Input::new("-", &bytes), &case);
-        return Ok(Loaded { case, name: "stdin".to_owned(), path: "-".to_owned(), inputs });
+        return Ok(Loaded { case, name: "stdin".to_owned(), path: "-".to_owned(), inputs, text: text.to_owned(), options });
     }
     let name = path.display().to_string();
     // asked before it is opened: opening a pipe waits for somebody to write; those below /dev are open already, or are bounded below
@@ -92,13 +101,20 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
     let case = case.map_err(Ended::failed)?;
     let absolute = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let inputs = inputs(Input::new(name.clone(), &bytes), &case);
-    Ok(Loaded { case, path: absolute.display().to_string(), inputs, name })
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    Ok(Loaded { case, path: absolute.display().to_string(), inputs, name, text, options })
 }
 
 /// The case and the files that it names.
 fn inputs(case_file: Input, case: &Case) -> Vec<Input> {
     let others = case.files.iter().map(|f| Input { file: f.name.clone(), bytes: f.bytes, sha256: f.sha256.clone() });
     std::iter::once(case_file).chain(others).collect()
+}
+
+/// Whether the registry has the backend that an option names.
+pub fn known_backend(registry: &Registry, name: &str, option: &str) -> Result<(), Ended> {
+    let known = registry.volume.backends.get(name).map(|_| ());
+    known.or_else(|_| registry.plane.backends.get(name).map(|_| ())).map_err(|e| super::usage(&format!("{option}: {e}"), None))
 }
 
 /// The limits of the options, and a flag that Ctrl-C sets; a second Ctrl-C ends at once.

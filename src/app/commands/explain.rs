@@ -1,19 +1,43 @@
-//! `faying explain`: the long text of an error code.
+//! `faying explain`: the long text of an error code, or the list of all codes.
 
 use super::arguments::ExplainArguments;
 use super::ended::Ended;
 use crate::io::codes::{self, CODES};
-use serde_json::json;
+use crate::io::errors::nearest;
+use crate::io::table::Table;
+use serde_json::{Value, json};
 
-/// Prints what a code means and what to do.
+/// Prints what a code means and what to do; without a code the list of all.
 pub fn explain(arguments: &ExplainArguments) -> Ended {
-    let wanted = arguments.code.trim().to_uppercase();
-    let Some(code) = codes::find(&wanted) else {
-        let known = CODES.iter().map(|c| c.code).collect::<Vec<_>>().join(", ");
-        return super::usage(&format!("there is no code `{}`; known: {known}", arguments.code), None);
+    let Some(given) = &arguments.code else { return all() };
+    let Some(code) = codes::find(given.trim()) else {
+        let near = nearest(&given.trim().to_uppercase(), CODES.iter().map(|c| c.code));
+        let help = near.map_or_else(
+            || "`faying explain` lists all codes".to_owned(),
+            |n| format!("did you mean {n}? `faying explain` lists all codes"),
+        );
+        return super::usage(&format!("there is no code `{given}`"), Some(&help));
     };
-    let text = format!("{}: {} (exit {})\n\n{}\n", code.code, code.title, code.exit, wrapped(code.text, 88));
-    Ended::done("explain", text, json!({"code": code.code, "title": code.title, "exit_of_code": code.exit, "text": code.text}))
+    let example: String = code.example.lines().map(|line| format!("    {line}\n")).collect();
+    let text = format!(
+        "{}: {} (exit {})\n\n{}\n\nFor example\n\n{example}\nWhat to do: {}\n",
+        code.code,
+        code.title,
+        code.exit,
+        wrapped(code.text, 88),
+        wrapped(code.remedy, 88)
+    );
+    let document = json!({"code": code.code, "title": code.title, "exit_of_code": code.exit, "text": code.text, "example": code.example, "remedy": code.remedy});
+    Ended::done("explain", text, document)
+}
+
+fn all() -> Ended {
+    let mut table = Table::new(["code", "exit", "mistake"]);
+    for c in CODES {
+        table.row([c.code.to_owned(), c.exit.to_string(), c.title.to_owned()]);
+    }
+    let list: Vec<Value> = CODES.iter().map(|c| json!({"code": c.code, "title": c.title, "exit_of_code": c.exit})).collect();
+    Ended::done("explain", format!("{table}\n`faying explain E021` says more about one.\n"), json!({ "codes": list }))
 }
 
 /// `text` in lines of at most `width` characters, broken at spaces.

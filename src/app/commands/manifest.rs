@@ -37,7 +37,7 @@ pub struct Manifest {
     pub schema: String,
     /// Version of the program.
     pub version: String,
-    /// "run".
+    /// "run", "compare", ...
     pub command: String,
     /// The case as the user wrote it.
     pub case: String,
@@ -49,7 +49,7 @@ pub struct Manifest {
     pub inputs: Vec<Input>,
     /// Threads that were used.
     pub threads: usize,
-    /// Seconds of every phase, in order.
+    /// Seconds of every phase, of a study of every row, in order.
     pub seconds: Vec<PhaseSeconds>,
     /// Files that were written, this one included.
     pub files: Vec<String>,

@@ -7,6 +7,7 @@ mod arguments;
 mod case;
 mod check;
 mod clock;
+mod compare;
 mod convert;
 mod ended;
 mod explain;
@@ -19,6 +20,7 @@ mod new;
 mod panics;
 mod place;
 mod run;
+mod schema;
 mod streams;
 mod summary;
 
@@ -68,6 +70,7 @@ fn place_of_document(arguments: &Arguments, streams: &Streams, words: &[OsString
     let file = streams.json.as_deref();
     match &arguments.command {
         Command::Run(run) => place::beside_results(file, &case::out(&run.case, &arguments.common))?,
+        Command::Compare(compare) => place::beside_results(file, &case::folder(&compare.case, &arguments.common, "compare"))?,
         Command::Check(check) => place::beside_results(file, &case::out(&check.case, &arguments.common))?,
         Command::New(new) => place::not_over(file, &new::file(new, &arguments.common))?,
         Command::Inspect(inspect) => inspect::check_place(inspect, file)?,
@@ -82,12 +85,14 @@ fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words:
         Command::Run(run) => run::run(registry, run, &arguments.common, streams, words),
         Command::Check(check) => check::check(registry, check, &arguments.common, streams),
         Command::New(new) => new::new(new, &arguments.common),
+        Command::Compare(compare) => compare::compare(registry, compare, &arguments.common, streams, words),
+        Command::Schema(schema) => schema::schema(registry, schema),
         Command::Explain(code) => explain::explain(code),
         Command::Inspect(inspect) => inspect::inspect(registry, inspect, &arguments.common),
         Command::Convert(convert) => convert::convert(convert, &arguments.common),
         other => usage(
             &format!("`faying {}` is not in this version", other.name()),
-            Some("commands of this version: run, check, inspect, convert, new, explain"),
+            Some("commands of this version: run, compare, check, inspect, convert, new, schema, explain"),
         ),
     }
 }

@@ -93,7 +93,7 @@ impl Steps {
 }
 
 /// The words after the program's name.
-fn shown(words: &[OsString]) -> Vec<String> {
+pub(super) fn shown(words: &[OsString]) -> Vec<String> {
     words.iter().skip(1).map(|w| w.to_string_lossy().into_owned()).collect()
 }
 

@@ -129,6 +129,22 @@ fn run_in<const S: usize, const N: usize>(
     }
 }
 
+/// The numbers of a run without its fields, as `command` reports them: a row of a study. Faults as in [`run`].
+pub fn numbers(command: &str, case: &Case, registry: &Registry, watch: &Watch) -> RunResult {
+    let solved = if in_space(case) {
+        solve_case(command, case, registry, &volume(registry), watch).map(|(result, _)| result)
+    } else {
+        solve_case(command, case, registry, &plane(registry), watch).map(|(result, _)| result)
+    };
+    match solved {
+        Ok(mut result) => {
+            end_early(&mut result, watch);
+            result
+        }
+        Err(faults) => refused(command, case, faults),
+    }
+}
+
 /// Everything but the solve: the result has the names, the counts and the prediction.
 pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &Watch) -> Finished {
     if in_space(case) { check_in(case, registry, &volume(registry), watch) } else { check_in(case, registry, &plane(registry), watch) }

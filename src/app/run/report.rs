@@ -15,7 +15,7 @@ use crate::contact::Contact;
 use crate::geometry::Geometry;
 use crate::io::case::Case;
 use crate::linalg::{Csr, Operator, Vector};
-use crate::space::{measure, quality};
+use crate::space::{diameter, measure, quality};
 use std::sync::Arc;
 
 /// A slave side with the rows of its contact and the points that are closed.
@@ -33,6 +33,8 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, mode
     result.geometry = GeometryReport {
         measure: model.patches.iter().map(|p| (p.name.clone(), measure::<N, N, f64, _>(&**p.body.space()))).collect(),
         least_jacobian: soundness.fold(f64::INFINITY, f64::min),
+        elements: model.patches.iter().map(|p| p.body.space().num_elements()).sum(),
+        h: model.patches.iter().map(|p| diameter::<N, f64, _>(&**p.body.space())).fold(0.0, f64::max),
     };
     result.contact = model
         .contacts

@@ -5,6 +5,7 @@
 //! errors are reported together.
 
 mod boundary;
+mod changes;
 mod from_file;
 mod keys;
 mod mesh_part;
@@ -18,6 +19,8 @@ mod patch;
 mod reader;
 mod relations;
 mod reports;
+mod schema;
+mod schema_keys;
 mod set;
 mod sides;
 mod tie;
@@ -32,11 +35,13 @@ use self::reader::{Block, Reader};
 use self::tree::{Node, Table, Value};
 use super::errors::{Diagnostic, Diagnostics, Source, nearest};
 use super::formula::Constants;
-use super::place::{Lines, Located, Origin, Place};
+use super::place::{Lines, Located, Place};
 
+pub use changes::Changes;
 pub use names::Names;
 pub use opened::{FileRead, sha256};
 pub use part::{FilePart, MeshPart};
+pub use schema::schema;
 pub use types::*;
 
 /// The schema that this version writes and reads.
@@ -49,6 +54,8 @@ pub struct ReadOptions {
     pub sets: Vec<String>,
     /// `--backend`: replaces the backend of every patch.
     pub backend: Option<String>,
+    /// What a row of a study changes, after all other options.
+    pub changes: Changes,
     /// Known names of backends, couplings, multipliers and constraint solvers.
     pub names: Names,
     /// The folder that paths in the case are relative to; none: that of the case file, or the current one for a text.
@@ -118,8 +125,9 @@ impl Case {
             }
         }
         if let Some(backend) = &options.backend {
-            override_backend(&mut root, backend);
+            changes::apply(&mut root, &Changes { backend: Some(backend.clone()), ..Changes::default() });
         }
+        changes::apply(&mut root, &options.changes);
         let case = reader.case(root, options);
         let mut found = reader.found;
         found.sort();
@@ -218,24 +226,6 @@ pub fn not_found(path: &Path, error: &std::io::Error) -> Diagnostic {
         format!("similar names there: {}", similar.join(", "))
     };
     Diagnostic::error("E003", format!("there is no file {name}")).in_file(name).with_help(help)
-}
-
-// `--backend`: one backend for all
-fn override_backend(root: &mut Table, backend: &str) {
-    let at = Place { origin: Origin::Option, ..Place::NONE };
-    if root.get("discretization").is_none() {
-        root.set("discretization", at, Node::new(Value::Table(Table::default()), at));
-    }
-    if let Some(Value::Table(t)) = root.get_mut("discretization").map(|e| &mut e.node.value) {
-        t.set("backend", at, Node::new(Value::Text(backend.to_owned()), at));
-    }
-    if let Some(Value::List(patches)) = root.get_mut("patch").map(|e| &mut e.node.value) {
-        for p in patches {
-            if let Value::Table(t) = &mut p.value {
-                t.entries.retain(|e| e.key != "backend");
-            }
-        }
-    }
 }
 
 impl Reader {

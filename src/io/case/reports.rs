@@ -72,8 +72,8 @@ impl Reader {
         Some(f)
     }
 
-    /// `[study.NAME]`: names and keys are checked, the values when a study runs.
-    pub fn studies(&mut self, node: Option<&Node>) -> Vec<Located<String>> {
+    /// `[study.NAME]`: what a study varies where the command line is silent; values of keys that no study of this version has are not read.
+    pub fn studies(&mut self, node: Option<&Node>) -> Vec<Located<StudyValues>> {
         let Some(node) = node else { return Vec::new() };
         let Value::Table(table) = &node.value else {
             self.wrong_type(node, "study", "a table", "write [study.convergence]");
@@ -90,14 +90,44 @@ impl Reader {
                 continue;
             }
             let Some(b) = self.block(&e.node, &format!("`study.{}`", e.key), keys::STUDY) else { continue };
-            if let Some(levels) = b.node("levels").cloned() {
-                self.whole_of(&levels, "levels", 1, 20);
-            }
-            if let Some(tol) = b.node("tol").cloned() {
-                self.number_of(&tol, "tol", super::reader::Sign::Positive);
-            }
-            out.push(Located::new(e.key.clone(), e.key_at));
+            let values = StudyValues {
+                name: e.key.clone(),
+                levels: b.node("levels").cloned().and_then(|levels| self.whole_of(&levels, "levels", 1, 20)),
+                degrees: b.node("degrees").cloned().map_or(Vec::new(), |node| self.study_degrees(&node)),
+                backends: self.words(&b, "backends"),
+                vary: self.words(&b, "vary"),
+                quantities: self.words(&b, "quantities"),
+                tol: b.node("tol").cloned().and_then(|tol| self.number_of(&tol, "tol", super::reader::Sign::Positive)),
+            };
+            out.push(Located::new(values, e.key_at));
         }
         out
+    }
+
+    // a text or a list of texts
+    fn words(&mut self, b: &Block, key: &str) -> Vec<String> {
+        let Some(node) = b.node(key).cloned() else { return Vec::new() };
+        let items = match &node.value {
+            Value::List(items) => items.clone(),
+            _ => vec![node],
+        };
+        items.iter().filter_map(|item| self.text_of(item, key)).map(|text| text.value).collect()
+    }
+
+    // [1, 2, 3] or { iga = [2, 3, 4] }
+    fn study_degrees(&mut self, node: &Node) -> Vec<String> {
+        let mut list = |backend: Option<&str>, node: &Node| {
+            let items = match &node.value {
+                Value::List(items) => items.clone(),
+                _ => vec![node.clone()],
+            };
+            let degrees: Vec<String> =
+                items.iter().filter_map(|item| self.whole_of(item, "degrees", 1, 12)).map(|p| p.to_string()).collect();
+            (!degrees.is_empty()).then(|| backend.map_or(String::new(), |b| format!("{b}:")) + &degrees.join(","))
+        };
+        match &node.value {
+            Value::Table(table) => table.entries.iter().filter_map(|e| list(Some(&e.key), &e.node)).collect(),
+            _ => list(None, node).into_iter().collect(),
+        }
     }
 }

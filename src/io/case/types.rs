@@ -54,8 +54,8 @@ pub struct Case {
     pub probes: Vec<Probe>,
     /// `[[check]]`.
     pub checks: Vec<Check>,
-    /// Names of the `[study.NAME]` tables.
-    pub studies: Vec<Located<String>>,
+    /// The `[study.NAME]` tables.
+    pub studies: Vec<Located<StudyValues>>,
     pub(super) effective: String,
 }
 
@@ -753,4 +753,23 @@ pub struct Check {
     pub backend: Option<Located<String>>,
     /// `over = "all"`: both extremes.
     pub over_all: Option<Located<()>>,
+}
+
+/// `[study.NAME]`: what a study varies where the command line is silent.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StudyValues {
+    /// The command: `compare`, `convergence`, ...
+    pub name: String,
+    /// Number of levels.
+    pub levels: Option<usize>,
+    /// As words of the command line: `1,2,3` or `iga:2,3,4`.
+    pub degrees: Vec<String>,
+    /// Names of backends, `SLAVE+MASTER` for one on slave patches.
+    pub backends: Vec<String>,
+    /// As words of the command line: `KEY=v1,v2`.
+    pub vary: Vec<String>,
+    /// Probes or quantities.
+    pub quantities: Vec<String>,
+    /// Largest relative difference from the first row.
+    pub tol: Option<f64>,
 }

@@ -9,6 +9,7 @@ mod frame;
 mod sample;
 mod side;
 mod solids;
+mod study;
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -16,6 +17,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 pub use fields::{FieldPlot, fields};
 pub use side::{ExactCurve, SidePlot, side};
 pub use solids::solids;
+pub use study::{StudyLine, StudyPlot, study};
 
 /// Why there is no picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

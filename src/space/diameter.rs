@@ -1,0 +1,21 @@
+//! The size of elements: the largest distance of two points of one.
+
+use super::Space;
+use crate::basis::Order;
+use crate::geometry::{MapTable, cell};
+use crate::linalg::Real;
+use rayon::prelude::*;
+
+/// Points per direction among which distances are taken: corners and middles, so that bent edges count.
+const POINTS: usize = 3;
+
+/// The largest diameter of the elements of `space` \[length\], taken among corners and middles of edges, faces and cells.
+pub fn diameter<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -> T {
+    let of = |table: &mut MapTable<N, N, T>, e: usize| {
+        space.map(e, &cell::grid::<N, T>(space.cell(e), POINTS), Order::Values, table);
+        let pairs = table.x.iter().enumerate().flat_map(|(k, a)| table.x[..k].iter().map(move |b| (a - b).norm_squared()));
+        pairs.fold(T::zero(), |most, d| most.max(d))
+    };
+    let largest = (0..space.num_elements()).into_par_iter().map_init(MapTable::new, of).reduce(T::zero, |a, b| a.max(b));
+    largest.sqrt()
+}
