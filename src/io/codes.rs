@@ -341,7 +341,7 @@ pub const CODES: &[Code] = &[
         "E091",
         4,
         "writing failed",
-        "A result could not be written.",
+        "A result could not be written: the disk is full, the folder may not be written to, or something stands in the way.",
         "$ faying run a.toml --out /            # no permission",
         "make room or permissions, or give another folder with --out.",
     ),
