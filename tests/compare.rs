@@ -337,3 +337,27 @@ fn wrong_words_are_refused_before_anything_is_solved() {
     let out = faying(at.path(), &["compare", "a.toml"]);
     assert_eq!((out.status.code(), text(&out.stderr).contains("E090")), (Some(4), true));
 }
+
+/// Two triangles of a unit square.
+const MESH: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 1 \"rim\"\n2 2 \"body\"\n$EndPhysicalNames\n\
+$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n\
+$Elements\n6\n1 1 2 1 1 1 2\n2 1 2 1 1 2 3\n3 1 2 1 1 3 4\n4 1 2 1 1 4 1\n5 2 2 2 1 1 2 3\n6 2 2 2 1 1 3 4\n$EndElements\n";
+
+#[test]
+fn a_patch_that_is_read_from_a_mesh_stays_with_fe_and_a_warning_says_so() {
+    let at = folder(
+        "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = { u = \"sin(pi*x)*y\" }\n[[patch]]\nname = \"a\"\n\
+         geometry = { kind = \"file\", file = \"a.msh\" }\nrefine = 2\n[[boundary]]\non = \"a.rim\"\ndirichlet = \"exact\"\n",
+    );
+    std::fs::write(at.path().join("a.msh"), MESH).unwrap();
+    let (exit, study) = told(at.path(), &["compare", "a.toml", "--backends", "iga,fe,iga+fe", "--degrees", "iga:5", "--degrees", "fe:2"]);
+    assert_eq!((exit, names(&study)), (0, vec!["iga", "fe", "iga+fe"]), "{study}");
+    for row in study["rows"].as_array().unwrap() {
+        assert_eq!((row["backends"]["a"].as_str(), row["degree"].as_i64(), row["elements"].as_i64()), (Some("fe"), Some(2), Some(32)));
+        assert_eq!(row["errors"], study["rows"][1]["errors"]);
+    }
+    let warning = study["warnings"][0]["message"].as_str().unwrap();
+    assert!(warning.contains("stays with backend \"fe\"") && warning.contains("row iga"), "{warning}");
+    let manifest: Value = serde_json::from_slice(&std::fs::read(at.path().join("a.compare/manifest.json")).unwrap()).unwrap();
+    assert_eq!(manifest["inputs"].as_array().unwrap().len(), 2);
+}
