@@ -476,11 +476,14 @@ fn what_is_no_geometry_is_refused_with_its_line() {
     assert!(text(&whole).is_ok());
     let head = "MFEM NURBS mesh v1.0\ndimension 1\nelements 1\n1 1 0 1\nboundary 0\nedges 1\n0 0 1\nvertices 2\n";
     let cases: Vec<(String, &str)> = vec![
-        (String::new(), "test is empty; G+Smo XML, MFEM meshes and Gmsh MSH files are read (line 1)"),
-        ("\0".repeat(10_000), "test looks like binary data of another format; G+Smo XML, MFEM meshes and Gmsh MSH files are read (line 1)"),
-        ("solid cube".into(), "test looks like an STL file; G+Smo XML, MFEM meshes and Gmsh MSH files are read (line 1)"),
-        ("hello\nworld".into(), "test begins with \"hello\"; G+Smo XML, MFEM meshes and Gmsh MSH files are read (line 1)"),
-        ("<VTKFile type=\"UnstructuredGrid\"/>".into(), "a VTK file as a geometry is not supported (line 1)"),
+        (String::new(), "test is empty; G+Smo XML, MFEM meshes, Gmsh MSH files and VTU grids are read (line 1)"),
+        (
+            "\0".repeat(10_000),
+            "test looks like binary data of another format; G+Smo XML, MFEM meshes, Gmsh MSH files and VTU grids are read (line 1)",
+        ),
+        ("solid cube".into(), "test looks like an STL file; G+Smo XML, MFEM meshes, Gmsh MSH files and VTU grids are read (line 1)"),
+        ("hello\nworld".into(), "test begins with \"hello\"; G+Smo XML, MFEM meshes, Gmsh MSH files and VTU grids are read (line 1)"),
+        ("<VTKFile type=\"UnstructuredGrid\"/>".into(), "the file has no VTKFile element (byte 0)"),
         ("<!DOCTYPE a [<!ENTITY b \"c\">]><xml/>".into(), "a document type (DTD) in XML is not supported (line 1)"),
         ("<a>".repeat(100_000), "XML of more than 32 levels is not supported (line 1)"),
         ("<xml/>".into(), "the file holds no geometry (line 1)"),
@@ -546,7 +549,7 @@ fn endless_files_folders_and_long_lines_end() {
     assert_eq!(files::read(Path::new("/nowhere/at/all"), &limits).unwrap_err().code(), "E003");
     if Path::new("/dev/zero").exists() {
         let error = files::read(Path::new("/dev/zero"), &limits).unwrap_err();
-        assert_eq!((error.code(), error.to_string()), ("E081", "reading it takes about 1048577 bytes; 1048576 are allowed".to_string()));
+        assert_eq!((error.code(), error.to_string().as_str()), ("E091", "it is a device"));
     }
     for head in ["MFEM mesh v1.0\ndimension 2\nelements ", "<xml>"] {
         let mut line = head.as_bytes().to_vec();

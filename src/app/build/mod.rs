@@ -56,10 +56,14 @@ pub(crate) struct Builder<'a, const S: usize, const N: usize> {
     pub faults: Diagnostics,
 }
 
+/// What to do about elements that fold over.
+const INVERTED: &str = "move the points around it apart; `faying inspect` lists such elements and draws them with --svg";
+
 impl<const S: usize, const N: usize> Builder<'_, S, N> {
     /// An error at a place of the case.
     pub fn error(&self, code: &'static str, message: impl Into<String>, at: Place) -> Diagnostic {
-        Diagnostic::error(code, message).at(&self.case.source, at)
+        let error = Diagnostic::error(code, message).at(&self.case.source, at);
+        if code == "E041" { error.with_help(INVERTED) } else { error }
     }
 
     /// A warning at a place of the case.

@@ -3,9 +3,9 @@
 use super::arguments::{Common, ConvertArguments};
 use super::case;
 use super::ended::Ended;
-use super::inspect::{contents, fault, write};
+use super::inspect::{contents, fault, room, write};
 use super::place;
-use crate::app::convert::{ConvertOptions, convert as written, format_of};
+use crate::app::convert::{ConvertOptions, convert as written, format_of, memory};
 use crate::io::errors::{Diagnostic, Diagnostics};
 use serde_json::json;
 use std::path::Path;
@@ -35,6 +35,7 @@ fn converted(arguments: &ConvertArguments, common: &Common) -> Result<Ended, End
     let to = format_of(output).expect("its place was checked before");
     let read = contents(input, common)?;
     let options = ConvertOptions { order: arguments.order.map(usize::from), binary: arguments.binary };
+    room(input, memory(&read, to, &options), common)?;
     let pool = case::pool(common)?;
     let made = pool.install(|| written(&read, to, &options)).map_err(|e| Ended::from(fault(input, &e)))?;
     write(output, &made.bytes, common.force)?;

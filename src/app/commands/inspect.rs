@@ -7,6 +7,7 @@ use super::{case, place};
 use crate::app::Registry;
 use crate::app::build::{plane_net, volume_net};
 use crate::app::inspect::{Inspection, inspect as look, picture};
+use crate::app::run::{bytes, memory_for_files};
 use crate::geometry::ControlNet;
 use crate::io::case::{Case, Shape};
 use crate::io::errors::{Diagnostic, Diagnostics, nearest};
@@ -39,7 +40,13 @@ pub fn fault(path: &Path, error: &FileError) -> Diagnostic {
     let missing = matches!(error, FileError::System { missing: true, .. });
     let message = if missing { "there is no such file".to_owned() } else { error.to_string() };
     let mut diagnostic = Diagnostic::error(error.code(), format!("`{}`: {message}", path.display()));
-    if let Some(help) = missing.then(|| similar(path)).flatten() {
+    let help = match error {
+        FileError::System { missing: true, .. } => similar(path),
+        FileError::System { .. } => Some("give a file that may be read".to_owned()),
+        FileError::Memory { .. } => Some("raise --max-memory, or give a smaller file".to_owned()),
+        _ => None,
+    };
+    if let Some(help) = help {
         diagnostic = diagnostic.with_help(help);
     }
     diagnostic.in_file(path.display().to_string())
@@ -47,7 +54,20 @@ pub fn fault(path: &Path, error: &FileError) -> Diagnostic {
 
 /// Reads a file of any format.
 pub fn contents(path: &Path, common: &Common) -> Result<Contents, Ended> {
-    read(path, &Limits { memory: common.max_memory }).map_err(|e| fault(path, &e).into())
+    read(path, &Limits { memory: memory_for_files(common.max_memory) }).map_err(|e| fault(path, &e).into())
+}
+
+/// Whether `needed` bytes beside those of `contents`, as many as the file has at least, stay below `--max-memory`.
+pub fn room(path: &Path, needed: u64, common: &Common) -> Result<(), Ended> {
+    let Some(allowed) = common.max_memory else { return Ok(()) };
+    let held = std::fs::metadata(path).map_or(0, |about| about.len());
+    let needed = needed.saturating_add(held);
+    if needed <= allowed {
+        return Ok(());
+    }
+    let message = format!("`{}`: it takes about {} of memory; {} are allowed", path.display(), bytes(needed), bytes(allowed));
+    let fault = Diagnostic::error("E081", message).with_help("raise --max-memory, or give a smaller file");
+    Err(fault.in_file(path.display().to_string()).into())
 }
 
 /// The geometries of a case as patches, and notes on those that stand elsewhere.
@@ -102,6 +122,7 @@ fn inspected(registry: &Registry, arguments: &InspectArguments, common: &Common)
     } else {
         (contents(path, common)?, None)
     };
+    room(path, crate::app::inspect::memory(&contents), common)?;
     let pool = case::pool(common)?;
     let mut found: Inspection = pool.install(|| look(&contents)).map_err(|e| Ended::from(fault(path, &e)))?;
     if case.is_some() {

@@ -62,6 +62,18 @@ fn word(format: Format) -> &'static str {
     }
 }
 
+/// Bytes per element while its quality is measured.
+const PER_ELEMENT: u64 = 250;
+
+/// About how many bytes [`inspect`] takes beside `contents`.
+pub fn memory(contents: &Contents) -> u64 {
+    let elements: usize = match contents {
+        Contents::Mesh(mesh) => mesh.blocks.iter().map(|b| b.ids.len()).sum(),
+        Contents::Patches(file) => file.patches.iter().map(|p| p.points.len()).sum(),
+    };
+    PER_ELEMENT * elements as u64
+}
+
 /// Looks at what a file holds.
 ///
 /// # Errors

@@ -25,7 +25,7 @@ use crate::io::case::Case;
 use crate::io::errors::{Diagnostic, Diagnostics, Severity};
 use std::sync::Arc;
 
-pub(super) use forecast::memory_for_files;
+pub(crate) use forecast::memory_for_files;
 pub use loads::Resultant;
 pub use predict::{Prediction, bytes, predict};
 pub use report::{HalfWidth, Zone, component_rows, multiplier_at};

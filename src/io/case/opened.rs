@@ -42,7 +42,8 @@ pub(super) struct Opened {
 /// E003 for a file that a case names and that cannot be read, with similar names in its folder.
 fn cannot_open(name: &str, path: &Path, why: &str, missing: bool) -> Diagnostic {
     if !missing {
-        return Diagnostic::error("E003", format!("cannot read {name}: {why}"));
+        return Diagnostic::error("E003", format!("cannot read {name}: {why}"))
+            .with_help("name a file of a mesh or a geometry that may be read");
     }
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let d = Diagnostic::error("E003", format!("there is no file {name}"));
@@ -155,7 +156,11 @@ impl Reader {
             FileError::Memory { .. } => "raise --max-memory, or give a smaller file",
             FileError::Unsupported { .. } => "read are: G+Smo XML, MFEM meshes, Gmsh 2.2 and 4.1; `faying inspect` shows what a file holds",
             FileError::Broken { .. } => "`faying inspect` shows what a file holds",
-            FileError::Missing { .. } | FileError::Dimension { .. } | FileError::System { .. } => "",
+            FileError::Dimension { .. } => {
+                "`dimension` of the case and of what the file holds must be the same, and points of a plane case have z = 0; \
+                 `faying inspect` shows what a file holds"
+            }
+            FileError::Missing { .. } | FileError::System { .. } => "",
         };
         self.fault(error.code(), at, format!("{}: {error}", short(file)), help);
     }

@@ -12,14 +12,17 @@ const MOST: u64 = 1 << 32;
 /// Reads a file of any format.
 ///
 /// # Errors
-/// [`FileError::System`] where it cannot be opened or read; [`FileError::Memory`] for a file longer than the limit, before it is read;
-/// otherwise as [`parse`].
+/// [`FileError::System`] where it cannot be opened or read, and for devices; [`FileError::Memory`] for a file longer than the limit,
+/// before it is read; otherwise as [`parse`].
 pub fn read(path: &Path, limits: &Limits) -> Result<Contents, FileError> {
     let system = |e: std::io::Error| FileError::System { missing: e.kind() == ErrorKind::NotFound, message: e.to_string() };
     let allowed = limits.memory.unwrap_or(MOST);
     let about = std::fs::metadata(path).map_err(system)?;
     if about.is_dir() {
         return Err(FileError::System { missing: false, message: "it is a folder".to_string() });
+    }
+    if is_device(&about) {
+        return Err(FileError::System { missing: false, message: "it is a device".to_string() });
     }
     if about.is_file() && about.len() > allowed {
         return Err(FileError::Memory { needed: about.len(), allowed });
@@ -36,6 +39,20 @@ pub fn read(path: &Path, limits: &Limits) -> Result<Contents, FileError> {
         return Err(FileError::Memory { needed: bytes.len() as u64, allowed });
     }
     parse(&path.display().to_string(), &bytes, limits)
+}
+
+/// Devices have no end, or none that is known; a pipe has one and is read up to the limit.
+fn is_device(about: &std::fs::Metadata) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        about.file_type().is_char_device() || about.file_type().is_block_device()
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = about;
+        false
+    }
 }
 
 /// Reads the bytes of a file of any format; `name` is used in messages alone.

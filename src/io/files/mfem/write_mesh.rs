@@ -14,7 +14,8 @@ use std::fmt::Write;
 /// groups and cells of lower dimension are lost.
 ///
 /// # Errors
-/// [`FileError::Unsupported`] for mixed orders, order 4, order 3 in three dimensions, curved prisms and pyramids.
+/// [`FileError::Unsupported`] for mixed orders, order 4, order 3 in three dimensions, curved prisms and pyramids, and cells with one node
+/// at two corners.
 pub fn write_mesh(mesh: &MeshFile) -> Result<Written, FileError> {
     let unsupported = |what: String| Err(FileError::Unsupported { what, spot: None });
     let d = mesh.dimension();
@@ -58,8 +59,22 @@ pub fn write_mesh(mesh: &MeshFile) -> Result<Written, FileError> {
                     None => return unsupported("an MFEM mesh with facets off its elements".to_string()),
                 }
             }
-            all[at].push((Cell { attribute, shape: block.shape, vertices, line: 0 }, nodes));
+            let cell = Cell { attribute, shape: block.shape, vertices, line: 0 };
+            let corners = cell.corners();
+            if corners.iter().enumerate().any(|(k, v)| corners[..k].contains(v)) {
+                return unsupported(format!("an MFEM mesh of cells with one node at two corners: {nodes:?}"));
+            }
+            all[at].push((cell, nodes));
         }
+    }
+    let cells: Vec<Cell> = all[0].iter().map(|(cell, _)| cell.clone()).collect();
+    let mut budget = Budget::new(&Limits::default(), 0);
+    let wanted = if order > 1 || !all[1].is_empty() { &cells[..] } else { &[] };
+    let skeleton = Skeleton::new(wanted, HashMap::new(), &mut budget)?;
+    let facets = all[1].len();
+    all[1].retain(|(facet, _)| is_side(facet, &skeleton));
+    if all[1].len() < facets {
+        lost.push("facets that are no sides of the elements".to_string());
     }
     for (name, list) in ["elements", "boundary"].iter().zip(&all) {
         write!(out, "\n{name}\n{}\n", list.len()).expect(TEXT);
@@ -83,7 +98,7 @@ pub fn write_mesh(mesh: &MeshFile) -> Result<Written, FileError> {
     } else {
         let name = if order == 2 { "Quadratic" } else { "Cubic" };
         write!(out, "\nnodes\nFiniteElementSpace\nFiniteElementCollection: {name}\nVDim: {world}\nOrdering: 1\n\n").expect(TEXT);
-        nodes_in_order(&all[0], order, numbers.len())?
+        nodes_in_order(&all[0], order, numbers.len(), &skeleton)?
     };
     for p in points {
         let p = &mesh.points[p][..world];
@@ -135,6 +150,16 @@ fn corners<'a>(block: &MeshBlock, nodes: &'a [u32]) -> impl Iterator<Item = u32>
     (0..count).map(move |k| nodes[place(k)])
 }
 
+/// Whether a facet is a side of a cell: all its unknowns are known then.
+fn is_side(facet: &Cell, skeleton: &Skeleton) -> bool {
+    match facet.corners() {
+        [a, b] => skeleton.edge(*a, *b).is_some(),
+        [a, b, c] => skeleton.face([*a, *b, *c, NONE]).is_some(),
+        [a, b, c, d] => skeleton.face([*a, *b, *c, *d]).is_some(),
+        _ => true,
+    }
+}
+
 /// The number of every group in the file that is written: its own where that is positive.
 fn attributes(mesh: &MeshFile, d: usize, lost: &mut Vec<String>) -> Vec<i64> {
     let used = |g: &Group| g.dimension + 1 >= d;
@@ -160,15 +185,14 @@ fn attributes(mesh: &MeshFile, d: usize, lost: &mut Vec<String>) -> Vec<i64> {
 }
 
 /// The points in the order of MFEM's unknowns.
-fn nodes_in_order(list: &[(Cell, &[u32])], order: usize, num_vertices: usize) -> Result<Vec<usize>, FileError> {
+fn nodes_in_order(list: &[(Cell, &[u32])], order: usize, num_vertices: usize, skeleton: &Skeleton) -> Result<Vec<usize>, FileError> {
     let cells: Vec<Cell> = list.iter().map(|(cell, _)| cell.clone()).collect();
     let mut budget = Budget::new(&Limits::default(), 0);
-    let skeleton = Skeleton::new(&cells, HashMap::new(), &mut budget)?;
-    let starts = starts(num_vertices, &cells, &skeleton, order, &mut budget)?;
+    let starts = starts(num_vertices, &cells, skeleton, order, &mut budget)?;
     let mut points = vec![usize::MAX; starts.total];
     for (k, (cell, nodes)) in list.iter().enumerate() {
         for (index, node) in lattice(cell.shape, order).iter().zip(*nodes) {
-            let place = unknown(cell, order, index, &skeleton, &starts, Some(starts.cells[k])).expect("the skeleton is that of the cells");
+            let place = unknown(cell, order, index, skeleton, &starts, Some(starts.cells[k])).expect("the skeleton is that of the cells");
             let known = &mut points[place];
             if *known != usize::MAX && *known != *node as usize {
                 let what = "an MFEM mesh whose neighbours have different nodes on a common edge or face".to_string();
