@@ -119,7 +119,8 @@ fn folder(files: &[(&str, &[u8])]) -> TempDir {
 }
 
 /// All commands that read a file; each word FILE stands for it, each CASE for a case on it.
-const COMMANDS: [&[&str]; 4] = [&["run", "CASE"], &["check", "CASE"], &["inspect", "FILE"], &["convert", "FILE", "out.vtu"]];
+const COMMANDS: [&[&str]; 5] =
+    [&["run", "CASE"], &["check", "CASE"], &["compare", "CASE"], &["inspect", "FILE"], &["convert", "FILE", "out.vtu"]];
 
 fn every_command(folder: &Path, file: &str, dimension: usize, limit: &str) -> Vec<End> {
     std::fs::write(folder.join("case.toml"), case(file, dimension)).unwrap();
