@@ -508,3 +508,53 @@ fn prescribed_values_meet_at_glued_corners_or_are_refused() {
     let found = faults(&held("[\"0.1*x\", \"0\"]", "[\"0.2\", \"0\"]"));
     assert!(found.items[0].code == "E052" && found.items[0].message.contains("common point (1, 0)"), "{found}");
 }
+
+#[test]
+fn a_seam_of_two_backends_in_space_is_no_seam() {
+    let [iga, fe] = ["continuity = 0\nbasis = \"b-spline\"\n", "backend = \"fe\"\nmapping = \"exact\"\n"];
+    let low = |name: &str, disc: &str| brick(name, [0.0; 3], [0.5, 1.0, 1.0], [0, 1, 2], 0, [2, 2, 2]) + disc;
+    let high = |name: &str, disc: &str| brick(name, [0.5, 0.0, 0.0], [1.0; 3], [0, 1, 2], 0, [2, 2, 2]) + disc;
+    let joint = "[[interface]]\nslave = \"a.right\"\nmaster = \"b.left\"\ncoupling = \"glue\"\n";
+    // the bottom is prescribed up to the seam's edge on both; the tops, glued too, sink as one
+    let case = |degree: usize, patches: &str, bottoms: &str, tops: &str| {
+        format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 3\nbody_force = [\"x\", \"1\", \"-y\"]\n[discretization]\ndegree = {degree}\n{STEEL}{patches}\
+             [[boundary]]\non = [{bottoms}]\ndirichlet = [\"0.01*x*y\", \"0\", \"0.02*x\"]\n[[boundary]]\non = [{tops}]\nrigid_force = {{ z = -0.3 }}\n\
+             [[probe]]\nname = \"x\"\nquantity = \"u.x at [0.45, 0.31, 0.62]\"\n[[probe]]\nname = \"y\"\nquantity = \"u.y at [0.7, 0.55, 0.4]\"\n\
+             [[probe]]\nname = \"z\"\nquantity = \"u.z at [1.05, 0.4, 1.06]\"\n"
+        )
+    };
+    for degree in [1, 2, 3] {
+        let one = brick("a", [0.0; 3], [1.0; 3], [0, 1, 2], 0, [4, 2, 2]);
+        let one = solve(&case(degree, &(one + iga), "\"a.bottom\"", "\"a.top\""));
+        let whole = one.result.reactions.get("a.bottom").unwrap().clone();
+        for (left, right) in [(iga, iga), (iga, fe), (fe, iga), (fe, fe)] {
+            let patches = low("a", left) + &high("b", right) + joint;
+            let two = solve(&case(degree, &patches, "\"a.bottom\", \"b.bottom\"", "\"a.top\", \"b.top\""));
+            assert_eq!(two.result.unknowns.primal, one.result.unknowns.primal);
+            for name in ["x", "y", "z"] {
+                let (a, b) = (probe(&one, name), probe(&two, name));
+                assert!((a - b).abs() <= 1e-10 * a.abs(), "degree {degree}, {left}{right}{name}: {a:e} {b:e}");
+            }
+            assert!((one.result.energy - two.result.energy).abs() <= 1e-10 * one.result.energy);
+            let of = |side: &str| two.result.reactions.get(side).unwrap().clone();
+            let (a, b) = (of("a.bottom"), of("b.bottom"));
+            assert!((0..3).all(|k| (a[k] + b[k] - whole[k]).abs() <= 1e-10), "{a:?} {b:?} {whole:?}");
+            assert!(two.result.balance.force.iter().all(|v| v.abs() <= 1e-10), "{:?}", two.result.balance);
+        }
+    }
+}
+
+#[test]
+fn glued_sides_of_a_list_sink_as_one() {
+    let top = |sides: &str| format!("[[boundary]]\non = {sides}\nrigid_force = {{ y = -0.7 }}\n");
+    let held = |sides: &str| format!("[[boundary]]\non = {sides}\nfix = [\"x\", \"y\"]\n");
+    let one = solve(&plate(ONE, &(held("\"a.bottom\"") + &top("\"a.top\""))));
+    let two = solve(&plate(TWO, &(held("[\"a.bottom\", \"b.bottom\"]") + &top("[\"a.top\", \"b.top\"]"))));
+    assert!((probe(&one, "y") - probe(&two, "y")).abs() <= 1e-12 * probe(&one, "y").abs());
+    let of = |f: &Finished, side: &str| f.result.reactions.get(side).unwrap().clone();
+    let (whole, a, b) = (of(&one, "a.bottom"), of(&two, "a.bottom"), of(&two, "b.bottom"));
+    // force 0.7 down and the load of two squares: (0.4, -1.8)
+    assert!((whole[0] + 0.4).abs() <= 1e-10 && (whole[1] - 2.5).abs() <= 1e-10, "{whole:?}");
+    assert!((0..2).all(|k| (a[k] + b[k] - whole[k]).abs() <= 1e-10), "{a:?} {b:?}");
+}
