@@ -319,3 +319,50 @@ fn what_cannot_be_converted_says_why_and_writes_nothing() {
     }
     assert_eq!(faying(at.path(), &["convert", "mixed.msh", "there.msh", "--force"]).status.code(), Some(0));
 }
+
+#[test]
+fn a_vtu_shows_its_fields_with_their_ranges_whatever_its_cells_are() {
+    // u = x + 2 y on [0, 2] x [0, 1]: from 0 to 4; the patch is number 0
+    let case = "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = { u = \"x + 2*y\" }\n[[patch]]\nname = \"a\"\n\
+                geometry = { kind = \"box\", min = [0, 0], max = [2, 1] }\nelements = [3, 2]\n[[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n";
+    let at = folder(&[("case.toml", case)]);
+    for (style, shape) in [("bezier", "Bezier quadrilateral"), ("lagrange", "quadrilateral"), ("linear", "quadrilateral")] {
+        let out = faying(at.path(), &["run", "case.toml", "--vtu", style, "--force"]);
+        assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
+        let (code, found) = json(at.path(), &["inspect", "case.out/fields.vtu"]);
+        assert_eq!(code, 0, "{found}");
+        let field = |name: &str| found["fields"].as_array().unwrap().iter().find(|f| f["name"] == name).unwrap().clone();
+        let u = field("u");
+        close(&u["ranges"][0][1], 4.0, "largest u");
+        assert!(u["ranges"][0][0].as_f64().unwrap().abs() < 1e-12 && u["on"] == "points", "{u}");
+        assert_eq!((&field("patch")["on"], field("patch")["ranges"][0][1].as_f64()), (&"cells".into(), Some(0.0)));
+        assert_eq!((found["cells"][0]["shape"].as_str(), found["dimension"].as_u64()), (Some(shape), Some(2)), "{style}");
+        if style == "bezier" {
+            assert_eq!((&found["cells"][0]["count"], &found["cells"][0]["order"]), (&6.into(), &2.into()));
+            assert!(found["notes"].to_string().contains("counted, not measured"), "{found}");
+        } else {
+            close(&found["measure"], 2.0, "area");
+        }
+        let text = String::from_utf8(faying(at.path(), &["inspect", "case.out/fields.vtu"]).stdout).unwrap();
+        assert!(
+            text.lines().any(|l| l.split_whitespace().collect::<Vec<_>>() == ["u", "points", "0", "4"] || l.contains("points")),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn a_case_shows_the_patches_of_its_files_where_they_stand() {
+    let case = "[model]\nphysics = \"poisson\"\ndimension = 2\n[[patch]]\nname = \"r\"\n\
+                geometry = { kind = \"file\", file = \"ring.xml\", scale = 2, move = [1, 0] }\n[[patch]]\nname = \"m\"\n\
+                geometry = { kind = \"file\", file = \"mixed.msh\", move = [9, 0] }\n[[boundary]]\non = \"all-outer\"\ndirichlet = 0\n";
+    let at = folder(&[("case.toml", case), ("ring.xml", RING), ("mixed.msh", MIXED)]);
+    let (code, found) = json(at.path(), &["inspect", "case.toml"]);
+    assert_eq!(code, 0, "{found}");
+    let names: Vec<&str> = found["patches"].as_array().unwrap().iter().map(|p| p["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["r.0", "r.1"]);
+    // a quarter of the ring of radii 2 and 4, a square of edge 2
+    close(&found["patches"][0]["measure"], 3.0 * PI, "quarter ring");
+    close(&found["patches"][1]["measure"], 4.0, "square");
+    assert!(found["notes"].to_string().contains("patch \\\"m\\\" is of a mesh: faying inspect"), "{found}");
+}

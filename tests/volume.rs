@@ -291,3 +291,18 @@ fn files_of_a_solid_are_written_with_every_kind_of_cell() {
         }
     }
 }
+
+#[test]
+fn remedies_speak_of_points_in_space() {
+    let field = poisson("kind = \"box\", min = [0, 0, 0], max = [1, 1, 1]", "[1, 1, 1]", &probe("u"));
+    for text in [field.clone(), field.replace("quantity = \"u\"", "quantity = \"u at tip\"")] {
+        let found = faults(&text);
+        assert!(found.to_string().contains("at [x, y, z]"), "{found}");
+    }
+    // the axis of a cylinder
+    let cylinder = poisson("kind = \"disc-sector\", radius = 1, angle_deg = [0, 90], extrude = 2", "[2, 2, 2]", "");
+    for edge in ["v0", "u0v0", "v0w1"] {
+        let found = faults(&format!("{cylinder}[[boundary]]\non = \"a.{edge}\"\ndirichlet = 1\n"));
+        assert!(found.items[0].code == "E021" && found.to_string().contains("v0 is the centre of the disc"), "{found}");
+    }
+}

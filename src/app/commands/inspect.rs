@@ -6,12 +6,12 @@ use super::folder::{write_new, write_whole};
 use super::{case, place};
 use crate::app::Registry;
 use crate::app::build::{plane_net, volume_net};
-use crate::app::inspect::{Inspection, inspect as look, picture};
+use crate::app::inspect::{Inspection, add_fields, inspect as look, mesh_of, picture};
 use crate::app::run::{bytes, memory_for_files};
 use crate::geometry::ControlNet;
 use crate::io::case::{Case, Shape};
 use crate::io::errors::{Diagnostic, Diagnostics, nearest};
-use crate::io::files::{Contents, FileError, Format, Limits, SplineFile, SplinePatch, read};
+use crate::io::files::{Contents, FileError, Format, Limits, SplineFile, SplinePatch, parse, read, read_bytes, vtu_read};
 use crate::io::plot::faces;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -75,8 +75,11 @@ fn patches(case: &Case) -> Result<SplineFile, Diagnostics> {
     let mut file = SplineFile { format: Format::Gismo, patches: Vec::new(), joints: Vec::new(), labels: Vec::new(), notes: Vec::new() };
     for patch in &case.patches {
         let name = &patch.name.value;
-        if let Shape::File { file: path, .. } = &patch.geometry.value.shape.value {
-            file.notes.push(format!("patch \"{name}\" is of a file: faying inspect {}", path.value));
+        // cells of meshes are no splines; those of files are in place: scaled, turned, moved
+        if let Shape::File { file: path, .. } = &patch.geometry.value.shape.value
+            && patch.geometry.shape.part().is_some_and(|p| p.is_mesh())
+        {
+            file.notes.push(format!("patch \"{name}\" is of a mesh: faying inspect {}", path.value));
             continue;
         }
         let made = match case.model.dimension.value {
@@ -116,15 +119,29 @@ fn inspected(registry: &Registry, arguments: &InspectArguments, common: &Common)
     let path = &arguments.file;
     let name = path.display().to_string();
     let is_case = path.as_os_str() == "-" || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    let mut grid = None;
     let (contents, case) = if is_case {
         let loaded = case::load(path, None, common, registry)?;
         (Contents::Patches(patches(&loaded.case).map_err(Ended::failed)?), Some(loaded.case))
     } else {
-        (contents(path, common)?, None)
+        let limits = Limits { memory: memory_for_files(common.max_memory) };
+        let failed = |e: FileError| Ended::from(fault(path, &e));
+        let bytes = read_bytes(path, &limits).map_err(failed)?;
+        if vtu_read::recognises(&bytes) {
+            let file = vtu_read::parse(&bytes, &limits).map_err(failed)?;
+            let mesh = mesh_of(&file).map_err(failed)?;
+            grid = Some(file);
+            (Contents::Mesh(mesh), None)
+        } else {
+            (parse(&name, &bytes, &limits).map_err(failed)?, None)
+        }
     };
     room(path, crate::app::inspect::memory(&contents), common)?;
     let pool = case::pool(common)?;
     let mut found: Inspection = pool.install(|| look(&contents)).map_err(|e| Ended::from(fault(path, &e)))?;
+    if let Some(file) = &grid {
+        add_fields(&mut found, file);
+    }
     if case.is_some() {
         found.format = "case".into();
     }

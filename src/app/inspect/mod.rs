@@ -1,12 +1,14 @@
 //! What is in a mesh or geometry file: parts, sides, sizes, quality.
 
 mod cells;
+mod grid;
 mod look;
 mod meshes;
 mod picture;
 mod splines;
 
 pub use cells::CellMap;
+pub use grid::{FieldReport, add_fields, mesh_of};
 pub use look::{Place, Soundness};
 pub use meshes::{CellsReport, GroupReport};
 pub use picture::picture;
@@ -46,6 +48,9 @@ pub struct Inspection {
     /// Physical groups of a mesh.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub groups: Vec<GroupReport>,
+    /// Fields of a VTU.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub fields: Vec<FieldReport>,
     /// Quality of the elements.
     pub quality: Soundness,
     /// What was not read, and what a user should know.
@@ -118,6 +123,7 @@ fn of_splines(file: &SplineFile) -> Result<Inspection, FileError> {
         points: None,
         cells: Vec::new(),
         groups: Vec::new(),
+        fields: Vec::new(),
         quality,
         notes,
     })
@@ -144,6 +150,7 @@ fn of_mesh(mesh: &MeshFile) -> Inspection {
         points: Some(mesh.points.len()),
         cells: meshes::cells(mesh),
         groups: meshes::groups(mesh, &sizes),
+        fields: Vec::new(),
         quality,
         notes,
     }
@@ -196,7 +203,8 @@ impl Inspection {
             let measure = g.measure.map_or("-".to_owned(), |m| short(m, 12));
             groups.row([name, g.dimension.to_string(), g.number.to_string(), g.cells.to_string(), measure]);
         }
-        for table in [patches, sides, labels, groups].iter().filter(|t| !t.is_empty()) {
+        let fields = grid::table(&self.fields);
+        for table in [patches, sides, labels, groups, fields].iter().filter(|t| !t.is_empty()) {
             let _ = write!(text, "\n{table}");
         }
         let q = &self.quality;

@@ -139,7 +139,7 @@ fn keyword(text: &str, word: &str) -> Option<usize> {
 
 fn coordinates(text: &str) -> Result<Vec<String>, GrammarError> {
     let inner = text.strip_prefix('[').and_then(|t| t.strip_suffix(']'));
-    let Some(inner) = inner else { return wrong(format!("`{text}` is no point; write at [x, y]")) };
+    let Some(inner) = inner else { return wrong(format!("`{text}` is no point; write at [x, y], in space [x, y, z]")) };
     let (mut list, mut item, mut depth) = (Vec::new(), String::new(), 0i32);
     for c in inner.chars() {
         match c {
@@ -155,7 +155,7 @@ fn coordinates(text: &str) -> Result<Vec<String>, GrammarError> {
     }
     list.push(item.trim().to_string());
     if list.iter().any(String::is_empty) {
-        return wrong(format!("`{text}` is no point; write at [x, y]"));
+        return wrong(format!("`{text}` is no point; write at [x, y], in space [x, y, z]"));
     }
     Ok(list)
 }

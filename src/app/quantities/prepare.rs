@@ -14,6 +14,8 @@ use serde_json::Value;
 
 /// A point off a body by less than this share of an element moves to the nearest point.
 const OFF: f64 = 0.25;
+/// How a point is written, in the plane and in space.
+const POINT: [&str; 2] = ["[x, y]", "[x, y, z]"];
 
 /// A place in a body.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,7 +108,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
                     (At::Everywhere, Reduce::None, false) => Err(Box::new(
                         Diagnostic::error("E018", format!("`{text}` is a field; a quantity is one number"))
                             .at(&self.case.source, at)
-                            .with_help("add `at [x, y]`, `.min` or `.max`; a check may say over = \"all\""),
+                            .with_help(format!("add `at {}`, `.min` or `.max`; a check may say over = \"all\"", POINT[N - 2])),
                     )),
                     (At::Everywhere, ..) => Ok(Prepared::Over(field, bodies, reduce)),
                     _ => Ok(Prepared::At(field, self.spot(text, &place, &bodies, at)?)),
@@ -156,14 +158,14 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         let known =
             if known.is_empty() { "no mesh of the case names points".to_owned() } else { format!("points are {}", known.join(", ")) };
         let fault = *self.fault("E021", format!("`{text}`: there is no mesh point `{tag}`; {known}"), at);
-        Err(Box::new(fault.with_help("or write at [x, y]")))
+        Err(Box::new(fault.with_help(format!("or write at {}", POINT[N - 2]))))
     }
 
     fn point(&self, text: &str, place: &At, at: Place) -> Result<Vector<N>, Box<Diagnostic>> {
         let list = match place {
             At::Point(list) => list,
             At::Tag(tag) => return self.named_point(text, tag, at),
-            At::Everywhere => return Err(self.fault("E018", format!("`{text}` needs a point; write at [x, y]"), at)),
+            At::Everywhere => return Err(self.fault("E018", format!("`{text}` needs a point; write at {}", POINT[N - 2]), at)),
         };
         let flat = list.len() == 3 && N == 2;
         if list.len() != N && !flat {
@@ -294,7 +296,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         let fields = self.fields().join(", ");
         let fault = self.suggest(*self.fault("E018", format!("unknown quantity `{text}`"), at), text);
         let heads: Vec<&str> = ["energy", "unknowns", "error", "reaction", "area", "length", "interface", "contact", "balance"].to_vec();
-        Err(Box::new(fault.with_help(format!("quantities: {fields} `at [x, y]`; {} ...", heads.join(", ")))))
+        Err(Box::new(fault.with_help(format!("quantities: {fields} `at {}`; {} ...", POINT[N - 2], heads.join(", ")))))
     }
 
     fn fields(&self) -> &'static [&'static str] {

@@ -264,6 +264,9 @@ impl Reader {
         };
         let help = match (shape, canonical(rest, dimension)) {
             (Shape::DiscSector { .. }, Some("v0")) => "v0 is the centre of the disc and no side",
+            (Shape::DiscSector { .. }, _) if dimension == 3 && rest.contains("v0") => {
+                "v0 is the centre of the disc: it is no side, and nothing can be given on its edges"
+            }
             (Shape::Nurbs { .. }, Some(_)) => "this edge is collapsed to a point and no side",
             (Shape::File { .. }, Some(_)) if !mesh => "this side is collapsed and none",
             _ if mesh => "tags with dots or blanks are quoted: PATCH.\"top face\"",

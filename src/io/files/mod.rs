@@ -19,7 +19,7 @@ pub mod vtu_read;
 mod xml;
 
 pub use mesh::{CellShape, Group, MeshBlock, MeshFile};
-pub use read::{parse, read};
+pub use read::{parse, read, read_bytes};
 pub use spline::{KnotUse, Label, PatchSide, SplineFile, SplinePatch};
 pub use vtu_mesh::write_vtu;
 

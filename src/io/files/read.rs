@@ -15,6 +15,14 @@ const MOST: u64 = 1 << 32;
 /// [`FileError::System`] where it cannot be opened or read, and for devices; [`FileError::Memory`] for a file longer than the limit,
 /// before it is read; otherwise as [`parse`].
 pub fn read(path: &Path, limits: &Limits) -> Result<Contents, FileError> {
+    parse(&path.display().to_string(), &read_bytes(path, limits)?, limits)
+}
+
+/// The bytes of a file, within the limit.
+///
+/// # Errors
+/// As [`read`], but for what is in the file.
+pub fn read_bytes(path: &Path, limits: &Limits) -> Result<Vec<u8>, FileError> {
     let system = |e: std::io::Error| FileError::System { missing: e.kind() == ErrorKind::NotFound, message: e.to_string() };
     let allowed = limits.memory.unwrap_or(MOST);
     let about = std::fs::metadata(path).map_err(system)?;
@@ -38,7 +46,7 @@ pub fn read(path: &Path, limits: &Limits) -> Result<Contents, FileError> {
     if bytes.len() as u64 > allowed {
         return Err(FileError::Memory { needed: bytes.len() as u64, allowed });
     }
-    parse(&path.display().to_string(), &bytes, limits)
+    Ok(bytes)
 }
 
 /// Devices have no end, or none that is known; a pipe has one and is read up to the limit.
