@@ -456,3 +456,101 @@ fn steps_write_numbered_fields_collections_and_a_history() {
     }
     assert_eq!(std::fs::read_to_string(at.join("history.csv")).unwrap().lines().count(), 4);
 }
+
+/// A solid or plate of E = 10 with `elements` 2 per direction.
+fn block(backend: &str, dimension: usize, poisson: f64, geometry: &str, rest: &str) -> String {
+    let elements = &"2, 2, 2"[..3 * dimension - 2];
+    format!(
+        "[model]\nphysics = \"elasticity\"\ndimension = {dimension}\n[discretization]\nbackend = \"{backend}\"\ndegree = 2\n\
+         [[material]]\nname = \"m\"\nyoung = 10\npoisson = {poisson}\n\
+         [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", {geometry} }}\nelements = [{elements}]\n{rest}"
+    )
+}
+
+fn balanced(result: &RunResult, what: &str) {
+    use faying::app::result::Moment;
+    let moment = match result.balance.moment.clone().unwrap() {
+        Moment::Plane(m) => vec![m],
+        Moment::Space(m) => m,
+    };
+    assert!(result.balance.force.iter().chain(&moment).all(|v| v.abs() < 1e-10), "{what}: {:?}", result.balance);
+}
+
+/// The reactions of `result` are those of `expected`, in no order.
+fn reacts(result: &RunResult, expected: &[(&str, &[f64])], what: &str) {
+    for (label, force) in expected {
+        let found = result.reactions.get(label).unwrap();
+        let same = found.len() == force.len() && found.iter().zip(*force).all(|(a, b)| (a - b).abs() < 1e-10);
+        assert!(same, "{what}: {label} {found:?}, expected {force:?}");
+    }
+}
+
+#[test]
+fn forces_and_moments_balance_where_sides_slide_along_inclines_or_move_as_one() {
+    let slide = |sides: &str| format!("[[boundary]]\non = [{sides}]\nfix = [\"normal\"]\n");
+    let clamp = "[[boundary]]\non = \"b.w0\"\nfix = [\"x\", \"y\", \"z\"]\n";
+    let solid = "min = [0, 0, 0], max = [1, 2, 3]";
+    let tilted = format!("{solid}, rotate_deg = 30, axis = [0, 1, 0], move = [1, 1, 1]");
+    let normals = slide("\"b.u0\", \"b.v0\", \"b.w0\"");
+    let held = "[[boundary]]\non = \"b.w0\"\nfix = [\"normal\", \"tangential\"]\n[[boundary]]\non = \"b.w1\"\ntraction = [1, 2, 3]\n";
+    let cases = [
+        (3, format!("{solid}, rotate_deg = 50, axis = [1, 2, 3]"), format!("{normals}[[boundary]]\non = \"b.u1\"\nforce = {{ x = 4, y = 3 }}\n")),
+        (3, tilted, held.to_string()),
+        (3, solid.to_string(), format!("{clamp}[[boundary]]\non = \"b.w1\"\nrigid_force = {{ z = -4 }}\n")),
+        (3, solid.to_string(), format!("{clamp}[[boundary]]\non = \"b.w1\"\nrigid_force = {{ z = 0 }}\n[[boundary]]\non = \"b.w1\"\ntraction = {{ x = 1 }}\n")),
+        (2, "min = [0, 0], max = [1, 2], rotate_deg = 37".into(), format!("{}[[boundary]]\non = \"b.u1\"\nforce = {{ x = 1.5, y = 1 }}\n", slide("\"b.u0\", \"b.v0\""))),
+        (
+            2,
+            "min = [0, 0], max = [1, 3]".into(),
+            "[[boundary]]\non = \"b.bottom\"\nfix = [\"x\", \"y\"]\n[[boundary]]\non = \"b.top\"\nrigid_force = { y = 0 }\ntraction = { x = 1 }\n".into(),
+        ),
+    ];
+    for backend in BACKENDS {
+        for (dimension, geometry, rest) in &cases {
+            balanced(&run(&block(backend, *dimension, 0.3, geometry, rest)), &format!("{backend}: {geometry}\n{rest}"));
+        }
+    }
+}
+
+#[test]
+fn supports_that_share_an_edge_carry_what_they_hold() {
+    let (solid, plate) = ("min = [0, 0, 0], max = [1, 2, 3]", "min = [0, 0], max = [1, 3]");
+    let slide = |sides: &str| format!("[[boundary]]\non = [{sides}]\nfix = [\"normal\"]\n");
+    let press = |side: &str| format!("[[boundary]]\non = \"b.{side}\"\npressure = 2\n");
+    let root = 3f64.sqrt();
+    for backend in BACKENDS {
+        let go = |dimension: usize, geometry: &str, rest: &str, expected: &[(&str, &[f64])]| {
+            let result = run(&block(backend, dimension, 0.0, geometry, rest));
+            let what = format!("{backend}: {geometry}\n{rest}");
+            reacts(&result, expected, &what);
+            balanced(&result, &what);
+        };
+        let rest = format!(
+            "[[boundary]]\non = \"b.w0\"\nfix = [\"x\", \"y\", \"z\"]\n[[boundary]]\non = \"b.v1\"\nrigid_force = {{ x = 0 }}\n{}",
+            press("w1")
+        );
+        go(3, solid, &rest, &[("b.w0", &[0.0, 0.0, 4.0]), ("b.v1", &[0.0; 3])]);
+        let rest = format!(
+            "[[boundary]]\non = \"b.bottom\"\nfix = [\"x\", \"y\"]\n[[boundary]]\non = \"b.right\"\nrigid_force = {{ x = 0 }}\n{}",
+            press("top")
+        );
+        go(2, plate, &rest, &[("b.bottom", &[0.0, 2.0]), ("b.right", &[0.0; 2])]);
+        let rest = format!("[[boundary]]\non = \"b.w0\"\nfix = [\"z\"]\n{}{}", slide("\"b.u0\", \"b.v0\""), press("w1"));
+        go(3, &format!("{solid}, rotate_deg = 30, axis = [0, 0, 1]"), &rest, &[("b.w0", &[0.0, 0.0, 4.0]), ("b.u0", &[0.0; 3]), ("b.v0", &[0.0; 3])]);
+        let rest = format!("{}{}", slide("\"b.bottom\", \"b.u0\""), press("top"));
+        go(2, &format!("{plate}, rotate_deg = 30"), &rest, &[("b.bottom", &[-1.0, root]), ("b.u0", &[0.0; 2])]);
+    }
+}
+
+#[test]
+fn glued_sides_of_different_sizes_carry_a_uniform_stress_by_their_areas() {
+    for backend in BACKENDS {
+        let rest = "[[patch]]\nname = \"c\"\ngeometry = { kind = \"box\", min = [1, 0, 0], max = [3, 2, 3] }\nelements = [2, 2, 2]\n\
+                    [[boundary]]\non = [\"b.w0\", \"c.w0\"]\nfix = [\"z\"]\n[[boundary]]\non = \"b.u0\"\nfix = [\"x\"]\n\
+                    [[boundary]]\non = [\"b.v0\", \"c.v0\"]\nfix = [\"y\"]\n[[boundary]]\non = [\"b.w1\", \"c.w1\"]\nrigid_force = { z = -6 }\n\
+                    [[interface]]\nname = \"g\"\nslave = \"b.u1\"\nmaster = \"c.u0\"\ncoupling = \"glue\"\n";
+        let result = run(&block(backend, 3, 0.3, "min = [0, 0, 0], max = [1, 2, 3]", rest));
+        reacts(&result, &[("b.w0", &[0.0, 0.0, 2.0]), ("c.w0", &[0.0, 0.0, 4.0]), ("b.w1", &[0.0; 3]), ("c.w1", &[0.0; 3])], backend);
+        balanced(&result, backend);
+    }
+}

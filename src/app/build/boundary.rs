@@ -159,6 +159,7 @@ fn resultants<const S: usize, const N: usize>(
         model.equations.extend(rest.iter().map(|&i| Equation { terms: vec![(i, 1.0), (first, -1.0)], value: 0.0 }));
         for side in sides {
             supported(model, side);
+            model.held.push((side.clone(), Vector::from_fn(|k, _| f64::from(u8::from(k == component)))));
         }
     }
     Ok(())
@@ -201,6 +202,7 @@ fn sliding<const S: usize, const N: usize>(
         return Ok(());
     }
     let directions: Vec<Vector<N>> = if along_normal { vec![normal] } else { tangents(&normal) };
+    model.held.extend(directions.iter().map(|d| (side.clone(), *d)));
     let field = model.patches[side.patch].field;
     let mut dofs = side.trace.dofs.clone();
     dofs.sort_unstable();

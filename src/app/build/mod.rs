@@ -101,6 +101,7 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
         pins: Vec::new(),
         supports: Vec::new(),
         equations: Vec::new(),
+        held: Vec::new(),
         loads: Vec::new(),
         springs: Vec::new(),
         exact: case.model.exact.as_ref().map(|e| Exact::of(&e.value)),

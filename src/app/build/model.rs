@@ -290,6 +290,8 @@ pub struct Model<const S: usize, const N: usize> {
     pub supports: Vec<Arc<SideModel<S, N>>>,
     /// Conditions between unknowns: sliding along inclined sides, sides that move as one.
     pub equations: Vec<Equation>,
+    /// The directions in which equations hold a side: its normal, its tangents, axes along which it moves as one.
+    pub held: Vec<(Arc<SideModel<S, N>>, Vector<N>)>,
     /// Loads on sides.
     pub loads: Vec<SideLoad<S, N>>,
     /// Springs on sides.

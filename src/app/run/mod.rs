@@ -8,6 +8,7 @@ mod forecast;
 mod integrate;
 mod loads;
 mod predict;
+mod reactions;
 mod report;
 mod solve;
 

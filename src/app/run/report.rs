@@ -1,8 +1,9 @@
 //! From solved unknowns to the numbers of a result.
 
 use super::errors::{error_names, errors};
-use super::integrate::{cross, on_trace};
+use super::integrate::on_trace;
 use super::loads::Resultant;
+use super::reactions::reactions;
 use super::solve::StepState;
 use crate::app::build::{Model, SideModel, TieModel, TiePart};
 use crate::app::named::Named;
@@ -16,7 +17,6 @@ use crate::geometry::Geometry;
 use crate::io::case::Case;
 use crate::linalg::{Csr, Operator, Vector};
 use crate::space::{diameter, measure, quality};
-use std::sync::Arc;
 
 /// A slave side with the rows of its contact and the points that are closed.
 pub type Zone<'a, const S: usize, const N: usize> = (&'a dyn Geometry<S, N>, &'a Contact<S, N>, Vec<bool>);
@@ -251,69 +251,4 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
     report.jump = L2 { l2: report.jump.l2.sqrt() };
     report.consistency = if size > 0.0 { defect.iter().fold(0.0, |m: f64, d| m.max(d.abs())) / size } else { 0.0 };
     report
-}
-
-/// Reactions per side, added to the forces from outside. An unknown of several sides is shared equally, also where the
-/// sides are of glued patches: forces across seams cancel in the unknown that stands for all.
-fn reactions<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, outside: &mut Resultant) -> Named<Vec<f64>> {
-    // coefficients of 1 and of the coordinates on the supported sides: forces and moments of any basis
-    let mut one = vec![1.0; model.unknowns];
-    for (i, v) in model.projected(|_, _| Some(Box::new(|_: &Vector<N>| 1.0))).unwrap_or_default() {
-        one[i] = v;
-    }
-    let mut place = vec![[0.0; 3]; model.unknowns];
-    for k in 0..N {
-        for (i, v) in model.projected(|_, _| Some(Box::new(move |x: &Vector<N>| x[k]))).unwrap_or_default() {
-            place[i][k] = v;
-        }
-    }
-    let prescribed =
-        |side: &Arc<SideModel<S, N>>, c: usize| model.conditions.iter().any(|d| Arc::ptr_eq(&d.side, side) && d.component == c);
-    let unknowns = |side: &Arc<SideModel<S, N>>| -> Vec<(usize, usize)> {
-        let field = model.patches[side.patch].field;
-        let mut dofs = side.trace.dofs.clone();
-        dofs.sort_unstable();
-        dofs.dedup();
-        let by_equation = !model.conditions.iter().any(|d| Arc::ptr_eq(&d.side, side));
-        let components: Vec<usize> = (0..model.components).filter(|&c| by_equation || prescribed(side, c)).collect();
-        let mut all: Vec<(usize, usize)> =
-            dofs.iter().flat_map(|&i| components.iter().map(move |&c| (model.glued.unknown(field.unknown(i, c)), c))).collect();
-        all.sort_unstable();
-        all.dedup();
-        all
-    };
-    let mut held: Vec<(&str, Vec<(usize, usize)>)> = model.supports.iter().map(|s| (s.label.as_str(), unknowns(s))).collect();
-    for pin in &model.pins {
-        let field = model.patches[pin.rim.patch].field;
-        let mut all: Vec<(usize, usize)> =
-            pin.rim.rim.functions().iter().map(|&i| (model.glued.unknown(field.unknown(i, pin.component)), pin.component)).collect();
-        all.sort_unstable();
-        all.dedup();
-        held.push((pin.rim.label.as_str(), all));
-    }
-    let mut holders = vec![0u32; model.unknowns];
-    for (i, _) in held.iter().flat_map(|(_, list)| list) {
-        holders[*i] += 1;
-    }
-    let mut all: Named<Vec<f64>> = Named::default();
-    for (label, unknowns) in &held {
-        let mut force = vec![0.0; model.components];
-        for &(i, c) in unknowns {
-            let r = state.support[i] / f64::from(holders[i]);
-            force[c] += r * one[i];
-            let mut pull = [0.0; 3];
-            pull[c] = r;
-            let x = Vector::<N>::from_fn(|k, _| place[i][k]);
-            let moment = cross(&x, &pull);
-            outside.force[c] += r * one[i];
-            for k in 0..3 {
-                outside.moment[k] += moment[k];
-            }
-        }
-        match all.0.iter_mut().find(|(known, _)| known == label) {
-            Some((_, sum)) => sum.iter_mut().zip(&force).for_each(|(s, f)| *s += f),
-            None => all.push(*label, force),
-        }
-    }
-    all
 }
