@@ -35,14 +35,14 @@
 //! | [`quadrature`] | rules on the unit cube and simplex |
 //! | [`basis`] | B-splines, NURBS, Lagrange, their products and combinations |
 //! | [`geometry`] | maps, control nets and their refinement, shapes, closest points |
-//! | [`space`] | spaces, bodies, traces: the spline patch and the Lagrange mesh |
+//! | [`space`] | spaces, bodies, traces: the spline patch, the Lagrange mesh of a patch or of a file's cells, glued patches |
 //! | [`assembly`] | the bulk loop, loads, Dirichlet projection, error norms |
 //! | [`physics`] | materials, stresses, fluxes |
 //! | [`coupling`] | segments, multipliers, the mortar rows |
 //! | [`constraint`] | saddle points, condensation, the active set |
 //! | [`contact`] | obstacles, gaps, pressures |
 //! | [`check`] | contract tests for everything above: run them on your own types |
-#![cfg_attr(feature = "cli", doc = "| [`io`] | case files, formulas, errors with places, VTU, SVG, tables |")]
+#![cfg_attr(feature = "cli", doc = "| [`io`] | case files, formulas, errors with places, geometry and mesh files, VTU, SVG, tables |")]
 #![cfg_attr(feature = "cli", doc = "| [`app`] | names, models, runs, the command line |")]
 //!
 //! # What the traits learnt from their first implementors
@@ -55,6 +55,10 @@
 //! - [`SolveError`](constraint::SolveError) tells a system that is singular because contact opened (a rigid motion is left)
 //!   from one that is singular with every contact closed; solutions carry `C u + g` of every row.
 //! - Direct and condensed solvers and the active set are `f64`, as their factorisations are; the floors below keep `T`.
+//! - Gluing compares values on the common side, so that functions of any sign and order are found; where two bases span the same
+//!   polynomials with other functions, one coefficient is a combination of several ([`glue`](fn@space::glue)).
+//! - Bodies of a case keep their own unknowns and materials: gluing adds [`Equation`](assembly::Equation)s between them, while
+//!   [`MultiPatch`](space::MultiPatch) is the same thing as one body of the library.
 //! - Lowered ends combine two neighbours at a time, which keeps multipliers of splines non-negative.
 //!
 //! # Features
