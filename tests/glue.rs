@@ -223,6 +223,54 @@ fn a_closed_ring_is_two_glued_half_rings() {
     assert!((0..2).all(|c| (a[c] - b[c]).abs() <= 1e-10), "{a:?} {b:?}");
 }
 
+/// Two closed rings, the inner one turned by 37 degrees, and what presses or ties them.
+fn rings(backend: &str, degree: usize, n: usize, model: &str, rest: &str) -> String {
+    let patch = |name: &str, radius: [f64; 2], from: f64, n: usize| {
+        let to = from + 360.0;
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"annulus-sector\", radius = {radius:?}, angle_deg = [{from}, {to}] }}\nclosed = \"u\"\nelements = [{n}, 6]\n"
+        )
+    };
+    let discretization = format!("[discretization]\nbackend = \"{backend}\"\ndegree = {degree}\nmapping = \"exact\"\n");
+    format!("{model}{discretization}{}{}{rest}", patch("i", [0.2, 0.6], 37.0, n + n / 4), patch("o", [0.6, 1.0], 0.0, n))
+}
+
+#[test]
+fn a_multiplier_on_a_closed_side_closes_too() {
+    let model = "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = { u = \"exp(0.7*x)*sin(y) + x*y\" }\n";
+    let tie = "[[interface]]\nname = \"k\"\nslave = \"o.v0\"\nmaster = \"i.v1\"\nmultiplier = \"p/p\"\n\
+               [[boundary]]\non = [\"i.v0\", \"o.v1\"]\ndirichlet = \"exact\"\n";
+    // functions on the closed side: one per node of Lagrange lines; splines are smooth but across the four arcs
+    for (backend, degree, functions) in [("fe", 1, 24), ("fe", 2, 48), ("iga", 2, 24 + 4)] {
+        let errors = [24, 48].map(|n| {
+            let run = solve(&rings(backend, degree, n, model, tie));
+            if n == 24 {
+                assert_eq!(run.result.unknowns.multipliers, functions, "{backend} {degree}");
+            }
+            error(&run, "error.k.lambda.L2")
+        });
+        // p + 1/2 and more; one multiplier too many where the side closes left an error that does not fall
+        let rate = (errors[0] / errors[1]).log2();
+        assert!(rate > degree as f64 + 0.4, "{backend} {degree}: {errors:?} fall with order {rate}");
+    }
+}
+
+#[test]
+fn closed_rings_press_each_other_evenly_where_they_close() {
+    let model = "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1e9\npoisson = 0.2\n";
+    let contact = "[[contact]]\nname = \"k\"\nslave = \"o.v0\"\nmaster = \"i.v1\"\nmultiplier = \"p/p\"\n\
+                   [[boundary]]\non = \"o.v1\"\npressure = \"1e7 + 1e5*cos(2*theta)\"\n\
+                   [[boundary]]\non = [\"i.v0\", \"o.v1\"]\nspring = { x = 1, y = 1 }\n\
+                   [[probe]]\nname = \"seam\"\nquantity = \"contact.k.pressure at [0.6, 0]\"\n";
+    // code_aster SSNP167: pressure 9259259.259259 + 135717.909691 cos 2t
+    let pressure = 9_259_259.259_259 + 135_717.909_691;
+    for (backend, degree) in [("fe", 2), ("iga", 2), ("fe", 1)] {
+        let run = solve(&rings(backend, degree, 40, model, contact));
+        let off = probe(&run, "seam") / pressure - 1.0;
+        assert!(off.abs() < 5e-3, "{backend} {degree}: {off:e}");
+    }
+}
+
 /// Values of the displacement at points inside every element, patch after patch.
 fn values(finished: &Finished) -> Vec<f64> {
     let xi: Vec<Vector<2>> = [[0.1, 0.2], [0.5, 0.5], [0.9, 0.3]].map(Vector::from).to_vec();

@@ -181,7 +181,7 @@ fn part<const S: usize, const N: usize>(
     let inner = turning(degree(slave) + 2);
     let held =
         |f: usize| stuck(f) || inner.iter().filter_map(|list| list.get(&f)).any(|n| cannot_move(f, n)) || (0..N).all(|c| taken(f, c));
-    let free = slave.trace.dofs.iter().filter(|&&f| !held(f)).count();
+    let free = slave.trace.dofs.iter().filter(|&&f| !held(f)).map(|&f| model.function(slave.patch, f)).collect::<HashSet<_>>().len();
     let along: Vec<usize> = (0..N).filter(|&c| inner.iter().flat_map(|list| list.values()).any(|n| n[c].abs() >= PERPENDICULAR)).collect();
     let help = || held_help(model, slave, &along, !slides.is_empty());
     if free == 0 {
@@ -190,7 +190,7 @@ fn part<const S: usize, const N: usize>(
         let advice = help().unwrap_or_else(|| "free the side, or give it more elements".into());
         return Err(Box::new(builder.error("E024", text, at).with_help(advice)));
     }
-    let (psi, warning) = multiplier(builder, name, slave, &contact.multiplier, &stuck, None)?;
+    let (psi, warning) = multiplier(builder, model, name, slave, &contact.multiplier, &stuck, None)?;
     if psi.num_functions() > free {
         let error = MultiplierError::TooMany { component: 0, multipliers: psi.num_functions(), free };
         let mut fault = multiplier_fault(builder, name, slave, &error, contact.multiplier.at, N);

@@ -3,16 +3,19 @@
 use super::Builder;
 use super::boundary::component_name;
 use super::model::{Model, SideModel};
-use crate::basis::Basis;
+use crate::basis::{Basis, Extracted, Order, ShapeTable};
 use crate::coupling::multiplier::{Ends, MultiplierError, MultiplierKind};
 use crate::io::case::{self, Multiplier};
 use crate::io::errors::Diagnostic;
 use crate::io::place::{Located, Place};
+use crate::linalg::Vector;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// A multiplier by its words, and the warning it deserves.
 #[allow(clippy::type_complexity)]
 pub(super) fn multiplier<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
+    model: &Model<S, N>,
     name: &str,
     slave: &SideModel<S, N>,
     wanted: &Located<Multiplier>,
@@ -49,6 +52,7 @@ pub(super) fn multiplier<const S: usize, const N: usize>(
         #[allow(unreachable_patterns)] // the enum may grow
         _ => return Err(Box::new(builder.error("E019", "this multiplier is not in this version", wanted.at))),
     };
+    let made = made.map(|psi| wrapped(model, slave, constrained, psi));
     made.map(|psi| (psi, warning)).map_err(|e| {
         let mut fault = multiplier_fault(builder, name, slave, &e, wanted.at, N.max(2));
         if let (MultiplierError::NothingLeft { .. }, Some(c)) = (&e, component) {
@@ -56,6 +60,55 @@ pub(super) fn multiplier<const S: usize, const N: usize>(
         }
         Box::new(fault)
     })
+}
+
+/// Functions with less than this value at a corner do not live there.
+const NO_VALUE: f64 = 1e-10;
+
+/// `psi` on a side that is glued to itself: functions that are one function of the trace where the side closes are one
+/// multiplier. Multipliers of as many functions as the closed trace, or fewer, have no end there and stay as they are.
+fn wrapped<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    slave: &SideModel<S, N>,
+    constrained: &dyn Fn(usize) -> bool,
+    psi: Box<dyn Basis<S>>,
+) -> Box<dyn Basis<S>> {
+    let space = &*slave.trace.space;
+    let whole: HashSet<usize> = slave.trace.dofs.iter().map(|&dof| model.function(slave.patch, dof)).collect();
+    if whole.len() == slave.trace.dofs.len() || psi.num_functions() <= whole.len() {
+        return psi;
+    }
+    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
+    let mut alone = |basis: &dyn Basis<S>, element: usize, corner: &Vector<S>| {
+        basis.active(element, &mut ids);
+        basis.tabulate(element, std::slice::from_ref(corner), Order::Values, &mut table);
+        let mut there = ids.iter().zip(table.values(0)).filter(|(_, value)| value.abs() > NO_VALUE).map(|(&i, _)| i);
+        there.next().filter(|_| there.next().is_none())
+    };
+    // the multiplier of a function of the model, where both are the only ones at a corner
+    let mut first: HashMap<usize, usize> = HashMap::new();
+    let mut twin: BTreeMap<usize, usize> = BTreeMap::new();
+    for element in 0..space.num_elements() {
+        for k in 0..1usize << S {
+            let corner = Vector::<S>::from_fn(|d, _| f64::from(u8::from(k >> d & 1 == 1)));
+            let Some(i) = alone(&space, element, &corner).filter(|&i| !constrained(slave.trace.dofs[i])) else { continue };
+            let Some(j) = alone(&*psi, element, &corner) else { continue };
+            let one = *first.entry(model.function(slave.patch, slave.trace.dofs[i])).or_insert(j);
+            if one != j {
+                twin.insert(j, one);
+            }
+        }
+    }
+    let mut next = 0;
+    let mut number = vec![0; psi.num_functions()];
+    for (j, n) in number.iter_mut().enumerate() {
+        if !twin.contains_key(&j) {
+            *n = next;
+            next += 1;
+        }
+    }
+    let rows = (0..number.len()).map(|j| vec![(number[*twin.get(&j).unwrap_or(&j)], 1.0)]).collect();
+    if twin.is_empty() { psi } else { Box::new(Extracted::new::<S>(psi, next, rows)) }
 }
 
 /// The diagnostic of a multiplier that cannot be.

@@ -16,7 +16,7 @@ use crate::io::case::{Integration, SideRef, Tie};
 use crate::io::errors::Diagnostic;
 use crate::io::place::{Located, Place};
 use crate::linalg::Triplets;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 /// Largest share of a slave side that may be uncovered.
@@ -141,14 +141,19 @@ fn part<const S: usize, const N: usize>(
             return Err(Box::new(builder.error("E024", text, at).with_help(help)));
         }
         let constrained = |function: usize| fixed.is(field.unknown(function, c)) || members.count(model, slave.patch, function) > 1;
-        let (psi, warning) = multiplier(builder, name, slave, &tie.multiplier, &constrained, Some(c).filter(|_| model.components > 1))?;
+        let (psi, warning) =
+            multiplier(builder, model, name, slave, &tie.multiplier, &constrained, Some(c).filter(|_| model.components > 1))?;
         multipliers.push(psi);
         if c == 0 {
             warnings.extend(warning);
         }
     }
     let borrowed: Vec<&dyn Basis<S>> = multipliers.iter().map(|m| &**m).collect();
-    check_counts(&slave.trace, model.components, &borrowed, &|function, c| fixed.is(field.unknown(function, c)))
+    // functions that are glued to each other count once
+    let mut known = HashSet::new();
+    let twins: HashSet<usize> = slave.trace.dofs.iter().copied().filter(|&f| !known.insert(model.function(slave.patch, f))).collect();
+    let counted = |function: usize, c: usize| fixed.is(field.unknown(function, c)) || twins.contains(&function);
+    check_counts(&slave.trace, model.components, &borrowed, &counted)
         .map_err(|e| Box::new(multiplier_fault(builder, name, slave, &e, tie.multiplier.at, model.components)))?;
     // segments against every master
     let mut pairings: Vec<(Pairing<S, N>, Option<Segments<S>>)> = Vec::new();
