@@ -606,3 +606,23 @@ fn glued_sides_of_a_list_sink_as_one() {
     assert!((whole[0] + 0.4).abs() <= 1e-10 && (whole[1] - 2.5).abs() <= 1e-10, "{whole:?}");
     assert!((0..2).all(|k| (a[k] + b[k] - whole[k]).abs() <= 1e-10), "{a:?} {b:?}");
 }
+
+#[test]
+fn values_that_no_seam_can_carry_are_prescribed_on_both_of_its_sides() {
+    let [iga, fe] = ["continuity = 0\nbasis = \"b-spline\"\n", "backend = \"fe\"\nmapping = \"exact\"\n"];
+    let case = |left: &str, right: &str, u: &str| {
+        let low = brick("a", [0.0; 3], [0.5, 1.0, 1.0], [0, 1, 2], 0, [2, 2, 2]) + left;
+        let high = brick("b", [0.5, 0.0, 0.0], [1.0; 3], [0, 1, 2], 0, [2, 2, 2]) + right;
+        format!(
+            "[model]\nphysics = \"poisson\"\ndimension = 3\nexact = {{ u = \"{u}\" }}\n[discretization]\ndegree = 2\n{low}{high}\
+             [[interface]]\nslave = \"a.right\"\nmaster = \"b.left\"\ncoupling = \"glue\"\n[[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n"
+        )
+    };
+    for u in ["sin(x)*y", "exp(x + y + z)", "1e-18*sin(9*x*y)"] {
+        let same = error(&solve(&case(iga, iga, u)), "error.u.L2");
+        for (left, right) in [(iga, fe), (fe, iga), (fe, fe)] {
+            let mixed = error(&solve(&case(left, right, u)), "error.u.L2");
+            assert!(mixed < 1.05 * same, "{left}{right}{u}: {mixed:e} {same:e}");
+        }
+    }
+}

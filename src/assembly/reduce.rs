@@ -66,7 +66,7 @@ pub struct Reduced<T: Real = f64> {
 
 /// Coefficients below this, relative to the largest of their equation, are zero.
 const NO_COEFFICIENT: f64 = 1e-12;
-/// Defects below this, relative to the terms of their equation, are rounding.
+/// Defects below this, relative to the terms of their equation and to the largest prescribed value, are rounding.
 const NO_DEFECT: f64 = 1e-9;
 
 impl<T: Real> Reduced<T> {
@@ -290,6 +290,7 @@ fn eliminate<T: Real>(
             BTreeMap::new()
         });
     }
+    let scale = prescribed.iter().fold(T::zero(), |m, v| m.max(v.1.abs()));
     // who follows an unknown, so that binding it rewrites only those
     let mut users: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (number, equation) in equations.iter().enumerate() {
@@ -314,7 +315,7 @@ fn eliminate<T: Real>(
             _ => Some((i, c)),
         });
         let Some((pivot, factor)) = pivot else {
-            if rest.abs() > size * lit(NO_DEFECT) {
+            if rest.abs() > size.max(scale) * lit(NO_DEFECT) {
                 return Err(ReductionError::Contradiction { equation: number, defect: -to_f64(rest) });
             }
             continue;

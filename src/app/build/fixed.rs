@@ -120,9 +120,23 @@ impl<const S: usize, const N: usize> Model<S, N> {
             all.extend(part);
         }
         all.sort_by_key(|v| v.0);
+        self.combine(&mut all);
         Ok(all)
     }
 
+    /// Prescribed functions that are combinations of prescribed ones take the value of the combination: the bases on both
+    /// sides of a seam differ, so each has a projection of its own there, and only one can hold.
+    fn combine(&self, values: &mut [(usize, f64)]) {
+        let n = self.components;
+        for (a, terms) in self.glued.combined() {
+            for c in 0..n {
+                let place = |values: &[(usize, f64)], f: usize| values.binary_search_by_key(&(n * self.glued.root(f) + c), |v| v.0).ok();
+                let sum = terms.iter().try_fold(0.0, |sum, &(b, factor)| place(values, b).map(|k| sum + factor * values[k].1));
+                if let (Some(k), Some(sum)) = (place(values, *a), sum) {
+                    values[k].1 = sum;
+                }
+            }
+        }
     /// (function, coefficient) of `value` on everything that is held by conditions, equations or pins, whatever the
     /// component: one L2 projection per glued body; functions as [`Self::function`] numbers them.
     pub(crate) fn coefficients(&self, value: &(dyn Fn(&Vector<N>) -> f64 + Sync)) -> Vec<(usize, f64)> {
