@@ -5,12 +5,14 @@ use super::boundary::component_name;
 use super::model::{Condition, Model, Pin, RimModel, SideModel, Value};
 use super::values::{time_text, times};
 use crate::assembly::{DirichletError, Fixed as Prescribed, Pinned, Rim, dirichlet_with};
+use crate::basis::Extracted;
 use crate::io::errors::Diagnostic;
 use crate::io::formula::Point;
 use crate::io::place::Place;
 use crate::linalg::{Ldlt, LinearError, Vector};
-use crate::space::{Field, Trace};
-use std::collections::BTreeMap;
+use crate::space::{Field, Over, Trace};
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 /// Unknowns that supports take from the system.
 #[derive(Clone, Debug)]
@@ -124,16 +126,17 @@ impl<const S: usize, const N: usize> Model<S, N> {
         Ok(all)
     }
 
-    /// Prescribed functions that are combinations of prescribed ones take the value of the combination: the bases on both
-    /// sides of a seam differ, so each has a projection of its own there, and only one can hold.
-    fn combine(&self, values: &mut [(usize, f64)]) {
+    /// Functions that are combinations of prescribed ones are prescribed, too, with the value of the combination.
+    fn combine(&self, values: &mut Vec<(usize, f64)>) {
         let n = self.components;
         for (a, terms) in self.glued.combined() {
             for c in 0..n {
-                let place = |values: &[(usize, f64)], f: usize| values.binary_search_by_key(&(n * self.glued.root(f) + c), |v| v.0).ok();
-                let sum = terms.iter().try_fold(0.0, |sum, &(b, factor)| place(values, b).map(|k| sum + factor * values[k].1));
-                if let (Some(k), Some(sum)) = (place(values, *a), sum) {
-                    values[k].1 = sum;
+                let place = |values: &[(usize, f64)], f: usize| values.binary_search_by_key(&(n * self.glued.root(f) + c), |v| v.0);
+                let sum = terms.iter().try_fold(0.0, |sum, &(b, factor)| place(values, b).ok().map(|k| sum + factor * values[k].1));
+                let Some(sum) = sum else { continue };
+                match place(values, *a) {
+                    Ok(k) => values[k].1 = sum,
+                    Err(k) => values.insert(k, (n * self.glued.root(*a) + c, sum)),
                 }
             }
         }
@@ -167,10 +170,32 @@ impl<const S: usize, const N: usize> Model<S, N> {
         all
     }
 
-    /// The trace of a side in functions of the model: unknown / components, glued ones by the one that stands for all.
+    /// The trace of a side in functions of the model: unknown / components, glued ones by the one that stands for all, those
+    /// that are combinations by the functions they are made of.
     fn in_model(&self, side: &SideModel<S, N>) -> Trace<S, N> {
-        let dofs = side.trace.dofs.iter().map(|&dof| self.function(side.patch, dof)).collect();
-        Trace { dofs, ..side.trace.clone() }
+        let own: Vec<usize> = side.trace.dofs.iter().map(|&dof| self.function(side.patch, dof)).collect();
+        let combined = self.glued.combined();
+        let parts: HashMap<usize, &[(usize, f64)]> = combined.iter().map(|(a, terms)| (self.glued.root(*a), terms.as_slice())).collect();
+        if own.iter().all(|f| !parts.contains_key(f)) {
+            return Trace { dofs: own, ..side.trace.clone() };
+        }
+        let (mut dofs, mut place) = (Vec::new(), HashMap::new());
+        let mut number = |f: usize| {
+            *place.entry(f).or_insert_with(|| {
+                dofs.push(f);
+                dofs.len() - 1
+            })
+        };
+        let rows: Vec<Vec<(usize, f64)>> = own
+            .iter()
+            .map(|f| match parts.get(f) {
+                Some(terms) => terms.iter().map(|&(b, c)| (number(self.glued.root(b)), c)).collect(),
+                None => vec![(number(*f), 1.0)],
+            })
+            .collect();
+        let geometry = side.trace.space.clone();
+        let basis = Extracted::new::<S>(geometry.clone(), dofs.len(), rows);
+        Trace { space: Arc::new(Over { basis, geometry }), dofs, ..side.trace.clone() }
     }
 }
 
