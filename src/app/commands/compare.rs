@@ -41,9 +41,10 @@ fn compared(registry: &Registry, arguments: &CompareArguments, common: &Common, 
     let values = loaded.case.studies.iter().find(|s| s.value.name == "compare").map(|s| s.value.clone()).unwrap_or_default();
     let axes = axes(registry, &arguments.study, &values)?;
     let pairs = axes.backends.iter().find(|b| b.contains('+'));
-    if let (Some(pair), true) = (pairs, loaded.case.interfaces.iter().any(|t| t.between.is_some())) {
-        let why = format!("`{pair}` needs interfaces that name slave and master; `between` chooses them while the bodies are built");
-        return Err(super::usage(&why, Some("write slave and master, or compare single backends")));
+    if let (Some(pair), Some(between)) = (pairs, loaded.case.interfaces.iter().find_map(|t| t.between.as_ref())) {
+        let why = format!("backends \"{pair}\" beside `between`, which chooses slave and master while the bodies are built, are not in this version");
+        let fault = Diagnostic::error("E019", why).with_help("name slave and master, or compare single backends");
+        return Err(Ended::failed(Diagnostics::from(loaded.case.diagnostic(fault, between.at))));
     }
     let wanted: Vec<String> = match arguments.quantity.is_empty() {
         true => values.quantities.clone(),
