@@ -61,10 +61,13 @@ impl Reader {
 
     fn later_surfaces(&mut self, case: &Case) {
         let ties = case.interfaces.iter().filter(|t| SURFACE_COUPLINGS.contains(&t.coupling.value.as_str()));
-        let heads: Vec<Place> = ties.map(|t| t.head.at).chain(case.contacts.iter().map(|c| c.head.at)).collect();
-        for at in heads {
+        for at in ties.map(|t| t.head.at).collect::<Vec<Place>>() {
             let help = "share the unknowns of sides that match by coupling = \"glue\", or take a plane model";
             self.fault("E019", at, "interfaces between surfaces are not in this version", help);
+        }
+        for c in &case.contacts {
+            let help = "take a plane model of the cross-section: contact between lines is there";
+            self.fault("E019", c.head.at, "contact between surfaces is not in this version", help);
         }
     }
 
