@@ -2,6 +2,7 @@
 
 use super::Builder;
 use super::glue::share_of_touching;
+use super::joined::{Known, disjoint};
 use super::model::{PatchModel, SideModel};
 use super::sides::Sides;
 use crate::app::registry::is_glue;
@@ -65,8 +66,9 @@ pub(super) fn find<const S: usize, const N: usize>(
             Err(fault) => builder.faults.push(*fault),
         }
     }
+    let mut known = Known::new(explicit(builder), listed(builder, patches));
     for (range, at) in files {
-        match touching(builder, patches, sides, &range.clone().collect::<Vec<_>>(), &explicit(builder), *at, None) {
+        match touching(builder, patches, sides, &range.clone().collect::<Vec<_>>(), &known, *at, None) {
             Ok(found) => couples.seams.extend(found),
             Err(fault) => builder.faults.push(*fault),
         }
@@ -79,16 +81,26 @@ pub(super) fn find<const S: usize, const N: usize>(
             Err(fault) => builder.faults.push(*fault),
         }
     }
-    for tie in &case.interfaces {
+    // lists of patches part what a file or a mesh joins; from here on what is joined stays so
+    known.join_lists();
+    couples.seams.iter().for_each(|c| known.add(c));
+    couples.ties.resize_with(case.interfaces.len(), Vec::new);
+    // what is named goes before what is looked for, and lists of patches before all
+    let rank = |tie: &Tie| tie.between.as_ref().map_or(0, |b| if is_all(b) { 2 } else { 1 });
+    let mut order: Vec<usize> = (0..case.interfaces.len()).collect();
+    order.sort_by_key(|&k| rank(&case.interfaces[k]));
+    for k in order {
+        let tie = &case.interfaces[k];
         let found = match &tie.between {
             None => named(builder, patches, sides, tie),
-            Some(between) => match wanted(builder, patches, between).and_then(|bodies| {
-                let taken = explicit(builder);
-                touching(builder, patches, sides, &bodies, &taken, between.at, tie.tolerance.value)
-            }) {
+            Some(between) => match wanted(builder, patches, between)
+                .and_then(|bodies| touching(builder, patches, sides, &bodies, &known, between.at, tie.tolerance.value))
+            {
                 Ok(found) if found.is_empty() => {
-                    let text = format!("no sides of the patches of interface \"{}\" touch each other", tie.name.value);
-                    builder.faults.push(builder.error("E023", text, between.at).with_help("name slave and master, or raise `tolerance`"));
+                    let text =
+                        format!("no sides of the patches of interface \"{}\" touch each other that are not joined yet", tie.name.value);
+                    let help = "name slave and master, or raise `tolerance`; a list of patches parts those that a file or a mesh joins";
+                    builder.faults.push(builder.error("E023", text, between.at).with_help(help));
                     found
                 }
                 Ok(found) => found,
@@ -98,7 +110,8 @@ pub(super) fn find<const S: usize, const N: usize>(
                 }
             },
         };
-        couples.ties.push(found);
+        found.iter().for_each(|c| known.add(c));
+        couples.ties[k] = found;
     }
     let key = |s: &Arc<SideModel<S, N>>| (s.patch, s.side.clone());
     let all = couples.ties.iter().flatten().chain(&couples.seams);
@@ -166,13 +179,23 @@ fn ring<const S: usize, const N: usize>(
     Ok(Couple { slave, masters: vec![master], at: closed.at, tolerance: None })
 }
 
+fn is_all(between: &Located<Vec<String>>) -> bool {
+    between.value.iter().any(|name| name == "all")
+}
+
+/// The patches of every list of `between`.
+fn listed<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patches: &[PatchModel<S, N>]) -> Vec<BTreeSet<usize>> {
+    let lists = builder.case.interfaces.iter().filter_map(|t| t.between.as_ref()).filter(|b| !is_all(b));
+    lists.filter_map(|b| Some(wanted(builder, patches, b).ok()?.into_iter().collect())).collect()
+}
+
 /// The patches that `between` names.
 fn wanted<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patches: &[PatchModel<S, N>],
     between: &Located<Vec<String>>,
 ) -> Result<Vec<usize>, Box<Diagnostic>> {
-    if between.value.iter().any(|name| name == "all") {
+    if is_all(between) {
         return Ok((0..patches.len()).collect());
     }
     let find = |name: &String| {
@@ -187,7 +210,7 @@ fn wanted<const S: usize, const N: usize>(
 /// Two sides (patch, name), the lesser first.
 pub(super) type Pair = [(usize, String); 2];
 
-fn pair(a: (usize, String), b: (usize, String)) -> Pair {
+pub(super) fn pair(a: (usize, String), b: (usize, String)) -> Pair {
     if a <= b { [a, b] } else { [b, a] }
 }
 
@@ -204,7 +227,7 @@ fn explicit<const S: usize, const N: usize>(builder: &Builder<'_, S, N>) -> BTre
     pairs.flat_map(|(slaves, masters)| slaves.iter().flat_map(move |s| masters.iter().map(move |m| pair(key(s), key(m))))).collect()
 }
 
-/// The touching sides of `bodies` as couples, without the pairs in `taken`: of sides that touch one another, those are
+/// The touching sides of `bodies` as couples, without the pairs that are `known`, every facet once: of sides that touch one another, those are
 /// slaves that are covered, of two covered ones the finer.
 ///
 /// Touching facets are found by a tree of boxes. To glue the patches of a file, call it with their numbers and push the
@@ -214,7 +237,7 @@ pub(super) fn touching<const S: usize, const N: usize>(
     patches: &[PatchModel<S, N>],
     sides: &mut Sides<S, N>,
     bodies: &[usize],
-    taken: &BTreeSet<Pair>,
+    known: &Known,
     at: Place,
     tolerance: Option<f64>,
 ) -> Result<Vec<Couple<S, N>>, Box<Diagnostic>> {
@@ -224,11 +247,16 @@ pub(super) fn touching<const S: usize, const N: usize>(
             all.push(sides.get(builder, patches, &Located::new(SideRef { patch, side }, at))?);
         }
     }
-    let key = |s: &SideModel<S, N>| (s.patch, s.side.clone());
-    let coupled = |a: &SideModel<S, N>, b: &SideModel<S, N>| taken.contains(&pair(key(a), key(b)));
+    let marks: Vec<_> = all.iter().map(|s| known.marks(s)).collect();
+    let left_out = |a: usize, b: usize| all[a].patch == all[b].patch || known.hold((&all[a], &marks[a]), (&all[b], &marks[b]));
     let is_exact = |k: usize| patches[k].exact_map;
-    let mut shares = share_of_touching(&all, tolerance, &is_exact);
-    shares.retain(|&(a, b), _| all[a].patch != all[b].patch && !coupled(&all[a], &all[b]));
+    let (mut shares, touched) = share_of_touching(&all, tolerance, &is_exact, &left_out);
+    if let Err([lost, other]) = disjoint(&all, &mut shares, &touched) {
+        let text = format!("`{}` touches `{}` beyond the sides with which it shares facets", all[lost].label, all[other].label);
+        return Err(Box::new(
+            builder.error("E023", text, at).with_help("name slave and master, or give the touching part one tag of its own"),
+        ));
+    }
     Ok(oriented(&all, &shares)
         .into_iter()
         .map(|(slave, masters)| Couple {

@@ -204,14 +204,17 @@ fn unite(root: &mut [usize], a: usize, b: usize) {
     root[a.max(b)] = a.min(b);
 }
 
-/// The share of facets of side a that lie on side b, for all pairs (a, b) of sides of which at least one facet does.
+/// The share of facets of side a that lie on side b, for all pairs (a, b) of sides of which at least one facet does, and the share of
+/// facets of every side that lie on any other.
 ///
-/// A facet lies on a side if its centre does and the outward normals are opposite. One tree of boxes over all facets.
+/// A facet lies on a side if its centre does and the outward normals are opposite. One tree of boxes over all facets; pairs for which
+/// `left_out` holds are not looked at.
 pub(super) fn share_of_touching<const S: usize, const N: usize>(
     sides: &[Arc<SideModel<S, N>>],
     tolerance: Option<f64>,
     is_exact: &dyn Fn(usize) -> bool,
-) -> BTreeMap<(usize, usize), f64> {
+    left_out: &dyn Fn(usize, usize) -> bool,
+) -> (BTreeMap<(usize, usize), f64>, Vec<f64>) {
     let facets: Vec<(usize, usize)> = sides.iter().enumerate().flat_map(|(k, s)| (0..s.trace.facets.len()).map(move |f| (k, f))).collect();
     let boxes: Vec<Bounds<N>> = facets.iter().map(|&(k, f)| sides[k].trace.space.bounds(f)).collect();
     let tree = Tree::new(boxes);
@@ -219,6 +222,7 @@ pub(super) fn share_of_touching<const S: usize, const N: usize>(
     let mut closest: Vec<Option<ClosestPoint<S, N, _>>> = sides.iter().map(|_| None).collect();
     let (mut map, mut other) = (MapTable::new(), MapTable::new());
     let mut shares: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+    let mut touched = vec![0.0; sides.len()];
     for (i, &(a, f)) in facets.iter().enumerate() {
         let trace = &sides[a].trace;
         trace.space.map(f, &[cell::center(trace.space.cell(f))], Order::Gradients, &mut map);
@@ -227,7 +231,10 @@ pub(super) fn share_of_touching<const S: usize, const N: usize>(
         let widest = tolerance.unwrap_or(curved);
         let mut near: Vec<usize> =
             tree.meeting(&Bounds { lo: x, hi: x }.inflated(widest)).into_iter().map(|j| facets[j].0).filter(|&b| b != a).collect();
+        near.sort_unstable();
         near.dedup();
+        near.retain(|&b| !left_out(a, b));
+        let mut lies = false;
         for b in near {
             let both = is_exact(sides[a].patch) && is_exact(sides[b].patch);
             let allowed = tolerance.unwrap_or(if both { size * TOUCHING } else { curved });
@@ -236,10 +243,14 @@ pub(super) fn share_of_touching<const S: usize, const N: usize>(
             sides[b].trace.space.map(foot.element, &[foot.xi], Order::Gradients, &mut other);
             if normal.dot(&sides[b].trace.normal(foot.element, &other.jacobian[0])) < OPPOSITE {
                 *shares.entry((a, b)).or_default() += 1.0 / trace.facets.len() as f64;
+                lies = true;
             }
         }
+        if lies {
+            touched[a] += 1.0 / trace.facets.len() as f64;
+        }
     }
-    shares
+    (shares, touched)
 }
 
 fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, couple: &Couple<S, N>, error: &GlueError) -> Diagnostic {

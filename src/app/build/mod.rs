@@ -7,6 +7,7 @@ mod divisions;
 mod exact;
 mod fixed;
 mod glue;
+mod joined;
 mod meshes;
 mod model;
 mod multipliers;

@@ -42,7 +42,9 @@ fn compared(registry: &Registry, arguments: &CompareArguments, common: &Common, 
     let axes = axes(registry, &arguments.study, &values)?;
     let pairs = axes.backends.iter().find(|b| b.contains('+'));
     if let (Some(pair), Some(between)) = (pairs, loaded.case.interfaces.iter().find_map(|t| t.between.as_ref())) {
-        let why = format!("backends \"{pair}\" beside `between`, which chooses slave and master while the bodies are built, are not in this version");
+        let why = format!(
+            "backends \"{pair}\" beside `between`, which chooses slave and master while the bodies are built, are not in this version"
+        );
         let fault = Diagnostic::error("E019", why).with_help("name slave and master, or compare single backends");
         return Err(Ended::failed(Diagnostics::from(loaded.case.diagnostic(fault, between.at))));
     }

@@ -337,8 +337,8 @@ impl Reader {
         }
     }
 
-    /// Keeps the joints of patches that no interface and no contact names together.
-    pub fn kept_joints(&mut self, interfaces: &[Tie], contacts: &[Contact]) -> Vec<Joint> {
+    /// The joints of patches that no interface and no contact names together, and those that a list of `between` parts.
+    pub fn kept_joints(&mut self, interfaces: &[Tie], contacts: &[Contact], patches: &[Patch]) -> [Vec<Joint>; 2] {
         let mut apart: std::collections::BTreeSet<[usize; 2]> = std::collections::BTreeSet::new();
         let mut pair = |slave: &[Located<SideRef>], master: &[Located<SideRef>]| {
             for s in slave {
@@ -360,7 +360,12 @@ impl Reader {
             let [a, b] = [j.sides[0].patch, j.sides[1].patch];
             !apart.contains(&[a.min(b), a.max(b)])
         };
-        joints.into_iter().filter(kept).collect()
+        let lists = interfaces.iter().filter_map(|t| t.between.as_ref());
+        let number = |name: &String| patches.iter().position(|p| p.name.value == *name);
+        let lists: Vec<std::collections::BTreeSet<usize>> = lists.map(|b| b.value.iter().filter_map(number).collect()).collect();
+        let together = |j: &Joint| !lists.iter().any(|l| j.sides.iter().all(|s| l.contains(&s.patch)));
+        let (kept, parted) = joints.into_iter().filter(kept).partition(together);
+        [kept, parted]
     }
 }
 

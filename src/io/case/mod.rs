@@ -42,6 +42,7 @@ pub use names::Names;
 pub use opened::{FileRead, sha256};
 pub use part::{FilePart, MeshPart};
 pub use schema::schema;
+pub(crate) use sides::quoted;
 pub use types::*;
 
 /// The schema that this version writes and reads.
@@ -285,8 +286,10 @@ impl Reader {
         self.unique("interface or contact", &couples.collect::<Vec<_>>());
         self.unique("probe", &probes.iter().map(|p| p.name.clone()).collect::<Vec<_>>());
         self.unique("check", &checks.iter().map(|c| c.name.clone()).collect::<Vec<_>>());
-        let joints = self.kept_joints(&interfaces, &contacts);
-        let boundaries = self.outer(read, &interfaces, &contacts, &joints, &mut patches);
+        let [joints, parted] = self.kept_joints(&interfaces, &contacts, &patches);
+        // what a list of patches parts is tied again and no outer side
+        let inner: Vec<Joint> = joints.iter().chain(&parted).cloned().collect();
+        let boundaries = self.outer(read, &interfaces, &contacts, &inner, &mut patches);
         self.slaves(&interfaces, &contacts, &patches);
         self.conditions(&boundaries, &patches, model.components());
         self.exact_data(&boundaries, &model);
