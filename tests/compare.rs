@@ -312,6 +312,15 @@ fn files_are_the_same_at_any_number_of_threads() {
 }
 
 #[test]
+fn pairs_of_backends_beside_between_are_not_in_this_version() {
+    let at = folder(&PAIR.replace("slave = \"left.right\"\nmaster = \"right.left\"", "between = \"all\""));
+    let (exit, document) = told(at.path(), &["compare", "a.toml", "--backends", "iga+fe"]);
+    assert_eq!((exit, document["diagnostics"][0]["code"].as_str()), (3, Some("E019")), "{document}");
+    let (exit, document) = told(at.path(), &["compare", "a.toml", "--backends", "iga,fe"]);
+    assert_eq!(exit, 0, "{document}");
+}
+
+#[test]
 fn wrong_words_are_refused_before_anything_is_solved() {
     let at = folder(SQUARE);
     for (words, exit, error) in [

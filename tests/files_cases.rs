@@ -265,6 +265,110 @@ fn groups_of_one_mesh_stay_joined_unless_an_interface_names_them() {
 }
 
 #[test]
+fn a_list_of_between_parts_groups_of_one_mesh_and_all_ties_only_what_is_not_joined() {
+    let folder = folder_with(&[("square.msh", &triangles(4, 1, |x, y| [x, y]))]);
+    let model = "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = { u = \"x - 2*y\" }\n";
+    let rest = "[[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n[[probe]]\nname = \"e\"\nquantity = \"error.u.L2\"\n\
+                [[probe]]\nname = \"m\"\nquantity = \"u at [0.4, 0.5] in a\"\n";
+    let patch = |name: &str, group: &str| {
+        format!("[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"file\", file = \"square.msh\", group = \"{group}\" }}\ndegree = 2\n")
+    };
+    let (a, b) = (patch("a", "lower"), patch("b", "upper"));
+    let run = |extra: &str, tie: &str| run_at(folder.path(), &format!("{model}{a}{b}{extra}{tie}{rest}"));
+    let tie = |what: &str| format!("[[interface]]\nname = \"t\"\n{what}\n");
+    let named = run("", &tie("slave = 'a.\"middle line\"'\nmaster = 'b.\"middle line\"'"));
+    let listed = run("", &tie("between = [\"a\", \"b\"]"));
+    // the tag of the file and the common facets are one side: the line is tied once
+    let measure = |r: &RunResult| r.interface.get("t").unwrap().segments.measure;
+    assert!((measure(&listed) - 1.0).abs() < 1e-12, "{}", measure(&listed));
+    assert!(listed.unknowns.multipliers > 0);
+    assert_eq!(listed.unknowns.primal, named.unknowns.primal);
+    assert_eq!(listed.unknowns.multipliers, named.unknowns.multipliers);
+    for result in [&named, &listed] {
+        let found = values(result);
+        assert!(found[0] < 1e-11 && (found[1] + 0.6).abs() < 1e-11, "{found:?}");
+    }
+    // "all" leaves the groups joined and ties the box on top of them
+    let lid = "[[patch]]\nname = \"lid\"\ngeometry = { kind = \"box\", min = [0, 1], max = [1, 2] }\nelements = [3, 3]\ndegree = 2\n";
+    let all = run(lid, &tie("between = \"all\""));
+    let top = run(lid, &tie("slave = 'b.\"top face\"'\nmaster = \"lid.bottom\""));
+    assert!((measure(&all) - 1.0).abs() < 1e-12, "{}", measure(&all));
+    assert_eq!((all.unknowns.primal, all.unknowns.multipliers), (top.unknowns.primal, top.unknowns.multipliers));
+    assert!(values(&all)[0] < 1e-11, "{:?}", values(&all));
+    // what a list has tied is not tied again by "all", whichever comes first
+    let both = format!("{}[[interface]]\nname = \"l\"\nbetween = [\"a\", \"b\"]\n", tie("between = \"all\""));
+    let both = run(lid, &both);
+    assert!((measure(&both) - 1.0).abs() < 1e-12 && values(&both)[0] < 1e-11, "{} {:?}", measure(&both), values(&both));
+    assert!((both.interface.get("l").unwrap().segments.measure - 1.0).abs() < 1e-12);
+    refused(folder.path(), &format!("{model}{a}{b}{}{rest}", tie("between = \"all\"")), "E023", "that are not joined yet");
+}
+
+#[test]
+fn between_takes_every_facet_once_where_tags_overlap() {
+    // a square of 3 x 3 quadrilaterals with a left and a right side and a tag that holds the whole boundary
+    let nodes: Vec<[f64; 2]> = (0..16).map(|k| [(k % 4) as f64 / 3.0, (k / 4) as f64 / 3.0]).collect();
+    let mut elements = Vec::new();
+    for k in 0..3 {
+        let (left, right) = (vec![4 * k, 4 * k + 4], vec![4 * k + 3, 4 * k + 7]);
+        elements.extend([(1, 1, left.clone()), (1, 2, right.clone()), (1, 3, left), (1, 3, right)]);
+        elements.extend([(1, 3, vec![k, k + 1]), (1, 3, vec![12 + k, 13 + k])]);
+        elements.extend((0..3).map(|i| (3, 4, vec![4 * k + i, 4 * k + i + 1, 4 * k + i + 5, 4 * k + i + 4])));
+    }
+    let mesh = gmsh(&[(1, 1, "left"), (1, 2, "right"), (1, 3, "skin"), (2, 4, "A")], &nodes, &elements);
+    let folder = folder_with(&[("q.msh", &mesh)]);
+    let patch = |name: &str, by: usize| {
+        format!("[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"file\", file = \"q.msh\", move = [{by}, 0] }}\ndegree = 2\n")
+    };
+    for between in ["\"all\"", "[\"l\", \"r\"]"] {
+        let text = format!(
+            "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = {{ u = \"x - 2*y\" }}\n{}{}\
+             [[interface]]\nname = \"t\"\nbetween = {between}\n[[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n\
+             [[probe]]\nname = \"e\"\nquantity = \"error.u.L2\"\n",
+            patch("l", 0),
+            patch("r", 1)
+        );
+        let result = run_at(folder.path(), &text);
+        let measure = result.interface.get("t").unwrap().segments.measure;
+        assert!((measure - 1.0).abs() < 1e-12 && values(&result)[0] < 1e-11, "{between}: {measure} {:?}", values(&result));
+    }
+}
+
+#[test]
+fn between_names_patches_of_a_spline_file_apart() {
+    let Some(peer) = peer::peer_data() else { return };
+    let folder = peer.join("gismo/planar");
+    let text = |tie: &str| {
+        format!(
+            "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = {{ u = \"x - 2*y\" }}\n[discretization]\ndegree = 3\n\
+             [[patch]]\nname = \"P\"\ngeometry = {{ kind = \"file\", file = \"hexagon_5p.xml\" }}\nrefine = 1\n{tie}\
+             [[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n[[probe]]\nname = \"e\"\nquantity = \"error.u.L2\"\n"
+        )
+    };
+    let glued = run_at(&folder, &text(""));
+    let parted = run_at(&folder, &text("[[interface]]\nname = \"t\"\nbetween = [\"P.0\", \"P.1\"]\n"));
+    assert!(parted.unknowns.primal > glued.unknowns.primal && parted.unknowns.multipliers > 0);
+    let errors = [values(&glued)[0], values(&parted)[0]];
+    assert!(errors.iter().all(|e| *e < 1e-9), "{errors:?}");
+    refused(&folder, &text("[[interface]]\nbetween = \"all\"\n"), "E023", "that are not joined yet");
+}
+
+#[test]
+fn lists_of_sides_of_a_mesh_have_only_what_can_be_named() {
+    let folder = folder_with(&[("square.msh", &triangles(4, 1, |x, y| [x, y]))]);
+    let text = |side: &str| poisson("file = \"square.msh\"", "degree = 1", &[]).replace("\"all-outer\"", side);
+    // the middle line lies inside: it is no side, and no list has it
+    for side in ["'body.\"middle line\"'", "'body.nothing'", "'body.untagged'"] {
+        let found = faults(folder.path(), &text(side));
+        assert_eq!(found.items[0].code, "E021", "{found}");
+        let told = found.to_string();
+        let list = told.split_once("sides of \"body\" are ").expect(&told).1;
+        let list = list.lines().next().unwrap();
+        assert!(list.contains("bottom") && !list.contains("middle line") && !list.contains("untagged"), "{told}");
+        assert!(told.contains("\"all-outer\" is every side"), "{told}");
+    }
+}
+
+#[test]
 fn where_keeps_the_facets_whose_centre_satisfies_it() {
     let folder = folder_with(&[("square.msh", &triangles(4, 1, |x, y| [x, y]))]);
     // the top is pulled with 1 on its right half and with 2 on its left half: two parts of one side

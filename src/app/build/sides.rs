@@ -5,7 +5,7 @@ use super::model::{Model, PatchModel, SideModel};
 use crate::assembly::gauss_rules;
 use crate::basis::{Cell, Order};
 use crate::geometry::{Embedding, MapTable};
-use crate::io::case::SideRef;
+use crate::io::case::{SideRef, quoted};
 use crate::io::errors::Diagnostic;
 use crate::io::formula::{Formula, Point};
 use crate::io::place::{Located, Origin};
@@ -57,7 +57,7 @@ impl<const S: usize, const N: usize> Sides<S, N> {
             return Ok(side.clone());
         }
         let patch = &patches[wanted.value.patch];
-        let trace = patch.body.trace(&wanted.value.side).map_err(|e| side_fault(builder, &patch.name, &e, &patch.body.sides(), wanted))?;
+        let trace = patch.body.trace(&wanted.value.side).map_err(|e| side_fault(builder, patch, &e, wanted))?;
         let side = Arc::new(make(label(builder, patch, wanted), wanted, trace, patch));
         self.known.insert(key, side.clone());
         Ok(side)
@@ -95,8 +95,7 @@ impl<const S: usize, const N: usize> Sides<S, N> {
                 return Err(Box::new(builder.error("E019", text, filter.at).with_help("give the part a tag of its own in the mesh")));
             }
         };
-        let trace = Trace::from_facets(patch.body.space(), facets, kind)
-            .map_err(|e| side_fault(builder, &patch.name, &e, &patch.body.sides(), wanted))?;
+        let trace = Trace::from_facets(patch.body.space(), facets, kind).map_err(|e| side_fault(builder, patch, &e, wanted))?;
         Ok(Some(Arc::new(make(label, wanted, trace, patch))))
     }
 }
@@ -152,12 +151,20 @@ fn label<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patch: &Pa
 
 fn side_fault<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    patch: &str,
+    patch: &PatchModel<S, N>,
     error: &SideError,
-    sides: &[String],
     wanted: &Located<SideRef>,
 ) -> Diagnostic {
-    let known = format!("sides of \"{patch}\" are {}", sides.join(", "));
+    let part = builder.case.patches[wanted.value.patch].geometry.shape.part().filter(|p| p.is_mesh());
+    let sides = part.map_or_else(|| patch.body.sides(), |p| p.outer_tags().into_iter().map(quoted).collect());
+    let patch = &patch.name;
+    let known = match (part.is_some(), sides.is_empty()) {
+        (true, true) => format!("no tag of \"{patch}\" is a side; \"all-outer\" is its whole boundary"),
+        (true, false) => {
+            format!("sides of \"{patch}\" are {}; \"all-outer\" is every side that stands in no other block", sides.join(", "))
+        }
+        _ => format!("sides of \"{patch}\" are {}", sides.join(", ")),
+    };
     match error {
         SideError::Unknown { .. } => builder.error("E021", format!("there is no side `{patch}.{}`; {known}", wanted.value.side), wanted.at),
         other => builder.error("E021", format!("`{patch}.{}`: {other}", wanted.value.side), wanted.at).with_help(known),

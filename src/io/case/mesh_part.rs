@@ -50,6 +50,14 @@ impl<const N: usize> MeshPart<N> {
         out.into_iter().map(|(_, key)| key).collect()
     }
 
+    /// Names of the file's tags that are sides: no facet of theirs lies inside.
+    pub(super) fn outer_tags(&self) -> Vec<&str> {
+        let mut sorted = self.boundary();
+        sorted.sort_unstable();
+        let outside = |f: &[usize; 4]| sorted.binary_search(&facet_key(f.iter().copied())).is_ok();
+        self.cells.tags[..self.named].iter().filter(|t| t.corners.iter().all(outside)).map(|t| t.name.as_str()).collect()
+    }
+
     /// The sides that hold the whole boundary but for `used` ones: tags of the file that share no facet with those or with each other
     /// and do not lie inside, and last, under a new name, what is in none of these.
     pub(super) fn outer(&mut self, used: &[&str]) -> Vec<String> {

@@ -118,6 +118,15 @@ impl FilePart {
         }
     }
 
+    /// Names of the tags of a mesh that lie on its boundary and can be named as sides.
+    pub fn outer_tags(&self) -> Vec<&str> {
+        match self {
+            Self::Spline(_) => Vec::new(),
+            Self::Plane(part) => part.outer_tags(),
+            Self::Space(part) => part.outer_tags(),
+        }
+    }
+
     /// Names of its sides as the file has them; none for spline patches, whose sides are u0, u1, ...
     pub fn tags(&self) -> Vec<&str> {
         match self {

@@ -247,12 +247,14 @@ impl Reader {
             // its file could not be read, and that was reported
             return;
         }
-        let mut known: Vec<String> = sides_of(shape, dimension).into_iter().map(quoted).collect();
+        let part = shape.part().filter(|p| p.is_mesh());
+        let mut known: Vec<String> =
+            part.map_or_else(|| sides_of(shape, dimension), FilePart::outer_tags).into_iter().map(quoted).collect();
         if let Some(family) = self.families.iter().find(|f| f.patches.contains(&k)) {
             let own = family.labels.iter().filter(|l| l.sides.iter().any(|s| s.patch == k));
             known.extend(own.map(|l| quoted(&l.name)));
         }
-        let mesh = shape.part().is_some_and(FilePart::is_mesh);
+        let mesh = part.is_some();
         let list = match (mesh, known.is_empty()) {
             (true, true) => format!("no side of {name:?} is named in its file; \"all-outer\" is its whole boundary"),
             _ => format!("sides of {name:?} are {}", some(&known)),
@@ -269,7 +271,9 @@ impl Reader {
             }
             (Shape::Nurbs { .. }, Some(_)) => "this edge is collapsed to a point and no side",
             (Shape::File { .. }, Some(_)) if !mesh => "this side is collapsed and none",
-            _ if mesh => "tags with dots or blanks are quoted: PATCH.\"top face\"",
+            _ if mesh => {
+                "tags with dots or blanks are quoted: PATCH.\"top face\"; \"all-outer\" is every side that stands in no other block"
+            }
             _ if dimension == 2 => "in 2D left, right, bottom, top are u0, u1, v0, v1",
             _ => "in 3D left, right, front, back, bottom, top are u0, u1, v0, v1, w0, w1",
         };
