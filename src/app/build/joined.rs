@@ -93,14 +93,17 @@ pub(super) fn disjoint<const S: usize, const N: usize>(
             taken.extend(facet_keys(&all[k]));
         }
     }
-    // facets of a patch on a side that is kept: all of a dropped side must be among those of kept ones
+    // facets of a patch on a side that is kept, and on all such sides of a patch: those of a dropped side must be among them
     let facets = |a: usize, share: f64| share * all[a].trace.facets.len() as f64;
-    let mut on: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+    let mut on_side: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+    let mut on_patch: BTreeMap<(usize, usize), f64> = BTreeMap::new();
     for (&(a, b), &share) in shares.iter().filter(|((a, b), _)| kept[*a] && kept[*b]) {
-        *on.entry((all[a].patch, b)).or_default() += facets(a, share);
+        *on_side.entry((all[a].patch, b)).or_default() += facets(a, share);
+        *on_patch.entry((all[a].patch, all[b].patch)).or_default() += facets(a, share);
     }
-    for (&(a, b), &share) in shares.iter().filter(|((a, b), _)| !kept[*a] && kept[*b]) {
-        if facets(a, share) > on.get(&(all[a].patch, b)).copied().unwrap_or(0.0) + 0.5 {
+    for (&(a, b), &share) in shares.iter().filter(|((a, b), _)| !kept[*a] || !kept[*b]) {
+        let found = if kept[b] { on_side.get(&(all[a].patch, b)) } else { on_patch.get(&(all[a].patch, all[b].patch)) };
+        if facets(a, share) > found.copied().unwrap_or(0.0) + 0.5 {
             return Err([a, b]);
         }
     }
