@@ -479,3 +479,30 @@ fn tetrahedra_of_patches_have_the_orders_of_their_degree() {
         }
     }
 }
+
+// one number per straight simplex: the same as D! times its size from its corners
+#[test]
+fn quality_and_size_of_straight_simplices_are_those_of_their_corners() {
+    let body = solid(Shapes::Simplex, 1, 1, Mapping::Isoparametric);
+    let space = &**body.space();
+    let mut table = MapTable::<3, 3>::new();
+    let determinants: Vec<f64> = (0..space.num_elements())
+        .map(|e| {
+            assert!(space.is_affine(e));
+            space.map(e, &cell::corners::<3, f64>(space.cell(e)), Order::Values, &mut table);
+            let x = &table.x;
+            (x[1] - x[0]).cross(&(x[2] - x[0])).dot(&(x[3] - x[0]))
+        })
+        .collect();
+    let (first, least) = determinants.iter().enumerate().fold((0, f64::INFINITY), |m, (e, d)| if *d < m.1 { (e, *d) } else { m });
+    let found = body.quality();
+    assert!((found.least_jacobian - least).abs() < 1e-12 * least, "{} against {least}", found.least_jacobian);
+    // another element is as good where rounding decides
+    assert!((determinants[found.element] - least).abs() < 1e-12 * least, "{} against {first}", found.element);
+    let volume = determinants.iter().sum::<f64>() / 6.0;
+    assert!((measure::<3, 3, f64, _>(space) - volume).abs() < 1e-13 * volume);
+    // curved cells, and degrees above one, are not known to be straight
+    assert!(!solid(Shapes::Simplex, 2, 2, Mapping::Isoparametric).space().is_affine(0));
+    assert!(!solid(Shapes::Tensor, 1, 1, Mapping::Isoparametric).space().is_affine(0));
+    assert!(solid(Shapes::Simplex, 1, 3, Mapping::Exact).space().is_affine(0));
+}

@@ -23,13 +23,13 @@ pub use bspline::BSpline;
 pub use extracted::Extracted;
 pub use knots::{ContainError, KnotError};
 pub use lagrange::{LagrangeLine, lagrange_nodes};
+pub(crate) use numbering::lattice;
 pub use rational::{Rational, WeightError, check_weights};
 pub use refined::Refined;
 pub use simplex::{LagrangeSimplex, simplex_lattice, simplex_nodes, simplex_numbering};
 pub use table::{Order, ShapeTable};
 pub use tensor::TensorProduct;
 pub use topology::Topology;
-pub(crate) use numbering::lattice;
 pub(crate) use topology::key_of;
 pub use unstructured::Unstructured;
 
@@ -97,6 +97,10 @@ pub trait Basis<const D: usize, T: Real = f64>: Elements {
     fn active(&self, element: usize, ids: &mut Vec<usize>);
     /// Values and derivatives of the active functions at the local points `xi`.
     fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>);
+    /// Whether the functions on `element` are known to be polynomials of total degree one: their gradients are constant.
+    fn is_linear(&self, _element: usize) -> bool {
+        false
+    }
     /// Product structure around `element`, where there is one: sum factorisation.
     fn block(&self, _element: usize) -> Option<Block<'_, D, T>> {
         None
@@ -121,6 +125,7 @@ macro_rules! forward_basis {
             fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
                 (**self).tabulate(element, xi, order, table)
             }
+            fn is_linear(&self, element: usize) -> bool { (**self).is_linear(element) }
             fn block(&self, element: usize) -> Option<Block<'_, D, T>> { (**self).block(element) }
             fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> { (**self).polynomials(wanted) }
         }

@@ -113,6 +113,9 @@ impl<const D: usize, T: Real> Basis<D, T> for Unstructured<D, T> {
     fn degree(&self, _element: usize) -> [usize; D] {
         [self.degree; D]
     }
+    fn is_linear(&self, element: usize) -> bool {
+        self.degree == 1 && self.cell(element) == Cell::Simplex
+    }
     fn active(&self, element: usize, ids: &mut Vec<usize>) {
         ids.clear();
         ids.extend_from_slice(self.functions(element));

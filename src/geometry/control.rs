@@ -76,6 +76,9 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Basis<D, T> for Co
     fn degree(&self, element: usize) -> [usize; D] {
         self.basis.degree(element)
     }
+    fn is_linear(&self, element: usize) -> bool {
+        self.basis.is_linear(element)
+    }
     fn active(&self, element: usize, ids: &mut Vec<usize>) {
         self.basis.active(element, ids);
     }
@@ -104,6 +107,10 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Geometry<D, N, T> 
     fn bounds(&self, element: usize) -> Bounds<N, T> {
         let held = hull::hull(&self.basis, element, |i| self.points[i]);
         hull::tightened(self, element, held.unwrap_or(Bounds { lo: Vector::zeros(), hi: Vector::zeros() }))
+    }
+
+    fn is_affine(&self, element: usize) -> bool {
+        self.basis.is_linear(element)
     }
 
     fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> {

@@ -87,6 +87,10 @@ pub trait Geometry<const D: usize, const N: usize, T: Real = f64>: Elements {
     fn map(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut MapTable<D, N, T>);
     /// A box that holds the element, for trees.
     fn bounds(&self, element: usize) -> Bounds<N, T>;
+    /// Whether the map of `element` is known to be affine: its Jacobian is constant, the images of segments are straight.
+    fn is_affine(&self, _element: usize) -> bool {
+        false
+    }
     /// Product structure of the map around `element`, where there is one.
     fn map_block(&self, _element: usize) -> Option<MapBlock<'_, D, N, T>> {
         None
@@ -100,6 +104,7 @@ macro_rules! forward_geometry {
                 (**self).map(element, xi, order, table)
             }
             fn bounds(&self, element: usize) -> Bounds<N, T> { (**self).bounds(element) }
+            fn is_affine(&self, element: usize) -> bool { (**self).is_affine(element) }
             fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> { (**self).map_block(element) }
         }
     )*};

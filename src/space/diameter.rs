@@ -1,7 +1,7 @@
 //! The size of elements: the largest distance of two points of one.
 
 use super::Space;
-use crate::basis::Order;
+use crate::basis::{Cell, Order};
 use crate::geometry::{MapTable, cell};
 use crate::linalg::Real;
 use rayon::prelude::*;
@@ -11,8 +11,10 @@ const POINTS: usize = 3;
 
 /// The largest diameter of the elements of `space` \[length\], taken among corners and middles of edges, faces and cells.
 pub fn diameter<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -> T {
+    let points = [Cell::Tensor, Cell::Simplex].map(|c| [cell::grid::<N, T>(c, POINTS), cell::corners::<N, T>(c)]);
     let of = |table: &mut MapTable<N, N, T>, e: usize| {
-        space.map(e, &cell::grid::<N, T>(space.cell(e), POINTS), Order::Values, table);
+        let [bent, straight] = &points[usize::from(space.cell(e) == Cell::Simplex)];
+        space.map(e, if space.is_affine(e) { straight } else { bent }, Order::Values, table);
         let pairs = table.x.iter().enumerate().flat_map(|(k, a)| table.x[..k].iter().map(move |b| (a - b).norm_squared()));
         pairs.fold(T::zero(), |most, d| most.max(d))
     };

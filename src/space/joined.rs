@@ -139,6 +139,10 @@ impl<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T>> Geometry<D, 
         let (part, e) = self.at(element);
         part.inner.bounds(e)
     }
+    fn is_affine(&self, element: usize) -> bool {
+        let (part, e) = self.at(element);
+        part.inner.is_affine(e)
+    }
     fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> {
         let (part, e) = self.at(element);
         part.inner.map_block(e).map(|m| MapBlock { basis: Block { first: m.basis.first + part.first, ..m.basis }, ..m })

@@ -94,6 +94,9 @@ impl<const D: usize, T: Real, B: Basis<D, T>, G: Elements> Basis<D, T> for Over<
     fn degree(&self, element: usize) -> [usize; D] {
         self.basis.degree(element)
     }
+    fn is_linear(&self, element: usize) -> bool {
+        self.basis.is_linear(element)
+    }
     fn active(&self, element: usize, ids: &mut Vec<usize>) {
         self.basis.active(element, ids);
     }
@@ -114,6 +117,9 @@ impl<const D: usize, const N: usize, T: Real, B: Elements, G: Geometry<D, N, T>>
     }
     fn bounds(&self, element: usize) -> Bounds<N, T> {
         self.geometry.bounds(element)
+    }
+    fn is_affine(&self, element: usize) -> bool {
+        self.geometry.is_affine(element)
     }
     fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> {
         self.geometry.map_block(element)

@@ -10,6 +10,9 @@ use rayon::prelude::*;
 /// Jacobians below this share of the element's largest are zero: a collapsed edge, not an inversion.
 const ZERO: f64 = 1e-10;
 
+/// Degrees below and above which no fewer and no more points are looked at.
+const DEGREES: [usize; 2] = [2, 4];
+
 /// How sound the map of a body is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quality<const N: usize> {
@@ -44,17 +47,26 @@ struct Sampled<const N: usize> {
     most: (f64, Vector<N>),
 }
 
-/// Samples the Jacobian of every element on a grid of its cell, corners included.
+/// Samples the Jacobian of every element on a grid of its cell, corners included; where the map is affine, once.
+///
+/// Of several elements with the least value the first is named.
 ///
 /// # Errors
 /// [`InvertedElement`] where the determinant has two signs, or vanishes on a whole element; of several the worst.
 pub fn quality<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -> Result<Quality<N>, InvertedElement> {
+    let grids = [Cell::Tensor, Cell::Simplex]
+        .map(|kind| (DEGREES[0]..=DEGREES[1]).map(|degree| cell::grid::<N, T>(kind, degree + 2)).collect::<Vec<_>>());
+    let centers = [Cell::Tensor, Cell::Simplex].map(cell::center::<N, T>);
     let sampled: Vec<Sampled<N>> = (0..space.num_elements())
         .into_par_iter()
         .map_init(MapTable::<N, N, T>::new, |table, e| {
             let degree = space.degree(e).into_iter().max().unwrap_or(1);
-            let points = cell::grid::<N, T>(space.cell(e), degree.clamp(2, 4) + 2);
-            space.map(e, &points, Order::Gradients, table);
+            let kind = usize::from(space.cell(e) == Cell::Simplex);
+            let points = match space.is_affine(e) {
+                true => std::slice::from_ref(&centers[kind]),
+                false => &grids[kind][degree.clamp(DEGREES[0], DEGREES[1]) - DEGREES[0]],
+            };
+            space.map(e, points, Order::Gradients, table);
             let mut s = Sampled { mean: 0.0, least: (f64::INFINITY, Vector::zeros()), most: (f64::NEG_INFINITY, Vector::zeros()) };
             for (j, x) in table.jacobian.iter().zip(&table.x) {
                 let d = to_f64(determinant(j));
@@ -100,7 +112,7 @@ pub fn quality<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -
 /// Length, area or volume of a map: ∫ sqrt(det JᵀJ) dxi.
 ///
 /// Gauss points are added per element until the sum settles, so that rational maps reach rounding; polynomial maps do at
-/// once.
+/// once. Affine maps take one point.
 pub fn measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?Sized>(geometry: &X) -> T {
     const COUNTS: [usize; 6] = [4, 6, 9, 13, 18, 24];
     let rule_of = |kind: Cell, n: usize| -> Rule<D, T> {
@@ -109,13 +121,27 @@ pub fn measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?
             Cell::Simplex => simplex_rule(2 * n - 1),
         }
     };
-    let rules: Vec<[Rule<D, T>; 2]> = COUNTS.iter().map(|&n| [rule_of(Cell::Tensor, n), rule_of(Cell::Simplex, n)]).collect();
+    // the large rules of a kind of cells cost more than many elements: none where nothing is curved
+    let curved =
+        [Cell::Tensor, Cell::Simplex].map(|kind| (0..geometry.num_elements()).any(|e| geometry.cell(e) == kind && !geometry.is_affine(e)));
+    let rules_of = |kind: Cell, wanted: bool| COUNTS.iter().filter(|_| wanted).map(|&n| rule_of(kind, n)).collect::<Vec<_>>();
+    let rules = [rules_of(Cell::Tensor, curved[0]), rules_of(Cell::Simplex, curved[1])];
+    let affine = [Cell::Tensor, Cell::Simplex].map(|kind| match kind {
+        Cell::Tensor => (cell::center::<D, T>(kind), T::one()),
+        // the unit simplex has the measure 1 / D!
+        Cell::Simplex => (cell::center::<D, T>(kind), T::one() / crate::linalg::num((1..=D).product::<usize>())),
+    });
     let parts: Vec<T> = (0..geometry.num_elements())
         .into_par_iter()
         .map_init(MapTable::<D, N, T>::new, |table, e| {
+            let kind = usize::from(geometry.cell(e) == Cell::Simplex);
+            if geometry.is_affine(e) {
+                let (point, size) = &affine[kind];
+                geometry.map(e, std::slice::from_ref(point), Order::Gradients, table);
+                return scale(&table.jacobian[0]) * *size;
+            }
             let mut last = T::zero();
-            for (k, rule) in rules.iter().enumerate() {
-                let rule = &rule[usize::from(geometry.cell(e) == Cell::Simplex)];
+            for (k, rule) in rules[kind].iter().enumerate() {
                 geometry.map(e, &rule.points, Order::Gradients, table);
                 let sum = table.jacobian.iter().zip(&rule.weights).fold(T::zero(), |s, (j, &w)| s + scale(j) * w);
                 let settled = k > 0 && (sum - last).abs() <= T::default_epsilon() * crate::linalg::lit(16.0) * sum.abs();

@@ -125,36 +125,32 @@ fn determinant<const D: usize>(j: &Matrix<3, D>, flat: bool) -> f64 {
 /// det J over the largest product of lengths of the edges at a corner, 1 for the regular cell.
 fn scaled<const D: usize>(j: &Matrix<3, D>, det: f64, cell: Cell) -> f64 {
     let edge = |k: usize| Vector::<3>::new(j[(0, k)], j[(1, k)], j[(2, k)]);
-    let corner = |lengths: &[f64]| lengths.iter().product::<f64>();
     let (most, regular) = if cell == Cell::Simplex && D > 1 {
-        let own: Vec<Vector<3>> = (0..D).map(edge).collect();
-        let origin = corner(&own.iter().map(|e| e.norm()).collect::<Vec<_>>());
+        let own: [Vector<3>; D] = std::array::from_fn(edge);
+        let origin = own.iter().map(|e| e.norm()).product::<f64>();
         // edges from the end of axis k: back to the origin and to the ends of the other axes
-        let ends = (0..D).map(|k| {
-            let lengths: Vec<f64> = (0..D).map(|m| if m == k { own[k].norm() } else { (own[m] - own[k]).norm() }).collect();
-            corner(&lengths)
-        });
+        let ends = (0..D).map(|k| (0..D).map(|m| if m == k { own[k].norm() } else { (own[m] - own[k]).norm() }).product::<f64>());
         // det of the regular simplex of edge 1: sqrt(3) / 2, 1 / sqrt(2)
         (ends.fold(origin, f64::max), if D == 2 { 3f64.sqrt() / 2.0 } else { 0.5f64.sqrt() })
     } else {
-        (corner(&(0..D).map(|k| edge(k).norm()).collect::<Vec<_>>()), 1.0)
+        ((0..D).map(|k| edge(k).norm()).product::<f64>(), 1.0)
     };
     if most > 0.0 { det / (most * regular) } else { 0.0 }
 }
 
 /// Edges of a cell as pairs of its corners.
-fn edges(cell: Cell, corners: usize) -> Vec<(usize, usize)> {
-    let all = (0..corners).flat_map(|a| (a + 1..corners).map(move |b| (a, b)));
-    all.filter(|(a, b)| cell == Cell::Simplex || (a ^ b).is_power_of_two()).collect()
+fn edges(cell: Cell, corners: usize) -> impl Iterator<Item = (usize, usize)> + Clone {
+    let all = (0..corners).flat_map(move |a| (a + 1..corners).map(move |b| (a, b)));
+    all.filter(move |(a, b)| cell == Cell::Simplex || (a ^ b).is_power_of_two())
 }
 
 fn look_at<const D: usize>(map: &dyn Geometry<D, 3>, element: usize, points: &Points<D>, flat: bool, table: &mut MapTable<D, 3>) -> Looked {
     let cell = map.cell(element);
     let [inside, all, corners] = &points[usize::from(cell == Cell::Simplex)];
-    let dets = |table: &MapTable<D, 3>| table.jacobian.iter().map(|j| determinant(j, flat)).collect::<Vec<f64>>();
-    map.map(element, inside, Order::Gradients, table);
-    let own = dets(table);
-    let left = own.iter().sum::<f64>() < 0.0;
+    // one point says all of an affine map, which turns over nowhere
+    let affine = map.is_affine(element);
+    map.map(element, if affine { &inside[..1] } else { inside }, Order::Gradients, table);
+    let left = table.jacobian.iter().map(|j| determinant(j, flat)).sum::<f64>() < 0.0;
     let sign = if left { -1.0 } else { 1.0 };
     let mut found = Looked {
         least: f64::INFINITY,
@@ -166,22 +162,26 @@ fn look_at<const D: usize>(map: &dyn Geometry<D, 3>, element: usize, points: &Po
         longest: 0.0,
         collapsed: false,
     };
-    for (q, &d) in own.iter().enumerate() {
+    let mut largest = 0.0_f64;
+    for (q, j) in table.jacobian.iter().enumerate() {
+        let d = determinant(j, flat);
+        largest = largest.max(d.abs());
         found.least = found.least.min(sign * d);
-        let s = scaled(&table.jacobian[q], sign * d, cell);
+        let s = scaled(j, sign * d, cell);
         if s < found.scaled {
             (found.scaled, found.at) = (s, table.x[q]);
         }
     }
-    let largest = own.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
-    map.map(element, all, Order::Gradients, table);
-    let worst = dets(table).into_iter().map(|d| sign * d).enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-    if let Some((q, _)) = worst.filter(|(_, d)| *d < -ZERO * largest) {
-        found.inverted = Some(table.x[q]);
+    if !affine {
+        map.map(element, all, Order::Gradients, table);
+        let worst = table.jacobian.iter().map(|j| sign * determinant(j, flat)).enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((q, _)) = worst.filter(|(_, d)| *d < -ZERO * largest) {
+            found.inverted = Some(table.x[q]);
+        }
     }
     map.map(element, corners, Order::Values, table);
-    let lengths: Vec<f64> = edges(cell, corners.len()).iter().map(|&(a, b)| (table.x[a] - table.x[b]).norm()).collect();
-    found.longest = lengths.iter().copied().fold(0.0, f64::max);
+    let lengths = edges(cell, corners.len()).map(|(a, b)| (table.x[a] - table.x[b]).norm());
+    found.longest = lengths.clone().fold(0.0, f64::max);
     for l in lengths {
         if l <= COLLAPSED * found.longest {
             found.collapsed = true;
