@@ -220,7 +220,10 @@ fn a_failing_row_stays_in_the_table_and_the_next_rows_are_solved() {
     let (_, study) = told(at.path(), &["compare", "a.toml", "--backends", "fe,iga", "--degrees", "9", "--tol", "1", "--force"]);
     assert_eq!((study["differences"][0]["ok"].as_bool(), study["differences"][0]["largest"].as_f64()), (Some(false), None));
     let csv = std::fs::read_to_string(at.path().join("a.compare/study.csv")).unwrap();
-    assert!(csv.lines().nth(1).unwrap().ends_with(",invalid,3"), "{csv}");
+    let code = study["rows"][0]["code"].as_str().unwrap();
+    assert!(csv.lines().nth(1).unwrap().ends_with(&format!(",invalid,3,{code}")), "{csv}");
+    assert!(csv.lines().nth(1).unwrap().starts_with("fe,fe,9,0,"), "{csv}");
+    assert_eq!((study["rows"][0]["degree"].as_i64(), study["rows"][1]["code"].is_null()), (Some(9), true));
 }
 
 #[test]
@@ -326,6 +329,7 @@ fn wrong_words_are_refused_before_anything_is_solved() {
     for (words, exit, error) in [
         (&["--backends", "iga,fem"][..], 2, "unknown backend `fem`"),
         (&["--backends", "iga+fem"], 2, "unknown backend `fem`"),
+        (&["--backends", "fe,iga,fe"], 2, "`fe` is named twice"),
         (&["--degrees", "two"], 2, "is no list of degrees"),
         (&["--vary", "degree"], 2, "KEY=v1,v2"),
         (&["--levels", "0"], 2, "--levels"),
@@ -345,6 +349,28 @@ fn wrong_words_are_refused_before_anything_is_solved() {
     std::fs::write(at.path().join("a.compare/mine.txt"), "mine").unwrap();
     let out = faying(at.path(), &["compare", "a.toml"]);
     assert_eq!((out.status.code(), text(&out.stderr).contains("E090")), (Some(4), true));
+}
+
+#[test]
+fn a_row_that_cannot_be_read_says_what_it_would_have_been() {
+    let at = folder(SQUARE);
+    // degree 9 is too high for fe
+    let words =
+        ["compare", "a.toml", "--backends", "fe", "--degrees", "2,9", "--levels", "2", "--vary", "patch.square.elements=[2, 2],[3, 2]"];
+    let (exit, study) = told(at.path(), &words);
+    assert_eq!(exit, 3);
+    let rows = study["rows"].as_array().unwrap();
+    let found: Vec<(i64, i64, &str, bool)> = rows
+        .iter()
+        .map(|r| {
+            let vary = r["vary"]["patch.square.elements"].as_str().unwrap();
+            (r["degree"].as_i64().unwrap(), r["level"].as_i64().unwrap(), vary, r["code"].is_string())
+        })
+        .collect();
+    let of = |keys: &'static str| [(2, 0, keys, false), (2, 1, keys, false), (9, 0, keys, true), (9, 1, keys, true)];
+    assert_eq!(found, [of("[2, 2]"), of("[3, 2]")].concat());
+    let shown = text(&faying(at.path(), &[&words[..], &["--force"]].concat()).stdout);
+    assert_eq!(shown.matches(&format!("invalid ({})", rows[2]["code"].as_str().unwrap())).count(), 4, "{shown}");
 }
 
 /// Two triangles of a unit square.

@@ -99,6 +99,9 @@ fn axes(registry: &Registry, study: &StudyArguments, values: &StudyValues) -> Re
             case::known_backend(registry, name, "--backends")?;
         }
     }
+    if let Some(twice) = backends.iter().enumerate().find_map(|(k, name)| backends[..k].contains(name).then_some(name)) {
+        return Err(wrong("--backends", format!("`{twice}` is named twice")));
+    }
     if backends.is_empty() {
         return Err(wrong("--backends", "no backend is named".to_owned()));
     }

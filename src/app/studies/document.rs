@@ -258,7 +258,7 @@ impl Study {
                 let passed = r.checks.iter().filter(|c| c.ok && !c.skipped).count();
                 cells.push(format!("{passed} of {}", r.checks_performed));
             }
-            cells.push(word(r.status));
+            cells.push(row.code().map_or_else(|| word(r.status), |code| format!("{} ({code})", word(r.status))));
             table.row(cells);
         }
         table
@@ -379,6 +379,7 @@ impl Study {
         }
         if let Some(d) = r.diagnostics.first() {
             put("reason", json!(d.message));
+            put("code", json!(d.code));
         } else if !row.solved() {
             put("reason", json!("nothing was solved"));
         }
@@ -417,7 +418,7 @@ impl Study {
         head.extend(rates.iter().map(|n| format!("rate.{n}")));
         head.extend(probes.iter().map(|n| format!("probes.{n}")));
         head.extend(differences.iter().map(|n| format!("differences.{n}")));
-        head.extend(["status", "exit"].map(str::to_owned));
+        head.extend(["status", "exit", "code"].map(str::to_owned));
         let line = |cells: &[String]| cells.iter().map(|c| csv_field(c)).collect::<Vec<_>>().join(",") + "\n";
         let mut text = line(&head);
         for row in &self.rows {
@@ -437,7 +438,7 @@ impl Study {
             let probe = |n: &String| r.probes.iter().find(|p| p.name == *n).map_or(String::new(), |p| solved(p.value));
             cells.extend(probes.iter().map(probe));
             cells.extend(differences.iter().map(|n| row.differences.get(n).map_or(String::new(), |v| exact(*v))));
-            cells.extend([word(r.status), r.exit.to_string()]);
+            cells.extend([word(r.status), r.exit.to_string(), row.code().unwrap_or_default().to_owned()]);
             text.push_str(&line(&cells));
         }
         text

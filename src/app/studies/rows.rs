@@ -74,7 +74,7 @@ pub struct Row {
     pub spec: Spec,
     /// Its numbers.
     pub result: RunResult,
-    /// Degree of the patches: "2", "3x2", "2+1"; empty where the case could not be read.
+    /// Degree of the patches: "2", "3x2", "2+1"; of a row whose case could not be read that which was asked for.
     pub degree: String,
     /// Multiplier of the interfaces and contacts as the case says it; empty without one.
     pub pairing: String,
@@ -107,6 +107,7 @@ impl Row {
                 row.result = crate::app::run::numbers(command, &case, registry, watch);
             }
             Err(faults) => {
+                row.foresee(base);
                 let result = &mut row.result;
                 result.status = if faults.exit() == 4 { Status::IoFailed } else { Status::Invalid };
                 result.exit = result.status.exit();
@@ -117,6 +118,28 @@ impl Row {
             }
         }
         row
+    }
+
+    // what the row would have been: the case as written with its keys, the degrees that the study gives
+    fn foresee(&mut self, base: &Base<'_>) {
+        let (spec, changes) = (&self.spec, &self.spec.changes);
+        let written = base.read(&Spec { vary: spec.vary.clone(), ..Spec::default() }).ok();
+        let given = match (changes.degree, changes.degrees.as_slice()) {
+            (Some(p), _) => Some(p.to_string()),
+            (None, []) => None,
+            (None, list) => Some(joined(list.iter().map(|(_, p)| p.to_string()))),
+        };
+        if let Some(case) = &written {
+            self.describe(case);
+        }
+        if let Some(degree) = given {
+            self.degree = degree;
+        }
+    }
+
+    /// The code of the error that stopped the row; none where nothing did.
+    pub fn code(&self) -> Option<&str> {
+        self.result.diagnostics.first().map(|d| d.code.as_ref())
     }
 
     fn describe(&mut self, case: &Case) {
