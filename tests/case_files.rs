@@ -281,6 +281,8 @@ fn e013_missing_keys_point_to_their_block() {
         "`name` is missing in patch 0",
         "[[patch]]",
     );
+    let nameless = fails(&with("name = \"steel\"\n", ""), "E013", "`name` is missing in material 0", "[[material]]");
+    assert_eq!(nameless.help.as_deref(), Some("write name = \"steel\""));
     fails(&with("poisson = 0.3", ""), "E013", "`poisson` is missing in material \"steel\"", "[[material]]");
     fails(&with("slave = \"upper.bottom\"", ""), "E013", "`slave` is missing in contact \"pad\"", "[[contact]]");
     fails(&with("master = \"lower.top\"", ""), "E013", "`master` or `rigid` is missing in contact \"pad\"", "[[contact]]");
@@ -429,6 +431,18 @@ fn e015_ranges_words_and_keys_of_other_kinds() {
         "a body force or source does not stand beside `exact`",
         "1\nexact",
     );
+}
+
+#[test]
+fn loads_of_no_component_and_springs_that_push_are_refused() {
+    let fix = "fix = [\"x\", \"y\"]";
+    for key in ["force", "spring", "rigid_force"] {
+        let d = error_of(&with(fix, &format!("{key} = {{}}")));
+        assert_eq!((d.code, d.message.contains(key)), ("E014", true), "{d:?}");
+    }
+    let text = with(fix, "spring = { x = 1.0, y = -1e9 }");
+    fails(&text, "E015", "`spring` must not be negative, found -1000000000.0", "-1e9");
+    read(&with(fix, "spring = { x = 0.0, y = 1e9 }"));
 }
 
 #[test]
@@ -660,6 +674,12 @@ fn e044_wrong_dimensions() {
     fails(&with("pressure = \"F\"", "traction = [0]"), "E044", "`traction` must have 2 components, found 1", "[0]");
     let g = "max = [1, 0.5], extrude = 1.0";
     fails(&with("max = [1, 0.5]", g), "E044", "`extrude` makes a body of dimension 3, the model has dimension 2", "1.0 }");
+}
+
+#[test]
+fn e044_says_what_to_do_about_a_plane_that_is_extruded() {
+    let d = error_of(&with("max = [1, 0.5] }", "max = [1, 0.5], extrude = 1.0 }"));
+    assert_eq!((d.code, d.help.is_some_and(|h| h.contains("dimension = 3"))), ("E044", true));
 }
 
 #[test]

@@ -50,12 +50,25 @@ impl Reader {
             self.fault("E015", p.at, "`pressure` is a key of elasticity, the physics here is poisson", "use neumann");
         }
         let mut resultant = |key: &str| -> Components<Formula> {
+            let none = || (0..n).map(|_| None).collect();
             match b.node(key).cloned() {
+                Some(node) if matches!(&node.value, Value::Table(t) if t.entries.is_empty()) => {
+                    let example = if n == 1 { "u" } else { "x" };
+                    self.wrong_type(&node, key, "a table of some components", format!("write {key} = {{ {example} = 1.0 }}"));
+                    none()
+                }
                 Some(node) => self.formulas_of(&node, key, Uses::Space, n),
-                None => (0..n).map(|_| None).collect(),
+                None => none(),
             }
         };
         let (force, spring, rigid_force) = (resultant("force"), resultant("spring"), resultant("rigid_force"));
+        // a stiffness below zero pushes further what moves; of formulas the sign is not known here
+        for k in spring.iter().flatten() {
+            if let Some(value) = k.value.as_constant().filter(|v| *v < 0.0) {
+                let message = format!("`spring` must not be negative, found {value:?}");
+                self.fault("E015", k.at, message, "a spring pulls back with the force stiffness times displacement: write it positive");
+            }
+        }
         let kinds = ["fix", "dirichlet", "neumann", "traction", "pressure", "force", "spring", "rigid_force"];
         if !kinds.iter().any(|k| b.has(k)) {
             let message = format!("{} has no condition", b.what);

@@ -123,7 +123,12 @@ impl Reader {
             self.fault("E015", a.at, "`axis` is a key of 3D rotations", "");
         }
         if let (2, Some(h)) = (self.dimension, &extrude) {
-            self.fault("E044", h.at, "`extrude` makes a body of dimension 3, the model has dimension 2", "");
+            self.fault(
+                "E044",
+                h.at,
+                "`extrude` makes a body of dimension 3, the model has dimension 2",
+                "leave out `extrude`, or write dimension = 3",
+            );
         }
         let translate = b.node("move").cloned().and_then(|n| self.vector_of(&n, "move", true));
         let geometry = Geometry { shape, extrude, scale, rotate_deg, axis, translate };

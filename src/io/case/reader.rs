@@ -350,7 +350,7 @@ impl Reader {
         let fallback = format!("{kind}-{index}");
         match block.node("name").cloned() {
             None if required => {
-                self.missing(block, "name", "name = \"lower\"");
+                self.missing(block, "name", if kind == "material" { "name = \"steel\"" } else { "name = \"lower\"" });
                 self.broken.insert(kind.to_owned());
                 Located::new(fallback, block.at)
             }
