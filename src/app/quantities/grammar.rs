@@ -204,13 +204,16 @@ impl Quantity {
             return Ok(Self { text: text.to_string(), kind: Kind::Rate(inner.to_string()) });
         }
         let (before, patch) = match keyword(trimmed, "in") {
-            Some(k) => {
-                let name = trimmed[k + 4..].trim();
-                let names = parts(name)?;
+            Some(end) => {
+                let name = trimmed[end + 4..].trim();
+                if let Some(k) = keyword(name, "at") {
+                    let (patch, place) = (name[..k].trim(), name[k + 3..].trim());
+                    return wrong(format!("`at` stands before `in`; write `{} at {place} in {patch}`", trimmed[..end].trim()));
+                }
                 if name.contains(char::is_whitespace) && !name.contains('"') {
                     return wrong(format!("`{name}` is no patch; a quantity ends with `in PATCH`"));
                 }
-                (trimmed[..k].trim(), Some(names.join(".")))
+                (trimmed[..end].trim(), Some(parts(name)?.join(".")))
             }
             None => (trimmed, None),
         };
@@ -362,6 +365,8 @@ mod tests {
             ("energy in lower", "takes no `in PATCH`"),
             ("u.x.max at [0, 0]", "no extremes"),
             ("u.x at [0,, 1]", "no point"),
+            ("u.y in b at [1, 0]", "write `u.y at [1, 0] in b`"),
+            ("u.y in \"b c\" at tip", "write `u.y at tip in \"b c\"`"),
             ("infsup.p/p-2.gamma", "infsup.PAIRING.beta"),
             ("a..b", "no path"),
         ] {
