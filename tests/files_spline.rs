@@ -483,7 +483,7 @@ fn what_is_no_geometry_is_refused_with_its_line() {
         ),
         ("solid cube".into(), "test looks like an STL file; G+Smo XML, MFEM meshes, Gmsh MSH files and VTU grids are read (line 1)"),
         ("hello\nworld".into(), "test begins with \"hello\"; G+Smo XML, MFEM meshes, Gmsh MSH files and VTU grids are read (line 1)"),
-        ("<VTKFile type=\"UnstructuredGrid\"/>".into(), "the file has no VTKFile element (byte 0)"),
+        ("<VTKFile type=\"UnstructuredGrid\"/>".into(), "the VTKFile element is empty (byte 0)"),
         ("<!DOCTYPE a [<!ENTITY b \"c\">]><xml/>".into(), "a document type (DTD) in XML is not supported (line 1)"),
         ("<a>".repeat(100_000), "XML of more than 32 levels is not supported (line 1)"),
         ("<xml/>".into(), "the file holds no geometry (line 1)"),

@@ -196,6 +196,25 @@ fn files_that_cannot_be_read_end_with_the_code_of_the_contract() {
 }
 
 #[test]
+fn a_byte_order_mark_before_text_is_passed_over() {
+    let marked = |text: &str| format!("\u{feff}{text}");
+    let at = folder(&[("ring.xml", RING), ("mixed.msh", MIXED), ("bom.xml", &marked(RING)), ("bom.msh", &marked(MIXED))]);
+    for (plain, with) in [("ring.xml", "bom.xml"), ("mixed.msh", "bom.msh")] {
+        let (a, b) = (json(at.path(), &["inspect", plain]), json(at.path(), &["inspect", with]));
+        assert_eq!((a.0, b.0), (0, 0), "{}", b.1);
+        assert_eq!((&a.1["measure"], &a.1["quality"]), (&b.1["measure"], &b.1["quality"]));
+    }
+}
+
+#[test]
+fn a_file_that_cannot_be_read_is_named_once() {
+    let at = folder(&[("note.txt", "hello")]);
+    let (_, document) = json(at.path(), &["inspect", "note.txt"]);
+    let message = document["diagnostics"][0]["message"].as_str().unwrap();
+    assert_eq!(message.matches("note.txt").count(), 1, "{message}");
+}
+
+#[test]
 fn files_of_other_programs_have_their_known_sizes() {
     let Some(data) = peer::peer_data() else { return };
     let at = folder(&[]);

@@ -133,7 +133,7 @@ fn inspected(registry: &Registry, arguments: &InspectArguments, common: &Common)
             grid = Some(file);
             (Contents::Mesh(mesh), None)
         } else {
-            (parse(&name, &bytes, &limits).map_err(failed)?, None)
+            (parse("the file", &bytes, &limits).map_err(failed)?, None)
         }
     };
     room(path, crate::app::inspect::memory(&contents), common)?;

@@ -147,7 +147,12 @@ impl Reader {
 
     /// The text of a small file beside the geometry.
     pub fn open_list(&mut self, file: &Located<String>) -> Option<Vec<u8>> {
-        self.bytes_of(file, Some(self.memory.map_or(LONGEST_LIST, |m| m.min(LONGEST_LIST))))
+        let mut bytes = self.bytes_of(file, Some(self.memory.map_or(LONGEST_LIST, |m| m.min(LONGEST_LIST))))?;
+        // a byte order mark is no text
+        if bytes.starts_with(files::BYTE_ORDER_MARK) {
+            bytes.drain(..files::BYTE_ORDER_MARK.len());
+        }
+        Some(bytes)
     }
 
     /// What is wrong with a file, at the place of the case that names it.

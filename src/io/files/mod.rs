@@ -63,6 +63,9 @@ pub struct Limits {
     pub memory: Option<u64>,
 }
 
+/// What some editors write before UTF-8 text.
+pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+
 /// Where in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spot {

@@ -15,7 +15,8 @@ const MOST: u64 = 1 << 32;
 /// [`FileError::System`] where it cannot be opened or read, and for devices; [`FileError::Memory`] for a file longer than the limit,
 /// before it is read; otherwise as [`parse`].
 pub fn read(path: &Path, limits: &Limits) -> Result<Contents, FileError> {
-    parse(&path.display().to_string(), &read_bytes(path, limits)?, limits)
+    // who reads a file names it in front of what is wrong
+    parse("the file", &read_bytes(path, limits)?, limits)
 }
 
 /// The bytes of a file, within the limit.
@@ -68,16 +69,17 @@ fn is_device(about: &std::fs::Metadata) -> bool {
 /// # Errors
 /// [`FileError::Unsupported`] for a format or a kind that is not read, [`FileError::Broken`], [`FileError::Memory`].
 pub fn parse(name: &str, bytes: &[u8], limits: &Limits) -> Result<Contents, FileError> {
-    let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    // some editors write a byte order mark before UTF-8
+    let text = bytes.strip_prefix(super::BYTE_ORDER_MARK).unwrap_or(bytes);
     let start = text.trim_ascii_start();
-    if gmsh::recognises(bytes) {
-        return gmsh::parse(bytes, limits).map(Contents::Mesh);
+    if gmsh::recognises(text) {
+        return gmsh::parse(text, limits).map(Contents::Mesh);
     }
     if start.starts_with(b"MFEM") {
         return mfem::parse(text, limits);
     }
-    if vtu_read::recognises(bytes) {
-        return vtu_read::parse(bytes, limits)?.mesh().map(Contents::Mesh);
+    if vtu_read::recognises(text) {
+        return vtu_read::parse(text, limits)?.mesh().map(Contents::Mesh);
     }
     if start.starts_with(b"<") {
         return gismo::parse(text, limits).map(Contents::Patches);

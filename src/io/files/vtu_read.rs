@@ -123,6 +123,11 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<VtuFile, FileError> {
                 let array = state.array(&tag, at)?;
                 state.store(&path, array, b"")?;
             }
+            Event::Empty(tag) if tag.name().as_ref() == b"VTKFile" => {
+                // wrong kinds are told first
+                state.start(&tag, at)?;
+                return Err(FileError::Broken { what: "the VTKFile element is empty".into(), spot });
+            }
             Event::Start(tag) => {
                 state.start(&tag, at)?;
                 if path.len() >= 16 {
