@@ -36,6 +36,11 @@ const WIDTH: f64 = 900.0;
 const HEIGHT: f64 = 900.0;
 /// Space around it.
 const MARGIN: f64 = 60.0;
+/// Mean width of a letter as a share of its size, on the large side for sans-serif fonts.
+const LETTER: f64 = 0.56;
+/// Sizes of the heading, in pixels.
+const LARGEST: f64 = 15.0;
+const SMALLEST: f64 = 7.0;
 /// Colours of the parts in turn.
 const COLOURS: [&str; 10] = ["#8fb8de", "#f2b880", "#a3cf9e", "#d9a3c7", "#c9c37a", "#9fd3d0", "#e59c94", "#b6a8dd", "#c2b59b", "#b9c4cf"];
 
@@ -50,6 +55,11 @@ fn view(flat: bool) -> [[f64; 3]; 3] {
 
 fn escaped(text: &str) -> String {
     quick_xml::escape::escape(text).into_owned()
+}
+
+/// Size of the letters with which a heading fills at most `room`, in pixels.
+fn title_size(title: &str, room: f64) -> f64 {
+    (room / (LETTER * title.chars().count().max(1) as f64)).clamp(SMALLEST, LARGEST)
 }
 
 /// The picture as SVG; none where there is nothing to draw, or more than [`MOST_FACES`] polygons.
@@ -70,7 +80,8 @@ pub fn faces(plot: &FacePlot) -> Option<String> {
     let (w, h) = (high[0] - low[0], high[1] - low[1]);
     let scale = ((WIDTH - 2.0 * MARGIN) / w.max(f64::MIN_POSITIVE)).min((HEIGHT - 2.0 * MARGIN) / h.max(f64::MIN_POSITIVE));
     let scale = if scale.is_finite() { scale } else { 1.0 };
-    let rows = plot.parts.len().min(COLOURS.len());
+    let more = plot.parts.len().saturating_sub(COLOURS.len());
+    let rows = plot.parts.len().min(COLOURS.len()) + usize::from(more > 0);
     let (width, height) = (w * scale + 2.0 * MARGIN + 160.0, (h * scale).max(18.0 * rows as f64) + 2.0 * MARGIN);
     let place = |p: [f64; 3]| (MARGIN + (p[0] - low[0]) * scale, MARGIN + (high[1] - p[1]) * scale);
     // far faces first
@@ -87,7 +98,8 @@ pub fn faces(plot: &FacePlot) -> Option<String> {
         svg,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" \
          font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
-         <text x=\"{MARGIN}\" y=\"28\" font-size=\"15\">{}</text>",
+         <text x=\"{MARGIN}\" y=\"28\" font-size=\"{:.1}\">{}</text>",
+        title_size(&plot.title, width - MARGIN - 10.0),
         escaped(&plot.title)
     );
     let line = if plot.faces.len() > 4000 { 0.3 } else { 0.7 };
@@ -130,6 +142,38 @@ pub fn faces(plot: &FacePlot) -> Option<String> {
             escaped(name)
         );
     }
+    if more > 0 {
+        let (x, y) = (width - 132.0, MARGIN + 18.0 * COLOURS.len() as f64);
+        let _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\">and {more} more</text>");
+    }
     svg.push_str("</svg>\n");
     Some(svg)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plot(parts: usize, title: &str) -> String {
+        let face = |part: usize| Face { points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]], part, lines: None };
+        let names = (0..parts).map(|k| format!("part-{k}")).collect();
+        let plot = FacePlot { title: title.into(), parts: names, faces: (0..parts).map(face).collect(), labels: Vec::new() };
+        faces(&plot).expect("there is something to draw")
+    }
+
+    #[test]
+    fn the_legend_counts_the_parts_that_it_does_not_name() {
+        let svg = plot(21, "many");
+        assert!(svg.contains(">part-9<") && !svg.contains(">part-10<") && svg.contains(">and 11 more<"), "{svg}");
+        assert!(!plot(10, "few").contains(" more<"));
+    }
+
+    #[test]
+    fn a_long_heading_has_smaller_letters() {
+        assert!(plot(1, "short").contains("y=\"28\" font-size=\"15.0\""));
+        let room = 700.0;
+        let long = "x".repeat(120);
+        let size = title_size(&long, room);
+        assert!(size < LARGEST && size * LETTER * 120.0 <= room * (1.0 + 1e-12), "{size}");
+    }
 }
