@@ -9,6 +9,15 @@ use crate::linalg::Vector;
 /// equispaced points is 2.2, its cube 10.8.
 const OVERSHOOT: f64 = 11.0;
 
+/// Largest order of cells, as [`MeshBlock`] says.
+const MOST: usize = 4;
+
+/// Values and derivatives of the factors along one axis; those beyond the order are zero.
+type Factors = [[f64; 2]; MOST + 1];
+
+/// The factor of an axis that is not there.
+const ONE: Factors = [[1.0, 0.0], [0.0; 2], [0.0; 2], [0.0; 2], [0.0; 2]];
+
 /// The cells of a block. Coordinates beyond those of the file are zero.
 #[derive(Clone, Debug)]
 pub struct CellMap<'a, const D: usize> {
@@ -20,7 +29,7 @@ pub struct CellMap<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> CellMap<'a, D> {
-    /// The cells of `block`; none for points, prisms and pyramids, and for cells of another dimension.
+    /// The cells of `block`; none for points, prisms and pyramids, for cells of another dimension, and of an order above 4.
     pub fn new(block: &'a MeshBlock, points: &'a [[f64; 3]]) -> Option<Self> {
         let cell = match block.shape {
             CellShape::Line | CellShape::Quadrilateral | CellShape::Hexahedron => Cell::Tensor,
@@ -29,7 +38,7 @@ impl<'a, const D: usize> CellMap<'a, D> {
         };
         let n = block.order + 1;
         let lattice = match cell {
-            _ if block.shape.dimension() != D => return None,
+            _ if block.shape.dimension() != D || block.order > MOST => return None,
             Cell::Simplex => simplex_lattice::<D>(block.order),
             _ => (0..n.pow(D as u32)).map(|a| std::array::from_fn(|k| a / n.pow(k as u32) % n)).collect(),
         };
@@ -69,26 +78,26 @@ impl<'a, const D: usize> CellMap<'a, D> {
 }
 
 /// Lagrange polynomials with nodes i / p, and their derivatives.
-fn line(p: usize, x: f64) -> Vec<[f64; 2]> {
+fn line(p: usize, x: f64) -> Factors {
     let z = p as f64 * x;
     let factor = |i: usize, m: usize| (z - m as f64) / (i as f64 - m as f64);
-    (0..=p)
-        .map(|i| {
-            let others = |skip: usize| (0..=p).filter(|&m| m != i && m != skip).map(|m| factor(i, m)).product::<f64>();
-            let slope: f64 = (0..=p).filter(|&m| m != i).map(|m| p as f64 / (i as f64 - m as f64) * others(m)).sum();
-            [others(i), slope]
-        })
-        .collect()
+    let mut all = Factors::default();
+    for (i, f) in all.iter_mut().enumerate().take(p + 1) {
+        let others = |skip: usize| (0..=p).filter(|&m| m != i && m != skip).map(|m| factor(i, m)).product::<f64>();
+        let slope: f64 = (0..=p).filter(|&m| m != i).map(|m| p as f64 / (i as f64 - m as f64) * others(m)).sum();
+        *f = [others(i), slope];
+    }
+    all
 }
 
 /// prod_{m < a} (p x - m) / (m + 1) for a = 0..=p, and the derivatives: factors of Lagrange polynomials on simplices.
-fn falling(p: usize, x: f64) -> Vec<[f64; 2]> {
+fn falling(p: usize, x: f64) -> Factors {
     let z = p as f64 * x;
-    let mut all = vec![[1.0, 0.0]];
+    let mut all = ONE;
     for m in 0..p {
         let [v, d] = all[m];
         let (f, df) = ((z - m as f64) / (m + 1) as f64, p as f64 / (m + 1) as f64);
-        all.push([v * f, d * f + v * df]);
+        all[m + 1] = [v * f, d * f + v * df];
     }
     all
 }
@@ -113,8 +122,8 @@ impl<const D: usize> Geometry<D, 3> for CellMap<'_, D> {
         }
         for (q, xi) in xi.iter().enumerate() {
             let one = if simplex { falling } else { line };
-            let axes: [Vec<[f64; 2]>; D] = std::array::from_fn(|k| one(p, xi[k]));
-            let rest = if simplex { falling(p, 1.0 - xi.sum()) } else { vec![[1.0, 0.0]] };
+            let axes: [Factors; D] = std::array::from_fn(|k| one(p, xi[k]));
+            let rest = if simplex { falling(p, 1.0 - xi.sum()) } else { ONE };
             for (index, &node) in self.lattice.iter().zip(self.nodes(element)) {
                 let last = if simplex { rest[p - index.iter().sum::<usize>()] } else { rest[0] };
                 let others = |skip: usize| (0..D).filter(|&k| k != skip).map(|k| axes[k][index[k]][0]).product::<f64>();
