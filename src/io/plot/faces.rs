@@ -40,7 +40,7 @@ const MARGIN: f64 = 60.0;
 const LETTER: f64 = 0.56;
 /// Sizes of the heading, in pixels.
 const LARGEST: f64 = 15.0;
-const SMALLEST: f64 = 7.0;
+const SMALLEST: f64 = 9.0;
 /// Colours of the parts in turn.
 const COLOURS: [&str; 10] = ["#8fb8de", "#f2b880", "#a3cf9e", "#d9a3c7", "#c9c37a", "#9fd3d0", "#e59c94", "#b6a8dd", "#c2b59b", "#b9c4cf"];
 
@@ -82,7 +82,8 @@ pub fn faces(plot: &FacePlot) -> Option<String> {
     let scale = if scale.is_finite() { scale } else { 1.0 };
     let more = plot.parts.len().saturating_sub(COLOURS.len());
     let rows = plot.parts.len().min(COLOURS.len()) + usize::from(more > 0);
-    let (width, height) = (w * scale + 2.0 * MARGIN + 160.0, (h * scale).max(18.0 * rows as f64) + 2.0 * MARGIN);
+    let heading = MARGIN + 10.0 + SMALLEST * LETTER * plot.title.chars().count() as f64;
+    let (width, height) = ((w * scale + 2.0 * MARGIN + 160.0).max(heading), (h * scale).max(18.0 * rows as f64) + 2.0 * MARGIN);
     let place = |p: [f64; 3]| (MARGIN + (p[0] - low[0]) * scale, MARGIN + (high[1] - p[1]) * scale);
     // far faces first
     let mut order: Vec<(f64, usize)> = plot
