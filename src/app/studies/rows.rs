@@ -139,7 +139,7 @@ impl Row {
 
     /// The code of the error that stopped the row; none where nothing did.
     pub fn code(&self) -> Option<&str> {
-        self.result.diagnostics.first().map(|d| d.code.as_ref())
+        self.result.diagnostics.first().map(|d| d.code)
     }
 
     fn describe(&mut self, case: &Case) {
