@@ -2,8 +2,8 @@
 //!
 //! Text uses the viewer's own sans-serif font. Equal input gives equal bytes.
 
-mod fewer;
 pub mod faces;
+mod fewer;
 mod fields;
 mod frame;
 mod sample;
