@@ -536,7 +536,12 @@ fn supports_that_share_an_edge_carry_what_they_hold() {
         );
         go(2, plate, &rest, &[("b.bottom", &[0.0, 2.0]), ("b.right", &[0.0; 2])]);
         let rest = format!("[[boundary]]\non = \"b.w0\"\nfix = [\"z\"]\n{}{}", slide("\"b.u0\", \"b.v0\""), press("w1"));
-        go(3, &format!("{solid}, rotate_deg = 30, axis = [0, 0, 1]"), &rest, &[("b.w0", &[0.0, 0.0, 4.0]), ("b.u0", &[0.0; 3]), ("b.v0", &[0.0; 3])]);
+        go(
+            3,
+            &format!("{solid}, rotate_deg = 30, axis = [0, 0, 1]"),
+            &rest,
+            &[("b.w0", &[0.0, 0.0, 4.0]), ("b.u0", &[0.0; 3]), ("b.v0", &[0.0; 3])],
+        );
         let rest = format!("{}{}", slide("\"b.bottom\", \"b.u0\""), press("top"));
         go(2, &format!("{plate}, rotate_deg = 30"), &rest, &[("b.bottom", &[-1.0, root]), ("b.u0", &[0.0; 2])]);
     }

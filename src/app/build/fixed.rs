@@ -140,34 +140,6 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 }
             }
         }
-    /// (function, coefficient) of `value` on everything that is held by conditions, equations or pins, whatever the
-    /// component: one L2 projection per glued body; functions as [`Self::function`] numbers them.
-    pub(crate) fn coefficients(&self, value: &(dyn Fn(&Vector<N>) -> f64 + Sync)) -> Vec<(usize, f64)> {
-        let mut by_body: BTreeMap<usize, (Vec<Trace<S, N>>, Vec<Rim<N>>, usize)> = BTreeMap::new();
-        for side in &self.supports {
-            let body = by_body.entry(self.glued.body(side.patch)).or_default();
-            body.0.push(self.in_model(side));
-            body.2 = body.2.max(self.patches[side.patch].extra_points);
-        }
-        for pin in &self.pins {
-            by_body.entry(self.glued.body(pin.rim.patch)).or_default().1.push(self.rim_in_model(&pin.rim));
-        }
-        let field = Field { first: 0, components: 1 };
-        let mut all = Vec::new();
-        for (traces, rims, extra) in by_body.values() {
-            let fixed: Vec<_> = traces.iter().map(|trace| Prescribed { trace, component: 0, value: Some(value) }).collect();
-            let pinned: Vec<_> = rims.iter().map(|rim| Pinned { rim, component: 0, value: Some(value) }).collect();
-            match dirichlet_with(&fixed, &pinned, field, *extra, &mut Ldlt::new()) {
-                Ok(found) => all.extend(found),
-                // sides glued with a gap place their common corners differently: each side by itself
-                Err(_) => {
-                    let sides = fixed.iter().map(|f| dirichlet_with(&[*f], &[], field, *extra, &mut Ldlt::new()));
-                    let rims = pinned.iter().map(|p| dirichlet_with::<S, N, f64>(&[], &[*p], field, *extra, &mut Ldlt::new()));
-                    all.extend(rims.chain(sides).flatten().flatten());
-                }
-            }
-        }
-        all
     }
 
     /// (function, coefficient) of `value` on everything that is held by conditions, equations or pins, whatever the
