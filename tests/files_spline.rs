@@ -1,5 +1,7 @@
 //! Files of spline patches and MFEM meshes: every one of the peer data is read with a fact, or refused with the reason.
 
+#![allow(clippy::unwrap_used)]
+
 #[path = "files/measure.rs"]
 mod measure;
 #[path = "common/peer.rs"]

@@ -128,8 +128,8 @@ pub fn boxes<const N: usize>(
 }
 
 /// Lists the corners of a cell as seen after a turn or a reflection.
-fn shuffle<const N: usize>(corners: &mut Vec<Vector<N>>, simplex: bool, random: &mut Random) {
-    let old = corners.clone();
+fn shuffle<const N: usize>(corners: &mut [Vector<N>], simplex: bool, random: &mut Random) {
+    let old = corners.to_vec();
     if simplex {
         let all = orders(N + 1);
         let order = &all[random.below(all.len())];

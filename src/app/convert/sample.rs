@@ -165,10 +165,8 @@ pub fn sample(file: &SplineFile, order: usize) -> Result<Sampled, FileError> {
     outer.dedup();
     join(&mut mesh, &outer, SAME * size);
     mesh.ids = (1..=mesh.points.len() as u64).collect();
-    let mut next = 1;
-    for id in mesh.blocks.iter_mut().flat_map(|b| &mut b.ids) {
-        *id = next;
-        next += 1;
+    for (id, number) in mesh.blocks.iter_mut().flat_map(|b| &mut b.ids).zip(1..) {
+        *id = number;
     }
     Ok(Sampled { mesh, order, distance: off, size })
 }

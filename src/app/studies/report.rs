@@ -73,7 +73,7 @@ pub fn html(study: &Study, picture: Option<&str>) -> String {
     if let Some(svg) = picture {
         // the drawing itself, without the line that makes it a file
         let start = svg.find("<svg").unwrap_or(0);
-        let _ = write!(page, "<figure>{}</figure>\n", &svg[start..]);
+        let _ = writeln!(page, "<figure>{}</figure>", &svg[start..]);
     }
     if let Some((tol, found)) = &study.tolerance {
         let _ = write!(page, "<h2>Differences from the first row, at most {}</h2>\n<ul>\n", short(*tol, 3));

@@ -174,7 +174,7 @@ impl<'a> Reader<'a> {
 
     fn format(&mut self) -> Result<(), FileError> {
         let start = self.at;
-        let line = String::from_utf8_lossy(&self.take_line()[..]).into_owned();
+        let line = String::from_utf8_lossy(self.take_line()).into_owned();
         let words: Vec<&str> = line.split_ascii_whitespace().take(4).collect();
         let after = std::mem::replace(&mut self.at, start);
         let [version, kind, size] = words[..] else {

@@ -9,6 +9,7 @@ use super::super::budget::Budget;
 use super::super::text::{Words, broken, unsupported};
 use super::super::{CellShape, FileError};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// A vertex that is not there: cells have up to eight.
 pub(super) const NONE: u32 = u32::MAX;
@@ -156,12 +157,12 @@ impl Skeleton {
             for [a, b] in edges(cell.shape) {
                 let pair = key([cell.vertices[*a], cell.vertices[*b]]);
                 let number = all.edges.len();
-                if !all.edges.contains_key(&pair) {
+                if let Entry::Vacant(edge) = all.edges.entry(pair) {
                     if complete {
                         return Err(broken(cell.line, format!("the edge from {} to {} of an element is not listed", pair[0], pair[1])));
                     }
                     budget.items(ENTRY, size_of::<([u32; 2], usize)>())?;
-                    all.edges.insert(pair, number);
+                    edge.insert(number);
                 }
             }
             for face in faces(cell.shape) {
@@ -170,9 +171,9 @@ impl Skeleton {
                     *slot = cell.vertices[*k];
                 }
                 let number = all.faces.len();
-                if !all.faces.contains_key(&key(cycle)) {
+                if let Entry::Vacant(side) = all.faces.entry(key(cycle)) {
                     budget.items(ENTRY, size_of::<([u32; 4], Face)>())?;
-                    all.faces.insert(key(cycle), Face { number, cycle });
+                    side.insert(Face { number, cycle });
                     all.face_corners.push(face.len() as u8);
                 }
             }
