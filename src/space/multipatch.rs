@@ -91,7 +91,7 @@ impl<const S: usize, const N: usize, T: Real> MultiPatch<S, N, T> {
     /// let bodies: Vec<(String, Arc<dyn Body<1, 2>>)> = vec![("a".into(), Arc::new(square(0.0)?)), ("b".into(), Arc::new(square(1.0)?))];
     /// let glued = MultiPatch::try_new(bodies, &[Seam::new((0, "u1"), (1, "u0"))], Near::Exact)?;
     /// assert_eq!(glued.sides(), ["a.u0", "a.v0", "a.v1", "b.u1", "b.v0", "b.v1"]);
-    /// assert_eq!(glued.space().num_functions(), 3 * 3 + 3 * 3 - 3);
+    /// assert_eq!(glued.space().num_functions(), 4 * 4 + 4 * 4 - 4); // quadratic
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn try_new(bodies: Vec<(String, Arc<dyn Body<S, N, T>>)>, seams: &[Seam], near: Near<T>) -> Result<Self, MultiPatchError> {
