@@ -265,6 +265,43 @@ fn groups_of_one_mesh_stay_joined_unless_an_interface_names_them() {
 }
 
 #[test]
+fn groups_of_one_mesh_that_meet_in_a_point_share_its_function() {
+    // squares [0, 1]^2 and [1, 2]^2 of 2 x 2 quadrilaterals: node (1, 1) is in both
+    let nodes: Vec<[f64; 2]> = (0..5).flat_map(|j| (0..5).map(move |i| [0.5 * f64::from(i), 0.5 * f64::from(j)])).collect();
+    let mut elements = Vec::new();
+    for (group, first) in [(1, 0), (2, 2)] {
+        for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let c = first + i + 5 * (first + j);
+            elements.push((3, group, vec![c, c + 1, c + 6, c + 5]));
+        }
+    }
+    for k in 0..2 {
+        elements.push((1, 3, vec![k, k + 1]));
+        elements.push((1, 3, vec![5 * k, 5 * k + 5]));
+        elements.push((1, 3, vec![5 * k + 2, 5 * k + 7]));
+        elements.push((1, 3, vec![k + 10, k + 11]));
+    }
+    let mesh = gmsh(&[(2, 1, "one"), (2, 2, "two"), (1, 3, "around")], &nodes, &elements);
+    let folder = folder_with(&[("bow.msh", &mesh)]);
+    let patch = |group: &str, more: &str| {
+        format!("[[patch]]\nname = \"{group}\"\ngeometry = {{ kind = \"file\", file = \"bow.msh\", group = \"{group}\"{more} }}\n")
+    };
+    let rest =
+        "[[boundary]]\non = 'one.around'\ndirichlet = \"x - 2*y\"\n[[probe]]\nname = \"far\"\nquantity = \"u at [1.8, 1.7] in two\"\n";
+    for (degree, refine) in [(1, 0), (2, 0), (2, 1), (3, 1)] {
+        let both = format!("{}refine = {refine}\n{}refine = {refine}\n", patch("one", ""), patch("two", ""));
+        let text = format!("[model]\nphysics = \"poisson\"\ndimension = 2\n[discretization]\ndegree = {degree}\n{both}{rest}");
+        // nothing flows through a point: all of the second square has the value there
+        let found = values(&run_at(folder.path(), &text))[0];
+        assert!((found + 1.0).abs() < 1e-12, "degree {degree}, refine {refine}: {found}");
+    }
+    // a point holds no rotation
+    let model = "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1\npoisson = 0.3\n";
+    let text = format!("{model}{}{}[[boundary]]\non = 'one.around'\nfix = [\"x\", \"y\"]\n", patch("one", ""), patch("two", ""));
+    refused(folder.path(), &text, "E051", "body \"two\" can still move: rotation");
+}
+
+#[test]
 fn a_list_of_between_parts_groups_of_one_mesh_and_all_ties_only_what_is_not_joined() {
     let folder = folder_with(&[("square.msh", &triangles(4, 1, |x, y| [x, y]))]);
     let model = "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = { u = \"x - 2*y\" }\n";

@@ -5,6 +5,7 @@
 
 use super::Builder;
 use super::couples::{Couple, Couples};
+use super::meetings::{self, Hinge};
 use super::model::{PatchModel, SideModel};
 use super::ties::{labels, short};
 use crate::assembly::Equation;
@@ -40,12 +41,12 @@ impl Glued {
         Self { components, root: (0..functions).collect(), combined: Vec::new(), body: (0..patches).collect() }
     }
 
-    /// Glues the couples of the case.
+    /// Glues the couples of the case, and the points in which patches of one mesh meet; returns these beside it.
     pub(super) fn of<const S: usize, const N: usize>(
         builder: &mut Builder<'_, S, N>,
         patches: &[PatchModel<S, N>],
         couples: &Couples<S, N>,
-    ) -> Self {
+    ) -> (Self, Vec<Hinge<N>>) {
         let unknowns = patches.last().map_or(0, |p| p.range().end);
         let components = builder.case.model.components();
         let mut glued = Self::new(components, unknowns / components.max(1), patches.len());
@@ -58,8 +59,9 @@ impl Glued {
         for found in faults {
             builder.faults.push(found);
         }
+        let hinges = meetings::join(builder.case, patches, components, &mut glued);
         glued.finish();
-        glued
+        (glued, hinges)
     }
 
     fn add<const S: usize, const N: usize>(&mut self, patches: &[PatchModel<S, N>], couple: &Couple<S, N>) -> Result<(), GlueError> {

@@ -105,6 +105,13 @@ pub(crate) fn named_point<const N: usize>(patch: &Patch, name: &str) -> Option<V
     Some(moved(&Vector::<N>::from_fn(|k, _| x[k]), geometry, &turn_of(geometry).ok()?))
 }
 
+/// The place of a point of the mesh that a patch is read from, by its place in the file.
+pub(super) fn point_of<const N: usize>(patch: &Patch, point: usize) -> Option<Vector<N>> {
+    let geometry = &patch.geometry;
+    let x = geometry.shape.part()?.place_of::<N>(point)?;
+    Some(moved(&x, geometry, &turn_of(geometry).ok()?))
+}
+
 /// Cells of a mesh by shape: how many there are after halving, and how many of them are simplices.
 pub(crate) fn counts<const N: usize>(patch: &Patch) -> Option<[f64; 2]> {
     let part = patch.geometry.shape.part().filter(|p| p.is_mesh())?;

@@ -8,6 +8,7 @@ mod exact;
 mod fixed;
 mod glue;
 mod joined;
+mod meetings;
 mod meshes;
 mod model;
 mod multipliers;
@@ -91,10 +92,11 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
     let mut sides = sides::Sides::default();
     // patches of files with several patches: their touching sides are glued
     let couples = couples::find(&mut builder, &patches, &mut sides, &case.glued_files());
-    let glued = Glued::of(&mut builder, &patches, &couples);
+    let (glued, hinges) = Glued::of(&mut builder, &patches, &couples);
     builder.stop()?;
     let mut model = Model {
         glued,
+        hinges,
         components: case.model.components(),
         unknowns: patches.last().map_or(0, |p| p.range().end),
         patches,

@@ -2,6 +2,7 @@
 
 use super::exact::Exact;
 use super::glue::Glued;
+use super::meetings::Hinge;
 use super::physics::Physics;
 use crate::assembly::{Equation, Rim};
 use crate::basis::Basis;
@@ -282,6 +283,8 @@ pub struct Model<const S: usize, const N: usize> {
     pub patches: Vec<PatchModel<S, N>>,
     /// Functions that glued patches share.
     pub glued: Glued,
+    /// Points in which patches of one mesh hold together beside their common facets.
+    pub hinges: Vec<Hinge<N>>,
     /// Prescribed components.
     pub conditions: Vec<Condition<S, N>>,
     /// Components prescribed on edges and in corners.

@@ -78,6 +78,11 @@ pub fn free_motions<const S: usize, const N: usize>(
             fix(body(patch), direction, x);
         }
     }
+    for h in &model.hinges {
+        for c in 0..model.components {
+            rows.push(RigidRow { terms: vec![(body(h.patches[0]), 1.0, h.x), (body(h.patches[1]), -1.0, h.x)], direction: unit(c) });
+        }
+    }
     let mut table = MapTable::new();
     for part in model.ties.iter().flat_map(|t| &t.parts) {
         for pairing in &part.pairings {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::mesh_part::{mesh_part, shared};
+use super::mesh_part::{mesh_part, met, shared};
 use super::part::{FilePart, MeshPart};
 use super::reader::{Block, Reader};
 use super::sides::{Family, Label};
@@ -324,7 +324,9 @@ impl Reader {
         if parts.len() < members.len() {
             return;
         }
-        for ([a, b], facets) in shared(&parts) {
+        let common = shared(&parts);
+        let met = met(&parts, &common);
+        for ([a, b], facets) in common {
             let (a, b) = (members[a], members[b]);
             let names = [a, b].map(|k| patches[k].name.value.clone());
             let mut add = |k: usize, other: &str| {
@@ -335,15 +337,59 @@ impl Reader {
             let sides = [add(a, &names[1]), add(b, &names[0])];
             self.joints.push(Joint { sides, at: patches[b].geometry.at });
         }
+        for (point, places) in met {
+            let patches_there: Vec<usize> = places.iter().map(|k| members[*k]).collect();
+            let at = patches[*patches_there.last().expect("points are met by two")].geometry.at;
+            self.meetings.push(Meeting { patches: patches_there, point, at });
+        }
     }
 
     /// The joints of patches that no interface and no contact names together, and those that a list of `between` parts.
     pub fn kept_joints(&mut self, interfaces: &[Tie], contacts: &[Contact], patches: &[Patch]) -> [Vec<Joint>; 2] {
-        let mut apart: std::collections::BTreeSet<[usize; 2]> = std::collections::BTreeSet::new();
+        let parted = Parted::of(interfaces, contacts, patches);
+        let joints = std::mem::take(&mut self.joints);
+        let pair = |j: &Joint| [j.sides[0].patch, j.sides[1].patch];
+        let (kept, parted) = joints.into_iter().filter(|j| !parted.named(pair(j))).partition(|j| !parted.listed(pair(j)));
+        [kept, parted]
+    }
+
+    /// The points of patches of which no two are parted: an interface that meets others in a point keeps its ends.
+    pub fn kept_meetings(&mut self, interfaces: &[Tie], contacts: &[Contact], patches: &[Patch]) -> Vec<Meeting> {
+        let parted = Parted::of(interfaces, contacts, patches);
+        let mut meetings = std::mem::take(&mut self.meetings);
+        meetings.retain(|m| {
+            let pairs = m.patches.iter().enumerate().flat_map(|(k, a)| m.patches[..k].iter().map(move |b| [*a, *b]));
+            !pairs.into_iter().any(|pair| parted.named(pair) || parted.listed(pair))
+        });
+        // between the ends of an edge lie nodes that are no points of the file
+        let mut seen: std::collections::BTreeSet<&[usize]> = std::collections::BTreeSet::new();
+        let inner = |k: &usize| patches[*k].refine.value > 0 || patches[*k].discretization.degree.value.iter().any(|p| *p > 1);
+        let edge = meetings.iter().find(|m| self.dimension == 3 && !seen.insert(&m.patches) && m.patches.iter().any(inner)).cloned();
+        if let Some(m) = edge {
+            let names: Vec<String> = m.patches.iter().map(|k| format!("{:?}", patches[*k].name.value)).collect();
+            let message = format!(
+                "patches {} of one mesh meet in an edge without a common facet there, which is joined in this version at degree 1 without `refine` alone",
+                names.join(", ")
+            );
+            self.fault("E019", m.at, message, "read them as one group, or name the pair in an interface");
+        }
+        meetings
+    }
+}
+
+/// Pairs of patches that interfaces and contacts keep apart.
+struct Parted {
+    named: std::collections::BTreeSet<[usize; 2]>,
+    lists: Vec<std::collections::BTreeSet<usize>>,
+}
+
+impl Parted {
+    fn of(interfaces: &[Tie], contacts: &[Contact], patches: &[Patch]) -> Self {
+        let mut named = std::collections::BTreeSet::new();
         let mut pair = |slave: &[Located<SideRef>], master: &[Located<SideRef>]| {
             for s in slave {
                 for m in master {
-                    apart.insert([s.patch.min(m.patch), s.patch.max(m.patch)]);
+                    named.insert([s.patch.min(m.patch), s.patch.max(m.patch)]);
                 }
             }
         };
@@ -355,17 +401,19 @@ impl Reader {
                 pair(&c.slave, master);
             }
         }
-        let joints = std::mem::take(&mut self.joints);
-        let kept = |j: &Joint| {
-            let [a, b] = [j.sides[0].patch, j.sides[1].patch];
-            !apart.contains(&[a.min(b), a.max(b)])
-        };
-        let lists = interfaces.iter().filter_map(|t| t.between.as_ref());
         let number = |name: &String| patches.iter().position(|p| p.name.value == *name);
-        let lists: Vec<std::collections::BTreeSet<usize>> = lists.map(|b| b.value.iter().filter_map(number).collect()).collect();
-        let together = |j: &Joint| !lists.iter().any(|l| j.sides.iter().all(|s| l.contains(&s.patch)));
-        let (kept, parted) = joints.into_iter().filter(kept).partition(together);
-        [kept, parted]
+        let lists = interfaces.iter().filter_map(|t| t.between.as_ref()).map(|b| b.value.iter().filter_map(number).collect()).collect();
+        Self { named, lists }
+    }
+
+    /// Whether an interface or a contact names sides of both.
+    fn named(&self, [a, b]: [usize; 2]) -> bool {
+        self.named.contains(&[a.min(b), a.max(b)])
+    }
+
+    /// Whether a list of `between` holds both.
+    fn listed(&self, [a, b]: [usize; 2]) -> bool {
+        self.lists.iter().any(|l| l.contains(&a) && l.contains(&b))
     }
 }
 

@@ -105,3 +105,35 @@ pub(super) fn shared<const N: usize>(parts: &[&MeshPart<N>]) -> Vec<([usize; 2],
     }
     pairs.into_iter().collect()
 }
+
+/// Points of two parts or more that their common facets do not join there, with the parts by their places in the list.
+pub(super) fn met<const N: usize>(parts: &[&MeshPart<N>], common: &[([usize; 2], Vec<[usize; 4]>)]) -> Vec<(usize, Vec<usize>)> {
+    let mut owners: Vec<(usize, usize)> = Vec::new();
+    for (k, part) in parts.iter().enumerate() {
+        owners.extend(part.boundary().iter().flatten().filter(|p| **p != usize::MAX).map(|p| (*p, k)));
+    }
+    owners.sort_unstable();
+    owners.dedup();
+    let mut joined: Vec<(usize, [usize; 2])> = Vec::new();
+    for (pair, facets) in common {
+        joined.extend(facets.iter().flatten().filter(|p| **p != usize::MAX).map(|p| (*p, *pair)));
+    }
+    joined.sort_unstable();
+    joined.dedup();
+    let mut out = Vec::new();
+    for run in owners.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
+        let point = run[0].0;
+        let first = joined.partition_point(|j| j.0 < point);
+        let pairs = joined[first..].iter().take_while(|j| j.0 == point).map(|j| j.1);
+        // the parts around the point that a chain of facets joins have one name
+        let mut name: BTreeMap<usize, usize> = run.iter().map(|(_, k)| (*k, *k)).collect();
+        for [a, b] in pairs {
+            let [low, high] = [name[&a].min(name[&b]), name[&a].max(name[&b])];
+            name.values_mut().filter(|n| **n == high).for_each(|n| *n = low);
+        }
+        if name.values().any(|n| *n != run[0].1) {
+            out.push((point, run.iter().map(|(_, k)| *k).collect()));
+        }
+    }
+    out
+}

@@ -119,6 +119,7 @@ impl Case {
             from_files: Vec::new(),
             families: Vec::new(),
             joints: Vec::new(),
+            meetings: Vec::new(),
         };
         for (k, option) in options.sets.iter().enumerate() {
             if let Err(d) = set::apply(&mut root, option, k) {
@@ -287,6 +288,7 @@ impl Reader {
         self.unique("probe", &probes.iter().map(|p| p.name.clone()).collect::<Vec<_>>());
         self.unique("check", &checks.iter().map(|c| c.name.clone()).collect::<Vec<_>>());
         let [joints, parted] = self.kept_joints(&interfaces, &contacts, &patches);
+        let meetings = self.kept_meetings(&interfaces, &contacts, &patches);
         // what a list of patches parts is tied again and no outer side
         let inner: Vec<Joint> = joints.iter().chain(&parted).cloned().collect();
         let boundaries = self.outer(read, &interfaces, &contacts, &inner, &mut patches);
@@ -306,6 +308,7 @@ impl Reader {
             materials,
             patches,
             joints,
+            meetings,
             files: std::mem::take(&mut self.files),
             families: std::mem::take(&mut self.families),
             boundaries,
@@ -467,6 +470,7 @@ impl Case {
             materials: Vec::new(),
             patches: Vec::new(),
             joints: Vec::new(),
+            meetings: Vec::new(),
             files: Vec::new(),
             families: Vec::new(),
             boundaries: Vec::new(),

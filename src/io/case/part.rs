@@ -46,6 +46,15 @@ impl FilePart {
         !matches!(self, Self::Spline(_))
     }
 
+    /// The place of a point of a mesh, counted as in the file \[length\].
+    pub fn place_of<const N: usize>(&self, point: usize) -> Option<Vector<N>> {
+        match self {
+            Self::Plane(part) if N == 2 => part.cells.points.get(point).map(|x| Vector::from_fn(|k, _| x[k])),
+            Self::Space(part) if N == 3 => part.cells.points.get(point).map(|x| Vector::from_fn(|k, _| x[k])),
+            _ => None,
+        }
+    }
+
     /// The cells of a mesh of dimension N; none of any other.
     pub fn cells<const N: usize>(&self) -> Option<MeshCells<N>> {
         fn of<const M: usize, const N: usize>(cells: &MeshCells<M>) -> Option<MeshCells<N>> {

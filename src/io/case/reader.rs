@@ -8,7 +8,7 @@ use super::keys;
 use super::opened::{FileRead, Opened};
 use super::sides::Family;
 use super::tree::{Node, Table, Value};
-use super::types::{Components, Datum, Joint};
+use super::types::{Components, Datum, Joint, Meeting};
 use crate::io::errors::{Diagnostic, Diagnostics, Source, nearest};
 use crate::io::formula::{Constants, Formula, Scope};
 use crate::io::place::{Located, Origin, Place};
@@ -44,6 +44,8 @@ pub(super) struct Reader {
     pub families: Vec<Family>,
     /// Sides that are one.
     pub joints: Vec<Joint>,
+    /// Points that are one.
+    pub meetings: Vec<Meeting>,
 }
 
 /// A table that is being read.

@@ -37,6 +37,8 @@ pub struct Case {
     pub patches: Vec<Patch>,
     /// Sides that are one because groups of one mesh share their facets.
     pub joints: Vec<Joint>,
+    /// Points that patches of one mesh share beside their common facets.
+    pub meetings: Vec<Meeting>,
     /// Files that were read beside the case.
     pub files: Vec<FileRead>,
     pub(super) families: Vec<Family>,
@@ -70,6 +72,7 @@ impl PartialEq for Case {
             && self.materials == other.materials
             && self.patches == other.patches
             && self.joints.iter().map(|j| &j.sides).eq(other.joints.iter().map(|j| &j.sides))
+            && self.meetings.iter().map(|m| (&m.patches, m.point)).eq(other.meetings.iter().map(|m| (&m.patches, m.point)))
             && self.boundaries == other.boundaries
             && self.interfaces == other.interfaces
             && self.contacts == other.contacts
@@ -383,6 +386,17 @@ pub struct Joint {
     /// The sides.
     pub sides: [SideRef; 2],
     /// The patch block that says so.
+    pub at: Place,
+}
+
+/// A point of one mesh file where patches meet that no common facet joins there: they share the function of that point.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Meeting {
+    /// The patches.
+    pub patches: Vec<usize>,
+    /// The point, by its place in the file.
+    pub point: usize,
+    /// The block of the last of them.
     pub at: Place,
 }
 
