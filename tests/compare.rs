@@ -315,12 +315,18 @@ fn files_are_the_same_at_any_number_of_threads() {
 }
 
 #[test]
-fn pairs_of_backends_beside_between_are_not_in_this_version() {
-    let at = folder(&PAIR.replace("slave = \"left.right\"\nmaster = \"right.left\"", "between = \"all\""));
-    let (exit, document) = told(at.path(), &["compare", "a.toml", "--backends", "iga+fe"]);
-    assert_eq!((exit, document["diagnostics"][0]["code"].as_str()), (3, Some("E019")), "{document}");
-    let (exit, document) = told(at.path(), &["compare", "a.toml", "--backends", "iga,fe"]);
-    assert_eq!(exit, 0, "{document}");
+fn pairs_of_backends_follow_the_slave_that_between_chooses() {
+    // the left patch is the finer one and slave
+    let named = folder(PAIR);
+    let found = folder(&PAIR.replace("slave = \"left.right\"\nmaster = \"right.left\"", "between = \"all\""));
+    let study = |at: &TempDir| told(at.path(), &["compare", "a.toml", "--backends", "iga+fe,fe+iga"]);
+    let ((exit, a), (_, b)) = (study(&found), study(&named));
+    assert_eq!(exit, 0, "{a}");
+    for k in 0..2 {
+        assert_eq!(a["rows"][k]["backends"], b["rows"][k]["backends"]);
+        assert_eq!(a["rows"][k]["energy"], b["rows"][k]["energy"]);
+    }
+    assert_eq!((a["rows"][0]["backends"]["left"].as_str(), a["rows"][1]["backends"]["left"].as_str()), (Some("iga"), Some("fe")));
 }
 
 #[test]
@@ -335,8 +341,13 @@ fn wrong_words_are_refused_before_anything_is_solved() {
         (&["--levels", "0"], 2, "--levels"),
         (&["--tol=-1"], 2, "--tol"),
         (&["--tol", "1e-3", "--backends", "fe"], 2, "there is one row"),
-        (&["--pairings", "p/p"], 2, "not in this version"),
-        (&["--resume"], 2, "not in this version"),
+        (&["--pairings", "p/p"], 3, "E063"),
+        (&["--pairings", "p/q"], 2, "unknown multiplier `p/q`"),
+        (&["--integration", "gauss"], 2, "unknown integration `gauss`"),
+        (&["--extra-points", "0,61"], 2, "`61` is no number of points"),
+        (&["--extra-points", "1,1"], 2, "`1` is named twice"),
+        (&["--degrees", "2,2"], 2, "degree 2 is named twice"),
+        (&["--vary", "let.a=1,1"], 2, "`1` is named twice"),
         (&["--quantity", "enrgy"], 3, "enrgy"),
         (&["--set", "patch.square.degree=\"x\""], 3, "E014"),
     ] {

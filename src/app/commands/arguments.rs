@@ -36,18 +36,15 @@ pub enum Command {
     Explain(ExplainArguments),
     /// Several backends in one table
     Compare(CompareArguments),
-    /// Refinement study (not in this version)
-    #[command(disable_help_flag = true)]
-    Convergence(Later),
-    /// Interface integration study (not in this version)
-    #[command(disable_help_flag = true)]
-    Quadrature(Later),
+    /// Refinement study: errors and observed rates, level by level
+    Convergence(StudyCommand),
+    /// Interface integration study: errors against integration and points
+    Quadrature(StudyCommand),
     /// Stability of multiplier pairs (not in this version)
     #[command(disable_help_flag = true)]
     Infsup(Later),
-    /// One row per value of a key (not in this version)
-    #[command(disable_help_flag = true)]
-    Sweep(Later),
+    /// One row per value of a key
+    Sweep(StudyCommand),
     /// Say what is in a mesh, a geometry, a .vtu or a case
     Inspect(InspectArguments),
     /// Convert between Gmsh, G+Smo XML, MFEM meshes and VTU, by the extension of OUT
@@ -72,6 +69,15 @@ impl Command {
             Self::Convert(_) => "convert",
             Self::Schema(_) => "schema",
             Self::Explain(_) => "explain",
+        }
+    }
+
+    /// What every study has, where it is one.
+    pub fn study(&self) -> Option<&StudyCommand> {
+        match self {
+            Self::Compare(compare) => Some(&compare.study),
+            Self::Convergence(study) | Self::Quadrature(study) | Self::Sweep(study) => Some(study),
+            _ => None,
         }
     }
 }
@@ -178,45 +184,53 @@ pub enum SchemaOf {
 /// `compare CASE`.
 #[derive(Args, Clone, Debug)]
 pub struct CompareArguments {
-    /// The case file, or - for stdin
-    pub case: PathBuf,
-    /// Probes or quantities to compare, separated by commas (repeatable) [default: all probes]
-    #[arg(long, value_name = "Q1,Q2")]
-    pub quantity: Vec<String>,
+    /// What every study has.
+    #[command(flatten)]
+    pub study: StudyCommand,
     /// Largest relative difference from the first row; beyond it the exit is 1 [default: only a table]
     #[arg(long, value_name = "TOL", value_parser = tolerance)]
     pub tol: Option<f64>,
+}
+
+/// `convergence CASE`, `quadrature CASE`, `sweep CASE`.
+#[derive(Args, Clone, Debug)]
+pub struct StudyCommand {
+    /// The case file, or - for stdin
+    pub case: PathBuf,
+    /// Probes or quantities of the table, separated by commas (repeatable) [default: all probes]
+    #[arg(long, value_name = "Q1,Q2")]
+    pub quantity: Vec<String>,
     /// What the rows vary.
     #[command(flatten)]
-    pub study: StudyArguments,
+    pub axes: StudyArguments,
 }
 
 /// Options of every study.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Options of every study")]
 pub struct StudyArguments {
-    /// Backends, one row each; iga+fe: patches with a slave side iga, all others fe [default: iga,fe]
+    /// Backends; iga+fe: patches with a slave side iga, all others fe [default: as written, of compare iga,fe]
     #[arg(long, value_name = "B1,B2")]
     pub backends: Option<String>,
-    /// Number of levels; each halves every element, level 0 is the case as written
+    /// Number of levels; each halves every element, level 0 is the case as written [default: convergence 5, quadrature 3, else 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=20))]
     pub levels: Option<u8>,
     /// Degrees: 1,2,3 for all backends, iga:2,3,4 for one (repeatable)
     #[arg(long, value_name = "LIST")]
     pub degrees: Vec<String>,
-    /// One row per value of a key of the case (repeatable)
+    /// Values of a key of the case, which is named as in --set (repeatable)
     #[arg(long, value_name = "KEY=V1,V2")]
     pub vary: Vec<String>,
-    /// Multipliers (not in this version)
+    /// Multipliers of all interfaces and contacts: p/p,p/p-2
     #[arg(long, value_name = "LIST")]
     pub pairings: Option<String>,
-    /// Integrations of interfaces (not in this version)
+    /// Integrations of all interfaces and contacts: merged,slave,mixed [default of quadrature: all]
     #[arg(long, value_name = "LIST")]
     pub integration: Option<String>,
-    /// Additional points of interfaces (not in this version)
+    /// Their points beyond the default: 0,1,2,4,8 [default of quadrature: these]
     #[arg(long, value_name = "LIST")]
     pub extra_points: Option<String>,
-    /// Keep the rows of an earlier study (not in this version)
+    /// Keep the rows that an earlier study of the same case in this folder finished
     #[arg(long)]
     pub resume: bool,
 }

@@ -7,7 +7,6 @@ mod arguments;
 mod case;
 mod check;
 mod clock;
-mod compare;
 mod convert;
 mod ended;
 mod explain;
@@ -19,15 +18,20 @@ mod manifest;
 mod new;
 mod panics;
 mod place;
+mod results;
 mod run;
 mod schema;
 mod streams;
+mod study;
+mod study_axes;
 mod summary;
 
 use self::arguments::{Arguments, Command};
 use self::ended::{Ended, plain_failure};
 use self::streams::Streams;
+use self::study::Order;
 use crate::app::Registry;
+use crate::app::studies::Runs;
 use crate::io::errors::Diagnostic;
 use clap::Parser;
 use clap::error::ErrorKind;
@@ -68,9 +72,11 @@ fn obey(registry: &Registry, arguments: &Arguments, words: &[OsString]) -> i32 {
 /// Whether there is a place for the document, found before anything is done.
 fn place_of_document(arguments: &Arguments, streams: &Streams, words: &[OsString]) -> Result<(), Ended> {
     let file = streams.json.as_deref();
+    if let Some(study) = arguments.command.study() {
+        place::beside_results(file, &case::folder(&study.case, &arguments.common, arguments.command.name()))?;
+    }
     match &arguments.command {
         Command::Run(run) => place::beside_results(file, &case::out(&run.case, &arguments.common))?,
-        Command::Compare(compare) => place::beside_results(file, &case::folder(&compare.case, &arguments.common, "compare"))?,
         Command::Check(check) => place::beside_results(file, &case::out(&check.case, &arguments.common))?,
         Command::New(new) => place::not_over(file, &new::file(new, &arguments.common))?,
         Command::Inspect(inspect) => inspect::check_place(inspect, file)?,
@@ -81,18 +87,24 @@ fn place_of_document(arguments: &Arguments, streams: &Streams, words: &[OsString
 }
 
 fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words: &[OsString]) -> Ended {
+    let common = &arguments.common;
+    let order = |command, tol| Order { registry, command, tol, common, streams, words };
+    let runs = Runs { registry };
     match &arguments.command {
         Command::Run(run) => run::run(registry, run, &arguments.common, streams, words),
         Command::Check(check) => check::check(registry, check, &arguments.common, streams),
         Command::New(new) => new::new(new, &arguments.common),
-        Command::Compare(compare) => compare::compare(registry, compare, &arguments.common, streams, words),
+        Command::Compare(compare) => study::study(&study::COMPARE, &runs, &order(&compare.study, compare.tol)),
+        Command::Convergence(command) => study::study(&study::CONVERGENCE, &runs, &order(command, None)),
+        Command::Quadrature(command) => study::study(&study::QUADRATURE, &runs, &order(command, None)),
+        Command::Sweep(command) => study::study(&study::SWEEP, &runs, &order(command, None)),
         Command::Schema(schema) => schema::schema(registry, schema),
         Command::Explain(code) => explain::explain(code),
         Command::Inspect(inspect) => inspect::inspect(registry, inspect, &arguments.common),
         Command::Convert(convert) => convert::convert(convert, &arguments.common),
         other => usage(
             &format!("`faying {}` is not in this version", other.name()),
-            Some("commands of this version: run, compare, check, inspect, convert, new, schema, explain"),
+            Some("commands of this version: run, compare, convergence, quadrature, sweep, check, inspect, convert, new, schema, explain"),
         ),
     }
 }

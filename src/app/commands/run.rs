@@ -1,13 +1,13 @@
 //! `faying run`: one case from its file to its folder.
 
 use super::arguments::{Common, RunArguments, VtuCells};
-use super::case::{self, Loaded};
+use super::case;
 use super::clock::Clock;
 use super::ended::{Ended, failure, status};
 use super::files::{self, Named};
-use super::folder::{Folder, MANIFEST};
+use super::folder::Folder;
 use super::history;
-use super::manifest::Manifest;
+use super::results::Results;
 use super::streams::Streams;
 use super::summary;
 use crate::app::{Finished, Progress, Registry, RunOptions, RunResult, StepOutput, Watch};
@@ -42,8 +42,9 @@ fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words:
         Some(VtuCells::Linear) => Some(CellStyle::Linear),
         Some(VtuCells::None) | None => None,
     };
-    let job =
-        Job { loaded: &loaded, folder: &folder, vtu: arguments.vtu, words, threads: pool.current_num_threads(), clock, watch: &watch };
+    let threads = pool.current_num_threads();
+    let results = Results { command: "run", loaded: &loaded, folder: &folder, words, threads, clock };
+    let job = Job { results, vtu: arguments.vtu, watch: &watch };
     Ok(pool.install(|| {
         let finished = crate::app::run::run(&loaded.case, registry, &RunOptions { cells }, &watch);
         job.write(finished)
@@ -99,12 +100,8 @@ pub(super) fn shown(words: &[OsString]) -> Vec<String> {
 
 /// What the files of a run need to know.
 struct Job<'a> {
-    loaded: &'a Loaded,
-    folder: &'a Folder,
+    results: Results<'a>,
     vtu: Option<VtuCells>,
-    words: &'a [OsString],
-    threads: usize,
-    clock: &'a Clock,
     watch: &'a Watch,
 }
 
@@ -115,12 +112,12 @@ impl Job<'_> {
         if result.exit == 3 || (matches!(result.exit, 4 | 6) && output.is_none() && result.solve.is_none()) {
             return Ended::refused(result.exit, messages(&result));
         }
-        self.clock.hear(Progress::Phase("draw"));
+        self.results.clock.hear(Progress::Phase("draw"));
         let mut trouble = Diagnostics::new();
         let with_vtu = self.vtu != Some(VtuCells::None);
         let stems = output.as_ref().map(files::stems).unwrap_or_default();
         // steps have files of their own
-        let alone = with_vtu && !self.loaded.case.has_steps();
+        let alone = with_vtu && !self.results.loaded.case.has_steps();
         let mut shown = output.map(|output| files::of(&output, alone, &mut trouble)).unwrap_or_default();
         if !result.steps.is_empty() {
             shown.push(Named { name: "history.csv".to_owned(), bytes: history::csv(&result).into_bytes() });
@@ -129,7 +126,7 @@ impl Job<'_> {
         result.warnings.extend(trouble.items);
         match self.files(&mut result, &shown, &steps) {
             Ok(document) => {
-                let summary = summary::of(&result, Some(&self.folder.path().display().to_string()));
+                let summary = summary::of(&result, Some(&self.results.folder.path().display().to_string()));
                 Ended { exit: result.exit, summary, document, diagnostics: messages(&result), message: None }
             }
             Err(problem) => {
@@ -145,44 +142,18 @@ impl Job<'_> {
 
     /// Writes everything, `result.json` last; returns its text.
     fn files(&self, result: &mut RunResult, shown: &[Named], steps: &Steps) -> Result<String, Diagnostic> {
-        let folder = self.folder;
-        self.clock.hear(Progress::Phase("write"));
-        folder.open()?;
-        let mut names: Vec<String> = shown.iter().map(|f| f.name.clone()).chain(steps.names()).collect();
-        names.extend(["case.effective.toml", "log.txt", MANIFEST].map(str::to_owned));
-        result.files = names.clone();
-        names.push("result.json".to_owned());
-        // first of all: whatever stops this, the folder stays known as ours
-        folder.write(MANIFEST, self.manifest(&names).as_bytes())?;
+        let folder = self.results.folder;
+        self.results.clock.hear(Progress::Phase("write"));
+        let names = self.results.open(shown.iter().map(|f| f.name.clone()).chain(steps.names()))?;
+        result.files.clone_from(&names);
         steps.write(folder, &mut result.warnings)?;
         // drawing takes its time, too
         crate::app::run::end_early(result, self.watch);
         for file in shown {
             folder.write(&file.name, &file.bytes)?;
         }
-        folder.write("case.effective.toml", self.loaded.case.effective_toml().as_bytes())?;
-        self.clock.hear(Progress::Phase("done"));
-        let log = format!("{}\n{}", self.clock.log(), messages(result).render());
-        folder.write("log.txt", format!("{}\n", log.trim_end()).as_bytes())?;
-        folder.write(MANIFEST, self.manifest(&names).as_bytes())?;
         let document = result.to_json();
-        folder.write("result.json", document.as_bytes())?;
+        self.results.close(&names, &messages(result), &document)?;
         Ok(document)
-    }
-
-    fn manifest(&self, names: &[String]) -> String {
-        let manifest = Manifest {
-            schema: "faying.manifest/1".to_owned(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            command: "run".to_owned(),
-            case: self.loaded.name.clone(),
-            case_path: self.loaded.path.clone(),
-            options: shown(self.words),
-            inputs: self.loaded.inputs.clone(),
-            threads: self.threads,
-            seconds: self.clock.seconds(),
-            files: names.to_vec(),
-        };
-        manifest.to_json()
     }
 }

@@ -146,6 +146,27 @@ pub fn numbers(command: &str, case: &Case, registry: &Registry, watch: &Watch) -
     }
 }
 
+/// Which patches have a slave side once slave and master are chosen.
+///
+/// # Errors
+/// What is wrong with the bodies or their sides, located.
+pub fn slave_patches(case: &Case, registry: &Registry) -> Result<Vec<bool>, Diagnostics> {
+    if in_space(case) { slaves_in(case, registry, &volume(registry)) } else { slaves_in(case, registry, &plane(registry)) }
+}
+
+fn slaves_in<const S: usize, const N: usize>(
+    case: &Case,
+    registry: &Registry,
+    dimension: &Dimension<'_, S, N>,
+) -> Result<Vec<bool>, Diagnostics> {
+    let model = built(case, registry, dimension, &Watch::default())?;
+    let ties = model.ties.iter().flat_map(|t| &t.parts).map(|part| part.slave.patch);
+    let contacts = model.contacts.iter().flat_map(|c| &c.parts).map(|part| part.slave.patch);
+    let mut slave = vec![false; case.patches.len()];
+    ties.chain(contacts).for_each(|patch| slave[patch] = true);
+    Ok(slave)
+}
+
 /// Everything but the solve: the result has the names, the counts and the prediction.
 pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &Watch) -> Finished {
     if in_space(case) { check_in(case, registry, &volume(registry), watch) } else { check_in(case, registry, &plane(registry), watch) }

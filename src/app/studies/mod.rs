@@ -1,17 +1,27 @@
 //! Studies: one case solved several times, a row each, in one table.
 //!
-//! A row is the case read again with [`Changes`](crate::io::case::Changes) and solved by the code of `run`. A study is the list of rows that
-//! its [`Axes`] span, and what is asked of them; every command on studies shares the rows, the table, the files.
+//! A row is the case read again with [`Changes`](crate::io::case::Changes) and solved by a [`Method`]: the code of `run`, or another look at
+//! the case. A study is the list of rows that its [`Axes`] span, and what is asked of them; every command on studies shares the rows,
+//! the table, the files.
 
 mod axes;
+mod choice;
+mod csv;
 mod document;
+mod kept;
+mod method;
 mod quantities;
 mod rates;
 mod report;
 mod rows;
+mod study;
+mod table;
 
-pub use axes::{Axes, Degrees, Vary, split};
-pub use document::{Study, Tolerance};
+pub use axes::{Axes, MOST_ROWS};
+pub use choice::{Degrees, Vary, repeated, split};
+pub use kept::Kept;
+pub use method::{Method, Runs};
 pub use quantities::{Asked, asked};
 pub use report::{html, picture};
 pub use rows::{Base, Row, Spec, slaves};
+pub use study::{Plan, Study, Tolerance};

@@ -52,7 +52,7 @@ pub(super) fn decide(rows: &mut [Row], case: &Case, asked: &[Asked]) {
             }
             let name = asked.iter().find(|a| a.quantity == inner).map_or(inner.as_str(), |a| a.name.as_str());
             let rate = row.rates.get(&inner).or_else(|| row.rates.get(name)).copied();
-            let numbers = row.result.numbers();
+            let numbers = row.document.clone();
             let number = |f: &Formula| -> Result<f64, String> {
                 let values: Result<Vec<f64>, String> = f
                     .quantities()

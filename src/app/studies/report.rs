@@ -1,6 +1,6 @@
 //! The picture of a study, and one page with everything that can be opened anywhere.
 
-use super::document::Study;
+use super::study::Study;
 use crate::io::plot::{PlotError, StudyLine, StudyPlot, study};
 use crate::io::table::short;
 use std::fmt::Write as _;
@@ -51,7 +51,7 @@ pub fn html(study: &Study, picture: Option<&str>) -> String {
         escaped(&study.command),
         escaped(&study.case),
         if study.exit() == 0 { "good" } else { "bad" },
-        super::document::word(study.status())
+        super::study::word(study.status())
     );
     // writing to a String cannot fail
     let table = study.table();

@@ -1,11 +1,14 @@
 //! One row of a study: which changes it makes to the case, and what came out.
 
+use super::method::Method;
 use crate::app::named::Named;
 use crate::app::registry::Registry;
 use crate::app::result::{RunResult, Status};
 use crate::app::watch::Watch;
 use crate::io::case::{Case, Changes, Integration, Master, Multiplier, ReadOptions};
 use crate::io::errors::{Diagnostics, Severity};
+use serde_json::Value;
+use std::fmt::Write as _;
 
 /// The case of a study before a row changes it.
 #[derive(Clone, Debug)]
@@ -32,8 +35,13 @@ impl Base<'_> {
     }
 }
 
-/// Which patches carry multipliers: those with a slave side of an interface or a contact.
-pub fn slaves(case: &Case) -> Vec<bool> {
+/// Which patches carry multipliers: those with a slave side of an interface or a contact. Where the case leaves slave and master to
+/// be chosen, the bodies are built and looked at; a case that cannot be built has the sides that it names.
+pub fn slaves(case: &Case, registry: &Registry) -> Vec<bool> {
+    let chosen = case.interfaces.iter().any(|t| t.between.is_some());
+    if let Some(Ok(found)) = chosen.then(|| crate::app::run::slave_patches(case, registry)) {
+        return found;
+    }
     let sides = case.interfaces.iter().flat_map(|t| &t.slave).chain(case.contacts.iter().flat_map(|c| &c.slave));
     let mut slave = vec![false; case.patches.len()];
     sides.for_each(|side| slave[side.patch] = true);
@@ -63,8 +71,38 @@ impl Spec {
 
     /// Whether both are rows of one line of the picture: they differ in the level alone.
     pub fn same_line(&self, other: &Self) -> bool {
-        self.backend == other.backend && self.degree == other.degree && self.vary == other.vary
+        self.degree == other.degree && self.vary == other.vary && self.backend == other.backend && self.coupling() == other.coupling()
     }
+
+    /// What it changes along the sides: multiplier, integration, points.
+    fn coupling(&self) -> (&Option<String>, &Option<String>, Option<usize>) {
+        (&self.changes.pairing, &self.changes.integration, self.changes.extra_points)
+    }
+
+    /// What to call it: backend, then what else it changes, "iga, degree 2, p/p, slave, 4 points more, let.a = 1".
+    pub fn label(&self, degree: &str) -> String {
+        let mut text = self.name().to_owned();
+        let (pairing, integration, points) = self.coupling();
+        // writing to a String cannot fail
+        if !degree.is_empty() {
+            let _ = write!(text, ", degree {degree}");
+        }
+        for word in pairing.iter().chain(integration) {
+            let _ = write!(text, ", {word}");
+        }
+        if let Some(n) = points {
+            let _ = write!(text, ", {}", points_more(n));
+        }
+        for (key, value) in &self.vary {
+            let _ = write!(text, ", {key} = {value}");
+        }
+        text
+    }
+}
+
+/// "4 points more".
+pub(super) fn points_more(n: usize) -> String {
+    if n == 1 { "1 point more".to_owned() } else { format!("{n} points more") }
 }
 
 /// A row that was solved, or could not be.
@@ -86,12 +124,24 @@ pub struct Row {
     pub rates: Named<f64>,
     /// Relative differences from the first row, by quantity; not finite where a value is missing.
     pub differences: Named<f64>,
+    /// The result as its document has it, before the study adds to it.
+    pub document: Value,
+    /// The interface or contact that `beta` is of.
+    pub interface: Option<String>,
+    /// The inf-sup constant, in studies that look for it.
+    pub beta: Option<f64>,
+    /// What all levels together say of it: "stable", "unstable", "undecided".
+    pub verdict: Option<String>,
+    /// Wall-clock seconds that it took.
+    pub seconds: f64,
+    /// Whether an earlier study solved it.
+    pub kept: bool,
 }
 
 impl Row {
-    /// Reads and solves a row.
-    pub fn solve(command: &str, spec: &Spec, base: &Base<'_>, registry: &Registry, watch: &Watch) -> Self {
-        let mut row = Self {
+    /// A row before it is solved.
+    pub fn begun(command: &str, spec: &Spec, base: &Base<'_>) -> Self {
+        Self {
             spec: spec.clone(),
             result: RunResult::new(command, base.name),
             degree: String::new(),
@@ -100,24 +150,51 @@ impl Row {
             extra_points: String::new(),
             rates: Named::default(),
             differences: Named::default(),
-        };
-        match base.read(spec) {
+            document: Value::Null,
+            interface: None,
+            beta: None,
+            verdict: None,
+            seconds: 0.0,
+            kept: false,
+        }
+    }
+
+    /// Solves it by `method` where `case` could be read; several rows where the method has several answers.
+    pub(super) fn solved_by(mut self, method: &dyn Method, case: Result<&Case, Diagnostics>, base: &Base<'_>, watch: &Watch) -> Vec<Self> {
+        let begun = std::time::Instant::now();
+        let mut rows = match case {
             Ok(case) => {
-                row.describe(&case);
-                row.result = crate::app::run::numbers(command, &case, registry, watch);
+                self.describe(case);
+                method.solve(self, case, watch)
             }
             Err(faults) => {
-                row.foresee(base);
-                let result = &mut row.result;
-                result.status = if faults.exit() == 4 { Status::IoFailed } else { Status::Invalid };
-                result.exit = result.status.exit();
-                for d in faults.items {
-                    let list = if d.severity == Severity::Error { &mut result.diagnostics } else { &mut result.warnings };
-                    list.push(d);
-                }
+                self.foresee(base);
+                self.refuse(faults);
+                vec![self]
             }
+        };
+        let seconds = begun.elapsed().as_secs_f64() / rows.len().max(1) as f64;
+        for row in &mut rows {
+            row.document = row.result.to_value();
+            row.seconds = seconds;
         }
-        row
+        rows
+    }
+
+    /// Ends it by `faults`.
+    pub fn refuse(&mut self, faults: Diagnostics) {
+        let result = &mut self.result;
+        result.status = match faults.exit() {
+            4 => Status::IoFailed,
+            5 => Status::Singular,
+            6 => Status::Limit,
+            _ => Status::Invalid,
+        };
+        result.exit = result.status.exit();
+        for d in faults.items {
+            let list = if d.severity == Severity::Error { &mut result.diagnostics } else { &mut result.warnings };
+            list.push(d);
+        }
     }
 
     // what the row would have been: the case as written with its keys, the degrees that the study gives

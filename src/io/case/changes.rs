@@ -1,6 +1,6 @@
-//! What a row of a study changes in a case after `--set`: backends, degrees, levels, quantities.
+//! What a row of a study changes in a case after `--set`: backends, degrees, levels, multipliers, integration, quantities.
 
-use super::tree::{Node, Table, Value};
+use super::tree::{Node, Table, Value, parse_value};
 use crate::io::place::{Origin, Place};
 
 /// Changes of a case between its `--set` options and its reading; the default changes nothing.
@@ -16,11 +16,20 @@ pub struct Changes {
     pub degrees: Vec<(String, usize)>,
     /// Halvings of every element beyond those of the file.
     pub level: usize,
+    /// Multiplier of every interface and contact: a name, or data such as `{ degree = 1 }`.
+    pub pairing: Option<String>,
+    /// Integration of every interface and contact.
+    pub integration: Option<String>,
+    /// Points of every interface and contact beyond the default.
+    pub extra_points: Option<usize>,
     /// Quantities that are asked beside the probes of the file, as probes with these names.
     pub quantities: Vec<(String, String)>,
 }
 
 const AT: Place = Place { origin: Origin::Option, ..Place::NONE };
+
+/// Lists of what meets along sides, the key that says how, and its words for what has no multiplier.
+const COUPLES: [(&str, &str, &[&str]); 2] = [("interface", "coupling", &["nitsche", "penalty"]), ("contact", "method", &["nitsche", "penalty"])];
 
 /// Applies the changes.
 pub(super) fn apply(root: &mut Table, changes: &Changes) {
@@ -30,7 +39,26 @@ pub(super) fn apply(root: &mut Table, changes: &Changes) {
     if let Some(degree) = changes.degree {
         everywhere(root, "degree", whole(degree));
     }
-    for patch in patches(root) {
+    for (list, kind, without) in COUPLES {
+        for couple in tables(root, list) {
+            // what shares unknowns has neither a multiplier nor an integration; what has no multiplier is still integrated
+            let is = |word: &str| matches!(couple.get(kind).map(|e| &e.node.value), Some(Value::Text(w)) if w == word);
+            if is("glue") {
+                continue;
+            }
+            if let Some(pairing) = changes.pairing.as_ref().filter(|_| !without.iter().any(|w| is(w))) {
+                let value = if pairing.starts_with('{') { parse_value(pairing, AT).ok() } else { None };
+                couple.set("multiplier", AT, value.unwrap_or_else(|| Node::new(Value::Text(pairing.clone()), AT)));
+            }
+            if let Some(integration) = &changes.integration {
+                couple.set("integration", AT, Node::new(Value::Text(integration.clone()), AT));
+            }
+            if let Some(points) = changes.extra_points {
+                couple.set("extra_points", AT, Node::new(whole(points), AT));
+            }
+        }
+    }
+    for patch in tables(root, "patch") {
         let name = match patch.get("name").map(|e| &e.node.value) {
             Some(Value::Text(name)) => name.clone(),
             _ => String::new(),
@@ -54,8 +82,9 @@ fn whole(n: usize) -> Value {
     Value::Integer(i64::try_from(n).unwrap_or(i64::MAX))
 }
 
-fn patches(root: &mut Table) -> impl Iterator<Item = &mut Table> {
-    let list = match root.get_mut("patch").map(|e| &mut e.node.value) {
+/// The tables of a list of the case.
+fn tables<'a>(root: &'a mut Table, list: &str) -> impl Iterator<Item = &'a mut Table> + use<'a> {
+    let list = match root.get_mut(list).map(|e| &mut e.node.value) {
         Some(Value::List(list)) => list.as_mut_slice(),
         _ => &mut [],
     };
@@ -73,7 +102,7 @@ fn everywhere(root: &mut Table, key: &str, value: Value) {
     if let Some(Value::Table(t)) = root.get_mut("discretization").map(|e| &mut e.node.value) {
         t.set(key, AT, Node::new(value, AT));
     }
-    patches(root).for_each(|patch| patch.entries.retain(|e| e.key != key));
+    tables(root, "patch").for_each(|patch| patch.entries.retain(|e| e.key != key));
 }
 
 // what is no whole number stays, for the reader to refuse

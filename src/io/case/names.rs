@@ -27,6 +27,12 @@ impl Default for Names {
 }
 
 impl Names {
+    /// Whether `name` is a multiplier: one of the list, or `p/p-k` with k from 1 to 12.
+    pub fn has_multiplier(&self, name: &str) -> bool {
+        let lowered = name.strip_prefix("p/p-").and_then(|k| k.parse::<usize>().ok());
+        lowered.is_some_and(|k| (1..=12).contains(&k)) || self.multipliers.iter().any(|known| known == name)
+    }
+
     /// Adds names that are not known yet.
     pub fn add(list: &mut Vec<String>, names: impl IntoIterator<Item = impl Into<String>>) {
         for name in names {

@@ -95,6 +95,9 @@ impl Reader {
                 levels: b.node("levels").cloned().and_then(|levels| self.whole_of(&levels, "levels", 1, 20)),
                 degrees: b.node("degrees").cloned().map_or(Vec::new(), |node| self.study_degrees(&node)),
                 backends: self.words(&b, "backends"),
+                pairings: self.words(&b, "pairings"),
+                integration: self.words(&b, "integration"),
+                extra_points: self.study_points(&b),
                 vary: self.words(&b, "vary"),
                 quantities: self.words(&b, "quantities"),
                 tol: b.node("tol").cloned().and_then(|tol| self.number_of(&tol, "tol", super::reader::Sign::Positive)),
@@ -112,6 +115,16 @@ impl Reader {
             _ => vec![node],
         };
         items.iter().filter_map(|item| self.text_of(item, key)).map(|text| text.value).collect()
+    }
+
+    // a number or a list of numbers
+    fn study_points(&mut self, b: &Block) -> Vec<usize> {
+        let Some(node) = b.node("extra_points").cloned() else { return Vec::new() };
+        let items = match &node.value {
+            Value::List(items) => items.clone(),
+            _ => vec![node],
+        };
+        items.iter().filter_map(|item| self.whole_of(item, "extra_points", 0, 60)).collect()
     }
 
     // [1, 2, 3] or { iga = [2, 3, 4] }

@@ -278,7 +278,12 @@ pub(super) const ENTRIES: &[Entry] = &[
     e("study", "backends", WORDS, "backends, iga+fe for slave patches iga and all others fe"),
     e("study", "pairings", WORDS, "multipliers"),
     e("study", "integration", WORDS, "integrations of interfaces"),
-    e("study", "extra_points", r##"{"type":"array","items":{"$ref":"#/$defs/extra_points"}}"##, "additional points of interfaces"),
+    e(
+        "study",
+        "extra_points",
+        r##"{"anyOf":[{"$ref":"#/$defs/extra_points"},{"type":"array","items":{"$ref":"#/$defs/extra_points"}}]}"##,
+        "additional points of interfaces",
+    ),
     e("study", "vary", WORDS, "KEY=v1,v2, or a list of them"),
     e("study", "quantities", WORDS, "probes or quantities"),
     e("study", "tol", POSITIVE, "largest relative difference from the first row"),

@@ -780,6 +780,12 @@ pub struct StudyValues {
     pub degrees: Vec<String>,
     /// Names of backends, `SLAVE+MASTER` for one on slave patches.
     pub backends: Vec<String>,
+    /// Multipliers, by name or as the text of their data.
+    pub pairings: Vec<String>,
+    /// Integrations of interfaces and contacts.
+    pub integration: Vec<String>,
+    /// Their points beyond the default.
+    pub extra_points: Vec<usize>,
     /// As words of the command line: `KEY=v1,v2`.
     pub vary: Vec<String>,
     /// Probes or quantities.
