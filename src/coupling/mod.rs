@@ -1,6 +1,7 @@
 //! Floor 8: two sides, their segments and multipliers become rows or stiffness. Decides nothing.
 
 pub mod evaluate;
+pub mod inf_sup;
 pub mod interface;
 pub mod mortar;
 pub mod multiplier;
