@@ -124,13 +124,8 @@ fn wrong_words_are_exit_2() {
 }
 
 #[test]
-fn commands_of_later_versions_say_so() {
+fn options_of_later_versions_say_so() {
     let at = folder();
-    for command in ["infsup"] {
-        let document =
-            fails(at.path(), &[command, "square.toml", "--levels", "5"], 2, &format!("`faying {command}` is not in this version"));
-        assert_eq!(document["status"], "invalid");
-    }
     fails(at.path(), &["run", "square.toml", "--save-reference", "a.ref"], 2, "not in this version");
 }
 

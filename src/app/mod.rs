@@ -3,6 +3,7 @@
 pub mod build;
 mod commands;
 pub mod convert;
+pub mod infsup;
 pub mod inspect;
 mod json;
 mod named;

@@ -20,6 +20,7 @@ mod rims;
 mod sides;
 mod supports;
 mod ties;
+mod traces;
 mod values;
 mod volume;
 
@@ -45,6 +46,7 @@ pub(crate) use sides::canonical as canonical_side;
 pub use supports::free_motions;
 pub(crate) use supports::sentences;
 pub(crate) use ties::short;
+pub use traces::{SlaveEnds, SlaveSpaces, slave_spaces};
 pub use volume::volume_net;
 
 /// Makes the net of a shape, its transformations included, in N dimensions.
@@ -85,14 +87,32 @@ impl<const S: usize, const N: usize> Builder<'_, S, N> {
 /// Everything that is wrong with the case, with its places.
 pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, net: MakeNet<N>) -> Result<Model<S, N>, Diagnostics> {
     let mut builder = Builder { case, names, faults: Diagnostics::new() };
-    let patches = patches::build(&mut builder, net);
+    let (mut model, mut sides, couples) = supported(&mut builder, net)?;
+    let fixed = fixed::Fixed::of(&builder, &model).map_err(|fault| Diagnostics::from(*fault))?;
+    ties::build(&mut builder, &mut model, &couples, &fixed);
     builder.stop()?;
-    values::materials(&mut builder, &patches);
+    contacts::build(&mut builder, &mut model, &mut sides, &couples, &fixed);
+    builder.stop()?;
+    supports::check(&mut builder, &model);
+    builder.stop()?;
+    model.warnings.extend(std::mem::take(&mut builder.faults));
+    Ok(model)
+}
+
+/// A model without ties and contacts, the sides made for it, and which sides are coupled.
+type Supported<const S: usize, const N: usize> = (Model<S, N>, sides::Sides<S, N>, couples::Couples<S, N>);
+
+/// Bodies, what is glued, boundary conditions and loads.
+fn supported<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, net: MakeNet<N>) -> Result<Supported<S, N>, Diagnostics> {
+    let case = builder.case;
+    let patches = patches::build(builder, net);
+    builder.stop()?;
+    values::materials(builder, &patches);
     let (center, size) = patches::extent(&patches);
     let mut sides = sides::Sides::default();
     // patches of files with several patches: their touching sides are glued
-    let couples = couples::find(&mut builder, &patches, &mut sides, &case.glued_files());
-    let (glued, hinges) = Glued::of(&mut builder, &patches, &couples);
+    let couples = couples::find(builder, &patches, &mut sides, &case.glued_files());
+    let (glued, hinges) = Glued::of(builder, &patches, &couples);
     builder.stop()?;
     let mut model = Model {
         glued,
@@ -117,18 +137,10 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
         size,
         warnings: Diagnostics::new(),
     };
-    boundary::build(&mut builder, &mut model, &mut sides, &couples);
-    values::in_bodies(&mut builder, &model);
+    boundary::build(builder, &mut model, &mut sides, &couples);
+    values::in_bodies(builder, &model);
     builder.stop()?;
-    let fixed = fixed::Fixed::of(&builder, &model).map_err(|fault| Diagnostics::from(*fault))?;
-    ties::build(&mut builder, &mut model, &couples, &fixed);
-    builder.stop()?;
-    contacts::build(&mut builder, &mut model, &mut sides, &couples, &fixed);
-    builder.stop()?;
-    supports::check(&mut builder, &model);
-    builder.stop()?;
-    model.warnings.extend(std::mem::take(&mut builder.faults));
-    Ok(model)
+    Ok((model, sides, couples))
 }
 
 /// Whether `elements` counts in total for this shape.

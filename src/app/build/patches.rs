@@ -143,6 +143,24 @@ fn specification<const S: usize, const N: usize>(
     Ok(spec)
 }
 
+/// Shares of the elements of a side of a net in its parameter, in their order; none for meshes, which have no parameter.
+pub(super) fn shares<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    patch: usize,
+    side: &str,
+    net: MakeNet<N>,
+) -> Option<Vec<f64>> {
+    let patch = &builder.case.patches[patch];
+    if patch.geometry.shape.part().is_some_and(case::FilePart::is_mesh) {
+        return None;
+    }
+    let spec = specification(builder, patch, net(&patch.geometry.value).ok()?).ok()?;
+    let across = ["u0", "u1", "v0", "v1"].iter().position(|name| *name == side)? / 2;
+    let points = &spec.breakpoints[1 - across];
+    let length = points.last()? - points.first()?;
+    Some(points.windows(2).map(|p| (p[1] - p[0]) / length).collect())
+}
+
 /// Middle and diagonal of the box around all bodies.
 pub(super) fn extent<const S: usize, const N: usize>(patches: &[PatchModel<S, N>]) -> (Vector<N>, f64) {
     let boxes = patches.iter().flat_map(|p| {

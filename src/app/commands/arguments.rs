@@ -40,9 +40,8 @@ pub enum Command {
     Convergence(StudyCommand),
     /// Interface integration study: errors against integration and points
     Quadrature(StudyCommand),
-    /// Stability of multiplier pairs (not in this version)
-    #[command(disable_help_flag = true)]
-    Infsup(Later),
+    /// Stability of multiplier pairs: inf-sup constants of slave sides, level by level
+    Infsup(InfsupArguments),
     /// One row per value of a key
     Sweep(StudyCommand),
     /// Say what is in a mesh, a geometry, a .vtu or a case
@@ -76,18 +75,11 @@ impl Command {
     pub fn study(&self) -> Option<&StudyCommand> {
         match self {
             Self::Compare(compare) => Some(&compare.study),
+            Self::Infsup(infsup) => Some(&infsup.study),
             Self::Convergence(study) | Self::Quadrature(study) | Self::Sweep(study) => Some(study),
             _ => None,
         }
     }
-}
-
-/// Words of a command that this version does not have.
-#[derive(Args, Clone, Debug)]
-pub struct Later {
-    /// Anything.
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
-    pub words: Vec<OsString>,
 }
 
 /// `run CASE`.
@@ -205,6 +197,42 @@ pub struct StudyCommand {
     pub axes: StudyArguments,
 }
 
+/// `infsup CASE`.
+#[derive(Args, Clone, Debug)]
+pub struct InfsupArguments {
+    /// What every study has.
+    #[command(flatten)]
+    pub study: StudyCommand,
+    /// Norms of traces and multipliers: l2 for both, or h^-1/2 for traces and h^1/2 for multipliers
+    #[arg(long, value_enum, default_value_t, value_name = "NORM")]
+    pub norm: NormChoice,
+    /// Ends of slave sides: as the case constrains them, all zero (multipliers lowered), all free
+    #[arg(long, value_enum, default_value_t, value_name = "ENDS")]
+    pub ends: EndsChoice,
+}
+
+/// Norms of the inf-sup test.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum NormChoice {
+    /// L2 for both spaces
+    #[default]
+    L2,
+    /// Weighted by the size of the elements
+    HHalf,
+}
+
+/// Ends of slave sides in the inf-sup test.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum EndsChoice {
+    /// Supports and cross points of the case
+    #[default]
+    Case,
+    /// Traces vanish at both ends
+    Zero,
+    /// Nothing is constrained
+    Free,
+}
+
 /// Options of every study.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Options of every study")]
@@ -212,7 +240,7 @@ pub struct StudyArguments {
     /// Backends; iga+fe: patches with a slave side iga, all others fe [default: as written, of compare iga,fe]
     #[arg(long, value_name = "B1,B2")]
     pub backends: Option<String>,
-    /// Number of levels; each halves every element, level 0 is the case as written [default: convergence 5, quadrature 3, else 1]
+    /// Number of levels; each halves every element, level 0 is the case as written [default: convergence and infsup 5, quadrature 3, else 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=20))]
     pub levels: Option<u8>,
     /// Degrees: 1,2,3 for all backends, iga:2,3,4 for one (repeatable)

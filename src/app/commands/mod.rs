@@ -26,12 +26,15 @@ mod study;
 mod study_axes;
 mod summary;
 
-use self::arguments::{Arguments, Command};
+use self::arguments::{Arguments, Command, EndsChoice, NormChoice};
 use self::ended::{Ended, plain_failure};
 use self::streams::Streams;
 use self::study::Order;
 use crate::app::Registry;
+use crate::app::build::SlaveEnds;
+use crate::app::infsup::{Constants, InfSupOptions};
 use crate::app::studies::Runs;
+use crate::coupling::inf_sup::Norm;
 use crate::io::errors::Diagnostic;
 use clap::Parser;
 use clap::error::ErrorKind;
@@ -102,10 +105,16 @@ fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words:
         Command::Explain(code) => explain::explain(code),
         Command::Inspect(inspect) => inspect::inspect(registry, inspect, &arguments.common),
         Command::Convert(convert) => convert::convert(convert, &arguments.common),
-        other => usage(
-            &format!("`faying {}` is not in this version", other.name()),
-            Some("commands of this version: run, compare, convergence, quadrature, sweep, check, inspect, convert, new, schema, explain"),
-        ),
+        Command::Infsup(command) => {
+            let norm = if command.norm == NormChoice::HHalf { Norm::HHalf } else { Norm::L2 };
+            let ends = match command.ends {
+                EndsChoice::Case => SlaveEnds::Case,
+                EndsChoice::Zero => SlaveEnds::Zero,
+                EndsChoice::Free => SlaveEnds::Free,
+            };
+            let constants = Constants { registry, options: InfSupOptions { norm, ends } };
+            study::study(&study::INFSUP, &constants, &order(&command.study, None))
+        }
     }
 }
 

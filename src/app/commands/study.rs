@@ -59,6 +59,8 @@ pub const QUADRATURE: Kind = Kind {
     needs_interface: true,
     ..PLAIN
 };
+/// `faying infsup`.
+pub const INFSUP: Kind = Kind { command: "infsup", levels: 5, needs_interface: true, ..PLAIN };
 /// `faying sweep`.
 pub const SWEEP: Kind = Kind { command: "sweep", needs_vary: true, ..PLAIN };
 

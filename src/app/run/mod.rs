@@ -26,7 +26,7 @@ use crate::io::case::Case;
 use crate::io::errors::{Diagnostic, Diagnostics, Severity};
 use std::sync::Arc;
 
-pub(crate) use forecast::memory_for_files;
+pub(crate) use forecast::{memory_for_files, too_large};
 pub use loads::Resultant;
 pub use predict::{Prediction, bytes, predict};
 pub use report::{HalfWidth, Zone, component_rows, multiplier_at};

@@ -19,7 +19,7 @@ impl Study {
         head.extend(errors.iter().cloned());
         head.extend(rates.iter().map(|n| format!("rate.{n}")));
         if constants {
-            head.extend(["side", "beta", "verdict"].map(str::to_owned));
+            head.extend(["side", "beta", "parametric", "slope", "verdict"].map(str::to_owned));
         }
         head.extend(probes.iter().map(|n| format!("probes.{n}")));
         head.extend(differences.iter().map(|n| format!("differences.{n}")));
@@ -34,7 +34,8 @@ impl Study {
             cells.extend(rates.iter().map(|n| row.rates.get(n).map_or(String::new(), |v| exact(*v))));
             if constants {
                 let words = |text: &Option<String>| text.clone().unwrap_or_default();
-                cells.extend([words(&row.interface), row.beta.map_or(String::new(), exact), words(&row.verdict)]);
+                let number = |v: Option<f64>| v.map_or(String::new(), exact);
+                cells.extend([words(&row.interface), number(row.beta), number(row.parametric), number(row.slope), words(&row.verdict)]);
             }
             let probe = |n: &String| r.probes.iter().find(|p| p.name == *n).map_or(String::new(), |p| solved(p.value));
             cells.extend(probes.iter().map(probe));

@@ -32,6 +32,9 @@ impl Study {
             map.insert("tolerance".into(), json!(tol));
             map.insert("differences".into(), found.iter().map(of).collect());
         }
+        if !self.notes.is_empty() {
+            map.insert("notes".into(), json!(self.notes));
+        }
         if self.stopped.is_some() {
             map.insert("reason".into(), json!(self.left()));
         }
@@ -71,6 +74,8 @@ fn member(row: &Row) -> Value {
     if row.beta.is_some() || row.verdict.is_some() {
         put("side", json!(row.interface));
         put("beta", json!(row.beta));
+        put("parametric", json!(row.parametric));
+        put("slope", json!(row.slope));
         put("verdict", json!(row.verdict));
     }
     let mut answers = json!({"probes": r.probes, "checks": r.checks});

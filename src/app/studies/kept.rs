@@ -50,6 +50,7 @@ pub(super) fn text(rows: &[Row], keys: &[Option<String>]) -> String {
             "extra_points": row.extra_points,
             "interface": row.interface,
             "beta": row.beta,
+            "parametric": row.parametric,
             "h": row.result.geometry.h,
             "elements": row.result.geometry.elements,
             "solved": row.result.solved,
@@ -104,6 +105,7 @@ fn row(stored: &Value, command: &str, spec: &Spec, base: &Base<'_>) -> Option<Ro
     (row.degree, row.pairing) = (word("degree")?, word("pairing")?);
     (row.integration, row.extra_points) = (word("integration")?, word("extra_points")?);
     (row.interface, row.beta) = (word("interface"), stored["beta"].as_f64());
+    row.parametric = stored["parametric"].as_f64();
     row.seconds = stored["seconds"].as_f64().unwrap_or(0.0);
     (row.document, row.kept) = (document, true);
     Some(row)

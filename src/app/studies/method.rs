@@ -14,6 +14,16 @@ pub trait Method {
     /// Looks at all rows together, in the order of the table; `case` is the case as written. Changes nothing unless a method says so.
     fn judge(&self, _rows: &mut [Row], _case: &Case) {}
 
+    /// What all rows together say, in sentences; after [`Method::judge`].
+    fn notes(&self, _rows: &[Row]) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// The options that decide about its answers: rows of an earlier study are kept where they agree.
+    fn options(&self) -> String {
+        String::new()
+    }
+
     /// Whether rows answer the probes of the case and the quantities that a study adds to them.
     fn answers_quantities(&self) -> bool {
         true

@@ -6,6 +6,7 @@
 
 mod axes;
 mod choice;
+mod constants;
 mod csv;
 mod document;
 mod kept;
@@ -22,6 +23,7 @@ pub use choice::{Degrees, Vary, repeated, split};
 pub use kept::Kept;
 pub use method::{Method, Runs};
 pub use quantities::{Asked, asked};
+pub(in crate::app) use rates::decided;
 pub use report::{html, picture};
 pub use rows::{Base, Row, Spec, slaves};
 pub use study::{Plan, Study, Tolerance};

@@ -8,11 +8,14 @@ use std::fmt::Write as _;
 /// Relative differences below this are drawn on it: round-off.
 const FLOOR: f64 = 1e-17;
 
-/// `study.svg`: an error, or the largest relative difference from the first row, against unknowns.
+/// `study.svg`: constants against the size of elements; else an error, or the largest relative difference from the first row, against unknowns.
 ///
 /// # Errors
 /// [`PlotError::Empty`] where no row has a number.
 pub fn picture(study_: &Study) -> Result<String, PlotError> {
+    if study_.rows.iter().any(|row| row.beta.is_some()) {
+        return super::constants::picture(study_);
+    }
     let error = study_.main_error();
     let mut lines: Vec<StudyLine> = Vec::new();
     let mut last = None;
@@ -74,6 +77,11 @@ pub fn html(study: &Study, picture: Option<&str>) -> String {
         // the drawing itself, without the line that makes it a file
         let start = svg.find("<svg").unwrap_or(0);
         let _ = writeln!(page, "<figure>{}</figure>", &svg[start..]);
+    }
+    if !study.notes.is_empty() {
+        page.push_str("<h2>What the rows say together</h2>\n<ul>\n");
+        study.notes.iter().for_each(|note| page.push_str(&format!("<li>{}</li>\n", escaped(note))));
+        page.push_str("</ul>\n");
     }
     if let Some((tol, found)) = &study.tolerance {
         let _ = write!(page, "<h2>Differences from the first row, at most {}</h2>\n<ul>\n", short(*tol, 3));

@@ -5,7 +5,7 @@ use crate::app::named::Named;
 use crate::app::registry::Registry;
 use crate::app::result::{RunResult, Status};
 use crate::app::watch::Watch;
-use crate::io::case::{Case, Changes, Integration, Master, Multiplier, ReadOptions};
+use crate::io::case::{Case, Changes, Ends, Integration, Master, Multiplier, ReadOptions};
 use crate::io::errors::{Diagnostics, Severity};
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -130,6 +130,10 @@ pub struct Row {
     pub interface: Option<String>,
     /// The inf-sup constant, in studies that look for it.
     pub beta: Option<f64>,
+    /// The same measured in the parameter of the side.
+    pub parametric: Option<f64>,
+    /// Fitted slope of log beta against log h over the finest levels.
+    pub slope: Option<f64>,
     /// What all levels together say of it: "stable", "unstable", "undecided".
     pub verdict: Option<String>,
     /// Wall-clock seconds that it took.
@@ -153,6 +157,8 @@ impl Row {
             document: Value::Null,
             interface: None,
             beta: None,
+            parametric: None,
+            slope: None,
             verdict: None,
             seconds: 0.0,
             kept: false,
@@ -228,9 +234,14 @@ impl Row {
         let multipliers = case.interfaces.iter().map(|t| &t.multiplier.value).chain(case.contacts.iter().map(|c| &c.multiplier.value));
         self.pairing = joined(multipliers.map(|m| match m {
             Multiplier::Named(name) => name.clone(),
-            Multiplier::Data { degree, continuity, .. } => {
+            Multiplier::Data { degree, continuity, ends } => {
                 let regularity = continuity.map_or(String::new(), |k| format!(", C^{k}"));
-                format!("degree {degree}{regularity}")
+                let ends = match ends {
+                    Ends::Auto => "",
+                    Ends::Full => ", full ends",
+                    Ends::Lowered => ", lowered ends",
+                };
+                format!("degree {degree}{regularity}{ends}")
             }
         }));
         let rules = case.interfaces.iter().map(|t| t.integration.value).chain(case.contacts.iter().map(|c| c.integration.value));

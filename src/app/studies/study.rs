@@ -76,6 +76,8 @@ pub struct Study {
     pub tolerance: Option<(f64, Vec<Tolerance>)>,
     /// Warnings about the study as a whole.
     pub warnings: Vec<Diagnostic>,
+    /// What all rows together say.
+    pub notes: Vec<String>,
     /// What `--resume` reads: every row with what it was made of.
     pub stored: String,
 }
@@ -98,6 +100,7 @@ impl Plan<'_> {
         let mut base = self.base.clone();
         base.options.changes.quantities = added;
         let (mut rows, mut keys) = (Vec::with_capacity(specs.len()), Vec::with_capacity(specs.len()));
+        let command = format!("{} {}", self.command, method.options());
         let mut stopped = None;
         for (k, spec) in specs.iter().enumerate() {
             stopped = watch.stop().filter(|_| k > 0);
@@ -105,7 +108,7 @@ impl Plan<'_> {
                 break;
             }
             let case = base.read(spec);
-            let key = kept::key(self.command, &base, spec, case.as_ref().ok());
+            let key = kept::key(&command, &base, spec, case.as_ref().ok());
             let known = self.kept.and_then(|kept| kept.rows(&key, self.command, spec, &base));
             let found = known.unwrap_or_else(|| {
                 begins(k, specs.len(), &label(spec, &self.axes));
@@ -126,11 +129,13 @@ impl Plan<'_> {
             stopped,
             tolerance: None,
             warnings: Vec::new(),
+            notes: Vec::new(),
             stored,
         };
         rates::fill(&mut study.rows, &study.asked);
         rates::decide(&mut study.rows, self.written, &study.asked);
         method.judge(&mut study.rows, self.written);
+        study.notes = method.notes(&study.rows);
         if self.compares {
             study.compare();
         }

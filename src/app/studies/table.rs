@@ -5,6 +5,9 @@ use super::study::{Study, Tolerance, word};
 use crate::io::table::{Table, short};
 use std::fmt::Write as _;
 
+/// Constants that differ by more than this are shown in both measures.
+const BENT: f64 = 1e-9;
+
 impl Study {
     /// The table for people: a column for everything that varies, for every error with its rate, for what was asked.
     pub fn table(&self) -> Table {
@@ -13,6 +16,8 @@ impl Study {
         let any = |of: &dyn Fn(&super::rows::Row) -> bool| self.rows.iter().any(of);
         let (differs, checked) = (any(&|r| !r.differences.is_empty()), any(&|r| r.result.checks_expected > 0));
         let (sides, constants) = (any(&|r| r.interface.is_some()), any(&|r| r.beta.is_some()));
+        // on straight sides both measures agree
+        let bent = any(&|r| r.beta.zip(r.parametric).is_some_and(|(b, p)| (b - p).abs() > BENT));
         let axes = &self.axes;
         let (pairings, rules, points) = (!axes.pairings.is_empty(), !axes.integrations.is_empty(), !axes.extra_points.is_empty());
         let mut head: Vec<&str> = vec!["row"];
@@ -31,7 +36,13 @@ impl Study {
             }
         }
         head.extend(quantities.iter().map(|a| a.name.as_str()));
-        let found = [(constants, "beta"), (constants, "verdict"), (differs, "difference"), (checked, "checks"), (true, "status")];
+        let found = [
+            (constants, "beta"),
+            (bent, "in parameter"),
+            (constants && levels, "rate"),
+            (constants, "verdict"), (differs, "difference"), (checked, "checks"),
+            (true, "status"),
+        ];
         head.extend(found.iter().filter(|(there, _)| *there).map(|(_, name)| name));
         let mut table = Table::new(head);
         let number = |v: f64, digits: usize| if v.is_finite() { short(v, digits) } else { "-".to_owned() };
@@ -59,6 +70,12 @@ impl Study {
             cells.extend(quantities.iter().map(|a| number(a.value(row), 8)));
             if constants {
                 cells.push(number(row.beta.unwrap_or(f64::NAN), 6));
+                if bent {
+                    cells.push(number(row.parametric.unwrap_or(f64::NAN), 6));
+                }
+                if levels {
+                    cells.push(row.rates.get("beta").map_or("-".to_owned(), |rate| format!("{rate:.2}")));
+                }
                 cells.push(text(row.verdict.as_deref().unwrap_or_default()));
             }
             if differs {
@@ -86,6 +103,12 @@ impl Study {
                 let verdict = if t.ok { "within" } else { "BEYOND" };
                 let _ = writeln!(text, "{}: {}, {verdict} {}", t.quantity, self.largest(t), short(*tol, 3));
             }
+            text.push('\n');
+        }
+        for note in &self.notes {
+            let _ = writeln!(text, "{note}");
+        }
+        if !self.notes.is_empty() {
             text.push('\n');
         }
         let failed: Vec<String> = self.failed_checks();
