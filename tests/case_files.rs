@@ -561,10 +561,6 @@ fn e019_known_but_not_in_this_version() {
         let rigid = format!("rigid = {{ kind = \"{kind}\", {keys} }}");
         later("master = \"lower.top\"", &rigid, &format!("an obstacle of kind \"{kind}\""), &format!("\"{kind}\""));
     }
-    for coupling in ["nitsche", "penalty"] {
-        let tie = BASE.replace("[[contact]]", &format!("[[interface]]\ncoupling = \"{coupling}\""));
-        fails(&tie, "E019", &format!("coupling \"{coupling}\" is not in this version"), &format!("\"{coupling}\""));
-    }
     let volume = BASE
         .replace("dimension = 2", "dimension = 3")
         .replace("[0, 0]", "[0, 0, 0]")
@@ -576,7 +572,10 @@ fn e019_known_but_not_in_this_version() {
     fails(&volume, "E019", "contact between surfaces is not in this version", "[[contact]]");
     let tied = volume.replace("[[contact]]", "[[interface]]");
     let tied = tied.split("[[probe]]").next().unwrap();
-    fails(tied, "E019", "interfaces between surfaces are not in this version", "[[interface]]");
+    for coupling in ["mortar", "nitsche", "penalty"] {
+        let tied = tied.replace("[[interface]]", &format!("[[interface]]\ncoupling = \"{coupling}\""));
+        fails(&tied, "E019", "interfaces between surfaces are not in this version", "[[interface]]");
+    }
 }
 
 #[test]

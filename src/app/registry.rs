@@ -4,7 +4,8 @@ use crate::basis::{Basis, Order, ShapeTable};
 use crate::constraint::{Condensed, ConstraintSolver, Direct};
 use crate::coupling::interface::{MergedCurve, Partners, SlaveRule};
 use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind, side_ends};
-use crate::coupling::{Coupling, InterfaceQuadrature, Mortar};
+use crate::coupling::nitsche::Variant;
+use crate::coupling::{Coupling, InterfaceQuadrature, Mortar, Nitsche, Penalty};
 use crate::io::case;
 use crate::io::errors::nearest;
 use crate::io::vtu::CellStyle;
@@ -98,8 +99,18 @@ pub type MakeMultiplier<const S: usize, const N: usize> =
 /// Makes a multiplier of a degree and a continuity, arguments after the first as in [`MakeMultiplier`].
 pub type MakePolynomial<const S: usize, const N: usize> =
     Box<dyn Fn(MultiplierKind, &Trace<S, N>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> + Send + Sync>;
-/// Makes a coupling; the argument is the factor of soft couplings, none for auto.
-pub type MakeCoupling<const S: usize, const N: usize> = Box<dyn Fn(Option<f64>) -> Box<dyn Coupling<S, N>> + Send + Sync>;
+/// What a case says about a soft coupling.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct CouplingOptions {
+    /// The factor, a pure number; none for auto.
+    pub factor: Option<f64>,
+    /// The variant of Nitsche's method.
+    pub variant: Variant,
+}
+
+/// Makes a coupling.
+pub type MakeCoupling<const S: usize, const N: usize> = Box<dyn Fn(CouplingOptions) -> Box<dyn Coupling<S, N>> + Send + Sync>;
 /// Makes an integration of interfaces with that many points per piece.
 pub type MakeIntegration<const S: usize, const N: usize> = Box<dyn Fn(usize, Partners) -> Box<dyn InterfaceQuadrature<S, N>> + Send + Sync>;
 /// Makes a solver of constrained systems.
@@ -202,7 +213,11 @@ impl Names<1, 2> {
             names.multipliers.add(&kind.to_string(), Box::new(move |trace, constrained| curve_multiplier(kind, trace, constrained)));
         }
         names.polynomials = Polynomials(Some(Box::new(curve_multiplier)));
-        names.couplings.add("mortar", Box::new(|_| Box::new(Mortar)));
+        names
+            .couplings
+            .add("mortar", Box::new(|_| Box::new(Mortar)))
+            .add("nitsche", Box::new(|o| Box::new(Nitsche { factor: o.factor.unwrap_or(Nitsche::AUTO), variant: o.variant })))
+            .add("penalty", Box::new(|o| Box::new(Penalty { factor: o.factor.unwrap_or(Penalty::AUTO) })));
         names
             .integrations
             .add("merged", Box::new(|points, partners| Box::new(MergedCurve { points, partners })))

@@ -1,5 +1,6 @@
 //! Floor 6: sums over elements. Gets coefficients per point, never a material.
 
+mod blocks;
 mod dirichlet;
 mod load;
 pub mod norms;
@@ -14,6 +15,7 @@ mod scratch;
 use crate::linalg::{Matrix, Real, Vector};
 use std::fmt::Debug;
 
+pub use blocks::Blocks;
 pub use dirichlet::{DirichletError, Fixed, dirichlet, dirichlet_with, planar_normal};
 pub use load::{load, measure, trace_load, trace_springs};
 pub use norms::{Errors, Norms, errors};
@@ -23,6 +25,7 @@ pub(crate) use plain::element_stiffness;
 pub use plain::{add_stiffness, mass, stiffness};
 pub use reduce::{Equation, Reduced, ReductionError};
 pub use rim::{Pinned, Rim};
+pub(crate) use rules::element_rule;
 pub use rules::gauss_rules;
 pub(crate) use scratch::{Scratch, inverse_or_nan};
 

@@ -2,10 +2,11 @@
 //!
 //!   u = P v + u0,   Pᵀ K P v = Pᵀ (f - K u0),   C P v + (g + C u0)
 //!
-//! K is block diagonal, one block per body in the order of their unknowns. Free unknowns keep their order; prescribed
-//! ones have an empty row in P; an unknown bound by an equation (sliding along an inclined plane, a side that moves as
-//! one) has a row of coefficients of free ones.
+//! K has one block per body on the diagonal, in the order of their unknowns, and what soft couplings add between them.
+//! Free unknowns keep their order; prescribed ones have an empty row in P; an unknown bound by an equation (sliding along
+//! an inclined plane, a side that moves as one) has a row of coefficients of free ones.
 
+use super::blocks::Blocks;
 use super::pattern::each_row;
 use crate::linalg::{Csr, Operator, Real, Triplets, lit, to_f64};
 use std::collections::BTreeMap;
@@ -70,17 +71,27 @@ const NO_COEFFICIENT: f64 = 1e-12;
 const NO_DEFECT: f64 = 1e-9;
 
 impl<T: Real> Reduced<T> {
-    /// Reduces the block diagonal system of `matrices` with the right-hand side `load`.
+    /// Reduces the system of `matrices` (a list of the bodies' matrices, or [`Blocks`]) with the right-hand side `load`.
     ///
     /// `prescribed` lists (unknown, value), the first of an unknown counts. Of every equation the unknown with the
     /// largest coefficient that is still free is bound; equations that follow from the others are skipped.
     ///
     /// # Errors
     /// [`ReductionError`] if sizes disagree or an equation contradicts the prescribed values.
-    pub fn try_new(matrices: &[&Csr<T>], load: &[T], prescribed: &[(usize, T)], equations: &[Equation<T>]) -> Result<Self, ReductionError> {
-        let unknowns: usize = matrices.iter().map(|k| k.num_rows()).sum();
+    pub fn try_new<'m>(
+        matrices: impl Into<Blocks<'m, T>>,
+        load: &[T],
+        prescribed: &[(usize, T)],
+        equations: &[Equation<T>],
+    ) -> Result<Self, ReductionError> {
+        let matrices: Blocks<'m, T> = matrices.into();
+        let unknowns = matrices.num_unknowns();
         let shape = |what, found| if found == unknowns { Ok(()) } else { Err(ReductionError::Shape { what, found, expected: unknowns }) };
         shape("entries of the load", load.len())?;
+        if let Some(between) = matrices.between {
+            shape("rows between bodies", between.num_rows())?;
+            shape("columns between bodies", between.num_cols())?;
+        }
         let highest = prescribed.iter().map(|p| p.0).chain(equations.iter().flat_map(|e| e.terms.iter().map(|t| t.0))).max();
         if let Some(highest) = highest.filter(|&h| h >= unknowns) {
             shape("unknowns that conditions name", highest + 1)?;
@@ -141,10 +152,11 @@ impl<T: Real> Reduced<T> {
     }
 
     /// Pᵀ (f - K u0) for another load on the same matrices.
-    pub fn right_hand_side(&self, matrices: &[&Csr<T>], load: &[T]) -> Vec<T> {
+    pub fn right_hand_side<'m>(&self, matrices: impl Into<Blocks<'m, T>>, load: &[T]) -> Vec<T> {
+        let matrices: Blocks<'m, T> = matrices.into();
         let mut rest = load.to_vec();
         if self.offset.iter().any(|&v| v != T::zero()) {
-            for (r, k) in rest.iter_mut().zip(product(matrices, &self.offset)) {
+            for (r, k) in rest.iter_mut().zip(matrices.product(&self.offset)) {
                 *r -= k;
             }
         }
@@ -155,9 +167,10 @@ impl<T: Real> Reduced<T> {
         reduced
     }
 
-    /// Pᵀ K P of block diagonal matrices of the same sizes.
-    pub fn matrix(&self, matrices: &[&Csr<T>]) -> Csr<T> {
-        let starts = starts(matrices);
+    /// Pᵀ K P of matrices of the same sizes.
+    pub fn matrix<'m>(&self, matrices: impl Into<Blocks<'m, T>>) -> Csr<T> {
+        let matrices: Blocks<'m, T> = matrices.into();
+        let starts = matrices.starts();
         // unknowns that a bound one brings into its equations, per free unknown
         let mut followers: BTreeMap<usize, Vec<(usize, T)>> = BTreeMap::new();
         for (i, bound) in self.bound.iter().enumerate() {
@@ -167,22 +180,15 @@ impl<T: Real> Reduced<T> {
                 }
             }
         }
-        let row_of = |i: usize| {
-            let block = starts.partition_point(|&s| s <= i) - 1;
-            let (cols, vals) = matrices[block].row(i - starts[block]);
-            (starts[block], cols, vals)
-        };
+        let row_of = |i: usize| matrices.row(&starts, i);
         let simple = |i: usize, k: usize| {
-            let (start, cols, _) = row_of(i);
-            !followers.contains_key(&k)
-                && cols.iter().all(|&j| !matches!(&self.bound[start + j as usize], Bound::Terms(t) if !t.is_empty()))
+            !followers.contains_key(&k) && row_of(i).all(|(j, _)| !matches!(&self.bound[j], Bound::Terms(t) if !t.is_empty()))
         };
         let merged = |i: usize, k: usize| {
             let mut row: BTreeMap<usize, T> = BTreeMap::new();
             for &(i, factor) in std::iter::once(&(i, T::one())).chain(followers.get(&k).into_iter().flatten()) {
-                let (start, cols, vals) = row_of(i);
-                for (&j, &value) in cols.iter().zip(vals) {
-                    self.each_term(start + j as usize, |col, c| *row.entry(col).or_insert(T::zero()) += factor * value * c);
+                for (j, value) in row_of(i) {
+                    self.each_term(j, |col, c| *row.entry(col).or_insert(T::zero()) += factor * value * c);
                 }
             }
             row
@@ -190,22 +196,16 @@ impl<T: Real> Reduced<T> {
         let mut ptr = Vec::with_capacity(self.num_free() + 1);
         ptr.push(0usize);
         for (k, &i) in self.free.iter().enumerate() {
-            let count = if simple(i, k) {
-                let (start, cols, _) = row_of(i);
-                cols.iter().filter(|&&j| self.is_free(start + j as usize)).count()
-            } else {
-                merged(i, k).len()
-            };
+            let count = if simple(i, k) { row_of(i).filter(|&(j, _)| self.is_free(j)).count() } else { merged(i, k).len() };
             ptr.push(ptr[k] + count);
         }
         let mut entries = vec![(0u32, T::zero()); ptr[self.num_free()]];
         each_row(&ptr, &mut entries, |k, row| {
             let i = self.free[k];
             if simple(i, k) {
-                let (start, cols, vals) = row_of(i);
                 let mut slots = row.iter_mut();
-                for (&j, &value) in cols.iter().zip(vals) {
-                    if let Bound::Free(col) = self.bound[start + j as usize] {
+                for (j, value) in row_of(i) {
+                    if let Bound::Free(col) = self.bound[j] {
                         *slots.next().expect("a slot per free column") = (col as u32, value);
                     }
                 }
@@ -217,18 +217,19 @@ impl<T: Real> Reduced<T> {
         });
         let (cols, vals) = entries.into_iter().unzip();
         let matrix = Csr::from_parts(self.num_free(), ptr, cols, vals);
-        if matrices.iter().any(|m| m.places().len() != m.num_rows()) {
+        if matrices.bodies.iter().any(|m| m.places().len() != m.num_rows()) {
             return matrix;
         }
-        let places: Vec<[f64; 3]> = matrices.iter().flat_map(|m| m.places().iter().copied()).collect();
+        let places: Vec<[f64; 3]> = matrices.bodies.iter().flat_map(|m| m.places().iter().copied()).collect();
         matrix.with_places(self.free.iter().map(|&i| places[i]).collect())
     }
 
     /// r = K u - f + Bᵀ lambda in all unknowns: what supports do to the bodies, zero where an unknown is free.
     ///
     /// `reaction` lists parts of B in full unknowns (slave and master rows).
-    pub fn residual(&self, matrices: &[&Csr<T>], load: &[T], reaction: &[&Triplets<T>], lambda: &[T], u: &[T]) -> Vec<T> {
-        let mut r = product(matrices, u);
+    pub fn residual<'m>(&self, matrices: impl Into<Blocks<'m, T>>, load: &[T], reaction: &[&Triplets<T>], lambda: &[T], u: &[T]) -> Vec<T> {
+        let matrices: Blocks<'m, T> = matrices.into();
+        let mut r = matrices.product(u);
         for (r, &f) in r.iter_mut().zip(load) {
             *r -= f;
         }
@@ -251,28 +252,6 @@ impl<T: Real> Reduced<T> {
             }
         }
     }
-}
-
-/// First unknown of every block.
-fn starts<T: Real>(matrices: &[&Csr<T>]) -> Vec<usize> {
-    matrices
-        .iter()
-        .scan(0, |next, m| {
-            let start = *next;
-            *next += m.num_rows();
-            Some(start)
-        })
-        .collect()
-}
-
-/// K u, block by block.
-fn product<T: Real>(matrices: &[&Csr<T>], u: &[T]) -> Vec<T> {
-    let mut y = vec![T::zero(); u.len()];
-    for (m, start) in matrices.iter().zip(starts(matrices)) {
-        let range = start..start + m.num_rows();
-        m.apply(&u[range.clone()], &mut y[range]);
-    }
-    y
 }
 
 /// Rows of P, u0, and the free unknowns.

@@ -25,6 +25,15 @@ pub fn gauss_rules<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(basis: &B, 
     PerElement::new(rules, which)
 }
 
+/// The rule of [`gauss_rules`] of one element, its only one.
+pub(crate) fn element_rule<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(
+    basis: &B,
+    element: usize,
+    extra: usize,
+) -> Arc<dyn Quadrature<D, T>> {
+    rule(basis.cell(element), basis.degree(element), extra)
+}
+
 /// The rule of one kind of cell.
 fn rule<const D: usize, T: Real>(cell: Cell, degree: [usize; D], extra: usize) -> Arc<dyn Quadrature<D, T>> {
     match cell {

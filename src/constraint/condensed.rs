@@ -44,6 +44,9 @@ impl ConstraintSolver<f64> for Condensed {
         if s.reaction.is_some() {
             return Err(SolveError::NotSymmetric);
         }
+        if !s.symmetric {
+            return Err(LinearError::NotSymmetric.into());
+        }
         let (n, m) = (s.num_unknowns(), s.num_rows());
         let mut slave = vec![false; n];
         for &(_, j, v) in &system.constraint.slave.entries {
@@ -57,6 +60,10 @@ impl ConstraintSolver<f64> for Condensed {
         self.pivots_transposed.prepare(&block_transposed)?;
         let stiffness = product(&map.transposed, &product(&map.stiffness, &map.t)).with_places(map.places.clone());
         self.ldlt.prepare(&stiffness)?;
+        let negative = self.ldlt.negative_pivots();
+        if negative > 0 {
+            return Err(LinearError::Indefinite { negative }.into());
+        }
 
         let scale: Vec<f64> = s.diagonal.iter().map(|d| if *d != 0.0 { 1.0 / d.abs() } else { 1.0 }).collect();
         let (u, l, size) = s.refined(&scale, MAX_REFINEMENTS, |r1, r2| {

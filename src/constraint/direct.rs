@@ -22,7 +22,8 @@ const MAX_REFINEMENTS: usize = 20;
 /// Systems up to this size fall back to LU where refinement does not reach the residual wanted.
 const LU_LIMIT: usize = 20_000;
 
-/// Saddle-point solver: LDLᵀ for symmetric systems, sparse LU where the reaction differs from the constraint.
+/// Saddle-point solver: LDLᵀ for symmetric systems, sparse LU where the reaction differs from the constraint or the stiffness is
+/// not symmetric. A symmetric stiffness with negative energy is refused: couplings may add some where their factor is too small.
 ///
 /// Redundant rows that agree share their multiplier; rows that contradict each other are an error.
 #[derive(Debug, Default)]
@@ -81,6 +82,11 @@ impl Direct {
         let scale: Vec<f64> = diagonal.iter().map(|&d| if d > 0.0 { 1.0 / d } else { 1.0 }).collect();
         drop(upper);
         self.refuse_kernel(s, &w, &diagonal, &scale)?;
+        // every row has one negative pivot, the stiffness none
+        let negative = self.ldlt.negative_pivots().saturating_sub(m);
+        if negative > 0 {
+            return Err(LinearError::Indefinite { negative });
+        }
 
         s.refined(&scale, MAX_REFINEMENTS, |r1, r2| {
             let mut x = r1.to_vec();
@@ -244,7 +250,7 @@ impl ConstraintSolver<f64> for Direct {
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let s = Scaled::of(system)?;
         let small = s.num_unknowns() + s.num_rows() <= LU_LIMIT;
-        let (method, answer) = if s.reaction.is_some() {
+        let (method, answer) = if s.reaction.is_some() || !s.symmetric {
             ("saddle-point, LU", self.general(&s)?)
         } else {
             let first = self.quasi_definite(&s, system.stiffness.places())?;

@@ -8,6 +8,7 @@
 use super::{ConstrainedSystem, RowKind, SolveError};
 use crate::coupling::Rows;
 use crate::linalg::residual::{RESIDUAL_LIMIT, Sum, max, ratio};
+use crate::linalg::solver::NO_SYMMETRY;
 use crate::linalg::{Csr, LinearError, Operator, Real, Triplets};
 
 /// What a constraint row weighs.
@@ -68,6 +69,8 @@ pub(crate) struct Scaled<'a> {
     pub load: &'a [f64],
     /// Scaled C of all rows, also of the open ones.
     pub rows: Csr<f64>,
+    /// Whether the stiffness is symmetric.
+    pub symmetric: bool,
     /// Scaled B where it differs from C.
     pub reaction: Option<Csr<f64>>,
     /// Scaled g.
@@ -128,7 +131,8 @@ impl<'a> Scaled<'a> {
         }
         let offset = (0..m).map(|i| system.offset[i] * factor[i]).collect();
         let places = row_places(system, m, n);
-        Ok(Self { stiffness, diagonal, load: system.load, rows, reaction, offset, compliance, k, factor, enforced, places })
+        let symmetric = stiffness.is_symmetric(NO_SYMMETRY);
+        Ok(Self { stiffness, diagonal, load: system.load, rows, symmetric, reaction, offset, compliance, k, factor, enforced, places })
     }
 
     /// Places of unknowns, then rows; empty where the unknowns have none.

@@ -1,9 +1,10 @@
 //! Multiplier fields and jumps at the points of segments: what reports and error norms are made of.
 
-use super::{Interface, Segments, Side};
+use super::{CouplingError, Interface, Segments, Side};
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Real, Vector};
+use crate::physics::FluxTable;
 
 /// lambda at a local point of a slave element, one value per component.
 ///
@@ -92,6 +93,31 @@ pub fn jumps<const S: usize, const N: usize, T: Real>(interface: &Interface<'_, 
         }
     }
     values
+}
+
+/// Minus the slave's traction sigma n at the points of the segments: `values[component][point]`.
+///
+/// # Errors
+/// [`CouplingError::Missing`] where the slave has no flux.
+pub fn slave_flux<const S: usize, const N: usize, T: Real>(
+    interface: &Interface<'_, S, N, T>,
+    unknowns: &[T],
+) -> Result<Vec<Vec<T>>, CouplingError> {
+    let (segments, side) = (interface.segments, &interface.slave);
+    let flux = side.flux.ok_or_else(|| CouplingError::Missing("the traction of the slave needs the flux of its body".into()))?;
+    let (components, mut table) = (side.field.components, FluxTable::default());
+    let mut values = vec![Vec::with_capacity(segments.ds.len()); components];
+    for piece in 0..segments.num_pieces() {
+        let points = segments.points(piece);
+        flux.tabulate(segments.slave[piece], &segments.slave_xi[points.clone()], &mut table);
+        for q in 0..points.len() {
+            for (c, values) in values.iter_mut().enumerate() {
+                let row = &table.values[(q * components + c) * table.dofs.len()..][..table.dofs.len()];
+                values.push(row.iter().zip(&table.dofs).fold(T::zero(), |s, (&t, &i)| s - t * unknowns[i]));
+            }
+        }
+    }
+    Ok(values)
 }
 
 /// (∫ sum_c v_c² ds)^1/2 of values at the points of `segments`, as [`jumps`] and [`multiplier_values`] give them.

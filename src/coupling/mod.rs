@@ -5,6 +5,8 @@ pub mod inf_sup;
 pub mod interface;
 pub mod mortar;
 pub mod multiplier;
+pub mod nitsche;
+mod penalty;
 
 use crate::basis::Basis;
 use crate::linalg::{Real, Triplets, Vector};
@@ -14,6 +16,8 @@ use std::fmt::Debug;
 
 pub use interface::{Coverage, InterfaceQuadrature, Segments};
 pub use mortar::Mortar;
+pub use nitsche::Nitsche;
+pub use penalty::Penalty;
 
 /// Why sides could not be coupled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -91,9 +95,24 @@ pub struct CouplingBlocks<T: Real = f64> {
     pub reaction: Option<Rows<T>>,
     /// Entries added to the stiffness.
     pub stiffness: Triplets<T>,
+    /// Softens the rows: penalty stiffness over the stiffness of their slave unknowns; none: exact rows.
+    pub penalty: Option<T>,
 }
 
-/// Turns sides, multipliers and segments into rows or stiffness. (S, N) stands for (N - 1, N).
+impl<T: Real> CouplingBlocks<T> {
+    /// No rows and no stiffness in a system with `unknowns` unknowns.
+    pub fn empty(unknowns: usize) -> Self {
+        let rows = || Triplets::new(0, unknowns);
+        Self {
+            constraint: Rows { slave: rows(), master: rows() },
+            reaction: None,
+            stiffness: Triplets::new(unknowns, unknowns),
+            penalty: None,
+        }
+    }
+}
+
+/// Turns sides, multipliers and segments into rows, stiffness or both. (S, N) stands for (N - 1, N).
 pub trait Coupling<const S: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
     /// The blocks of `interface` in a system with `unknowns` unknowns.
     ///
@@ -102,10 +121,31 @@ pub trait Coupling<const S: usize, const N: usize, T: Real = f64>: Debug + Send 
     /// # Errors
     /// [`CouplingError`] where the interface lacks what the coupling needs.
     fn assemble(&self, interface: &Interface<'_, S, N, T>, unknowns: usize) -> Result<CouplingBlocks<T>, CouplingError>;
+
+    /// Whether it makes rows, and so needs a multiplier; one that only adds stiffness says no.
+    fn has_rows(&self) -> bool {
+        true
+    }
+
+    /// What takes the place of the multiplier where there are no rows: lambda at the points of the segments for the solution
+    /// `unknowns`, `[component][point]`, in the sign of a multiplier [modulus x displacement / length]. Unless it says otherwise,
+    /// minus the slave's traction.
+    ///
+    /// # Errors
+    /// [`CouplingError`] where the interface lacks what is needed.
+    fn lambda(&self, interface: &Interface<'_, S, N, T>, unknowns: &[T]) -> Result<Vec<Vec<T>>, CouplingError> {
+        evaluate::slave_flux(interface, unknowns)
+    }
 }
 
 impl<const S: usize, const N: usize, T: Real, X: Coupling<S, N, T> + ?Sized> Coupling<S, N, T> for Box<X> {
     fn assemble(&self, interface: &Interface<'_, S, N, T>, unknowns: usize) -> Result<CouplingBlocks<T>, CouplingError> {
         (**self).assemble(interface, unknowns)
+    }
+    fn has_rows(&self) -> bool {
+        (**self).has_rows()
+    }
+    fn lambda(&self, interface: &Interface<'_, S, N, T>, unknowns: &[T]) -> Result<Vec<Vec<T>>, CouplingError> {
+        (**self).lambda(interface, unknowns)
     }
 }

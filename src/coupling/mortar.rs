@@ -36,7 +36,7 @@ impl<const S: usize, const N: usize, T: Real> Coupling<S, N, T> for Mortar {
                 Some(Rows { slave: constraint.slave.clone(), master })
             }
         };
-        Ok(CouplingBlocks { constraint, reaction, stiffness: Triplets::new(unknowns, unknowns) })
+        Ok(CouplingBlocks { constraint, reaction, ..CouplingBlocks::empty(unknowns) })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Compressed sparse rows with 4-byte columns: pattern first, values refilled in place.
 
-use super::{Operator, Real};
+use super::{Operator, Real, lit};
 
 /// A sparse matrix by rows; columns ascend within a row.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -105,6 +105,45 @@ impl<T: Real> Csr<T> {
         }
     }
 
+    /// Whether |a_ij - a_ji| <= `tolerance` (m_i m_j)^1/2 everywhere, m_i the largest |entry| of row i; linear in the number of entries.
+    pub fn is_symmetric(&self, tolerance: f64) -> bool {
+        let n = self.num_rows();
+        if n != self.num_cols {
+            return false;
+        }
+        let largest = |i: usize| self.row(i).1.iter().fold(T::zero(), |m, v| m.max(v.abs()));
+        let limit: Vec<T> = (0..n).map(|i| (largest(i) * lit(tolerance)).sqrt()).collect();
+        // rows ascend: the next entry of row j left of its diagonal is the one that row i asks for, or has no partner
+        let mut next: Vec<usize> = self.ptr[..n].to_vec();
+        let same = |i: usize, j: usize, a: T, b: T| (a - b).abs() <= limit[i] * limit[j];
+        for i in 0..n {
+            for k in self.ptr[i]..self.ptr[i + 1] {
+                let j = self.cols[k] as usize;
+                if j <= i {
+                    continue;
+                }
+                while next[j] < self.ptr[j + 1] && (self.cols[next[j]] as usize) < i {
+                    if !same(j, self.cols[next[j]] as usize, self.vals[next[j]], T::zero()) {
+                        return false;
+                    }
+                    next[j] += 1;
+                }
+                let partner = next[j] < self.ptr[j + 1] && self.cols[next[j]] as usize == i;
+                let other = if partner { self.vals[next[j]] } else { T::zero() };
+                if !same(i, j, self.vals[k], other) {
+                    return false;
+                }
+                next[j] += usize::from(partner);
+            }
+        }
+        // what is left of the diagonal and was never asked for
+        (0..n).all(|j| {
+            (next[j]..self.ptr[j + 1])
+                .take_while(|&k| (self.cols[k] as usize) < j)
+                .all(|k| same(j, self.cols[k] as usize, self.vals[k], T::zero()))
+        })
+    }
+
     /// Aᵀ, rows sorted; linear in the number of entries.
     pub fn transposed(&self) -> Self {
         let mut ptr = vec![0usize; self.num_cols + 1];
@@ -143,5 +182,26 @@ impl<T: Real> Operator<T> for Csr<T> {
     }
     fn places(&self) -> &[[f64; 3]] {
         &self.places
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::Triplets;
+
+    fn matrix(entries: &[(usize, usize, f64)]) -> Csr {
+        Triplets { rows: 4, cols: 4, entries: entries.to_vec() }.to_csr()
+    }
+
+    #[test]
+    fn symmetry_is_seen_with_and_without_partners() {
+        let even = [(0, 0, 2.0), (0, 3, 1.0), (3, 0, 1.0), (1, 2, -1.0), (2, 1, -1.0), (3, 3, 4.0), (2, 2, 1.0), (1, 1, 1.0)];
+        assert!(matrix(&even).is_symmetric(0.0));
+        for odd in [(0, 1, 1e-3), (1, 0, 1e-3), (3, 2, 1e-3), (2, 3, 1e-3), (3, 0, 1e-3), (1, 2, 1e-3)] {
+            let more: Vec<_> = even.iter().copied().chain([odd]).collect();
+            assert!(!matrix(&more).is_symmetric(1e-6), "{odd:?}");
+            assert!(matrix(&more).is_symmetric(1e-2), "{odd:?}");
+        }
     }
 }

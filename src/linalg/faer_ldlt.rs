@@ -4,15 +4,19 @@
 //! approximate minimum degree. A pattern seen before keeps its analysis.
 
 use super::residual::{KERNEL, RESIDUAL_LIMIT, Sum, kernel_ratio, max, ratio, residual, row_scale, softest};
+use super::solver::NO_SYMMETRY;
 use super::{Csr, LinearError, LinearSolver, Operator, ordering};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
-use faer::sparse::linalg::cholesky::{self, LdltRef, SymbolicCholesky, SymmetricOrdering};
+use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
+use faer::sparse::linalg::cholesky::{self, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 use std::fmt;
 use std::sync::Arc;
 
+/// Pivots below this share of their diagonal entry are rounding.
+const NO_PIVOT: f64 = 1e-12;
 /// Refinements after which a residual that still falls is taken as it is.
 const MAX_REFINEMENTS: usize = 10;
 
@@ -61,6 +65,7 @@ pub struct Ldlt {
     values: Vec<f64>,
     analyses: usize,
     factorisations: usize,
+    negative: usize,
     scale: Vec<f64>,
 }
 
@@ -144,7 +149,7 @@ impl Ldlt {
         let n = symbolic.nrows();
         self.factor.resize(symbolic.len_val(), 0.0);
         if n == 0 {
-            self.ready = true;
+            (self.ready, self.negative) = (true, 0);
             return Ok(());
         }
         let (ptr, cols) = &*upper.pattern;
@@ -163,7 +168,34 @@ impl Ldlt {
             )
             .map_err(|_| LinearError::Singular { residual: 1.0 })?;
         self.ready = true;
+        self.negative = self.count_negative(upper);
         Ok(())
+    }
+
+    /// Number of negative pivots: as many as the matrix has negative eigenvalues (Sylvester). Pivots within rounding of zero,
+    /// measured by the diagonal entry they come from, do not count.
+    pub(crate) fn negative_pivots(&self) -> usize {
+        self.negative
+    }
+
+    fn count_negative(&self, upper: &Upper) -> usize {
+        let Some(analysis) = &self.analysis else { return 0 };
+        let order = analysis.symbolic.perm().map(|p| p.arrays().0);
+        let negative = |new: usize, pivot: f64| {
+            let old = order.map_or(new, |order| order[new]);
+            pivot < -NO_PIVOT * upper.vals[upper.pattern.0[old]].abs()
+        };
+        match analysis.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(s) => (0..s.nrows()).filter(|&j| negative(j, self.factor[s.col_ptr()[j]])).count(),
+            SymbolicCholeskyRaw::Supernodal(s) => {
+                let factor = SupernodalLdltRef::new(s, &self.factor);
+                let of_node = |k: usize| {
+                    let (node, first) = (factor.supernode(k).val(), s.supernode_begin()[k]);
+                    (0..node.ncols()).filter(|&j| negative(first + j, node[(j, j)])).count()
+                };
+                (0..s.n_supernodes()).map(of_node).sum()
+            }
+        }
     }
 
     /// x = A⁻¹ x by the factor alone.
@@ -192,6 +224,10 @@ impl Ldlt {
 impl LinearSolver<f64> for Ldlt {
     fn prepare(&mut self, a: &dyn Operator<f64>) -> Result<(), LinearError> {
         let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
+        if !matrix.is_symmetric(NO_SYMMETRY) {
+            self.ready = false;
+            return Err(LinearError::NotSymmetric);
+        }
         self.factorise(&Upper::of(matrix), a.places())?;
         self.scale = row_scale(a);
         let diagonal: Vec<f64> = matrix.diagonal().iter().map(|d| d.abs()).collect();

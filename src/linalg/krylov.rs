@@ -1,6 +1,7 @@
 //! Conjugate gradients: symmetric positive definite operators, with or without a matrix.
 
 use super::residual::{residual, row_scale};
+use super::solver::NO_SYMMETRY;
 use super::{LinearError, LinearSolver, Operator, Real, lit, to_f64};
 
 /// Conjugate gradients, preconditioned by the diagonal.
@@ -37,6 +38,9 @@ impl<T: Real> LinearSolver<T> for Cg<T> {
         if diagonal.iter().any(|&d| d <= T::zero()) {
             // not positive definite
             return Err(LinearError::Singular { residual: 1.0 });
+        }
+        if a.csr().is_some_and(|matrix| !matrix.is_symmetric(NO_SYMMETRY)) {
+            return Err(LinearError::NotSymmetric);
         }
         self.inverse_diagonal = diagonal.iter().map(|&d| T::one() / d).collect();
         Ok(())

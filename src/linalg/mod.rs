@@ -10,7 +10,7 @@ mod product;
 mod real;
 pub(crate) mod residual;
 mod small;
-mod solver;
+pub(crate) mod solver;
 mod triplets;
 
 pub use csr::Csr;

@@ -32,6 +32,15 @@ pub enum LinearError {
     /// The machine has not enough memory for the factor, or an index overflows.
     #[error("the factorisation does not fit into memory; take a coarser mesh or an iterative solver")]
     Memory,
+    /// A method for symmetric matrices was given another one.
+    #[error("the matrix is not symmetric and this solver needs one that is; take a solver for non-symmetric systems")]
+    NotSymmetric,
+    /// A method for positive definite matrices was given an indefinite one.
+    #[error("the matrix is not positive definite: {negative} directions have negative energy")]
+    Indefinite {
+        /// Number of negative eigenvalues.
+        negative: usize,
+    },
     /// Sizes disagree.
     #[error("the right-hand side has {found} entries, the operator {expected}")]
     Shape {
@@ -41,6 +50,9 @@ pub enum LinearError {
         found: usize,
     },
 }
+
+/// Defects of symmetry up to this share of the entries beside them are rounding.
+pub(crate) const NO_SYMMETRY: f64 = 1e-9;
 
 /// A method for A x = b.
 pub trait LinearSolver<T: Real = f64>: Debug + Send {

@@ -1,11 +1,10 @@
 //! The flux sigma n of a body on one of its sides, for Nitsche's method and for tractions.
 
 use super::{Flux, FluxTable, Material};
-use crate::assembly::{Scratch, element_stiffness, gauss_rules, inverse_or_nan};
+use crate::assembly::{Scratch, element_rule, element_stiffness, inverse_or_nan};
 use crate::basis::{Order, ShapeTable};
 use crate::geometry::MapTable;
-use crate::linalg::{Matrix, Real, Vector, lit, measure};
-use crate::quadrature::{PerElement, Quadrature, Rule};
+use crate::linalg::{Matrix, Real, Vector, lit, measure, to_f64};
 use crate::space::{Field, Space, Trace};
 use nalgebra::{DMatrix, SymmetricEigen};
 use std::sync::Arc;
@@ -17,15 +16,12 @@ pub struct BodyFlux<const C: usize, const S: usize, const N: usize, T: Real = f6
     trace: Trace<S, N, T>,
     field: Field,
     material: Arc<dyn Material<C, N, T>>,
-    inside: PerElement<N, T>,
-    outside: PerElement<S, T>,
 }
 
 impl<const C: usize, const S: usize, const N: usize, T: Real> BodyFlux<C, S, N, T> {
     /// The flux of the field numbered by `field` on `space` through `trace`; the material is taken at rest.
     pub fn new(space: Arc<dyn Space<N, N, T>>, trace: Trace<S, N, T>, field: Field, material: Arc<dyn Material<C, N, T>>) -> Self {
-        let (inside, outside) = (gauss_rules(&*space, 0), gauss_rules(&*trace.space, 1));
-        Self { space, trace, field, material, inside, outside }
+        Self { space, trace, field, material }
     }
 
     /// Gradients of the functions behind the facet, positions and normals at lifted points, then `visit(q, x, normal,
@@ -86,36 +82,31 @@ impl<const C: usize, const S: usize, const N: usize, T: Real> Flux<S, N, T> for 
     /// The largest eigenvalue of ∫ sigma n . sigma n ds over the facet against the energy of the element.
     fn stabilisation(&self, element: usize) -> T {
         let parent = self.trace.facets[element].element;
-        let rule: &Rule<S, T> = self.outside.rule(element);
+        let outside = element_rule(&*self.trace.space, element, 1);
+        let rule = outside.rule(0);
         let mut table = FluxTable::default();
         self.tabulate(element, &rule.points, &mut table);
-        let n = table.dofs.len();
-        let mut facet = DMatrix::<T>::zeros(n, n);
-        self.each_point(element, &rule.points, |q, _, _, stretch, _| {
-            let ds = rule.weights[q] * stretch;
-            for c in 0..C {
-                let row = &table.values[(q * C + c) * n..][..n];
-                for a in 0..n {
-                    for b in 0..n {
-                        facet[(a, b)] += ds * row[a] * row[b];
-                    }
-                }
-            }
-        });
+        let (n, rows) = (table.dofs.len(), rule.points.len() * C);
+        let mut ds = Vec::with_capacity(rule.points.len());
+        self.each_point(element, &rule.points, |q, _, _, stretch, _| ds.push(rule.weights[q] * stretch));
+        // the facet's matrix is G Gᵀ, and its rank that of the few columns of G
+        let g = DMatrix::from_fn(n, rows, |a, r| ds[r / C].sqrt() * table.values[r * n + a]);
         let mut scratch = Scratch::default();
-        scratch.gradients(&*self.space, parent, self.inside.rule(parent));
+        scratch.gradients(&*self.space, parent, element_rule(&*self.space, parent, 0).rule(0));
         let mut energy = vec![T::zero(); n * n];
         element_stiffness(&mut scratch, &super::form(&*self.material), &mut energy);
         let mut energy = DMatrix::from_row_slice(n, n, &energy);
-        let shift = energy.trace() * lit(RIGID_SHIFT);
+        let shift = energy.trace() * T::default_epsilon().max(lit(RIGID_SHIFT));
         for a in 0..n {
             energy[(a, a)] += shift;
         }
-        let Some(root) = energy.cholesky() else { return T::zero() / T::zero() };
-        // eigenvalues of L^-1 F L^-T
-        let root = root.l();
-        let half = root.solve_lower_triangular(&facet).unwrap_or(facet);
-        let whole = root.solve_lower_triangular(&half.transpose()).unwrap_or(half);
-        SymmetricEigen::new(whole).eigenvalues.iter().fold(T::zero(), |m, &v| m.max(v))
+        let none = T::zero() / T::zero();
+        let Some(root) = energy.cholesky() else { return none };
+        // eigenvalues of L^-1 G Gᵀ L^-T, other than zero, are those of (L^-1 G)ᵀ (L^-1 G)
+        let Some(half) = root.l().solve_lower_triangular(&g) else { return none };
+        if half.iter().any(|v| !to_f64(*v).is_finite()) {
+            return none;
+        }
+        SymmetricEigen::new(half.transpose() * &half).eigenvalues.iter().fold(T::zero(), |m, &v| m.max(v))
     }
 }

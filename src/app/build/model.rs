@@ -7,12 +7,12 @@ use super::physics::Physics;
 use crate::assembly::{Equation, Rim};
 use crate::basis::Basis;
 use crate::contact::{Contact, Target};
-use crate::coupling::{Rows, Segments};
+use crate::coupling::{Coupling, Rows, Segments};
 use crate::io::case;
 use crate::io::errors::Diagnostics;
 use crate::io::formula::Formula;
 use crate::io::place::Place;
-use crate::linalg::Vector;
+use crate::linalg::{Triplets, Vector};
 use crate::quadrature::PerElement;
 use crate::space::{Body, Field, Trace};
 use std::sync::Arc;
@@ -189,6 +189,8 @@ pub struct Pairing<const S: usize, const N: usize> {
     pub master: Arc<SideModel<S, N>>,
     /// Where both are seen together.
     pub segments: Segments<S>,
+    /// The second list of mixed integration.
+    pub second: Option<Segments<S>>,
 }
 
 /// A slave side of a tied interface.
@@ -196,14 +198,20 @@ pub struct Pairing<const S: usize, const N: usize> {
 pub struct TiePart<const S: usize, const N: usize> {
     /// The side that carries the multiplier.
     pub slave: Arc<SideModel<S, N>>,
-    /// One multiplier space per component.
+    /// One multiplier space per component; none where the coupling makes no rows.
     pub multipliers: Vec<Box<dyn Basis<S>>>,
+    /// What ties the sides.
+    pub coupling: Box<dyn Coupling<S, N>>,
     /// The master sides.
     pub pairings: Vec<Pairing<S, N>>,
     /// C in unknowns of the model.
     pub rows: Rows,
     /// B where it differs from C.
     pub reaction: Option<Rows>,
+    /// Entries that are added to the stiffness in unknowns of the model, at the first time.
+    pub stiffness: Triplets,
+    /// Softness of the rows: penalty stiffness over the stiffness of their slave unknowns; none: exact.
+    pub penalty: Option<f64>,
     /// First row in the system.
     pub first_row: usize,
     /// Number of rows.

@@ -5,7 +5,7 @@ use crate::assembly::{self, Errors};
 use crate::io::case::{self, Elastic as Constants};
 use crate::io::formula::{Formula, Point};
 use crate::linalg::{Csr, Matrix, Vector};
-use crate::physics::{self, Assumption, Conductor, Elastic, Hooke, Jet, Material, MaterialError};
+use crate::physics::{self, Assumption, BodyFlux, Conductor, Elastic, Flux, Hooke, Jet, Material, MaterialError};
 use crate::quadrature::Quadrature;
 use crate::space::{Field, Space, Trace};
 use std::sync::Arc;
@@ -93,6 +93,14 @@ impl<const N: usize> Physics<N> {
         match self {
             Self::Scalar(_) => 1,
             Self::Vector(_) => N,
+        }
+    }
+
+    /// sigma n of the field numbered by `field` through a side of the body.
+    pub fn flux<const S: usize>(&self, space: &Arc<dyn Space<N, N>>, trace: &Trace<S, N>, field: Field) -> Box<dyn Flux<S, N>> {
+        match self {
+            Self::Scalar(m) => Box::new(BodyFlux::new(Arc::clone(space), trace.clone(), field, Arc::clone(m))),
+            Self::Vector(m) => Box::new(BodyFlux::new(Arc::clone(space), trace.clone(), field, Arc::clone(m))),
         }
     }
 

@@ -7,12 +7,13 @@ use super::fixed::Fixed;
 use super::model::{Model, Pairing, SideModel, TieModel, TiePart};
 use super::multipliers::{held_help, multiplier, multiplier_fault};
 use super::sides::Sides;
-use crate::app::registry::is_glue;
+use crate::app::registry::{CouplingOptions, is_glue};
 use crate::basis::{Basis, Elements};
 use crate::coupling::interface::{Partners, Tolerance};
 use crate::coupling::multiplier::check_counts;
-use crate::coupling::{CouplingError, Interface, Rows, Segments, Side};
-use crate::io::case::{Integration, SideRef, Tie};
+use crate::coupling::nitsche::Variant;
+use crate::coupling::{Coupling, CouplingError, Rows, Segments};
+use crate::io::case::{self, Integration, SideRef, Tie};
 use crate::io::errors::Diagnostic;
 use crate::io::place::{Located, Place};
 use crate::linalg::Triplets;
@@ -97,7 +98,9 @@ pub(super) fn memberships<const S: usize, const N: usize>(
     couples: &Couples<S, N>,
 ) -> Memberships {
     let mut members = Memberships::default();
-    for (_, list) in builder.case.interfaces.iter().zip(&couples.ties).filter(|(tie, _)| !is_glue(&tie.coupling.value)) {
+    // couplings without rows take no functions away
+    let has_rows = |tie: &Tie| coupling_of(builder, tie).is_ok_and(|coupling| coupling.has_rows());
+    for (_, list) in builder.case.interfaces.iter().zip(&couples.ties).filter(|(tie, _)| !is_glue(&tie.coupling.value) && has_rows(tie)) {
         // a side in two lists of one tie counts once
         let mut seen: BTreeSet<(usize, &str)> = BTreeSet::new();
         for side in list.iter().flat_map(|c| c.masters.iter().chain([&c.slave])) {
@@ -107,6 +110,19 @@ pub(super) fn memberships<const S: usize, const N: usize>(
         }
     }
     members
+}
+
+/// The coupling that a tie names.
+fn coupling_of<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, tie: &Tie) -> Result<Box<dyn Coupling<S, N>>, Box<Diagnostic>> {
+    let variant = match tie.variant.value {
+        case::Variant::Unsymmetric => Variant::Unsymmetric,
+        case::Variant::Incomplete => Variant::Incomplete,
+        _ => Variant::Symmetric,
+    };
+    match builder.names.couplings.get(&tie.coupling.value) {
+        Ok(make) => Ok(make(CouplingOptions { factor: tie.factor.value, variant })),
+        Err(unknown) => Err(Box::new(builder.error("E015", unknown.to_string(), tie.coupling.at))),
+    }
 }
 
 #[allow(clippy::result_large_err)]
@@ -122,14 +138,11 @@ fn part<const S: usize, const N: usize>(
 ) -> Result<(TiePart<S, N>, Vec<Diagnostic>), Box<Diagnostic>> {
     let mut warnings = Vec::new();
     let name = &tie.name.value;
-    let coupling = match builder.names.couplings.get(&tie.coupling.value) {
-        Ok(make) => make(tie.factor.value),
-        Err(unknown) => return Err(Box::new(builder.error("E015", unknown.to_string(), tie.coupling.at))),
-    };
+    let coupling = coupling_of(builder, tie)?;
     let field = model.patches[slave.patch].field;
     // multipliers, one per component: ends are constrained per component
     let mut multipliers = Vec::with_capacity(model.components);
-    for c in 0..model.components {
+    for c in (0..model.components).filter(|_| coupling.has_rows()) {
         if slave.trace.dofs.iter().all(|&function| fixed.is(field.unknown(function, c)))
             && let Some(help) = held_help(model, slave, &[c], !model.equations.is_empty())
         {
@@ -148,27 +161,29 @@ fn part<const S: usize, const N: usize>(
             warnings.extend(warning);
         }
     }
-    let borrowed: Vec<&dyn Basis<S>> = multipliers.iter().map(|m| &**m).collect();
     // functions that are glued to each other count once
     let mut known = HashSet::new();
     let twins: HashSet<usize> = slave.trace.dofs.iter().copied().filter(|&f| !known.insert(model.function(slave.patch, f))).collect();
     let counted = |function: usize, c: usize| fixed.is(field.unknown(function, c)) || twins.contains(&function);
-    check_counts(&slave.trace, model.components, &borrowed, &counted)
-        .map_err(|e| Box::new(multiplier_fault(builder, name, slave, &e, tie.multiplier.at, model.components)))?;
+    if coupling.has_rows() {
+        let borrowed: Vec<&dyn Basis<S>> = multipliers.iter().map(|m| &**m).collect();
+        check_counts(&slave.trace, model.components, &borrowed, &counted)
+            .map_err(|e| Box::new(multiplier_fault(builder, name, slave, &e, tie.multiplier.at, model.components)))?;
+    }
     // segments against every master
-    let mut pairings: Vec<(Pairing<S, N>, Option<Segments<S>>)> = Vec::new();
+    let mut pairings: Vec<Pairing<S, N>> = Vec::new();
     let mut missed: Option<CouplingError> = None;
     for master in masters {
         match segments(builder, model, tie, slave, master)? {
-            Ok((first, second)) => pairings.push((Pairing { master: master.clone(), segments: first }, second)),
+            Ok((segments, second)) => pairings.push(Pairing { master: master.clone(), segments, second }),
             Err(e) => missed = Some(e),
         }
     }
     if let Some(error) = missed.filter(|e| pairings.is_empty() || !matches!(e, CouplingError::NothingFaces)) {
         return Err(Box::new(apart(builder, slave, masters, &error, at)));
     }
-    let total = pairings.first().map_or(0.0, |(p, _)| p.segments.report.slave_measure);
-    let covered: f64 = pairings.iter().map(|(p, _)| p.segments.report.covered).sum();
+    let total = pairings.first().map_or(0.0, |p| p.segments.report.slave_measure);
+    let covered: f64 = pairings.iter().map(|p| p.segments.report.covered).sum();
     if covered < (1.0 - UNCOVERED) * total {
         let text = format!("only {} % of the slave side `{}` meets {}", percent(covered / total), slave.label, labels(masters));
         return Err(Box::new(
@@ -177,38 +192,35 @@ fn part<const S: usize, const N: usize>(
                 .with_help("a tied slave must be covered: swap slave and master, or add the missing master sides"),
         ));
     }
-    // rows
-    let (mut rows, mut reaction, mut differs) = (empty(0, model.unknowns), empty(0, model.unknowns), false);
-    for (pairing, second) in &pairings {
-        let interface = Interface {
-            slave: Side { trace: &slave.trace, field, flux: None },
-            master: Some(Side { trace: &pairing.master.trace, field: model.patches[pairing.master.patch].field, flux: None }),
-            multiplier: &borrowed,
-            segments: &pairing.segments,
-            master_segments: second.as_ref(),
-            direction: None,
-        };
-        let blocks = coupling
-            .assemble(&interface, model.unknowns)
-            .map_err(|e| Box::new(builder.error("E015", format!("interface \"{name}\": {e}"), tie.head.at)))?;
-        if !blocks.stiffness.entries.is_empty() {
-            let text = format!("coupling \"{}\" adds stiffness between bodies, which is not in this version", tie.coupling.value);
-            return Err(Box::new(builder.error("E019", text, tie.coupling.at)));
-        }
-        differs |= blocks.reaction.is_some();
-        add(&mut reaction, blocks.reaction.as_ref().unwrap_or(&blocks.constraint));
-        add(&mut rows, &blocks.constraint);
-    }
-    let num_rows = borrowed.iter().map(|m| m.num_functions()).sum();
-    let part = TiePart {
+    let mut part = TiePart {
         slave: slave.clone(),
         multipliers,
-        pairings: pairings.into_iter().map(|(p, _)| p).collect(),
-        rows,
-        reaction: differs.then_some(reaction),
+        coupling,
+        pairings,
+        rows: empty(0, model.unknowns),
+        reaction: None,
+        stiffness: Triplets::new(model.unknowns, model.unknowns),
+        penalty: None,
         first_row: model.rows,
-        num_rows,
+        num_rows: 0,
     };
+    let (mut reaction, mut differs) = (empty(0, model.unknowns), false);
+    let fluxes = part.fluxes(model, builder.case.steps.value.first().copied().unwrap_or(1.0));
+    for k in 0..part.pairings.len() {
+        let blocks = part
+            .blocks(&*part.coupling, model, k, &fluxes)
+            .map_err(|e| Box::new(builder.error("E015", format!("interface \"{name}\": {e}"), tie.head.at)))?;
+        differs |= blocks.reaction.is_some();
+        add(&mut reaction, blocks.reaction.as_ref().unwrap_or(&blocks.constraint));
+        add(&mut part.rows, &blocks.constraint);
+        part.stiffness.append_below(&blocks.stiffness, 0);
+        part.penalty = blocks.penalty.or(part.penalty);
+    }
+    if part.rows.slave.entries.is_empty() && part.rows.master.entries.is_empty() && !part.stiffness.entries.is_empty() {
+        part.multipliers.clear();
+    }
+    part.reaction = differs.then_some(reaction);
+    part.num_rows = part.multipliers.iter().map(|m| m.num_functions()).sum();
     Ok((part, warnings))
 }
 

@@ -4,7 +4,7 @@ use super::grammar::{FieldName, Reduce};
 use super::path::look_up;
 use super::prepare::Prepared;
 use crate::app::build::{Model, PointState};
-use crate::app::run::{StepState, component_rows, multiplier_at};
+use crate::app::run::{StepState, TieField, multiplier_at};
 use crate::basis::{Basis, Cell, Order};
 use crate::geometry::MapTable;
 use crate::linalg::{Vector, measure};
@@ -132,8 +132,7 @@ pub fn evaluate<const S: usize, const N: usize>(
         }
         Prepared::Lambda(spot, component) => {
             let part = &model.ties[spot.number].parts[spot.part];
-            let rows = component_rows(part)[*component].clone();
-            finite(multiplier_at(&*part.multipliers[*component], &state.lambda[rows], spot.element, &[spot.xi])[0])
+            finite(TieField::of(model, part, state.t).at(model, part, state, spot.element, &[spot.xi])[*component][0])
         }
         Prepared::Pressure(spot, pressure) => {
             let part = &model.contacts[spot.number].parts[spot.part];

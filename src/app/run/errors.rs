@@ -1,7 +1,8 @@
 //! Errors of a solved model against exact solutions and multipliers.
 
-use super::report::{component_rows, multiplier_at};
+use super::report::multiplier_at;
 use super::solve::StepState;
+use super::tied::TieField;
 use crate::app::build::{Model, SideModel, TieModel};
 use crate::app::named::Named;
 use crate::assembly::Errors;
@@ -97,18 +98,12 @@ pub fn errors<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepS
 fn tie_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, tie: &TieModel<S, N>) -> Squares {
     let mut sum = Squares::default();
     for part in &tie.parts {
-        let rows = component_rows(part);
         let physics = model.patches[part.slave.patch].physics_at(state.t);
-        for pairing in &part.pairings {
-            let s = &pairing.segments;
+        let lambda = TieField::of(model, part, state.t);
+        for (pairing, s) in part.pairings.iter().map(|p| &p.segments).enumerate() {
+            let found = lambda.on_segments(model, part, state, pairing);
             each_piece(&part.slave, s, |piece, x, normals| {
                 let points = s.points(piece);
-                let found: Vec<Vec<f64>> = part
-                    .multipliers
-                    .iter()
-                    .zip(&rows)
-                    .map(|(psi, range)| multiplier_at(&**psi, &state.lambda[range.clone()], s.slave[piece], &s.slave_xi[points.clone()]))
-                    .collect();
                 let mut wanted = vec![0.0; model.components];
                 for (k, q) in points.enumerate() {
                     let at = Point::new(x[k].as_slice()).at_time(state.t);
@@ -121,7 +116,7 @@ fn tie_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
                         (None, None) => {}
                     }
                     for (c, w) in wanted.iter().enumerate() {
-                        sum.error += s.ds[q] * (found[c][k] - w).powi(2);
+                        sum.error += s.ds[q] * (found[c][q] - w).powi(2);
                         sum.exact += s.ds[q] * w.powi(2);
                     }
                 }

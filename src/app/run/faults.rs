@@ -95,6 +95,14 @@ pub fn step_fault<const S: usize, const N: usize>(
                 Diagnostic::error("E072", text).with_help("lower the multiplier's degree or refine the slave side"),
             )
         }
+        StepError::Solve(SolveError::Linear(LinearError::Indefinite { .. })) => {
+            let help = "raise `factor` of coupling = \"nitsche\" (auto is 4), or write variant = \"unsymmetric\"";
+            (Status::Singular, "indefinite", Diagnostic::error("E072", error.to_string()).with_help(help))
+        }
+        StepError::Solve(SolveError::Linear(LinearError::NotSymmetric)) => {
+            let help = "write constraint = \"saddle-point\", or variant = \"symmetric\" for coupling = \"nitsche\"";
+            (Status::Singular, "not symmetric", Diagnostic::error("E072", error.to_string()).with_help(help))
+        }
         other => (Status::Singular, "singular", Diagnostic::error("E072", other.to_string())),
     }
 }

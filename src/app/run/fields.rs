@@ -4,6 +4,7 @@ use super::Solved;
 use super::arc_length::ArcLength;
 use super::integrate::on_trace;
 use super::report::{component_rows, multiplier_at};
+use super::tied::TieField;
 use crate::app::build::{Against, SideModel};
 use crate::app::output::{ExactCurve, Output, Parts, Picture, RunOptions, SideOutput};
 use crate::app::registry::usual_cells;
@@ -167,19 +168,16 @@ fn tied_side(solved: &Arc<Plane>, t: usize, p: usize, options: &RunOptions) -> S
     let components = solved.model.components;
     let lambda = |solved: &Arc<Plane>, sign: f64| {
         let solved = Arc::clone(solved);
+        let field = TieField::of(&solved.model, &solved.model.ties[t].parts[p], solved.state.t);
         move |element: usize, xi: &[Vector<1>]| {
             let part = &solved.model.ties[t].parts[p];
-            let per_component: Vec<Vec<f64>> = part
-                .multipliers
-                .iter()
-                .zip(component_rows(part))
-                .map(|(psi, rows)| multiplier_at(&**psi, &solved.state.lambda[rows], element, xi))
-                .collect();
+            let per_component = field.at(&solved.model, part, &solved.state, element, xi);
             (0..xi.len()).flat_map(|q| per_component.iter().map(move |v| sign * v[q]).collect::<Vec<_>>()).collect::<Vec<f64>>()
         }
     };
     let mut drawn = Part::new(part_name(&tie.name, p, tie.parts.len()), Arc::clone(&part.slave.trace.space), side_cells(options));
-    drawn.least_degree = part.multipliers.iter().map(|m| degree(&**m)).max().unwrap_or(1);
+    let own = || degree(&*part.slave.trace.space);
+    drawn.least_degree = part.multipliers.iter().map(|m| degree(&**m)).max().unwrap_or_else(own);
     drawn = drawn
         .with("lambda", components, lambda(solved, 1.0))
         .with("gap", 1, jumps(solved, t, p))
@@ -187,6 +185,14 @@ fn tied_side(solved: &Arc<Plane>, t: usize, p: usize, options: &RunOptions) -> S
         .with("traction", components, lambda(solved, -1.0));
     if let Some(pairing) = part.pairings.first() {
         drawn = drawn.with("normal", 2, normals(solved, &part.slave, Box::new(Surface::new(&pairing.master.trace, None))));
+    }
+    let exact: Option<ExactCurve> = tie.exact.clone().filter(|list| list.len() == 1).map(|list| -> ExactCurve {
+        let t = solved.state.t;
+        Box::new(move |x| list[0].value(&Point::new(x.as_slice()).at_time(t)))
+    });
+    let name = part_name(&tie.name, p, tie.parts.len());
+    if part.multipliers.is_empty() {
+        return SideOutput { name, contact: false, part: drawn, rows: without_rows(solved, t, p), exact };
     }
     let rows = component_rows(part);
     // components may have different functions at the ends: one line per function of the richest
@@ -208,11 +214,35 @@ fn tied_side(solved: &Arc<Plane>, t: usize, p: usize, options: &RunOptions) -> S
             InterfaceRow { s, x, lambda, gap: gap_at(x), active: true }
         })
         .collect();
-    let exact: Option<ExactCurve> = tie.exact.clone().filter(|list| list.len() == 1).map(|list| -> ExactCurve {
-        let t = solved.state.t;
-        Box::new(move |x| list[0].value(&Point::new(x.as_slice()).at_time(t)))
-    });
-    SideOutput { name: part_name(&tie.name, p, tie.parts.len()), contact: false, part: drawn, rows: table, exact }
+    SideOutput { name, contact: false, part: drawn, rows: table, exact }
+}
+
+/// The table of a tie without multiplier: one line per point of its segments, along the slave.
+fn without_rows(solved: &Arc<Plane>, t: usize, p: usize) -> Vec<InterfaceRow> {
+    let (model, state) = (&solved.model, &solved.state);
+    let part = &model.ties[t].parts[p];
+    let arc = ArcLength::new(&*part.slave.trace.space);
+    let (field, jump) = (TieField::of(model, part, state.t), jumps(solved, t, p));
+    let (mut rows, mut map) = (Vec::new(), MapTable::new());
+    for (k, segments) in part.pairings.iter().map(|pairing| &pairing.segments).enumerate() {
+        let lambda = field.on_segments(model, part, state, k);
+        for piece in 0..segments.num_pieces() {
+            let (element, points) = (segments.slave[piece], segments.points(piece));
+            let xi = &segments.slave_xi[points.clone()];
+            part.slave.trace.space.map(element, xi, Order::Values, &mut map);
+            for (i, gap) in jump(element, xi).into_iter().enumerate() {
+                rows.push(InterfaceRow {
+                    s: arc.of(element, xi[i][0]),
+                    x: [map.x[i][0], map.x[i][1], 0.0],
+                    lambda: lambda.iter().map(|values| values[points.start + i]).collect(),
+                    gap: Some(gap),
+                    active: true,
+                });
+            }
+        }
+    }
+    rows.sort_by(|a, b| a.s.total_cmp(&b.s));
+    rows
 }
 
 /// Values of all components at an arc length, where components have different functions.

@@ -11,6 +11,7 @@ mod predict;
 mod reactions;
 mod report;
 mod solve;
+mod tied;
 
 use faults::{floating, memory_limit, step_fault, stopped};
 
@@ -30,7 +31,8 @@ pub(crate) use forecast::{memory_for_files, too_large};
 pub use loads::Resultant;
 pub use predict::{Prediction, bytes, predict};
 pub use report::{HalfWidth, Zone, component_rows, multiplier_at};
-pub use solve::{Solver, StepError, StepState, Stiffness, Unsolved};
+pub use solve::{Matrices, Solver, StepError, StepState, Stiffness, Unsolved};
+pub use tied::TieField;
 
 /// A model with its solution.
 #[derive(Debug)]
@@ -306,7 +308,7 @@ fn solve_case<const S: usize, const N: usize>(
         };
         let when = |d: Diagnostic| if case.has_steps() { at_step(d, k, t) } else { d };
         if let Some(state) = &state {
-            report::fill(&mut result, &model, state, matrices, dimension.half_width, reason);
+            report::fill(&mut result, &model, state, &matrices.bodies, dimension.half_width, reason);
             result.t = case.has_steps().then_some(t);
             if status == Status::Ok && !state.u.iter().chain(&state.lambda).all(|v| v.is_finite()) {
                 (status, reason) = (Status::NotFinite, "not-finite");

@@ -130,6 +130,10 @@ pub fn predict<const S: usize, const N: usize>(model: &Model<S, N>, steps: usize
         let factor = unknowns * fill(unknowns, p, width, components, N);
         all = all.and(&Need { unknowns, elements, entries: unknowns * row, factor });
     }
+    // ties without rows: entries between the bodies, twice for the reduced copy, and twice the factor where the matrix is not symmetric
+    for part in model.ties.iter().flat_map(|tie| &tie.parts).filter(|part| !part.stiffness.entries.is_empty()) {
+        all.entries += part.stiffness.entries.len() as f64;
+    }
     let mut prediction = all.prediction();
     let kept = BYTES_PER_STATE * (model.unknowns + model.rows) as f64 * steps.saturating_sub(1) as f64;
     prediction.memory = (prediction.memory as f64 + kept) as u64;

@@ -5,6 +5,7 @@ use super::integrate::on_trace;
 use super::loads::Resultant;
 use super::reactions::reactions;
 use super::solve::StepState;
+use super::tied::TieField;
 use crate::app::build::{Model, SideModel, TieModel, TiePart};
 use crate::app::named::Named;
 use crate::app::result::{
@@ -17,6 +18,7 @@ use crate::geometry::Geometry;
 use crate::io::case::Case;
 use crate::linalg::{Csr, Operator, Vector};
 use crate::space::{diameter, measure, quality};
+use std::collections::BTreeMap;
 
 /// A slave side with the rows of its contact and the points that are closed.
 pub type Zone<'a, const S: usize, const N: usize> = (&'a dyn Geometry<S, N>, &'a Contact<S, N>, Vec<bool>);
@@ -202,9 +204,12 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
     let mut report = InterfaceReport::default();
     let (mut size, mut defect) = (0.0, [0.0; 3]);
     for part in &tie.parts {
-        let rows = component_rows(part);
-        for pairing in &part.pairings {
+        let lambda = TieField::of(model, part, state.t);
+        for (k, pairing) in part.pairings.iter().enumerate() {
             let s = &pairing.segments;
+            for values in lambda.on_segments(model, part, state, k) {
+                report.lambda.norm += s.ds.iter().zip(&values).map(|(ds, v)| ds * v.powi(2)).sum::<f64>();
+            }
             for piece in 0..s.num_pieces() {
                 let points = s.points(piece);
                 let own = on_trace(
@@ -224,27 +229,31 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
                 for (k, q) in points.clone().enumerate() {
                     report.jump.l2 += s.ds[q] * (0..3).map(|c| (own[k][c] - other[k][c]).powi(2)).sum::<f64>();
                 }
-                for (c, psi) in part.multipliers.iter().enumerate() {
-                    let values = multiplier_at(&**psi, &state.lambda[rows[c].clone()], s.slave[piece], &s.slave_xi[points.clone()]);
-                    for (k, q) in points.clone().enumerate() {
-                        report.lambda.norm += s.ds[q] * values[k].powi(2);
-                    }
-                }
             }
             report.segments.count += s.num_pieces();
             report.segments.measure += s.measure();
             report.distance = report.distance.max(s.report.distance);
         }
         // action and reaction: columns of B sum to zero against each other
+        let component =
+            |j: usize| model.patches.iter().find(|p| p.range().contains(&j)).map_or(0, |p| (j - p.field.first) % p.field.components);
         let b = part.reaction.as_ref().unwrap_or(&part.rows);
         for triplets in [&b.slave, &b.master] {
             for &(i, j, value) in &triplets.entries {
                 let force = value * state.lambda[part.first_row + i];
-                let component =
-                    model.patches.iter().find(|p| p.range().contains(&j)).map_or(0, |p| (j - p.field.first) % p.field.components);
-                defect[component] += force;
+                defect[component(j)] += force;
                 size += force.abs();
             }
+        }
+        // what is added to the stiffness pulls on both bodies alike, too
+        let mut forces: BTreeMap<usize, f64> = BTreeMap::new();
+        let changed = if part.changes(model) { part.stiffness_at(model, state.t).ok() } else { None };
+        for &(i, j, value) in &changed.as_ref().unwrap_or(&part.stiffness).entries {
+            *forces.entry(i).or_default() += value * state.u[j];
+        }
+        for (&i, force) in &forces {
+            defect[component(i)] += force;
+            size += force.abs();
         }
     }
     report.lambda = Norm { norm: report.lambda.norm.sqrt() };

@@ -2,16 +2,19 @@
 
 use super::integrate::on_trace;
 use super::loads::Resultant;
-use crate::app::build::{ContactModel, Model};
+use crate::app::build::{ContactModel, Model, between};
 use crate::app::registry::{Registry, UnknownName, solver_name};
 use crate::app::watch::{Progress, Watch};
-use crate::assembly::{DirichletError, Reduced, ReductionError};
-use crate::constraint::{ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, scale::row_scales};
+use crate::assembly::{Blocks, DirichletError, Reduced, ReductionError};
+use crate::constraint::{
+    ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, penalty, scale::row_scales,
+};
 use crate::contact::{Contact, ContactError};
-use crate::coupling::Rows;
+use crate::coupling::{CouplingError, Rows};
 use crate::io::case::Start;
 use crate::io::formula::Point;
 use crate::linalg::{Csr, Triplets, Vector};
+use std::borrow::Cow;
 
 /// Sign case of rows without one: ties, and contact rows that face nothing.
 const NO_CONTACT: u8 = 9;
@@ -57,6 +60,9 @@ pub enum StepError {
     /// Conditions contradict each other.
     #[error(transparent)]
     Reduction(#[from] ReductionError),
+    /// A tie has no stiffness at this time.
+    #[error(transparent)]
+    Coupling(#[from] CouplingError),
     /// A contact could not be set up at this time.
     #[error(transparent)]
     Contact(#[from] ContactError),
@@ -68,32 +74,59 @@ pub enum StepError {
 /// The stiffness of every body at a time, springs included.
 #[derive(Clone, Debug)]
 pub struct Stiffness {
-    matrices: Vec<Csr>,
+    matrices: Matrices,
     changes: Vec<bool>,
     t: f64,
+}
+
+/// The matrices of a model at a time.
+#[derive(Clone, Debug)]
+pub struct Matrices {
+    /// One per body, springs included.
+    pub bodies: Vec<Csr>,
+    /// What ties add between the bodies, in all unknowns.
+    pub between: Option<Csr>,
+    /// Why a tie has no stiffness at this time.
+    fault: Option<CouplingError>,
 }
 
 impl Stiffness {
     /// Assembles all bodies at time `t`.
     pub fn new<const S: usize, const N: usize>(model: &Model<S, N>, t: f64) -> Self {
         let springs = |k: usize| model.springs.iter().any(|s| s.side.patch == k && s.stiffness.depends_on_time());
+        let (between, fault) = added(model, t, true);
         Self {
-            matrices: (0..model.patches.len()).map(|k| assembled(model, k, t)).collect(),
+            matrices: Matrices { bodies: (0..model.patches.len()).map(|k| assembled(model, k, t)).collect(), between, fault },
             changes: (0..model.patches.len()).map(|k| model.patches[k].changing.is_some() || springs(k)).collect(),
             t,
         }
     }
 
     /// The matrices at time `t`: bodies whose material and springs do not change keep theirs.
-    pub fn at<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, t: f64) -> &[Csr] {
+    pub fn at<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, t: f64) -> &Matrices {
         if t != self.t {
-            for k in (0..self.matrices.len()).filter(|&k| self.changes[k]) {
-                self.matrices[k] = assembled(model, k, t);
+            for k in (0..self.changes.len()).filter(|&k| self.changes[k]) {
+                self.matrices.bodies[k] = assembled(model, k, t);
+            }
+            if model.ties.iter().flat_map(|tie| &tie.parts).any(|part| part.changes(model)) {
+                (self.matrices.between, self.matrices.fault) = added(model, t, false);
             }
             self.t = t;
         }
         &self.matrices
     }
+}
+
+/// What ties add at time `t`; `first`: as it was found when the model was built.
+fn added<const S: usize, const N: usize>(model: &Model<S, N>, t: f64, first: bool) -> (Option<Csr>, Option<CouplingError>) {
+    let mut parts = Vec::new();
+    for part in model.ties.iter().flat_map(|tie| &tie.parts) {
+        match if first || !part.changes(model) { Ok(Cow::Borrowed(&part.stiffness)) } else { part.stiffness_at(model, t).map(Cow::Owned) } {
+            Ok(entries) => parts.push(entries),
+            Err(fault) => return (None, Some(fault)),
+        }
+    }
+    (between(model, parts.iter().map(|p| &**p)), None)
 }
 
 /// The stiffness of body `k` at time `t`.
@@ -222,7 +255,7 @@ impl Solver {
 /// [`Unsolved`], with the last state of an active set that did not settle or that `watch` stopped.
 pub fn step<const S: usize, const N: usize>(
     model: &Model<S, N>,
-    matrices: &[Csr],
+    matrices: &Matrices,
     solver: &mut Solver,
     t: f64,
     before: Option<&StepState<S, N>>,
@@ -240,7 +273,7 @@ pub fn step<const S: usize, const N: usize>(
 
 fn once<const S: usize, const N: usize>(
     model: &Model<S, N>,
-    matrices: &[Csr],
+    matrices: &Matrices,
     solver: &mut Solver,
     t: f64,
     before: Option<&StepState<S, N>>,
@@ -250,15 +283,20 @@ fn once<const S: usize, const N: usize>(
         None => Ok(()),
         Some(_) => Err(SolveError::Stopped { iterations: 0, last: None }),
     };
-    let matrices: Vec<&Csr> = matrices.iter().collect();
+    if let Some(fault) = &matrices.fault {
+        return Err(fault.clone().into());
+    }
+    let bodies: Vec<&Csr> = matrices.bodies.iter().collect();
+    let matrices = Blocks { bodies: &bodies, between: matrices.between.as_ref() };
     let prescribed = model.prescribed(t).map_err(|e| Unsolved::<S, N>::from(e.0))?;
     let (load, total) = model.loads(t);
     let system = System::of(model, t, before)?;
-    let reduced = Reduced::try_new(&matrices, &load, &prescribed, &model.all_equations())?;
+    let reduced = Reduced::try_new(matrices, &load, &prescribed, &model.all_equations())?;
     let (slave, shift) = reduced.rows(&system.rows.slave);
     let (master, shift_master) = reduced.rows(&system.rows.master);
     let offset: Vec<f64> = (0..model.rows).map(|i| system.offset[i] + shift[i] + shift_master[i]).collect();
     let rows = Rows { slave, master };
+    let compliance = compliance(model, &matrices, &system.rows);
     let reaction = system.reaction.as_ref().map(|b| Rows { slave: reduced.rows(&b.slave).0, master: reduced.rows(&b.master).0 });
     let constrained = ConstrainedSystem {
         stiffness: &reduced.stiffness,
@@ -267,7 +305,7 @@ fn once<const S: usize, const N: usize>(
         reaction: reaction.as_ref(),
         offset: &offset,
         kind: &system.kind,
-        compliance: &[],
+        compliance: &compliance,
     };
     goes_on()?;
     let has_contact = system.kind.iter().any(|k| *k != RowKind::Equal);
@@ -290,7 +328,7 @@ fn once<const S: usize, const N: usize>(
     };
     let finish = |solution: ConstrainedSolution| {
         let sign_case = sign_cases(&constrained, &system, &solution);
-        finished(model, &matrices, &load, total, &reduced, &system, solution, sign_case, t)
+        finished(model, matrices, &load, total, &reduced, &system, solution, sign_case, t)
     };
     match solved {
         Ok(solution) => Ok(finish(solution)),
@@ -304,6 +342,22 @@ fn once<const S: usize, const N: usize>(
             Err(Unsolved { error: error.into(), last: usable.map(|l| Box::new(finish(*l))) })
         }
     }
+}
+
+/// Softness of all rows, gap / lambda: of penalties by the stiffness of the bodies, which supports do not change; empty: all exact.
+fn compliance<const S: usize, const N: usize>(model: &Model<S, N>, matrices: &Blocks<'_>, rows: &Rows) -> Vec<f64> {
+    let soft = || model.ties.iter().flat_map(|tie| &tie.parts).filter_map(|part| Some((part, part.penalty?)));
+    if soft().next().is_none() {
+        return Vec::new();
+    }
+    let unit = penalty(&matrices.bodies_diagonal(), rows, model.rows, 1.0);
+    let mut all = vec![0.0; model.rows];
+    for (part, factor) in soft() {
+        for row in part.first_row..part.first_row + part.num_rows {
+            all[row] = unit[row] / factor;
+        }
+    }
+    all
 }
 
 /// lambda <0, =0, >0 by gap =0, >0, <0, both as forces, zero within 1e-12 of the largest.
@@ -346,7 +400,7 @@ fn sign_cases<const S: usize, const N: usize>(
 
 fn finished<const S: usize, const N: usize>(
     model: &Model<S, N>,
-    matrices: &[&Csr],
+    matrices: Blocks<'_>,
     load: &[f64],
     mut total: Resultant,
     reduced: &Reduced,

@@ -7,8 +7,6 @@ use super::reader::Reader;
 use super::types::*;
 use crate::io::place::{Located, Place};
 
-/// Couplings of the contract that are not built.
-const COUPLINGS: &[&str] = &["nitsche", "penalty"];
 /// Couplings of the contract that integrate over the surfaces of both sides.
 const SURFACE_COUPLINGS: &[&str] = &["mortar", "nitsche", "penalty"];
 /// Constraint solvers of the contract that are not built.
@@ -37,9 +35,6 @@ impl Reader {
         }
         self.later_if(&m.reference, "`reference`", "errors are measured against `exact`");
         for t in &case.interfaces {
-            if COUPLINGS.contains(&t.coupling.value.as_str()) {
-                self.later(t.coupling.at, &format!("coupling {:?}", t.coupling.value), "write coupling = \"mortar\"");
-            }
             self.later_multiplier(&t.multiplier);
             self.later_integration(&t.integration);
         }

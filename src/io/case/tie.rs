@@ -42,6 +42,13 @@ impl Reader {
             self.fault("E015", b.key_at(key), message, "glued sides share their unknowns: there is no multiplier");
         }
         let none = || Located::new(Multiplier::Named("auto".to_owned()), b.at);
+        if coupling.value == "nitsche"
+            && let Some(node) = b.node("multiplier")
+            && !matches!(&node.value, Value::Text(word) if word == "auto")
+        {
+            let message = "`multiplier` is not a key of coupling = \"nitsche\"";
+            self.fault("E015", b.key_at("multiplier"), message, "Nitsche's coupling has no multiplier; leave it out or write \"auto\"");
+        }
         let multiplier = if glue { none() } else { self.multiplier(b, names) };
         let integration = if glue { Located::new(Integration::Merged, b.at) } else { self.word(b, "integration", INTEGRATIONS) };
         let extra_points = if glue { Located::new(0, b.at) } else { self.whole(b, "extra_points", 0, 60, 0) };
