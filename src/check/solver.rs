@@ -2,7 +2,7 @@
 
 use crate::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError};
 use crate::coupling::Rows;
-use crate::linalg::{Csr, Triplets};
+use crate::linalg::{Csr, LinearError, Triplets};
 
 /// Checks solvers made by `make`: tied, shifted, soft and open rows, floating bodies, rows that share unknowns, extreme units, one object
 /// for many systems; contact where the solver knows it; errors instead of wrong answers.
@@ -32,6 +32,7 @@ pub fn solver(make: impl Fn() -> Box<dyn ConstraintSolver>) -> Result<(), String
         }
     }
     other_reaction(&mut *make())?;
+    other_stiffness(&mut *make())?;
     let mut short = tie();
     short.load.pop();
     if !matches!(short.solve(&mut *make()), Err(SolveError::Shape { .. })) {
@@ -336,5 +337,24 @@ fn other_reaction(solver: &mut dyn ConstraintSolver) -> Result<(), String> {
             problem.name = "other reaction".into();
             problem.compare(&solution)
         }
+    }
+}
+
+/// K = [[2, 1], [0, 1]], f = (3, 1): refused, or u = (1, 1).
+fn other_stiffness(solver: &mut dyn ConstraintSolver) -> Result<(), String> {
+    let problem = Problem::new("stiffness that is not symmetric", &[&[2.0, 1.0], &[0.0, 1.0]], &[3.0, 1.0], &[]).answer(&[1.0, 1.0], &[]);
+    let system = ConstrainedSystem {
+        stiffness: &problem.stiffness,
+        load: &problem.load,
+        constraint: &problem.rows,
+        reaction: None,
+        offset: &problem.offset,
+        kind: &problem.kind,
+        compliance: &problem.compliance,
+    };
+    match solver.solve(&system) {
+        Err(SolveError::NotSymmetric | SolveError::Linear(LinearError::NotSymmetric)) => Ok(()),
+        Err(error) => Err(format!("solver: stiffness that is not symmetric: {error}")),
+        Ok(solution) => problem.compare(&solution),
     }
 }

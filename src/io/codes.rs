@@ -301,7 +301,7 @@ pub const CODES: &[Code] = &[
         "E072",
         5,
         "singular",
-        "The system of equations is singular: a body can move, or a constraint is redundant.",
+        "The system of equations is singular or has negative energy: a body can move, a constraint is redundant, or the factor of a Nitsche coupling is too small.",
         "[[interface]]          # the same pair of sides tied a second time, exchanged",
         "fix the body that can move, or take out the constraint that says a thing twice.",
     ),
