@@ -11,7 +11,8 @@
 //! the coercivity nor the condition that the softer side has by itself.
 //!
 //! Coercive by Young's inequality, piece by piece, where no element has more than m facets on tied sides: symmetric for
-//! factor > m, incomplete for factor > m / 4, unsymmetric for factor > 0. The default [`Nitsche::AUTO`] = 4 holds for m <= 3.
+//! factor > m, incomplete for factor > m / 4, unsymmetric for factor > 0. The default [`Nitsche::AUTO`] = 4 holds for m <= 3. Factors
+//! below 1 are refused for the first two; between 1 and m the solver refuses a symmetric matrix with negative energy.
 //!
 //! lambda = -{t} + γ [u] is the flux that crosses numerically, in the sign of a multiplier: minus the slave's traction. It is in
 //! balance with the loads of both bodies, whatever γ is.
@@ -55,9 +56,10 @@ impl Default for Nitsche {
     }
 }
 
-/// The smallest factor of the incomplete variant: coercive where elements have up to four facets on tied sides. Its matrix is not
-/// symmetric, so no factorisation would tell that energy is negative.
-const LEAST_INCOMPLETE: f64 = 1.0;
+/// The smallest factor of the symmetric and the incomplete variant. Below it the symmetric form has next to no energy in some
+/// directions, or less than none: answers would lose accuracy before a factorisation tells. The incomplete form is coercive from
+/// there on where elements have up to four facets on tied sides; its matrix is not symmetric, so no factorisation would tell at all.
+const LEAST: f64 = 1.0;
 
 impl Nitsche {
     /// The factor of `factor = "auto"`: above the bound of elements with up to three facets on tied sides.
@@ -81,9 +83,9 @@ impl Nitsche {
         if !(self.factor > 0.0 && self.factor.is_finite()) {
             return Err(CouplingError::Missing(format!("the factor of Nitsche's coupling must be positive, found {}", self.factor)));
         }
-        if self.variant == Variant::Incomplete && self.factor < LEAST_INCOMPLETE {
+        if self.variant != Variant::Unsymmetric && self.factor < LEAST {
             return Err(CouplingError::Missing(format!(
-                "the incomplete variant of Nitsche's coupling is stable for factors from {LEAST_INCOMPLETE} on, found {}",
+                "this variant of Nitsche's coupling is stable for factors from {LEAST} on, found {}; the unsymmetric one takes any",
                 self.factor
             )));
         }

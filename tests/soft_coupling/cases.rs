@@ -1,39 +1,29 @@
 //! Whole runs: factors that are too small, time, contact beside a tie, ends that are held, results and files.
 
-use crate::sample::{Sample, error, probe, solved, tried};
-use faying::app::{Registry, Status};
+use crate::sample::{Sample, error, probe, solved};
+use faying::app::Registry;
 use faying::io::Case;
 use faying::io::case::ReadOptions;
 
 const SMOOTH: &str = "cos(3*x + 0.3)*exp(y) + sin(2*pi*x*y)";
 
-// Too small a factor leaves directions of negative energy: the factorisation counts them. What is solved is right.
+// From the smallest factor that is accepted on the answer is right, whatever the factor is.
 #[test]
-fn factors_that_are_too_small_are_refused_or_do_no_harm() {
+fn every_factor_that_is_accepted_gives_the_right_answer() {
     for (degree, backends) in [(1, ["iga", "fe"]), (2, ["iga", "iga"]), (3, ["fe", "iga"])] {
         let with = |factor: f64, variant: &str| {
             let tie = format!("coupling = \"nitsche\"\nfactor = {factor:e}\nvariant = \"{variant}\"");
-            tried(&Sample { degree, backends, ..Sample::poisson(SMOOTH, &tie) }.text())
+            error(&Sample { degree, backends, ..Sample::poisson(SMOOTH, &tie) }.run(), "u.H1")
         };
-        let reference = error(&with(4.0, "symmetric"), "u.H1");
-        let mut refused = 0;
-        for factor in [1e-6, 1e-3, 0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.5, 2.0, 1e2, 1e4, 1e6] {
-            let result = with(factor, "symmetric");
-            if result.status == Status::Ok {
-                let found = error(&result, "u.H1");
-                println!("p = {degree}, factor {factor}: {:.3}", found / reference);
-                assert!(found < 2.0 * reference, "p = {degree}, factor {factor}: {found:e} {reference:e}");
-            } else {
-                refused += 1;
-                let said = result.diagnostics[0].render();
-                assert!(result.exit == 5 && said.contains("not positive definite") && said.contains("`factor`"), "{said}");
-                assert!(factor < 1.0, "factor {factor} is above the bound: {said}");
+        let reference = with(4.0, "symmetric");
+        for factor in [1e-6, 1e-3, 0.1, 0.5, 1.0, 1.5, 2.0, 1e2, 1e4, 1e6] {
+            for variant in ["symmetric", "incomplete", "unsymmetric"] {
+                if factor >= 1.0 || variant == "unsymmetric" {
+                    let found = with(factor, variant);
+                    assert!(found < 2.0 * reference, "p = {degree}, factor {factor}, {variant}: {found:e} {reference:e}");
+                }
             }
-            // coercive with any factor
-            let found = error(&with(factor, "unsymmetric"), "u.H1");
-            assert!(found < 4.0 * reference, "p = {degree}, factor {factor}, unsymmetric: {found:e} {reference:e}");
         }
-        assert!(refused >= 2, "p = {degree}: {refused} refused");
     }
 }
 
@@ -49,6 +39,7 @@ fn keys_that_soft_couplings_do_not_know_are_refused_with_a_remedy() {
     };
     refuses("coupling = \"nitsche\"\nmultiplier = \"p/p\"", "E015", "`multiplier` is not a key");
     refuses("coupling = \"nitsche\"\nvariant = \"incomplete\"\nfactor = 0.5", "E015", "stable for factors from 1 on");
+    refuses("coupling = \"nitsche\"\nfactor = 0.9", "E015", "stable for factors from 1 on");
     refuses("coupling = \"penalty\"\nvariant = \"incomplete\"", "E015", "`variant` is not a key");
     refuses("coupling = \"mortar\"\nfactor = 10", "E015", "`factor` is not a key");
     refuses("coupling = \"nitsche\"\nfactor = -1", "E015", "factor");
@@ -74,7 +65,8 @@ fn materials_that_change_with_the_time_take_their_stabilisation_with_them() {
     let middle = solved(&text("1.5"));
     let step = all.steps[1].probes.iter().find(|p| p.name == "l").unwrap().value;
     assert!((step - probe(&middle, "l")).abs() < 1e-12 * step.abs());
-    assert!((step - probe(&all, "l")).abs() > 1e-3 * step.abs(), "the material does change");
+    let first = all.steps[0].probes.iter().find(|p| p.name == "l").unwrap().value;
+    assert!((step - first).abs() > 1e-2 * step.abs(), "the material does change: {step} {first}");
 }
 
 /// Three blocks on each other: the lower two tied, the upper one pressed on by contact.
@@ -202,9 +194,16 @@ fn lambda_of_nitsche_stands_in_probes_tables_and_files() {
 fn the_predicted_memory_counts_what_stands_between_the_bodies() {
     let check = |coupling: &str| {
         let sample = Sample { elements: [[60, 30], [40, 20]], ..Sample::poisson(SMOOTH, &format!("coupling = \"{coupling}\"")) };
-        let case = Case::parse("case.toml", &sample.text(), &ReadOptions::default()).unwrap();
-        let finished = faying::app::check(&case, &Registry::default(), &Default::default(), &faying::app::Watch::default());
-        finished.result.predicted.unwrap().entries as f64
+        let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_faying"))
+            .args(["check", "-", "--json"])
+            .stdin(std::process::Stdio::piped())
+            .stdout(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::io::Write::write_all(&mut child.stdin.take().unwrap(), sample.text().as_bytes()).unwrap();
+        let out = child.wait_with_output().unwrap();
+        let document: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+        document["predicted"]["entries"].as_f64().unwrap()
     };
     let (mortar, nitsche) = (check("mortar"), check("nitsche"));
     assert!(nitsche > mortar && nitsche < 1.5 * mortar, "{mortar} {nitsche}");

@@ -12,9 +12,12 @@ fn piecewise(w: &str, v: &str, m: [f64; 2]) -> String {
     text.replace('S', "(y - 0.5)")
 }
 
+/// Relative error of lambda on the grids of these tests, of p/p-2 on 8 elements.
+const LAMBDA: f64 = 0.05;
+
 const COUPLINGS: [&str; 2] = ["coupling = \"nitsche\"", "coupling = \"mortar\"\nmultiplier = \"p/p-2\""];
 
-/// The relative error of the energy norm at the jump over that of equal moduli, and of lambda.
+/// The relative error of the energy norm at a jump is at most twice that of equal moduli.
 ///
 /// `traction` is that of the lower body at the interface: lambda is minus that of the slave.
 fn ratios(sample: impl Fn([f64; 2]) -> Sample, traction: &[&str], what: &str) {
@@ -26,12 +29,14 @@ fn ratios(sample: impl Fn([f64; 2]) -> Sample, traction: &[&str], what: &str) {
             let sample = sample(m);
             let tie = format!("{}\nexact = {exact}", sample.tie);
             let result = Sample { slave, tie, ..sample }.run();
-            [error(&result, "u.energy.rel"), error(&result, "i.lambda.L2.rel")]
+            // nor does the hard side spoil the traction
+            let lambda = error(&result, "i.lambda.L2.rel");
+            assert!(lambda < LAMBDA, "{what}, slave {slave}, moduli {m:?}: lambda {lambda:e}");
+            error(&result, "u.energy.rel")
         });
         for jump in [up, down] {
-            println!("{what}, slave {slave}: energy {:.2e} {:.2e}, lambda {:.2e} {:.2e}", equal[0], jump[0], equal[1], jump[1]);
-            assert!(jump[0] < 2.0 * equal[0], "{what}, slave {slave}: energy {equal:?} {jump:?}");
-            assert!(jump[1] < 2.0 * equal[1], "{what}, slave {slave}: lambda {equal:?} {jump:?}");
+            println!("{what}, slave {slave}: energy {equal:.2e} {jump:.2e}");
+            assert!(jump < 2.0 * equal, "{what}, slave {slave}: energy {equal:e} {jump:e}");
         }
     }
 }

@@ -21,7 +21,9 @@ fn nitsche_has_the_orders_of_theory_on_both_backends_and_across() {
     for backends in [["iga", "iga"], ["fe", "fe"], ["iga", "fe"], ["fe", "iga"], ["iga", "simplex"]] {
         for (degree, finer) in (1..=4).flat_map(|p| [(p, true), (p, false)]) {
             for variant in ["symmetric", "unsymmetric", "incomplete"] {
-                if variant == "symmetric" || (degree <= 3 && backends[0] != backends[1]) {
+                // the other variants across backends, the highest degree on one grid of each kind
+                let wanted = if degree == 4 { finer || backends == ["iga"; 2] } else { true };
+                if wanted && (variant == "symmetric" || (degree <= 2 && backends == ["iga", "fe"])) {
                     cases.push((backends, degree, finer, variant));
                 }
             }
@@ -31,8 +33,7 @@ fn nitsche_has_the_orders_of_theory_on_both_backends_and_across() {
         .into_par_iter()
         .map(|case| {
             let (backends, degree, finer, variant) = case;
-            let levels = if degree == 4 { [1, 2] } else { [2, 3] };
-            let [coarse, fine] = levels.map(|level| {
+            let [coarse, fine] = [2, 3].map(|level| {
                 let tie = format!("coupling = \"nitsche\"\nvariant = \"{variant}\"\nextra_points = 2");
                 let sample = Sample { backends, degree, elements: elements(level, finer, 0), ..Sample::poisson(EXACT, &tie) };
                 let result = sample.run();

@@ -48,15 +48,19 @@ impl Coupling<1, 2> for Springs {
 }
 
 fn run(text: &str) -> RunResult {
+    let result = tried(text);
+    assert_eq!(result.status, Status::Ok, "{:?}", result.diagnostics);
+    result
+}
+
+fn tried(text: &str) -> RunResult {
     let mut registry = Registry::default();
-    for (name, rows) in [("springs", false), ("springs-and-rows", true)] {
-        registry.plane.couplings.add(name, Box::new(move |_| Box::new(Springs { k: 4.0, rows })));
+    for (name, k, rows) in [("springs", 4.0, false), ("springs-and-rows", 4.0, true), ("pushes", -4.0, false)] {
+        registry.plane.couplings.add(name, Box::new(move |_| Box::new(Springs { k, rows })));
     }
     let options = ReadOptions { names: registry.case_names(), ..ReadOptions::default() };
     let case = Case::parse("case.toml", text, &options).unwrap_or_else(|e| panic!("{e}"));
-    let result = case.run(&registry).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(result.status, Status::Ok, "{:?}", result.diagnostics);
-    result
+    case.run(&registry).unwrap_or_else(|e| panic!("{e}"))
 }
 
 // Two bars of length 1/2 and k = 1 in a row with springs of 4 between them: q = 1 / (1/2 + 1/4 + 1/2).
@@ -87,4 +91,15 @@ fn stiffness_beside_rows_changes_nothing_where_the_rows_close_the_jump() {
     let result = run(&Sample::elastic(exact, "coupling = \"springs-and-rows\"").text());
     assert!(error(&result, "u.L2") < 1e-11 && error(&result, "i.lambda.L2.rel") < 1e-9, "{:?}", result.errors);
     assert!(result.unknowns.multipliers > 0 && result.interface.get("i").unwrap().consistency < 1e-12);
+}
+
+// Springs that push instead of pulling have negative energy: the factorisation counts its directions, and nothing wrong is reported.
+#[test]
+fn a_coupling_with_negative_energy_is_refused_after_the_factorisation() {
+    let result = tried(&Sample::poisson("y", "coupling = \"pushes\"").text());
+    let said = result.diagnostics[0].render();
+    assert!(
+        result.status == Status::Singular && result.exit == 5 && said.contains("E072") && said.contains("not positive definite"),
+        "{said}"
+    );
 }

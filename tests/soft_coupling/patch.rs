@@ -171,7 +171,10 @@ fn interfaces_that_nitsche_cannot_couple_are_refused_in_words() {
     for factor in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         fails(Nitsche { factor, ..Nitsche::default() }, &good, "must be positive");
     }
-    fails(Nitsche { factor: 0.5, variant: Variant::Incomplete }, &good, "incomplete variant");
+    for variant in [Variant::Symmetric, Variant::Incomplete] {
+        fails(Nitsche { factor: 0.5, variant }, &good, "stable for factors from 1 on");
+    }
+    assert!(Nitsche { factor: 1e-6, variant: Variant::Unsymmetric }.assemble(&good, unknowns).is_ok());
     // against a rigid, immovable side the slave is held by its own bound
     let alone = Nitsche::default().assemble(&Interface { master: None, ..good }, unknowns).unwrap().stiffness;
     assert!(alone.to_csr().is_symmetric(1e-12) && alone.entries.iter().all(|e| e.0 < fields[1].first));
