@@ -108,7 +108,7 @@ fn run<const C: usize>(material: Arc<dyn Material<C, 2>>, gradient: Matrix<C, 2>
 
 #[test]
 fn nitsche_reproduces_a_linear_displacement_for_all_pairs_and_variants() {
-    run(Arc::new(Hooke::<2>::plane_strain(1.0, 0.3).unwrap()), Matrix::<2, 2>::new(0.3, -0.2, 0.5, 0.4), &[[2, 3], [7, 4]]);
+    run(Arc::new(Hooke::<2>::plane_strain(1.0, 0.3).unwrap()), Matrix::<2, 2>::new(0.3, -0.2, 0.5, 0.4), &[[2, 3]]);
 }
 
 #[test]
