@@ -101,7 +101,7 @@ fn a_constant_pressure_passes_a_grid_that_does_not_match_for_all_pairs() {
     for a in KINDS {
         for b in KINDS {
             for slave in 0..2 {
-                for multiplier in [MultiplierKind::Lowered(0), MultiplierKind::Auto] {
+                for multiplier in [MultiplierKind::Lowered(0), MultiplierKind::Auto, MultiplierKind::Dual] {
                     cases.push((a, b, slave, multiplier));
                 }
             }

@@ -368,14 +368,13 @@ fn chains_are_walked_from_end_to_end_in_any_order_of_elements() {
 
 #[test]
 fn multipliers_follow_the_words_of_a_case() {
-    let names = ["auto", "p/p", "p/p-1", "p/p-2", "p/p-4", "constant"];
+    let names = ["auto", "p/p", "p/p-1", "p/p-2", "p/p-4", "constant", "dual"];
     for name in names {
         assert_eq!(name.parse::<MultiplierKind>().unwrap().to_string(), name);
     }
     for wrong in ["p/q", "p/p-", "p/p-0", "p/p-x", "p/p-02", ""] {
         assert!(matches!(wrong.parse::<MultiplierKind>(), Err(MultiplierError::Unknown { .. })), "{wrong}");
     }
-    assert!(matches!("dual".parse::<MultiplierKind>(), Err(MultiplierError::NotYet { .. })));
     assert!(
         MultiplierKind::Lowered(1).is_unstable() && MultiplierKind::Lowered(3).is_unstable() && !MultiplierKind::Lowered(2).is_unstable()
     );
@@ -393,7 +392,7 @@ fn multipliers_follow_the_words_of_a_case() {
     assert_eq!(count(4, "p/p-4", &[]).unwrap(), 5);
     assert_eq!(count(3, "constant", &[]).unwrap(), 5);
     let error = count(1, "p/p-2", &[]).unwrap_err();
-    assert_eq!(error.to_string(), "there is no multiplier \"p/p-2\" with degree 1; this side has p/p, p/p-1, constant");
+    assert_eq!(error.to_string(), "there is no multiplier \"p/p-2\" with degree 1; this side has p/p, p/p-1, constant, dual");
     let full = MultiplierKind::Uniform { degree: 2, continuity: None, ends: Ends::Full };
     let space = spline_on(&uniform(5), 2, line, false);
     assert_eq!(build(&space, full, &[true, true]).unwrap().num_functions(), 7);

@@ -207,7 +207,7 @@ impl Names<1, 2> {
     /// The built-in names of the plane.
     pub fn plane() -> Self {
         let mut names = Self::bodies();
-        let mut kinds = vec![MultiplierKind::Auto, MultiplierKind::Constant];
+        let mut kinds = vec![MultiplierKind::Auto, MultiplierKind::Constant, MultiplierKind::Dual];
         kinds.extend((0..=HIGHEST_PAIRING).map(MultiplierKind::Lowered));
         for kind in kinds {
             names.multipliers.add(&kind.to_string(), Box::new(move |trace, constrained| curve_multiplier(kind, trace, constrained)));

@@ -147,6 +147,21 @@ impl Default for Moment {
     }
 }
 
+/// The multiplier space of an interface or a contact, all its slave sides and components together.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct MultiplierReport {
+    /// Its name, what `auto` chose on the first slave side; "data" where the case gives a degree.
+    pub name: String,
+    /// Highest degree of an element.
+    pub degree: usize,
+    /// Number of functions.
+    pub functions: usize,
+    /// Highest degree of which all polynomials along every slave side lie in the space of every component; see
+    /// [`reproduction`](crate::coupling::multiplier::reproduction()). None where not even the constants do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reproduction: Option<usize>,
+}
+
 /// One contact.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ContactReport {
@@ -172,6 +187,9 @@ pub struct ContactReport {
     pub half_width: f64,
     /// Linear systems solved by the active set.
     pub iterations: usize,
+    /// Its multiplier space.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub multiplier: Option<MultiplierReport>,
 }
 
 /// Size of a multiplier.
@@ -202,6 +220,9 @@ pub struct InterfaceReport {
     pub distance: f64,
     /// Largest difference of the forces on both sides, relative to the sum of their sizes: zero by action and reaction.
     pub consistency: f64,
+    /// Its multiplier space, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub multiplier: Option<MultiplierReport>,
 }
 
 /// Sum of all forces and moments on the model, zero in equilibrium.

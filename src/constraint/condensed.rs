@@ -4,7 +4,7 @@
 //!
 //! P holds one slave unknown per row, chosen by pivoting: the slave block is not square for multipliers of lower degree
 //! or beside fixed ends. A soft row keeps its multiplier as an unknown with s on the diagonal.
-//! T is sparse for biorthogonal multipliers and dense along the interface for others: meant for curves.
+//! For biorthogonal multipliers C_P is diagonal and T sparse; for others T is dense along the interface: meant for curves.
 
 use super::scale::{Scaled, gaps};
 use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
@@ -15,6 +15,9 @@ use std::collections::BinaryHeap;
 
 /// A row whose slave entries have fallen below this part of its largest entry determines no slave unknown.
 const NO_PIVOT: f64 = 1e-10;
+/// Entries of a row below this part of its largest one are round-off where the elimination looks for what couples: they
+/// would tie every dual multiplier to all others. Refinement meets the rows as they are.
+const ROUND_OFF: f64 = 1e-13;
 /// Refinements allowed.
 const MAX_REFINEMENTS: usize = 10;
 
@@ -133,6 +136,13 @@ impl Condensed {
     }
 }
 
+/// Entries of row `a` divided by k, round-off left out.
+fn coupled<'a>(s: &'a Scaled<'_>, a: usize) -> impl Iterator<Item = (usize, f64)> + 'a {
+    let (cols, vals) = s.rows.row(a);
+    let least = ROUND_OFF * vals.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    cols.iter().zip(vals).filter(move |(_, v)| v.abs() > least).map(move |(&j, &v)| (j as usize, v / s.k[a]))
+}
+
 /// A row solved for its pivot: u_pivot + sum coefficient u_column = ..; column n + e is the multiplier of soft row e.
 #[derive(Debug)]
 struct Reduced {
@@ -147,10 +157,9 @@ fn eliminate(s: &Scaled<'_>, enforced: &[usize], slave: &[bool]) -> Result<Vec<R
     let mut work = Work { value: vec![0.0; width], used: vec![false; width], columns: Vec::new() };
     let mut reduced: Vec<Reduced> = Vec::with_capacity(enforced.len());
     for (e, &a) in enforced.iter().enumerate() {
-        let (cols, vals) = s.rows.row(a);
         let mut queue = BinaryHeap::new();
-        for (&j, &v) in cols.iter().zip(vals) {
-            work.add(j as usize, v / s.k[a], &rank, &mut queue);
+        for (j, v) in coupled(s, a) {
+            work.add(j, v, &rank, &mut queue);
         }
         if s.compliance[a] > 0.0 {
             work.add(s.num_unknowns() + e, -s.compliance[a] / s.k[a], &rank, &mut queue);
@@ -314,11 +323,8 @@ fn pivot_blocks(s: &Scaled<'_>, enforced: &[usize], reduced: &[Reduced]) -> (Csr
     }
     let mut block = crate::linalg::Triplets::new(enforced.len(), enforced.len());
     for (e, &a) in enforced.iter().enumerate() {
-        let (cols, vals) = s.rows.row(a);
-        for (&j, &v) in cols.iter().zip(vals) {
-            if column[j as usize] != usize::MAX {
-                block.push(e, column[j as usize], v / s.k[a]);
-            }
+        for (j, v) in coupled(s, a).filter(|(j, _)| column[*j] != usize::MAX) {
+            block.push(e, column[j], v);
         }
     }
     let block = block.to_csr();

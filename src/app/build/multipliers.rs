@@ -32,10 +32,7 @@ pub(super) fn multiplier<const S: usize, const N: usize>(
                 }
                 make(&slave.trace, constrained)
             }
-            Err(unknown) => match word.parse::<MultiplierKind>() {
-                Err(e @ MultiplierError::NotYet { .. }) => Err(e),
-                _ => return Err(Box::new(builder.error("E064", unknown.to_string(), wanted.at))),
-            },
+            Err(unknown) => return Err(Box::new(builder.error("E064", unknown.to_string(), wanted.at))),
         },
         Multiplier::Data { degree, continuity, ends } => {
             let ends = match ends {
@@ -67,6 +64,7 @@ const NO_VALUE: f64 = 1e-10;
 
 /// `psi` on a side that is glued to itself: functions that are one function of the trace where the side closes are one
 /// multiplier. Multipliers of as many functions as the closed trace, or fewer, have no end there and stay as they are.
+/// Those numbered as the functions of the trace follow them; of others the ones that live alone at a corner are matched.
 fn wrapped<const S: usize, const N: usize>(
     model: &Model<S, N>,
     slave: &SideModel<S, N>,
@@ -78,7 +76,13 @@ fn wrapped<const S: usize, const N: usize>(
     if whole.len() == slave.trace.dofs.len() || psi.num_functions() <= whole.len() {
         return psi;
     }
-    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
+    let (mut ids, mut others, mut table) = (Vec::new(), Vec::new(), ShapeTable::new());
+    let numbered_alike = psi.num_functions() == space.num_functions()
+        && (0..space.num_elements()).all(|element| {
+            space.active(element, &mut ids);
+            psi.active(element, &mut others);
+            ids == others
+        });
     let mut alone = |basis: &dyn Basis<S>, element: usize, corner: &Vector<S>| {
         basis.active(element, &mut ids);
         basis.tabulate(element, std::slice::from_ref(corner), Order::Values, &mut table);
@@ -92,7 +96,7 @@ fn wrapped<const S: usize, const N: usize>(
         for k in 0..1usize << S {
             let corner = Vector::<S>::from_fn(|d, _| f64::from(u8::from(k >> d & 1 == 1)));
             let Some(i) = alone(&space, element, &corner).filter(|&i| !constrained(slave.trace.dofs[i])) else { continue };
-            let Some(j) = alone(&*psi, element, &corner) else { continue };
+            let Some(j) = Some(i).filter(|_| numbered_alike).or_else(|| alone(&*psi, element, &corner)) else { continue };
             let one = *first.entry(model.function(slave.patch, slave.trace.dofs[i])).or_insert(j);
             if one != j {
                 twin.insert(j, one);
@@ -122,8 +126,7 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
 ) -> Diagnostic {
     let patch = slave.label.split('.').next().unwrap_or(&slave.label);
     match error {
-        MultiplierError::NotYet { .. } => builder.error("E019", error.to_string(), at),
-        MultiplierError::NotHere { .. } | MultiplierError::Unknown { .. } => {
+        MultiplierError::NotHere { .. } | MultiplierError::NoDual { .. } | MultiplierError::Unknown { .. } => {
             builder.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label), at)
         }
         MultiplierError::NothingLeft { .. } => builder

@@ -7,6 +7,7 @@ mod fields;
 mod forecast;
 mod integrate;
 mod loads;
+mod multipliers;
 mod predict;
 mod reactions;
 mod report;
@@ -50,15 +51,16 @@ struct Dimension<'a, const S: usize, const N: usize> {
     names: &'a Names<S, N>,
     net: MakeNet<N>,
     half_width: Option<HalfWidth<S, N>>,
+    multipliers: Option<multipliers::Describe<S, N>>,
     output: MakeOutput<S, N>,
 }
 
 fn plane(registry: &Registry) -> Dimension<'_, 1, 2> {
-    Dimension { names: &registry.plane, net: plane_net, half_width: Some(zone), output: fields::plane_output }
+    Dimension { names: &registry.plane, net: plane_net, half_width: Some(zone), multipliers: Some(multipliers::on_curves), output: fields::plane_output }
 }
 
 fn volume(registry: &Registry) -> Dimension<'_, 2, 3> {
-    Dimension { names: &registry.volume, net: volume_net, half_width: None, output: fields::volume_output }
+    Dimension { names: &registry.volume, net: volume_net, half_width: None, multipliers: None, output: fields::volume_output }
 }
 
 /// Whether a case is one of space; every other is one of the plane.
@@ -263,6 +265,9 @@ fn solve_case<const S: usize, const N: usize>(
     watch.phase("build");
     let model = built(case, registry, dimension, watch)?;
     let mut result = report::skeleton(command, case, &model);
+    if let Some(one) = dimension.multipliers {
+        multipliers::describe(case, &model, one, &mut result);
+    }
     let questions = Questions::of(case, &model, &result.numbers())?;
     if let Some(limit) = watch.max_memory {
         let prediction = predict(&model, case.steps.value.len());

@@ -105,8 +105,16 @@ pub fn fill<const S: usize, const N: usize>(
     });
     result.energy = model.patches.iter().zip(matrices).map(|(p, k)| energy(k, &state.u[p.range()])).sum();
     let mut outside = state.load;
+    let known = std::mem::take(&mut result.contact);
     result.contact = contacts(model, state, half_width, &mut outside);
+    for ((_, report), (_, old)) in result.contact.0.iter_mut().zip(known.0) {
+        report.multiplier = old.multiplier;
+    }
+    let known = std::mem::take(&mut result.interface);
     result.interface = model.ties.iter().map(|t| (t.name.clone(), interface(model, state, t))).collect();
+    for ((_, report), (_, old)) in result.interface.0.iter_mut().zip(known.0) {
+        report.multiplier = old.multiplier;
+    }
     result.reactions = reactions(model, state, &mut outside);
     result.balance =
         Balance { force: outside.force[..model.components].to_vec(), moment: (model.components == N).then(|| moment::<N>(outside.moment)) };

@@ -5,12 +5,15 @@
 //! | `p/p` | the trace's own spline space, degree lowered by one at constrained ends |
 //! | `p/p-k` | degree p - k on the same breakpoints, knots kept with their multiplicity: regularity max(r - k, -1) |
 //! | `constant` | one constant per element |
+//! | `dual` | biorthogonal to the functions of the trace, one multiplier each; without the ones at constrained ends |
 //! | data | a degree, a continuity, and what happens at the ends |
 //!
 //! A basis that offers no polynomials has `p/p` on its own functions and `constant`.
 
 mod constants;
+mod dual;
 mod end_lowered;
+mod reproduction;
 
 use crate::basis::{Basis, Elements, Polynomials};
 use crate::linalg::Real;
@@ -20,7 +23,9 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 pub use constants::PiecewiseConstant;
+pub use dual::dual;
 pub use end_lowered::end_lowered;
+pub use reproduction::reproduction;
 
 /// Why there is no such multiplier space.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -34,12 +39,6 @@ pub enum MultiplierError {
         /// The words there are.
         known: &'static str,
     },
-    /// The word is known, and its space is not in this version.
-    #[error("multiplier \"{name}\" is not in this version")]
-    NotYet {
-        /// The word.
-        name: String,
-    },
     /// The slave side has no such space.
     #[error("there is no multiplier \"{wanted}\" with degree {degree}; this side has {known}")]
     NotHere {
@@ -47,6 +46,14 @@ pub enum MultiplierError {
         wanted: String,
         /// Degree of the slave side.
         degree: usize,
+        /// What exists on this side.
+        known: String,
+    },
+    /// The functions of the slave side have no dual ones.
+    #[error("there is no multiplier \"dual\" here: {reason}; this side has {known}")]
+    NoDual {
+        /// What is in the way, and where.
+        reason: String,
         /// What exists on this side.
         known: String,
     },
@@ -97,6 +104,8 @@ pub enum MultiplierKind {
     Lowered(usize),
     /// One constant per element.
     Constant,
+    /// Biorthogonal to the functions of the trace.
+    Dual,
     /// Given by data.
     Uniform {
         /// Degree of the polynomials.
@@ -109,7 +118,7 @@ pub enum MultiplierKind {
 }
 
 /// Words that [`MultiplierKind::from_str`] understands.
-pub const KNOWN: &str = "auto, p/p, p/p-1, p/p-2, p/p-4, ..., constant";
+pub const KNOWN: &str = "auto, p/p, p/p-1, p/p-2, p/p-4, ..., constant, dual";
 
 impl FromStr for MultiplierKind {
     type Err = MultiplierError;
@@ -119,7 +128,7 @@ impl FromStr for MultiplierKind {
             "auto" => Ok(Self::Auto),
             "constant" => Ok(Self::Constant),
             "p/p" => Ok(Self::Lowered(0)),
-            "dual" => Err(MultiplierError::NotYet { name: name.into() }),
+            "dual" => Ok(Self::Dual),
             _ => {
                 let k = name.strip_prefix("p/p-").ok_or_else(unknown)?;
                 let k = k.parse::<usize>().ok().filter(|&v| v > 0 && v.to_string() == k).ok_or_else(unknown)?;
@@ -136,6 +145,7 @@ impl Display for MultiplierKind {
             Self::Lowered(0) => f.write_str("p/p"),
             Self::Lowered(k) => write!(f, "p/p-{k}"),
             Self::Constant => f.write_str("constant"),
+            Self::Dual => f.write_str("dual"),
             Self::Uniform { degree, continuity, ends } => {
                 write!(f, "degree {degree}")?;
                 if let Some(c) = continuity {
@@ -165,12 +175,13 @@ impl MultiplierKind {
         if least_degree(basis) >= 2 && basis.polynomials(Polynomials::Lowered(2)).is_some() { Self::Lowered(2) } else { Self::Lowered(0) }
     }
 
-    /// Whether [`build`] lowers constrained ends of this kind on a trace of least degree `degree`.
+    /// Whether [`build`] leaves out a function and a degree at constrained ends of this kind on a trace of least degree `degree`.
     pub fn lowers_ends(&self, degree: usize) -> bool {
         match self {
             Self::Auto => degree < 2,
             Self::Lowered(k) => *k == 0,
             Self::Constant => false,
+            Self::Dual => true,
             Self::Uniform { degree: own, ends, .. } => match ends {
                 Ends::Full => false,
                 Ends::Lowered => true,
@@ -244,20 +255,39 @@ pub fn build<const N: usize, T: Real>(
                 (None, c) => basis.polynomials(Polynomials::Uniform { degree: wanted, continuity: c.unwrap_or(most) }),
             }
         }
-        MultiplierKind::Auto => None,
+        MultiplierKind::Dual if offers => return dual_here(space, degree, ends),
+        MultiplierKind::Dual | MultiplierKind::Auto => None,
     };
-    let found = found.ok_or_else(|| MultiplierError::NotHere { wanted: kind.to_string(), degree, known: known_here(degree, offers) })?;
+    let found =
+        found.ok_or_else(|| MultiplierError::NotHere { wanted: kind.to_string(), degree, known: known_here(degree, offers).join(", ") })?;
     if !kind.lowers_ends(degree) {
         return Ok(found);
     }
     let always = matches!(kind, MultiplierKind::Uniform { ends: Ends::Lowered, .. });
-    let lowered: Vec<SideEnd> = side_ends(basis)
-        .into_iter()
-        .enumerate()
-        .filter(|(k, _)| always || ends.get(*k).copied().unwrap_or(false))
-        .map(|(_, end)| end)
-        .collect();
+    let lowered = chosen_ends(basis, |k| always || ends.get(k).copied().unwrap_or(false));
     if lowered.is_empty() { Ok(found) } else { end_lowered(found, &lowered) }
+}
+
+/// The ends of the side whose number is `wanted`.
+fn chosen_ends<T: Real>(basis: &dyn Basis<1, T>, wanted: impl Fn(usize) -> bool) -> Vec<SideEnd> {
+    side_ends(basis).into_iter().enumerate().filter(|(k, _)| wanted(*k)).map(|(_, end)| end).collect()
+}
+
+/// The dual space, or what exists instead.
+fn dual_here<const N: usize, T: Real>(
+    space: &Arc<dyn Space<1, N, T>>,
+    degree: usize,
+    ends: &[bool],
+) -> Result<Box<dyn Basis<1, T>>, MultiplierError> {
+    let constrained = chosen_ends(&**space as &dyn Basis<1, T>, |k| ends.get(k).copied().unwrap_or(false));
+    match dual(&**space, &constrained) {
+        Ok(psi) => Ok(Box::new(psi)),
+        Err(MultiplierError::NoDual { reason, .. }) => {
+            let known = known_here(degree, true).into_iter().filter(|name| name != "dual").collect::<Vec<_>>().join(", ");
+            Err(MultiplierError::NoDual { reason, known })
+        }
+        Err(other) => Err(other),
+    }
 }
 
 /// Fails where a component has more multipliers than unknowns of the slave side that are not prescribed.
@@ -293,11 +323,14 @@ fn uniform_degree<T: Real>(basis: &dyn Basis<1, T>) -> bool {
 }
 
 /// Names of what a side of `degree` has.
-fn known_here(degree: usize, offers_polynomials: bool) -> String {
+fn known_here(degree: usize, offers_polynomials: bool) -> Vec<String> {
     let mut names = vec!["p/p".to_string()];
     if offers_polynomials {
         names.extend((1..=degree).filter(|k| *k == 1 || k % 2 == 0).map(|k| format!("p/p-{k}")));
     }
     names.push("constant".into());
-    names.join(", ")
+    if offers_polynomials {
+        names.push("dual".into());
+    }
+    names
 }

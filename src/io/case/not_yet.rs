@@ -13,8 +13,6 @@ const SURFACE_COUPLINGS: &[&str] = &["mortar", "nitsche", "penalty"];
 const CONSTRAINTS: &[&str] = &["schur", "uzawa"];
 /// Kinds of obstacle that are built.
 const OBSTACLES: &[&str] = &["half-plane", "sphere", "level-set"];
-/// Multipliers of the contract that are not built.
-const MULTIPLIERS: &[&str] = &["dual"];
 
 impl Reader {
     fn later(&mut self, at: Place, what: &str, help: &str) {
@@ -35,7 +33,6 @@ impl Reader {
         }
         self.later_if(&m.reference, "`reference`", "errors are measured against `exact`");
         for t in &case.interfaces {
-            self.later_multiplier(&t.multiplier);
             self.later_integration(&t.integration);
         }
         for c in &case.contacts {
@@ -73,7 +70,6 @@ impl Reader {
         if c.cone.value != Cone::Coefficients {
             self.later(c.cone.at, "this cone", "write cone = \"coefficients\"");
         }
-        self.later_multiplier(&c.multiplier);
         self.later_integration(&c.integration);
         if let Master::Rigid(o) = &c.master
             && let Some(f) = o.force.iter().flatten().next()
@@ -91,14 +87,6 @@ impl Reader {
             self.later(at, &format!("an obstacle of kind {kind:?}"), "kinds: half-plane, sphere, level-set");
         }
         later
-    }
-
-    fn later_multiplier(&mut self, m: &Located<Multiplier>) {
-        if let Multiplier::Named(name) = &m.value
-            && MULTIPLIERS.contains(&name.as_str())
-        {
-            self.later(m.at, &format!("multiplier {name:?}"), "write multiplier = \"auto\"");
-        }
     }
 
     fn later_integration(&mut self, i: &Located<Integration>) {
