@@ -50,7 +50,8 @@ fn tied<L: Body<1, 2> + ?Sized, U: Body<1, 2> + ?Sized>(lower: &L, upper: &U) ->
     Ok(error(0).hypot(error(1)).l2)
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+/// Ties splines to a mesh by type, and all pairs by name.
+pub fn main() -> Result<(), Box<dyn Error>> {
     let below = PatchSpec::new(rectangle([0.0, 0.0], [1.0, 1.0])?).with_degree([2, 2]).with_elements([4, 4]);
     let above = PatchSpec::new(rectangle([0.0, 1.0], [1.0, 2.0])?).with_degree([2, 2]).with_elements([6, 6]);
 

@@ -145,21 +145,13 @@ fn cases(kinds: impl Fn(Kind, Kind) -> bool) -> Vec<Case> {
             for elements in [[2, 2], [2, 3], [4, 7], [2, 17], [13, 12]] {
                 for slave in 0..2 {
                     for degree in 1..=4 {
-                        for k in [0, 2] {
-                            if kinds(a, b) && k <= degree && !(k == 2 && degree < 2) {
-                                // the second solver on the grids where it is cheap
-                                let condensed = elements[0] + elements[1] < 12;
-                                cases.push(Case {
-                                    kinds: [a, b],
-                                    elements,
-                                    slave,
-                                    degree,
-                                    multiplier: MultiplierKind::Lowered(k),
-                                    condensed,
-                                    shift: None,
-                                    mixed: false,
-                                });
-                            }
+                        // the second solver on the grids where it is cheap, dual multipliers on two of them
+                        let condensed = elements[0] + elements[1] < 12;
+                        let lower = Some(MultiplierKind::Lowered(2)).filter(|_| degree >= 2);
+                        let dual = Some(MultiplierKind::Dual).filter(|_| elements == [2, 3] || elements == [4, 7]);
+                        for multiplier in [Some(MultiplierKind::Lowered(0)), lower, dual].into_iter().flatten().filter(|_| kinds(a, b)) {
+                            let (kinds, shift, mixed) = ([a, b], None, false);
+                            cases.push(Case { kinds, elements, slave, degree, multiplier, condensed, shift, mixed });
                         }
                     }
                 }

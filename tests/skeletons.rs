@@ -103,8 +103,9 @@ fn linear_fields_pass_cross_points_of_three_four_and_five_patches() {
     assert!(missed.is_empty(), "{} of {count}:\n{}", missed.len(), missed.join("\n"));
 }
 
-// Orders of the seed at cross points: L2(u) p + 1 for p/p, p + 1/2 for p/p-2; lambda one and a half, and two less. A dual
-// multiplier holds constants only: the energy is of order 3/2, lambda of order 1.
+// Orders of the seed at cross points: L2(u) p + 1 for p/p, p + 1/2 for p/p-2; lambda p - 1/2, p - 1. A dual multiplier
+// that holds constants only approximates lambda to 3/2 in the dual norm, 1 in L2: the energy is of order min(p, 3/2), u one
+// more, and lambda half an order less than the energy.
 #[test]
 fn five_patches_around_a_point_keep_the_full_order() {
     let cases: Vec<(&[&str], usize, &str, [f64; 3])> = [MIXES[0], MIXES[1], MIXES[3]]
@@ -115,7 +116,7 @@ fn five_patches_around_a_point_keep_the_full_order() {
                 (mix, 3, "p/p", [4.0, 3.0, 2.5]),
                 (mix, 2, "p/p-2", [2.5, 1.5, 1.0]),
                 (mix, 3, "p/p-2", [3.5, 2.5, 2.0]),
-                (mix, 1, "dual", [2.0, 1.0, 1.0]),
+                (mix, 1, "dual", [2.0, 1.0, 0.5]),
                 (mix, 2, "dual", [2.5, 1.5, 1.0]),
             ]
         })
@@ -123,7 +124,7 @@ fn five_patches_around_a_point_keep_the_full_order() {
     let failures: Vec<String> = cases
         .par_iter()
         .filter_map(|&(mix, degree, multiplier, theory)| {
-            let errors = [2, 4].map(|scale| {
+            let errors = [4, 8].map(|scale| {
                 let tie = format!("multiplier = \"{multiplier}\"\n");
                 let text = head(Physics::Poisson, false, &format!("degree = {degree}")) + &star(5, mix, scale, &tie) + DATA;
                 let result = run(&text);
@@ -224,7 +225,8 @@ fn linear_fields_pass_two_interfaces_between_the_same_two_patches() {
     assert!(missed.is_empty(), "{} of {count}:\n{}", missed.len(), missed.join("\n"));
 }
 
-// A closed interface has no ends: nothing is lowered. Curved interfaces do not pass linear fields; orders as above.
+// A closed interface has no ends: nothing is lowered. Curved interfaces do not pass linear fields; orders as above. Both
+// grids begin at a common point on every level: the sides lie to each other as on the level before.
 #[test]
 fn closed_rings_tied_along_a_circle_keep_the_full_order() {
     let mixes: [[&str; 2]; 4] = [["iga", "iga"], ["fe", "fe"], ["iga", "fe"], ["fe", "iga"]];
@@ -239,7 +241,7 @@ fn closed_rings_tied_along_a_circle_keep_the_full_order() {
     let failures: Vec<String> = cases
         .par_iter()
         .filter_map(|&(mix, degree, multiplier, theory)| {
-            let errors = [2, 4].map(|scale| {
+            let errors = [4, 8].map(|scale| {
                 let ring = |k: usize, name: &str, radius: [f64; 2], from: f64, n: usize| {
                     format!(
                         "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"annulus-sector\", radius = {radius:?}, angle_deg = [{from}, {}] }}\n\
@@ -252,7 +254,7 @@ fn closed_rings_tied_along_a_circle_keep_the_full_order() {
                 };
                 let text = head(Physics::Poisson, false, &format!("degree = {degree}\nmapping = \"exact\""))
                     + &ring(0, "inner", [0.5, 0.8], 0.0, 2)
-                    + &ring(1, "outer", [0.8, 1.2], 37.0, 3)
+                    + &ring(1, "outer", [0.8, 1.2], 45.0, 3)
                     + &format!("[[interface]]\nname = \"i\"\nslave = \"inner.v1\"\nmaster = \"outer.v0\"\nmultiplier = \"{multiplier}\"\n")
                     + DATA;
                 let result = run(&text);

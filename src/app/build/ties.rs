@@ -309,9 +309,9 @@ fn apart<const S: usize, const N: usize>(
     }
 }
 
-/// A share in percent, rounded down to four decimals.
+/// A share in percent, rounded down to four decimals but for round-off.
 fn percent(share: f64) -> String {
-    format!("{}", (share * 1e6).floor() / 1e4)
+    format!("{}", (share * 1e6 + 1e-3).floor() / 1e4)
 }
 
 /// Four digits of a number.

@@ -16,10 +16,11 @@
 //!
 //! What a dual space holds follows from c_j = ∫ f N_j ds / d_j on each element: f lies in it where these agree between
 //! the elements of a function. They do for constants. On straight Lagrange traces they do up to degree p - 1, because
-//! Gauss-Lobatto nodes make c_j the nodal value f(x_j) as long as f N_j has degree 2p - 1; splines and curved sides hold
-//! constants only. [`reproduction`](super::reproduction()) says what a space holds.
-//! Source: Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989-1012; Lamichhane, Stevenson, Wohlmuth, Numer. Math. 102 (2005)
-//! 93-121 (Gauss-Lobatto nodes).
+//! Gauss-Lobatto nodes make c_j the nodal value f(x_j) as long as f N_j has degree 2p - 1, and on equal elements up to an
+//! even degree p by symmetry; splines and curved sides hold constants only, so lambda converges in L2 with order one
+//! at most. [`reproduction`](super::reproduction()) says what a space holds.
+//! Source: Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989-1012; Lamichhane, Wohlmuth, Math. Comp. 76 (2007) 233-249
+//! (Gauss-Lobatto nodes).
 
 use super::{MultiplierError, SideEnd};
 use crate::basis::{Order, Piece, Piecewise, ShapeTable, legendre_polynomials};

@@ -32,7 +32,8 @@ struct Stretch<T> {
 /// where not even the constants do.
 ///
 /// `curve` is the map of the slave side, on whose elements `multiplier` lives. Splines of degree p give p, with lowered
-/// ends p - 1; discontinuous spaces their degree; dual ones of splines 0, of straight Lagrange traces p - 1.
+/// ends p - 1; discontinuous spaces their degree; dual ones of splines 0, of straight Lagrange
+/// traces p - 1 at least.
 pub fn reproduction<const N: usize, T: Real>(curve: &dyn Geometry<1, N, T>, multiplier: &dyn Basis<1, T>) -> Option<usize> {
     let highest = (0..multiplier.num_elements()).map(|e| multiplier.degree(e)[0]).max()?;
     let side = Coordinate::of(curve);

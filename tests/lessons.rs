@@ -1,0 +1,18 @@
+//! The examples run: each is a program, and here a test.
+#![allow(clippy::unwrap_used)]
+
+#[path = "../examples/01_swap_backends.rs"]
+mod swap_backends;
+
+#[path = "../examples/02_own_multiplier.rs"]
+mod own_multiplier;
+
+#[test]
+fn lesson_1_any_two_backends_are_tied() {
+    swap_backends::main().unwrap();
+}
+
+#[test]
+fn lesson_2_a_multiplier_from_outside_is_tied_by_its_name() {
+    own_multiplier::main().unwrap();
+}
