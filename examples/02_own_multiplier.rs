@@ -116,10 +116,28 @@ fn case(backend: &str, multiplier: &str) -> String {
     )
 }
 
-/// Checks the space by the rules of every basis, and runs a case that names it.
+/// The inf-sup constants of quadratic splines against `Coarse` on 8, 16 and 32 elements, zero at both ends.
+fn constants() -> Result<Vec<(f64, f64)>, Box<dyn Error>> {
+    use faying::coupling::inf_sup::{Question, inf_sup};
+    use faying::geometry::shapes::rectangle;
+    use faying::space::{Body, Patch, PatchSpec};
+    let mut points = Vec::new();
+    for n in [8, 16, 32] {
+        let spec = PatchSpec::new(rectangle([0.0, 0.0], [1.0, 1.0])?).with_degree([2, 2]).with_elements([n, 1]);
+        let side = Patch::<1, 2>::try_new(&spec)?.trace("v0")?;
+        let last = side.dofs.len() - 1;
+        let inner: Vec<Option<usize>> = (0..=last).map(|i| (i > 0 && i < last).then(|| i - 1)).collect();
+        let found = inf_sup(&*side.space, &inner, &Coarse::new(&*side.space, [true, true]), &Question::default())?;
+        points.push((found.h, found.beta));
+    }
+    Ok(points)
+}
+
+/// Checks the space by the rules of every basis, asks whether it is stable, and runs cases that name it.
 pub fn main() -> Result<(), Box<dyn Error>> {
     use faying::basis::BSpline;
     use faying::check;
+    use faying::coupling::inf_sup::{Verdict, verdict};
     for constrained in [[false, false], [true, false], [false, true], [true, true]] {
         for elements in [1, 2, 5, 8] {
             let coarse = Coarse::new(&BSpline::<f64>::uniform(2, elements, 1), constrained);
@@ -128,6 +146,10 @@ pub fn main() -> Result<(), Box<dyn Error>> {
             check::non_negative(&coarse)?;
         }
     }
+
+    let points = constants()?;
+    println!("inf-sup constants on 8, 16, 32 elements {:.4?}: {}", points.iter().map(|p| p.1).collect::<Vec<_>>(), verdict(&points));
+    assert_eq!(verdict(&points), Verdict::Stable);
 
     #[cfg(feature = "cli")]
     {
