@@ -117,7 +117,7 @@ fn case(backend: &str, multiplier: &str) -> String {
 }
 
 /// The inf-sup constants of quadratic splines against `Coarse` on 8, 16 and 32 elements, zero at both ends.
-fn constants() -> Result<Vec<(f64, f64)>, Box<dyn Error>> {
+fn betas() -> Result<Vec<(f64, f64)>, Box<dyn Error>> {
     use faying::coupling::inf_sup::{Question, inf_sup};
     use faying::geometry::shapes::rectangle;
     use faying::space::{Body, Patch, PatchSpec};
@@ -147,13 +147,14 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         }
     }
 
-    let points = constants()?;
+    let points = betas()?;
     println!("inf-sup constants on 8, 16, 32 elements {:.4?}: {}", points.iter().map(|p| p.1).collect::<Vec<_>>(), verdict(&points));
     assert_eq!(verdict(&points), Verdict::Stable);
 
     #[cfg(feature = "cli")]
     {
-        use faying::app::{Registry, Status};
+        use faying::app::infsup::{InfSupOptions, constants};
+        use faying::app::{Registry, Status, Watch};
         use faying::coupling::multiplier::side_ends;
         use faying::io::{Case, case::ReadOptions};
 
@@ -176,7 +177,8 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         for backend in ["iga", "fe"] {
             for name in ["p/p-2", "coarse"] {
                 let options = ReadOptions { names: registry.case_names(), ..ReadOptions::default() };
-                let result = Case::parse("seam.toml", &case(backend, name), &options)?.run(&registry)?;
+                let seam = Case::parse("seam.toml", &case(backend, name), &options)?;
+                let result = seam.run(&registry)?;
                 let multiplier = result.interface.get("seam").and_then(|i| i.multiplier.clone()).ok_or("no multiplier")?;
                 let error = *result.errors.get("error.u.L2").ok_or("no error")?;
                 println!(
@@ -184,6 +186,11 @@ pub fn main() -> Result<(), Box<dyn Error>> {
                     multiplier.functions, multiplier.reproduction
                 );
                 assert!(result.status == Status::Ok && error < 1e-3);
+                // what `faying infsup` prints
+                for found in constants(&seam, &registry, &InfSupOptions::default(), &Watch::default())? {
+                    println!("            beta {:.4} on {} elements of {}", found.found.beta, found.elements, found.side);
+                    assert!(found.found.beta > 0.5);
+                }
             }
         }
     }
