@@ -541,8 +541,6 @@ fn e019_known_but_not_in_this_version() {
     later("slave =", "method = \"nitsche\"\nfactor = 10\nvariant = \"unsymmetric\"\nslave =", "this method", "\"nitsche\"");
     later("slave =", "integration = \"slave\"\nslave =", "this integration", "\"slave\"");
     later("slave =", "cone = \"weights\"\nslave =", "this cone", "\"weights\"");
-    later("[[probe]]", "[solver]\nlinear = \"iterative\"\ntolerance = 1e-8\n\n[[probe]]", "`linear = \"iterative\"`", "\"iterative\"");
-    later("[[probe]]", "[solver]\nconstraint = \"uzawa\"\n\n[[probe]]", "constraint solver \"uzawa\"", "\"uzawa\"");
     later(
         "master = \"lower.top\"",
         "rigid = { kind = \"half-plane\", point = [0, 0.5], normal = [0, 1], force = { y = 1 } }",

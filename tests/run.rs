@@ -256,19 +256,76 @@ fn results_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
-fn both_constraint_solvers_give_the_same_numbers() {
+fn all_constraint_solvers_give_the_same_numbers_and_count_their_iterations() {
     let text = pair(
         "min = [0, 1], max = [1, 2]",
         "[[boundary]]\non = \"b.top\"\ntraction = [\"0.3*x\", \"x - 2\"]\n[[interface]]\nname = \"i\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n\
-         [[probe]]\nname = \"u\"\nquantity = \"u.x at [0.7, 1.5]\"\n[[probe]]\nname = \"l\"\nquantity = \"interface.i.lambda.y at [0.4, 1]\"\n[solver]\nconstraint = \"WHICH\"\n",
+         [[probe]]\nname = \"u\"\nquantity = \"u.x at [0.7, 1.5]\"\n[[probe]]\nname = \"l\"\nquantity = \"interface.i.lambda.y at [0.4, 1]\"\n[solver]\nWHICH\n",
     );
-    let [a, b] = ["saddle-point", "condensed"].map(|which| run(&text.replace("WHICH", which)));
-    close(probe(&a, "u"), probe(&b, "u"), 1e-9, "displacement");
-    close(probe(&a, "l"), probe(&b, "l"), 1e-9, "multiplier");
-    assert_ne!(a.solve.as_ref().unwrap().linear, b.solve.as_ref().unwrap().linear);
+    let a = run(&text.replace("WHICH", "constraint = \"saddle-point\""));
     let i = a.interface.get("i").unwrap();
     assert!(i.consistency < 1e-12, "action and reaction: {:e}", i.consistency);
     close(i.segments.measure, 1.0, 1e-12, "the interface's length");
+    assert_eq!(a.solve.as_ref().unwrap().iterations, 0);
+    let words = [
+        "constraint = \"condensed\"",
+        "constraint = \"schur\"",
+        "constraint = \"uzawa\"\ntolerance = 1e-12",
+        "linear = \"iterative\"",
+        "constraint = \"condensed\"\nlinear = \"iterative\"",
+        "constraint = \"uzawa\"\nlinear = \"iterative\"\ntolerance = 1e-12",
+    ];
+    let mut methods = vec![a.solve.as_ref().unwrap().linear.clone()];
+    for which in words {
+        let b = run(&text.replace("WHICH", which));
+        assert_eq!(b.status, Status::Ok, "{which}: {}", show(&b));
+        close(probe(&a, "u"), probe(&b, "u"), 1e-9, "displacement");
+        close(probe(&a, "l"), probe(&b, "l"), 1e-9, "multiplier");
+        let solve = b.solve.as_ref().unwrap();
+        assert_eq!(solve.iterations > 0, which != words[0], "{which}: {} iterations", solve.iterations);
+        assert!(!methods.contains(&solve.linear), "{}", solve.linear);
+        methods.push(solve.linear.clone());
+    }
+}
+
+#[test]
+fn an_iterative_solver_that_does_not_reach_its_tolerance_ends_with_e074() {
+    let text = pair(
+        "min = [0, 1], max = [1, 2]",
+        "[[boundary]]\non = \"b.top\"\npressure = 1.0\n[[interface]]\nname = \"i\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n\
+         [solver]\nWHICH\nmax_iterations = 2\n",
+    );
+    for which in [
+        "linear = \"iterative\"",
+        "constraint = \"condensed\"\nlinear = \"iterative\"",
+        "constraint = \"schur\"",
+        "constraint = \"uzawa\"\ntolerance = 1e-14",
+        "constraint = \"uzawa\"\nlinear = \"iterative\"",
+    ] {
+        let result = run(&text.replace("WHICH", which));
+        assert_eq!((result.status, result.exit), (Status::NotConverged, 5), "{which}: {}", show(&result));
+        let d = &result.diagnostics[0];
+        assert_eq!(d.code, "E074", "{which}");
+        for part in ["after 2 iterations", "relative residual", "wanted"] {
+            assert!(d.message.contains(part), "{which}: {}", d.message);
+        }
+        assert!(d.line.is_some() && d.help.as_ref().unwrap().contains("max_iterations"));
+    }
+}
+
+#[test]
+fn words_of_the_solver_that_do_not_go_together_are_refused() {
+    let refused = |words: &str| {
+        let text = square(&format!("[solver]\n{words}\n"));
+        match Case::parse("case.toml", &text, &ReadOptions::default()).and_then(|case| case.run(&Registry::default())) {
+            Err(faults) => faults.to_string(),
+            Ok(result) => panic!("{words}: {}", show(&result)),
+        }
+    };
+    let schur = refused("constraint = \"schur\"\nlinear = \"iterative\"");
+    assert!(schur.contains("E015") && schur.contains("constraint = \"uzawa\""), "{schur}");
+    let direct = refused("constraint = \"condensed\"\ntolerance = 1e-6");
+    assert!(direct.contains("E015") && direct.contains("linear = \"iterative\""), "{direct}");
 }
 
 #[test]
@@ -615,7 +672,7 @@ fn names_of_a_registry_from_outside_run_from_a_case_file() {
     );
     registry.plane.multipliers.add("mine", Box::new(|trace, _| build(&trace.space, MultiplierKind::Constant, &[])));
     registry.plane.couplings.add("dowels", Box::new(|_| Box::new(Mortar)));
-    registry.solvers.add("direct", Box::new(|| Box::new(Direct::new())));
+    registry.solvers.add("direct", Box::new(|_| Ok(Box::new(Direct::new()))));
     let text = pair(
         "min = [0, 1], max = [1, 2]",
         "backend = \"higher\"\n[[boundary]]\non = \"b.top\"\npressure = 1.0\n\
@@ -655,7 +712,7 @@ impl faying::constraint::ConstraintSolver for Fickle {
 #[test]
 fn an_active_set_that_cycles_names_the_iterations_and_the_functions() {
     let mut registry = Registry::default();
-    registry.solvers.add("fickle", Box::new(|| Box::new(Fickle::default())));
+    registry.solvers.add("fickle", Box::new(|_| Ok(Box::new(Fickle::default()))));
     let text = pair(
         "min = [0, 1], max = [1, 2]",
         "[[boundary]]\non = \"b.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"b.top\"\npressure = 1.0\n\

@@ -20,7 +20,7 @@ pub mod watch;
 pub use commands::main;
 pub use named::Named;
 pub use output::{Finished, Output, Parts, Picture, RunOptions, SideOutput, StepOutput};
-pub use registry::{Family, Fault, Names, Registry, UnknownName};
+pub use registry::{Family, Fault, MakeSolver, Names, Registry, SolverOptions, UnknownName};
 pub use result::{RunResult, Status};
 pub use result_schema::result_schema;
 pub use watch::{Progress, Stop, Watch};

@@ -1,7 +1,7 @@
 //! Names of the case file become boxes; outsiders add to the same families.
 
 use crate::basis::{Basis, Order, ShapeTable};
-use crate::constraint::{Condensed, ConstraintSolver, Direct};
+use crate::constraint::{Augmented, Condensed, ConstraintSolver, Direct, Krylov, Schur};
 use crate::coupling::interface::{MergedCurve, Partners, SlaveRule};
 use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind, side_ends};
 use crate::coupling::nitsche::Variant;
@@ -9,7 +9,7 @@ use crate::coupling::{Coupling, InterfaceQuadrature, Mortar, Nitsche, Penalty};
 use crate::io::case;
 use crate::io::errors::nearest;
 use crate::io::vtu::CellStyle;
-use crate::linalg::Vector;
+use crate::linalg::{Limits, Vector};
 use crate::space::{Body, Mapping, Mesh, Patch, PatchSpec, Trace};
 use std::fmt::Debug;
 
@@ -113,8 +113,24 @@ pub struct CouplingOptions {
 pub type MakeCoupling<const S: usize, const N: usize> = Box<dyn Fn(CouplingOptions) -> Box<dyn Coupling<S, N>> + Send + Sync>;
 /// Makes an integration of interfaces with that many points per piece.
 pub type MakeIntegration<const S: usize, const N: usize> = Box<dyn Fn(usize, Partners) -> Box<dyn InterfaceQuadrature<S, N>> + Send + Sync>;
-/// Makes a solver of constrained systems.
-pub type MakeSolver = Box<dyn Fn() -> Box<dyn ConstraintSolver> + Send + Sync>;
+/// What a case asks of its constraint solver beside the name.
+#[derive(Clone, Debug)]
+pub struct SolverOptions {
+    /// How linear systems are solved.
+    pub linear: case::Linear,
+    /// Where iterations end; the stop sign is that of the run.
+    pub limits: Limits,
+}
+
+impl SolverOptions {
+    /// Whether factors are to be avoided.
+    pub fn is_iterative(&self) -> bool {
+        self.linear == case::Linear::Iterative
+    }
+}
+
+/// Makes a solver of constrained systems, or says why its name and the options do not go together.
+pub type MakeSolver = Box<dyn Fn(&SolverOptions) -> Result<Box<dyn ConstraintSolver>, Fault> + Send + Sync>;
 
 /// The names for bodies in N dimensions with sides in S = N - 1.
 #[derive(Debug)]
@@ -287,8 +303,45 @@ impl Registry {
 impl Default for Registry {
     /// The built-in names.
     fn default() -> Self {
-        let mut solvers: Family<MakeSolver> = Family::new("constraint solver");
-        solvers.add("saddle-point", Box::new(|| Box::new(Direct::new()))).add("condensed", Box::new(|| Box::new(Condensed::new())));
-        Self { plane: Names::plane(), volume: Names::volume(), solvers }
+        Self { plane: Names::plane(), volume: Names::volume(), solvers: solvers() }
     }
+}
+
+/// The built-in solvers:
+///
+/// | name | `linear = "direct"` | `linear = "iterative"` |
+/// | --- | --- | --- |
+/// | saddle-point | LDLᵀ; LU without symmetry | MINRES without a factor; without symmetry GMRES with the symmetric factor |
+/// | condensed | LDLᵀ of Tᵀ K T | conjugate gradients on it |
+/// | schur | conjugate gradients on C K⁻¹ Cᵀ over a factor of K | refused: it needs the factor |
+/// | uzawa | augmented Lagrangian over a factor of K + Cᵀ W C | the same over conjugate gradients |
+fn solvers() -> Family<MakeSolver> {
+    let mut solvers: Family<MakeSolver> = Family::new("constraint solver");
+    solvers.add(
+        "saddle-point",
+        Box::new(|o| Ok(if o.is_iterative() { Box::new(Krylov::new(o.limits.clone())) } else { Box::new(Direct::new()) })),
+    );
+    solvers.add(
+        "condensed",
+        Box::new(|o| Ok(Box::new(if o.is_iterative() { Condensed::iterative(o.limits.clone()) } else { Condensed::new() }))),
+    );
+    solvers.add(
+        "schur",
+        Box::new(|o| {
+            if o.is_iterative() {
+                let text =
+                    "constraint = \"schur\" iterates over a factor of the stiffness: write linear = \"direct\", or constraint = \"uzawa\"";
+                return Err(Fault::new("E015", text));
+            }
+            Ok(Box::new(Schur::new(o.limits.clone())))
+        }),
+    );
+    solvers.add(
+        "uzawa",
+        Box::new(|o| {
+            let limits = o.limits.clone();
+            Ok(if o.is_iterative() { Box::new(Augmented::uzawa_iterative(limits)) } else { Box::new(Augmented::uzawa(limits)) })
+        }),
+    );
+    solvers
 }

@@ -90,6 +90,8 @@ pub struct SolveReport {
     pub linear: String,
     /// Relative residual of the true system.
     pub residual: f64,
+    /// Iterations of the linear algebra, summed over the active set; 0 where all was done by factors.
+    pub iterations: usize,
     /// The active set iteration, where there is contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub active_set: Option<ActiveSetSummary>,

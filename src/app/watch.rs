@@ -1,5 +1,6 @@
 //! The way from a running case to those who wait for it: progress out, requests to stop in.
 
+use crate::linalg::StopSign;
 use std::fmt::Debug;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,7 +32,7 @@ pub enum Progress<'a> {
 
 /// Why a run should end early.
 ///
-/// Asked before every linear system and between phases; a factorisation, an assembly or a picture that has begun comes to its end.
+/// Asked before every linear system, in every iteration of iterative solvers, and between phases; a factorisation, an assembly or a picture that has begun comes to its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Stop {
@@ -74,6 +75,12 @@ impl Watch {
     /// A phase begins.
     pub fn phase(&self, name: &str) {
         self.report(Progress::Phase(name));
+    }
+
+    /// The same question for iterative solvers, which ask it in every iteration.
+    pub fn stop_sign(&self) -> StopSign {
+        let (interrupted, deadline) = (Arc::clone(&self.interrupted), self.deadline);
+        StopSign::new(move || interrupted.load(Ordering::Relaxed) || deadline.is_some_and(|(end, _)| Instant::now() >= end))
     }
 
     /// Whether to end now; asked between phases, steps and iterations.

@@ -2,7 +2,7 @@
 
 use crate::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError};
 use crate::coupling::Rows;
-use crate::linalg::{Csr, LinearError, Triplets};
+use crate::linalg::{Csr, LinearError, Operator, Triplets};
 
 /// Checks solvers made by `make`: tied, shifted, soft and open rows, floating bodies, rows that share unknowns, extreme units, one object
 /// for many systems; contact where the solver knows it; errors instead of wrong answers.
@@ -138,8 +138,11 @@ impl Problem {
     }
 
     fn compare(&self, solution: &ConstrainedSolution) -> Result<(), String> {
-        near(&self.name, "unknown", &solution.unknowns, &self.unknowns)?;
-        near(&self.name, "multiplier", &solution.multipliers, &self.multipliers)?;
+        near(&self.name, "unknown", &solution.unknowns, &self.unknowns, 0.0)?;
+        // multipliers that are all zero are measured by what would move the bodies as far
+        let weight = self.rows.slave.entries.iter().fold(0.0, |m: f64, e| m.max(e.2.abs()));
+        let force = largest(&self.stiffness.diagonal()) * largest(&self.unknowns) / if weight > 0.0 { weight } else { 1.0 };
+        near(&self.name, "multiplier", &solution.multipliers, &self.multipliers, force)?;
         let mut gap = self.offset.clone();
         for part in [&self.rows.slave, &self.rows.master] {
             part.entries.iter().for_each(|&(i, j, v)| gap[i] += v * self.unknowns[j]);
@@ -182,11 +185,12 @@ fn above(x: f64, bound: f64) -> bool {
     x.is_nan() || x > bound
 }
 
-fn near(name: &str, what: &str, found: &[f64], expected: &[f64]) -> Result<(), String> {
+/// Equal to 1e-9 of the largest one expected, or of `size` where zeros are.
+fn near(name: &str, what: &str, found: &[f64], expected: &[f64], size: f64) -> Result<(), String> {
     if found.len() != expected.len() {
         return Err(format!("solver: {name}: {} {what}s instead of {}", found.len(), expected.len()));
     }
-    let scale = largest(expected);
+    let scale = if largest(expected) > 0.0 { largest(expected) } else { size };
     for (i, (a, b)) in found.iter().zip(expected).enumerate() {
         if above((a - b).abs(), 1e-9 * scale) {
             return Err(format!("solver: {name}: {what} {i} is {a} instead of {b}"));

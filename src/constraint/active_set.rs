@@ -82,6 +82,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
         let mut states: Vec<Vec<bool>> = Vec::new();
         let mut report = ActiveSetReport::default();
         let mut last: Option<ConstrainedSolution<f64>> = None;
+        let mut linear = 0;
         loop {
             let iteration = report.iterations + 1;
             if iteration > self.max_iterations {
@@ -96,7 +97,15 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
                 kind[j] = if state[k] { RowKind::Equal } else { RowKind::Open };
             }
             let solution = match self.inner.solve(&ConstrainedSystem { kind: &kind, ..*system }) {
-                Ok(solution) => solution,
+                Ok(mut solution) => {
+                    linear += solution.iterations;
+                    solution.iterations = linear;
+                    solution
+                }
+                Err(SolveError::Linear(LinearError::Stopped { .. })) => {
+                    let last = last.map(|l| Box::new(finished(l, &report)));
+                    return Err(SolveError::Stopped { iterations: report.iterations, last });
+                }
                 Err(SolveError::Linear(LinearError::Singular { .. })) if state.contains(&false) => {
                     return Err(SolveError::RigidMotion {
                         iteration,

@@ -6,10 +6,11 @@
 //! or beside fixed ends. A soft row keeps its multiplier as an unknown with s on the diagonal.
 //! For biorthogonal multipliers C_P is diagonal and T sparse; for others T is dense along the interface: meant for curves.
 
+use super::penalised::{inverse_diagonal, refuse_motions};
 use super::scale::{Scaled, gaps};
 use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 use crate::linalg::residual::RESIDUAL_LIMIT;
-use crate::linalg::{Csr, Ldlt, LinearError, LinearSolver, Lu, product};
+use crate::linalg::{Csr, Ldlt, Limits, LinearError, LinearSolver, Lu, Operator, conjugate_gradients, gauss_seidel, product};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -18,12 +19,16 @@ const NO_PIVOT: f64 = 1e-10;
 /// Entries of a row below this part of its largest one are round-off where the elimination looks for what couples: they
 /// would tie every dual multiplier to all others. Refinement meets the rows as they are.
 const ROUND_OFF: f64 = 1e-13;
+/// Residual to which the conjugate gradients of one correction go.
+const INNER: f64 = 1e-7;
 /// Refinements allowed.
 const MAX_REFINEMENTS: usize = 10;
 
 /// Solver that eliminates constraints; needs the reaction to be the transposed constraint.
 #[derive(Debug, Default)]
 pub struct Condensed {
+    /// Conjugate gradients in place of a factor, and when they end.
+    iterative: Option<Limits>,
     ldlt: Ldlt,
     pivots: Lu,
     pivots_transposed: Lu,
@@ -35,6 +40,11 @@ impl Condensed {
         Self::default()
     }
 
+    /// A solver whose condensed system is solved by conjugate gradients with symmetric Gauss-Seidel sweeps.
+    pub fn iterative(limits: Limits) -> Self {
+        Self { iterative: Some(limits), ..Self::default() }
+    }
+
     /// How often a new pattern was analysed.
     pub fn analyses(&self) -> usize {
         self.ldlt.analyses()
@@ -44,12 +54,7 @@ impl Condensed {
 impl ConstraintSolver<f64> for Condensed {
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let s = Scaled::of(system)?;
-        if s.reaction.is_some() {
-            return Err(SolveError::NotSymmetric);
-        }
-        if !s.symmetric {
-            return Err(LinearError::NotSymmetric.into());
-        }
+        s.need_symmetry()?;
         let (n, m) = (s.num_unknowns(), s.num_rows());
         let mut slave = vec![false; n];
         for &(_, j, v) in &system.constraint.slave.entries {
@@ -62,26 +67,54 @@ impl ConstraintSolver<f64> for Condensed {
         self.pivots.prepare(&block)?;
         self.pivots_transposed.prepare(&block_transposed)?;
         let stiffness = product(&map.transposed, &product(&map.stiffness, &map.t)).with_places(map.places.clone());
-        self.ldlt.prepare(&stiffness)?;
-        let negative = self.ldlt.negative_pivots();
-        if negative > 0 {
-            return Err(LinearError::Indefinite { negative }.into());
-        }
-
+        let blocks = (&block, &block_transposed);
         let scale: Vec<f64> = s.diagonal.iter().map(|d| if *d != 0.0 { 1.0 / d.abs() } else { 1.0 }).collect();
-        let (u, l, size) = s.refined(&scale, MAX_REFINEMENTS, |r1, r2| {
-            self.correct(&s, &map, &enforced, &reduced, &stiffness, (&block, &block_transposed), r1, r2)
-        })?;
-        if size.is_nan() || size > RESIDUAL_LIMIT {
-            return Err(LinearError::Singular { residual: if size.is_finite() { size } else { 1.0 } }.into());
-        }
+        let (method, (u, l, size, iterations)) = if let Some(limits) = self.iterative.clone() {
+            let inverse = inverse_diagonal(&stiffness)?;
+            refuse_motions(&stiffness, &inverse, &limits)?;
+            let answer = s.iterated(&scale, &limits, INNER, |r1, r2, limits| {
+                let mut done = 0;
+                let (du, dl) = self.correct(&s, &map, &enforced, &reduced, blocks, r1, r2, |b, y| {
+                    done = conjugate_gradients(
+                        &mut |p, q| {
+                            stiffness.apply(p, q);
+                            Ok(())
+                        },
+                        &mut |r, z| {
+                            gauss_seidel(&stiffness, &inverse, r, z);
+                            Ok(())
+                        },
+                        b,
+                        y,
+                        limits,
+                    )?;
+                    Ok(())
+                })?;
+                Ok((du, dl, done))
+            })?;
+            ("condensed, conjugate gradients", answer)
+        } else {
+            self.ldlt.prepare(&stiffness)?;
+            let negative = self.ldlt.negative_pivots();
+            if negative > 0 {
+                return Err(LinearError::Indefinite { negative }.into());
+            }
+            let (u, l, size) = s.refined(&scale, MAX_REFINEMENTS, |r1, r2| {
+                self.correct(&s, &map, &enforced, &reduced, blocks, r1, r2, |b, y| self.ldlt.solve(&stiffness, b, y).map(|_| ()))
+            })?;
+            if size.is_nan() || size > RESIDUAL_LIMIT {
+                return Err(LinearError::Singular { residual: if size.is_finite() { size } else { 1.0 } }.into());
+            }
+            ("condensed, direct", (u, l, size, 0))
+        };
         Ok(ConstrainedSolution {
             gap: gaps(system, &u),
             unknowns: u,
             multipliers: (0..m).map(|a| s.factor[a] * l[a]).collect(),
             active: s.enforced,
             residual: size,
-            method: "condensed, direct".into(),
+            method: method.into(),
+            iterations,
             active_set: None,
         })
     }
@@ -95,10 +128,10 @@ impl Condensed {
         map: &Map,
         enforced: &[usize],
         reduced: &[Reduced],
-        stiffness: &Csr<f64>,
         blocks: (&Csr<f64>, &Csr<f64>),
         r1: &[f64],
         r2: &[f64],
+        condensed: impl FnOnce(&[f64], &mut [f64]) -> Result<(), LinearError>,
     ) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
         let (n, m) = (s.num_unknowns(), s.num_rows());
         // u_0: the pivots alone meet the rows
@@ -116,7 +149,7 @@ impl Condensed {
         let mut b = vec![0.0; map.t.num_cols()];
         map.transposed.mul(&right, &mut b);
         let mut y = vec![0.0; b.len()];
-        self.ldlt.solve(stiffness, &b, &mut y)?;
+        condensed(&b, &mut y)?;
         let mut du = vec![0.0; map.t.num_rows()];
         map.t.mul(&y, &mut du);
         du.truncate(n);

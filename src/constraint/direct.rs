@@ -41,6 +41,17 @@ struct Layout {
     pattern: Arc<(Vec<usize>, Vec<usize>)>,
 }
 
+/// What the factor was made with.
+#[derive(Debug)]
+pub(crate) struct Factor {
+    /// W, zero on open rows.
+    w: Vec<f64>,
+    /// F.
+    f: Vec<f64>,
+    /// 1 / diagonal of K + Cᵀ W C.
+    pub scale: Vec<f64>,
+}
+
 impl Direct {
     /// A solver that has seen no system yet.
     pub fn new() -> Self {
@@ -71,7 +82,8 @@ impl Direct {
         Ok(self.ldlt.predict(&upper, &s.all_places(system.stiffness.places()))?)
     }
 
-    fn quasi_definite(&mut self, s: &Scaled<'_>, places: &[[f64; 3]]) -> Result<(Vec<f64>, Vec<f64>, f64), LinearError> {
+    /// Factorises the matrix at the file's head; refuses motions without resistance.
+    pub(crate) fn factorise(&mut self, s: &Scaled<'_>, places: &[[f64; 3]]) -> Result<Factor, LinearError> {
         let (n, m) = (s.num_unknowns(), s.num_rows());
         let w: Vec<f64> = (0..m).map(|a| if s.enforced[a] { (1.0 / s.k[a]).min(0.5 / s.compliance[a]) } else { 0.0 }).collect();
         let f: Vec<f64> = (0..m).map(|a| 1.0 - w[a] * s.compliance[a]).collect();
@@ -87,21 +99,30 @@ impl Direct {
         if negative > 0 {
             return Err(LinearError::Indefinite { negative });
         }
+        Ok(Factor { w, f, scale })
+    }
 
-        s.refined(&scale, MAX_REFINEMENTS, |r1, r2| {
-            let mut x = r1.to_vec();
-            x.extend((0..m).map(|a| f[a] * r2[a]));
-            for a in 0..m {
-                let (cols, vals) = s.rows.row(a);
-                for (&j, &v) in cols.iter().zip(vals) {
-                    x[j as usize] += v * w[a] * r2[a];
-                }
+    /// (du, dl) with K du + Cᵀ dl = r1, C du - s dl = r2, up to the regularisation.
+    pub(crate) fn correct(&self, s: &Scaled<'_>, factor: &Factor, r1: &[f64], r2: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+        let (n, m) = (s.num_unknowns(), s.num_rows());
+        let Factor { w, f, .. } = factor;
+        let mut x = r1.to_vec();
+        x.extend((0..m).map(|a| f[a] * r2[a]));
+        for a in 0..m {
+            let (cols, vals) = s.rows.row(a);
+            for (&j, &v) in cols.iter().zip(vals) {
+                x[j as usize] += v * w[a] * r2[a];
             }
-            self.ldlt.apply_inverse(&mut x)?;
-            let dl = (0..m).map(|a| if s.enforced[a] { x[n + a] } else { 0.0 }).collect();
-            x.truncate(n);
-            Ok((x, dl))
-        })
+        }
+        self.ldlt.apply_inverse(&mut x)?;
+        let dl = (0..m).map(|a| if s.enforced[a] { x[n + a] } else { 0.0 }).collect();
+        x.truncate(n);
+        Ok((x, dl))
+    }
+
+    fn quasi_definite(&mut self, s: &Scaled<'_>, places: &[[f64; 3]]) -> Result<(Vec<f64>, Vec<f64>, f64), LinearError> {
+        let factor = self.factorise(s, places)?;
+        s.refined(&factor.scale, MAX_REFINEMENTS, |r1, r2| self.correct(s, &factor, r1, r2))
     }
 
     /// Refuses a system that leaves a motion without any resistance: K v + Cᵀ W C v is rounding for some v.
@@ -273,6 +294,7 @@ impl ConstraintSolver<f64> for Direct {
             active: s.enforced,
             residual,
             method: method.into(),
+            iterations: 0,
             active_set: None,
         })
     }

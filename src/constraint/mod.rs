@@ -3,18 +3,27 @@
 //!   K u + Bᵀ lambda = f,   rows C u + g: zero, soft, or a gap that stays open
 
 mod active_set;
+mod augmented;
 mod condensed;
 mod direct;
+mod free;
+mod krylov;
+mod penalised;
 pub mod scale;
+mod schur;
 
 use crate::coupling::Rows;
 use crate::linalg::{LinearError, Operator, Real};
 use std::fmt::Debug;
 
 pub use active_set::{ActiveSet, IterationNews};
+pub use augmented::{Augmented, Uzawa};
 pub use condensed::Condensed;
 pub use direct::Direct;
+pub use free::Free;
+pub use krylov::Krylov;
 pub use scale::penalty;
+pub use schur::Schur;
 
 /// What a row of constraints asks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +85,9 @@ pub struct ConstrainedSolution<T: Real = f64> {
     pub residual: f64,
     /// What was done, in words: "saddle-point, direct".
     pub method: String,
+    /// Iterations of the linear algebra, summed over all systems of an active set; 0 where all was done by factors. Of Uzawa's
+    /// iteration over a factor its own, over conjugate gradients theirs.
+    pub iterations: usize,
     /// The active set iteration, where there was one.
     pub active_set: Option<ActiveSetReport>,
 }
@@ -96,6 +108,12 @@ pub enum SolveError {
     /// This solver needs B = C.
     #[error("the reaction differs from the transposed constraint; use a solver for non-symmetric systems")]
     NotSymmetric,
+    /// This solver knows soft rows only; wrap it in `Augmented`.
+    #[error("constraint row {row} is exact; this solver knows soft rows only, an augmented Lagrangian around it knows exact ones")]
+    ExactRow {
+        /// The row.
+        row: usize,
+    },
     /// More rows than slave unknowns that can carry them.
     #[error("constraint row {row} has no slave unknown left that it could determine; {rows} rows are too many")]
     OverConstrained {

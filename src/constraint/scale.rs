@@ -9,7 +9,10 @@ use super::{ConstrainedSystem, RowKind, SolveError};
 use crate::coupling::Rows;
 use crate::linalg::residual::{RESIDUAL_LIMIT, Sum, max, ratio};
 use crate::linalg::solver::NO_SYMMETRY;
-use crate::linalg::{Csr, LinearError, Operator, Real, Triplets};
+use crate::linalg::{Csr, Limits, LinearError, Operator, Real, Triplets};
+
+/// Corrections of an iterative method: each gains several digits.
+const MAX_CORRECTIONS: usize = 20;
 
 /// What a constraint row weighs.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -135,6 +138,14 @@ impl<'a> Scaled<'a> {
         Ok(Self { stiffness, diagonal, load: system.load, rows, symmetric, reaction, offset, compliance, k, factor, enforced, places })
     }
 
+    /// Refuses a system that is not symmetric.
+    pub(crate) fn need_symmetry(&self) -> Result<(), SolveError> {
+        if self.reaction.is_some() {
+            return Err(SolveError::NotSymmetric);
+        }
+        if self.symmetric { Ok(()) } else { Err(LinearError::NotSymmetric.into()) }
+    }
+
     /// Places of unknowns, then rows; empty where the unknowns have none.
     pub(crate) fn all_places(&self, unknowns: &[[f64; 3]]) -> Vec<[f64; 3]> {
         if unknowns.len() == self.num_unknowns() && self.places.len() == self.num_rows() {
@@ -231,6 +242,71 @@ impl<'a> Scaled<'a> {
             }
         }
         Ok((u, l, size))
+    }
+
+    /// Adds corrections of an iterative method until error and residual are below the tolerance: u += du, l += dl with
+    /// (du, dl, iterations) = `correct`(r1, r2, its own limits). Returns (u, l, residual, iterations).
+    ///
+    /// Every correction goes to the residual `inner` (the tolerance, where that is larger); what it leaves over is what the next one begins
+    /// with, so the end is decided by the true residual. The error left is estimated from the last two corrections.
+    ///
+    /// # Errors
+    /// [`LinearError::NotConverged`] with the tolerance of `limits` and the true residual, and those of `correct`.
+    pub(crate) fn iterated(
+        &self,
+        scale: &[f64],
+        limits: &Limits,
+        inner: f64,
+        mut correct: impl FnMut(&[f64], &[f64], &Limits) -> Result<(Vec<f64>, Vec<f64>, usize), LinearError>,
+    ) -> Result<(Vec<f64>, Vec<f64>, f64, usize), LinearError> {
+        let largest = |x: &[f64]| x.iter().fold(0.0, |m, &v| max(m, v.abs()));
+        let (mut u, mut l) = (vec![0.0; self.num_unknowns()], vec![0.0; self.num_rows()]);
+        let (mut r1, mut r2) = (u.clone(), l.clone());
+        let mut size = self.residual(scale, &u, &l, &mut r1, &mut r2);
+        let goal = limits.tolerance.max(f64::EPSILON);
+        let most = limits.most((10 * (u.len() + l.len())).max(100));
+        let stopped = |done: usize, residual: f64| LinearError::NotConverged { iterations: done, residual, tolerance: limits.tolerance };
+        let (mut done, mut before) = (0, f64::INFINITY);
+        for round in 0..MAX_CORRECTIONS {
+            if size == 0.0 {
+                break;
+            }
+            if size.is_nan() {
+                return Err(LinearError::NotFinite);
+            }
+            if done >= most {
+                return Err(stopped(done, size));
+            }
+            let own = Limits { tolerance: inner.max(limits.tolerance), max_iterations: most - done, stop: limits.stop.clone() };
+            let (du, dl, iterations) = correct(&r1, &r2, &own).map_err(|error| match error {
+                LinearError::NotConverged { iterations, residual, .. } => stopped(done + iterations, residual * size),
+                LinearError::Stopped { iterations } => LinearError::Stopped { iterations: done + iterations },
+                other => other,
+            })?;
+            done += iterations;
+            for i in 0..u.len() {
+                u[i] += du[i];
+            }
+            for a in 0..l.len() {
+                l[a] += dl[a];
+            }
+            size = self.residual(scale, &u, &l, &mut r1, &mut r2);
+            // the scaled multipliers are lengths like u; each part is measured by itself
+            let step = max(ratio(largest(&du), largest(&u)), ratio(largest(&dl), largest(&l)));
+            let rate = if round > 0 { ratio(step, before) } else { 1.0 };
+            before = step;
+            if size <= goal && (step <= goal || step * rate <= goal || rate > 0.5 && round > 0) {
+                break;
+            }
+            if rate > 0.5 && round > 0 {
+                // rounding stands in the way of more
+                break;
+            }
+        }
+        if size.is_nan() || size > RESIDUAL_LIMIT.max(goal) {
+            return Err(stopped(done, size));
+        }
+        Ok((u, l, size, done))
     }
 }
 

@@ -1,25 +1,42 @@
 //! Conjugate gradients: symmetric positive definite operators, with or without a matrix.
+//!
+//!   x_k minimises (x - A⁻¹ b)ᵀ A (x - A⁻¹ b) over x_0 + span{M⁻¹ r, M⁻¹ A M⁻¹ r, ..}
+//!
+//! Source: Hestenes, Stiefel, J. Res. Nat. Bur. Stand. 49 (1952) 409-436.
 
+use super::precondition::Preconditioner;
 use super::residual::{residual, row_scale};
 use super::solver::NO_SYMMETRY;
-use super::{LinearError, LinearSolver, Operator, Real, lit, to_f64};
+use super::{Limits, LinearError, LinearSolver, Operator, Real, StopSign, lit, to_f64};
 
-/// Conjugate gradients, preconditioned by the diagonal.
+/// Conjugate gradients.
 ///
-/// Starts from the given x and stops where the preconditioned residual sqrt(rᵀ D⁻¹ r) has fallen to `tolerance` times that of x = 0.
+/// Starts from the given x and stops where the preconditioned residual sqrt(rᵀ M⁻¹ r) has fallen to `tolerance` times that of x = 0;
+/// then the residual of the operator itself is looked at.
 #[derive(Clone, Debug)]
 pub struct Cg<T: Real = f64> {
     /// Relative residual wanted.
     pub tolerance: f64,
     /// Iterations allowed; 0: ten times the number of unknowns, at least 100.
     pub max_iterations: usize,
+    /// M; without a matrix it is the diagonal.
+    pub preconditioner: Preconditioner,
+    /// Asked before every iteration.
+    pub stop: StopSign,
     inverse_diagonal: Vec<T>,
 }
 
 impl<T: Real> Cg<T> {
-    /// Stops at the relative residual `tolerance`.
+    /// Stops at the relative residual `tolerance`; M is the diagonal.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, max_iterations: 0, inverse_diagonal: Vec::new() }
+        let preconditioner = Preconditioner::Diagonal;
+        Self { tolerance, max_iterations: 0, preconditioner, stop: StopSign::default(), inverse_diagonal: Vec::new() }
+    }
+
+    /// The same with symmetric Gauss-Seidel sweeps as M.
+    pub fn with_gauss_seidel(mut self) -> Self {
+        self.preconditioner = Preconditioner::GaussSeidel;
+        self
     }
 }
 
@@ -53,58 +70,136 @@ impl<T: Real> LinearSolver<T> for Cg<T> {
                 return Err(LinearError::Shape { expected: n, found });
             }
         }
-        let d = &self.inverse_diagonal;
-        let dot = |x: &[T], y: &[T]| x.iter().zip(y).fold(T::zero(), |s, (&a, &b)| s + a * b);
-        let weighted = |r: &[T]| r.iter().zip(d).fold(T::zero(), |s, (&r, &d)| s + r * r * d);
-        let reference = weighted(b);
-        if !to_f64(reference).is_finite() || x.iter().any(|v| !to_f64(*v).is_finite()) {
-            return Err(LinearError::NotFinite);
-        }
-        if reference == T::zero() {
-            x.fill(T::zero());
-            return Ok(0);
-        }
-        let limit = if self.max_iterations == 0 { (10 * n).max(100) } else { self.max_iterations };
-        let goal = reference * lit::<T>(self.tolerance) * lit::<T>(self.tolerance);
-        let (mut r, mut q) = (vec![T::zero(); n], vec![T::zero(); n]);
-        a.apply(x, &mut q);
-        for i in 0..n {
-            r[i] = b[i] - q[i];
-        }
-        let mut z: Vec<T> = r.iter().zip(d).map(|(&r, &d)| r * d).collect();
-        let mut p = z.clone();
-        let mut rz = dot(&r, &z);
-        let mut iterations = 0;
-        while rz > goal {
-            let relative = to_f64((rz / reference).sqrt());
-            if iterations == limit {
-                return Err(LinearError::NotConverged { iterations, residual: relative, tolerance: self.tolerance });
-            }
-            a.apply(&p, &mut q);
-            let curvature = dot(&p, &q);
-            if curvature <= T::zero() || !to_f64(curvature).is_finite() {
-                return Err(LinearError::Singular { residual: relative });
-            }
-            let step = rz / curvature;
-            for i in 0..n {
-                x[i] += step * p[i];
-                r[i] -= step * q[i];
-                z[i] = r[i] * d[i];
-            }
-            let next = dot(&r, &z);
-            let turn = next / rz;
-            rz = next;
-            for i in 0..n {
-                p[i] = z[i] + turn * p[i];
-            }
-            iterations += 1;
-        }
+        let limits = Limits { tolerance: self.tolerance, max_iterations: self.max_iterations, stop: self.stop.clone() };
+        let iterations = conjugate_gradients(
+            &mut |p, q| {
+                a.apply(p, q);
+                Ok(())
+            },
+            &mut |r, z| {
+                self.preconditioner.apply(a, &self.inverse_diagonal, r, z);
+                Ok(())
+            },
+            b,
+            x,
+            &limits,
+        )?;
         // the recursive residual drifts: ask the operator itself
-        let size = residual(a, &row_scale(a), b, x, &mut r);
+        let size = residual(a, &row_scale(a), b, x, &mut vec![T::zero(); n]);
         let allowed = (100.0 * self.tolerance).max(1e3 * to_f64(T::default_epsilon()));
         if size.is_nan() || size > allowed {
             return Err(LinearError::NotConverged { iterations, residual: size, tolerance: self.tolerance });
         }
         Ok(iterations)
+    }
+}
+
+/// A map of vectors that may fail.
+pub(crate) type Map<'a, T> = dyn FnMut(&[T], &mut [T]) -> Result<(), LinearError> + 'a;
+
+/// Σ x_i y_i from the first to the last: the same bits on any number of threads.
+pub(crate) fn dot<T: Real>(x: &[T], y: &[T]) -> T {
+    x.iter().zip(y).fold(T::zero(), |s, (&a, &b)| s + a * b)
+}
+
+/// Conjugate gradients for A = `apply` and M⁻¹ = `precondition`, both symmetric positive definite; returns the iterations.
+///
+/// Starts from x; ends where rᵀ M⁻¹ r <= tolerance² bᵀ M⁻¹ b for the residual r that the iteration carries along.
+pub(crate) fn conjugate_gradients<T: Real>(
+    apply: &mut Map<'_, T>,
+    precondition: &mut Map<'_, T>,
+    b: &[T],
+    x: &mut [T],
+    limits: &Limits,
+) -> Result<usize, LinearError> {
+    watched(apply, precondition, b, x, limits, &mut |_, _| {})
+}
+
+/// The same; `hears` is told the two numbers of every iteration, step lengths alpha_k and turns beta_k, which hold the spectrum of M⁻¹ A.
+fn watched<T: Real>(
+    apply: &mut Map<'_, T>,
+    precondition: &mut Map<'_, T>,
+    b: &[T],
+    x: &mut [T],
+    limits: &Limits,
+    hears: &mut dyn FnMut(T, T),
+) -> Result<usize, LinearError> {
+    let n = b.len();
+    let (mut r, mut q, mut z) = (vec![T::zero(); n], vec![T::zero(); n], vec![T::zero(); n]);
+    precondition(b, &mut z)?;
+    let reference = dot(b, &z);
+    if !to_f64(reference).is_finite() || x.iter().any(|v| !to_f64(*v).is_finite()) {
+        return Err(LinearError::NotFinite);
+    }
+    if reference <= T::zero() {
+        x.fill(T::zero());
+        return Ok(0);
+    }
+    let most = limits.most((10 * n).max(100));
+    let goal = reference * lit::<T>(limits.tolerance) * lit::<T>(limits.tolerance);
+    apply(x, &mut q)?;
+    for i in 0..n {
+        r[i] = b[i] - q[i];
+    }
+    precondition(&r, &mut z)?;
+    let mut p = z.clone();
+    let mut rz = dot(&r, &z);
+    let mut iterations = 0;
+    while rz > goal {
+        let relative = to_f64((rz / reference).sqrt());
+        limits.allow(iterations, most, relative)?;
+        apply(&p, &mut q)?;
+        let curvature = dot(&p, &q);
+        if curvature <= T::zero() || !to_f64(curvature).is_finite() {
+            return Err(LinearError::Singular { residual: relative });
+        }
+        let step = rz / curvature;
+        for i in 0..n {
+            x[i] += step * p[i];
+            r[i] -= step * q[i];
+        }
+        precondition(&r, &mut z)?;
+        let next = dot(&r, &z);
+        let turn = next / rz;
+        hears(step, turn);
+        rz = next;
+        for i in 0..n {
+            p[i] = z[i] + turn * p[i];
+        }
+        iterations += 1;
+    }
+    if to_f64(rz).is_nan() {
+        return Err(LinearError::NotFinite);
+    }
+    Ok(iterations)
+}
+
+/// Whether conjugate gradients on a trial load `b` meet an eigenvalue of M⁻¹ A that is not above `least`.
+///
+/// The eigenvalues of the tridiagonal matrix of step lengths and turns lie within the spectrum; a Sturm count looks for one below `least`.
+/// The trial ends at the tolerance of `limits`; the load must have a larger part than that in the motions looked for.
+///
+/// # Errors
+/// [`LinearError::Stopped`] and [`LinearError::NotFinite`].
+pub(crate) fn meets_kernel(
+    apply: &mut Map<'_, f64>,
+    precondition: &mut Map<'_, f64>,
+    b: &[f64],
+    least: f64,
+    limits: &Limits,
+) -> Result<bool, LinearError> {
+    let (mut before, mut pivot, mut found) = (None, 1.0, false);
+    let mut x = vec![0.0; b.len()];
+    let trial = watched(apply, precondition, b, &mut x, limits, &mut |step, turn| {
+        // diagonal 1 / alpha_k + beta_k-1 / alpha_k-1, beside it sqrt(beta_k-1) / alpha_k-1
+        let (shift, square) = before.map_or((0.0, 0.0), |(step, turn): (f64, f64)| (turn / step, turn / (step * step)));
+        pivot = 1.0 / step + shift - least - square / pivot;
+        found |= pivot <= 0.0;
+        before = Some((step, turn));
+    });
+    match trial {
+        Ok(_) | Err(LinearError::NotConverged { .. }) => Ok(found),
+        Err(LinearError::Singular { .. }) => Ok(true),
+        Err(other) => Err(other),
     }
 }

@@ -1,6 +1,6 @@
-//! Product of two sparse matrices.
+//! Product and sum of two sparse matrices.
 
-use super::{Csr, Real};
+use super::{Csr, Operator, Real};
 use rayon::prelude::*;
 
 /// A B for any shapes that fit; columns ascend, products that cancel stay as stored zeros.
@@ -47,4 +47,34 @@ pub fn product<T: Real>(a: &Csr<T>, b: &Csr<T>) -> Csr<T> {
         ptr.push(cols.len());
     }
     Csr::from_parts(b.num_cols(), ptr, cols, vals)
+}
+
+/// a A + b B for matrices of the same shape; every place that either stores is stored. The places of unknowns are those of A.
+///
+/// # Panics
+/// If the shapes differ.
+pub fn sum<T: Real>(a: T, left: &Csr<T>, b: T, right: &Csr<T>) -> Csr<T> {
+    assert_eq!((left.num_rows(), left.num_cols()), (right.num_rows(), right.num_cols()), "matrices of one shape");
+    let most = left.num_entries() + right.num_entries();
+    let (mut ptr, mut cols, mut vals) = (vec![0usize], Vec::with_capacity(most), Vec::with_capacity(most));
+    for i in 0..left.num_rows() {
+        let ((l_cols, l_vals), (r_cols, r_vals)) = (left.row(i), right.row(i));
+        let (mut l, mut r) = (0, 0);
+        while l < l_cols.len() || r < r_cols.len() {
+            let (x, y) = (l_cols.get(l).copied().unwrap_or(u32::MAX), r_cols.get(r).copied().unwrap_or(u32::MAX));
+            let mut v = T::zero();
+            if x <= y {
+                v += a * l_vals[l];
+                l += 1;
+            }
+            if y <= x {
+                v += b * r_vals[r];
+                r += 1;
+            }
+            cols.push(x.min(y));
+            vals.push(v);
+        }
+        ptr.push(cols.len());
+    }
+    Csr::from_parts(left.num_cols(), ptr, cols, vals).with_places(left.places().to_vec())
 }

@@ -94,19 +94,23 @@ pub(crate) fn ratio(top: f64, bottom: f64) -> f64 {
     if top == 0.0 { 0.0 } else { top / bottom }
 }
 
+/// A fixed sequence of numbers in (-0.5, 1.5): all translations and rotations have a part in it.
+pub(crate) fn trial_numbers(n: usize) -> Vec<f64> {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    (0..n)
+        .map(|_| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 0.5
+        })
+        .collect()
+}
+
 /// Two steps of inverse iteration with M, scaled by |diagonal|: a vector that M maps to little, or `None` if `solve` overflows.
 ///
 /// Rigid motions grow by the reciprocal of rounding errors in one step, all else by at most the condition.
 pub(crate) fn softest(diagonal: &[f64], mut solve: impl FnMut(&mut [f64])) -> Option<Vec<f64>> {
     let weight = |i: usize| if diagonal[i] > 0.0 { diagonal[i] } else { 1.0 };
-    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut v: Vec<f64> = (0..diagonal.len())
-        .map(|i| {
-            // a fixed sequence of numbers in (-0.5, 1.5): all translations and rotations have a part in it
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            ((state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 0.5) * weight(i).sqrt()
-        })
-        .collect();
+    let mut v: Vec<f64> = trial_numbers(diagonal.len()).iter().enumerate().map(|(i, x)| x * weight(i).sqrt()).collect();
     for step in 0..2 {
         if step > 0 {
             for i in 0..v.len() {

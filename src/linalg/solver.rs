@@ -41,6 +41,12 @@ pub enum LinearError {
         /// Number of negative eigenvalues.
         negative: usize,
     },
+    /// Who was asked ended the iteration.
+    #[error("the iterative solver was stopped after {iterations} iterations")]
+    Stopped {
+        /// Iterations done.
+        iterations: usize,
+    },
     /// Sizes disagree.
     #[error("the right-hand side has {found} entries, the operator {expected}")]
     Shape {

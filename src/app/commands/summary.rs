@@ -14,7 +14,8 @@ pub fn of(result: &RunResult, folder: Option<&str>) -> String {
     let u = &result.unknowns;
     let _ = writeln!(text, "{bodies}; {} unknowns, {} multipliers", u.primal, u.multipliers);
     if let Some(solve) = result.solve.as_ref().filter(|_| result.solved) {
-        let _ = writeln!(text, "{}; residual {}", solve.linear, short(solve.residual, 2));
+        let iterations = if solve.iterations > 0 { format!(", {} iterations", solve.iterations) } else { String::new() };
+        let _ = writeln!(text, "{}{iterations}; residual {}", solve.linear, short(solve.residual, 2));
         if let Some(set) = &solve.active_set {
             let history = set.history.iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
             let _ = writeln!(text, "active set: {} iterations, active rows {history}", set.iterations);

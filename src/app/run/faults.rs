@@ -21,6 +21,18 @@ pub fn memory_limit<const S: usize, const N: usize>(case: &Case, model: &Model<S
     Diagnostic::error("E081", text).at(&case.source, at).with_help(format!("raise --max-memory, or give patch \"{name}\" fewer elements"))
 }
 
+/// E015 for an interface of mixed integration and a constraint solver that needs symmetry.
+pub fn not_symmetric(case: &Case, interface: &str) -> Diagnostic {
+    let word = &case.solver.constraint;
+    let text = format!(
+        "constraint = \"{}\" needs a symmetric system; integration = \"mixed\" of interface \"{interface}\" makes one that is not",
+        word.value
+    );
+    let help =
+        "write constraint = \"saddle-point\" (with linear = \"iterative\" GMRES over the symmetric factor), or integration = \"merged\"";
+    Diagnostic::error("E015", text).at(&case.source, word.at).with_help(help)
+}
+
 /// Marks a result as stopped early.
 pub fn stopped(result: &mut RunResult, stop: Stop) {
     let (status, text) = match stop {
@@ -86,6 +98,15 @@ pub fn step_fault<const S: usize, const N: usize>(
         StepError::Solve(SolveError::Linear(LinearError::NotFinite)) => {
             let text = "a number in the system is not finite; a load or a material formula has no value somewhere on its body";
             (Status::NotFinite, "not-finite", Diagnostic::error("E073", text))
+        }
+        StepError::Solve(SolveError::Linear(LinearError::NotConverged { iterations, residual, tolerance })) => {
+            let text = format!(
+                "the iterative solver stopped after {iterations} iterations at the relative residual {residual:.1e}; wanted {tolerance:.1e}"
+            );
+            let s = &case.solver;
+            let at = s.max_iterations.map_or(s.linear.at, |m| m.at);
+            let help = "raise solver.max_iterations or solver.tolerance, or write linear = \"direct\" with constraint = \"saddle-point\"";
+            (Status::NotConverged, "iterations", Diagnostic::error("E074", text).at(&case.source, at).with_help(help))
         }
         StepError::Solve(SolveError::OverConstrained { row, .. }) => {
             let text = format!("the constraints are redundant: {}", owner(model, *row));

@@ -19,7 +19,7 @@ use faults::{floating, memory_limit, step_fault, stopped};
 use super::build::{self, MakeNet, Model, plane_net, volume_net};
 use super::output::{Finished, Output, RunOptions, StepOutput};
 use super::quantities::Questions;
-use super::registry::{Names, Registry, solver_name};
+use super::registry::{Names, Registry};
 use super::result::{RunResult, Status, StepReport};
 use super::watch::{Progress, Watch};
 use crate::constraint::SolveError;
@@ -243,13 +243,17 @@ fn built<const S: usize, const N: usize>(
     watch: &Watch,
 ) -> Result<Model<S, N>, Diagnostics> {
     let word = &case.solver.constraint;
-    if let Err(unknown) = registry.solvers.get(solver_name(&word.value)) {
-        return Err(Diagnostic::error("E015", unknown.to_string()).at(&case.source, word.at).into());
-    }
+    let mut solver = Solver::new(registry, &case.solver, watch)
+        .map_err(|fault| Diagnostic::error(fault.code, fault.message).at(&case.source, word.at))?;
     if let Some(fault) = forecast::too_large(case, dimension.net, watch.max_memory) {
         return Err(fault.into());
     }
-    build::build(case, dimension.names, dimension.net)
+    let model = build::build(case, dimension.names, dimension.net)?;
+    let mixed = model.ties.iter().find(|tie| tie.parts.iter().any(|part| part.reaction.is_some()));
+    if let Some(tie) = mixed.filter(|_| solver.needs_symmetry()) {
+        return Err(faults::not_symmetric(case, &tie.name).into());
+    }
+    Ok(model)
 }
 
 /// A result and its solutions: of all steps that have one, the last where the case has no steps.
@@ -282,7 +286,7 @@ fn solve_case<const S: usize, const N: usize>(
     let times = &case.steps.value;
     watch.phase("assemble");
     let mut stiffness = Stiffness::new(&model, times.first().copied().unwrap_or(1.0));
-    let mut solver = Solver::new(registry, &case.solver.constraint.value).expect("the name was looked up before the model was built");
+    let mut solver = Solver::new(registry, &case.solver, watch).expect("made once before the model was built");
     let (model, mut solved) = (Arc::new(model), Vec::<Arc<Solved<S, N>>>::new());
     let mut finished = false;
     for (k, &t) in times.iter().enumerate() {

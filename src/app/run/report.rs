@@ -97,6 +97,7 @@ pub fn fill<const S: usize, const N: usize>(
         reason: reason.into(),
         linear: state.method.clone(),
         residual: state.residual,
+        iterations: state.iterations,
         active_set: state.active_set.as_ref().map(|a| ActiveSetSummary {
             iterations: a.iterations,
             history: a.history.clone(),

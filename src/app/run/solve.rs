@@ -3,7 +3,7 @@
 use super::integrate::on_trace;
 use super::loads::Resultant;
 use crate::app::build::{ContactModel, Model, between};
-use crate::app::registry::{Registry, UnknownName, solver_name};
+use crate::app::registry::{Fault, Registry, SolverOptions, solver_name};
 use crate::app::watch::{Progress, Watch};
 use crate::assembly::{Blocks, DirichletError, Reduced, ReductionError};
 use crate::constraint::{
@@ -11,9 +11,9 @@ use crate::constraint::{
 };
 use crate::contact::{Contact, ContactError};
 use crate::coupling::{CouplingError, Rows};
-use crate::io::case::Start;
+use crate::io::case::{self, Start};
 use crate::io::formula::Point;
-use crate::linalg::{Csr, Triplets, Vector};
+use crate::linalg::{Csr, Limits, LinearError, Triplets, Vector};
 use std::borrow::Cow;
 
 /// Sign case of rows without one: ties, and contact rows that face nothing.
@@ -44,6 +44,8 @@ pub struct StepState<const S: usize, const N: usize> {
     pub residual: f64,
     /// What was done, in words.
     pub method: String,
+    /// Iterations of the linear algebra, 0 where all was done by factors.
+    pub iterations: usize,
     /// The active set, where there is contact.
     pub active_set: Option<crate::constraint::ActiveSetReport>,
     /// Sign case 0 to 8 of every row; 9 for rows of ties.
@@ -236,13 +238,36 @@ impl<const S: usize, const N: usize, E: Into<StepError>> From<E> for Unsolved<S,
 pub struct Solver(ActiveSet<Box<dyn ConstraintSolver>>);
 
 impl Solver {
-    /// The solver of this name.
+    /// The solver that `wanted` names, stopped by `watch`.
     ///
     /// # Errors
-    /// [`UnknownName`] where the registry has none.
-    pub fn new(registry: &Registry, constraint: &str) -> Result<Self, UnknownName> {
-        let make = registry.solvers.get(solver_name(constraint))?;
-        Ok(Self(ActiveSet::new(make())))
+    /// [`Fault`] where the registry has none of this name, or the name and the other keys do not go together.
+    pub fn new(registry: &Registry, wanted: &case::Solver, watch: &Watch) -> Result<Self, Fault> {
+        let make = registry.solvers.get(solver_name(&wanted.constraint.value)).map_err(|e| Fault::new("E015", e.to_string()))?;
+        let limits = Limits {
+            tolerance: wanted.tolerance.value,
+            max_iterations: wanted.max_iterations.map_or(0, |m| m.value),
+            stop: watch.stop_sign(),
+        };
+        Ok(Self(ActiveSet::new(make(&SolverOptions { linear: wanted.linear.value, limits })?)))
+    }
+
+    /// Whether the solver refuses systems whose reaction differs from the constraint: asked of a system with one row.
+    pub fn needs_symmetry(&mut self) -> bool {
+        let (mut rows, stiffness) = (empty(1, 2), Csr::from_parts(2, vec![0, 1, 2], vec![0, 1], vec![1.0; 2]));
+        rows.slave.push(0, 0, 1.0);
+        let mut reaction = rows.clone();
+        reaction.slave.push(0, 1, 0.5);
+        let system = ConstrainedSystem {
+            stiffness: &stiffness,
+            load: &[0.0; 2],
+            constraint: &rows,
+            reaction: Some(&reaction),
+            offset: &[-1.0],
+            kind: &[RowKind::Equal],
+            compliance: &[],
+        };
+        matches!(self.0.inner.solve(&system), Err(SolveError::NotSymmetric))
     }
 }
 
@@ -324,7 +349,10 @@ fn once<const S: usize, const N: usize>(
             true
         })
     } else {
-        solver.0.inner.solve(&constrained)
+        solver.0.inner.solve(&constrained).map_err(|error| match error {
+            SolveError::Linear(LinearError::Stopped { .. }) => SolveError::Stopped { iterations: 0, last: None },
+            other => other,
+        })
     };
     let finish = |solution: ConstrainedSolution| {
         let sign_case = sign_cases(&constrained, &system, &solution);
@@ -434,6 +462,7 @@ fn finished<const S: usize, const N: usize>(
         free: reduced.num_free(),
         residual: solution.residual,
         method: solution.method,
+        iterations: solution.iterations,
         active_set: solution.active_set,
         sign_case,
     }

@@ -338,9 +338,10 @@ impl Reader {
     pub fn solver(&mut self, b: &mut Block, names: &Names) -> Solver {
         let constraint = self.registered(b, "constraint", &names.constraints, "auto");
         let linear = self.word(b, "linear", &[("auto", Linear::Auto), ("direct", Linear::Direct), ("iterative", Linear::Iterative)]);
-        if linear.value != Linear::Iterative {
+        if linear.value != Linear::Iterative && FACTORISING.contains(&constraint.value.as_str()) {
             for key in ["tolerance", "max_iterations"].iter().filter(|k| b.has(k)) {
-                self.fault("E015", b.key_at(key), format!("`{key}` is a key of linear = \"iterative\""), "");
+                let help = "leave it out, or take constraint = \"schur\" or \"uzawa\", which iterate";
+                self.fault("E015", b.key_at(key), format!("`{key}` is a key of linear = \"iterative\""), help);
             }
         }
         let tolerance = self.number(b, "tolerance", Sign::Positive).unwrap_or(Located::new(1e-10, b.at));
@@ -351,6 +352,9 @@ impl Reader {
         Solver { constraint, linear, tolerance, max_iterations }
     }
 }
+
+/// Constraint solvers that do not iterate with `linear = "direct"`.
+const FACTORISING: &[&str] = &["auto", "saddle-point", "condensed"];
 
 fn inherit<T: Clone>(defaults: Option<&Discretization>, field: impl Fn(&Discretization) -> &T) -> T {
     field(defaults.expect("a key without defaults is read from the block")).clone()

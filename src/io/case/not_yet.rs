@@ -9,8 +9,6 @@ use crate::io::place::{Located, Place};
 
 /// Couplings of the contract that integrate over the surfaces of both sides.
 const SURFACE_COUPLINGS: &[&str] = &["mortar", "nitsche", "penalty"];
-/// Constraint solvers of the contract that are not built.
-const CONSTRAINTS: &[&str] = &["schur", "uzawa"];
 /// Kinds of obstacle that are built.
 const OBSTACLES: &[&str] = &["half-plane", "sphere", "level-set"];
 
@@ -37,17 +35,6 @@ impl Reader {
         }
         for c in &case.contacts {
             self.later_contact(c);
-        }
-        let s = &case.solver;
-        if CONSTRAINTS.contains(&s.constraint.value.as_str()) {
-            self.later(
-                s.constraint.at,
-                &format!("constraint solver {:?}", s.constraint.value),
-                "write constraint = \"auto\", \"saddle-point\" or \"condensed\"",
-            );
-        }
-        if s.linear.value == Linear::Iterative {
-            self.later(s.linear.at, "`linear = \"iterative\"`", "write linear = \"direct\"");
         }
     }
 

@@ -712,13 +712,13 @@ pub enum Linear {
 /// `[solver]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solver {
-    /// Name of the constraint solver: `auto`, `saddle-point`, `condensed`, or one of a registry.
+    /// Name of the constraint solver: `auto`, `saddle-point`, `condensed`, `schur`, `uzawa`, or one of a registry.
     pub constraint: Located<String>,
     /// Linear solver.
     pub linear: Located<Linear>,
-    /// Relative residual of the iterative solver.
+    /// Error and residual at which iterations end, relative.
     pub tolerance: Located<f64>,
-    /// Most iterations of the iterative solver, `None`: auto.
+    /// Most iterations of an iterative solver, `None`: auto.
     pub max_iterations: Option<Located<usize>>,
 }
 

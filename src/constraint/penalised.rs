@@ -1,0 +1,51 @@
+//! The stiffness with the rows as springs, K + Cᵀ W C, and a test for motions without resistance that needs no factor.
+
+use super::scale::Scaled;
+use crate::linalg::residual::trial_numbers;
+use crate::linalg::{Csr, Limits, LinearError, Operator, gauss_seidel, meets_kernel, product, sum};
+
+/// Residual to which a trial load is solved: a motion without resistance keeps a larger part of it.
+const TRIAL: f64 = 1e-4;
+/// Eigenvalues of the matrix over its Gauss-Seidel preconditioner, which lie in (0, 1\], below this one are rounding.
+const FREE: f64 = 1e-13;
+
+/// K + Cᵀ W C; rows of weight zero keep their places in the pattern. The places of the unknowns are those of the operator.
+pub(crate) fn penalised(s: &Scaled<'_>, columns: &Csr<f64>, w: &[f64], places: &[[f64; 3]]) -> Csr<f64> {
+    let mut weighted = s.rows.clone();
+    let (ptr, _, vals) = weighted.parts_mut();
+    for (a, &wa) in w.iter().enumerate() {
+        vals[ptr[a]..ptr[a + 1]].iter_mut().for_each(|v| *v *= wa);
+    }
+    sum(1.0, s.stiffness, 1.0, &product(columns, &weighted)).with_places(places.to_vec())
+}
+
+/// 1 / diagonal of a matrix that should be positive definite.
+pub(crate) fn inverse_diagonal(a: &Csr<f64>) -> Result<Vec<f64>, LinearError> {
+    let diagonal = a.diagonal();
+    if diagonal.iter().any(|d| !d.is_finite()) {
+        return Err(LinearError::NotFinite);
+    }
+    if diagonal.iter().any(|&d| d <= 0.0) {
+        return Err(LinearError::Singular { residual: 1.0 });
+    }
+    Ok(diagonal.iter().map(|d| 1.0 / d).collect())
+}
+
+/// Refuses a symmetric matrix that lets some motion go without resistance.
+pub(crate) fn refuse_motions(a: &Csr<f64>, inverse_diagonal: &[f64], limits: &Limits) -> Result<(), LinearError> {
+    let load: Vec<f64> = trial_numbers(a.num_rows()).iter().zip(inverse_diagonal).map(|(v, d)| v / d.sqrt()).collect();
+    let found = meets_kernel(
+        &mut |p, q| {
+            a.apply(p, q);
+            Ok(())
+        },
+        &mut |r, z| {
+            gauss_seidel(a, inverse_diagonal, r, z);
+            Ok(())
+        },
+        &load,
+        FREE,
+        &Limits { tolerance: TRIAL, max_iterations: 0, stop: limits.stop.clone() },
+    )?;
+    if found { Err(LinearError::Singular { residual: 1.0 }) } else { Ok(()) }
+}

@@ -1,0 +1,231 @@
+//! The Schur complement of the multipliers by preconditioned conjugate gradients, with a factor of the stiffness inside.
+//!
+//!   S lambda = C K⁻¹ f + g,   S = C K⁻¹ Cᵀ + s,   u = K⁻¹ (f - Cᵀ lambda)
+//!   M⁻¹ = N⁻¹ (C Q⁻¹ K Q⁻¹ Cᵀ + s) N⁻¹,   N = C Q⁻¹ Cᵀ + s,   Q = diag K
+//!
+//! M⁻¹ is what S⁻¹ is when Q⁻¹ Cᵀ N⁻¹ stands for the right inverse K⁻¹ Cᵀ S⁻¹ of C: the lumped preconditioner of FETI, weighted for
+//! rows that are no signed Booleans. K is factorised once however many rows open and close.
+//!
+//! A stiffness that leaves bodies floating is singular; then K_W = K + Cᵀ W C is factorised in its place. With W = min(1/k, 1/2s) and
+//! F = 1 - W s the same system reads
+//!
+//!   S_W lambda = F C K_W⁻¹ (f - Cᵀ W g) + F g,   S_W = F C K_W⁻¹ Cᵀ F + F s,   S_W⁻¹ = S⁻¹ + W F⁻¹
+//!
+//! so that M⁻¹ + W F⁻¹ preconditions it, and does so independently of the mesh.
+//!
+//! Source: Klawonn, Widlund, Comm. Pure Appl. Math. 54 (2001) 57-90 (weights); Stefanica, SIAM J. Sci. Comput. 23 (2001) 1135-1160 (mortars).
+
+use super::penalised::penalised;
+use super::scale::{Scaled, gaps};
+use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
+use crate::linalg::{Csr, Ldlt, Limits, LinearError, LinearSolver, Operator, conjugate_gradients, product, sum};
+
+/// Residual to which the conjugate gradients of one correction go; the next correction takes on from there.
+const INNER: f64 = 1e-8;
+/// Added to N relative to its diagonal: rows may repeat each other.
+const REGULARISATION: f64 = 1e-8;
+
+/// Schur complement solver; needs the reaction to be the transposed constraint.
+///
+/// Redundant rows that agree share their multiplier; rows that contradict each other are an error.
+#[derive(Debug, Default)]
+pub struct Schur {
+    /// Error of unknowns and multipliers wanted, and most iterations of the conjugate gradients.
+    pub limits: Limits,
+    stiffness: Ldlt,
+    penalised: Ldlt,
+    rows: Ldlt,
+    /// The pattern of a stiffness that is singular.
+    floating: Option<(Vec<usize>, Vec<u32>)>,
+}
+
+impl Schur {
+    /// A solver that has seen no system yet.
+    pub fn new(limits: Limits) -> Self {
+        Self { limits, ..Self::default() }
+    }
+
+    /// How often a new pattern of the stiffness was analysed.
+    pub fn analyses(&self) -> usize {
+        self.stiffness.analyses() + self.penalised.analyses()
+    }
+
+    /// How often the stiffness was factorised.
+    pub fn factorisations(&self) -> usize {
+        self.stiffness.factorisations() + self.penalised.factorisations()
+    }
+
+    /// Factorises K where that is regular, K_W elsewhere; says whether it is K_W.
+    fn prepare(&mut self, s: &Scaled<'_>, part: &Parts, places: &[[f64; 3]]) -> Result<bool, LinearError> {
+        let known = |(ptr, cols): &(Vec<usize>, Vec<u32>)| ptr == s.stiffness.ptr() && cols == s.stiffness.cols();
+        if !self.floating.as_ref().is_some_and(known) {
+            match self.stiffness.prepare(s.stiffness) {
+                Ok(()) => return definite(&self.stiffness).map(|()| false),
+                Err(LinearError::Singular { .. }) => self.floating = Some((s.stiffness.ptr().to_vec(), s.stiffness.cols().to_vec())),
+                Err(other) => return Err(other),
+            }
+        }
+        self.penalised.prepare(&penalised(s, &part.columns, &part.w, places))?;
+        definite(&self.penalised).map(|()| true)
+    }
+
+    /// (u, l, residual, iterations) with the factor of K or, where the bodies float, of K_W.
+    fn solved(&mut self, s: &Scaled<'_>, part: &Parts, floats: bool) -> Result<(Vec<f64>, Vec<f64>, f64, usize), LinearError> {
+        let m = s.num_rows();
+        let factor = if floats { &self.penalised } else { &self.stiffness };
+        let (w, f) = if floats { (part.w.clone(), part.f.clone()) } else { (vec![0.0; m], part.enforced.clone()) };
+        self.rows.prepare(&part.n)?;
+        let preconditioner = &self.rows;
+        s.iterated(&part.scale, &self.limits, INNER, |r1, r2, limits| {
+            let pushed: Vec<f64> = (0..m).map(|a| w[a] * r2[a]).collect();
+            let mut load = r1.to_vec();
+            s.rows.add_transposed_mul(&pushed, &mut load);
+            let mut u = load.clone();
+            factor.apply_inverse(&mut u)?;
+            let mut b = vec![0.0; m];
+            s.rows.mul(&u, &mut b);
+            for a in 0..m {
+                b[a] = f[a] * (b[a] - r2[a]);
+            }
+            let mut dl = vec![0.0; m];
+            let mut v = vec![0.0; s.num_unknowns()];
+            let done = conjugate_gradients(
+                &mut |p, q| {
+                    v.fill(0.0);
+                    let scaled: Vec<f64> = (0..m).map(|a| f[a] * p[a]).collect();
+                    s.rows.add_transposed_mul(&scaled, &mut v);
+                    factor.apply_inverse(&mut v)?;
+                    s.rows.mul(&v, q);
+                    for a in 0..m {
+                        q[a] = f[a] * (q[a] + s.compliance[a] * p[a]);
+                    }
+                    Ok(())
+                },
+                &mut |r, z| {
+                    part.precondition(s, preconditioner, r, z)?;
+                    for a in 0..m {
+                        z[a] = if part.enforced[a] == 0.0 { 0.0 } else { z[a] + w[a] / f[a] * r[a] };
+                    }
+                    Ok(())
+                },
+                &b,
+                &mut dl,
+                limits,
+            )?;
+            for a in 0..m {
+                b[a] = f[a] * dl[a];
+            }
+            let mut du = vec![0.0; load.len()];
+            s.rows.add_transposed_mul(&b, &mut du);
+            for i in 0..du.len() {
+                du[i] = load[i] - du[i];
+            }
+            factor.apply_inverse(&mut du)?;
+            Ok((du, dl, done))
+        })
+    }
+}
+
+/// Refuses a stiffness with negative energy.
+fn definite(factor: &Ldlt) -> Result<(), LinearError> {
+    let negative = factor.negative_pivots();
+    if negative > 0 { Err(LinearError::Indefinite { negative }) } else { Ok(()) }
+}
+
+/// What does not depend on the factor that is taken.
+struct Parts {
+    /// Cᵀ, open rows included.
+    columns: Csr<f64>,
+    w: Vec<f64>,
+    f: Vec<f64>,
+    /// 1 on enforced rows, 0 on others.
+    enforced: Vec<f64>,
+    scale: Vec<f64>,
+    /// Q⁻¹.
+    q: Vec<f64>,
+    /// N over enforced rows, k on the diagonal of others.
+    n: Csr<f64>,
+}
+
+impl Parts {
+    fn of(s: &Scaled<'_>) -> Self {
+        let m = s.num_rows();
+        let columns = s.rows.transposed();
+        let enforced: Vec<f64> = s.enforced.iter().map(|&e| if e { 1.0 } else { 0.0 }).collect();
+        let w: Vec<f64> = (0..m).map(|a| if s.enforced[a] { (1.0 / s.k[a]).min(0.5 / s.compliance[a]) } else { 0.0 }).collect();
+        let f = (0..m).map(|a| if s.enforced[a] { 1.0 - w[a] * s.compliance[a] } else { 0.0 }).collect();
+        let largest = s.diagonal.iter().fold(0.0, |top: f64, d| top.max(d.abs()));
+        let q: Vec<f64> = s.diagonal.iter().map(|d| 1.0 / if *d != 0.0 { d.abs() } else { largest.max(f64::MIN_POSITIVE) }).collect();
+        let scale = s.diagonal.iter().map(|d| if *d != 0.0 { 1.0 / d.abs() } else { 1.0 }).collect();
+        // C Q⁻¹ Cᵀ over the enforced rows; the pattern holds all
+        let mut left = s.rows.clone();
+        let (ptr, cols, vals) = left.parts_mut();
+        for a in 0..m {
+            for k in ptr[a]..ptr[a + 1] {
+                vals[k] *= enforced[a] * q[cols[k] as usize];
+            }
+        }
+        let mut right = columns.clone();
+        let (_, cols, vals) = right.parts_mut();
+        cols.iter().zip(vals).for_each(|(&a, v)| *v *= enforced[a as usize]);
+        let inner = product(&left, &right);
+        let own = inner.diagonal();
+        let diagonal: Vec<f64> = (0..m).map(|a| if s.enforced[a] { s.compliance[a] + REGULARISATION * own[a] } else { s.k[a] }).collect();
+        let index = (0..m).map(|a| u32::try_from(a).expect("fewer than 2^32 rows")).collect();
+        let n = sum(1.0, &inner, 1.0, &Csr::from_parts(m, (0..=m).collect(), index, diagonal)).with_places(s.places.clone());
+        Self { columns, w, f, enforced, scale, q, n }
+    }
+
+    /// z = N⁻¹ (C Q⁻¹ K Q⁻¹ Cᵀ + s) N⁻¹ r over the enforced rows.
+    fn precondition(&self, s: &Scaled<'_>, n: &Ldlt, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
+        let m = r.len();
+        let mut t: Vec<f64> = (0..m).map(|a| self.enforced[a] * r[a]).collect();
+        n.apply_inverse(&mut t)?;
+        for a in 0..m {
+            t[a] *= self.enforced[a];
+        }
+        let mut v = vec![0.0; self.q.len()];
+        s.rows.add_transposed_mul(&t, &mut v);
+        v.iter_mut().zip(&self.q).for_each(|(v, q)| *v *= q);
+        let mut kv = vec![0.0; v.len()];
+        s.stiffness.mul(&v, &mut kv);
+        kv.iter_mut().zip(&self.q).for_each(|(v, q)| *v *= q);
+        s.rows.mul(&kv, z);
+        for a in 0..m {
+            z[a] = self.enforced[a] * (z[a] + s.compliance[a] * t[a]);
+        }
+        n.apply_inverse(z)
+    }
+}
+
+impl ConstraintSolver<f64> for Schur {
+    fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
+        let s = Scaled::of(system)?;
+        s.need_symmetry()?;
+        let m = s.num_rows();
+        let part = Parts::of(&s);
+        let places = system.stiffness.places();
+        let mut floats = self.prepare(&s, &part, places)?;
+        let mut answer = self.solved(&s, &part, floats);
+        if !floats && matches!(answer, Err(LinearError::Singular { .. })) {
+            // a stiffness on the brink of being singular
+            self.penalised.prepare(&penalised(&s, &part.columns, &part.w, places))?;
+            floats = true;
+            answer = self.solved(&s, &part, floats);
+        }
+        let (unknowns, l, residual, iterations) = answer?;
+        Ok(ConstrainedSolution {
+            gap: gaps(system, &unknowns),
+            unknowns,
+            multipliers: (0..m).map(|a| s.factor[a] * l[a]).collect(),
+            active: s.enforced,
+            residual,
+            method: format!(
+                "schur, conjugate gradients over a factor of {}",
+                if floats { "the penalised stiffness" } else { "the stiffness" }
+            ),
+            iterations,
+            active_set: None,
+        })
+    }
+}

@@ -1,0 +1,206 @@
+//! Restarted GMRES: any square operator, symmetric or not.
+//!
+//!   x_k = x_0 + M⁻¹ y,  y in span{r, A M⁻¹ r, (A M⁻¹)² r, ..},  |b - A x_k| least
+//!
+//! The preconditioner stands on the right, so the residual is the true one. Dot products are summed from first to last: the same bits on
+//! any number of threads. Orthogonalised twice by modified Gram-Schmidt.
+//!
+//! Source: Saad, Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856-869; "twice is enough": Giraud, Langou, Rozloznik, van den Eshof,
+//! Numer. Math. 101 (2005) 87-100.
+
+use super::krylov::{Map, dot};
+use super::residual::{residual, row_scale};
+use super::{Limits, LinearError, LinearSolver, Operator, Real, StopSign, lit, to_f64};
+
+/// GMRES, preconditioned by the diagonal from the right.
+///
+/// Starts from the given x and stops where |b - A x| <= `tolerance` |b|, computed from the operator itself.
+/// Keeps `restart` + 1 vectors of the length of x.
+#[derive(Clone, Debug)]
+pub struct Gmres<T: Real = f64> {
+    /// Relative residual wanted.
+    pub tolerance: f64,
+    /// Iterations allowed; 0: ten times the number of unknowns, at least 100.
+    pub max_iterations: usize,
+    /// Vectors kept before the iteration starts again from where it is.
+    pub restart: usize,
+    /// Asked before every iteration.
+    pub stop: StopSign,
+    inverse_diagonal: Vec<T>,
+}
+
+/// Vectors kept where nothing else is said.
+const RESTART: usize = 100;
+
+impl<T: Real> Gmres<T> {
+    /// Stops at the relative residual `tolerance`, keeps 100 vectors.
+    pub fn new(tolerance: f64) -> Self {
+        Self { tolerance, max_iterations: 0, restart: RESTART, stop: StopSign::default(), inverse_diagonal: Vec::new() }
+    }
+
+    /// The same with another number of vectors kept.
+    pub fn with_restart(mut self, restart: usize) -> Self {
+        self.restart = restart;
+        self
+    }
+}
+
+impl<T: Real> Default for Gmres<T> {
+    fn default() -> Self {
+        Self::new(1e-12)
+    }
+}
+
+impl<T: Real> LinearSolver<T> for Gmres<T> {
+    fn prepare(&mut self, a: &dyn Operator<T>) -> Result<(), LinearError> {
+        let diagonal = a.diagonal();
+        if diagonal.iter().any(|d| !to_f64(*d).is_finite()) {
+            return Err(LinearError::NotFinite);
+        }
+        // a missing diagonal, as in saddle points, is no scale
+        self.inverse_diagonal = diagonal.iter().map(|&d| if d == T::zero() { T::one() } else { T::one() / d }).collect();
+        Ok(())
+    }
+
+    fn solve(&self, a: &dyn Operator<T>, b: &[T], x: &mut [T]) -> Result<usize, LinearError> {
+        let n = a.size();
+        for found in [b.len(), x.len(), self.inverse_diagonal.len()] {
+            if found != n {
+                return Err(LinearError::Shape { expected: n, found });
+            }
+        }
+        let limits = Limits { tolerance: self.tolerance, max_iterations: self.max_iterations, stop: self.stop.clone() };
+        let iterations = gmres(
+            &mut |p, q| {
+                a.apply(p, q);
+                Ok(())
+            },
+            &mut |r, z| {
+                for i in 0..n {
+                    z[i] = r[i] * self.inverse_diagonal[i];
+                }
+                Ok(())
+            },
+            self.restart,
+            b,
+            x,
+            &limits,
+        )?;
+        // rows of small entries count as much as others
+        let size = residual(a, &row_scale(a), b, x, &mut vec![T::zero(); n]);
+        let allowed = (100.0 * self.tolerance).max(1e3 * to_f64(T::default_epsilon()));
+        if size.is_nan() || size > allowed {
+            return Err(LinearError::NotConverged { iterations, residual: size, tolerance: self.tolerance });
+        }
+        Ok(iterations)
+    }
+}
+
+/// GMRES for A = `apply` with M⁻¹ = `precondition` from the right; returns the iterations. Starts from x.
+pub(crate) fn gmres<T: Real>(
+    apply: &mut Map<'_, T>,
+    precondition: &mut Map<'_, T>,
+    restart: usize,
+    b: &[T],
+    x: &mut [T],
+    limits: &Limits,
+) -> Result<usize, LinearError> {
+    let n = b.len();
+    let norm = |v: &[T]| dot(v, v).sqrt();
+    let reference = norm(b);
+    if !to_f64(reference).is_finite() || x.iter().any(|v| !to_f64(*v).is_finite()) {
+        return Err(LinearError::NotFinite);
+    }
+    if reference == T::zero() {
+        x.fill(T::zero());
+        return Ok(0);
+    }
+    let goal = reference * lit::<T>(limits.tolerance);
+    let most = limits.most((10 * n).max(100));
+    let (mut z, mut w) = (vec![T::zero(); n], vec![T::zero(); n]);
+    let mut iterations = 0;
+    loop {
+        apply(x, &mut w)?;
+        let mut r: Vec<T> = (0..n).map(|i| b[i] - w[i]).collect();
+        let beta = norm(&r);
+        if !to_f64(beta).is_finite() {
+            return Err(LinearError::NotFinite);
+        }
+        if beta <= goal {
+            return Ok(iterations);
+        }
+        r.iter_mut().for_each(|v| *v /= beta);
+        let mut basis = vec![r];
+        // columns of the triangular factor of the Hessenberg matrix, its rotations, and the turned right-hand side
+        let mut columns: Vec<Vec<T>> = Vec::new();
+        let mut rotations: Vec<(T, T)> = Vec::new();
+        let mut turned = vec![beta];
+        while columns.len() < restart.max(1) {
+            let k = columns.len();
+            let relative = to_f64(turned[k].abs() / reference);
+            limits.allow(iterations, most, relative)?;
+            precondition(&basis[k], &mut z)?;
+            apply(&z, &mut w)?;
+            let size = norm(&w);
+            let mut column = vec![T::zero(); k + 1];
+            for _ in 0..2 {
+                for (i, v) in basis.iter().enumerate() {
+                    let h = dot(&w, v);
+                    column[i] += h;
+                    for (wj, &vj) in w.iter_mut().zip(v) {
+                        *wj -= h * vj;
+                    }
+                }
+            }
+            let mut below = norm(&w);
+            if !to_f64(below).is_finite() {
+                return Err(LinearError::NotFinite);
+            }
+            // the space is exhausted: what is left is rounding
+            let exhausted = below <= size * lit::<T>(10.0) * T::default_epsilon();
+            if exhausted {
+                below = T::zero();
+            }
+            for (i, &(c, s)) in rotations.iter().enumerate() {
+                (column[i], column[i + 1]) = (c * column[i] + s * column[i + 1], c * column[i + 1] - s * column[i]);
+            }
+            let length = (column[k] * column[k] + below * below).sqrt();
+            iterations += 1;
+            if length <= size * T::default_epsilon() {
+                // A M⁻¹ maps a direction of the space to nothing new and nothing at all
+                return Err(LinearError::Singular { residual: relative });
+            }
+            let (c, s) = (column[k] / length, below / length);
+            column[k] = length;
+            rotations.push((c, s));
+            columns.push(column);
+            let last = turned[k];
+            turned[k] = c * last;
+            turned.push(-s * last);
+            if exhausted || turned[k + 1].abs() <= goal {
+                break;
+            }
+            w.iter_mut().for_each(|v| *v /= below);
+            basis.push(w.clone());
+        }
+        let k = columns.len();
+        let mut y = turned[..k].to_vec();
+        for i in (0..k).rev() {
+            for j in i + 1..k {
+                let (a, b) = (columns[j][i], y[j]);
+                y[i] -= a * b;
+            }
+            y[i] /= columns[i][i];
+        }
+        w.fill(T::zero());
+        for (v, &yk) in basis.iter().zip(&y) {
+            for i in 0..n {
+                w[i] += yk * v[i];
+            }
+        }
+        precondition(&w, &mut z)?;
+        for i in 0..n {
+            x[i] += z[i];
+        }
+    }
+}

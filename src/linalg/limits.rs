@@ -1,0 +1,73 @@
+//! When an iterative method ends: its tolerance, its patience, and a question from outside.
+
+use super::LinearError;
+use std::fmt;
+use std::sync::Arc;
+
+/// A question asked once per iteration: whether to stop. The default one never stops.
+#[derive(Clone, Default)]
+pub struct StopSign(Option<Arc<dyn Fn() -> bool + Send + Sync>>);
+
+impl StopSign {
+    /// Stops where `asked` answers yes.
+    pub fn new(asked: impl Fn() -> bool + Send + Sync + 'static) -> Self {
+        Self(Some(Arc::new(asked)))
+    }
+
+    /// Whether to stop now.
+    pub fn stops(&self) -> bool {
+        self.0.as_ref().is_some_and(|asked| asked())
+    }
+}
+
+impl fmt::Debug for StopSign {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("StopSign").field(&self.0.is_some()).finish()
+    }
+}
+
+/// When an iteration ends.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    /// Relative residual wanted, a pure number.
+    pub tolerance: f64,
+    /// Iterations allowed; 0: as many as the method usually needs at most.
+    pub max_iterations: usize,
+    /// Asked before every iteration.
+    pub stop: StopSign,
+}
+
+impl Limits {
+    /// Ends at the relative residual `tolerance`.
+    pub fn new(tolerance: f64) -> Self {
+        Self { tolerance, max_iterations: 0, stop: StopSign::default() }
+    }
+
+    /// The same with at most `max_iterations`.
+    pub fn within(mut self, max_iterations: usize) -> Self {
+        self.max_iterations = max_iterations;
+        self
+    }
+
+    /// The iterations allowed, `usual` where none are given.
+    pub fn most(&self, usual: usize) -> usize {
+        if self.max_iterations == 0 { usual } else { self.max_iterations }
+    }
+
+    /// Whether another iteration may begin after `done` of `most` that reached `residual`.
+    pub(crate) fn allow(&self, done: usize, most: usize, residual: f64) -> Result<(), LinearError> {
+        if done >= most || residual.is_nan() {
+            return Err(LinearError::NotConverged { iterations: done, residual, tolerance: self.tolerance });
+        }
+        if self.stop.stops() {
+            return Err(LinearError::Stopped { iterations: done });
+        }
+        Ok(())
+    }
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self::new(1e-12)
+    }
+}
