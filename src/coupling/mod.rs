@@ -128,7 +128,7 @@ pub trait Coupling<const S: usize, const N: usize, T: Real = f64>: Debug + Send 
     }
 
     /// What takes the place of the multiplier where there are no rows: lambda at the points of the segments for the solution
-    /// `unknowns`, `[component][point]`, in the sign of a multiplier [modulus x displacement / length]. Unless it says otherwise,
+    /// `unknowns`, `[component][point]`, in the sign of a multiplier \[force/area\]. Unless it says otherwise,
     /// minus the slave's traction.
     ///
     /// # Errors

@@ -5,7 +5,7 @@
 //!   [u] = u_slave - u_master,   {t} = w_s t_s - w_m t_m,   t_s = sigma(u_s) n_s,  t_m = sigma(u_m) n_m   (outward normals; exact: t_m = -t_s)
 //!   w_s = d_m / (d_s + d_m),   w_m = d_s / (d_s + d_m),   γ = factor d_s d_m / (d_s + d_m)
 //!
-//! θ = 1 symmetric, -1 unsymmetric, 0 incomplete. d [modulus/length] is the bound of the flux by the energy of the element
+//! θ = 1 symmetric, -1 unsymmetric, 0 incomplete. d \[modulus/length\] is the bound of the flux by the energy of the element
 //! behind the facet, ∫ |t|² ds <= d a(u, u), from a local eigenvalue ([`Flux::stabilisation`](crate::physics::Flux)). The weights put the flux on the
 //! softer or larger side, and γ is half the harmonic mean of both bounds: a jump of the modulus by any factor changes neither
 //! the coercivity nor the condition that the softer side has by itself.
@@ -167,6 +167,8 @@ struct Work<const S: usize, T: Real> {
     mean: Vec<T>,
     /// Consistency block, `block[j * flux + f]`.
     block: Vec<T>,
+    /// Values of the functions and of the fluxes of both sides.
+    sides: [[Vec<T>; 2]; 2],
 }
 
 impl<const S: usize, T: Real> Work<S, T> {
@@ -180,6 +182,7 @@ impl<const S: usize, T: Real> Work<S, T> {
             flux: Vec::new(),
             mean: Vec::new(),
             block: Vec::new(),
+            sides: Default::default(),
         }
     }
 
@@ -195,8 +198,9 @@ impl<const S: usize, T: Real> Work<S, T> {
         let (count, components) = (points.len(), interface.slave.field.components);
         self.jump.clear();
         self.flux.clear();
-        let (mut functions, mut tables): (usize, [Vec<T>; 2]) = (0, [Vec::new(), Vec::new()]);
-        let (mut fluxes, mut widths, mut counts) = ([Vec::new(), Vec::new()], [0; 2], [0; 2]);
+        let (mut widths, mut counts) = ([0; 2], [0; 2]);
+        let [tables, fluxes] = &mut self.sides;
+        tables.iter_mut().chain(fluxes.iter_mut()).for_each(Vec::clear);
         let sides = [
             (Some(&interface.slave), &segments.slave, &segments.slave_xi),
             (interface.master.as_ref(), &segments.master, &segments.master_xi),
@@ -207,7 +211,6 @@ impl<const S: usize, T: Real> Work<S, T> {
             side.trace.space.active(element, &mut self.ids);
             side.trace.space.tabulate(element, xi, Order::Values, &mut self.shapes);
             counts[k] = self.ids.len();
-            functions += self.ids.len();
             self.jump.extend(
                 self.ids.iter().flat_map(|&i| (0..components).map(move |c| (i, c))).map(|(i, c)| side.field.unknown(side.trace.dofs[i], c)),
             );
@@ -231,7 +234,6 @@ impl<const S: usize, T: Real> Work<S, T> {
                 self.mean.extend(fluxes[1].iter().skip(row * widths[1]).take(widths[1]).map(|&t| -weights.master[piece] * t));
             }
         }
-        debug_assert_eq!(self.values.len(), count * functions);
         Ok(())
     }
 

@@ -52,10 +52,9 @@ impl<const S: usize, const N: usize> TieField<S, N> {
         xi: &[Vector<S>],
     ) -> Vec<Vec<f64>> {
         let Some(own) = &self.0 else {
-            let of = |(psi, rows): (&Box<dyn crate::basis::Basis<S>>, std::ops::Range<usize>)| {
-                multiplier_at(&**psi, &state.lambda[rows], element, xi)
-            };
-            return part.multipliers.iter().zip(component_rows(part)).map(of).collect();
+            let rows = component_rows(part);
+            let of = |c: usize| multiplier_at(&*part.multipliers[c], &state.lambda[rows[c].clone()], element, xi);
+            return (0..rows.len()).map(of).collect();
         };
         let mut map = MapTable::new();
         part.slave.trace.space.map(element, xi, Order::Values, &mut map);
