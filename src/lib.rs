@@ -38,7 +38,7 @@
 //! | [`space`] | spaces, bodies, traces: the spline patch, the Lagrange mesh of a patch or of a file's cells, glued patches |
 //! | [`assembly`] | the bulk loop, loads, Dirichlet projection, error norms |
 //! | [`physics`] | materials, stresses, fluxes |
-//! | [`coupling`] | segments, multipliers, the mortar rows |
+//! | [`coupling`] | segments, multipliers and their inf-sup constants, the mortar rows |
 //! | [`constraint`] | saddle points, condensation, the active set |
 //! | [`contact`] | obstacles, gaps, pressures |
 //! | [`check`] | contract tests for everything above: run them on your own types |

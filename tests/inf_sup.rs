@@ -1,13 +1,14 @@
 //! Inf-sup constants of multiplier spaces against independent tables, and the verdicts that follow.
 #![allow(clippy::unwrap_used)]
 
-use faying::basis::{Basis, Order, ShapeTable};
+use faying::basis::{Basis, Extracted, Order, ShapeTable};
 use faying::coupling::inf_sup::{
     Grams, InfSupError, Measure, Method, Norm, Question, Verdict, degree_exponent, grams, inf_sup, slope, verdict,
 };
 use faying::coupling::multiplier::{Ends, MultiplierKind, build, side_ends};
 use faying::geometry::shapes;
 use faying::linalg::{Csr, Triplets, Vector};
+use faying::quadrature::gauss_legendre;
 use faying::space::{BasisKind, Body, Mapping, Mesh, Patch, PatchSpec, Trace};
 
 /// The tables print six digits.
@@ -396,4 +397,93 @@ fn grams_hold_the_length_of_the_side() {
         assert!((matrix.vals().iter().sum::<f64>() - 1.0).abs() < 1e-13);
     }
     assert!((g.h - 0.2).abs() < 1e-14);
+}
+
+/// With |w'| for traces with zero ends and its dual norm for multipliers the constant of p/p-2 is exactly one: the w with
+/// -w'' = phi is a spline of degree p. The dual norm is that of the primitive: |phi|_-1 = |Phi - mean Phi|.
+#[test]
+fn the_constant_in_h1_and_its_dual_is_one() {
+    for p in 2..=5 {
+        for n in [1, 4, 9] {
+            let side = side(Backend::Iga, p, n);
+            let psi = multiplier(&side, MultiplierKind::Lowered(2), At::Zero);
+            let numbers = functions(&side, At::Zero);
+            let mut g = grams(&*side.space, &numbers, &*psi, Measure::Physical, Norm::L2).unwrap();
+            let (h, m, rule) = (1.0 / n as f64, psi.num_functions(), gauss_legendre::<f64>(p + 1));
+            let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
+            let mut stiffness = Triplets::new(g.trace.num_rows(), g.trace.num_rows());
+            // values of every primitive at every point, and their weights
+            let (mut primitives, mut weights, mut so_far) = (vec![Vec::new(); m], Vec::new(), vec![0.0; m]);
+            for e in 0..n {
+                side.space.active(e, &mut ids);
+                side.space.tabulate(e, &rule.points, Order::Gradients, &mut table);
+                for (q, weight) in rule.weights.iter().enumerate() {
+                    for (a, &i) in ids.iter().enumerate() {
+                        for (b, &j) in ids.iter().enumerate() {
+                            if let (Some(i), Some(j)) = (numbers[i], numbers[j]) {
+                                stiffness.push(i, j, weight / h * table.grads(q)[a][0] * table.grads(q)[b][0]);
+                            }
+                        }
+                    }
+                }
+                psi.active(e, &mut ids);
+                let mut whole = so_far.clone();
+                for (x, weight) in rule.points.iter().zip(&rule.weights) {
+                    let inside: Vec<Vector<1>> = rule.points.iter().map(|y| y * x[0]).collect();
+                    psi.tabulate(e, &inside, Order::Values, &mut table);
+                    let mut here = so_far.clone();
+                    for (q, w) in rule.weights.iter().enumerate() {
+                        ids.iter().zip(table.values(q)).for_each(|(&j, v)| here[j] += h * x[0] * w * v);
+                    }
+                    primitives.iter_mut().zip(&here).for_each(|(list, v)| list.push(*v));
+                    weights.push(h * weight);
+                }
+                psi.tabulate(e, &rule.points, Order::Values, &mut table);
+                for (q, w) in rule.weights.iter().enumerate() {
+                    ids.iter().zip(table.values(q)).for_each(|(&j, v)| whole[j] += h * w * v);
+                }
+                so_far = whole;
+            }
+            let dot = |a: &[f64], b: &[f64]| weights.iter().zip(a.iter().zip(b)).map(|(w, (a, b))| w * a * b).sum::<f64>();
+            for list in &mut primitives {
+                let mean: f64 = weights.iter().zip(list.iter()).map(|(w, v)| w * v).sum();
+                list.iter_mut().for_each(|v| *v -= mean);
+            }
+            let mut dual = Triplets::new(m, m);
+            for i in 0..m {
+                for j in 0..m {
+                    dual.push(i, j, dot(&primitives[i], &primitives[j]));
+                }
+            }
+            (g.trace, g.multiplier) = (stiffness.to_csr(), dual.to_csr());
+            for method in [Method::Dense, Method::Iterative] {
+                let (beta, _) = g.smallest(method).unwrap();
+                assert!((beta - 1.0).abs() < 1e-9, "p = {p}, n = {n}, {method:?}: {beta}");
+            }
+        }
+    }
+}
+
+/// psi_0 = 2 N_0 - N_1, psi_1 = 2 N_1 - N_0 on every element. On even numbers of elements a cosine of four elements' length is
+/// among the functions, where beta^2 = 3 / (4 - cos^2) is smallest.
+#[test]
+fn linear_biorthogonal_multipliers_have_half_the_root_of_three() {
+    for backend in [Backend::Iga, Backend::Fe] {
+        let n = 12;
+        let side = side(backend, 1, n);
+        let broken = build(&side.space, MultiplierKind::Uniform { degree: 1, continuity: Some(-1), ends: Ends::Full }, &[]).unwrap();
+        let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); broken.num_functions()];
+        let (mut ids, mut own) = (Vec::new(), Vec::new());
+        for e in 0..n {
+            broken.active(e, &mut ids);
+            side.space.active(e, &mut own);
+            (rows[ids[0]], rows[ids[1]]) = (vec![(own[0], 2.0), (own[1], -1.0)], vec![(own[0], -1.0), (own[1], 2.0)]);
+        }
+        let dual = Extracted::new::<1>(broken, n + 1, rows);
+        for method in [Method::Dense, Method::Iterative] {
+            let question = Question { method, ..Question::default() };
+            let found = inf_sup(&*side.space, &functions(&side, At::Free), &dual, &question).unwrap();
+            assert!((found.beta - 0.75f64.sqrt()).abs() < 1e-9, "{backend:?}, {method:?}: {}", found.beta);
+        }
+    }
 }

@@ -167,7 +167,7 @@ impl Method for Constants<'_> {
         let lines = lines(rows);
         for line in &lines {
             let Some(last) = line.iter().rev().map(|&k| &rows[k]).find(|row| row.verdict.is_some()) else { continue };
-            let slope = last.slope.map_or(String::new(), |s| format!(", slope {s:.2} in h"));
+            let slope = last.slope.map_or(String::new(), |s| format!(", slope {} in h", hundredths(s)));
             let beta = last.beta.filter(|b| *b > ZERO).map_or("0".to_owned(), |b| short(b, 6));
             notes.push(format!("{}: beta {beta} on level {}{slope}: {}", label(last, true), last.spec.level, word(last)));
         }
@@ -186,6 +186,11 @@ impl Method for Constants<'_> {
 
 fn word(row: &Row) -> &str {
     row.verdict.as_deref().unwrap_or_default()
+}
+
+/// Two decimals, without the sign of a zero.
+pub(super) fn hundredths(x: f64) -> String {
+    format!("{:.2}", (100.0 * x).round() / 100.0 + 0.0)
 }
 
 /// What to call the line of a row.

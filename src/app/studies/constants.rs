@@ -4,14 +4,16 @@ use super::study::Study;
 use crate::coupling::inf_sup::ZERO;
 use crate::io::plot::{PlotError, StudyLine, StudyPlot, study};
 
-/// Where a constant that is zero is drawn.
-const FLOOR: f64 = 1e-16;
+/// Constants that are zero are drawn at this part of the smallest that is not.
+const BELOW: f64 = 0.1;
 
 /// `study.svg` of a study with constants.
 ///
 /// # Errors
 /// [`PlotError::Empty`] where no row has one.
 pub(super) fn picture(all: &Study) -> Result<String, PlotError> {
+    let positive = || all.rows.iter().filter_map(|row| row.beta).filter(|beta| *beta > ZERO);
+    let floor = BELOW * positive().fold(1.0, f64::min);
     let mut zero = false;
     let mut lines = Vec::new();
     for line in all.lines() {
@@ -23,13 +25,13 @@ pub(super) fn picture(all: &Study) -> Result<String, PlotError> {
         for row in line.iter().map(|&k| &all.rows[k]) {
             let Some(beta) = row.beta else { continue };
             zero |= beta <= ZERO;
-            points.push((row.result.geometry.h, if beta > ZERO { beta } else { FLOOR }));
+            points.push((row.result.geometry.h, if beta > ZERO { beta } else { floor }));
         }
         if !points.is_empty() {
             lines.push(StudyLine { name: format!("{}{pairing}{verdict}", all.line(line[0])), points, rate: None });
         }
     }
     let title = if all.title.is_empty() { &all.case } else { &all.title };
-    let y = if zero { "beta (zeros are drawn at 1e-16)" } else { "beta" };
+    let y = if zero { "beta (zeros are drawn at the bottom)" } else { "beta" };
     study(&StudyPlot { title, x: "h of the slave side", y, lines: &lines })
 }

@@ -2,6 +2,7 @@
 
 use super::quantities::Asked;
 use super::study::{Study, Tolerance, word};
+use crate::app::infsup::hundredths;
 use crate::io::table::{Table, short};
 use std::fmt::Write as _;
 
@@ -40,7 +41,9 @@ impl Study {
             (constants, "beta"),
             (bent, "in parameter"),
             (constants && levels, "rate"),
-            (constants, "verdict"), (differs, "difference"), (checked, "checks"),
+            (constants, "verdict"),
+            (differs, "difference"),
+            (checked, "checks"),
             (true, "status"),
         ];
         head.extend(found.iter().filter(|(there, _)| *there).map(|(_, name)| name));
@@ -74,7 +77,7 @@ impl Study {
                     cells.push(number(row.parametric.unwrap_or(f64::NAN), 6));
                 }
                 if levels {
-                    cells.push(row.rates.get("beta").map_or("-".to_owned(), |rate| format!("{rate:.2}")));
+                    cells.push(row.rates.get("beta").map_or("-".to_owned(), |rate| hundredths(*rate)));
                 }
                 cells.push(text(row.verdict.as_deref().unwrap_or_default()));
             }
