@@ -113,7 +113,10 @@ pub(super) fn memberships<const S: usize, const N: usize>(
 }
 
 /// The coupling that a tie names.
-fn coupling_of<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, tie: &Tie) -> Result<Box<dyn Coupling<S, N>>, Box<Diagnostic>> {
+pub(super) fn coupling_of<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    tie: &Tie,
+) -> Result<Box<dyn Coupling<S, N>>, Box<Diagnostic>> {
     let variant = match tie.variant.value {
         case::Variant::Unsymmetric => Variant::Unsymmetric,
         case::Variant::Incomplete => Variant::Incomplete,

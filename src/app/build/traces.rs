@@ -4,7 +4,7 @@ use super::boundary::component_name;
 use super::fixed::Fixed;
 use super::model::{Model, SideModel};
 use super::multipliers::multiplier;
-use super::ties::{list, memberships};
+use super::ties::{coupling_of, list, memberships};
 use super::{Builder, MakeNet, patches, supported};
 use crate::app::registry::{Names, is_glue};
 use crate::basis::{Basis, Order, ShapeTable};
@@ -66,6 +66,15 @@ pub fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: Sla
     let mut out = Vec::new();
     let mut faults = Diagnostics::new();
     for (tie, couples) in case.interfaces.iter().zip(&couples.ties).filter(|(tie, _)| !is_glue(&tie.coupling.value)) {
+        match coupling_of(&builder, tie) {
+            Ok(coupling) if coupling.has_rows() => {}
+            // nitsche and penalty have no multipliers
+            Ok(_) => continue,
+            Err(fault) => {
+                faults.push(*fault);
+                continue;
+            }
+        }
         for couple in couples {
             let slave = &couple.slave;
             let field = model.patches[slave.patch].field;
