@@ -140,7 +140,7 @@ pub enum InfSupError {
 /// use faying::coupling::inf_sup::{Question, inf_sup};
 /// use faying::coupling::multiplier::{MultiplierKind, build};
 /// use faying::{geometry::shapes, space::{Body, Patch, PatchSpec}};
-/// let spec = PatchSpec::new(shapes::rectangle([0.0, 0.0], [1.0, 1.0])).with_degree([1, 1]).with_elements([32, 1]);
+/// let spec = PatchSpec::new(shapes::rectangle([0.0, 0.0], [1.0, 1.0])?).with_degree([1, 1]).with_elements([32, 1]);
 /// let side = Patch::<1, 2>::try_new(&spec)?.trace("v0")?;
 /// let psi = build(&side.space, MultiplierKind::Lowered(0), &[true, true])?;
 /// let last = side.dofs.len() - 1;
