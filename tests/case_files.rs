@@ -539,7 +539,7 @@ fn e019_known_but_not_in_this_version() {
     later("slave =", "friction = 0.3\nslave =", "`friction`", "friction");
     later("slave =", "method = \"penalty\"\nslave =", "this method", "\"penalty\"");
     later("slave =", "method = \"nitsche\"\nfactor = 10\nvariant = \"unsymmetric\"\nslave =", "this method", "\"nitsche\"");
-    later("slave =", "integration = \"slave\"\nslave =", "this integration", "\"slave\"");
+    later("slave =", "integration = \"mixed\"\nslave =", "mixed integration of contacts", "\"mixed\"");
     later("slave =", "cone = \"weights\"\nslave =", "this cone", "\"weights\"");
     later(
         "master = \"lower.top\"",

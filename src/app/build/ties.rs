@@ -263,23 +263,19 @@ fn segments<const S: usize, const N: usize>(
         None if is_exact => Tolerance::Exact,
         None => Tolerance::Local,
     };
-    let partners = Partners::Touching(tolerance);
     let word = if tie.integration.value == Integration::Merged { "merged" } else { "slave" };
     let make = builder.names.integrations.get(word).map_err(|e| Box::new(builder.error("E019", e.to_string(), tie.integration.at)))?;
-    let integration = make(points, partners);
-    let first = integration.segments(&*slave.trace.space, &*master.trace.space);
+    let first = make(points, Partners::Touching(tolerance)).segments(&*slave.trace.space, &*master.trace.space);
     Ok(first.and_then(|first| {
         let second = match tie.integration.value {
-            Integration::Mixed => Some(swapped(integration.segments(&*master.trace.space, &*slave.trace.space)?)),
+            // a master may be longer than its slave
+            Integration::Mixed => {
+                Some(make(points, Partners::Near(tolerance)).segments(&*master.trace.space, &*slave.trace.space)?.swapped())
+            }
             _ => None,
         };
         Ok((first, second))
     }))
-}
-
-/// The same points with the roles exchanged.
-fn swapped<const S: usize>(s: Segments<S>) -> Segments<S> {
-    Segments { slave: s.master, master: s.slave, slave_xi: s.master_xi, master_xi: s.slave_xi, ..s }
 }
 
 fn apart<const S: usize, const N: usize>(

@@ -10,19 +10,16 @@
 //! the assigned element, never clamped, so a cut misplaced by δ costs O(δ²) even between kinked functions.
 //! Neighbouring pieces share their cut, so they tile the slave element exactly. Cost: n log n.
 
-use super::pairing::{MasterCurve, Worst, crossing, place_of, size_of};
+use super::cuts::{Cuts, sliver};
+use super::pairing::{MasterCurve, Worst, place_of, size_of};
 use super::{Coverage, InterfaceQuadrature, Partners, Segments, Tolerance};
 use crate::basis::Order;
 use crate::coupling::CouplingError;
 use crate::geometry::{Geometry, MapTable};
-use crate::linalg::{Real, Vector, lit, num};
+use crate::linalg::{Real, Vector, lit};
 use crate::quadrature::{Rule, gauss_legendre};
 use rayon::prelude::*;
 
-/// Pieces shorter than this share of the slave element join their neighbour.
-const SLIVER: f64 = 1e-12;
-/// Samples per slave element that bracket the cuts.
-const SAMPLES: usize = 9;
 /// Bisections of a jump of the closest point.
 const JUMP_STEPS: usize = 50;
 /// How often a piece may be cut at jumps.
@@ -137,17 +134,14 @@ struct Sides<'a, const N: usize, T: Real> {
 struct Work<const N: usize, T: Real> {
     slave: MapTable<1, N, T>,
     master: MapTable<1, N, T>,
-    samples: Vec<Vector<1, T>>,
-    cuts: Vec<T>,
-    x: Vec<Vector<N, T>>,
+    cuts: Cuts<N, T>,
     xi: Vec<Vector<1, T>>,
     eta: Vec<Vector<1, T>>,
 }
 
 impl<const N: usize, T: Real> Work<N, T> {
     fn new() -> Self {
-        let samples = (0..SAMPLES).map(|k| Vector::<1, T>::new(num::<T>(k) / num::<T>(SAMPLES - 1))).collect();
-        Self { slave: MapTable::new(), master: MapTable::new(), samples, cuts: Vec::new(), x: Vec::new(), xi: Vec::new(), eta: Vec::new() }
+        Self { slave: MapTable::new(), master: MapTable::new(), cuts: Cuts::new(), xi: Vec::new(), eta: Vec::new() }
     }
 }
 
@@ -156,10 +150,10 @@ type Piece<T> = (T, T, Option<usize>);
 
 impl<const N: usize, T: Real> Sides<'_, N, T> {
     fn element(&self, element: usize, work: &mut Work<N, T>) -> Part<T> {
-        self.find_cuts(element, work);
+        work.cuts.at_vertices(self.slave, element, &self.master, &mut work.slave);
         let mut pieces: Vec<Piece<T>> = Vec::new();
-        for k in 1..work.cuts.len() {
-            self.assign(element, work.cuts[k - 1], work.cuts[k], JUMP_DEPTH, &mut work.slave, &mut pieces);
+        for k in 1..work.cuts.at.len() {
+            self.assign(element, work.cuts.at[k - 1], work.cuts.at[k], JUMP_DEPTH, &mut work.slave, &mut pieces);
         }
         // false cuts vanish: neighbours with one owner are one piece
         let mut merged: Vec<Piece<T>> = Vec::with_capacity(pieces.len());
@@ -176,48 +170,13 @@ impl<const N: usize, T: Real> Sides<'_, N, T> {
         part
     }
 
-    /// Roots of φ for the vertices near the element, between 0 and 1, slivers left out.
-    fn find_cuts(&self, element: usize, work: &mut Work<N, T>) {
-        work.cuts.clear();
-        work.cuts.extend([T::zero(), T::one()]);
-        self.slave.map(element, &work.samples, Order::Values, &mut work.slave);
-        work.x.clear();
-        work.x.extend_from_slice(&work.slave.x);
-        let stride = work.x.windows(2).fold(T::zero(), |m, w| m.max((w[1] - w[0]).norm()));
-        let probed = [0, SAMPLES / 2, SAMPLES - 1].map(|s| self.master.place(&work.x[s]));
-        let far = probed.iter().flatten().fold(T::zero(), |m, p| m.max(p.distance));
-        // a vertex that is a closest point is no farther than the closest point of the next probe, plus the way there
-        let margin = far + stride * lit(0.25 * SAMPLES as f64);
-        for near in self.master.vertices_in(&self.slave.bounds(element).inflated(margin)) {
-            let vertex = &self.master.chain().vertices[near];
-            let Some(tangent) = vertex.tangent else { continue };
-            for s in 1..SAMPLES {
-                let values = [(work.x[s - 1] - vertex.x).dot(&tangent), (work.x[s] - vertex.x).dot(&tangent)];
-                if (values[0] < T::zero()) != (values[1] < T::zero()) {
-                    let bracket = [work.samples[s - 1][0], work.samples[s][0]];
-                    work.cuts.push(crossing(self.slave, element, &vertex.x, &tangent, bracket, &mut work.slave));
-                }
-            }
-        }
-        work.cuts.sort_by(|a, b| a.partial_cmp(b).expect("cuts are numbers"));
-        let sliver = lit::<T>(SLIVER).max(T::default_epsilon() * lit(16.0));
-        let mut kept = T::zero();
-        work.cuts.retain(|&c| {
-            let keep = c == T::zero() || c == T::one() || (c - kept > sliver && T::one() - c > sliver);
-            if keep {
-                kept = c;
-            }
-            keep
-        });
-        work.cuts.dedup();
-    }
-
     /// Who owns `xi`; none beyond a rim or out of reach.
     fn owner(&self, element: usize, xi: T, table: &mut MapTable<1, N, T>) -> Option<usize> {
         self.slave.map(element, &[Vector::<1, T>::new(xi)], Order::Values, table);
-        let place = self.master.place(&table.x[0]).filter(|p| !p.beyond)?;
-        let (allowed, is_error) = self.partners.allowed(self.master.size(), self.slave_size, [T::zero(); 2]);
-        (is_error || place.distance <= allowed).then_some(place.element)
+        let place = self.master.place(&table.x[0]).filter(|p| self.partners.face(p, self.master.size()))?;
+        let (allowed, _) = self.partners.allowed(self.master.size(), self.slave_size, [T::zero(); 2]);
+        // tolerances of sides that touch are known with the points of a piece
+        (self.partners.touch() || place.distance <= allowed).then_some(place.element)
     }
 
     /// Appends the pieces of [from, to]: one, or several where the owner jumps inside.
@@ -226,7 +185,7 @@ impl<const N: usize, T: Real> Sides<'_, N, T> {
         let probes = [0.5, 0.02, 0.98].map(|t| from + width * lit::<T>(t));
         let middle = self.owner(element, probes[0], table);
         // the closest point of touching sides moves along with the slave: it cannot jump
-        let touching = matches!(self.partners, Partners::Touching(_));
+        let touching = self.partners.touch();
         let mut at = |k: usize| if touching { middle } else { self.owner(element, probes[k], table) };
         let owners = [middle, at(1), at(2)];
         let differ = |a: Option<usize>, b: Option<usize>| match (a, b) {
@@ -241,7 +200,7 @@ impl<const N: usize, T: Real> Sides<'_, N, T> {
         } else {
             None
         };
-        let sliver = lit::<T>(SLIVER).max(T::default_epsilon() * lit(16.0));
+        let sliver = sliver::<T>();
         match jump {
             Some((mut lo, mut hi, before)) if depth > 0 && width > sliver * lit(10.0) => {
                 for _ in 0..JUMP_STEPS {
@@ -273,21 +232,24 @@ impl<const N: usize, T: Real> Sides<'_, N, T> {
         let measure = (0..work.xi.len()).fold(T::zero(), |s, q| s + ds(q));
         part.measure += measure;
         let Some(owner) = owner else { return };
-        part.covered += measure;
         work.eta.clear();
         // starts: the closest of a few points of the owner, found without a search
-        self.master.geometry().map(owner, &work.samples, Order::Values, &mut work.master);
+        self.master.geometry().map(owner, &work.cuts.samples, Order::Values, &mut work.master);
         for x in &work.slave.x {
             let far = |s: usize| (work.master.x[s] - x).norm_squared();
-            let nearest = (1..SAMPLES).fold(0, |best, s| if far(s) < far(best) { s } else { best });
-            work.eta.push(work.samples[nearest]);
+            let nearest = (1..work.cuts.samples.len()).fold(0, |best, s| if far(s) < far(best) { s } else { best });
+            work.eta.push(work.cuts.samples[nearest]);
         }
         self.master.feet(owner, &work.slave.x, &mut work.eta, &mut work.master);
-        let lengths = [chords(&work.x), self.master.chain().lengths[owner]];
+        let lengths = [chords(&work.cuts.x), self.master.chain().lengths[owner]];
         let (allowed, _) = self.partners.allowed(self.master.size(), self.slave_size, lengths);
-        for (x, y) in work.slave.x.iter().zip(&work.master.x) {
-            part.see(x, (x - y).norm(), allowed);
+        let distance = |(x, y): (&Vector<N, T>, &Vector<N, T>)| (x - y).norm();
+        let pairs = || work.slave.x.iter().zip(&work.master.x);
+        if matches!(self.partners, Partners::Near(_)) && pairs().any(|p| distance(p) > allowed) {
+            return;
         }
+        part.covered += measure;
+        pairs().for_each(|p| part.see(p.0, distance(p), allowed));
         let points = (0..work.xi.len()).map(|q| (work.xi[q], work.eta[q], ds(q))).collect();
         part.pieces.push((owner, points));
     }

@@ -1,6 +1,7 @@
 //! Segments: the same physical points seen from one slave and one master element, with weights.
 
 mod chain;
+mod cuts;
 mod merged_curve;
 mod pairing;
 mod slave;

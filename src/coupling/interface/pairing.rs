@@ -8,6 +8,8 @@ use crate::linalg::{Real, Vector, lit, to_f64};
 
 /// Overhang beyond a master's end that counts as round-off, as a share of the size of both sides.
 const RIM: f64 = 1e-8;
+/// Distance of sides that carry the same curve, as a share of their size.
+const EXACT: f64 = 1e-8;
 /// Local coordinates closer than this to an element's end are at the end.
 const AT_END: f64 = 1e-9;
 /// Newton steps of a foot point; quadratic convergence needs about five.
@@ -33,6 +35,8 @@ pub enum Tolerance<T: Real = f64> {
 pub enum Partners<T: Real = f64> {
     /// Sides that touch: partners farther apart than the tolerance are an error.
     Touching(Tolerance<T>),
+    /// Sides of which only parts touch: what is farther from the other side than the tolerance, or beyond its ends, faces nothing.
+    Near(Tolerance<T>),
     /// Sides that may be apart: points farther than `reach` face nothing; none: the diagonal of the box around the slave.
     Facing {
         /// Largest distance of partners \[length\].
@@ -43,12 +47,29 @@ pub enum Partners<T: Real = f64> {
 impl<T: Real> Partners<T> {
     /// The largest distance of partners on elements of these lengths \[length\], and whether more is an error.
     pub(super) fn allowed(&self, size: T, slave_size: T, lengths: [T; 2]) -> (T, bool) {
+        let within = |tolerance| match tolerance {
+            Tolerance::Exact => size * lit(EXACT),
+            Tolerance::Local => (lengths[0].min(lengths[1]) * lit(0.25)).max(size * lit(EXACT)),
+            Tolerance::Given(distance) => distance,
+        };
         match *self {
-            Self::Touching(Tolerance::Exact) => (size * lit(1e-8), true),
-            Self::Touching(Tolerance::Local) => ((lengths[0].min(lengths[1]) * lit(0.25)).max(size * lit(1e-8)), true),
-            Self::Touching(Tolerance::Given(distance)) => (distance, true),
+            Self::Touching(tolerance) => (within(tolerance), true),
+            Self::Near(tolerance) => (within(tolerance), false),
             Self::Facing { reach } => (reach.unwrap_or(slave_size), false),
         }
+    }
+
+    /// Whether a point at this place of a curve of this size faces it.
+    ///
+    /// A side may go on at right angles from where the other ends; its closest point is that end then, and no foot.
+    pub(super) fn face(&self, place: &Place<T>, size: T) -> bool {
+        let past = place.rim && place.distance > size * lit(EXACT) && matches!(self, Self::Near(_));
+        !(place.beyond || past)
+    }
+
+    /// Whether the closest point moves along with the point: sides that touch do not jump.
+    pub(super) fn touch(&self) -> bool {
+        matches!(self, Self::Touching(_) | Self::Near(_))
     }
 }
 
@@ -59,6 +80,7 @@ pub struct MasterCurve<G, const N: usize, T: Real = f64> {
     chain: Chain<N, T>,
     size: T,
     vertices: Tree<N, T>,
+    has_rims: bool,
 }
 
 /// A point's place on a master curve.
@@ -72,6 +94,8 @@ pub struct Place<T: Real = f64> {
     pub distance: T,
     /// Whether the point lies beyond a rim of the master.
     pub beyond: bool,
+    /// Whether the closest point is a rim of the master.
+    pub rim: bool,
 }
 
 impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
@@ -80,7 +104,8 @@ impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
         let chain = Chain::of(&geometry);
         let size = other_size.max(chain.size);
         let vertices = Tree::new(chain.vertices.iter().map(|v| Bounds { lo: v.x, hi: v.x }).collect());
-        Self { closest: ClosestPoint::new(geometry), chain, size, vertices }
+        let has_rims = chain.vertices.iter().any(|v| v.at.len() == 1);
+        Self { closest: ClosestPoint::new(geometry), chain, size, vertices, has_rims }
     }
 
     /// The curve.
@@ -98,10 +123,15 @@ impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
         self.size
     }
 
+    /// Whether the curve ends somewhere.
+    pub(super) fn has_rims(&self) -> bool {
+        self.has_rims
+    }
+
     /// The element that owns `x`: the closest one, and at a vertex the one on x's side of the vertex's normal plane.
     pub fn place(&self, x: &Vector<N, T>) -> Option<Place<T>> {
         let hit = self.closest.project(x)?;
-        let mut place = Place { element: hit.element, xi: hit.xi[0], distance: hit.distance, beyond: false };
+        let mut place = Place { element: hit.element, xi: hit.xi[0], distance: hit.distance, beyond: false, rim: false };
         let end = if place.xi <= lit(AT_END) {
             0
         } else if place.xi >= T::one() - lit::<T>(AT_END) {
@@ -113,6 +143,7 @@ impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
         if let Some(tangent) = &vertex.tangent {
             let along = (x - vertex.x).dot(tangent);
             if vertex.at.len() == 1 {
+                place.rim = true;
                 place.beyond = along > self.size * lit(RIM);
             } else {
                 let (element, at) = vertex.at[if along > T::zero() { 1 } else { 0 }];

@@ -1,8 +1,11 @@
 //! Slave integration: the slave's own Gauss points, each with its closest point on the master.
 //!
 //! The master's functions have kinks inside the slave's elements, so integrals converge slowly; merged integration
-//! does not have that error. For rigid targets there is no master and the rule is exact.
+//! does not have that error. An element in which the master ends is cut there, so that the part that is covered is
+//! integrated and no more: masters in a row share a slave element, and mixed integration uses this rule on masters that
+//! are longer than the slave. For rigid targets there is no master and the rule is exact.
 
+use super::cuts::Cuts;
 use super::merged_curve::{Part, join};
 use super::pairing::{MasterCurve, size_of};
 use super::{Coverage, InterfaceQuadrature, Partners, Segments, Tolerance};
@@ -10,7 +13,7 @@ use crate::basis::Order;
 use crate::coupling::CouplingError;
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Real, Vector, measure};
-use crate::quadrature::{Quadrature, gauss_legendre};
+use crate::quadrature::{Quadrature, Rule, gauss_legendre};
 use rayon::prelude::*;
 
 /// Gauss points on the slave elements.
@@ -40,38 +43,72 @@ impl<const N: usize, T: Real> InterfaceQuadrature<1, N, T> for SlaveRule<T> {
             return Err(CouplingError::NothingFaces);
         }
         let slave_size = size_of(slave);
-        let other = MasterCurve::new(master, slave_size);
-        let gauss = gauss_legendre::<T>(self.points.max(1));
-        let is_tied = matches!(self.partners, Partners::Touching(_));
-        let one_element = |tables: &mut (MapTable<1, N, T>, MapTable<1, N, T>), element: usize| {
-            let (table, foot) = tables;
-            slave.map(element, &gauss.points, Order::Gradients, table);
-            let mut part = Part::new(element);
-            let ds: Vec<T> = (0..gauss.points.len()).map(|q| table.jacobian[q].column(0).norm() * gauss.weights[q]).collect();
-            let length = ds.iter().fold(T::zero(), |s, &v| s + v);
-            for q in 0..gauss.points.len() {
-                part.measure += ds[q];
-                let x = table.x[q];
-                let Some(place) = other.place(&x).filter(|p| !p.beyond) else { continue };
-                let (allowed, _) = self.partners.allowed(other.size(), slave_size, [length, other.chain().lengths[place.element]]);
-                if !is_tied && place.distance > allowed {
+        let sides = Sides {
+            slave,
+            master: MasterCurve::new(master, slave_size),
+            slave_size,
+            partners: self.partners,
+            gauss: gauss_legendre::<T>(self.points.max(1)),
+        };
+        let parts: Vec<Part<T>> = (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| sides.element(e, work)).collect();
+        join(parts, matches!(self.partners, Partners::Touching(_)))
+    }
+}
+
+struct Sides<'a, const N: usize, T: Real> {
+    slave: &'a dyn Geometry<1, N, T>,
+    master: MasterCurve<&'a dyn Geometry<1, N, T>, N, T>,
+    slave_size: T,
+    partners: Partners<T>,
+    gauss: Rule<1, T>,
+}
+
+struct Work<const N: usize, T: Real> {
+    slave: MapTable<1, N, T>,
+    foot: MapTable<1, N, T>,
+    cuts: Cuts<N, T>,
+    xi: Vec<Vector<1, T>>,
+}
+
+impl<const N: usize, T: Real> Work<N, T> {
+    fn new() -> Self {
+        Self { slave: MapTable::new(), foot: MapTable::new(), cuts: Cuts::new(), xi: Vec::new() }
+    }
+}
+
+impl<const N: usize, T: Real> Sides<'_, N, T> {
+    /// The Gauss points of an element; where the master ends inside it, those of each of its parts.
+    fn element(&self, element: usize, work: &mut Work<N, T>) -> Part<T> {
+        let mut part = Part::new(element);
+        work.cuts.at_rims(self.slave, element, &self.master, &mut work.slave);
+        for k in 1..work.cuts.at.len() {
+            let (from, width) = (work.cuts.at[k - 1], work.cuts.at[k] - work.cuts.at[k - 1]);
+            work.xi.clear();
+            work.xi.extend(self.gauss.points.iter().map(|p| Vector::<1, T>::new(from + width * p[0])));
+            self.slave.map(element, &work.xi, Order::Gradients, &mut work.slave);
+            let ds: Vec<T> = work.slave.jacobian.iter().zip(&self.gauss.weights).map(|(j, &w)| j.column(0).norm() * w * width).collect();
+            let length = ds.iter().fold(T::zero(), |s, &v| s + v) / width;
+            for (q, &ds) in ds.iter().enumerate() {
+                part.measure += ds;
+                let x = work.slave.x[q];
+                let Some(place) = self.master.place(&x).filter(|p| self.partners.face(p, self.master.size())) else { continue };
+                let lengths = [length, self.master.chain().lengths[place.element]];
+                let (allowed, is_error) = self.partners.allowed(self.master.size(), self.slave_size, lengths);
+                if !is_error && place.distance > allowed {
                     continue;
                 }
                 let mut eta = [Vector::<1, T>::new(place.xi)];
-                other.feet(place.element, &[x], &mut eta, foot);
-                part.covered += ds[q];
-                part.see(&x, (x - foot.x[0]).norm(), allowed);
-                let point = (gauss.points[q], eta[0], ds[q]);
+                self.master.feet(place.element, &[x], &mut eta, &mut work.foot);
+                part.covered += ds;
+                part.see(&x, (x - work.foot.x[0]).norm(), allowed);
+                let point = (work.xi[q], eta[0], ds);
                 match part.pieces.last_mut() {
                     Some((owner, points)) if *owner == place.element => points.push(point),
                     _ => part.pieces.push((place.element, vec![point])),
                 }
             }
-            part
-        };
-        let parts: Vec<Part<T>> =
-            (0..slave.num_elements()).into_par_iter().map_init(|| (MapTable::new(), MapTable::new()), one_element).collect();
-        join(parts, is_tied)
+        }
+        part
     }
 }
 

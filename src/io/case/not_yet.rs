@@ -30,9 +30,6 @@ impl Reader {
             self.later_surfaces(case);
         }
         self.later_if(&m.reference, "`reference`", "errors are measured against `exact`");
-        for t in &case.interfaces {
-            self.later_integration(&t.integration);
-        }
         for c in &case.contacts {
             self.later_contact(c);
         }
@@ -57,7 +54,9 @@ impl Reader {
         if c.cone.value != Cone::Coefficients {
             self.later(c.cone.at, "this cone", "write cone = \"coefficients\"");
         }
-        self.later_integration(&c.integration);
+        if c.integration.value == Integration::Mixed {
+            self.later(c.integration.at, "mixed integration of contacts", "write integration = \"merged\" or \"slave\"");
+        }
         if let Master::Rigid(o) = &c.master
             && let Some(f) = o.force.iter().flatten().next()
         {
@@ -74,11 +73,5 @@ impl Reader {
             self.later(at, &format!("an obstacle of kind {kind:?}"), "kinds: half-plane, sphere, level-set");
         }
         later
-    }
-
-    fn later_integration(&mut self, i: &Located<Integration>) {
-        if i.value != Integration::Merged {
-            self.later(i.at, "this integration", "write integration = \"merged\"");
-        }
     }
 }
