@@ -18,6 +18,14 @@ use faying::physics::{Conductor, Hooke, Material, form};
 use faying::space::PatchSpec;
 use rayon::prelude::*;
 
+/// Who makes the segments.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Rule {
+    Merged,
+    Mixed,
+    Slave,
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Case {
     kinds: [Kind; 2],
@@ -28,7 +36,7 @@ struct Case {
     condensed: bool,
     /// Moves the inner vertices of the upper side by this share of an element; none: equal elements.
     shift: Option<f64>,
-    mixed: bool,
+    rule: Rule,
 }
 
 /// What a tied patch test leaves: errors of displacement and multiplier, and the force defect of the rows.
@@ -78,10 +86,12 @@ fn tied<const C: usize>(case: &Case, form: &Form<'_, C, 2>, stress: Matrix<C, 2>
     let points = case.degree + 1 + extra;
     let (on_slave, on_master) = (&*sides[slave].space, &*sides[master].space);
     let slave_rule = SlaveRule::tied(points, Tolerance::Exact);
-    let (segments, master_segments) = if case.mixed {
-        (slave_rule.segments(on_slave, on_master).unwrap(), Some(slave_rule.segments(on_master, on_slave).unwrap().swapped()))
-    } else {
-        (MergedCurve::tied(points, Tolerance::Exact).segments(on_slave, on_master).unwrap(), None)
+    let (segments, master_segments) = match case.rule {
+        Rule::Merged => (MergedCurve::tied(points, Tolerance::Exact).segments(on_slave, on_master).unwrap(), None),
+        Rule::Slave => (slave_rule.segments(on_slave, on_master).unwrap(), None),
+        Rule::Mixed => {
+            (slave_rule.segments(on_slave, on_master).unwrap(), Some(slave_rule.segments(on_master, on_slave).unwrap().swapped()))
+        }
     };
     let side = |k: usize| Side { trace: &sides[k], field: model.fields[k], flux: None };
     let interface = Interface {
@@ -166,9 +176,10 @@ fn cases(kinds: impl Fn(Kind, Kind) -> bool) -> Vec<Case> {
                         let condensed = elements[0] + elements[1] < 12;
                         let lower = Some(MultiplierKind::Lowered(2)).filter(|_| degree >= 2);
                         let dual = Some(MultiplierKind::Dual).filter(|_| elements == [2, 3] || elements == [4, 7]);
-                        for multiplier in [Some(MultiplierKind::Lowered(0)), lower, dual].into_iter().flatten().filter(|_| kinds(a, b)) {
-                            let (kinds, shift, mixed) = ([a, b], None, false);
-                            cases.push(Case { kinds, elements, slave, degree, multiplier, condensed, shift, mixed });
+                        let lowest = Some(MultiplierKind::Lowered(4)).filter(|_| degree >= 4);
+                        for multiplier in [Some(MultiplierKind::Lowered(0)), lower, lowest, dual].into_iter().flatten().filter(|_| kinds(a, b)) {
+                            let (kinds, shift, rule) = ([a, b], None, Rule::Merged);
+                            cases.push(Case { kinds, elements, slave, degree, multiplier, condensed, shift, rule });
                         }
                     }
                 }
@@ -215,7 +226,7 @@ fn vertices_that_nearly_coincide_keep_the_patch_test() {
                 let shift = if k == 0 { Some(0.0) } else { Some(sign * 10f64.powi(-k)) };
                 for (slave, degree, multiplier) in [(0, 1, 0), (1, 1, 0), (0, 2, 2), (1, 3, 0)] {
                     let multiplier = MultiplierKind::Lowered(multiplier);
-                    shifted.push(Case { kinds, elements: [6, 6], slave, degree, multiplier, condensed: false, shift, mixed: false });
+                    shifted.push(Case { kinds, elements: [6, 6], slave, degree, multiplier, condensed: false, shift, rule: Rule::Merged });
                 }
             }
         }
@@ -226,12 +237,23 @@ fn vertices_that_nearly_coincide_keep_the_patch_test() {
 // Seed: the slave's rule for the constraint, the master's for what the multiplier does to the master; solved by LU.
 #[test]
 fn mixed_integration_keeps_the_patch_test() {
-    let mixed: Vec<Case> = cases(|a, b| a != Kind::Nurbs && b != Kind::Nurbs)
+    let mixed: Vec<Case> = cases(|_, _| true)
         .into_iter()
-        .filter(|c| c.elements == [4, 7] && c.degree <= 3)
-        .map(|c| Case { mixed: true, condensed: false, ..c })
+        .filter(|c| c.elements == [4, 7])
+        .map(|c| Case { rule: Rule::Mixed, condensed: false, ..c })
         .collect();
     run(&mixed, &Hooke::<2>::plane_strain(1.0, 0.3).unwrap(), Matrix::<2, 2>::new(0.3, -0.2, 0.5, 0.4));
+}
+
+// The slave's points integrate the master's functions exactly where the slave's knots contain the master's.
+#[test]
+fn slave_integration_keeps_the_patch_test_on_nested_knots() {
+    let slave: Vec<Case> = cases(|_, _| true)
+        .into_iter()
+        .filter(|c| c.elements == [4, 7])
+        .map(|c| Case { rule: Rule::Slave, elements: if c.slave == 0 { [6, 3] } else { [4, 8] }, condensed: true, ..c })
+        .collect();
+    run(&slave, &Hooke::<2>::plane_strain(1.0, 0.3).unwrap(), Matrix::<2, 2>::new(0.3, -0.2, 0.5, 0.4));
 }
 
 /// The L2 error of x^2 - y^2 on a ring whose inner half is a spline and whose outer half is a mesh, tied at r = 1.5.

@@ -264,7 +264,8 @@ fn all_constraint_solvers_give_the_same_numbers_and_count_their_iterations() {
     );
     let a = run(&text.replace("WHICH", "constraint = \"saddle-point\""));
     let i = a.interface.get("i").unwrap();
-    assert!(i.consistency < 1e-12, "action and reaction: {:e}", i.consistency);
+    assert!(i.balance < 1e-12, "action and reaction: {:e}", i.balance);
+    assert!(i.consistency < 1e-12, "merged integration of splines on a line: {:e}", i.consistency);
     close(i.segments.measure, 1.0, 1e-12, "the interface's length");
     assert_eq!(a.solve.as_ref().unwrap().iterations, 0);
     let words = [

@@ -220,8 +220,12 @@ pub struct InterfaceReport {
     pub segments: SegmentsReport,
     /// Largest distance of partner points \[length\].
     pub distance: f64,
-    /// Largest difference of the forces on both sides, relative to the sum of their sizes: zero by action and reaction.
+    /// Estimate of the integration's consistency error on this solution, free of units: what the constraint and the
+    /// equilibrium miss of the integrals ([`crate::coupling::consistency`]); zero up to round-off where the integration is
+    /// exact, and where the coupling has no mortar rows.
     pub consistency: f64,
+    /// Largest difference of the forces on both sides, relative to the sum of their sizes: zero by action and reaction.
+    pub balance: f64,
     /// Its multiplier space, where it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub multiplier: Option<MultiplierReport>,

@@ -1,5 +1,6 @@
 //! Floor 8: two sides, their segments and multipliers become rows or stiffness. Decides nothing.
 
+pub mod consistency;
 pub mod evaluate;
 pub mod inf_sup;
 pub mod interface;

@@ -7,6 +7,7 @@ use super::physics::Physics;
 use crate::assembly::{Equation, Rim};
 use crate::basis::Basis;
 use crate::contact::{Contact, Target};
+use crate::coupling::consistency::Finer;
 use crate::coupling::{Coupling, Rows, Segments};
 use crate::io::case;
 use crate::io::errors::Diagnostics;
@@ -212,6 +213,8 @@ pub struct TiePart<const S: usize, const N: usize> {
     pub stiffness: Triplets,
     /// Softness of the rows: penalty stiffness over the stiffness of their slave unknowns; none: exact.
     pub penalty: Option<f64>,
+    /// Rows of a finer integration, for the consistency error; none where the coupling makes other rows than mortar.
+    pub finer: Option<Finer>,
     /// First row in the system.
     pub first_row: usize,
     /// Number of rows.

@@ -9,10 +9,11 @@ use super::multipliers::{held_help, multiplier, multiplier_fault};
 use super::sides::Sides;
 use crate::app::registry::{CouplingOptions, is_glue};
 use crate::basis::{Basis, Elements};
+use crate::coupling::consistency::Finer;
 use crate::coupling::interface::{Partners, Tolerance};
 use crate::coupling::multiplier::check_counts;
 use crate::coupling::nitsche::Variant;
-use crate::coupling::{Coupling, CouplingError, Rows, Segments};
+use crate::coupling::{Coupling, CouplingError, Interface, Rows, Segments, Side};
 use crate::io::case::{self, Integration, SideRef, Tie};
 use crate::io::errors::Diagnostic;
 use crate::io::place::{Located, Place};
@@ -22,6 +23,8 @@ use std::sync::Arc;
 
 /// Largest share of a slave side that may be uncovered.
 const UNCOVERED: f64 = 1e-6;
+/// Points per segment beyond those of the rule whose consistency error is estimated.
+const FINER_POINTS: usize = 2;
 
 /// How many sides of tied interfaces a function of a body lies on.
 #[derive(Debug, Default)]
@@ -175,10 +178,14 @@ fn part<const S: usize, const N: usize>(
     }
     // segments against every master
     let mut pairings: Vec<Pairing<S, N>> = Vec::new();
+    let mut finer: Vec<Segments<S>> = Vec::new();
     let mut missed: Option<CouplingError> = None;
     for master in masters {
         match segments(builder, model, tie, slave, master)? {
-            Ok((segments, second)) => pairings.push(Pairing { master: master.clone(), segments, second }),
+            Ok((segments, second)) => {
+                pairings.push(Pairing { master: master.clone(), segments, second });
+                finer.extend(finer_segments(builder, tie, slave, master));
+            }
             Err(e) => missed = Some(e),
         }
     }
@@ -204,6 +211,7 @@ fn part<const S: usize, const N: usize>(
         reaction: None,
         stiffness: Triplets::new(model.unknowns, model.unknowns),
         penalty: None,
+        finer: None,
         first_row: model.rows,
         num_rows: 0,
     };
@@ -223,6 +231,23 @@ fn part<const S: usize, const N: usize>(
         part.multipliers.clear();
     }
     part.reaction = differs.then_some(reaction);
+    if tie.coupling.value == "mortar" && finer.len() == part.pairings.len() {
+        let borrowed: Vec<&dyn Basis<S>> = part.multipliers.iter().map(|m| &**m).collect();
+        let interfaces: Vec<Interface<'_, S, N>> = part
+            .pairings
+            .iter()
+            .zip(&finer)
+            .map(|(pairing, segments)| Interface {
+                slave: Side { trace: &slave.trace, field, flux: None },
+                master: Some(Side { trace: &pairing.master.trace, field: model.patches[pairing.master.patch].field, flux: None }),
+                multiplier: &borrowed,
+                segments,
+                master_segments: None,
+                direction: None,
+            })
+            .collect();
+        part.finer = Finer::try_new(&interfaces, model.unknowns).ok();
+    }
     part.num_rows = part.multipliers.iter().map(|m| m.num_functions()).sum();
     Ok((part, warnings))
 }
@@ -276,6 +301,18 @@ fn segments<const S: usize, const N: usize>(
         };
         Ok((first, second))
     }))
+}
+
+/// Segments on which the rows are checked: merged ones with more points, on sides whose distance is known to be allowed.
+fn finer_segments<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    tie: &Tie,
+    slave: &SideModel<S, N>,
+    master: &SideModel<S, N>,
+) -> Option<Segments<S>> {
+    let points = degree(slave).max(degree(master)) + 1 + tie.extra_points.value + FINER_POINTS;
+    let make = builder.names.integrations.get("merged").ok()?;
+    make(points, Partners::Touching(Tolerance::Given(f64::INFINITY))).segments(&*slave.trace.space, &*master.trace.space).ok()
 }
 
 fn apart<const S: usize, const N: usize>(

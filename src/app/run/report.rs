@@ -243,6 +243,9 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
             report.segments.measure += s.measure();
             report.distance = report.distance.max(s.report.distance);
         }
+        let lambda = &state.lambda[part.first_row..part.first_row + part.num_rows];
+        let estimate = part.finer.as_ref().map(|f| f.estimate(&part.rows, part.reaction.as_ref(), &state.u, lambda));
+        report.consistency = report.consistency.max(estimate.unwrap_or(0.0));
         // action and reaction: columns of B sum to zero against each other
         let component =
             |j: usize| model.patches.iter().find(|p| p.range().contains(&j)).map_or(0, |p| (j - p.field.first) % p.field.components);
@@ -267,6 +270,6 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
     }
     report.lambda = Norm { norm: report.lambda.norm.sqrt() };
     report.jump = L2 { l2: report.jump.l2.sqrt() };
-    report.consistency = if size > 0.0 { defect.iter().fold(0.0, |m: f64, d| m.max(d.abs())) / size } else { 0.0 };
+    report.balance = if size > 0.0 { defect.iter().fold(0.0, |m: f64, d| m.max(d.abs())) / size } else { 0.0 };
     report
 }

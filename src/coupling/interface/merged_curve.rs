@@ -137,11 +137,12 @@ struct Work<const N: usize, T: Real> {
     cuts: Cuts<N, T>,
     xi: Vec<Vector<1, T>>,
     eta: Vec<Vector<1, T>>,
+    near: Vec<T>,
 }
 
 impl<const N: usize, T: Real> Work<N, T> {
     fn new() -> Self {
-        Self { slave: MapTable::new(), master: MapTable::new(), cuts: Cuts::new(), xi: Vec::new(), eta: Vec::new() }
+        Self { slave: MapTable::new(), master: MapTable::new(), cuts: Cuts::new(), xi: Vec::new(), eta: Vec::new(), near: Vec::new() }
     }
 }
 
@@ -235,14 +236,28 @@ impl<const N: usize, T: Real> Sides<'_, N, T> {
         work.eta.clear();
         // starts: the closest of a few points of the owner, found without a search
         self.master.geometry().map(owner, &work.cuts.samples, Order::Values, &mut work.master);
+        work.near.clear();
         for x in &work.slave.x {
-            let far = |s: usize| (work.master.x[s] - x).norm_squared();
+            let far = |s: usize| (work.master.x[s] - x).norm();
             let nearest = (1..work.cuts.samples.len()).fold(0, |best, s| if far(s) < far(best) { s } else { best });
             work.eta.push(work.cuts.samples[nearest]);
+            work.near.push(far(nearest));
         }
         self.master.feet(owner, &work.slave.x, &mut work.eta, &mut work.master);
         let lengths = [chords(&work.cuts.x), self.master.chain().lengths[owner]];
         let (allowed, _) = self.partners.allowed(self.master.size(), self.slave_size, lengths);
+        // on strongly curved elements few points are too few: Newton's method may leave, or end at another foot
+        let mut again = false;
+        for (q, x) in work.slave.x.iter().enumerate() {
+            let distance = (x - work.master.x[q]).norm();
+            let is_foot = distance <= work.near[q] && (distance <= allowed || !self.partners.touch());
+            if !is_foot && let Some(place) = self.master.place(x).filter(|p| p.element == owner) {
+                (work.eta[q][0], again) = (place.xi, true);
+            }
+        }
+        if again {
+            self.master.feet(owner, &work.slave.x, &mut work.eta, &mut work.master);
+        }
         let distance = |(x, y): (&Vector<N, T>, &Vector<N, T>)| (x - y).norm();
         let pairs = || work.slave.x.iter().zip(&work.master.x);
         if matches!(self.partners, Partners::Near(_)) && pairs().any(|p| distance(p) > allowed) {

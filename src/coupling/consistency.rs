@@ -1,0 +1,138 @@
+//! How far the rows of an integration are from exact ones, measured on a solution.
+//!
+//! With C and B the rows of an integration (B = C unless it is mixed), F the rows of a finer one, and the diagonals
+//! W_j = ∫ |ψ_j| ds of the multipliers, M_i = ∫ |N_i| ds of both sides, M_s of the slave's unknowns alone:
+//!
+//!   e = max( |W^-1/2 (C - F) u| / |M_s^1/2 u| ,  |M^-1/2 (B - F)ᵀ lambda| / |W^1/2 lambda| )
+//!
+//! The first part is what the constraint misses, the second what the equilibrium misses: the two consistency errors of
+//! Strang's lemma, in lumped norms (|W^-1/2 r| is the norm of a functional r on multipliers, |M_s^1/2 u| that of u on the
+//! slave side). e is free of units, zero up to round-off where the integration is exact, and falls with its points.
+//! An estimate: F is exact only up to its own quadrature. Source of the splitting: Brivadis, Buffa, Wohlmuth, Wunderlich,
+//! *The influence of quadrature errors on isogeometric mortar methods* (2015).
+
+use super::{Coupling, CouplingError, Interface, Mortar, Rows, Segments, Side};
+use crate::basis::{Basis, Order, ShapeTable};
+use crate::linalg::{Real, Triplets, Vector};
+
+/// Finer mortar rows of one slave side, and the weights of the norms. Cost: that of the rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finer<T: Real = f64> {
+    rows: Rows<T>,
+    /// W, one per row.
+    multiplier: Vec<T>,
+    /// M of the unknowns of both sides, and whether the slave has them; ascending.
+    unknowns: Vec<(usize, T, bool)>,
+}
+
+impl<T: Real> Finer<T> {
+    /// From the interfaces of one slave side with all its masters, each with segments of the finer integration.
+    ///
+    /// # Errors
+    /// [`CouplingError`] where an interface has no mortar rows.
+    pub fn try_new<const S: usize, const N: usize>(interfaces: &[Interface<'_, S, N, T>], unknowns: usize) -> Result<Self, CouplingError> {
+        let none = || Triplets::new(0, unknowns);
+        let mut all = Self { rows: Rows { slave: none(), master: none() }, multiplier: Vec::new(), unknowns: Vec::new() };
+        for interface in interfaces {
+            let rows = Mortar.assemble(&Interface { master_segments: None, ..*interface }, unknowns)?.constraint;
+            let weights = row_weights(interface);
+            if all.multiplier.is_empty() {
+                (all.rows, all.multiplier) = (rows, weights);
+            } else {
+                all.rows.slave.append_below(&rows.slave, 0);
+                all.rows.master.append_below(&rows.master, 0);
+                all.multiplier.iter_mut().zip(weights).for_each(|(sum, w)| *sum += w);
+            }
+            let s = interface.segments;
+            all.unknowns.extend(unknown_weights(&interface.slave, s, &s.slave, &s.slave_xi, true));
+            if let Some(master) = &interface.master {
+                all.unknowns.extend(unknown_weights(master, s, &s.master, &s.master_xi, false));
+            }
+        }
+        all.unknowns.sort_by_key(|&(unknown, _, _)| unknown);
+        all.unknowns.dedup_by(|next, kept| {
+            let same = next.0 == kept.0;
+            if same {
+                kept.1 += next.1;
+                kept.2 |= next.2;
+            }
+            same
+        });
+        Ok(all)
+    }
+
+    /// e of the head of this file for the rows C and B (none: C) on a solution u, lambda. Zero where both vanish.
+    pub fn estimate(&self, constraint: &Rows<T>, reaction: Option<&Rows<T>>, u: &[T], lambda: &[T]) -> T {
+        let zero = T::zero();
+        let mut gap = vec![zero; self.multiplier.len()];
+        let mut force = vec![zero; self.unknowns.len()];
+        let mut add = |rows: &Rows<T>, sign: T, to_gap: bool, to_force: bool| {
+            for &(i, j, v) in rows.slave.entries.iter().chain(&rows.master.entries) {
+                if to_gap {
+                    gap[i] += sign * v * u[j];
+                }
+                // functions that vanish at all points of the finer rule have no weight
+                if to_force && let Ok(k) = self.unknowns.binary_search_by_key(&j, |w| w.0) {
+                    force[k] += sign * v * lambda[i];
+                }
+            }
+        };
+        add(constraint, T::one(), true, reaction.is_none());
+        if let Some(reaction) = reaction {
+            add(reaction, T::one(), false, true);
+        }
+        add(&self.rows, -T::one(), true, true);
+        let dual = |r: T, w: T| if w > zero { r * r / w } else { zero };
+        let sum = |terms: &mut dyn Iterator<Item = T>| terms.fold(zero, |s, v| s + v).sqrt();
+        let gap = sum(&mut gap.iter().zip(&self.multiplier).map(|(&r, &w)| dual(r, w)));
+        let force = sum(&mut force.iter().zip(&self.unknowns).map(|(&r, w)| dual(r, w.1)));
+        let u = sum(&mut self.unknowns.iter().filter(|w| w.2).map(|w| w.1 * u[w.0] * u[w.0]));
+        let lambda = sum(&mut self.multiplier.iter().zip(lambda).map(|(&w, &l)| w * l * l));
+        let share = |defect: T, size: T| if size > zero { defect / size } else { zero };
+        share(gap, u).max(share(force, lambda))
+    }
+}
+
+/// ∫ |ψ_j| ds per row.
+fn row_weights<const S: usize, const N: usize, T: Real>(interface: &Interface<'_, S, N, T>) -> Vec<T> {
+    let (segments, components) = (interface.segments, interface.slave.field.components);
+    let of = |psi: &dyn Basis<S, T>| sums(psi, segments, &segments.slave, &segments.slave_xi);
+    match interface.multiplier {
+        [one] => of(*one).repeat(components),
+        several => several.iter().flat_map(|&psi| of(psi)).collect(),
+    }
+}
+
+/// ∫ |N_i| ds of the unknowns of a side that are not zero.
+fn unknown_weights<const S: usize, const N: usize, T: Real>(
+    side: &Side<'_, S, N, T>,
+    segments: &Segments<S, T>,
+    elements: &[usize],
+    xi: &[Vector<S, T>],
+    is_slave: bool,
+) -> Vec<(usize, T, bool)> {
+    let sums = sums(&*side.trace.space, segments, elements, xi);
+    let of = |(i, w): (usize, T)| (0..side.field.components).map(move |c| (side.field.unknown(side.trace.dofs[i], c), w, is_slave));
+    sums.into_iter().enumerate().filter(|s| s.1 > T::zero()).flat_map(of).collect()
+}
+
+/// ∫ |function| ds over the segments, one per function; `elements` per piece and `xi` per point say where it is evaluated.
+fn sums<const S: usize, T: Real, B: Basis<S, T> + ?Sized>(
+    basis: &B,
+    segments: &Segments<S, T>,
+    elements: &[usize],
+    xi: &[Vector<S, T>],
+) -> Vec<T> {
+    let (mut sums, mut table, mut ids) = (vec![T::zero(); basis.num_functions()], ShapeTable::new(), Vec::new());
+    for piece in 0..segments.num_pieces() {
+        let points = segments.points(piece);
+        basis.active(elements[piece], &mut ids);
+        basis.tabulate(elements[piece], &xi[points.clone()], Order::Values, &mut table);
+        for (k, q) in points.enumerate() {
+            for (&i, &value) in ids.iter().zip(table.values(k)) {
+                sums[i] += segments.ds[q] * value.abs();
+            }
+        }
+    }
+    sums
+}
