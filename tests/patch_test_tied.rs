@@ -132,7 +132,7 @@ fn tied<const C: usize>(case: &Case, form: &Form<'_, C, 2>, stress: Matrix<C, 2>
         others.push(Box::new(Condensed::iterative(Limits::default())));
         others.push(Box::new(Augmented::uzawa_iterative(Limits::default())));
     }
-    if case.mixed {
+    if case.rule == Rule::Mixed {
         others.push(Box::new(Krylov::default()));
     }
     let mut solvers = 0.0f64;
@@ -141,7 +141,7 @@ fn tied<const C: usize>(case: &Case, form: &Form<'_, C, 2>, stress: Matrix<C, 2>
         let differ = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
         let d = differ(&solution.unknowns, &other.unknowns).max(differ(&solution.multipliers, &other.multipliers));
         // issue: GMRES with the symmetric factor equals LU to 1e-10
-        assert!(d < if case.mixed { 1e-10 } else { 1e-9 }, "{case:?}: {} differs by {d:e}", other.method);
+        assert!(d < if case.rule == Rule::Mixed { 1e-10 } else { 1e-9 }, "{case:?}: {} differs by {d:e}", other.method);
         solvers = solvers.max(d);
     }
     // both sides meet, and the multiplier carries what the field pulls through the side of length one
@@ -177,8 +177,11 @@ fn cases(kinds: impl Fn(Kind, Kind) -> bool) -> Vec<Case> {
                         let lower = Some(MultiplierKind::Lowered(2)).filter(|_| degree >= 2);
                         let dual = Some(MultiplierKind::Dual).filter(|_| elements == [2, 3] || elements == [4, 7]);
                         let lowest = Some(MultiplierKind::Lowered(4)).filter(|_| degree >= 4);
-                        for multiplier in [Some(MultiplierKind::Lowered(0)), lower, lowest, dual].into_iter().flatten().filter(|_| kinds(a, b)) {
+                        for multiplier in
+                            [Some(MultiplierKind::Lowered(0)), lower, lowest, dual].into_iter().flatten().filter(|_| kinds(a, b))
+                        {
                             let (kinds, shift, rule) = ([a, b], None, Rule::Merged);
+                            let condensed = condensed && multiplier != MultiplierKind::Lowered(4);
                             cases.push(Case { kinds, elements, slave, degree, multiplier, condensed, shift, rule });
                         }
                     }
@@ -237,21 +240,22 @@ fn vertices_that_nearly_coincide_keep_the_patch_test() {
 // Seed: the slave's rule for the constraint, the master's for what the multiplier does to the master; solved by LU.
 #[test]
 fn mixed_integration_keeps_the_patch_test() {
-    let mixed: Vec<Case> = cases(|_, _| true)
+    let mixed: Vec<Case> = cases(|a, b| a != Kind::Nurbs && b != Kind::Nurbs)
         .into_iter()
-        .filter(|c| c.elements == [4, 7])
+        .filter(|c| c.elements == [4, 7] && c.degree <= 3)
         .map(|c| Case { rule: Rule::Mixed, condensed: false, ..c })
         .collect();
     run(&mixed, &Hooke::<2>::plane_strain(1.0, 0.3).unwrap(), Matrix::<2, 2>::new(0.3, -0.2, 0.5, 0.4));
 }
 
-// The slave's points integrate the master's functions exactly where the slave's knots contain the master's.
+// The slave's points integrate the master's functions exactly where the slave's knots contain the master's; the weights of
+// the rational sides move their vertices, so no side's contain the other's.
 #[test]
 fn slave_integration_keeps_the_patch_test_on_nested_knots() {
-    let slave: Vec<Case> = cases(|_, _| true)
+    let slave: Vec<Case> = cases(|a, b| a != Kind::Nurbs && b != Kind::Nurbs)
         .into_iter()
-        .filter(|c| c.elements == [4, 7])
-        .map(|c| Case { rule: Rule::Slave, elements: if c.slave == 0 { [6, 3] } else { [4, 8] }, condensed: true, ..c })
+        .filter(|c| c.elements == [4, 7] && c.multiplier != MultiplierKind::Dual)
+        .map(|c| Case { rule: Rule::Slave, elements: if c.slave == 0 { [6, 3] } else { [4, 8] }, condensed: false, ..c })
         .collect();
     run(&slave, &Hooke::<2>::plane_strain(1.0, 0.3).unwrap(), Matrix::<2, 2>::new(0.3, -0.2, 0.5, 0.4));
 }
