@@ -157,7 +157,7 @@ fn sides_that_are_held_and_cross_points_need_no_care_without_a_multiplier() {
         let result = solved(&text(coupling));
         assert!(error(&result, "u.L2") < 1e-10 && error(&result, "i.lambda.L2") < 1e-9, "{coupling}: {:?}", result.errors);
         assert_eq!(result.unknowns.multipliers == 0, coupling == "nitsche");
-        assert!(result.interface.get("i").unwrap().consistency < 1e-12);
+        assert!(result.interface.get("i").unwrap().balance < 1e-12);
     }
 }
 
