@@ -69,6 +69,11 @@ impl Clock {
         });
     }
 
+    /// Seconds of a phase that an earlier command went through.
+    pub fn add(&self, phase: &str, seconds: f64) {
+        self.with(|s| s.seconds.push(PhaseSeconds { phase: phase.to_owned(), seconds }));
+    }
+
     /// A line for the log alone.
     pub fn note(&self, line: &str) {
         self.with(|s| s.line(line));

@@ -111,7 +111,7 @@ fn studied(kind: &Kind, method: &(dyn Method + Sync), order: &Order<'_>, clock: 
     };
     let tol = order.tol.or(values.and_then(|v| v.tol)).filter(|_| kind.compares);
     let folder = Folder::claim(&path, &loaded.path, &loaded.inputs[0].sha256, common.force).map_err(Ended::from)?;
-    let kept = if arguments.axes.resume { earlier(&folder) } else { None };
+    let kept = arguments.axes.resume.then(|| earlier(&folder));
     let plan = Plan {
         command: kind.command,
         written: &loaded.case,
@@ -133,6 +133,9 @@ fn studied(kind: &Kind, method: &(dyn Method + Sync), order: &Order<'_>, clock: 
             clock.hear(Progress::Phase(&format!("row {} of {of}: {name}", k + 1)));
         })
     });
+    for (k, row) in study.rows.iter().enumerate().filter(|(_, row)| row.kept) {
+        clock.add(&format!("row of an earlier study: {}", study.label(k)), row.seconds);
+    }
     if let (Some(_), true) = (tol, study.rows.iter().all(|r| r.differences.is_empty()) && watch.stop().is_none()) {
         return Err(super::usage("`--tol` compares rows, and there is one row", Some("name several backends, such as --backends iga,fe")));
     }
@@ -144,9 +147,9 @@ fn studied(kind: &Kind, method: &(dyn Method + Sync), order: &Order<'_>, clock: 
 /// The file that `--resume` reads.
 const ROWS: &str = "rows.json";
 
-/// Rows of the study that wrote the folder; none where there is none that can be read.
-fn earlier(folder: &Folder) -> Option<Kept> {
-    std::fs::read_to_string(folder.path().join(ROWS)).ok().and_then(|text| Kept::read(&text))
+/// Rows of the study that wrote the folder; none where there is no file of them that can be read.
+fn earlier(folder: &Folder) -> Kept {
+    std::fs::read_to_string(folder.path().join(ROWS)).ok().and_then(|text| Kept::read(&text)).unwrap_or_default()
 }
 
 /// Writes the folder of a study, unless nothing was begun.
@@ -160,7 +163,7 @@ fn written(results: &Results<'_>, study: &Study, kept: Option<&Kept>) -> Ended {
     let clock = results.clock;
     clock.hear(Progress::Phase("write"));
     let svg = picture(study);
-    let mut files = vec![("study.csv", study.csv()), (ROWS, study.stored.clone()), ("report.html", html(study, svg.as_deref().ok()))];
+    let mut files = vec![("study.csv", study.csv()), (ROWS, study.stored.clone()), ("report.html", html(study, svg.as_deref().ok(), &shown(results.words)))];
     match svg {
         Ok(svg) => files.push(("study.svg", svg)),
         Err(why) => diagnostics.push(Diagnostic::warning("E091", format!("`study.svg` was not written: {why}"))),

@@ -1,37 +1,35 @@
-//! The picture of inf-sup constants: beta against the size of the elements of the slave side.
+//! Inf-sup constants in the picture: beta against the size of the elements of the slave side.
 
 use super::study::Study;
 use crate::coupling::inf_sup::ZERO;
-use crate::io::plot::{PlotError, StudyLine, StudyPlot, study};
+use crate::io::plot::{StudyGroup, StudyLine, StudyPanel};
 
 /// Constants that are zero are drawn at this part of the smallest that is not.
 const BELOW: f64 = 0.1;
 
-/// `study.svg` of a study with constants.
-///
-/// # Errors
-/// [`PlotError::Empty`] where no row has one.
-pub(super) fn picture(all: &Study) -> Result<String, PlotError> {
+/// A line per pair and side, with its verdict.
+pub(super) fn group(all: &Study) -> StudyGroup {
     let positive = || all.rows.iter().filter_map(|row| row.beta).filter(|beta| *beta > ZERO);
     let floor = BELOW * positive().fold(1.0, f64::min);
     let mut zero = false;
-    let mut lines = Vec::new();
+    let (mut lines, mut points) = (Vec::new(), Vec::new());
     for line in all.lines() {
         let first = &all.rows[line[0]];
         // the name of the pair stands in the label already where it varies
         let pairing = if first.spec.changes.pairing.is_some() { String::new() } else { format!(", {}", first.pairing) };
         let verdict = line.iter().find_map(|&k| all.rows[k].verdict.as_deref()).map_or(String::new(), |v| format!(": {v}"));
-        let mut points = Vec::new();
+        let mut found = Vec::new();
         for row in line.iter().map(|&k| &all.rows[k]) {
             let Some(beta) = row.beta else { continue };
             zero |= beta <= ZERO;
-            points.push((row.result.geometry.h, if beta > ZERO { beta } else { floor }));
+            found.push((row.result.geometry.h, if beta > ZERO { beta } else { floor }));
         }
-        if !points.is_empty() {
-            lines.push(StudyLine { name: format!("{}{pairing}{verdict}", all.line(line[0])), points, rate: None });
+        if !found.is_empty() {
+            lines.push(StudyLine { name: format!("{}{pairing}{verdict}", all.line(line[0])), rate: None });
+            points.push(found);
         }
     }
-    let title = if all.title.is_empty() { &all.case } else { &all.title };
-    let y = if zero { "beta (zeros are drawn at the bottom)" } else { "beta" };
-    study(&StudyPlot { title, x: "h of the slave side", y, lines: &lines })
+    let y = if zero { "beta (zeros are drawn at the bottom)" } else { "beta" }.to_owned();
+    let panel = StudyPanel { x: "h of the slave side".into(), y, y_log: true, slopes: !zero, points, ..StudyPanel::default() };
+    StudyGroup { lines, panels: vec![panel] }
 }

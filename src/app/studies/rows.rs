@@ -203,10 +203,10 @@ impl Row {
         }
     }
 
-    // what the row would have been: the case as written with its keys, the degrees that the study gives
+    // what the row would have been: the case as written with its keys, the degrees and the coupling that the study gives
     fn foresee(&mut self, base: &Base<'_>) {
-        let (spec, changes) = (&self.spec, &self.spec.changes);
-        let written = base.read(&Spec { vary: spec.vary.clone(), ..Spec::default() }).ok();
+        let changes = self.spec.changes.clone();
+        let written = base.read(&Spec { vary: self.spec.vary.clone(), ..Spec::default() }).ok();
         let given = match (changes.degree, changes.degrees.as_slice()) {
             (Some(p), _) => Some(p.to_string()),
             (None, []) => None,
@@ -217,6 +217,16 @@ impl Row {
         }
         if let Some(degree) = given {
             self.degree = degree;
+        }
+        let points = changes.extra_points.map(|n| n.to_string());
+        for (word, given) in [
+            (&mut self.pairing, &changes.pairing),
+            (&mut self.integration, &changes.integration),
+            (&mut self.extra_points, &points),
+        ] {
+            if let Some(given) = given {
+                word.clone_from(given);
+            }
         }
     }
 

@@ -17,7 +17,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 pub use fields::{FieldPlot, fields};
 pub use side::{ExactCurve, SidePlot, side};
 pub use solids::solids;
-pub use study::{StudyLine, StudyPlot, study};
+pub use study::{Axis, MOST_LINES, StudyGroup, StudyLine, StudyPanel, StudyPlot, study};
 
 /// Why there is no picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
