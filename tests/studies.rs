@@ -185,8 +185,25 @@ fn checks_on_rates_are_decided_in_the_last_level_of_every_line() {
 }
 
 #[test]
+fn other_checks_are_decided_on_the_case_as_written() {
+    let at = folder(&format!("{SQUARE}[[check]]\nname = \"small\"\nquantity = \"unknowns\"\nbelow = 40\n"));
+    // 36 unknowns as written, more on finer levels
+    let (exit, study) = told(at.path(), &["convergence", "a.toml", "--levels", "3", "--backends", "iga,fe", "--degrees", "2"]);
+    let skipped: Vec<bool> = rows(&study).iter().map(|r| r["checks"][0]["skipped"].as_bool().unwrap_or(false)).collect();
+    assert_eq!((exit, skipped), (0, vec![false, true, true, true, true, true]), "{study}");
+    assert_eq!(rows(&study)[0]["checks"][0]["value"].as_f64(), Some(36.0));
+    let (exit, study) =
+        told(at.path(), &["sweep", "a.toml", "--vary", "patch.square.elements=[3, 3],[4, 4],[5, 5]", "--set", "check.small.below=30"]);
+    let skipped: Vec<bool> = rows(&study).iter().map(|r| r["checks"][0]["skipped"].as_bool().unwrap_or(false)).collect();
+    assert_eq!((exit, skipped), (1, vec![true, false, true]), "{study}");
+    assert_eq!(rows(&study)[2]["status"], "ok");
+}
+
+#[test]
 fn without_an_exact_solution_changes_have_rates() {
-    let case = SQUARE.replace("exact = { u = \"sin(pi*x)*y\" }", "source = \"2*pi^2*sin(pi*x)*sin(pi*y)\"").replace("dirichlet = \"exact\"", "dirichlet = \"0\"");
+    let case = SQUARE
+        .replace("exact = { u = \"sin(pi*x)*y\" }", "source = \"2*pi^2*sin(pi*x)*sin(pi*y)\"")
+        .replace("dirichlet = \"exact\"", "dirichlet = \"0\"");
     let at = folder(&case);
     let (exit, study) = told(at.path(), &["convergence", "a.toml", "--quantity", "energy"]);
     assert_eq!((exit, rows(&study).len()), (0, 5), "{study}");
@@ -205,7 +222,12 @@ fn every_axis_of_a_side_changes_the_case_of_its_rows() {
     let (exit, study) = told(at.path(), &[&words[..], &["--integration", "merged", "--degrees", "3"]].concat());
     assert_eq!((exit, rows(&study).len()), (0, 3 * 2 * 2), "{study}");
     let place = |r: &Value| {
-        (r["pairing"].as_str().unwrap().to_owned(), r["extra_points"].as_u64().unwrap(), r["level"].as_u64().unwrap(), r["integration"] == "merged")
+        (
+            r["pairing"].as_str().unwrap().to_owned(),
+            r["extra_points"].as_u64().unwrap(),
+            r["level"].as_u64().unwrap(),
+            r["integration"] == "merged",
+        )
     };
     let found: Vec<_> = rows(&study).iter().map(place).collect();
     let names = ["p/p", "p/p-2", "degree 1"];
@@ -216,8 +238,19 @@ fn every_axis_of_a_side_changes_the_case_of_its_rows() {
     let multipliers: Vec<u64> = [0, 4, 8].map(|k| rows(&study)[k]["unknowns"]["multipliers"].as_u64().unwrap()).to_vec();
     assert_eq!(multipliers, [5, 5, 5]);
     // a row is the run with the same keys
-    let (_, run) =
-        told(at.path(), &["run", "a.toml", "--set", "interface.seam.multiplier=p/p-2", "--set", "interface.seam.extra_points=3", "--set", "discretization.degree=3"]);
+    let (_, run) = told(
+        at.path(),
+        &[
+            "run",
+            "a.toml",
+            "--set",
+            "interface.seam.multiplier=p/p-2",
+            "--set",
+            "interface.seam.extra_points=3",
+            "--set",
+            "discretization.degree=3",
+        ],
+    );
     for key in ["energy", "errors", "unknowns", "interface"] {
         assert_eq!(rows(&study)[6][key], run[key], "{key}");
     }
@@ -230,7 +263,8 @@ fn every_axis_of_a_side_changes_the_case_of_its_rows() {
 fn the_integration_study_has_its_defaults_and_needs_an_interface() {
     let at = folder(PAIR);
     let (_, study) = told(at.path(), &["quadrature", "a.toml", "--levels", "2"]);
-    let place = |r: &Value| (r["integration"].as_str().unwrap().to_owned(), r["extra_points"].as_u64().unwrap(), r["level"].as_u64().unwrap());
+    let place =
+        |r: &Value| (r["integration"].as_str().unwrap().to_owned(), r["extra_points"].as_u64().unwrap(), r["level"].as_u64().unwrap());
     let found: Vec<_> = rows(&study).iter().map(place).collect();
     let rules = ["merged", "slave", "mixed"];
     let expected: Vec<_> =
@@ -239,12 +273,17 @@ fn the_integration_study_has_its_defaults_and_needs_an_interface() {
     for row in rows(&study).iter().filter(|r| r["integration"] == "merged") {
         assert_eq!(row["status"], "ok");
         // exact on every segment: more points change nothing but round-off
-        let (a, b) = (row["errors"]["error.u.L2"].as_f64().unwrap(), rows(&study)[row["level"].as_u64().unwrap() as usize]["errors"]["error.u.L2"].as_f64().unwrap());
+        let (a, b) = (
+            row["errors"]["error.u.L2"].as_f64().unwrap(),
+            rows(&study)[row["level"].as_u64().unwrap() as usize]["errors"]["error.u.L2"].as_f64().unwrap(),
+        );
         assert!((a - b).abs() < 1e-9 * b, "{a:e} and {b:e}");
     }
     let out = at.path().join("a.quadrature");
     let svg = file(&out, "study.svg");
-    assert!(svg.contains("points beyond the default") && svg.contains("error.u.L2 on level 1") && svg.contains("as written, degree 2, merged"));
+    assert!(
+        svg.contains("points beyond the default") && svg.contains("error.u.L2 on level 1") && svg.contains("as written, degree 2, merged")
+    );
     assert!(file(&out, "report.html").contains("merged: the L2 error of u is"));
     assert_eq!(elements(&file(&out, "report.html")).iter().filter(|n| *n == "svg").count(), 1);
     let at = folder(SQUARE);
@@ -327,7 +366,8 @@ fn a_sweep_draws_numbers_on_an_axis_and_words_side_by_side() {
     assert!(svg.contains("discretization.degree") && svg.contains("error.u.L2") && svg.contains("middle"));
     let page = file(&at.path().join("a.sweep"), "report.html");
     assert!(page.contains("iga, over discretization.degree: the L2 error of u goes from "), "{page}");
-    let words = ["sweep", "a.toml", "--vary", "discretization.mapping=exact,isoparametric", "--vary", "patch.square.elements=[2, 2],[4, 4]"];
+    let words =
+        ["sweep", "a.toml", "--vary", "discretization.mapping=exact,isoparametric", "--vary", "patch.square.elements=[2, 2],[4, 4]"];
     let (exit, study) = told(at.path(), &words);
     assert_eq!((exit, rows(&study).len()), (0, 4));
     let svg = file(&at.path().join("a.sweep"), "study.svg");
@@ -410,7 +450,8 @@ fn interrupted(case: &Case, kept: Option<&Kept>, end: usize) -> Study {
     let registry = Registry::default();
     let axes = Axes { backends: ["iga", "fe"].map(String::from).to_vec(), levels: 3, ..Axes::default() };
     let base = Base { name: "a.toml", text: PAIR, options: ReadOptions::default() };
-    let plan = Plan { command: "convergence", written: case, base, registry: &registry, axes, quantities: &[], compares: false, tol: None, kept };
+    let plan =
+        Plan { command: "convergence", written: case, base, registry: &registry, axes, quantities: &[], compares: false, tol: None, kept };
     let specs = plan.rows().unwrap();
     let watch = Watch::default();
     plan.solve(&specs, &Runs { registry: &registry }, &watch, |k, _, _| {

@@ -163,7 +163,11 @@ fn written(results: &Results<'_>, study: &Study, kept: Option<&Kept>) -> Ended {
     let clock = results.clock;
     clock.hear(Progress::Phase("write"));
     let svg = picture(study);
-    let mut files = vec![("study.csv", study.csv()), (ROWS, study.stored.clone()), ("report.html", html(study, svg.as_deref().ok(), &shown(results.words)))];
+    let mut files = vec![
+        ("study.csv", study.csv()),
+        (ROWS, study.stored.clone()),
+        ("report.html", html(study, svg.as_deref().ok(), &shown(results.words))),
+    ];
     match svg {
         Ok(svg) => files.push(("study.svg", svg)),
         Err(why) => diagnostics.push(Diagnostic::warning("E091", format!("`study.svg` was not written: {why}"))),

@@ -58,8 +58,12 @@ impl Axes {
                 for pairing in each(&self.pairings) {
                     for integration in each(&self.integrations) {
                         for extra_points in each(&self.extra_points) {
-                            let changes =
-                                Changes { pairing: pairing.clone(), integration: integration.clone(), extra_points, ..start.changes.clone() };
+                            let changes = Changes {
+                                pairing: pairing.clone(),
+                                integration: integration.clone(),
+                                extra_points,
+                                ..start.changes.clone()
+                            };
                             rows.extend((0..self.levels.max(1)).map(|level| Spec {
                                 level,
                                 changes: Changes { level, ..changes.clone() },
@@ -193,7 +197,10 @@ mod tests {
         let rows = axes.rows(&base, &Registry::default()).unwrap();
         let place = |r: &Spec| (r.changes.pairing.clone().unwrap(), r.changes.extra_points.unwrap(), r.changes.level);
         assert_eq!(rows.len(), 8);
-        assert_eq!([place(&rows[0]), place(&rows[3]), place(&rows[7])], [("p/p".into(), 0, 0), ("p/p".into(), 4, 1), ("p/p-2".into(), 4, 1)]);
+        assert_eq!(
+            [place(&rows[0]), place(&rows[3]), place(&rows[7])],
+            [("p/p".into(), 0, 0), ("p/p".into(), 4, 1), ("p/p-2".into(), 4, 1)]
+        );
         assert!(rows[0].same_line(&rows[1]) && !rows[1].same_line(&rows[2]) && !rows[3].same_line(&rows[4]));
     }
 }

@@ -82,7 +82,11 @@ impl Degrees {
             None if self.all.is_empty() => self.all = degrees,
             Some(name) if !name.is_empty() && !self.of.iter().any(|(known, _)| known == name) => self.of.push((name.to_owned(), degrees)),
             Some("") => return Err(wrong()),
-            _ => return Err(format!("`{text}` gives degrees a second time; write one list such as 1,2,3, and one per backend such as iga:2,3,4")),
+            _ => {
+                return Err(format!(
+                    "`{text}` gives degrees a second time; write one list such as 1,2,3, and one per backend such as iga:2,3,4"
+                ));
+            }
         }
         Ok(())
     }

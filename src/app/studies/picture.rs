@@ -127,12 +127,12 @@ fn over_levels(s: &Study) -> StudyGroup {
     };
     let errors = errors_in_order(s);
     let mut panels = Vec::new();
-    for (k, name) in errors.iter().enumerate() {
+    for name in errors.iter().take(MOST_PANELS - 1) {
         panels.push(over_h(name.clone(), &error(s, name)));
-        if k == 0 {
-            let points = points(s, &lines, &unknowns, &error(s, name));
-            panels.push(StudyPanel { x: "unknowns".into(), y: name.clone(), y_log: true, points, ..StudyPanel::default() });
-        }
+    }
+    if let Some(name) = errors.first() {
+        let points = points(s, &lines, &unknowns, &error(s, name));
+        panels.push(StudyPanel { x: "unknowns".into(), y: name.clone(), y_log: true, points, ..StudyPanel::default() });
     }
     if errors.is_empty() {
         for a in others(s, &errors) {

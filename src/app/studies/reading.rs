@@ -84,7 +84,8 @@ pub fn reading(s: &Study) -> Vec<Sentence> {
     let failed: Vec<_> = s.rows.iter().filter(|row| !matches!(row.result.exit, 0 | 1)).collect();
     if let Some(first) = failed.first() {
         let code = first.code().map_or(String::new(), |code| format!(", {code}"));
-        let what = format!("{} of {} could not be finished, the first one: {}{code}", failed.len(), rows(s.rows.len()), word(first.result.status));
+        let what =
+            format!("{} of {} could not be finished, the first one: {}{code}", failed.len(), rows(s.rows.len()), word(first.result.status));
         found.push(Sentence { text: what + ". The others stand.", bad: true });
     }
     if s.stopped.is_some() {

@@ -72,7 +72,9 @@ fn outcome(page: &mut String, study: &Study) {
 
 fn table(page: &mut String, study: &Study) {
     let table = study.table();
-    page.push_str("<h2>Table</h2>\n<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Table of the study\"><table>\n<caption>");
+    page.push_str(
+        "<h2>Table</h2>\n<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Table of the study\"><table>\n<caption>",
+    );
     let rates = if study.axes.levels > 1 { "; a rate is that of the column before it, from the level above" } else { "" };
     let _ = write!(page, "One row per combination{rates}. Rows that failed are coloured.</caption>\n<thead><tr>");
     for cell in table.head() {
@@ -171,7 +173,8 @@ mod tests {
 
     #[test]
     fn the_command_line_keeps_what_decides_about_numbers() {
-        let words = ["convergence", "my case.toml", "--threads", "2", "--out=a", "--json", "--set", "let.a=1", "--vary", "let.b=[1, 2]", "--force"];
+        let words =
+            ["convergence", "my case.toml", "--threads", "2", "--out=a", "--json", "--set", "let.a=1", "--vary", "let.b=[1, 2]", "--force"];
         let words: Vec<String> = words.map(str::to_owned).to_vec();
         assert_eq!(command(&words), "faying convergence 'my case.toml' --set let.a=1 --vary 'let.b=[1, 2]'");
     }

@@ -99,6 +99,8 @@ impl Plan<'_> {
         let added = asked.iter().filter(|a| a.is_added()).map(|a| (a.probe.clone(), a.quantity.clone())).collect();
         let mut base = self.base.clone();
         base.options.changes.quantities = added;
+        // every default written out: what a row must be to be the case as written
+        let as_written = base.read(&Spec::default()).map(|case| case.effective_toml().to_owned()).unwrap_or_default();
         let (mut rows, mut keys) = (Vec::with_capacity(specs.len()), Vec::with_capacity(specs.len()));
         let command = format!("{} {}", self.command, method.options());
         let mut stopped = None;
@@ -112,7 +114,10 @@ impl Plan<'_> {
             let known = self.kept.and_then(|kept| kept.rows(&key, self.command, spec, &base));
             let found = known.unwrap_or_else(|| {
                 begins(k, specs.len(), &label(spec, &self.axes));
-                Row::begun(self.command, spec, &base).solved_by(method, case.as_ref().map_err(Clone::clone), &base, watch)
+                let checked = self.compares || case.as_ref().is_ok_and(|case| case.effective_toml() == as_written);
+                let mut rows = Row::begun(self.command, spec, &base).solved_by(method, case.as_ref().map_err(Clone::clone), &base, watch);
+                rows.iter_mut().filter(|_| !checked).for_each(Row::leave_checks);
+                rows
             });
             keys.extend(std::iter::repeat_n(key, found.len()));
             rows.extend(found);

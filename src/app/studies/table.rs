@@ -15,7 +15,7 @@ impl Study {
         let (errors, levels) = (self.shown_errors(), self.axes.levels > 1);
         let quantities: Vec<&Asked> = self.asked.iter().filter(|a| a.compared && !errors.contains(&a.quantity)).collect();
         let any = |of: &dyn Fn(&super::rows::Row) -> bool| self.rows.iter().any(of);
-        let (differs, checked) = (any(&|r| !r.differences.is_empty()), any(&|r| r.result.checks_expected > 0));
+        let (differs, checked) = (any(&|r| !r.differences.is_empty()), any(&|r| r.result.checks_performed > 0));
         let (sides, constants) = (any(&|r| r.interface.is_some()), any(&|r| r.beta.is_some()));
         // on straight sides both measures agree
         let bent = any(&|r| r.beta.zip(r.parametric).is_some_and(|(b, p)| (b - p).abs() > BENT));
@@ -87,7 +87,7 @@ impl Study {
             }
             if checked {
                 let passed = r.checks.iter().filter(|c| c.ok && !c.skipped).count();
-                cells.push(format!("{passed} of {}", r.checks_performed));
+                cells.push(if r.checks_performed > 0 { format!("{passed} of {}", r.checks_performed) } else { "-".to_owned() });
             }
             cells.push(row.code().map_or_else(|| word(r.status), |code| format!("{} ({code})", word(r.status))));
             table.row(cells);

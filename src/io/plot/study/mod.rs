@@ -70,10 +70,10 @@ fn area(alone: bool) -> [f64; 2] {
 
 /// Columns of the legend of `lines` lines.
 fn columns(lines: usize, wide: bool) -> usize {
-    match lines {
-        0..=6 => 1,
-        7..=18 => 2,
-        _ => 2 + usize::from(wide),
+    match (lines, wide) {
+        (0..=2, _) | (0..=6, false) => 1,
+        (0..=12, _) | (_, false) => 2,
+        _ => 3,
     }
 }
 

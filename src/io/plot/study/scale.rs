@@ -35,7 +35,13 @@ impl<'a> Scale<'a> {
         let least = match (log, hi - lo) {
             (true, _) => room,
             // one value, or values that are the same: a range of their size
-            (false, 0.0) => if lo == 0.0 { 0.5 } else { 0.1 * lo.abs() },
+            (false, 0.0) => {
+                if lo == 0.0 {
+                    0.5
+                } else {
+                    0.1 * lo.abs()
+                }
+            }
             (false, span) => 0.08 * span,
         };
         (lo <= hi).then(|| Self { axis, lo: lo - least.max(0.05 * (hi - lo)), hi: hi + least.max(0.05 * (hi - lo)) })
