@@ -143,7 +143,8 @@ impl Reader<'_> {
     /// E063 where the axes speak of interfaces and the case has neither one nor a contact.
     fn interface(&self, needed: bool) -> Result<(), Ended> {
         let case = &self.loaded.case;
-        if !needed || !(case.interfaces.is_empty() && case.contacts.is_empty()) {
+        let missing = needed && case.interfaces.is_empty() && case.contacts.is_empty();
+        if !missing {
             return Ok(());
         }
         let what = if self.kind.needs_interface { self.kind.command } else { "a study of multipliers and integration" };

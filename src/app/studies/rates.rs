@@ -77,7 +77,12 @@ pub(super) fn decide(rows: &mut [Row], case: &Case, asked: &[Asked]) {
 }
 
 /// Decides a check by the number that a study found.
-pub(in crate::app) fn decided(report: &mut CheckReport, rate: Option<f64>, condition: &Condition, number: &dyn Fn(&Formula) -> Result<f64, String>) {
+pub(in crate::app) fn decided(
+    report: &mut CheckReport,
+    rate: Option<f64>,
+    condition: &Condition,
+    number: &dyn Fn(&Formula) -> Result<f64, String>,
+) {
     let optional = |f: &Option<crate::io::place::Located<Formula>>| f.as_ref().map_or(Ok(0.0), |f| number(&f.value));
     let verdict = || -> Result<(f64, f64, bool), String> {
         let rate = rate.ok_or("the levels give no rate")?;
