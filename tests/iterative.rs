@@ -466,7 +466,7 @@ fn sample_cases_have_the_same_probes_with_every_solver() {
         &["solver.constraint=\"condensed\"", "solver.linear=\"iterative\"", "solver.tolerance=1e-12"],
         &["solver.constraint=\"uzawa\"", "solver.linear=\"iterative\"", "solver.tolerance=1e-12"],
     ];
-    for name in ["poisson-arc", "hertz"] {
+    for name in ["iga-fe-arc", "hertz"] {
         let path = format!("{}/examples/cases/{name}.toml", env!("CARGO_MANIFEST_DIR"));
         let text = std::fs::read_to_string(&path).unwrap();
         let run = |sets: &[&str]| {

@@ -5,7 +5,7 @@
 //! One iteration is a system of rows with the compliance 1 / W and the offset g + lambda / W; its multiplier is the next one. Here the
 //! iteration runs on residuals summed in twice the working precision, so what it converges to carries no trace of W.
 //! The error falls by 1 / (1 + factor mu) per iteration, mu the least eigenvalue of C K⁻¹ Cᵀ against the inverse of W at factor 1, which
-//! depends neither on the mesh nor on units: few iterations suffice. Bodies that only the rows hold need no care: K + Cᵀ W C is regular.
+//! depends neither on the mesh nor on units and falls with the degree: 4 iterations at degree 1, 16 at degree 4. Bodies that only the rows hold need no care: K + Cᵀ W C is regular.
 //!
 //! Source: Fortin, Glowinski, Augmented Lagrangian Methods (1983), chapter 1; k_i and s_i: [`super::scale`].
 
@@ -14,10 +14,9 @@ use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Free, Solv
 use crate::linalg::residual::{RESIDUAL_LIMIT, max, ratio};
 use crate::linalg::{Cg, Ldlt, Limits, LinearError};
 
-/// Factor where the systems inside are factorised: larger ones need fewer iterations and cost digits of each.
+/// Larger ones need fewer iterations and cost digits of each, or conjugate gradients inside: at degree 4 with p/p over the same mesh
+/// 10 takes 12617 of these in all, 1e2 2782, 1e3 675, 1e4 467.
 const FACTOR: f64 = 1e3;
-/// Factor for iterative methods inside, whose work grows with its root.
-const FACTOR_ITERATIVE: f64 = 10.0;
 /// Iterations allowed where nothing else is said.
 const MAX_ITERATIONS: usize = 200;
 /// A correction that is no smaller than this part of the one before it does not converge.
@@ -61,7 +60,7 @@ impl Augmented<Free<Cg>> {
     /// Uzawa's iteration over conjugate gradients: no factor at all.
     pub fn uzawa_iterative(limits: Limits) -> Self {
         let inner = Limits { tolerance: INNER, max_iterations: limits.max_iterations, stop: limits.stop.clone() };
-        Self { factor: FACTOR_ITERATIVE, limits, ..Augmented::new(Free::iterative(&inner)) }
+        Self { limits, ..Self::new(Free::iterative(&inner)) }
     }
 }
 
