@@ -1,8 +1,8 @@
 //! Nitsche's coupling of two sides: stiffness instead of multipliers.
 //!
-//!   a(u, v) - ∫ {t(u)} . [v] ds - θ ∫ {t(v)} . [u] ds + ∫ γ [u] . [v] ds
+//!   a(u, v) - ∫ {t(u)} . \[v\] ds - θ ∫ {t(v)} . \[u\] ds + ∫ γ \[u\] . \[v\] ds
 //!
-//!   [u] = u_slave - u_master,   {t} = w_s t_s - w_m t_m,   t_s = sigma(u_s) n_s,  t_m = sigma(u_m) n_m   (outward normals; exact: t_m = -t_s)
+//!   \[u\] = u_slave - u_master,   {t} = w_s t_s - w_m t_m,   t_s = sigma(u_s) n_s,  t_m = sigma(u_m) n_m   (outward normals; exact: t_m = -t_s)
 //!   w_s = d_m / (d_s + d_m),   w_m = d_s / (d_s + d_m),   γ = factor d_s d_m / (d_s + d_m)
 //!
 //! θ = 1 symmetric, -1 unsymmetric, 0 incomplete. d \[modulus/length\] is the bound of the flux by the energy of the element
@@ -14,7 +14,7 @@
 //! factor > m, incomplete for factor > m / 4, unsymmetric for factor > 0. The default [`Nitsche::AUTO`] = 4 holds for m <= 3. Factors
 //! below 1 are refused for the first two; between 1 and m the solver refuses a symmetric matrix with negative energy.
 //!
-//! lambda = -{t} + γ [u] is the flux that crosses numerically, in the sign of a multiplier: minus the slave's traction. It is in
+//! lambda = -{t} + γ \[u\] is the flux that crosses numerically, in the sign of a multiplier: minus the slave's traction. It is in
 //! balance with the loads of both bodies, whatever γ is.
 //!
 //! Sources: Nitsche, Abh. Math. Sem. Hamburg 36 (1971) 9-15; Ern, Stephansen, Zunino, IMA J. Numer. Anal. 29 (2009) 235-256

@@ -56,7 +56,13 @@ struct Dimension<'a, const S: usize, const N: usize> {
 }
 
 fn plane(registry: &Registry) -> Dimension<'_, 1, 2> {
-    Dimension { names: &registry.plane, net: plane_net, half_width: Some(zone), multipliers: Some(multipliers::on_curves), output: fields::plane_output }
+    Dimension {
+        names: &registry.plane,
+        net: plane_net,
+        half_width: Some(zone),
+        multipliers: Some(multipliers::on_curves),
+        output: fields::plane_output,
+    }
 }
 
 fn volume(registry: &Registry) -> Dimension<'_, 2, 3> {
