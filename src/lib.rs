@@ -45,6 +45,8 @@
 #![cfg_attr(feature = "cli", doc = "| [`io`] | case files, formulas, errors with places, geometry and mesh files, VTU, SVG, tables |")]
 #![cfg_attr(feature = "cli", doc = "| [`app`] | names, models, runs, the command line |")]
 //!
+#![cfg_attr(feature = "cli", doc = "The theory of tying, with an example of every choice: [`guide::mortar_theory`].")]
+//!
 //! # What the traits learnt from their first implementors
 //!
 //! - [`Coefficient::PerPoint`](assembly::Coefficient::PerPoint) owns its closure: the form of a material outlives the call
@@ -80,5 +82,7 @@ pub mod space;
 
 #[cfg(feature = "cli")]
 pub mod app;
+#[cfg(feature = "cli")]
+pub mod guide;
 #[cfg(feature = "cli")]
 pub mod io;
