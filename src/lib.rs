@@ -38,8 +38,8 @@
 //! | [`space`] | spaces, bodies, traces: the spline patch, the Lagrange mesh of a patch or of a file's cells, glued patches |
 //! | [`assembly`] | the bulk loop, loads, Dirichlet projection, error norms |
 //! | [`physics`] | materials, stresses, fluxes |
-//! | [`coupling`] | segments, multipliers and their inf-sup constants, the mortar rows |
-//! | [`constraint`] | saddle points, condensation, the active set |
+//! | [`coupling`] | segments, multipliers and their inf-sup constants, mortar rows, Nitsche's stiffness |
+//! | [`constraint`] | saddle points, condensation, Schur complements, Uzawa, the active set |
 //! | [`contact`] | obstacles, gaps, pressures |
 //! | [`check`] | contract tests for everything above: run them on your own types |
 #![cfg_attr(feature = "cli", doc = "| [`io`] | case files, formulas, errors with places, geometry and mesh files, VTU, SVG, tables |")]
@@ -62,6 +62,10 @@
 //! - Bodies of a case keep their own unknowns and materials: gluing adds [`Equation`](assembly::Equation)s between them, while
 //!   [`MultiPatch`](space::MultiPatch) is the same thing as one body of the library.
 //! - Lowered ends combine two neighbours at a time, which keeps multipliers of splines non-negative.
+//! - A [`Coupling`](coupling::Coupling) says whether it has rows, and answers lambda at points: what has no multipliers reports its flux in
+//!   their place. Stiffness between bodies is a matrix beside theirs ([`Blocks`](assembly::Blocks)).
+//! - [`Uzawa`](constraint::Uzawa) is [`Augmented`](constraint::Augmented) around an unconstrained solve, and penalty is its first iteration.
+//! - The two lists of mixed integration are cut where the other side ends, so that either side may be the longer one.
 //!
 //! # Features
 //!

@@ -216,6 +216,11 @@ pub(super) fn is_glue(coupling: &str) -> bool {
     coupling == "glue"
 }
 
+/// Whether the rows of a coupling are those of the mortar method; of couplings from outside it is not known.
+pub(super) fn has_mortar_rows(coupling: &str) -> bool {
+    matches!(coupling, "mortar" | "penalty")
+}
+
 /// Highest k of the built-in pairings p/p-k: the highest degree of a patch.
 const HIGHEST_PAIRING: usize = 12;
 

@@ -20,8 +20,8 @@ pub struct Penalty {
 }
 
 impl Penalty {
-    /// The factor of `factor = "auto"`: jumps of a millionth of an element's own displacement under the same traction.
-    pub const AUTO: f64 = 1e6;
+    /// The factor of `factor = "auto"`: jumps of a billionth of an element's own displacement under the same traction.
+    pub const AUTO: f64 = 1e9;
 }
 
 impl Default for Penalty {

@@ -288,6 +288,15 @@ pub const CODES: &[Code] = &[
         "raise the degree of the slave, or use multiplier = \"auto\".",
     ),
     code(
+        "E065",
+        3,
+        "inexact integration",
+        "A warning: the rule of integration misses more than a hundredth of what it should see at the interface (interface.NAME.consistency). \
+         Slave points do not see the kinks of the master's functions; mixed integration does not see those of a multiplier of low degree.",
+        "integration = \"mixed\"\nmultiplier = \"p/p-2\"",
+        "use integration = \"merged\" (the default), or raise extra_points.",
+    ),
+    code(
         "E071",
         5,
         "contact does not settle",

@@ -7,7 +7,7 @@ use super::fixed::Fixed;
 use super::model::{Model, Pairing, SideModel, TieModel, TiePart};
 use super::multipliers::{held_help, multiplier, multiplier_fault};
 use super::sides::Sides;
-use crate::app::registry::{CouplingOptions, is_glue};
+use crate::app::registry::{CouplingOptions, has_mortar_rows, is_glue};
 use crate::basis::{Basis, Elements};
 use crate::coupling::consistency::Finer;
 use crate::coupling::interface::{Partners, Tolerance};
@@ -231,7 +231,7 @@ fn part<const S: usize, const N: usize>(
         part.multipliers.clear();
     }
     part.reaction = differs.then_some(reaction);
-    if tie.coupling.value == "mortar" && finer.len() == part.pairings.len() {
+    if has_mortar_rows(&tie.coupling.value) && finer.len() == part.pairings.len() {
         let borrowed: Vec<&dyn Basis<S>> = part.multipliers.iter().map(|m| &**m).collect();
         let interfaces: Vec<Interface<'_, S, N>> = part
             .pairings

@@ -203,12 +203,12 @@ pub struct InfsupArguments {
     /// What every study has.
     #[command(flatten)]
     pub study: StudyCommand,
-    /// Norms of traces and multipliers: l2 for both, or h^-1/2 for traces and h^1/2 for multipliers
-    #[arg(long, value_enum, default_value_t, value_name = "NORM")]
-    pub norm: NormChoice,
-    /// Ends of slave sides: as the case constrains them, all zero (multipliers lowered), all free
-    #[arg(long, value_enum, default_value_t, value_name = "ENDS")]
-    pub ends: EndsChoice,
+    /// Norms of traces and multipliers: l2 for both, or h^-1/2 for traces and h^1/2 for multipliers [default: l2]
+    #[arg(long, value_enum, value_name = "NORM")]
+    pub norm: Option<NormChoice>,
+    /// Ends of slave sides: as the case constrains them, all zero (multipliers lowered), all free [default: case]
+    #[arg(long, value_enum, value_name = "ENDS")]
+    pub ends: Option<EndsChoice>,
 }
 
 /// Norms of the inf-sup test.

@@ -33,11 +33,12 @@ use self::study::Order;
 use crate::app::Registry;
 use crate::app::build::SlaveEnds;
 use crate::app::infsup::{Constants, InfSupOptions};
-use crate::app::studies::Runs;
+use crate::app::studies::{Method, Runs};
 use crate::coupling::inf_sup::Norm;
+use crate::io::case::StudyValues;
 use crate::io::errors::Diagnostic;
-use clap::Parser;
 use clap::error::ErrorKind;
+use clap::{Parser, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -92,7 +93,7 @@ fn place_of_document(arguments: &Arguments, streams: &Streams, words: &[OsString
 fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words: &[OsString]) -> Ended {
     let common = &arguments.common;
     let order = |command, tol| Order { registry, command, tol, common, streams, words };
-    let runs = Runs { registry };
+    let runs = |_: Option<&StudyValues>| -> Box<dyn Method + Sync + '_> { Box::new(Runs { registry }) };
     match &arguments.command {
         Command::Run(run) => run::run(registry, run, &arguments.common, streams, words),
         Command::Check(check) => check::check(registry, check, &arguments.common, streams),
@@ -106,14 +107,19 @@ fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words:
         Command::Inspect(inspect) => inspect::inspect(registry, inspect, &arguments.common),
         Command::Convert(convert) => convert::convert(convert, &arguments.common),
         Command::Infsup(command) => {
-            let norm = if command.norm == NormChoice::HHalf { Norm::HHalf } else { Norm::L2 };
-            let ends = match command.ends {
-                EndsChoice::Case => SlaveEnds::Case,
-                EndsChoice::Zero => SlaveEnds::Zero,
-                EndsChoice::Free => SlaveEnds::Free,
+            let method = |values: Option<&StudyValues>| -> Box<dyn Method + Sync + '_> {
+                let word = |of: fn(&StudyValues) -> &Option<String>| values.and_then(|v| of(v).as_deref());
+                let norm = command.norm.or_else(|| NormChoice::from_str(word(|v| &v.norm)?, false).ok());
+                let ends = command.ends.or_else(|| EndsChoice::from_str(word(|v| &v.ends)?, false).ok());
+                let norm = if norm == Some(NormChoice::HHalf) { Norm::HHalf } else { Norm::L2 };
+                let ends = match ends.unwrap_or_default() {
+                    EndsChoice::Case => SlaveEnds::Case,
+                    EndsChoice::Zero => SlaveEnds::Zero,
+                    EndsChoice::Free => SlaveEnds::Free,
+                };
+                Box::new(Constants { registry, options: InfSupOptions { norm, ends } })
             };
-            let constants = Constants { registry, options: InfSupOptions { norm, ends } };
-            study::study(&study::INFSUP, &constants, &order(&command.study, None))
+            study::study(&study::INFSUP, &method, &order(&command.study, None))
         }
     }
 }

@@ -11,6 +11,7 @@ use super::streams::Streams;
 use super::study_axes;
 use crate::app::studies::{Base, Kept, MOST_ROWS, Method, Plan, Study, html, picture, split};
 use crate::app::{Progress, Registry, Watch};
+use crate::io::case::StudyValues;
 use crate::io::errors::{Diagnostic, Diagnostics};
 use std::ffi::OsString;
 
@@ -81,15 +82,18 @@ pub struct Order<'a> {
     pub words: &'a [OsString],
 }
 
-/// Solves every row by `method` and writes the folder.
-pub fn study(kind: &Kind, method: &(dyn Method + Sync), order: &Order<'_>) -> Ended {
+/// Makes the method of a study from the case's own table of it.
+pub type MakeMethod<'a> = dyn Fn(Option<&StudyValues>) -> Box<dyn Method + Sync + 'a> + 'a;
+
+/// Solves every row by the method that `make` makes and writes the folder.
+pub fn study<'a>(kind: &Kind, make: &MakeMethod<'a>, order: &Order<'_>) -> Ended {
     let clock = Clock::start(order.streams);
-    let ended = studied(kind, method, order, &clock).unwrap_or_else(|ended| ended);
+    let ended = studied(kind, make, order, &clock).unwrap_or_else(|ended| ended);
     clock.stop();
     ended
 }
 
-fn studied(kind: &Kind, method: &(dyn Method + Sync), order: &Order<'_>, clock: &Clock) -> Result<Ended, Ended> {
+fn studied<'a>(kind: &Kind, make: &MakeMethod<'a>, order: &Order<'_>, clock: &Clock) -> Result<Ended, Ended> {
     let hears = clock.clone();
     // phases inside a row are no phases of the study: their seconds are the row's
     let listener = move |news: Progress<'_>| match news {
@@ -105,6 +109,8 @@ fn studied(kind: &Kind, method: &(dyn Method + Sync), order: &Order<'_>, clock: 
     let values = loaded.case.studies.iter().find(|s| s.value.name == kind.command);
     let axes = study_axes::axes(kind, &arguments.axes, values, &loaded)?;
     let values = values.map(|v| &v.value);
+    let made = make(values);
+    let method = &*made;
     let quantities: Vec<String> = match arguments.quantity.is_empty() {
         true => values.map_or(Vec::new(), |v| v.quantities.clone()),
         false => arguments.quantity.iter().flat_map(|q| split(q)).filter(|q| !q.is_empty()).collect(),

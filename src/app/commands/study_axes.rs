@@ -46,10 +46,19 @@ pub fn axes(kind: &Kind, options: &StudyArguments, table: Option<&Located<StudyV
         }
     }
     let pairings = r.list("pairings", options.pairings.as_deref(), &values.pairings, Vec::new())?;
+    for text in pairings.list.iter().filter(|name| name.starts_with('{')) {
+        if toml::from_str::<toml::Table>(&format!("multiplier = {text}")).is_err() {
+            let why = format!("`{text}` is no table");
+            return Err(r.wrong("pairings", pairings.of_case, &why, "write for example '{ degree = 1, continuity = 0, ends = \"full\" }'"));
+        }
+    }
     for name in pairings.list.iter().filter(|name| !name.starts_with('{') && !r.names().has_multiplier(name)) {
         r.known("pairings", &pairings, "multiplier", name, &r.names().multipliers)?;
     }
-    let integrations = r.list("integration", options.integration.as_deref(), &values.integration, words(kind.integrations))?;
+    // the default leaves out what the case cannot have; what is named stays
+    let no_mixed = !loaded.case.contacts.is_empty() || loaded.case.interfaces.iter().any(|t| t.coupling.value == "nitsche");
+    let usual: Vec<&str> = kind.integrations.iter().copied().filter(|w| *w != "mixed" || !no_mixed).collect();
+    let integrations = r.list("integration", options.integration.as_deref(), &values.integration, words(&usual))?;
     for name in &integrations.list {
         r.known("integration", &integrations, "integration", name, &words(&INTEGRATIONS))?;
     }
@@ -77,6 +86,20 @@ pub fn axes(kind: &Kind, options: &StudyArguments, table: Option<&Located<StudyV
     let vary = vary.map_err(|why| r.wrong("vary", of_case, &why, example))?;
     if let Some(twice) = repeated(&vary.iter().map(|v| v.key.as_str()).collect::<Vec<_>>()) {
         return Err(r.wrong("vary", of_case, &format!("`{twice}` varies twice"), "name a key once, with all its values"));
+    }
+    let axes = [
+        ("degrees", "degree", !degrees.all.is_empty() || !degrees.of.is_empty()),
+        ("backends", "backend", !backends.list.is_empty()),
+        ("pairings", "multiplier", !pairings.list.is_empty()),
+        ("integration", "integration", !integrations.list.is_empty()),
+        ("extra-points", "extra_points", !extra_points.is_empty()),
+    ];
+    for v in &vary {
+        let key = v.key.rsplit('.').next().unwrap_or_default();
+        if let Some((axis, ..)) = axes.iter().find(|(_, word, varies)| *varies && *word == key) {
+            let why = format!("`{}` varies already by --{axis}, which sets it everywhere", v.key);
+            return Err(r.wrong("vary", of_case, &why, &format!("leave one of them out: --vary {}=.. or --{axis}", v.key)));
+        }
     }
     if kind.needs_vary && vary.is_empty() {
         let message = format!("`faying {}` has a row per value of a key, and no key is named", kind.command);

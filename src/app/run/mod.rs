@@ -255,9 +255,11 @@ fn built<const S: usize, const N: usize>(
         return Err(fault.into());
     }
     let model = build::build(case, dimension.names, dimension.net)?;
-    let mixed = model.ties.iter().find(|tie| tie.parts.iter().any(|part| part.reaction.is_some()));
-    if let Some(tie) = mixed.filter(|_| solver.needs_symmetry()) {
-        return Err(faults::not_symmetric(case, &tie.name).into());
+    let mixed = |part: &build::TiePart<S, N>| part.reaction.is_some();
+    let leaning = |part: &build::TiePart<S, N>| mixed(part) || !part.stiffness.to_csr().is_symmetric(crate::linalg::solver::NO_SYMMETRY);
+    let tie = model.ties.iter().find(|tie| tie.parts.iter().any(leaning));
+    if let Some(tie) = tie.filter(|_| solver.needs_symmetry()) {
+        return Err(faults::not_symmetric(case, &tie.name, tie.parts.iter().any(mixed)).into());
     }
     Ok(model)
 }
@@ -324,6 +326,7 @@ fn solve_case<const S: usize, const N: usize>(
         let when = |d: Diagnostic| if case.has_steps() { at_step(d, k, t) } else { d };
         if let Some(state) = &state {
             report::fill(&mut result, &model, state, &matrices.bodies, dimension.half_width, reason);
+            report::warn_of_inexact(case, &mut result);
             result.t = case.has_steps().then_some(t);
             if status == Status::Ok && !state.u.iter().chain(&state.lambda).all(|v| v.is_finite()) {
                 (status, reason) = (Status::NotFinite, "not-finite");

@@ -16,6 +16,7 @@ use crate::basis::{Basis, Order, ShapeTable};
 use crate::contact::Contact;
 use crate::geometry::Geometry;
 use crate::io::case::Case;
+use crate::io::errors::Diagnostic;
 use crate::linalg::{Csr, Operator, Vector};
 use crate::space::{diameter, measure, quality};
 use std::collections::BTreeMap;
@@ -120,6 +121,26 @@ pub fn fill<const S: usize, const N: usize>(
     result.balance =
         Balance { force: outside.force[..model.components].to_vec(), moment: (model.components == N).then(|| moment::<N>(outside.moment)) };
     result.errors = errors(model, state);
+}
+
+/// From this error of consistency on an integration is said to be inexact.
+const INEXACT: f64 = 1e-2;
+
+/// E065 for every interface whose integration spoils the result; once over all steps.
+pub fn warn_of_inexact(case: &Case, result: &mut RunResult) {
+    let mut found = Vec::new();
+    for (name, report) in result.interface.iter().filter(|(_, report)| report.consistency > INEXACT) {
+        let Some(tie) = case.interfaces.iter().find(|t| t.name.value == *name) else { continue };
+        let text = format!(
+            "the integration of interface \"{name}\" is inexact: it misses {} % of the conditions there",
+            (100.0 * report.consistency).round()
+        );
+        if !result.warnings.iter().any(|d| d.code == "E065" && d.message.contains(&format!("\"{name}\""))) {
+            let help = "write integration = \"merged\", or raise `extra_points`; mixed integration goes with p/p";
+            found.push(Diagnostic::warning("E065", text).at(&case.source, tie.integration.at).with_help(help));
+        }
+    }
+    result.warnings.extend(found);
 }
 
 /// 1/2 uᵀ K u.

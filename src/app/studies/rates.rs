@@ -2,7 +2,7 @@
 
 use super::quantities::{Asked, rate_of};
 use super::rows::Row;
-use crate::app::quantities::look_up;
+use crate::app::quantities::{Kind, Quantity, look_up};
 use crate::app::result::{CheckReport, Status};
 use crate::io::case::{Case, Condition};
 use crate::io::formula::Formula;
@@ -45,7 +45,7 @@ pub(super) fn decide(rows: &mut [Row], case: &Case, asked: &[Asked]) {
             continue;
         }
         for (position, check) in case.checks.iter().enumerate() {
-            let Some(inner) = rate_of(&check.quantity.value) else { continue };
+            let Some(inner) = asked_rate(&check.quantity.value, row) else { continue };
             let elsewhere = check.backend.as_ref().is_some_and(|b| row.result.backends.iter().any(|(_, used)| *used != b.value));
             if elsewhere || row.result.checks.get(position).is_none_or(|report| !report.skipped) {
                 continue;
@@ -74,6 +74,16 @@ pub(super) fn decide(rows: &mut [Row], case: &Case, asked: &[Asked]) {
             }
         }
     }
+}
+
+/// Q of a check on `rate.Q` that a row can decide: rows of constants answer for the constant of their own pairing alone.
+fn asked_rate(text: &str, row: &Row) -> Option<String> {
+    if row.beta.is_none() {
+        return rate_of(text);
+    }
+    let inner = text.trim().strip_prefix("rate.")?.trim();
+    let own = matches!(Quantity::parse(inner).map(|q| q.kind), Ok(Kind::Beta(pairing)) if pairing == row.pairing);
+    own.then(|| "beta".to_owned())
 }
 
 /// Decides a check by the number that a study found.

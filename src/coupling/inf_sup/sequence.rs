@@ -42,12 +42,16 @@ pub fn slope(points: &[(f64, f64)]) -> Option<f64> {
 
 /// The verdict of the constants (h, beta) of one pair, from coarse to fine.
 ///
-/// Unstable: the finest beta is zero (below [`ZERO`]), or the slope is at least [`FALLING`]. Stable: the slope is at most
-/// [`FLAT`] (a beta that rises is bounded below). Undecided: anything else.
+/// Unstable: the finest beta is zero (below [`ZERO`]), or both the slope and the last rate are at least [`FALLING`]: a fall that ends is
+/// that of coarse grids. Stable: the slope is at most [`FLAT`] (a beta that rises is bounded below). Undecided: anything else.
 pub fn verdict(points: &[(f64, f64)]) -> Verdict {
+    let last = |points: &[(f64, f64)]| match points {
+        [.., (coarse, before), (fine, beta)] => (before / beta).ln() / (coarse / fine).ln(),
+        _ => 0.0,
+    };
     match (points.last(), slope(points)) {
         (Some(&(_, beta)), _) if beta <= ZERO => Verdict::Unstable,
-        (_, Some(s)) if s >= FALLING => Verdict::Unstable,
+        (_, Some(s)) if s >= FALLING && last(points) >= FALLING => Verdict::Unstable,
         (_, Some(s)) if s <= FLAT => Verdict::Stable,
         _ => Verdict::Undecided,
     }
@@ -83,6 +87,13 @@ mod tests {
         assert_eq!(verdict(&line(5, f64::sqrt)), Verdict::Unstable);
         assert_eq!(verdict(&line(5, |h| h.powf(0.1))), Verdict::Undecided);
         assert!((slope(&line(5, |h| 3.0 * h * h)).unwrap() - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_fall_that_ends_decides_nothing() {
+        let points = [(1.0, 9.25e-4), (0.5, 4.71e-4), (0.25, 4.27e-4)];
+        assert_eq!(verdict(&points), Verdict::Undecided);
+        assert_eq!(verdict(&[points[0], points[1], (0.25, 4.27e-4), (0.125, 4.2e-4), (0.0625, 4.17e-4)]), Verdict::Stable);
     }
 
     #[test]

@@ -349,6 +349,10 @@ impl Reader {
             .node("max_iterations")
             .cloned()
             .and_then(|n| self.whole_of(&n, "max_iterations", 1, 10_000_000).map(|v| Located::new(v, n.at)));
+        if tolerance.value >= 1.0 {
+            let message = format!("`tolerance` of the solver is relative and must be below 1, found {}", tolerance.value);
+            self.fault("E015", tolerance.at, message, "write for example tolerance = 1e-10");
+        }
         Solver { constraint, linear, tolerance, max_iterations }
     }
 }

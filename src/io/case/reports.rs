@@ -100,11 +100,24 @@ impl Reader {
                 extra_points: self.study_points(&b),
                 vary: self.words(&b, "vary"),
                 quantities: self.words(&b, "quantities"),
+                norm: self.one_of(&b, "norm", &["l2", "h-half"]),
+                ends: self.one_of(&b, "ends", &["case", "zero", "free"]),
                 tol: b.node("tol").cloned().and_then(|tol| self.number_of(&tol, "tol", super::reader::Sign::Positive)),
             };
             out.push(Located::new(values, e.key_at));
         }
         out
+    }
+
+    // one of some words
+    fn one_of(&mut self, b: &Block, key: &str, words: &[&str]) -> Option<String> {
+        let node = b.node(key).cloned()?;
+        let text = self.text_of(&node, key)?;
+        if !words.contains(&text.value.as_str()) {
+            self.fault("E015", text.at, format!("unknown {key} \"{}\"", text.value), format!("known: {}", words.join(", ")));
+            return None;
+        }
+        Some(text.value)
     }
 
     // a text or a list of texts

@@ -792,4 +792,8 @@ pub struct StudyValues {
     pub quantities: Vec<String>,
     /// Largest relative difference from the first row.
     pub tol: Option<f64>,
+    /// Norms of the inf-sup test: `l2`, `h-half`.
+    pub norm: Option<String>,
+    /// Ends of slave sides in the inf-sup test: `case`, `zero`, `free`.
+    pub ends: Option<String>,
 }
