@@ -10,7 +10,7 @@ use super::penalised::{inverse_diagonal, refuse_motions};
 use super::scale::{Scaled, gaps};
 use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 use crate::linalg::residual::RESIDUAL_LIMIT;
-use crate::linalg::{Csr, Ldlt, Limits, LinearError, LinearSolver, Lu, Operator, conjugate_gradients, gauss_seidel, product};
+use crate::linalg::{Csr, Ldlt, Limits, LinearError, LinearSolver, Lu, Operator, Upper, conjugate_gradients, gauss_seidel, product};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -95,10 +95,7 @@ impl ConstraintSolver<f64> for Condensed {
             ("condensed, conjugate gradients", answer)
         } else {
             self.ldlt.prepare(&stiffness)?;
-            let negative = self.ldlt.negative_pivots();
-            if negative > 0 {
-                return Err(LinearError::Indefinite { negative }.into());
-            }
+            self.ldlt.refuse_negative(&Upper::of(&stiffness), stiffness.num_rows(), stiffness.places())?;
             let (u, l, size) = s.refined(&scale, MAX_REFINEMENTS, |r1, r2| {
                 self.correct(&s, &map, &enforced, &reduced, blocks, r1, r2, |b, y| self.ldlt.solve(&stiffness, b, y).map(|_| ()))
             })?;

@@ -92,13 +92,9 @@ impl Direct {
         self.ldlt.factorise(&upper, &s.all_places(places))?;
         let diagonal: Vec<f64> = (0..n).map(|i| upper.vals[upper.pattern.0[i]].abs()).collect();
         let scale: Vec<f64> = diagonal.iter().map(|&d| if d > 0.0 { 1.0 / d } else { 1.0 }).collect();
-        drop(upper);
         self.refuse_kernel(s, &w, &diagonal, &scale)?;
         // every row has one negative pivot, the stiffness none
-        let negative = self.ldlt.negative_pivots().saturating_sub(m);
-        if negative > 0 {
-            return Err(LinearError::Indefinite { negative });
-        }
+        self.ldlt.refuse_negative(&upper, n, &s.all_places(places))?;
         Ok(Factor { w, f, scale })
     }
 

@@ -17,6 +17,9 @@ use std::sync::Arc;
 
 /// Pivots below this share of their diagonal entry are rounding.
 const NO_PIVOT: f64 = 1e-12;
+/// What this share of the diagonal lifts is rounding, too: a body on soft springs may have pivots of either sign. A coupling that
+/// takes energy away does so in proportion to the stiffness.
+const LIFT: f64 = 1e-7;
 /// Refinements after which a residual that still falls is taken as it is.
 const MAX_REFINEMENTS: usize = 10;
 
@@ -172,12 +175,25 @@ impl Ldlt {
         Ok(())
     }
 
-    /// Number of negative pivots: as many as the matrix has negative eigenvalues (Sylvester). Pivots within rounding of zero,
-    /// measured by the diagonal entry they come from, do not count.
-    pub(crate) fn negative_pivots(&self) -> usize {
-        self.negative
+    /// Refuses negative energy among the first `unknowns` of the matrix factorised last, which is `upper`; every row behind them counts
+    /// for one negative pivot.
+    pub(crate) fn refuse_negative(&mut self, upper: &Upper, unknowns: usize, places: &[[f64; 3]]) -> Result<(), LinearError> {
+        let rows = upper.pattern.0.len() - 1 - unknowns;
+        if self.negative <= rows {
+            return Ok(());
+        }
+        let mut vals = upper.vals.clone();
+        for &diagonal in &upper.pattern.0[..unknowns] {
+            vals[diagonal] += LIFT * vals[diagonal].abs();
+        }
+        self.factorise(&Upper { pattern: upper.pattern.clone(), vals }, places)?;
+        let negative = self.negative.saturating_sub(rows);
+        self.factorise(upper, places)?;
+        if negative > 0 { Err(LinearError::Indefinite { negative }) } else { Ok(()) }
     }
 
+    /// Number of negative pivots: as many as the matrix has negative eigenvalues (Sylvester). Pivots within rounding of zero,
+    /// measured by the diagonal entry they come from, do not count.
     fn count_negative(&self, upper: &Upper) -> usize {
         let Some(analysis) = &self.analysis else { return 0 };
         let order = analysis.symbolic.perm().map(|p| p.arrays().0);

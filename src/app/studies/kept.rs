@@ -210,7 +210,9 @@ mod tests {
         let back = kept.rows(&keys[0], "compare", &Spec::default(), &base).unwrap();
         assert_eq!((kept.len(), back.len(), back[0].kept), (1, 1, true));
         assert_eq!(back[0].result.errors, row.result.errors);
-        assert_eq!((&back[0].document, &back[0].result.warnings), (&row.document, &row.result.warnings));
+        // whole numbers are written without a point: what counts is what is written again
+        assert_eq!(json::text(&back[0].document), json::text(&row.document));
+        assert_eq!(back[0].result.warnings, row.result.warnings);
         assert!(back[0].result.probes[0].value.is_nan() && back[0].beta == row.beta && back[0].degree == row.degree);
         assert_eq!(super::text(&back, &keys), text);
         assert!(kept.rows(&Some("other".into()), "compare", &Spec::default(), &base).is_none());
