@@ -8,8 +8,7 @@
 //! Source: Saad, Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856-869; "twice is enough": Giraud, Langou, Rozloznik, van den Eshof,
 //! Numer. Math. 101 (2005) 87-100.
 
-use super::krylov::{Map, dot};
-use super::residual::{residual, row_scale};
+use super::krylov::{Map, diagonal, dot, framed};
 use super::{Limits, LinearError, LinearSolver, Operator, Real, StopSign, lit, to_f64};
 
 /// GMRES, preconditioned by the diagonal from the right.
@@ -63,36 +62,10 @@ impl<T: Real> LinearSolver<T> for Gmres<T> {
     }
 
     fn solve(&self, a: &dyn Operator<T>, b: &[T], x: &mut [T]) -> Result<usize, LinearError> {
-        let n = a.size();
-        for found in [b.len(), x.len(), self.inverse_diagonal.len()] {
-            if found != n {
-                return Err(LinearError::Shape { expected: n, found });
-            }
-        }
         let limits = Limits { tolerance: self.tolerance, max_iterations: self.max_iterations, stop: self.stop.clone() };
-        let iterations = gmres(
-            &mut |p, q| {
-                a.apply(p, q);
-                Ok(())
-            },
-            &mut |r, z| {
-                for i in 0..n {
-                    z[i] = r[i] * self.inverse_diagonal[i];
-                }
-                Ok(())
-            },
-            self.restart,
-            b,
-            x,
-            &limits,
-        )?;
-        // rows of small entries count as much as others
-        let size = residual(a, &row_scale(a), b, x, &mut vec![T::zero(); n]);
-        let allowed = (100.0 * self.tolerance).max(1e3 * to_f64(T::default_epsilon()));
-        if size.is_nan() || size > allowed {
-            return Err(LinearError::NotConverged { iterations, residual: size, tolerance: self.tolerance });
-        }
-        Ok(iterations)
+        framed(a, self.inverse_diagonal.len(), &limits, b, x, |apply, b, x| {
+            gmres(apply, &mut diagonal(&self.inverse_diagonal), self.restart, b, x, &limits)
+        })
     }
 }
 

@@ -64,38 +64,59 @@ impl<T: Real> LinearSolver<T> for Cg<T> {
     }
 
     fn solve(&self, a: &dyn Operator<T>, b: &[T], x: &mut [T]) -> Result<usize, LinearError> {
-        let n = a.size();
-        for found in [b.len(), x.len(), self.inverse_diagonal.len()] {
-            if found != n {
-                return Err(LinearError::Shape { expected: n, found });
-            }
-        }
         let limits = Limits { tolerance: self.tolerance, max_iterations: self.max_iterations, stop: self.stop.clone() };
-        let iterations = conjugate_gradients(
-            &mut |p, q| {
-                a.apply(p, q);
-                Ok(())
-            },
-            &mut |r, z| {
+        framed(a, self.inverse_diagonal.len(), &limits, b, x, |apply, b, x| {
+            let mut precondition = |r: &[T], z: &mut [T]| {
                 self.preconditioner.apply(a, &self.inverse_diagonal, r, z);
                 Ok(())
-            },
-            b,
-            x,
-            &limits,
-        )?;
-        // the recursive residual drifts: ask the operator itself
-        let size = residual(a, &row_scale(a), b, x, &mut vec![T::zero(); n]);
-        let allowed = (100.0 * self.tolerance).max(1e3 * to_f64(T::default_epsilon()));
-        if size.is_nan() || size > allowed {
-            return Err(LinearError::NotConverged { iterations, residual: size, tolerance: self.tolerance });
-        }
-        Ok(iterations)
+            };
+            conjugate_gradients(apply, &mut precondition, b, x, &limits)
+        })
     }
 }
 
 /// A map of vectors that may fail.
 pub(crate) type Map<'a, T> = dyn FnMut(&[T], &mut [T]) -> Result<(), LinearError> + 'a;
+
+/// z = d r, entry by entry.
+pub(crate) fn diagonal<T: Real>(d: &[T]) -> impl FnMut(&[T], &mut [T]) -> Result<(), LinearError> + '_ {
+    move |r, z| {
+        for ((z, &r), &d) in z.iter_mut().zip(r).zip(d) {
+            *z = r * d;
+        }
+        Ok(())
+    }
+}
+
+/// What every iterative solver does around its `method`: sizes are compared with those it was `prepared` for, and the residual of the
+/// answer is asked of the operator itself, because the one that a method carries along drifts.
+pub(crate) fn framed<T: Real>(
+    a: &dyn Operator<T>,
+    prepared: usize,
+    limits: &Limits,
+    b: &[T],
+    x: &mut [T],
+    method: impl FnOnce(&mut Map<'_, T>, &[T], &mut [T]) -> Result<usize, LinearError>,
+) -> Result<usize, LinearError> {
+    let n = a.size();
+    for found in [b.len(), x.len(), prepared] {
+        if found != n {
+            return Err(LinearError::Shape { expected: n, found });
+        }
+    }
+    let mut apply = |p: &[T], q: &mut [T]| {
+        a.apply(p, q);
+        Ok(())
+    };
+    let iterations = method(&mut apply, b, x)?;
+    // rows of small entries count as much as others
+    let size = residual(a, &row_scale(a), b, x, &mut vec![T::zero(); n]);
+    let allowed = (100.0 * limits.tolerance).max(1e3 * to_f64(T::default_epsilon()));
+    if size.is_nan() || size > allowed {
+        return Err(LinearError::NotConverged { iterations, residual: size, tolerance: limits.tolerance });
+    }
+    Ok(iterations)
+}
 
 /// Σ x_i y_i from the first to the last: the same bits on any number of threads.
 pub(crate) fn dot<T: Real>(x: &[T], y: &[T]) -> T {

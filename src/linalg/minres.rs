@@ -7,8 +7,7 @@
 //! Source: Paige, Saunders, SIAM J. Numer. Anal. 12 (1975) 617-629; the form with a preconditioner: Elman, Silvester, Wathen, Finite
 //! Elements and Fast Iterative Solvers, 2nd ed. (2014), algorithm 4.1.
 
-use super::krylov::{Map, dot};
-use super::residual::{residual, row_scale};
+use super::krylov::{Map, diagonal, dot, framed};
 use super::{Limits, LinearError, LinearSolver, Operator, Real, StopSign, lit, to_f64};
 
 /// MINRES, preconditioned by the sizes of the diagonal.
@@ -50,35 +49,10 @@ impl<T: Real> LinearSolver<T> for Minres<T> {
     }
 
     fn solve(&self, a: &dyn Operator<T>, b: &[T], x: &mut [T]) -> Result<usize, LinearError> {
-        let n = a.size();
-        for found in [b.len(), x.len(), self.inverse_diagonal.len()] {
-            if found != n {
-                return Err(LinearError::Shape { expected: n, found });
-            }
-        }
         let limits = Limits { tolerance: self.tolerance, max_iterations: self.max_iterations, stop: self.stop.clone() };
-        let iterations = minres(
-            &mut |p, q| {
-                a.apply(p, q);
-                Ok(())
-            },
-            &mut |r, z| {
-                for i in 0..n {
-                    z[i] = r[i] * self.inverse_diagonal[i];
-                }
-                Ok(())
-            },
-            b,
-            x,
-            &limits,
-        )?;
-        // the recursive residual drifts: ask the operator itself
-        let size = residual(a, &row_scale(a), b, x, &mut vec![T::zero(); n]);
-        let allowed = (100.0 * self.tolerance).max(1e3 * to_f64(T::default_epsilon()));
-        if size.is_nan() || size > allowed {
-            return Err(LinearError::NotConverged { iterations, residual: size, tolerance: self.tolerance });
-        }
-        Ok(iterations)
+        framed(a, self.inverse_diagonal.len(), &limits, b, x, |apply, b, x| {
+            minres(apply, &mut diagonal(&self.inverse_diagonal), b, x, &limits)
+        })
     }
 }
 
