@@ -79,6 +79,9 @@ pub struct ActiveSetSummary {
     pub history: Vec<usize>,
     /// States that were visited twice.
     pub cycles: usize,
+    /// Updates of the multipliers by an augmented Lagrangian around it, where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub updates: Option<usize>,
 }
 
 /// The linear algebra of a run.

@@ -9,6 +9,7 @@ mod direct;
 mod free;
 mod krylov;
 mod penalised;
+mod proximal;
 pub mod scale;
 mod schur;
 
@@ -22,6 +23,7 @@ pub use condensed::Condensed;
 pub use direct::Direct;
 pub use free::Free;
 pub use krylov::Krylov;
+pub use proximal::Proximal;
 pub use scale::penalty;
 pub use schur::Schur;
 
@@ -68,6 +70,8 @@ pub struct ActiveSetReport {
     pub history: Vec<usize>,
     /// Sign cases after each of them.
     pub sign_cases: Vec<SignCases>,
+    /// Updates of the multipliers by an augmented Lagrangian around it; 0 without one.
+    pub updates: usize,
 }
 
 /// The answer of a constraint solver.
@@ -149,6 +153,18 @@ pub enum SolveError {
     TooManyIterations {
         /// The limit.
         iterations: usize,
+        /// The last state computed.
+        last: Box<ConstrainedSolution<f64>>,
+    },
+    /// An augmented Lagrangian did not reach its tolerance.
+    #[error("the augmented Lagrangian stopped after {updates} updates of the multipliers at the relative change {error:.1e}; wanted {tolerance:.1e}")]
+    Multipliers {
+        /// Updates done.
+        updates: usize,
+        /// Last change of the multipliers, as forces, relative to the largest.
+        error: f64,
+        /// The error that was wanted.
+        tolerance: f64,
         /// The last state computed.
         last: Box<ConstrainedSolution<f64>>,
     },

@@ -3,7 +3,7 @@
 use super::Builder;
 use super::couples::Couples;
 use super::fixed::Fixed;
-use super::model::{Against, ContactModel, ContactPart, Model, SideModel};
+use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideModel};
 use super::multipliers::{held_help, multiplier, multiplier_fault};
 use super::sides::{Sides, as_one};
 use super::ties::{degree, labels, list, memberships};
@@ -11,7 +11,8 @@ use super::values::times;
 use crate::assembly::gauss_rules;
 use crate::basis::{Order, ShapeTable};
 use crate::contact::{Contact, ContactError, HalfPlane, LevelSet, Moved, Opponent, Sphere, Target};
-use crate::coupling::Side;
+use crate::constraint::Proximal;
+use crate::coupling::{Penalty, Side};
 use crate::coupling::interface::{Partners, slave_segments};
 use crate::coupling::multiplier::MultiplierError;
 use crate::geometry::{ClosestPoint, MapTable, cell};
@@ -59,6 +60,7 @@ pub(super) fn build<const S: usize, const N: usize>(
             reach: contact.reach.value,
             exact: contact.exact.as_ref().map(|f| f.value.clone()),
             start: contact.active_set.start.value,
+            formulation: formulation(contact),
         };
         for (k, slave) in slaves.iter().enumerate() {
             let at = contact.slave.get(k).map_or(contact.head.at, |s| s.at);
@@ -101,6 +103,19 @@ fn seams<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model:
     shared
 }
 
+/// How the case wants the contact enforced.
+fn formulation(contact: &case::Contact) -> Formulation {
+    let factor = contact.factor.value;
+    match contact.method.value {
+        Method::Penalty => Formulation::Penalty { factor: factor.unwrap_or(Penalty::AUTO) },
+        Method::Augmented => Formulation::Augmented {
+            factor: factor.unwrap_or(Proximal::<()>::FACTOR),
+            tolerance: contact.tolerance.value.unwrap_or(Proximal::<()>::TOLERANCE),
+        },
+        _ => Formulation::Lagrange,
+    }
+}
+
 /// What this version has.
 fn known<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
@@ -108,10 +123,6 @@ fn known<const S: usize, const N: usize>(
     model: &Model<S, N>,
 ) -> Result<(), Box<Diagnostic>> {
     let later = |text: &str, at: Place| Err(Box::new(builder.error("E019", format!("{text} is not in this version"), at)));
-    if contact.method.value != Method::Lagrange {
-        let name = format!("{:?}", contact.method.value).to_lowercase();
-        return later(&format!("contact method \"{name}\""), contact.method.at);
-    }
     match contact.cone.value {
         Cone::Coefficients => {}
         Cone::Weights => return later("cone \"weights\"", contact.cone.at),

@@ -36,7 +36,7 @@ pub use exact::{Exact, FieldJet};
 pub use glue::Glued;
 pub(crate) use meshes::{counts as mesh_counts, named_point};
 pub use model::{
-    Action, Against, Changing, Condition, ContactModel, ContactPart, Model, Pairing, PatchModel, Pin, RimModel, SideLoad, SideModel,
+    Action, Against, Changing, Condition, ContactModel, ContactPart, Formulation, Model, Pairing, PatchModel, Pin, RimModel, SideLoad, SideModel,
     SideSpring, TieModel, TiePart, Value,
 };
 pub use patches::patch_fault;

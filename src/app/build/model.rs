@@ -266,6 +266,33 @@ pub struct ContactPart<const S: usize, const N: usize> {
     pub first_row: usize,
 }
 
+impl<const S: usize, const N: usize> ContactPart<S, N> {
+    /// Its rows in the system.
+    pub fn rows(&self) -> std::ops::Range<usize> {
+        self.first_row..self.first_row + self.multiplier.num_functions()
+    }
+}
+
+/// How a contact keeps bodies apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Formulation {
+    /// Rows that hold exactly.
+    Lagrange,
+    /// The same rows, softened by the stiffness of their slave unknowns times a factor.
+    Penalty {
+        /// Penalty stiffness over that of the slave's elements, a pure number.
+        factor: f64,
+    },
+    /// The same rows, softened as by a penalty and made exact by an iteration of the multipliers.
+    Augmented {
+        /// As of a penalty.
+        factor: f64,
+        /// Error of the multipliers at which the iteration ends, relative to the largest.
+        tolerance: f64,
+    },
+}
+
 /// A contact.
 #[derive(Debug)]
 pub struct ContactModel<const S: usize, const N: usize> {
@@ -281,6 +308,8 @@ pub struct ContactModel<const S: usize, const N: usize> {
     pub exact: Option<Formula>,
     /// First guess of the active set.
     pub start: case::Start,
+    /// How it is enforced.
+    pub formulation: Formulation,
 }
 
 /// A whole case, ready to be assembled.

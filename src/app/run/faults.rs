@@ -7,7 +7,7 @@ use crate::app::result::{RunResult, Status};
 use crate::app::watch::Stop;
 use crate::constraint::SolveError;
 use crate::contact::{Contact, ContactError};
-use crate::io::case::Case;
+use crate::io::case::{Case, Method};
 use crate::io::errors::Diagnostic;
 use crate::linalg::LinearError;
 use std::collections::HashSet;
@@ -75,6 +75,11 @@ pub fn step_fault<const S: usize, const N: usize>(
         StepError::Solve(SolveError::TooManyIterations { iterations, .. }) => {
             let text = format!("contact does not settle within {iterations} iterations of the active set");
             (Status::NotConverged, "iterations", at(Diagnostic::error("E071", text)).with_help("raise active_set.max_iterations"))
+        }
+        StepError::Solve(SolveError::Multipliers { .. }) => {
+            let key = case.contacts.iter().find(|c| c.method.value == Method::Augmented).map_or(contact, |c| c.tolerance.at);
+            let help = "raise `factor` or `tolerance` of the contact, or write method = \"lagrange\"";
+            (Status::NotConverged, "iterations", Diagnostic::error("E074", error.to_string()).at(&case.source, key).with_help(help))
         }
         StepError::Solve(SolveError::RigidMotion { iteration, open, .. }) => {
             let at_time = |c: &build::ContactModel<S, N>| -> Vec<_> {

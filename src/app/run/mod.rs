@@ -11,6 +11,7 @@ mod multipliers;
 mod predict;
 mod reactions;
 mod report;
+mod soften;
 mod solve;
 mod tied;
 

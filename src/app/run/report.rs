@@ -103,6 +103,7 @@ pub fn fill<const S: usize, const N: usize>(
             iterations: a.iterations,
             history: a.history.clone(),
             cycles: usize::from(reason == "cycling"),
+            updates: Some(a.updates).filter(|&n| n > 0),
         }),
     });
     result.energy = model.patches.iter().zip(matrices).map(|(p, k)| energy(k, &state.u[p.range()])).sum();

@@ -2,12 +2,13 @@
 
 use super::integrate::on_trace;
 use super::loads::Resultant;
+use super::soften::Softness;
 use crate::app::build::{ContactModel, Model, between};
 use crate::app::registry::{Fault, Registry, SolverOptions, solver_name};
-use crate::app::watch::{Progress, Watch};
+use crate::app::watch::Watch;
 use crate::assembly::{Blocks, DirichletError, Reduced, ReductionError};
 use crate::constraint::{
-    ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, penalty, scale::row_scales,
+    ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, scale::row_scales,
 };
 use crate::contact::{Contact, ContactError};
 use crate::coupling::{CouplingError, Rows};
@@ -321,7 +322,7 @@ fn once<const S: usize, const N: usize>(
     let (master, shift_master) = reduced.rows(&system.rows.master);
     let offset: Vec<f64> = (0..model.rows).map(|i| system.offset[i] + shift[i] + shift_master[i]).collect();
     let rows = Rows { slave, master };
-    let compliance = compliance(model, &matrices, &system.rows);
+    let softness = Softness::of(model, &matrices, &system.rows);
     let reaction = system.reaction.as_ref().map(|b| Rows { slave: reduced.rows(&b.slave).0, master: reduced.rows(&b.master).0 });
     let constrained = ConstrainedSystem {
         stiffness: &reduced.stiffness,
@@ -330,7 +331,7 @@ fn once<const S: usize, const N: usize>(
         reaction: reaction.as_ref(),
         offset: &offset,
         kind: &system.kind,
-        compliance: &compliance,
+        compliance: &softness.compliance,
     };
     goes_on()?;
     let has_contact = system.kind.iter().any(|k| *k != RowKind::Equal);
@@ -341,13 +342,7 @@ fn once<const S: usize, const N: usize>(
         active_set.start.clone_from(&system.start);
         active_set.max_iterations = model.max_iterations;
         active_set.c = model.c;
-        active_set.solve_watched(&constrained, &mut |news| {
-            if watch.stop().is_some() {
-                return false;
-            }
-            watch.report(Progress::Iteration { iteration: news.iteration, active: news.active, rows: news.rows });
-            true
-        })
+        softness.solve(active_set, &constrained, watch)
     } else {
         solver.0.inner.solve(&constrained).map_err(|error| match error {
             SolveError::Linear(LinearError::Stopped { .. }) => SolveError::Stopped { iterations: 0, last: None },
@@ -362,7 +357,9 @@ fn once<const S: usize, const N: usize>(
         Ok(solution) => Ok(finish(solution)),
         Err(error) => {
             let last = match &error {
-                SolveError::Cycling { last, .. } | SolveError::TooManyIterations { last, .. } => Some(last.clone()),
+                SolveError::Cycling { last, .. } | SolveError::TooManyIterations { last, .. } | SolveError::Multipliers { last, .. } => {
+                    Some(last.clone())
+                }
                 SolveError::RigidMotion { last, .. } | SolveError::Stopped { last, .. } => last.clone(),
                 _ => None,
             };
@@ -370,22 +367,6 @@ fn once<const S: usize, const N: usize>(
             Err(Unsolved { error: error.into(), last: usable.map(|l| Box::new(finish(*l))) })
         }
     }
-}
-
-/// Softness of all rows, gap / lambda: of penalties by the stiffness of the bodies, which supports do not change; empty: all exact.
-fn compliance<const S: usize, const N: usize>(model: &Model<S, N>, matrices: &Blocks<'_>, rows: &Rows) -> Vec<f64> {
-    let soft = || model.ties.iter().flat_map(|tie| &tie.parts).filter_map(|part| Some((part, part.penalty?)));
-    if soft().next().is_none() {
-        return Vec::new();
-    }
-    let unit = penalty(&matrices.bodies_diagonal(), rows, model.rows, 1.0);
-    let mut all = vec![0.0; model.rows];
-    for (part, factor) in soft() {
-        for row in part.first_row..part.first_row + part.num_rows {
-            all[row] = unit[row] / factor;
-        }
-    }
-    all
 }
 
 /// lambda <0, =0, >0 by gap =0, >0, <0, both as forces, zero within 1e-12 of the largest.

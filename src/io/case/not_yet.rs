@@ -48,7 +48,7 @@ impl Reader {
     }
 
     fn later_contact(&mut self, c: &Contact) {
-        if c.method.value != Method::Lagrange {
+        if c.method.value == Method::Nitsche {
             self.later(c.method.at, "this method", "write method = \"lagrange\"");
         }
         if c.cone.value != Cone::Coefficients {

@@ -215,7 +215,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         "the discrete cone of admissible multipliers",
     ),
     e("contact", "reach", AUTO, "farther points face nothing [length]"),
-    e("contact", "tolerance", r##"{"$ref":"#/$defs/auto"}"##, "of methods other than lagrange"),
+    e("contact", "tolerance", r##"{"$ref":"#/$defs/auto"}"##, "augmented: error of the multipliers at which the iteration ends, relative"),
     e("contact", "factor", r##"{"$ref":"#/$defs/auto"}"##, "penalty, augmented, nitsche: multiplies modulus/h"),
     e("contact", "variant", r##"{"$ref":"#/$defs/variant"}"##, "of nitsche"),
     e("contact", "exact", FORMULA, "exact multiplier, negative in compression, for its error"),

@@ -103,9 +103,11 @@ impl Reader {
         let soft = method.value != Method::Lagrange;
         let factor = self.factor(b, soft, "method = \"lagrange\"", "method = \"penalty\", \"augmented\" or \"nitsche\"");
         let variant = self.variant(b, method.value == Method::Nitsche, "this method", "method = \"nitsche\"");
-        let tolerance = if soft || b.has("tolerance") { self.auto(b, "tolerance") } else { Located::new(None, b.at) };
-        if let (false, Some(_)) = (soft, tolerance.value) {
-            self.fault("E015", tolerance.at, "`tolerance` is not a key of method = \"lagrange\"", "use reach to limit the distance");
+        let iterated = method.value == Method::Augmented;
+        let tolerance = if iterated || b.has("tolerance") { self.auto(b, "tolerance") } else { Located::new(None, b.at) };
+        if let (false, Some(_)) = (iterated, tolerance.value) {
+            let help = "it ends the iteration of method = \"augmented\"; use reach to limit the distance of the sides";
+            self.fault("E015", tolerance.at, "`tolerance` is not a key of this method", help);
         }
         let exact = self.formula(b, "exact", Uses::Space);
         let active_set = self.active_set(b);

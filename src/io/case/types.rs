@@ -689,7 +689,7 @@ pub struct Contact {
     pub exact: Option<Located<Formula>>,
     /// Active set.
     pub active_set: ActiveSetSpec,
-    /// Penalty, nitsche: tolerance, factor, variant.
+    /// Augmented: error of the multipliers at which the iteration ends, relative; none: auto.
     pub tolerance: Located<Option<f64>>,
     /// Multiplies modulus / h, `None`: auto.
     pub factor: Located<Option<f64>>,

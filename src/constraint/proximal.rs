@@ -1,0 +1,148 @@
+//! Contact rows made exact by an augmented Lagrangian: Uzawa's iteration with projection, around any solver of soft contact rows.
+//!
+//!   lambda <- min(0, lambda + W (C u + g)),   (K + Bᵀ W C on closed rows) u = f - Bᵀ (lambda + W g)
+//!
+//! One update is a system of contact rows with the compliance 1 / W and the offset g + lambda / W; its multiplier is the next one, and the
+//! active set inside decides the projection. This is the proximal point method for the multipliers: it converges for every W > 0, the
+//! faster the larger W is. Rows without softness of their own stay what they are: exact contact, ties and penalties solve beside.
+//!
+//! Sources: Rockafellar, Math. Oper. Res. 1 (1976) 97-116; Alart, Curnier, CMAME 92 (1991) 353-375; Simo, Laursen, Comput. Struct. 42
+//! (1992) 97-116.
+
+use super::scale::{check_shape, combined, gaps, row_scales};
+use super::{ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
+
+/// Updates of the multipliers allowed where nothing else is said.
+const MAX_UPDATES: usize = 200;
+/// A change of the multipliers that is no smaller than this part of the one before it does not converge.
+const STALLED: f64 = 0.9;
+/// Units in the last place that the terms of a gap lose.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// Exact contact rows by iterating a solver `inner` of soft ones.
+#[derive(Clone, Debug)]
+pub struct Proximal<C> {
+    /// Solves systems with soft contact rows.
+    pub inner: C,
+    /// 1 / W of every row \[gap / lambda\]; zero: the row stays as it is. See [`super::penalty()`].
+    pub softness: Vec<f64>,
+    /// Error of the multipliers wanted, as forces, relative to the largest.
+    pub tolerance: f64,
+    /// Updates allowed.
+    pub max_updates: usize,
+}
+
+impl<C> Proximal<C> {
+    /// The factor of `factor = "auto"`: penalty stiffness over that of the row's own slave unknowns. An update gains about as many digits
+    /// as the factor has, less those that the degree costs.
+    pub const FACTOR: f64 = 1e4;
+    /// The tolerance of `tolerance = "auto"`.
+    pub const TOLERANCE: f64 = 1e-12;
+
+    /// Iterates `inner` on the rows with `softness` until the error of their multipliers is below 1e-12.
+    pub fn new(inner: C, softness: Vec<f64>) -> Self {
+        Self { inner, softness, tolerance: Self::TOLERANCE, max_updates: MAX_UPDATES }
+    }
+}
+
+impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Proximal<C> {
+    fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
+        check_shape(system)?;
+        let (n, m) = (system.stiffness.size(), system.offset.len());
+        if self.softness.len() != m {
+            return Err(SolveError::Shape { what: "softness of rows", found: self.softness.len(), expected: m });
+        }
+        let own = |j: usize| self.softness[j] > 0.0;
+        let weight = row_scales(&system.stiffness.diagonal(), system.constraint, m).weight;
+        let rows = combined(system.constraint, m, n);
+        let compliance: Vec<f64> =
+            (0..m).map(|j| if own(j) { self.softness[j] } else { system.compliance.get(j).copied().unwrap_or(0.0) }).collect();
+        let mut lambda = vec![0.0; m];
+        let (mut report, mut before) = (ActiveSetReport::default(), f64::INFINITY);
+        let mut last: Option<ConstrainedSolution<f64>> = None;
+        let mut linear = 0;
+        loop {
+            let offset: Vec<f64> = (0..m).map(|j| system.offset[j] + if own(j) { self.softness[j] * lambda[j] } else { 0.0 }).collect();
+            let shifted = ConstrainedSystem { offset: &offset, compliance: &compliance, ..*system };
+            let mut solution = match self.inner.solve(&shifted) {
+                Ok(solution) => solution,
+                Err(error) => return Err(with_last(error, system, &report, last)),
+            };
+            solution.gap = gaps(system, &solution.unknowns);
+            linear += solution.iterations;
+            solution.iterations = linear;
+            joined(&mut solution, &report);
+            report = solution.active_set.clone().unwrap_or_default();
+            report.updates += 1;
+            solution.active_set = Some(report.clone());
+            // forces: of the multipliers, their change, and what rounding of the gaps makes of them
+            let (mut largest, mut step, mut noise) = (0.0f64, 0.0f64, 0.0f64);
+            for j in (0..m).filter(|&j| own(j)) {
+                largest = largest.max(solution.multipliers[j].abs() * weight[j]);
+                step = step.max((solution.multipliers[j] - lambda[j]).abs() * weight[j]);
+                let (cols, vals) = rows.row(j);
+                let terms: f64 = cols.iter().zip(vals).map(|(&i, &c)| (c * solution.unknowns[i as usize]).abs()).sum();
+                noise = noise.max(ROUNDING * (terms + system.offset[j].abs()) / self.softness[j] * weight[j]);
+            }
+            let rate = if before.is_finite() && before > 0.0 { step / before } else { 1.0 };
+            let left = if rate < 1.0 { step * rate / (1.0 - rate) } else { f64::INFINITY };
+            if step == 0.0 || left <= self.tolerance * largest || (rate > STALLED && step <= noise.max(self.tolerance * largest)) {
+                solution.method = format!("augmented, {}", solution.method);
+                return Ok(solution);
+            }
+            if report.updates >= self.max_updates || !step.is_finite() {
+                let error = if largest > 0.0 { step / largest } else { f64::INFINITY };
+                return Err(SolveError::Multipliers {
+                    updates: report.updates,
+                    error,
+                    tolerance: self.tolerance,
+                    last: Box::new(solution),
+                });
+            }
+            lambda.clone_from(&solution.multipliers);
+            before = step;
+            last = Some(solution);
+        }
+    }
+}
+
+/// Adds what was done before to the report of `solution`.
+fn joined(solution: &mut ConstrainedSolution<f64>, before: &ActiveSetReport) {
+    let own = solution.active_set.take().unwrap_or_default();
+    solution.active_set = Some(ActiveSetReport {
+        iterations: before.iterations + own.iterations,
+        history: before.history.iter().chain(&own.history).copied().collect(),
+        sign_cases: before.sign_cases.iter().chain(&own.sign_cases).copied().collect(),
+        updates: before.updates + own.updates,
+    });
+}
+
+/// `error` of an update with its last state as one of the whole iteration; the state before it where the update has none.
+fn with_last(
+    error: SolveError,
+    system: &ConstrainedSystem<'_, f64>,
+    report: &ActiveSetReport,
+    before: Option<ConstrainedSolution<f64>>,
+) -> SolveError {
+    let whole = |last: Option<Box<ConstrainedSolution<f64>>>| match last {
+        Some(mut last) if last.unknowns.len() == system.load.len() => {
+            last.gap = gaps(system, &last.unknowns);
+            joined(&mut last, report);
+            Some(last)
+        }
+        _ => before.clone().map(Box::new),
+    };
+    match error {
+        SolveError::RigidMotion { iteration, open, last } => SolveError::RigidMotion { iteration, open, last: whole(last) },
+        SolveError::Stopped { iterations, last } => {
+            SolveError::Stopped { iterations: report.iterations + iterations, last: whole(last) }
+        }
+        SolveError::Cycling { first, second, rows, last } => {
+            SolveError::Cycling { first, second, rows, last: whole(Some(last)).unwrap_or_default() }
+        }
+        SolveError::TooManyIterations { iterations, last } => {
+            SolveError::TooManyIterations { iterations, last: whole(Some(last)).unwrap_or_default() }
+        }
+        other => other,
+    }
+}
