@@ -157,7 +157,9 @@ pub enum SolveError {
         last: Box<ConstrainedSolution<f64>>,
     },
     /// An augmented Lagrangian did not reach its tolerance.
-    #[error("the augmented Lagrangian stopped after {updates} updates of the multipliers at the relative change {error:.1e}; wanted {tolerance:.1e}")]
+    #[error(
+        "the augmented Lagrangian stopped after {updates} updates of the multipliers at the relative change {error:.1e}; wanted {tolerance:.1e}"
+    )]
     Multipliers {
         /// Updates done.
         updates: usize,

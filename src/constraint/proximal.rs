@@ -134,9 +134,7 @@ fn with_last(
     };
     match error {
         SolveError::RigidMotion { iteration, open, last } => SolveError::RigidMotion { iteration, open, last: whole(last) },
-        SolveError::Stopped { iterations, last } => {
-            SolveError::Stopped { iterations: report.iterations + iterations, last: whole(last) }
-        }
+        SolveError::Stopped { iterations, last } => SolveError::Stopped { iterations: report.iterations + iterations, last: whole(last) },
         SolveError::Cycling { first, second, rows, last } => {
             SolveError::Cycling { first, second, rows, last: whole(Some(last)).unwrap_or_default() }
         }

@@ -3,7 +3,9 @@
 use crate::app::build::{Formulation, Model};
 use crate::app::watch::{Progress, Watch};
 use crate::assembly::Blocks;
-use crate::constraint::{ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, IterationNews, Proximal, SolveError, penalty};
+use crate::constraint::{
+    ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, IterationNews, Proximal, SolveError, penalty,
+};
 use crate::coupling::Rows;
 
 /// What is soft in a model: gap / lambda per row.
@@ -25,9 +27,7 @@ impl Softness {
         let penalties = ties.filter_map(|part| Some((part.first_row..part.first_row + part.num_rows, part.penalty?)));
         let contacts = model.contacts.iter().flat_map(|c| c.parts.iter().map(move |part| (c.formulation, part.rows())));
         let mut unit = None;
-        let mut unit = |row: usize| {
-            unit.get_or_insert_with(|| penalty(&matrices.bodies_diagonal(), rows, model.rows, 1.0))[row]
-        };
+        let mut unit = |row: usize| unit.get_or_insert_with(|| penalty(&matrices.bodies_diagonal(), rows, model.rows, 1.0))[row];
         let mut soften = |list: &mut Vec<f64>, range: std::ops::Range<usize>, factor: f64| {
             list.resize(model.rows, 0.0);
             range.for_each(|row| list[row] = unit(row) / factor);

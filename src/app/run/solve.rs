@@ -7,9 +7,7 @@ use crate::app::build::{ContactModel, Model, between};
 use crate::app::registry::{Fault, Registry, SolverOptions, solver_name};
 use crate::app::watch::Watch;
 use crate::assembly::{Blocks, DirichletError, Reduced, ReductionError};
-use crate::constraint::{
-    ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, scale::row_scales,
-};
+use crate::constraint::{ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, scale::row_scales};
 use crate::contact::{Contact, ContactError};
 use crate::coupling::{CouplingError, Rows};
 use crate::io::case::{self, Start};
