@@ -537,7 +537,6 @@ fn e019_known_but_not_in_this_version() {
     later("dimension = 2", "dimension = 2\nreference = \"p4.ref\"", "`reference`", "\"p4.ref\"");
     later("dimension = 2", "dimension = 2\nassumption = \"axisymmetric\"", "\"axisymmetric\"", "\"axisymmetric\"");
     later("slave =", "friction = 0.3\nslave =", "`friction`", "friction");
-    later("slave =", "method = \"nitsche\"\nslave =", "this method", "\"nitsche\"");
     later("slave =", "method = \"nitsche\"\nfactor = 10\nvariant = \"unsymmetric\"\nslave =", "this method", "\"nitsche\"");
     later("slave =", "integration = \"mixed\"\nslave =", "mixed integration of contacts", "\"mixed\"");
     later("slave =", "cone = \"weights\"\nslave =", "this cone", "\"weights\"");

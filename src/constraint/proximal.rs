@@ -144,3 +144,49 @@ fn with_last(
         other => other,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::constraint::{ActiveSet, Direct, RowKind, penalty};
+    use crate::coupling::Rows;
+    use crate::linalg::{Csr, Operator, Triplets};
+
+    // two springs of stiffness 2 under loads -1 and 3 over floors at zero: the first is held by lambda = -1, the second lifts by 1.5;
+    // a third row of another method beside them holds u_0 - u_2 = 0, u_2 under its load 0.5
+    #[test]
+    fn rows_end_exact_beside_others_and_too_few_updates_are_an_error() {
+        let mut k = Triplets::new(3, 3);
+        (0..3).for_each(|i| k.push(i, i, 2.0));
+        let stiffness: Csr = k.to_csr();
+        let mut rows = Rows { slave: Triplets::new(3, 3), master: Triplets::new(3, 3) };
+        rows.slave.push(0, 0, 1.0);
+        rows.slave.push(1, 1, 1.0);
+        rows.slave.push(2, 2, 1.0);
+        rows.master.push(2, 0, -1.0);
+        let load = [-1.0, 3.0, 0.5];
+        let system = ConstrainedSystem {
+            stiffness: &stiffness,
+            load: &load,
+            constraint: &rows,
+            reaction: None,
+            offset: &[0.0; 3],
+            kind: &[RowKind::Contact, RowKind::Contact, RowKind::Equal],
+            compliance: &[],
+        };
+        let mut softness = penalty(&stiffness.diagonal(), &rows, 3, 10.0);
+        softness[2] = 0.0;
+        let mut solver = Proximal::new(ActiveSet::new(Direct::new()), softness);
+        let found = solver.solve(&system).unwrap();
+        // u_0 = u_2 = 0: lambda_0 + lambda_2 take both loads
+        for (value, expected) in found.unknowns.iter().chain(&found.multipliers).zip([0.0, 1.5, 0.0, -0.5, 0.0, 0.5]) {
+            assert!((value - expected).abs() < 1e-11, "{found:?}");
+        }
+        let report = found.active_set.unwrap();
+        assert!(report.updates > 2 && report.history.len() == report.iterations && report.iterations > report.updates, "{report:?}");
+        assert!(found.active[0] && !found.active[1]);
+        solver.max_updates = 2;
+        let Err(SolveError::Multipliers { updates: 2, last, .. }) = solver.solve(&system) else { panic!("two updates are too few") };
+        assert!((last.unknowns[1] - 1.5).abs() < 1e-12 && last.gap[0] < 0.0);
+    }
+}

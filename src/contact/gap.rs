@@ -8,7 +8,7 @@
 //! Sign: K u + Cᵀ lambda = f with C u + g >= 0, lambda <= 0; lambda is the normal stress sigma_N \[force/area\].
 //! A function whose support faces nothing has weight zero; its row stays open.
 
-use super::{Frames, Target};
+use super::{AtPoints, Frames, Target};
 use crate::basis::Basis;
 use crate::constraint::RowKind;
 use crate::coupling::mortar::{multiplier_weights, weighted_sums};
@@ -64,12 +64,16 @@ pub struct Contact<const S: usize, const N: usize, T: Real = f64> {
     pub frames: Frames<N, T>,
     /// C, one row per multiplier function.
     pub rows: Rows<T>,
+    /// B where it differs from C.
+    pub reaction: Option<Rows<T>>,
     /// ∫ g' ψ_j ds.
     pub offset: Vec<T>,
     /// ∫ ψ_j ds.
     pub weights: Vec<T>,
     /// Whether the support of ψ_j faces something.
     pub facing: Vec<bool>,
+    /// Rows that belong to points instead of multiplier functions, and what goes with them.
+    pub points: Option<AtPoints<T>>,
 }
 
 impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
@@ -120,7 +124,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
             return Err(ContactError::Weight { function, weight: to_f64(weights[function]) });
         }
         let facing = weights.iter().map(|&w| w > threshold).collect();
-        Ok(Self { segments, frames, rows, offset, weights, facing })
+        Ok(Self { segments, frames, rows, reaction: None, offset, weights, facing, points: None })
     }
 
     /// The kind of every row: contact, or open where it faces nothing.
@@ -129,6 +133,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
     }
 
     /// (C u + g)_j / w_j, one per multiplier function \[length\]; none where the function faces nothing.
+    /// Of rows at points this is P / γ, what their status follows from, and no distance.
     pub fn lumped_gap(&self, unknowns: &[T]) -> Vec<Option<T>> {
         let mut gap = self.offset.clone();
         for part in [&self.rows.slave, &self.rows.master] {

@@ -2,6 +2,7 @@
 
 mod frames;
 mod gap;
+pub mod nitsche;
 mod pressure;
 mod surface;
 mod targets;
@@ -12,6 +13,7 @@ use std::fmt::Debug;
 
 pub use frames::Frames;
 pub use gap::{Contact, ContactError, Opponent};
+pub use nitsche::{AtPoints, PointValues, point_values};
 pub use pressure::Transmitted;
 pub use surface::Surface;
 pub use targets::{HalfPlane, LevelSet, Moved, Sphere};

@@ -11,6 +11,11 @@ use super::Contact;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::linalg::{Real, Vector, lit};
 
+/// Multipliers above this are round-off.
+fn threshold<T: Real>(lambda: &[T]) -> T {
+    lambda.iter().fold(T::zero(), |m, l| m.max(l.abs())) * lit(-NO_PRESSURE)
+}
+
 /// Multipliers below this share of the largest are round-off.
 const NO_PRESSURE: f64 = 1e-12;
 
@@ -54,9 +59,20 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
 
     /// Force, moment, pressures and zone for the multipliers `lambda`.
     pub fn transmitted(&self, multiplier: &dyn Basis<S, T>, lambda: &[T]) -> Transmitted<N, T> {
-        let pressure = self.pressure(multiplier, lambda);
-        let threshold = lambda.iter().fold(T::zero(), |m, l| m.max(l.abs())) * lit(-NO_PRESSURE);
+        let threshold = threshold(lambda);
         let zone = self.combined(multiplier, |j| if lambda[j] < threshold { T::one() } else { T::zero() });
+        self.summed(self.pressure(multiplier, lambda), &zone)
+    }
+
+    /// Force, moment, pressures and zone for `lambda` at the points of the segments: without functions χ is one where lambda < 0.
+    pub fn transmitted_at_points(&self, lambda: &[T]) -> Transmitted<N, T> {
+        let threshold = threshold(lambda);
+        let zone: Vec<T> = lambda.iter().map(|&l| if l < threshold { T::one() } else { T::zero() }).collect();
+        self.summed(lambda.iter().map(|&l| -l).collect(), &zone)
+    }
+
+    /// Sums over the points of pressures and χ.
+    fn summed(&self, pressure: Vec<T>, zone: &[T]) -> Transmitted<N, T> {
         let mut out = Transmitted {
             force: Vector::zeros(),
             moment: [T::zero(); 3],

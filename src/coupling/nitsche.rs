@@ -80,12 +80,20 @@ impl Nitsche {
         {
             return fault("both sides must have the same number of components");
         }
+        self.check_factor()
+    }
+
+    /// Refuses factors that the variant is not stable for.
+    ///
+    /// # Errors
+    /// [`CouplingError::Missing`] where the factor is not positive, or too small for the symmetric and the incomplete variant.
+    pub fn check_factor(&self) -> Result<(), CouplingError> {
         if !(self.factor > 0.0 && self.factor.is_finite()) {
-            return Err(CouplingError::Missing(format!("the factor of Nitsche's coupling must be positive, found {}", self.factor)));
+            return Err(CouplingError::Missing(format!("the factor of Nitsche's method must be positive, found {}", self.factor)));
         }
         if self.variant != Variant::Unsymmetric && self.factor < LEAST {
             return Err(CouplingError::Missing(format!(
-                "this variant of Nitsche's coupling is stable for factors from {LEAST} on, found {}; the unsymmetric one takes any",
+                "this variant of Nitsche's method is stable for factors from {LEAST} on, found {}; the unsymmetric one takes any",
                 self.factor
             )));
         }
@@ -93,7 +101,7 @@ impl Nitsche {
     }
 
     /// θ of the file's head.
-    fn theta(&self) -> f64 {
+    pub(crate) fn theta(&self) -> f64 {
         match self.variant {
             Variant::Symmetric => 1.0,
             Variant::Unsymmetric => -1.0,
@@ -128,14 +136,15 @@ fn bounds<const S: usize, const N: usize, T: Real>(side: &Side<'_, S, N, T>, ele
 }
 
 /// Weights of the fluxes and the stabilisation of every piece.
-struct Weights<T> {
+pub(crate) struct Weights<T> {
     slave: Vec<T>,
     master: Vec<T>,
-    stabilisation: Vec<T>,
+    /// γ.
+    pub stabilisation: Vec<T>,
 }
 
 impl<T: Real> Weights<T> {
-    fn of<const S: usize, const N: usize>(nitsche: &Nitsche, interface: &Interface<'_, S, N, T>) -> Result<Self, CouplingError> {
+    pub fn of<const S: usize, const N: usize>(nitsche: &Nitsche, interface: &Interface<'_, S, N, T>) -> Result<Self, CouplingError> {
         let segments = interface.segments;
         let on_slave = bounds(&interface.slave, &segments.slave)?;
         let on_master = interface.master.as_ref().map(|side| bounds(side, &segments.master)).transpose()?;
@@ -152,19 +161,21 @@ impl<T: Real> Weights<T> {
     }
 }
 
-/// What one worker keeps between pieces.
-struct Work<const S: usize, T: Real> {
+/// Jump and mean flux at the points of a piece; what one worker keeps between pieces.
+pub(crate) struct Work<const S: usize, T: Real> {
     shapes: ShapeTable<S, T>,
     table: FluxTable<T>,
     ids: Vec<usize>,
     /// Unknowns of the jump, component by component of every function.
-    jump: Vec<usize>,
+    pub jump: Vec<usize>,
     /// `[u]_c = values[q * functions + i] u_(i,c)`, master negative.
-    values: Vec<T>,
+    pub values: Vec<T>,
     /// Unknowns of the mean flux.
-    flux: Vec<usize>,
+    pub flux: Vec<usize>,
     /// Mean flux, `mean[(q * components + c) * flux + f]`.
-    mean: Vec<T>,
+    pub mean: Vec<T>,
+    /// How many of the first unknowns of jump and flux are those of the slave.
+    pub of_slave: [usize; 2],
     /// Consistency block, `block[j * flux + f]`.
     block: Vec<T>,
     /// Values of the functions and of the fluxes of both sides.
@@ -172,7 +183,7 @@ struct Work<const S: usize, T: Real> {
 }
 
 impl<const S: usize, T: Real> Work<S, T> {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self {
             shapes: ShapeTable::new(),
             table: FluxTable::default(),
@@ -181,13 +192,14 @@ impl<const S: usize, T: Real> Work<S, T> {
             values: Vec::new(),
             flux: Vec::new(),
             mean: Vec::new(),
+            of_slave: [0; 2],
             block: Vec::new(),
             sides: Default::default(),
         }
     }
 
     /// Fills jump and mean flux of `piece`.
-    fn tabulate<const N: usize>(
+    pub fn tabulate<const N: usize>(
         &mut self,
         interface: &Interface<'_, S, N, T>,
         weights: &Weights<T>,
@@ -223,6 +235,7 @@ impl<const S: usize, T: Real> Work<S, T> {
             self.flux.extend_from_slice(&self.table.dofs);
             std::mem::swap(&mut fluxes[k], &mut self.table.values);
         }
+        self.of_slave = [counts[0] * components, widths[0]];
         self.values.clear();
         self.mean.clear();
         for q in 0..count {
@@ -285,7 +298,7 @@ impl<const S: usize, T: Real> Work<S, T> {
     }
 }
 
-type Entries<T> = Vec<(usize, usize, T)>;
+pub(crate) type Entries<T> = Vec<(usize, usize, T)>;
 
 impl<const S: usize, const N: usize, T: Real> Coupling<S, N, T> for Nitsche {
     fn assemble(&self, interface: &Interface<'_, S, N, T>, unknowns: usize) -> Result<CouplingBlocks<T>, CouplingError> {
@@ -335,7 +348,7 @@ impl<const S: usize, const N: usize, T: Real> Coupling<S, N, T> for Nitsche {
 }
 
 /// The same sum with one entry per place: the pieces of an element share most of theirs.
-fn summed<T: Real>(mut entries: Entries<T>) -> Entries<T> {
+pub(crate) fn summed<T: Real>(mut entries: Entries<T>) -> Entries<T> {
     entries.sort_by_key(|e| (e.0, e.1)); // stable: equal places keep their order
     entries.dedup_by(|next, kept| {
         let same = (next.0, next.1) == (kept.0, kept.1);

@@ -5,8 +5,9 @@ use super::couples::Couples;
 use super::fixed::Fixed;
 use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideModel};
 use super::multipliers::{held_help, multiplier, multiplier_fault};
+use super::points::PointSides;
 use super::sides::{Sides, as_one};
-use super::ties::{degree, labels, list, memberships};
+use super::ties::{degree, labels, list, memberships, nitsche_variant};
 use super::values::times;
 use crate::assembly::gauss_rules;
 use crate::basis::{Order, ShapeTable};
@@ -14,7 +15,7 @@ use crate::constraint::Proximal;
 use crate::contact::{Contact, ContactError, HalfPlane, LevelSet, Moved, Opponent, Sphere, Target};
 use crate::coupling::interface::{Partners, slave_segments};
 use crate::coupling::multiplier::MultiplierError;
-use crate::coupling::{Penalty, Side};
+use crate::coupling::{Nitsche, Penalty, Side};
 use crate::geometry::{ClosestPoint, MapTable, cell};
 use crate::io::case::{self, Cone, Integration, Master, Method, Obstacle, ObstacleShape};
 use crate::io::errors::Diagnostic;
@@ -70,7 +71,7 @@ pub(super) fn build<const S: usize, const N: usize>(
             let on_seam = |function: usize| seams.contains(&model.function(slave.patch, function));
             match part(builder, model, contact, &built, slave, &masters, at, &taken, &on_seam) {
                 Ok((part, warning)) => {
-                    model.rows += part.multiplier.num_functions();
+                    model.rows += part.num_rows;
                     built.parts.push(part);
                     if let Some(warning) = warning {
                         builder.faults.push(warning);
@@ -112,6 +113,9 @@ fn formulation(contact: &case::Contact) -> Formulation {
             factor: factor.unwrap_or(Proximal::<()>::FACTOR),
             tolerance: contact.tolerance.value.unwrap_or(Proximal::<()>::TOLERANCE),
         },
+        Method::Nitsche => {
+            Formulation::Nitsche(Nitsche { factor: factor.unwrap_or(Nitsche::AUTO), variant: nitsche_variant(contact.variant.value) })
+        }
         _ => Formulation::Lagrange,
     }
 }
@@ -176,6 +180,21 @@ fn part<const S: usize, const N: usize>(
             Against::Side(master.clone(), segments)
         }
     };
+    let fault = |e: &ContactError| Box::new(contact_fault(builder, contact, slave, masters, e, at));
+    if let Formulation::Nitsche(method) = &built.formulation {
+        method.check_factor().map_err(|e| Box::new(builder.error("E015", format!("contact \"{name}\": {e}"), contact.factor.at)))?;
+        let sides = PointSides { slave, against: &against, masters };
+        let changes = moves || built.gap.depends_on_time() || sides.change(model);
+        for &t in times(builder.case, moves) {
+            let first = sides.contact(model, method, &built.gap, built.reach, t).map_err(|e| fault(&e))?;
+            if first.facing.contains(&true) {
+                let (masters, num_rows, first_row) = (masters.to_vec(), first.offset.len(), model.rows);
+                let part = ContactPart { slave: slave.clone(), multiplier: None, against, masters, first, changes, first_row, num_rows };
+                return Ok((part, None));
+            }
+        }
+        return Err(fault(&ContactError::NoTarget));
+    }
     // rows are along the normal of what is faced: an end is constrained where the body cannot move that way
     let slides = slides(model, slave);
     let cannot_move = |function: usize, n: &Vector<N>| {
@@ -214,13 +233,15 @@ fn part<const S: usize, const N: usize>(
     let changes = moves || built.gap.depends_on_time();
     // an obstacle may come within reach later
     for &t in times(builder.case, moves) {
-        let first = rows(model, slave, &against, &*psi, &built.gap, built.reach, t)
-            .map_err(|e| Box::new(contact_fault(builder, contact, slave, masters, &e, at)))?;
+        let first = rows(model, slave, &against, &*psi, &built.gap, built.reach, t).map_err(|e| fault(&e))?;
         if first.facing.contains(&true) {
-            return Ok((ContactPart { slave: slave.clone(), multiplier: psi, against, first, changes, first_row: model.rows }, warning));
+            let (masters, num_rows, first_row) = (masters.to_vec(), psi.num_functions(), model.rows);
+            let multiplier = Some(psi);
+            let part = ContactPart { slave: slave.clone(), multiplier, against, masters, first, changes, first_row, num_rows };
+            return Ok((part, warning));
         }
     }
-    Err(Box::new(contact_fault(builder, contact, slave, masters, &ContactError::NoTarget, at)))
+    Err(fault(&ContactError::NoTarget))
 }
 
 fn rows<const S: usize, const N: usize>(
@@ -254,7 +275,11 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
         if !part.changes {
             return Ok(part.first.clone());
         }
-        rows(model, &part.slave, &part.against, &*part.multiplier, &self.gap, self.reach, t)
+        match (&self.formulation, &part.multiplier) {
+            (_, Some(psi)) => rows(model, &part.slave, &part.against, &**psi, &self.gap, self.reach, t),
+            (Formulation::Nitsche(method), None) => part.point_sides().contact(model, method, &self.gap, self.reach, t),
+            _ => Ok(part.first.clone()),
+        }
     }
 }
 

@@ -15,6 +15,7 @@ mod multipliers;
 mod patches;
 mod physics;
 mod plane;
+mod points;
 mod rigid;
 mod rims;
 mod sides;
@@ -36,12 +37,13 @@ pub use exact::{Exact, FieldJet};
 pub use glue::Glued;
 pub(crate) use meshes::{counts as mesh_counts, named_point};
 pub use model::{
-    Action, Against, Changing, Condition, ContactModel, ContactPart, Formulation, Model, Pairing, PatchModel, Pin, RimModel, SideLoad, SideModel,
-    SideSpring, TieModel, TiePart, Value,
+    Action, Against, Changing, Condition, ContactModel, ContactPart, Formulation, Model, Pairing, PatchModel, Pin, RimModel, SideLoad,
+    SideModel, SideSpring, TieModel, TiePart, Value,
 };
 pub use patches::patch_fault;
 pub use physics::{Physics, PlaceFn, PointState, SideFn};
 pub use plane::plane_net;
+pub use points::ContactFluxes;
 pub use rigid::{FreeBody, RigidModes, RigidRow};
 pub(crate) use sides::canonical as canonical_side;
 pub use soft::{Fluxes, between};

@@ -8,7 +8,7 @@ use crate::assembly::{Equation, Rim};
 use crate::basis::Basis;
 use crate::contact::{Contact, Target};
 use crate::coupling::consistency::Finer;
-use crate::coupling::{Coupling, Rows, Segments};
+use crate::coupling::{Coupling, Nitsche, Rows, Segments};
 use crate::io::case;
 use crate::io::errors::Diagnostics;
 use crate::io::formula::Formula;
@@ -254,22 +254,26 @@ impl<const S: usize, const N: usize> std::fmt::Debug for Against<S, N> {
 pub struct ContactPart<const S: usize, const N: usize> {
     /// The side that carries the multiplier.
     pub slave: Arc<SideModel<S, N>>,
-    /// The multiplier.
-    pub multiplier: Box<dyn Basis<S>>,
+    /// The multiplier; none of Nitsche's method, whose rows belong to points.
+    pub multiplier: Option<Box<dyn Basis<S>>>,
     /// What it faces.
     pub against: Against<S, N>,
+    /// The deformable sides that `against` sees as one.
+    pub masters: Vec<Arc<SideModel<S, N>>>,
     /// Rows, offsets and weights at the first time at which it faces something.
     pub first: Contact<S, N>,
     /// Whether they change with the time.
     pub changes: bool,
     /// First row in the system.
     pub first_row: usize,
+    /// Number of rows.
+    pub num_rows: usize,
 }
 
 impl<const S: usize, const N: usize> ContactPart<S, N> {
     /// Its rows in the system.
     pub fn rows(&self) -> std::ops::Range<usize> {
-        self.first_row..self.first_row + self.multiplier.num_functions()
+        self.first_row..self.first_row + self.num_rows
     }
 }
 
@@ -291,6 +295,8 @@ pub enum Formulation {
         /// Error of the multipliers at which the iteration ends, relative to the largest.
         tolerance: f64,
     },
+    /// Rows at points, and fluxes of the bodies, instead of multipliers.
+    Nitsche(Nitsche),
 }
 
 /// A contact.
@@ -363,6 +369,12 @@ impl<const S: usize, const N: usize> Model<S, N> {
     /// The number unknown / components of the function that stands for `function` of `patch`.
     pub fn function(&self, patch: usize, function: usize) -> usize {
         self.glued.root(self.patches[patch].field.first / self.components + function)
+    }
+
+    /// Number of multipliers: rows of all interfaces and contacts, but for those that belong to points.
+    pub fn num_multipliers(&self) -> usize {
+        let at_points = self.contacts.iter().flat_map(|c| &c.parts).filter(|part| part.multiplier.is_none());
+        self.rows - at_points.map(|part| part.num_rows).sum::<usize>()
     }
 
     /// Number of unknowns, those of glued functions counted once.

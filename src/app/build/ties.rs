@@ -115,16 +115,21 @@ pub(super) fn memberships<const S: usize, const N: usize>(
     members
 }
 
+/// The variant of Nitsche's method by its word.
+pub(super) fn nitsche_variant(word: case::Variant) -> Variant {
+    match word {
+        case::Variant::Unsymmetric => Variant::Unsymmetric,
+        case::Variant::Incomplete => Variant::Incomplete,
+        _ => Variant::Symmetric,
+    }
+}
+
 /// The coupling that a tie names.
 pub(super) fn coupling_of<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     tie: &Tie,
 ) -> Result<Box<dyn Coupling<S, N>>, Box<Diagnostic>> {
-    let variant = match tie.variant.value {
-        case::Variant::Unsymmetric => Variant::Unsymmetric,
-        case::Variant::Incomplete => Variant::Incomplete,
-        _ => Variant::Symmetric,
-    };
+    let variant = nitsche_variant(tie.variant.value);
     match builder.names.couplings.get(&tie.coupling.value) {
         Ok(make) => Ok(make(CouplingOptions { factor: tie.factor.value, variant })),
         Err(unknown) => Err(Box::new(builder.error("E015", unknown.to_string(), tie.coupling.at))),

@@ -10,7 +10,7 @@ use crate::app::registry::{Names, is_glue};
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::coupling::multiplier::{MultiplierKind, side_ends};
 use crate::geometry::MapTable;
-use crate::io::case::{Case, Multiplier};
+use crate::io::case::{Case, Method, Multiplier};
 use crate::io::errors::{Diagnostic, Diagnostics};
 use crate::io::place::Located;
 use crate::linalg::Vector;
@@ -90,7 +90,8 @@ pub fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: Sla
             }
         }
     }
-    for contact in &case.contacts {
+    // nitsche has no multipliers
+    for contact in case.contacts.iter().filter(|c| c.method.value != Method::Nitsche) {
         for slave in &list(&mut builder, &model, &mut sides, &contact.slave) {
             let field = model.patches[slave.patch].field;
             let normals = normals(slave);

@@ -4,8 +4,8 @@ use super::grammar::{FieldName, Reduce};
 use super::path::look_up;
 use super::prepare::Prepared;
 use crate::app::build::{Model, PointState};
-use crate::app::run::{StepState, TieField, multiplier_at};
-use crate::basis::{Basis, Cell, Order};
+use crate::app::run::{ContactField, StepState, TieField};
+use crate::basis::{Cell, Order};
 use crate::geometry::MapTable;
 use crate::linalg::{Vector, measure};
 use crate::physics::von_mises;
@@ -135,9 +135,10 @@ pub fn evaluate<const S: usize, const N: usize>(
             finite(TieField::of(model, part, state.t).at(model, part, state, spot.element, &[spot.xi])[*component][0])
         }
         Prepared::Pressure(spot, pressure) => {
-            let part = &model.contacts[spot.number].parts[spot.part];
-            let rows = part.first_row..part.first_row + part.multiplier.num_functions();
-            let lambda = multiplier_at(&*part.multiplier, &state.lambda[rows], spot.element, &[spot.xi])[0];
+            let contact = &model.contacts[spot.number];
+            let part = &contact.parts[spot.part];
+            let field = ContactField::of(model, part, state.t);
+            let [lambda, _] = field.at(model, contact, part, state, spot.element, &[spot.xi])[0];
             finite(if *pressure { -lambda } else { lambda })
         }
     }

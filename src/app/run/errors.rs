@@ -1,6 +1,5 @@
 //! Errors of a solved model against exact solutions and multipliers.
 
-use super::report::multiplier_at;
 use super::solve::StepState;
 use super::tied::TieField;
 use crate::app::build::{Model, SideModel, TieModel};
@@ -131,11 +130,10 @@ fn contact_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &St
     let mut sum = Squares::default();
     for (part, built) in contact.parts.iter().zip(&state.contacts[number]) {
         let s = &built.segments;
-        let lambda = &state.lambda[part.first_row..part.first_row + part.multiplier.num_functions()];
+        let pressure = part.transmitted(built, &state.lambda[part.rows()]).pressure;
         let physics = model.patches[part.slave.patch].physics_at(state.t);
         each_piece(&part.slave, s, |piece, x, normals| {
             let points = s.points(piece);
-            let found = multiplier_at(&*part.multiplier, lambda, s.slave[piece], &s.slave_xi[points.clone()]);
             for (k, q) in points.enumerate() {
                 let at = Point::new(x[k].as_slice()).at_time(state.t);
                 let wanted = match (&contact.exact, &model.exact) {
@@ -147,7 +145,7 @@ fn contact_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &St
                     }
                     (None, None) => 0.0,
                 };
-                sum.error += s.ds[q] * (found[k] - wanted).powi(2);
+                sum.error += s.ds[q] * (-pressure[q] - wanted).powi(2);
                 sum.exact += s.ds[q] * wanted.powi(2);
             }
         });

@@ -7,7 +7,7 @@ use crate::app::result::{RunResult, Status};
 use crate::app::watch::Stop;
 use crate::constraint::SolveError;
 use crate::contact::{Contact, ContactError};
-use crate::io::case::{Case, Method};
+use crate::io::case::{Case, Method, Variant};
 use crate::io::errors::Diagnostic;
 use crate::linalg::LinearError;
 use std::collections::HashSet;
@@ -31,6 +31,19 @@ pub fn not_symmetric(case: &Case, interface: &str, mixed: bool) -> Diagnostic {
     let text =
         format!("constraint = \"{}\" needs a symmetric system; {what} of interface \"{interface}\" makes one that is not", word.value);
     let help = format!("write constraint = \"saddle-point\" (with linear = \"iterative\" GMRES over the symmetric factor), or {instead}");
+    Diagnostic::error("E015", text).at(&case.source, word.at).with_help(help)
+}
+
+/// E015 for a contact whose system is not symmetric and a constraint solver that needs symmetry.
+pub fn contact_not_symmetric(case: &Case, contact: &str) -> Diagnostic {
+    let word = &case.solver.constraint;
+    let variant = case.contacts.iter().find(|c| c.name.value == contact).map_or(Variant::Symmetric, |c| c.variant.value);
+    let text = format!(
+        "constraint = \"{}\" needs a symmetric system; the {} variant of contact \"{contact}\" makes one that is not",
+        word.value,
+        format!("{variant:?}").to_lowercase()
+    );
+    let help = "write constraint = \"saddle-point\", or variant = \"symmetric\"";
     Diagnostic::error("E015", text).at(&case.source, word.at).with_help(help)
 }
 
@@ -137,7 +150,7 @@ pub fn step_fault<const S: usize, const N: usize>(
 /// Which interface a row belongs to, and its number there.
 fn owner<const S: usize, const N: usize>(model: &Model<S, N>, row: usize) -> String {
     let ties = model.ties.iter().flat_map(|t| t.parts.iter().map(move |p| (&t.name, p.first_row, p.num_rows)));
-    let contacts = model.contacts.iter().flat_map(|c| c.parts.iter().map(move |p| (&c.name, p.first_row, p.multiplier.num_functions())));
+    let contacts = model.contacts.iter().flat_map(|c| c.parts.iter().map(move |p| (&c.name, p.first_row, p.num_rows)));
     ties.chain(contacts)
         .find(|(_, first, n)| (*first..first + n).contains(&row))
         .map_or_else(|| format!("row {row}"), |(name, first, _)| format!("row {} of \"{name}\"", row - first))
@@ -147,7 +160,7 @@ fn flipping<const S: usize, const N: usize>(model: &Model<S, N>, rows: &[usize])
     let mut lists: Vec<String> = Vec::new();
     for c in &model.contacts {
         for p in &c.parts {
-            let range = p.first_row..p.first_row + p.multiplier.num_functions();
+            let range = p.rows();
             let mine: Vec<usize> = rows.iter().copied().filter(|r| range.contains(r)).collect();
             if mine.is_empty() {
                 continue;
@@ -155,7 +168,8 @@ fn flipping<const S: usize, const N: usize>(model: &Model<S, N>, rows: &[usize])
             let numbers: Vec<String> = mine.iter().take(8).map(|r| (r - p.first_row).to_string()).collect();
             let more = if mine.len() > 8 { format!(" and {} more", mine.len() - 8) } else { String::new() };
             let place = place_of(p, mine[0] - p.first_row).map_or(String::new(), |x| format!(" (near {x})"));
-            lists.push(format!("functions {}{more} of \"{}\" on `{}` flip{place}", numbers.join(", "), c.name, p.slave.label));
+            let what = if p.multiplier.is_some() { "functions" } else { "points" };
+            lists.push(format!("{what} {}{more} of \"{}\" on `{}` flip{place}", numbers.join(", "), c.name, p.slave.label));
         }
     }
     lists.join("; ")
@@ -164,12 +178,17 @@ fn flipping<const S: usize, const N: usize>(model: &Model<S, N>, rows: &[usize])
 /// Where a multiplier function of a contact lives: its heaviest point.
 fn place_of<const S: usize, const N: usize>(part: &build::ContactPart<S, N>, function: usize) -> Option<String> {
     let s = &part.first.segments;
-    let mut best: Option<(f64, usize)> = None;
+    let (mut best, mut pieces): (Option<(f64, usize)>, _) = (None, 0..s.num_pieces());
     let (mut ids, mut table) = (Vec::new(), crate::basis::ShapeTable::new());
-    for piece in 0..s.num_pieces() {
-        part.multiplier.active(s.slave[piece], &mut ids);
+    if let Some(points) = &part.first.points {
+        best = points.row.iter().position(|&j| j == function).map(|q| (1.0, q));
+        pieces = 0..0;
+    }
+    for piece in pieces {
+        let psi = part.multiplier.as_ref()?;
+        psi.active(s.slave[piece], &mut ids);
         let Some(a) = ids.iter().position(|&j| j == function) else { continue };
-        part.multiplier.tabulate(s.slave[piece], &s.slave_xi[s.points(piece)], crate::basis::Order::Values, &mut table);
+        psi.tabulate(s.slave[piece], &s.slave_xi[s.points(piece)], crate::basis::Order::Values, &mut table);
         for (k, q) in s.points(piece).enumerate() {
             let value = table.values(k)[a];
             if best.is_none_or(|b| value > b.0) {
@@ -207,9 +226,13 @@ fn closed_points<const S: usize, const N: usize>(
     let mut ids = Vec::new();
     let mut of_part = |p: &build::ContactPart<S, N>, contact: &Contact<S, N>| {
         let s = &contact.segments;
+        if let Some(points) = &contact.points {
+            return points.row.iter().map(|j| closed(p.first_row + j)).collect();
+        }
         let mut flags = vec![false; s.ds.len()];
         for piece in 0..s.num_pieces() {
-            p.multiplier.active(s.slave[piece], &mut ids);
+            let Some(psi) = &p.multiplier else { continue };
+            psi.active(s.slave[piece], &mut ids);
             let any = ids.iter().any(|j| closed(p.first_row + j));
             s.points(piece).for_each(|q| flags[q] = any);
         }

@@ -3,6 +3,7 @@
 use super::Solved;
 use super::arc_length::ArcLength;
 use super::integrate::on_trace;
+use super::pressed::ContactField;
 use super::report::{component_rows, multiplier_at};
 use super::tied::TieField;
 use crate::app::build::{Against, SideModel};
@@ -260,42 +261,103 @@ fn at_centre(solved: &Arc<Plane>, t: usize, p: usize, s: f64) -> Vec<f64> {
 fn contact_side(solved: &Arc<Plane>, c: usize, p: usize, options: &RunOptions) -> SideOutput {
     let contact = &solved.model.contacts[c];
     let part = &contact.parts[p];
-    let rows: Range<usize> = part.first_row..part.first_row + part.multiplier.num_functions();
-    let gaps: Vec<Option<f64>> = solved.state.contacts[c][p].lumped_gap(&solved.state.u);
-    let field = |coefficients: Vec<f64>, solved: &Arc<Plane>| {
-        let solved = Arc::clone(solved);
-        move |element: usize, xi: &[Vector<1>]| multiplier_at(&*solved.model.contacts[c].parts[p].multiplier, &coefficients, element, xi)
-    };
-    let lambda: Vec<f64> = solved.state.lambda[rows.clone()].to_vec();
-    let active: Vec<f64> = rows.clone().map(|j| f64::from(u8::from(solved.state.active[j]))).collect();
     let target = |solved: &Arc<Plane>| -> Box<dyn Target<1, 2>> {
         match &solved.model.contacts[c].parts[p].against {
             Against::Side(master, _) => Box::new(Surface::new(&master.trace, None)),
             Against::Rigid(make, _) => make(solved.state.t),
         }
     };
-    let shown = field(active.clone(), solved);
-    let push = field(lambda.clone(), solved);
     let facing = normals(solved, &part.slave, target(solved));
-    let mut drawn = Part::new(part_name(&contact.name, p, contact.parts.len()), Arc::clone(&part.slave.trace.space), side_cells(options));
-    drawn.least_degree = degree(&*part.multiplier);
+    let name = part_name(&contact.name, p, contact.parts.len());
+    let mut drawn = Part::new(name.clone(), Arc::clone(&part.slave.trace.space), side_cells(options));
+    let (fields, rows) = match &part.multiplier {
+        Some(psi) => {
+            drawn.least_degree = degree(&**psi);
+            by_functions(solved, c, p)
+        }
+        None => {
+            drawn.least_degree = degree(&*part.slave.trace.space);
+            by_points(solved, c, p)
+        }
+    };
+    let [lambda, gap, active, push] = fields;
     drawn = drawn
-        .with("lambda", 1, field(lambda.clone(), solved))
-        .with("gap", 1, field(gaps.iter().map(|g| g.unwrap_or(0.0)).collect(), solved))
-        .with("active", 1, move |e, xi| shown(e, xi).iter().map(|v| f64::from(u8::from(*v > 0.5))).collect())
+        .with("lambda", 1, lambda)
+        .with("gap", 1, gap)
+        .with("active", 1, active)
         .with("traction", 2, move |e, xi| {
-            let pressure = push(e, xi);
-            facing(e, xi).iter().enumerate().map(|(k, n)| -pressure[k / 2] * n).collect()
+            let lambda = push(e, xi);
+            facing(e, xi).iter().enumerate().map(|(k, n)| -lambda[k / 2] * n).collect()
         })
         .with("normal", 2, normals(solved, &part.slave, target(solved)));
-    let table = centres(&part.slave, &*part.multiplier)
-        .into_iter()
-        .enumerate()
-        .map(|(j, (s, x))| InterfaceRow { s, x, lambda: vec![lambda[j]], gap: gaps[j], active: solved.state.active[rows.start + j] })
-        .collect();
     let exact: Option<ExactCurve> = contact.exact.clone().map(|f| -> ExactCurve {
         let t = solved.state.t;
         Box::new(move |x| f.value(&Point::new(x.as_slice()).at_time(t)))
     });
-    SideOutput { name: part_name(&contact.name, p, contact.parts.len()), contact: true, part: drawn, rows: table, exact }
+    SideOutput { name, contact: true, part: drawn, rows, exact }
+}
+
+/// A scalar field on a side.
+type SideField = Box<dyn Fn(usize, &[Vector<1>]) -> Vec<f64> + Send + Sync>;
+
+/// lambda, gap, status and lambda again of a contact with multiplier functions, and one line of its table per function.
+fn by_functions(solved: &Arc<Plane>, c: usize, p: usize) -> ([SideField; 4], Vec<InterfaceRow>) {
+    let part = &solved.model.contacts[c].parts[p];
+    let rows: Range<usize> = part.rows();
+    let gaps = part.gaps(&solved.model, &solved.state.contacts[c][p], &solved.state.u);
+    let field = |coefficients: Vec<f64>| -> SideField {
+        let solved = Arc::clone(solved);
+        Box::new(move |element, xi| {
+            let psi = solved.model.contacts[c].parts[p].multiplier.as_ref();
+            psi.map_or_else(Vec::new, |psi| multiplier_at(&**psi, &coefficients, element, xi))
+        })
+    };
+    let lambda: Vec<f64> = solved.state.lambda[rows.clone()].to_vec();
+    let shown = field(rows.clone().map(|j| f64::from(u8::from(solved.state.active[j]))).collect());
+    let active: SideField = Box::new(move |e, xi| shown(e, xi).iter().map(|v| f64::from(u8::from(*v > 0.5))).collect());
+    let fields = [field(lambda.clone()), field(gaps.iter().map(|g| g.unwrap_or(0.0)).collect()), active, field(lambda.clone())];
+    let centres = part.multiplier.as_ref().map_or_else(Vec::new, |psi| centres(&part.slave, &**psi));
+    let line = |(j, (s, x)): (usize, (f64, [f64; 3]))| InterfaceRow {
+        s,
+        x,
+        lambda: vec![lambda[j]],
+        gap: gaps[j],
+        active: solved.state.active[rows.start + j],
+    };
+    (fields, centres.into_iter().enumerate().map(line).collect())
+}
+
+/// The same of a contact by Nitsche's method: one line of its table per point of the segments, along the slave.
+fn by_points(solved: &Arc<Plane>, c: usize, p: usize) -> ([SideField; 4], Vec<InterfaceRow>) {
+    let (state, part) = (&solved.state, &solved.model.contacts[c].parts[p]);
+    let field = |of: fn([f64; 2]) -> f64| -> SideField {
+        let solved = Arc::clone(solved);
+        let field = ContactField::of(&solved.model, &solved.model.contacts[c].parts[p], solved.state.t);
+        Box::new(move |element, xi| {
+            let contact = &solved.model.contacts[c];
+            field.at(&solved.model, contact, &contact.parts[p], &solved.state, element, xi).into_iter().map(of).collect()
+        })
+    };
+    let (lambda, gap) = (|[l, _]: [f64; 2]| l, |[_, g]: [f64; 2]| g);
+    let fields = [field(lambda), field(gap), field(|[l, _]| f64::from(u8::from(l < 0.0))), field(lambda)];
+    let (built, first) = (&state.contacts[c][p], part.first_row);
+    let gaps = part.gaps(&solved.model, built, &state.u);
+    let arc = ArcLength::new(&*part.slave.trace.space);
+    let segments = &built.segments;
+    let rows_of_points = built.points.as_ref().map_or(&[][..], |points| &points.row);
+    let mut rows: Vec<InterfaceRow> = Vec::new();
+    for piece in 0..segments.num_pieces() {
+        for q in segments.points(piece) {
+            let (x, j) = (built.frames.x[q], rows_of_points[q]);
+            rows.push(InterfaceRow {
+                s: arc.of(segments.slave[piece], segments.slave_xi[q][0]),
+                x: [x[0], x[1], 0.0],
+                lambda: vec![state.lambda[first + j]],
+                gap: gaps[j],
+                active: state.active[first + j],
+            });
+        }
+    }
+    rows.sort_by(|a, b| a.s.total_cmp(&b.s));
+    (fields, rows)
 }

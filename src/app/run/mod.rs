@@ -9,6 +9,7 @@ mod integrate;
 mod loads;
 mod multipliers;
 mod predict;
+mod pressed;
 mod reactions;
 mod report;
 mod soften;
@@ -32,6 +33,7 @@ use std::sync::Arc;
 pub(crate) use forecast::{memory_for_files, too_large};
 pub use loads::Resultant;
 pub use predict::{Prediction, bytes, predict};
+pub use pressed::ContactField;
 pub use report::{HalfWidth, Zone, component_rows, multiplier_at};
 pub use solve::{Matrices, Solver, StepError, StepState, Stiffness, Unsolved};
 pub use tied::TieField;
@@ -261,6 +263,10 @@ fn built<const S: usize, const N: usize>(
     let tie = model.ties.iter().find(|tie| tie.parts.iter().any(leaning));
     if let Some(tie) = tie.filter(|_| solver.needs_symmetry()) {
         return Err(faults::not_symmetric(case, &tie.name, tie.parts.iter().any(mixed)).into());
+    }
+    let contact = model.contacts.iter().find(|c| c.parts.iter().any(|part| part.first.reaction.is_some()));
+    if let Some(contact) = contact.filter(|_| solver.needs_symmetry()) {
+        return Err(faults::contact_not_symmetric(case, &contact.name).into());
     }
     Ok(model)
 }

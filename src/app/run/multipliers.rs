@@ -21,7 +21,7 @@ pub fn describe<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
         }
     }
     for (contact, words) in model.contacts.iter().filter_map(|c| Some((c, case.contacts.iter().find(|k| k.name.value == c.name)?))) {
-        let parts = contact.parts.iter().map(|p| one(&p.slave, &words.multiplier.value, &[&*p.multiplier]));
+        let parts = contact.parts.iter().filter_map(|p| Some(one(&p.slave, &words.multiplier.value, &[&**p.multiplier.as_ref()?])));
         if let Some((_, report)) = result.contact.0.iter_mut().find(|(name, _)| *name == contact.name) {
             report.multiplier = together(parts);
         }

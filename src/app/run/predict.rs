@@ -134,6 +134,10 @@ pub fn predict<const S: usize, const N: usize>(model: &Model<S, N>, steps: usize
     for part in model.ties.iter().flat_map(|tie| &tie.parts).filter(|part| !part.stiffness.entries.is_empty()) {
         all.entries += part.stiffness.entries.len() as f64;
     }
+    for part in model.contacts.iter().flat_map(|c| &c.parts) {
+        let points = part.first.points.as_ref().map_or(0, |p| p.stiffness.entries.len());
+        all.entries += (points + part.first.rows.slave.entries.len() + part.first.rows.master.entries.len()) as f64;
+    }
     let mut prediction = all.prediction();
     let kept = BYTES_PER_STATE * (model.unknowns + model.rows) as f64 * steps.saturating_sub(1) as f64;
     prediction.memory = (prediction.memory as f64 + kept) as u64;

@@ -31,7 +31,7 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, mode
     let mut result = RunResult::new(command, &case.source.name);
     result.backend = backend(model);
     result.backends = model.patches.iter().map(|p| (p.name.clone(), p.backend.clone())).collect();
-    result.unknowns = Unknowns { primal: model.num_primal(), multipliers: model.rows };
+    result.unknowns = Unknowns { primal: model.num_primal(), multipliers: model.num_multipliers() };
     let soundness = model.patches.iter().map(|p| quality(&**p.body.space()).map_or(f64::NAN, |q| q.least_jacobian));
     result.geometry = GeometryReport {
         measure: model.patches.iter().map(|p| (p.name.clone(), measure::<N, N, f64, _>(&**p.body.space()))).collect(),
@@ -168,9 +168,9 @@ fn contacts<const S: usize, const N: usize>(
         };
         let mut zones: Vec<Zone<'_, S, N>> = Vec::new();
         for (part, rows) in contact.parts.iter().zip(built) {
-            let range = part.first_row..part.first_row + part.multiplier.num_functions();
+            let range = part.rows();
             let lambda = &state.lambda[range.clone()];
-            let sent = rows.transmitted(&*part.multiplier, lambda);
+            let sent = part.transmitted(rows, lambda);
             for k in 0..N {
                 total.force[k] += sent.force[k];
             }
@@ -180,7 +180,7 @@ fn contacts<const S: usize, const N: usize>(
             report.area += sent.area;
             report.pressure.min = report.pressure.min.min(sent.least_pressure);
             report.pressure.max = report.pressure.max.max(sent.largest_pressure);
-            for ((gap, &l), j) in rows.lumped_gap(&state.u).into_iter().zip(lambda).zip(range) {
+            for ((gap, &l), j) in part.gaps(model, rows, &state.u).into_iter().zip(lambda).zip(range) {
                 report.active += usize::from(state.active[j]);
                 if state.sign_case[j] < 9 {
                     report.sign_cases[usize::from(state.sign_case[j])] += 1;

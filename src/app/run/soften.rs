@@ -6,6 +6,7 @@ use crate::assembly::Blocks;
 use crate::constraint::{
     ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, IterationNews, Proximal, SolveError, penalty,
 };
+use crate::contact::Contact;
 use crate::coupling::Rows;
 
 /// What is soft in a model: gap / lambda per row.
@@ -21,7 +22,12 @@ pub(super) struct Softness {
 
 impl Softness {
     /// Of all ties and contacts, by the stiffness of the bodies, which supports do not change.
-    pub fn of<const S: usize, const N: usize>(model: &Model<S, N>, matrices: &Blocks<'_>, rows: &Rows) -> Self {
+    pub fn of<const S: usize, const N: usize>(
+        model: &Model<S, N>,
+        matrices: &Blocks<'_>,
+        rows: &Rows,
+        built: &[Vec<Contact<S, N>>],
+    ) -> Self {
         let mut soft = Self { tolerance: f64::INFINITY, ..Self::default() };
         let ties = model.ties.iter().flat_map(|tie| &tie.parts);
         let penalties = ties.filter_map(|part| Some((part.first_row..part.first_row + part.num_rows, part.penalty?)));
@@ -42,7 +48,14 @@ impl Softness {
                     soft.tolerance = soft.tolerance.min(tolerance);
                     soften(&mut soft.augmented, range, factor);
                 }
-                Formulation::Lagrange => {}
+                // rows at points bring their own
+                Formulation::Lagrange | Formulation::Nitsche(_) => {}
+            }
+        }
+        for (part, built) in model.contacts.iter().flat_map(|c| &c.parts).zip(built.iter().flatten()) {
+            if let Some(points) = &built.points {
+                soft.compliance.resize(model.rows, 0.0);
+                soft.compliance[part.rows()].copy_from_slice(&points.compliance);
             }
         }
         soft

@@ -85,10 +85,10 @@ pub struct Stiffness {
 pub struct Matrices {
     /// One per body, springs included.
     pub bodies: Vec<Csr>,
-    /// What ties add between the bodies, in all unknowns.
+    /// What ties and contacts add between the bodies, in all unknowns.
     pub between: Option<Csr>,
-    /// Why a tie has no stiffness at this time.
-    fault: Option<CouplingError>,
+    /// Why a tie or a contact has no stiffness at this time.
+    fault: Option<StepError>,
 }
 
 impl Stiffness {
@@ -109,7 +109,8 @@ impl Stiffness {
             for k in (0..self.changes.len()).filter(|&k| self.changes[k]) {
                 self.matrices.bodies[k] = assembled(model, k, t);
             }
-            if model.ties.iter().flat_map(|tie| &tie.parts).any(|part| part.changes(model)) {
+            let contacts = model.contacts.iter().flat_map(|c| &c.parts).any(|part| part.changes && part.first.points.is_some());
+            if contacts || model.ties.iter().flat_map(|tie| &tie.parts).any(|part| part.changes(model)) {
                 (self.matrices.between, self.matrices.fault) = added(model, t, false);
             }
             self.t = t;
@@ -118,13 +119,21 @@ impl Stiffness {
     }
 }
 
-/// What ties add at time `t`; `first`: as it was found when the model was built.
-fn added<const S: usize, const N: usize>(model: &Model<S, N>, t: f64, first: bool) -> (Option<Csr>, Option<CouplingError>) {
+/// What ties and contacts add at time `t`; `first`: of ties as it was found when the model was built.
+fn added<const S: usize, const N: usize>(model: &Model<S, N>, t: f64, first: bool) -> (Option<Csr>, Option<StepError>) {
     let mut parts = Vec::new();
     for part in model.ties.iter().flat_map(|tie| &tie.parts) {
         match if first || !part.changes(model) { Ok(Cow::Borrowed(&part.stiffness)) } else { part.stiffness_at(model, t).map(Cow::Owned) } {
             Ok(entries) => parts.push(entries),
-            Err(fault) => return (None, Some(fault)),
+            Err(fault) => return (None, Some(fault.into())),
+        }
+    }
+    for contact in &model.contacts {
+        for part in contact.parts.iter().filter(|part| part.first.points.is_some()) {
+            match contact.at(model, part, t) {
+                Ok(built) => parts.extend(built.points.map(|points| Cow::Owned(points.stiffness))),
+                Err(fault) => return (None, Some(fault.into())),
+            }
         }
     }
     (between(model, parts.iter().map(|p| &**p)), None)
@@ -178,7 +187,8 @@ impl<const S: usize, const N: usize> System<S, N> {
             for part in &contact.parts {
                 let built = contact.at(model, part, t)?;
                 append(&mut rows, &built.rows, part.first_row);
-                append(&mut reaction, &built.rows, part.first_row);
+                append(&mut reaction, built.reaction.as_ref().unwrap_or(&built.rows), part.first_row);
+                differs |= built.reaction.is_some();
                 for (j, (&g, k)) in built.offset.iter().zip(built.kinds()).enumerate() {
                     offset[part.first_row + j] = g;
                     kind[part.first_row + j] = k;
@@ -320,7 +330,7 @@ fn once<const S: usize, const N: usize>(
     let (master, shift_master) = reduced.rows(&system.rows.master);
     let offset: Vec<f64> = (0..model.rows).map(|i| system.offset[i] + shift[i] + shift_master[i]).collect();
     let rows = Rows { slave, master };
-    let softness = Softness::of(model, &matrices, &system.rows);
+    let softness = Softness::of(model, &matrices, &system.rows, &system.contacts);
     let reaction = system.reaction.as_ref().map(|b| Rows { slave: reduced.rows(&b.slave).0, master: reduced.rows(&b.master).0 });
     let constrained = ConstrainedSystem {
         stiffness: &reduced.stiffness,

@@ -29,8 +29,7 @@ pub struct Changes {
 const AT: Place = Place { origin: Origin::Option, ..Place::NONE };
 
 /// Lists of what meets along sides, the key that says how, and its words for what has no multiplier.
-const COUPLES: [(&str, &str, &[&str]); 2] =
-    [("interface", "coupling", &["nitsche", "penalty"]), ("contact", "method", &["nitsche", "penalty"])];
+const COUPLES: [(&str, &str, &[&str]); 2] = [("interface", "coupling", &["nitsche", "penalty"]), ("contact", "method", &["nitsche"])];
 
 /// Applies the changes.
 pub(super) fn apply(root: &mut Table, changes: &Changes) {

@@ -48,9 +48,6 @@ impl Reader {
     }
 
     fn later_contact(&mut self, c: &Contact) {
-        if c.method.value == Method::Nitsche {
-            self.later(c.method.at, "this method", "write method = \"lagrange\"");
-        }
         if c.cone.value != Cone::Coefficients {
             self.later(c.cone.at, "this cone", "write cone = \"coefficients\"");
         }

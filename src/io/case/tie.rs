@@ -42,12 +42,8 @@ impl Reader {
             self.fault("E015", b.key_at(key), message, "glued sides share their unknowns: there is no multiplier");
         }
         let none = || Located::new(Multiplier::Named("auto".to_owned()), b.at);
-        if coupling.value == "nitsche"
-            && let Some(node) = b.node("multiplier")
-            && !matches!(&node.value, Value::Text(word) if word == "auto")
-        {
-            let message = "`multiplier` is not a key of coupling = \"nitsche\"";
-            self.fault("E015", b.key_at("multiplier"), message, "Nitsche's coupling has no multiplier; leave it out or write \"auto\"");
+        if coupling.value == "nitsche" {
+            self.only_default(b, "multiplier", "auto", "coupling = \"nitsche\"", "Nitsche's coupling has no multiplier");
         }
         let multiplier = if glue { none() } else { self.multiplier(b, names) };
         let integration = if glue { Located::new(Integration::Merged, b.at) } else { self.word(b, "integration", INTEGRATIONS) };
@@ -95,6 +91,20 @@ impl Reader {
         let methods =
             [("lagrange", Method::Lagrange), ("penalty", Method::Penalty), ("augmented", Method::Augmented), ("nitsche", Method::Nitsche)];
         let method = self.word(b, "method", &methods);
+        if method.value == Method::Nitsche {
+            let why = "Nitsche's method has no multiplier";
+            self.only_default(b, "multiplier", "auto", "method = \"nitsche\"", why);
+            self.only_default(b, "cone", "coefficients", "method = \"nitsche\"", why);
+            if b.node("integration").is_some_and(|node| matches!(&node.value, Value::Text(word) if word == "mixed")) {
+                let help = "write integration = \"merged\" or \"slave\"";
+                self.fault(
+                    "E015",
+                    b.key_at("integration"),
+                    "mixed integration has no meaning for method = \"nitsche\": it has no multiplier",
+                    help,
+                );
+            }
+        }
         let multiplier = self.multiplier(b, names);
         let integration = self.word(b, "integration", INTEGRATIONS);
         let extra_points = self.whole(b, "extra_points", 0, 60, 0);
@@ -128,6 +138,14 @@ impl Reader {
             tolerance,
             factor,
             variant,
+        }
+    }
+
+    // a key that says nothing beside `kind` may stand there as it is by default
+    fn only_default(&mut self, b: &Block, key: &str, default: &str, kind: &str, why: &str) {
+        if b.node(key).is_some_and(|node| !matches!(&node.value, Value::Text(word) if word == default)) {
+            let message = format!("`{key}` is not a key of {kind}");
+            self.fault("E015", b.key_at(key), message, format!("{why}; leave it out or write {default:?}"));
         }
     }
 
