@@ -2,7 +2,7 @@
 
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::constraint::{Augmented, Condensed, ConstraintSolver, Direct, Krylov, Schur};
-use crate::coupling::interface::{MergedCurve, Partners, SlaveRule};
+use crate::coupling::interface::{MasterSums, MergedCurve, Partners, SlaveRule};
 use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind, side_ends};
 use crate::coupling::nitsche::Variant;
 use crate::coupling::{Coupling, InterfaceQuadrature, Mortar, Nitsche, Penalty};
@@ -111,6 +111,8 @@ pub struct CouplingOptions {
 
 /// Makes a coupling.
 pub type MakeCoupling<const S: usize, const N: usize> = Box<dyn Fn(CouplingOptions) -> Box<dyn Coupling<S, N>> + Send + Sync>;
+/// The integration of the master part of mixed contact: no word of a case file.
+pub const MASTER_SUMS: &str = "master";
 /// Makes an integration of interfaces with that many points per piece.
 pub type MakeIntegration<const S: usize, const N: usize> = Box<dyn Fn(usize, Partners) -> Box<dyn InterfaceQuadrature<S, N>> + Send + Sync>;
 /// What a case asks of its constraint solver beside the name.
@@ -242,7 +244,8 @@ impl Names<1, 2> {
         names
             .integrations
             .add("merged", Box::new(|points, partners| Box::new(MergedCurve { points, partners })))
-            .add("slave", Box::new(|points, partners| Box::new(SlaveRule { points, partners })));
+            .add("slave", Box::new(|points, partners| Box::new(SlaveRule { points, partners })))
+            .add(MASTER_SUMS, Box::new(|points, partners| Box::new(MasterSums { points, partners })));
         names
     }
 }

@@ -121,7 +121,7 @@ pub struct Least {
 pub struct Kkt {
     /// Largest tension, max(lambda_j, 0) [force/area].
     pub lambda: f64,
-    /// Largest penetration, max(-gap_j, 0), of the lumped gap \[length\].
+    /// Largest penetration, max(-gap_j, 0), of the gap of the cone, lumped for coefficients \[length\].
     pub gap: f64,
     /// Largest |lambda_j gap_j|.
     pub product: f64,
@@ -178,7 +178,7 @@ pub struct ContactReport {
     pub area: f64,
     /// Extremes of the pressure -lambda at the points of integration [force/area].
     pub pressure: Extremes,
-    /// Least lumped gap \[length\].
+    /// Least gap of the cone, lumped for coefficients \[length\].
     pub gap: Least,
     /// Active multipliers.
     pub active: usize,
@@ -192,6 +192,11 @@ pub struct ContactReport {
     pub half_width: f64,
     /// Linear systems solved by the active set.
     pub iterations: usize,
+    /// Estimate of the integration's consistency error on this solution, as of interfaces; zero against an obstacle.
+    pub consistency: f64,
+    /// What is left of the forces on slave and master together, as a share of them: round-off unless the integration is mixed; zero
+    /// against an obstacle.
+    pub balance: f64,
     /// Its multiplier space.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub multiplier: Option<MultiplierReport>,

@@ -5,9 +5,13 @@
 //!   weights  w_j = ∫ ψ_j ds
 //!   gap_j = (C u + g)_j / w_j     lumped \[length\], positive is open
 //!
+//! Mixed integration (seed: B*, B) keeps these slave-side sums for the constraint and takes the master part of the reaction from
+//! master-side sums.
+//!
 //! Sign: K u + Cᵀ lambda = f with C u + g >= 0, lambda <= 0; lambda is the normal stress sigma_N \[force/area\].
 //! A function whose support faces nothing has weight zero; its row stays open.
 
+use super::cone::Turn;
 use super::{AtPoints, Frames, Target};
 use crate::basis::Basis;
 use crate::constraint::RowKind;
@@ -38,6 +42,25 @@ pub enum ContactError {
     /// No multiplier has a facing point.
     #[error("no part of the slave side faces the master within reach")]
     NoTarget,
+    /// Cone E without points.
+    #[error("the multiplier has no Greville points, at which cone = \"values\" asks for the sign of the pressure")]
+    NoGreville,
+    /// A function has a weight in its cone that is not positive: open bodies would attract each other.
+    #[error("multiplier function {function} has the weight {weight:.3e} in this cone; contact needs positive ones")]
+    ConeWeight {
+        /// The function.
+        function: usize,
+        /// What the function of the cone integrates to, \[length^S\] for E, a pure number for W.
+        weight: f64,
+    },
+    /// Too many functions for a cone that couples all of them.
+    #[error("{functions} multipliers of one side are too many for this cone, which couples all of them; at most {most}")]
+    ConeSize {
+        /// Functions of the side.
+        functions: usize,
+        /// The limit.
+        most: usize,
+    },
     /// The gap formula gave no number.
     #[error("the gap formula is not finite at {at:?}")]
     Gap {
@@ -64,16 +87,18 @@ pub struct Contact<const S: usize, const N: usize, T: Real = f64> {
     pub frames: Frames<N, T>,
     /// C, one row per multiplier function.
     pub rows: Rows<T>,
-    /// B where it differs from C.
+    /// B where it differs from C: mixed integration, Nitsche's method.
     pub reaction: Option<Rows<T>>,
     /// ∫ g' ψ_j ds.
     pub offset: Vec<T>,
     /// ∫ ψ_j ds.
     pub weights: Vec<T>,
-    /// Whether the support of ψ_j faces something.
+    /// Whether the support of ψ_j faces something and has a part in the cone.
     pub facing: Vec<bool>,
     /// Rows that belong to points instead of multiplier functions, and what goes with them.
     pub points: Option<AtPoints<T>>,
+    /// T of the cone; rows, offset and weights are those of lambda whatever it is.
+    pub(super) turn: Turn<T>,
 }
 
 impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
@@ -124,7 +149,36 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
             return Err(ContactError::Weight { function, weight: to_f64(weights[function]) });
         }
         let facing = weights.iter().map(|&w| w > threshold).collect();
-        Ok(Self { segments, frames, rows, reaction: None, offset, weights, facing, points: None })
+        Ok(Self { segments, frames, rows, reaction: None, offset, weights, facing, points: None, turn: Turn::identity() })
+    }
+
+    /// The same contact with the master part of the reaction by other points: B = [D, -M'] beside C = [D, -M] (mixed integration).
+    ///
+    /// `second`: the master's own points ([`crate::coupling::interface::MasterSums`]); rows are along the master's normal there. `slave`,
+    /// `master` and `multiplier` are those of the rows.
+    ///
+    /// # Errors
+    /// [`ContactError::Coupling`] where the master has no tangent.
+    pub fn with_master_sums(
+        mut self,
+        slave: Side<'_, S, N, T>,
+        master: Side<'_, S, N, T>,
+        multiplier: &dyn Basis<S, T>,
+        second: &Segments<S, T>,
+        unknowns: usize,
+    ) -> Result<Self, ContactError> {
+        let frames = Frames::against_master(&*slave.trace.space, master.trace, second)?;
+        let interface = Interface {
+            slave,
+            master: Some(master),
+            multiplier: &[multiplier],
+            segments: second,
+            master_segments: None,
+            direction: Some(&frames.normal),
+        };
+        let sums = Mortar.assemble(&interface, unknowns)?.constraint;
+        self.reaction = Some(Rows { slave: self.rows.slave.clone(), master: sums.master });
+        Ok(self)
     }
 
     /// The kind of every row: contact, or open where it faces nothing.
@@ -132,8 +186,10 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         self.facing.iter().map(|&f| if f { RowKind::Contact } else { RowKind::Open }).collect()
     }
 
-    /// (C u + g)_j / w_j, one per multiplier function \[length\]; none where the function faces nothing.
-    /// Of rows at points this is P / γ, what their status follows from, and no distance.
+    /// The cone's gap (Tᵀ(C u + g))_j / (Tᵀ w)_j, one per multiplier function \[length\]; none where the function faces nothing.
+    ///
+    /// The lumped gap (C u + g)_j / w_j for the cone of coefficients. Of rows at points this is P / γ, what their status follows from, and
+    /// no distance.
     pub fn lumped_gap(&self, unknowns: &[T]) -> Vec<Option<T>> {
         let mut gap = self.offset.clone();
         for part in [&self.rows.slave, &self.rows.master] {
@@ -141,6 +197,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
                 gap[row] += value * unknowns[col];
             }
         }
-        (0..gap.len()).map(|j| self.facing[j].then(|| gap[j] / self.weights[j])).collect()
+        let (gap, weights) = (self.turn.transposed(gap), self.turned_weights());
+        (0..gap.len()).map(|j| self.facing[j].then(|| gap[j] / weights[j])).collect()
     }
 }

@@ -1,7 +1,9 @@
 //! Floor 10: gaps, normals, targets and the loop that presses bodies together. Names no basis type.
 
+mod cone;
 mod frames;
 mod gap;
+mod greville;
 pub mod nitsche;
 mod pressure;
 mod surface;
@@ -11,8 +13,10 @@ mod width;
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
 
+pub use cone::{Cone, MOST_FUNCTIONS};
 pub use frames::Frames;
 pub use gap::{Contact, ContactError, Opponent};
+pub use greville::greville_points;
 pub use nitsche::{AtPoints, PointValues, point_values};
 pub use pressure::Transmitted;
 pub use surface::Surface;

@@ -16,6 +16,7 @@
 //! Sources: Chouly, Hild, SIAM J. Numer. Anal. 51 (2013) 1295-1307; Chouly, Hild, Renard, Math. Comp. 84 (2015) 1089-1112 (θ); Chouly,
 //! Mlika, Renard, Numer. Math. 139 (2018) 593-631 (two bodies).
 
+use super::cone::Turn;
 use super::{Contact, ContactError, Frames, Opponent};
 use crate::coupling::nitsche::{Entries, Weights, Work, summed};
 use crate::coupling::{CouplingError, Interface, Nitsche, Rows, Segments, Side};
@@ -143,7 +144,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         let stiffness = Triplets { entries: summed(entries), ..Triplets::new(unknowns, unknowns) };
         let reaction = (theta != T::one()).then_some(reaction);
         let points = Some(AtPoints { compliance, stiffness, row });
-        Ok(Self { segments: kept, frames, rows, reaction, offset, weights, facing, points })
+        Ok(Self { segments: kept, frames, rows, reaction, offset, weights, facing, points, turn: Turn::identity() })
     }
 }
 

@@ -3,8 +3,8 @@
 //! lambda = sum_j lambda_j ψ_j is the normal stress sigma_N <= 0, pressure = -lambda \[force/area\]. With n out of the
 //! master the traction on the slave is -lambda n: what the master does to the slave.
 //!
-//! The closed zone is read from the functions that carry pressure: χ = sum of ψ_j over lambda_j < 0 is one inside, zero
-//! outside, and falls over the overlap of the outermost functions. Its integral is the area; it ends where χ = 1/2. Taking
+//! The closed zone is read from the functions that carry pressure: χ = sum of ψ_j over mu_j < 0 (the multipliers of the cone, lambda_j for
+//! P) is one inside, zero outside, and falls over the overlap of the outermost functions. Its integral is the area; it ends where χ = 1/2. Taking
 //! the whole support of those functions would add up to half their width at either end.
 
 use super::Contact;
@@ -59,8 +59,9 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
 
     /// Force, moment, pressures and zone for the multipliers `lambda`.
     pub fn transmitted(&self, multiplier: &dyn Basis<S, T>, lambda: &[T]) -> Transmitted<N, T> {
-        let threshold = threshold(lambda);
-        let zone = self.combined(multiplier, |j| if lambda[j] < threshold { T::one() } else { T::zero() });
+        let mu = self.in_cone(lambda);
+        let threshold = threshold(&mu);
+        let zone = self.combined(multiplier, |j| if mu[j] < threshold { T::one() } else { T::zero() });
         self.summed(self.pressure(multiplier, lambda), &zone)
     }
 

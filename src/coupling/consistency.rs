@@ -98,7 +98,7 @@ fn row_weights<const S: usize, const N: usize, T: Real>(interface: &Interface<'_
     let (segments, components) = (interface.segments, interface.slave.field.components);
     let of = |psi: &dyn Basis<S, T>| sums(psi, segments, &segments.slave, &segments.slave_xi);
     match interface.multiplier {
-        [one] => of(*one).repeat(components),
+        [one] if interface.direction.is_none() => of(*one).repeat(components),
         several => several.iter().flat_map(|&psi| of(psi)).collect(),
     }
 }

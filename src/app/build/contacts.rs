@@ -7,15 +7,17 @@ use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideM
 use super::multipliers::{held_help, multiplier, multiplier_fault};
 use super::points::PointSides;
 use super::sides::{Sides, as_one};
-use super::ties::{degree, labels, list, memberships, nitsche_variant};
+use super::ties::{FINER_POINTS, degree, labels, list, memberships, nitsche_variant};
 use super::values::times;
+use crate::app::registry::MASTER_SUMS;
 use crate::assembly::gauss_rules;
-use crate::basis::{Order, ShapeTable};
+use crate::basis::{Basis, Order, ShapeTable};
 use crate::constraint::Proximal;
-use crate::contact::{Contact, ContactError, HalfPlane, LevelSet, Moved, Opponent, Sphere, Target};
+use crate::contact::{self, Contact, ContactError, Frames, HalfPlane, LevelSet, Moved, Opponent, Sphere, Target};
+use crate::coupling::consistency::Finer;
 use crate::coupling::interface::{Partners, slave_segments};
 use crate::coupling::multiplier::MultiplierError;
-use crate::coupling::{Nitsche, Penalty, Side};
+use crate::coupling::{Interface, Nitsche, Penalty, Segments, Side};
 use crate::geometry::{ClosestPoint, MapTable, cell};
 use crate::io::case::{self, Cone, Integration, Master, Method, Obstacle, ObstacleShape};
 use crate::io::errors::Diagnostic;
@@ -120,21 +122,12 @@ fn formulation(contact: &case::Contact) -> Formulation {
     }
 }
 
-/// What this version has.
+/// What contact needs of the model.
 fn known<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     contact: &case::Contact,
     model: &Model<S, N>,
 ) -> Result<(), Box<Diagnostic>> {
-    let later = |text: &str, at: Place| Err(Box::new(builder.error("E019", format!("{text} is not in this version"), at)));
-    match contact.cone.value {
-        Cone::Coefficients => {}
-        Cone::Weights => return later("cone \"weights\"", contact.cone.at),
-        _ => return later("cone \"values\"", contact.cone.at),
-    }
-    if contact.integration.value == Integration::Mixed {
-        return later("mixed integration of contacts", contact.integration.at);
-    }
     if model.components == 1 {
         return Err(Box::new(builder.error("E015", "contact needs elasticity; the model is poisson", contact.head.at)));
     }
@@ -159,7 +152,9 @@ fn part<const S: usize, const N: usize>(
 ) -> Result<(ContactPart<S, N>, Option<Diagnostic>), Box<Diagnostic>> {
     let name = &contact.name.value;
     let mut moves = false;
+    let (mut second, mut finer) = (None, None);
     let against = match &contact.master {
+        // an obstacle has no points of its own: its mixed integration is that of the slave
         Master::Rigid(obstacle) => {
             let target = rigid(builder, &obstacle.value, obstacle.at)?;
             moves = changes_with_time(&obstacle.value);
@@ -171,12 +166,22 @@ fn part<const S: usize, const N: usize>(
                 return Err(Box::new(builder.error("E021", format!("contact \"{name}\" has no master"), contact.head.at)));
             };
             let points = degree(slave).max(degree(master)) + 1 + contact.extra_points.value;
-            let word = if contact.integration.value == Integration::Slave { "slave" } else { "merged" };
-            let make =
-                builder.names.integrations.get(word).map_err(|e| Box::new(builder.error("E019", e.to_string(), contact.integration.at)))?;
-            let segments = make(points, Partners::Facing { reach: contact.reach.value })
-                .segments(&*slave.trace.space, &*master.trace.space)
-                .map_err(|e| Box::new(builder.error("E023", format!("contact \"{name}\": {e}"), at)))?;
+            let make = |word: &str, points: usize| {
+                let make = builder
+                    .names
+                    .integrations
+                    .get(word)
+                    .map_err(|e| Box::new(builder.error("E019", e.to_string(), contact.integration.at)))?;
+                make(points, Partners::Facing { reach: contact.reach.value })
+                    .segments(&*slave.trace.space, &*master.trace.space)
+                    .map_err(|e| Box::new(builder.error("E023", format!("contact \"{name}\": {e}"), at)))
+            };
+            let word = if contact.integration.value == Integration::Merged { "merged" } else { "slave" };
+            let segments = make(word, points)?;
+            if contact.integration.value == Integration::Mixed {
+                second = Some(make(MASTER_SUMS, points)?);
+            }
+            finer = make("merged", points + FINER_POINTS).ok();
             Against::Side(master.clone(), segments)
         }
     };
@@ -189,7 +194,9 @@ fn part<const S: usize, const N: usize>(
             let first = sides.contact(model, method, &built.gap, built.reach, t).map_err(|e| fault(&e))?;
             if first.facing.contains(&true) {
                 let (masters, num_rows, first_row) = (masters.to_vec(), first.offset.len(), model.rows);
-                let part = ContactPart { slave: slave.clone(), multiplier: None, against, masters, first, changes, first_row, num_rows };
+                let (slave, cone) = (slave.clone(), contact::Cone::Coefficients);
+                let (multiplier, second, finer) = (None, None, None);
+                let part = ContactPart { slave, multiplier, cone, against, second, finer, masters, first, changes, first_row, num_rows };
                 return Ok((part, None));
             }
         }
@@ -231,13 +238,20 @@ fn part<const S: usize, const N: usize>(
         return Err(Box::new(fault));
     }
     let changes = moves || built.gap.depends_on_time();
+    let cone = match contact.cone.value {
+        Cone::Weights => contact::Cone::Weights,
+        Cone::Values => contact::Cone::Values,
+        _ => contact::Cone::Coefficients,
+    };
     // an obstacle may come within reach later
     for &t in times(builder.case, moves) {
-        let first = rows(model, slave, &against, &*psi, &built.gap, built.reach, t).map_err(|e| fault(&e))?;
+        let first = rows(model, slave, &against, (&*psi, cone, second.as_ref()), &built.gap, built.reach, t).map_err(|e| fault(&e))?;
         if first.facing.contains(&true) {
+            let finer = finer.and_then(|segments| finer_rows(model, slave, &against, &*psi, &segments));
             let (masters, num_rows, first_row) = (masters.to_vec(), psi.num_functions(), model.rows);
             let multiplier = Some(psi);
-            let part = ContactPart { slave: slave.clone(), multiplier, against, masters, first, changes, first_row, num_rows };
+            let slave = slave.clone();
+            let part = ContactPart { slave, multiplier, cone, against, second, finer, masters, first, changes, first_row, num_rows };
             return Ok((part, warning));
         }
     }
@@ -248,22 +262,48 @@ fn rows<const S: usize, const N: usize>(
     model: &Model<S, N>,
     slave: &SideModel<S, N>,
     against: &Against<S, N>,
-    psi: &dyn crate::basis::Basis<S>,
+    (psi, cone, second): (&dyn Basis<S>, contact::Cone, Option<&Segments<S>>),
     gap: &Formula,
     reach: Option<f64>,
     t: f64,
 ) -> Result<Contact<S, N>, ContactError> {
     let side = Side { trace: &slave.trace, field: model.patches[slave.patch].field, flux: None };
     let gap = |x: &Vector<N>, g: f64| gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(g));
-    match against {
+    let built = match against {
         Against::Side(master, segments) => {
-            let opponent = Opponent::Master(Side { trace: &master.trace, field: master.field, flux: None });
-            Contact::new(side, opponent, psi, segments.clone(), &gap, model.unknowns)
+            let master = Side { trace: &master.trace, field: master.field, flux: None };
+            let built = Contact::new(side, Opponent::Master(master), psi, segments.clone(), &gap, model.unknowns)?;
+            match second {
+                Some(second) => built.with_master_sums(side, master, psi, second, model.unknowns)?,
+                None => built,
+            }
         }
         Against::Rigid(target, segments) => {
-            Contact::new(side, Opponent::Rigid(&*target(t), reach), psi, segments.clone(), &gap, model.unknowns)
+            Contact::new(side, Opponent::Rigid(&*target(t), reach), psi, segments.clone(), &gap, model.unknowns)?
         }
-    }
+    };
+    built.with_cone(cone, psi)
+}
+
+/// Rows on finer segments, against which the consistency error is estimated.
+fn finer_rows<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    slave: &SideModel<S, N>,
+    against: &Against<S, N>,
+    psi: &dyn Basis<S>,
+    segments: &Segments<S>,
+) -> Option<Finer> {
+    let Against::Side(master, _) = against else { return None };
+    let frames = Frames::against_master(&*slave.trace.space, &master.trace, segments).ok()?;
+    let interface = Interface {
+        slave: Side { trace: &slave.trace, field: model.patches[slave.patch].field, flux: None },
+        master: Some(Side { trace: &master.trace, field: master.field, flux: None }),
+        multiplier: &[psi],
+        segments,
+        master_segments: None,
+        direction: Some(&frames.normal),
+    };
+    Finer::try_new(&[interface], model.unknowns).ok()
 }
 
 impl<const S: usize, const N: usize> ContactModel<S, N> {
@@ -276,7 +316,10 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
             return Ok(part.first.clone());
         }
         match (&self.formulation, &part.multiplier) {
-            (_, Some(psi)) => rows(model, &part.slave, &part.against, &**psi, &self.gap, self.reach, t),
+            (_, Some(psi)) => {
+                let chosen = (&**psi, part.cone, part.second.as_ref());
+                rows(model, &part.slave, &part.against, chosen, &self.gap, self.reach, t)
+            }
             (Formulation::Nitsche(method), None) => part.point_sides().contact(model, method, &self.gap, self.reach, t),
             _ => Ok(part.first.clone()),
         }
@@ -294,6 +337,15 @@ fn contact_fault<const S: usize, const N: usize>(
     let text = format!("contact \"{}\": {error}", contact.name.value);
     match error {
         ContactError::Weight { .. } => builder.error("E064", text, contact.multiplier.at),
+        ContactError::NoGreville => builder
+            .error("E064", text, contact.cone.at)
+            .with_help("write cone = \"weights\" or \"coefficients\", or take a multiplier such as p/p-2"),
+        ContactError::ConeWeight { .. } => {
+            builder.error("E064", text, contact.cone.at).with_help("take a multiplier of lower degree, or cone = \"coefficients\"")
+        }
+        ContactError::ConeSize { .. } => {
+            builder.error("E081", text, contact.cone.at).with_help("write cone = \"coefficients\", or give the slave side fewer elements")
+        }
         ContactError::Gap { .. } => builder.error("E017", text, contact.gap.at),
         ContactError::NoTarget if masters.is_empty() => builder
             .error("E023", format!("no part of `{}` faces the obstacle of contact \"{}\"", slave.label, contact.name.value), at)

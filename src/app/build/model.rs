@@ -6,7 +6,7 @@ use super::meetings::Hinge;
 use super::physics::Physics;
 use crate::assembly::{Equation, Rim};
 use crate::basis::Basis;
-use crate::contact::{Contact, Target};
+use crate::contact::{Cone, Contact, Target};
 use crate::coupling::consistency::Finer;
 use crate::coupling::{Coupling, Nitsche, Rows, Segments};
 use crate::io::case;
@@ -256,8 +256,14 @@ pub struct ContactPart<const S: usize, const N: usize> {
     pub slave: Arc<SideModel<S, N>>,
     /// The multiplier; none of Nitsche's method, whose rows belong to points.
     pub multiplier: Option<Box<dyn Basis<S>>>,
+    /// The cone it lies in.
+    pub cone: Cone,
     /// What it faces.
     pub against: Against<S, N>,
+    /// The master's points of mixed integration.
+    pub second: Option<Segments<S>>,
+    /// Rows of a finer integration, for the consistency error; none against an obstacle and of Nitsche's method.
+    pub finer: Option<Finer>,
     /// The deformable sides that `against` sees as one.
     pub masters: Vec<Arc<SideModel<S, N>>>,
     /// Rows, offsets and weights at the first time at which it faces something.

@@ -24,7 +24,7 @@ use std::sync::Arc;
 /// Largest share of a slave side that may be uncovered.
 const UNCOVERED: f64 = 1e-6;
 /// Points per segment beyond those of the rule whose consistency error is estimated.
-const FINER_POINTS: usize = 2;
+pub(super) const FINER_POINTS: usize = 2;
 
 /// How many sides of tied interfaces a function of a body lies on.
 #[derive(Debug, Default)]

@@ -56,7 +56,7 @@ pub fn axes(kind: &Kind, options: &StudyArguments, table: Option<&Located<StudyV
         r.known("pairings", &pairings, "multiplier", name, &r.names().multipliers)?;
     }
     // the default leaves out what the case cannot have; what is named stays
-    let no_mixed = !loaded.case.contacts.is_empty() || loaded.case.interfaces.iter().any(|t| t.coupling.value == "nitsche");
+    let no_mixed = loaded.case.interfaces.iter().any(|t| t.coupling.value == "nitsche");
     let usual: Vec<&str> = kind.integrations.iter().copied().filter(|w| *w != "mixed" || !no_mixed).collect();
     let integrations = r.list("integration", options.integration.as_deref(), &values.integration, words(&usual))?;
     for name in &integrations.list {

@@ -21,15 +21,14 @@ pub fn memory_limit<const S: usize, const N: usize>(case: &Case, model: &Model<S
     Diagnostic::error("E081", text).at(&case.source, at).with_help(format!("raise --max-memory, or give patch \"{name}\" fewer elements"))
 }
 
-/// E015 for an interface that is not symmetric, by mixed integration or by its coupling, and a constraint solver that needs symmetry.
-pub fn not_symmetric(case: &Case, interface: &str, mixed: bool) -> Diagnostic {
+/// E015 for an interface or a contact (`who`) that is not symmetric, by mixed integration or by its coupling, and a constraint solver that needs symmetry.
+pub fn not_symmetric(case: &Case, who: &str, mixed: bool) -> Diagnostic {
     let word = &case.solver.constraint;
     let (what, instead) = match mixed {
         true => ("integration = \"mixed\"", "integration = \"merged\""),
         false => ("the coupling", "variant = \"symmetric\""),
     };
-    let text =
-        format!("constraint = \"{}\" needs a symmetric system; {what} of interface \"{interface}\" makes one that is not", word.value);
+    let text = format!("constraint = \"{}\" needs a symmetric system; {what} of {who} makes one that is not", word.value);
     let help = format!("write constraint = \"saddle-point\" (with linear = \"iterative\" GMRES over the symmetric factor), or {instead}");
     Diagnostic::error("E015", text).at(&case.source, word.at).with_help(help)
 }

@@ -262,11 +262,15 @@ fn built<const S: usize, const N: usize>(
     let leaning = |part: &build::TiePart<S, N>| mixed(part) || !part.stiffness.to_csr().is_symmetric(crate::linalg::solver::NO_SYMMETRY);
     let tie = model.ties.iter().find(|tie| tie.parts.iter().any(leaning));
     if let Some(tie) = tie.filter(|_| solver.needs_symmetry()) {
-        return Err(faults::not_symmetric(case, &tie.name, tie.parts.iter().any(mixed)).into());
+        return Err(faults::not_symmetric(case, &format!("interface \"{}\"", tie.name), tie.parts.iter().any(mixed)).into());
     }
     let contact = model.contacts.iter().find(|c| c.parts.iter().any(|part| part.first.reaction.is_some()));
     if let Some(contact) = contact.filter(|_| solver.needs_symmetry()) {
-        return Err(faults::contact_not_symmetric(case, &contact.name).into());
+        return Err(match contact.parts.iter().any(|part| part.second.is_some()) {
+            true => faults::not_symmetric(case, &format!("contact \"{}\"", contact.name), true),
+            false => faults::contact_not_symmetric(case, &contact.name),
+        }
+        .into());
     }
     Ok(model)
 }

@@ -14,6 +14,7 @@ use crate::app::result::{
 };
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::contact::Contact;
+use crate::coupling::Rows;
 use crate::geometry::Geometry;
 use crate::io::case::Case;
 use crate::io::errors::Diagnostic;
@@ -144,6 +145,32 @@ pub fn warn_of_inexact(case: &Case, result: &mut RunResult) {
     result.warnings.extend(found);
 }
 
+/// Action and reaction: columns of B sum to zero against each other.
+#[derive(Debug, Default)]
+struct Pull {
+    sum: [f64; 3],
+    size: f64,
+}
+
+impl Pull {
+    fn push<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, unknown: usize, force: f64) {
+        let of = model.patches.iter().find(|p| p.range().contains(&unknown));
+        self.sum[of.map_or(0, |p| (unknown - p.field.first) % p.field.components)] += force;
+        self.size += force.abs();
+    }
+
+    fn add<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, rows: &Rows, lambda: &[f64]) {
+        for &(i, j, value) in rows.slave.entries.iter().chain(&rows.master.entries) {
+            self.push(model, j, value * lambda[i]);
+        }
+    }
+
+    /// The largest component of the sum, as a share of all forces.
+    fn defect(&self) -> f64 {
+        if self.size > 0.0 { self.sum.iter().fold(0.0, |m: f64, d| m.max(d.abs())) / self.size } else { 0.0 }
+    }
+}
+
 /// 1/2 uᵀ K u.
 fn energy(matrix: &Csr, u: &[f64]) -> f64 {
     let mut y = vec![0.0; u.len()];
@@ -167,6 +194,7 @@ fn contacts<const S: usize, const N: usize>(
             ..Default::default()
         };
         let mut zones: Vec<Zone<'_, S, N>> = Vec::new();
+        let mut pull = Pull::default();
         for (part, rows) in contact.parts.iter().zip(built) {
             let range = part.rows();
             let lambda = &state.lambda[range.clone()];
@@ -180,7 +208,7 @@ fn contacts<const S: usize, const N: usize>(
             report.area += sent.area;
             report.pressure.min = report.pressure.min.min(sent.least_pressure);
             report.pressure.max = report.pressure.max.max(sent.largest_pressure);
-            for ((gap, &l), j) in part.gaps(model, rows, &state.u).into_iter().zip(lambda).zip(range) {
+            for ((gap, &l), j) in part.gaps(model, rows, &state.u).into_iter().zip(&state.mu[range.clone()]).zip(range) {
                 report.active += usize::from(state.active[j]);
                 if state.sign_case[j] < 9 {
                     report.sign_cases[usize::from(state.sign_case[j])] += 1;
@@ -195,6 +223,11 @@ fn contacts<const S: usize, const N: usize>(
             }
             report.segments.count += rows.segments.num_pieces();
             report.segments.measure += rows.segments.measure();
+            let estimate = part.finer.as_ref().map(|f| f.estimate(&rows.rows, rows.reaction.as_ref(), &state.u, lambda));
+            report.consistency = report.consistency.max(estimate.unwrap_or(0.0));
+            if let crate::app::build::Against::Side(..) = part.against {
+                pull.add(model, rows.reaction.as_ref().unwrap_or(&rows.rows), lambda);
+            }
             if matches!(part.against, crate::app::build::Against::Rigid(..)) {
                 let mut force = [0.0; 3];
                 force[..N].copy_from_slice(sent.force.as_slice());
@@ -202,6 +235,7 @@ fn contacts<const S: usize, const N: usize>(
             }
             zones.push((&*part.slave.trace.space, rows, sent.closed));
         }
+        report.balance = pull.defect();
         report.half_width = half_width.map_or(0.0, |f| f(&zones));
         report.force = total.force[..N].to_vec();
         report.moment = moment::<N>(total.moment);
@@ -233,7 +267,7 @@ pub fn component_rows<const S: usize, const N: usize>(part: &TiePart<S, N>) -> V
 
 fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, tie: &TieModel<S, N>) -> InterfaceReport {
     let mut report = InterfaceReport::default();
-    let (mut size, mut defect) = (0.0, [0.0; 3]);
+    let mut pull = Pull::default();
     for part in &tie.parts {
         let lambda = TieField::of(model, part, state.t);
         for (k, pairing) in part.pairings.iter().enumerate() {
@@ -268,30 +302,17 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
         let lambda = &state.lambda[part.first_row..part.first_row + part.num_rows];
         let estimate = part.finer.as_ref().map(|f| f.estimate(&part.rows, part.reaction.as_ref(), &state.u, lambda));
         report.consistency = report.consistency.max(estimate.unwrap_or(0.0));
-        // action and reaction: columns of B sum to zero against each other
-        let component =
-            |j: usize| model.patches.iter().find(|p| p.range().contains(&j)).map_or(0, |p| (j - p.field.first) % p.field.components);
-        let b = part.reaction.as_ref().unwrap_or(&part.rows);
-        for triplets in [&b.slave, &b.master] {
-            for &(i, j, value) in &triplets.entries {
-                let force = value * state.lambda[part.first_row + i];
-                defect[component(j)] += force;
-                size += force.abs();
-            }
-        }
+        pull.add(model, part.reaction.as_ref().unwrap_or(&part.rows), lambda);
         // what is added to the stiffness pulls on both bodies alike, too
         let mut forces: BTreeMap<usize, f64> = BTreeMap::new();
         let changed = if part.changes(model) { part.stiffness_at(model, state.t).ok() } else { None };
         for &(i, j, value) in &changed.as_ref().unwrap_or(&part.stiffness).entries {
             *forces.entry(i).or_default() += value * state.u[j];
         }
-        for (&i, force) in &forces {
-            defect[component(i)] += force;
-            size += force.abs();
-        }
+        forces.iter().for_each(|(&i, &force)| pull.push(model, i, force));
     }
     report.lambda = Norm { norm: report.lambda.norm.sqrt() };
     report.jump = L2 { l2: report.jump.l2.sqrt() };
-    report.balance = if size > 0.0 { defect.iter().fold(0.0, |m: f64, d| m.max(d.abs())) / size } else { 0.0 };
+    report.balance = pull.defect();
     report
 }

@@ -27,8 +27,10 @@ pub struct StepState<const S: usize, const N: usize> {
     pub t: f64,
     /// All unknowns.
     pub u: Vec<f64>,
-    /// One multiplier per row.
+    /// One multiplier per row: coefficients of lambda.
     pub lambda: Vec<f64>,
+    /// What the solver found for every row: of contacts the variables of their cone, lambda = T mu; of ties lambda.
+    pub mu: Vec<f64>,
     /// Whether each row is enforced.
     pub active: Vec<bool>,
     /// Rows, weights and points of every contact part at this time.
@@ -186,16 +188,19 @@ impl<const S: usize, const N: usize> System<S, N> {
             let mut parts = Vec::with_capacity(contact.parts.len());
             for part in &contact.parts {
                 let built = contact.at(model, part, t)?;
-                append(&mut rows, &built.rows, part.first_row);
-                append(&mut reaction, built.reaction.as_ref().unwrap_or(&built.rows), part.first_row);
+                let turned = built.turned(&built.rows);
+                append(&mut rows, &turned, part.first_row);
+                let pulls = built.reaction.as_ref().map(|b| built.turned(b));
+                append(&mut reaction, pulls.as_ref().unwrap_or(&turned), part.first_row);
                 differs |= built.reaction.is_some();
-                for (j, (&g, k)) in built.offset.iter().zip(built.kinds()).enumerate() {
+                let (own, weights) = (built.turned_offset(), built.turned_weights());
+                for (j, (&g, k)) in own.iter().zip(built.kinds()).enumerate() {
                     offset[part.first_row + j] = g;
                     kind[part.first_row + j] = k;
                     let row = part.first_row + j;
                     // rows that faced nothing say nothing
                     let known = before.filter(|b| b.sign_case[row] != NO_CONTACT);
-                    start[row] = known.map_or_else(|| starts_active(model, contact, &built, j, part.first_row), |b| b.active[row]);
+                    start[row] = known.map_or_else(|| starts_active(model, contact, (g, weights[j]), j, part.first_row), |b| b.active[row]);
                 }
                 parts.push(built);
             }
@@ -208,7 +213,7 @@ impl<const S: usize, const N: usize> System<S, N> {
 fn starts_active<const S: usize, const N: usize>(
     model: &Model<S, N>,
     contact: &ContactModel<S, N>,
-    built: &Contact<S, N>,
+    (offset, weight): (f64, f64),
     j: usize,
     first: usize,
 ) -> bool {
@@ -216,7 +221,7 @@ fn starts_active<const S: usize, const N: usize>(
         Start::All => true,
         Start::None => false,
         // bodies that touch have gaps of round-off: zero within a share of the lengths the gaps come from
-        Start::Gap => built.offset[j] <= ZERO * model.size.max(model.center.norm()) * built.weights[j].abs(),
+        Start::Gap => offset <= ZERO * model.size.max(model.center.norm()) * weight.abs(),
         Start::Seed(seed) => {
             // SplitMix64 of seed and row: the same on every machine
             let mut z = seed.wrapping_add((first + j + 1) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
@@ -440,10 +445,19 @@ fn finished<const S: usize, const N: usize>(
             total.add(x, &force, ds);
         });
     }
+    let mut lambda = solution.multipliers.clone();
+    for (contact, built) in model.contacts.iter().zip(&system.contacts) {
+        for (part, rows) in contact.parts.iter().zip(built) {
+            let range = part.rows();
+            let turned = rows.multipliers(&lambda[range.clone()]);
+            lambda[range].copy_from_slice(&turned);
+        }
+    }
     StepState {
         t,
         u,
-        lambda: solution.multipliers,
+        lambda,
+        mu: solution.multipliers,
         active: solution.active,
         contacts: system.contacts.clone(),
         support,

@@ -51,14 +51,7 @@ impl<const N: usize, T: Real> InterfaceQuadrature<1, N, T> for MergedCurve<T> {
         if master.num_elements() == 0 {
             return Err(CouplingError::NothingFaces);
         }
-        let slave_size = size_of(slave);
-        let sides = Sides {
-            slave,
-            master: MasterCurve::new(master, slave_size),
-            slave_size,
-            partners: self.partners,
-            gauss: gauss_legendre::<T>(self.points.max(1)),
-        };
+        let sides = Sides::new(slave, master, self.partners, self.points);
         let parts: Vec<Part<T>> = (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| sides.element(e, work)).collect();
         join(parts, matches!(self.partners, Partners::Touching(_)))
     }
@@ -123,34 +116,43 @@ pub(super) fn join<T: Real>(parts: Vec<Part<T>>, touching: bool) -> Result<Segme
     Ok(out)
 }
 
-struct Sides<'a, const N: usize, T: Real> {
-    slave: &'a dyn Geometry<1, N, T>,
-    master: MasterCurve<&'a dyn Geometry<1, N, T>, N, T>,
+/// Both sides and the rule of a piece.
+pub(super) struct Sides<'a, const N: usize, T: Real> {
+    pub slave: &'a dyn Geometry<1, N, T>,
+    pub master: MasterCurve<&'a dyn Geometry<1, N, T>, N, T>,
     slave_size: T,
     partners: Partners<T>,
-    gauss: Rule<1, T>,
+    pub gauss: Rule<1, T>,
 }
 
-struct Work<const N: usize, T: Real> {
-    slave: MapTable<1, N, T>,
-    master: MapTable<1, N, T>,
-    cuts: Cuts<N, T>,
+/// Tables of one worker.
+pub(super) struct Work<const N: usize, T: Real> {
+    pub slave: MapTable<1, N, T>,
+    pub master: MapTable<1, N, T>,
+    pub cuts: Cuts<N, T>,
     xi: Vec<Vector<1, T>>,
     eta: Vec<Vector<1, T>>,
     near: Vec<T>,
 }
 
 impl<const N: usize, T: Real> Work<N, T> {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self { slave: MapTable::new(), master: MapTable::new(), cuts: Cuts::new(), xi: Vec::new(), eta: Vec::new(), near: Vec::new() }
     }
 }
 
 /// A piece of a slave element: from, to, and who owns it.
-type Piece<T> = (T, T, Option<usize>);
+pub(super) type Piece<T> = (T, T, Option<usize>);
 
-impl<const N: usize, T: Real> Sides<'_, N, T> {
-    fn element(&self, element: usize, work: &mut Work<N, T>) -> Part<T> {
+impl<'a, const N: usize, T: Real> Sides<'a, N, T> {
+    pub fn new(slave: &'a dyn Geometry<1, N, T>, master: &'a dyn Geometry<1, N, T>, partners: Partners<T>, points: usize) -> Self {
+        let slave_size = size_of(slave);
+        let gauss = gauss_legendre::<T>(points.max(1));
+        Self { slave, master: MasterCurve::new(master, slave_size), slave_size, partners, gauss }
+    }
+
+    /// The pieces that tile a slave element.
+    pub fn pieces(&self, element: usize, work: &mut Work<N, T>) -> Vec<Piece<T>> {
         work.cuts.at_vertices(self.slave, element, &self.master, &mut work.slave);
         let mut pieces: Vec<Piece<T>> = Vec::new();
         for k in 1..work.cuts.at.len() {
@@ -164,8 +166,12 @@ impl<const N: usize, T: Real> Sides<'_, N, T> {
                 _ => merged.push(piece),
             }
         }
+        merged
+    }
+
+    fn element(&self, element: usize, work: &mut Work<N, T>) -> Part<T> {
         let mut part = Part::new(element);
-        for piece in merged {
+        for piece in self.pieces(element, work) {
             self.integrate(piece, work, &mut part);
         }
         part

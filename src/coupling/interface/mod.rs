@@ -2,6 +2,7 @@
 
 mod chain;
 mod cuts;
+mod master_sums;
 mod merged_curve;
 mod pairing;
 mod slave;
@@ -13,6 +14,7 @@ use std::fmt::Debug;
 use std::ops::Range;
 
 pub use chain::{Chain, Vertex};
+pub use master_sums::MasterSums;
 pub use merged_curve::MergedCurve;
 pub use pairing::{MasterCurve, Partners, Place, Tolerance, crossing};
 pub use slave::{SlaveRule, slave_segments};

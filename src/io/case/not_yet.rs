@@ -48,12 +48,6 @@ impl Reader {
     }
 
     fn later_contact(&mut self, c: &Contact) {
-        if c.cone.value != Cone::Coefficients {
-            self.later(c.cone.at, "this cone", "write cone = \"coefficients\"");
-        }
-        if c.integration.value == Integration::Mixed {
-            self.later(c.integration.at, "mixed integration of contacts", "write integration = \"merged\" or \"slave\"");
-        }
         if let Master::Rigid(o) = &c.master
             && let Some(f) = o.force.iter().flatten().next()
         {

@@ -1,0 +1,294 @@
+//! Discrete cones of admissible multipliers, and contact rows turned into their variables.
+//!
+//! The cone of normal stresses lambda <= 0 has three discrete forms (seed: M_P, M_W, M_E), each lambda = T mu with mu <= 0:
+//!
+//! | cone | asks | mu | T |
+//! | --- | --- | --- | --- |
+//! | P, `coefficients` | lambda_j <= 0 | coefficients | identity |
+//! | W, `weights` | ∫ lambda ψ_j ds <= 0 | integrals \[force\] | inverse Gram matrix G_jk = ∫ ψ_j ψ_k ds |
+//! | E, `values` | lambda(x_j) <= 0 | values at the Greville points x_j | inverse collocation matrix ψ_k(x_j) |
+//!
+//! With the gap in weak form r = C u + g the conditions are mu <= 0, Tᵀ r >= 0, product zero in every row: the system of the cone P with
+//! rows Tᵀ C, offset Tᵀ g and weights Tᵀ w. So a constraint solver needs to know nothing: rows are turned before it, multipliers after it.
+//! Everything that is told of lambda (pressure, force, error) is told of its coefficients lambda = T mu; `active`, the sign cases and
+//! the Karush-Kuhn-Tucker numbers belong to mu and to the cone's own gap (Tᵀ r)_j / (Tᵀ w)_j \[length\]: lumped (P), the coefficients of the
+//! L2 projection of the gap (W, weights one), the gap against the function that is dual to the values (E).
+//!
+//! **What each guarantees.** Non-penetration holds in the mean only, against each function of T:
+//! - P: the pressure is non-negative everywhere, for the ψ_j are. The mean of the gap with every ψ_j is non-negative.
+//! - E: the pressure is non-negative at the Greville points, between them it may change sign. P lies in E, for non-negative coefficients have
+//!   non-negative values; for degree 0 and 1 both are one. Gap conditions are fewer: the functions of T have both signs from degree 2 on.
+//! - W: the mean of the pressure with every ψ_j is non-negative, its values are not: beside the zone it changes sign with the decay of
+//!   the inverse Gram matrix. P lies in W too. The L2 projection of the gap has non-negative coefficients, so *it* is
+//!   non-negative everywhere. Pressure reaches past the active functions: all functions have a part in it.
+//! - All three have the same total force where all is closed, and are one for multipliers constant on elements.
+//! - `dual` multipliers: P asks for the mean gap in each function, which is the coefficient of the slave's own motion; W is their L2
+//!   projection in the dual space itself; they have no Greville points and so no E.
+//!
+//! **Sides that face something in part.** G is integrated where the sides face each other, and only functions that face something have
+//! a part in T; the others stay open. E asks more: an interpolatory rule cut at the rim gives functions whose point lies outside a negative
+//! weight, and a body that lifts off would be pulled back there. Such functions stay open as well; on a whole support a
+//! negative weight (Newton-Cotes rules from degree 8 on) is refused.
+//!
+//! Cost: a solve per unknown of both sides, entries of decayed columns dropped at round-off; at most [`MOST_FUNCTIONS`] functions.
+//! Source: Brivadis, defence slides, Pavia 2017.
+
+use super::{Contact, ContactError, greville::greville_points};
+use crate::basis::{Basis, Order, ShapeTable};
+use crate::coupling::Rows;
+use crate::linalg::{Csr, ProfileFault, ProfileLu, Real, Triplets, lit, to_f64};
+use std::borrow::Cow;
+
+/// Functions of a side that a cone other than P can turn: the time is quadratic in it.
+pub const MOST_FUNCTIONS: usize = 20_000;
+/// Entries of a triangle of T⁻¹: 400 per function at most, and small sides may be full.
+const MOST_ENTRIES: usize = 8_000_000;
+/// Entries of turned rows below this share of the largest of their column are round-off of round-off.
+const DROPPED: f64 = 1e-22;
+/// Weights below this share of the largest are not positive.
+const NO_WEIGHT: f64 = 1e-12;
+/// An element that faces its partner with less than all but this share of its measure faces it in part.
+const WHOLE: f64 = 1e-9;
+/// Values below this at a Greville point are zero.
+const NO_VALUE: f64 = 1e-15;
+
+/// The discrete cone of admissible multipliers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Cone {
+    /// P: coefficients lambda_j <= 0.
+    #[default]
+    Coefficients,
+    /// W: integrals ∫ lambda ψ_j ds <= 0.
+    Weights,
+    /// E: values lambda(x_j) <= 0 at the Greville points.
+    Values,
+}
+
+/// T of the functions that have a part in it; none: the identity.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Turn<T: Real> {
+    functions: Vec<usize>,
+    inverse: Option<(Csr<T>, ProfileLu<T>)>,
+    weights: Vec<T>,
+}
+
+impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
+    /// The same contact with the multipliers of another cone; `multiplier`: those of the rows.
+    ///
+    /// # Errors
+    /// [`ContactError::NoGreville`] where E has no points, [`ContactError::ConeWeight`] where a function has a weight in the cone that is
+    /// not positive, [`ContactError::ConeSize`] above [`MOST_FUNCTIONS`].
+    pub fn with_cone(mut self, cone: Cone, multiplier: &dyn Basis<S, T>) -> Result<Self, ContactError> {
+        self.turn = Turn::identity();
+        if cone == Cone::Coefficients {
+            return Ok(self);
+        }
+        let m = self.weights.len();
+        if m > MOST_FUNCTIONS {
+            return Err(ContactError::ConeSize { functions: m, most: MOST_FUNCTIONS });
+        }
+        let all = match cone {
+            Cone::Weights => self.gram(multiplier),
+            _ => collocation(multiplier).ok_or(ContactError::NoGreville)?,
+        };
+        let whole = self.whole_supports(multiplier);
+        let mut functions: Vec<usize> = (0..m).filter(|&j| self.facing[j]).collect();
+        // every round leaves out at least one function
+        loop {
+            let part = restricted(&all, &functions);
+            let out: Vec<usize> = match ProfileLu::try_new(&part, MOST_ENTRIES) {
+                Err(ProfileFault::TooLarge { .. }) => return Err(ContactError::ConeSize { functions: m, most: MOST_FUNCTIONS }),
+                Err(ProfileFault::Pivot { row }) if whole[functions[row]] => {
+                    return Err(ContactError::ConeWeight { function: functions[row], weight: 0.0 });
+                }
+                Err(ProfileFault::Pivot { row }) => vec![row],
+                Ok(lu) => {
+                    let mut weights: Vec<T> = functions.iter().map(|&j| self.weights[j]).collect();
+                    let floor = weights.iter().fold(T::zero(), |m, w| m.max(w.abs())) * lit(NO_WEIGHT);
+                    lu.solve_transposed(&mut weights);
+                    let floor = if cone == Cone::Weights { lit(NO_WEIGHT) } else { floor };
+                    let bad: Vec<usize> = (0..functions.len()).filter(|&k| weights[k] <= floor).collect();
+                    if bad.is_empty() {
+                        for j in (0..m).filter(|j| functions.binary_search(j).is_err()) {
+                            self.facing[j] = false;
+                        }
+                        self.turn = Turn { functions, inverse: Some((part, lu)), weights };
+                        return Ok(self);
+                    }
+                    let partly: Vec<usize> = bad.iter().copied().filter(|&k| !whole[functions[k]]).collect();
+                    if partly.is_empty() {
+                        return Err(ContactError::ConeWeight { function: functions[bad[0]], weight: to_f64(weights[bad[0]]) });
+                    }
+                    partly
+                }
+            };
+            let mut k = 0;
+            functions.retain(|_| {
+                k += 1;
+                !out.contains(&(k - 1))
+            });
+        }
+    }
+
+    /// ∫ ψ_j ψ_k ds over the segments.
+    fn gram(&self, multiplier: &dyn Basis<S, T>) -> Csr<T> {
+        let m = self.weights.len();
+        let (mut gram, mut table, mut ids) = (Triplets::new(m, m), ShapeTable::new(), Vec::new());
+        for run in self.segments.runs() {
+            let element = self.segments.slave[run.start];
+            multiplier.active(element, &mut ids);
+            let n = ids.len();
+            let mut block = vec![T::zero(); n * n];
+            for piece in run {
+                let points = self.segments.points(piece);
+                multiplier.tabulate(element, &self.segments.slave_xi[points.clone()], Order::Values, &mut table);
+                for (k, q) in points.enumerate() {
+                    let values = table.values(k);
+                    for a in 0..n {
+                        for b in 0..n {
+                            block[a * n + b] += self.segments.ds[q] * values[a] * values[b];
+                        }
+                    }
+                }
+            }
+            for a in 0..n {
+                (0..n).for_each(|b| gram.push(ids[a], ids[b], block[a * n + b]));
+            }
+        }
+        gram.to_csr()
+    }
+
+    /// Whether the whole support of every function faces something.
+    fn whole_supports(&self, multiplier: &dyn Basis<S, T>) -> Vec<bool> {
+        let (mut whole, mut ids) = (vec![true; self.weights.len()], Vec::new());
+        for (element, &share) in self.segments.report.share.iter().enumerate() {
+            if share < lit(1.0 - WHOLE) {
+                multiplier.active(element, &mut ids);
+                ids.iter().for_each(|&j| whole[j] = false);
+            }
+        }
+        whole
+    }
+
+    /// Tᵀ C for rows C in the functions of the multiplier: what a constraint solver gets.
+    pub fn turned<'a>(&self, rows: &'a Rows<T>) -> Cow<'a, Rows<T>> {
+        match &self.turn.inverse {
+            None => Cow::Borrowed(rows),
+            Some((_, lu)) => Cow::Owned(Rows {
+                slave: turned(&rows.slave, &self.turn.functions, lu),
+                master: turned(&rows.master, &self.turn.functions, lu),
+            }),
+        }
+    }
+
+    /// Tᵀ g.
+    pub fn turned_offset(&self) -> Vec<T> {
+        self.turn.transposed(self.offset.clone())
+    }
+
+    /// Tᵀ w: the lengths that make lengths of the cone's gaps; zero where a function has no part in the cone.
+    pub fn turned_weights(&self) -> Vec<T> {
+        match self.turn.inverse {
+            None => self.weights.clone(),
+            Some(_) => self.turn.scattered(&self.turn.weights, self.weights.len()),
+        }
+    }
+
+    /// lambda = T mu.
+    pub fn multipliers(&self, mu: &[T]) -> Vec<T> {
+        let Some((_, lu)) = &self.turn.inverse else { return mu.to_vec() };
+        let mut own = self.turn.gathered(mu);
+        lu.solve(&mut own);
+        self.turn.scattered(&own, mu.len())
+    }
+
+    /// mu = T⁻¹ lambda: what has to be non-positive.
+    pub fn in_cone(&self, lambda: &[T]) -> Vec<T> {
+        let Some((inverse, _)) = &self.turn.inverse else { return lambda.to_vec() };
+        let own = self.turn.gathered(lambda);
+        let mut mu = vec![T::zero(); own.len()];
+        inverse.mul(&own, &mut mu);
+        self.turn.scattered(&mu, lambda.len())
+    }
+}
+
+impl<T: Real> Turn<T> {
+    /// T of the cone P.
+    pub(super) fn identity() -> Self {
+        Self { functions: Vec::new(), inverse: None, weights: Vec::new() }
+    }
+
+    fn gathered(&self, all: &[T]) -> Vec<T> {
+        self.functions.iter().map(|&j| all[j]).collect()
+    }
+
+    fn scattered(&self, own: &[T], m: usize) -> Vec<T> {
+        let mut all = vec![T::zero(); m];
+        self.functions.iter().zip(own).for_each(|(&j, &v)| all[j] = v);
+        all
+    }
+
+    /// Tᵀ r of values per function.
+    pub(super) fn transposed(&self, r: Vec<T>) -> Vec<T> {
+        let Some((_, lu)) = &self.inverse else { return r };
+        let mut own = self.gathered(&r);
+        lu.solve_transposed(&mut own);
+        self.scattered(&own, r.len())
+    }
+}
+
+/// ψ_k(x_j) at the Greville points x_j.
+fn collocation<const S: usize, T: Real>(multiplier: &dyn Basis<S, T>) -> Option<Csr<T>> {
+    let points = greville_points(multiplier)?;
+    let m = multiplier.num_functions();
+    let (mut matrix, mut table, mut ids) = (Triplets::new(m, m), ShapeTable::new(), Vec::new());
+    for (j, (element, xi)) in points.iter().enumerate() {
+        multiplier.active(*element, &mut ids);
+        multiplier.tabulate(*element, &[*xi], Order::Values, &mut table);
+        for (&k, &v) in ids.iter().zip(table.values(0)) {
+            if v.abs() > lit(NO_VALUE) {
+                matrix.push(j, k, v);
+            }
+        }
+    }
+    Some(matrix.to_csr())
+}
+
+/// Rows and columns of `functions`, in ascending order.
+fn restricted<T: Real>(all: &Csr<T>, functions: &[usize]) -> Csr<T> {
+    let mut number = vec![usize::MAX; all.num_rows()];
+    functions.iter().enumerate().for_each(|(k, &j)| number[j] = k);
+    let mut part = Triplets::new(functions.len(), functions.len());
+    for (k, &j) in functions.iter().enumerate() {
+        let (cols, vals) = all.row(j);
+        for (&c, &v) in cols.iter().zip(vals) {
+            if number[c as usize] != usize::MAX {
+                part.push(k, number[c as usize], v);
+            }
+        }
+    }
+    part.to_csr()
+}
+
+/// Tᵀ C, one solve per column of C.
+fn turned<T: Real>(rows: &Triplets<T>, functions: &[usize], lu: &ProfileLu<T>) -> Triplets<T> {
+    let mut number = vec![usize::MAX; rows.rows];
+    functions.iter().enumerate().for_each(|(k, &j)| number[j] = k);
+    let mut columns: Vec<(usize, usize, T)> =
+        rows.entries.iter().filter(|e| number[e.0] != usize::MAX).map(|&(i, j, v)| (j, number[i], v)).collect();
+    // stable: repeated places are summed in the order they were pushed
+    columns.sort_by_key(|e| (e.0, e.1));
+    let mut out = Triplets::new(rows.rows, rows.cols);
+    let mut column = vec![T::zero(); functions.len()];
+    for entries in columns.chunk_by(|a, b| a.0 == b.0) {
+        column.fill(T::zero());
+        entries.iter().for_each(|e| column[e.1] += e.2);
+        lu.solve_transposed(&mut column);
+        let floor = column.iter().fold(T::zero(), |m, v| m.max(v.abs())) * lit(DROPPED);
+        for (k, &v) in column.iter().enumerate().filter(|(_, v)| v.abs() > floor) {
+            out.push(functions[k], entries[0].0, v);
+        }
+    }
+    out
+}

@@ -1,0 +1,86 @@
+//! Greville points of a multiplier on a curve: one point per function, found from the basis alone.
+//!
+//! The Greville abscissa of a B-spline is its coefficient in the identity, xi = sum_i c_i B_i(xi): the mean of its inner knots. The
+//! functions that live on an element reproduce the identity there by themselves, so c_i follows from a small system per element, in
+//! the local coordinate of that element, without knots. Every element of a support gives the same point seen from itself; the one
+//! with 0 <= c_i <= 1 owns it. Where one function lives alone on an element (constants) it is the element's middle.
+
+use crate::basis::{Basis, Order, ShapeTable};
+use crate::linalg::{Real, Vector, lit, num};
+use nalgebra::{DMatrix, DVector};
+
+/// Defects of the identity and overhangs over an element's ends below this are round-off.
+const ROUND_OFF: f64 = 1e-7;
+
+/// The point (element, xi) of every function; none where the basis is not made of functions with such points: where they do not sum to
+/// one, do not reproduce the identity, or have several points (dual functions).
+pub fn greville_points<const S: usize, T: Real>(basis: &dyn Basis<S, T>) -> Option<Vec<(usize, Vector<S, T>)>> {
+    if S != 1 {
+        return None;
+    }
+    let n = basis.num_functions();
+    // (element, xi, whether the function has a slope there)
+    let mut found: Vec<Option<(usize, T, bool)>> = vec![None; n];
+    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
+    for element in 0..basis.num_elements() {
+        basis.active(element, &mut ids);
+        let own = ids.len();
+        // one point more than functions: the last equation is the test
+        let points: Vec<Vector<S, T>> = (0..=own).map(|q| Vector::from_element(num::<T>(q) / num::<T>(own))).collect();
+        basis.tabulate(element, &points, Order::Values, &mut table);
+        let off = |sum: T, wanted: T| (sum - wanted).abs() > lit(ROUND_OFF);
+        if (0..=own).any(|q| off(table.values(q).iter().fold(T::zero(), |s, &v| s + v), T::one())) {
+            return None;
+        }
+        if own == 1 {
+            found[ids[0]].get_or_insert((element, lit(0.5), false));
+            continue;
+        }
+        let matrix = DMatrix::from_fn(own + 1, own, |q, a| table.values(q)[a]);
+        let right = DVector::from_fn(own + 1, |q, _| points[q][0]);
+        // as many equations as functions, the last of them at the far end
+        let rows: Vec<usize> = (1..=own).collect();
+        let c = matrix.select_rows(&rows).lu().solve(&right.select_rows(&rows))?;
+        if (0..=own).any(|q| off(matrix.row(q).iter().zip(c.iter()).fold(T::zero(), |s, (&m, &c)| s + m * c), right[q])) {
+            return None;
+        }
+        for (&i, &xi) in ids.iter().zip(c.iter()) {
+            let inside = |x: T, margin: T| x >= margin && x <= T::one() - margin;
+            if !inside(xi, lit(-ROUND_OFF)) {
+                continue;
+            }
+            match found[i] {
+                // two points inside of two elements: no point of the function
+                Some((_, other, true)) if inside(xi, lit(ROUND_OFF)) || inside(other, lit(ROUND_OFF)) => return None,
+                Some((_, _, true)) => {}
+                _ => found[i] = Some((element, xi.max(T::zero()).min(T::one()), true)),
+            }
+        }
+    }
+    found.into_iter().map(|f| f.map(|(element, xi, _)| (element, Vector::from_element(xi)))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::basis::{BSpline, Polynomials};
+
+    /// Means of inner knots by hand: degree 2 on the breakpoints 0, 1, 3, 4.
+    #[test]
+    fn points_are_the_means_of_the_inner_knots() {
+        let spline = BSpline::<f64>::from_breakpoints(2, &[0.0, 1.0, 3.0, 4.0], &[1, 1]);
+        let points = greville_points::<1, f64>(&spline).unwrap();
+        let breaks = [0.0, 1.0, 3.0, 4.0];
+        let global: Vec<f64> = points.iter().map(|(e, xi)| breaks[*e] + xi[0] * (breaks[*e + 1] - breaks[*e])).collect();
+        for (g, want) in global.iter().zip([0.0, 0.5, 2.0, 3.5, 4.0]) {
+            assert!((g - want).abs() < 1e-12, "{global:?}");
+        }
+        // discontinuous pieces have their own points at shared vertices
+        let pieces = spline.polynomials(Polynomials::Uniform { degree: 1, continuity: -1 }).unwrap();
+        let points = greville_points(&*pieces).unwrap();
+        let want = [(0, 0.0), (0, 1.0), (1, 0.0), (1, 1.0), (2, 0.0), (2, 1.0)];
+        assert!(points.iter().zip(want).all(|(p, w)| p.0 == w.0 && (p.1[0] - w.1).abs() < 1e-12), "{points:?}");
+        let constants = spline.polynomials(Polynomials::Uniform { degree: 0, continuity: -1 }).unwrap();
+        assert!(greville_points(&*constants).unwrap().iter().enumerate().all(|(k, p)| p.0 == k && p.1[0] == 0.5));
+    }
+}
