@@ -180,9 +180,9 @@ pub struct ContactReport {
     pub pressure: Extremes,
     /// Least gap of the cone, lumped for coefficients \[length\].
     pub gap: Least,
-    /// Active multipliers.
+    /// Active multipliers: closed rows of the cone ([`crate::contact::Cone`]); coefficients, integrals or values below zero.
     pub active: usize,
-    /// Violation of the contact conditions.
+    /// Violation of the contact conditions in the variables of the cone.
     pub kkt: Kkt,
     /// Rows lambda <0, =0, >0; columns gap =0, >0, <0.
     pub sign_cases: [usize; 9],
