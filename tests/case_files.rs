@@ -534,7 +534,6 @@ fn e019_known_but_not_in_this_version() {
     let later = |from: &str, to: &str, what: &str, at: &str| {
         fails(&with(from, to), "E019", &format!("{what} is not in this version"), at);
     };
-    later("dimension = 2", "dimension = 2\nreference = \"p4.ref\"", "`reference`", "\"p4.ref\"");
     later("dimension = 2", "dimension = 2\nassumption = \"axisymmetric\"", "\"axisymmetric\"", "\"axisymmetric\"");
     later("slave =", "friction = 0.3\nslave =", "`friction`", "friction");
     later("slave =", "method = \"nitsche\"\nfactor = 10\nvariant = \"unsymmetric\"\nslave =", "this method", "\"nitsche\"");

@@ -124,12 +124,6 @@ fn wrong_words_are_exit_2() {
 }
 
 #[test]
-fn options_of_later_versions_say_so() {
-    let at = folder();
-    fails(at.path(), &["run", "square.toml", "--save-reference", "a.ref"], 2, "not in this version");
-}
-
-#[test]
 fn codes_are_explained() {
     let at = folder();
     let out = faying(at.path(), &["explain", "e021"]);

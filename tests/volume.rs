@@ -282,7 +282,8 @@ fn files_of_a_solid_are_written_with_every_kind_of_cell() {
     for backend in ["iga", "fe"] {
         let case = read(&text, Some(backend)).unwrap();
         for cells in [None, Some(CellStyle::Bezier), Some(CellStyle::Lagrange), Some(CellStyle::Linear)] {
-            let finished = faying::app::run::run(&case, &Registry::default(), &RunOptions { cells }, &Watch::default());
+            let finished =
+                faying::app::run::run(&case, &Registry::default(), &RunOptions { cells, ..RunOptions::default() }, &Watch::default());
             let output = finished.output.unwrap();
             let vtu = output.parts.vtu().unwrap();
             assert!(vtu.windows(16).any(|w| w == b"UnstructuredGrid"));

@@ -2,6 +2,7 @@
 
 use crate::app::RunResult;
 use crate::io::plot::{self, FieldPlot, PlotError};
+use crate::io::reference::StoredRun;
 use crate::io::table::InterfaceRow;
 use crate::io::vtu::{self, CellStyle, Part, VtuError};
 use crate::linalg::Vector;
@@ -11,6 +12,8 @@ use crate::linalg::Vector;
 pub struct RunOptions {
     /// Cells of every part; none: Bezier for `iga`, Lagrange for all else.
     pub cells: Option<CellStyle>,
+    /// Whether the last state is wanted as a stored run.
+    pub keep: bool,
 }
 
 /// A run that came to an end, a good one or not: its numbers, and what its files show.
@@ -26,6 +29,8 @@ pub struct Finished {
     pub output: Option<Output>,
     /// Every step with a state, where the case has `[steps]`.
     pub steps: Vec<StepOutput>,
+    /// The last state, where it was asked for and the run came to its end.
+    pub stored: Option<StoredRun>,
 }
 
 /// What there is to show of one step, made when it is asked for.

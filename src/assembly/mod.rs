@@ -18,7 +18,7 @@ use std::fmt::Debug;
 pub use blocks::Blocks;
 pub use dirichlet::{DirichletError, Fixed, dirichlet, dirichlet_with, planar_normal};
 pub use load::{load, measure, trace_load, trace_springs};
-pub use norms::{Errors, Norms, errors};
+pub use norms::{Errors, Norms, difference, errors};
 pub use pattern::Pattern;
 pub use places::places;
 pub(crate) use plain::element_stiffness;

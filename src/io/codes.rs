@@ -267,9 +267,9 @@ pub const CODES: &[Code] = &[
         "E062",
         3,
         "needs `exact` or `reference`",
-        "Errors and data marked \"exact\" need `exact` in [model] (or a reference).",
+        "Data marked \"exact\" need `exact` in [model]; errors need that or `reference`, a run that `faying run --save-reference` stored. A stored run knows lambda of the interfaces and contacts that have multipliers.",
         "[[check]]\nquantity = \"error.u.L2\"  # [model] has no `exact`",
-        "add exact = { u = ... } to [model], or ask for another quantity.",
+        "add exact = { u = ... } or reference = \"fine.ref\" to [model], or ask for another quantity.",
     ),
     code(
         "E063",

@@ -8,6 +8,7 @@ pub mod formula;
 pub mod place;
 pub mod plot;
 pub mod pvd;
+pub mod reference;
 pub mod table;
 pub mod vtu;
 mod vtu_cells;

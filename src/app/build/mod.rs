@@ -12,14 +12,17 @@ mod meetings;
 mod meshes;
 mod model;
 mod multipliers;
+mod parameters;
 mod patches;
 mod physics;
 mod plane;
 mod points;
+mod reference;
 mod rigid;
 mod rims;
 mod sides;
 mod soft;
+mod stored;
 mod supports;
 mod ties;
 mod traces;
@@ -44,9 +47,11 @@ pub use patches::patch_fault;
 pub use physics::{Physics, PlaceFn, PointState, SideFn};
 pub use plane::plane_net;
 pub use points::ContactFluxes;
+pub use reference::{OnSide, Reference, ReferenceLambda, ReferencePatch};
 pub use rigid::{FreeBody, RigidModes, RigidRow};
 pub(crate) use sides::canonical as canonical_side;
 pub use soft::{Fluxes, between};
+pub(crate) use stored::stored_run;
 pub use supports::free_motions;
 pub(crate) use supports::sentences;
 pub(crate) use ties::short;
@@ -99,6 +104,7 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
     builder.stop()?;
     supports::check(&mut builder, &model);
     builder.stop()?;
+    model.reference = reference::build(&builder, &model, net).map_err(|fault| Diagnostics::from(*fault))?;
     model.warnings.extend(std::mem::take(&mut builder.faults));
     Ok(model)
 }
@@ -132,6 +138,7 @@ fn supported<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, ne
         loads: Vec::new(),
         springs: Vec::new(),
         exact: case.model.exact.as_ref().map(|e| Exact::of(&e.value)),
+        reference: None,
         ties: Vec::new(),
         contacts: Vec::new(),
         rows: 0,

@@ -4,6 +4,7 @@ use super::exact::Exact;
 use super::glue::Glued;
 use super::meetings::Hinge;
 use super::physics::Physics;
+use super::reference::Reference;
 use crate::assembly::{Equation, Rim};
 use crate::basis::Basis;
 use crate::contact::{Cone, Contact, Target};
@@ -353,6 +354,8 @@ pub struct Model<const S: usize, const N: usize> {
     pub springs: Vec<SideSpring<S, N>>,
     /// Manufactured solution.
     pub exact: Option<Exact>,
+    /// A stored run that stands for it where there is none.
+    pub reference: Option<Reference<S, N>>,
     /// Tied interfaces.
     pub ties: Vec<TieModel<S, N>>,
     /// Contacts.

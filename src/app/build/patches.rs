@@ -109,7 +109,7 @@ fn of_net<const S: usize, const N: usize>(
 }
 
 /// The patch as data for a backend.
-fn specification<const S: usize, const N: usize>(
+pub(super) fn specification<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: &Patch,
     net: ControlNet<N, N>,

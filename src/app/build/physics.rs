@@ -1,6 +1,7 @@
 //! The material of a patch behind one face, whatever the number of components of the unknown.
 
 use super::exact::Exact;
+use super::reference::ReferencePatch;
 use crate::assembly::{self, Errors};
 use crate::io::case::{self, Elastic as Constants};
 use crate::io::formula::{Formula, Point};
@@ -195,6 +196,18 @@ impl<const N: usize> Physics<N> {
             Self::Vector(m) => assembly::errors(space, rules, &physics::form(&**m), u, &|x: &Vector<N>| {
                 let jet = exact.jet::<N, N>(&Point::new(x.as_slice()).at_time(t));
                 (jet.value, jet.gradient)
+            }),
+        }
+    }
+
+    /// Norms of the difference of `u` and a stored run, on the rules that come with it.
+    pub fn difference<const S: usize>(&self, space: &dyn Space<N, N>, u: &[f64], other: &ReferencePatch<S, N>) -> Errors {
+        match self {
+            Self::Scalar(m) => assembly::difference(space, &other.rules, &physics::form(&**m), u, &|e, xi: &Vector<N>, x: &Vector<N>| {
+                other.at::<1>(e, xi, x)
+            }),
+            Self::Vector(m) => assembly::difference(space, &other.rules, &physics::form(&**m), u, &|e, xi: &Vector<N>, x: &Vector<N>| {
+                other.at::<N>(e, xi, x)
             }),
         }
     }

@@ -93,7 +93,7 @@ pub struct RunArguments {
     /// Cells of fields.vtu [default: bezier for iga, lagrange for fe]
     #[arg(long, value_name = "CELLS")]
     pub vtu: Option<VtuCells>,
-    /// Store the run for later comparison (not in this version)
+    /// Store the last state in FILE: cases with `reference = "FILE"` in [model] measure their errors against it
     #[arg(long, value_name = "FILE")]
     pub save_reference: Option<PathBuf>,
 }

@@ -14,6 +14,7 @@ mod files;
 mod folder;
 mod history;
 mod inspect;
+mod keep;
 mod manifest;
 mod new;
 mod panics;

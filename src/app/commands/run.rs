@@ -15,12 +15,10 @@ use crate::io::errors::{Diagnostic, Diagnostics};
 use crate::io::pvd;
 use crate::io::vtu::CellStyle;
 use std::ffi::OsString;
+use std::path::Path;
 
 /// Solves a case and writes its folder.
 pub fn run(registry: &Registry, arguments: &RunArguments, common: &Common, streams: &Streams, words: &[OsString]) -> Ended {
-    if arguments.save_reference.is_some() {
-        return super::usage("`--save-reference` is not in this version", None);
-    }
     let clock = Clock::start(streams);
     let ended = solved(registry, arguments, common, words, &clock).unwrap_or_else(|ended| ended);
     clock.stop();
@@ -35,6 +33,8 @@ fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words:
     let path = case::out(&arguments.case, common);
     let loaded = case::load(&arguments.case, arguments.backend.as_deref(), common, registry)?;
     let folder = Folder::claim(&path, &loaded.path, &loaded.inputs[0].sha256, common.force).map_err(Ended::from)?;
+    let keep = arguments.save_reference.as_deref();
+    keep.map_or(Ok(()), |file| super::keep::claim(file, common.force)).map_err(Ended::from)?;
     let pool = case::pool(common)?;
     let cells = match arguments.vtu {
         Some(VtuCells::Bezier) => Some(CellStyle::Bezier),
@@ -44,9 +44,9 @@ fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words:
     };
     let threads = pool.current_num_threads();
     let results = Results { command: "run", loaded: &loaded, folder: &folder, words, threads, clock };
-    let job = Job { results, vtu: arguments.vtu, watch: &watch };
+    let job = Job { results, vtu: arguments.vtu, keep, watch: &watch };
     Ok(pool.install(|| {
-        let finished = crate::app::run::run(&loaded.case, registry, &RunOptions { cells }, &watch);
+        let finished = crate::app::run::run(&loaded.case, registry, &RunOptions { cells, keep: keep.is_some() }, &watch);
         job.write(finished)
     }))
 }
@@ -102,12 +102,13 @@ pub(super) fn shown(words: &[OsString]) -> Vec<String> {
 struct Job<'a> {
     results: Results<'a>,
     vtu: Option<VtuCells>,
+    keep: Option<&'a Path>,
     watch: &'a Watch,
 }
 
 impl Job<'_> {
     fn write(&self, finished: Finished) -> Ended {
-        let Finished { mut result, output, steps } = finished;
+        let Finished { mut result, output, steps, stored } = finished;
         // refused before anything began: no folder
         if result.exit == 3 || (matches!(result.exit, 4 | 6) && output.is_none() && result.solve.is_none()) {
             return Ended::refused(result.exit, messages(&result));
@@ -124,7 +125,8 @@ impl Job<'_> {
         }
         let steps = Steps { outputs: if with_vtu { steps } else { Vec::new() }, stems };
         result.warnings.extend(trouble.items);
-        match self.files(&mut result, &shown, &steps) {
+        let kept = self.keep.zip(stored.as_ref()).map_or(Ok(()), |(file, run)| super::keep::write(file, run));
+        match kept.and_then(|()| self.files(&mut result, &shown, &steps)) {
             Ok(document) => {
                 let summary = summary::of(&result, Some(&self.results.folder.path().display().to_string()));
                 Ended { exit: result.exit, summary, document, diagnostics: messages(&result), message: None }

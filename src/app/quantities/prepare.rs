@@ -290,6 +290,10 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         }
         // results of probes and checks are numbers of the result, too
         if let Some((place, help)) = self.lacks_exact(&path) {
+            let help = match &self.model.reference {
+                Some(_) => format!("the stored run has no multiplier there; {help}"),
+                None => help.to_owned(),
+            };
             let fault = Diagnostic::error("E062", format!("`{text}` needs `exact` {place}"));
             return Err(Box::new(fault.at(&self.case.source, at).with_help(help)));
         }

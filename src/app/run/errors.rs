@@ -1,8 +1,9 @@
-//! Errors of a solved model against exact solutions and multipliers.
+//! Errors of a solved model against exact solutions and multipliers, or against a stored run where there are none.
 
+use super::pressed::ContactField;
 use super::solve::StepState;
 use super::tied::TieField;
-use crate::app::build::{Model, SideModel, TieModel};
+use crate::app::build::{Model, OnSide, ReferenceLambda, SideModel, TieModel};
 use crate::app::named::Named;
 use crate::assembly::Errors;
 use crate::basis::Order;
@@ -18,13 +19,13 @@ pub fn error_names<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<S
         names.push(name.clone());
         names.push(format!("{name}.rel"));
     };
-    if model.exact.is_some() {
+    if model.exact.is_some() || model.reference.is_some() {
         for norm in ["L2", "H1", "energy"] {
             add(format!("error.u.{norm}"));
         }
     }
-    let ties = model.ties.iter().filter(|t| t.exact.is_some() || model.exact.is_some()).map(|t| &t.name);
-    let contacts = model.contacts.iter().filter(|c| c.exact.is_some() || model.exact.is_some()).map(|c| &c.name);
+    let ties = model.ties.iter().filter(|t| t.exact.is_some() || is_known(model, &t.name)).map(|t| &t.name);
+    let contacts = model.contacts.iter().filter(|c| c.exact.is_some() || is_known(model, &c.name)).map(|c| &c.name);
     let interfaces: Vec<&String> = ties.chain(contacts).collect();
     for name in &interfaces {
         add(format!("error.{name}.lambda.L2"));
@@ -33,6 +34,11 @@ pub fn error_names<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<S
         add("error.lambda.L2".into());
     }
     names
+}
+
+/// Whether the exact solution or the stored run has lambda of an interface or contact.
+fn is_known<const S: usize, const N: usize>(model: &Model<S, N>, name: &str) -> bool {
+    model.exact.is_some() || model.reference.as_ref().is_some_and(|r| r.lambda_of(name).is_some())
 }
 
 /// Calls `visit(piece, x, outward normal of the slave, points)` for the pieces of a slave side.
@@ -65,25 +71,35 @@ pub fn errors<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepS
         all.push(name.clone(), error);
         all.push(format!("{name}.rel"), error / exact);
     };
-    if let Some(exact) = &model.exact {
-        let mut sum = Errors::default();
-        for p in &model.patches {
-            sum = sum.hypot(p.physics_at(state.t).errors(&**p.body.space(), &p.rules, &state.u[p.range()], exact, state.t));
-        }
+    let of_body = |k: usize| {
+        let p = &model.patches[k];
+        let (physics, space, u) = (p.physics_at(state.t), &**p.body.space(), &state.u[p.range()]);
+        let stored = || Some(physics.difference(space, u, &model.reference.as_ref()?.patches[k]));
+        model.exact.as_ref().map(|exact| physics.errors(space, &p.rules, u, exact, state.t)).or_else(stored)
+    };
+    let bodies: Option<Vec<Errors>> = (0..model.patches.len()).map(of_body).collect();
+    if let Some(bodies) = bodies {
+        let sum = bodies.into_iter().fold(Errors::default(), Errors::hypot);
         add("error.u.L2".into(), sum.error.l2, sum.exact.l2);
         add("error.u.H1".into(), sum.error.h1, sum.exact.h1);
         add("error.u.energy".into(), sum.error.energy, sum.exact.energy);
     }
     let mut total = Squares::default();
     let mut any = false;
-    for tie in model.ties.iter().filter(|t| t.exact.is_some() || model.exact.is_some()) {
-        let s = tie_error(model, state, tie);
+    for tie in model.ties.iter().filter(|t| t.exact.is_some() || is_known(model, &t.name)) {
+        let s = match stored_lambda(model, &tie.name, tie.exact.is_some()) {
+            Some(stored) => tie_difference(model, state, tie, stored),
+            None => tie_error(model, state, tie),
+        };
         total = Squares { error: total.error + s.error, exact: total.exact + s.exact };
         add(format!("error.{}.lambda.L2", tie.name), s.error.sqrt(), s.exact.sqrt());
         any = true;
     }
-    for (k, contact) in model.contacts.iter().enumerate().filter(|(_, c)| c.exact.is_some() || model.exact.is_some()) {
-        let s = contact_error(model, state, k);
+    for (k, contact) in model.contacts.iter().enumerate().filter(|(_, c)| c.exact.is_some() || is_known(model, &c.name)) {
+        let s = match stored_lambda(model, &contact.name, contact.exact.is_some()) {
+            Some(stored) => contact_difference(model, state, k, stored),
+            None => contact_error(model, state, k),
+        };
         total = Squares { error: total.error + s.error, exact: total.exact + s.exact };
         add(format!("error.{}.lambda.L2", contact.name), s.error.sqrt(), s.exact.sqrt());
         any = true;
@@ -149,6 +165,56 @@ fn contact_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &St
                 sum.exact += s.ds[q] * wanted.powi(2);
             }
         });
+    }
+    sum
+}
+
+/// lambda of the stored run, where nothing exact stands before it.
+fn stored_lambda<'a, const S: usize, const N: usize>(model: &'a Model<S, N>, name: &str, exact: bool) -> Option<&'a ReferenceLambda<S>> {
+    model.reference.as_ref().filter(|_| !exact && model.exact.is_none())?.lambda_of(name)
+}
+
+/// Adds what the pieces of a part say: `found(element, points)` is lambda there, `[component][point]`.
+fn add_difference<const S: usize>(sum: &mut Squares, on: &OnSide<S>, found: impl Fn(usize, &[Vector<S>]) -> Vec<Vec<f64>>) {
+    let s = &on.segments;
+    for piece in 0..s.num_pieces() {
+        let points = s.points(piece);
+        let found = found(s.slave[piece], &s.slave_xi[points.clone()]);
+        for (k, q) in points.enumerate() {
+            for (c, wanted) in on.at(piece, q).into_iter().enumerate() {
+                sum.error += s.ds[q] * (found[c][k] - wanted).powi(2);
+                sum.exact += s.ds[q] * wanted.powi(2);
+            }
+        }
+    }
+}
+
+fn tie_difference<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    state: &StepState<S, N>,
+    tie: &TieModel<S, N>,
+    stored: &ReferenceLambda<S>,
+) -> Squares {
+    let mut sum = Squares::default();
+    for (part, sides) in tie.parts.iter().zip(&stored.parts) {
+        let lambda = TieField::of(model, part, state.t);
+        sides.iter().for_each(|on| add_difference(&mut sum, on, |e, xi| lambda.at(model, part, state, e, xi)));
+    }
+    sum
+}
+
+fn contact_difference<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    state: &StepState<S, N>,
+    number: usize,
+    stored: &ReferenceLambda<S>,
+) -> Squares {
+    let mut sum = Squares::default();
+    let contact = &model.contacts[number];
+    for (part, sides) in contact.parts.iter().zip(&stored.parts) {
+        let lambda = ContactField::of(model, part, state.t);
+        let of = |e: usize, xi: &[Vector<S>]| lambda.at(model, contact, part, state, e, xi).into_iter().map(|found| found[0]).collect();
+        sides.iter().for_each(|on| add_difference(&mut sum, on, |e, xi| vec![of(e, xi)]));
     }
     sum
 }

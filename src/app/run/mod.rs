@@ -132,14 +132,19 @@ fn run_in<const S: usize, const N: usize>(
                 (dimension.output)(case, last, options)
             });
             end_early(&mut result, watch);
+            let good = matches!(result.status, Status::Ok | Status::CheckFailed);
+            let stored = solved.last().filter(|_| options.keep && good).and_then(|last| {
+                let state = (last.state.u.as_slice(), last.state.lambda.as_slice(), last.state.t);
+                build::stored_run(case, dimension.names, dimension.net, &last.model, state).ok()
+            });
             let steps = if case.has_steps() {
                 solved.into_iter().map(|s| step_output(case, s, dimension.output, *options)).collect()
             } else {
                 Vec::new()
             };
-            Finished { result, output, steps }
+            Finished { result, output, steps, stored }
         }
-        Err(faults) => Finished { result: refused("run", case, faults), output: None, steps: Vec::new() },
+        Err(faults) => Finished { result: refused("run", case, faults), output: None, steps: Vec::new(), stored: None },
     }
 }
 
@@ -201,7 +206,7 @@ fn check_in<const S: usize, const N: usize>(case: &Case, registry: &Registry, di
         Ok(result)
     };
     let result = outcome().unwrap_or_else(|faults| refused("check", case, faults));
-    Finished { result, output: None, steps: Vec::new() }
+    Finished { result, output: None, steps: Vec::new(), stored: None }
 }
 
 /// Makes what there is to show of a solution.

@@ -457,6 +457,7 @@ impl Case {
                 source: None,
                 gravity: None,
                 reference: None,
+                stored: None,
             },
             discretization: Discretization {
                 backend: none("iga".to_owned()),

@@ -5,7 +5,7 @@
 use super::keys;
 use super::reader::Reader;
 use super::types::*;
-use crate::io::place::{Located, Place};
+use crate::io::place::Place;
 
 /// Couplings of the contract that integrate over the surfaces of both sides.
 const SURFACE_COUPLINGS: &[&str] = &["mortar", "nitsche", "penalty"];
@@ -17,19 +17,12 @@ impl Reader {
         self.fault("E019", at, format!("{what} is not in this version"), help);
     }
 
-    fn later_if<T>(&mut self, value: &Option<Located<T>>, what: &str, help: &str) {
-        if let Some(v) = value {
-            self.later(v.at, what, help);
-        }
-    }
-
     /// Reports everything that is not built.
     pub fn not_in_this_version(&mut self, case: &Case) {
         let m = &case.model;
         if m.dimension.value == 3 {
             self.later_surfaces(case);
         }
-        self.later_if(&m.reference, "`reference`", "errors are measured against `exact`");
         for c in &case.contacts {
             self.later_contact(c);
         }

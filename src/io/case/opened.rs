@@ -3,6 +3,7 @@
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
@@ -10,6 +11,7 @@ use super::reader::Reader;
 use crate::io::errors::{Diagnostic, nearest};
 use crate::io::files::{self, Contents, FileError, Limits};
 use crate::io::place::{Located, Place};
+use crate::io::reference::{self, StoredRun};
 
 /// Longest refinement list that is read, in bytes.
 const LONGEST_LIST: u64 = 16 << 20;
@@ -153,6 +155,23 @@ impl Reader {
             bytes.drain(..files::BYTE_ORDER_MARK.len());
         }
         Some(bytes)
+    }
+
+    /// The stored run of a file.
+    pub fn open_reference(&mut self, file: &Located<String>) -> Option<Arc<StoredRun>> {
+        let memory = self.memory;
+        let bytes = self.bytes_of(file, memory)?;
+        match reference::read(&bytes, &Limits { memory }) {
+            Ok(run) => Some(Arc::new(run)),
+            Err(e) => {
+                let help = match e {
+                    FileError::Memory { .. } => "raise --max-memory, or store a coarser run",
+                    _ => "`faying run CASE --save-reference FILE` writes stored runs",
+                };
+                self.fault(e.code(), file.at, format!("{}: {e}", short(&file.value)), help);
+                None
+            }
+        }
     }
 
     /// What is wrong with a file, at the place of the case that names it.

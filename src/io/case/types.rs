@@ -5,6 +5,7 @@
 
 use super::super::formula::{Constants, Formula};
 use super::super::place::{Located, Place};
+use super::super::reference::StoredRun;
 use super::super::{errors::Diagnostics, errors::Source};
 use super::opened::FileRead;
 use super::part::FilePart;
@@ -123,6 +124,8 @@ pub struct Model {
     pub gravity: Option<Located<Vec<f64>>>,
     /// A stored run that stands for the exact solution.
     pub reference: Option<Located<String>>,
+    /// What its file holds.
+    pub stored: Option<Arc<StoredRun>>,
 }
 
 impl Model {
