@@ -36,7 +36,7 @@ impl Study {
         format!("{}-{}", self.folder.file_name().unwrap().to_string_lossy(), self.spec["name"].as_str().unwrap())
     }
 
-    /// The rows of `result.json`.
+    /// The rows of `result.json`; of a run, which has none, the whole of it as one.
     fn run(&self, out: &Path, whole: bool) -> Vec<Value> {
         let quick = words(&self.spec["quick"]);
         let options = if whole || quick.is_empty() { words(&self.spec["options"]) } else { quick };
@@ -54,7 +54,7 @@ impl Study {
         assert!(known, "{}: {:?} {}", self.name(), done.status, String::from_utf8_lossy(&done.stderr));
         let text = std::fs::read_to_string(out.join("result.json")).unwrap_or_else(|e| panic!("{}: {e}", self.name()));
         let result: Value = serde_json::from_str(&text).unwrap();
-        result["rows"].as_array().unwrap().clone()
+        result["rows"].as_array().cloned().unwrap_or_else(|| vec![result])
     }
 }
 
