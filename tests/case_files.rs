@@ -536,7 +536,6 @@ fn e019_known_but_not_in_this_version() {
     };
     later("dimension = 2", "dimension = 2\nassumption = \"axisymmetric\"", "\"axisymmetric\"", "\"axisymmetric\"");
     later("slave =", "friction = 0.3\nslave =", "`friction`", "friction");
-    later("slave =", "method = \"nitsche\"\nfactor = 10\nvariant = \"unsymmetric\"\nslave =", "this method", "\"nitsche\"");
     later(
         "master = \"lower.top\"",
         "rigid = { kind = \"half-plane\", point = [0, 0.5], normal = [0, 1], force = { y = 1 } }",
