@@ -536,23 +536,6 @@ fn e019_known_but_not_in_this_version() {
     };
     later("dimension = 2", "dimension = 2\nassumption = \"axisymmetric\"", "\"axisymmetric\"", "\"axisymmetric\"");
     later("slave =", "friction = 0.3\nslave =", "`friction`", "friction");
-    later(
-        "master = \"lower.top\"",
-        "rigid = { kind = \"half-plane\", point = [0, 0.5], normal = [0, 1], force = { y = 1 } }",
-        "`force` of an obstacle",
-        "1 } }",
-    );
-    let disc = "rigid = { kind = \"disc-sector\", radius = 1.0, angle_deg = [0, 90] }";
-    later("master = \"lower.top\"", disc, "an obstacle of kind \"disc-sector\"", "\"disc-sector\"");
-    // keys of such a kind are not looked at
-    for (kind, keys) in [
-        ("cylinder", "center = [0, 0, 0], axis = [0, 0, 1], radius = 1"),
-        ("torus", "center = [0, 0], axis = 1, radius = [1, 2, 3]"),
-        ("nurbs", "degree = [1], knots = [[0, 0, 1, 1]], points = [[0, 0], [1, 0]]"),
-    ] {
-        let rigid = format!("rigid = {{ kind = \"{kind}\", {keys} }}");
-        later("master = \"lower.top\"", &rigid, &format!("an obstacle of kind \"{kind}\""), &format!("\"{kind}\""));
-    }
     let volume = BASE
         .replace("dimension = 2", "dimension = 3")
         .replace("[0, 0]", "[0, 0, 0]")
@@ -901,6 +884,17 @@ fn obstacles_are_read() {
     let case = rigid("{ kind = \"level-set\", f = \"y - 0.1*x^2\", along = [0, 2] }");
     let ObstacleShape::LevelSet { f, along } = shape(&case) else { panic!() };
     assert_eq!((f.value(&Point::new(&[2.0, 1.0])), along.unwrap().value), (0.6, vec![0.0, 1.0]));
+    let case = rigid("{ kind = \"disc-sector\", radius = 1, angle_deg = [0, 90], scale = 2, move = { y = \"t\" } }");
+    let ObstacleShape::Geometry(g) = shape(&case) else { panic!() };
+    assert_eq!((g.shape.value.kind(), g.scale.unwrap().value, g.translate), ("disc-sector", 2.0, None));
+    // one list of knots, or a list of one: a curve
+    for (degree, knots) in [("2", "[0, 0, 0, 1, 1, 1]"), ("[2]", "[[0, 0, 0, 1, 1, 1]]")] {
+        let nurbs = format!("{{ kind = \"nurbs\", degree = {degree}, knots = {knots}, points = [[0, 0], [1, 0], [2, 0]] }}");
+        let case = rigid(&nurbs);
+        let ObstacleShape::Geometry(g) = shape(&case) else { panic!() };
+        assert!(matches!(&g.shape.value, Shape::Nurbs { degree, knots, .. } if degree.value == [2] && knots.len() == 1));
+        assert_eq!(read(&case.effective_toml()).contacts[0].name, case.contacts[0].name, "{}", case.effective_toml());
+    }
 }
 
 #[test]

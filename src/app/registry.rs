@@ -2,6 +2,7 @@
 
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::constraint::{Augmented, Condensed, ConstraintSolver, Direct, Krylov, Schur};
+use crate::contact::Target;
 use crate::coupling::interface::{MasterSums, MergedCurve, Partners, SlaveRule};
 use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind, side_ends};
 use crate::coupling::nitsche::Variant;
@@ -12,6 +13,7 @@ use crate::io::vtu::CellStyle;
 use crate::linalg::{Limits, Vector};
 use crate::space::{Body, Mapping, Mesh, Patch, PatchSpec, Trace};
 use std::fmt::Debug;
+use std::sync::Arc;
 
 /// A name that no entry has.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -147,7 +149,16 @@ pub struct Names<const S: usize, const N: usize> {
     pub couplings: Family<MakeCoupling<S, N>>,
     /// Integrations of interfaces and contacts.
     pub integrations: Family<MakeIntegration<S, N>>,
+    /// Obstacles with the shape of a geometry; none: not there in this dimension.
+    pub obstacles: Obstacles<S, N>,
 }
+
+/// Makes the obstacle that has the shape of a geometry.
+pub type MakeObstacle<const S: usize, const N: usize> = fn(&case::Geometry) -> Result<Arc<dyn Target<S, N>>, Fault>;
+
+/// The maker of obstacles with the shape of a geometry, where there is one.
+#[derive(Debug)]
+pub struct Obstacles<const S: usize, const N: usize>(pub Option<MakeObstacle<S, N>>);
 
 /// The maker of multipliers that are given by data, where there is one.
 pub struct Polynomials<const S: usize, const N: usize>(pub Option<MakePolynomial<S, N>>);
@@ -177,6 +188,7 @@ impl<const S: usize, const N: usize> Names<S, N> {
             polynomials: Polynomials(None),
             couplings: Family::new("coupling"),
             integrations: Family::new("integration"),
+            obstacles: Obstacles(None),
         }
     }
 }
@@ -236,6 +248,7 @@ impl Names<1, 2> {
             names.multipliers.add(&kind.to_string(), Box::new(move |trace, constrained| curve_multiplier(kind, trace, constrained)));
         }
         names.polynomials = Polynomials(Some(Box::new(curve_multiplier)));
+        names.obstacles = Obstacles(Some(super::build::PLANE_OBSTACLES));
         names
             .couplings
             .add("mortar", Box::new(|_| Box::new(Mortar)))

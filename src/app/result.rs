@@ -174,6 +174,9 @@ pub struct ContactReport {
     pub force: Vec<f64>,
     /// Its moment about the origin [force length].
     pub moment: Moment,
+    /// Translation of a rigid obstacle, prescribed or found \[length\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<Vec<f64>>,
     /// Measure of the zone that carries pressure [length^(N-1)].
     pub area: f64,
     /// Extremes of the pressure -lambda at the points of integration [force/area].

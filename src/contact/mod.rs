@@ -1,10 +1,12 @@
 //! Floor 10: gaps, normals, targets and the loop that presses bodies together. Names no basis type.
 
 mod cone;
+mod curves;
 mod frames;
 mod gap;
 mod greville;
 pub mod nitsche;
+mod pressed;
 mod pressure;
 mod surface;
 mod targets;
@@ -19,7 +21,7 @@ pub use gap::{Contact, ContactError, Opponent};
 pub use greville::greville_points;
 pub use nitsche::{AtPoints, PointValues, point_values};
 pub use pressure::Transmitted;
-pub use surface::Surface;
+pub use surface::{OutlinePiece, Surface, pieces};
 pub use targets::{HalfPlane, LevelSet, Moved, Sphere};
 pub use width::{ClosedSide, half_width};
 
@@ -52,6 +54,12 @@ pub trait Target<const D: usize, const N: usize, T: Real = f64>: Debug + Send + 
 }
 
 impl<const D: usize, const N: usize, T: Real, X: Target<D, N, T> + ?Sized> Target<D, N, T> for Box<X> {
+    fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
+        (**self).project(x)
+    }
+}
+
+impl<const D: usize, const N: usize, T: Real, X: Target<D, N, T> + ?Sized> Target<D, N, T> for std::sync::Arc<X> {
     fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
         (**self).project(x)
     }

@@ -1,20 +1,47 @@
-//! A rigid obstacle with the shape of a trace.
+//! A rigid obstacle with the shape of a trace, a curve, or the outline of an area.
 
+use super::curves::Curves;
 use super::{Hit, Location, Target};
-use crate::basis::Order;
+use crate::basis::{Elements, Order};
 use crate::coupling::interface::MasterCurve;
 use crate::geometry::{Geometry, MapTable, unit_normal};
 use crate::linalg::{Real, Vector};
 use crate::space::{Space, Trace};
 use std::sync::Arc;
 
+/// A curve as a map of elements.
+type Curve<T> = Arc<dyn Geometry<1, 2, T>>;
+
+/// One element of an obstacle's outline.
+#[derive(Clone, Debug)]
+pub struct OutlinePiece<T: Real = f64> {
+    /// The curve that it is part of.
+    pub curve: Arc<dyn Geometry<1, 2, T>>,
+    /// Its element there.
+    pub element: usize,
+    /// +1 or -1: the factor of the tangent turned clockwise that makes a normal out of the obstacle.
+    pub outward: T,
+}
+
 /// The closest point of a curved side, with the outward normal of the element that owns it.
 ///
 /// Points beyond an end of the side face nothing. At a kink the fan of points whose closest point is the vertex is
-/// halved between the two elements, each with its own normal.
+/// halved between the two elements, each with its own normal. Points inside the obstacle have a negative gap.
+///
+/// # Example
+/// The line from (0, 0) to (1, 0) has its obstacle below: the normal is the direction of travel turned by +90 degrees.
+/// ```
+/// use faying::{basis::BSpline, contact::{Surface, Target}, geometry::ControlPoints, linalg::Vector};
+/// use std::sync::Arc;
+/// let points = vec![Vector::<2>::new(0.0, 0.0), Vector::<2>::new(1.0, 0.0)];
+/// let line = Surface::left_of(Arc::new(ControlPoints { basis: BSpline::uniform(1, 1, 0), points }), None);
+/// let hit = line.project(&Vector::<2>::new(0.3, 2.0)).expect("the line faces what is above it");
+/// assert!((hit.gap - 2.0).abs() < 1e-15 && (hit.normal[1] - 1.0).abs() < 1e-15);
+/// assert!(line.project(&Vector::<2>::new(1.5, 2.0)).is_none());
+/// ```
 #[derive(Debug)]
 pub struct Surface<T: Real = f64> {
-    master: MasterCurve<Arc<dyn Space<1, 2, T>>, 2, T>,
+    master: MasterCurve<Curves<Curve<T>>, 2, T>,
     outward: Vec<T>,
     reach: Option<T>,
 }
@@ -22,8 +49,29 @@ pub struct Surface<T: Real = f64> {
 impl<T: Real> Surface<T> {
     /// The surface of `trace`; points farther than `reach` face nothing.
     pub fn new(trace: &Trace<1, 2, T>, reach: Option<T>) -> Self {
-        Self { master: MasterCurve::new(Arc::clone(&trace.space), T::zero()), outward: trace.outward.clone(), reach }
+        Self::of_pieces(pieces(trace), reach)
     }
+
+    /// The obstacle to the right of `curve`: its normals are the direction of travel turned by +90 degrees.
+    pub fn left_of(curve: Arc<dyn Geometry<1, 2, T>>, reach: Option<T>) -> Self {
+        let pieces =
+            (0..curve.num_elements()).map(|element| OutlinePiece { curve: Arc::clone(&curve), element, outward: -T::one() }).collect();
+        Self::of_pieces(pieces, reach)
+    }
+
+    /// The obstacle with an outline of `pieces` in any order; pieces whose ends are at one place follow one another.
+    pub fn of_pieces(pieces: Vec<OutlinePiece<T>>, reach: Option<T>) -> Self {
+        let outward = pieces.iter().map(|p| p.outward).collect();
+        let elements = pieces.into_iter().map(|p| (p.curve, p.element)).collect();
+        Self { master: MasterCurve::new(Curves { elements }, T::zero()), outward, reach }
+    }
+}
+
+/// The elements of a trace with their outward signs.
+pub fn pieces<T: Real>(trace: &Trace<1, 2, T>) -> Vec<OutlinePiece<T>> {
+    let space: Arc<dyn Space<1, 2, T>> = Arc::clone(&trace.space);
+    let curve: Curve<T> = space;
+    (0..curve.num_elements()).map(|e| OutlinePiece { curve: Arc::clone(&curve), element: e, outward: trace.outward[e] }).collect()
 }
 
 impl<T: Real> Target<1, 2, T> for Surface<T> {

@@ -1,10 +1,11 @@
 //! Half the width of a contact zone along one side, or along several sides that follow one another.
 
 use super::Contact;
-use crate::basis::{Cell, Elements, Order};
+use super::curves::Curves;
+use crate::basis::Elements;
 use crate::coupling::interface::Chain;
-use crate::geometry::{Bounds, Geometry, MapTable};
-use crate::linalg::{Real, Vector, lit};
+use crate::geometry::Geometry;
+use crate::linalg::{Real, lit};
 
 /// A zone that ends within this share of the side's length of an end of the side ends there.
 const AT_SIDE_END: f64 = 1e-9;
@@ -20,33 +21,6 @@ pub struct ClosedSide<'a, const N: usize, T: Real = f64> {
     pub closed: &'a [bool],
 }
 
-/// Several curves as one: their elements one after another, each with its curve and its number there.
-#[derive(Debug)]
-struct Joined<'a, const N: usize, T: Real> {
-    elements: Vec<(&'a dyn Geometry<1, N, T>, usize)>,
-}
-
-impl<const N: usize, T: Real> Elements for Joined<'_, N, T> {
-    fn num_elements(&self) -> usize {
-        self.elements.len()
-    }
-    fn cell(&self, element: usize) -> Cell {
-        let (curve, own) = self.elements[element];
-        curve.cell(own)
-    }
-}
-
-impl<const N: usize, T: Real> Geometry<1, N, T> for Joined<'_, N, T> {
-    fn map(&self, element: usize, xi: &[Vector<1, T>], order: Order, table: &mut MapTable<1, N, T>) {
-        let (curve, own) = self.elements[element];
-        curve.map(own, xi, order, table);
-    }
-    fn bounds(&self, element: usize) -> Bounds<N, T> {
-        let (curve, own) = self.elements[element];
-        curve.bounds(own)
-    }
-}
-
 /// Half the extent of the closed zone along the slave sides; all of it where it ends at an end of the sides, as in half
 /// models. Zero where nothing is closed.
 ///
@@ -54,7 +28,7 @@ impl<const N: usize, T: Real> Geometry<1, N, T> for Joined<'_, N, T> {
 /// closed curve the zone is what the widest open stretch leaves. The extent is measured along the curve, between the
 /// outermost closed points, each with the share of the curve that its weight stands for.
 pub fn half_width<const N: usize, T: Real>(sides: &[ClosedSide<'_, N, T>]) -> T {
-    let joined = Joined { elements: sides.iter().flat_map(|s| (0..s.slave.num_elements()).map(|e| (s.slave, e))).collect() };
+    let joined = Curves { elements: sides.iter().flat_map(|s| (0..s.slave.num_elements()).map(|e| (s.slave, e))).collect() };
     let chain = Chain::of(&joined);
     // from and to: arc length within the element
     let mut zone: Vec<Option<[T; 2]>> = vec![None; joined.num_elements()];

@@ -5,21 +5,23 @@ use super::couples::Couples;
 use super::fixed::Fixed;
 use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideModel};
 use super::multipliers::{held_help, multiplier, multiplier_fault};
+use super::obstacles::{num_pressed, obstacle, turned_away};
 use super::points::PointSides;
 use super::sides::{Sides, as_one};
+use super::supports::unit;
 use super::ties::{FINER_POINTS, degree, labels, list, memberships, nitsche_variant};
 use super::values::times;
 use crate::app::registry::MASTER_SUMS;
 use crate::assembly::gauss_rules;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::constraint::Proximal;
-use crate::contact::{self, Contact, ContactError, Frames, HalfPlane, LevelSet, Moved, Opponent, Sphere, Target};
+use crate::contact::{self, Contact, ContactError, Frames, Opponent};
 use crate::coupling::consistency::Finer;
 use crate::coupling::interface::{Partners, slave_segments};
 use crate::coupling::multiplier::MultiplierError;
 use crate::coupling::{Interface, Nitsche, Penalty, Segments, Side};
 use crate::geometry::{ClosestPoint, MapTable, cell};
-use crate::io::case::{self, Cone, Integration, Master, Method, Obstacle, ObstacleShape};
+use crate::io::case::{self, Cone, Integration, Master, Method};
 use crate::io::errors::Diagnostic;
 use crate::io::formula::{Formula, Point};
 use crate::io::place::Place;
@@ -46,6 +48,7 @@ pub(super) fn build<const S: usize, const N: usize>(
     let tied = memberships(builder, model, couples);
     let case = builder.case;
     let seams = seams(builder, model, sides);
+    let mut next_unknown = model.unknowns - num_pressed(case);
     for contact in &case.contacts {
         if let Err(fault) = known(builder, contact, model) {
             builder.faults.push(*fault);
@@ -56,9 +59,18 @@ pub(super) fn build<const S: usize, const N: usize>(
             Master::Sides(wanted) => list(builder, model, sides, wanted),
             _ => Vec::new(),
         };
+        let obstacle = match obstacle(builder, contact, next_unknown) {
+            Ok(obstacle) => obstacle,
+            Err(fault) => {
+                builder.faults.push(*fault);
+                continue;
+            }
+        };
+        next_unknown += obstacle.as_ref().map_or(0, |o| o.pressed.len());
         let mut built = ContactModel {
             name: contact.name.value.clone(),
             parts: Vec::new(),
+            obstacle,
             gap: contact.gap.value.clone(),
             reach: contact.reach.value,
             exact: contact.exact.as_ref().map(|f| f.value.clone()),
@@ -81,6 +93,9 @@ pub(super) fn build<const S: usize, const N: usize>(
                 }
                 Err(fault) => builder.faults.push(*fault),
             }
+        }
+        if let Some(fault) = turned_away(builder, contact, &built) {
+            builder.faults.push(fault);
         }
         model.contacts.push(built);
     }
@@ -151,17 +166,15 @@ fn part<const S: usize, const N: usize>(
     on_seam: &dyn Fn(usize) -> bool,
 ) -> Result<(ContactPart<S, N>, Option<Diagnostic>), Box<Diagnostic>> {
     let name = &contact.name.value;
-    let mut moves = false;
+    let moves = built.obstacle.as_ref().is_some_and(|o| o.changes);
     let (mut second, mut finer) = (None, None);
-    let against = match &contact.master {
+    let against = match &built.obstacle {
         // an obstacle has no points of its own: its mixed integration is that of the slave
-        Master::Rigid(obstacle) => {
-            let target = rigid(builder, &obstacle.value, obstacle.at)?;
-            moves = changes_with_time(&obstacle.value);
+        Some(obstacle) => {
             let rules = gauss_rules(&*slave.trace.space, contact.extra_points.value);
-            Against::Rigid(target, slave_segments(&*slave.trace.space, &rules))
+            Against::Rigid(Arc::clone(obstacle), slave_segments(&*slave.trace.space, &rules))
         }
-        _ => {
+        None => {
             let Some(master) = &as_one(model, masters) else {
                 return Err(Box::new(builder.error("E021", format!("contact \"{name}\" has no master"), contact.head.at)));
             };
@@ -245,7 +258,8 @@ fn part<const S: usize, const N: usize>(
     };
     // an obstacle may come within reach later
     for &t in times(builder.case, moves) {
-        let first = rows(model, slave, &against, (&*psi, cone, second.as_ref()), &built.gap, built.reach, t).map_err(|e| fault(&e))?;
+        let first =
+            rows(model, slave, &against, (&*psi, cone, second.as_ref()), &built.gap, built.reach, t, None).map_err(|e| fault(&e))?;
         if first.facing.contains(&true) {
             let finer = finer.and_then(|segments| finer_rows(model, slave, &against, &*psi, &segments));
             let (masters, num_rows, first_row) = (masters.to_vec(), psi.num_functions(), model.rows);
@@ -266,6 +280,7 @@ fn rows<const S: usize, const N: usize>(
     gap: &Formula,
     reach: Option<f64>,
     t: f64,
+    place: Option<&[f64]>,
 ) -> Result<Contact<S, N>, ContactError> {
     let side = Side { trace: &slave.trace, field: model.patches[slave.patch].field, flux: None };
     let gap = |x: &Vector<N>, g: f64| gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(g));
@@ -278,8 +293,14 @@ fn rows<const S: usize, const N: usize>(
                 None => built,
             }
         }
-        Against::Rigid(target, segments) => {
-            Contact::new(side, Opponent::Rigid(&*target(t), reach), psi, segments.clone(), &gap, model.unknowns)?
+        Against::Rigid(obstacle, segments) => {
+            let target = obstacle.target(t, place);
+            let mut built = Contact::new(side, Opponent::Rigid(&*target, reach), psi, segments.clone(), &gap, model.unknowns)?;
+            for p in &obstacle.pressed {
+                let at = place.and_then(|u| u.get(p.unknown)).copied().unwrap_or(0.0);
+                built.let_obstacle_move(psi, &unit(p.component), p.unknown, at);
+            }
+            built
         }
     };
     built.with_cone(cone, psi)
@@ -307,22 +328,42 @@ fn finer_rows<const S: usize, const N: usize>(
 }
 
 impl<const S: usize, const N: usize> ContactModel<S, N> {
-    /// Rows, offsets and weights of a part at time `t`.
+    /// Rows, offsets and weights of a part at time `t`, obstacles that forces press at rest.
     ///
     /// # Errors
     /// [`ContactError`] where the gap formula has no value.
     pub fn at(&self, model: &Model<S, N>, part: &ContactPart<S, N>, t: f64) -> Result<Contact<S, N>, ContactError> {
-        if !part.changes {
+        self.at_place(model, part, t, None)
+    }
+
+    /// The same with obstacles that forces press where `unknowns` of the model say.
+    ///
+    /// # Errors
+    /// [`ContactError`] where the gap formula has no value.
+    pub fn at_place(
+        &self,
+        model: &Model<S, N>,
+        part: &ContactPart<S, N>,
+        t: f64,
+        unknowns: Option<&[f64]>,
+    ) -> Result<Contact<S, N>, ContactError> {
+        let place = unknowns.filter(|_| self.is_pressed());
+        if !part.changes && place.is_none() {
             return Ok(part.first.clone());
         }
         match (&self.formulation, &part.multiplier) {
             (_, Some(psi)) => {
                 let chosen = (&**psi, part.cone, part.second.as_ref());
-                rows(model, &part.slave, &part.against, chosen, &self.gap, self.reach, t)
+                rows(model, &part.slave, &part.against, chosen, &self.gap, self.reach, t, place)
             }
             (Formulation::Nitsche(method), None) => part.point_sides().contact(model, method, &self.gap, self.reach, t),
             _ => Ok(part.first.clone()),
         }
+    }
+
+    /// Whether a force presses its obstacle.
+    pub fn is_pressed(&self) -> bool {
+        self.obstacle.as_ref().is_some_and(|o| !o.pressed.is_empty())
     }
 }
 
@@ -390,12 +431,12 @@ fn directions<const S: usize, const N: usize>(
 ) -> HashMap<usize, Vector<N>> {
     let (space, trace) = (&*side.trace.space, &side.trace);
     let mut other = MapTable::new();
-    let closest = match against {
-        Against::Side(master, _) => Some(ClosestPoint::new(master.trace.space.clone())),
-        Against::Rigid(..) => None,
+    let (closest, target) = match against {
+        Against::Side(master, _) => (Some(ClosestPoint::new(master.trace.space.clone())), None),
+        Against::Rigid(obstacle, _) => (None, Some(obstacle.target(t, None))),
     };
     let mut facing = |x: &Vector<N>| match against {
-        Against::Rigid(target, _) => target(t).project(x).map(|hit| hit.normal),
+        Against::Rigid(..) => target.as_ref()?.project(x).map(|hit| hit.normal),
         Against::Side(master, _) => {
             let foot = closest.as_ref()?.project(x)?;
             master.trace.space.map(foot.element, &[foot.xi], Order::Gradients, &mut other);
@@ -424,65 +465,4 @@ fn directions<const S: usize, const N: usize>(
         }
     }
     out.into_iter().map(|(f, (_, normal))| (f, normal)).collect()
-}
-
-/// Whether an obstacle changes with the time.
-fn changes_with_time(obstacle: &Obstacle) -> bool {
-    let level_set = match &obstacle.shape.value {
-        ObstacleShape::LevelSet { f, .. } => f.depends_on_time(),
-        _ => false,
-    };
-    level_set || obstacle.translate.iter().flatten().any(|f| f.depends_on_time())
-}
-
-fn vector<const N: usize>(list: &[f64]) -> Vector<N> {
-    Vector::from_fn(|k, _| list.get(k).copied().unwrap_or(0.0))
-}
-
-type MakeTarget<const S: usize, const N: usize> = Box<dyn Fn(f64) -> Box<dyn Target<S, N>> + Send + Sync>;
-
-/// The obstacle as a function of time.
-fn rigid<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
-    obstacle: &Obstacle,
-    at: Place,
-) -> Result<MakeTarget<S, N>, Box<Diagnostic>> {
-    if let Some(force) = obstacle.force.iter().flatten().next() {
-        return Err(Box::new(builder.error("E019", "an obstacle driven by a force is not in this version", force.at)));
-    }
-    let motion: Vec<Option<Formula>> = obstacle.translate.iter().map(|f| f.as_ref().map(|f| f.value.clone())).collect();
-    let by = move |t: f64| {
-        Vector::<N>::from_fn(|k, _| motion.get(k).and_then(Option::as_ref).map_or(0.0, |f| f.value(&Point::default().at_time(t))))
-    };
-    Ok(match &obstacle.shape.value {
-        ObstacleShape::HalfPlane { point, normal } => {
-            let Some(plane) = HalfPlane::<N>::try_new(vector(&point.value), vector(&normal.value)) else {
-                return Err(Box::new(builder.error("E015", "the normal of the half-plane has length zero", normal.at)));
-            };
-            Box::new(move |t| Box::new(Moved { target: plane, by: by(t) }))
-        }
-        ObstacleShape::Sphere { center, radius, inside } => {
-            let sphere = Sphere::<N> { center: vector(&center.value), radius: radius.value, inside: inside.value };
-            Box::new(move |t| Box::new(Moved { target: sphere, by: by(t) }))
-        }
-        ObstacleShape::LevelSet { f, along } => {
-            let (f, along) = (f.value.clone(), along.as_ref().map(|a| vector::<N>(&a.value)));
-            if along.is_some_and(|a| a.norm() == 0.0) {
-                return Err(Box::new(builder.error("E015", "`along` of the level set has length zero", obstacle.shape.at)));
-            }
-            Box::new(move |t| {
-                let f = f.clone();
-                let function = move |x: &Vector<N>| {
-                    let jet = f.jet(&Point::new(x.as_slice()).at_time(t));
-                    (jet.value, Vector::<N>::from_fn(|k, _| jet.gradient[k]))
-                };
-                let by = by(t);
-                match along {
-                    Some(a) => Box::new(Moved { target: LevelSet::try_along(function, a).expect("its length was checked"), by }),
-                    None => Box::new(Moved { target: LevelSet::new(function), by }),
-                }
-            })
-        }
-        _ => return Err(Box::new(builder.error("E019", "this kind of obstacle is not in this version", at))),
-    })
 }

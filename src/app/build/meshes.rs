@@ -2,7 +2,7 @@
 
 use super::Builder;
 use crate::geometry::{turn, turn_about};
-use crate::io::case::{Geometry, Mapping, Patch};
+use crate::io::case::{FilePart, Geometry, Mapping, Patch};
 use crate::io::errors::Diagnostic;
 use crate::linalg::Vector;
 use crate::space::{self, Body, Mesh, MeshError, refine_cells};
@@ -19,10 +19,8 @@ pub(super) fn body<const S: usize, const N: usize>(
         let text = format!("geometry of patch \"{name}\": the cells are not of dimension {N}");
         return Err(Box::new(builder.error("E044", text, geometry.at)));
     };
-    let turn = turn_of(geometry).map_err(|text| builder.error("E015", format!("geometry of patch \"{name}\": {text}"), geometry.at))?;
-    for x in &mut cells.points {
-        *x = moved(x, geometry, &turn);
-    }
+    cells.points = placed_points(&cells.points, geometry)
+        .map_err(|text| builder.error("E015", format!("geometry of patch \"{name}\": {text}"), geometry.at))?;
     for _ in 0..patch.refine.value {
         cells = refine_cells(&cells);
     }
@@ -33,18 +31,24 @@ pub(super) fn body<const S: usize, const N: usize>(
         Mapping::Exact => space::Mapping::Exact,
     };
     let mesh = Mesh::<S, N>::from_cells(&cells, degree, mapping).map_err(|error| {
-        // children of a cell follow each other
-        let ids = part.map(|p| p.cell_ids()).unwrap_or_default();
-        let shift = N * patch.refine.value;
-        let cell = |k: usize| ids.get(k >> shift).map_or(k, |id| *id as usize);
-        let point = |k: usize| part.and_then(|p| p.point_ids().get(k).copied()).map_or(k, |id| id as usize);
         let at = if matches!(error, MeshError::Degree { .. }) { d.degree.at } else { geometry.at };
-        builder.error(code(&error), format!("patch \"{name}\": {}", in_numbers_of_the_file(error, cell, point)), at)
+        let error = match part {
+            Some(part) => in_numbers_of(part, error, N * patch.refine.value),
+            None => error,
+        };
+        builder.error(mesh_code(&error), format!("patch \"{name}\": {error}"), at)
     })?;
     Ok(Box::new(mesh))
 }
 
-fn code(error: &MeshError) -> &'static str {
+/// Points of a mesh scaled, rotated, moved as their geometry says.
+pub(super) fn placed_points<const N: usize>(points: &[Vector<N>], geometry: &Geometry) -> Result<Vec<Vector<N>>, String> {
+    let turn = turn_of(geometry)?;
+    Ok(points.iter().map(|x| moved(x, geometry, &turn)).collect())
+}
+
+/// The code of an unusable mesh.
+pub(super) fn mesh_code(error: &MeshError) -> &'static str {
     match error {
         MeshError::Inverted(_) | MeshError::Folded { .. } | MeshError::Collapsed { .. } => "E041",
         MeshError::Degree { .. } => "E015",
@@ -52,7 +56,13 @@ fn code(error: &MeshError) -> &'static str {
     }
 }
 
-/// The same error with cells and points as the file numbers them.
+/// The same error with cells and points as the file of `part` numbers them; 2 to the `shift` children of a cell follow each other.
+pub(super) fn in_numbers_of(part: &FilePart, error: MeshError, shift: usize) -> MeshError {
+    let cell = |k: usize| part.cell_ids().get(k >> shift).map_or(k, |id| *id as usize);
+    let point = |k: usize| part.point_ids().get(k).map_or(k, |id| *id as usize);
+    in_numbers_of_the_file(error, cell, point)
+}
+
 fn in_numbers_of_the_file(error: MeshError, id: impl Fn(usize) -> usize, node: impl Fn(usize) -> usize) -> MeshError {
     let mut error = error;
     match &mut error {

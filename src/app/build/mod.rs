@@ -12,6 +12,8 @@ mod meetings;
 mod meshes;
 mod model;
 mod multipliers;
+mod obstacles;
+mod outline;
 mod parameters;
 mod patches;
 mod physics;
@@ -43,6 +45,8 @@ pub use model::{
     Action, Against, Changing, Condition, ContactModel, ContactPart, Formulation, Model, Pairing, PatchModel, Pin, RimModel, SideLoad,
     SideModel, SideSpring, TieModel, TiePart, Value,
 };
+pub(crate) use obstacles::PLANE as PLANE_OBSTACLES;
+pub use obstacles::{ObstacleModel, Pressed};
 pub use patches::patch_fault;
 pub use physics::{Physics, PlaceFn, PointState, SideFn};
 pub use plane::plane_net;
@@ -128,7 +132,7 @@ fn supported<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, ne
         glued,
         hinges,
         components: case.model.components(),
-        unknowns: patches.last().map_or(0, |p| p.range().end),
+        unknowns: patches.last().map_or(0, |p| p.range().end) + obstacles::num_pressed(case),
         patches,
         conditions: Vec::new(),
         pins: Vec::new(),

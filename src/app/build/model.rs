@@ -3,11 +3,12 @@
 use super::exact::Exact;
 use super::glue::Glued;
 use super::meetings::Hinge;
+use super::obstacles::ObstacleModel;
 use super::physics::Physics;
 use super::reference::Reference;
 use crate::assembly::{Equation, Rim};
 use crate::basis::Basis;
-use crate::contact::{Cone, Contact, Target};
+use crate::contact::{Cone, Contact};
 use crate::coupling::consistency::Finer;
 use crate::coupling::{Coupling, Nitsche, Rows, Segments};
 use crate::io::case;
@@ -237,15 +238,15 @@ pub struct TieModel<const S: usize, const N: usize> {
 pub enum Against<const S: usize, const N: usize> {
     /// A deformable side.
     Side(Arc<SideModel<S, N>>, Segments<S>),
-    /// A rigid obstacle at a time.
-    Rigid(Box<dyn Fn(f64) -> Box<dyn Target<S, N>> + Send + Sync>, Segments<S>),
+    /// A rigid obstacle.
+    Rigid(Arc<ObstacleModel<S, N>>, Segments<S>),
 }
 
 impl<const S: usize, const N: usize> std::fmt::Debug for Against<S, N> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Side(side, _) => f.debug_tuple("Side").field(&side.label).finish(),
-            Self::Rigid(..) => f.write_str("Rigid(..)"),
+            Self::Rigid(obstacle, _) => f.debug_tuple("Rigid").field(obstacle).finish(),
         }
     }
 }
@@ -313,6 +314,8 @@ pub struct ContactModel<const S: usize, const N: usize> {
     pub name: String,
     /// One part per slave side.
     pub parts: Vec<ContactPart<S, N>>,
+    /// The rigid obstacle that it faces, if it is one.
+    pub obstacle: Option<Arc<ObstacleModel<S, N>>>,
     /// The gap formula.
     pub gap: Formula,
     /// Largest distance of partners of rigid obstacles.

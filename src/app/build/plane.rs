@@ -63,10 +63,15 @@ pub(super) fn plane_shape(shape: &Shape) -> Result<ControlNet<2, 2>, (&'static s
 /// E015 for numbers out of range, E019 for shapes that are not in this version, E031 to E034 for nets, E044 for shapes of
 /// three dimensions.
 pub fn plane_net(geometry: &Geometry) -> Result<ControlNet<2, 2>, (&'static str, String)> {
-    let mut net = plane_shape(&geometry.shape.value)?;
+    let net = plane_shape(&geometry.shape.value)?;
     if geometry.extrude.is_some() {
         return Err(("E044", "`extrude` makes a body of three dimensions, the model has two".into()));
     }
+    Ok(placed(net, geometry))
+}
+
+/// A net scaled, rotated, moved as its geometry says.
+pub(super) fn placed<const D: usize>(mut net: ControlNet<D, 2>, geometry: &Geometry) -> ControlNet<D, 2> {
     if let Some(factor) = &geometry.scale {
         net = net.scale(factor.value);
     }
@@ -76,5 +81,5 @@ pub fn plane_net(geometry: &Geometry) -> Result<ControlNet<2, 2>, (&'static str,
     if let Some(by) = &geometry.translate {
         net = net.translate(&Vector::from(pair(&by.value)));
     }
-    Ok(net)
+    net
 }

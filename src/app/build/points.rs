@@ -88,8 +88,9 @@ impl<const S: usize, const N: usize> PointSides<'_, S, N> {
                 let opponent = Opponent::Master(Side { trace: &master.trace, field: master.field, flux: Some(&fluxes.master) });
                 Contact::nitsche(method, slave, opponent, segments, &gap, model.unknowns)
             }
-            Against::Rigid(target, segments) => {
-                Contact::nitsche(method, slave, Opponent::Rigid(&*target(t), reach), segments, &gap, model.unknowns)
+            Against::Rigid(obstacle, segments) => {
+                let target = obstacle.target(t, None);
+                Contact::nitsche(method, slave, Opponent::Rigid(&*target, reach), segments, &gap, model.unknowns)
             }
         }
     }
@@ -126,7 +127,10 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
                 let opponent = Opponent::Master(Side { trace: &master.trace, field: master.field, flux: Some(&fluxes.master) });
                 point_values(method, slave, opponent, segments, &gap, u).ok()
             }
-            Against::Rigid(target, _) => point_values(method, slave, Opponent::Rigid(&*target(t), self.reach), segments, &gap, u).ok(),
+            Against::Rigid(obstacle, _) => {
+                let target = obstacle.target(t, None);
+                point_values(method, slave, Opponent::Rigid(&*target, self.reach), segments, &gap, u).ok()
+            }
         }
     }
 }

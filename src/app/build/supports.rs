@@ -12,7 +12,8 @@ use crate::quadrature::Quadrature;
 /// Points looked at per side.
 const SAMPLES: usize = 24;
 
-fn unit<const N: usize>(component: usize) -> Vector<N> {
+/// The unit vector of a component.
+pub(super) fn unit<const N: usize>(component: usize) -> Vector<N> {
     Vector::from_fn(|k, _| f64::from(u8::from(k == component)))
 }
 
@@ -32,7 +33,7 @@ fn points<const S: usize, const N: usize>(side: &SideModel<S, N>) -> Vec<Vector<
     out
 }
 
-/// Motions that supports, ties and contacts leave: `contacts` at a time, per contact and part, of them the points in `closed`.
+/// Motions that supports, ties and contacts leave, of patches and, numbered behind them by contact, of obstacles that forces press: `contacts` at a time, per contact and part, of them the points in `closed`.
 pub fn free_motions<const S: usize, const N: usize>(
     model: &Model<S, N>,
     contacts: &[Vec<&Contact<S, N>>],
@@ -42,8 +43,13 @@ pub fn free_motions<const S: usize, const N: usize>(
     let mut first: Vec<usize> = (0..model.patches.len()).filter(|&k| model.glued.body(k) == k).collect();
     first.sort_unstable();
     let body = |patch: usize| first.binary_search(&model.glued.body(patch)).expect("every patch is part of a body");
-    let modes = RigidModes { bodies: first.len(), components: model.components, center: model.center, size: model.size };
+    // obstacles that forces press are bodies behind them
+    let pressed: Vec<usize> = (0..model.contacts.len()).filter(|&k| model.contacts[k].is_pressed()).collect();
+    let modes = RigidModes { bodies: first.len() + pressed.len(), components: model.components, center: model.center, size: model.size };
     let mut rows: Vec<RigidRow<N>> = Vec::new();
+    for (k, &contact) in pressed.iter().enumerate() {
+        rows.extend(guides(model, first.len() + k, contact));
+    }
     let mut fix = |body: usize, direction: Vector<N>, x: Vector<N>| rows.push(RigidRow { terms: vec![(body, 1.0, x)], direction });
     for c in &model.conditions {
         for x in points(&c.side) {
@@ -111,17 +117,39 @@ pub fn free_motions<const S: usize, const N: usize>(
                     let piece = segments.start.partition_point(|&s| s <= q) - 1;
                     terms.push((body(master.patch_of(segments.master[piece])), -1.0, foot));
                 }
+                if let Ok(number) = pressed.binary_search(&k) {
+                    terms.push((first.len() + number, -1.0, *x));
+                }
                 rows.push(RigidRow { terms, direction: frames.normal[q] });
             }
         }
     }
-    modes.free(&rows).into_iter().map(|f| FreeBody { body: first[f.body], ..f }).collect()
+    let number = |body: usize| first.get(body).copied().unwrap_or_else(|| model.patches.len() + pressed[body - first.len()]);
+    modes.free(&rows).into_iter().map(|f| FreeBody { body: number(f.body), ..f }).collect()
+}
+
+/// What holds the obstacle of a contact, body `body`: all but the components in which forces press it.
+fn guides<const S: usize, const N: usize>(model: &Model<S, N>, body: usize, contact: usize) -> Vec<RigidRow<N>> {
+    let free = |c: usize| model.contacts[contact].obstacle.iter().flat_map(|o| &o.pressed).any(|p| p.component == c);
+    let mut rows: Vec<RigidRow<N>> =
+        (0..N).filter(|&c| !free(c)).map(|c| RigidRow { terms: vec![(body, 1.0, model.center)], direction: unit(c) }).collect();
+    for i in 0..N {
+        for j in i + 1..N {
+            let beside = model.center + unit::<N>(j) * model.size;
+            rows.push(RigidRow { terms: vec![(body, 1.0, beside), (body, -1.0, model.center)], direction: unit(i) });
+        }
+    }
+    rows
 }
 
 /// "body "upper" can still move: translation x, rotation" for every such body.
 pub(crate) fn sentences<const S: usize, const N: usize>(model: &Model<S, N>, free: &[FreeBody]) -> Vec<String> {
     free.iter()
         .map(|f| {
+            if let Some(contact) = f.body.checked_sub(model.patches.len()) {
+                let name = &model.contacts[contact].name;
+                return format!("the obstacle of contact \"{name}\" can still move: {}", f.motions.join(", "));
+            }
             let name = &model.patches[f.body].name;
             if model.components == 1 {
                 format!("the level of body \"{name}\" is not determined")
@@ -137,10 +165,17 @@ pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
     let first: Vec<Vec<_>> = model.contacts.iter().map(|c| c.parts.iter().map(|p| &p.first).collect()).collect();
     let free = free_motions(model, &first, &|_, _, _| true);
     for (f, sentence) in free.iter().zip(sentences(model, &free)) {
-        let at = builder.case.patches[f.body].head.at;
+        let obstacle = f.body.checked_sub(model.patches.len());
+        let at = match obstacle {
+            Some(contact) => builder.case.contacts[contact].head.at,
+            None => builder.case.patches[f.body].head.at,
+        };
         let text = if model.contacts.is_empty() { sentence } else { format!("{sentence}, even with every contact closed") };
-        let fault =
-            builder.error("E051", text, at).with_help("prescribe what is left by [[boundary]], or tie the body to one that is supported");
+        let help = match obstacle {
+            Some(_) => "leave the component out of `force`: the obstacle is held there then; or support the body that it presses on",
+            None => "prescribe what is left by [[boundary]], or tie the body to one that is supported",
+        };
+        let fault = builder.error("E051", text, at).with_help(help);
         builder.faults.push(fault);
     }
 }

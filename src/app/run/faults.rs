@@ -112,6 +112,10 @@ pub fn step_fault<const S: usize, const N: usize>(
                 Diagnostic::error("E072", text).with_help("support the body beside its contacts, or press it on"),
             )
         }
+        StepError::Obstacle { .. } => {
+            let help = "start it near the body (geometry or earlier steps), or prescribe its motion by `move`";
+            (Status::NotConverged, "obstacle", at(Diagnostic::error("E071", error.to_string())).with_help(help))
+        }
         StepError::Contact(ContactError::Gap { .. }) => (Status::NotFinite, "not-finite", Diagnostic::error("E073", error.to_string())),
         StepError::Solve(SolveError::Linear(LinearError::NotFinite)) => {
             let text = "a number in the system is not finite; a load or a material formula has no value somewhere on its body";

@@ -264,7 +264,7 @@ fn contact_side(solved: &Arc<Plane>, c: usize, p: usize, options: &RunOptions) -
     let target = |solved: &Arc<Plane>| -> Box<dyn Target<1, 2>> {
         match &solved.model.contacts[c].parts[p].against {
             Against::Side(master, _) => Box::new(Surface::new(&master.trace, None)),
-            Against::Rigid(make, _) => make(solved.state.t),
+            Against::Rigid(obstacle, _) => obstacle.target(solved.state.t, Some(&solved.state.u)),
         }
     };
     let facing = normals(solved, &part.slave, target(solved));

@@ -109,6 +109,12 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 total.add(x, &value, ds);
             });
         }
+        // forces on obstacles: guides carry their moments
+        for p in self.contacts.iter().flat_map(|c| &c.obstacle).flat_map(|o| &o.pressed) {
+            let force = p.force.value(&Point::default().at_time(t));
+            load[p.unknown] += force;
+            total.force[p.component] += force;
+        }
         (load, total)
     }
 }

@@ -1,6 +1,7 @@
 //! Running a case: build, predict, assemble, solve, measure.
 
 mod arc_length;
+mod at_rest;
 mod errors;
 mod faults;
 mod fields;

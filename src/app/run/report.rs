@@ -43,7 +43,10 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, mode
     result.contact = model
         .contacts
         .iter()
-        .map(|c| (c.name.clone(), ContactReport { force: vec![0.0; N], moment: moment::<N>([0.0; 3]), ..Default::default() }))
+        .map(|c| {
+            let displacement = c.obstacle.as_ref().map(|_| vec![0.0; N]);
+            (c.name.clone(), ContactReport { force: vec![0.0; N], moment: moment::<N>([0.0; 3]), displacement, ..Default::default() })
+        })
         .collect();
     result.interface = model.ties.iter().map(|t| (t.name.clone(), InterfaceReport::default())).collect();
     for label in model.supports.iter().map(|s| &s.label).chain(model.pins.iter().map(|p| &p.rim.label)) {
@@ -231,6 +234,8 @@ fn contacts<const S: usize, const N: usize>(
             if matches!(part.against, crate::app::build::Against::Rigid(..)) {
                 let mut force = [0.0; 3];
                 force[..N].copy_from_slice(sent.force.as_slice());
+                // what presses the obstacle is among the loads
+                contact.obstacle.iter().flat_map(|o| &o.pressed).for_each(|p| force[p.component] = 0.0);
                 outside.sum(&Resultant { force, moment: sent.moment });
             }
             zones.push((&*part.slave.trace.space, rows, sent.closed));
@@ -239,6 +244,7 @@ fn contacts<const S: usize, const N: usize>(
         report.half_width = half_width.map_or(0.0, |f| f(&zones));
         report.force = total.force[..N].to_vec();
         report.moment = moment::<N>(total.moment);
+        report.displacement = contact.obstacle.as_ref().map(|o| o.displacement(state.t, Some(&state.u)).as_slice().to_vec());
         all.push(contact.name.clone(), report);
     }
     all

@@ -2,6 +2,7 @@
 
 use super::integrate::on_trace;
 use super::loads::Resultant;
+use super::at_rest::at_rest;
 use super::soften::Softness;
 use crate::app::build::{ContactModel, Model, between};
 use crate::app::registry::{Fault, Registry, SolverOptions, solver_name};
@@ -72,6 +73,12 @@ pub enum StepError {
     /// The system was not solved.
     #[error(transparent)]
     Solve(#[from] SolveError),
+    /// Obstacles that forces press did not come to rest.
+    #[error("an obstacle that a force presses does not come to rest: contact was built at {places} places")]
+    Obstacle {
+        /// At how many places.
+        places: usize,
+    },
 }
 
 /// The stiffness of every body at a time, springs included.
@@ -173,7 +180,9 @@ fn append(sum: &mut Rows, part: &Rows, first: usize) {
 
 impl<const S: usize, const N: usize> System<S, N> {
     /// `before`: the step whose active rows are the first guess.
-    fn of(model: &Model<S, N>, t: f64, before: Option<&StepState<S, N>>) -> Result<Self, StepError> {
+    ///
+    /// `place`: unknowns that say where obstacles are that forces press; none: at rest.
+    fn of(model: &Model<S, N>, t: f64, before: Option<&StepState<S, N>>, place: Option<&[f64]>) -> Result<Self, StepError> {
         let m = model.rows;
         let mut rows = empty(m, model.unknowns);
         let (mut reaction, mut differs) = (empty(m, model.unknowns), false);
@@ -187,7 +196,7 @@ impl<const S: usize, const N: usize> System<S, N> {
         for contact in &model.contacts {
             let mut parts = Vec::with_capacity(contact.parts.len());
             for part in &contact.parts {
-                let built = contact.at(model, part, t)?;
+                let built = contact.at_place(model, part, t, place)?;
                 let turned = built.turned(&built.rows);
                 append(&mut rows, &turned, part.first_row);
                 let pulls = built.reaction.as_ref().map(|b| built.turned(b));
@@ -301,21 +310,23 @@ pub fn step<const S: usize, const N: usize>(
     watch: &Watch,
 ) -> Result<StepState<S, N>, Unsolved<S, N>> {
     let before = before.filter(|_| !model.contacts.is_empty());
-    let solved = once(model, matrices, solver, t, before, watch);
+    let solved = at_rest(model, matrices, solver, t, before, watch);
     match &solved {
         Err(Unsolved { error: StepError::Solve(e), .. }) if before.is_some() && !matches!(e, SolveError::Stopped { .. }) => {
-            once(model, matrices, solver, t, None, watch)
+            at_rest(model, matrices, solver, t, None, watch)
         }
         _ => solved,
     }
 }
 
-fn once<const S: usize, const N: usize>(
+/// Solves the system with obstacles where `place` says, the active set started as it ended in `before`.
+pub(super) fn once<const S: usize, const N: usize>(
     model: &Model<S, N>,
     matrices: &Matrices,
     solver: &mut Solver,
     t: f64,
     before: Option<&StepState<S, N>>,
+    place: Option<&[f64]>,
     watch: &Watch,
 ) -> Result<StepState<S, N>, Unsolved<S, N>> {
     let goes_on = || match watch.stop() {
@@ -325,11 +336,12 @@ fn once<const S: usize, const N: usize>(
     if let Some(fault) = &matrices.fault {
         return Err(fault.clone().into());
     }
-    let bodies: Vec<&Csr> = matrices.bodies.iter().collect();
+    let obstacles = model.has_pressed().then(|| model.pressed_block());
+    let bodies: Vec<&Csr> = matrices.bodies.iter().chain(&obstacles).collect();
     let matrices = Blocks { bodies: &bodies, between: matrices.between.as_ref() };
     let prescribed = model.prescribed(t).map_err(|e| Unsolved::<S, N>::from(e.0))?;
     let (load, total) = model.loads(t);
-    let system = System::of(model, t, before)?;
+    let system = System::of(model, t, before, place)?;
     let reduced = Reduced::try_new(matrices, &load, &prescribed, &model.all_equations())?;
     let (slave, shift) = reduced.rows(&system.rows.slave);
     let (master, shift_master) = reduced.rows(&system.rows.master);

@@ -68,8 +68,8 @@ impl Reader {
         }
     }
 
-    /// Looks into the file of a patch: fills in its parts.
-    pub fn parts(&mut self, geometry: &mut Geometry) -> Option<FromFile> {
+    /// Looks into the file of a patch: fills in its parts. `curves`: spline patches of one parameter will do, too.
+    pub fn parts(&mut self, geometry: &mut Geometry, curves: bool) -> Option<FromFile> {
         let at = geometry.shape.at;
         let Shape::File { file, id, group, refinement, .. } = &geometry.shape.value else { return None };
         let (file, id, group, refinement) = (file.clone(), id.clone(), group.clone(), refinement.clone());
@@ -84,7 +84,8 @@ impl Reader {
                     self.fault("E015", g.at, message, "write id to select a patch");
                     return None;
                 }
-                self.spline_parts(&file, spline, id.as_ref(), refinement.as_ref(), geometry.extrude.is_some())?
+                let made_of = (geometry.extrude.is_some(), curves);
+                self.spline_parts(&file, spline, id.as_ref(), refinement.as_ref(), made_of)?
             }
             Contents::Mesh(mesh) => {
                 let wrong = [("id", id.as_ref()), ("refinement", refinement.as_ref())].into_iter().find_map(|(k, v)| Some((k, v?.at)));
@@ -120,13 +121,22 @@ impl Reader {
         Some(from)
     }
 
+    /// Looks into the file of an obstacle: areas, or curves in the plane; nothing where the file is at fault.
+    pub(super) fn obstacle_parts(&mut self, geometry: &mut Geometry) -> Option<()> {
+        let Shape::File { file, .. } = &geometry.shape.value else { return Some(()) };
+        if file.value.is_empty() {
+            return None;
+        }
+        self.parts(geometry, true).map(|_| ())
+    }
+
     fn spline_parts(
         &mut self,
         file: &Located<String>,
         spline: &SplineFile,
         id: Option<&Located<String>>,
         refinement: Option<&Located<String>>,
-        extruded: bool,
+        (extruded, curves): (bool, bool),
     ) -> Option<(Vec<Arc<FilePart>>, FromFile)> {
         let chosen: Vec<usize> = match id {
             None => (0..spline.patches.len()).collect(),
@@ -146,6 +156,7 @@ impl Reader {
         for &k in &chosen {
             let patch = &spline.patches[k];
             let checked = match (n, extruded) {
+                (2, false) if curves && patch.dimension() == 1 => patch.net::<1, 2>().map(|_| ()),
                 (2, _) | (3, true) => patch.net::<2, 2>().map(|_| ()),
                 _ => patch.net::<3, 3>().map(|_| ()),
             };

@@ -108,7 +108,10 @@ pub(super) const ALIASES: &[(&str, &str)] = &[("nonmortar", "slave"), ("secondar
 /// Symbols that stand in textbooks for a key.
 pub(super) const SYMBOLS: &[(&str, &str)] = &[("E", "young"), ("nu", "poisson"), ("rho", "density")];
 
-/// Kinds of obstacle with their own keys; every kind of geometry is one too.
+/// Keys of every obstacle.
+pub(super) const OBSTACLE: &[&str] = &["move", "force"];
+
+/// Kinds of obstacle that no patch has, with their own keys.
 pub(super) const OBSTACLES: &[(&str, &[&str])] = &[
     ("half-plane", &["point", "normal"]),
     ("sphere", &["center", "radius", "inside"]),
@@ -116,6 +119,23 @@ pub(super) const OBSTACLES: &[(&str, &[&str])] = &[
     ("torus", &["center", "axis", "radius"]),
     ("level-set", &["f", "along"]),
 ];
+
+/// How an obstacle with the shape of a patch is placed; `move` is its motion.
+pub(super) const PLACING: &[&str] = &["scale", "rotate_deg", "axis"];
+
+/// Kinds of geometry as obstacles: their own keys, and those that place them.
+pub(super) const OBSTACLE_GEOMETRIES: &[(&str, &[&str])] = &[
+    ("box", &["min", "max", "scale", "rotate_deg", "axis"]),
+    ("annulus-sector", &["center", "radius", "angle_deg", "scale", "rotate_deg", "axis"]),
+    ("disc-sector", &["center", "radius", "angle_deg", "scale", "rotate_deg", "axis"]),
+    ("plate-with-hole", &["radius", "half_width", "scale", "rotate_deg", "axis"]),
+    ("sphere-octant", &["center", "radius", "scale", "rotate_deg", "axis"]),
+    ("nurbs", &["degree", "knots", "points", "weights", "scale", "rotate_deg", "axis"]),
+    ("file", &["file", "id", "group", "refinement", "scale", "rotate_deg", "axis"]),
+];
+
+/// A nurbs obstacle of one parameter.
+pub(super) const NURBS_CURVE: &[&str] = &["degree", "knots", "points", "weights"];
 
 pub(super) const MULTIPLIER: &[&str] = &["degree", "continuity", "ends"];
 

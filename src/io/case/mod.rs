@@ -13,6 +13,7 @@ mod model;
 mod names;
 mod not_yet;
 mod nurbs;
+mod obstacle;
 mod opened;
 mod part;
 mod patch;

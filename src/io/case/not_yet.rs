@@ -2,15 +2,12 @@
 //!
 //! Every entry is already typed; building one means to delete its line here.
 
-use super::keys;
 use super::reader::Reader;
 use super::types::*;
 use crate::io::place::Place;
 
 /// Couplings of the contract that integrate over the surfaces of both sides.
 const SURFACE_COUPLINGS: &[&str] = &["mortar", "nitsche", "penalty"];
-/// Kinds of obstacle that are built.
-const OBSTACLES: &[&str] = &["half-plane", "sphere", "level-set"];
 
 impl Reader {
     fn later(&mut self, at: Place, what: &str, help: &str) {
@@ -41,21 +38,10 @@ impl Reader {
     }
 
     fn later_contact(&mut self, c: &Contact) {
-        if let Master::Rigid(o) = &c.master
+        if let (Master::Rigid(o), Method::Nitsche) = (&c.master, c.method.value)
             && let Some(f) = o.force.iter().flatten().next()
         {
-            self.later(f.at, "`force` of an obstacle", "use move");
+            self.later(f.at, "`force` of an obstacle with method = \"nitsche\"", "write method = \"lagrange\", or use move");
         }
-    }
-
-    /// Reports an obstacle of a kind that is not built in place of everything found since `before`.
-    pub fn later_obstacle(&mut self, kind: &str, at: Place, before: usize) -> bool {
-        let known = keys::OBSTACLES.iter().chain(keys::GEOMETRIES).any(|(k, _)| *k == kind);
-        let later = known && !OBSTACLES.contains(&kind);
-        if later {
-            self.found.items.truncate(before);
-            self.later(at, &format!("an obstacle of kind {kind:?}"), "kinds: half-plane, sphere, level-set");
-        }
-        later
     }
 }

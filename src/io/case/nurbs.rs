@@ -10,16 +10,23 @@ const DIRECTIONS: [&str; 3] = ["u", "v", "w"];
 impl Reader {
     /// `{ kind = "nurbs", degree, knots, points, weights }`; u runs fastest.
     pub fn nurbs(&mut self, b: &mut Block) -> Shape {
-        let n = self.dimension;
+        self.nurbs_of(b, self.dimension)
+    }
+
+    /// The same with `n` parameters: one for the curve of an obstacle in the plane.
+    pub fn nurbs_of(&mut self, b: &mut Block, n: usize) -> Shape {
+        let world = self.dimension;
         let fallback = Shape::Nurbs {
             degree: Located::new(vec![1; n], b.at),
             knots: vec![Located::new(vec![0.0, 0.0, 1.0, 1.0], b.at); n],
             // corners of the unit cube: no edge is collapsed
-            points: Located::new((0..1_usize << n).map(|c| (0..n).map(|k| ((c >> k) & 1) as f64).collect()).collect(), b.at),
+            points: Located::new((0..1_usize << n).map(|c| (0..world).map(|k| ((c >> k) & 1) as f64).collect()).collect(), b.at),
             weights: None,
         };
-        let degree = self.required(b, "degree", "degree = [2, 1]");
-        let knots = self.required(b, "knots", "knots = [[0, 0, 0, 1, 1, 1], [0, 0, 1, 1]]");
+        let curve = n == 1;
+        let degree = self.required(b, "degree", if curve { "degree = 2" } else { "degree = [2, 1]" });
+        let knots =
+            self.required(b, "knots", if curve { "knots = [0, 0, 0, 1, 1, 1]" } else { "knots = [[0, 0, 0, 1, 1, 1], [0, 0, 1, 1]]" });
         let points = self.required(b, "points", "points = [[0, 0], [1, 0], ..]");
         let (Some(degree), Some(knots), Some(points)) = (degree, knots, points) else { return fallback };
         if let (3, Value::List(lists)) = (n, &knots.value)
@@ -29,8 +36,8 @@ impl Reader {
             self.fault("E044", knots.at, "two knot vectors make a plane patch, the model has dimension 3", help);
             return fallback;
         }
-        let degree = self.net_degree(&degree);
-        let knots = self.net_knots(&knots);
+        let degree = self.net_degree(&degree, n);
+        let knots = self.net_knots(&knots, n);
         let points = self.net_points(&points);
         let weights = b.node("weights").cloned().map(|w| (self.net_weights(&w), w.at));
         let (Some(degree), Some(knots), Some(points)) = (degree, knots, points) else { return fallback };
@@ -63,22 +70,25 @@ impl Reader {
         Shape::Nurbs { degree, knots, points, weights }
     }
 
-    fn net_degree(&mut self, node: &Node) -> Option<Located<Vec<usize>>> {
-        let n = self.dimension;
+    fn net_degree(&mut self, node: &Node, n: usize) -> Option<Located<Vec<usize>>> {
         let all: Option<Vec<usize>> = match &node.value {
             Value::List(l) if l.len() == n => l.iter().map(|item| self.whole_of(item, "degree", 1, 12)).collect(),
             Value::Integer(_) => self.whole_of(node, "degree", 1, 12).map(|p| vec![p; n]),
             _ => {
-                self.wrong_type(node, "degree", &format!("a list of {n} whole numbers"), "");
+                let wanted =
+                    if n == 1 { "a whole number, as its knots are one list".to_owned() } else { format!("a list of {n} whole numbers") };
+                self.wrong_type(node, "degree", &wanted, "");
                 None
             }
         };
         all.map(|d| Located::new(d, node.at))
     }
 
-    fn net_knots(&mut self, node: &Node) -> Option<Vec<Located<Vec<Located<f64>>>>> {
-        let n = self.dimension;
+    fn net_knots(&mut self, node: &Node, n: usize) -> Option<Vec<Located<Vec<Located<f64>>>>> {
         match &node.value {
+            Value::List(l) if n == 1 && !(l.len() == 1 && matches!(l[0].value, Value::List(_))) => {
+                self.numbers_of(node, "knots").map(|u| vec![Located::new(u, node.at)])
+            }
             Value::List(l) if l.len() == n => {
                 l.iter().map(|item| self.numbers_of(item, "knots").map(|u| Located::new(u, item.at))).collect()
             }

@@ -25,7 +25,7 @@ impl Reader {
     ) -> Patch {
         let name = self.name(b, "patch", index, true);
         let mut geometry = self.patch_geometry(b);
-        let from = self.parts(&mut geometry.value);
+        let from = self.parts(&mut geometry.value, false);
         self.from_files.push(from);
         let material = self.patch_material(b, materials);
         let mut discretization = self.discretization(b, Some(defaults), names);

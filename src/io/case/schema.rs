@@ -131,7 +131,7 @@ fn required(kind: &str) -> &'static [&'static str] {
         "annulus-sector" | "disc-sector" => &["radius", "angle_deg"],
         "plate-with-hole" => &["radius", "half_width"],
         "sphere-octant" => &["radius"],
-        "nurbs" => &["degree", "knots", "points"],
+        "nurbs" | "nurbs-curve" => &["degree", "knots", "points"],
         "file" => &["file"],
         "half-plane" => &["point", "normal"],
         "sphere" => &["center", "radius"],
@@ -142,7 +142,14 @@ fn required(kind: &str) -> &'static [&'static str] {
 }
 
 fn definitions(names: &Names) -> Value {
-    let obstacles: Vec<(&'static str, &'static [&'static str])> = keys::OBSTACLES.iter().chain(keys::GEOMETRIES).copied().collect();
+    let mut obstacle = kinded(keys::OBSTACLES, &[("obstacle", keys::OBSTACLE)]);
+    let mut shapes = kinded(keys::GEOMETRIES, &[("motion", keys::PLACING), ("obstacle", keys::OBSTACLE)]);
+    let mut curve = kinded(&[("nurbs-curve", keys::NURBS_CURVE)], &[("motion", keys::PLACING), ("obstacle", keys::OBSTACLE)]);
+    curve["oneOf"][0]["properties"]["kind"] = json!({"const": "nurbs"});
+    let kinds = obstacle["oneOf"].as_array_mut().expect("a list of kinds");
+    for more in [&mut shapes, &mut curve] {
+        kinds.append(more["oneOf"].as_array_mut().expect("a list of kinds"));
+    }
     json!({
         "name": {"type": "string", "pattern": "^[A-Za-z0-9_-]+$"},
         "number": {"type": ["number", "string"], "description": "a number, or a quoted formula of constants"},
@@ -168,7 +175,7 @@ fn definitions(names: &Names) -> Value {
         "active_set": block("active_set", "active_set", keys::ACTIVE_SET, &[]),
         "grade": block("grade", "grade", keys::GRADE, &["toward", "ratio"]),
         "geometry": kinded(keys::GEOMETRIES, &[("motion", keys::MOTIONS)]),
-        "obstacle": kinded(&obstacles, &[("obstacle", &["move", "force"])]),
+        "obstacle": obstacle,
     })
 }
 
@@ -190,7 +197,8 @@ mod tests {
             ("boundary", keys::BOUNDARY),
             ("interface", keys::INTERFACE),
             ("contact", keys::CONTACT),
-            ("obstacle", &["move", "force"]),
+            ("obstacle", keys::OBSTACLE),
+            ("nurbs-curve", keys::NURBS_CURVE),
             ("multiplier", keys::MULTIPLIER),
             ("active_set", keys::ACTIVE_SET),
             ("steps", keys::STEPS),
@@ -214,6 +222,15 @@ mod tests {
         }
         for e in ENTRIES {
             assert!(tables.iter().any(|(of, known)| *of == e.block && known.contains(&e.key)), "no key `{}` of `{}`", e.key, e.block);
+        }
+    }
+
+    #[test]
+    fn every_geometry_is_an_obstacle_with_the_keys_that_place_it() {
+        assert_eq!(keys::GEOMETRIES.len(), keys::OBSTACLE_GEOMETRIES.len());
+        for ((kind, own), (same, all)) in keys::GEOMETRIES.iter().zip(keys::OBSTACLE_GEOMETRIES) {
+            let placed: Vec<&str> = own.iter().chain(keys::PLACING).copied().collect();
+            assert_eq!((kind, placed.as_slice()), (same, *all));
         }
     }
 

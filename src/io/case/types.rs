@@ -585,8 +585,22 @@ pub enum ObstacleShape {
         /// The normal, of length 1, if the gap is f itself.
         along: Option<Located<Vec<f64>>>,
     },
-    /// The shape of a patch.
-    Geometry(Shape),
+    /// The shape of a patch, placed; `nurbs` and files of curves may have one parameter: the obstacle lies to their right.
+    Geometry(Box<Geometry>),
+}
+
+impl ObstacleShape {
+    /// The word of its kind.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::HalfPlane { .. } => "half-plane",
+            Self::Sphere { .. } => "sphere",
+            Self::Cylinder { .. } => "cylinder",
+            Self::Torus { .. } => "torus",
+            Self::LevelSet { .. } => "level-set",
+            Self::Geometry(geometry) => geometry.shape.value.kind(),
+        }
+    }
 }
 
 /// `rigid = { ... }`.

@@ -1,0 +1,30 @@
+//! Obstacles that a force presses: their translation is an unknown of the system.
+//!
+//!   gap_j = C_j u + g_j,   C_jd = -∫ ψ_j n . e ds   for the translation d along e
+//!
+//! The row of d in K u + Cᵀ lambda = f is the equilibrium of the obstacle: ∫ lambda n . e ds = -F, where F is the force on it.
+
+use super::Contact;
+use crate::basis::Basis;
+use crate::coupling::mortar::weighted_sums;
+use crate::linalg::{Real, Vector};
+
+impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
+    /// Lets the obstacle translate along `direction` by the value of `unknown`, found where that value is `at` \[length\].
+    ///
+    /// Normals and gaps stay those of the place `at`: exact for half-planes; for others build the contact again where the
+    /// obstacle has gone.
+    ///
+    /// # Panics
+    /// If the rows have no such unknown.
+    pub fn let_obstacle_move(&mut self, multiplier: &dyn Basis<S, T>, direction: &Vector<N, T>, unknown: usize, at: T) {
+        assert!(unknown < self.rows.master.cols, "unknown {unknown} of {}", self.rows.master.cols);
+        let column = weighted_sums(multiplier, &self.segments, |q| -self.frames.normal[q].dot(direction));
+        for (j, value) in column.into_iter().enumerate() {
+            if self.facing[j] && value != T::zero() {
+                self.rows.master.push(j, unknown, value);
+                self.offset[j] -= value * at;
+            }
+        }
+    }
+}
