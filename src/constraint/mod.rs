@@ -74,6 +74,18 @@ pub struct ActiveSetReport {
     pub updates: usize,
 }
 
+impl ActiveSetReport {
+    /// The report of both, this one after `before`.
+    pub fn after(self, before: &Self) -> Self {
+        Self {
+            iterations: before.iterations + self.iterations,
+            history: before.history.iter().copied().chain(self.history).collect(),
+            sign_cases: before.sign_cases.iter().copied().chain(self.sign_cases).collect(),
+            updates: before.updates + self.updates,
+        }
+    }
+}
+
 /// The answer of a constraint solver.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ConstrainedSolution<T: Real = f64> {
@@ -94,6 +106,14 @@ pub struct ConstrainedSolution<T: Real = f64> {
     pub iterations: usize,
     /// The active set iteration, where there was one.
     pub active_set: Option<ActiveSetReport>,
+}
+
+impl<T: Real> ConstrainedSolution<T> {
+    /// The same with what was done before it in its report.
+    pub(crate) fn done_after(mut self, before: &ActiveSetReport) -> Self {
+        self.active_set = Some(self.active_set.take().unwrap_or_default().after(before));
+        self
+    }
 }
 
 /// Why a constrained system was not solved.

@@ -71,7 +71,7 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Proximal<C> {
             solution.gap = gaps(system, &solution.unknowns);
             linear += solution.iterations;
             solution.iterations = linear;
-            joined(&mut solution, &report);
+            solution = solution.done_after(&report);
             report = solution.active_set.clone().unwrap_or_default();
             report.updates += 1;
             solution.active_set = Some(report.clone());
@@ -106,17 +106,6 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Proximal<C> {
     }
 }
 
-/// Adds what was done before to the report of `solution`.
-fn joined(solution: &mut ConstrainedSolution<f64>, before: &ActiveSetReport) {
-    let own = solution.active_set.take().unwrap_or_default();
-    solution.active_set = Some(ActiveSetReport {
-        iterations: before.iterations + own.iterations,
-        history: before.history.iter().chain(&own.history).copied().collect(),
-        sign_cases: before.sign_cases.iter().chain(&own.sign_cases).copied().collect(),
-        updates: before.updates + own.updates,
-    });
-}
-
 /// `error` of an update with its last state as one of the whole iteration; the state before it where the update has none.
 fn with_last(
     error: SolveError,
@@ -127,8 +116,7 @@ fn with_last(
     let whole = |last: Option<Box<ConstrainedSolution<f64>>>| match last {
         Some(mut last) if last.unknowns.len() == system.load.len() => {
             last.gap = gaps(system, &last.unknowns);
-            joined(&mut last, report);
-            Some(last)
+            Some(Box::new(last.done_after(report)))
         }
         _ => before.clone().map(Box::new),
     };

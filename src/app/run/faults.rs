@@ -46,6 +46,16 @@ pub fn contact_not_symmetric(case: &Case, contact: &str) -> Diagnostic {
     Diagnostic::error("E015", text).at(&case.source, word.at).with_help(help)
 }
 
+/// E015 for a contact with a row per point and a constraint solver that needs as many slave unknowns as rows.
+pub fn rows_at_points(case: &Case, contact: &str) -> Diagnostic {
+    let word = &case.solver.constraint;
+    let text = format!(
+        "constraint = \"{}\" eliminates an unknown per row; method = \"nitsche\" of contact \"{contact}\" has more rows, one per point",
+        word.value
+    );
+    Diagnostic::error("E015", text).at(&case.source, word.at).with_help("write constraint = \"saddle-point\"")
+}
+
 /// Marks a result as stopped early.
 pub fn stopped(result: &mut RunResult, stop: Stop) {
     let (status, text) = match stop {
@@ -139,7 +149,7 @@ pub fn step_fault<const S: usize, const N: usize>(
             )
         }
         StepError::Solve(SolveError::Linear(LinearError::Indefinite { .. })) => {
-            let help = "raise `factor` of coupling = \"nitsche\" (auto is 4), or write variant = \"unsymmetric\"";
+            let help = "raise `factor` beside \"nitsche\" (auto is 4), or write variant = \"unsymmetric\"";
             (Status::Singular, "indefinite", Diagnostic::error("E072", error.to_string()).with_help(help))
         }
         StepError::Solve(SolveError::Linear(LinearError::NotSymmetric)) => {

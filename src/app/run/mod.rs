@@ -278,6 +278,10 @@ fn built<const S: usize, const N: usize>(
         }
         .into());
     }
+    let contact = model.contacts.iter().find(|c| c.parts.iter().any(|part| part.first.points.is_some()));
+    if let Some(contact) = contact.filter(|_| solver.needs_independent_rows()) {
+        return Err(faults::rows_at_points(case, &contact.name).into());
+    }
     Ok(model)
 }
 

@@ -4,7 +4,7 @@ use crate::app::build::{Formulation, Model};
 use crate::app::watch::{Progress, Watch};
 use crate::assembly::Blocks;
 use crate::constraint::{
-    ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, IterationNews, Proximal, SolveError, penalty,
+    ActiveSet, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, IterationNews, Proximal, SolveError, penalty,
 };
 use crate::contact::Contact;
 use crate::coupling::Rows;
@@ -61,7 +61,8 @@ impl Softness {
         soft
     }
 
-    /// Solves a system with contact rows by `set`, made exact where the model asks for an augmented Lagrangian.
+    /// Solves a system with contact rows by `set`, made exact where the model asks for an augmented Lagrangian. `eased`: contact rows of
+    /// points whose first state says nothing about the answer.
     ///
     /// # Errors
     /// Those of the active set and of [`Proximal`].
@@ -69,9 +70,10 @@ impl Softness {
         &self,
         set: &mut ActiveSet<Box<dyn ConstraintSolver>>,
         system: &ConstrainedSystem<'_>,
+        eased: Vec<bool>,
         watch: &Watch,
     ) -> Result<ConstrainedSolution, SolveError> {
-        let mut inner = Watched { set, watch, done: 0 };
+        let mut inner = Watched { set, watch, eased, done: 0 };
         if self.augmented.is_empty() {
             return inner.solve(system);
         }
@@ -80,27 +82,82 @@ impl Softness {
     }
 }
 
+/// Iterations after which a first state with points is taken for a bad one.
+const PATIENCE: usize = 10;
+/// How much softer than they are rows of points are made on the way to a good first state.
+const SOFTER: [f64; 4] = [1e4, 1e3, 1e2, 1e1];
+
 /// An active set that tells of its iterations; solved again it starts from where it ended.
+///
+/// A set of points that is far too large, such as all of them, is peeled a few points per iteration: where bodies part, the fields
+/// of the too large zone oscillate. Softer rows do not: each is open or closed by its own gap. Where points do not settle soon, they
+/// settle on softer rows first, from each softness to the next.
 #[derive(Debug)]
 struct Watched<'a> {
     set: &'a mut ActiveSet<Box<dyn ConstraintSolver>>,
     watch: &'a Watch,
-    /// Linear systems of the solves before.
+    /// Rows that are made softer on the way; empty: none.
+    eased: Vec<bool>,
+    /// Linear systems so far.
     done: usize,
 }
 
-impl ConstraintSolver<f64> for Watched<'_> {
-    fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
-        let (watch, done) = (self.watch, self.done);
-        let solution = self.set.solve_watched(system, &mut |news: IterationNews| {
+impl Watched<'_> {
+    /// The active set from where it stands, at most `most` iterations of it.
+    fn run(&mut self, system: &ConstrainedSystem<'_>, most: usize) -> Result<ConstrainedSolution, SolveError> {
+        let (watch, done, limit) = (self.watch, self.done, self.set.max_iterations);
+        let mut last = 0;
+        self.set.max_iterations = most;
+        let solved = self.set.solve_watched(system, &mut |news: IterationNews| {
+            last = news.iteration;
             if watch.stop().is_some() {
                 return false;
             }
             watch.report(Progress::Iteration { iteration: done + news.iteration, active: news.active, rows: news.rows });
             true
-        })?;
-        self.done += solution.active_set.as_ref().map_or(0, |r| r.iterations);
-        self.set.start.clone_from(&solution.active);
-        Ok(solution)
+        });
+        self.set.max_iterations = limit;
+        self.done += last;
+        if let Ok(solution) = &solved {
+            self.set.start.clone_from(&solution.active);
+        }
+        solved
+    }
+}
+
+/// The last state of an iteration that did not settle; of others the error itself.
+fn unsettled(error: SolveError) -> Result<Option<Box<ConstrainedSolution>>, SolveError> {
+    match error {
+        SolveError::TooManyIterations { last, .. } | SolveError::Cycling { last, .. } => Ok(Some(last)),
+        SolveError::RigidMotion { last, .. } => Ok(last),
+        other => Err(other),
+    }
+}
+
+impl ConstraintSolver<f64> for Watched<'_> {
+    fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
+        let (eased, most) = (std::mem::take(&mut self.eased), self.set.max_iterations);
+        let mut before = ActiveSetReport::default();
+        if eased.contains(&true) && most > PATIENCE {
+            let first = self.set.start.clone();
+            match self.run(system, PATIENCE) {
+                Ok(solution) => return Ok(solution),
+                Err(error) => before = unsettled(error)?.and_then(|last| last.active_set).unwrap_or_default(),
+            }
+            self.set.start = first;
+            for softer in SOFTER {
+                let soft = |j: usize| system.compliance.get(j).copied().unwrap_or(0.0) * if eased[j] { softer } else { 1.0 };
+                let compliance: Vec<f64> = (0..eased.len()).map(soft).collect();
+                let solved = self.run(&ConstrainedSystem { compliance: &compliance, ..*system }, PATIENCE);
+                match solved.map_or_else(unsettled, |solution| Ok(Some(Box::new(solution))))? {
+                    Some(solution) => {
+                        self.set.start.clone_from(&solution.active);
+                        before = solution.active_set.unwrap_or_default().after(&before);
+                    }
+                    None => break,
+                }
+            }
+        }
+        self.run(system, most).map(|solution| solution.done_after(&before))
     }
 }

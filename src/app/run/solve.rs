@@ -166,6 +166,8 @@ struct System<const S: usize, const N: usize> {
     offset: Vec<f64>,
     kind: Vec<RowKind>,
     start: Vec<bool>,
+    /// Rows of points that start closed whatever their gap is.
+    eased: Vec<bool>,
     contacts: Vec<Vec<Contact<S, N>>>,
 }
 
@@ -192,6 +194,7 @@ impl<const S: usize, const N: usize> System<S, N> {
             append(&mut reaction, part.reaction.as_ref().unwrap_or(&part.rows), part.first_row);
             differs |= part.reaction.is_some();
         }
+        let mut eased = vec![false; m];
         let mut contacts = Vec::with_capacity(model.contacts.len());
         for contact in &model.contacts {
             let mut parts = Vec::with_capacity(contact.parts.len());
@@ -211,11 +214,12 @@ impl<const S: usize, const N: usize> System<S, N> {
                     let known = before.filter(|b| b.sign_case[row] != NO_CONTACT);
                     start[row] = known.map_or_else(|| starts_active(model, contact, (g, weights[j]), j, part.first_row), |b| b.active[row]);
                 }
+                eased[part.rows()].fill(built.points.is_some() && contact.start == Start::All && before.is_none());
                 parts.push(built);
             }
             contacts.push(parts);
         }
-        Ok(Self { rows, reaction: differs.then_some(reaction), offset, kind, start, contacts })
+        Ok(Self { rows, reaction: differs.then_some(reaction), offset, kind, start, eased, contacts })
     }
 }
 
@@ -294,6 +298,25 @@ impl Solver {
     }
 }
 
+impl Solver {
+    /// Whether the solver refuses soft rows of which there are more than unknowns: asked of two rows on one unknown.
+    pub fn needs_independent_rows(&mut self) -> bool {
+        let (mut rows, stiffness) = (empty(2, 1), Csr::from_parts(1, vec![0, 1], vec![0], vec![1.0]));
+        rows.slave.push(0, 0, 1.0);
+        rows.slave.push(1, 0, 1.0);
+        let system = ConstrainedSystem {
+            stiffness: &stiffness,
+            load: &[1.0],
+            constraint: &rows,
+            reaction: None,
+            offset: &[0.0; 2],
+            kind: &[RowKind::Equal; 2],
+            compliance: &[1.0; 2],
+        };
+        matches!(self.0.inner.solve(&system), Err(SolveError::OverConstrained { .. }))
+    }
+}
+
 /// Solves the model at time `t` with the matrices of its bodies at that time.
 ///
 /// The active set starts as it ended in `before`. Where that leads nowhere it starts again as the case says: a set that holds a
@@ -367,7 +390,7 @@ pub(super) fn once<const S: usize, const N: usize>(
         active_set.start.clone_from(&system.start);
         active_set.max_iterations = model.max_iterations;
         active_set.c = model.c;
-        softness.solve(active_set, &constrained, watch)
+        softness.solve(active_set, &constrained, system.eased.clone(), watch)
     } else {
         solver.0.inner.solve(&constrained).map_err(|error| match error {
             SolveError::Linear(LinearError::Stopped { .. }) => SolveError::Stopped { iterations: 0, last: None },
