@@ -451,6 +451,24 @@ fn an_obstacle_that_moves_presses_by_every_method() {
 }
 
 #[test]
+fn an_obstacle_pressed_by_a_force_gives_way_to_soft_rows_too() {
+    let case = |method: &str| {
+        stack(&[], &["iga"])
+            + &format!(
+                "[[contact]]\nname = \"c\"\nslave = \"b0.top\"\nmethod = \"{method}\"\n\
+                 rigid = {{ kind = \"half-plane\", point = [0, 1], normal = [0, -1], force = {{ y = -0.02 }} }}\n"
+            )
+    };
+    for method in ["lagrange", "penalty", "augmented"] {
+        let r = run(&case(method), &[]);
+        let k = contact(&r, "c");
+        assert!((k.force[1] / -0.02 - 1.0).abs() < 1e-9 && (k.pressure.max / 0.01 - 1.0).abs() < 1e-7, "{method}: {k:?}");
+    }
+    let found = faults(&case("nitsche"), &[]);
+    assert!(found.items[0].code == "E019" && found.items[0].line.is_some(), "{:?}", found.items[0]);
+}
+
+#[test]
 fn sides_may_be_lists_for_nitsche_contact() {
     // two blocks side by side on two others, glued in pairs; the joints of slaves and masters do not match
     let text = r#"

@@ -201,6 +201,11 @@ fn part<const S: usize, const N: usize>(
     let fault = |e: &ContactError| Box::new(contact_fault(builder, contact, slave, masters, e, at));
     if let Formulation::Nitsche(method) = &built.formulation {
         method.check_factor().map_err(|e| Box::new(builder.error("E015", format!("contact \"{name}\": {e}"), contact.factor.at)))?;
+        if built.is_pressed() {
+            let text = "method = \"nitsche\" against an obstacle that a `force` presses is not in this version";
+            let help = "write method = \"lagrange\", or give the obstacle a `move`";
+            return Err(Box::new(builder.error("E019", text, contact.method.at).with_help(help)));
+        }
         let sides = PointSides { slave, against: &against, masters };
         let changes = moves || built.gap.depends_on_time() || sides.change(model);
         for &t in times(builder.case, moves) {
