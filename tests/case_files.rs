@@ -893,7 +893,7 @@ fn obstacles_are_read() {
         let case = rigid(&nurbs);
         let ObstacleShape::Geometry(g) = shape(&case) else { panic!() };
         assert!(matches!(&g.shape.value, Shape::Nurbs { degree, knots, .. } if degree.value == [2] && knots.len() == 1));
-        assert_eq!(read(&case.effective_toml()).contacts[0].name, case.contacts[0].name, "{}", case.effective_toml());
+        assert_eq!(read(case.effective_toml()).contacts[0].name, case.contacts[0].name, "{}", case.effective_toml());
     }
 }
 

@@ -274,7 +274,7 @@ fn obstacles_of_files_equal_the_half_plane_and_the_circle() {
 
 // forces -----------------------------------------------------------------------------------------
 
-/// The same text with a force on the obstacle in place of its motion.
+/// The translation of the obstacle of contact c.
 fn displacement(result: &RunResult) -> [f64; 2] {
     let d = result.contact.get("c").unwrap().displacement.clone().unwrap();
     [d[0], d[1]]
@@ -456,6 +456,19 @@ fn penalty_and_augmented_press_an_obstacle_too() {
             let [a, b] = [displacement(&exact)[1], displacement(result)[1]];
             assert!((a - b).abs() < tolerance * a.abs(), "{backend} {name}: {a} {b}");
             assert!((result.contact.get("c").unwrap().force[1] + 0.01).abs() < 1e-9, "{backend} {name}");
+        }
+    }
+}
+
+#[test]
+fn every_cone_presses_a_plate_as_far() {
+    // a uniform pressure is in every cone
+    let sinks = 1e-3 * 2.0 * 0.91 / 0.5;
+    for backend in BACKENDS {
+        for cone in ["coefficients", "weights", "values"] {
+            let rigid = "rigid = { kind = \"half-plane\", point = [0, 2], normal = [0, -1], force = { y = -1e-3 } }";
+            let result = run(&column(backend, "p/p-2", 0.5, 2.0, &format!("cone = \"{cone}\"\n{rigid}")));
+            assert!((displacement(&result)[1] + sinks).abs() < 1e-10 * sinks, "{backend} {cone}: {:?}", displacement(&result));
         }
     }
 }
