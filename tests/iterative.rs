@@ -420,7 +420,7 @@ fn too_few_iterations_are_an_error_with_the_residual_and_a_stop_is_one() {
         assert!(matches!(error, SolveError::Linear(LinearError::Stopped { .. })), "{name}: {error}");
         let contact = contact_blocks(0.006);
         let error = ActiveSet::new(make(stopped)).solve(&contact.system()).unwrap_err();
-        assert!(matches!(error, SolveError::Stopped { iterations: 0, last: None }), "{name}: {error}");
+        assert!(matches!(error, SolveError::Stopped { iterations: 0, best: None }), "{name}: {error}");
     }
     let system = ConstrainedSystem { reaction: Some(&reaction), ..blocks.system() };
     let error = Krylov::new(Limits::new(1e-12).within(1)).solve(&system).unwrap_err();

@@ -462,7 +462,9 @@ fn a_body_that_loses_contact_ends_with_rigid_motion_left_and_exit_five() {
     let result = run(text);
     assert_eq!((result.status, result.exit), (Status::Singular, 5));
     let text = result.diagnostics.iter().map(|d| d.message.clone()).collect::<String>();
-    assert!(text.contains("rigid motion left") && text.contains("translation y"), "{text}");
+    assert!(text.contains("infeasible load: nothing holds body \"a\" against its load in translation y"), "{text}");
+    assert!(text.contains("a force (0, -1) is missing"), "{text}");
+    assert_eq!(result.solve.unwrap().reason, "infeasible load");
 }
 
 #[test]
@@ -730,7 +732,9 @@ fn an_active_set_that_cycles_names_the_iterations_and_the_functions() {
         assert!(d.message.contains(part), "{}", d.message);
     }
     let set = result.solve.as_ref().and_then(|s| s.active_set.as_ref()).unwrap();
-    assert_eq!((set.cycles, set.iterations), (1, 2));
+    // back in the first state, single exchanges come back, too: no matrix of rows does that
+    assert_eq!((set.cycles, set.iterations), (2, 3));
+    assert!((1..=3).contains(&set.best));
     assert!(probe(&result, "p").is_finite(), "the last state is kept");
 }
 

@@ -9,7 +9,7 @@ use blocks::{Blocks, contact_blocks, difference, differences, largest};
 use faying::basis::{BSpline, Basis, LagrangeLine, Order, ShapeTable};
 use faying::check;
 use faying::constraint::{
-    ActiveSet, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, RowKind, SolveError, penalty,
+    ActiveSet, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Cycle, Direct, RowKind, SolveError, penalty,
 };
 use faying::coupling::Rows;
 use faying::linalg::{Cg, Csr, Ldlt, LinearError, LinearSolver, Lu, Operator, Triplets, ordering, product};
@@ -259,11 +259,11 @@ fn an_active_set_stops_before_the_system_its_watcher_refuses_and_keeps_its_last_
                 news.iteration <= allowed
             })
             .unwrap_err();
-        let SolveError::Stopped { iterations, last } = error else { panic!("{error}") };
+        let SolveError::Stopped { iterations, best } = error else { panic!("{error}") };
         assert_eq!((iterations, &seen[..]), (allowed, &whole.history[..=allowed]));
-        match last {
+        match best {
             None => assert_eq!(allowed, 0),
-            Some(last) => assert_eq!(last.active_set.unwrap().history, whole.history[..allowed]),
+            Some(best) => assert_eq!(best.active_set.unwrap().history, whole.history[..allowed]),
         }
     }
 }
@@ -273,12 +273,12 @@ fn a_lifted_block_is_told_apart_from_a_block_without_support() {
     let blocks = contact_blocks(1.0);
     for solver in [&mut ActiveSet::new(Direct::new()) as &mut dyn ConstraintSolver, &mut ActiveSet::new(Condensed::new())] {
         match solver.solve(&blocks.system()).unwrap_err() {
-            SolveError::RigidMotion { iteration, open, last } => {
+            SolveError::RigidMotion { iteration, open, best } => {
                 assert!(iteration > 1);
                 assert!(!open.is_empty());
-                let last = last.unwrap();
-                assert_eq!(last.unknowns.len(), blocks.load.len());
-                assert_eq!(last.active_set.unwrap().iterations, iteration - 1);
+                let best = best.unwrap();
+                assert_eq!(best.unknowns.len(), blocks.load.len());
+                assert_eq!(best.active_set.unwrap().iterations, iteration - 1);
             }
             other => panic!("{other}"),
         }
@@ -344,7 +344,16 @@ fn circle() -> (Csr, Vec<f64>, Rows, Vec<RowKind>) {
 }
 
 #[test]
-fn a_circle_of_states_is_an_error_that_names_iterations_and_rows() {
+fn active_sets_keep_the_contract_of_contact_solvers() {
+    faying::check::contact_solver(|| Box::new(ActiveSet::new(Direct::new()))).unwrap();
+    faying::check::contact_solver(|| Box::new(ActiveSet::new(Condensed::new()))).unwrap();
+    // a solver of equalities alone is none
+    let refused = faying::check::contact_solver(|| Box::new(Direct::new())).unwrap_err();
+    assert!(refused.contains("contact row"), "{refused}");
+}
+
+#[test]
+fn a_circle_of_states_is_left_by_single_exchanges() {
     let (stiffness, load, constraint, kind) = circle();
     let system = ConstrainedSystem {
         stiffness: &stiffness,
@@ -355,21 +364,61 @@ fn a_circle_of_states_is_an_error_that_names_iterations_and_rows() {
         kind: &kind,
         compliance: &[],
     };
-    match ActiveSet::new(Direct::new()).solve(&system).unwrap_err() {
-        SolveError::Cycling { first, second, rows, last } => {
-            assert_eq!((first, second, rows), (1, 4, vec![0, 1, 2]));
-            let report = last.active_set.unwrap();
-            assert_eq!(report.iterations, 3);
-            assert_eq!(report.history[0], 3);
-            assert!(report.sign_cases.iter().all(|c| c.iter().sum::<usize>() == 3));
+    let solution = ActiveSet::new(Direct::new()).solve(&system).unwrap();
+    let report = solution.active_set.unwrap();
+    let cycles: Vec<_> = report.cycles().collect();
+    assert_eq!(cycles[0], &Cycle { first: 1, second: 4, rows: vec![0, 1, 2] });
+    assert!(report.iterations > 3 && report.best == report.iterations, "{report:?}");
+    assert!(report.sign_cases.iter().all(|c| c.iter().sum::<usize>() == 3));
+    for j in 0..3 {
+        assert!(solution.multipliers[j] <= 0.0 && solution.gap[j] >= -1e-12 && (solution.multipliers[j] * solution.gap[j]).abs() < 1e-12);
+    }
+    // the limit falls after the cycle: that is what is reported, with the iterate that is least wrong
+    let mut short = ActiveSet::new(Direct::new());
+    short.max_iterations = 3;
+    match short.solve(&system).unwrap_err() {
+        SolveError::Cycling { first: 1, second: 4, rows, iterations: 3, best } => {
+            assert_eq!(rows, [0, 1, 2]);
+            let kept = best.active_set.as_ref().unwrap();
+            assert_eq!((kept.iterations, kept.best), (3, least_violation(&system)));
+            assert!(!best.unknowns.is_empty());
         }
         other => panic!("{other}"),
     }
-    let mut short = ActiveSet::new(Direct::new());
     short.max_iterations = 2;
     match short.solve(&system).unwrap_err() {
-        SolveError::TooManyIterations { iterations: 2, last } => assert_eq!(last.active_set.unwrap().iterations, 2),
+        SolveError::TooManyIterations { iterations: 2, best } => assert_eq!(best.active_set.unwrap().iterations, 2),
         other => panic!("{other}"),
+    }
+}
+
+/// The iteration of the circle with the least norm of lambda_j s_j - min(0, lambda_j s_j + k_j gap_j / s_j): here s_j = 1, k_j = K_jj.
+fn least_violation(system: &ConstrainedSystem<'_>) -> usize {
+    let norm = |limit: usize| {
+        let mut seen = Vec::new();
+        let mut set = ActiveSet::new(Spy(&mut seen));
+        set.max_iterations = limit;
+        let _ = set.solve(system);
+        let s = seen.pop().unwrap();
+        (0..3)
+            .map(|j| {
+                let (p, q) = (s.multipliers[j], [17.0, 2.0, 14.0][j] * if s.active[j] { 0.0 } else { s.gap[j] });
+                (p - f64::min(0.0, p + q)).powi(2)
+            })
+            .sum::<f64>()
+    };
+    (1..=3).min_by(|&a, &b| norm(a).total_cmp(&norm(b))).unwrap()
+}
+
+/// Keeps every solution.
+#[derive(Debug)]
+struct Spy<'a>(&'a mut Vec<ConstrainedSolution>);
+
+impl ConstraintSolver for Spy<'_> {
+    fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
+        let solution = Direct::new().solve(system)?;
+        self.0.push(solution.clone());
+        Ok(solution)
     }
 }
 

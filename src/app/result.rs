@@ -77,8 +77,17 @@ pub struct ActiveSetSummary {
     pub iterations: usize,
     /// Active rows in each of them.
     pub history: Vec<usize>,
+    /// Rows that violate the contact conditions after each of them.
+    pub wrong: Vec<usize>,
+    /// Sign cases after each of them, all contacts together: rows lambda <0, =0, >0; columns gap =0, >0, <0.
+    pub sign_cases: Vec<[usize; 9]>,
     /// States that were visited twice.
     pub cycles: usize,
+    /// The iteration whose state the numbers and the files show, from 1: the last one where it settled, else the one that violates
+    /// the contact conditions least; 0 where no system was solved.
+    pub best: usize,
+    /// What happened beside nominal steps: cycles, steps that were not taken whole.
+    pub notes: Vec<String>,
     /// Updates of the multipliers by an augmented Lagrangian around it, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub updates: Option<usize>,
@@ -87,7 +96,7 @@ pub struct ActiveSetSummary {
 /// The linear algebra of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SolveReport {
-    /// Why the iteration ended: converged, cycling, iterations, singular, not-finite.
+    /// Why the iteration ended: converged, cycling, iterations, rigid motion left, infeasible load, stopped, singular, not-finite.
     pub reason: String,
     /// What was done: "saddle-point, direct".
     pub linear: String,

@@ -19,6 +19,8 @@ pub enum Progress<'a> {
         /// How many there are.
         of: usize,
     },
+    /// A line for those who read along.
+    Note(&'a str),
     /// An iteration of the active set begins.
     Iteration {
         /// Its number, from 1.

@@ -29,6 +29,6 @@ pub use linear_solver::linear_solver;
 pub use material::material;
 pub use operator::operator;
 pub use quadrature::quadrature;
-pub use solver::solver;
+pub use solver::{contact_solver, solver};
 pub use space::space;
 pub use target::target;

@@ -41,6 +41,91 @@ pub fn solver(make: impl Fn() -> Box<dyn ConstraintSolver>) -> Result<(), String
     Ok(())
 }
 
+/// Checks contact algorithms made by `make`: all of [`solver`], and contact rows must be answered, with signs and complementarity;
+/// bodies held by contact alone, rows that only touch, a matrix on which the plain active set runs in a circle, loads that nothing holds.
+///
+/// # Errors
+/// A sentence that says which rule is broken and where.
+pub fn contact_solver(make: impl Fn() -> Box<dyn ConstraintSolver>) -> Result<(), String> {
+    solver(&make)?;
+    let mut one = make();
+    for problem in contacts().into_iter().chain(coupled_contacts()) {
+        for solver in [&mut make(), &mut one] {
+            problem.check(&mut **solver)?;
+            problem.signs(&problem.solve(&mut **solver).map_err(|e| format!("solver: {}: {e}", problem.name))?)?;
+        }
+    }
+    // a spring that only a wall could hold, pulled away from it
+    let away = hanging(-1.0);
+    if away.solve(&mut *make()).is_ok() {
+        return Err(format!("solver: {}: no pressure holds it, and it is answered", away.name));
+    }
+    Ok(())
+}
+
+/// Two points joined by a spring of stiffness 2, pushed by `force` at the first; the second is 1/2 from a wall.
+fn hanging(force: f64) -> Problem {
+    Problem::new(
+        &format!("spring held by a wall alone, force {force}"),
+        &[&[2.0, -2.0], &[-2.0, 2.0]],
+        &[force, 0.0],
+        &[(&[(1, -1.0)], &[])],
+    )
+    .offset(&[0.5])
+    .kind(&[RowKind::Contact])
+    .answer(&[0.5 + force / 2.0, 0.5], &[-force])
+}
+
+fn coupled_contacts() -> Vec<Problem> {
+    use RowKind::{Contact, Equal};
+    let rows: &[(&[(usize, f64)], &[(usize, f64)])] = &[(&[(0, 1.0)], &[]), (&[(1, 1.0)], &[]), (&[(2, 1.0)], &[])];
+    // found by trial: positive definite, and changing all wrong rows at once repeats three states
+    let circle = || {
+        Problem::new("circle", &[&[17.0, -5.0, 15.0], &[-5.0, 2.0, -4.0], &[15.0, -4.0, 14.0]], &[5.0, -3.0, 1.0], rows)
+            .kind(&[Contact; 3])
+            .answer(&[5.0 / 17.0, 0.0, 0.0], &[0.0, -26.0 / 17.0, -58.0 / 17.0])
+    };
+    // pushing the first point down lifts the second off
+    let lever = || {
+        Problem::new("lever", &[&[2.0, 1.0], &[1.0, 2.0]], &[2.0, -1.0], &rows[..2]).kind(&[Contact; 2]).answer(&[1.0, 0.0], &[0.0, -2.0])
+    };
+    // u_0 = u_1 by a tie, and a wall for both at 1
+    let tied = || {
+        Problem::new("tie and wall", &[&[1.0, 0.0], &[0.0, 3.0]], &[8.0, 0.0], &[(&[(0, 1.0)], &[(1, -1.0)]), (&[(1, -1.0)], &[])])
+            .offset(&[0.0, 1.0])
+            .kind(&[Equal, Contact])
+            .answer(&[1.0, 1.0], &[7.0, -4.0])
+    };
+    let mut problems = vec![circle(), lever(), tied(), hanging(1.0), hanging(0.25)];
+    problems.push(
+        Problem::new("closed gaps without load", &[&[2.0, 1.0], &[1.0, 2.0]], &[0.0, 0.0], &rows[..2])
+            .kind(&[Contact; 2])
+            .answer(&[0.0, 0.0], &[0.0, 0.0]),
+    );
+    for (stiffness, length, weight) in [(1e12, 1e-6, 1e-3), (1e-9, 1e6, 1e6)] {
+        for problem in [circle(), lever(), tied(), hanging(1.0)] {
+            problems.push(problem.units(stiffness, length, weight));
+        }
+    }
+    problems
+}
+
+impl Problem {
+    /// Contact rows press or are open, and not both.
+    fn signs(&self, solution: &ConstrainedSolution) -> Result<(), String> {
+        let weight = self.rows.slave.entries.iter().fold(0.0, |m: f64, e| m.max(e.2.abs()));
+        let length = weight * largest(&self.unknowns).max(largest(&self.offset) / weight.max(f64::MIN_POSITIVE));
+        let force = largest(&self.stiffness.diagonal()) * length / weight.powi(2).max(f64::MIN_POSITIVE);
+        for i in (0..self.kind.len()).filter(|&i| self.kind[i] == RowKind::Contact) {
+            let (lambda, gap) = (solution.multipliers[i], solution.gap[i]);
+            if above(lambda, 1e-9 * force) || above(-gap, 1e-9 * length) || above((lambda * gap).abs(), 1e-9 * force * length) {
+                return Err(format!("solver: {}: row {i} has the multiplier {lambda} and the gap {gap}", self.name));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// A system and its answer.
 struct Problem {
     name: String,

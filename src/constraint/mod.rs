@@ -17,7 +17,7 @@ use crate::coupling::Rows;
 use crate::linalg::{LinearError, Operator, Real};
 use std::fmt::Debug;
 
-pub use active_set::{ActiveSet, IterationNews};
+pub use active_set::{ActiveSet, IterationNews, sign_case_of_rows};
 pub use augmented::{Augmented, Uzawa};
 pub use condensed::Condensed;
 pub use direct::Direct;
@@ -61,8 +61,58 @@ pub struct ConstrainedSystem<'a, T: Real = f64> {
 /// Counts of the nine sign cases: rows lambda < 0, = 0, > 0; columns gap = 0, > 0, < 0.
 pub type SignCases = [usize; 9];
 
+/// A state of the contact rows that an active set visited twice.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Cycle {
+    /// Iteration of the first visit.
+    pub first: usize,
+    /// Iteration in which it would have come back.
+    pub second: usize,
+    /// Rows that change between the states of the cycle.
+    pub rows: Vec<usize>,
+}
+
+/// What happened in an active set beside its nominal steps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ActiveSetEvent {
+    /// The state wanted left a body free; all rows were closed in its place.
+    AllClosed {
+        /// The iteration that began with all rows closed.
+        iteration: usize,
+    },
+    /// The start closed far too much: the iteration began again with all rows closed, which is reduced faster than a scattered guess.
+    Again {
+        /// The iteration that began with all rows closed.
+        iteration: usize,
+    },
+    /// The state wanted left a body free; only some of the rows changed.
+    Part {
+        /// The iteration.
+        iteration: usize,
+        /// Rows that changed.
+        changed: usize,
+        /// Rows that were to change.
+        wanted: usize,
+    },
+    /// A state came back; single exchanges followed.
+    Cycle(Cycle),
+}
+
+impl ActiveSetEvent {
+    /// The same after `before` iterations of an earlier active set.
+    pub(crate) fn after(self, before: usize) -> Self {
+        match self {
+            Self::AllClosed { iteration } => Self::AllClosed { iteration: before + iteration },
+            Self::Again { iteration } => Self::Again { iteration: before + iteration },
+            Self::Part { iteration, changed, wanted } => Self::Part { iteration: before + iteration, changed, wanted },
+            Self::Cycle(c) => Self::Cycle(Cycle { first: before + c.first, second: before + c.second, rows: c.rows }),
+        }
+    }
+}
+
 /// How an active set iteration went.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ActiveSetReport {
     /// Number of linear systems solved.
     pub iterations: usize,
@@ -72,6 +122,22 @@ pub struct ActiveSetReport {
     pub sign_cases: Vec<SignCases>,
     /// Updates of the multipliers by an augmented Lagrangian around it; 0 without one.
     pub updates: usize,
+    /// The iteration of the best iterate, from 1: the last one where it settled. It is what errors carry.
+    pub best: usize,
+    /// Cycles, and steps that were not taken whole.
+    pub events: Vec<ActiveSetEvent>,
+}
+
+impl ActiveSetReport {
+    /// The cycles found.
+    pub fn cycles(&self) -> impl Iterator<Item = &Cycle> {
+        self.events.iter().filter_map(|e| if let ActiveSetEvent::Cycle(cycle) = e { Some(cycle) } else { None })
+    }
+
+    /// Rows that violate the contact conditions after each system: in tension, or penetrating.
+    pub fn wrong(&self) -> impl Iterator<Item = usize> {
+        self.sign_cases.iter().map(|c| c[2] + c[5] + c[6] + c[7] + c[8])
+    }
 }
 
 impl ActiveSetReport {
@@ -82,6 +148,8 @@ impl ActiveSetReport {
             history: before.history.iter().copied().chain(self.history).collect(),
             sign_cases: before.sign_cases.iter().copied().chain(self.sign_cases).collect(),
             updates: before.updates + self.updates,
+            best: before.iterations + self.best,
+            events: before.events.iter().cloned().chain(self.events.into_iter().map(|e| e.after(before.iterations))).collect(),
         }
     }
 }
@@ -153,11 +221,13 @@ pub enum SolveError {
         iteration: usize,
         /// Contact rows that are open in it.
         open: Vec<usize>,
-        /// The last state computed, where there is one.
-        last: Option<Box<ConstrainedSolution<f64>>>,
+        /// The best iterate, where there is one.
+        best: Option<Box<ConstrainedSolution<f64>>>,
     },
-    /// The active set visited a state twice.
-    #[error("the active set visited the same state twice (iterations {first} and {second})")]
+    /// The active set visited a state twice, and single exchanges did not lead to an end.
+    #[error(
+        "the active set visited the same state twice (iterations {first} and {second}) and did not settle within {iterations} iterations"
+    )]
     Cycling {
         /// First visit.
         first: usize,
@@ -165,16 +235,18 @@ pub enum SolveError {
         second: usize,
         /// Rows that change between the states of the cycle.
         rows: Vec<usize>,
-        /// The last state computed.
-        last: Box<ConstrainedSolution<f64>>,
+        /// Linear systems solved.
+        iterations: usize,
+        /// The best iterate.
+        best: Box<ConstrainedSolution<f64>>,
     },
     /// The active set did not settle within the iterations allowed.
     #[error("the active set did not settle within {iterations} iterations")]
     TooManyIterations {
         /// The limit.
         iterations: usize,
-        /// The last state computed.
-        last: Box<ConstrainedSolution<f64>>,
+        /// The best iterate.
+        best: Box<ConstrainedSolution<f64>>,
     },
     /// An augmented Lagrangian did not reach its tolerance.
     #[error(
@@ -195,8 +267,8 @@ pub enum SolveError {
     Stopped {
         /// Linear systems solved.
         iterations: usize,
-        /// The last state computed, where there is one.
-        last: Option<Box<ConstrainedSolution<f64>>>,
+        /// The best iterate, where there is one.
+        best: Option<Box<ConstrainedSolution<f64>>>,
     },
     /// Shapes of the system disagree.
     #[error("{what}: {found} given, {expected} expected")]

@@ -121,13 +121,13 @@ fn with_last(
         _ => before.clone().map(Box::new),
     };
     match error {
-        SolveError::RigidMotion { iteration, open, last } => SolveError::RigidMotion { iteration, open, last: whole(last) },
-        SolveError::Stopped { iterations, last } => SolveError::Stopped { iterations: report.iterations + iterations, last: whole(last) },
-        SolveError::Cycling { first, second, rows, last } => {
-            SolveError::Cycling { first, second, rows, last: whole(Some(last)).unwrap_or_default() }
+        SolveError::RigidMotion { iteration, open, best } => SolveError::RigidMotion { iteration, open, best: whole(best) },
+        SolveError::Stopped { iterations, best } => SolveError::Stopped { iterations: report.iterations + iterations, best: whole(best) },
+        SolveError::Cycling { first, second, rows, iterations, best } => {
+            SolveError::Cycling { first, second, rows, iterations, best: whole(Some(best)).unwrap_or_default() }
         }
-        SolveError::TooManyIterations { iterations, last } => {
-            SolveError::TooManyIterations { iterations, last: whole(Some(last)).unwrap_or_default() }
+        SolveError::TooManyIterations { iterations, best } => {
+            SolveError::TooManyIterations { iterations, best: whole(Some(best)).unwrap_or_default() }
         }
         other => other,
     }

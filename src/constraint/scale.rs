@@ -14,6 +14,9 @@ use crate::linalg::{Csr, Limits, LinearError, Operator, Real, Triplets};
 /// Corrections of an iterative method: each gains several digits.
 const MAX_CORRECTIONS: usize = 20;
 
+/// Gaps below this part of the largest unknown, both in scaled rows, are its rounding.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// What a constraint row weighs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RowScales<T: Real = f64> {
@@ -204,7 +207,10 @@ impl<'a> Scaled<'a> {
             top1 = max(top1, r1[i].abs() * scale[i]);
             bottom1 = max(bottom1, sums[i].size * scale[i]);
         }
-        max(ratio(top1, bottom1), ratio(top2, bottom2))
+        // rows that hold their unknowns at zero have no terms but rounding: that of the unknowns is no residual
+        let unknown = u.iter().fold(0.0, |m, &v| max(m, v.abs()));
+        let second = if top2 <= ROUNDING * unknown { 0.0 } else { ratio(top2, bottom2) };
+        max(ratio(top1, bottom1), second)
     }
 
     /// Adds corrections until they stall: u += du, l += dl with (du, dl) = `correct`(r1, r2). Returns (u, l, residual).

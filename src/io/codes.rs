@@ -300,9 +300,10 @@ pub const CODES: &[Code] = &[
         "E071",
         5,
         "contact does not settle",
-        "The active set visited the same state twice, or did not settle within active_set.max_iterations (default 30): raise it, \
-         or begin nearer to the answer with active_set.start = \"gap\". After a cycle the message names the functions that flip \
-         and where. The last state is saved.",
+        "The active set did not settle within active_set.max_iterations (default 30): raise it, or begin nearer to the answer with \
+         active_set.start = \"gap\". A state that comes back is a cycle: it is counted (solve.active_set.cycles) and left by single \
+         exchanges; where these come to no end either, the message names the iterations, the functions that flip and where. The state \
+         that violates the contact conditions least is saved; solve.active_set.best says which iteration it is from.",
         "active_set = { max_iterations = 3 }",
         "raise max_iterations, begin with start = \"gap\", or refine the slave side.",
     ),
@@ -310,7 +311,10 @@ pub const CODES: &[Code] = &[
         "E072",
         5,
         "singular",
-        "The system of equations is singular or has negative energy: a body can move, a constraint is redundant, or the factor of a Nitsche coupling is too small.",
+        "The system of equations is singular or has negative energy: a body can move, a constraint is redundant, or the factor of a \
+         Nitsche coupling is too small. With contact two outcomes are told apart. \"infeasible load\": contact presses and never pulls, and \
+         no pressure balances the loads on a body that nothing else holds; the message names the motion and the force that is missing. \
+         \"rigid motion left\": the loads could be balanced, but the contact that holds the body has opened and its place is not determined.",
         "[[interface]]          # the same pair of sides tied a second time, exchanged",
         "fix the body that can move, or take out the constraint that says a thing twice.",
     ),

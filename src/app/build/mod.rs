@@ -4,6 +4,7 @@ mod boundary;
 mod contacts;
 mod couples;
 mod divisions;
+mod equilibrium;
 mod exact;
 mod fixed;
 mod glue;
@@ -38,6 +39,7 @@ use crate::io::errors::{Diagnostic, Diagnostics};
 use crate::io::place::Place;
 
 pub(crate) use divisions::elements_along;
+pub(crate) use equilibrium::unheld;
 pub use exact::{Exact, FieldJet};
 pub use glue::Glued;
 pub(crate) use meshes::{counts as mesh_counts, named_point};

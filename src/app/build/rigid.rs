@@ -44,7 +44,7 @@ pub struct RigidModes<const N: usize> {
 
 impl<const N: usize> RigidModes<N> {
     /// Modes per body.
-    fn modes(&self) -> usize {
+    pub(super) fn modes(&self) -> usize {
         if self.components == 1 { 1 } else { N + N * (N - 1) / 2 }
     }
 
@@ -63,35 +63,59 @@ impl<const N: usize> RigidModes<N> {
         row
     }
 
-    /// The motions that `rows` leave.
-    pub fn free(&self, rows: &[RigidRow<N>]) -> Vec<FreeBody> {
+    /// A row as a linear form of all modes.
+    pub(super) fn form(&self, row: &RigidRow<N>) -> DVector<f64> {
         let m = self.modes();
-        let n = m * self.bodies;
+        let mut dense = DVector::<f64>::zeros(m * self.bodies);
+        for (body, sign, x) in &row.terms {
+            for (k, value) in self.row(&row.direction, x).into_iter().enumerate() {
+                dense[m * body + k] += sign * value;
+            }
+        }
+        dense
+    }
+
+    /// The work of a force and its moment about the origin on the modes of one body.
+    pub(super) fn work(&self, force: &[f64; 3], moment: &[f64; 3]) -> Vec<f64> {
+        if self.components == 1 {
+            return vec![force[0]];
+        }
+        let center = Vector::<3>::from_fn(|k, _| if k < N { self.center[k] } else { 0.0 });
+        let about = (Vector::<3>::from(*moment) - center.cross(&Vector::<3>::from(*force))) / self.size;
+        let mut work = force[..N].to_vec();
+        // the plane (x, z) turns about -y
+        work.extend(if N == 2 { vec![about[2]] } else { vec![about[2], -about[1], about[0]] });
+        work
+    }
+
+    /// The motions that `rows` leave, orthonormal columns in the modes of all bodies.
+    pub(super) fn null(&self, rows: &[RigidRow<N>]) -> DMatrix<f64> {
+        let n = self.modes() * self.bodies;
         let mut gram = DMatrix::<f64>::zeros(n, n);
         for row in rows {
-            let mut dense = DVector::<f64>::zeros(n);
-            for (body, sign, x) in &row.terms {
-                for (k, value) in self.row(&row.direction, x).into_iter().enumerate() {
-                    dense[m * body + k] += sign * value;
-                }
-            }
+            let dense = self.form(row);
             gram.syger(1.0, &dense, &dense, 1.0);
         }
         gram.fill_upper_triangle_with_lower_triangle();
         let eigen = gram.symmetric_eigen();
         let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
         let null: Vec<usize> = (0..n).filter(|&k| eigen.eigenvalues[k] <= RANK * largest.max(f64::MIN_POSITIVE)).collect();
+        DMatrix::from_fn(n, null.len(), |i, k| eigen.eigenvectors[(i, null[k])])
+    }
+
+    /// The motions that `rows` leave.
+    pub fn free(&self, rows: &[RigidRow<N>]) -> Vec<FreeBody> {
+        let (m, null) = (self.modes(), self.null(rows));
         (0..self.bodies)
             .filter_map(|body| {
-                let vectors = DMatrix::from_fn(m, null.len(), |i, k| eigen.eigenvectors[(m * body + i, null[k])]);
-                let motions = self.name(&vectors);
+                let motions = self.name(&null.rows(m * body, m).into_owned());
                 (!motions.is_empty()).then_some(FreeBody { body, motions })
             })
             .collect()
     }
 
     /// Words for the span of `vectors`.
-    fn name(&self, vectors: &DMatrix<f64>) -> Vec<String> {
+    pub(super) fn name(&self, vectors: &DMatrix<f64>) -> Vec<String> {
         if vectors.ncols() == 0 {
             return Vec::new();
         }

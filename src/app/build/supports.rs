@@ -1,6 +1,6 @@
 //! Rigid motions that are left when every contact is closed.
 
-use super::model::Model;
+use super::model::{Against, ContactPart, Model};
 use super::rigid::{FreeBody, RigidModes, RigidRow};
 use super::{Builder, SideModel};
 use crate::basis::Order;
@@ -33,22 +33,89 @@ fn points<const S: usize, const N: usize>(side: &SideModel<S, N>) -> Vec<Vector<
     out
 }
 
+/// The bodies of a model: patches, glued ones as one, each by its first; behind them obstacles that forces press, by their contacts.
+#[derive(Debug)]
+pub(super) struct RigidBodies {
+    first: Vec<usize>,
+    pressed: Vec<usize>,
+}
+
+impl RigidBodies {
+    pub fn of<const S: usize, const N: usize>(model: &Model<S, N>) -> Self {
+        let mut first: Vec<usize> = (0..model.patches.len()).filter(|&k| model.glued.body(k) == k).collect();
+        first.sort_unstable();
+        let pressed = (0..model.contacts.len()).filter(|&k| model.contacts[k].is_pressed()).collect();
+        Self { first, pressed }
+    }
+
+    pub fn of_patch<const S: usize, const N: usize>(&self, model: &Model<S, N>, patch: usize) -> usize {
+        self.first.binary_search(&model.glued.body(patch)).expect("every patch is part of a body")
+    }
+
+    /// The obstacle of a contact, where forces press it.
+    pub fn of_obstacle(&self, contact: usize) -> Option<usize> {
+        self.pressed.binary_search(&contact).ok().map(|k| self.first.len() + k)
+    }
+
+    /// The first patch of a body; of an obstacle the number of patches and that of its contact.
+    pub fn number<const S: usize, const N: usize>(&self, model: &Model<S, N>, body: usize) -> usize {
+        self.first.get(body).copied().unwrap_or_else(|| model.patches.len() + self.pressed[body - self.first.len()])
+    }
+
+    fn len(&self) -> usize {
+        self.first.len() + self.pressed.len()
+    }
+}
+
+/// Where a contact point acts on its bodies: (body, sign, place); the partner is the foot point, rotations act on it.
+pub(super) fn contact_terms<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    bodies: &RigidBodies,
+    contact_number: usize,
+    part: &ContactPart<S, N>,
+    contact: &Contact<S, N>,
+    q: usize,
+) -> Vec<(usize, f64, Vector<N>)> {
+    let (frames, segments) = (&contact.frames, &contact.segments);
+    let x = frames.x[q];
+    let mut terms = vec![(bodies.of_patch(model, part.slave.patch), 1.0, x)];
+    if let Against::Side(master, _) = &part.against {
+        let foot = x - frames.normal[q] * frames.gap[q];
+        let piece = segments.start.partition_point(|&s| s <= q) - 1;
+        terms.push((bodies.of_patch(model, master.patch_of(segments.master[piece])), -1.0, foot));
+    }
+    if let Some(obstacle) = bodies.of_obstacle(contact_number) {
+        terms.push((obstacle, -1.0, x));
+    }
+    terms
+}
+
 /// Motions that supports, ties and contacts leave, of patches and, numbered behind them by contact, of obstacles that forces press: `contacts` at a time, per contact and part, of them the points in `closed`.
 pub fn free_motions<const S: usize, const N: usize>(
     model: &Model<S, N>,
     contacts: &[Vec<&Contact<S, N>>],
     closed: &dyn Fn(usize, usize, usize) -> bool,
 ) -> Vec<FreeBody> {
-    // glued patches move as one body
-    let mut first: Vec<usize> = (0..model.patches.len()).filter(|&k| model.glued.body(k) == k).collect();
-    first.sort_unstable();
-    let body = |patch: usize| first.binary_search(&model.glued.body(patch)).expect("every patch is part of a body");
-    // obstacles that forces press are bodies behind them
-    let pressed: Vec<usize> = (0..model.contacts.len()).filter(|&k| model.contacts[k].is_pressed()).collect();
-    let modes = RigidModes { bodies: first.len() + pressed.len(), components: model.components, center: model.center, size: model.size };
+    let bodies = RigidBodies::of(model);
+    let (modes, mut rows) = held(model, &bodies);
+    for (k, contact) in model.contacts.iter().enumerate() {
+        for (p, part) in contact.parts.iter().enumerate() {
+            let built = contacts[k][p];
+            for q in (0..built.frames.x.len()).filter(|&q| closed(k, p, q)) {
+                rows.push(RigidRow { terms: contact_terms(model, &bodies, k, part, built, q), direction: built.frames.normal[q] });
+            }
+        }
+    }
+    modes.free(&rows).into_iter().map(|f| FreeBody { body: bodies.number(model, f.body), ..f }).collect()
+}
+
+/// The rigid motions of a model and what supports, springs and ties ask of them: both ways, without contacts.
+pub(super) fn held<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies) -> (RigidModes<N>, Vec<RigidRow<N>>) {
+    let body = |patch: usize| bodies.of_patch(model, patch);
+    let modes = RigidModes { bodies: bodies.len(), components: model.components, center: model.center, size: model.size };
     let mut rows: Vec<RigidRow<N>> = Vec::new();
-    for (k, &contact) in pressed.iter().enumerate() {
-        rows.extend(guides(model, first.len() + k, contact));
+    for (k, &contact) in bodies.pressed.iter().enumerate() {
+        rows.extend(guides(model, bodies.first.len() + k, contact));
     }
     let mut fix = |body: usize, direction: Vector<N>, x: Vector<N>| rows.push(RigidRow { terms: vec![(body, 1.0, x)], direction });
     for c in &model.conditions {
@@ -106,26 +173,7 @@ pub fn free_motions<const S: usize, const N: usize>(
             }
         }
     }
-    for (k, contact) in model.contacts.iter().enumerate() {
-        for (p, part) in contact.parts.iter().enumerate() {
-            let (frames, segments) = (&contacts[k][p].frames, &contacts[k][p].segments);
-            for (q, x) in frames.x.iter().enumerate().filter(|(q, _)| closed(k, p, *q)) {
-                let mut terms = vec![(body(part.slave.patch), 1.0, *x)];
-                if let super::Against::Side(master, _) = &part.against {
-                    // the partner is the foot point: rotations act on it, not on the slave point
-                    let foot = x - frames.normal[q] * frames.gap[q];
-                    let piece = segments.start.partition_point(|&s| s <= q) - 1;
-                    terms.push((body(master.patch_of(segments.master[piece])), -1.0, foot));
-                }
-                if let Ok(number) = pressed.binary_search(&k) {
-                    terms.push((first.len() + number, -1.0, *x));
-                }
-                rows.push(RigidRow { terms, direction: frames.normal[q] });
-            }
-        }
-    }
-    let number = |body: usize| first.get(body).copied().unwrap_or_else(|| model.patches.len() + pressed[body - first.len()]);
-    modes.free(&rows).into_iter().map(|f| FreeBody { body: number(f.body), ..f }).collect()
+    (modes, rows)
 }
 
 /// What holds the obstacle of a contact, body `body`: all but the components in which forces press it.

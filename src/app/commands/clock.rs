@@ -63,6 +63,7 @@ impl Clock {
                 s.say(name);
             }
             Progress::Step { step, of } => s.say(&format!("step {step} of {of}")),
+            Progress::Note(line) => s.tell(line),
             Progress::Iteration { iteration, active, rows } => {
                 s.say(&format!("active set, iteration {iteration}: {active} of {rows} rows active"))
             }
@@ -107,10 +108,15 @@ impl State {
     }
 
     fn say(&mut self, line: &str) {
-        self.line(line);
         if let Some(bar) = &self.bar {
             bar.set_message(line.to_owned());
         }
+        self.tell(line);
+    }
+
+    /// A line that is no news of progress.
+    fn tell(&mut self, line: &str) {
+        self.line(line);
         if let Some(streams) = &self.verbose {
             let text = format!("{:9.3} s  {line}\n", self.begun.elapsed().as_secs_f64());
             match &self.bar {

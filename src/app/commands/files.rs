@@ -1,8 +1,8 @@
 //! The files of a run: which there are, and what is in them.
 
-use crate::app::{Output, SideOutput};
+use crate::app::{Output, RunResult, SideOutput};
 use crate::io::errors::{Diagnostic, Diagnostics};
-use crate::io::plot::{self, FieldPlot, SidePlot};
+use crate::io::plot::{self, FieldPlot, IterationPlot, SidePlot};
 use crate::io::{table, vtu};
 
 /// A file to be written.
@@ -64,4 +64,17 @@ fn picture(output: &Output, side: &SideOutput) -> Result<String, plot::PlotError
     };
     let exact = side.exact.as_ref().map(|f| &**f as plot::ExactCurve<'_>);
     plot::side(&SidePlot { title: &title, contact: side.contact, rows: &side.rows, exact }, &side.part)
+}
+
+/// `active_set.svg`, where an active set solved anything.
+pub fn active_set(title: &str, result: &RunResult, trouble: &mut Diagnostics) -> Option<Named> {
+    let set = result.solve.as_ref()?.active_set.as_ref().filter(|set| !set.history.is_empty())?;
+    let title = if title.is_empty() { "active set".to_owned() } else { format!("{title}: active set") };
+    match plot::iteration(&IterationPlot { title: &title, active: &set.history, wrong: &set.wrong, best: set.best }) {
+        Ok(svg) => Some(Named { name: "active_set.svg".to_owned(), bytes: svg.into_bytes() }),
+        Err(why) => {
+            trouble.push(Diagnostic::warning("E091", format!("`active_set.svg` was not written: {why}")));
+            None
+        }
+    }
 }

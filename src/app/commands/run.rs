@@ -119,7 +119,9 @@ impl Job<'_> {
         let stems = output.as_ref().map(files::stems).unwrap_or_default();
         // steps have files of their own
         let alone = with_vtu && !self.results.loaded.case.has_steps();
+        let history = output.as_ref().and_then(|output| files::active_set(&output.title, &result, &mut trouble));
         let mut shown = output.map(|output| files::of(&output, alone, &mut trouble)).unwrap_or_default();
+        shown.extend(history);
         if !result.steps.is_empty() {
             shown.push(Named { name: "history.csv".to_owned(), bytes: history::csv(&result).into_bytes() });
         }

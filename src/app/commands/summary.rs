@@ -17,8 +17,17 @@ pub fn of(result: &RunResult, folder: Option<&str>) -> String {
         let iterations = if solve.iterations > 0 { format!(", {} iterations", solve.iterations) } else { String::new() };
         let _ = writeln!(text, "{}{iterations}; residual {}", solve.linear, short(solve.residual, 2));
         if let Some(set) = &solve.active_set {
-            let history = set.history.iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
-            let _ = writeln!(text, "active set: {} iterations, active rows {history}", set.iterations);
+            let list = |numbers: &[usize]| numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
+            let _ = writeln!(text, "active set: {} iterations, active rows {}", set.iterations, list(&set.history));
+            if set.iterations > 1 {
+                let _ = writeln!(text, "            wrong rows {}", list(&set.wrong));
+            }
+            for note in &set.notes {
+                let _ = writeln!(text, "            {note}");
+            }
+            if solve.reason != "converged" && set.best > 0 {
+                let _ = writeln!(text, "            the results show iteration {}, which is least wrong", set.best);
+            }
         }
     }
     let numbers = if result.solved { vec![contacts(result), interfaces(result), errors(result)] } else { Vec::new() };

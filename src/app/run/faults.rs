@@ -83,9 +83,10 @@ pub fn step_fault<const S: usize, const N: usize>(
     let contact = case.contacts.first().map(|c| c.active_set.max_iterations.at).unwrap_or_default();
     let at = |d: Diagnostic| d.at(&case.source, contact);
     match error {
-        StepError::Solve(SolveError::Cycling { first, second, rows, .. }) => {
+        StepError::Solve(SolveError::Cycling { first, second, rows, iterations, .. }) => {
             let text = format!(
-                "contact does not settle: the active set visited the same state twice (iterations {first} and {second}); {}",
+                "contact does not settle: the active set visited the same state twice (iterations {first} and {second}), and single \
+                 exchanges did not end within {iterations} iterations; {}",
                 flipping(model, rows)
             );
             (
@@ -126,6 +127,11 @@ pub fn step_fault<const S: usize, const N: usize>(
             let help = "start it near the body (geometry or earlier steps), or prescribe its motion by `move`";
             (Status::NotConverged, "obstacle", at(Diagnostic::error("E071", error.to_string())).with_help(help))
         }
+        StepError::Infeasible { what } => (
+            Status::Singular,
+            "infeasible load",
+            Diagnostic::error("E072", format!("infeasible load: {what}")).with_help("support the body beside its contacts, or press it on"),
+        ),
         StepError::Contact(ContactError::Gap { .. }) => (Status::NotFinite, "not-finite", Diagnostic::error("E073", error.to_string())),
         StepError::Solve(SolveError::Linear(LinearError::NotFinite)) => {
             let text = "a number in the system is not finite; a load or a material formula has no value somewhere on its body";

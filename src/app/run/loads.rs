@@ -65,12 +65,12 @@ impl<const S: usize, const N: usize> Model<S, N> {
         }))
     }
 
-    /// f in all unknowns at time `t`, and the resultant of all loads.
-    pub(crate) fn loads(&self, t: f64) -> (Vec<f64>, Resultant) {
+    /// f in all unknowns at time `t`, and the resultants of the loads on each patch, then on the obstacle of each contact.
+    pub(crate) fn loads(&self, t: f64) -> (Vec<f64>, Vec<Resultant>) {
         let mut load = vec![0.0; self.unknowns];
-        let mut total = Resultant::default();
+        let mut totals = vec![Resultant::default(); self.patches.len() + self.contacts.len()];
         let c = self.components;
-        for patch in &self.patches {
+        for (patch, total) in self.patches.iter().zip(&mut totals) {
             let Some(force) = self.volume_force(patch, t) else { continue };
             let space = &**patch.body.space();
             load[patch.range()].copy_from_slice(&patch.physics.load(space, &patch.rules, &*force));
@@ -104,17 +104,20 @@ impl<const S: usize, const N: usize> Model<S, N> {
             };
             physics.side_load(&side.trace, &side.rules, &act, &mut load[patch.range()]);
             let mut value = vec![0.0; c];
+            let total = &mut totals[side.patch];
             over_side(side, |_, _, x, n, ds| {
                 act(x, n, &mut value);
                 total.add(x, &value, ds);
             });
         }
         // forces on obstacles: guides carry their moments
-        for p in self.contacts.iter().flat_map(|c| &c.obstacle).flat_map(|o| &o.pressed) {
-            let force = p.force.value(&Point::default().at_time(t));
-            load[p.unknown] += force;
-            total.force[p.component] += force;
+        for (contact, total) in self.contacts.iter().zip(&mut totals[self.patches.len()..]) {
+            for p in contact.obstacle.iter().flat_map(|o| &o.pressed) {
+                let force = p.force.value(&Point::default().at_time(t));
+                load[p.unknown] += force;
+                total.force[p.component] += force;
+            }
         }
-        (load, total)
+        (load, totals)
     }
 }

@@ -7,6 +7,7 @@ mod faults;
 mod fields;
 mod forecast;
 mod integrate;
+mod iteration;
 mod loads;
 mod multipliers;
 mod predict;

@@ -2,6 +2,7 @@
 
 use super::errors::{error_names, errors};
 use super::integrate::on_trace;
+use super::iteration;
 use super::loads::Resultant;
 use super::reactions::reactions;
 use super::solve::StepState;
@@ -103,12 +104,7 @@ pub fn fill<const S: usize, const N: usize>(
         linear: state.method.clone(),
         residual: state.residual,
         iterations: state.iterations,
-        active_set: state.active_set.as_ref().map(|a| ActiveSetSummary {
-            iterations: a.iterations,
-            history: a.history.clone(),
-            cycles: usize::from(reason == "cycling"),
-            updates: Some(a.updates).filter(|&n| n > 0),
-        }),
+        active_set: state.active_set.as_ref().map(iteration::summary),
     });
     result.energy = model.patches.iter().zip(matrices).map(|(p, k)| energy(k, &state.u[p.range()])).sum();
     let mut outside = state.load;

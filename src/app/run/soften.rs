@@ -61,6 +61,11 @@ impl Softness {
         soft
     }
 
+    /// Whether no row is made exact by an augmented Lagrangian.
+    pub fn is_exact(&self) -> bool {
+        self.augmented.is_empty()
+    }
+
     /// Solves a system with contact rows by `set`, made exact where the model asks for an augmented Lagrangian. `eased`: contact rows of
     /// points whose first state says nothing about the answer.
     ///
@@ -128,8 +133,8 @@ impl Watched<'_> {
 /// The last state of an iteration that did not settle; of others the error itself.
 fn unsettled(error: SolveError) -> Result<Option<Box<ConstrainedSolution>>, SolveError> {
     match error {
-        SolveError::TooManyIterations { last, .. } | SolveError::Cycling { last, .. } => Ok(Some(last)),
-        SolveError::RigidMotion { last, .. } => Ok(last),
+        SolveError::TooManyIterations { best, .. } | SolveError::Cycling { best, .. } => Ok(Some(best)),
+        SolveError::RigidMotion { best, .. } => Ok(best),
         other => Err(other),
     }
 }

@@ -1,14 +1,15 @@
 //! Assembling and solving the system of a model at a time.
 
-use super::integrate::on_trace;
-use super::loads::Resultant;
 use super::at_rest::at_rest;
+use super::integrate::on_trace;
+use super::iteration;
+use super::loads::Resultant;
 use super::soften::Softness;
-use crate::app::build::{ContactModel, Model, between};
+use crate::app::build::{ContactModel, Model, between, unheld};
 use crate::app::registry::{Fault, Registry, SolverOptions, solver_name};
-use crate::app::watch::Watch;
+use crate::app::watch::{Progress, Watch};
 use crate::assembly::{Blocks, DirichletError, Reduced, ReductionError};
-use crate::constraint::{ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, scale::row_scales};
+use crate::constraint::{ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, sign_case_of_rows};
 use crate::contact::{Contact, ContactError};
 use crate::coupling::{CouplingError, Rows};
 use crate::io::case::{self, Start};
@@ -18,7 +19,7 @@ use std::borrow::Cow;
 
 /// Sign case of rows without one: ties, and contact rows that face nothing.
 const NO_CONTACT: u8 = 9;
-/// Forces and gaps below this share of their scale count as zero: among the sign cases, and where a start looks at gaps.
+/// Gaps below this share of the lengths they come from count as zero where a start looks at gaps.
 const ZERO: f64 = 1e-12;
 
 /// The solution of a step.
@@ -70,6 +71,12 @@ pub enum StepError {
     /// A contact could not be set up at this time.
     #[error(transparent)]
     Contact(#[from] ContactError),
+    /// No contact pressure balances the loads.
+    #[error("infeasible load: {what}")]
+    Infeasible {
+        /// Which body moves which way, and what force is missing.
+        what: String,
+    },
     /// The system was not solved.
     #[error(transparent)]
     Solve(#[from] SolveError),
@@ -262,10 +269,14 @@ impl<const S: usize, const N: usize, E: Into<StepError>> From<E> for Unsolved<S,
 
 /// The constraint solver of a run: what it learnt from a step serves the next ones.
 #[derive(Debug)]
-pub struct Solver(ActiveSet<Box<dyn ConstraintSolver>>);
+pub struct Solver {
+    set: ActiveSet<Box<dyn ConstraintSolver>>,
+    /// Whether the solver inside decides contact rows itself: then it is no part of an active set.
+    decides: bool,
+}
 
 impl Solver {
-    /// The solver that `wanted` names, stopped by `watch`.
+    /// The solver that `wanted` names, stopped by `watch`. One that refuses contact rows gets an active set around it.
     ///
     /// # Errors
     /// [`Fault`] where the registry has none of this name, or the name and the other keys do not go together.
@@ -276,7 +287,9 @@ impl Solver {
             max_iterations: wanted.max_iterations.map_or(0, |m| m.value),
             stop: watch.stop_sign(),
         };
-        Ok(Self(ActiveSet::new(make(&SolverOptions { linear: wanted.linear.value, limits })?)))
+        let mut inner = make(&SolverOptions { linear: wanted.linear.value, limits })?;
+        let decides = decides_contact(&mut *inner);
+        Ok(Self { set: ActiveSet::new(inner), decides })
     }
 
     /// Whether the solver refuses systems whose reaction differs from the constraint: asked of a system with one row.
@@ -294,7 +307,7 @@ impl Solver {
             kind: &[RowKind::Equal],
             compliance: &[],
         };
-        matches!(self.0.inner.solve(&system), Err(SolveError::NotSymmetric))
+        matches!(self.set.inner.solve(&system), Err(SolveError::NotSymmetric))
     }
 }
 
@@ -313,8 +326,24 @@ impl Solver {
             kind: &[RowKind::Equal; 2],
             compliance: &[1.0; 2],
         };
-        matches!(self.0.inner.solve(&system), Err(SolveError::OverConstrained { .. }))
+        matches!(self.set.inner.solve(&system), Err(SolveError::OverConstrained { .. }))
     }
+}
+
+/// Whether a solver answers contact rows: asked of two springs pushed by 2 and 0, the first towards a wall at distance 1.
+fn decides_contact(solver: &mut dyn ConstraintSolver) -> bool {
+    let (mut rows, stiffness) = (empty(1, 2), Csr::from_parts(2, vec![0, 1, 2], vec![0, 1], vec![1.0; 2]));
+    rows.slave.push(0, 0, -1.0);
+    let system = ConstrainedSystem {
+        stiffness: &stiffness,
+        load: &[2.0, 0.0],
+        constraint: &rows,
+        reaction: None,
+        offset: &[1.0],
+        kind: &[RowKind::Contact],
+        compliance: &[],
+    };
+    solver.solve(&system).is_ok()
 }
 
 /// Solves the model at time `t` with the matrices of its bodies at that time.
@@ -354,7 +383,7 @@ pub(super) fn once<const S: usize, const N: usize>(
 ) -> Result<StepState<S, N>, Unsolved<S, N>> {
     let goes_on = || match watch.stop() {
         None => Ok(()),
-        Some(_) => Err(SolveError::Stopped { iterations: 0, last: None }),
+        Some(_) => Err(SolveError::Stopped { iterations: 0, best: None }),
     };
     if let Some(fault) = &matrices.fault {
         return Err(fault.clone().into());
@@ -363,7 +392,9 @@ pub(super) fn once<const S: usize, const N: usize>(
     let bodies: Vec<&Csr> = matrices.bodies.iter().chain(&obstacles).collect();
     let matrices = Blocks { bodies: &bodies, between: matrices.between.as_ref() };
     let prescribed = model.prescribed(t).map_err(|e| Unsolved::<S, N>::from(e.0))?;
-    let (load, total) = model.loads(t);
+    let (load, totals) = model.loads(t);
+    let mut total = Resultant::default();
+    totals.iter().for_each(|own| total.sum(own));
     let system = System::of(model, t, before, place)?;
     let reduced = Reduced::try_new(matrices, &load, &prescribed, &model.all_equations())?;
     let (slave, shift) = reduced.rows(&system.rows.slave);
@@ -383,76 +414,59 @@ pub(super) fn once<const S: usize, const N: usize>(
     };
     goes_on()?;
     let has_contact = system.kind.iter().any(|k| *k != RowKind::Equal);
+    let missing = if has_contact { unheld_load(model, &system, &load, &totals) } else { None };
     let solved = if reduced.num_free() == 0 && model.rows == 0 {
         Ok(ConstrainedSolution { method: "nothing to solve".into(), ..ConstrainedSolution::default() })
-    } else if has_contact {
-        let active_set = &mut solver.0;
+    } else if has_contact && !(solver.decides && softness.is_exact()) {
+        let active_set = &mut solver.set;
         active_set.start.clone_from(&system.start);
         active_set.max_iterations = model.max_iterations;
         active_set.c = model.c;
+        // where no pressure balances the loads, no step back leads anywhere
+        active_set.retreat = missing.is_none();
         softness.solve(active_set, &constrained, system.eased.clone(), watch)
     } else {
-        solver.0.inner.solve(&constrained).map_err(|error| match error {
-            SolveError::Linear(LinearError::Stopped { .. }) => SolveError::Stopped { iterations: 0, last: None },
+        solver.set.inner.solve(&constrained).map_err(|error| match error {
+            SolveError::Linear(LinearError::Stopped { .. }) => SolveError::Stopped { iterations: 0, best: None },
             other => other,
         })
     };
     let finish = |solution: ConstrainedSolution| {
-        let sign_case = sign_cases(&constrained, &system, &solution);
+        if let Some(report) = &solution.active_set {
+            iteration::lines(report).iter().for_each(|line| watch.report(Progress::Note(line)));
+        }
+        let sign_case = sign_case_of_rows(&constrained, &solution).into_iter().map(|case| case.unwrap_or(NO_CONTACT)).collect();
         finished(model, matrices, &load, total, &reduced, &system, solution, sign_case, t)
     };
     match solved {
         Ok(solution) => Ok(finish(solution)),
         Err(error) => {
             let last = match &error {
-                SolveError::Cycling { last, .. } | SolveError::TooManyIterations { last, .. } | SolveError::Multipliers { last, .. } => {
-                    Some(last.clone())
-                }
-                SolveError::RigidMotion { last, .. } | SolveError::Stopped { last, .. } => last.clone(),
+                SolveError::Cycling { best: last, .. }
+                | SolveError::TooManyIterations { best: last, .. }
+                | SolveError::Multipliers { last, .. } => Some(last.clone()),
+                SolveError::RigidMotion { best, .. } | SolveError::Stopped { best, .. } => best.clone(),
                 _ => None,
             };
+            let error = match (missing, StepError::from(error)) {
+                (Some(what), StepError::Solve(e)) if !matches!(e, SolveError::Stopped { .. }) => StepError::Infeasible { what },
+                (_, error) => error,
+            };
             let usable = last.filter(|l| l.unknowns.len() == reduced.num_free() && l.multipliers.len() == model.rows);
-            Err(Unsolved { error: error.into(), last: usable.map(|l| Box::new(finish(*l))) })
+            Err(Unsolved { error, last: usable.map(|l| Box::new(finish(*l))) })
         }
     }
 }
 
-/// lambda <0, =0, >0 by gap =0, >0, <0, both as forces, zero within 1e-12 of the largest.
-fn sign_cases<const S: usize, const N: usize>(
-    system: &ConstrainedSystem<'_>,
-    full: &System<S, N>,
-    solution: &ConstrainedSolution,
-) -> Vec<u8> {
-    let m = system.offset.len();
-    if solution.gap.len() != m {
-        return vec![NO_CONTACT; m];
-    }
-    let scales = row_scales(&system.stiffness.diagonal(), system.constraint, m);
-    let per_length = |j: usize| if scales.weight[j] > 0.0 { scales.stiffness[j] / scales.weight[j] } else { 1.0 };
-    let force: Vec<(f64, f64)> = (0..m).map(|j| (solution.multipliers[j] * scales.weight[j], solution.gap[j] * per_length(j))).collect();
-    let contact = |j: &usize| full.kind[*j] == RowKind::Contact;
-    let largest = (0..m)
-        .filter(contact)
-        .map(|j| force[j].0.abs().max((solution.gap[j] - system.offset[j]).abs() * per_length(j)))
-        .fold(0.0, f64::max);
-    (0..m)
-        .map(|j| {
-            if !contact(&j) {
-                return NO_CONTACT;
-            }
-            let zero = ZERO * largest.max(system.offset[j].abs() * per_length(j));
-            let column = |x: f64, below: u8, above: u8, at: u8| {
-                if x.abs() <= zero {
-                    at
-                } else if x < 0.0 {
-                    below
-                } else {
-                    above
-                }
-            };
-            3 * column(force[j].0, 0, 2, 1) + column(force[j].1, 2, 1, 0)
-        })
-        .collect()
+/// Why no contact pressure balances the loads, where that is so.
+fn unheld_load<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    system: &System<S, N>,
+    load: &[f64],
+    totals: &[Resultant],
+) -> Option<String> {
+    let pushes: Vec<_> = totals.iter().map(|r| (r.force, r.moment)).collect();
+    unheld(model, &system.contacts, &pushes, load.iter().map(|f| f.abs()).sum())
 }
 
 fn finished<const S: usize, const N: usize>(

@@ -1,4 +1,4 @@
-//! Pictures as SVG: a colour field on the mesh, a multiplier along its side.
+//! Pictures as SVG: a colour field on the mesh, a multiplier along its side, the rows of an active set.
 //!
 //! Text uses the viewer's own sans-serif font. Equal input gives equal bytes.
 
@@ -6,6 +6,7 @@ pub mod faces;
 mod fewer;
 mod fields;
 mod frame;
+mod iteration;
 mod sample;
 mod side;
 mod solids;
@@ -15,6 +16,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 pub use fields::{FieldPlot, fields};
+pub use iteration::{IterationPlot, iteration};
 pub use side::{ExactCurve, SidePlot, side};
 pub use solids::solids;
 pub use study::{Axis, MOST_LINES, StudyGroup, StudyLine, StudyPanel, StudyPlot, study};

@@ -1,0 +1,164 @@
+//! Multipliers and gaps of contact rows as forces, and what of them counts as zero.
+//!
+//!   p_j = lambda_j s_j,   q_j = k_j (gap_j - compliance_j lambda_j) / s_j      k_j, s_j: [`row_scales`]
+//!
+//! In a linear system with equalities q_j of a closed row and p_j of an open one are zero by construction: their rounding is taken out
+//! here, so no factor between p and q can make it decide.
+
+use super::super::scale::{RowScales, combined, row_scales};
+use super::super::{ConstrainedSolution, ConstrainedSystem, RowKind, SignCases};
+use crate::linalg::Csr;
+
+/// Forces below this part of their scale count as zero.
+const ZERO: f64 = 1e-12;
+
+/// What the contact rows of a system are measured by.
+#[derive(Debug)]
+pub(super) struct Measure<'a> {
+    /// The contact rows.
+    pub contact: Vec<usize>,
+    scales: RowScales<f64>,
+    rows: Csr<f64>,
+    offset: &'a [f64],
+    compliance: &'a [f64],
+}
+
+impl<'a> Measure<'a> {
+    pub fn of(system: &ConstrainedSystem<'a, f64>) -> Self {
+        let (n, m) = (system.stiffness.size(), system.offset.len());
+        Self {
+            contact: (0..m).filter(|&j| system.kind[j] == RowKind::Contact).collect(),
+            scales: row_scales(&system.stiffness.diagonal(), system.constraint, m),
+            rows: combined(system.constraint, m, n),
+            offset: system.offset,
+            compliance: system.compliance,
+        }
+    }
+
+    /// Whether contact row `k` feels anything at all.
+    pub fn has_entries(&self, k: usize) -> bool {
+        self.scales.weight[self.contact[k]] > 0.0
+    }
+
+    fn per_length(&self, j: usize) -> f64 {
+        // a row without entries feels nothing: its gap is only reported
+        if self.scales.weight[j] > 0.0 { self.scales.stiffness[j] / self.scales.weight[j] } else { 1.0 }
+    }
+
+    /// The forces of a solution; `by_construction`: it comes from a system of equalities, closed where it is active.
+    pub fn forces(&self, solution: &ConstrainedSolution<f64>, by_construction: bool) -> Forces {
+        let mut forces = Forces { multiplier: Vec::new(), gap: Vec::new(), zero: Vec::new(), closed: Vec::new() };
+        let (mut largest, mut own) = (0.0f64, Vec::new());
+        for &j in &self.contact {
+            let (lambda, per_length) = (solution.multipliers[j], self.per_length(j));
+            let closed = solution.active[j];
+            let soft = self.compliance.get(j).copied().unwrap_or(0.0);
+            forces.multiplier.push(if by_construction && !closed { 0.0 } else { lambda * self.scales.weight[j] });
+            forces.gap.push(if by_construction && closed { 0.0 } else { (solution.gap[j] - soft * lambda) * per_length });
+            forces.closed.push(closed);
+            let (cols, vals) = self.rows.row(j);
+            let moved: f64 = cols.iter().zip(vals).map(|(&i, &c)| (c * solution.unknowns[i as usize]).abs()).sum();
+            largest = largest.max(lambda.abs() * self.scales.weight[j]).max(moved * per_length);
+            // a far row's initial gap must not hide the small gaps of others
+            own.push(self.offset[j].abs() * per_length);
+        }
+        forces.zero = own.iter().map(|&g| ZERO * largest.max(g)).collect();
+        forces
+    }
+
+    /// Force that would close the gap at rest of each row by its own stiffness, from the least gap among the rows that hang together.
+    ///
+    /// Rows hang together where they share unknowns: those of one side do.
+    pub fn at_rest(&self) -> Vec<f64> {
+        let mut group: Vec<usize> = (0..self.contact.len()).collect();
+        let mut first: Vec<usize> = vec![usize::MAX; self.rows.num_cols()];
+        for (k, &j) in self.contact.iter().enumerate() {
+            for &i in self.rows.row(j).0 {
+                let other = &mut first[i as usize];
+                if *other == usize::MAX {
+                    *other = k;
+                } else {
+                    let (a, b) = (root(&mut group, *other), root(&mut group, k));
+                    group[a.max(b)] = a.min(b);
+                }
+            }
+        }
+        let lumped = |j: usize| self.offset[j] / if self.scales.weight[j] > 0.0 { self.scales.weight[j] } else { 1.0 };
+        let mut least = vec![f64::INFINITY; self.contact.len()];
+        for (k, &j) in self.contact.iter().enumerate() {
+            let g = root(&mut group, k);
+            least[g] = least[g].min(lumped(j));
+        }
+        let force = |(k, &j): (usize, &usize)| self.scales.stiffness[j] * (lumped(j) - least[root(&mut group, k)]);
+        self.contact.iter().enumerate().map(force).collect()
+    }
+}
+
+/// The representative of `k`'s group; shortens the way there.
+fn root(group: &mut [usize], mut k: usize) -> usize {
+    while group[k] != k {
+        group[k] = group[group[k]];
+        k = group[k];
+    }
+    k
+}
+
+/// Multipliers and gaps of the contact rows as forces.
+#[derive(Clone, Debug)]
+pub(super) struct Forces {
+    /// p, positive in tension.
+    pub multiplier: Vec<f64>,
+    /// q, negative in penetration.
+    pub gap: Vec<f64>,
+    zero: Vec<f64>,
+    closed: Vec<bool>,
+}
+
+impl Forces {
+    /// Rows that leave their state: active next iff p + c q < 0. Where both are zero a row keeps its state.
+    pub fn wrong(&self, c: f64) -> Vec<usize> {
+        let changes = |k: &usize| {
+            let (p, q, zero) = (self.multiplier[*k], self.gap[*k], self.zero[*k]);
+            (p.abs() > zero || q.abs() > zero) && (p + c * q < 0.0) != self.closed[*k]
+        };
+        (0..self.closed.len()).filter(changes).collect()
+    }
+
+    /// Norm of p - min(0, p + q): zero exactly where the contact conditions hold.
+    pub fn violation(&self) -> f64 {
+        self.multiplier.iter().zip(&self.gap).map(|(p, q)| (p - (p + q).min(0.0)).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// The sign case of every contact row, 3 * row + column. Rows: lambda < 0, = 0, > 0; columns: gap = 0, > 0, < 0.
+    pub fn sign_case(&self, k: usize) -> usize {
+        let (p, q, zero) = (self.multiplier[k], self.gap[k], self.zero[k]);
+        let of = |x: f64, below: usize, at: usize, above: usize| match x {
+            x if x.abs() <= zero => at,
+            x if x < 0.0 => below,
+            _ => above,
+        };
+        3 * of(p, 0, 1, 2) + of(q, 2, 0, 1)
+    }
+
+    /// How many rows are in each sign case.
+    pub fn sign_cases(&self) -> SignCases {
+        let mut cases = [0; 9];
+        (0..self.zero.len()).for_each(|k| cases[self.sign_case(k)] += 1);
+        cases
+    }
+}
+
+/// The sign case of every row of kind `Contact`, 0 to 8 = 3 * row + column; none for other rows.
+///
+/// Rows: lambda < 0, = 0, > 0; columns: gap = 0, > 0, < 0 (of soft rows what the gap is beyond compliance times lambda); zero within
+/// 1e-12 of the largest of both as forces. What an active set solved has gap 0 where it is active and lambda 0 elsewhere by construction.
+pub fn sign_case_of_rows(system: &ConstrainedSystem<'_, f64>, solution: &ConstrainedSolution<f64>) -> Vec<Option<u8>> {
+    let measure = Measure::of(system);
+    let mut cases = vec![None; system.offset.len()];
+    let complete = [solution.gap.len(), solution.multipliers.len(), solution.active.len()].iter().all(|&l| l == cases.len());
+    if complete && solution.unknowns.len() == system.stiffness.size() {
+        let forces = measure.forces(solution, solution.active_set.is_some());
+        measure.contact.iter().enumerate().for_each(|(k, &j)| cases[j] = Some(forces.sign_case(k) as u8));
+    }
+    cases
+}

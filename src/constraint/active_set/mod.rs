@@ -1,0 +1,238 @@
+//! Primal-dual active set iteration around any solver of equalities: a semismooth Newton method.
+//!
+//!   row j is active next iff lambda_j s_j + c k_j (gap_j - compliance_j lambda_j) / s_j < 0      (both terms are forces)
+//!
+//! k_j, s_j: stiffness and weight of the row ([`super::scale::row_scales`]). Where both terms are within 1e-12 of their scale the row
+//! keeps its state: all nine combinations of signs are decided, none by rounding. In a linear system the second term of an active row
+//! and the first of an open one are zero by construction and taken as such: the result does not depend on c.
+//!
+//! - A state that comes back is a cycle; single exchanges of least index lead out of it (`pivot`).
+//! - A singular system leaves a body free: part of the rows that were to open stay closed. A singular start gives way to all rows closed.
+//! - The best iterate is kept: least norm of the force lambda_j s_j - min(0, lambda_j s_j + k_j gap_j / s_j).
+//!
+//! Sources: Hintermueller, Ito, Kunisch, SIAM J. Optim. 13 (2002) 865-888 (active sets as Newton's method); Alart, Curnier, Comput.
+//! Methods Appl. Mech. Eng. 92 (1991) 353-375 (c); the nine cases: Brivadis, defence slides, Pavia 2017.
+
+mod forces;
+mod pivot;
+
+use super::scale::check_shape;
+use super::{ActiveSetEvent, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError};
+use crate::linalg::LinearError;
+use forces::Measure;
+use pivot::{Next, Pivot, Try};
+
+pub use forces::sign_case_of_rows;
+
+/// Active set iteration around `inner`; rows of kind `Equal` and `Open` stay what they are.
+///
+///   row j is active next iff lambda_j s_j + c k_j (gap_j - compliance_j lambda_j) / s_j < 0
+///
+/// with the stiffness k_j and the weight s_j of [`row_scales`](super::scale::row_scales): both terms are forces, c is a pure number. One of
+/// them is zero by construction in every row, so c decides nothing but which term is called large.
+///
+/// It ends [converged](ConstrainedSolution), or with an error that carries the best iterate, the one of least
+/// |lambda_j s_j - min(0, lambda_j s_j + k_j gap_j / s_j)|:
+///
+/// | outcome | error |
+/// | --- | --- |
+/// | cycling: a state came back, and single exchanges did not end either | [`SolveError::Cycling`] |
+/// | iterations: the limit was reached without a cycle | [`SolveError::TooManyIterations`] |
+/// | rigid motion left: every step leaves a body free | [`SolveError::RigidMotion`] |
+/// | stopped | [`SolveError::Stopped`] |
+///
+/// Sources: Hintermueller, Ito, Kunisch, SIAM J. Optim. 13 (2002) 865-888; Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991)
+/// 353-375; single exchanges: Murty, Linear Algebra Appl. 9 (1974) 65-108; Judice, Pires, Comput. Oper. Res. 21 (1994) 587-596.
+#[derive(Clone, Debug)]
+pub struct ActiveSet<C> {
+    /// Solves the systems with equalities.
+    pub inner: C,
+    /// Linear systems allowed; as many again may turn out singular.
+    pub max_iterations: usize,
+    /// Weight of the gap's force against the multiplier's, a pure number.
+    pub c: f64,
+    /// First state, one per row (only contact rows are read); empty: all contact rows active.
+    pub start: Vec<bool>,
+    /// Whether steps that leave a body free are tried in part; without, the first one ends the iteration.
+    pub retreat: bool,
+}
+
+impl<C> ActiveSet<C> {
+    /// At most 30 iterations, c = 1, all contact rows active at first.
+    pub fn new(inner: C) -> Self {
+        Self { inner, max_iterations: 30, c: 1.0, start: Vec::new(), retreat: true }
+    }
+
+    /// The same with another first state, one per row.
+    pub fn starting_from(mut self, start: Vec<bool>) -> Self {
+        self.start = start;
+        self
+    }
+}
+
+/// A linear system that an active set is about to solve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct IterationNews {
+    /// Its number, from 1; a system that follows a singular one has the same.
+    pub iteration: usize,
+    /// Active contact rows in it.
+    pub active: usize,
+    /// All contact rows.
+    pub rows: usize,
+}
+
+impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for ActiveSet<C> {
+    fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
+        self.solve_watched(system, &mut |_| true)
+    }
+}
+
+/// What a run of the iteration has found so far.
+#[derive(Default)]
+struct Found {
+    report: ActiveSetReport,
+    /// Violation and solution of the best iterate.
+    best: Option<(f64, ConstrainedSolution<f64>)>,
+}
+
+impl Found {
+    fn with_report(&self, mut solution: ConstrainedSolution<f64>) -> ConstrainedSolution<f64> {
+        solution.active_set = Some(self.report.clone());
+        solution
+    }
+
+    fn best(&mut self) -> Option<Box<ConstrainedSolution<f64>>> {
+        let (_, solution) = self.best.take()?;
+        Some(Box::new(self.with_report(solution)))
+    }
+
+    fn stopped(&mut self) -> SolveError {
+        SolveError::Stopped { iterations: self.report.iterations, best: self.best() }
+    }
+
+    /// The iteration did not settle: after a cycle that is why.
+    fn unsettled(&mut self) -> SolveError {
+        let cycle = self.report.cycles().next().cloned();
+        let (iterations, best) = (self.report.iterations, self.best().unwrap_or_default());
+        match cycle {
+            Some(c) => SolveError::Cycling { first: c.first, second: c.second, rows: c.rows, iterations, best },
+            None => SolveError::TooManyIterations { iterations, best },
+        }
+    }
+}
+
+/// How a step that was tried ended.
+enum Tried {
+    Solved(usize, ConstrainedSolution<f64>),
+    Singular,
+    Stopped,
+}
+
+impl<C: ConstraintSolver<f64>> ActiveSet<C> {
+    /// Solves `system` and asks `goes_on` before every linear system; one that has begun is not interrupted.
+    ///
+    /// # Errors
+    /// [`SolveError::Stopped`] where `goes_on` says no, and all others of [`ConstraintSolver::solve`].
+    pub fn solve_watched(
+        &mut self,
+        system: &ConstrainedSystem<'_, f64>,
+        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+    ) -> Result<ConstrainedSolution<f64>, SolveError> {
+        check_shape(system)?;
+        let m = system.offset.len();
+        if !self.start.is_empty() && self.start.len() != m {
+            return Err(SolveError::Shape { what: "start states", found: self.start.len(), expected: m });
+        }
+        let measure = Measure::of(system);
+        let all: Vec<bool> = (0..measure.contact.len()).map(|k| measure.has_entries(k)).collect();
+        let start: Vec<bool> = measure.contact.iter().zip(&all).map(|(&j, &a)| a && self.start.get(j).is_none_or(|&s| s)).collect();
+        let mut tries = vec![Try::new(start, 0)];
+        if tries[0].state != all {
+            tries.push(Try { all: true, ..Try::new(all.clone(), 0) });
+        }
+        let mut pivot = Pivot::new(all, measure.at_rest());
+        let (mut found, mut linear, mut singular) = (Found::default(), 0, 0);
+        loop {
+            let iteration = found.report.iterations + 1;
+            if iteration > self.max_iterations {
+                return Err(found.unsettled());
+            }
+            let wanted = tries[0].changed;
+            let (taken, mut solution) = match self.first_regular(system, &measure, &pivot.all, &tries, iteration, &mut singular, goes_on)? {
+                Tried::Solved(taken, solution) => (tries.swap_remove(taken), solution),
+                Tried::Stopped => return Err(found.stopped()),
+                Tried::Singular => {
+                    let open = measure.contact.iter().zip(&tries[0].state).filter(|(_, active)| !**active).map(|(&j, _)| j).collect();
+                    return Err(SolveError::RigidMotion { iteration, open, best: found.best() });
+                }
+            };
+            linear += solution.iterations;
+            solution.iterations = linear;
+            let report = &mut found.report;
+            if taken.all {
+                report.events.push(ActiveSetEvent::AllClosed { iteration });
+            } else if taken.again {
+                report.events.push(ActiveSetEvent::Again { iteration });
+            } else if taken.changed < wanted {
+                report.events.push(ActiveSetEvent::Part { iteration, changed: taken.changed, wanted });
+            }
+            let forces = measure.forces(&solution, true);
+            report.iterations = iteration;
+            report.history.push(taken.state.iter().filter(|&&a| a).count());
+            report.sign_cases.push(forces.sign_cases());
+            let cycles = pivot.cycles.len();
+            let next = pivot.next(&taken.state, &forces, self.c, iteration, &measure.contact);
+            report.events.extend(pivot.cycles[cycles..].iter().cloned().map(ActiveSetEvent::Cycle));
+            if matches!(next, Next::Settled) {
+                report.best = iteration;
+                return Ok(found.with_report(solution));
+            }
+            let violation = forces.violation();
+            if found.best.as_ref().is_none_or(|(least, _)| violation < *least) {
+                report.best = iteration;
+                found.best = Some((violation, solution));
+            }
+            match next {
+                Next::Tries(next) => tries = next,
+                _ => return Err(found.unsettled()),
+            }
+        }
+    }
+
+    /// Solves the first of `tries` that is regular.
+    fn first_regular(
+        &mut self,
+        system: &ConstrainedSystem<'_, f64>,
+        measure: &Measure<'_>,
+        all: &[bool],
+        tries: &[Try],
+        iteration: usize,
+        singular: &mut usize,
+        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+    ) -> Result<Tried, SolveError> {
+        let mut kind = system.kind.to_vec();
+        for (number, attempt) in tries.iter().enumerate() {
+            let active = attempt.state.iter().filter(|&&a| a).count();
+            if !goes_on(IterationNews { iteration, active, rows: measure.contact.len() }) {
+                return Ok(Tried::Stopped);
+            }
+            for (k, &j) in measure.contact.iter().enumerate() {
+                kind[j] = if attempt.state[k] { RowKind::Equal } else { RowKind::Open };
+            }
+            match self.inner.solve(&ConstrainedSystem { kind: &kind, ..*system }) {
+                Ok(solution) => return Ok(Tried::Solved(number, solution)),
+                Err(SolveError::Linear(LinearError::Stopped { .. })) => return Ok(Tried::Stopped),
+                // with all rows closed nothing is left to try: the body has no support at all
+                Err(SolveError::Linear(LinearError::Singular { .. })) if attempt.state != all => {
+                    *singular += 1;
+                    if !self.retreat && iteration > 1 || *singular > self.max_iterations {
+                        break;
+                    }
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(Tried::Singular)
+    }
+}
