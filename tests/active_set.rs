@@ -331,3 +331,51 @@ fn a_body_that_contact_alone_holds_converges_from_starts_that_leave_it_free() {
         assert_eq!(kkt(&result), None);
     }
 }
+
+/// A clamped block over a wedge: with all rows closed two of forty pull, and only they open.
+const WEDGE: &str = "[[patch]]\nname = \"up\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 0.5] }\nelements = [40, 4]\n\
+    [[boundary]]\non = \"up.top\"\nfix = [\"x\"]\ndirichlet = { y = \"-0.03\" }\n\
+    [[contact]]\nname = \"pad\"\nslave = \"up.bottom\"\nrigid = { kind = \"half-plane\", point = [0, 0], normal = [0, 1] }\n\
+    gap = \"0.05*abs(x - 0.5)\"\n";
+
+// 38 of 40 rows and the force: an independent quadratic program (nonnegative least squares on the dual, numpy)
+#[test]
+fn a_start_of_all_rows_needs_few_systems_where_nearly_all_are_right() {
+    let text = format!("{MODEL}{WEDGE}");
+    for start in ["\"all\"", "\"none\"", "\"gap\"", "{ seed = 3 }"] {
+        let found = solved(&text, &[format!("contact.pad.active_set={{ start = {start} }}")]);
+        assert_eq!(found.result.status, Status::Ok, "{start}: {}", said(&found.result));
+        let pad = found.result.contact.get("pad").unwrap();
+        assert!((pad.force[1] - 0.04152652866816576).abs() < 1e-12 && pad.active == 38, "{start}: {pad:?}");
+        assert!(set(&found.result).iterations <= 6, "{start}: {:?}", set(&found.result));
+    }
+}
+
+// Multipliers by enumerating all sets of closed rows (numpy); whatever opens first leaves the block free.
+#[test]
+fn a_block_between_leaning_planes_is_held_by_the_rows_that_are_needed() {
+    let plane = |name: &str, side: &str, point: &str, normal: [f64; 2]| {
+        format!(
+            "[[contact]]\nname = \"{name}\"\nslave = \"b.{side}\"\nreach = 50\nrigid = {{ kind = \"half-plane\", point = {point}, normal = [{}, {}] }}\n",
+            normal[0], normal[1]
+        )
+    };
+    let text = format!(
+        "{MODEL}[[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [1, 0.5] }}\nelements = [2, 1]\n{}{}{}",
+        plane("right", "right", "[1, 0.25]", [-0.9950041652780258, -0.09983341664682815]),
+        plane("left", "left", "[0, 0.25]", [0.9800665778412416, 0.19866933079506122]),
+        plane("top", "top", "[0.5, 0.5]", [-0.19866933079506122, -0.9800665778412416])
+    )
+    .replace("dimension = 2\n", "dimension = 2\nbody_force = [\"-0.1\", \"1.0\"]\n")
+    .replace("young = 1.0", "young = 1000.0");
+    for start in ["all", "none", "gap"] {
+        let sets: Vec<String> = ["right", "left", "top"].map(|c| format!("contact.{c}.active_set={{ start = \"{start}\" }}")).to_vec();
+        let found = solved(&text, &sets);
+        assert_eq!(found.result.status, Status::Ok, "{start}: {}", said(&found.result));
+        let sides = &found.output.as_ref().unwrap().sides;
+        let lambda: Vec<f64> = sides.iter().flat_map(|s| s.rows.iter().map(|r| r.lambda[0])).collect();
+        for (l, expected) in lambda.iter().zip([0.0, -0.32210, -0.49808, -0.58756]) {
+            assert!((l - expected).abs() < 1e-5, "{start}: {lambda:?}");
+        }
+    }
+}

@@ -484,8 +484,9 @@ fn master_blocks_of_all_integrations_have_one_limit() {
         for rule in [Rule::Slave, Rule::Mixed] {
             let found = [3, 6, 12, 24].map(|points| at(1, points, rule));
             println!("{kinds:?} {rule:?}: {found:?}");
-            // kinks: normals of polygons jump between the points, so eight times the points give at least first order, with noise
-            assert!(found[3] < 0.2 * found[0], "{kinds:?} {rule:?}: {found:?}");
+            // slave sums: normals of polygons jump between the points, so eight times the points give first order, with noise
+            let share = if rule == Rule::Mixed { 0.05 } else { 0.2 };
+            assert!(found[3] < share * found[0], "{kinds:?} {rule:?}: {found:?}");
         }
     }
 }
@@ -510,8 +511,9 @@ fn slave_mixed_and_merged_integration_converge_to_one_state() {
                 a.iter().zip(&b).fold(0.0f64, |m, (a, b)| m.max((a - b).abs())) / top
             });
             println!("{kinds:?} {rule:?}: {far:?}");
-            // at p + 1 points: the seed's sums lose orders, and tend to the same state
-            assert!(far[2] < 0.5 * far[0] && far[2] < 1e-2, "{kinds:?} {rule:?}: {far:?}");
+            // at p + 1 points: slave sums lose orders, mixed ones keep second order at least; both tend to the same state
+            let (share, least) = if rule == Rule::Mixed { (0.1, 1e-4) } else { (0.5, 1e-2) };
+            assert!(far[2] < share * far[0] && far[2] < least, "{kinds:?} {rule:?}: {far:?}");
         }
     }
 }

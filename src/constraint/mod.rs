@@ -95,6 +95,11 @@ pub enum ActiveSetEvent {
         /// Rows that were to change.
         wanted: usize,
     },
+    /// Every step left a body free: it was put on weak springs, and what was closed there is where the iteration began again without them.
+    Springs {
+        /// The iteration whose system was singular.
+        iteration: usize,
+    },
     /// A state came back; single exchanges followed.
     Cycle(Cycle),
 }
@@ -105,6 +110,7 @@ impl ActiveSetEvent {
         match self {
             Self::AllClosed { iteration } => Self::AllClosed { iteration: before + iteration },
             Self::Again { iteration } => Self::Again { iteration: before + iteration },
+            Self::Springs { iteration } => Self::Springs { iteration: before + iteration },
             Self::Part { iteration, changed, wanted } => Self::Part { iteration: before + iteration, changed, wanted },
             Self::Cycle(c) => Self::Cycle(Cycle { first: before + c.first, second: before + c.second, rows: c.rows }),
         }

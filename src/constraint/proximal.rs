@@ -9,7 +9,7 @@
 //! Sources: Rockafellar, Math. Oper. Res. 1 (1976) 97-116; Alart, Curnier, CMAME 92 (1991) 353-375; Simo, Laursen, Comput. Struct. 42
 //! (1992) 97-116.
 
-use super::scale::{check_shape, combined, gaps, row_scales};
+use super::scale::{RowScales, check_shape, combined, gaps, row_scales};
 use super::{ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 
 /// Updates of the multipliers allowed where nothing else is said.
@@ -53,7 +53,7 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Proximal<C> {
             return Err(SolveError::Shape { what: "softness of rows", found: self.softness.len(), expected: m });
         }
         let own = |j: usize| self.softness[j] > 0.0;
-        let weight = row_scales(&system.stiffness.diagonal(), system.constraint, m).weight;
+        let RowScales { stiffness, weight } = row_scales(&system.stiffness.diagonal(), system.constraint, m);
         let rows = combined(system.constraint, m, n);
         let compliance: Vec<f64> =
             (0..m).map(|j| if own(j) { self.softness[j] } else { system.compliance.get(j).copied().unwrap_or(0.0) }).collect();
@@ -77,16 +77,24 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Proximal<C> {
             solution.active_set = Some(report.clone());
             // forces: of the multipliers, their change, and what rounding of the gaps makes of them
             let (mut largest, mut step, mut noise) = (0.0f64, 0.0f64, 0.0f64);
+            let mut rounding = vec![0.0; m];
             for j in (0..m).filter(|&j| own(j)) {
                 largest = largest.max(solution.multipliers[j].abs() * weight[j]);
                 step = step.max((solution.multipliers[j] - lambda[j]).abs() * weight[j]);
                 let (cols, vals) = rows.row(j);
                 let terms: f64 = cols.iter().zip(vals).map(|(&i, &c)| (c * solution.unknowns[i as usize]).abs()).sum();
-                noise = noise.max(ROUNDING * (terms + system.offset[j].abs()) / self.softness[j] * weight[j]);
+                rounding[j] = ROUNDING * (terms + system.offset[j].abs());
+                noise = noise.max(rounding[j] / self.softness[j] * weight[j]);
             }
+            // what the gaps that are left mean to the bodies: weak springs change little and leave much
+            let closed = (0..m).filter(|&j| own(j)).all(|j| {
+                let gap = self.softness[j] * (solution.multipliers[j] - lambda[j]).abs();
+                gap <= rounding[j].max(self.tolerance * largest * weight[j] / stiffness[j])
+            });
             let rate = if before.is_finite() && before > 0.0 { step / before } else { 1.0 };
             let left = if rate < 1.0 { step * rate / (1.0 - rate) } else { f64::INFINITY };
-            if step == 0.0 || left <= self.tolerance * largest || (rate > STALLED && step <= noise.max(self.tolerance * largest)) {
+            let settled = left <= self.tolerance * largest && closed;
+            if step == 0.0 || settled || (closed && rate > STALLED && step <= noise.max(self.tolerance * largest)) {
                 solution.method = format!("augmented, {}", solution.method);
                 return Ok(solution);
             }

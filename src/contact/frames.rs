@@ -7,7 +7,7 @@
 //! On a master with kinks the normal is that of the facet of the assigned element: it jumps with the master element, in
 //! the rows and in the gap alike, so both speak of the same plane.
 
-use super::Target;
+use super::{Hit, Target};
 use crate::basis::Order;
 use crate::coupling::{CouplingError, Segments};
 use crate::geometry::{Geometry, MapTable, unit_normal};
@@ -82,7 +82,9 @@ impl<const N: usize, T: Real> Frames<N, T> {
             facing.clear();
             for (x, q) in table.x.iter().zip(points) {
                 measure[element][1] += segments.ds[q];
-                let Some(hit) = target.project(x).filter(|hit| reach.is_none_or(|r| (x - hit.x).norm() <= r)) else { continue };
+                // what is no number is kept: the gap there is reported
+                let near = |hit: &Hit<S, N, T>| reach.is_none_or(|r| (x - hit.x).norm() <= r || !hit.gap.is_finite());
+                let Some(hit) = target.project(x).filter(near) else { continue };
                 measure[element][0] += segments.ds[q];
                 report.covered += segments.ds[q];
                 report.distance = report.distance.max((x - hit.x).norm());

@@ -61,8 +61,8 @@ pub enum ContactError {
         /// The limit.
         most: usize,
     },
-    /// The gap formula gave no number.
-    #[error("the gap formula is not finite at {at:?}")]
+    /// The gap formula, or the obstacle, gave no number.
+    #[error("the gap, by its formula or its obstacle, is no number at {at:?}")]
     Gap {
         /// Where.
         at: [f64; 3],

@@ -1,7 +1,7 @@
 //! Rigid obstacles: half-plane, sphere, level set, any of them moved.
 
 use super::{Hit, Target};
-use crate::linalg::{Real, Vector};
+use crate::linalg::{Real, Vector, lit};
 use std::fmt::{self, Debug};
 
 /// The points behind a line (2D) or plane (3D).
@@ -49,7 +49,7 @@ impl<const D: usize, const N: usize, T: Real> Target<D, N, T> for Sphere<N, T> {
 /// The obstacle f <= 0, for f and its gradient as a function of place.
 ///
 /// The gap is f / |grad f| along grad f, exact to second order in the distance; with `along` it is f itself along a
-/// fixed direction.
+/// fixed direction. Where f or its gradient is no number, neither is the gap.
 pub struct LevelSet<const N: usize, T: Real, F> {
     /// Value and gradient of f.
     pub function: F,
@@ -80,6 +80,11 @@ impl<const D: usize, const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector
 {
     fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
         let (value, gradient) = (self.function)(x);
+        if !(value.is_finite() && gradient.iter().all(|g| g.is_finite())) {
+            // no number is no distance: whoever asks must hear of it
+            let none = lit::<T>(f64::NAN);
+            return Some(Hit { x: Vector::repeat(none), normal: Vector::repeat(none), gap: none, at: None });
+        }
         let (gap, normal) = match self.along {
             Some(along) => (value, along),
             None => (value / gradient.norm(), unit(gradient)?),

@@ -52,6 +52,10 @@ pub(crate) fn unheld<const S: usize, const N: usize>(
         let first = m * body;
         modes.work(force, moment).into_iter().enumerate().for_each(|(k, w)| load[first + k] += w);
     }
+    // what is no number is told as such where the system is solved
+    if load.iter().any(|l| !l.is_finite()) {
+        return None;
+    }
     let mut columns = Vec::new();
     for (k, (contact, built)) in model.contacts.iter().zip(contacts).enumerate() {
         for (part, built) in contact.parts.iter().zip(built) {

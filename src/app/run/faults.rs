@@ -92,7 +92,8 @@ pub fn step_fault<const S: usize, const N: usize>(
             (
                 Status::NotConverged,
                 "cycling",
-                at(Diagnostic::error("E071", text)).with_help("try active_set = { start = \"gap\" }, another c, or more elements"),
+                at(Diagnostic::error("E071", text))
+                    .with_help("raise active_set.max_iterations, or try another start: \"none\", \"gap\", { seed = 1 }"),
             )
         }
         StepError::Solve(SolveError::TooManyIterations { iterations, .. }) => {

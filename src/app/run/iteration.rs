@@ -28,6 +28,9 @@ fn note(event: &ActiveSetEvent) -> String {
         ActiveSetEvent::Part { iteration, changed, wanted } => {
             format!("iteration {iteration}: the step left a body free; {changed} of {wanted} rows changed")
         }
+        ActiveSetEvent::Springs { iteration } => {
+            format!("iteration {iteration}: every step left a body free; weak springs found the rows that hold it, and were taken away")
+        }
         ActiveSetEvent::Cycle(c) => {
             let (first, second) = (c.first, c.second);
             format!("iteration {second}: the state of iteration {first} came back, {} rows flip; single exchanges follow", c.rows.len())

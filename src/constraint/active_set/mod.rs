@@ -8,6 +8,7 @@
 //!
 //! - A state that comes back is a cycle; single exchanges of least index lead out of it (`pivot`).
 //! - A singular system leaves a body free: part of the rows that were to open stay closed. A singular start gives way to all rows closed.
+//!   Where no part will do, the body is put on weak springs, and the set that is found on them is where the iteration begins again (`springs`).
 //! - The best iterate is kept: least norm of the force lambda_j s_j - min(0, lambda_j s_j + k_j gap_j / s_j).
 //!
 //! Sources: Hintermueller, Ito, Kunisch, SIAM J. Optim. 13 (2002) 865-888 (active sets as Newton's method); Alart, Curnier, Comput.
@@ -15,6 +16,7 @@
 
 mod forces;
 mod pivot;
+mod springs;
 
 use super::scale::check_shape;
 use super::{ActiveSetEvent, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError};
@@ -124,7 +126,7 @@ impl Found {
 
 /// How a step that was tried ended.
 enum Tried {
-    Solved(usize, ConstrainedSolution<f64>),
+    Solved(usize, Box<ConstrainedSolution<f64>>),
     Singular,
     Stopped,
 }
@@ -135,6 +137,19 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
     /// # Errors
     /// [`SolveError::Stopped`] where `goes_on` says no, and all others of [`ConstraintSolver::solve`].
     pub fn solve_watched(
+        &mut self,
+        system: &ConstrainedSystem<'_, f64>,
+        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+    ) -> Result<ConstrainedSolution<f64>, SolveError> {
+        match self.iterate(system, goes_on) {
+            Err(SolveError::RigidMotion { iteration, open, best }) if self.retreat => {
+                self.on_springs(system, SolveError::RigidMotion { iteration, open, best }, goes_on)
+            }
+            ended => ended,
+        }
+    }
+
+    fn iterate(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
         goes_on: &mut dyn FnMut(IterationNews) -> bool,
@@ -160,7 +175,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
             }
             let wanted = tries[0].changed;
             let (taken, mut solution) = match self.first_regular(system, &measure, &pivot.all, &tries, iteration, &mut singular, goes_on)? {
-                Tried::Solved(taken, solution) => (tries.swap_remove(taken), solution),
+                Tried::Solved(taken, solution) => (tries.swap_remove(taken), *solution),
                 Tried::Stopped => return Err(found.stopped()),
                 Tried::Singular => {
                     let open = measure.contact.iter().zip(&tries[0].state).filter(|(_, active)| !**active).map(|(&j, _)| j).collect();
@@ -221,7 +236,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
                 kind[j] = if attempt.state[k] { RowKind::Equal } else { RowKind::Open };
             }
             match self.inner.solve(&ConstrainedSystem { kind: &kind, ..*system }) {
-                Ok(solution) => return Ok(Tried::Solved(number, solution)),
+                Ok(solution) => return Ok(Tried::Solved(number, Box::new(solution))),
                 Err(SolveError::Linear(LinearError::Stopped { .. })) => return Ok(Tried::Stopped),
                 // with all rows closed nothing is left to try: the body has no support at all
                 Err(SolveError::Linear(LinearError::Singular { .. })) if attempt.state != all => {

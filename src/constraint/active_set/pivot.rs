@@ -47,7 +47,7 @@ const PATIENCE: usize = 4;
 ///
 /// Tension alone peels rows from the rim of a zone, in the plane a share of it per iteration, on graded meshes a few rows: with
 /// 64 elements some twenty to fifty systems. While the guess is reduced, rows open, too, that press less than it takes to close their
-/// gaps at rest; what opens too far closes again in one stroke.
+/// gaps at rest; what opens too far closes again in one stroke, and where all of it does, the plain step is taken after all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Reduction {
     /// In that many steps more opened than closed.
@@ -92,6 +92,8 @@ pub(super) struct Pivot {
     reduction: Reduction,
     /// Force that closes each row's gap at rest.
     at_rest: Vec<f64>,
+    /// Where the plain step would have led when the guess was reduced last.
+    plain: Option<Try>,
     /// Whether a state was ever all rows closed.
     seen_all: bool,
     /// The cycles found.
@@ -109,6 +111,7 @@ impl Pivot {
             fewest: usize::MAX,
             reduction: Reduction::Waits(0),
             at_rest,
+            plain: None,
             seen_all: false,
             cycles: Vec::new(),
         }
@@ -131,7 +134,16 @@ impl Pivot {
         self.reduction = self.reduction.after(2 * opening > wrong.len(), iteration == 1, state, &self.all);
         let again = self.reduction == Reduction::Begins && !self.seen_all && !self.single;
         let mut tries = if self.single { self.exchanges(state, &wrong) } else { self.blocks(state, &wrong, forces) };
-        if !self.single && tries.first().is_none_or(|t| self.visited.contains_key(&t.state)) {
+        let comes_back = |visited: &HashMap<Vec<bool>, usize>, tries: &[Try]| tries.first().is_none_or(|t| visited.contains_key(&t.state));
+        if !self.single
+            && comes_back(&self.visited, &tries)
+            && let Some(plain) = self.plain.take().filter(|t| !self.visited.contains_key(&t.state))
+        {
+            // the reduction went too far and all of it closed again: that is no cycle of the iteration
+            self.reduction = Reduction::Done;
+            tries = vec![plain];
+        }
+        if !self.single && comes_back(&self.visited, &tries) {
             let back = tries.first().map_or_else(|| state.to_vec(), |t| t.state.clone());
             self.note(&back, iteration, rows);
             self.begin(true, state, iteration);
@@ -171,7 +183,7 @@ impl Pivot {
     }
 
     /// All wrong rows; where that is singular, of those that open the half that pulls most, a quarter, and so on to the worst and to none.
-    fn blocks(&self, state: &[bool], wrong: &[usize], forces: &Forces) -> Vec<Try> {
+    fn blocks(&mut self, state: &[bool], wrong: &[usize], forces: &Forces) -> Vec<Try> {
         let close: Vec<usize> = wrong.iter().copied().filter(|&k| !state[k]).collect();
         let reduced = self.reduction == Reduction::Goes;
         let pull = |k: usize| if reduced { forces.multiplier[k] + self.at_rest[k] } else { forces.multiplier[k] };
@@ -180,6 +192,9 @@ impl Pivot {
         } else {
             wrong.iter().copied().filter(|&k| state[k]).collect()
         };
+        if reduced && open.len() + close.len() > wrong.len() {
+            self.plain = Some(changed(state, wrong));
+        }
         open.sort_by(|&a, &b| pull(b).total_cmp(&pull(a)));
         let mut tries = Vec::new();
         let mut part = open.len();

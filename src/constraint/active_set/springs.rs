@@ -1,0 +1,59 @@
+//! Bodies that only contact holds, when no part of a step keeps them held: weak springs to the ground find the rows that do.
+//!
+//!   (K + δ diag K) u + Bᵀ lambda = f
+//!
+//! is regular whatever rows are closed. Its active set is that of K where δ is small against the stiffness of the bodies; it is the start
+//! of the iteration without springs, which decides. Springs never enter an answer.
+
+use super::super::{ActiveSetEvent, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
+use super::{ActiveSet, IterationNews};
+use crate::linalg::{Csr, Operator, Triplets, sum};
+
+/// δ: far below the stiffness of a body, far above rounding.
+const WEAK: f64 = 1e-7;
+
+impl<C: ConstraintSolver<f64>> ActiveSet<C> {
+    /// Begins again on springs, and once more without; `lost`: the rigid motion that is left otherwise.
+    pub(super) fn on_springs(
+        &mut self,
+        system: &ConstrainedSystem<'_, f64>,
+        lost: SolveError,
+        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+    ) -> Result<ConstrainedSolution<f64>, SolveError> {
+        let (SolveError::RigidMotion { iteration, best, .. }, Some(stiffness)) = (&lost, held(system.stiffness)) else { return Err(lost) };
+        let first = best.as_ref().and_then(|b| b.active_set.clone()).unwrap_or_default();
+        let (start, most) = (std::mem::take(&mut self.start), self.max_iterations);
+        let mut report = first;
+        report.events.push(ActiveSetEvent::Springs { iteration: *iteration });
+        let mut phase = |set: &mut Self, stiffness: &dyn Operator<f64>, report: &mut ActiveSetReport| {
+            set.max_iterations = most.saturating_sub(report.iterations);
+            let before = report.iterations;
+            let news = &mut |news: IterationNews| goes_on(IterationNews { iteration: before + news.iteration, ..news });
+            let mut solution = set.iterate(&ConstrainedSystem { stiffness, ..*system }, news)?;
+            *report = solution.active_set.take().unwrap_or_default().after(report);
+            Ok(solution)
+        };
+        let ended = phase(self, &stiffness, &mut report).and_then(|soft| {
+            self.start = soft.active;
+            phase(self, system.stiffness, &mut report)
+        });
+        (self.start, self.max_iterations) = (start, most);
+        match ended {
+            Ok(solution) => Ok(ConstrainedSolution { active_set: Some(report), ..solution }),
+            Err(SolveError::Stopped { iterations, best }) => Err(SolveError::Stopped { iterations: report.iterations + iterations, best }),
+            Err(_) => Err(lost),
+        }
+    }
+}
+
+/// K + δ diag K; unknowns without stiffness get the largest spring. None where there is no matrix.
+fn held(stiffness: &dyn Operator<f64>) -> Option<Csr<f64>> {
+    let matrix = stiffness.csr()?;
+    let diagonal = stiffness.diagonal();
+    let largest = diagonal.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+    let mut springs = Triplets::new(matrix.num_rows(), matrix.num_cols());
+    for (i, &d) in diagonal.iter().enumerate() {
+        springs.push(i, i, if d > 0.0 { d } else { largest });
+    }
+    Some(sum(1.0, matrix, WEAK, &springs.to_csr()).with_places(stiffness.places().to_vec()))
+}
