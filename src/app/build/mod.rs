@@ -3,6 +3,7 @@
 mod boundary;
 mod contacts;
 mod couples;
+mod directions;
 mod divisions;
 mod equilibrium;
 mod exact;

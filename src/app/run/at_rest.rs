@@ -3,7 +3,9 @@
 //! The rows of a contact are those of a place of its obstacle; what the system answers is another place. The contact is
 //! built again there until neither rows nor gaps change. Half-planes have one set of rows: they are solved once.
 
-use super::solve::{Matrices, Solver, StepError, StepState, Unsolved, once};
+use super::matrices::Matrices;
+use super::solve::{StepError, StepState, Unsolved, once};
+use super::solver::Solver;
 use crate::app::build::Model;
 use crate::app::watch::Watch;
 use crate::constraint::ActiveSetReport;

@@ -9,6 +9,7 @@ mod forecast;
 mod integrate;
 mod iteration;
 mod loads;
+mod matrices;
 mod multipliers;
 mod predict;
 mod pressed;
@@ -16,6 +17,8 @@ mod reactions;
 mod report;
 mod soften;
 mod solve;
+mod solver;
+mod system;
 mod tied;
 
 use faults::{floating, memory_limit, step_fault, stopped};
@@ -37,7 +40,9 @@ pub use loads::Resultant;
 pub use predict::{Prediction, bytes, predict};
 pub use pressed::ContactField;
 pub use report::{HalfWidth, Zone, component_rows, multiplier_at};
-pub use solve::{Matrices, Solver, StepError, StepState, Stiffness, Unsolved};
+pub use matrices::{Matrices, Stiffness};
+pub use solve::{StepError, StepState, Unsolved};
+pub use solver::Solver;
 pub use tied::TieField;
 
 /// A model with its solution.

@@ -4,23 +4,21 @@ use super::at_rest::at_rest;
 use super::integrate::on_trace;
 use super::iteration;
 use super::loads::Resultant;
+use super::matrices::Matrices;
 use super::soften::Softness;
-use crate::app::build::{ContactModel, Model, between, unheld};
-use crate::app::registry::{Fault, Registry, SolverOptions, solver_name};
+use super::solver::Solver;
+use super::system::System;
+use crate::app::build::{Model, unheld};
 use crate::app::watch::{Progress, Watch};
 use crate::assembly::{Blocks, DirichletError, Reduced, ReductionError};
-use crate::constraint::{ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, sign_case_of_rows};
+use crate::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, sign_case_of_rows};
 use crate::contact::{Contact, ContactError};
 use crate::coupling::{CouplingError, Rows};
-use crate::io::case::{self, Start};
 use crate::io::formula::Point;
-use crate::linalg::{Csr, Limits, LinearError, Triplets, Vector};
-use std::borrow::Cow;
+use crate::linalg::{Csr, LinearError};
 
 /// Sign case of rows without one: ties, and contact rows that face nothing.
-const NO_CONTACT: u8 = 9;
-/// Gaps below this share of the lengths they come from count as zero where a start looks at gaps.
-const ZERO: f64 = 1e-12;
+pub(super) const NO_CONTACT: u8 = 9;
 
 /// The solution of a step.
 #[derive(Debug)]
@@ -88,170 +86,6 @@ pub enum StepError {
     },
 }
 
-/// The stiffness of every body at a time, springs included.
-#[derive(Clone, Debug)]
-pub struct Stiffness {
-    matrices: Matrices,
-    changes: Vec<bool>,
-    t: f64,
-}
-
-/// The matrices of a model at a time.
-#[derive(Clone, Debug)]
-pub struct Matrices {
-    /// One per body, springs included.
-    pub bodies: Vec<Csr>,
-    /// What ties and contacts add between the bodies, in all unknowns.
-    pub between: Option<Csr>,
-    /// Why a tie or a contact has no stiffness at this time.
-    fault: Option<StepError>,
-}
-
-impl Stiffness {
-    /// Assembles all bodies at time `t`.
-    pub fn new<const S: usize, const N: usize>(model: &Model<S, N>, t: f64) -> Self {
-        let springs = |k: usize| model.springs.iter().any(|s| s.side.patch == k && s.stiffness.depends_on_time());
-        let (between, fault) = added(model, t, true);
-        Self {
-            matrices: Matrices { bodies: (0..model.patches.len()).map(|k| assembled(model, k, t)).collect(), between, fault },
-            changes: (0..model.patches.len()).map(|k| model.patches[k].changing.is_some() || springs(k)).collect(),
-            t,
-        }
-    }
-
-    /// The matrices at time `t`: bodies whose material and springs do not change keep theirs.
-    pub fn at<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, t: f64) -> &Matrices {
-        if t != self.t {
-            for k in (0..self.changes.len()).filter(|&k| self.changes[k]) {
-                self.matrices.bodies[k] = assembled(model, k, t);
-            }
-            let contacts = model.contacts.iter().flat_map(|c| &c.parts).any(|part| part.changes && part.first.points.is_some());
-            if contacts || model.ties.iter().flat_map(|tie| &tie.parts).any(|part| part.changes(model)) {
-                (self.matrices.between, self.matrices.fault) = added(model, t, false);
-            }
-            self.t = t;
-        }
-        &self.matrices
-    }
-}
-
-/// What ties and contacts add at time `t`; `first`: of ties as it was found when the model was built.
-fn added<const S: usize, const N: usize>(model: &Model<S, N>, t: f64, first: bool) -> (Option<Csr>, Option<StepError>) {
-    let mut parts = Vec::new();
-    for part in model.ties.iter().flat_map(|tie| &tie.parts) {
-        match if first || !part.changes(model) { Ok(Cow::Borrowed(&part.stiffness)) } else { part.stiffness_at(model, t).map(Cow::Owned) } {
-            Ok(entries) => parts.push(entries),
-            Err(fault) => return (None, Some(fault.into())),
-        }
-    }
-    for contact in &model.contacts {
-        for part in contact.parts.iter().filter(|part| part.first.points.is_some()) {
-            match contact.at(model, part, t) {
-                Ok(built) => parts.extend(built.points.map(|points| Cow::Owned(points.stiffness))),
-                Err(fault) => return (None, Some(fault.into())),
-            }
-        }
-    }
-    (between(model, parts.iter().map(|p| &**p)), None)
-}
-
-/// The stiffness of body `k` at time `t`.
-fn assembled<const S: usize, const N: usize>(model: &Model<S, N>, k: usize, t: f64) -> Csr {
-    let (patch, physics) = (&model.patches[k], model.patches[k].physics_at(t));
-    let mut matrix = physics.stiffness(&**patch.body.space(), &patch.rules);
-    for spring in model.springs.iter().filter(|s| s.side.patch == k) {
-        let value = |x: &Vector<N>| spring.stiffness.value(&Point::new(x.as_slice()).at_time(t));
-        physics.springs(&spring.side.trace, &spring.side.rules, spring.component, &value, &mut matrix);
-    }
-    matrix
-}
-
-/// C, B, g and kinds of all rows in all unknowns.
-struct System<const S: usize, const N: usize> {
-    rows: Rows,
-    reaction: Option<Rows>,
-    offset: Vec<f64>,
-    kind: Vec<RowKind>,
-    start: Vec<bool>,
-    /// Rows of points that start closed whatever their gap is.
-    eased: Vec<bool>,
-    contacts: Vec<Vec<Contact<S, N>>>,
-}
-
-fn empty(rows: usize, unknowns: usize) -> Rows {
-    Rows { slave: Triplets::new(rows, unknowns), master: Triplets::new(rows, unknowns) }
-}
-
-fn append(sum: &mut Rows, part: &Rows, first: usize) {
-    sum.slave.append_below(&part.slave, first);
-    sum.master.append_below(&part.master, first);
-}
-
-impl<const S: usize, const N: usize> System<S, N> {
-    /// `before`: the step whose active rows are the first guess.
-    ///
-    /// `place`: unknowns that say where obstacles are that forces press; none: at rest.
-    fn of(model: &Model<S, N>, t: f64, before: Option<&StepState<S, N>>, place: Option<&[f64]>) -> Result<Self, StepError> {
-        let m = model.rows;
-        let mut rows = empty(m, model.unknowns);
-        let (mut reaction, mut differs) = (empty(m, model.unknowns), false);
-        let (mut offset, mut kind, mut start) = (vec![0.0; m], vec![RowKind::Equal; m], vec![true; m]);
-        for part in model.ties.iter().flat_map(|tie| &tie.parts) {
-            append(&mut rows, &part.rows, part.first_row);
-            append(&mut reaction, part.reaction.as_ref().unwrap_or(&part.rows), part.first_row);
-            differs |= part.reaction.is_some();
-        }
-        let mut eased = vec![false; m];
-        let mut contacts = Vec::with_capacity(model.contacts.len());
-        for contact in &model.contacts {
-            let mut parts = Vec::with_capacity(contact.parts.len());
-            for part in &contact.parts {
-                let built = contact.at_place(model, part, t, place)?;
-                let turned = built.turned(&built.rows);
-                append(&mut rows, &turned, part.first_row);
-                let pulls = built.reaction.as_ref().map(|b| built.turned(b));
-                append(&mut reaction, pulls.as_ref().unwrap_or(&turned), part.first_row);
-                differs |= built.reaction.is_some();
-                let (own, weights) = (built.turned_offset(), built.turned_weights());
-                for (j, (&g, k)) in own.iter().zip(built.kinds()).enumerate() {
-                    offset[part.first_row + j] = g;
-                    kind[part.first_row + j] = k;
-                    let row = part.first_row + j;
-                    // rows that faced nothing say nothing
-                    let known = before.filter(|b| b.sign_case[row] != NO_CONTACT);
-                    start[row] = known.map_or_else(|| starts_active(model, contact, (g, weights[j]), j, part.first_row), |b| b.active[row]);
-                }
-                eased[part.rows()].fill(built.points.is_some() && contact.start == Start::All && before.is_none());
-                parts.push(built);
-            }
-            contacts.push(parts);
-        }
-        Ok(Self { rows, reaction: differs.then_some(reaction), offset, kind, start, eased, contacts })
-    }
-}
-
-fn starts_active<const S: usize, const N: usize>(
-    model: &Model<S, N>,
-    contact: &ContactModel<S, N>,
-    (offset, weight): (f64, f64),
-    j: usize,
-    first: usize,
-) -> bool {
-    match contact.start {
-        Start::All => true,
-        Start::None => false,
-        // bodies that touch have gaps of round-off: zero within a share of the lengths the gaps come from
-        Start::Gap => offset <= ZERO * model.size.max(model.center.norm()) * weight.abs(),
-        Start::Seed(seed) => {
-            // SplitMix64 of seed and row: the same on every machine
-            let mut z = seed.wrapping_add((first + j + 1) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-            z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-            (z ^ (z >> 31)) & 1 == 1
-        }
-    }
-}
-
 /// A step that was not solved, with the last state, where there is one.
 #[derive(Debug)]
 pub struct Unsolved<const S: usize, const N: usize> {
@@ -265,85 +99,6 @@ impl<const S: usize, const N: usize, E: Into<StepError>> From<E> for Unsolved<S,
     fn from(error: E) -> Self {
         Self { error: error.into(), last: None }
     }
-}
-
-/// The constraint solver of a run: what it learnt from a step serves the next ones.
-#[derive(Debug)]
-pub struct Solver {
-    set: ActiveSet<Box<dyn ConstraintSolver>>,
-    /// Whether the solver inside decides contact rows itself: then it is no part of an active set.
-    decides: bool,
-}
-
-impl Solver {
-    /// The solver that `wanted` names, stopped by `watch`. One that refuses contact rows gets an active set around it.
-    ///
-    /// # Errors
-    /// [`Fault`] where the registry has none of this name, or the name and the other keys do not go together.
-    pub fn new(registry: &Registry, wanted: &case::Solver, watch: &Watch) -> Result<Self, Fault> {
-        let make = registry.solvers.get(solver_name(&wanted.constraint.value)).map_err(|e| Fault::new("E015", e.to_string()))?;
-        let limits = Limits {
-            tolerance: wanted.tolerance.value,
-            max_iterations: wanted.max_iterations.map_or(0, |m| m.value),
-            stop: watch.stop_sign(),
-        };
-        let mut inner = make(&SolverOptions { linear: wanted.linear.value, limits })?;
-        let decides = decides_contact(&mut *inner);
-        Ok(Self { set: ActiveSet::new(inner), decides })
-    }
-
-    /// Whether the solver refuses systems whose reaction differs from the constraint: asked of a system with one row.
-    pub fn needs_symmetry(&mut self) -> bool {
-        let (mut rows, stiffness) = (empty(1, 2), Csr::from_parts(2, vec![0, 1, 2], vec![0, 1], vec![1.0; 2]));
-        rows.slave.push(0, 0, 1.0);
-        let mut reaction = rows.clone();
-        reaction.slave.push(0, 1, 0.5);
-        let system = ConstrainedSystem {
-            stiffness: &stiffness,
-            load: &[0.0; 2],
-            constraint: &rows,
-            reaction: Some(&reaction),
-            offset: &[-1.0],
-            kind: &[RowKind::Equal],
-            compliance: &[],
-        };
-        matches!(self.set.inner.solve(&system), Err(SolveError::NotSymmetric))
-    }
-}
-
-impl Solver {
-    /// Whether the solver refuses soft rows of which there are more than unknowns: asked of two rows on one unknown.
-    pub fn needs_independent_rows(&mut self) -> bool {
-        let (mut rows, stiffness) = (empty(2, 1), Csr::from_parts(1, vec![0, 1], vec![0], vec![1.0]));
-        rows.slave.push(0, 0, 1.0);
-        rows.slave.push(1, 0, 1.0);
-        let system = ConstrainedSystem {
-            stiffness: &stiffness,
-            load: &[1.0],
-            constraint: &rows,
-            reaction: None,
-            offset: &[0.0; 2],
-            kind: &[RowKind::Equal; 2],
-            compliance: &[1.0; 2],
-        };
-        matches!(self.set.inner.solve(&system), Err(SolveError::OverConstrained { .. }))
-    }
-}
-
-/// Whether a solver answers contact rows: asked of two springs pushed by 2 and 0, the first towards a wall at distance 1.
-fn decides_contact(solver: &mut dyn ConstraintSolver) -> bool {
-    let (mut rows, stiffness) = (empty(1, 2), Csr::from_parts(2, vec![0, 1, 2], vec![0, 1], vec![1.0; 2]));
-    rows.slave.push(0, 0, -1.0);
-    let system = ConstrainedSystem {
-        stiffness: &stiffness,
-        load: &[2.0, 0.0],
-        constraint: &rows,
-        reaction: None,
-        offset: &[1.0],
-        kind: &[RowKind::Contact],
-        compliance: &[],
-    };
-    solver.solve(&system).is_ok()
 }
 
 /// Solves the model at time `t` with the matrices of its bodies at that time.
