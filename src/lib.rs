@@ -40,12 +40,12 @@
 //! | [`physics`] | materials, stresses, fluxes |
 //! | [`coupling`] | segments, multipliers and their inf-sup constants, mortar rows, Nitsche's stiffness |
 //! | [`constraint`] | saddle points, condensation, Schur complements, Uzawa, the active set |
-//! | [`contact`] | obstacles, gaps, pressures |
+//! | [`contact`] | obstacles, gaps, pressures, cones, Nitsche's method |
 //! | [`check`] | contract tests for everything above: run them on your own types |
 #![cfg_attr(feature = "cli", doc = "| [`io`] | case files, formulas, errors with places, geometry and mesh files, VTU, SVG, tables |")]
 #![cfg_attr(feature = "cli", doc = "| [`app`] | names, models, runs, the command line |")]
 //!
-#![cfg_attr(feature = "cli", doc = "The theory of tying, with an example of every choice: [`guide::mortar_theory`].")]
+#![cfg_attr(feature = "cli", doc = "The theory of tying and of contact, with an example of every choice: [`guide::mortar_theory`], [`guide::contact`].")]
 //!
 //! # What the traits learnt from their first implementors
 //!
@@ -66,6 +66,12 @@
 //!   their place. Stiffness between bodies is a matrix beside theirs ([`Blocks`](assembly::Blocks)).
 //! - [`Uzawa`](constraint::Uzawa) is [`Augmented`](constraint::Augmented) around an unconstrained solve, and penalty is its first iteration.
 //! - The two lists of mixed integration are cut where the other side ends, so that either side may be the longer one.
+//! - Nitsche's method for contact is a list of soft contact rows, one per point, beside stiffness: the active set over them is its Newton
+//!   iteration, and it needs no loop of its own. Augmented Lagrangian is a proximal iteration around that active set
+//!   ([`Proximal`](constraint::Proximal)).
+//! - A solver may decide contact rows itself: it is asked once, and used as it is. All others stand inside the
+//!   [`ActiveSet`](constraint::ActiveSet), whose errors carry the best iterate.
+//! - The matrix of a discrete cone is never formed: its inverse is banded, and rows are solved with it ([`Cone`](contact::Cone)).
 //!
 //! # Features
 //!

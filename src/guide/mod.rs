@@ -4,3 +4,6 @@
 
 #[doc = include_str!("02_mortar_theory.md")]
 pub mod mortar_theory {}
+
+#[doc = include_str!("03_contact.md")]
+pub mod contact {}
