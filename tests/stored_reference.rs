@@ -353,5 +353,9 @@ fn the_program_stores_a_run_whole_and_over_nothing_else() {
     let rate = of("result.json")["rows"][1]["rates"]["error.u.L2"].as_f64().unwrap();
     assert!(rate > 2.0, "{rate}");
     assert_eq!(of("manifest.json")["inputs"][1]["file"], "../a.ref");
-    assert!(std::fs::read_to_string(at.path().join("out/case.effective.toml")).unwrap().contains("reference = \"../a.ref\""));
+    let (code, text) = faying(&["run", "cases/coarse.toml", "--vtu", "none", "-q", "--save-reference", "a.ref"]);
+    assert!(code == 4 && text.contains("E090") && text.contains("is the `reference` of this run"), "{code} {text}");
+    // the case with every default written out runs where it lies
+    let (code, text) = faying(&["run", "out/case.effective.toml", "--vtu", "none", "--out", "again", "-q"]);
+    assert_eq!(code, 0, "{text}");
 }

@@ -1,16 +1,19 @@
 //! `--save-reference FILE`: where the stored run goes.
 
 use super::folder::write_whole;
+use super::manifest::Input;
+use crate::io::case::sha256;
 use crate::io::errors::Diagnostic;
 use crate::io::reference::{self, MAGIC, StoredRun};
 use std::io::Read;
 use std::path::Path;
 
-/// Looks whether a stored run may go to `file`: it replaces nothing but another one, unless `force` is given. Asked before solving.
+/// Looks whether a stored run may go to `file`: it replaces nothing but another one that is none of the `inputs` of this run, unless
+/// `force` is given. Asked before solving.
 ///
 /// # Errors
 /// E090 where another kind of file is there, E091 where there is no folder for it.
-pub fn claim(file: &Path, force: bool) -> Result<(), Diagnostic> {
+pub fn claim(file: &Path, inputs: &[Input], force: bool) -> Result<(), Diagnostic> {
     let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
         let message = format!("`{}` cannot be written: there is no folder `{}`", file.display(), folder.display());
@@ -28,6 +31,10 @@ pub fn claim(file: &Path, force: bool) -> Result<(), Diagnostic> {
     let is_ours = read.is_none_or(|done| done.is_ok()) && (start == MAGIC || known.len() == 0);
     if known.is_file() && !force && !is_ours {
         return taken("is there and is no stored run; --force overwrites it");
+    }
+    let bytes = if is_ours && !force { std::fs::read(file).unwrap_or_default() } else { Vec::new() };
+    if !bytes.is_empty() && inputs.iter().any(|input| input.sha256 == sha256(&bytes)) {
+        return taken("is the `reference` of this run; --force overwrites it");
     }
     Ok(())
 }

@@ -34,7 +34,7 @@ fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words:
     let loaded = case::load(&arguments.case, arguments.backend.as_deref(), common, registry)?;
     let folder = Folder::claim(&path, &loaded.path, &loaded.inputs[0].sha256, common.force).map_err(Ended::from)?;
     let keep = arguments.save_reference.as_deref();
-    keep.map_or(Ok(()), |file| super::keep::claim(file, common.force)).map_err(Ended::from)?;
+    keep.map_or(Ok(()), |file| super::keep::claim(file, &loaded.inputs, common.force)).map_err(Ended::from)?;
     let pool = case::pool(common)?;
     let cells = match arguments.vtu {
         Some(VtuCells::Bezier) => Some(CellStyle::Bezier),

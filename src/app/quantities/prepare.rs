@@ -294,7 +294,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
                 Some(_) => format!("the stored run has no multiplier there; {help}"),
                 None => help.to_owned(),
             };
-            let fault = Diagnostic::error("E062", format!("`{text}` needs `exact` {place}"));
+            let fault = Diagnostic::error("E062", format!("`{text}` needs `exact` {place}, or `reference` in [model]"));
             return Err(Box::new(fault.at(&self.case.source, at).with_help(help)));
         }
         let fields = self.fields().join(", ");

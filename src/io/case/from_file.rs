@@ -60,7 +60,7 @@ impl Reader {
     }
 
     // the effective case lies elsewhere than the case
-    fn absolute(&mut self, b: &mut Block, key: &str) {
+    pub(super) fn absolute(&mut self, b: &mut Block, key: &str) {
         let Some(Value::Text(name)) = b.node(key).map(|n| &n.value) else { return };
         let absolute = std::path::absolute(self.path_of(name)).ok().and_then(|p| p.to_str().map(str::to_owned));
         if let (Some(path), Some(e)) = (absolute, b.table.get_mut(key)) {

@@ -103,6 +103,7 @@ impl Reader {
         let gravity = self.gravity(b, poisson);
         let reference = b.node("reference").cloned().and_then(|node| self.text_of(&node, "reference"));
         let stored = reference.as_ref().and_then(|file| self.open_reference(file));
+        self.absolute(b, "reference");
         Model { head: b.head(), physics, dimension, assumption, exact, source, gravity, reference, stored }
     }
 
