@@ -45,7 +45,10 @@
 #![cfg_attr(feature = "cli", doc = "| [`io`] | case files, formulas, errors with places, geometry and mesh files, VTU, SVG, tables |")]
 #![cfg_attr(feature = "cli", doc = "| [`app`] | names, models, runs, the command line |")]
 //!
-#![cfg_attr(feature = "cli", doc = "The theory of tying and of contact, with an example of every choice: [`guide::mortar_theory`], [`guide::contact`].")]
+#![cfg_attr(
+    feature = "cli",
+    doc = "The theory of tying and of contact, with an example of every choice: [`guide::mortar_theory`], [`guide::contact`]."
+)]
 //!
 //! # What the traits learnt from their first implementors
 //!

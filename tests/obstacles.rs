@@ -433,7 +433,9 @@ fn what_a_force_leaves_free_is_refused_or_told() {
     // pulled off: no pressure could hold the plate
     let result = read(&half("force = { y = 1 }")).run(&Registry::default()).unwrap();
     assert_eq!(result.exit, 5, "{:?}", result.diagnostics);
-    let told = |d: &Diagnostic| d.message.contains("infeasible load: nothing holds the obstacle of contact \"c\" against its load in translation y");
+    let told = |d: &Diagnostic| {
+        d.message.contains("infeasible load: nothing holds the obstacle of contact \"c\" against its load in translation y")
+    };
     assert!(result.diagnostics.iter().any(told), "{:?}", result.diagnostics);
     // a start that leaves the plate free gives way to one that holds it
     let pressed = |start: &str| run(&(half("force = { y = -1 }") + &format!("active_set = {{ start = \"{start}\" }}\n")));

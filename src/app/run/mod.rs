@@ -37,10 +37,10 @@ use std::sync::Arc;
 
 pub(crate) use forecast::{memory_for_files, too_large};
 pub use loads::Resultant;
+pub use matrices::{Matrices, Stiffness};
 pub use predict::{Prediction, bytes, predict};
 pub use pressed::ContactField;
 pub use report::{HalfWidth, Zone, component_rows, multiplier_at};
-pub use matrices::{Matrices, Stiffness};
 pub use solve::{StepError, StepState, Unsolved};
 pub use solver::Solver;
 pub use tied::TieField;
