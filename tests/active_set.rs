@@ -207,12 +207,17 @@ fn random_case(number: usize) -> String {
                 )
         }
     };
-    format!("{MODEL}[discretization]\nbackend = \"{backend}\"\ndegree = {degree}\n{body}")
+    let probes: String = ["u.x.min", "u.x.max", "u.y.min", "u.y.max"].map(|q| format!("[[probe]]\nquantity = \"{q}\"\n")).concat();
+    format!("{MODEL}[discretization]\nbackend = \"{backend}\"\ndegree = {degree}\n{body}{probes}")
 }
 
-/// Sign, lumped gap and complementarity of every row; sizes: modulus 1, lengths 1.
+/// Sign, lumped gap and complementarity of every row; sizes: modulus 1, lengths 1, so that displacements are stresses, too.
 fn kkt(result: &RunResult) -> Option<String> {
-    let loads = 1e-3;
+    let loads = result
+        .probes
+        .iter()
+        .filter(|p| p.quantity.starts_with("u.") && !p.quantity.contains("at"))
+        .fold(1e-3, |m: f64, p| m.max(p.value.abs()));
     result.contact.iter().find_map(|(name, c)| {
         let press = c.pressure.max.abs().max(c.pressure.min.abs()).max(loads);
         let bad = c.kkt.lambda > 1e-12 * press || c.kkt.gap > 1e-12 || c.kkt.product > 1e-12 * press;
