@@ -18,7 +18,7 @@ pub fn document(name: &str) -> Value {
 }
 
 /// reference/dolfinx/cases/CASE.toml with `--set` texts, asked for `quantities` beside its own.
-pub fn run(case: &str, sets: &[String], quantities: &[String]) -> RunResult {
+pub fn case(case: &str, sets: &[String], quantities: &[String]) -> Case {
     let folder = reference().join("dolfinx/cases");
     let file = format!("{case}.toml");
     let mut text = std::fs::read_to_string(folder.join(&file)).unwrap_or_else(|e| panic!("{file}: {e}"));
@@ -26,8 +26,12 @@ pub fn run(case: &str, sets: &[String], quantities: &[String]) -> RunResult {
         text += &format!("\n[[probe]]\nname = \"asked-{k}\"\nquantity = '{quantity}'\n");
     }
     let options = ReadOptions { sets: sets.to_vec(), folder: Some(folder), ..ReadOptions::default() };
-    let case = Case::parse(&file, &text, &options).unwrap_or_else(|e| panic!("{file} {sets:?}: {e}"));
-    case.run(&Registry::default()).unwrap_or_else(|e| panic!("{file} {sets:?}: {e}"))
+    Case::parse(&file, &text, &options).unwrap_or_else(|e| panic!("{file} {sets:?}: {e}"))
+}
+
+/// The numbers of [`case`].
+pub fn run(name: &str, sets: &[String], quantities: &[String]) -> RunResult {
+    case(name, sets, quantities).run(&Registry::default()).unwrap_or_else(|e| panic!("{name} {sets:?}: {e}"))
 }
 
 /// The values of the quantities that [`run`] was asked for, in their order.
