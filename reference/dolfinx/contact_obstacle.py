@@ -27,7 +27,7 @@ import record
 C, HEIGHT = 0.05, 0.5
 DEPTHS = [0.018, 0.019, 0.02, 0.021]
 DEGREE = 3
-PRESSURE_AT = [0.03, 0.13, 0.23, 0.33, 0.43]
+PRESSURE_AT = [0.03, 0.13, 0.23, 0.33]
 BOTTOM_AT, TOP_AT = {"x": [0.25, 0.5, 0.75, 1.0], "y": [0.75, 1.0]}, [0.25, 0.5, 0.75, 1.0]
 # sizes of the coarsest mesh: at the end of the zone, far from it, and how they grow
 LEAST, MOST, GROWTH = 0.008, 1 / 8, 0.6

@@ -9,7 +9,7 @@ use super::document::{asked, document, run, texts};
 use serde_json::Value;
 
 /// Levels of a study, each a halving.
-const LEVELS: usize = 4;
+const LEVELS: usize = 3;
 /// An error estimated from levels for order one is taken so many times: a pressure that is constant on elements has an error that
 /// depends on the place within the element, and so have its differences.
 const SAFETY: f64 = 2.0;
