@@ -191,7 +191,7 @@ OBSTACLE = [(1, "p/p", "coefficients"), (1, "p/p", "weights"), (1, "p/p", "value
             (2, "p/p", "weights"), (2, "p/p", "values"), (2, "p/p-2", "coefficients"), (3, "p/p", "coefficients"), (3, "p/p", "weights"),
             (3, "p/p-2", "coefficients")]
 BLOCKS = [(1, "p/p", "coefficients", 0), (1, "dual", "coefficients", 0), (2, "p/p-2", "coefficients", 0), (2, "p/p", "coefficients", 0), (2, "p/p", "weights", 0),
-          (2, "p/p-2", "coefficients", 1), (2, "p/p", "coefficients", 1)]
+          (2, "p/p-2", "coefficients", 1), (1, "p/p", "coefficients", 1)]
 
 
 def main():
