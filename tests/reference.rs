@@ -4,6 +4,8 @@
 
 #[path = "reference/contact.rs"]
 mod contact;
+#[path = "reference/contact_twins.rs"]
+mod contact_twins;
 #[path = "reference/converged.rs"]
 mod converged;
 #[path = "reference/document.rs"]

@@ -48,7 +48,7 @@ def sized(low, high, at, least, most, growth):
         t = np.linspace(0, length, 4001)
         density = 1 / np.clip(growth * t, least, most)
         count = np.r_[0, np.cumsum(np.diff(t) * (density[1:] + density[:-1]) / 2)]
-        n = int(np.ceil(count[-1]))
+        n = int(np.ceil(round(count[-1], 6)))  # a whole number is not one more by round-off
         return np.interp(np.arange(n + 1) * count[-1] / n, count, t)
 
     breaks = np.r_[at - outward(at - low)[:0:-1], at + outward(high - at)]
@@ -132,7 +132,7 @@ def lagrange(degree, t):
 
 
 def mass(breaks, degree):
-    """Integrals of the products of the Lagrange functions on a side."""
+    """The integrals of products of two Lagrange functions of a side."""
     t, weights = gauss(degree + 1)
     values = lagrange(degree, t)
     local = values * weights @ values.T

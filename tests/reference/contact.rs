@@ -96,7 +96,7 @@ impl Variant<'_> {
         let s = reference.exponent;
         match name {
             _ if reference.stationary.iter().any(|other| other == name) => 2.0 * p.min(s),
-            _ if name.contains("half_width") => 1.0,
+            _ if name.contains("half_width") || name.ends_with(".area") => 1.0,
             _ if name.contains("pressure") => (q + 1.0).min(2.0 * s - 1.0),
             _ => (2.0 * p).min(2.0 * s - 1.0),
         }
@@ -129,8 +129,8 @@ impl Variant<'_> {
                 );
             }
             let squares: Vec<f64> = (0..LEVELS).map(|level| loads.clone().map(|l| (of(level, l) - 1.0).powi(2)).sum()).collect();
-            // what is given by balance has no order
-            if squares[0].sqrt() < reference.loads[0].quantities[k].error / first.value.abs() {
+            // what is given by balance has no order; a maximum has errors of both signs, overshoots and points that miss it
+            if first.name.ends_with(".max") || squares[0].sqrt() < reference.loads[0].quantities[k].error / first.value.abs() {
                 continue;
             }
             let (order, kind) = (self.order(reference, &first.name), first.name.split(" at ").next().unwrap().to_owned());
