@@ -20,6 +20,11 @@ def element(kind, dimension, degree):
     return ufl.FiniteElement("Lagrange", ufl.Cell(kind, geometric_dimension=dimension), degree, variant="equispaced")
 
 
+def smooth_element(msh, degree):
+    """Lagrange functions with nodes near those of Gauss and Lobatto: a basis whose condition stays good at a high degree."""
+    return ufl.FiniteElement("Lagrange", msh.ufl_cell(), degree)
+
+
 def mesh_of(kind, order, points, cells, reference):
     """A mesh of points and cells whose nodes have the given reference coordinates."""
     own = basix.create_element(basix.ElementFamily.P, BASIX[kind], order, basix.LagrangeVariant.equispaced).points
@@ -44,9 +49,9 @@ def per_cell(msh, values):
     return function
 
 
-def space(msh, degree, components=0):
-    """Scalar functions, or vectors of so many components."""
-    one = element(msh.ufl_cell().cellname(), msh.geometry.dim, degree)
+def space(msh, degree, components=0, one=None):
+    """Scalar functions, or vectors of so many components; `one` is another element for each of them."""
+    one = one or element(msh.ufl_cell().cellname(), msh.geometry.dim, degree)
     return fem.FunctionSpace(msh, ufl.VectorElement(one, dim=components) if components else one)
 
 
