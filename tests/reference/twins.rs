@@ -185,7 +185,7 @@ fn covers(held: &Held, laws: &[&str], cells: &[&str], degrees: std::ops::RangeIn
 #[test]
 fn poisson_agrees_on_all_cells() {
     let held = agree("twins_poisson");
-    let features = ["straight", "curved", "coefficient", "source", "dirichlet", "neumann", "spring", "exact"];
+    let features = ["straight", "curved", "coefficient", "source", "dirichlet", "shared corners", "neumann", "spring", "exact"];
     covers(&held, &["poisson"], &["triangle", "quadrilateral"], 1..=4, &features);
     covers(&held, &["poisson"], &["tetrahedron", "hexahedron"], 1..=3, &features);
 }
@@ -193,7 +193,19 @@ fn poisson_agrees_on_all_cells() {
 #[test]
 fn plane_elasticity_agrees_on_all_cells() {
     let held = agree("twins_elasticity");
-    let features = ["straight", "curved", "coefficient", "body_force", "dirichlet", "sliding", "traction", "pressure", "spring", "exact"];
+    let features = [
+        "straight",
+        "curved",
+        "coefficient",
+        "body_force",
+        "dirichlet",
+        "dirichlet on an arc",
+        "sliding",
+        "traction",
+        "pressure",
+        "spring",
+        "exact",
+    ];
     covers(&held, &["plane-strain", "plane-stress"], &["triangle", "quadrilateral"], 1..=4, &features);
     assert!(held.iter().any(|(_, cell, _, feature)| cell == "triangle" && feature == "gmsh"), "no mesh from Gmsh");
 }
@@ -201,7 +213,19 @@ fn plane_elasticity_agrees_on_all_cells() {
 #[test]
 fn elasticity_in_space_agrees_on_all_cells() {
     let held = agree("twins_solid");
-    let features = ["straight", "curved", "coefficient", "body_force", "dirichlet", "sliding", "traction", "pressure", "spring", "exact"];
+    let features = [
+        "straight",
+        "curved",
+        "coefficient",
+        "body_force",
+        "dirichlet",
+        "shared corners",
+        "sliding",
+        "traction",
+        "pressure",
+        "spring",
+        "exact",
+    ];
     covers(&held, &["solid"], &["tetrahedron", "hexahedron"], 1..=3, &features);
 }
 
