@@ -4,8 +4,8 @@ The case file itself is read here: laws, formulas, loads and supports have one t
 read: one patch, one material, `exact` or `body_force` / `source`, and of boundaries `fix`, `dirichlet`, `neumann`, `traction`,
 `pressure`, `spring`. Anything else is refused.
 
-Newer dolfinx: `form_compiler_params` is `form_compiler_options`; `assemble_matrix(a, bcs=..)` and `apply_lifting` moved to
-`dolfinx.fem.petsc`.
+Newer dolfinx: `form_compiler_params` is `form_compiler_options`, `Function.vector` is `Function.x.petsc_vec`, elements come from
+`basix.ufl` and spaces from `fem.functionspace`, `dolfinx.fem.petsc` is imported by name.
 """
 
 import os
@@ -25,6 +25,7 @@ EXACT_TABLES = {"table_rtol": 1e-15, "table_atol": 1e-16}
 SYMBOLS = {"ufl": {name: getattr(ufl, name) for name in ("sin", "cos", "exp", "sqrt", "ln")} | {"log": ufl.ln},
            "numpy": {name: getattr(np, name) for name in ("sin", "cos", "exp", "sqrt", "log")}}
 KNOWN = {"model": {"physics", "dimension", "assumption", "exact", "body_force", "source"},
+         "patch": {"name", "geometry", "elements"},
          "material": {"name", "young", "poisson", "conductivity"},
          "boundary": {"on", "fix", "dirichlet", "neumann", "traction", "pressure", "spring"}}
 # digits of what is stored, and of places, which only tell nodes apart
@@ -54,7 +55,8 @@ class Case:
         assert set(self.tree) <= {"schema", "title", "let", "model", "discretization", "material", "patch", "boundary", "probe", "check"}
         self.model, self.blocks = self.tree["model"], self.tree["boundary"]
         self.material = self.tree.get("material", [{}])[0]
-        for table, known in [(self.model, "model"), (self.material, "material")] + [(b, "boundary") for b in self.blocks]:
+        tables = [(self.model, "model"), (self.material, "material"), (self.tree["patch"][0], "patch")]
+        for table, known in tables + [(block, "boundary") for block in self.blocks]:
             assert set(table) <= KNOWN[known], f"keys of {known} that a twin does not read: {set(table) - KNOWN[known]}"
         self.components = 1 if self.model["physics"] == "poisson" else self.model["dimension"]
 
@@ -157,12 +159,12 @@ class Twin:
     def forms(self):
         u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
         stiffness = ufl.inner(self.flux(u), self.strain(v)) * self.dx
-        load = ufl.inner(self.vector(["0*x"] * self.case.components if self.case.components > 1 else "0*x"), v) * self.dx
-        model = self.case.model
         if self.exact is not None:
-            load = -ufl.inner(ufl.div(self.flux(self.exact)), v) * self.dx
-        elif "body_force" in model or "source" in model:
-            load = ufl.inner(self.vector(model.get("body_force", model.get("source"))), v) * self.dx
+            source = -ufl.div(self.flux(self.exact))
+        else:
+            zero = "0*x" if self.case.components == 1 else ["0*x"] * self.case.components
+            source = self.vector(self.case.model.get("body_force", self.case.model.get("source", zero)))
+        load = ufl.inner(source, v) * self.dx
         for number, block in enumerate(self.case.blocks):
             for term in self.loads(block, v):
                 load = load + term * self.ds(number)
@@ -177,11 +179,13 @@ class Twin:
         given = block.get("traction", block.get("neumann", {}))
         if given == "exact":
             yield ufl.inner(ufl.dot(self.flux(self.exact), self.n), v)
-            return
-        for c, text in (given.items() if isinstance(given, dict) else self.case.per_component(given, "traction").items()):
-            c = AXES.index(c) if isinstance(c, str) else c
-            exact = text == "exact"
-            yield (ufl.dot(self.flux(self.exact), self.n)[c] if exact else self.value(text)) * self.part(v, c)
+        elif isinstance(given, dict) and "exact" in given.values():
+            traction = ufl.dot(self.flux(self.exact), self.n)
+            for c, text in given.items():
+                yield (self.part(traction, AXES.index(c)) if text == "exact" else self.value(text)) * self.part(v, AXES.index(c))
+        else:
+            for c, text in self.case.per_component(given, "traction").items():
+                yield self.value(text) * self.part(v, c)
 
     def prescribed(self):
         """{(side, component): formula} of all supports."""
@@ -230,10 +234,9 @@ class Twin:
         reports it."""
         residual = (self.full * self.u.vector).array - self.load
         bs = self.space.dofmap.index_map_bs
-        nodes, weights, sums, scale = {}, {}, {}, 0.0
-        for side in sorted({side for side, _ in self.held}):
-            found = fem.locate_dofs_topological(self.space, self.sides.dim, self.sides.facets[side - 1])
-            nodes[side] = set(found.tolist())
+        located = {side: fem.locate_dofs_topological(self.space, self.sides.dim, self.sides.facets[side - 1]) for side, _ in self.held}
+        nodes = {side: set(found.tolist()) for side, found in located.items()}
+        weights, sums = {}, {}
         for c in range(self.case.components):
             mine = [side for side, held in self.held if held == c]
             for node in sorted(set().union(*(nodes[side] for side in mine))) if mine else []:
