@@ -20,7 +20,7 @@ from dolfinx import fem
 
 import forms
 import record
-from converge import KINDS, MARGIN, Reference, elements, third, variant
+from converge import KINDS, MARGIN, RESOLVED, Reference, elements, third, variant
 from lattice import Lattice
 
 YOUNG, POISSON = 1.0, 0.3
@@ -127,7 +127,7 @@ def main():
     checked({0: 1.0}, values(FINE, 8, {0: 1.0}))
     fine, coarse, lower = values(FINE, 8, LOAD), values(COARSE, 8, LOAD), values(FINE, 7, LOAD)
     checked(LOAD, fine)
-    record.write("ring 2 < r < 3 under pressure 1 + cos(2 theta)/2 + cos(4 theta) on its bore, plane strain, a quarter of it", margin=MARGIN,
+    record.write("ring 2 < r < 3 under pressure 1 + cos(2 theta)/2 + cos(4 theta) on its bore, plane strain, a quarter of it", margin=MARGIN, resolved=RESOLVED,
                  quantities=Reference(fine, [coarse, lower], ROUND_OFF).listed(), variants=variants())
 
 

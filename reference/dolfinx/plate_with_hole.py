@@ -21,7 +21,7 @@ import ufl
 
 import forms
 import record
-from converge import KINDS, MARGIN, Reference, elements, third, variant
+from converge import KINDS, MARGIN, RESOLVED, Reference, elements, third, variant
 from lattice import Lattice
 
 YOUNG, POISSON = 1.0, 0.3
@@ -121,7 +121,7 @@ def variants():
 
 def main():
     fine, coarse, lower = values(ALONG, RADIAL, 8), values(FEWER, FEWER_RADIAL, 8), values(ALONG, RADIAL, 7)
-    record.write("quarter of the plate |x|, |y| < 3/2 with a hole of radius 1, tension 1 on x = 3/2, plane stress", margin=MARGIN, regularity=corner(),
+    record.write("quarter of the plate |x|, |y| < 3/2 with a hole of radius 1, tension 1 on x = 3/2, plane stress", margin=MARGIN, resolved=RESOLVED, regularity=corner(),
                  quantities=Reference(fine, [coarse, lower], ROUND_OFF).listed(), variants=variants())
 
 
