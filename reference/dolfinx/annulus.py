@@ -1,8 +1,8 @@
 """A thick ring under a pressure that varies around its bore: a smooth problem.
 
 Body: the quarter of the ring 2 < r < 3 between the x axis (u_y = 0) and the y axis (u_x = 0); plane strain, E = 1, nu = 0.3.
-Load: pressure 1 + cos(2 theta)/2 + cos(4 theta) on r = 2; r = 3 is free. Both axes are planes of symmetry of the whole ring, so the solution
-is analytic up to the corners.
+Load: pressure 1 + cos(2 theta)/2 + cos(4 theta) on r = 2; r = 3 is free. Both axes are planes of symmetry of the
+whole ring, so the solution is analytic up to the corners.
 
 Values: displacements and stresses at points, the energy, tractions on r = 5/2, the force through half of the cut on the x
 axis. Quadrilaterals of degree 8, geometry of degree 8 through points of the ring; the error of each value is its largest
@@ -11,7 +11,7 @@ difference from three quarters of the cells per direction and from degree 7, at 
 The same program with a constant pressure must give Lame's solution, and with the one above also Michell's, both to CHECKED:
 for each wave Airy's function is (a r^(n+2) + b r^n + c r^-n + d r^(2-n)) cos(n theta).
 
-Cost: 11 s, nearly all of it for compiling forms. Newer dolfinx: FunctionSpace is functionspace.
+Cost: 11 s, nearly all of it for compiling forms. Newer dolfinx: VectorElement and FiniteElement of ufl are basix.ufl.element.
 """
 
 import numpy as np
@@ -106,7 +106,8 @@ def variants():
     found = []
     for p in 2, 3, 4:
         sets = [f"discretization.degree={p}", "discretization.extra_points=2"]
-        found.append(variant(f"IGA {p}", "annulus", p, sets, [level(n) for n in ((4, 8, 16, 32) if p == 2 else (2, 4, 8, 16))], nested=True))
+        levels = [level(n) for n in ((4, 8, 16, 32) if p == 2 else (2, 4, 8, 16))]
+        found.append(variant(f"IGA {p}", "annulus", p, sets, levels, nested=True))
     for p in 1, 2, 3:
         levels = [level(n) for n in (4, 8, 16, 32)]
         sets = [f"discretization.degree={p}", "discretization.backend=fe"]
@@ -127,7 +128,8 @@ def main():
     checked({0: 1.0}, values(FINE, 8, {0: 1.0}))
     fine, coarse, lower = values(FINE, 8, LOAD), values(COARSE, 8, LOAD), values(FINE, 7, LOAD)
     checked(LOAD, fine)
-    record.write("ring 2 < r < 3 under pressure 1 + cos(2 theta)/2 + cos(4 theta) on its bore, plane strain, a quarter of it", margin=MARGIN, resolved=RESOLVED,
+    record.write("ring 2 < r < 3 under pressure 1 + cos(2 theta)/2 + cos(4 theta) on its bore, plane strain, a quarter of it",
+                 margin=MARGIN, resolved=RESOLVED,
                  quantities=Reference(fine, [coarse, lower], ROUND_OFF).listed(), variants=variants())
 
 

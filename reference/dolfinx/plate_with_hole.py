@@ -11,7 +11,7 @@ on the x axis inside that circle. Quadrilaterals of degree 8 graded toward the c
 body; the error of each value is its largest difference from degree 7 and from a mesh with fewer cells, at least ROUND_OFF of the
 scale of its kind.
 
-Cost: 9 s, nearly all of it for compiling forms. Newer dolfinx: FunctionSpace is functionspace.
+Cost: 9 s, nearly all of it for compiling forms. Newer dolfinx: VectorElement and FiniteElement of ufl are basix.ufl.element.
 """
 
 import cmath
@@ -30,7 +30,8 @@ GEOMETRY, QUADRATURE = 8, 24
 HALF, CUT = 1.5, 1.25
 ROUND_OFF = 5e-11
 # sizes fall toward the corner, by about 3 from one cell to the next; the circle r = 5/4 meets the x axis at v = 1/2
-ALONG, RADIAL = [0, 1 / 6, 1 / 3, 1 / 2, 2 / 3, 5 / 6, 17 / 18, 53 / 54, 1], [0, 1 / 12, 1 / 6, 1 / 4, 3 / 8, 1 / 2, 5 / 8, 3 / 4, 5 / 6, 17 / 18, 53 / 54, 1]
+ALONG = [0, 1 / 6, 1 / 3, 1 / 2, 2 / 3, 5 / 6, 17 / 18, 53 / 54, 1]
+RADIAL = [0, 1 / 12, 1 / 6, 1 / 4, 3 / 8, 1 / 2, 5 / 8, 3 / 4, 5 / 6, 17 / 18, 53 / 54, 1]
 FEWER, FEWER_RADIAL = [0, 0.2, 0.4, 0.6, 0.8, 0.94, 1], [0, 1 / 8, 1 / 4, 1 / 2, 3 / 4, 0.93, 1]
 
 
@@ -71,7 +72,8 @@ def values(along, radial, degree):
     root = np.sqrt(0.5)
     for point, t, names in [("[1, 0]", (0, 0), ["u.x", "stress.yy"]), ("[0, 1]", (2, 0), ["u.y", "stress.xx"]),
                             (f"[{root}, {root}]", (1, 0), ["u.x", "u.y"]), ("[1.5, 0]", (0, 1), ["u.x", "stress.yy"]),
-                            ("[0, 1.5]", (2, 1), ["u.y", "stress.xx"]), ("[1.5, 0.75]", (0.5, 1), ["u.x", "u.y"]), ("[1.5, 1.5]", (1, 1), ["u.x", "u.y"])]:
+                            ("[0, 1.5]", (2, 1), ["u.y", "stress.xx"]), ("[1.5, 0.75]", (0.5, 1), ["u.x", "u.y"]),
+                            ("[1.5, 1.5]", (1, 1), ["u.x", "u.y"])]:
         at = lattice.at(both, t)
         for name in names:
             kind = "stress" if name[0] == "s" else "corner" if t == (1, 1) else "displacement"
@@ -101,7 +103,8 @@ def variants():
     found = []
     for p in 2, 3, 4:
         sets = [f"discretization.degree={p}", "discretization.extra_points=2"]
-        found.append(variant(f"IGA {p}", "plate-with-hole", p, sets, [level(n) for n in (4, 8, 16, 32)[:4 if p == 2 else 3]], nested=True, kinds=KINDS + ["corner"]))
+        levels = [level(n) for n in (4, 8, 16, 32)[:4 if p == 2 else 3]]
+        found.append(variant(f"IGA {p}", "plate-with-hole", p, sets, levels, nested=True, kinds=KINDS + ["corner"]))
     for p in 1, 2, 3:
         levels = [level(n) for n in ((4, 8, 16, 32) if p < 3 else (4, 8, 16))]
         sets = [f"discretization.degree={p}", "discretization.backend=fe"]
@@ -109,7 +112,8 @@ def variants():
         found.append(variant(f"FE {p}, triangles", "plate-with-hole", p, sets + ["discretization.cells=simplex"], levels,
                              kinds=KINDS + ["corner"]))
         sets = sets + ["discretization.mapping=exact", "discretization.extra_points=2"]
-        found.append(variant(f"FE {p}, quadrilaterals, exact map", "plate-with-hole", p, sets, levels, nested=True, kinds=KINDS + ["corner"]))
+        found.append(variant(f"FE {p}, quadrilaterals, exact map", "plate-with-hole", p, sets, levels, nested=True,
+                             kinds=KINDS + ["corner"]))
     for p in 2, 3:
         for multiplier, degree, loss in ("p/p", p, 0.0), ("p/p-2", p - 2, 0.5):
             sets = [f"discretization.degree={p}", f"interface.circle.multiplier={multiplier}"]
@@ -121,7 +125,8 @@ def variants():
 
 def main():
     fine, coarse, lower = values(ALONG, RADIAL, 8), values(FEWER, FEWER_RADIAL, 8), values(ALONG, RADIAL, 7)
-    record.write("quarter of the plate |x|, |y| < 3/2 with a hole of radius 1, tension 1 on x = 3/2, plane stress", margin=MARGIN, resolved=RESOLVED, regularity=corner(),
+    record.write("quarter of the plate |x|, |y| < 3/2 with a hole of radius 1, tension 1 on x = 3/2, plane stress",
+                 margin=MARGIN, resolved=RESOLVED, regularity=corner(),
                  quantities=Reference(fine, [coarse, lower], ROUND_OFF).listed(), variants=variants())
 
 

@@ -6,12 +6,12 @@ the body is one of symmetry of an endless tube, so the solution is analytic up t
 
 The solution is a part of plane strain and (a cos(pi z/2), b cos(pi z/2), c sin(pi z/2)) with functions a, b, c of x and y alone, so
 that its amplitudes are solved for in the plane, with quadrilaterals of degree 8 and geometry of degree 8 through points of the
-ring. Values: displacements and stresses at points, the energy. The error of each value is its largest difference from a mesh with three quarters of the cells per direction and from degree
-7, at least ROUND_OFF of the scale of its kind.
+ring. Values: displacements and stresses at points, the energy; the error of each is its largest difference from a mesh with
+three quarters of the cells per direction and from degree 7, at least ROUND_OFF of the scale of its kind.
 
 The same energy from cubic hexahedra in space, with no such splitting, must approach it at order 6 ("hexahedra").
 
-Cost: 24 s, mostly for compiling forms. Newer dolfinx: FunctionSpace is functionspace.
+Cost: 24 s, mostly for compiling forms. Newer dolfinx: VectorElement and FiniteElement of ufl are basix.ufl.element.
 """
 
 import numpy as np
@@ -93,8 +93,10 @@ def values(cells, degree):
     # the mean square of the cosine over the height is 1/2
     found = {("energy", "energy"): sum(part["energy"] * HEIGHT * (1.0 if k == 0 else 0.5) for k, part in parts.items())}
     diagonal = 2.25 * np.sqrt(0.5)
-    for point, name, z, components in [("[2, 0, 0]", "bore x", 0, ["u.x", "stress.yy", "stress.zz"]), ("[0, 2, 2]", "bore y", 2, ["u.y", "stress.zz"]),
-                                       ("[3, 0, 1]", "rim x", 1, ["u.x", "u.z", "stress.yy"]), ("[0, 3, 0]", "rim y", 0, ["u.y", "stress.xx"]),
+    for point, name, z, components in [("[2, 0, 0]", "bore x", 0, ["u.x", "stress.yy", "stress.zz"]),
+                                       ("[0, 2, 2]", "bore y", 2, ["u.y", "stress.zz"]),
+                                       ("[3, 0, 1]", "rim x", 1, ["u.x", "u.z", "stress.yy"]),
+                                       ("[0, 3, 0]", "rim y", 0, ["u.y", "stress.xx"]),
                                        (f"[{diagonal}, {diagonal}, 1]", "inside", 1, ["u.x", "u.z"])]:
         for c in components:
             found["displacement" if c[0] == "u" else "stress", f"{c} at {point}"] = at(name, c, z)
@@ -105,7 +107,8 @@ def hexahedra(n):
     """The energy by cubic hexahedra in space, 2 n, n and n of them."""
     lattice = Lattice(3, [np.linspace(0, np.pi / 2, 2 * n + 1), np.linspace(BORE, RIM, n + 1), np.linspace(0, HEIGHT, n + 1)], cylinder)
     msh = lattice.msh
-    sides = forms.Sides(msh, [lambda x: x[1], lambda x: x[0], lambda x: np.hypot(x[0], x[1]) - BORE, lambda x: x[2], lambda x: x[2] - HEIGHT], 10)
+    sides = forms.Sides(msh, [lambda x: x[1], lambda x: x[0], lambda x: np.hypot(x[0], x[1]) - BORE, lambda x: x[2],
+                             lambda x: x[2] - HEIGHT], 10)
     space = forms.space(msh, 3, 3)
     u, v, x = ufl.TrialFunction(space), ufl.TestFunction(space), ufl.SpatialCoordinate(msh)
     dx = ufl.dx(metadata={"quadrature_degree": 8})
