@@ -449,6 +449,16 @@ fn norms_of_a_linear_field_are_its_integrals() {
     assert!((e.hypot(e).error.h1 - 3f64.sqrt()).abs() < 1e-14);
 }
 
+#[test]
+fn a_field_that_is_no_number_somewhere_has_no_error_of_zero() {
+    let space = splines::<2>(1, [2, 2], 0.0);
+    let k = Conductor::<2>::try_new(4.0).unwrap();
+    let exact = |x: &Vector<2>| (Vector::<1>::new((x[0] - 0.5).sqrt()), Matrix::<1, 2>::zeros());
+    let e = errors(&space, &gauss_rules(&space, 1), &form(&k), &[], &exact);
+    assert!(e.error.l2.is_nan() && e.exact.l2.is_nan(), "{e:?}");
+    assert_eq!([e.error.h1, e.error.energy], [0.0; 2]);
+}
+
 /// Conductivity and elastic constants that vary in the plane.
 fn varying() -> (Conductor<2>, Hooke<2>, Hooke<2>) {
     let k = Conductor::varying(|x: &Vector<2>| Jet::new(2.0 + x[0] * x[1], Vector::<2>::new(x[1], x[0])));

@@ -4,7 +4,7 @@
 use faying::basis::{BSpline, Basis, Elements, Order, ShapeTable};
 use faying::check::{SegmentLimits, coupling, interface_quadrature, target};
 use faying::contact::{HalfPlane, LevelSet, Moved, Sphere, Target};
-use faying::coupling::interface::{Chain, MergedCurve, SlaveRule, Tolerance, crossing};
+use faying::coupling::interface::{Chain, MasterSums, MergedCurve, SlaveRule, Tolerance, crossing};
 use faying::coupling::multiplier::{Ends, MultiplierError, MultiplierKind, build, side_ends};
 use faying::coupling::{Coupling, CouplingError, Interface, InterfaceQuadrature, Mortar, Side};
 use faying::geometry::{Bounds, Geometry, MapTable};
@@ -511,4 +511,16 @@ fn segments_and_rows_are_the_same_bits_for_any_number_of_threads() {
     for threads in [2, 3, 7] {
         assert!(make(threads) == one, "{threads} threads give other numbers");
     }
+}
+
+#[test]
+fn a_slave_side_that_ends_in_no_number_is_told_by_the_sums_over_the_master() {
+    // an offset line whose last point is no number: every point within is
+    fn broken(t: f64) -> [Vector<2>; 3] {
+        let [x, d, dd] = line(t);
+        [if t < 1.0 { x + Vector::<2>::new(0.0, 0.01) } else { x * f64::NAN }, d, dd]
+    }
+    let [slave, master] = [(uniform(3), broken as Shape), (uniform(2), line as Shape)].map(|(grid, shape)| Curve::new(&grid, shape, false));
+    let found = MasterSums::facing(3, None).segments(&slave, &master);
+    assert!(matches!(found, Err(CouplingError::NotFinite { element: 2 })), "{found:?}");
 }

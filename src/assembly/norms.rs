@@ -113,8 +113,8 @@ where
             *sum += term;
         }
     }
-    // a rounded energy of almost nothing may be below zero
-    let [l2, h1, energy, l2_exact, h1_exact, energy_exact] = total.map(|s| s.max(T::zero()).sqrt());
+    // a rounded energy of almost nothing may be below zero; what is no number stays none
+    let [l2, h1, energy, l2_exact, h1_exact, energy_exact] = total.map(|s| if s < T::zero() { T::zero() } else { s.sqrt() });
     Errors { error: Norms { l2, h1, energy }, exact: Norms { l2: l2_exact, h1: h1_exact, energy: energy_exact } }
 }
 

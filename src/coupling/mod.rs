@@ -37,6 +37,12 @@ pub enum CouplingError {
     /// No point of the slave side has a partner on the master side.
     #[error("no part of the slave side faces the master side")]
     NothingFaces,
+    /// A point of the slave side, or what it faces, is not finite.
+    #[error("a point of the slave side's element {element}, or what it faces, is not finite")]
+    NotFinite {
+        /// The element of the slave side.
+        element: usize,
+    },
     /// A multiplier space lives on other elements than the slave side.
     #[error("the multiplier has {found} elements, the slave side {expected}")]
     Elements {

@@ -56,17 +56,19 @@ enum Way<const N: usize> {
 }
 
 impl<const S: usize, const N: usize> ReferencePatch<S, N> {
-    /// Value and gradient at a point of the model's body: element, local point, place.
+    /// Value and gradient at a point of the model's body: element, local point, place. Not finite where no point of the stored body
+    /// is the closest one: the place is not finite, or squares of distances are not.
     ///
     /// # Panics
     /// If u has not C components.
     pub fn at<const C: usize>(&self, element: usize, xi: &Vector<N>, x: &Vector<N>) -> (Vector<C>, Matrix<C, N>) {
         let (element, xi) = match &self.way {
             Way::Parameters(grids) => grids[1].find(&grids[0].at(element, xi)),
-            Way::Closest(closest) => {
-                let foot = closest.project(x).expect("a body has points, and x is finite");
-                (foot.element, foot.xi)
-            }
+            Way::Closest(closest) => match closest.project(x) {
+                Some(foot) => (foot.element, foot.xi),
+                // errors that are not finite are told with a reason where they are reported
+                None => return (Vector::repeat(f64::NAN), Matrix::repeat(f64::NAN)),
+            },
         };
         let at = field_at::<C, N, f64, _>(&**self.body.space(), &self.field, &self.u, element, &[xi])[0];
         (at.value, at.gradient)
@@ -331,4 +333,32 @@ fn on_sides<const S: usize, const N: usize>(
         return Err(format!("has its multiplier on {has} and covers {share} % of `{}`, the slave side here", slave.label));
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes::rectangle;
+    use crate::space::Patch;
+
+    #[test]
+    fn a_place_that_is_no_number_has_no_value_in_a_stored_run() {
+        let spec = PatchSpec::new(rectangle([0.0, 0.0], [1.0, 1.0]).unwrap()).with_elements([2, 2]);
+        let body: Box<dyn Body<1, 2>> = Box::new(Patch::try_new(&spec).unwrap());
+        let (space, functions) = (Arc::clone(body.space()), body.space().num_functions());
+        let stored = ReferencePatch {
+            body,
+            field: Field { first: 0, components: 1 },
+            u: vec![3.0; functions],
+            way: Way::Closest(Box::new(ClosestPoint::new(Arc::clone(&space)))),
+            rules: gauss_rules(&*space, 0),
+        };
+        let at = |x: Vector<2>| stored.at::<1>(0, &Vector::zeros(), &x);
+        assert!((at(Vector::<2>::new(0.7, 0.2)).0[0] - 3.0).abs() < 1e-14);
+        // the square of the last one is no number
+        for x in [[f64::NAN, 0.2], [0.7, f64::INFINITY], [1e300, 0.2]] {
+            let (value, gradient) = at(x.into());
+            assert!(value[0].is_nan() && gradient.iter().all(|g| g.is_nan()), "{x:?}: {value} {gradient}");
+        }
+    }
 }

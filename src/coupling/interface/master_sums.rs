@@ -22,6 +22,7 @@ use crate::coupling::CouplingError;
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Real, Vector, lit};
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// Ranges on a master element closer than this share of it are one, and end at its end.
 const SAME: f64 = 1e-8;
@@ -60,8 +61,10 @@ impl<const N: usize, T: Real> InterfaceQuadrature<1, N, T> for MasterSums<T> {
             return Err(CouplingError::NothingFaces);
         }
         let sides = Sides::new(slave, master, self.partners, self.points);
-        let found: Vec<Vec<(usize, Arc<T>)>> =
+        let found: Vec<Result<Vec<(usize, Arc<T>)>, CouplingError>> =
             (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| arcs(&sides, e, work)).collect();
+        // the first fault in the order of elements, at any number of threads
+        let found = found.into_iter().collect::<Result<Vec<_>, _>>()?;
         let mut of_master: Vec<Vec<Arc<T>>> = vec![Vec::new(); master.num_elements()];
         for (owner, arc) in found.into_iter().flatten() {
             of_master[owner].push(arc);
@@ -102,14 +105,21 @@ fn listed<const N: usize, T: Real>(slave: &dyn Geometry<1, N, T>, pieces: Vec<(u
     out
 }
 
-/// The arcs of a slave element and the master elements that they face.
-fn arcs<const N: usize, T: Real>(sides: &Sides<'_, N, T>, element: usize, work: &mut Work<N, T>) -> Vec<(usize, Arc<T>)> {
+/// The arcs of a slave element and the master elements that they face; their ends and feet are finite.
+fn arcs<const N: usize, T: Real>(
+    sides: &Sides<'_, N, T>,
+    element: usize,
+    work: &mut Work<N, T>,
+) -> Result<Vec<(usize, Arc<T>)>, CouplingError> {
     let mut out = Vec::new();
     for (from, to, owner) in sides.pieces(element, work) {
         let Some(owner) = owner else { continue };
         let ends = [from, to].map(Vector::<1, T>::new);
         sides.slave.map(element, &ends, Order::Values, &mut work.slave);
         let x = [work.slave.x[0], work.slave.x[1]];
+        if !x.iter().flatten().all(|v| v.is_finite()) {
+            return Err(CouplingError::NotFinite { element });
+        }
         let mut eta = x.map(|x| {
             // the nearest of a few points begins Newton's iteration
             sides.master.geometry().map(owner, &work.cuts.samples, Order::Values, &mut work.master);
@@ -118,17 +128,21 @@ fn arcs<const N: usize, T: Real>(sides: &Sides<'_, N, T>, element: usize, work: 
         });
         sides.master.feet(owner, &x, &mut eta, &mut work.master);
         let (a, b) = (eta[0][0], eta[1][0]);
+        if !(a.is_finite() && b.is_finite()) {
+            return Err(CouplingError::NotFinite { element });
+        }
         if (b - a).abs() > lit(POINT) {
             out.push((owner, Arc { slave: element, xi: [from, to], eta: [a.min(b), a.max(b)] }));
         }
     }
-    out
+    Ok(out)
 }
 
 /// The points of a master element: Gauss points of every range that the slave faces without a break.
 fn sums<const N: usize, T: Real>(sides: &Sides<'_, N, T>, master: usize, arcs: &[Arc<T>], work: &mut Work<N, T>) -> Vec<Summed<T>> {
     let mut arcs = arcs.to_vec();
-    arcs.sort_by(|a, b| a.eta[0].partial_cmp(&b.eta[0]).expect("feet are numbers").then(a.slave.cmp(&b.slave)));
+    // finite numbers have an order
+    arcs.sort_by(|a, b| a.eta[0].partial_cmp(&b.eta[0]).unwrap_or(Ordering::Equal).then(a.slave.cmp(&b.slave)));
     let snapped = |eta: T| {
         let near = |end: T| (eta - end).abs() <= lit(SAME);
         if near(T::zero()) {
