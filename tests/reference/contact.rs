@@ -10,8 +10,8 @@ use serde_json::Value;
 
 /// Levels of a study, each a halving.
 const LEVELS: usize = 3;
-/// An error estimated from levels for order one is taken so many times: a pressure that is constant on elements has an error that
-/// depends on the place within the element, and so have its differences.
+/// An error estimated from levels for order one is taken so many times: the error of a pressure of low degree
+/// depends on the place within the element, which halvings move, so that two levels may lie nearer to each other than to the limit.
 const SAFETY: f64 = 2.0;
 /// What is left in a fitted order of where the ends of the zones lie, after the mean over the loads.
 const SPREAD: f64 = 0.5;
@@ -110,6 +110,7 @@ impl Variant<'_> {
         // squares of relative errors per level, of the quantities of one order and kind
         let mut groups: Vec<(String, f64, Vec<f64>, usize)> = Vec::new();
         let last = LEVELS - 1;
+        let mut share = (0.0, "");
         for (k, first) in reference.loads[0].quantities.iter().enumerate() {
             let of = |level: usize, l: usize| values[level][l][k] / reference.loads[l].quantities[k].value;
             let loads = 0..reference.loads.len();
@@ -127,6 +128,9 @@ impl Variant<'_> {
                     self.sets,
                     reference.loads[l].sets
                 );
+                if difference / allowed > share.0 {
+                    share = (difference / allowed, name);
+                }
             }
             let squares: Vec<f64> = (0..LEVELS).map(|level| loads.clone().map(|l| (of(level, l) - 1.0).powi(2)).sum()).collect();
             // what is given by balance has no order; a maximum has errors of both signs, overshoots and points that miss it
@@ -142,6 +146,7 @@ impl Variant<'_> {
                 None => groups.push((kind, order, squares, loads.len())),
             }
         }
+        println!("  at most {:.2} of what is allowed: {}", share.0, share.1);
         for (kind, order, squares, count) in groups {
             let errors: Vec<f64> = squares.iter().map(|s| (s / count as f64).sqrt()).collect();
             let fitted = fitted(&errors);

@@ -355,8 +355,7 @@ mod tests {
         };
         let at = |x: Vector<2>| stored.at::<1>(0, &Vector::zeros(), &x);
         assert!((at(Vector::<2>::new(0.7, 0.2)).0[0] - 3.0).abs() < 1e-14);
-        // the square of the last one is no number
-        for x in [[f64::NAN, 0.2], [0.7, f64::INFINITY], [1e300, 0.2]] {
+        for x in [[f64::NAN, 0.2], [0.7, f64::INFINITY]] {
             let (value, gradient) = at(x.into());
             assert!(value[0].is_nan() && gradient.iter().all(|g| g.is_nan()), "{x:?}: {value} {gradient}");
         }
