@@ -75,8 +75,16 @@ class Blocks:
 
     def table(self, expression, msh, components, points):
         """Named components of an expression at points of the mesh: pairs of a quantity's text and its value."""
-        values = [forms.at(expression, msh, *self.locate(x)) for x in points]
+        values = at_all(expression, msh, [self.locate(x) for x in points])
         return [(f"{name} at [{x[0]}, {x[1]}]", v[k]) for name, k in components for x, v in zip(points, values)]
+
+
+def at_all(expression, msh, places):
+    """An expression at pairs of a cell, counted as in the input, and reference coordinates there: compiled once for all."""
+    own = np.argsort(msh.topology.original_cell_index)
+    cells = np.array([own[cell] for cell, _ in places], dtype=np.int32)
+    found = fem.Expression(expression, np.array([s for _, s in places], float)).eval(cells)
+    return [values.reshape(len(places), -1)[k] for k, values in enumerate(found)]
 
 
 def compared(coarse, fine, least):
