@@ -10,6 +10,8 @@ mod contact_twins;
 mod converged;
 #[path = "reference/document.rs"]
 mod document;
+#[path = "reference/interface.rs"]
+mod interface;
 #[path = "reference/published.rs"]
 mod published;
 #[path = "reference/singular.rs"]
