@@ -124,8 +124,8 @@ fn approaches(part: &Value, margin: f64) {
             // points lie anywhere in the elements of a level: means where that shows, over more rates where the points are few
             let last = match kind.name {
                 "u" => rates.len(),
-                "lambda" => 2,
-                _ => 1,
+                "stress" | "flux" => 1,
+                _ => 2,
             };
             let tail = &rates[rates.len().saturating_sub(last)..];
             let observed = tail.iter().sum::<f64>() / tail.len() as f64;
