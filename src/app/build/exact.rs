@@ -32,6 +32,12 @@ impl Exact {
         self.components[component].value(at)
     }
 
+    /// The field and its first derivatives.
+    pub fn slope<const C: usize, const N: usize>(&self, at: &Point) -> (Vector<C>, Matrix<C, N>) {
+        let jets: [Jet; C] = std::array::from_fn(|c| self.components[c].slope(at));
+        (Vector::from_fn(|i, _| jets[i].value), Matrix::from_fn(|i, j| jets[i].gradient[j]))
+    }
+
     /// The field and its derivatives.
     pub fn jet<const C: usize, const N: usize>(&self, at: &Point) -> FieldJet<C, N> {
         let jets: [Jet; C] = std::array::from_fn(|c| self.components[c].jet(at));

@@ -127,7 +127,7 @@ fn at_rest<const S: usize, const N: usize>(
             Box::new(move |t| {
                 let f = f.clone();
                 let function = move |x: &Vector<N>| {
-                    let jet = f.jet(&Point::new(x.as_slice()).at_time(t));
+                    let jet = f.slope(&Point::new(x.as_slice()).at_time(t));
                     (jet.value, Vector::<N>::from_fn(|k, _| jet.gradient[k]))
                 };
                 match along {

@@ -38,7 +38,7 @@ pub type SideFn<'a, const N: usize> = dyn Fn(&Vector<N>, &Vector<N>, &mut [f64])
 
 /// Value and gradient of a formula at a place and a time.
 fn jet<const N: usize>(formula: &Formula, x: &Vector<N>, t: f64) -> Jet<N> {
-    let jet = formula.jet(&Point::new(x.as_slice()).at_time(t));
+    let jet = formula.slope(&Point::new(x.as_slice()).at_time(t));
     Jet::new(jet.value, Vector::from_fn(|k, _| jet.gradient[k]))
 }
 
@@ -181,8 +181,8 @@ impl<const N: usize> Physics<N> {
     /// sigma n (k du/dn) of the exact solution.
     pub fn exact_traction(&self, exact: &Exact, at: &Point, x: &Vector<N>, normal: &Vector<N>, out: &mut [f64]) {
         match self {
-            Self::Scalar(m) => out.copy_from_slice((m.respond(x, &exact.jet::<1, N>(at).gradient).stress * normal).as_slice()),
-            Self::Vector(m) => out.copy_from_slice((m.respond(x, &exact.jet::<N, N>(at).gradient).stress * normal).as_slice()),
+            Self::Scalar(m) => out.copy_from_slice((m.respond(x, &exact.slope::<1, N>(at).1).stress * normal).as_slice()),
+            Self::Vector(m) => out.copy_from_slice((m.respond(x, &exact.slope::<N, N>(at).1).stress * normal).as_slice()),
         }
     }
 
@@ -190,12 +190,10 @@ impl<const N: usize> Physics<N> {
     pub fn errors(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, u: &[f64], exact: &Exact, t: f64) -> Errors {
         match self {
             Self::Scalar(m) => assembly::errors(space, rules, &physics::form(&**m), u, &|x: &Vector<N>| {
-                let jet = exact.jet::<1, N>(&Point::new(x.as_slice()).at_time(t));
-                (jet.value, jet.gradient)
+                exact.slope::<1, N>(&Point::new(x.as_slice()).at_time(t))
             }),
             Self::Vector(m) => assembly::errors(space, rules, &physics::form(&**m), u, &|x: &Vector<N>| {
-                let jet = exact.jet::<N, N>(&Point::new(x.as_slice()).at_time(t));
-                (jet.value, jet.gradient)
+                exact.slope::<N, N>(&Point::new(x.as_slice()).at_time(t))
             }),
         }
     }

@@ -1,6 +1,6 @@
 //! Reads the text of a formula into a program; errors carry the position in the text.
 
-use super::jet::{Binary, Unary};
+use super::number::{Binary, Unary};
 use super::program::{Builder, Op, Program, Variable};
 use super::{FormulaError, QuantityRef, Scope};
 use crate::io::errors::nearest;

@@ -1,6 +1,8 @@
 //! Compiled formulas: a flat list of steps on a stack.
 
-use super::jet::{Binary, Jet, Number, Unary};
+use super::jet::Jet;
+use super::number::{Binary, Number, Unary};
+use super::taylor::Taylor;
 
 /// What a formula may depend on beside constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,11 +82,13 @@ const SHALLOW: usize = 24;
 pub(super) struct Program {
     pub ops: Vec<Op>,
     pub depth: usize,
+    /// Whether z is among its variables: without it derivatives are carried in x and y only.
+    pub spatial: bool,
 }
 
 impl Program {
     pub fn constant(value: f64) -> Self {
-        Self { ops: vec![Op::Constant(value)], depth: 1 }
+        Self { ops: vec![Op::Constant(value)], depth: 1, spatial: false }
     }
 
     pub fn as_constant(&self) -> Option<f64> {
@@ -106,7 +110,7 @@ impl Program {
     }
 
     fn run_on<N: Number>(&self, stack: &mut [N], at: &Point, quantities: &[f64]) -> N {
-        let mut top = 0;
+        let (mut top, mut radius, mut angle) = (0, None, None);
         for op in &self.ops {
             match *op {
                 Op::Constant(v) => {
@@ -114,7 +118,12 @@ impl Program {
                     top += 1;
                 }
                 Op::Variable(v) => {
-                    stack[top] = variable(v, at);
+                    // those that cost something are made once
+                    stack[top] = match v {
+                        Variable::R => *radius.get_or_insert_with(|| variable(v, at)),
+                        Variable::Theta => *angle.get_or_insert_with(|| variable(v, at)),
+                        _ => variable(v, at),
+                    };
                     top += 1;
                 }
                 Op::Quantity(k) => {
@@ -174,7 +183,7 @@ impl Builder {
         let n = self.ops.len();
         self.ops.push(op);
         if fold && n >= takes && self.ops[n - takes..n].iter().all(|o| matches!(o, Op::Constant(_))) {
-            let part = Program { ops: self.ops[n - takes..].to_vec(), depth: takes };
+            let part = Program { ops: self.ops[n - takes..].to_vec(), depth: takes, spatial: false };
             let value: f64 = part.run(&Point::default(), &[]);
             self.ops.truncate(n - takes);
             self.ops.push(Op::Constant(value));
@@ -182,7 +191,8 @@ impl Builder {
     }
 
     pub fn finish(self) -> Program {
-        Program { ops: self.ops, depth: self.depth.max(1) }
+        let spatial = self.ops.contains(&Op::Variable(Variable::Z));
+        Program { ops: self.ops, depth: self.depth.max(1), spatial }
     }
 }
 
@@ -192,8 +202,13 @@ impl Program {
         self.ops.iter().any(predicate)
     }
 
-    /// Value and derivatives.
-    pub fn jet(&self, at: &Point, quantities: &[f64]) -> Jet {
-        self.run(at, quantities)
+    /// Value, first and second derivatives.
+    pub fn jet(&self, at: &Point) -> Jet {
+        if self.spatial { self.run::<Taylor<3, 6>>(at, &[]).jet() } else { self.run::<Taylor<2, 3>>(at, &[]).jet() }
+    }
+
+    /// Value and first derivatives; the second ones are zero.
+    pub fn slope(&self, at: &Point) -> Jet {
+        if self.spatial { self.run::<Taylor<3, 0>>(at, &[]).jet() } else { self.run::<Taylor<2, 0>>(at, &[]).jet() }
     }
 }
