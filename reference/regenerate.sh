@@ -5,6 +5,7 @@
 #   regenerate.sh NAME..     only dolfinx/NAME.py, also after --check
 # FAYING names the program that writes the meshes; without it, it is built. Exit 3: dolfinx cannot be had here.
 set -euo pipefail
+[ -z "${FAYING:-}" ] || FAYING=$(realpath "$FAYING")
 cd "$(dirname "$0")"
 check=
 if [ "${1:-}" = --check ]; then
@@ -24,9 +25,8 @@ if ! "$python" -c 'import dolfinx' >/dev/null 2>&1; then
 fi
 if [ -z "${FAYING:-}" ]; then
     (cd .. && cargo build --release --locked --bin faying)
-    FAYING=${CARGO_TARGET_DIR:-../target}/release/faying
+    FAYING=$(realpath "${CARGO_TARGET_DIR:-../target}/release/faying")
 fi
-FAYING=$(realpath "$FAYING")
 export FAYING OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
 work=$(mktemp -d)
