@@ -108,7 +108,7 @@ fn compare(list: &[Known], values: &[&[f64]], least: f64, share: f64, last_step:
     let last = values.len() - 1;
     let change = |l: usize| largest(&|k| values[last][k] - values[l][k]) / ((least * (last - l) as f64).exp2() - 1.0);
     let estimate = starts.iter().map(|&l| change(l)).fold(0.0, f64::max);
-    let far = !(errors[last] <= estimate + uncertain);
+    let far = errors[last].is_nan() || errors[last] > estimate + uncertain;
     let short = |x: f64| if x.abs() < 0.01 { format!("{x:.1e}") } else { format!("{x:.2}") };
     let all = |list: &[f64]| list.iter().map(|&x| short(x)).collect::<Vec<_>>().join(" ");
     let mut text = format!("errors {} (estimated {}, reference {uncertain:.0e})", all(&errors), short(estimate));

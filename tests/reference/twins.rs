@@ -128,7 +128,7 @@ fn nodal(stored: &Value, places: &[Vec<f64>], found: &Found) -> Result<f64, Stri
 fn too_large(agreement: &Value, all: &Kinds) -> Vec<String> {
     let allowed = |kind: &str| agreement[kind].as_f64().unwrap_or_else(|| panic!("no tolerance of {kind}"));
     // a difference that is no number is too large
-    all.iter().filter(|(kind, d)| !(**d <= allowed(kind))).map(|(kind, d)| format!("{kind} differs by {d:.1e}")).collect()
+    all.iter().filter(|(kind, d)| d.is_nan() || **d > allowed(kind)).map(|(kind, d)| format!("{kind} differs by {d:.1e}")).collect()
 }
 
 /// Kinds of twins: (law, kind of cell, degree, feature).
