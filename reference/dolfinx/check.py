@@ -1,10 +1,12 @@
 """Says where two folders of JSON documents differ: check.py STORED MADE. Exit 1 if they do.
 
-Numbers agree within the document's "tolerance" (default 1e-9) of the larger one, or of the largest in their list. An "error"
-beside a "value" is an estimate: it may differ by half of itself or by that tolerance of the value.
+Numbers agree within the "tolerance" that the script states (default 1e-9) of the larger one, or of the largest in their list. An
+"error" beside a "value" is an estimate: it may differ by half of itself or by that tolerance of the value. Numbers that are not
+finite never agree. With --all, every stored document must have been made.
 """
 
 import json
+import math
 import os
 import sys
 
@@ -22,14 +24,16 @@ def largest(value):
 
 def differences(stored, made, tolerance, place, scale=0.0):
     if is_number(stored) and is_number(made):
-        if not abs(stored - made) <= tolerance * max(abs(stored), abs(made), scale):
+        if not (math.isfinite(stored) and math.isfinite(made)) or not abs(stored - made) <= tolerance * max(abs(stored), abs(made), scale):
             yield f"{place}: {stored!r} stored, {made!r} made"
     elif isinstance(stored, dict) and isinstance(made, dict):
         for key in sorted(set(stored) | set(made)):
             if key not in stored or key not in made:
                 yield f"{place}.{key}: only {'made' if key in made else 'stored'}"
-            elif key == "error" and is_number(stored.get("value")) and is_number(made["error"]):
-                if abs(stored[key] - made[key]) > max(0.5 * abs(stored[key]), tolerance * abs(stored["value"])):
+            elif key == "tolerance" and stored[key] != made[key]:
+                yield f"{place}.{key}: {stored[key]!r} stored, {made[key]!r} made"
+            elif key == "error" and all(is_number(d.get(k)) for d in (stored, made) for k in ("error", "value")):
+                if not abs(stored[key] - made[key]) <= max(0.5 * abs(made[key]), tolerance * abs(made["value"])):
                     yield f"{place}.{key}: {stored[key]!r} stored, {made[key]!r} made"
             else:
                 yield from differences(stored[key], made[key], tolerance, f"{place}.{key}", scale if key == "value" else 0.0)
@@ -37,20 +41,26 @@ def differences(stored, made, tolerance, place, scale=0.0):
         scale = max(scale, largest(stored))
         for i, (a, b) in enumerate(zip(stored, made)):
             yield from differences(a, b, tolerance, f"{place}[{i}]", scale)
-    elif stored != made:
+    elif type(stored) is not type(made) or stored != made:
         yield f"{place}: {stored!r} stored, {made!r} made"
 
 
-def main(stored, made):
-    names = sorted(name for name in os.listdir(made) if name.endswith(".json"))
+def documents(folder):
+    return sorted(name for name in os.listdir(folder) if name.endswith(".json"))
+
+
+def main(stored, made, *options):
+    names = documents(made)
     found = [] if names else [f"{made} holds no document"]
+    if "--all" in options:
+        found += [f"{name} is stored, and no script made it" for name in documents(stored) if name not in names]
     for name in names:
         if not os.path.exists(os.path.join(stored, name)):
             found.append(f"{name} is not stored")
             continue
         with open(os.path.join(stored, name), encoding="utf-8") as a, open(os.path.join(made, name), encoding="utf-8") as b:
             a, b = json.load(a), json.load(b)
-        found += [name + d for d in differences(a, b, a.get("tolerance", TOLERANCE), "")]
+        found += [name + d for d in differences(a, b, b.get("tolerance", TOLERANCE), "")]
     for line in found[:50]:
         print(line)
     print(f"{len(names)} documents, {len(found)} differences")
@@ -58,4 +68,4 @@ def main(stored, made):
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:3]))
+    sys.exit(main(*sys.argv[1:]))

@@ -134,7 +134,12 @@ impl Variant<'_> {
             }
             let squares: Vec<f64> = (0..LEVELS).map(|level| loads.clone().map(|l| (of(level, l) - 1.0).powi(2)).sum()).collect();
             // what is given by balance has no order; a maximum has errors of both signs, overshoots and points that miss it
-            if first.name.ends_with(".max") || squares[0].sqrt() < reference.loads[0].quantities[k].error / first.value.abs() {
+            if first.name.ends_with(".max") {
+                continue;
+            }
+            // and all else is seen through a reference that is finer than the coarsest level
+            if squares[0].sqrt() < reference.loads[0].quantities[k].error / first.value.abs() {
+                assert!(first.name.contains(".force."), "{}: the reference is too coarse", first.name);
                 continue;
             }
             let (order, kind) = (self.order(reference, &first.name), first.name.split(" at ").next().unwrap().to_owned());

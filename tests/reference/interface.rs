@@ -65,8 +65,14 @@ fn kinds(part: &Value) -> Vec<Kind> {
         .collect()
 }
 
-/// The errors of all kinds on one level, root mean squares over a kind's quantities.
-fn errors(part: &Value, tie: &Tie, kinds: &[Kind], level: usize) -> Vec<f64> {
+/// The root of the mean square.
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len() as f64;
+    (values.map(|v| v * v).sum::<f64>() / count).sqrt()
+}
+
+/// The differences to the reference on one level, by kind.
+fn differences(part: &Value, tie: &Tie, kinds: &[Kind], level: usize) -> Vec<Vec<f64>> {
     let mut sets = vec![
         format!("discretization.degree={}", tie.degree),
         format!("discretization.mapping={}", tie.mapping),
@@ -89,7 +95,7 @@ fn errors(part: &Value, tie: &Tie, kinds: &[Kind], level: usize) -> Vec<f64> {
         .map(|k| {
             let (own, after) = rest.split_at(k.values.len());
             rest = after;
-            (own.iter().zip(&k.values).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / own.len() as f64).sqrt()
+            own.iter().zip(&k.values).map(|(a, b)| a - b).collect()
         })
         .collect()
 }
@@ -115,10 +121,10 @@ fn least_order(kind: &str, tie: &Tie) -> f64 {
 fn approaches(part: &Value, margin: f64) {
     let kinds = kinds(part);
     for tie in ties() {
-        let levels: Vec<Vec<f64>> = (0..=3).map(|level| errors(part, &tie, &kinds, level)).collect();
+        let levels: Vec<Vec<Vec<f64>>> = (0..=3).map(|level| differences(part, &tie, &kinds, level)).collect();
         for (k, kind) in kinds.iter().enumerate() {
             // what is not well above the reference's own error says nothing
-            let seen: Vec<f64> = levels.iter().map(|e| e[k]).take_while(|e| *e > 3.0 * kind.error).collect();
+            let seen: Vec<f64> = levels.iter().map(|d| mean(d[k].iter().copied())).take_while(|e| *e > 3.0 * kind.error).collect();
             assert!(seen.len() >= 2, "{} {}: {} of the reference is too coarse", tie.name, tie.degree, kind.name);
             let rates: Vec<f64> = seen.windows(2).map(|e| (e[0] / e[1]).log2()).collect();
             // points lie anywhere in the elements of a level: means where that shows, over more rates where the points are few
@@ -139,6 +145,11 @@ fn approaches(part: &Value, margin: f64) {
                 seen.iter().map(|e| format!("{e:.2e} ")).collect::<String>()
             );
             assert!(observed > least - margin, "{} {} {}: {rates:?}", tie.name, tie.degree, kind.name);
+            // as near as its own last step says, by half the order
+            let last = seen.len() - 1;
+            let own = mean(levels[last][k].iter().zip(&levels[last - 1][k]).map(|(a, b)| a - b)) / ((0.5 * least).exp2() - 1.0);
+            let error = seen[last];
+            assert!(error <= own + kind.error, "{} {} {}: {error:e}, own estimate {own:e}", tie.name, tie.degree, kind.name);
             // a rate beyond 2p would show that the values meet by chance
             if kind.name == "energy" && tie.coupling == Coupling::Equal {
                 assert!((rates.last().unwrap() - least).abs() < margin, "{} {}: {rates:?}", tie.name, tie.degree);

@@ -59,10 +59,22 @@ fn tied() -> Vec<Study> {
     all
 }
 
-/// What one level found: the energy, and the greatest error of every kind of point values.
+/// Differences of a level to the reference, value by value.
+struct Kind {
+    name: &'static str,
+    differences: Vec<f64>,
+    /// The greatest error of the reference.
+    uncertain: f64,
+}
+
+/// What one level found: the energy, and the other quantities by kind.
 struct Level {
     energy: f64,
-    errors: Vec<(String, f64)>,
+    kinds: Vec<Kind>,
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |m, v| if v.is_nan() { v } else { m.max(v.abs()) })
 }
 
 fn level(part: &Value, study: &Study, patches: &[&str], refine: usize) -> Level {
@@ -79,17 +91,17 @@ fn level(part: &Value, study: &Study, patches: &[&str], refine: usize) -> Level 
     let values = asked(&run(part["case"].as_str().unwrap(), &sets, &quantities));
     assert_eq!(values.len(), quantities.len());
     let mut at = 1;
-    let mut errors = Vec::new();
-    for (kind, list) in &kinds {
-        let error = list.iter().zip(&values[at..]).fold(0.0f64, |m, (q, v)| m.max((v - q.value).abs()));
-        errors.push(((*kind).to_owned(), error));
+    let mut found = Vec::new();
+    for (name, list) in kinds {
+        let differences = list.iter().zip(&values[at..]).map(|(q, v)| v - q.value).collect();
         at += list.len();
+        found.push(Kind { name, differences, uncertain: largest(list.iter().map(|q| q.error)) });
     }
     if !sides.is_empty() {
-        let total: f64 = values[at..].iter().sum();
-        errors.push(("reaction".into(), (total - known(&part["reaction"])[0].value).abs()));
+        let (total, reaction) = (values[at..].iter().sum::<f64>(), &known(&part["reaction"])[0]);
+        found.push(Kind { name: "reaction", differences: vec![total - reaction.value], uncertain: reaction.error });
     }
-    Level { energy: values[0], errors }
+    Level { energy: values[0], kinds: found }
 }
 
 fn short(values: &[f64]) -> String {
@@ -105,8 +117,17 @@ fn converges(part: &Value, margin: f64, study: &Study, patches: &[&str]) {
     let missing: Vec<f64> = levels.iter().map(|l| energy.value - l.energy).collect();
     let rates: Vec<f64> = missing.windows(2).map(|e| (e[0] / e[1]).abs().log2()).collect();
     println!("{case} {:22} missing energy {} rates {rates:.4?}, theory {order:.4}", study.name, short(&missing));
-    for ((k, a), (_, b)) in levels[levels.len() - 2].errors.iter().zip(&levels[levels.len() - 1].errors) {
-        println!("    {k:8} {a:.3e} -> {b:.3e}, rate {:.3}", (a / b).log2());
+    // away from the corner everything has the order of the energy, the loaded corners of Cook's membrane have order one; half of it
+    // is taken for the estimate, since few points and two levels show an order roughly
+    let steps = (0.5 * order).exp2() - 1.0;
+    assert!(levels[0].kinds.len() >= 2, "{case}: kinds of quantities beside the energy");
+    for (a, b) in levels[levels.len() - 2].kinds.iter().zip(&levels[levels.len() - 1].kinds) {
+        let (before, error) = (largest(a.differences.iter().copied()), largest(b.differences.iter().copied()));
+        let own = largest(a.differences.iter().zip(&b.differences).map(|(a, b)| a - b)) / steps;
+        println!("    {:8} {before:.3e} -> {error:.3e}, rate {:.3}, own estimate {own:.3e}", a.name, (before / error).log2());
+        assert!(error < before, "{case} {} {}: {before:e} -> {error:e}", study.name, a.name);
+        assert!(error <= own + b.uncertain, "{case} {} {}: {error:e}, own estimate {own:e}", study.name, a.name);
+        assert!(b.uncertain < 0.1 * error, "{case} {} {}: the reference is too coarse", study.name, a.name);
     }
     assert!((rates.last().unwrap() - order).abs() < margin, "{case} {}: {rates:?}", study.name);
     // the reference must be good enough to say so
