@@ -1,6 +1,7 @@
 //! Floor 6: sums over elements. Gets coefficients per point, never a material.
 
 mod blocks;
+mod bulk;
 mod dirichlet;
 mod load;
 pub mod norms;
@@ -11,18 +12,19 @@ mod reduce;
 mod rim;
 mod rules;
 mod scratch;
+mod tensor;
 
 use crate::linalg::{Matrix, Real, Vector};
 use std::fmt::Debug;
 
 pub use blocks::Blocks;
+pub use bulk::{add_stiffness, mass, refill_stiffness, stiffness};
 pub use dirichlet::{DirichletError, Fixed, dirichlet, dirichlet_with, planar_normal};
 pub use load::{load, measure, trace_load, trace_springs};
 pub use norms::{Errors, Norms, difference, errors};
 pub use pattern::Pattern;
 pub use places::places;
 pub(crate) use plain::element_stiffness;
-pub use plain::{add_stiffness, mass, stiffness};
 pub use reduce::{Equation, Reduced, ReductionError};
 pub use rim::{Pinned, Rim};
 pub(crate) use rules::element_rule;

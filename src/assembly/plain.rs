@@ -8,35 +8,17 @@
 
 use super::pattern::Pattern;
 use super::scratch::Scratch;
-use super::{Coefficient, Form, places};
+use super::{Coefficient, Form};
 use crate::linalg::{Csr, Real};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 use rayon::prelude::*;
 
-/// The matrix of `form` on `space`, unknown = C * function + component, with the places of its unknowns.
-///
-/// Unit: that of the tangent times length^(N - 2). Symmetric to the last bit where the form is.
-///
-/// # Panics
-/// If there are 2^32 unknowns or more.
-pub fn stiffness<const C: usize, const N: usize, T, S, Q>(space: &S, quadrature: &Q, form: &Form<'_, C, N, T>) -> Csr<T>
-where
-    T: Real,
-    S: Space<N, N, T> + ?Sized,
-    Q: Quadrature<N, T> + ?Sized,
-{
-    let pattern = Pattern::new(space);
-    let mut matrix = pattern.csr(C).with_places(places(space, &pattern, C));
-    add_stiffness(&pattern, space, quadrature, form, &mut matrix);
-    matrix
-}
-
-/// Adds the matrix of `form` to `matrix`, which has the pattern `pattern.csr(C)`: refilling keeps pattern and memory.
+/// Adds the matrix of `form` to `matrix`, which has the pattern `pattern.csr(C)`.
 ///
 /// # Panics
 /// If the shapes do not fit.
-pub fn add_stiffness<const C: usize, const N: usize, T, S, Q>(
+pub(super) fn add_stiffness<const C: usize, const N: usize, T, S, Q>(
     pattern: &Pattern,
     space: &S,
     quadrature: &Q,
@@ -53,23 +35,17 @@ pub fn add_stiffness<const C: usize, const N: usize, T, S, Q>(
     });
 }
 
-/// The matrix ∫ N_a N_b dx, one component; curves and surfaces in space too.
-///
-/// # Panics
-/// If there are 2^32 functions or more.
-pub fn mass<const D: usize, const N: usize, T, S, Q>(space: &S, quadrature: &Q) -> Csr<T>
+/// Adds the matrix ∫ N_a N_b dx to `matrix`, which has the pattern `pattern.csr(1)`.
+pub(super) fn add_mass<const D: usize, const N: usize, T, S, Q>(pattern: &Pattern, space: &S, quadrature: &Q, matrix: &mut Csr<T>)
 where
     T: Real,
     S: Space<D, N, T> + ?Sized,
     Q: Quadrature<D, T> + ?Sized,
 {
-    let pattern = Pattern::new(space);
-    let mut matrix = pattern.csr(1).with_places(places(space, &pattern, 1));
-    add_elements(&pattern, 1, &mut matrix, |scratch: &mut Scratch<D, N, T>, element, out| {
+    add_elements(pattern, 1, matrix, |scratch: &mut Scratch<D, N, T>, element, out| {
         scratch.values(space, element, quadrature.rule(element));
         element_mass(scratch, out);
     });
-    matrix
 }
 
 /// The matrix of one element, `out[((a * C + c) * n + b) * C + e]`.

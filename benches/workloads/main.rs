@@ -1,0 +1,100 @@
+//! The workloads that speed is measured on: `cargo bench --bench workloads -- NAME [--p P] [--n N] [--threads T] [--reps R] [--nosolve]`.
+//!
+//! With a name it prints one line of JSON; without one it runs the list, each workload in a process of its own, and
+//! prints a table. Threads are 1 unless told otherwise.
+#![allow(clippy::unwrap_used)]
+
+mod bodies;
+mod measure;
+mod run;
+
+use run::{Options, Record};
+use std::process::Command;
+
+/// What runs without a name: (workload, p, n).
+const LIST: [(&str, usize, usize); 12] = [
+    ("W1", 2, 256),
+    ("W1", 3, 256),
+    ("W1", 4, 256),
+    ("W1", 5, 256),
+    ("W2", 2, 32),
+    ("W2", 3, 32),
+    ("W2", 4, 32),
+    ("W2", 2, 48),
+    ("W2", 3, 48),
+    ("W2", 4, 48),
+    ("W3-2d", 3, 128),
+    ("W3-3d", 2, 24),
+];
+
+/// The record of one workload; `None` where it is not in this version.
+fn record(name: &str, options: &Options) -> Option<Record> {
+    let p = |default| options.p.unwrap_or(default);
+    let n = |default| options.n.unwrap_or(default);
+    match name {
+        "W1" => Some(run::annulus(name, p(3), n(256), options)),
+        "W2" => Some(run::cylinder(name, p(3), n(32), options)),
+        "W3-2d" => Some(run::annulus_elastic(name, p(3), n(128), options)),
+        "W3-3d" => Some(run::cylinder_elastic(name, p(2), n(24), options)),
+        _ => None,
+    }
+}
+
+fn main() {
+    let mut words = std::env::args().skip(1);
+    let (mut name, mut options) = (None, Options { p: None, n: None, threads: 1, reps: 3, solve: true });
+    while let Some(word) = words.next() {
+        let mut number = || words.next().and_then(|w| w.parse::<usize>().ok()).unwrap_or_else(|| panic!("{word} wants a number"));
+        match word.as_str() {
+            "--p" => options.p = Some(number()),
+            "--n" => options.n = Some(number()),
+            "--threads" => options.threads = number(),
+            "--reps" => options.reps = number().max(1),
+            "--nosolve" => options.solve = false,
+            "--bench" => {} // cargo adds it
+            other => name = Some(other.to_owned()),
+        }
+    }
+    match name {
+        Some(name) => {
+            rayon::ThreadPoolBuilder::new().num_threads(options.threads).build_global().unwrap();
+            match record(&name, &options) {
+                Some(record) => println!("{}", record.json(&options)),
+                None => println!("{}", serde_json::json!({"peer": "faying", "workload": name, "notes": "not in this version"})),
+            }
+        }
+        None => list(&options),
+    }
+}
+
+/// Runs the list and prints a row for each.
+fn list(options: &Options) {
+    println!(
+        "{:<7} {:>2} {:>4} {:>9} {:>10} {:>9} {:>9} {:>9} {:>8} {:>9}",
+        "name", "p", "n", "dofs", "nnz", "first", "again", "solve", "MB", "error"
+    );
+    for (name, p, n) in LIST {
+        let mut command = Command::new(std::env::current_exe().unwrap());
+        command.args([name, "--p", &p.to_string(), "--n", &n.to_string(), "--threads", &options.threads.to_string()]);
+        command.args(["--reps", &options.reps.to_string()]);
+        if !options.solve {
+            command.arg("--nosolve");
+        }
+        let output = command.output().unwrap();
+        let Ok(value) = serde_json::from_slice::<serde_json::Value>(&output.stdout) else {
+            println!("{name:<7} {p:>2} {n:>4} failed: {}", String::from_utf8_lossy(&output.stderr));
+            continue;
+        };
+        let text = |key: &str| value[key].as_f64().map_or("-".to_owned(), |v| format!("{v:.4}"));
+        let error = value["error"].as_f64().map_or("-".to_owned(), |v| format!("{v:.2e}"));
+        println!(
+            "{name:<7} {p:>2} {n:>4} {:>9} {:>10} {:>9} {:>9} {:>9} {:>8.0} {error:>9}",
+            value["dofs"],
+            value["nnz"],
+            text("assemble_cpu_s"),
+            text("assemble_again_cpu_s"),
+            text("solve_cpu_s"),
+            value["peak_rss_mb"].as_f64().unwrap_or(0.0)
+        );
+    }
+}

@@ -1,0 +1,162 @@
+//! One workload: times of assembly and solution, fingerprints, error.
+
+use crate::bodies::{self, Jet};
+use crate::measure::{Time, median, peak_rss_mb, timed};
+use faying::assembly::{Fixed, Form, Reduced, dirichlet, errors, gauss_rules, load, refill_stiffness, stiffness};
+use faying::linalg::{Csr, Ldlt, LinearSolver, Operator, Vector};
+use faying::physics::{Conductor, Hooke, Material, form};
+use faying::space::{Body, Field, Space};
+
+/// What the command line asks for.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    pub p: Option<usize>,
+    pub n: Option<usize>,
+    pub threads: usize,
+    pub reps: usize,
+    pub solve: bool,
+}
+
+/// What is printed.
+#[derive(Debug)]
+pub struct Record {
+    name: String,
+    p: usize,
+    n: usize,
+    dofs: usize,
+    nnz: usize,
+    first: Time,
+    again: Time,
+    solve: Option<Time>,
+    error: Option<f64>,
+    trace: f64,
+    fro: f64,
+}
+
+impl Record {
+    /// One line.
+    pub fn json(&self, options: &Options) -> String {
+        serde_json::json!({
+            "peer": "faying", "version": env!("CARGO_PKG_VERSION"), "workload": self.name, "p": self.p, "n": self.n,
+            "dofs": self.dofs, "nnz": self.nnz, "threads": options.threads, "reps": options.reps,
+            "assemble_s": self.first.wall, "assemble_cpu_s": self.first.cpu,
+            "assemble_again_s": self.again.wall, "assemble_again_cpu_s": self.again.cpu,
+            "solve_s": self.solve.map(|t| t.wall), "solve_cpu_s": self.solve.map(|t| t.cpu),
+            "peak_rss_mb": peak_rss_mb(), "error": self.error, "fp_trace": self.trace, "fp_fro": self.fro, "notes": "",
+        })
+        .to_string()
+    }
+}
+
+/// Assembly, timed: the matrix, the time from nothing, the time with pattern and memory known.
+fn assemble<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_, C, N>, reps: usize) -> (Csr, Time, Time) {
+    let first: Vec<Time> = (0..=reps).map(|_| timed(|| stiffness(space, &gauss_rules(space, 0), form)).1).collect();
+    let mut matrix = stiffness(space, &gauss_rules(space, 0), form);
+    let rules = gauss_rules(space, 0);
+    let again: Vec<Time> = (0..=reps).map(|_| timed(|| refill_stiffness(space, &rules, form, &mut matrix)).1).collect();
+    // the first of each warms up
+    (matrix, median(&first[1..]), median(&again[1..]))
+}
+
+/// Solves with zero values on all sides for a field that vanishes there: time of the solver, relative L2 error.
+fn solve<const C: usize, const S: usize, const N: usize>(
+    body: &dyn Body<S, N>,
+    material: &dyn Material<C, N>,
+    k: &Csr,
+    exact: fn(&Vector<N>) -> Jet<C, N>,
+    reps: usize,
+) -> (Time, f64) {
+    let space = &**body.space();
+    let f = load::<C, N, N, _, _, _>(space, &gauss_rules(space, 0), &|x: &Vector<N>| {
+        let (_, gradient, hessian) = exact(x);
+        -material.divergence(x, &gradient, &hessian)
+    });
+    let traces: Vec<_> = body.sides().iter().map(|s| body.trace(s).unwrap()).collect();
+    let held: Vec<Fixed<'_, S, N>> =
+        traces.iter().flat_map(|trace| (0..C).map(move |component| Fixed { trace, component, value: None })).collect();
+    let prescribed = dirichlet(&held, Field { first: 0, components: C }, 0, &mut Ldlt::new()).unwrap();
+    let reduced = Reduced::try_new(&[k], &f, &prescribed, &[]).unwrap();
+    let mut v = vec![0.0; reduced.num_free()];
+    let times: Vec<Time> = (0..=reps)
+        .map(|_| {
+            let solving = || {
+                let mut solver = Ldlt::new();
+                solver.prepare(&reduced.stiffness).unwrap();
+                solver.solve(&reduced.stiffness, &reduced.load, &mut v).unwrap();
+            };
+            timed(solving).1
+        })
+        .collect();
+    let u = reduced.expand(&v);
+    let norms = errors(space, &gauss_rules(space, 1), &form(material), &u, &|x: &Vector<N>| {
+        let (value, gradient, _) = exact(x);
+        (value, gradient)
+    });
+    (median(&times[1..]), norms.error.l2 / norms.exact.l2)
+}
+
+/// Trace and Frobenius norm.
+fn fingerprints(k: &Csr) -> (f64, f64) {
+    (k.diagonal().iter().sum(), k.vals().iter().map(|v| v * v).sum::<f64>().sqrt())
+}
+
+fn whole<const C: usize, const S: usize, const N: usize>(
+    name: &str,
+    [p, n]: [usize; 2],
+    body: &dyn Body<S, N>,
+    material: &dyn Material<C, N>,
+    exact: Option<fn(&Vector<N>) -> Jet<C, N>>,
+    options: &Options,
+) -> (Record, Csr) {
+    let (k, first, again) = assemble(&**body.space(), &form(material), options.reps);
+    let (trace, fro) = fingerprints(&k);
+    let solved = exact.filter(|_| options.solve).map(|exact| solve(body, material, &k, exact, options.reps));
+    let record = Record {
+        name: name.into(),
+        p,
+        n,
+        dofs: k.num_rows(),
+        nnz: k.num_entries(),
+        first,
+        again,
+        solve: solved.map(|s| s.0),
+        error: solved.map(|s| s.1),
+        trace,
+        fro,
+    };
+    (record, k)
+}
+
+/// W1: Poisson on the quarter annulus; solved at p = 3.
+pub fn annulus(name: &str, p: usize, n: usize, options: &Options) -> Record {
+    let material = Conductor::<2>::try_new(1.0).unwrap();
+    let exact = (p == 3).then_some(bodies::plane_field::<1> as fn(&Vector<2>) -> Jet<1, 2>);
+    whole(name, [p, n], &bodies::annulus(p, n), &material, exact, options).0
+}
+
+/// W2: Poisson on the quarter cylinder; the error is that of the energy of u = z over the volume 3 pi / 4.
+pub fn cylinder(name: &str, p: usize, n: usize, options: &Options) -> Record {
+    let body = bodies::cylinder(p, n);
+    let (mut record, k) = whole(name, [p, n], &body, &Conductor::<3>::try_new(1.0).unwrap(), None, options);
+    // z is the Greville parameter of the third axis, for the map is linear along it
+    let [a, b, c] = body.axes();
+    let plane = faying::basis::Basis::<1>::num_functions(a) * faying::basis::Basis::<1>::num_functions(b);
+    let u: Vec<f64> = c.greville().into_iter().flat_map(|z| std::iter::repeat_n(z, plane)).collect();
+    let mut ku = vec![0.0; u.len()];
+    k.apply(&u, &mut ku);
+    let energy: f64 = u.iter().zip(&ku).map(|(u, k)| u * k).sum();
+    record.error = Some((energy / (0.75 * std::f64::consts::PI) - 1.0).abs());
+    record
+}
+
+/// W3-2d: plane strain on the quarter annulus.
+pub fn annulus_elastic(name: &str, p: usize, n: usize, options: &Options) -> Record {
+    let material = Hooke::<2>::plane_strain(1.0, 0.3).unwrap();
+    whole(name, [p, n], &bodies::annulus(p, n), &material, Some(bodies::plane_field::<2>), options).0
+}
+
+/// W3-3d: elasticity on the quarter cylinder.
+pub fn cylinder_elastic(name: &str, p: usize, n: usize, options: &Options) -> Record {
+    let material = Hooke::<3>::solid(1.0, 0.3).unwrap();
+    whole(name, [p, n], &bodies::cylinder(p, n), &material, Some(bodies::solid_field), options).0
+}

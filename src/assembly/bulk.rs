@@ -1,0 +1,127 @@
+//! Bulk matrices: contraction direction by direction where a space is one product of directions, the plain loop elsewhere.
+
+use super::pattern::Pattern;
+use super::tensor::{Ask, Patch};
+use super::{Form, places, plain};
+use crate::basis::Order;
+use crate::geometry::MapTable;
+use crate::linalg::{Csr, Real, Vector, lit, to_f64};
+use crate::quadrature::{Quadrature, TensorRule};
+use crate::space::Space;
+
+/// Asks the map of `space`, in numbers.
+fn ask<'a, const D: usize, const N: usize, T, S>(space: &'a S) -> Box<Ask<'a>>
+where
+    T: Real,
+    S: Space<D, N, T> + ?Sized,
+{
+    let (mut points, mut table) = (Vec::new(), MapTable::new());
+    Box::new(move |element: usize, xi: &[f64], out: &mut Vec<f64>| {
+        points.clear();
+        points.extend(xi.chunks_exact(D).map(|xi| Vector::<D, T>::from_fn(|k, _| lit(xi[k]))));
+        space.map(element, &points, Order::Gradients, &mut table);
+        out.clear();
+        for (x, jacobian) in table.x.iter().zip(&table.jacobian) {
+            out.extend(x.iter().map(|&x| to_f64(x)));
+            // by columns: the tangents one after the other
+            out.extend(jacobian.iter().map(|&j| to_f64(j)));
+        }
+    })
+}
+
+/// The matrix of `form` on `space`, unknown = C * function + component, with the places of its unknowns.
+///
+/// Unit: that of the tangent times length^(N - 2). Symmetric to the last bit where the form is. Same bits for any number
+/// of threads.
+///
+/// # Panics
+/// If there are 2^32 unknowns or more.
+pub fn stiffness<const C: usize, const N: usize, T, S, Q>(space: &S, quadrature: &Q, form: &Form<'_, C, N, T>) -> Csr<T>
+where
+    T: Real,
+    S: Space<N, N, T> + ?Sized,
+    Q: Quadrature<N, T> + ?Sized,
+{
+    let asks = || ask::<N, N, T, S>(space);
+    if let Some(patch) = Patch::new(space, quadrature, space.map_block(0), &asks) {
+        let two = TensorRule::gauss([2; N]);
+        let coarse = Patch::new(space, &two, space.map_block(0), &asks);
+        let mut matrix = patch.csr(C).with_places(coarse.map(|p| p.mean_places(C)).unwrap_or_default());
+        patch.stiffness(form, false, matrix.vals_mut());
+        return matrix;
+    }
+    let pattern = Pattern::new(space);
+    let mut matrix = pattern.csr(C).with_places(places(space, &pattern, C));
+    plain::add_stiffness(&pattern, space, quadrature, form, &mut matrix);
+    matrix
+}
+
+/// Adds the matrix of `form` to `matrix`, which has the pattern `pattern.csr(C)`.
+///
+/// # Panics
+/// If the shapes do not fit.
+pub fn add_stiffness<const C: usize, const N: usize, T, S, Q>(
+    pattern: &Pattern,
+    space: &S,
+    quadrature: &Q,
+    form: &Form<'_, C, N, T>,
+    matrix: &mut Csr<T>,
+) where
+    T: Real,
+    S: Space<N, N, T> + ?Sized,
+    Q: Quadrature<N, T> + ?Sized,
+{
+    let asks = || ask::<N, N, T, S>(space);
+    match Patch::new(space, quadrature, space.map_block(0), &asks) {
+        Some(patch) => {
+            assert!(patch.fits(C, matrix), "the matrix has the pattern of the basis");
+            patch.stiffness(form, true, matrix.vals_mut());
+        }
+        None => plain::add_stiffness(pattern, space, quadrature, form, matrix),
+    }
+}
+
+/// Writes the matrix of `form` over the values of `matrix`, which [`stiffness`] made for this space: pattern and memory
+/// stay. Same bits as a fresh matrix.
+///
+/// # Panics
+/// If the shapes do not fit.
+pub fn refill_stiffness<const C: usize, const N: usize, T, S, Q>(space: &S, quadrature: &Q, form: &Form<'_, C, N, T>, matrix: &mut Csr<T>)
+where
+    T: Real,
+    S: Space<N, N, T> + ?Sized,
+    Q: Quadrature<N, T> + ?Sized,
+{
+    let asks = || ask::<N, N, T, S>(space);
+    if let Some(patch) = Patch::new(space, quadrature, space.map_block(0), &asks) {
+        assert!(patch.fits(C, matrix), "the matrix has the pattern of the basis");
+        patch.stiffness(form, false, matrix.vals_mut());
+        return;
+    }
+    matrix.vals_mut().fill(T::zero());
+    plain::add_stiffness(&Pattern::new(space), space, quadrature, form, matrix);
+}
+
+/// The matrix ∫ N_a N_b dx, one component; curves and surfaces in space too.
+///
+/// # Panics
+/// If there are 2^32 functions or more.
+pub fn mass<const D: usize, const N: usize, T, S, Q>(space: &S, quadrature: &Q) -> Csr<T>
+where
+    T: Real,
+    S: Space<D, N, T> + ?Sized,
+    Q: Quadrature<D, T> + ?Sized,
+{
+    let asks = || ask::<D, N, T, S>(space);
+    if let Some(patch) = Patch::new(space, quadrature, space.map_block(0), &asks) {
+        let two = TensorRule::gauss([2; D]);
+        let coarse = Patch::new(space, &two, space.map_block(0), &asks);
+        let mut matrix = patch.csr(1).with_places(coarse.map(|p| p.mean_places(1)).unwrap_or_default());
+        patch.mass(matrix.vals_mut());
+        return matrix;
+    }
+    let pattern = Pattern::new(space);
+    let mut matrix = pattern.csr(1).with_places(places(space, &pattern, 1));
+    plain::add_mass(&pattern, space, quadrature, &mut matrix);
+    matrix
+}

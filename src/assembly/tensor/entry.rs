@@ -1,0 +1,151 @@
+//! The matrix of a patch: pattern, then values.
+
+use super::Patch;
+use super::axis::Axis;
+use super::coefficient::{Coefficient, Source};
+use super::march::{Plan, march};
+use super::pattern::pattern;
+use super::write::{Directions, RowScratch, Sums};
+use crate::assembly::{Coefficient as Given, Form, Tangent};
+use crate::linalg::{Csr, Real, Vector, lit, to_f64};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Rows of the slowest direction that a march in the plane takes at least: every march starts some elements early.
+const ROWS_AT_LEAST: usize = 16;
+/// Marches per thread in the plane; tasks per thread of a layer's rows.
+const TASKS_PER_THREAD: usize = 2;
+
+impl Patch<'_> {
+    fn directions<'b>(&'b self, none: &'b Axis) -> Directions<'b> {
+        let n = self.axes.len();
+        Directions { fast: &self.axes[0], middle: if n == 3 { &self.axes[1] } else { none }, slow: &self.axes[n - 1] }
+    }
+
+    fn functions(&self) -> usize {
+        self.axes.iter().map(|a| a.functions).product()
+    }
+
+    /// A zero matrix for fields of `components` components.
+    ///
+    /// # Panics
+    /// If there are 2^32 unknowns or more.
+    pub fn csr<T: Real>(&self, components: usize) -> Csr<T> {
+        let n = components * self.functions();
+        assert!(u32::try_from(n).is_ok(), "fewer than 2^32 unknowns");
+        let none = Axis::none();
+        let (ptr, cols) = pattern(self.directions(&none), components);
+        Csr::from_pattern(n, ptr, cols)
+    }
+
+    /// Whether `matrix` has as many rows and entries as fields of `components` components ask for.
+    pub fn fits<T: Real>(&self, components: usize, matrix: &Csr<T>) -> bool {
+        let none = Axis::none();
+        let to = self.directions(&none);
+        matrix.num_rows() == components * self.functions()
+            && matrix.num_entries() == components * components * to.entries(0, to.slow.functions)
+    }
+
+    /// The matrix of `form` to `values`; `add`: on top of what is there.
+    pub fn stiffness<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, add: bool, values: &mut [T]) {
+        let varying;
+        let source = match &form.coefficient {
+            Given::Constant(tangent) => {
+                let mut all = vec![0.0; C * C * N * N];
+                numbers(tangent, &mut all);
+                Source::Constant(all)
+            }
+            Given::PerPoint(at) => {
+                varying = move |x: &[f64], out: &mut [f64]| numbers(&at(&Vector::from_fn(|k, _| lit(x[k]))), out);
+                Source::PerPoint(&varying)
+            }
+        };
+        self.fill(&Coefficient { components: C, symmetric: form.symmetric, source }, add, values);
+    }
+
+    /// The matrix of products of functions to `values`.
+    pub fn mass<T: Real>(&self, values: &mut [T]) {
+        self.fill(&Coefficient { components: 1, symmetric: true, source: Source::Mass }, false, values);
+    }
+
+    fn fill<T: Real>(&self, coefficient: &Coefficient<'_>, add: bool, values: &mut [T]) {
+        let plan = Plan::new(self, coefficient);
+        let (threads, solid) = (rayon::current_num_threads(), self.axes.len() == 3);
+        let none = Axis::none();
+        let write = Write { to: self.directions(&none), components: coefficient.components, add };
+        let rows = write.to.slow.functions;
+        // inside the pool, so that no pass has to enter it
+        rayon::scope(|_| {
+            let marches = if solid { 1 } else { (TASKS_PER_THREAD * threads).min(rows / ROWS_AT_LEAST) };
+            if threads == 1 || marches <= 1 {
+                write.march(&plan, 0..rows, if solid { threads } else { 1 }, values);
+                return;
+            }
+            // in the plane a block is a function of the slow direction
+            let parts = write.parts(0..rows, rows.div_ceil(marches), values);
+            parts.into_par_iter().for_each(|(rows, values)| write.march(&plan, rows, 1, values));
+        });
+    }
+}
+
+/// Where complete sums go.
+#[derive(Clone, Copy)]
+struct Write<'a> {
+    to: Directions<'a>,
+    components: usize,
+    add: bool,
+}
+
+impl Write<'_> {
+    /// Place of block `k`: all rows of one function of the slow and one of the middle direction.
+    fn place(&self, k: usize) -> usize {
+        let middle = self.to.middle.functions;
+        self.components * self.components * self.to.entries(k % middle, k / middle)
+    }
+
+    /// `values` of `blocks`, cut into parts of `share` of them.
+    fn parts<'v, T>(&self, blocks: Range<usize>, share: usize, values: &'v mut [T]) -> Vec<(Range<usize>, &'v mut [T])> {
+        let (mut parts, mut rest) = (Vec::new(), values);
+        for from in blocks.clone().step_by(share) {
+            let part = from..(from + share).min(blocks.end);
+            let (own, others) = rest.split_at_mut(self.place(part.end) - self.place(part.start));
+            rest = others;
+            parts.push((part, own));
+        }
+        parts
+    }
+
+    /// The rows of the functions `rows` of the slow direction to `values`.
+    fn march<T: Real>(&self, plan: &Plan<'_, '_>, rows: Range<usize>, threads: usize, values: &mut [T]) {
+        let middle = self.to.middle.functions;
+        let mut rest = values;
+        march(plan, rows, threads, &mut |sums: Sums<'_>, rows: Range<usize>| {
+            let blocks = rows.start * middle..rows.end * middle;
+            let (own, others) = std::mem::take(&mut rest).split_at_mut(self.place(blocks.end) - self.place(blocks.start));
+            rest = others;
+            let share = blocks.len().div_ceil(if threads == 1 { 1 } else { TASKS_PER_THREAD * threads }).max(1);
+            let write = |(part, mut own): (Range<usize>, &mut [T])| {
+                let mut scratch = RowScratch::default();
+                for k in part {
+                    let (block, others) = std::mem::take(&mut own).split_at_mut(self.place(k + 1) - self.place(k));
+                    own = others;
+                    sums.write(self.to, k % middle, k / middle, self.add, &mut scratch, block);
+                }
+            };
+            self.parts(blocks, share, own).into_par_iter().for_each(write);
+        });
+    }
+}
+
+/// A tangent as `((c * C + e) * N + l) * N + j` numbers.
+fn numbers<const C: usize, const N: usize, T: Real>(tangent: &Tangent<C, N, T>, out: &mut [f64]) {
+    for c in 0..C {
+        for e in 0..C {
+            for l in 0..N {
+                for j in 0..N {
+                    out[((c * C + e) * N + l) * N + j] = to_f64(tangent[e][j][(c, l)]);
+                }
+            }
+        }
+    }
+}

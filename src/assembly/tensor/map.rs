@@ -1,0 +1,233 @@
+//! The map on the grid of points: positions, cofactors of the Jacobian, weights.
+//!
+//! Per point: x (N numbers), the rows of det J times the inverse of J (N x N), weight / |det J|, weight |det J|.
+
+use super::axis::Axis;
+use super::net::{Net, Tile};
+use pulp::{Simd, bytemuck};
+use std::fmt::Debug;
+
+/// Asks the map of an element at local points, N numbers each: per point N numbers of x, then dx_c/dxi_d at `d * N + c`.
+pub(in crate::assembly) type Ask<'a> = dyn FnMut(usize, &[f64], &mut Vec<f64>) + Send + 'a;
+/// Makes one [`Ask`] per task, so that each keeps its own tables.
+pub(in crate::assembly) type Asks<'a> = dyn Fn() -> Box<Ask<'a>> + Sync + 'a;
+
+/// Where the map comes from.
+pub(super) enum Map<'a> {
+    /// Control points, with weights as last number where it is rational.
+    Net(Net),
+    /// Any map, element by element.
+    Elements(&'a Asks<'a>),
+}
+
+impl Debug for Map<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if matches!(self, Self::Net(_)) { "Net" } else { "Elements" })
+    }
+}
+
+/// Numbers per point.
+pub(super) const fn numbers(n: usize) -> usize {
+    n + n * n + 2
+}
+
+/// One tile of the grid: all points of the first direction, up to a lane's worth of the second, one of the third.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place<'a> {
+    /// (point, element) of the second direction per lane; lanes beyond the last point repeat it.
+    pub lanes: &'a [(usize, usize)],
+    /// Point and element of the third direction.
+    pub slow: (usize, usize),
+}
+
+/// The map of a tile to `out[point * numbers(N) + k]`.
+#[inline(always)]
+pub(super) fn fill_net<S: Simd, const N: usize>(
+    simd: S,
+    net: &Net,
+    axes: &[Axis],
+    place: Place<'_>,
+    lines: &[f64],
+    tile: &Tile<S::f64s>,
+    out: &mut [S::f64s],
+) {
+    let weight = weights(simd, axes, place);
+    for (q, out) in out.chunks_exact_mut(numbers(N)).enumerate() {
+        let (mut x, mut t) = ([weight; N], [[weight; N]; N]);
+        match (N, net.width) {
+            (2, 2) => plain::<S, N, 2>(simd, net, q, lines, tile, &mut x, &mut t),
+            (2, 3) => rational::<S, N, 3>(simd, net, q, lines, tile, &mut x, &mut t),
+            (3, 3) => plain::<S, N, 3>(simd, net, q, lines, tile, &mut x, &mut t),
+            _ => rational::<S, N, 4>(simd, net, q, lines, tile, &mut x, &mut t),
+        }
+        finish(simd, &x, &t, simd.mul_f64s(weight, simd.splat_f64s(axes[0].weights[q])), out);
+    }
+}
+
+/// Weights of the second and third direction.
+#[inline(always)]
+fn weights<S: Simd>(simd: S, axes: &[Axis], place: Place<'_>) -> S::f64s {
+    let slow = axes.get(2).map_or(1.0, |axis| axis.weights[place.slow.0]);
+    let mut weight = simd.splat_f64s(0.0);
+    let lanes: &mut [f64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut weight));
+    for (w, &(q, _)) in lanes.iter_mut().zip(place.lanes) {
+        *w = axes[1].weights[q] * slow;
+    }
+    weight
+}
+
+#[inline(always)]
+fn plain<S: Simd, const N: usize, const M: usize>(
+    simd: S,
+    net: &Net,
+    q: usize,
+    lines: &[f64],
+    tile: &Tile<S::f64s>,
+    x: &mut [S::f64s; N],
+    t: &mut [[S::f64s; N]; N],
+) {
+    let (value, slope) = net.at::<S, N, M>(simd, q, lines, tile);
+    for c in 0..N.min(M) {
+        x[c] = value[c];
+        for k in 0..N {
+            t[k][c] = slope[k][c];
+        }
+    }
+}
+
+/// x = A / W, dx = (dA - x dW) / W.
+#[inline(always)]
+fn rational<S: Simd, const N: usize, const M: usize>(
+    simd: S,
+    net: &Net,
+    q: usize,
+    lines: &[f64],
+    tile: &Tile<S::f64s>,
+    x: &mut [S::f64s; N],
+    t: &mut [[S::f64s; N]; N],
+) {
+    let (value, slope) = net.at::<S, N, M>(simd, q, lines, tile);
+    let inverse = simd.div_f64s(simd.splat_f64s(1.0), value[M - 1]);
+    for c in 0..N.min(M - 1) {
+        x[c] = simd.mul_f64s(value[c], inverse);
+        for k in 0..N {
+            let rest = simd.negate_mul_add_e_f64s(x[c], slope[k][M - 1], slope[k][c]);
+            t[k][c] = simd.mul_f64s(rest, inverse);
+        }
+    }
+}
+
+/// Writes a point from its position and its tangents `t[direction][component]`.
+#[inline(always)]
+fn finish<S: Simd, const N: usize>(simd: S, x: &[S::f64s; N], t: &[[S::f64s; N]; N], weight: S::f64s, out: &mut [S::f64s]) {
+    out[..N].copy_from_slice(x);
+    let det;
+    if N == 2 {
+        // rows (t1_y, -t1_x) and (-t0_y, t0_x)
+        out[N] = t[1][1];
+        out[N + 1] = simd.neg_f64s(t[1][0]);
+        out[N + 2] = simd.neg_f64s(t[0][1]);
+        out[N + 3] = t[0][0];
+        det = minor(simd, t[0][0], t[1][1], t[0][1], t[1][0]);
+    } else {
+        for a in 0..3 {
+            // row a is the cross product of the two other tangents
+            let (u, v) = (&t[(a + 1) % 3], &t[(a + 2) % 3]);
+            for c in 0..3 {
+                let (i, j) = ((c + 1) % 3, (c + 2) % 3);
+                out[N + 3 * a + c] = minor(simd, u[i], v[j], u[j], v[i]);
+            }
+        }
+        let along = simd.mul_add_e_f64s(t[0][1], out[N + 1], simd.mul_f64s(t[0][0], out[N]));
+        det = simd.mul_add_e_f64s(t[0][2], out[N + 2], along);
+    }
+    let size = simd.abs_f64s(det);
+    out[N + N * N] = simd.div_f64s(weight, size);
+    out[N + N * N + 1] = simd.mul_f64s(weight, size);
+}
+
+/// a d - b c, as a d + (-b) c.
+#[inline(always)]
+fn minor<S: Simd>(simd: S, a: S::f64s, d: S::f64s, b: S::f64s, c: S::f64s) -> S::f64s {
+    simd.negate_mul_add_e_f64s(b, c, simd.mul_f64s(a, d))
+}
+
+/// Memory of [`fill_elements`].
+pub(super) struct ElementScratch<'a> {
+    ask: Option<Box<Ask<'a>>>,
+    points: Vec<f64>,
+    numbers: Vec<f64>,
+}
+
+impl<'a> ElementScratch<'a> {
+    /// Nothing is asked of a net.
+    pub fn new(map: &Map<'a>) -> Self {
+        let ask = if let Map::Elements(asks) = map { Some(asks()) } else { None };
+        Self { ask, points: Vec::new(), numbers: Vec::new() }
+    }
+}
+
+/// As [`fill_net`] with any map, asked element by element at the points of the tile; a net is left alone.
+pub(super) fn fill_elements<S: Simd, const N: usize>(
+    simd: S,
+    axes: &[Axis],
+    place: Place<'_>,
+    scratch: &mut ElementScratch<'_>,
+    out: &mut [S::f64s],
+) {
+    let ElementScratch { ask: Some(ask), points, numbers: asked } = scratch else { return };
+    let (lanes, width) = (S::F64_LANES, numbers(N));
+    let numbers: &mut [f64] = bytemuck::cast_slice_mut(out);
+    let counts: [usize; 2] = [axes[0].elements(), axes[1].elements()];
+    let mut from = 0;
+    while from < place.lanes.len() {
+        let e1 = place.lanes[from].1;
+        let to = from + place.lanes[from..].iter().take_while(|p| p.1 == e1).count();
+        for e0 in 0..counts[0] {
+            let along = axes[0].start[e0]..axes[0].start[e0 + 1];
+            points.clear();
+            for &(q1, _) in &place.lanes[from..to] {
+                points.extend(along.clone().flat_map(|q0| (0..N).map(move |k| axes[k].xi[[q0, q1, place.slow.0][k]])));
+            }
+            let element = e0 + counts[0] * (e1 + if N == 3 { counts[1] * place.slow.1 } else { 0 });
+            ask(element, points, asked);
+            let mut all = asked.chunks_exact(N + N * N);
+            for lane in from..to {
+                for q in along.clone() {
+                    let point = all.next().expect("numbers of every point that was asked for");
+                    for (k, &value) in point.iter().enumerate() {
+                        numbers[(q * width + k) * lanes + lane] = value;
+                    }
+                }
+            }
+        }
+        from = to;
+    }
+    simd.vectorize(Finish::<'_, S, N> { simd, axes, place, out });
+}
+
+struct Finish<'a, S: Simd, const N: usize> {
+    simd: S,
+    axes: &'a [Axis],
+    place: Place<'a>,
+    out: &'a mut [S::f64s],
+}
+
+impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Finish<'_, S, N> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let Self { simd, axes, place, out } = self;
+        let weight = weights(simd, axes, place);
+        for (q, out) in out.chunks_exact_mut(numbers(N)).enumerate() {
+            let (mut x, mut t) = ([weight; N], [[weight; N]; N]);
+            for c in 0..N {
+                x[c] = out[c];
+                for d in 0..N {
+                    t[d][c] = out[N + d * N + c];
+                }
+            }
+            finish(simd, &x, &t, simd.mul_f64s(weight, simd.splat_f64s(axes[0].weights[q])), out);
+        }
+    }
+}

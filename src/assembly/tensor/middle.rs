@@ -1,0 +1,69 @@
+//! Contraction along the middle direction of a solid: lanes are pairs of functions of the fastest one.
+//!
+//! Nine components (slow, middle, neither) x (slow, middle, neither) become four: derivative or value of test and trial
+//! function in the slow direction.
+
+use super::axis::Axis;
+use super::lanes::rows;
+use pulp::Simd;
+
+/// Components on entry, (test, trial) with 0 slow, 1 middle, 2 neither.
+pub(super) const COMPONENTS: usize = 9;
+
+/// Where the points of the middle direction lie: point q in lane `q % lanes` of tile `q / lanes`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tiles {
+    /// Distance of the tiles.
+    pub tile: usize,
+    /// Start of the first.
+    pub start: usize,
+}
+
+/// All pairs (i, j) of function `i`: `out[((j - i + active - 1) * points + point) * 4 + type]`, which must be zero.
+///
+/// `components` says where component (test, trial) lies.
+#[inline(always)]
+pub(super) fn contract<S: Simd, const NP: usize>(
+    simd: S,
+    axis: &Axis,
+    i: usize,
+    t: &[S::f64s],
+    at: Tiles,
+    components: &[usize; COMPONENTS],
+    out: &mut [S::f64s],
+    [point, points]: [usize; 2],
+) {
+    let zero = simd.splat_f64s(0.0);
+    let lanes = S::F64_LANES;
+    let [xx, xy, xn, yx, yy, yn, nx, ny, nn] = *components;
+    for e in axis.support[i].0..axis.support[i].1 {
+        let a = i - axis.first[e];
+        let mut acc = [[zero; 4]; NP];
+        for q in axis.start[e]..axis.start[e + 1] {
+            let place = at.start + (q / lanes) * at.tile + (q % lanes) * COMPONENTS;
+            let t = &t[place..place + COMPONENTS];
+            let (values, slopes) = (&rows::<NP>(&axis.values)[q], &rows::<NP>(&axis.slopes)[q]);
+            let (v, s) = (simd.splat_f64s(values[a]), simd.splat_f64s(slopes[a]));
+            let dd = simd.mul_f64s(t[xx], v);
+            let ds = simd.mul_f64s(t[xy], v);
+            let dv = simd.mul_f64s(t[xn], v);
+            let zd = simd.mul_add_e_f64s(t[yx], s, simd.mul_f64s(t[nx], v));
+            let zs = simd.mul_add_e_f64s(t[yy], s, simd.mul_f64s(t[ny], v));
+            let zv = simd.mul_add_e_f64s(t[yn], s, simd.mul_f64s(t[nn], v));
+            for b in 0..NP {
+                let (v, s) = (simd.splat_f64s(values[b]), simd.splat_f64s(slopes[b]));
+                acc[b][0] = simd.mul_add_e_f64s(dd, v, acc[b][0]);
+                acc[b][1] = simd.mul_add_e_f64s(dv, v, simd.mul_add_e_f64s(ds, s, acc[b][1]));
+                acc[b][2] = simd.mul_add_e_f64s(zd, v, acc[b][2]);
+                acc[b][3] = simd.mul_add_e_f64s(zv, v, simd.mul_add_e_f64s(zs, s, acc[b][3]));
+            }
+        }
+        for b in 0..NP {
+            let place = ((b + NP - 1 - a) * points + point) * 4;
+            let out = &mut out[place..place + 4];
+            for k in 0..4 {
+                out[k] = simd.add_f64s(out[k], acc[b][k]);
+            }
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Functions on the grid of points, contracted from their coefficients direction by direction.
+
+use super::axis::Axis;
+use crate::basis::Block;
+use crate::linalg::Real;
+use crate::quadrature::Quadrature;
+use pulp::Simd;
+
+/// sum_k N_k c_k with `width` numbers c_k per function: positions in homogeneous form, or a weight function.
+#[derive(Clone, Debug)]
+pub(super) struct Net {
+    /// The directions of the functions.
+    axes: Vec<Axis>,
+    /// Numbers per function.
+    pub width: usize,
+    coefficients: Vec<f64>,
+}
+
+/// The functions of the second direction at the points of one tile.
+#[derive(Clone, Debug)]
+pub(super) struct Tile<V> {
+    first: usize,
+    /// Value and derivative per function, points in lanes.
+    tables: Vec<[V; 2]>,
+}
+
+impl<V> Default for Tile<V> {
+    fn default() -> Self {
+        Self { first: 0, tables: Vec::new() }
+    }
+}
+
+impl Net {
+    /// The functions of `block` with `coefficients`, at the points of `rules`; `None` where an axis has no simple form.
+    pub fn new<const N: usize, T: Real>(
+        block: &Block<'_, N, T>,
+        rules: &[&dyn Quadrature<1, T>; N],
+        width: usize,
+        coefficients: Vec<f64>,
+    ) -> Option<Self> {
+        let axes: Vec<Axis> = block.axes.iter().zip(rules).map(|(axis, rule)| Axis::new(*axis, *rule)).collect::<Option<_>>()?;
+        let functions: usize = axes.iter().map(|a| a.functions).product();
+        (coefficients.len() == functions * width).then_some(Self { axes, width, coefficients })
+    }
+
+    /// Elements per direction.
+    pub fn elements(&self) -> Vec<usize> {
+        self.axes.iter().map(Axis::elements).collect()
+    }
+
+    /// Contracts all but the second direction, the third at its point `slow`: `out[((point * n1 + function) * N + kind) *
+    /// width + c]`, kinds value, derivative along the first direction, derivative along the third.
+    pub fn lines<const N: usize>(&self, slow: usize, owner: usize, out: &mut Vec<f64>, scratch: &mut Vec<f64>) {
+        let m = self.width;
+        let (first, second) = (&self.axes[0], &self.axes[1]);
+        let (n0, n1) = (first.functions, second.functions);
+        let plane = n0 * n1 * m;
+        let (values, slopes): (&[f64], &[f64]) = if N == 3 {
+            let third = &self.axes[2];
+            scratch.clear();
+            scratch.resize(2 * plane, 0.0);
+            let (values, slopes) = scratch.split_at_mut(plane);
+            for a in 0..third.active {
+                let (v, s) = (third.values[slow * third.active + a], third.slopes[slow * third.active + a]);
+                let from = &self.coefficients[(third.first[owner] + a) * plane..][..plane];
+                for ((value, slope), &c) in values.iter_mut().zip(slopes.iter_mut()).zip(from) {
+                    *value += v * c;
+                    *slope += s * c;
+                }
+            }
+            (values, slopes)
+        } else {
+            (&self.coefficients, &[])
+        };
+        out.clear();
+        out.resize(first.points() * n1 * N * m, 0.0);
+        for e in 0..first.elements() {
+            for q in first.start[e]..first.start[e + 1] {
+                for k in 0..n1 {
+                    let to = &mut out[(q * n1 + k) * N * m..][..N * m];
+                    for a in 0..first.active {
+                        let (v, s) = (first.values[q * first.active + a], first.slopes[q * first.active + a]);
+                        let from = (k * n0 + first.first[e] + a) * m;
+                        for c in 0..m {
+                            to[c] += v * values[from + c];
+                            to[m + c] += s * values[from + c];
+                            if N == 3 {
+                                to[2 * m + c] += v * slopes[from + c];
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Tables of the second direction with `points[lane]` = (point, element) in lanes.
+    pub fn tile<S: Simd>(&self, simd: S, points: &[(usize, usize)], tile: &mut Tile<S::f64s>) {
+        let axis = &self.axes[1];
+        let range = points.iter().map(|p| axis.first[p.1]);
+        let (lo, hi) = (range.clone().min().unwrap_or(0), range.max().unwrap_or(0) + axis.active);
+        tile.first = lo;
+        tile.tables.clear();
+        tile.tables.resize(hi - lo, [simd.splat_f64s(0.0); 2]);
+        let lanes = S::F64_LANES;
+        let numbers: &mut [f64] = pulp::bytemuck::cast_slice_mut(tile.tables.as_flattened_mut());
+        for (lane, &(q, e)) in points.iter().enumerate() {
+            for a in 0..axis.active {
+                let at = 2 * (axis.first[e] + a - lo) * lanes + lane;
+                numbers[at] = axis.values[q * axis.active + a];
+                numbers[at + lanes] = axis.slopes[q * axis.active + a];
+            }
+        }
+    }
+
+    /// Value and derivatives along all directions at point `q` of the first, the tile's points in lanes.
+    #[inline(always)]
+    pub fn at<S: Simd, const N: usize, const M: usize>(
+        &self,
+        simd: S,
+        q: usize,
+        lines: &[f64],
+        tile: &Tile<S::f64s>,
+    ) -> ([S::f64s; M], [[S::f64s; M]; N]) {
+        let zero = simd.splat_f64s(0.0);
+        let (mut value, mut slope) = ([zero; M], [[zero; M]; N]);
+        let start = (q * self.axes[1].functions + tile.first) * N * M;
+        let lines = lines[start..start + tile.tables.len() * N * M].chunks_exact(N * M);
+        for (line, [v, s]) in lines.zip(&tile.tables) {
+            for c in 0..M {
+                let along = simd.splat_f64s(line[c]);
+                value[c] = simd.mul_add_e_f64s(along, *v, value[c]);
+                slope[1][c] = simd.mul_add_e_f64s(along, *s, slope[1][c]);
+                slope[0][c] = simd.mul_add_e_f64s(simd.splat_f64s(line[M + c]), *v, slope[0][c]);
+                if N == 3 {
+                    slope[2][c] = simd.mul_add_e_f64s(simd.splat_f64s(line[2 * M + c]), *v, slope[2][c]);
+                }
+            }
+        }
+        (value, slope)
+    }
+}

@@ -1,0 +1,143 @@
+//! Where the unknowns of a patch live: the mean of x over the points, weighted by the squared function.
+
+use super::Patch;
+use super::axis::Axis;
+use super::map::{self, ElementScratch, Map, Place, numbers};
+use super::net::Tile;
+use pulp::{NullaryFnOnce, Simd, bytemuck};
+use rayon::prelude::*;
+
+/// Sums of a plane of points, contracted with squared functions: `[function][x.., 1]`, times 1 / W².
+type Contracted = Vec<f64>;
+
+struct Planes<'a, 'p, const N: usize> {
+    patch: &'a Patch<'p>,
+}
+
+impl<const N: usize> pulp::WithSimd for Planes<'_, '_, N> {
+    type Output = Vec<Contracted>;
+    fn with_simd<S: Simd>(self, simd: S) -> Vec<Contracted> {
+        if S::IS_SCALAR {
+            return Vec::new();
+        }
+        let axes = &self.patch.axes;
+        let owners = [axes[1].owners(), axes[N - 1].owners()];
+        let tasks = if N == 3 { axes[2].points() } else { axes[1].points().div_ceil(S::F64_LANES) };
+        let planes: Vec<Vec<Contracted>> = (0..tasks).into_par_iter().map(|k| planes::<S, N>(simd, self.patch, &owners, k)).collect();
+        planes.into_iter().flatten().collect()
+    }
+}
+
+/// In space the plane of slow point `k`; in the plane the lines of the points of tile `k`.
+fn planes<S: Simd, const N: usize>(simd: S, patch: &Patch<'_>, owners: &[Vec<usize>; 2], k: usize) -> Vec<Contracted> {
+    let (axes, lanes) = (&patch.axes, S::F64_LANES);
+    let (q0, q1) = (axes[0].points(), axes[1].points());
+    let slow = if N == 3 { (k, owners[1][k]) } else { (0, 0) };
+    let (from, to) = if N == 3 { (0, q1) } else { (k * lanes, ((k + 1) * lanes).min(q1)) };
+    let (mut lines, mut weight_lines, mut scratch) = (Vec::new(), Vec::new(), Vec::new());
+    if let Map::Net(net) = &patch.map {
+        net.lines::<N>(slow.0, slow.1, &mut lines, &mut scratch);
+    }
+    if let Some((net, _)) = &patch.weight {
+        net.lines::<N>(slow.0, slow.1, &mut weight_lines, &mut scratch);
+    }
+    let mut geo = vec![simd.splat_f64s(0.0); q0 * numbers(N)];
+    let (mut tile, mut element) = (Tile::default(), ElementScratch::new(&patch.map));
+    let mut grid = vec![0.0; (to - from) * q0 * (N + 1)];
+    for first in (from..to).step_by(lanes) {
+        let here: Vec<(usize, usize)> = (first..first + lanes).map(|q| q.min(to - 1)).map(|q| (q, owners[0][q])).collect();
+        let place = Place { lanes: &here, slow };
+        match &patch.map {
+            Map::Net(net) => {
+                net.tile(simd, &here, &mut tile);
+                simd.vectorize(Positions::<'_, S, N> { simd, net, axes, place, lines: &lines, tile: &tile, out: &mut geo });
+            }
+            Map::Elements(_) => map::fill_elements::<S, N>(simd, axes, place, &mut element, &mut geo),
+        }
+        let mut squares = vec![1.0; q0 * lanes];
+        if let Some((net, _)) = &patch.weight {
+            net.tile(simd, &here, &mut tile);
+            for q in 0..q0 {
+                let w = net.at::<S, N, 1>(simd, q, &weight_lines, &tile).0;
+                let w: &[f64] = bytemuck::cast_slice(&w);
+                squares[q * lanes..][..lanes].iter_mut().zip(w).for_each(|(s, w)| *s = 1.0 / (w * w));
+            }
+        }
+        let geo: &[f64] = bytemuck::cast_slice(&geo);
+        for lane in 0..lanes.min(to - first) {
+            for q in 0..q0 {
+                let out = &mut grid[((first + lane - from) * q0 + q) * (N + 1)..][..N + 1];
+                let square = squares[q * lanes + lane];
+                for c in 0..N {
+                    out[c] = geo[(q * numbers(N) + c) * lanes + lane] * square;
+                }
+                out[N] = square;
+            }
+        }
+    }
+    let width = axes[0].functions * (N + 1);
+    let rows: Vec<Contracted> = grid.chunks_exact(q0 * (N + 1)).map(|line| contracted(&axes[0], line, N + 1)).collect();
+    if N == 2 { rows } else { vec![contracted(&axes[1], &rows.concat(), width)] }
+}
+
+/// sum_q N_i(q)² values[q][..] for all functions of an axis.
+fn contracted(axis: &Axis, values: &[f64], width: usize) -> Contracted {
+    let mut out = vec![0.0; axis.functions * width];
+    for e in 0..axis.elements() {
+        for q in axis.start[e]..axis.start[e + 1] {
+            for a in 0..axis.active {
+                let square = axis.values[q * axis.active + a].powi(2);
+                let to = &mut out[(axis.first[e] + a) * width..][..width];
+                to.iter_mut().zip(&values[q * width..][..width]).for_each(|(to, v)| *to += square * v);
+            }
+        }
+    }
+    out
+}
+
+struct Positions<'a, S: Simd, const N: usize> {
+    simd: S,
+    net: &'a super::Net,
+    axes: &'a [Axis],
+    place: Place<'a>,
+    lines: &'a [f64],
+    tile: &'a Tile<S::f64s>,
+    out: &'a mut [S::f64s],
+}
+
+impl<S: Simd, const N: usize> NullaryFnOnce for Positions<'_, S, N> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        map::fill_net::<S, N>(self.simd, self.net, self.axes, self.place, self.lines, self.tile, self.out);
+    }
+}
+
+impl Patch<'_> {
+    /// A point per unknown of a field of `components` components; this patch has two points per direction.
+    pub fn mean_places(&self, components: usize) -> Vec<[f64; 3]> {
+        let (n, arch) = (self.axes.len(), pulp::Arch::new());
+        let planes = if n == 2 { arch.dispatch(Planes::<2> { patch: self }) } else { arch.dispatch(Planes::<3> { patch: self }) };
+        let slow = &self.axes[n - 1];
+        let owners = slow.owners();
+        let rows: Vec<Contracted> = (0..slow.functions)
+            .into_par_iter()
+            .map(|i| {
+                let mut sum = vec![0.0; planes.first().map_or(0, Vec::len)];
+                let (from, to) = slow.support[i];
+                for q in slow.start[from]..slow.start[to] {
+                    let square = slow.values[q * slow.active + i - slow.first[owners[q]]].powi(2);
+                    sum.iter_mut().zip(&planes[q]).for_each(|(s, v)| *s += square * v);
+                }
+                sum
+            })
+            .collect();
+        let mut places = Vec::with_capacity(components * rows.len() * rows.first().map_or(0, Vec::len) / (n + 1));
+        for sum in rows.iter().flat_map(|row| row.chunks_exact(n + 1)) {
+            let total = if sum[n] > 0.0 { sum[n] } else { 1.0 };
+            let place = std::array::from_fn(|k| if k < n { sum[k] / total } else { 0.0 });
+            places.extend(std::iter::repeat_n(place, components));
+        }
+        places
+    }
+}
