@@ -8,6 +8,7 @@ use super::axis::Axis;
 use super::coefficient::Pair;
 use super::slow::Ring;
 use crate::linalg::{Real, lit};
+use std::cmp::Ordering;
 
 /// Where sums lie.
 #[derive(Clone, Copy, Debug)]
@@ -64,13 +65,11 @@ impl Directions<'_> {
 
 impl Sums<'_> {
     /// The rows of functions (.., `middle`, `slow`) to `out`; `add`: on top of what is there.
-    #[inline(always)]
     pub fn write<T: Real>(&self, to: Directions<'_>, middle: usize, slow: usize, add: bool, scratch: &mut RowScratch<T>, out: &mut [T]) {
         let (fast, lanes) = (to.fast, self.lanes);
         let vector = self.pairs.len() * self.pair * lanes;
-        let length = |columns: (usize, usize)| columns.1 - columns.0;
-        let runs = self.components * length(to.middle.columns[middle]) * length(to.slow.columns[slow]);
-        let RowScratch { places, row: buffer } = scratch;
+        let RowScratch { places, runs, row: buffer } = scratch;
+        self.runs(to, middle, slow, runs);
         let mut rest = out;
         for i in 0..fast.functions {
             let (from, end) = fast.columns[i];
@@ -79,85 +78,66 @@ impl Sums<'_> {
                 let r = i.min(j) * fast.active + i.max(j) - i.min(j);
                 (r / lanes) * vector + r % lanes
             }));
-            let row = Row { i, middle, slow, lower: i - from };
+            let row = Row { i, number: i + fast.functions * (middle + to.middle.functions * slow), from, places };
             for c in 0..self.components {
-                let (own, others) = std::mem::take(&mut rest).split_at_mut(runs * (end - from));
+                let (own, others) = std::mem::take(&mut rest).split_at_mut(self.components * runs.len() * (end - from));
                 rest = others;
                 if add {
                     buffer.clear();
                     buffer.resize(own.len(), T::zero());
-                    self.row(to, row, c, places, buffer);
+                    self.row(row, c, runs, buffer);
                     own.iter_mut().zip(buffer.iter()).for_each(|(to, &value)| *to += value);
                 } else {
-                    self.row(to, row, c, places, own);
+                    self.row(row, c, runs, own);
                 }
             }
         }
     }
 
-    #[inline(always)]
-    fn row<T: Real>(&self, to: Directions<'_>, row: Row, c: usize, places: &[usize], out: &mut [T]) {
-        let Row { i, middle, slow, lower } = row;
-        let mut runs = out.chunks_exact_mut((places.len() * self.components).max(1));
-        let own = to.ring(self.slots, middle);
+    /// Where the runs of the rows of (.., `middle`, `slow`) come from.
+    fn runs(&self, to: Directions<'_>, middle: usize, slow: usize, runs: &mut Vec<Run>) {
+        let (w, own) = (to.middle.active - 1, to.ring(self.slots, middle));
+        runs.clear();
         for js in to.slow.columns[slow].0..to.slow.columns[slow].1 {
             for jm in to.middle.columns[middle].0..to.middle.columns[middle].1 {
-                let w = to.middle.active - 1;
-                let upper = own.at(to.slow.active, slow, js) + jm + w - middle;
-                let mirror = to.ring(self.slots, jm).at(to.slow.active, js, slow) + middle + w - jm;
-                let run = runs.next().expect("one run per pair of the other directions");
-                if self.components == 1 {
-                    let (upper, mirror) = (upper * self.lanes, (self.pairs[0].mirror * self.pair + mirror) * self.lanes);
-                    let diagonal = if self.symmetric && (js, jm) < (slow, middle) { mirror } else { upper };
-                    let (left, right) = run.split_at_mut(lower);
-                    put(left, &places[..lower], &self.values[mirror..]);
-                    put(&mut right[..1], &places[lower..=lower], &self.values[diagonal..]);
-                    put(&mut right[1..], &places[lower + 1..], &self.values[upper..]);
-                } else {
-                    self.blocks(c, [upper, mirror], lower, (js, jm).cmp(&(slow, middle)), places, run);
-                }
-                if let Some(weights) = self.weights {
-                    self.scale(to, i, [middle, slow], [jm, js], weights, run);
-                }
+                runs.push(Run {
+                    upper: own.at(to.slow.active, slow, js) + jm + w - middle,
+                    mirror: to.ring(self.slots, jm).at(to.slow.active, js, slow) + middle + w - jm,
+                    order: (js, jm).cmp(&(slow, middle)),
+                    first: to.fast.functions * (jm + to.middle.functions * js),
+                });
             }
         }
     }
 
-    /// A run of a vector field, component fastest.
+    /// Component `c` of a row.
     #[inline(always)]
-    fn blocks<T: Real>(
-        &self,
-        c: usize,
-        [upper, mirror]: [usize; 2],
-        lower: usize,
-        order: std::cmp::Ordering,
-        places: &[usize],
-        run: &mut [T],
-    ) {
+    fn row<T: Real>(&self, row: Row<'_>, c: usize, runs: &[Run], out: &mut [T]) {
         let n = self.components;
-        for e in 0..n {
-            let direct = (((c * n + e) * self.pair) + upper) * self.lanes;
-            let turned = ((self.pairs[c * n + e].mirror * self.pair) + mirror) * self.lanes;
-            let first = match order {
-                _ if !self.symmetric => true,
-                std::cmp::Ordering::Less => false,
-                std::cmp::Ordering::Equal => c <= e,
-                std::cmp::Ordering::Greater => true,
-            };
-            for (k, &place) in places.iter().enumerate() {
-                let from = if k > lower || (k == lower && first) { direct } else { turned };
-                run[k * n + e] = lit(self.values[from + place]);
+        let lower = row.i - row.from;
+        for (run, out) in runs.iter().zip(out.chunks_exact_mut((row.places.len() * n).max(1))) {
+            for e in 0..n {
+                let mirror = &self.values[(self.pairs[c * n + e].mirror * self.pair + run.mirror) * self.lanes..];
+                let upper = &self.values[((c * n + e) * self.pair + run.upper) * self.lanes..];
+                let turned = self.symmetric && (run.order == Ordering::Less || (run.order == Ordering::Equal && c > e));
+                let (left, right) = row.places.split_at(lower + usize::from(turned));
+                if n == 1 {
+                    let (first, second) = out.split_at_mut(left.len());
+                    put(first.iter_mut(), left, mirror);
+                    put(second.iter_mut(), right, upper);
+                } else {
+                    let mut entries = out[e..].iter_mut().step_by(n);
+                    put(entries.by_ref().take(left.len()), left, mirror);
+                    put(entries, right, upper);
+                }
             }
-        }
-    }
-
-    /// Times w_i w_j.
-    fn scale<T: Real>(&self, to: Directions<'_>, i: usize, at: [usize; 2], other: [usize; 2], weights: &[f64], run: &mut [T]) {
-        let number = |i: usize, [middle, slow]: [usize; 2]| i + to.fast.functions * (middle + to.middle.functions * slow);
-        let own = weights[number(i, at)];
-        for (values, j) in run.chunks_exact_mut(self.components).zip(to.fast.columns[i].0..) {
-            let factor = lit::<T>(own * weights[number(j, other)]);
-            values.iter_mut().for_each(|v| *v *= factor);
+            if let Some(weights) = self.weights {
+                // R_i = w_i N_i / W
+                for (k, values) in out.chunks_exact_mut(n).enumerate() {
+                    let factor = lit::<T>(weights[row.number] * weights[run.first + row.from + k]);
+                    values.iter_mut().for_each(|v| *v *= factor);
+                }
+            }
         }
     }
 }
@@ -166,27 +146,41 @@ impl Sums<'_> {
 #[derive(Clone, Debug)]
 pub(super) struct RowScratch<T> {
     places: Vec<usize>,
+    runs: Vec<Run>,
     row: Vec<T>,
 }
 
 impl<T> Default for RowScratch<T> {
     fn default() -> Self {
-        Self { places: Vec::new(), row: Vec::new() }
+        Self { places: Vec::new(), runs: Vec::new(), row: Vec::new() }
     }
 }
 
-/// A row and how many of its entries in a run lie left of the diagonal of the fastest direction.
+/// The functions of the fastest direction beside one pair of functions of the others.
 #[derive(Clone, Copy, Debug)]
-struct Row {
+struct Run {
+    /// Place of the sums of pairs j >= i.
+    upper: usize,
+    /// Place of the sums of pairs (j, i) of all directions.
+    mirror: usize,
+    /// How the other function compares with the row's.
+    order: Ordering,
+    /// Number of the first function that has this pair.
+    first: usize,
+}
+
+/// A row: its function of the fastest direction, its number, its first column there, the places of its pairs.
+#[derive(Clone, Copy, Debug)]
+struct Row<'a> {
     i: usize,
-    middle: usize,
-    slow: usize,
-    lower: usize,
+    number: usize,
+    from: usize,
+    places: &'a [usize],
 }
 
 #[inline(always)]
-fn put<T: Real>(out: &mut [T], places: &[usize], sums: &[f64]) {
-    for (to, &place) in out.iter_mut().zip(places) {
+fn put<'a, T: Real>(out: impl Iterator<Item = &'a mut T>, places: &[usize], sums: &[f64]) {
+    for (to, &place) in out.zip(places) {
         *to = lit(sums[place]);
     }
 }
