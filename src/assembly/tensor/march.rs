@@ -84,8 +84,8 @@ fn run<S: Simd, const N: usize>(simd: S, march: March<'_, '_, '_, N>) {
     let March { plan, rows, threads, sink } = march;
     let axes = &plan.patch.axes;
     let slow = &axes[N - 1];
-    let reached = rows.clone().filter(|&i| slow.support[i].1 > 0);
-    let (Some(lowest), Some(highest)) = (reached.clone().next(), reached.last()) else { return };
+    let mut reached = rows.clone().filter(|&i| slow.support[i].1 > 0);
+    let (Some(lowest), Some(highest)) = (reached.clone().next(), reached.next_back()) else { return };
     let (begin, end) = (slow.support[lowest].0, slow.support[highest].1);
     let step = layer_elements::<N>(axes, plan.pairs.len());
     let layers: Vec<Range<usize>> = (begin..end).step_by(step).map(|e| e..(e + step).min(end)).collect();

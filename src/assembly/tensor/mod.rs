@@ -14,11 +14,12 @@
 //! | `groups`, `fast`, `middle`, `slow` | the three contractions |
 //! | `layer`, `march` | loops and threads |
 //! | `write` | rows of the matrix |
-//! | `pattern` | row pointers and columns in closed form |
+//! | `pattern`, `places` | row pointers and columns in closed form; where the unknowns live |
+//! | `entry` | the matrix of a form |
 //!
-//! Lanes are chosen at run time; AVX2 and AVX-512 give the same bits, and so does any number of threads. Kernels count in
-//! `f64`; other scalars, degrees above 5, processors without lanes and spaces without product structure take the plain
-//! loop.
+//! Lanes are chosen at run time. They never mix and products are fused at every width, so that a sum has the same terms in
+//! the same order on AVX2 and AVX-512, and for any number of threads. Kernels count in `f64`; other scalars, degrees above
+//! 5, processors without lanes and spaces without product structure take the plain loop.
 
 mod axis;
 mod coefficient;
