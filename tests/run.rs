@@ -191,7 +191,9 @@ fn springs_resultants_gravity_and_sliding_sides_carry_their_share() {
     );
     let result = run(&springs.replace("GRAVITY", ""));
     close(probe(&result, "sink"), -3.0 / (5.0 * 2.0), 1e-9, "force over spring stiffness");
-    close(number(&result, &["balance", "force", "1"]), 0.0, 1e-10, "springs balance the force");
+    // the stiffness of a rigid motion is round-off of young times sink, one for each of the 16 functions
+    let round_off = 16.0 * f64::EPSILON * 1e6 * 0.3;
+    close(number(&result, &["balance", "force", "1"]), 0.0, round_off, "springs balance the force");
     // the same under its own weight: density 2 times 9 times area 2
     let result = run(&springs.replace("GRAVITY", "gravity = [0, -9]").replace("young", "density = 2.0\nyoung"));
     close(probe(&result, "sink"), -(3.0 + 36.0) / 10.0, 1e-6, "force and weight over spring stiffness");
