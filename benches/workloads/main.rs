@@ -5,14 +5,20 @@
 #![allow(clippy::unwrap_used)]
 
 mod bodies;
+mod contact;
+mod interface;
 mod measure;
 mod run;
 
+use contact::Backend;
 use run::{Options, Record};
 use std::process::Command;
 
+/// Workloads of the specification that this version does not have.
+const LATER: [&str; 3] = ["W5-3d-p1", "W5-3d-q2", "W8"];
+
 /// What runs without a name: (workload, p, n).
-const LIST: [(&str, usize, usize); 12] = [
+const LIST: [(&str, usize, usize); 17] = [
     ("W1", 2, 256),
     ("W1", 3, 256),
     ("W1", 4, 256),
@@ -25,9 +31,30 @@ const LIST: [(&str, usize, usize); 12] = [
     ("W2", 4, 48),
     ("W3-2d", 3, 128),
     ("W3-3d", 2, 24),
+    ("W5-2d", 2, 1000),
+    ("W6-spline", 2, 32),
+    ("W6-spline", 2, 96),
+    ("W6-lagrange", 2, 32),
+    ("W6-lagrange", 2, 96),
 ];
 
-/// The record of one workload; `None` where it is not in this version.
+/// The lines of a workload; none where there is no such name.
+fn lines(name: &str, options: &Options) -> Option<Vec<String>> {
+    if LATER.contains(&name) {
+        return Some(vec![serde_json::json!({"peer": "faying", "workload": name, "notes": "not in this version"}).to_string()]);
+    }
+    let p = options.p.unwrap_or(2);
+    let contact = |name, backend| contact::two_bodies(name, backend, p, options.n.unwrap_or(32), options).to_string();
+    match name {
+        "W5-2d" => Some(vec![interface::straight(name, p, options.n.unwrap_or(1000), options).to_string()]),
+        "W6-spline" => Some(vec![contact(name, Backend::Spline)]),
+        "W6-lagrange" => Some(vec![contact(name, Backend::Lagrange)]),
+        "W6" => Some(vec![contact("W6-spline", Backend::Spline), contact("W6-lagrange", Backend::Lagrange)]),
+        _ => record(name, options).map(|record| vec![record.json(options)]),
+    }
+}
+
+/// The record of one workload of assembly and solution; none where there is no such name.
 fn record(name: &str, options: &Options) -> Option<Record> {
     let p = |default| options.p.unwrap_or(default);
     let n = |default| options.n.unwrap_or(default);
@@ -58,9 +85,15 @@ fn main() {
     match name {
         Some(name) => {
             rayon::ThreadPoolBuilder::new().num_threads(options.threads).build_global().unwrap();
-            match record(&name, &options) {
-                Some(record) => println!("{}", record.json(&options)),
-                None => println!("{}", serde_json::json!({"peer": "faying", "workload": name, "notes": "not in this version"})),
+            match lines(&name, &options) {
+                Some(lines) => lines.iter().for_each(|line| println!("{line}")),
+                None => {
+                    let mut known: Vec<&str> = LIST.iter().map(|l| l.0).chain(["W6"]).chain(LATER).collect();
+                    known.sort_unstable();
+                    known.dedup();
+                    eprintln!("no workload \"{name}\"; known: {}", known.join(", "));
+                    std::process::exit(2);
+                }
             }
         }
         None => list(&options),
@@ -70,7 +103,7 @@ fn main() {
 /// Runs the list and prints a row for each.
 fn list(options: &Options) {
     println!(
-        "{:<7} {:>2} {:>4} {:>9} {:>10} {:>9} {:>9} {:>9} {:>8} {:>9}",
+        "{:<11} {:>2} {:>4} {:>9} {:>10} {:>9} {:>9} {:>9} {:>8} {:>9}",
         "name", "p", "n", "dofs", "nnz", "first", "again", "solve", "MB", "error"
     );
     for (name, p, n) in LIST {
@@ -82,13 +115,13 @@ fn list(options: &Options) {
         }
         let output = command.output().unwrap();
         let Ok(value) = serde_json::from_slice::<serde_json::Value>(&output.stdout) else {
-            println!("{name:<7} {p:>2} {n:>4} failed: {}", String::from_utf8_lossy(&output.stderr));
+            println!("{name:<11} {p:>2} {n:>4} failed: {}", String::from_utf8_lossy(&output.stderr));
             continue;
         };
         let text = |key: &str| value[key].as_f64().map_or("-".to_owned(), |v| format!("{v:.4}"));
         let error = value["error"].as_f64().map_or("-".to_owned(), |v| format!("{v:.2e}"));
         println!(
-            "{name:<7} {p:>2} {n:>4} {:>9} {:>10} {:>9} {:>9} {:>9} {:>8.0} {error:>9}",
+            "{name:<11} {p:>2} {n:>4} {:>9} {:>10} {:>9} {:>9} {:>9} {:>8.0} {error:>9}",
             value["dofs"],
             value["nnz"],
             text("assemble_cpu_s"),

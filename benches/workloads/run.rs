@@ -48,6 +48,18 @@ impl Record {
     }
 }
 
+/// The line of a workload that measures something of its own: what all lines have, then `fields`.
+pub fn own_record(name: &str, [p, n]: [usize; 2], options: &Options, fields: serde_json::Value) -> serde_json::Value {
+    let mut line = serde_json::json!({
+        "peer": "faying", "version": env!("CARGO_PKG_VERSION"), "workload": name, "p": p, "n": n,
+        "threads": options.threads, "reps": options.reps, "peak_rss_mb": peak_rss_mb(), "notes": "",
+    });
+    if let (Some(line), serde_json::Value::Object(fields)) = (line.as_object_mut(), fields) {
+        line.extend(fields);
+    }
+    line
+}
+
 /// Assembly, timed: the matrix, the time from nothing, the time with pattern and memory known.
 fn assemble<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_, C, N>, reps: usize) -> (Csr, Time, Time) {
     let first: Vec<Time> = (0..=reps).map(|_| timed(|| stiffness(space, &gauss_rules(space, 0), form)).1).collect();

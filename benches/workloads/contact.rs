@@ -1,0 +1,145 @@
+//! W6: two bodies in contact in the plane, from nothing to convergence.
+
+use crate::measure::{Time, median, timed};
+use crate::run::{Options, own_record};
+use faying::assembly::{Fixed, Reduced, dirichlet, gauss_rules, stiffness};
+use faying::basis::BSpline;
+use faying::constraint::{ActiveSet, ConstrainedSystem, ConstraintSolver, Direct};
+use faying::contact::{Contact, Opponent};
+use faying::coupling::interface::{InterfaceQuadrature, MergedCurve};
+use faying::coupling::multiplier::{MultiplierKind, build};
+use faying::coupling::{Rows, Side};
+use faying::geometry::{ControlNet, shapes};
+use faying::linalg::{Csr, Ldlt, Operator, Vector};
+use faying::physics::{Hooke, form};
+use faying::space::{BasisKind, Body, Field, Mesh, Patch, PatchSpec, Trace};
+use serde_json::{Value, json};
+
+/// What the bodies are made of.
+#[derive(Clone, Copy, Debug)]
+pub enum Backend {
+    /// B-splines of maximal smoothness.
+    Spline,
+    /// Lagrange quadrilaterals.
+    Lagrange,
+}
+
+/// Upper body x in [-1, 1], y in [x²/4, 1] with n x n/2 elements; lower body [-1, 1] x [-1, 0] with 5n/4 x 5n/8.
+fn bodies(backend: Backend, p: usize, n: usize) -> [Box<dyn Body<1, 2>>; 2] {
+    let bottom = [[-1.0, 0.25], [0.0, -0.25], [1.0, 0.25]];
+    let points = bottom.iter().copied().chain([[-1.0, 1.0], [0.0, 1.0], [1.0, 1.0]]).map(|[x, y]| Vector::<2>::new(x, y)).collect();
+    let upper = ControlNet::try_new([BSpline::uniform(2, 1, 1), BSpline::uniform(1, 1, 0)], points, None).unwrap();
+    let lower = shapes::rectangle([-1.0, -1.0], [1.0, 0.0]).unwrap();
+    let make = |net, elements| -> Box<dyn Body<1, 2>> {
+        let spec = PatchSpec::new(net).with_degree([p; 2]).with_elements(elements).with_basis(BasisKind::BSpline);
+        match backend {
+            Backend::Spline => Box::new(Patch::<1, 2>::try_new(&spec).unwrap()),
+            Backend::Lagrange => Box::new(Mesh::<1, 2>::from_patch(&spec).unwrap()),
+        }
+    };
+    [make(upper, [n, n / 2]), make(lower, [5 * n / 4, 5 * n / 8])]
+}
+
+/// How a solution went: times of matrices, rows, elimination and iteration; what was found.
+struct Run {
+    times: [Time; 4],
+    iterations: usize,
+    active: usize,
+    force: f64,
+    /// Sum of the vertical forces at the moved side, over the contact force, plus one.
+    imbalance: f64,
+    free: usize,
+    entries: usize,
+    trace: f64,
+    fro: f64,
+}
+
+fn solve(bodies: &[Box<dyn Body<1, 2>>; 2], sides: &[Trace<1, 2>; 2], held: &[Trace<1, 2>; 2], p: usize) -> Run {
+    let material = Hooke::<2>::plane_strain(1.0, 0.3).unwrap();
+    let (matrices, bulk) = timed(|| {
+        [0, 1].map(|k: usize| {
+            let space = &**bodies[k].space();
+            stiffness(space, &gauss_rules(space, 0), &form(&material))
+        })
+    });
+    let unknowns = matrices[0].num_rows() + matrices[1].num_rows();
+    let fields = [0, matrices[0].num_rows()].map(|first| Field { first, components: 2 });
+    let side = |k: usize| Side { trace: &sides[k], field: fields[k], flux: None };
+    let ((contact, multiplier), rows) = timed(|| {
+        let multiplier = build(&sides[0].space, MultiplierKind::Auto, &[]).unwrap();
+        let segments = MergedCurve::facing(p + 1, None).segments(&*sides[0].space, &*sides[1].space).unwrap();
+        let contact = Contact::new(side(0), Opponent::Master(side(1)), &*multiplier, segments, &|_, g| g, unknowns).unwrap();
+        (contact, multiplier)
+    });
+    let ((reduced, constraint, offset, prescribed), eliminate) = timed(|| {
+        let down = |_: &Vector<2>| -0.02;
+        let mut prescribed = Vec::new();
+        for k in 0..2 {
+            let fixed = |component: usize| Fixed {
+                trace: &held[k],
+                component,
+                value: (k == 0 && component == 1).then_some(&down as &(dyn Fn(&Vector<2>) -> f64 + Sync)),
+            };
+            prescribed.extend(dirichlet(&[fixed(0), fixed(1)], fields[k], 0, &mut Ldlt::new()).unwrap());
+        }
+        let reduced = Reduced::try_new(&[&matrices[0], &matrices[1]], &vec![0.0; unknowns], &prescribed, &[]).unwrap();
+        let ((slave, a), (master, b)) = (reduced.rows(&contact.rows.slave), reduced.rows(&contact.rows.master));
+        let offset: Vec<f64> = contact.offset.iter().zip(a.iter().zip(&b)).map(|(g, (a, b))| g + a + b).collect();
+        (reduced, Rows { slave, master }, offset, prescribed)
+    });
+    let kind = contact.kinds();
+    let (solution, iterate) = timed(|| {
+        let touching = contact.lumped_gap(&vec![0.0; unknowns]).iter().map(|g| g.is_some_and(|g| g <= 0.0)).collect();
+        let system = ConstrainedSystem {
+            stiffness: &reduced.stiffness,
+            load: &reduced.load,
+            constraint: &constraint,
+            reaction: None,
+            offset: &offset,
+            kind: &kind,
+            compliance: &[],
+        };
+        ActiveSet::new(Direct::new()).starting_from(touching).solve(&system).unwrap()
+    });
+    let transmitted = contact.transmitted(&*multiplier, &solution.multipliers);
+    let u = reduced.expand(&solution.unknowns);
+    let mut pull = vec![0.0; matrices[0].num_rows()];
+    matrices[0].apply(&u[..pull.len()], &mut pull);
+    let moved: f64 = prescribed.iter().filter(|(i, _)| *i < pull.len() && i % 2 == 1).map(|(i, _)| pull[*i]).sum();
+    let square = |m: &Csr| m.vals().iter().map(|v| v * v).sum::<f64>();
+    Run {
+        times: [bulk, rows, eliminate, iterate],
+        iterations: solution.active_set.as_ref().map_or(0, |a| a.iterations),
+        active: solution.active.iter().filter(|a| **a).count(),
+        force: transmitted.force[1],
+        imbalance: (moved / transmitted.force[1] + 1.0).abs(),
+        free: reduced.num_free(),
+        entries: reduced.stiffness.num_entries(),
+        trace: matrices.iter().flat_map(|m| m.diagonal()).sum(),
+        fro: matrices.iter().map(square).sum::<f64>().sqrt(),
+    }
+}
+
+/// W6: E = 1, nu = 0.3, plane strain; the top moves by (0, -0.02), the bottom is held; the slave is the upper body's lower face.
+pub fn two_bodies(name: &str, backend: Backend, p: usize, n: usize, options: &Options) -> Value {
+    let bodies = bodies(backend, p, n);
+    let sides = [bodies[0].trace("v0").unwrap(), bodies[1].trace("v1").unwrap()];
+    let held = [bodies[0].trace("v1").unwrap(), bodies[1].trace("v0").unwrap()];
+    let runs: Vec<Run> = (0..=options.reps).map(|_| solve(&bodies, &sides, &held, p)).collect();
+    let phase = |k: usize| median(&runs[1..].iter().map(|r| r.times[k]).collect::<Vec<_>>());
+    let times = [0, 1, 2, 3].map(phase);
+    let total = |pick: fn(&Time) -> f64| times.iter().map(pick).sum::<f64>();
+    let run = &runs[0];
+    own_record(
+        name,
+        [p, n],
+        options,
+        json!({
+            "dofs": run.free, "nnz": run.entries, "assemble_s": times[0].wall, "assemble_cpu_s": times[0].cpu,
+            "solve_s": total(|t| t.wall), "solve_cpu_s": total(|t| t.cpu), "rows_cpu_s": times[1].cpu, "eliminate_cpu_s": times[2].cpu,
+            "iterations": run.iterations, "iteration_cpu_s": times[3].cpu / run.iterations.max(1) as f64, "active": run.active,
+            "force": run.force, "error": run.imbalance, "fp_trace": run.trace, "fp_fro": run.fro,
+            "notes": "solve: all of it, from the matrices to convergence; error: balance of the moved side with the contact force",
+        }),
+    )
+}
