@@ -8,6 +8,7 @@ mod bodies;
 mod contact;
 mod interface;
 mod measure;
+mod meshes;
 mod run;
 
 use contact::Backend;
@@ -18,7 +19,7 @@ use std::process::Command;
 const LATER: [&str; 3] = ["W5-3d-p1", "W5-3d-q2", "W8"];
 
 /// What runs without a name: (workload, p, n).
-const LIST: [(&str, usize, usize); 17] = [
+const LIST: [(&str, usize, usize); 23] = [
     ("W1", 2, 256),
     ("W1", 3, 256),
     ("W1", 4, 256),
@@ -31,6 +32,12 @@ const LIST: [(&str, usize, usize); 17] = [
     ("W2", 4, 48),
     ("W3-2d", 3, 128),
     ("W3-3d", 2, 24),
+    ("W4a", 2, 256),
+    ("W4b", 2, 256),
+    ("W4c", 2, 30),
+    ("W4d", 2, 24),
+    ("W4e", 2, 256),
+    ("W4f", 2, 24),
     ("W5-2d", 2, 1000),
     ("W6-spline", 2, 32),
     ("W6-spline", 2, 96),
@@ -63,7 +70,7 @@ fn record(name: &str, options: &Options) -> Option<Record> {
         "W2" => Some(run::cylinder(name, p(3), n(32), options)),
         "W3-2d" => Some(run::annulus_elastic(name, p(3), n(128), options)),
         "W3-3d" => Some(run::cylinder_elastic(name, p(2), n(24), options)),
-        _ => None,
+        _ => meshes::record(name, p(2), n(meshes::default_n(name)), options),
     }
 }
 

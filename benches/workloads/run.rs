@@ -31,6 +31,7 @@ pub struct Record {
     error: Option<f64>,
     trace: f64,
     fro: f64,
+    notes: String,
 }
 
 impl Record {
@@ -42,9 +43,15 @@ impl Record {
             "assemble_s": self.first.wall, "assemble_cpu_s": self.first.cpu,
             "assemble_again_s": self.again.wall, "assemble_again_cpu_s": self.again.cpu,
             "solve_s": self.solve.map(|t| t.wall), "solve_cpu_s": self.solve.map(|t| t.cpu),
-            "peak_rss_mb": peak_rss_mb(), "error": self.error, "fp_trace": self.trace, "fp_fro": self.fro, "notes": "",
+            "peak_rss_mb": peak_rss_mb(), "error": self.error, "fp_trace": self.trace, "fp_fro": self.fro, "notes": self.notes,
         })
         .to_string()
+    }
+
+    /// Solution and error are those of a smaller one.
+    pub fn solved_as(&mut self, smaller: &Self) {
+        (self.solve, self.error) = (smaller.solve, smaller.error);
+        self.notes = format!("solve and error at n = {}", smaller.n);
     }
 }
 
@@ -112,7 +119,8 @@ fn fingerprints(k: &Csr) -> (f64, f64) {
     (k.diagonal().iter().sum(), k.vals().iter().map(|v| v * v).sum::<f64>().sqrt())
 }
 
-fn whole<const C: usize, const S: usize, const N: usize>(
+/// The record of one body and its matrix; solved where an exact field is given.
+pub fn whole<const C: usize, const S: usize, const N: usize>(
     name: &str,
     [p, n]: [usize; 2],
     body: &dyn Body<S, N>,
@@ -135,6 +143,7 @@ fn whole<const C: usize, const S: usize, const N: usize>(
         error: solved.map(|s| s.1),
         trace,
         fro,
+        notes: String::new(),
     };
     (record, k)
 }
