@@ -419,9 +419,9 @@ fn difference(a: &Contact<1, 2>, b: &Contact<1, 2>) -> f64 {
     let (a, b) = (a.reaction.as_ref().unwrap_or(&a.rows).master.to_csr(), b.rows.master.to_csr());
     let (mut worst, mut top) = (0.0f64, 0.0f64);
     for i in 0..b.num_rows() {
-        for &j in a.row(i).0.iter().chain(b.row(i).0) {
-            worst = worst.max((a.get(i, j as usize) - b.get(i, j as usize)).abs());
-            top = top.max(b.get(i, j as usize).abs());
+        for j in a.row(i).0.chain(b.row(i).0) {
+            worst = worst.max((a.get(i, j) - b.get(i, j)).abs());
+            top = top.max(b.get(i, j).abs());
         }
     }
     worst / top

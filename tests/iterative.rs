@@ -167,7 +167,7 @@ fn sweeps_halve_the_iterations_of_conjugate_gradients() {
         let mut all = Triplets::new(n, n);
         for i in 0..n {
             let (cols, vals) = blocks.stiffness.row(i);
-            cols.iter().zip(vals).for_each(|(&j, &v)| all.push(i, j as usize, v));
+            cols.zip(vals).for_each(|(j, &v)| all.push(i, j, v));
             all.push(i, i, 1e-3);
         }
         all.to_csr()
@@ -344,7 +344,7 @@ fn the_schur_complement_factorises_a_stiffness_once_for_all_states_of_contact() 
     let mut k = Triplets::new(n, n);
     for i in 0..n {
         let (cols, vals) = blocks.stiffness.row(i);
-        cols.iter().zip(vals).for_each(|(&j, &v)| k.push(i, j as usize, v));
+        cols.zip(vals).for_each(|(j, &v)| k.push(i, j, v));
         k.push(i, i, 1e-4);
     }
     blocks.stiffness = k.to_csr().with_places(blocks.stiffness.places().to_vec());
@@ -510,7 +510,7 @@ fn gmres_with_the_symmetric_part_meets_lu_where_the_stiffness_is_not_symmetric()
     let mut k = Triplets::new(n, n);
     for i in 0..n {
         let (cols, vals) = blocks.stiffness.row(i);
-        cols.iter().zip(vals).for_each(|(&j, &v)| k.push(i, j as usize, v));
+        cols.zip(vals).for_each(|(j, &v)| k.push(i, j, v));
         if i + 3 < n {
             k.push(i, i + 3, 0.1);
             k.push(i + 3, i, -0.1);

@@ -100,7 +100,7 @@ fn modes(case: &Floating) -> Vec<f64> {
 fn add(k: &mut DMatrix<f64>, matrix: &Csr, first: usize) {
     for i in 0..matrix.num_rows() {
         let (cols, vals) = matrix.row(i);
-        cols.iter().zip(vals).for_each(|(&j, &v)| k[(first + i, first + j as usize)] += v);
+        cols.zip(vals).for_each(|(j, &v)| k[(first + i, first + j)] += v);
     }
 }
 

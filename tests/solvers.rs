@@ -473,7 +473,7 @@ fn laplace(basis: &dyn Basis<1>, dimensions: u32) -> Csr {
         let mut columns = vec![0usize];
         for d in 0..dimensions {
             let line = m.row(digit(i, d)).0;
-            columns = columns.iter().flat_map(|c| line.iter().map(move |&j| c + j as usize * n.pow(d))).collect();
+            columns = columns.iter().flat_map(|c| line.map(move |j| c + j * n.pow(d))).collect();
         }
         for j in columns {
             let mass = |d: u32| m.get(digit(i, d), digit(j, d));
@@ -520,7 +520,7 @@ fn high_degrees_are_not_taken_for_singular_and_free_bodies_are() {
         let mut k = Triplets::new(free.len(), free.len());
         for &i in &free {
             let (cols, vals) = blocks.stiffness.row(i);
-            cols.iter().zip(vals).for_each(|(&j, &v)| k.push(i - blocks.lower, j as usize - blocks.lower, v));
+            cols.zip(vals).for_each(|(j, &v)| k.push(i - blocks.lower, j - blocks.lower, v));
         }
         // with nothing held, and with one corner pinned (it still turns)
         for pinned in [0, 2] {
@@ -551,7 +551,8 @@ fn results_are_the_same_bits_on_one_and_two_threads() {
 }
 
 fn usizes(a: &Csr) -> (Vec<usize>, Vec<usize>) {
-    (a.ptr().to_vec(), a.cols().iter().map(|&j| j as usize).collect())
+    let cols: Vec<usize> = (0..a.num_rows()).flat_map(|i| a.row(i).0).collect();
+    ((0..a.num_rows()).map(|i| a.entries(i).start).chain([cols.len()]).collect(), cols)
 }
 
 // ---------------------------------------------------------------------------------------------- orderings
@@ -638,7 +639,7 @@ fn an_unknown_tied_to_all_others_comes_last() {
     let mut all = Triplets::new(n + 1, n + 1);
     for i in 0..n {
         let (cols, vals) = a.row(i);
-        cols.iter().zip(vals).for_each(|(&j, &v)| all.push(i, j as usize, v));
+        cols.zip(vals).for_each(|(j, &v)| all.push(i, j, v));
         all.push(i, n, -0.1);
         all.push(n, i, -0.1);
     }

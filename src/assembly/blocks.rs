@@ -1,6 +1,6 @@
 //! The matrix of several bodies: their own on the diagonal, and what soft couplings add between them.
 
-use crate::linalg::{Csr, Operator, Real};
+use crate::linalg::{Columns, Csr, Operator, Real};
 
 /// The matrix of all bodies: blocks on the diagonal and, where couplings add stiffness, entries between them.
 #[derive(Clone, Copy, Debug)]
@@ -50,8 +50,8 @@ impl<T: Real> Blocks<'_, T> {
     /// Row `i` of the sum, `starts` as above.
     pub(super) fn row(&self, starts: &[usize], i: usize) -> Row<'_, T> {
         let block = starts.partition_point(|&s| s <= i) - 1;
-        let own = self.bodies[block].row(i - starts[block]);
-        Row { start: starts[block], own, between: self.between.map_or((&[], &[]), |m| m.row(i)) }
+        let own = Line::of(self.bodies[block].row(i - starts[block]));
+        Row { start: starts[block], own, between: self.between.map(|m| Line::of(m.row(i))) }
     }
 
     /// K u.
@@ -76,19 +76,40 @@ impl<T: Real> Blocks<'_, T> {
 }
 
 /// A row of [`Blocks`]: (column, value) with ascending columns.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Row<'a, T> {
     start: usize,
-    own: (&'a [u32], &'a [T]),
-    between: (&'a [u32], &'a [T]),
+    own: Line<'a, T>,
+    between: Option<Line<'a, T>>,
+}
+
+/// What is left of a row of one matrix.
+#[derive(Clone, Debug)]
+struct Line<'a, T> {
+    first: Option<usize>,
+    cols: Columns<'a>,
+    vals: std::slice::Iter<'a, T>,
+}
+
+impl<'a, T: Real> Line<'a, T> {
+    fn of((mut cols, vals): (Columns<'a>, &'a [T])) -> Self {
+        Self { first: cols.next(), cols, vals: vals.iter() }
+    }
+
+    /// The value at `first`; goes on to the next column.
+    #[inline]
+    fn take(&mut self) -> T {
+        self.first = self.cols.next();
+        self.vals.next().copied().unwrap_or_else(T::zero)
+    }
 }
 
 impl<T: Real> Iterator for Row<'_, T> {
     type Item = (usize, T);
 
     fn next(&mut self) -> Option<(usize, T)> {
-        let a = self.own.0.first().map(|&j| self.start + j as usize);
-        let b = self.between.0.first().map(|&j| j as usize);
+        let a = self.own.first.map(|j| self.start + j);
+        let b = self.between.as_ref().and_then(|b| b.first);
         let (take, add) = match (a, b) {
             (None, None) => return None,
             (Some(a), Some(b)) => (a <= b, b <= a),
@@ -96,12 +117,10 @@ impl<T: Real> Iterator for Row<'_, T> {
         };
         let mut sum = T::zero();
         if take {
-            sum += self.own.1[0];
-            self.own = (&self.own.0[1..], &self.own.1[1..]);
+            sum += self.own.take();
         }
-        if add {
-            sum += self.between.1[0];
-            self.between = (&self.between.0[1..], &self.between.1[1..]);
+        if let Some(between) = self.between.as_mut().filter(|_| add) {
+            sum += between.take();
         }
         Some((if take { a? } else { b? }, sum))
     }

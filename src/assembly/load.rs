@@ -114,10 +114,8 @@ pub fn trace_springs<const C: usize, const S: usize, const N: usize, T, Q>(
 
 /// Adds to an entry that the pattern has.
 fn add<T: Real>(matrix: &mut Csr<T>, row: usize, col: usize, value: T) {
-    let (ptr, cols, vals) = matrix.parts_mut();
-    let range = ptr[row]..ptr[row + 1];
-    let k = cols[range.clone()].binary_search(&(col as u32)).expect("functions that meet on a side share an element");
-    vals[range.start + k] += value;
+    let (cols, vals) = matrix.row_mut(row);
+    vals[cols.position_of(col).expect("functions that meet on a side share an element")] += value;
 }
 
 /// Calls `visit(functions of the side, their values, x, outward normal, ds)` at every point, elements ascending.

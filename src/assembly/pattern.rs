@@ -1,8 +1,9 @@
 //! Which entries a bulk matrix has: element to function, function to element, rows in ascending order.
 
 use crate::basis::{Basis, Block, Elements};
-use crate::linalg::{Csr, Real};
+use crate::linalg::{Csr, Real, Sparsity};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// The graph of a basis: functions that share an element.
 ///
@@ -180,33 +181,12 @@ impl Pattern {
         &self.ptr
     }
 
-    /// A zero matrix for fields of `components` components, unknown = components * function + component.
+    /// A zero matrix for fields of `components` components, unknown = components * function + component, in blocks of that size.
     ///
     /// # Panics
     /// If there are 2^32 unknowns or more.
     pub fn csr<T: Real>(&self, components: usize) -> Csr<T> {
-        let (c, n) = (components, components * self.functions);
-        assert!(u32::try_from(n).is_ok(), "fewer than 2^32 unknowns");
-        if c == 1 {
-            return Csr::from_pattern(n, self.ptr.clone(), self.cols.clone());
-        }
-        let mut ptr = Vec::with_capacity(n + 1);
-        ptr.push(0usize);
-        for i in 0..self.functions {
-            let length = c * (self.ptr[i + 1] - self.ptr[i]);
-            for k in 0..c {
-                ptr.push(c * c * self.ptr[i] + (k + 1) * length);
-            }
-        }
-        let mut cols = vec![0u32; ptr[n]];
-        each_row(&ptr, &mut cols, |row, slots| {
-            for (slots, &j) in slots.chunks_exact_mut(c).zip(self.row(row / c)) {
-                for (k, slot) in slots.iter_mut().enumerate() {
-                    *slot = j * c as u32 + k as u32;
-                }
-            }
-        });
-        Csr::from_pattern(n, ptr, cols)
+        Csr::zeros(Arc::new(Sparsity::new(components, self.functions, self.ptr.clone(), self.cols.clone())))
     }
 }
 

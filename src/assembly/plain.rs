@@ -196,7 +196,7 @@ fn add_elements<const D: usize, const N: usize, T: Real>(
     kernel: impl Fn(&mut Scratch<D, N, T>, usize, &mut [T]) + Sync,
 ) {
     let (c, functions) = (components, pattern.num_functions());
-    let (_, _, vals) = matrix.parts_mut();
+    let vals = matrix.vals_mut();
     assert_eq!(vals.len(), c * c * pattern.ptr()[functions], "the matrix has the pattern of the basis");
     // one task per mark array; the number of tasks changes who adds, never in which order
     let tasks = 2 * rayon::current_num_threads();

@@ -10,6 +10,7 @@ use super::blocks::Blocks;
 use super::pattern::each_row;
 use crate::linalg::{Csr, Operator, Real, Triplets, lit, to_f64};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// sum of terms (unknown, coefficient) = value.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -97,7 +98,7 @@ impl<T: Real> Reduced<T> {
             shape("unknowns that conditions name", highest + 1)?;
         }
         let (bound, offset, free) = eliminate(unknowns, prescribed, equations)?;
-        let mut reduced = Self { stiffness: Csr::from_pattern(0, vec![0], Vec::new()), load: Vec::new(), bound, offset, free };
+        let mut reduced = Self { stiffness: Csr::zeros(Arc::default()), load: Vec::new(), bound, offset, free };
         reduced.stiffness = reduced.matrix(matrices);
         reduced.load = reduced.right_hand_side(matrices, load);
         Ok(reduced)

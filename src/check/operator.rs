@@ -52,7 +52,7 @@ pub fn operator(a: &dyn Operator) -> Result<(), String> {
             return Err(format!("operator: the matrix is {} x {}, the size {n}", matrix.num_rows(), matrix.num_cols()));
         }
         for i in 0..n {
-            if matrix.row(i).0.windows(2).any(|w| w[0] >= w[1]) {
+            if !matrix.row(i).0.is_sorted_by(|a, b| a < b) {
                 return Err(format!("operator: columns of row {i} do not ascend"));
             }
         }

@@ -134,9 +134,9 @@ fn cancels(s: &Scaled<'_>, l: &[f64]) -> bool {
     let (mut force, mut sizes) = (vec![0.0; s.num_unknowns()], vec![0.0; s.num_unknowns()]);
     for (a, &la) in l.iter().enumerate() {
         let (cols, vals) = s.rows.row(a);
-        for (&j, &v) in cols.iter().zip(vals) {
-            force[j as usize] += v * la;
-            sizes[j as usize] += (v * la).abs();
+        for (j, &v) in cols.zip(vals) {
+            force[j] += v * la;
+            sizes[j] += (v * la).abs();
         }
     }
     let largest = |x: &[f64]| x.iter().fold(0.0, |top: f64, v: &f64| top.max(v.abs()));

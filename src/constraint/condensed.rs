@@ -170,7 +170,7 @@ impl Condensed {
 fn coupled<'a>(s: &'a Scaled<'_>, a: usize) -> impl Iterator<Item = (usize, f64)> + 'a {
     let (cols, vals) = s.rows.row(a);
     let least = ROUND_OFF * vals.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    cols.iter().zip(vals).filter(move |(_, v)| v.abs() > least).map(move |(&j, &v)| (j as usize, v / s.k[a]))
+    cols.zip(vals).filter(move |(_, v)| v.abs() > least).map(move |(j, &v)| (j, v / s.k[a]))
 }
 
 /// A row solved for its pivot: u_pivot + sum coefficient u_column = ..; column n + e is the multiplier of soft row e.
@@ -328,7 +328,11 @@ impl Map {
         let stiffness = if soft.is_empty() {
             s.stiffness.clone()
         } else {
-            let (mut ptr, mut cols, mut vals) = (s.stiffness.ptr().to_vec(), s.stiffness.cols().to_vec(), s.stiffness.vals().to_vec());
+            let (mut ptr, mut cols, mut vals) = (vec![0], Vec::with_capacity(s.stiffness.num_entries()), s.stiffness.vals().to_vec());
+            for i in 0..n {
+                cols.extend(s.stiffness.row(i).0.map(index));
+                ptr.push(cols.len());
+            }
             for (k, &e) in soft.iter().enumerate() {
                 cols.push(index(n + k));
                 vals.push(s.compliance[enforced[e]]);

@@ -12,7 +12,7 @@
 use super::scale::{Scaled, check_shape, gaps};
 use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError};
 use crate::linalg::residual::{KERNEL, RESIDUAL_LIMIT, max, ratio, softest};
-use crate::linalg::{Csr, Ldlt, LinearError, LinearSolver, Lu, Upper};
+use crate::linalg::{Columns, Csr, Ldlt, LinearError, LinearSolver, Lu, Sparsity, Upper};
 use std::sync::Arc;
 
 /// e of the file's head: the floor of the residual is reached in two or three refinements; 1e-6 and 1e-10 need more.
@@ -36,8 +36,8 @@ pub struct Direct {
 /// The pattern of the factorised matrix and what it was made of.
 #[derive(Debug)]
 struct Layout {
-    stiffness: (Vec<usize>, Vec<u32>),
-    rows: (Vec<usize>, Vec<u32>),
+    stiffness: Arc<Sparsity>,
+    rows: Arc<Sparsity>,
     pattern: Arc<(Vec<usize>, Vec<usize>)>,
 }
 
@@ -106,8 +106,8 @@ impl Direct {
         x.extend((0..m).map(|a| f[a] * r2[a]));
         for a in 0..m {
             let (cols, vals) = s.rows.row(a);
-            for (&j, &v) in cols.iter().zip(vals) {
-                x[j as usize] += v * w[a] * r2[a];
+            for (j, &v) in cols.zip(vals) {
+                x[j] += v * w[a] * r2[a];
             }
         }
         self.ldlt.apply_inverse(&mut x)?;
@@ -143,8 +143,8 @@ impl Direct {
         let (mut product, mut size) = (vec![0.0; n], vec![0.0; n]);
         for i in 0..n {
             let (cols, vals) = s.stiffness.row(i);
-            for (&j, &k) in cols.iter().zip(vals) {
-                let term = k * v[j as usize];
+            for (j, &k) in cols.zip(vals) {
+                let term = k * v[j];
                 product[i] += term;
                 size[i] += term.abs();
             }
@@ -152,13 +152,13 @@ impl Direct {
         for a in 0..m {
             let (cols, vals) = s.rows.row(a);
             let (mut sum, mut sum_size) = (0.0, 0.0);
-            for (&j, &c) in cols.iter().zip(vals) {
-                sum += c * v[j as usize];
-                sum_size += (c * v[j as usize]).abs();
+            for (j, &c) in cols.zip(vals) {
+                sum += c * v[j];
+                sum_size += (c * v[j]).abs();
             }
-            for (&j, &c) in cols.iter().zip(vals) {
-                product[j as usize] += c * w[a] * sum;
-                size[j as usize] += c.abs() * w[a] * sum_size;
+            for (j, &c) in cols.zip(vals) {
+                product[j] += c * w[a] * sum;
+                size[j] += c.abs() * w[a] * sum_size;
             }
         }
         let (mut top, mut bottom) = (0.0, 0.0);
@@ -176,16 +176,11 @@ impl Direct {
     /// Upper triangle of the matrix at the file's head; the pattern holds all rows, enforced or not.
     fn assemble(&mut self, s: &Scaled<'_>, columns: &Csr<f64>, w: &[f64], f: &[f64]) -> Upper {
         let (n, m) = (s.num_unknowns(), s.num_rows());
-        let known = self.layout.as_ref().is_some_and(|l| {
-            l.stiffness.0 == s.stiffness.ptr()
-                && l.stiffness.1 == s.stiffness.cols()
-                && l.rows.0 == s.rows.ptr()
-                && l.rows.1 == s.rows.cols()
-        });
+        let known = self.layout.as_ref().is_some_and(|l| &l.stiffness == s.stiffness.pattern() && &l.rows == s.rows.pattern());
         if !known {
             self.layout = Some(Layout {
-                stiffness: (s.stiffness.ptr().to_vec(), s.stiffness.cols().to_vec()),
-                rows: (s.rows.ptr().to_vec(), s.rows.cols().to_vec()),
+                stiffness: s.stiffness.pattern().clone(),
+                rows: s.rows.pattern().clone(),
                 pattern: Arc::new(pattern(s.stiffness, &s.rows, columns)),
             });
         }
@@ -198,21 +193,20 @@ impl Direct {
                 place[cols[k]] = k;
             }
             let (row, row_vals) = s.stiffness.row(i);
-            for (&j, &v) in row.iter().zip(row_vals) {
-                if j as usize >= i {
-                    vals[place[j as usize]] += v;
+            for (j, &v) in row.zip(row_vals) {
+                if j >= i {
+                    vals[place[j]] += v;
                 }
             }
             let (touching, entries) = columns.row(i);
-            for (&a, &c) in touching.iter().zip(entries) {
-                let a = a as usize;
+            for (a, &c) in touching.zip(entries) {
                 if !s.enforced[a] {
                     continue;
                 }
                 let (row, row_vals) = s.rows.row(a);
-                for (&j, &v) in row.iter().zip(row_vals) {
-                    if j as usize >= i {
-                        vals[place[j as usize]] += c * w[a] * v;
+                for (j, &v) in row.zip(row_vals) {
+                    if j >= i {
+                        vals[place[j]] += c * w[a] * v;
                     }
                 }
                 vals[place[n + a]] += f[a] * c;
@@ -232,18 +226,18 @@ impl Direct {
         let (mut ptr, mut cols, mut vals) = (vec![0usize], Vec::new(), Vec::new());
         for i in 0..n {
             let (row, row_vals) = s.stiffness.row(i);
-            cols.extend_from_slice(row);
+            cols.extend(row.map(index));
             vals.extend_from_slice(row_vals);
             let (touching, entries) = columns.row(i);
-            for (&a, &b) in touching.iter().zip(entries) {
-                cols.push(index(n + a as usize));
-                vals.push(if s.enforced[a as usize] { b } else { 0.0 });
+            for (a, &b) in touching.zip(entries) {
+                cols.push(index(n + a));
+                vals.push(if s.enforced[a] { b } else { 0.0 });
             }
             ptr.push(cols.len());
         }
         for a in 0..m {
             let (row, row_vals) = s.rows.row(a);
-            cols.extend_from_slice(row);
+            cols.extend(row.map(index));
             vals.extend(row_vals.iter().map(|&v| if s.enforced[a] { v } else { 0.0 }));
             cols.push(index(n + a));
             vals.push(if s.enforced[a] { -s.compliance[a] } else { -s.k[a] });
@@ -305,9 +299,8 @@ fn pattern(stiffness: &Csr<f64>, rows: &Csr<f64>, columns: &Csr<f64>) -> (Vec<us
         let first = cols.len();
         seen[i] = i;
         cols.push(i);
-        let mut add = |row: &[u32]| {
-            for &j in row {
-                let j = j as usize;
+        let mut add = |row: Columns<'_>| {
+            for j in row {
                 if j > i && seen[j] != i {
                     seen[j] = i;
                     cols.push(j);
@@ -316,11 +309,11 @@ fn pattern(stiffness: &Csr<f64>, rows: &Csr<f64>, columns: &Csr<f64>) -> (Vec<us
         };
         add(stiffness.row(i).0);
         let touching = columns.row(i).0;
-        for &a in touching {
-            add(rows.row(a as usize).0);
+        for a in touching {
+            add(rows.row(a).0);
         }
         cols[first..].sort_unstable();
-        cols.extend(touching.iter().map(|&a| n + a as usize));
+        cols.extend(touching.map(|a| n + a));
         ptr.push(cols.len());
     }
     for a in 0..m {

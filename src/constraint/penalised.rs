@@ -12,9 +12,8 @@ const FREE: f64 = 1e-13;
 /// K + Cᵀ W C; rows of weight zero keep their places in the pattern. The places of the unknowns are those of the operator.
 pub(crate) fn penalised(s: &Scaled<'_>, columns: &Csr<f64>, w: &[f64], places: &[[f64; 3]]) -> Csr<f64> {
     let mut weighted = s.rows.clone();
-    let (ptr, _, vals) = weighted.parts_mut();
     for (a, &wa) in w.iter().enumerate() {
-        vals[ptr[a]..ptr[a + 1]].iter_mut().for_each(|v| *v *= wa);
+        weighted.row_mut(a).1.iter_mut().for_each(|v| *v *= wa);
     }
     sum(1.0, s.stiffness, 1.0, &product(columns, &weighted)).with_places(places.to_vec())
 }

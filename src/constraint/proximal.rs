@@ -82,7 +82,7 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Proximal<C> {
                 largest = largest.max(solution.multipliers[j].abs() * weight[j]);
                 step = step.max((solution.multipliers[j] - lambda[j]).abs() * weight[j]);
                 let (cols, vals) = rows.row(j);
-                let terms: f64 = cols.iter().zip(vals).map(|(&i, &c)| (c * solution.unknowns[i as usize]).abs()).sum();
+                let terms: f64 = cols.zip(vals).map(|(i, &c)| (c * solution.unknowns[i]).abs()).sum();
                 rounding[j] = ROUNDING * (terms + system.offset[j].abs());
                 noise = noise.max(rounding[j] / self.softness[j] * weight[j]);
             }

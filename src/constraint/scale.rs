@@ -38,8 +38,8 @@ pub fn row_scales<T: Real>(diagonal: &[T], constraint: &Rows<T>, num_rows: usize
         let csr = triplets.to_csr();
         for i in 0..csr.num_rows().min(num_rows) {
             let (cols, vals) = csr.row(i);
-            for (&j, &v) in cols.iter().zip(vals) {
-                let (a, k) = (v.abs(), diagonal[j as usize].abs());
+            for (j, &v) in cols.zip(vals) {
+                let (a, k) = (v.abs(), diagonal[j].abs());
                 sums[i][2] += a;
                 sums[i][3] += a * k;
                 if first {
@@ -175,8 +175,8 @@ impl<'a> Scaled<'a> {
             let (cols, vals) = self.stiffness.row(i);
             let mut sum = Sum::default();
             sum.add(self.load[i]);
-            for (&j, &v) in cols.iter().zip(vals) {
-                sum.add_product(-v, u[j as usize]);
+            for (j, &v) in cols.zip(vals) {
+                sum.add_product(-v, u[j]);
             }
             sums[i] = sum;
         }
@@ -188,15 +188,15 @@ impl<'a> Scaled<'a> {
                 continue;
             }
             let (cols, vals) = reaction.row(a);
-            for (&j, &v) in cols.iter().zip(vals) {
-                sums[j as usize].add_product(-v, l[a]);
+            for (j, &v) in cols.zip(vals) {
+                sums[j].add_product(-v, l[a]);
             }
             let (cols, vals) = self.rows.row(a);
             let mut sum = Sum::default();
             sum.add(-self.offset[a]);
             sum.add_product(self.compliance[a], l[a]);
-            for (&j, &v) in cols.iter().zip(vals) {
-                sum.add_product(-v, u[j as usize]);
+            for (j, &v) in cols.zip(vals) {
+                sum.add_product(-v, u[j]);
             }
             r2[a] = sum.value();
             top2 = max(top2, r2[a].abs() / self.k[a]);
@@ -356,11 +356,8 @@ pub(crate) fn combined<T: Real>(rows: &Rows<T>, m: usize, n: usize) -> Csr<T> {
 }
 
 fn scale_rows(rows: &mut Csr<f64>, factor: &[f64]) {
-    let (ptr, _, vals) = rows.parts_mut();
-    for i in 0..factor.len() {
-        for v in &mut vals[ptr[i]..ptr[i + 1]] {
-            *v *= factor[i];
-        }
+    for (i, &factor) in factor.iter().enumerate() {
+        rows.row_mut(i).1.iter_mut().for_each(|v| *v *= factor);
     }
 }
 

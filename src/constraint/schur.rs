@@ -18,7 +18,8 @@
 use super::penalised::penalised;
 use super::scale::{Scaled, gaps};
 use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
-use crate::linalg::{Csr, Ldlt, Limits, LinearError, LinearSolver, Operator, Upper, conjugate_gradients, product, sum};
+use crate::linalg::{Csr, Ldlt, Limits, LinearError, LinearSolver, Operator, Sparsity, Upper, conjugate_gradients, product, sum};
+use std::sync::Arc;
 
 /// Residual to which the conjugate gradients of one correction go; the next correction takes on from there.
 const INNER: f64 = 1e-8;
@@ -36,7 +37,7 @@ pub struct Schur {
     penalised: Ldlt,
     rows: Ldlt,
     /// The pattern of a stiffness that is singular.
-    floating: Option<(Vec<usize>, Vec<u32>)>,
+    floating: Option<Arc<Sparsity>>,
 }
 
 impl Schur {
@@ -57,11 +58,10 @@ impl Schur {
 
     /// Factorises K where that is regular, K_W elsewhere; says whether it is K_W.
     fn prepare(&mut self, s: &Scaled<'_>, part: &Parts, places: &[[f64; 3]]) -> Result<bool, LinearError> {
-        let known = |(ptr, cols): &(Vec<usize>, Vec<u32>)| ptr == s.stiffness.ptr() && cols == s.stiffness.cols();
-        if !self.floating.as_ref().is_some_and(known) {
+        if self.floating.as_ref() != Some(s.stiffness.pattern()) {
             match self.stiffness.prepare(s.stiffness) {
                 Ok(()) => return definite(&mut self.stiffness, s.stiffness).map(|()| false),
-                Err(LinearError::Singular { .. }) => self.floating = Some((s.stiffness.ptr().to_vec(), s.stiffness.cols().to_vec())),
+                Err(LinearError::Singular { .. }) => self.floating = Some(s.stiffness.pattern().clone()),
                 Err(other) => return Err(other),
             }
         }
@@ -159,15 +159,15 @@ impl Parts {
         let scale = s.diagonal.iter().map(|d| if *d != 0.0 { 1.0 / d.abs() } else { 1.0 }).collect();
         // C Q⁻¹ Cᵀ over the enforced rows; the pattern holds all
         let mut left = s.rows.clone();
-        let (ptr, cols, vals) = left.parts_mut();
         for a in 0..m {
-            for k in ptr[a]..ptr[a + 1] {
-                vals[k] *= enforced[a] * q[cols[k] as usize];
-            }
+            let (cols, vals) = left.row_mut(a);
+            cols.zip(vals).for_each(|(j, v)| *v *= enforced[a] * q[j]);
         }
         let mut right = columns.clone();
-        let (_, cols, vals) = right.parts_mut();
-        cols.iter().zip(vals).for_each(|(&a, v)| *v *= enforced[a as usize]);
+        for i in 0..right.num_rows() {
+            let (cols, vals) = right.row_mut(i);
+            cols.zip(vals).for_each(|(a, v)| *v *= enforced[a]);
+        }
         let inner = product(&left, &right);
         let own = inner.diagonal();
         let diagonal: Vec<f64> = (0..m).map(|a| if s.enforced[a] { s.compliance[a] + REGULARISATION * own[a] } else { s.k[a] }).collect();

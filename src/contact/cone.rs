@@ -276,9 +276,9 @@ fn restricted<T: Real>(all: &Csr<T>, functions: &[usize]) -> Csr<T> {
     let mut part = Triplets::new(functions.len(), functions.len());
     for (k, &j) in functions.iter().enumerate() {
         let (cols, vals) = all.row(j);
-        for (&c, &v) in cols.iter().zip(vals) {
-            if number[c as usize] != usize::MAX {
-                part.push(k, number[c as usize], v);
+        for (c, &v) in cols.zip(vals) {
+            if number[c] != usize::MAX {
+                part.push(k, number[c], v);
             }
         }
     }

@@ -1,13 +1,15 @@
-//! Compressed sparse rows with 4-byte columns: pattern first, values refilled in place.
+//! Compressed sparse rows, in blocks where the field has components: pattern first, values refilled in place.
 
-use super::{Operator, Real, lit};
+use super::{Columns, Operator, Real, Sparsity, lit};
+use std::ops::Range;
+use std::sync::Arc;
 
 /// A sparse matrix by rows; columns ascend within a row.
+///
+/// Values lie row by row, whatever the block of the pattern. Copies share the pattern.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Csr<T: Real = f64> {
-    num_cols: usize,
-    ptr: Vec<usize>,
-    cols: Vec<u32>,
+    pattern: Arc<Sparsity>,
     vals: Vec<T>,
     places: Vec<[f64; 3]>,
 }
@@ -16,17 +18,24 @@ impl<T: Real> Csr<T> {
     /// A matrix of its parts: `ptr` has one entry more than rows, columns ascend within each row.
     ///
     /// # Panics
-    /// If the lengths do not fit.
+    /// If the lengths do not fit or if there are 2^32 columns or more.
     pub fn from_parts(num_cols: usize, ptr: Vec<usize>, cols: Vec<u32>, vals: Vec<T>) -> Self {
-        assert_eq!(ptr.last().copied(), Some(cols.len()), "the last row pointer is the number of entries");
-        assert_eq!(cols.len(), vals.len(), "one value per column index");
-        Self { num_cols, ptr, cols, vals, places: Vec::new() }
+        Self::with_values(Arc::new(Sparsity::new(1, num_cols, ptr, cols)), vals)
     }
 
-    /// The same pattern with all values zero, made of row pointers and columns alone.
-    pub fn from_pattern(num_cols: usize, ptr: Vec<usize>, cols: Vec<u32>) -> Self {
-        let n = cols.len();
-        Self::from_parts(num_cols, ptr, cols, vec![T::zero(); n])
+    /// A matrix with entries at `pattern`: one value per entry, row by row.
+    ///
+    /// # Panics
+    /// If the lengths do not fit.
+    pub fn with_values(pattern: Arc<Sparsity>, vals: Vec<T>) -> Self {
+        assert_eq!(pattern.num_entries(), vals.len(), "one value per entry");
+        Self { pattern, vals, places: Vec::new() }
+    }
+
+    /// A matrix with entries at `pattern`, all zero.
+    pub fn zeros(pattern: Arc<Sparsity>) -> Self {
+        let vals = vec![T::zero(); pattern.num_entries()];
+        Self::with_values(pattern, vals)
     }
 
     /// Says where the unknowns live (one point per row), see [`Operator::places`].
@@ -37,27 +46,27 @@ impl<T: Real> Csr<T> {
 
     /// Number of rows.
     pub fn num_rows(&self) -> usize {
-        self.ptr.len() - 1
+        self.pattern.num_rows()
     }
 
     /// Number of columns.
     pub fn num_cols(&self) -> usize {
-        self.num_cols
+        self.pattern.num_cols()
     }
 
     /// Number of stored entries.
     pub fn num_entries(&self) -> usize {
-        self.cols.len()
+        self.vals.len()
     }
 
-    /// Row pointers: row i owns the entries `ptr[i]..ptr[i + 1]`.
-    pub fn ptr(&self) -> &[usize] {
-        &self.ptr
+    /// Which entries are stored.
+    pub fn pattern(&self) -> &Arc<Sparsity> {
+        &self.pattern
     }
 
-    /// Column of every entry.
-    pub fn cols(&self) -> &[u32] {
-        &self.cols
+    /// Bytes of values, pattern and places.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.vals) + self.pattern.bytes() + size_of_val(&*self.places)
     }
 
     /// Value of every entry.
@@ -70,28 +79,63 @@ impl<T: Real> Csr<T> {
         &mut self.vals
     }
 
-    /// Pattern and values at once: (row pointers, columns, values to refill).
-    pub fn parts_mut(&mut self) -> (&[usize], &[u32], &mut [T]) {
-        (&self.ptr, &self.cols, &mut self.vals)
+    /// Places of the values of row `i`.
+    pub fn entries(&self, i: usize) -> Range<usize> {
+        self.pattern.entries(i)
     }
 
     /// Columns and values of row `i`.
-    pub fn row(&self, i: usize) -> (&[u32], &[T]) {
-        let range = self.ptr[i]..self.ptr[i + 1];
-        (&self.cols[range.clone()], &self.vals[range])
+    #[inline]
+    pub fn row(&self, i: usize) -> (Columns<'_>, &[T]) {
+        (self.pattern.row(i), &self.vals[self.pattern.entries(i)])
+    }
+
+    /// Columns of row `i`, and its values to change.
+    #[inline]
+    pub fn row_mut(&mut self, i: usize) -> (Columns<'_>, &mut [T]) {
+        (self.pattern.row(i), &mut self.vals[self.pattern.entries(i)])
     }
 
     /// Entry (i, j), zero where nothing is stored.
     pub fn get(&self, i: usize, j: usize) -> T {
         let (cols, vals) = self.row(i);
-        u32::try_from(j).ok().and_then(|j| cols.binary_search(&j).ok()).map_or_else(T::zero, |k| vals[k])
+        cols.position_of(j).map_or_else(T::zero, |k| vals[k])
     }
 
     /// y = A x for any shape.
     pub fn mul(&self, x: &[T], y: &mut [T]) {
-        for (i, yi) in y.iter_mut().enumerate() {
-            let (cols, vals) = self.row(i);
-            *yi = cols.iter().zip(vals).fold(T::zero(), |s, (&j, &v)| s + v * x[j as usize]);
+        match self.pattern.block() {
+            1 => self.mul_blocks::<1>(x, y),
+            2 => self.mul_blocks::<2>(x, y),
+            3 => self.mul_blocks::<3>(x, y),
+            _ => {
+                for (i, yi) in y.iter_mut().enumerate() {
+                    let (cols, vals) = self.row(i);
+                    *yi = cols.zip(vals).fold(T::zero(), |s, (j, &v)| s + v * x[j]);
+                }
+            }
+        }
+    }
+
+    /// y = A x for blocks of B rows: a part of x is read once per block, every row is summed from its first column to its last.
+    fn mul_blocks<const B: usize>(&self, x: &[T], y: &mut [T]) {
+        let mut rest = &*self.vals;
+        for (i, y) in y.chunks_exact_mut(B).enumerate() {
+            let blocks = self.pattern.group(i);
+            let (own, others) = rest.split_at(B * B * blocks.len());
+            rest = others;
+            let rows: [&[T]; B] = std::array::from_fn(|k| &own[k * B * blocks.len()..(k + 1) * B * blocks.len()]);
+            let mut sum = [T::zero(); B];
+            for (b, &j) in blocks.iter().enumerate() {
+                let x = &x[B * j as usize..][..B];
+                for k in 0..B {
+                    let row = &rows[k][B * b..][..B];
+                    for l in 0..B {
+                        sum[k] += row[l] * x[l];
+                    }
+                }
+            }
+            y.copy_from_slice(&sum);
         }
     }
 
@@ -99,8 +143,8 @@ impl<T: Real> Csr<T> {
     pub fn add_transposed_mul(&self, x: &[T], y: &mut [T]) {
         for (i, &xi) in x.iter().enumerate() {
             let (cols, vals) = self.row(i);
-            for (&j, &v) in cols.iter().zip(vals) {
-                y[j as usize] += v * xi;
+            for (j, &v) in cols.zip(vals) {
+                y[j] += v * xi;
             }
         }
     }
@@ -108,62 +152,79 @@ impl<T: Real> Csr<T> {
     /// Whether |a_ij - a_ji| <= `tolerance` (m_i m_j)^1/2 everywhere, m_i the largest |entry| of row i; linear in the number of entries.
     pub fn is_symmetric(&self, tolerance: f64) -> bool {
         let n = self.num_rows();
-        if n != self.num_cols {
+        if n != self.num_cols() {
             return false;
         }
         let largest = |i: usize| self.row(i).1.iter().fold(T::zero(), |m, v| m.max(v.abs()));
         let limit: Vec<T> = (0..n).map(|i| (largest(i) * lit(tolerance)).sqrt()).collect();
-        // rows ascend: the next entry of row j left of its diagonal is the one that row i asks for, or has no partner
-        let mut next: Vec<usize> = self.ptr[..n].to_vec();
-        let same = |i: usize, j: usize, a: T, b: T| (a - b).abs() <= limit[i] * limit[j];
-        for i in 0..n {
-            for k in self.ptr[i]..self.ptr[i + 1] {
-                let j = self.cols[k] as usize;
+        let (pattern, c) = (&*self.pattern, self.pattern.block());
+        // entry (k, l) of block `at` of group `i` of rows, in column group `j`, against what is opposite
+        let agree = |i: usize, at: usize, j: usize, opposite: Option<usize>| {
+            (0..c).all(|k| {
+                (0..c).all(|l| {
+                    let own = self.vals[self.place(i, at, k, l)];
+                    let other = opposite.map_or_else(T::zero, |at| self.vals[self.place(j, at, l, k)]);
+                    (own - other).abs() <= limit[c * i + k] * limit[c * j + l]
+                })
+            })
+        };
+        // rows ascend: the next block of group j left of its diagonal is the one that group i asks for, or has no partner
+        let groups = n / c;
+        let mut next = vec![0usize; groups];
+        for i in 0..groups {
+            for (at, &j) in pattern.group(i).iter().enumerate() {
+                let j = j as usize;
+                if j == i && !agree(i, at, i, Some(at)) {
+                    return false;
+                }
                 if j <= i {
                     continue;
                 }
-                while next[j] < self.ptr[j + 1] && (self.cols[next[j]] as usize) < i {
-                    if !same(j, self.cols[next[j]] as usize, self.vals[next[j]], T::zero()) {
+                let row = pattern.group(j);
+                while row.get(next[j]).is_some_and(|&b| (b as usize) < i) {
+                    if !agree(j, next[j], row[next[j]] as usize, None) {
                         return false;
                     }
                     next[j] += 1;
                 }
-                let partner = next[j] < self.ptr[j + 1] && self.cols[next[j]] as usize == i;
-                let other = if partner { self.vals[next[j]] } else { T::zero() };
-                if !same(i, j, self.vals[k], other) {
+                let partner = row.get(next[j]).is_some_and(|&b| b as usize == i);
+                if !agree(i, at, j, partner.then_some(next[j])) {
                     return false;
                 }
                 next[j] += usize::from(partner);
             }
         }
         // what is left of the diagonal and was never asked for
-        (0..n).all(|j| {
-            (next[j]..self.ptr[j + 1])
-                .take_while(|&k| (self.cols[k] as usize) < j)
-                .all(|k| same(j, self.cols[k] as usize, self.vals[k], T::zero()))
+        (0..groups).all(|j| {
+            let row = pattern.group(j);
+            (next[j]..row.len()).take_while(|&at| (row[at] as usize) < j).all(|at| agree(j, at, row[at] as usize, None))
         })
     }
 
-    /// Aᵀ, rows sorted; linear in the number of entries.
+    /// Place of the value (k, l) of block `at` of group `i` of rows.
+    #[inline]
+    fn place(&self, i: usize, at: usize, k: usize, l: usize) -> usize {
+        let (c, ptr) = (self.pattern.block(), self.pattern.ptr());
+        c * (c * ptr[i] + k * (ptr[i + 1] - ptr[i]) + at) + l
+    }
+
+    /// Aᵀ, rows sorted, in blocks of the same size; linear in the number of entries.
     pub fn transposed(&self) -> Self {
-        let mut ptr = vec![0usize; self.num_cols + 1];
-        for &j in &self.cols {
-            ptr[j as usize + 1] += 1;
-        }
-        for j in 0..self.num_cols {
-            ptr[j + 1] += ptr[j];
-        }
-        let (mut place, mut cols, mut vals) = (ptr.clone(), vec![0u32; self.cols.len()], vec![T::zero(); self.cols.len()]);
-        for i in 0..self.num_rows() {
-            let (row_cols, row_vals) = self.row(i);
-            for (&j, &v) in row_cols.iter().zip(row_vals) {
-                let k = place[j as usize];
-                cols[k] = u32::try_from(i).expect("fewer than 2^32 rows");
-                vals[k] = v;
-                place[j as usize] += 1;
+        let (pattern, target) = self.pattern.transposed();
+        let mut result = Self::zeros(Arc::new(pattern));
+        let (c, ptr) = (self.pattern.block(), self.pattern.ptr());
+        for i in 0..ptr.len() - 1 {
+            for (at, &j) in self.pattern.group(i).iter().enumerate() {
+                let opposite = target[ptr[i] + at] - result.pattern.ptr()[j as usize];
+                for k in 0..c {
+                    for l in 0..c {
+                        let to = result.place(j as usize, opposite, l, k);
+                        result.vals[to] = self.vals[self.place(i, at, k, l)];
+                    }
+                }
             }
         }
-        Self::from_parts(self.num_rows(), ptr, cols, vals)
+        result
     }
 }
 

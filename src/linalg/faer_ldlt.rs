@@ -40,15 +40,13 @@ impl Upper {
         ptr.push(0);
         for i in 0..n {
             let (row, row_vals) = a.row(i);
-            let first = row.partition_point(|&j| (j as usize) < i);
-            if row.get(first).is_none_or(|&j| j as usize != i) {
+            let first = row.below(i);
+            if row.get(first) != Some(i) {
                 cols.push(i);
                 vals.push(0.0);
             }
-            for k in first..row.len() {
-                cols.push(row[k] as usize);
-                vals.push(row_vals[k]);
-            }
+            cols.extend(row.skip(first));
+            vals.extend_from_slice(&row_vals[first..]);
             ptr.push(cols.len());
         }
         Self { pattern: Arc::new((ptr, cols)), vals }
@@ -327,8 +325,8 @@ fn accurate_residual(a: &dyn Operator<f64>, scale: &[f64], b: &[f64], x: &[f64],
         let (cols, vals) = matrix.row(i);
         let mut sum = Sum::default();
         sum.add(b[i]);
-        for (&j, &v) in cols.iter().zip(vals) {
-            sum.add_product(-v, x[j as usize]);
+        for (j, &v) in cols.zip(vals) {
+            sum.add_product(-v, x[j]);
         }
         r[i] = sum.value();
         top = max(top, r[i].abs() * scale[i]);

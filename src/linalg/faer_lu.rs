@@ -2,13 +2,14 @@
 
 use super::faer_ldlt::{buffer, refine};
 use super::residual::{KERNEL, kernel_ratio, row_scale, softest};
-use super::{Csr, LinearError, LinearSolver, Operator};
+use super::{Csr, LinearError, LinearSolver, Operator, Sparsity};
 use faer::dyn_stack::MemStack;
 use faer::sparse::linalg::LuError;
 use faer::sparse::linalg::lu::{LuRef, NumericLu, SymbolicLu, factorize_symbolic_lu};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Spec};
 use std::fmt;
+use std::sync::Arc;
 
 /// LU factorisation with refinement and a check of the residual; the order is COLAMD.
 ///
@@ -21,6 +22,7 @@ pub struct Lu {
 }
 
 struct Analysis {
+    pattern: Arc<Sparsity>,
     ptr: Vec<usize>,
     rows: Vec<usize>,
     symbolic: SymbolicLu<usize>,
@@ -46,11 +48,15 @@ impl Lu {
         }
         let n = a.num_rows();
         let transposed = a.transposed(); // rows of the transposed are columns
-        let rows: Vec<usize> = transposed.cols().iter().map(|&i| i as usize).collect();
-        if self.analysis.as_ref().is_none_or(|s| s.ptr != transposed.ptr() || s.rows != rows) {
-            let pattern = SymbolicSparseColMatRef::new_checked(n, n, transposed.ptr(), None, &rows);
+        if self.analysis.as_ref().is_none_or(|s| &s.pattern != transposed.pattern()) {
+            let (mut ptr, mut rows) = (vec![0], Vec::with_capacity(transposed.num_entries()));
+            for j in 0..n {
+                rows.extend(transposed.row(j).0);
+                ptr.push(rows.len());
+            }
+            let pattern = SymbolicSparseColMatRef::new_checked(n, n, &ptr, None, &rows);
             let symbolic = factorize_symbolic_lu(pattern, Default::default()).map_err(|_| LinearError::Memory)?;
-            self.analysis = Some(Analysis { ptr: transposed.ptr().to_vec(), rows, symbolic });
+            self.analysis = Some(Analysis { pattern: transposed.pattern().clone(), ptr, rows, symbolic });
         }
         let analysis = self.analysis.as_ref().expect("analysed above");
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &analysis.ptr, None, &analysis.rows);

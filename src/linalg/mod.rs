@@ -17,6 +17,7 @@ mod real;
 pub(crate) mod residual;
 mod small;
 pub(crate) mod solver;
+mod sparsity;
 mod triplets;
 
 pub use csr::Csr;
@@ -39,4 +40,5 @@ pub use profile::{ProfileFault, ProfileLu};
 pub use real::{Matrix, Real, Vector, lit, num, to_f64};
 pub use small::{determinant, inverse, measure};
 pub use solver::{LinearError, LinearSolver};
+pub use sparsity::{Columns, Sparsity};
 pub use triplets::Triplets;

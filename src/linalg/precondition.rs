@@ -35,11 +35,11 @@ pub(crate) fn gauss_seidel<T: Real>(a: &Csr<T>, inverse_diagonal: &[T], r: &[T],
     for i in 0..n {
         let (cols, vals) = a.row(i);
         let mut sum = r[i];
-        for (&j, &v) in cols.iter().zip(vals) {
-            if j as usize >= i {
+        for (j, &v) in cols.zip(vals) {
+            if j >= i {
                 break;
             }
-            sum -= v * z[j as usize];
+            sum -= v * z[j];
         }
         z[i] = sum * inverse_diagonal[i];
     }
@@ -47,11 +47,11 @@ pub(crate) fn gauss_seidel<T: Real>(a: &Csr<T>, inverse_diagonal: &[T], r: &[T],
     for i in (0..n).rev() {
         let (cols, vals) = a.row(i);
         let mut sum = T::zero();
-        for (&j, &v) in cols.iter().zip(vals).rev() {
-            if j as usize <= i {
+        for (j, &v) in cols.zip(vals).rev() {
+            if j <= i {
                 break;
             }
-            sum += v * z[j as usize];
+            sum += v * z[j];
         }
         z[i] -= sum * inverse_diagonal[i];
     }

@@ -18,10 +18,9 @@ pub fn product<T: Real>(a: &Csr<T>, b: &Csr<T>) -> Csr<T> {
             |(sum, used), i| {
                 let mut cols: Vec<u32> = Vec::new();
                 let (a_cols, a_vals) = a.row(i);
-                for (&k, &x) in a_cols.iter().zip(a_vals) {
-                    let (b_cols, b_vals) = b.row(k as usize);
-                    for (&j, &y) in b_cols.iter().zip(b_vals) {
-                        let j = j as usize;
+                for (k, &x) in a_cols.zip(a_vals) {
+                    let (b_cols, b_vals) = b.row(k);
+                    for (j, &y) in b_cols.zip(b_vals) {
                         if !used[j] {
                             used[j] = true;
                             cols.push(u32::try_from(j).expect("a column index"));
@@ -59,19 +58,21 @@ pub fn sum<T: Real>(a: T, left: &Csr<T>, b: T, right: &Csr<T>) -> Csr<T> {
     let (mut ptr, mut cols, mut vals) = (vec![0usize], Vec::with_capacity(most), Vec::with_capacity(most));
     for i in 0..left.num_rows() {
         let ((l_cols, l_vals), (r_cols, r_vals)) = (left.row(i), right.row(i));
-        let (mut l, mut r) = (0, 0);
-        while l < l_cols.len() || r < r_cols.len() {
-            let (x, y) = (l_cols.get(l).copied().unwrap_or(u32::MAX), r_cols.get(r).copied().unwrap_or(u32::MAX));
+        let (mut l, mut r) = (l_cols.zip(l_vals).peekable(), r_cols.zip(r_vals).peekable());
+        loop {
+            let (x, y) = (l.peek().map_or(usize::MAX, |e| e.0), r.peek().map_or(usize::MAX, |e| e.0));
+            let column = x.min(y);
+            if column == usize::MAX {
+                break;
+            }
             let mut v = T::zero();
-            if x <= y {
-                v += a * l_vals[l];
-                l += 1;
+            if let Some((_, &value)) = l.next_if(|e| e.0 == column) {
+                v += a * value;
             }
-            if y <= x {
-                v += b * r_vals[r];
-                r += 1;
+            if let Some((_, &value)) = r.next_if(|e| e.0 == column) {
+                v += b * value;
             }
-            cols.push(x.min(y));
+            cols.push(u32::try_from(column).expect("a column index"));
             vals.push(v);
         }
         ptr.push(cols.len());

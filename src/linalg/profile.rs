@@ -49,8 +49,8 @@ impl<T: Real> ProfileLu<T> {
         order.iter().enumerate().for_each(|(new, &old)| place[old] = new);
         let mut first: Vec<usize> = (0..n).collect();
         for old in 0..n {
-            for &c in a.row(old).0 {
-                let (i, j) = (place[old].max(place[c as usize]), place[old].min(place[c as usize]));
+            for c in a.row(old).0 {
+                let (i, j) = (place[old].max(place[c]), place[old].min(place[c]));
                 first[i] = first[i].min(j);
             }
         }
@@ -65,8 +65,8 @@ impl<T: Real> ProfileLu<T> {
         let mut scale = vec![T::zero(); n];
         for old in 0..n {
             let (cols, vals) = a.row(old);
-            for (&c, &v) in cols.iter().zip(vals) {
-                let (i, j) = (place[old], place[c as usize]);
+            for (c, &v) in cols.zip(vals) {
+                let (i, j) = (place[old], place[c]);
                 scale[i] = scale[i].max(v.abs());
                 if j < i {
                     lu.lower[lu.start[i] + j - lu.first[i]] = v;
@@ -141,9 +141,9 @@ fn breadth_first<T: Real>(a: &Csr<T>) -> Vec<usize> {
     let n = a.num_rows();
     let mut near: Vec<Vec<usize>> = vec![Vec::new(); n];
     for i in 0..n {
-        for &j in a.row(i).0.iter().filter(|&&j| j as usize != i) {
-            near[i].push(j as usize);
-            near[j as usize].push(i);
+        for j in a.row(i).0.filter(|&j| j != i) {
+            near[i].push(j);
+            near[j].push(i);
         }
     }
     for list in &mut near {

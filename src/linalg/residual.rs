@@ -19,7 +19,7 @@ pub(crate) fn residual<T: Real>(a: &dyn Operator<T>, scale: &[f64], b: &[T], x: 
         let size = match a.csr() {
             Some(matrix) => {
                 let (cols, vals) = matrix.row(i);
-                cols.iter().zip(vals).map(|(&j, &v)| (to_f64(v) * to_f64(x[j as usize])).abs()).sum()
+                cols.zip(vals).map(|(j, &v)| (to_f64(v) * to_f64(x[j])).abs()).sum()
             }
             None => product.abs() + (to_f64(diagonal[i]) * to_f64(x[i])).abs(),
         };
@@ -135,9 +135,9 @@ pub(crate) fn kernel_ratio(a: &Csr<f64>, scale: &[f64], v: &[f64]) -> f64 {
     for i in 0..a.num_rows() {
         let (cols, vals) = a.row(i);
         let (mut sum, mut size) = (0.0, 0.0);
-        for (&j, &x) in cols.iter().zip(vals) {
-            sum += x * v[j as usize];
-            size += (x * v[j as usize]).abs();
+        for (j, &x) in cols.zip(vals) {
+            sum += x * v[j];
+            size += (x * v[j]).abs();
         }
         top = max(top, (sum * scale[i]).abs());
         bottom = max(bottom, size * scale[i]);

@@ -118,7 +118,7 @@ impl Blocks {
         let mut all = Triplets::new(n + m, n + m);
         for i in 0..n {
             let (cols, vals) = self.stiffness.row(i);
-            cols.iter().zip(vals).for_each(|(&j, &v)| all.push(i, j as usize, v));
+            cols.zip(vals).for_each(|(j, &v)| all.push(i, j, v));
         }
         for part in [&self.rows.slave, &self.rows.master] {
             for &(i, j, v) in &part.entries {
@@ -182,7 +182,7 @@ pub fn contact_blocks(lift: f64) -> Blocks {
     let mut k = Triplets::new(n, n);
     for i in 0..n {
         let (cols, vals) = blocks.stiffness.row(i);
-        cols.iter().zip(vals).for_each(|(&j, &v)| k.push(i, j as usize, v));
+        cols.zip(vals).for_each(|(j, &v)| k.push(i, j, v));
     }
     k.push(blocks.lower, blocks.lower, 1.0);
     blocks.stiffness = k.to_csr().with_places(blocks.stiffness.places().to_vec());

@@ -7,9 +7,10 @@ use super::march::{Plan, march};
 use super::pattern::pattern;
 use super::write::{Directions, RowScratch, Sums};
 use crate::assembly::{Coefficient as Given, Form, Tangent};
-use crate::linalg::{Csr, Real, Vector, lit, to_f64};
+use crate::linalg::{Csr, Real, Sparsity, Vector, lit, to_f64};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Rows of the slowest direction that a march in the plane takes at least: every march starts some elements early.
 const ROWS_AT_LEAST: usize = 16;
@@ -26,16 +27,14 @@ impl Patch<'_> {
         self.axes.iter().map(|a| a.functions).product()
     }
 
-    /// A zero matrix for fields of `components` components.
+    /// A zero matrix for fields of `components` components, in blocks of that size.
     ///
     /// # Panics
     /// If there are 2^32 unknowns or more.
     pub fn csr<T: Real>(&self, components: usize) -> Csr<T> {
-        let n = components * self.functions();
-        assert!(u32::try_from(n).is_ok(), "fewer than 2^32 unknowns");
         let none = Axis::none();
-        let (ptr, cols) = pattern(self.directions(&none), components);
-        Csr::from_pattern(n, ptr, cols)
+        let (ptr, cols) = pattern(self.directions(&none));
+        Csr::zeros(Arc::new(Sparsity::new(components, self.functions(), ptr, cols)))
     }
 
     /// Whether `matrix` has as many rows and entries as fields of `components` components ask for.

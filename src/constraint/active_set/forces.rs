@@ -57,7 +57,7 @@ impl<'a> Measure<'a> {
             forces.gap.push(if by_construction && closed { 0.0 } else { (solution.gap[j] - soft * lambda) * per_length });
             forces.closed.push(closed);
             let (cols, vals) = self.rows.row(j);
-            let moved: f64 = cols.iter().zip(vals).map(|(&i, &c)| (c * solution.unknowns[i as usize]).abs()).sum();
+            let moved: f64 = cols.zip(vals).map(|(i, &c)| (c * solution.unknowns[i]).abs()).sum();
             largest = largest.max(lambda.abs() * self.scales.weight[j]).max(moved * per_length);
             // a far row's initial gap must not hide the small gaps of others
             own.push(self.offset[j].abs() * per_length);
@@ -73,8 +73,8 @@ impl<'a> Measure<'a> {
         let mut group: Vec<usize> = (0..self.contact.len()).collect();
         let mut first: Vec<usize> = vec![usize::MAX; self.rows.num_cols()];
         for (k, &j) in self.contact.iter().enumerate() {
-            for &i in self.rows.row(j).0 {
-                let other = &mut first[i as usize];
+            for i in self.rows.row(j).0 {
+                let other = &mut first[i];
                 if *other == usize::MAX {
                     *other = k;
                 } else {

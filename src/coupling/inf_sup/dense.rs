@@ -30,8 +30,8 @@ fn full(a: &Csr) -> DMatrix<f64> {
     let mut b = DMatrix::zeros(a.num_rows(), a.num_cols());
     for i in 0..a.num_rows() {
         let (cols, vals) = a.row(i);
-        for (&j, &v) in cols.iter().zip(vals) {
-            b[(i, j as usize)] = v;
+        for (j, &v) in cols.zip(vals) {
+            b[(i, j)] = v;
         }
     }
     b

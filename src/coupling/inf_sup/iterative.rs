@@ -97,16 +97,16 @@ impl<'a> Pencil<'a> {
         let mut all = Triplets::new(n + self.m, n + self.m);
         for i in 0..n {
             let (cols, vals) = g.trace.row(i);
-            cols.iter().zip(vals).for_each(|(&j, &v)| all.push(i, j as usize, v));
+            cols.zip(vals).for_each(|(j, &v)| all.push(i, j, v));
         }
         for i in 0..self.m {
             let (cols, vals) = g.mixed.row(i);
-            for (&j, &v) in cols.iter().zip(vals) {
-                all.push(n + i, j as usize, v);
-                all.push(j as usize, n + i, v);
+            for (j, &v) in cols.zip(vals) {
+                all.push(n + i, j, v);
+                all.push(j, n + i, v);
             }
             let (cols, vals) = g.multiplier.row(i);
-            cols.iter().zip(vals).for_each(|(&j, &v)| all.push(n + i, n + j as usize, shift * v));
+            cols.zip(vals).for_each(|(j, &v)| all.push(n + i, n + j, shift * v));
         }
         all.to_csr()
     }
