@@ -48,7 +48,7 @@ fn couple(slave: &Trace<1, 2>, master: &Trace<1, 2>, multiplier: &dyn Basis<1>, 
 fn column_defect(master: &Trace<1, 2>, m: &Csr, first: usize, p: usize) -> f64 {
     let space = &*master.space;
     let (mut sums, mut own) = (vec![0.0; m.num_cols()], vec![0.0; m.num_cols()]);
-    (0..m.num_rows()).for_each(|i| m.row(i).0.iter().zip(m.row(i).1).for_each(|(&j, v)| sums[j as usize] -= v));
+    (0..m.num_rows()).for_each(|i| m.row(i).0.zip(m.row(i).1).for_each(|(j, v)| sums[j] -= v));
     let rule = faying::quadrature::gauss_legendre::<f64>(p + 1);
     let (mut shapes, mut map, mut ids) = (ShapeTable::new(), MapTable::<1, 2>::new(), Vec::new());
     for e in 0..space.num_elements() {
