@@ -1,4 +1,4 @@
-//! The workloads that speed is measured on: `cargo bench --bench workloads -- NAME [--p P] [--n N] [--threads T] [--reps R] [--nosolve]`.
+//! The workloads that speed is measured on: `cargo bench --bench workloads -- NAME [--p P] [--n N] [--threads T] [--reps R] [--nosolve] [--export FOLDER]`.
 //!
 //! With a name it prints one line of JSON; without one it runs the list, each workload in a process of its own, and
 //! prints a table. Threads are 1 unless told otherwise.
@@ -10,6 +10,7 @@ mod interface;
 mod measure;
 mod meshes;
 mod run;
+mod solvers;
 
 use contact::Backend;
 use run::{Options, Record};
@@ -57,6 +58,7 @@ fn lines(name: &str, options: &Options) -> Option<Vec<String>> {
         "W6-spline" => Some(vec![contact(name, Backend::Spline)]),
         "W6-lagrange" => Some(vec![contact(name, Backend::Lagrange)]),
         "W6" => Some(vec![contact("W6-spline", Backend::Spline), contact("W6-lagrange", Backend::Lagrange)]),
+        _ if name.starts_with("W7-") => solvers::record(name, options).map(|record| vec![record.to_string()]),
         _ => record(name, options).map(|record| vec![record.json(options)]),
     }
 }
@@ -76,8 +78,12 @@ fn record(name: &str, options: &Options) -> Option<Record> {
 
 fn main() {
     let mut words = std::env::args().skip(1);
-    let (mut name, mut options) = (None, Options { p: None, n: None, threads: 1, reps: 3, solve: true });
+    let (mut name, mut options) = (None, Options { p: None, n: None, threads: 1, reps: 3, solve: true, export: None });
     while let Some(word) = words.next() {
+        if word == "--export" {
+            options.export = Some(words.next().expect("--export wants a folder").into());
+            continue;
+        }
         let mut number = || words.next().and_then(|w| w.parse::<usize>().ok()).unwrap_or_else(|| panic!("{word} wants a number"));
         match word.as_str() {
             "--p" => options.p = Some(number()),
@@ -95,7 +101,7 @@ fn main() {
             match lines(&name, &options) {
                 Some(lines) => lines.iter().for_each(|line| println!("{line}")),
                 None => {
-                    let mut known: Vec<&str> = LIST.iter().map(|l| l.0).chain(["W6"]).chain(LATER).collect();
+                    let mut known: Vec<&str> = LIST.iter().map(|l| l.0).chain(solvers::LIST.iter().map(|l| l.0)).chain(["W6"]).chain(LATER).collect();
                     known.sort_unstable();
                     known.dedup();
                     eprintln!("no workload \"{name}\"; known: {}", known.join(", "));
@@ -137,4 +143,5 @@ fn list(options: &Options) {
             value["peak_rss_mb"].as_f64().unwrap_or(0.0)
         );
     }
+    solvers::list(options);
 }

@@ -13,7 +13,7 @@ const SOLVED: usize = 16;
 
 /// Straight cells on the unit box, n per direction; simplices cut every square or cube along the diagonal from its lowest to its highest
 /// corner, into 2 or 6.
-fn cells<const N: usize>(cell: Cell, n: usize) -> MeshCells<N> {
+pub fn cells<const N: usize>(cell: Cell, n: usize) -> MeshCells<N> {
     let count = |m: usize| m.pow(N as u32);
     let split = |mut i: usize, m: usize| -> [usize; N] {
         std::array::from_fn(|_| {

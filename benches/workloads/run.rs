@@ -8,13 +8,15 @@ use faying::physics::{Conductor, Hooke, Material, form};
 use faying::space::{Body, Field, Space};
 
 /// What the command line asks for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Options {
     pub p: Option<usize>,
     pub n: Option<usize>,
     pub threads: usize,
     pub reps: usize,
     pub solve: bool,
+    /// Where W7 writes its matrices.
+    pub export: Option<std::path::PathBuf>,
 }
 
 /// What is printed.

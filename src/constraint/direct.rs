@@ -89,7 +89,7 @@ impl Direct {
         let f: Vec<f64> = (0..m).map(|a| 1.0 - w[a] * s.compliance[a]).collect();
         let columns = s.rows.transposed();
         let upper = self.assemble(s, &columns, &w, &f);
-        self.ldlt.factorise(&upper, &s.all_places(places))?;
+        self.ldlt.factorise_upper(&upper, &s.all_places(places))?;
         let diagonal: Vec<f64> = (0..n).map(|i| upper.vals[upper.pattern.0[i]].abs()).collect();
         let scale: Vec<f64> = diagonal.iter().map(|&d| if d > 0.0 { 1.0 / d } else { 1.0 }).collect();
         self.refuse_kernel(s, &w, &diagonal, &scale)?;

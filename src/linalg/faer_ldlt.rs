@@ -108,16 +108,73 @@ impl Ldlt {
         self.analysis.as_ref().is_some_and(|a| a.dissected)
     }
 
+    /// First part of [`LinearSolver::prepare`]: an order of the unknowns and the places of the factor's numbers. A pattern seen before
+    /// keeps its analysis.
+    ///
+    /// # Errors
+    /// [`LinearError`] where `a` has no matrix, is not symmetric, or is too large.
+    pub fn analyse(&mut self, a: &dyn Operator<f64>) -> Result<(), LinearError> {
+        let upper = self.upper(a)?;
+        self.analyse_upper(&upper, a.places())
+    }
+
+    /// Second part of [`LinearSolver::prepare`], the first included where it is wanting: the numbers of the factor.
+    ///
+    /// # Errors
+    /// [`LinearError`] as from [`Ldlt::analyse`], and where a pivot is zero or infinite.
+    pub fn factorise(&mut self, a: &dyn Operator<f64>) -> Result<(), LinearError> {
+        let upper = self.upper(a)?;
+        self.factorise_upper(&upper, a.places())
+    }
+
+    /// Last part of [`LinearSolver::prepare`]: refuses a matrix that maps some vector to rounding errors.
+    ///
+    /// # Errors
+    /// [`LinearError::Singular`], also before [`Ldlt::factorise`].
+    pub fn check(&mut self, a: &dyn Operator<f64>) -> Result<(), LinearError> {
+        let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
+        self.scale = row_scale(a);
+        let diagonal: Vec<f64> = matrix.diagonal().iter().map(|d| d.abs()).collect();
+        if diagonal.is_empty() {
+            return Ok(());
+        }
+        let mut fault = None;
+        let soft = softest(&diagonal, |v| {
+            if let Err(error) = self.apply_inverse(v) {
+                fault = Some(error);
+            }
+        });
+        if let Some(error) = fault {
+            self.ready = false;
+            return Err(error);
+        }
+        if soft.is_none_or(|v| kernel_ratio(matrix, &self.scale, &v) < KERNEL) {
+            self.ready = false;
+            return Err(LinearError::Singular { residual: 1.0 });
+        }
+        Ok(())
+    }
+
+    /// The upper triangle of `a`, which has to be symmetric.
+    fn upper(&mut self, a: &dyn Operator<f64>) -> Result<Upper, LinearError> {
+        let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
+        if !matrix.is_symmetric(NO_SYMMETRY) {
+            self.ready = false;
+            return Err(LinearError::NotSymmetric);
+        }
+        Ok(Upper::of(matrix))
+    }
+
     /// Bytes that a factorisation of this pattern needs beyond the matrix itself: factor, pattern, scratch, and the numbers that a
     /// second matrix of the pattern is compared with. The analysis is kept.
     pub(crate) fn predict(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<usize, LinearError> {
-        self.analyse(upper, places)?;
+        self.analyse_upper(upper, places)?;
         let symbolic = &self.analysis.as_ref().expect("analysed above").symbolic;
         let scratch = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()).size_bytes();
         Ok(8 * symbolic.len_val() + 24 * upper.vals.len() + scratch)
     }
 
-    fn analyse(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {
+    fn analyse_upper(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {
         let seen = self.analysis.as_ref().is_some_and(|a| Arc::ptr_eq(&a.pattern, &upper.pattern) || a.pattern == upper.pattern);
         if !seen {
             self.ready = false;
@@ -130,13 +187,13 @@ impl Ldlt {
     }
 
     /// Factorises the matrix with this upper triangle; no check of singularity beyond zero and infinite pivots.
-    pub(crate) fn factorise(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {
+    pub(crate) fn factorise_upper(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {
         if upper.vals.iter().any(|v| !v.is_finite()) {
             self.ready = false;
             return Err(LinearError::NotFinite);
         }
         let before = self.analyses;
-        self.analyse(upper, places)?;
+        self.analyse_upper(upper, places)?;
         if self.ready && self.values == upper.vals {
             return Ok(());
         }
@@ -184,9 +241,9 @@ impl Ldlt {
         for &diagonal in &upper.pattern.0[..unknowns] {
             vals[diagonal] += LIFT * vals[diagonal].abs();
         }
-        self.factorise(&Upper { pattern: upper.pattern.clone(), vals }, places)?;
+        self.factorise_upper(&Upper { pattern: upper.pattern.clone(), vals }, places)?;
         let negative = self.negative.saturating_sub(rows);
-        self.factorise(upper, places)?;
+        self.factorise_upper(upper, places)?;
         if negative > 0 { Err(LinearError::Indefinite { negative }) } else { Ok(()) }
     }
 
@@ -237,32 +294,8 @@ impl Ldlt {
 
 impl LinearSolver<f64> for Ldlt {
     fn prepare(&mut self, a: &dyn Operator<f64>) -> Result<(), LinearError> {
-        let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
-        if !matrix.is_symmetric(NO_SYMMETRY) {
-            self.ready = false;
-            return Err(LinearError::NotSymmetric);
-        }
-        self.factorise(&Upper::of(matrix), a.places())?;
-        self.scale = row_scale(a);
-        let diagonal: Vec<f64> = matrix.diagonal().iter().map(|d| d.abs()).collect();
-        if diagonal.is_empty() {
-            return Ok(());
-        }
-        let mut fault = None;
-        let soft = softest(&diagonal, |v| {
-            if let Err(error) = self.apply_inverse(v) {
-                fault = Some(error);
-            }
-        });
-        if let Some(error) = fault {
-            self.ready = false;
-            return Err(error);
-        }
-        if soft.is_none_or(|v| kernel_ratio(matrix, &self.scale, &v) < KERNEL) {
-            self.ready = false;
-            return Err(LinearError::Singular { residual: 1.0 });
-        }
-        Ok(())
+        self.factorise(a)?;
+        self.check(a)
     }
 
     fn solve(&self, a: &dyn Operator<f64>, b: &[f64], x: &mut [f64]) -> Result<usize, LinearError> {
