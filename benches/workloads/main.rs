@@ -6,15 +6,16 @@
 
 mod bodies;
 mod contact;
+mod floor;
 mod interface;
 mod measure;
 mod meshes;
 mod run;
 mod solvers;
+mod table;
 
 use contact::Backend;
 use run::{Options, Record};
-use std::process::Command;
 
 /// Workloads of the specification that this version does not have.
 const LATER: [&str; 3] = ["W5-3d-p1", "W5-3d-q2", "W8"];
@@ -57,6 +58,9 @@ fn lines(name: &str, options: &Options) -> Option<Vec<String>> {
         "W5-2d" => Some(vec![interface::straight(name, p, options.n.unwrap_or(1000), options).to_string()]),
         "W6-spline" => Some(vec![contact(name, Backend::Spline)]),
         "W6-lagrange" => Some(vec![contact(name, Backend::Lagrange)]),
+        "floor" => Some(vec![floor::record(options).to_string()]),
+        "slope-W2" => Some(table::slope("W2", p, &[20, 30, 46, 68, 98], options)),
+        "slope-W4d" => Some(table::slope("W4d", p, &[10, 16, 24, 34, 50], options)),
         "W6" => Some(vec![contact("W6-spline", Backend::Spline), contact("W6-lagrange", Backend::Lagrange)]),
         _ if name.starts_with("W7-") => solvers::record(name, options).map(|record| vec![record.to_string()]),
         _ => record(name, options).map(|record| vec![record.json(options)]),
@@ -101,7 +105,9 @@ fn main() {
             match lines(&name, &options) {
                 Some(lines) => lines.iter().for_each(|line| println!("{line}")),
                 None => {
-                    let mut known: Vec<&str> = LIST.iter().map(|l| l.0).chain(solvers::LIST.iter().map(|l| l.0)).chain(["W6"]).chain(LATER).collect();
+                    let further = ["W6", "floor", "slope-W2", "slope-W4d"];
+                    let listed = LIST.iter().chain(&solvers::LIST).map(|l| l.0);
+                    let mut known: Vec<&str> = listed.chain(further).chain(LATER).collect();
                     known.sort_unstable();
                     known.dedup();
                     eprintln!("no workload \"{name}\"; known: {}", known.join(", "));
@@ -109,39 +115,9 @@ fn main() {
                 }
             }
         }
-        None => list(&options),
-    }
-}
-
-/// Runs the list and prints a row for each.
-fn list(options: &Options) {
-    println!(
-        "{:<11} {:>2} {:>4} {:>9} {:>10} {:>9} {:>9} {:>9} {:>8} {:>9}",
-        "name", "p", "n", "dofs", "nnz", "first", "again", "solve", "MB", "error"
-    );
-    for (name, p, n) in LIST {
-        let mut command = Command::new(std::env::current_exe().unwrap());
-        command.args([name, "--p", &p.to_string(), "--n", &n.to_string(), "--threads", &options.threads.to_string()]);
-        command.args(["--reps", &options.reps.to_string()]);
-        if !options.solve {
-            command.arg("--nosolve");
+        None => {
+            table::list(&LIST, &options);
+            solvers::list(&options);
         }
-        let output = command.output().unwrap();
-        let Ok(value) = serde_json::from_slice::<serde_json::Value>(&output.stdout) else {
-            println!("{name:<11} {p:>2} {n:>4} failed: {}", String::from_utf8_lossy(&output.stderr));
-            continue;
-        };
-        let text = |key: &str| value[key].as_f64().map_or("-".to_owned(), |v| format!("{v:.4}"));
-        let error = value["error"].as_f64().map_or("-".to_owned(), |v| format!("{v:.2e}"));
-        println!(
-            "{name:<11} {p:>2} {n:>4} {:>9} {:>10} {:>9} {:>9} {:>9} {:>8.0} {error:>9}",
-            value["dofs"],
-            value["nnz"],
-            text("assemble_cpu_s"),
-            text("assemble_again_cpu_s"),
-            text("solve_cpu_s"),
-            value["peak_rss_mb"].as_f64().unwrap_or(0.0)
-        );
     }
-    solvers::list(options);
 }

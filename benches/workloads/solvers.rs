@@ -156,8 +156,8 @@ fn measured(name: &str, [p, n]: [usize; 2], system: &System, options: &Options) 
 /// |b - A x| / (|A| |x| + |b|), largest entries and row sums.
 fn residual(a: &Csr, b: &[f64], x: &[f64]) -> f64 {
     let largest = |x: &[f64]| x.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    let row = |i: usize| a.row(i).0.iter().zip(a.row(i).1);
-    let top = (0..b.len()).map(|i| (b[i] - row(i).map(|(&j, v)| v * x[j as usize]).sum::<f64>()).abs()).fold(0.0, f64::max);
+    let row = |i: usize| a.row(i).0.zip(a.row(i).1);
+    let top = (0..b.len()).map(|i| (b[i] - row(i).map(|(j, v)| v * x[j]).sum::<f64>()).abs()).fold(0.0, f64::max);
     let norm = (0..b.len()).map(|i| row(i).map(|(_, v)| v.abs()).sum::<f64>()).fold(0.0, f64::max);
     top / (norm * largest(x) + largest(b))
 }
@@ -166,7 +166,7 @@ fn residual(a: &Csr, b: &[f64], x: &[f64]) -> f64 {
 fn upper(a: &Csr) -> (Vec<usize>, Vec<usize>) {
     let (mut ptr, mut cols) = (vec![0], Vec::with_capacity(a.num_entries() / 2 + a.num_rows()));
     for i in 0..a.num_rows() {
-        cols.extend(a.row(i).0.iter().map(|&j| j as usize).filter(|&j| j >= i));
+        cols.extend(a.row(i).0.filter(|&j| j >= i));
         ptr.push(cols.len());
     }
     (ptr, cols)
@@ -180,8 +180,8 @@ fn export(system: &System, folder: &Path) -> std::io::Result<()> {
     ptr.write_all(&end.to_le_bytes())?;
     for i in 0..system.load.len() {
         let (row, row_vals) = system.matrix.row(i);
-        for (&j, v) in row.iter().zip(row_vals).filter(|(j, _)| **j as usize >= i) {
-            cols.write_all(&j.to_le_bytes())?;
+        for (j, v) in row.zip(row_vals).filter(|(j, _)| *j >= i) {
+            cols.write_all(&(j as u32).to_le_bytes())?;
             vals.write_all(&v.to_le_bytes())?;
             end += 1;
         }
