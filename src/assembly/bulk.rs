@@ -1,7 +1,7 @@
-//! Bulk matrices: contraction direction by direction where a space is one product of directions, the plain loop elsewhere.
+//! Bulk matrices: contraction direction by direction where a space is made of patches, the plain loop elsewhere.
 
 use super::pattern::Pattern;
-use super::tensor::{Ask, Patch};
+use super::tensor::{Ask, Patches};
 use super::{Form, places, plain};
 use crate::basis::Order;
 use crate::geometry::MapTable;
@@ -43,11 +43,11 @@ where
     Q: Quadrature<N, T> + ?Sized,
 {
     let asks = || ask::<N, N, T, S>(space);
-    if let Some(patch) = Patch::new(space, quadrature, space.map_block(0), &asks) {
+    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
         let two = TensorRule::gauss([2; N]);
-        let coarse = Patch::new(space, &two, space.map_block(0), &asks);
-        let mut matrix = patch.csr(C).with_places(coarse.map(|p| p.mean_places(C)).unwrap_or_default());
-        patch.stiffness(form, false, matrix.vals_mut());
+        let coarse = Patches::new(space, &two, &|e| space.map_block(e), &asks);
+        let mut matrix = patches.csr(C).with_places(coarse.map(|p| p.mean_places(C)).unwrap_or_default());
+        patches.stiffness(form, false, &mut matrix);
         return matrix;
     }
     let pattern = Pattern::new(space);
@@ -72,10 +72,9 @@ pub fn add_stiffness<const C: usize, const N: usize, T, S, Q>(
     Q: Quadrature<N, T> + ?Sized,
 {
     let asks = || ask::<N, N, T, S>(space);
-    match Patch::new(space, quadrature, space.map_block(0), &asks) {
-        Some(patch) => {
-            assert!(patch.fits(C, matrix), "the matrix has the pattern of the basis");
-            patch.stiffness(form, true, matrix.vals_mut());
+    match Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
+        Some(patches) => {
+            patches.stiffness(form, true, matrix);
         }
         None => plain::add_stiffness(pattern, space, quadrature, form, matrix),
     }
@@ -93,9 +92,8 @@ where
     Q: Quadrature<N, T> + ?Sized,
 {
     let asks = || ask::<N, N, T, S>(space);
-    if let Some(patch) = Patch::new(space, quadrature, space.map_block(0), &asks) {
-        assert!(patch.fits(C, matrix), "the matrix has the pattern of the basis");
-        patch.stiffness(form, false, matrix.vals_mut());
+    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
+        patches.stiffness(form, false, matrix);
         return;
     }
     matrix.vals_mut().fill(T::zero());
@@ -113,11 +111,11 @@ where
     Q: Quadrature<D, T> + ?Sized,
 {
     let asks = || ask::<D, N, T, S>(space);
-    if let Some(patch) = Patch::new(space, quadrature, space.map_block(0), &asks) {
+    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
         let two = TensorRule::gauss([2; D]);
-        let coarse = Patch::new(space, &two, space.map_block(0), &asks);
-        let mut matrix = patch.csr(1).with_places(coarse.map(|p| p.mean_places(1)).unwrap_or_default());
-        patch.mass(matrix.vals_mut());
+        let coarse = Patches::new(space, &two, &|e| space.map_block(e), &asks);
+        let mut matrix = patches.csr(1).with_places(coarse.map(|p| p.mean_places(1)).unwrap_or_default());
+        patches.mass(&mut matrix);
         return matrix;
     }
     let pattern = Pattern::new(space);

@@ -1,5 +1,6 @@
 //! Which entries a bulk matrix has: element to function, function to element, rows in ascending order.
 
+use super::tensor::numbers;
 use crate::basis::{Basis, Block, Elements};
 use crate::linalg::{Csr, Real, Sparsity};
 use rayon::prelude::*;
@@ -52,7 +53,10 @@ impl Pattern {
             }
         }
         let mut pattern = Self { functions, element_start, element_ids, cell_start, cells, ptr: Vec::new(), cols: Vec::new() };
-        let whole = if elements > 0 { basis.block(0).and_then(|block| pattern.product(&block)) } else { None };
+        let whole = numbers::patches(basis).and_then(|parts| match &parts[..] {
+            [part] if numbers::is_whole(&part.ids, functions) => pattern.product(&part.block),
+            _ => None,
+        });
         (pattern.ptr, pattern.cols) = whole.unwrap_or_else(|| pattern.rows());
         pattern
     }

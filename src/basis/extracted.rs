@@ -1,12 +1,12 @@
 //! Linear combinations of the functions of another basis.
 
-use super::{Basis, Cell, Elements, Order, ShapeTable};
+use super::{TensorPatch, Basis, Cell, Elements, Order, ShapeTable};
 use crate::linalg::{Real, Vector};
 
 /// N_k = sum_i c_ik B_i: end-lowered, dual and truncated bases, Bezier extraction.
 ///
 /// Active functions are listed with rising ids. There is no block and there are no polynomials: combinations may have
-/// any sign and any order.
+/// any sign and any order. Plain sums, where every inner function is in one of them, keep the patches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extracted<B, T: Real = f64> {
     /// The basis below.
@@ -94,5 +94,16 @@ impl<const D: usize, B: Basis<D, T>, T: Real> Basis<D, T> for Extracted<B, T> {
         }
         table.inner = Some(inner);
         table.ids = ids;
+    }
+    fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
+        let mut patches = self.inner.patches()?;
+        for patch in &mut patches {
+            let number = |&i: &usize| match self.rows[i][..] {
+                [(k, c)] if c == T::one() => Some(k),
+                _ => None,
+            };
+            patch.ids = patch.ids.iter().map(number).collect::<Option<_>>()?;
+        }
+        Some(patches)
     }
 }

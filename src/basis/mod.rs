@@ -17,6 +17,7 @@ mod topology;
 mod unstructured;
 
 use crate::linalg::{Real, Vector};
+use std::borrow::Cow;
 use std::fmt::Debug;
 
 pub use bernstein::BernsteinSimplex;
@@ -70,6 +71,18 @@ pub struct Block<'a, const D: usize, T: Real = f64> {
     pub weights: Option<&'a [T]>,
 }
 
+/// A [`Block`] with the numbers that its functions have in the whole basis.
+///
+/// On the elements of the block, function k of the basis is the sum of the functions i of the block with `ids[i] = k`: one
+/// where patches are glued, several where an edge is collapsed.
+#[derive(Clone, Debug)]
+pub struct TensorPatch<'a, const D: usize, T: Real = f64> {
+    /// Elements and univariate factors.
+    pub block: Block<'a, D, T>,
+    /// One number per function of the block.
+    pub ids: Cow<'a, [usize]>,
+}
+
 /// Which multiplier polynomials are wanted of a basis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -107,6 +120,11 @@ pub trait Basis<const D: usize, T: Real = f64>: Elements {
     fn block(&self, _element: usize) -> Option<Block<'_, D, T>> {
         None
     }
+    /// All elements as blocks, ascending and without overlap, with the numbers of their functions, where the basis is made
+    /// of blocks: what is integrated patch by patch.
+    fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
+        None
+    }
     /// Non-negative polynomials on the same elements that sum to one, never rational: what multipliers are made of.
     fn polynomials(&self, _wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
         None
@@ -129,6 +147,7 @@ macro_rules! forward_basis {
             }
             fn is_linear(&self, element: usize) -> bool { (**self).is_linear(element) }
             fn block(&self, element: usize) -> Option<Block<'_, D, T>> { (**self).block(element) }
+            fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> { (**self).patches() }
             fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> { (**self).polynomials(wanted) }
         }
     )*};

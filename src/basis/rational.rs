@@ -1,6 +1,6 @@
 //! Rational bases: NURBS, and the quotient of any basis by a weight function.
 
-use super::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable};
+use super::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable, TensorPatch};
 use crate::linalg::{Matrix, Real, Vector, to_f64};
 
 /// Why numbers are no weights.
@@ -146,6 +146,18 @@ impl<const D: usize, B: Basis<D, T>, T: Real> Basis<D, T> for Rational<B, T> {
         let functions: usize = block.axes.iter().map(|axis| axis.num_functions()).product();
         // a run that is only part of the functions has numbers of its own, which the weights do not follow
         (block.weights.is_none() && functions == self.weights.len()).then_some(Block { weights: Some(&self.weights), ..block })
+    }
+    fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
+        let mut patches = self.basis.patches()?;
+        for patch in &mut patches {
+            // weights follow the numbers of the basis
+            let follow = patch.ids.len() == self.weights.len() && patch.ids.iter().enumerate().all(|(i, &id)| i == id);
+            if patch.block.weights.is_some() || !follow {
+                return None;
+            }
+            patch.block.weights = Some(&self.weights);
+        }
+        Some(patches)
     }
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
         self.basis.polynomials(wanted)

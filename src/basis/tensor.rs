@@ -1,6 +1,6 @@
 //! Products of univariate bases.
 
-use super::{Basis, Block, Elements, Order, Polynomials, ShapeTable};
+use super::{Basis, Block, Elements, Order, Polynomials, ShapeTable, TensorPatch};
 use crate::linalg::{Real, Vector};
 use std::marker::PhantomData;
 
@@ -179,6 +179,10 @@ impl<const D: usize, A: Basis<1, T>, T: Real> Basis<D, T> for TensorProduct<D, A
     fn block(&self, _element: usize) -> Option<Block<'_, D, T>> {
         let whole = self.axes.iter().all(|axis| is_one_block(axis));
         whole.then(|| Block { first: 0, axes: self.axes.each_ref().map(|a| a as &dyn Basis<1, T>), weights: None })
+    }
+    fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
+        let ids = (0..self.num_functions()).collect();
+        self.block(0).map(|block| vec![TensorPatch { block, ids }])
     }
     /// The product of the axes' polynomials.
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {

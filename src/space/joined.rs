@@ -1,7 +1,7 @@
 //! Several bases or spaces as one: their elements in a row, their functions under common numbers.
 
 use super::Space;
-use crate::basis::{Basis, Block, Cell, Elements, Extracted, Order, Polynomials, ShapeTable};
+use crate::basis::{Basis, Block, Cell, Elements, Extracted, Order, Polynomials, ShapeTable, TensorPatch};
 use crate::geometry::{Bounds, Geometry, MapBlock, MapTable};
 use crate::linalg::{Real, Vector};
 use std::collections::HashMap;
@@ -102,6 +102,17 @@ impl<const D: usize, T: Real, X: Basis<D, T>> Basis<D, T> for Joined<X> {
     fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
         let (part, e) = self.at(element);
         part.inner.block(e).map(|block| Block { first: block.first + part.first, ..block })
+    }
+    fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
+        let mut all = Vec::with_capacity(self.parts.len());
+        for part in &self.parts {
+            for mut patch in part.inner.patches()? {
+                patch.block.first += part.first;
+                patch.ids = patch.ids.iter().map(|&i| part.ids[i]).collect();
+                all.push(patch);
+            }
+        }
+        Some(all)
     }
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
         let mut functions = 0;

@@ -22,7 +22,7 @@ mod refine_cells;
 mod spec;
 mod trace;
 
-use crate::basis::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable};
+use crate::basis::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable, TensorPatch};
 use crate::geometry::{Bounds, ControlPoints, Embedded, Geometry, MapBlock, MapTable};
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
@@ -105,6 +105,9 @@ impl<const D: usize, T: Real, B: Basis<D, T>, G: Elements> Basis<D, T> for Over<
     }
     fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
         self.basis.block(element)
+    }
+    fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
+        self.basis.patches()
     }
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
         self.basis.polynomials(wanted)

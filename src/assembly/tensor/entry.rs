@@ -1,11 +1,10 @@
 //! The matrix of a patch: pattern, then values.
 
-use super::Patch;
-use super::axis::Axis;
 use super::coefficient::{Coefficient, Source};
 use super::march::{Plan, march};
 use super::pattern::pattern;
 use super::write::{Directions, RowScratch, Sums};
+use super::{Patch, Patches, scatter};
 use crate::assembly::{Coefficient as Given, Form, Tangent};
 use crate::linalg::{Csr, Real, Sparsity, Vector, lit, to_f64};
 use rayon::prelude::*;
@@ -17,14 +16,9 @@ const ROWS_AT_LEAST: usize = 16;
 /// Marches per thread in the plane; tasks per thread of a layer's rows.
 const TASKS_PER_THREAD: usize = 2;
 
-impl Patch<'_> {
-    fn directions<'b>(&'b self, none: &'b Axis) -> Directions<'b> {
-        let n = self.axes.len();
-        Directions { fast: &self.axes[0], middle: if n == 3 { &self.axes[1] } else { none }, slow: &self.axes[n - 1] }
-    }
-
+impl Patches<'_> {
     fn functions(&self) -> usize {
-        self.axes.iter().map(|a| a.functions).product()
+        self.glue.as_ref().map_or_else(|| self.patches[0].functions(), |glue| glue.functions)
     }
 
     /// A zero matrix for fields of `components` components, in blocks of that size.
@@ -32,21 +26,18 @@ impl Patch<'_> {
     /// # Panics
     /// If there are 2^32 unknowns or more.
     pub fn csr<T: Real>(&self, components: usize) -> Csr<T> {
-        let none = Axis::none();
-        let (ptr, cols) = pattern(self.directions(&none));
+        let (ptr, cols) = match &self.glue {
+            None => pattern(self.patches[0].directions()),
+            Some(glue) => glue.pattern(&self.patches),
+        };
         Csr::zeros(Arc::new(Sparsity::new(components, self.functions(), ptr, cols)))
     }
 
-    /// Whether `matrix` has as many rows and entries as fields of `components` components ask for.
-    pub fn fits<T: Real>(&self, components: usize, matrix: &Csr<T>) -> bool {
-        let none = Axis::none();
-        let to = self.directions(&none);
-        matrix.num_rows() == components * self.functions()
-            && matrix.num_entries() == components * components * to.entries(0, to.slow.functions)
-    }
-
-    /// The matrix of `form` to `values`; `add`: on top of what is there.
-    pub fn stiffness<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, add: bool, values: &mut [T]) {
+    /// The matrix of `form` to the values of `matrix`; `add`: on top of what is there.
+    ///
+    /// # Panics
+    /// If `matrix` has not the pattern of the basis.
+    pub fn stiffness<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, add: bool, matrix: &mut Csr<T>) {
         let varying;
         let source = match &form.coefficient {
             Given::Constant(tangent) => {
@@ -59,20 +50,41 @@ impl Patch<'_> {
                 Source::PerPoint(&varying)
             }
         };
-        self.fill(&Coefficient { components: C, symmetric: form.symmetric, source }, add, values);
+        self.fill(&Coefficient { components: C, symmetric: form.symmetric, source }, add, matrix);
     }
 
-    /// The matrix of products of functions to `values`.
-    pub fn mass<T: Real>(&self, values: &mut [T]) {
-        self.fill(&Coefficient { components: 1, symmetric: true, source: Source::Mass }, false, values);
+    /// The matrix of products of functions to the values of `matrix`.
+    pub fn mass<T: Real>(&self, matrix: &mut Csr<T>) {
+        self.fill(&Coefficient { components: 1, symmetric: true, source: Source::Mass }, false, matrix);
+    }
+
+    fn fill<T: Real>(&self, coefficient: &Coefficient<'_>, add: bool, matrix: &mut Csr<T>) {
+        assert_eq!(matrix.num_rows(), coefficient.components * self.functions(), "the matrix has the pattern of the basis");
+        match &self.glue {
+            None => self.patches[0].fill(coefficient, add, matrix.vals_mut()),
+            Some(glue) => scatter::fill(&self.patches, glue, coefficient, add, matrix),
+        }
+    }
+}
+
+impl Patch<'_> {
+    /// The directions.
+    pub fn directions(&self) -> Directions<'_> {
+        let n = self.axes.len();
+        Directions { fast: &self.axes[0], middle: if n == 3 { &self.axes[1] } else { &self.none }, slow: &self.axes[n - 1] }
+    }
+
+    /// Number of functions.
+    pub fn functions(&self) -> usize {
+        self.axes.iter().map(|a| a.functions).product()
     }
 
     fn fill<T: Real>(&self, coefficient: &Coefficient<'_>, add: bool, values: &mut [T]) {
         let plan = Plan::new(self, coefficient);
         let (threads, solid) = (rayon::current_num_threads(), self.axes.len() == 3);
-        let none = Axis::none();
-        let write = Write { to: self.directions(&none), components: coefficient.components, add };
+        let write = Write { to: self.directions(), components: coefficient.components, add };
         let rows = write.to.slow.functions;
+        assert_eq!(values.len(), write.place(rows * write.to.middle.functions), "the matrix has the pattern of the basis");
         // inside the pool, so that no pass has to enter it
         rayon::scope(|_| {
             let marches = if solid { 1 } else { (TASKS_PER_THREAD * threads).min(rows / ROWS_AT_LEAST) };

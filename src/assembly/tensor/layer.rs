@@ -241,8 +241,10 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Add<'_, '_, S, N> {
                     }
                 } else {
                     for q in 0..points {
-                        let from = start + (q / lanes) * task + (q % lanes) * 4;
-                        scratch[q * 4..q * 4 + 4].copy_from_slice(&tiles[from..from + 4]);
+                        let from = start + (q / lanes) * task + q % lanes;
+                        for c in 0..4 {
+                            scratch[q * 4 + c] = tiles[from + c * lanes];
+                        }
                     }
                 }
                 for j in middle.columns[i].0..middle.columns[i].1 {

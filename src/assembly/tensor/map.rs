@@ -16,8 +16,8 @@ pub(in crate::assembly) type Asks<'a> = dyn Fn() -> Box<Ask<'a>> + Sync + 'a;
 pub(super) enum Map<'a> {
     /// Control points, with weights as last number where it is rational.
     Net(Net),
-    /// Any map, element by element.
-    Elements(&'a Asks<'a>),
+    /// Any map, element by element, and the first element of the patch.
+    Elements(&'a Asks<'a>, usize),
 }
 
 impl Debug for Map<'_> {
@@ -154,7 +154,7 @@ fn minor<S: Simd>(simd: S, a: S::f64s, d: S::f64s, b: S::f64s, c: S::f64s) -> S:
 
 /// Memory of [`fill_elements`].
 pub(super) struct ElementScratch<'a> {
-    ask: Option<Box<Ask<'a>>>,
+    ask: Option<(Box<Ask<'a>>, usize)>,
     points: Vec<f64>,
     numbers: Vec<f64>,
 }
@@ -162,7 +162,7 @@ pub(super) struct ElementScratch<'a> {
 impl<'a> ElementScratch<'a> {
     /// Nothing is asked of a net.
     pub fn new(map: &Map<'a>) -> Self {
-        let ask = if let Map::Elements(asks) = map { Some(asks()) } else { None };
+        let ask = if let Map::Elements(asks, first) = map { Some((asks(), *first)) } else { None };
         Self { ask, points: Vec::new(), numbers: Vec::new() }
     }
 }
@@ -175,7 +175,7 @@ pub(super) fn fill_elements<S: Simd, const N: usize>(
     scratch: &mut ElementScratch<'_>,
     out: &mut [S::f64s],
 ) {
-    let ElementScratch { ask: Some(ask), points, numbers: asked } = scratch else { return };
+    let ElementScratch { ask: Some((ask, first)), points, numbers: asked } = scratch else { return };
     let (lanes, width) = (S::F64_LANES, numbers(N));
     let numbers: &mut [f64] = bytemuck::cast_slice_mut(out);
     let counts: [usize; 2] = [axes[0].elements(), axes[1].elements()];
@@ -190,7 +190,7 @@ pub(super) fn fill_elements<S: Simd, const N: usize>(
                 points.extend(along.clone().flat_map(|q0| (0..N).map(move |k| axes[k].xi[[q0, q1, place.slow.0][k]])));
             }
             let element = e0 + counts[0] * (e1 + if N == 3 { counts[1] * place.slow.1 } else { 0 });
-            ask(element, points, asked);
+            ask(*first + element, points, asked);
             let mut all = asked.chunks_exact(N + N * N);
             for lane in from..to {
                 for q in along.clone() {

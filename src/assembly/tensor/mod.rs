@@ -13,7 +13,8 @@
 //! | `coefficient` | D per pair of components; rational functions by an extended coefficient |
 //! | `groups`, `fast`, `middle`, `slow` | the three contractions |
 //! | `layer`, `march` | loops and threads |
-//! | `write` | rows of the matrix |
+//! | `write`, `row` | rows of the matrix |
+//! | `glue`, `scatter` | several patches as one body: numbers, pattern of the union, rows |
 //! | `pattern`, `places` | row pointers and columns in closed form; where the unknowns live |
 //! | `entry` | the matrix of a form |
 //!
@@ -25,6 +26,7 @@ mod axis;
 mod coefficient;
 mod entry;
 mod fast;
+mod glue;
 mod groups;
 mod lanes;
 mod layer;
@@ -32,12 +34,16 @@ mod map;
 mod march;
 mod middle;
 mod net;
+pub(super) mod numbers;
 mod pattern;
 mod places;
+mod row;
+mod scatter;
 mod slow;
 mod write;
 
 use axis::{Axis, COMPILED};
+use glue::Glue;
 use map::Map;
 pub(super) use map::{Ask, Asks};
 use net::Net;
@@ -48,24 +54,34 @@ use crate::linalg::{Real, to_f64};
 use crate::quadrature::Quadrature;
 use std::any::TypeId;
 
-/// A space that is one product of directions, with its rule and its map.
+/// A space that is made of patches, with its rules and its map.
 #[derive(Debug)]
-pub(super) struct Patch<'a> {
+pub(super) struct Patches<'a> {
+    patches: Vec<Patch<'a>>,
+    /// Numbers of the functions; none where the only patch is numbered like the whole.
+    glue: Option<Glue>,
+}
+
+/// A run of elements that is one product of directions.
+#[derive(Debug)]
+struct Patch<'a> {
     axes: Vec<Axis>,
+    /// The direction that a patch in the plane lacks.
+    none: Axis,
     map: Map<'a>,
     /// The weight function of a rational basis, and its weights.
     weight: Option<(Net, Vec<f64>)>,
 }
 
-impl<'a> Patch<'a> {
-    /// The patch that a space of functions `basis` is; `None` where the plain loop has to do it.
+impl<'a> Patches<'a> {
+    /// The patches that a space of functions `basis` is made of; `None` where the plain loop has to do it.
     ///
-    /// `map` is the product structure of its map, where there is one, with points of M coordinates; `asks` gives the map
-    /// of one element.
-    pub fn new<const N: usize, const M: usize, T, B, Q>(
+    /// `map` gives the product structure of the map around an element, where there is one, with points of M coordinates;
+    /// `asks` gives the map of one element.
+    pub fn new<'m, const N: usize, const M: usize, T, B, Q>(
         basis: &B,
         quadrature: &Q,
-        map: Option<MapBlock<'_, N, M, T>>,
+        map: &dyn Fn(usize) -> Option<MapBlock<'m, N, M, T>>,
         asks: &'a Asks<'a>,
     ) -> Option<Self>
     where
@@ -76,12 +92,28 @@ impl<'a> Patch<'a> {
         if TypeId::of::<T>() != TypeId::of::<f64>() || !lanes::available() || N != M || !(N == 2 || N == 3) || basis.num_elements() == 0 {
             return None;
         }
-        let block = basis.block(0)?;
-        let rules = quadrature.axes(0)?;
-        if !is_whole(basis, &block) {
-            return None;
+        let parts = numbers::patches(basis)?;
+        let mut patches = Vec::with_capacity(parts.len());
+        for part in &parts {
+            let first = part.block.first;
+            patches.push(Patch::new(&part.block, &quadrature.axes(first)?, map(first), asks)?);
         }
-        let axes: Vec<Axis> = block.axes.iter().zip(&rules).map(|(axis, rule)| Axis::new(*axis, *rule)).collect::<Option<_>>()?;
+        let functions = basis.num_functions();
+        let whole = parts.len() == 1 && numbers::is_whole(&parts[0].ids, functions);
+        let ids = || parts.iter().flat_map(|part| part.ids.iter().map(|&id| id as u32)).collect();
+        let glue = (!whole).then(|| Glue::new(&patches, ids(), functions));
+        Some(Self { patches, glue })
+    }
+}
+
+impl<'a> Patch<'a> {
+    fn new<const N: usize, const M: usize, T: Real>(
+        block: &Block<'_, N, T>,
+        rules: &[&dyn Quadrature<1, T>; N],
+        map: Option<MapBlock<'_, N, M, T>>,
+        asks: &'a Asks<'a>,
+    ) -> Option<Self> {
+        let axes: Vec<Axis> = block.axes.iter().zip(rules).map(|(axis, rule)| Axis::new(*axis, *rule)).collect::<Option<_>>()?;
         if axes.iter().any(|axis| !COMPILED.contains(&axis.active)) {
             return None;
         }
@@ -89,42 +121,13 @@ impl<'a> Patch<'a> {
             None => None,
             Some(weights) => {
                 let weights: Vec<f64> = weights.iter().map(|&w| to_f64(w)).collect();
-                Some((Net::new(&block, &rules, 1, weights.clone())?, weights))
+                Some((Net::new(block, rules, 1, weights.clone())?, weights))
             }
         };
         let elements: Vec<usize> = axes.iter().map(Axis::elements).collect();
-        let net = map.filter(|m| m.basis.first == 0).and_then(|m| control(&m, &rules)).filter(|n| n.elements() == elements);
-        Some(Self { axes, map: net.map_or(Map::Elements(asks), Map::Net), weight })
+        let net = map.filter(|m| m.basis.first == block.first).and_then(|m| control(&m, rules)).filter(|n| n.elements() == elements);
+        Some(Self { axes, none: Axis::none(), map: net.map_or(Map::Elements(asks, block.first), Map::Net), weight })
     }
-}
-
-/// Whether `block` is all of `basis`, numbered like it.
-///
-/// A block of all elements and functions could still be a renumbering; the ids of the elements along every axis tell.
-fn is_whole<const N: usize, T: Real, B: Basis<N, T> + ?Sized>(basis: &B, block: &Block<'_, N, T>) -> bool {
-    let elements = block.axes.map(|a| a.num_elements());
-    let functions = block.axes.map(|a| a.num_functions());
-    if block.first != 0 || elements.iter().product::<usize>() != basis.num_elements() {
-        return false;
-    }
-    if functions.iter().product::<usize>() != basis.num_functions() {
-        return false;
-    }
-    let (mut ids, mut own) = (Vec::new(), Vec::new());
-    let strides = |sizes: &[usize; N]| -> [usize; N] { std::array::from_fn(|k| sizes[..k].iter().product()) };
-    let (element_stride, function_stride) = (strides(&elements), strides(&functions));
-    (0..N).all(|along| {
-        (0..elements[along]).all(|e| {
-            basis.active(e * element_stride[along], &mut ids);
-            let first: usize = (0..N)
-                .map(|k| {
-                    block.axes[k].active(if k == along { e } else { 0 }, &mut own);
-                    own.first().copied().unwrap_or(0) * function_stride[k]
-                })
-                .sum();
-            ids.first() == Some(&first)
-        })
-    })
 }
 
 /// The net of a map: control points, in homogeneous form where it is rational.

@@ -1,9 +1,9 @@
 //! Where the unknowns of a patch live: the mean of x over the points, weighted by the squared function.
 
-use super::Patch;
 use super::axis::Axis;
 use super::map::{self, ElementScratch, Map, Place, numbers};
 use super::net::Tile;
+use super::{Patch, Patches};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use rayon::prelude::*;
 
@@ -52,7 +52,7 @@ fn planes<S: Simd, const N: usize>(simd: S, patch: &Patch<'_>, owners: &[Vec<usi
                 net.tile(simd, &here, &mut tile);
                 simd.vectorize(Positions::<'_, S, N> { simd, net, axes, place, lines: &lines, tile: &tile, out: &mut geo });
             }
-            Map::Elements(_) => map::fill_elements::<S, N>(simd, axes, place, &mut element, &mut geo),
+            Map::Elements(..) => map::fill_elements::<S, N>(simd, axes, place, &mut element, &mut geo),
         }
         let mut squares = vec![1.0; q0 * lanes];
         if let Some((net, _)) = &patch.weight {
@@ -113,9 +113,34 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Positions<'_, S, N> {
     }
 }
 
-impl Patch<'_> {
-    /// A point per unknown of a field of `components` components; this patch has two points per direction.
+impl Patches<'_> {
+    /// A point per unknown of a field of `components` components; these patches have two points per direction.
+    ///
+    /// A function that is a sum of several of a patch gets the mean weighted by the sum of their squares.
     pub fn mean_places(&self, components: usize) -> Vec<[f64; 3]> {
+        let parts = self.patches.iter().map(Patch::place_sums);
+        let sums = match &self.glue {
+            None => parts.flatten().collect(),
+            Some(glue) => {
+                let mut all = vec![[0.0; 4]; glue.functions];
+                for (&id, own) in glue.ids.iter().zip(parts.flatten()) {
+                    all[id as usize].iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+                }
+                all
+            }
+        };
+        let mut places = Vec::with_capacity(components * sums.len());
+        for sum in sums {
+            let total = if sum[3] > 0.0 { sum[3] } else { 1.0 };
+            places.extend(std::iter::repeat_n([sum[0] / total, sum[1] / total, sum[2] / total], components));
+        }
+        places
+    }
+}
+
+impl Patch<'_> {
+    /// Integrals of x and 1, weighted by the squared function, up to the size of elements: every one counts the same.
+    fn place_sums(&self) -> Vec<[f64; 4]> {
         let (n, arch) = (self.axes.len(), pulp::Arch::new());
         let planes = if n == 2 { arch.dispatch(Planes::<2> { patch: self }) } else { arch.dispatch(Planes::<3> { patch: self }) };
         let slow = &self.axes[n - 1];
@@ -132,12 +157,9 @@ impl Patch<'_> {
                 sum
             })
             .collect();
-        let mut places = Vec::with_capacity(components * rows.len() * rows.first().map_or(0, Vec::len) / (n + 1));
-        for sum in rows.iter().flat_map(|row| row.chunks_exact(n + 1)) {
-            let total = if sum[n] > 0.0 { sum[n] } else { 1.0 };
-            let place = std::array::from_fn(|k| if k < n { sum[k] / total } else { 0.0 });
-            places.extend(std::iter::repeat_n(place, components));
-        }
-        places
+        let scale = |i: usize| self.weight.as_ref().map_or(1.0, |(_, weights)| weights[i] * weights[i]);
+        let sums = rows.iter().flat_map(|row| row.chunks_exact(n + 1)).enumerate();
+        sums.map(|(i, sum)| std::array::from_fn(|k| scale(i) * if k == 3 { sum[n] } else { sum[..n].get(k).copied().unwrap_or(0.0) }))
+            .collect()
     }
 }

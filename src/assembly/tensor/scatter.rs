@@ -1,0 +1,174 @@
+//! Rows of the patches of a glued body to the rows of the whole.
+//!
+//! Patches follow each other. The rows of one stretch of the slowest direction are handed out by their numbers in the
+//! whole, each to the task of its patch; a second function of the stretch with the same number comes after all others.
+//! So every entry is summed in an order that does not depend on the threads.
+
+use super::Patch;
+use super::coefficient::Coefficient;
+use super::glue::Glue;
+use super::march::{Plan, march};
+use super::write::{Directions, RowScratch, Sums};
+use crate::assembly::pattern::each_row;
+use crate::linalg::{Csr, Real, Sparsity};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Tasks per thread of a stretch of rows.
+const TASKS_PER_THREAD: usize = 2;
+
+/// The matrix of `coefficient` on all patches to `matrix`; `add`: on top of what is there.
+pub(super) fn fill<T: Real>(patches: &[Patch<'_>], glue: &Glue, coefficient: &Coefficient<'_>, add: bool, matrix: &mut Csr<T>) {
+    let (c, threads) = (coefficient.components, rayon::current_num_threads());
+    let graph = matrix.pattern().clone();
+    assert_eq!(graph.block(), c, "the matrix has the pattern of the basis");
+    let starts: Vec<usize> = graph.ptr().iter().map(|blocks| c * c * blocks).collect();
+    let to = Target { glue, starts: &starts, graph: &graph, add };
+    let values = matrix.vals_mut();
+    if !add {
+        each_row(&starts, values, |k, row| {
+            if !glue.direct[k] {
+                row.fill(T::zero());
+            }
+        });
+    }
+    for (k, patch) in patches.iter().enumerate() {
+        let plan = Plan::new(patch, coefficient);
+        let (directions, first) = (patch.directions(), glue.first[k]);
+        // inside the pool, so that no pass has to enter it
+        rayon::scope(|_| {
+            march(&plan, 0..directions.slow.functions, threads, &mut |sums: Sums<'_>, rows: Range<usize>| {
+                to.stretch(&sums, directions, first, rows, threads, values);
+            });
+        });
+    }
+    if coefficient.symmetric && !add {
+        to.mirror(values);
+    }
+}
+
+/// The matrix of the whole.
+#[derive(Clone, Copy)]
+struct Target<'a> {
+    glue: &'a Glue,
+    /// First value of every function.
+    starts: &'a [usize],
+    graph: &'a Sparsity,
+    add: bool,
+}
+
+impl Target<'_> {
+    /// Place of `other` among the neighbours of function `k`; `guess` is looked at first.
+    #[inline]
+    fn place(&self, k: usize, other: u32, guess: usize) -> usize {
+        let row = self.graph.group(k);
+        if row.get(guess) == Some(&other) {
+            return guess;
+        }
+        row.binary_search(&other).expect("the matrix has the pattern of the basis")
+    }
+
+    /// Adds the rows of the functions `rows` of the slow direction of the patch whose functions start at `first`.
+    fn stretch<T: Real>(&self, sums: &Sums<'_>, to: Directions<'_>, first: usize, rows: Range<usize>, threads: usize, values: &mut [T]) {
+        let (n0, n1) = (to.fast.functions, to.middle.functions);
+        let begin = first + rows.start * n0 * n1;
+        let mut order: Vec<(u32, usize)> = self.glue.ids[begin..first + rows.end * n0 * n1].iter().copied().zip(0..).collect();
+        order.sort_unstable();
+        let mut slots: Vec<Option<&mut [T]>> = order.iter().map(|_| None).collect();
+        let (mut rest, mut next, mut later) = (&mut *values, 0, Vec::new());
+        for (n, &(id, i)) in order.iter().enumerate() {
+            let (from, end) = (self.starts[id as usize], self.starts[id as usize + 1]);
+            if n > 0 && order[n - 1].0 == id {
+                later.push(i);
+                continue;
+            }
+            let (own, others) = rest.split_at_mut(from - next).1.split_at_mut(end - from);
+            (slots[i], rest, next) = (Some(own), others, end);
+        }
+        let lines = rows.len() * n1;
+        let share = lines.div_ceil(if threads == 1 { 1 } else { TASKS_PER_THREAD * threads }).max(1);
+        slots.par_chunks_mut(share * n0).enumerate().for_each(|(task, slots)| {
+            let mut scratch = RowScratch::default();
+            for (k, slots) in slots.chunks_mut(n0).enumerate() {
+                let line = task * share + k;
+                self.line(sums, to, first, [line % n1, rows.start + line / n1], slots, &mut scratch);
+            }
+        });
+        drop(slots);
+        later.sort_unstable();
+        let mut scratch = RowScratch::default();
+        for i in later {
+            let id = self.glue.ids[begin + i] as usize;
+            let mut slots: Vec<Option<&mut [T]>> = (0..n0).map(|_| None).collect();
+            slots[i % n0] = Some(&mut values[self.starts[id]..self.starts[id + 1]]);
+            self.line(sums, to, first, [i / n0 % n1, rows.start + i / n0 / n1], &mut slots, &mut scratch);
+        }
+    }
+
+    /// The rows of functions (.., middle, slow) that have a slot.
+    fn line<T: Real>(
+        &self,
+        sums: &Sums<'_>,
+        to: Directions<'_>,
+        first: usize,
+        [middle, slow]: [usize; 2],
+        slots: &mut [Option<&mut [T]>],
+        RowScratch { lines, row }: &mut RowScratch<T>,
+    ) {
+        let (n, own) = (sums.components, first + to.fast.functions * (middle + to.middle.functions * slow));
+        lines.start(sums, to, [middle, slow]);
+        for c in 0..n {
+            lines.fill(sums, c);
+            for (i, slot) in slots.iter_mut().enumerate() {
+                let Some(out) = slot else { continue };
+                let id = self.glue.ids[own + i] as usize;
+                let length = out.len() / n;
+                let out = &mut out[c * length..][..length];
+                if self.glue.direct[id] && !self.add {
+                    lines.row(sums, to.fast, i, c, out);
+                    continue;
+                }
+                let (from, end) = to.fast.columns[i];
+                let width = n * (end - from);
+                row.resize(lines.runs.len() * width, T::zero());
+                lines.row(sums, to.fast, i, c, row);
+                let mut place = 0;
+                for (run, values) in lines.runs.iter().zip(row.chunks_exact(width.max(1))) {
+                    let (mut j, last) = (first + run.first + from, first + run.first + end);
+                    let mut values = values;
+                    while j < last {
+                        let end = self.glue.run_end[j].min(last);
+                        let (part, others) = values.split_at((end - j) * n);
+                        place = self.place(id, self.glue.ids[j], place);
+                        out[place * n..][..part.len()].iter_mut().zip(part).for_each(|(to, &value)| *to += value);
+                        place += end - j;
+                        (j, values) = (end, others);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Gives entries opposite those of merged functions the same bits: theirs were summed in another order.
+    fn mirror<T: Real>(&self, values: &mut [T]) {
+        let n = self.graph.block();
+        let at = |k: usize, c: usize, place: usize, e: usize| {
+            let length = (self.starts[k + 1] - self.starts[k]) / n;
+            self.starts[k] + c * length + place * n + e
+        };
+        for &k in &self.glue.merged {
+            for (place, &j) in self.graph.group(k).iter().enumerate() {
+                let j = j as usize;
+                if j < k && self.glue.merged.binary_search(&j).is_ok() {
+                    continue;
+                }
+                let opposite = self.place(j, k as u32, 0);
+                for c in 0..n {
+                    for e in if j == k { c + 1 } else { 0 }..n {
+                        values[at(j, e, opposite, c)] = values[at(k, c, place, e)];
+                    }
+                }
+            }
+        }
+    }
+}
