@@ -54,10 +54,9 @@ pub(super) fn groups<const N: usize>(symmetric: bool, extended: bool) -> Vec<Gro
     groups
 }
 
-/// The group of products of values, D of one component.
-pub(super) fn mass<const N: usize>() -> Vec<Group> {
-    let to = [components(N) - 1; COMPONENTS_AT_ONCE];
-    vec![Group { mask: VV, count: 1, from: [[0; COMPONENTS_AT_ONCE]; 4], to }]
+/// The group of products of values: one component of D, one of the contraction.
+pub(super) fn mass() -> Vec<Group> {
+    vec![Group { mask: VV, count: 1, from: [[0; COMPONENTS_AT_ONCE]; 4], to: [0; COMPONENTS_AT_ONCE] }]
 }
 
 /// Where the middle contraction finds its components: (middle, slow) is (slow, middle) of a symmetric D.

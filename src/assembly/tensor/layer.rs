@@ -69,7 +69,7 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
         let vectors = (axes[0].functions * axes[0].active).div_ceil(lanes);
         let tiles = if third { axes[1].points() } else { points }.div_ceil(lanes);
         let tasks = if third { tiles * points } else { tiles };
-        let chunk = vectors * lanes * groups::components(N);
+        let chunk = vectors * lanes * plan.components();
         let middle = if third { &axes[1] } else { &none };
         let vector = plan.pairs.len() * Directions { fast: &axes[0], middle, slow: &axes[N - 1] }.sums(slots);
         let owners = [axes[1].owners(), axes[N - 1].owners()];
@@ -195,7 +195,7 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Fast<'_, '_, S, N> {
             plan.coefficient.pull::<S, N>(simd, pair, &scratch.geo, &scratch.tangents, weight, &mut scratch.d);
             let groups = &plan.groups[usize::from(!pair.symmetric)];
             let (axis, out) = (&patch.axes[0], bytemuck::cast_slice_mut(out));
-            let components = groups::components(N);
+            let components = plan.components();
             simd.vectorize(fast::Contract { simd, axis, d: &scratch.d, stride, groups, components, out });
         }
     }
@@ -222,16 +222,22 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Add<'_, '_, S, N> {
         let to = Directions { fast: &axes[0], middle, slow };
         let points = layer.points.len();
         let width = 2 * middle.active - 1;
-        let vector = r * lanes * groups::components(N);
+        let vector = r * lanes * plan.components();
+        let types = if plan.components() == 1 { 1 } else { 4 };
         for (k, (pair, sums)) in plan.pairs.iter().zip(sums.chunks_exact_mut(to.sums(sweep.slots))).enumerate() {
             let start = k * sweep.chunk + vector;
             let components = groups::places(pair.symmetric);
             for i in 0..middle.functions {
                 if N == 3 {
-                    scratch[..width * points * 4].fill(simd.splat_f64s(0.0));
+                    scratch[..width * points * types].fill(simd.splat_f64s(0.0));
                     for q in 0..points {
                         let at = Tiles { tile: task, start: start + q * sweep.tiles * task };
                         match middle.active {
+                            2 if types == 1 => middle::values::<S, 2>(simd, middle, i, tiles, at, scratch, [q, points]),
+                            3 if types == 1 => middle::values::<S, 3>(simd, middle, i, tiles, at, scratch, [q, points]),
+                            4 if types == 1 => middle::values::<S, 4>(simd, middle, i, tiles, at, scratch, [q, points]),
+                            5 if types == 1 => middle::values::<S, 5>(simd, middle, i, tiles, at, scratch, [q, points]),
+                            6 if types == 1 => middle::values::<S, 6>(simd, middle, i, tiles, at, scratch, [q, points]),
                             2 => middle::contract::<S, 2>(simd, middle, i, tiles, at, &components, scratch, [q, points]),
                             3 => middle::contract::<S, 3>(simd, middle, i, tiles, at, &components, scratch, [q, points]),
                             4 => middle::contract::<S, 4>(simd, middle, i, tiles, at, &components, scratch, [q, points]),
@@ -242,19 +248,23 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Add<'_, '_, S, N> {
                 } else {
                     for q in 0..points {
                         let from = start + (q / lanes) * task + q % lanes;
-                        for c in 0..4 {
-                            scratch[q * 4 + c] = tiles[from + c * lanes];
+                        for c in 0..types {
+                            scratch[q * types + c] = tiles[from + c * lanes];
                         }
                     }
                 }
                 for j in middle.columns[i].0..middle.columns[i].1 {
                     let offset = j + middle.active - 1 - i;
-                    let t = &scratch[offset * points * 4..(offset + 1) * points * 4];
-                    let mut ring = to.ring(sweep.slots, i);
-                    ring.start += offset;
+                    let t = &scratch[offset * points * types..(offset + 1) * points * types];
+                    let ring = to.ring(sweep.slots, i, j);
                     for e in layer.elements.clone() {
                         let origin = layer.points.start;
                         match slow.active {
+                            2 if types == 1 => slow::values::<S, 2>(simd, slow, e, t, origin, ring, sums),
+                            3 if types == 1 => slow::values::<S, 3>(simd, slow, e, t, origin, ring, sums),
+                            4 if types == 1 => slow::values::<S, 4>(simd, slow, e, t, origin, ring, sums),
+                            5 if types == 1 => slow::values::<S, 5>(simd, slow, e, t, origin, ring, sums),
+                            6 if types == 1 => slow::values::<S, 6>(simd, slow, e, t, origin, ring, sums),
                             2 => slow::contract::<S, 2>(simd, slow, e, t, origin, ring, sums),
                             3 => slow::contract::<S, 3>(simd, slow, e, t, origin, ring, sums),
                             4 => slow::contract::<S, 4>(simd, slow, e, t, origin, ring, sums),

@@ -33,12 +33,16 @@ impl<'a, 'p> Plan<'a, 'p> {
     pub fn new(patch: &'a Patch<'p>, coefficient: &'a Coefficient<'a>) -> Self {
         let extended = patch.weight.is_some();
         let groups = match (&coefficient.source, patch.axes.len()) {
-            (Source::Mass, 2) => [groups::mass::<2>(), groups::mass::<2>()],
-            (Source::Mass, _) => [groups::mass::<3>(), groups::mass::<3>()],
+            (Source::Mass, _) => [groups::mass(), groups::mass()],
             (_, 2) => [true, false].map(|symmetric| groups::groups::<2>(symmetric, extended)),
             _ => [true, false].map(|symmetric| groups::groups::<3>(symmetric, extended)),
         };
         Self { patch, coefficient, pairs: coefficient.pairs(), groups }
+    }
+
+    /// Components of the contraction along the fastest direction.
+    pub fn components(&self) -> usize {
+        if matches!(self.coefficient.source, Source::Mass) { 1 } else { groups::components(self.patch.axes.len()) }
     }
 }
 
@@ -73,10 +77,10 @@ impl<const N: usize> pulp::WithSimd for March<'_, '_, '_, N> {
 }
 
 /// Elements of the slowest direction that a layer takes.
-fn layer_elements<const N: usize>(axes: &[Axis], pairs: usize) -> usize {
+fn layer_elements<const N: usize>(axes: &[Axis], components: usize) -> usize {
     let slow = &axes[N - 1];
-    let per_point = if N == 3 { axes[1].points() } else { 1 } * axes[0].functions * axes[0].active * groups::components(N);
-    let per_element = slow.points().div_ceil(slow.elements()) * per_point * pairs * size_of::<f64>();
+    let per_point = if N == 3 { axes[1].points() } else { 1 } * axes[0].functions * axes[0].active * components;
+    let per_element = slow.points().div_ceil(slow.elements()) * per_point * size_of::<f64>();
     (LAYER_BYTES / per_element.max(1)).clamp(1, slow.elements())
 }
 
@@ -87,7 +91,7 @@ fn run<S: Simd, const N: usize>(simd: S, march: March<'_, '_, '_, N>) {
     let mut reached = rows.clone().filter(|&i| slow.support[i].1 > 0);
     let (Some(lowest), Some(highest)) = (reached.clone().next(), reached.next_back()) else { return };
     let (begin, end) = (slow.support[lowest].0, slow.support[highest].1);
-    let step = layer_elements::<N>(axes, plan.pairs.len());
+    let step = layer_elements::<N>(axes, plan.pairs.len() * plan.components());
     let layers: Vec<Range<usize>> = (begin..end).step_by(step).map(|e| e..(e + step).min(end)).collect();
     let slots = layers.iter().map(|l| slow.first[l.end - 1] + slow.active - slow.first[l.start]).max().unwrap_or(0);
     let points = layers.iter().map(|l| slow.start[l.end] - slow.start[l.start]).max().unwrap_or(0);

@@ -67,3 +67,32 @@ pub(super) fn contract<S: Simd, const NP: usize>(
         }
     }
 }
+
+/// As [`contract`] for products of values, one component: `out[(j - i + active - 1) * points + point]`.
+#[inline(always)]
+pub(super) fn values<S: Simd, const NP: usize>(
+    simd: S,
+    axis: &Axis,
+    i: usize,
+    t: &[S::f64s],
+    at: Tiles,
+    out: &mut [S::f64s],
+    [point, points]: [usize; 2],
+) {
+    let lanes = S::F64_LANES;
+    for e in axis.support[i].0..axis.support[i].1 {
+        let a = i - axis.first[e];
+        let mut acc = [simd.splat_f64s(0.0); NP];
+        for q in axis.start[e]..axis.start[e + 1] {
+            let values = &rows::<NP>(&axis.values)[q];
+            let u = simd.mul_f64s(t[at.start + (q / lanes) * at.tile + q % lanes], simd.splat_f64s(values[a]));
+            for b in 0..NP {
+                acc[b] = simd.mul_add_e_f64s(u, simd.splat_f64s(values[b]), acc[b]);
+            }
+        }
+        for b in 0..NP {
+            let out = &mut out[(b + NP - 1 - a) * points + point];
+            *out = simd.add_f64s(*out, acc[b]);
+        }
+    }
+}

@@ -37,14 +37,13 @@ pub(super) struct Lines {
 impl Lines {
     /// The runs of the rows of (.., `middle`, `slow`).
     pub fn start(&mut self, sums: &Sums<'_>, to: Directions<'_>, [middle, slow]: [usize; 2]) {
-        let (w, own) = (to.middle.active - 1, to.ring(sums.slots, middle));
         self.first = to.fast.functions * (middle + to.middle.functions * slow);
         self.runs.clear();
         for js in to.slow.columns[slow].0..to.slow.columns[slow].1 {
             for jm in to.middle.columns[middle].0..to.middle.columns[middle].1 {
                 self.runs.push(Run {
-                    upper: own.at(to.slow.active, slow, js) + jm + w - middle,
-                    mirror: to.ring(sums.slots, jm).at(to.slow.active, js, slow) + middle + w - jm,
+                    upper: to.ring(sums.slots, middle, jm).at(to.slow.active, slow, js),
+                    mirror: to.ring(sums.slots, jm, middle).at(to.slow.active, js, slow),
                     order: (js, jm).cmp(&(slow, middle)),
                     first: to.fast.functions * (jm + to.middle.functions * js),
                 });

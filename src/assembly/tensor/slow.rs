@@ -11,8 +11,6 @@ use pulp::Simd;
 pub(super) struct Ring {
     /// Number of slots.
     pub slots: usize,
-    /// Distance of neighbouring pairs of one slot.
-    pub pair: usize,
     /// Start.
     pub start: usize,
 }
@@ -21,7 +19,7 @@ impl Ring {
     /// Place of the pair (i, j) of an axis with `active` functions per element.
     #[inline(always)]
     pub fn at(&self, active: usize, i: usize, j: usize) -> usize {
-        self.start + ((i.max(j) % self.slots) * (2 * active - 1) + (i + active - 1 - j)) * self.pair
+        self.start + (i.max(j) % self.slots) * (2 * active - 1) + (i + active - 1 - j)
     }
 }
 
@@ -50,6 +48,36 @@ pub(super) fn contract<S: Simd, const NP: usize>(
             for b in 0..NP {
                 let (v, s) = (simd.splat_f64s(values[b]), simd.splat_f64s(slopes[b]));
                 acc[b] = simd.mul_add_e_f64s(u1, v, simd.mul_add_e_f64s(u0, s, acc[b]));
+            }
+        }
+        for b in 0..NP {
+            let sum = &mut sums[ring.at(NP, first + a, first + b)];
+            let starts = axis.support[first + a.max(b)].0 == e;
+            *sum = if starts { acc[b] } else { simd.add_f64s(*sum, acc[b]) };
+        }
+    }
+}
+
+/// As [`contract`] for products of values: `t[point - origin]`.
+#[inline(always)]
+pub(super) fn values<S: Simd, const NP: usize>(
+    simd: S,
+    axis: &Axis,
+    e: usize,
+    t: &[S::f64s],
+    origin: usize,
+    ring: Ring,
+    sums: &mut [S::f64s],
+) {
+    let first = axis.first[e];
+    let range = axis.start[e]..axis.start[e + 1];
+    let tables = &rows::<NP>(&axis.values)[range.clone()];
+    for a in 0..NP {
+        let mut acc = [simd.splat_f64s(0.0); NP];
+        for (t, values) in t[range.start - origin..range.end - origin].iter().zip(tables) {
+            let u = simd.mul_f64s(*t, simd.splat_f64s(values[a]));
+            for b in 0..NP {
+                acc[b] = simd.mul_add_e_f64s(u, simd.splat_f64s(values[b]), acc[b]);
             }
         }
         for b in 0..NP {

@@ -44,11 +44,11 @@ pub(super) struct Directions<'a> {
 }
 
 impl Directions<'_> {
-    /// Place of the ring of function `middle`.
-    pub fn ring(&self, slots: usize, middle: usize) -> Ring {
-        let width = 2 * self.middle.active - 1;
-        let size = slots * (2 * self.slow.active - 1) * width;
-        Ring { slots, pair: width, start: middle * size }
+    /// Place of the ring of the pair (i, j) of functions of the middle direction.
+    #[inline(always)]
+    pub fn ring(&self, slots: usize, i: usize, j: usize) -> Ring {
+        let (active, size) = (self.middle.active, slots * (2 * self.slow.active - 1));
+        Ring { slots, start: (i * (2 * active - 1) + j + active - 1 - i) * size }
     }
 
     /// Vectors of sums per pair of components and vector of pairs of the fastest direction.
