@@ -1,6 +1,7 @@
 //! Cuts of a set of points and edges in two halves and a small separator.
 
 use super::flow::Network;
+use super::frame::frame;
 use super::{Piece, index};
 
 /// Projections closer than this part of the extent count as equal, so that a cut follows a line of the grid.
@@ -8,28 +9,32 @@ const EQUAL: f64 = 1e-9;
 /// Half width, as part of all vertices, of the band in which the smallest separator is sought.
 const BAND: f64 = 0.1;
 /// The same half width in separators of the straight cut, for large sets.
-const LAYERS: usize = 8;
+const LAYERS: usize = 2;
+/// Vertices beside a plane whose edges are looked at.
+const NEAR: usize = 32;
+/// Edges along the directions of a grid to this part need no others.
+const ALIGNED: f64 = 0.85;
 
 /// Labels of a cut.
 pub(super) const LEFT: u8 = 0;
 pub(super) const RIGHT: u8 = 1;
 pub(super) const SEPARATOR: u8 = 2;
 
-/// The cheapest cut over the axes and the longest direction of inertia; `None` where no cut leaves two halves.
+/// The cheapest cut over the directions of the grid, or the axes and the longest direction of inertia; `None` where no cut leaves two
+/// halves.
 pub(super) fn best_cut(piece: &Piece) -> Option<Vec<u8>> {
-    let mut best: Option<Cut> = None;
     let mut directions = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    directions.extend(oblique_direction(&piece.at));
-    for direction in directions {
-        let t: Vec<f64> = piece.at.iter().map(|x| x[0] * direction[0] + x[1] * direction[1] + x[2] * direction[2]).collect();
-        if let Some(cut) = median_cut(piece, t) {
-            // the first of two equal cuts: the result does not depend on rounding of a later one
-            if best.as_ref().is_none_or(|b| cut.cost < 0.999 * b.cost) {
-                best = Some(cut);
-            }
+    match frame(piece) {
+        Some((axes, share)) if share > ALIGNED => directions = axes.to_vec(),
+        found => {
+            directions.extend(found.into_iter().flat_map(|f| f.0));
+            directions.extend(oblique_direction(&piece.at));
         }
     }
-    let best = best?;
+    let mut planes: Vec<Plane> = directions.iter().filter_map(|d| Plane::through_median(piece, d)).collect();
+    // the sort keeps the first of equal ones in front
+    planes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let best = planes.into_iter().find_map(|plane| plane.cut(piece))?;
     if !best.straight {
         // oblique to the grid, or no grid: the smallest separator in a band around the median follows the mesh
         if let Some((cost, label)) = band_cut(piece, &best.t, best.label.iter().filter(|&&l| l == SEPARATOR).count())
@@ -39,6 +44,76 @@ pub(super) fn best_cut(piece: &Piece) -> Option<Vec<u8>> {
         }
     }
     Some(best.label)
+}
+
+/// A plane through the median of the vertices.
+struct Plane {
+    /// What its separator costs about: the weight of the smaller rim, more where the halves differ.
+    cost: f64,
+    /// Projections on the normal.
+    t: Vec<f64>,
+    /// What is below goes left.
+    bound: f64,
+    extent: f64,
+}
+
+impl Plane {
+    fn through_median(piece: &Piece, normal: &[f64; 3]) -> Option<Self> {
+        let n = piece.ids.len();
+        let t: Vec<f64> = piece.at.iter().map(|x| x[0] * normal[0] + x[1] * normal[1] + x[2] * normal[2]).collect();
+        let (low, high) = t.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
+        let extent = high - low;
+        if extent <= 1e-12 * low.abs().max(high.abs()) {
+            return None;
+        }
+        let mut values = t.clone();
+        let median = *values.select_nth_unstable_by(n / 2, f64::total_cmp).1;
+        let (before, after) = (median - EQUAL * extent, median + EQUAL * extent);
+        // before or after the run of equal projections, whichever halves better
+        let (num_before, num_after) = t.iter().fold((0, 0), |(b, a), &x| (b + usize::from(x < before), a + usize::from(x <= after)));
+        let bound = if num_after == n || (num_before > 0 && n / 2 - num_before <= num_after - n / 2) { before } else { after };
+        // the vertices nearest to the median tell how far edges reach there
+        let few = (n / 2).min(NEAR);
+        let near = *values[..n / 2].select_nth_unstable_by(n / 2 - few, f64::total_cmp).1;
+        let beside = (0..n).filter(|&v| (near..=after).contains(&t[v])).take(NEAR);
+        let reach =
+            beside.flat_map(|v| piece.neighbours(v).iter().map(|&u| (t[u as usize] - t[v]).abs()).collect::<Vec<_>>()).fold(0.0, f64::max);
+        let (mut halves, mut rim) = ([0u64; 2], [0u64; 2]);
+        for v in 0..n {
+            let (w, side) = (u64::from(piece.weight[v]), usize::from(t[v] >= bound));
+            halves[side] += w;
+            let crosses = |&u: &u32| usize::from(t[u as usize] >= bound) != side;
+            if (t[v] - bound).abs() <= 1.5 * reach && piece.neighbours(v).iter().any(crosses) {
+                rim[side] += w;
+            }
+        }
+        let difference = halves[0].abs_diff(halves[1]) as f64 / (halves[0] + halves[1]) as f64;
+        Some(Self { cost: rim[0].min(rim[1]) as f64 * (1.0 + difference * difference), t, bound, extent })
+    }
+
+    /// The separator is the rim of one half.
+    fn cut(self, piece: &Piece) -> Option<Cut> {
+        let Self { t, bound, extent, .. } = self;
+        let n = t.len();
+        let mut label: Vec<u8> = t.iter().map(|&x| if x < bound { LEFT } else { RIGHT }).collect();
+        let (mut weight, mut rim, mut rims) = ([0u64; 2], [0u64; 2], [Vec::new(), Vec::new()]);
+        for v in 0..n {
+            let side = label[v];
+            weight[side as usize] += u64::from(piece.weight[v]);
+            if piece.neighbours(v).iter().any(|&u| label[u as usize] != side) {
+                rim[side as usize] += u64::from(piece.weight[v]);
+                rims[side as usize].push(v);
+            }
+        }
+        let from = if rim[0] < rim[1] || (rim[0] == rim[1] && weight[0] > weight[1]) { LEFT } else { RIGHT };
+        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
+        for &v in &rims[from as usize] {
+            label[v] = SEPARATOR;
+            (first, last) = (first.min(t[v]), last.max(t[v]));
+        }
+        let straight = last - first <= 2.0 * EQUAL * extent;
+        Some(Cut { cost: cost(piece, &label)?, label, t, straight })
+    }
 }
 
 /// A cut: labels, their cost, the projections behind it.
@@ -61,43 +136,6 @@ fn cost(piece: &Piece, label: &[u8]) -> Option<f64> {
     }
     let difference = weight[0].abs_diff(weight[1]) as f64 / (weight[0] + weight[1]) as f64;
     Some(weight[2] as f64 * (1.0 + difference * difference))
-}
-
-/// Cuts the projections at their median; the separator is the rim of one half.
-fn median_cut(piece: &Piece, t: Vec<f64>) -> Option<Cut> {
-    let n = piece.ids.len();
-    let (low, high) = t.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
-    let extent = high - low;
-    if extent <= 1e-12 * low.abs().max(high.abs()) {
-        return None;
-    }
-    let mut values = t.clone();
-    let median = *values.select_nth_unstable_by(n / 2, f64::total_cmp).1;
-    let (before, after) = (median - EQUAL * extent, median + EQUAL * extent);
-    // before or after the run of equal projections, whichever halves better
-    let (num_before, num_after) = (t.iter().filter(|&&x| x < before).count(), t.iter().filter(|&&x| x <= after).count());
-    let bound = if num_after == n || (num_before > 0 && n / 2 - num_before <= num_after - n / 2) { before } else { after };
-    let mut label: Vec<u8> = t.iter().map(|&x| if x < bound { LEFT } else { RIGHT }).collect();
-    let mut weight = [0u64; 2];
-    let mut rim = [0u64; 2];
-    for v in 0..n {
-        let side = label[v];
-        weight[side as usize] += u64::from(piece.weight[v]);
-        if piece.neighbours(v).iter().any(|&u| label[u as usize] != side) {
-            rim[side as usize] += u64::from(piece.weight[v]);
-        }
-    }
-    let from = if rim[0] < rim[1] || (rim[0] == rim[1] && weight[0] > weight[1]) { LEFT } else { RIGHT };
-    let other = 1 - from;
-    let separator: Vec<usize> =
-        (0..n).filter(|&v| label[v] == from && piece.neighbours(v).iter().any(|&u| label[u as usize] == other)).collect();
-    let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-    for v in separator {
-        label[v] = SEPARATOR;
-        (first, last) = (first.min(t[v]), last.max(t[v]));
-    }
-    let straight = last - first <= 2.0 * EQUAL * extent;
-    Some(Cut { cost: cost(piece, &label)?, label, t, straight })
 }
 
 /// The smallest separator between the lowest and the highest projections, by maximum flow through the band between them.
@@ -126,28 +164,30 @@ fn band_cut(piece: &Piece, t: &[f64], separator: usize) -> Option<(f64, Vec<u8>)
     }
     // vertex k enters at 2 k and leaves at 2 k + 1, its weight is what it lets through
     let (source, sink) = (2 * band.len(), 2 * band.len() + 1);
-    let mut net = Network::new(sink + 1);
+    let mut arcs: Vec<(u32, u32, u32)> = Vec::new();
+    let mut arc = |from, to, room| arcs.push((index(from), index(to), room));
     for (k, &v) in band.iter().enumerate() {
-        net.arc(2 * k, 2 * k + 1, piece.weight[v]);
+        arc(2 * k, 2 * k + 1, piece.weight[v]);
         let (mut left, mut right) = (false, false);
         for &u in piece.neighbours(v) {
             match label[u as usize] {
                 LEFT => left = true,
                 RIGHT => right = true,
-                _ => net.arc(2 * k + 1, 2 * local[u as usize] as usize, u32::MAX),
+                _ => arc(2 * k + 1, 2 * local[u as usize] as usize, u32::MAX),
             }
         }
         if left {
-            net.arc(source, 2 * k, u32::MAX);
+            arc(source, 2 * k, u32::MAX);
         }
         if right {
-            net.arc(2 * k + 1, sink, u32::MAX);
+            arc(2 * k + 1, sink, u32::MAX);
         }
     }
     // an edge across the band leaves no separator inside it
     if (0..n).any(|v| label[v] == LEFT && piece.neighbours(v).iter().any(|&u| label[u as usize] == RIGHT)) {
         return None;
     }
+    let mut net = Network::new(sink + 1, &arcs);
     net.saturate(source, sink);
     let reached = net.reached(source);
     for (k, &v) in band.iter().enumerate() {

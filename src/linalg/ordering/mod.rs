@@ -1,7 +1,8 @@
 //! Fill-reducing orders of symmetric matrices: geometric nested dissection and the postorder of an elimination tree.
 //!
 //! A set of vertices is cut in two near the plane through its median; the separator comes last, both halves are cut again.
-//! It is the rim of one half where a line of the grid runs along the plane, else the smallest set that parts a band around it.
+//! Planes are tried across the directions that its short edges have, those of a grid wherever it lies, turned or bent.
+//! The separator is the rim of one half where a line of the grid runs along the plane, else the smallest set that parts a band around it.
 //! Vertices at one place are cut as one.
 //! The order depends on the pattern and the places only, not on the number of threads.
 //!
@@ -9,10 +10,10 @@
 
 mod cut;
 mod flow;
+mod frame;
 mod tree;
 
 use cut::{LEFT, RIGHT, SEPARATOR, best_cut};
-use std::collections::BTreeMap;
 
 pub use tree::{factor_entries, postordered};
 
@@ -137,7 +138,7 @@ impl Piece {
 fn dissect(piece: Piece, graph: &Graph) -> Vec<u32> {
     let n = piece.ids.len();
     if n <= LEAF {
-        return minimum_degree(&piece.ids, graph);
+        return minimum_degree(&piece, graph);
     }
     let Some(label) = best_cut(&piece) else {
         return piece.ids;
@@ -158,20 +159,27 @@ fn dissect(piece: Piece, graph: &Graph) -> Vec<u32> {
 /// Minimum degree order of a small set; its neighbours outside, all of them ordered later, count in the degrees.
 ///
 /// Adjacency as bits: first the vertices of the set, then the neighbours.
-fn minimum_degree(ids: &[u32], graph: &Graph) -> Vec<u32> {
-    let n = ids.len();
-    let mut local: BTreeMap<u32, usize> = ids.iter().enumerate().map(|(k, &v)| (v, k)).collect();
-    for &v in ids {
-        for &u in graph.neighbours(v as usize) {
-            let next = local.len();
-            local.entry(u).or_insert(next);
-        }
-    }
-    let words = local.len().div_ceil(64);
+fn minimum_degree(piece: &Piece, graph: &Graph) -> Vec<u32> {
+    let (n, ids) = (piece.ids.len(), &piece.ids);
+    // ids ascend in the piece and in both graphs: what is not met in the piece lies outside
+    let outside = |v: usize| {
+        let mut inner = piece.neighbours(v).iter().map(|&u| ids[u as usize]).peekable();
+        graph.neighbours(ids[v] as usize).iter().copied().filter(move |u| inner.next_if_eq(u).is_none())
+    };
+    let mut others: Vec<u32> = (0..n).flat_map(outside).collect();
+    others.sort_unstable();
+    others.dedup();
+    let words = (n + others.len()).div_ceil(64);
     let mut tied = vec![vec![0u64; words]; n];
-    for (row, &v) in tied.iter_mut().zip(ids) {
-        for u in graph.neighbours(v as usize) {
-            let k = local[u];
+    for (v, row) in tied.iter_mut().enumerate() {
+        let inner = piece.neighbours(v).iter().map(|&u| u as usize);
+        let mut from = 0;
+        let outer = outside(v).map(|u| {
+            // both lists ascend
+            from += others[from..].partition_point(|&o| o < u);
+            n + from
+        });
+        for k in inner.chain(outer) {
             row[k / 64] |= 1 << (k % 64);
         }
     }
