@@ -25,7 +25,7 @@ pub enum Backend {
 }
 
 /// Upper body x in [-1, 1], y in [x²/4, 1] with n x n/2 elements; lower body [-1, 1] x [-1, 0] with 5n/4 x 5n/8.
-fn bodies(backend: Backend, p: usize, n: usize) -> [Box<dyn Body<1, 2>>; 2] {
+pub fn bodies(backend: Backend, p: usize, n: usize) -> [Box<dyn Body<1, 2>>; 2] {
     let bottom = [[-1.0, 0.25], [0.0, -0.25], [1.0, 0.25]];
     let points = bottom.iter().copied().chain([[-1.0, 1.0], [0.0, 1.0], [1.0, 1.0]]).map(|[x, y]| Vector::<2>::new(x, y)).collect();
     let upper = ControlNet::try_new([BSpline::uniform(2, 1, 1), BSpline::uniform(1, 1, 0)], points, None).unwrap();

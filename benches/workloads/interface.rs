@@ -12,7 +12,7 @@ use faying::space::{Body, Field, Mesh, PatchSpec, Trace};
 use serde_json::{Value, json};
 
 /// One layer of n Lagrange elements of degree p on a strip of length 1; its side "v1" is above, "v0" below.
-fn strip(p: usize, n: usize, [low, high]: [f64; 2]) -> Mesh<1, 2> {
+pub fn strip(p: usize, n: usize, [low, high]: [f64; 2]) -> Mesh<1, 2> {
     let spec = PatchSpec::new(shapes::rectangle([0.0, low], [1.0, high]).unwrap());
     Mesh::from_patch(&spec.with_degree([p; 2]).with_elements([n, 1])).unwrap()
 }

@@ -11,6 +11,7 @@ mod interface;
 mod measure;
 mod meshes;
 mod run;
+mod saddle;
 mod solvers;
 mod table;
 

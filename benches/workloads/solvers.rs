@@ -4,6 +4,7 @@ use crate::bodies;
 use crate::measure::{Time, median, peak_rss_mb, timed};
 use crate::meshes::cells;
 use crate::run::Options;
+use crate::saddle;
 use faying::assembly::{Fixed, Reduced, dirichlet, gauss_rules, load, stiffness};
 use faying::basis::Cell;
 use faying::linalg::{Csr, Ldlt, LinearSolver, Vector, ordering};
@@ -26,23 +27,28 @@ pub const LIST: [(&str, usize, usize); 9] = [
     ("W7-W4f", 2, 24),
 ];
 
+/// Names of all workloads here.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    LIST.iter().chain(&saddle::LIST).map(|w| w.0)
+}
+
 /// Runs the list, each matrix in a process of its own, and prints a row for each.
 pub fn list(options: &Options) {
     println!(
-        "{:<9} {:>7} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>9}",
+        "{:<14} {:>7} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>9}",
         "name", "dofs", "nnz", "total", "analyse", "factor", "checks", "solve", "again", "MB", "residual"
     );
-    for (name, ..) in LIST {
+    for name in names() {
         let mut command = Command::new(std::env::current_exe().unwrap());
         command.args([name, "--threads", &options.threads.to_string(), "--reps", &options.reps.to_string()]);
         let output = command.output().unwrap();
         let Ok(value) = serde_json::from_slice::<serde_json::Value>(&output.stdout) else {
-            println!("{name:<9} failed: {}", String::from_utf8_lossy(&output.stderr));
+            println!("{name:<14} failed: {}", String::from_utf8_lossy(&output.stderr));
             continue;
         };
         let seconds = |key: &str| value[key].as_f64().map_or("-".to_owned(), |v| format!("{v:.3}"));
         println!(
-            "{name:<9} {:>7} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8.0} {:>9.1e}",
+            "{name:<14} {:>7} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8.0} {:>9.1e}",
             value["dofs"],
             value["nnz"],
             seconds("total_cpu_s"),
@@ -59,14 +65,14 @@ pub fn list(options: &Options) {
 
 /// Unknowns without the prescribed ones.
 #[derive(Debug)]
-struct System {
-    matrix: Csr,
-    load: Vec<f64>,
+pub struct System {
+    pub matrix: Csr,
+    pub load: Vec<f64>,
 }
 
 /// One line of JSON; `None` for names that are not in the list.
 pub fn record(name: &str, options: &Options) -> Option<serde_json::Value> {
-    let &(_, p, n) = LIST.iter().find(|w| w.0 == name)?;
+    let Some(&(_, p, n)) = LIST.iter().find(|w| w.0 == name) else { return saddle::record(name, options) };
     let (p, n) = (options.p.unwrap_or(p), options.n.unwrap_or(n));
     let system = system(name, p, n)?;
     if let Some(folder) = &options.export {
@@ -125,7 +131,7 @@ fn measured(name: &str, [p, n]: [usize; 2], system: &System, options: &Options) 
     next.vals_mut().iter_mut().for_each(|v| *v *= 1.5);
     let (ptr, cols) = upper(matrix);
     let mut x = vec![0.0; load.len()];
-    let (mut runs, mut entries, mut refinements) = (Vec::new(), 0, 0);
+    let (mut runs, mut entries, mut refinements, mut condition) = (Vec::new(), 0, 0, 0.0);
     for _ in 0..options.reps {
         let order = timed(|| {
             let order = ordering::nested_dissection(&ptr, &cols, faying::linalg::Operator::places(matrix));
@@ -138,7 +144,7 @@ fn measured(name: &str, [p, n]: [usize; 2], system: &System, options: &Options) 
         let check = timed(|| solver.check(matrix).unwrap()).1;
         let (done, solve) = timed(|| solver.solve(matrix, load, &mut x).unwrap());
         let refactor = timed(|| solver.prepare(&next).unwrap()).1;
-        (entries, refinements) = (solver.factor_entries(), done);
+        (entries, refinements, condition) = (solver.factor_entries(), done, solver.condition(&next).unwrap());
         runs.push(Phases { order: order.1, analyse, factor, check, solve, refactor });
     }
     let cpu = |pick: fn(&Phases) -> Time| median(&runs.iter().map(pick).collect::<Vec<_>>()).cpu;
@@ -148,7 +154,7 @@ fn measured(name: &str, [p, n]: [usize; 2], system: &System, options: &Options) 
         "dofs": load.len(), "nnz": matrix.num_entries(), "threads": options.threads, "reps": options.reps,
         "total_cpu_s": total, "order_s": cpu(|r| r.order), "analyse_s": cpu(|r| r.analyse), "factor_s": cpu(|r| r.factor),
         "checks_s": cpu(|r| r.check), "solve_s": cpu(|r| r.solve), "refactor_s": cpu(|r| r.refactor),
-        "refinements": refinements, "residual": residual(matrix, load, &x), "factor_entries": entries,
+        "refinements": refinements, "residual": residual(matrix, load, &x), "condition": condition, "factor_entries": entries,
         "fill": entries as f64 / cols.len() as f64, "peak_rss_mb": peak_rss_mb(), "notes": "seconds of CPU; refactor with checks",
     })
 }
@@ -173,7 +179,7 @@ fn upper(a: &Csr) -> (Vec<usize>, Vec<usize>) {
 }
 
 /// The upper triangle by rows and the load as little-endian files: `ptr.i64`, `cols.i32`, `vals.f64`, `rhs.f64`; places as `places.f64`.
-fn export(system: &System, folder: &Path) -> std::io::Result<()> {
+pub fn export(system: &System, folder: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
     let file = |name: &str| Ok::<_, std::io::Error>(std::io::BufWriter::new(std::fs::File::create(folder.join(name))?));
     let (mut ptr, mut cols, mut vals, mut end) = (file("ptr.i64")?, file("cols.i32")?, file("vals.f64")?, 0i64);

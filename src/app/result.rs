@@ -102,6 +102,9 @@ pub struct SolveReport {
     pub linear: String,
     /// Relative residual of the true system.
     pub residual: f64,
+    /// Condition of the scaled system, right to a factor of a few: how many times errors of the load may grow; where a factor tells it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub condition: Option<f64>,
     /// Iterations of the linear algebra, summed over the active set; 0 where all was done by factors.
     pub iterations: usize,
     /// The active set iteration, where there is contact.

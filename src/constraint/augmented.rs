@@ -122,6 +122,7 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Augmented<C> {
             multipliers: (0..m).map(|a| s.factor[a] * l[a]).collect(),
             active: s.enforced,
             residual: size,
+            condition: None,
             method: format!("{}, {method}", if self.iterations == 0 { "uzawa" } else { "augmented" }),
             iterations: if inner > 0 { inner } else { done },
             active_set: None,

@@ -110,6 +110,7 @@ impl ConstraintSolver<f64> for Condensed {
             multipliers: (0..m).map(|a| s.factor[a] * l[a]).collect(),
             active: s.enforced,
             residual: size,
+            condition: None,
             method: method.into(),
             iterations,
             active_set: None,

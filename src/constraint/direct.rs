@@ -11,7 +11,7 @@
 
 use super::scale::{Scaled, check_shape, gaps};
 use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError};
-use crate::linalg::residual::{KERNEL, RESIDUAL_LIMIT, max, ratio, softest};
+use crate::linalg::residual::{KERNEL, RESIDUAL_LIMIT, Soft, max, ratio, softest};
 use crate::linalg::{Columns, Csr, Ldlt, LinearError, LinearSolver, Lu, Sparsity, Upper};
 use std::sync::Arc;
 
@@ -50,6 +50,8 @@ pub(crate) struct Factor {
     f: Vec<f64>,
     /// 1 / diagonal of K + Cᵀ W C.
     pub scale: Vec<f64>,
+    /// Condition, see [`ConstrainedSolution::condition`].
+    pub condition: f64,
 }
 
 impl Direct {
@@ -92,10 +94,10 @@ impl Direct {
         self.ldlt.factorise_upper(&upper, &s.all_places(places))?;
         let diagonal: Vec<f64> = (0..n).map(|i| upper.vals[upper.pattern.0[i]].abs()).collect();
         let scale: Vec<f64> = diagonal.iter().map(|&d| if d > 0.0 { 1.0 / d } else { 1.0 }).collect();
-        self.refuse_kernel(s, &w, &diagonal, &scale)?;
+        let condition = self.refuse_kernel(s, &w, &diagonal, &scale)?;
         // every row has one negative pivot, the stiffness none
         self.ldlt.refuse_negative(&upper, n, &s.all_places(places))?;
-        Ok(Factor { w, f, scale })
+        Ok(Factor { w, f, scale, condition })
     }
 
     /// (du, dl) with K du + Cᵀ dl = r1, C du - s dl = r2, up to the regularisation.
@@ -116,19 +118,22 @@ impl Direct {
         Ok((x, dl))
     }
 
-    fn quasi_definite(&mut self, s: &Scaled<'_>, places: &[[f64; 3]]) -> Result<(Vec<f64>, Vec<f64>, f64), LinearError> {
+    /// The solution, and the condition.
+    fn quasi_definite(&mut self, s: &Scaled<'_>, places: &[[f64; 3]]) -> Result<((Vec<f64>, Vec<f64>, f64), f64), LinearError> {
         let factor = self.factorise(s, places)?;
-        s.refined(&factor.scale, MAX_REFINEMENTS, |r1, r2| self.correct(s, &factor, r1, r2))
+        let answer = s.refined(&factor.scale, MAX_REFINEMENTS, |r1, r2| self.correct(s, &factor, r1, r2))?;
+        Ok((answer, factor.condition))
     }
 
-    /// Refuses a system that leaves a motion without any resistance: K v + Cᵀ W C v is rounding for some v.
-    fn refuse_kernel(&self, s: &Scaled<'_>, w: &[f64], diagonal: &[f64], scale: &[f64]) -> Result<(), LinearError> {
+    /// Refuses a system that leaves a motion without any resistance: K v + Cᵀ W C v is rounding for some v. Returns the condition
+    /// among motions that keep the rows, as v does: the largest row sum of S = D^-1/2 (K + Cᵀ W C) D^-1/2 over its Rayleigh quotient at v.
+    fn refuse_kernel(&self, s: &Scaled<'_>, w: &[f64], diagonal: &[f64], scale: &[f64]) -> Result<f64, LinearError> {
         let (n, m) = (s.num_unknowns(), s.num_rows());
         if n == 0 {
-            return Ok(());
+            return Ok(1.0);
         }
         let mut fault = Ok(());
-        let soft = softest(diagonal, |v| {
+        let soft = softest(diagonal, 2, |v| {
             let mut x = v.to_vec();
             x.resize(n + m, 0.0); // no part in the rows
             if let Err(error) = self.ldlt.apply_inverse(&mut x) {
@@ -137,40 +142,47 @@ impl Direct {
             v.copy_from_slice(&x[..n]);
         });
         fault?;
-        let Some(v) = soft else {
+        let Some(Soft { vector: v, .. }) = soft else {
             return Err(LinearError::Singular { residual: 1.0 });
         };
-        let (mut product, mut size) = (vec![0.0; n], vec![0.0; n]);
+        let root: Vec<f64> = scale.iter().map(|s| s.sqrt()).collect();
+        let (mut product, mut size, mut rows) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         for i in 0..n {
             let (cols, vals) = s.stiffness.row(i);
             for (j, &k) in cols.zip(vals) {
                 let term = k * v[j];
                 product[i] += term;
                 size[i] += term.abs();
+                rows[i] += k.abs() * root[j];
             }
         }
         for a in 0..m {
             let (cols, vals) = s.rows.row(a);
-            let (mut sum, mut sum_size) = (0.0, 0.0);
-            for (j, &c) in cols.zip(vals) {
+            let (mut sum, mut sum_size, mut sum_rows) = (0.0, 0.0, 0.0);
+            for (j, &c) in cols.clone().zip(vals) {
                 sum += c * v[j];
                 sum_size += (c * v[j]).abs();
+                sum_rows += c.abs() * root[j];
             }
             for (j, &c) in cols.zip(vals) {
                 product[j] += c * w[a] * sum;
                 size[j] += c.abs() * w[a] * sum_size;
+                rows[j] += c.abs() * w[a] * sum_rows;
             }
         }
-        let (mut top, mut bottom) = (0.0, 0.0);
+        let (mut top, mut bottom, mut largest, mut energy) = (0.0, 0.0, 0.0, 0.0);
         for i in 0..n {
             top = max(top, product[i].abs() * scale[i]);
             bottom = max(bottom, size[i] * scale[i]);
+            largest = max(largest, rows[i] * root[i]);
+            energy += v[i] * product[i];
         }
         // the whole matrix K = 0 maps everything to zero
         if bottom == 0.0 || ratio(top, bottom) < KERNEL {
             return Err(LinearError::Singular { residual: 1.0 });
         }
-        Ok(())
+        // v has size one in the scaled norm
+        Ok(largest / energy.abs())
     }
 
     /// Upper triangle of the matrix at the file's head; the pattern holds all rows, enforced or not.
@@ -261,16 +273,16 @@ impl ConstraintSolver<f64> for Direct {
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let s = Scaled::of(system)?;
         let small = s.num_unknowns() + s.num_rows() <= LU_LIMIT;
-        let (method, answer) = if s.reaction.is_some() || !s.symmetric {
-            ("saddle-point, LU", self.general(&s)?)
+        let (method, answer, condition) = if s.reaction.is_some() || !s.symmetric {
+            ("saddle-point, LU", self.general(&s)?, None)
         } else {
-            let first = self.quasi_definite(&s, system.stiffness.places())?;
+            let (first, condition) = self.quasi_definite(&s, system.stiffness.places())?;
             if first.2 > RESIDUAL_LIMIT && small {
                 // the residual reached says more than LU's own complaint
                 let residual = first.2;
-                ("saddle-point, LU", self.general(&s).map_err(|_| LinearError::Singular { residual })?)
+                ("saddle-point, LU", self.general(&s).map_err(|_| LinearError::Singular { residual })?, Some(condition))
             } else {
-                ("saddle-point, direct", first)
+                ("saddle-point, direct", first, Some(condition))
             }
         };
         let (unknowns, l, residual) = answer;
@@ -283,6 +295,7 @@ impl ConstraintSolver<f64> for Direct {
             multipliers: (0..l.len()).map(|a| s.factor[a] * l[a]).collect(),
             active: s.enforced,
             residual,
+            condition,
             method: method.into(),
             iterations: 0,
             active_set: None,

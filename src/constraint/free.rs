@@ -104,6 +104,7 @@ impl<L: LinearSolver<f64>> ConstraintSolver<f64> for Free<L> {
             multipliers: (0..m).map(|a| s.factor[a] * l[a]).collect(),
             active: s.enforced,
             residual,
+            condition: None,
             method: if self.krylov { "conjugate gradients" } else { "direct" }.into(),
             iterations: if self.krylov { done } else { 0 },
             active_set: None,

@@ -177,6 +177,7 @@ impl ConstraintSolver<f64> for Krylov {
             multipliers: (0..l.len()).map(|a| s.factor[a] * l[a]).collect(),
             active: s.enforced,
             residual,
+            condition: None,
             method: method.into(),
             iterations,
             active_set: None,

@@ -173,6 +173,9 @@ pub struct ConstrainedSolution<T: Real = f64> {
     pub active: Vec<bool>,
     /// Relative residual of the true system.
     pub residual: f64,
+    /// An estimate, right to a factor of a few, of the condition of D^-1/2 K D^-1/2 in the spectral norm, D the diagonal, among motions that
+    /// keep the enforced rows: how many times errors of the load may grow. None where no factor tells it.
+    pub condition: Option<f64>,
     /// What was done, in words: "saddle-point, direct".
     pub method: String,
     /// Iterations of the linear algebra, summed over all systems of an active set; 0 where all was done by factors. Of Uzawa's

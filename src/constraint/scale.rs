@@ -242,10 +242,11 @@ impl<'a> Scaled<'a> {
                 l[a] += dl[a];
             }
             size = self.residual(scale, &u, &l, &mut r1, &mut r2);
-            step = if k > 0 { next } else { f64::INFINITY };
-            if step <= f64::EPSILON || size.is_nan() {
+            // corrections shrink at a steady rate: the next one would be lost in rounding
+            if size.is_nan() || (k > 0 && size <= RESIDUAL_LIMIT && next * ratio(next, step.min(1.0)) <= f64::EPSILON) {
                 break;
             }
+            step = if k > 0 { next } else { f64::INFINITY };
         }
         Ok((u, l, size))
     }

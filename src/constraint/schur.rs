@@ -220,6 +220,7 @@ impl ConstraintSolver<f64> for Schur {
             multipliers: (0..m).map(|a| s.factor[a] * l[a]).collect(),
             active: s.enforced,
             residual,
+            condition: None,
             method: format!(
                 "schur, conjugate gradients over a factor of {}",
                 if floats { "the penalised stiffness" } else { "the stiffness" }

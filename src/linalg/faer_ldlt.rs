@@ -3,13 +3,14 @@
 //! P A Pᵀ = L D Lᵀ without pivoting. P is a geometric nested dissection where the operator knows the places of its unknowns, else
 //! approximate minimum degree. A pattern seen before keeps its analysis.
 
-use super::residual::{KERNEL, RESIDUAL_LIMIT, Sum, kernel_ratio, max, ratio, residual, row_scale, softest};
+use super::analysis::{Analysis, analyse};
+use super::refine::refine;
+use super::residual::{KERNEL, SAFE_GROWTH, Soft, kernel_ratio, row_scale, scaled_condition, softest};
 use super::solver::NO_SYMMETRY;
-use super::{Csr, LinearError, LinearSolver, Operator, ordering};
+use super::{LinearError, LinearSolver, Operator, Sparsity, Upper};
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
-use faer::sparse::linalg::cholesky::{self, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering};
+use faer::sparse::linalg::cholesky::{LdltRef, SymbolicCholeskyRaw};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 use std::fmt;
@@ -20,38 +21,6 @@ const NO_PIVOT: f64 = 1e-12;
 /// What this share of the diagonal lifts is rounding, too: a body on soft springs may have pivots of either sign. A coupling that
 /// takes energy away does so in proportion to the stiffness.
 const LIFT: f64 = 1e-7;
-/// Refinements after which a residual that still falls is taken as it is.
-const MAX_REFINEMENTS: usize = 10;
-
-/// Rows of the upper triangle, diagonal included and first in every row.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Upper {
-    /// Row pointers and ascending columns; shared with the analysis.
-    pub pattern: Arc<(Vec<usize>, Vec<usize>)>,
-    /// Values.
-    pub vals: Vec<f64>,
-}
-
-impl Upper {
-    /// The upper triangle of `a`; a diagonal that is not stored becomes a stored zero.
-    pub(crate) fn of(a: &Csr<f64>) -> Self {
-        let n = a.num_rows();
-        let (mut ptr, mut cols, mut vals) = (Vec::with_capacity(n + 1), Vec::new(), Vec::new());
-        ptr.push(0);
-        for i in 0..n {
-            let (row, row_vals) = a.row(i);
-            let first = row.below(i);
-            if row.get(first) != Some(i) {
-                cols.push(i);
-                vals.push(0.0);
-            }
-            cols.extend(row.skip(first));
-            vals.extend_from_slice(&row_vals[first..]);
-            ptr.push(cols.len());
-        }
-        Self { pattern: Arc::new((ptr, cols)), vals }
-    }
-}
 
 /// LDLᵀ factorisation with refinement and a check of the residual.
 ///
@@ -68,12 +37,6 @@ pub struct Ldlt {
     factorisations: usize,
     negative: usize,
     scale: Vec<f64>,
-}
-
-struct Analysis {
-    pattern: Arc<(Vec<usize>, Vec<usize>)>,
-    symbolic: SymbolicCholesky<usize>,
-    dissected: bool,
 }
 
 impl fmt::Debug for Ldlt {
@@ -115,7 +78,9 @@ impl Ldlt {
     /// [`LinearError`] where `a` has no matrix, is not symmetric, or is too large.
     pub fn analyse(&mut self, a: &dyn Operator<f64>) -> Result<(), LinearError> {
         let upper = self.upper(a)?;
-        self.analyse_upper(&upper, a.places())
+        self.analyse_upper(&upper, a.places())?;
+        self.learn(a);
+        Ok(())
     }
 
     /// Second part of [`LinearSolver::prepare`], the first included where it is wanting: the numbers of the factor.
@@ -124,7 +89,9 @@ impl Ldlt {
     /// [`LinearError`] as from [`Ldlt::analyse`], and where a pivot is zero or infinite.
     pub fn factorise(&mut self, a: &dyn Operator<f64>) -> Result<(), LinearError> {
         let upper = self.upper(a)?;
-        self.factorise_upper(&upper, a.places())
+        self.factorise_upper(&upper, a.places())?;
+        self.learn(a);
+        Ok(())
     }
 
     /// Last part of [`LinearSolver::prepare`]: refuses a matrix that maps some vector to rounding errors.
@@ -138,21 +105,51 @@ impl Ldlt {
         if diagonal.is_empty() {
             return Ok(());
         }
-        let mut fault = None;
-        let soft = softest(&diagonal, |v| {
-            if let Err(error) = self.apply_inverse(v) {
-                fault = Some(error);
-            }
-        });
-        if let Some(error) = fault {
-            self.ready = false;
-            return Err(error);
+        // a vector of the kernel grows so much in one step that no other matrix needs a second look
+        let soft = self.soft(&diagonal, 1)?;
+        if soft.growth < SAFE_GROWTH {
+            return Ok(());
         }
-        if soft.is_none_or(|v| kernel_ratio(matrix, &self.scale, &v) < KERNEL) {
+        let soft = self.soft(&diagonal, 2)?;
+        if kernel_ratio(matrix, &self.scale, &soft.vector) < KERNEL {
             self.ready = false;
             return Err(LinearError::Singular { residual: 1.0 });
         }
         Ok(())
+    }
+
+    /// An estimate of the condition of D^-1/2 A D^-1/2 in the spectral norm, D = |diag A|: how many times errors of the load may grow, and
+    /// what a solver by iterations would see. Costs two solves with the factor.
+    ///
+    /// Largest sum of a row's sizes, not below the largest eigenvalue, over the Rayleigh quotient after two steps of inverse iteration, not
+    /// below the least one: right to a factor of a few.
+    ///
+    /// # Errors
+    /// [`LinearError`] where `a` has no matrix or is not the one factorised.
+    pub fn condition(&mut self, a: &dyn Operator<f64>) -> Result<f64, LinearError> {
+        let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
+        let diagonal: Vec<f64> = matrix.diagonal().iter().map(|d| d.abs()).collect();
+        if diagonal.is_empty() {
+            return Ok(1.0);
+        }
+        let soft = self.soft(&diagonal, 2)?;
+        Ok(scaled_condition(matrix, &diagonal, &soft.vector))
+    }
+
+    /// Inverse iteration with the factor; one that overflows has no factor worth keeping.
+    fn soft(&mut self, diagonal: &[f64], steps: usize) -> Result<Soft, LinearError> {
+        let mut fault = None;
+        let soft = softest(diagonal, steps, |v| {
+            if let Err(error) = self.apply_inverse(v) {
+                fault = Some(error);
+            }
+        });
+        let soft = match fault {
+            Some(error) => Err(error),
+            None => soft.ok_or(LinearError::Singular { residual: 1.0 }),
+        };
+        self.ready &= soft.is_ok();
+        soft
     }
 
     /// The upper triangle of `a`, which has to be symmetric.
@@ -162,7 +159,16 @@ impl Ldlt {
             self.ready = false;
             return Err(LinearError::NotSymmetric);
         }
-        Ok(Upper::of(matrix))
+        let same = |s: &Arc<Sparsity>| Arc::ptr_eq(s, matrix.pattern()) || s == matrix.pattern();
+        let known = self.analysis.as_ref().filter(|a| a.source.as_ref().is_some_and(same));
+        Ok(known.map_or_else(|| Upper::of(matrix), |a| Upper::refilled(&a.pattern, matrix)))
+    }
+
+    /// Remembers what the upper triangle was taken from.
+    fn learn(&mut self, a: &dyn Operator<f64>) {
+        if let (Some(analysis), Some(matrix)) = (&mut self.analysis, a.csr()) {
+            analysis.source = Some(matrix.pattern().clone());
+        }
     }
 
     /// Bytes that a factorisation of this pattern needs beyond the matrix itself: factor, pattern, scratch, and the numbers that a
@@ -301,89 +307,6 @@ impl LinearSolver<f64> for Ldlt {
     fn solve(&self, a: &dyn Operator<f64>, b: &[f64], x: &mut [f64]) -> Result<usize, LinearError> {
         refine(a, &self.scale, b, x, |r| self.apply_inverse(r))
     }
-}
-
-/// Solves by `inverse` and refines on `a` until the correction stalls; returns the number of refinements.
-pub(crate) fn refine(
-    a: &dyn Operator<f64>,
-    scale: &[f64],
-    b: &[f64],
-    x: &mut [f64],
-    mut inverse: impl FnMut(&mut [f64]) -> Result<(), LinearError>,
-) -> Result<usize, LinearError> {
-    let n = a.size();
-    for found in [b.len(), x.len(), scale.len()] {
-        if found != n {
-            return Err(LinearError::Shape { expected: n, found });
-        }
-    }
-    if b.iter().any(|v| !v.is_finite()) {
-        return Err(LinearError::NotFinite);
-    }
-    let largest = |x: &[f64]| x.iter().fold(0.0, |m, &v| max(m, v.abs()));
-    x.copy_from_slice(b);
-    inverse(x)?;
-    let mut r = vec![0.0; n];
-    let mut size = accurate_residual(a, scale, b, x, &mut r);
-    let (mut step, mut steps) = (f64::INFINITY, 0);
-    while steps < MAX_REFINEMENTS && size > 0.0 {
-        inverse(&mut r)?;
-        let next = ratio(largest(&r), largest(x));
-        if next.is_nan() || next > 0.5 * step {
-            break;
-        }
-        for i in 0..n {
-            x[i] += r[i];
-        }
-        size = accurate_residual(a, scale, b, x, &mut r);
-        steps += 1;
-        step = next;
-        if step <= f64::EPSILON {
-            break;
-        }
-    }
-    if size.is_nan() || size > RESIDUAL_LIMIT {
-        return Err(LinearError::Singular { residual: if size.is_finite() { size } else { 1.0 } });
-    }
-    Ok(steps)
-}
-
-/// [`residual`] in twice the working precision where there is a matrix.
-fn accurate_residual(a: &dyn Operator<f64>, scale: &[f64], b: &[f64], x: &[f64], r: &mut [f64]) -> f64 {
-    let Some(matrix) = a.csr() else {
-        return residual(a, scale, b, x, r);
-    };
-    let (mut top, mut bottom) = (0.0, 0.0);
-    for i in 0..b.len() {
-        let (cols, vals) = matrix.row(i);
-        let mut sum = Sum::default();
-        sum.add(b[i]);
-        for (j, &v) in cols.zip(vals) {
-            sum.add_product(-v, x[j]);
-        }
-        r[i] = sum.value();
-        top = max(top, r[i].abs() * scale[i]);
-        bottom = max(bottom, sum.size * scale[i]);
-    }
-    ratio(top, bottom)
-}
-
-fn analyse(pattern: &Arc<(Vec<usize>, Vec<usize>)>, places: &[[f64; 3]]) -> Result<Analysis, LinearError> {
-    let (ptr, cols) = &**pattern;
-    let n = ptr.len() - 1;
-    let order = ordering::nested_dissection(ptr, cols, places).map(|order| ordering::postordered(ptr, cols, &order));
-    let mut inverse = vec![0usize; order.as_ref().map_or(0, Vec::len)];
-    for (new, &old) in order.iter().flatten().enumerate() {
-        inverse[old] = new;
-    }
-    let choice = match &order {
-        Some(order) => SymmetricOrdering::Custom(PermRef::new_checked(order, &inverse, n)),
-        None => SymmetricOrdering::Amd,
-    };
-    let matrix = SymbolicSparseColMatRef::new_checked(n, n, ptr, None, cols);
-    let symbolic =
-        cholesky::factorize_symbolic_cholesky(matrix, Side::Lower, choice, Default::default()).map_err(|_| LinearError::Memory)?;
-    Ok(Analysis { pattern: pattern.clone(), symbolic, dissected: order.is_some() })
 }
 
 /// Scratch memory; an error where the system has none left.

@@ -1,6 +1,7 @@
 //! Sparse LU with partial pivoting, on faer: small and non-symmetric systems.
 
-use super::faer_ldlt::{buffer, refine};
+use super::faer_ldlt::buffer;
+use super::refine::refine;
 use super::residual::{KERNEL, kernel_ratio, row_scale, softest};
 use super::{Csr, LinearError, LinearSolver, Operator, Sparsity};
 use faer::dyn_stack::MemStack;
@@ -107,12 +108,12 @@ impl LinearSolver<f64> for Lu {
         }
         self.factorise(matrix)?;
         let mut fault = None;
-        let soft = softest(&vec![1.0; matrix.num_rows()], |v| {
+        let soft = softest(&vec![1.0; matrix.num_rows()], 2, |v| {
             if let Err(error) = self.apply_inverse(v) {
                 fault = Some(error);
             }
         });
-        if fault.is_some() || soft.is_none_or(|v| kernel_ratio(matrix, &self.scale, &v) < KERNEL) {
+        if fault.is_some() || soft.is_none_or(|soft| kernel_ratio(matrix, &self.scale, &soft.vector) < KERNEL) {
             self.numeric = None;
             return Err(fault.unwrap_or(LinearError::Singular { residual: 1.0 }));
         }

@@ -1,5 +1,6 @@
 //! Floor 1: scalars, small and sparse matrices, linear solvers. Knows no module above it.
 
+mod analysis;
 mod csr;
 mod faer_ldlt;
 mod faer_lu;
@@ -14,15 +15,16 @@ mod precondition;
 mod product;
 mod profile;
 mod real;
+mod refine;
 pub(crate) mod residual;
 mod small;
 pub(crate) mod solver;
 mod sparsity;
 mod triplets;
+mod upper;
 
 pub use csr::Csr;
 pub use faer_ldlt::Ldlt;
-pub(crate) use faer_ldlt::Upper;
 pub use faer_lu::Lu;
 pub use gmres::Gmres;
 pub(crate) use gmres::gmres;
@@ -42,3 +44,4 @@ pub use small::{determinant, inverse, measure};
 pub use solver::{LinearError, LinearSolver};
 pub use sparsity::{Columns, Sparsity};
 pub use triplets::Triplets;
+pub(crate) use upper::Upper;

@@ -7,6 +7,10 @@ pub(crate) const RESIDUAL_LIMIT: f64 = 1e-10;
 /// A vector v with |A v| below this part of |A| |v| belongs to the kernel: 50 units of rounding.
 pub(crate) const KERNEL: f64 = 1e-14;
 
+/// A vector of the kernel with a share of 1e-5 in the trial vector grows more than this in one step of inverse iteration: its own factor
+/// is the reciprocal of [`KERNEL`] and of a row's number of entries.
+pub(crate) const SAFE_GROWTH: f64 = 1e7;
+
 /// r = b - A x and its size relative to |A| |x| + |b|; every row is measured by its largest entry.
 ///
 /// Where the operator has no matrix, |A| |x| is taken as |A x| + |diag A| |x|.
@@ -105,13 +109,24 @@ pub(crate) fn trial_numbers(n: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Two steps of inverse iteration with M, scaled by |diagonal|: a vector that M maps to little, or `None` if `solve` overflows.
+/// A vector that a matrix maps to little.
+#[derive(Clone, Debug)]
+pub(crate) struct Soft {
+    pub vector: Vec<f64>,
+    /// How much the last step of inverse iteration made of a vector of size one.
+    pub growth: f64,
+}
+
+/// Steps of inverse iteration with M, scaled by |diagonal|; `None` if `solve` overflows.
 ///
 /// Rigid motions grow by the reciprocal of rounding errors in one step, all else by at most the condition.
-pub(crate) fn softest(diagonal: &[f64], mut solve: impl FnMut(&mut [f64])) -> Option<Vec<f64>> {
+pub(crate) fn softest(diagonal: &[f64], steps: usize, mut solve: impl FnMut(&mut [f64])) -> Option<Soft> {
     let weight = |i: usize| if diagonal[i] > 0.0 { diagonal[i] } else { 1.0 };
-    let mut v: Vec<f64> = trial_numbers(diagonal.len()).iter().enumerate().map(|(i, x)| x * weight(i).sqrt()).collect();
-    for step in 0..2 {
+    let mut v = trial_numbers(diagonal.len());
+    let mut size = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    v.iter_mut().enumerate().for_each(|(i, x)| *x *= weight(i).sqrt());
+    let mut growth = 0.0;
+    for step in 0..steps {
         if step > 0 {
             for i in 0..v.len() {
                 v[i] *= weight(i);
@@ -122,11 +137,33 @@ pub(crate) fn softest(diagonal: &[f64], mut solve: impl FnMut(&mut [f64])) -> Op
         if !norm.is_finite() || norm == 0.0 {
             return None;
         }
+        growth = norm / size;
+        size = 1.0;
         for x in &mut v {
             *x /= norm;
         }
     }
-    Some(v)
+    Some(Soft { vector: v, growth })
+}
+
+/// Condition of D^-1/2 A D^-1/2, D = |diagonal|: the largest row sum of its sizes over its Rayleigh quotient at the soft vector v.
+pub(crate) fn scaled_condition(a: &Csr<f64>, diagonal: &[f64], v: &[f64]) -> f64 {
+    let n = a.num_rows();
+    let weight: Vec<f64> = diagonal.iter().map(|&d| if d > 0.0 { d } else { 1.0 }).collect();
+    let root: Vec<f64> = weight.iter().map(|w| 1.0 / w.sqrt()).collect();
+    let (mut largest, mut energy, mut size) = (0.0, 0.0, 0.0);
+    for i in 0..n {
+        let (cols, vals) = a.row(i);
+        let (mut sum, mut product) = (0.0, 0.0);
+        for (j, &x) in cols.zip(vals) {
+            sum += x.abs() * root[j];
+            product += x * v[j];
+        }
+        largest = max(largest, sum * root[i]);
+        energy += v[i] * product;
+        size += weight[i] * v[i] * v[i];
+    }
+    largest * size / energy.abs()
 }
 
 /// Size of A v relative to |A| |v|, rows measured by `scale`: at rounding for a vector of the kernel.

@@ -103,6 +103,7 @@ pub fn fill<const S: usize, const N: usize>(
         reason: reason.into(),
         linear: state.method.clone(),
         residual: state.residual,
+        condition: state.condition,
         iterations: state.iterations,
         active_set: state.active_set.as_ref().map(iteration::summary),
     });

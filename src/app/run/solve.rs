@@ -43,6 +43,8 @@ pub struct StepState<const S: usize, const N: usize> {
     pub free: usize,
     /// Relative residual.
     pub residual: f64,
+    /// Condition of the scaled system, where a factor tells it.
+    pub condition: Option<f64>,
     /// What was done, in words.
     pub method: String,
     /// Iterations of the linear algebra, 0 where all was done by factors.
@@ -268,6 +270,7 @@ fn finished<const S: usize, const N: usize>(
         load: total,
         free: reduced.num_free(),
         residual: solution.residual,
+        condition: solution.condition,
         method: solution.method,
         iterations: solution.iterations,
         active_set: solution.active_set,
