@@ -11,7 +11,7 @@ use faying::contact::{Contact, Opponent};
 use faying::coupling::interface::{InterfaceQuadrature, MergedCurve, Tolerance};
 use faying::coupling::multiplier::{Ends, MultiplierKind, build};
 use faying::coupling::{Coupling, Interface, Mortar, Rows, Side};
-use faying::linalg::{Csr, Ldlt, LinearSolver, Operator, Triplets, Vector};
+use faying::linalg::{Csr, Ldlt, LinearSolver, Triplets, Vector};
 use faying::physics::{Conductor, Hooke, Material, form};
 use faying::space::{Body, Field, Trace};
 
