@@ -61,6 +61,16 @@ pub struct ClosestPoint<const D: usize, const N: usize, G, T: Real = f64> {
     loose: Vec<Vec<bool>>,
     /// Per element: bound of the sum of second derivatives.
     bend: Vec<T>,
+    /// Ends of the pieces of every element of a curve: no query evaluates them again.
+    nodes: Vec<[Node<N, T>; PIECES + 1]>,
+}
+
+/// x, x' and x'' at an end of a piece.
+#[derive(Clone, Copy, Debug)]
+struct Node<const N: usize, T: Real> {
+    x: Vector<N, T>,
+    d: Vector<N, T>,
+    dd: Vector<N, T>,
 }
 
 /// The best point so far.
@@ -89,6 +99,20 @@ struct Sample<const N: usize, T: Real> {
     curvature: T,
 }
 
+impl<const N: usize, T: Real> Node<N, T> {
+    /// Point `q` of a table with second derivatives along a curve.
+    fn of<const D: usize>(table: &MapTable<D, N, T>, q: usize) -> Self {
+        let dd = Vector::from_fn(|c, _| table.hessian[q][c][(0, 0)]);
+        Self { x: table.x[q], d: table.jacobian[q].column(0).into_owned(), dd }
+    }
+
+    /// The same at `t`, as it is seen from `p`.
+    fn seen(&self, t: T, p: &Vector<N, T>) -> Sample<N, T> {
+        let away = self.x - p;
+        Sample { t, x: self.x, slope: away.dot(&self.d), curvature: self.d.norm_squared() + away.dot(&self.dd) }
+    }
+}
+
 impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint<D, N, G, T> {
     /// Builds the tree over the elements of `geometry` (a reference, a box or an `Arc` will do).
     pub fn new(geometry: G) -> Self {
@@ -96,15 +120,17 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         let tree = Tree::new((0..elements).into_par_iter().map(|e| geometry.bounds(e)).collect());
         let size = tree.bounds().map_or(T::zero(), |b| b.diagonal());
         let loose = if D < N { loose_faces(&geometry, size * lit(SAME_FACE)) } else { Vec::new() };
-        let bend = (0..if D == 1 { elements } else { 0 })
+        let (bend, nodes) = (0..if D == 1 { elements } else { 0 })
             .into_par_iter()
             .map_init(MapTable::new, |table, e| {
                 geometry.map(e, &cell::grid::<D, T>(geometry.cell(e), 2 * PIECES + 1), Order::Hessians, table);
                 let norm = |h: &[Matrix<D, D, T>; N]| h.iter().fold(T::zero(), |s, m| s + m[(0, 0)] * m[(0, 0)]).sqrt();
-                table.hessian.iter().fold(T::zero(), |m, h| m.max(norm(h))) * lit(BEND_SAFETY)
+                let bend = table.hessian.iter().fold(T::zero(), |m, h| m.max(norm(h))) * lit(BEND_SAFETY);
+                // every other point of the grid ends a piece
+                (bend, std::array::from_fn(|i| Node::of(table, 2 * i)))
             })
-            .collect();
-        Self { geometry, tree, size, loose, bend }
+            .unzip();
+        Self { geometry, tree, size, loose, bend, nodes }
     }
 
     /// The map.
@@ -179,18 +205,12 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         let points: Vec<Vector<D, T>> = t.iter().map(|&t| Vector::repeat(t)).collect();
         self.geometry.map(element, &points, Order::Hessians, table);
         into.clear();
-        for (q, &t) in t.iter().enumerate() {
-            let (x, d) = (table.x[q], table.jacobian[q].column(0).into_owned());
-            let dd = Vector::<N, T>::from_fn(|c, _| table.hessian[q][c][(0, 0)]);
-            into.push(Sample { t, x, slope: (x - p).dot(&d), curvature: d.norm_squared() + (x - p).dot(&dd) });
-        }
+        into.extend(t.iter().enumerate().map(|(q, &t)| Node::of(table, q).seen(t, p)));
     }
 
     /// D = 1: every piece of the element that may hold a closer point.
     fn search_curve(&self, element: usize, p: &Vector<N, T>, best: &mut Best<D, N, T>, table: &mut MapTable<D, N, T>) {
-        let line: Vec<T> = (0..=PIECES).map(|i| num::<T>(i) / num(PIECES)).collect();
-        let mut samples = Vec::new();
-        self.sample(element, &line, p, table, &mut samples);
+        let samples: [Sample<N, T>; PIECES + 1] = std::array::from_fn(|i| self.nodes[element][i].seen(num::<T>(i) / num(PIECES), p));
         for s in &samples {
             best.offer(element, Vector::repeat(s.t), s.x, (s.x - p).norm());
         }
