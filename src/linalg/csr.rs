@@ -1,6 +1,6 @@
 //! Compressed sparse rows, in blocks where the field has components: pattern first, values refilled in place.
 
-use super::{Columns, Operator, Real, Sparsity, lit};
+use super::{Buffer, Columns, Operator, Real, Sparsity, lit};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Csr<T: Real = f64> {
     pattern: Arc<Sparsity>,
-    vals: Vec<T>,
+    vals: Buffer<T>,
     places: Vec<[f64; 3]>,
 }
 
@@ -28,14 +28,18 @@ impl<T: Real> Csr<T> {
     /// # Panics
     /// If the lengths do not fit.
     pub fn with_values(pattern: Arc<Sparsity>, vals: Vec<T>) -> Self {
+        Self::of(pattern, vals.into())
+    }
+
+    pub(crate) fn of(pattern: Arc<Sparsity>, vals: Buffer<T>) -> Self {
         assert_eq!(pattern.num_entries(), vals.len(), "one value per entry");
         Self { pattern, vals, places: Vec::new() }
     }
 
     /// A matrix with entries at `pattern`, all zero.
     pub fn zeros(pattern: Arc<Sparsity>) -> Self {
-        let vals = vec![T::zero(); pattern.num_entries()];
-        Self::with_values(pattern, vals)
+        let vals = Buffer::zeros(pattern.num_entries());
+        Self::of(pattern, vals)
     }
 
     /// Says where the unknowns live (one point per row), see [`Operator::places`].
@@ -157,13 +161,13 @@ impl<T: Real> Csr<T> {
         }
         let largest = |i: usize| self.row(i).1.iter().fold(T::zero(), |m, v| m.max(v.abs()));
         let limit: Vec<T> = (0..n).map(|i| (largest(i) * lit(tolerance)).sqrt()).collect();
-        let (pattern, c) = (&*self.pattern, self.pattern.block());
+        let (pattern, c, vals) = (&*self.pattern, self.pattern.block(), self.vals());
         // entry (k, l) of block `at` of group `i` of rows, in column group `j`, against what is opposite
         let agree = |i: usize, at: usize, j: usize, opposite: Option<usize>| {
             (0..c).all(|k| {
                 (0..c).all(|l| {
-                    let own = self.vals[self.place(i, at, k, l)];
-                    let other = opposite.map_or_else(T::zero, |at| self.vals[self.place(j, at, l, k)]);
+                    let own = vals[pattern.place(i, at, k, l)];
+                    let other = opposite.map_or_else(T::zero, |at| vals[pattern.place(j, at, l, k)]);
                     (own - other).abs() <= limit[c * i + k] * limit[c * j + l]
                 })
             })
@@ -201,25 +205,19 @@ impl<T: Real> Csr<T> {
         })
     }
 
-    /// Place of the value (k, l) of block `at` of group `i` of rows.
-    #[inline]
-    fn place(&self, i: usize, at: usize, k: usize, l: usize) -> usize {
-        let (c, ptr) = (self.pattern.block(), self.pattern.ptr());
-        c * (c * ptr[i] + k * (ptr[i + 1] - ptr[i]) + at) + l
-    }
-
     /// Aᵀ, rows sorted, in blocks of the same size; linear in the number of entries.
     pub fn transposed(&self) -> Self {
-        let (pattern, target) = self.pattern.transposed();
+        let (own, c, ptr) = (&*self.pattern, self.pattern.block(), self.pattern.ptr());
+        let (pattern, target) = own.transposed();
         let mut result = Self::zeros(Arc::new(pattern));
-        let (c, ptr) = (self.pattern.block(), self.pattern.ptr());
+        let (from, to, other) = (self.vals(), &mut *result.vals, &*result.pattern);
         for i in 0..ptr.len() - 1 {
-            for (at, &j) in self.pattern.group(i).iter().enumerate() {
-                let opposite = target[ptr[i] + at] - result.pattern.ptr()[j as usize];
+            for (at, &j) in own.group(i).iter().enumerate() {
+                let j = j as usize;
+                let opposite = target[ptr[i] + at] - other.ptr()[j];
                 for k in 0..c {
                     for l in 0..c {
-                        let to = result.place(j as usize, opposite, l, k);
-                        result.vals[to] = self.vals[self.place(i, at, k, l)];
+                        to[other.place(j, opposite, l, k)] = from[own.place(i, at, k, l)];
                     }
                 }
             }

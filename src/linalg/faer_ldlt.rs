@@ -7,7 +7,7 @@ use super::analysis::{Analysis, analyse};
 use super::refine::refine;
 use super::residual::{KERNEL, SAFE_GROWTH, Soft, kernel_ratio, row_scale, scaled_condition, softest};
 use super::solver::NO_SYMMETRY;
-use super::{LinearError, LinearSolver, Operator, Sparsity, Upper};
+use super::{Buffer, LinearError, LinearSolver, Operator, Sparsity, Upper};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
 use faer::sparse::linalg::cholesky::{LdltRef, SymbolicCholeskyRaw};
@@ -29,7 +29,7 @@ const LIFT: f64 = 1e-7;
 #[derive(Default)]
 pub struct Ldlt {
     analysis: Option<Analysis>,
-    factor: Vec<f64>,
+    factor: Buffer<f64>,
     ready: bool,
     /// Values that were factorised, from the second matrix of a pattern on: one matrix alone needs no memory to compare.
     values: Vec<f64>,
@@ -185,7 +185,7 @@ impl Ldlt {
         if !seen {
             self.ready = false;
             self.analysis = None;
-            self.factor = Vec::new();
+            self.factor = Buffer::default();
             self.analysis = Some(analyse(&upper.pattern, places)?);
             self.analyses += 1;
         }
@@ -211,7 +211,9 @@ impl Ldlt {
         self.factorisations += 1;
         let symbolic = &self.analysis.as_ref().expect("analysed above").symbolic;
         let n = symbolic.nrows();
-        self.factor.resize(symbolic.len_val(), 0.0);
+        if self.factor.len() != symbolic.len_val() {
+            self.factor = Buffer::zeros(symbolic.len_val());
+        }
         if n == 0 {
             (self.ready, self.negative) = (true, 0);
             return Ok(());

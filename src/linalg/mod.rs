@@ -1,6 +1,7 @@
 //! Floor 1: scalars, small and sparse matrices, linear solvers. Knows no module above it.
 
 mod analysis;
+mod buffer;
 mod csr;
 mod faer_ldlt;
 mod faer_lu;
@@ -23,6 +24,7 @@ mod sparsity;
 mod triplets;
 mod upper;
 
+pub(crate) use buffer::Buffer;
 pub use csr::Csr;
 pub use faer_ldlt::Ldlt;
 pub use faer_lu::Lu;

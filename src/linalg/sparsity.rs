@@ -1,5 +1,6 @@
 //! Which entries a sparse matrix has: one 4-byte column per square block of them.
 
+use super::Buffer;
 use std::ops::Range;
 
 /// The places of the entries of a sparse matrix, rows and columns in groups of `block`.
@@ -12,13 +13,13 @@ pub struct Sparsity {
     num_cols: usize,
     block: usize,
     ptr: Vec<usize>,
-    cols: Vec<u32>,
+    cols: Buffer<u32>,
 }
 
 impl Default for Sparsity {
     /// No rows, no columns.
     fn default() -> Self {
-        Self { num_cols: 0, block: 1, ptr: vec![0], cols: Vec::new() }
+        Self { num_cols: 0, block: 1, ptr: vec![0], cols: Buffer::default() }
     }
 }
 
@@ -30,6 +31,10 @@ impl Sparsity {
     /// # Panics
     /// If the lengths do not fit, if `block` is zero or if there are 2^32 columns or more.
     pub fn new(block: usize, num_cols: usize, ptr: Vec<usize>, cols: Vec<u32>) -> Self {
+        Self::of(block, num_cols, ptr, cols.into())
+    }
+
+    pub(crate) fn of(block: usize, num_cols: usize, ptr: Vec<usize>, cols: Buffer<u32>) -> Self {
         assert!(block > 0, "a block has rows");
         assert_eq!(ptr.last().copied(), Some(cols.len()), "the last row pointer is the number of blocks");
         let num_cols = block * num_cols;
@@ -88,17 +93,23 @@ impl Sparsity {
         &self.cols[self.ptr[i]..self.ptr[i + 1]]
     }
 
+    /// Number of the entry (k, l) of block `at` of group `i` of rows.
+    #[inline]
+    pub(crate) fn place(&self, i: usize, at: usize, k: usize, l: usize) -> usize {
+        self.block * (self.block * self.ptr[i] + k * (self.ptr[i + 1] - self.ptr[i]) + at) + l
+    }
+
     /// The pattern of the transposed matrix, and where every block goes.
     pub(crate) fn transposed(&self) -> (Self, Vec<usize>) {
         let (groups, columns) = (self.ptr.len() - 1, self.num_cols / self.block);
         let mut ptr = vec![0usize; columns + 1];
-        for &j in &self.cols {
+        for &j in self.cols.iter() {
             ptr[j as usize + 1] += 1;
         }
         for j in 0..columns {
             ptr[j + 1] += ptr[j];
         }
-        let (mut next, mut cols, mut target) = (ptr.clone(), vec![0u32; self.cols.len()], Vec::with_capacity(self.cols.len()));
+        let (mut next, mut cols, mut target) = (ptr.clone(), Buffer::zeros(self.cols.len()), Vec::with_capacity(self.cols.len()));
         for i in 0..groups {
             for &j in self.group(i) {
                 let k = next[j as usize];
@@ -107,7 +118,7 @@ impl Sparsity {
                 next[j as usize] += 1;
             }
         }
-        (Self::new(self.block, groups, ptr, cols), target)
+        (Self::of(self.block, groups, ptr, cols), target)
     }
 
     /// Bytes of the arrays.
