@@ -2,8 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-use faying::assembly::{gauss_rules, stiffness};
-use faying::linalg::{Csr, Operator, Sparsity, Triplets, product, sum};
+use faying::assembly::{Equation, Reduced, gauss_rules, refill_stiffness, stiffness};
+use faying::geometry::ControlNet;
+use faying::linalg::{Csr, Operator, Real, Sparsity, Triplets, lit, product, sum};
 use faying::physics::{Hooke, form};
 use faying::space::{Body, Patch, PatchSpec};
 use std::sync::Arc;
@@ -140,4 +141,105 @@ fn elasticity_takes_less_than_nine_bytes_per_entry_in_space() {
         assert!(per_entry < 9.0, "continuity {smooth}: {per_entry}");
         assert!(scattered(&k).bytes() >= 12 * k.num_entries());
     }
+}
+
+/// Pᵀ K P in blocks is what it is entry by entry, with supports of whole nodes, of some components, and with an equation.
+#[test]
+fn reduction_keeps_blocks_where_nodes_are_held_as_a_whole() {
+    let net = faying::geometry::shapes::brick([0.0; 3], [1.0; 3]).unwrap();
+    let patch = Patch::<2, 3>::try_new(&PatchSpec::new(net).with_degree([2; 3]).with_elements([2; 3])).unwrap();
+    let k = stiffness(patch.space(), &gauss_rules(patch.space(), 0), &form(&Hooke::<3>::solid(1.0, 0.3).unwrap()));
+    let single = scattered(&k).with_places(k.places().to_vec());
+    let n = k.num_rows();
+    let f: Vec<f64> = (0..2 * n).map(|i| (i as f64).sin()).collect();
+    let whole: Vec<(usize, f64)> = (0..30).chain(n + 60..n + 75).map(|i| (i, 0.1 * i as f64)).collect();
+    let some: Vec<(usize, f64)> = (0..30).map(|i| (3 * i + 1, 0.5)).collect();
+    let equation = Equation { terms: vec![(90, 1.0), (100, -0.5), (n + 4, 0.25)], value: 0.2 };
+    let nothing: &[Equation] = &[];
+    for (prescribed, equations, block) in
+        [(&whole, nothing, 3), (&Vec::new(), nothing, 3), (&some, nothing, 1), (&whole, std::slice::from_ref(&equation), 1)]
+    {
+        let blocked = Reduced::try_new(&[&k, &k], &f, prescribed, equations).unwrap();
+        let expected = Reduced::try_new(&[&single, &single], &f, prescribed, equations).unwrap();
+        assert_eq!(blocked.stiffness.pattern().block(), block);
+        same_rows(&blocked.stiffness, &expected.stiffness);
+        assert_eq!((&blocked.load, blocked.stiffness.places()), (&expected.load, expected.stiffness.places()));
+        // Pᵀ K P v by products with the matrices of the bodies
+        let v: Vec<f64> = (0..blocked.num_free()).map(|i| (0.7 * i as f64).cos()).collect();
+        let zero = vec![0.0; blocked.num_free()];
+        let moved: Vec<f64> = blocked.expand(&v).iter().zip(blocked.expand(&zero)).map(|(a, b)| a - b).collect();
+        let none = Triplets::new(0, 2 * n);
+        let forces = blocked.residual(&[&k, &k], &vec![0.0; 2 * n], &[&none], &[], &moved);
+        let mut product = vec![0.0; v.len()];
+        blocked.stiffness.mul(&v, &mut product);
+        let size = forces.iter().fold(0.0f64, |m, f| m.max(f.abs()));
+        // rows of P: the force on a free unknown and what its followers bring
+        let mut gathered = blocked.restrict(&forces);
+        if !equations.is_empty() {
+            let free = |i: usize| blocked.free().iter().position(|&f| f == i).unwrap();
+            gathered[free(100)] += 0.5 * forces[90];
+            gathered[free(n + 4)] -= 0.25 * forces[90];
+        }
+        assert!(gathered.iter().zip(&product).all(|(a, b)| (a - b).abs() <= 1e-13 * size));
+    }
+}
+
+/// Numbers of times that refilling the matrix of n elements per direction allocates, on one thread.
+fn allocations<const S: usize, const N: usize>(n: usize, material: &dyn faying::physics::Material<N, N>, net: ControlNet<N, N>) -> u64
+where
+    Patch<S, N>: Body<S, N>,
+{
+    let patch = Patch::<S, N>::try_new(&PatchSpec::new(net).with_degree([2; N]).with_elements([n; N])).unwrap();
+    let rules = gauss_rules(patch.space(), 0);
+    let mut k = stiffness(patch.space(), &rules, &form(material));
+    let fresh = k.clone();
+    k.vals_mut().fill(f64::NAN);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let mut refill = || refill_stiffness(patch.space(), &rules, &form(material), &mut k);
+    let count = pool.install(|| {
+        refill();
+        allocation_counter::measure(&mut refill).count_total
+    });
+    assert_eq!(k, fresh);
+    count
+}
+
+#[test]
+fn refilling_allocates_as_often_for_many_elements_as_for_few() {
+    let square = faying::geometry::shapes::annulus_sector([0.0; 2], [1.0, 2.0], [0.0, 90.0]).unwrap();
+    let cube = faying::geometry::shapes::brick([0.0; 3], [1.0; 3]).unwrap();
+    let (plane, solid) = (Hooke::<2>::plane_stress(1.0, 0.3).unwrap(), Hooke::<3>::solid(1.0, 0.3).unwrap());
+    let counts: Vec<u64> = [6, 12, 24].map(|n| allocations::<1, 2>(n, &plane, square.clone())).to_vec();
+    let solids: Vec<u64> = [4, 8, 12].map(|n| allocations::<2, 3>(n, &solid, cube.clone())).to_vec();
+    assert!(counts.iter().all(|&c| c == counts[0]) && solids.iter().all(|&c| c == solids[0]), "{counts:?} {solids:?}");
+}
+
+/// A matrix whose values and columns lie in mapped pages where the system has them.
+#[test]
+fn large_matrices_behave_like_small_ones() {
+    fn checked<T: Real>() {
+        let n = 3000;
+        let pattern = Arc::new(Sparsity::new(1, n, (0..=n).map(|i| i * n).collect(), (0..n * n).map(|k| (k % n) as u32).collect()));
+        let mut a = Csr::<T>::zeros(pattern);
+        assert!(a.vals().iter().all(|&v| v == T::zero()));
+        let value = |i: usize, j: usize| lit::<T>((i as f64 - 2.0 * j as f64) / 1024.0);
+        for i in 0..n {
+            let (cols, vals) = a.row_mut(i);
+            cols.zip(vals).for_each(|(j, v)| *v = value(i, j));
+        }
+        let mut b = a.clone();
+        assert!(b == a);
+        b.vals_mut()[n * n - 1] += T::one();
+        assert!(b != a && a.get(n - 1, n - 1) == value(n - 1, n - 1));
+        let t = a.transposed();
+        for (i, j) in [(0, 0), (1, 2), (n - 1, 0), (17, n - 1)] {
+            assert!(a.get(i, j) == value(i, j) && t.get(j, i) == value(i, j));
+        }
+        let mut y = vec![T::zero(); n];
+        let x: Vec<T> = (0..n).map(|j| if j % 1000 == 0 { lit(1024.0) } else { T::zero() }).collect();
+        a.mul(&x, &mut y);
+        assert!((0..n).all(|i| y[i] == lit(3.0 * i as f64 - 2.0 * (1000.0 + 2000.0))));
+    }
+    checked::<f64>();
+    checked::<f32>();
 }

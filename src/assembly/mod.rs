@@ -9,6 +9,7 @@ mod pattern;
 mod places;
 mod plain;
 mod reduce;
+mod reduced_matrix;
 mod rim;
 mod rules;
 mod scratch;

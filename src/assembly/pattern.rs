@@ -199,21 +199,35 @@ const ROWS_PER_TASK: usize = 512;
 
 /// Calls `fill(i, row i of data)` for all rows, in parallel over runs of rows.
 pub(super) fn each_row<X: Send>(ptr: &[usize], data: &mut [X], fill: impl Fn(usize, &mut [X]) + Sync) {
+    // no memory: the second array has elements of no size
+    let mut nothing = vec![(); data.len()];
+    each_row_pair(ptr, data, &mut nothing, |i, row, _| fill(i, row));
+}
+
+/// Calls `fill(i, row i of first, row i of second)` for all rows, in parallel over runs of rows.
+pub(super) fn each_row_pair<X: Send, Y: Send>(
+    ptr: &[usize],
+    first: &mut [X],
+    second: &mut [Y],
+    fill: impl Fn(usize, &mut [X], &mut [Y]) + Sync,
+) {
     let rows = ptr.len() - 1;
     let mut tasks = Vec::with_capacity(rows / ROWS_PER_TASK + 1);
-    let mut rest = data;
-    for first in (0..rows).step_by(ROWS_PER_TASK) {
-        let last = (first + ROWS_PER_TASK).min(rows);
-        let (mine, others) = rest.split_at_mut(ptr[last] - ptr[first]);
-        rest = others;
-        tasks.push((first, last, mine));
+    let mut rest = (first, second);
+    for from in (0..rows).step_by(ROWS_PER_TASK) {
+        let end = (from + ROWS_PER_TASK).min(rows);
+        let (x, others_x) = rest.0.split_at_mut(ptr[end] - ptr[from]);
+        let (y, others_y) = rest.1.split_at_mut(ptr[end] - ptr[from]);
+        rest = (others_x, others_y);
+        tasks.push((from..end, x, y));
     }
-    tasks.into_par_iter().for_each(|(first, last, mine)| {
-        let mut rest = mine;
-        for i in first..last {
-            let (row, others) = rest.split_at_mut(ptr[i + 1] - ptr[i]);
-            rest = others;
-            fill(i, row);
+    tasks.into_par_iter().for_each(|(range, x, y)| {
+        let mut rest = (x, y);
+        for i in range {
+            let (x, others_x) = rest.0.split_at_mut(ptr[i + 1] - ptr[i]);
+            let (y, others_y) = rest.1.split_at_mut(ptr[i + 1] - ptr[i]);
+            rest = (others_x, others_y);
+            fill(i, x, y);
         }
     });
 }

@@ -7,8 +7,7 @@
 //! an inclined plane, a side that moves as one) has a row of coefficients of free ones.
 
 use super::blocks::Blocks;
-use super::pattern::each_row;
-use crate::linalg::{Csr, Operator, Real, Triplets, lit, to_f64};
+use crate::linalg::{Csr, Real, Triplets, lit, to_f64};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -47,7 +46,7 @@ pub enum ReductionError {
 
 /// How an unknown follows from the free ones.
 #[derive(Clone, Debug, PartialEq)]
-enum Bound<T: Real> {
+pub(super) enum Bound<T: Real> {
     /// It is free, with this number.
     Free(usize),
     /// Coefficients of free unknowns; none where it is prescribed.
@@ -61,9 +60,9 @@ pub struct Reduced<T: Real = f64> {
     pub stiffness: Csr<T>,
     /// Pᵀ (f - K u0).
     pub load: Vec<T>,
-    bound: Vec<Bound<T>>,
+    pub(super) bound: Vec<Bound<T>>,
     offset: Vec<T>,
-    free: Vec<usize>,
+    pub(super) free: Vec<usize>,
 }
 
 /// Coefficients below this, relative to the largest of their equation, are zero.
@@ -168,63 +167,6 @@ impl<T: Real> Reduced<T> {
         reduced
     }
 
-    /// Pᵀ K P of matrices of the same sizes.
-    pub fn matrix<'m>(&self, matrices: impl Into<Blocks<'m, T>>) -> Csr<T> {
-        let matrices: Blocks<'m, T> = matrices.into();
-        let starts = matrices.starts();
-        // unknowns that a bound one brings into its equations, per free unknown
-        let mut followers: BTreeMap<usize, Vec<(usize, T)>> = BTreeMap::new();
-        for (i, bound) in self.bound.iter().enumerate() {
-            if let Bound::Terms(terms) = bound {
-                for &(k, coefficient) in terms {
-                    followers.entry(k).or_default().push((i, coefficient));
-                }
-            }
-        }
-        let row_of = |i: usize| matrices.row(&starts, i);
-        let simple = |i: usize, k: usize| {
-            !followers.contains_key(&k) && row_of(i).all(|(j, _)| !matches!(&self.bound[j], Bound::Terms(t) if !t.is_empty()))
-        };
-        let merged = |i: usize, k: usize| {
-            let mut row: BTreeMap<usize, T> = BTreeMap::new();
-            for &(i, factor) in std::iter::once(&(i, T::one())).chain(followers.get(&k).into_iter().flatten()) {
-                for (j, value) in row_of(i) {
-                    self.each_term(j, |col, c| *row.entry(col).or_insert(T::zero()) += factor * value * c);
-                }
-            }
-            row
-        };
-        let mut ptr = Vec::with_capacity(self.num_free() + 1);
-        ptr.push(0usize);
-        for (k, &i) in self.free.iter().enumerate() {
-            let count = if simple(i, k) { row_of(i).filter(|&(j, _)| self.is_free(j)).count() } else { merged(i, k).len() };
-            ptr.push(ptr[k] + count);
-        }
-        let mut entries = vec![(0u32, T::zero()); ptr[self.num_free()]];
-        each_row(&ptr, &mut entries, |k, row| {
-            let i = self.free[k];
-            if simple(i, k) {
-                let mut slots = row.iter_mut();
-                for (j, value) in row_of(i) {
-                    if let Bound::Free(col) = self.bound[j] {
-                        *slots.next().expect("a slot per free column") = (col as u32, value);
-                    }
-                }
-            } else {
-                for (slot, (col, value)) in row.iter_mut().zip(merged(i, k)) {
-                    *slot = (col as u32, value);
-                }
-            }
-        });
-        let (cols, vals) = entries.into_iter().unzip();
-        let matrix = Csr::from_parts(self.num_free(), ptr, cols, vals);
-        if matrices.bodies.iter().any(|m| m.places().len() != m.num_rows()) {
-            return matrix;
-        }
-        let places: Vec<[f64; 3]> = matrices.bodies.iter().flat_map(|m| m.places().iter().copied()).collect();
-        matrix.with_places(self.free.iter().map(|&i| places[i]).collect())
-    }
-
     /// r = K u - f + Bᵀ lambda in all unknowns: what supports do to the bodies, zero where an unknown is free.
     ///
     /// `reaction` lists parts of B in full unknowns (slave and master rows).
@@ -243,7 +185,7 @@ impl<T: Real> Reduced<T> {
     }
 
     /// Calls `visit(free unknown, coefficient)` for row `i` of P.
-    fn each_term(&self, i: usize, mut visit: impl FnMut(usize, T)) {
+    pub(super) fn each_term(&self, i: usize, mut visit: impl FnMut(usize, T)) {
         match &self.bound[i] {
             Bound::Free(k) => visit(*k, T::one()),
             Bound::Terms(terms) => {

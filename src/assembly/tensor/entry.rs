@@ -28,9 +28,12 @@ impl Patches<'_> {
     pub fn csr<T: Real>(&self, components: usize) -> Csr<T> {
         let (ptr, cols) = match &self.glue {
             None => pattern(self.patches[0].directions()),
-            Some(glue) => glue.pattern(&self.patches),
+            Some(glue) => {
+                let (ptr, cols) = glue.pattern(&self.patches);
+                (ptr, cols.into())
+            }
         };
-        Csr::zeros(Arc::new(Sparsity::new(components, self.functions(), ptr, cols)))
+        Csr::zeros(Arc::new(Sparsity::of(components, self.functions(), ptr, cols)))
     }
 
     /// The matrix of `form` to the values of `matrix`; `add`: on top of what is there.

@@ -2,9 +2,10 @@
 
 use super::write::Directions;
 use crate::assembly::pattern::each_row;
+use crate::linalg::Buffer;
 
 /// Row pointers and columns of scalar functions on the product of `to`.
-pub(super) fn pattern(to: Directions<'_>) -> (Vec<usize>, Vec<u32>) {
+pub(super) fn pattern(to: Directions<'_>) -> (Vec<usize>, Buffer<u32>) {
     let (n0, n1, n2) = (to.fast.functions, to.middle.functions, to.slow.functions);
     let length = |columns: (usize, usize)| columns.1 - columns.0;
     let mut ptr = Vec::with_capacity(n0 * n1 * n2 + 1);
@@ -19,7 +20,7 @@ pub(super) fn pattern(to: Directions<'_>) -> (Vec<usize>, Vec<u32>) {
             }
         }
     }
-    let mut cols = vec![0u32; next];
+    let mut cols = Buffer::zeros(next);
     each_row(&ptr, &mut cols, |i, out| {
         let (fast, middle, slow) = (to.fast.columns[i % n0], to.middle.columns[i / n0 % n1], to.slow.columns[i / n0 / n1]);
         let mut runs = out.chunks_exact_mut(length(fast).max(1));
