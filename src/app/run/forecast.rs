@@ -2,15 +2,14 @@
 //!
 //! Counts are `f64`: a product of large counts grows, it never wraps around.
 
-use super::predict::{Need, Prediction, bytes};
+use super::need::Need;
+use super::predict::{Prediction, bytes};
 use crate::app::build::{MakeNet, elements_along, mesh_counts};
 use crate::app::registry::is_spline;
 use crate::io::case::{Case, Patch};
 use crate::io::errors::Diagnostic;
 
-/// Most entries of a stiffness in this version: columns and offsets into them are 32 bits wide.
-const MOST_ENTRIES: f64 = 2e9;
-/// Most unknowns in this version.
+/// Most unknowns in this version: columns are 32 bits wide.
 const MOST_UNKNOWNS: f64 = u32::MAX as f64;
 /// Share of the machine's memory that a run may be predicted to need where no limit is given.
 const SHARE: f64 = 0.9;
@@ -62,9 +61,9 @@ pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, limit: Option<u64
     let Prediction { memory, .. } = need.prediction();
     let machine = limit.is_none().then(physical_memory).flatten();
     // what this version holds is asked first: no limit on memory can be raised above it
-    let fixed = need.unknowns > MOST_UNKNOWNS || need.entries > MOST_ENTRIES;
+    let fixed = need.unknowns > MOST_UNKNOWNS;
     let why = if fixed {
-        format!("this version holds up to {MOST_ENTRIES:.0e} entries, this stiffness has {:.1e}", need.entries)
+        format!("this version holds up to {MOST_UNKNOWNS:.1e} unknowns")
     } else if let Some(limit) = limit.filter(|&l| memory > l) {
         format!("the limit is {}", bytes(limit))
     } else if let Some(all) = machine.filter(|&all| memory as f64 > SHARE * all as f64) {

@@ -11,6 +11,7 @@ mod iteration;
 mod loads;
 mod matrices;
 mod multipliers;
+mod need;
 mod predict;
 mod pressed;
 mod reactions;
