@@ -498,33 +498,6 @@ fn memory_is_predicted_before_anything_is_allocated() {
 }
 
 #[test]
-fn the_entries_of_a_stiffness_are_known_before_it_is_assembled() {
-    // functions of a line that share an element with each, counted one by one
-    let pairs = |n: usize, p: usize, smooth: usize| {
-        let added = p - smooth;
-        let functions = p + 1 + (n - 1) * added;
-        let share = |i: usize, j: usize| (0..n).any(|e| [i, j].iter().all(|k| (e * added..=e * added + p).contains(k)));
-        (0..functions).flat_map(|i| (0..functions).map(move |j| (i, j))).filter(|&(i, j)| share(i, j)).count()
-    };
-    let (n, m) = (12, 7);
-    // corners of triangles meet along the edges of the grid and one diagonal per rectangle
-    let triangles = (n + 1) * (m + 1) + 2 * (n * (m + 1) + m * (n + 1) + n * m);
-    for (sets, expected, within) in [
-        (&["discretization.degree=2"][..], pairs(n, 2, 1) * pairs(m, 2, 1), 0.0),
-        (&["discretization.degree=3"], pairs(n, 3, 2) * pairs(m, 3, 2), 0.0),
-        (&["discretization.degree=3", "discretization.backend=fe"], pairs(n, 3, 0) * pairs(m, 3, 0), 0.01),
-        (&["discretization.degree=1", "discretization.backend=fe", "patch.a.cells=simplex"], triangles, 0.05),
-    ] {
-        let sets = sets.iter().chain(&["patch.a.elements=[12, 7]"]).map(|s| s.to_string()).collect();
-        let options = ReadOptions { sets, ..ReadOptions::default() };
-        let case = Case::parse("case.toml", &square(""), &options).unwrap_or_else(|e| panic!("{e}"));
-        let checked = faying::app::run::check(&case, &Registry::default(), &faying::app::RunOptions::default(), &Watch::default());
-        let (found, expected) = (checked.result.predicted.unwrap().entries as f64, 4.0 * expected as f64);
-        assert!((found - expected).abs() <= within * expected, "{found}, {expected} counted");
-    }
-}
-
-#[test]
 fn loads_and_materials_without_a_value_are_refused_at_their_place() {
     let source = "[model]\nphysics = \"poisson\"\ndimension = 2\nsource = \"1/(x - x)\"\n[[patch]]\nname = \"a\"\n\
         geometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [2, 2]\n[[boundary]]\non = \"all-outer\"\ndirichlet = 0\n";
