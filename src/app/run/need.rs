@@ -78,7 +78,8 @@ impl Need {
             overlap = overlap.max(shared);
             narrow = narrow.min(line);
         }
-        let bytes = elements * if overlap < own - 1.0 { BYTES_PER_CELL } else { BYTES_PER_ELEMENT };
+        // of degree 1 splines and cells are the same functions
+        let bytes = elements * if overlap < own - 1.0 || own <= 2.0 { BYTES_PER_CELL } else { BYTES_PER_ELEMENT };
         let kind = Kind { components: components as f64, dimension: lines.len(), degree: own - 1.0, overlap, elements: bytes, free };
         let mut need = Self::of(functions, pairs, kind);
         if lines.len() == 2 {
