@@ -1,6 +1,6 @@
 //! Rules of bases and of the elements they live on.
 
-use super::block::blocks;
+use super::block::{blocks, patches};
 use super::continuation::{continues, leaves_polynomial};
 use super::geometry::chosen;
 use super::points;
@@ -22,6 +22,7 @@ const DEPENDENT: f64 = 1e2;
 /// - the active functions of an element are linearly independent on it;
 /// - corners are as many as the cell has, or none;
 /// - blocks are products numbered with the first axis fastest;
+/// - patches are blocks that cover all elements, and their functions sum up to those with their numbers;
 /// - polynomials live on the same elements, are never negative, sum to one, are never rational.
 ///
 /// Of bases with many elements, tables are looked at on some elements, evenly spread; ids and blocks on all.
@@ -32,6 +33,7 @@ const DEPENDENT: f64 = 1e2;
 pub fn basis<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Result<(), String> {
     functions(basis)?;
     blocks(basis)?;
+    patches(basis)?;
     polynomials(basis)
 }
 
