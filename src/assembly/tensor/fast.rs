@@ -61,7 +61,7 @@ impl<S: Simd> NullaryFnOnce for Contract<'_, S> {
 }
 
 /// All pairs of the direction for one tile: `d[point * stride + component]` with the tile's points in lanes, to
-/// `out[(((r / V) * components + component) * V + lane) * V + r % V]`, r = i * active + (j - i).
+/// `out[(((r / V) * V + lane) * components + component) * V + r % V]`, r = i * active + (j - i).
 #[inline(always)]
 fn contract<S: Simd, const NP: usize>(
     simd: S,
@@ -119,10 +119,10 @@ fn group<S: Simd, const NP: usize, const K: usize, const MASK: u8>(
             for c in 0..NP {
                 let r = i * NP + c;
                 // lanes of points become lanes of pairs
-                let mut at = ((r / lanes) * components + g.to[k]) * lanes * lanes + r % lanes;
+                let mut at = ((r / lanes) * lanes * components + g.to[k]) * lanes + r % lanes;
                 for lane in 0..lanes {
                     out[at] = sums[c * lanes + lane];
-                    at += lanes;
+                    at += components * lanes;
                 }
             }
         }

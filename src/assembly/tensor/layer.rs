@@ -247,10 +247,8 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Add<'_, '_, S, N> {
                     }
                 } else {
                     for q in 0..points {
-                        let from = start + (q / lanes) * task + q % lanes;
-                        for c in 0..types {
-                            scratch[q * types + c] = tiles[from + c * lanes];
-                        }
+                        let from = start + (q / lanes) * task + (q % lanes) * types;
+                        scratch[q * types..(q + 1) * types].copy_from_slice(&tiles[from..from + types]);
                     }
                 }
                 for j in middle.columns[i].0..middle.columns[i].1 {

@@ -10,7 +10,7 @@ use pulp::Simd;
 /// Components on entry, (test, trial) with 0 slow, 1 middle, 2 neither.
 pub(super) const COMPONENTS: usize = 9;
 
-/// Where the points of the middle direction lie: point q in lane `q % lanes` of tile `q / lanes`, lanes of one component beside each other.
+/// Where the points of the middle direction lie: point q in lane `q % lanes` of tile `q / lanes`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tiles {
     /// Distance of the tiles.
@@ -35,13 +35,13 @@ pub(super) fn contract<S: Simd, const NP: usize>(
 ) {
     let zero = simd.splat_f64s(0.0);
     let lanes = S::F64_LANES;
-    let [xx, xy, xn, yx, yy, yn, nx, ny, nn] = components.map(|c| c * lanes);
+    let [xx, xy, xn, yx, yy, yn, nx, ny, nn] = *components;
     for e in axis.support[i].0..axis.support[i].1 {
         let a = i - axis.first[e];
         let mut acc = [[zero; 4]; NP];
         for q in axis.start[e]..axis.start[e + 1] {
-            let place = at.start + (q / lanes) * at.tile + q % lanes;
-            let t = &t[place..place + COMPONENTS * lanes - lanes + 1];
+            let place = at.start + (q / lanes) * at.tile + (q % lanes) * COMPONENTS;
+            let t = &t[place..place + COMPONENTS];
             let (values, slopes) = (&rows::<NP>(&axis.values)[q], &rows::<NP>(&axis.slopes)[q]);
             let (v, s) = (simd.splat_f64s(values[a]), simd.splat_f64s(slopes[a]));
             let dd = simd.mul_f64s(t[xx], v);

@@ -11,6 +11,8 @@ use pulp::Simd;
 pub(super) struct Ring {
     /// Number of slots.
     pub slots: usize,
+    /// Distance of neighbouring pairs of one slot.
+    pub pair: usize,
     /// Start.
     pub start: usize,
 }
@@ -19,7 +21,7 @@ impl Ring {
     /// Place of the pair (i, j) of an axis with `active` functions per element.
     #[inline(always)]
     pub fn at(&self, active: usize, i: usize, j: usize) -> usize {
-        self.start + (i.max(j) % self.slots) * (2 * active - 1) + (i + active - 1 - j)
+        self.start + ((i.max(j) % self.slots) * (2 * active - 1) + (i + active - 1 - j)) * self.pair
     }
 }
 

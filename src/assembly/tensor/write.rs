@@ -47,8 +47,8 @@ impl Directions<'_> {
     /// Place of the ring of the pair (i, j) of functions of the middle direction.
     #[inline(always)]
     pub fn ring(&self, slots: usize, i: usize, j: usize) -> Ring {
-        let (active, size) = (self.middle.active, slots * (2 * self.slow.active - 1));
-        Ring { slots, start: (i * (2 * active - 1) + j + active - 1 - i) * size }
+        let (active, pair) = (self.middle.active, 2 * self.middle.active - 1);
+        Ring { slots, pair, start: i * slots * (2 * self.slow.active - 1) * pair + j + active - 1 - i }
     }
 
     /// Vectors of sums per pair of components and vector of pairs of the fastest direction.
