@@ -7,6 +7,12 @@ use super::axis::Axis;
 use super::write::{Directions, Sums};
 use crate::linalg::{Real, lit};
 use std::cmp::Ordering;
+use std::ops::Range;
+
+/// Bytes of lines that a strip of rows aims at.
+const STRIP_BYTES: usize = 16 << 10;
+/// Fewest rows of a strip: it copies the pairs of some rows before it too.
+const STRIP_AT_LEAST: usize = 32;
 
 /// Functions of the fastest direction beside one pair of functions of the others.
 #[derive(Clone, Copy, Debug)]
@@ -28,8 +34,9 @@ pub(super) struct Lines {
     pub runs: Vec<Run>,
     /// The mirrored and the own line of every run and component of the trial function.
     values: Vec<f64>,
-    /// Numbers of a line.
+    /// Numbers of a line, and the first that is copied.
     width: usize,
+    from: usize,
     /// First number of the line of the rows.
     first: usize,
 }
@@ -51,24 +58,31 @@ impl Lines {
         }
     }
 
-    /// Copies the sums of component `c` of the test function.
-    pub fn fill(&mut self, sums: &Sums<'_>, c: usize) {
+    /// Functions of the fastest direction whose lines stay in the first cache, `STRIP_AT_LEAST` or more.
+    pub fn strip(&self, sums: &Sums<'_>, axis: &Axis) -> usize {
+        let per_function = 2 * self.runs.len() * sums.components * axis.active * size_of::<f64>();
+        (STRIP_BYTES / per_function.max(1)).max(STRIP_AT_LEAST)
+    }
+
+    /// Copies the sums of component `c` of the test function, as far as the rows of `functions` need them.
+    pub fn fill(&mut self, sums: &Sums<'_>, axis: &Axis, c: usize, functions: Range<usize>) {
+        let pairs = (functions.start + 1).saturating_sub(axis.active) * axis.active..functions.end * axis.active;
         match sums.lanes {
-            2 => self.copy::<2>(sums, c),
-            4 => self.copy::<4>(sums, c),
-            8 => self.copy::<8>(sums, c),
+            2 => self.copy::<2>(sums, c, pairs),
+            4 => self.copy::<4>(sums, c, pairs),
+            8 => self.copy::<8>(sums, c, pairs),
             lanes => unreachable!("processors have 2, 4 or 8 lanes, not {lanes}"),
         }
     }
 
-    fn copy<const L: usize>(&mut self, sums: &Sums<'_>, c: usize) {
+    fn copy<const L: usize>(&mut self, sums: &Sums<'_>, c: usize, pairs: Range<usize>) {
         let n = sums.components;
         let (from, per_vector) = (sums.values.as_chunks::<L>().0, sums.pairs.len() * sums.pair);
-        let vectors = from.len() / per_vector;
-        self.width = vectors * L;
+        let (first, vectors) = (pairs.start / L, pairs.end.div_ceil(L) - pairs.start / L);
+        (self.from, self.width) = (first * L, vectors * L);
         self.values.resize(self.runs.len() * n * 2 * self.width, 0.0);
         let out = self.values.as_chunks_mut::<L>().0;
-        for (r, from) in from.chunks_exact(per_vector).enumerate() {
+        for (r, from) in from.chunks_exact(per_vector).skip(first).take(vectors).enumerate() {
             for e in 0..n {
                 let (mirror, upper) = (&from[sums.pairs[c * n + e].mirror * sums.pair..], &from[(c * n + e) * sums.pair..]);
                 let mut at = 2 * e * vectors + r;
@@ -105,7 +119,7 @@ impl Lines {
                 // on the diagonal the pair that comes first speaks for both
                 let turned = if run.order == Ordering::Less { n } else { c };
                 for e in 0..turned {
-                    out[(i - from) * n + e] = lit(lines[2 * e * self.width + i * axis.active]);
+                    out[(i - from) * n + e] = lit(lines[2 * e * self.width + i * axis.active - self.from]);
                 }
             }
             if let Some(weights) = sums.weights {
@@ -125,8 +139,8 @@ impl Lines {
         let out = &mut out.as_chunks_mut::<C>().0[..M];
         for e in 0..C {
             let (mirror, upper) = (&lines[2 * e * self.width..], &lines[(2 * e + 1) * self.width..]);
-            let mirror = &mirror[first * (NP - 1) + i..][..NP * NP];
-            let upper = &upper[i * NP..][..NP];
+            let mirror = &mirror[first * (NP - 1) + i - self.from..][..(NP - 2) * (NP - 1) + 1];
+            let upper = &upper[i * NP - self.from..][..NP];
             for a in 0..NP - 1 {
                 out[a][e] = lit(mirror[a * (NP - 1)]);
             }
@@ -136,11 +150,11 @@ impl Lines {
         }
     }
 
-    fn any<T: Real>(&self, lines: &[f64], active: usize, i: usize, columns: std::ops::Range<usize>, n: usize, out: &mut [T]) {
+    fn any<T: Real>(&self, lines: &[f64], active: usize, i: usize, columns: Range<usize>, n: usize, out: &mut [T]) {
         for (j, out) in columns.zip(out.chunks_exact_mut(n)) {
             for (e, out) in out.iter_mut().enumerate() {
                 let half = usize::from(j >= i);
-                *out = lit(lines[(2 * e + half) * self.width + i.min(j) * active + i.abs_diff(j)]);
+                *out = lit(lines[(2 * e + half) * self.width + i.min(j) * active + i.abs_diff(j) - self.from]);
             }
         }
     }

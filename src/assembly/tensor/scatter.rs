@@ -118,7 +118,7 @@ impl Target<'_> {
         let (n, own) = (sums.components, first + to.fast.functions * (middle + to.middle.functions * slow));
         lines.start(sums, to, [middle, slow]);
         for c in 0..n {
-            lines.fill(sums, c);
+            lines.fill(sums, to.fast, c, 0..to.fast.functions);
             for (i, slot) in slots.iter_mut().enumerate() {
                 let Some(out) = slot else { continue };
                 let id = self.glue.ids[own + i] as usize;

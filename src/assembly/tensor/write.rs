@@ -69,9 +69,11 @@ impl Sums<'_> {
     pub fn write<T: Real>(&self, to: Directions<'_>, middle: usize, slow: usize, add: bool, scratch: &mut RowScratch<T>, out: &mut [T]) {
         let (n, RowScratch { lines, row }) = (self.components, scratch);
         lines.start(self, to, [middle, slow]);
-        for c in 0..n {
-            lines.fill(self, c);
-            for i in 0..to.fast.functions {
+        let strip = lines.strip(self, to.fast);
+        let strips = (0..to.fast.functions).step_by(strip).map(|from| from..(from + strip).min(to.fast.functions));
+        for (c, strip) in strips.flat_map(|strip| (0..n).map(move |c| (c, strip.clone()))) {
+            lines.fill(self, to.fast, c, strip.clone());
+            for i in strip {
                 let before = n * lines.runs.len() * to.fast.sums[i];
                 let length = n * lines.runs.len() * (to.fast.sums[i + 1] - to.fast.sums[i]);
                 let own = &mut out[n * before + c * length..][..length];
