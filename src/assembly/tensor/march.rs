@@ -53,7 +53,7 @@ pub(super) type Sink<'a> = dyn FnMut(Sums<'_>, Range<usize>) + Send + 'a;
 ///
 /// No type parameter reaches the kernels from outside, so that they are compiled once.
 pub(super) fn march(plan: &Plan<'_, '_>, rows: Range<usize>, threads: usize, sink: &mut Sink<'_>) {
-    let arch = pulp::Arch::new();
+    let arch = plan.patch.arch;
     match plan.patch.axes.len() {
         2 => arch.dispatch(March::<2> { plan, rows, threads, sink }),
         _ => arch.dispatch(March::<3> { plan, rows, threads, sink }),

@@ -23,6 +23,8 @@
 //! 5, processors without lanes and spaces without product structure take the plain loop.
 
 mod axis;
+#[cfg(all(test, target_arch = "x86_64"))]
+mod bits;
 mod coefficient;
 mod entry;
 mod fast;
@@ -71,6 +73,8 @@ struct Patch<'a> {
     map: Map<'a>,
     /// The weight function of a rational basis, and its weights.
     weight: Option<(Net, Vec<f64>)>,
+    /// The instruction set.
+    arch: pulp::Arch,
 }
 
 impl<'a> Patches<'a> {
@@ -126,7 +130,13 @@ impl<'a> Patch<'a> {
         };
         let elements: Vec<usize> = axes.iter().map(Axis::elements).collect();
         let net = map.filter(|m| m.basis.first == block.first).and_then(|m| control(&m, rules)).filter(|n| n.elements() == elements);
-        Some(Self { axes, none: Axis::none(), map: net.map_or(Map::Elements(asks, block.first), Map::Net), weight })
+        Some(Self {
+            axes,
+            none: Axis::none(),
+            map: net.map_or(Map::Elements(asks, block.first), Map::Net),
+            weight,
+            arch: pulp::Arch::new(),
+        })
     }
 }
 

@@ -141,7 +141,7 @@ impl Patches<'_> {
 impl Patch<'_> {
     /// Integrals of x and 1, weighted by the squared function, up to the size of elements: every one counts the same.
     fn place_sums(&self) -> Vec<[f64; 4]> {
-        let (n, arch) = (self.axes.len(), pulp::Arch::new());
+        let (n, arch) = (self.axes.len(), self.arch);
         let planes = if n == 2 { arch.dispatch(Planes::<2> { patch: self }) } else { arch.dispatch(Planes::<3> { patch: self }) };
         let slow = &self.axes[n - 1];
         let owners = slow.owners();
