@@ -35,6 +35,7 @@ pub use tensor::TensorProduct;
 pub use topology::Topology;
 pub(crate) use topology::key_of;
 pub use unstructured::Unstructured;
+pub(crate) use unstructured::corner_places;
 
 /// The reference cell of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -116,6 +117,11 @@ pub trait Basis<const D: usize, T: Real = f64>: Elements {
     fn is_linear(&self, _element: usize) -> bool {
         false
     }
+    /// A number of the reference cell of `element`: elements that answer with the same number have the same table at the same
+    /// points, so that one table serves them all. None where tables differ from element to element.
+    fn reference(&self, _element: usize) -> Option<usize> {
+        None
+    }
     /// Product structure around `element`, where there is one: sum factorisation.
     fn block(&self, _element: usize) -> Option<Block<'_, D, T>> {
         None
@@ -146,6 +152,7 @@ macro_rules! forward_basis {
                 (**self).tabulate(element, xi, order, table)
             }
             fn is_linear(&self, element: usize) -> bool { (**self).is_linear(element) }
+            fn reference(&self, element: usize) -> Option<usize> { (**self).reference(element) }
             fn block(&self, element: usize) -> Option<Block<'_, D, T>> { (**self).block(element) }
             fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> { (**self).patches() }
             fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> { (**self).polynomials(wanted) }

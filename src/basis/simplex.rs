@@ -168,6 +168,10 @@ impl<const D: usize, T: Real> Basis<D, T> for LagrangeSimplex<D, T> {
     fn active(&self, element: usize, ids: &mut Vec<usize>) {
         self.bernstein.active(element, ids);
     }
+    /// One for all.
+    fn reference(&self, _element: usize) -> Option<usize> {
+        Some(0)
+    }
     fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
         let n = self.nodes.len();
         let mut inner = table.inner.take().unwrap_or_default();

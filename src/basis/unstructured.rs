@@ -1,5 +1,7 @@
 //! Lagrange and Bernstein polynomials of one degree on cells that are joined at will, shapes mixed.
 
+use super::numbering::lattice;
+use super::topology::corner_count;
 use super::{BSpline, Basis, BernsteinSimplex, Cell, Elements, LagrangeLine, LagrangeSimplex, Order, Polynomials, ShapeTable};
 use super::{TensorProduct, Topology};
 use crate::linalg::{Real, Vector, num};
@@ -20,6 +22,8 @@ pub struct Unstructured<const D: usize, T: Real = f64> {
     ids: Vec<usize>,
     /// The functions of one tensor cell and of one simplex, where there are such cells.
     kernels: [Option<Arc<dyn Basis<D, T>>>; 2],
+    /// Places of the corners in the lattices of a tensor cell and of a simplex.
+    corners: [Vec<usize>; 2],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +39,29 @@ impl<const D: usize, T: Real> Unstructured<D, T> {
     /// If the degree is zero.
     pub fn lagrange(degree: usize, topology: Arc<Topology<D>>) -> Self {
         Self::new(degree, Kind::Lagrange, topology)
+    }
+
+    /// Continuous Lagrange polynomials, numbered by the first cell they live on, cells in the order `along`.
+    ///
+    /// Where cells that follow each other are near each other, so are numbers: matrices are read and written in pieces.
+    ///
+    /// # Panics
+    /// If the degree is zero, or `along` does not list every cell once.
+    pub fn lagrange_along(degree: usize, topology: Arc<Topology<D>>, along: &[u32]) -> Self {
+        let mut basis = Self::lagrange(degree, topology);
+        assert_eq!(along.len(), basis.topology.num_cells(), "every cell once");
+        let (mut number, mut next) = (vec![usize::MAX; basis.functions], 0);
+        for &e in along {
+            for &id in basis.functions(e as usize) {
+                if number[id] == usize::MAX {
+                    number[id] = next;
+                    next += 1;
+                }
+            }
+        }
+        assert_eq!(next, basis.functions, "every cell once");
+        basis.ids.iter_mut().for_each(|id| *id = number[*id]);
+        basis
     }
 
     /// Bernstein polynomials, continuous or not.
@@ -62,7 +89,8 @@ impl<const D: usize, T: Real> Unstructured<D, T> {
             }
             (n, first, (0..n).collect())
         };
-        Self { topology, degree, kind, functions, first, ids, kernels }
+        let corners = [Cell::Tensor, Cell::Simplex].map(|c| corner_places::<D>(c, degree));
+        Self { topology, degree, kind, functions, first, ids, kernels, corners }
     }
 
     /// The cells.
@@ -75,9 +103,35 @@ impl<const D: usize, T: Real> Unstructured<D, T> {
         &self.ids[self.first[element]..self.first[element + 1]]
     }
 
+    /// The function whose node is at a corner of an element.
+    pub fn at_corner(&self, element: usize, corner: usize) -> usize {
+        self.functions(element)[self.corners[usize::from(self.topology.cell(element) == Cell::Simplex)][corner]]
+    }
+
+    /// The function whose node is at each vertex.
+    pub fn at_vertices(&self) -> Vec<usize> {
+        let mut functions = vec![usize::MAX; self.topology.num_vertices()];
+        for e in 0..self.topology.num_cells() {
+            self.topology.vertices(e).iter().enumerate().for_each(|(c, &v)| functions[v] = self.at_corner(e, c));
+        }
+        functions
+    }
+
     fn kernel(&self, element: usize) -> &Arc<dyn Basis<D, T>> {
         self.kernels[usize::from(self.topology.cell(element) == Cell::Simplex)].as_ref().expect("every shape has its functions")
     }
+}
+
+/// Places of the corners in the lattice of a cell.
+pub(crate) fn corner_places<const D: usize>(cell: Cell, degree: usize) -> Vec<usize> {
+    let list = lattice::<D>(cell, degree);
+    let corner = |c: usize| -> [usize; D] {
+        std::array::from_fn(|k| {
+            let far = if cell == Cell::Simplex { c == k + 1 } else { c >> k & 1 == 1 };
+            if far { degree } else { 0 }
+        })
+    };
+    (0..corner_count(cell, D)).map(|c| list.iter().position(|i| *i == corner(c)).expect("the lattice has its corners")).collect()
 }
 
 /// The functions of one cell.
@@ -122,6 +176,10 @@ impl<const D: usize, T: Real> Basis<D, T> for Unstructured<D, T> {
     }
     fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
         self.kernel(element).tabulate(0, xi, order, table);
+    }
+    /// One for the tensor cells, one for the simplices.
+    fn reference(&self, element: usize) -> Option<usize> {
+        Some(usize::from(self.cell(element) == Cell::Simplex))
     }
     /// Bernstein polynomials on the same cells: continuous at no reduction of the degree, discontinuous at any.
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {

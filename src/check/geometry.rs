@@ -25,7 +25,7 @@ pub(super) fn sample_points<const D: usize, T: Real>(kind: crate::basis::Cell) -
 ///
 /// Rules: x, Jacobian and second derivatives are finite, derivatives are those of x, also outside the cell; they do not
 /// depend on the batch or on the order asked for; [`Geometry::bounds`] hold the element; corner ids shared by elements
-/// are at one place; [`Geometry::map_block`], where there is one, repeats the map.
+/// are at one place; [`Geometry::map_block`] and [`Geometry::control`], where there are any, repeat the map.
 ///
 /// # Errors
 /// A sentence that says which rule is broken and where.
@@ -93,6 +93,7 @@ pub fn geometry<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + 
             }
         }
     }
+    super::reference::control(geometry)?;
     corners(geometry)
 }
 

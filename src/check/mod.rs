@@ -15,6 +15,7 @@ mod material;
 mod operator;
 mod points;
 mod quadrature;
+mod reference;
 mod solver;
 mod space;
 mod target;

@@ -1,6 +1,6 @@
 //! Maps made of basis functions and control points.
 
-use super::{Bounds, Geometry, MapBlock, MapTable, hull};
+use super::{Bounds, Control, Geometry, MapBlock, MapTable, hull};
 use crate::basis::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable, TensorPatch};
 use crate::linalg::{Real, Vector};
 use std::borrow::Cow;
@@ -85,6 +85,9 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Basis<D, T> for Co
     fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
         self.basis.tabulate(element, xi, order, table);
     }
+    fn reference(&self, element: usize) -> Option<usize> {
+        self.basis.reference(element)
+    }
     fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
         self.basis.block(element)
     }
@@ -114,6 +117,10 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Geometry<D, N, T> 
 
     fn is_affine(&self, element: usize) -> bool {
         self.basis.is_linear(element)
+    }
+
+    fn control(&self) -> Option<Control<'_, D, N, T>> {
+        Some(Control { basis: &self.basis, points: &self.points })
     }
 
     fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> {

@@ -13,7 +13,7 @@ mod net;
 mod net_moves;
 pub mod shapes;
 
-use crate::basis::{Block, Elements, Order, ShapeTable};
+use crate::basis::{Basis, Block, Elements, Order, ShapeTable};
 use crate::linalg::{Matrix, Real, Vector};
 use std::borrow::Cow;
 
@@ -81,6 +81,15 @@ pub struct MapBlock<'a, const D: usize, const N: usize, T: Real = f64> {
     pub control: Cow<'a, [Vector<N, T>]>,
 }
 
+/// A map as functions and points: x = sum_i M_i points_i on every element.
+#[derive(Clone, Copy, Debug)]
+pub struct Control<'a, const D: usize, const N: usize, T: Real = f64> {
+    /// The functions M_i, answering on the elements of the geometry.
+    pub basis: &'a dyn Basis<D, T>,
+    /// One point per function \[length\].
+    pub points: &'a [Vector<N, T>],
+}
+
 /// A map x(xi) per element.
 pub trait Geometry<const D: usize, const N: usize, T: Real = f64>: Elements {
     /// Positions and derivatives at the local points `xi`; continues the element's own functions outside its cell.
@@ -90,6 +99,10 @@ pub trait Geometry<const D: usize, const N: usize, T: Real = f64>: Elements {
     /// Whether the map of `element` is known to be affine: its Jacobian is constant, the images of segments are straight.
     fn is_affine(&self, _element: usize) -> bool {
         false
+    }
+    /// The map as functions and points, where it is that everywhere: tables of a reference cell, see [`Basis::reference`].
+    fn control(&self) -> Option<Control<'_, D, N, T>> {
+        None
     }
     /// Product structure of the map around `element`, where there is one.
     fn map_block(&self, _element: usize) -> Option<MapBlock<'_, D, N, T>> {
@@ -105,6 +118,7 @@ macro_rules! forward_geometry {
             }
             fn bounds(&self, element: usize) -> Bounds<N, T> { (**self).bounds(element) }
             fn is_affine(&self, element: usize) -> bool { (**self).is_affine(element) }
+            fn control(&self) -> Option<Control<'_, D, N, T>> { (**self).control() }
             fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> { (**self).map_block(element) }
         }
     )*};

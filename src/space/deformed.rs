@@ -39,6 +39,9 @@ impl<X: Basis<D, T>, const D: usize, const N: usize, T: Real> Basis<D, T> for De
     fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
         self.space.tabulate(element, xi, order, table);
     }
+    fn reference(&self, element: usize) -> Option<usize> {
+        self.space.reference(element)
+    }
     fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
         self.space.block(element)
     }

@@ -1,10 +1,11 @@
 //! The Lagrange mesh of cells as files hold them.
 
+use super::curve;
 use super::mesh::{Named, Sides};
 use super::mesh_facets::Facets;
 use super::mesh_trace::{FacetMap, FacetSides};
 use super::{InvertedElement, MAX_DEGREE_SIMPLEX, MAX_DEGREE_TENSOR, Mapping, Mesh, MeshCells, MeshError, Over, Space, quality};
-use crate::basis::{Basis, Cell, Order, ShapeTable, Topology, Unstructured, lagrange_nodes, lattice, simplex_nodes};
+use crate::basis::{Basis, Cell, Order, ShapeTable, Topology, Unstructured, corner_places, lagrange_nodes, lattice, simplex_nodes};
 use crate::geometry::{ControlPoints, Geometry, cell};
 use crate::linalg::{Matrix, Vector, determinant};
 use rayon::prelude::*;
@@ -23,7 +24,8 @@ impl<const S: usize, const N: usize> Mesh<S, N> {
     /// [`Mapping::Exact`] keeps the cells' own map. [`Mapping::Isoparametric`] interpolates it in `degree` at the nodes of the space: the
     /// same map where `degree` is not below the geometry order, else one of lower degree with its nodes on the cells.
     ///
-    /// Elements are the cells in the order of the blocks; those listed left-handed are seen mirrored, first axis for second. Sides
+    /// Elements are the cells in the order of the blocks; those listed left-handed are seen mirrored, first axis for second. Functions are
+    /// numbered along a curve that fills the mesh, whatever the order of cells and points is: [`Mesh::function_at`] finds them. Sides
     /// are the tags whose facets all lie on the boundary, and [`Mesh::untagged`]; a tag inside the mesh is no side, and its
     /// trace is [`SideError::Interior`](super::SideError::Interior). Tags of one name are one side. In the plane the facets of a side
     /// follow one another with the body on their left. n log n in the number of cells.
@@ -40,9 +42,11 @@ impl<const S: usize, const N: usize> Mesh<S, N> {
         let nodes = NodesOfKinds::new(&raw.kinds, order);
         let flipped = nodes.flipped(&raw);
         let topology = Arc::new(raw.topology(&flipped));
-        let map = Unstructured::<N>::lagrange(order, topology.clone());
+        let along = curve::along(&raw.middles());
+        let map = Unstructured::<N>::lagrange_along(order, topology.clone(), &along);
         let points = nodes.gathered(&raw, &flipped, &map)?;
-        let facets = Facets::new(&topology, &points).map_err(|e| nodes.blamed(e, &raw, &flipped))?;
+        let vertices: Vec<_> = map.at_vertices().into_iter().map(|i| points[i]).collect();
+        let facets = Facets::new(&topology, &vertices).map_err(|e| nodes.blamed(e, &raw, &flipped))?;
         let named_facets = facets.named(&cells.tags, &raw.vertex_of_point(&flipped, &topology))?;
 
         let isoparametric = Arc::new(ControlPoints { basis: map.clone(), points });
@@ -50,7 +54,7 @@ impl<const S: usize, const N: usize> Mesh<S, N> {
         let (space, basis): (Arc<dyn Space<N, N>>, _) = if order == degree {
             (isoparametric.clone(), map)
         } else {
-            let basis = Unstructured::lagrange(degree, topology.clone());
+            let basis = Unstructured::lagrange_along(degree, topology.clone(), &along);
             (Arc::new(Over { basis: basis.clone(), geometry: geometry.clone() }), basis)
         };
         let named = Named { function: raw.functions_at_points(&flipped, &basis, degree), points: cells.points.clone() };
@@ -130,6 +134,12 @@ impl<'a, const N: usize> RawCells<'a, N> {
         self.local[self.list[e].0].1.iter().map(move |&a| self.node(e, flip, a))
     }
 
+    /// The mean of the corners of every cell.
+    fn middles(&self) -> Vec<Vector<N>> {
+        let sum = |e: usize| self.corners(e, false).fold((Vector::zeros(), 0.0), |(s, n), p| (s + self.cells.points[p], n + 1.0));
+        (0..self.list.len()).map(sum).map(|(s, n)| s / n).collect()
+    }
+
     /// Vertices are numbered from zero, in the order of their first cells.
     fn topology(&self, flipped: &[bool]) -> Topology<N> {
         let kinds: Vec<Cell> = self.list.iter().map(|l| self.kinds[l.0].0).collect();
@@ -184,13 +194,6 @@ pub(super) fn nodes<const N: usize>(cell: Cell, degree: usize) -> Vec<Vector<N>>
             lattice::<N>(cell, degree).into_iter().map(|i| Vector::from_fn(|k, _| line[i[k]])).collect()
         }
     }
-}
-
-/// Places of the corners in the lattice of a cell.
-fn corner_places<const N: usize>(kind: Cell, order: usize) -> Vec<usize> {
-    let list = lattice::<N>(kind, order);
-    let at = |c: &Vector<N>| list.iter().position(|i| (0..N).all(|k| i[k] as f64 == c[k] * order as f64));
-    cell::corners::<N, f64>(kind).iter().map(|c| at(c).expect("the lattice has its corners")).collect()
 }
 
 /// The place of every index with its first two entries exchanged.

@@ -38,7 +38,7 @@ pub(super) fn tetrahedra<const S: usize, const N: usize>(spec: &PatchSpec<N>) ->
     let vertex = Merged::new(&counts, &grid.collapsed);
     let cut = cut(&grid, &counts, &vertex.id)?;
     let topology = Arc::new(Topology::<N>::new(vec![Cell::Simplex; cut.len()], cut.iter().flat_map(|t| t.ids).collect()));
-    let basis = Unstructured::<N>::lagrange(degree, topology.clone());
+    let basis = Unstructured::<N>::lagrange_along(degree, topology.clone(), &(0..cut.len() as u32).collect::<Vec<_>>());
     let isoparametric = Arc::new(ControlPoints { points: nodes_of(&grid, &cut, &basis, degree), basis });
     let basis = isoparametric.basis.clone();
     let named = sides(&grid, &counts, &vertex.id, &topology);

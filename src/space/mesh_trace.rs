@@ -102,8 +102,7 @@ fn breakpoints<const N: usize>(topology: &Topology<N>, map: &ControlPoints<Unstr
     let mut sums = vec![0.0];
     for &of in list {
         let ends: Vec<usize> = tensor_order(topology, of).collect();
-        // vertices are numbered before all other nodes
-        let [a, b] = [ends[0], ends[1]].map(|c| map.points[topology.vertices(of.0)[c]]);
+        let [a, b] = [ends[0], ends[1]].map(|c| map.points[map.basis.at_corner(of.0, c)]);
         sums.push(sums[sums.len() - 1] + (b - a).norm());
     }
     if sums.windows(2).all(|w| w[0] < w[1]) { sums } else { (0..sums.len()).map(|k| k as f64).collect() }

@@ -1,6 +1,7 @@
 //! Floor 5: spaces (a basis over a geometry), bodies with named sides, traces.
 
 mod cells;
+mod curve;
 mod deformed;
 mod diameter;
 mod field;
@@ -23,7 +24,7 @@ mod spec;
 mod trace;
 
 use crate::basis::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable, TensorPatch};
-use crate::geometry::{Bounds, ControlPoints, Embedded, Geometry, MapBlock, MapTable};
+use crate::geometry::{Bounds, Control, ControlPoints, Embedded, Geometry, MapBlock, MapTable};
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -103,6 +104,9 @@ impl<const D: usize, T: Real, B: Basis<D, T>, G: Elements> Basis<D, T> for Over<
     fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
         self.basis.tabulate(element, xi, order, table);
     }
+    fn reference(&self, element: usize) -> Option<usize> {
+        self.basis.reference(element)
+    }
     fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
         self.basis.block(element)
     }
@@ -123,6 +127,9 @@ impl<const D: usize, const N: usize, T: Real, B: Elements, G: Geometry<D, N, T>>
     }
     fn is_affine(&self, element: usize) -> bool {
         self.geometry.is_affine(element)
+    }
+    fn control(&self) -> Option<Control<'_, D, N, T>> {
+        self.geometry.control()
     }
     fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> {
         self.geometry.map_block(element)
