@@ -43,6 +43,30 @@ pub fn cells<const N: usize>(cell: Cell, n: usize) -> MeshCells<N> {
     MeshCells { points, blocks: vec![CellBlock { cell, order: 1, nodes }], tags: Vec::new() }
 }
 
+/// The same mesh with points and cells in random order.
+fn shuffled<const N: usize>(mut mesh: MeshCells<N>) -> MeshCells<N> {
+    let mut state = 1u64;
+    let mut order = |n: usize| {
+        let mut next = |_| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            state >> 33
+        };
+        let mut keyed: Vec<(u64, usize)> = (0..n).map(|i| (next(i), i)).collect();
+        keyed.sort_unstable();
+        keyed.into_iter().map(|k| k.1).collect::<Vec<usize>>()
+    };
+    let points = order(mesh.points.len());
+    let mut number = vec![0; points.len()];
+    points.iter().enumerate().for_each(|(new, &old)| number[old] = new);
+    mesh.points = points.iter().map(|&old| mesh.points[old]).collect();
+    for block in &mut mesh.blocks {
+        let each = if block.cell == Cell::Simplex { N + 1 } else { 1 << N };
+        let cells = order(block.nodes.len() / each).into_iter();
+        block.nodes = cells.flat_map(|c| block.nodes[c * each..(c + 1) * each].iter().map(|&p| number[p]).collect::<Vec<_>>()).collect();
+    }
+    mesh
+}
+
 /// All orders of the axes.
 fn permutations<const N: usize>() -> Vec<[usize; N]> {
     let all = (0..N.pow(N as u32)).map(|i| -> [usize; N] { std::array::from_fn(|k| i / N.pow(k as u32) % N) });
@@ -80,7 +104,10 @@ fn solved<const C: usize, const S: usize, const N: usize>(
     material: &dyn Material<C, N>,
     options: &Options,
 ) -> Record {
-    let body = |n| Mesh::<S, N>::from_cells(&cells(cell, n), p, Mapping::Exact).unwrap();
+    let body = |n| {
+        let mesh = if name.ends_with("-random") { shuffled(cells(cell, n)) } else { cells(cell, n) };
+        Mesh::<S, N>::from_cells(&mesh, p, Mapping::Exact).unwrap()
+    };
     let wave = wave::<C, N> as fn(&Vector<N>) -> Jet<C, N>;
     if name != "W4c" || n <= SOLVED {
         return whole(name, [p, n], &body(n), material, Some(wave), options).0;
@@ -96,19 +123,19 @@ fn solved<const C: usize, const S: usize, const N: usize>(
 pub fn default_n(name: &str) -> usize {
     match name {
         "W4c" => 30,
-        "W4d" | "W4f" => 24,
+        "W4d" | "W4d-random" | "W4f" => 24,
         _ => 256,
     }
 }
 
-/// W4a to W4f; `None` for another name.
+/// W4a to W4f, and W4a and W4d in random order as `W4a-random` and `W4d-random`; `None` for another name.
 pub fn record(name: &str, p: usize, n: usize, options: &Options) -> Option<Record> {
     let (flat, solid) = (Conductor::<2>::try_new(1.0).unwrap(), Conductor::<3>::try_new(1.0).unwrap());
     Some(match name {
-        "W4a" => solved::<1, 1, 2>(name, [p, n], Cell::Simplex, &flat, options),
+        "W4a" | "W4a-random" => solved::<1, 1, 2>(name, [p, n], Cell::Simplex, &flat, options),
         "W4b" => solved::<1, 1, 2>(name, [p, n], Cell::Tensor, &flat, options),
         "W4c" => solved::<1, 2, 3>(name, [p, n], Cell::Simplex, &solid, options),
-        "W4d" => solved::<1, 2, 3>(name, [p, n], Cell::Tensor, &solid, options),
+        "W4d" | "W4d-random" => solved::<1, 2, 3>(name, [p, n], Cell::Tensor, &solid, options),
         "W4e" => solved::<2, 1, 2>(name, [p, n], Cell::Simplex, &Hooke::<2>::plane_strain(1.0, 0.3).unwrap(), options),
         "W4f" => solved::<3, 2, 3>(name, [p, n], Cell::Tensor, &Hooke::<3>::solid(1.0, 0.3).unwrap(), options),
         _ => return None,

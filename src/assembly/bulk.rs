@@ -1,5 +1,6 @@
 //! Bulk matrices: contraction direction by direction where a space is made of patches, the plain loop elsewhere.
 
+use super::cells::Cells;
 use super::pattern::Pattern;
 use super::tensor::{Ask, Patches};
 use super::{Form, places, plain};
@@ -50,10 +51,20 @@ where
         patches.stiffness(form, false, &mut matrix);
         return matrix;
     }
-    let pattern = Pattern::new(space);
-    let mut matrix = pattern.csr(C).with_places(places(space, &pattern, C));
-    plain::add_stiffness(&pattern, space, quadrature, form, &mut matrix);
-    matrix
+    let mut pattern = Pattern::new(space);
+    let places = places(space, &pattern, C);
+    match Cells::new(&pattern, space, quadrature) {
+        Some(cells) => {
+            let mut matrix = pattern.csr_once(C).with_places(places);
+            cells.stiffness(&pattern, form, true, &mut matrix);
+            matrix
+        }
+        None => {
+            let mut matrix = pattern.csr(C).with_places(places);
+            plain::add_stiffness(&pattern, space, quadrature, form, &mut matrix);
+            matrix
+        }
+    }
 }
 
 /// Adds the matrix of `form` to `matrix`, which has the pattern `pattern.csr(C)`.
@@ -76,12 +87,17 @@ pub fn add_stiffness<const C: usize, const N: usize, T, S, Q>(
         Some(patches) => {
             patches.stiffness(form, true, matrix);
         }
-        None => plain::add_stiffness(pattern, space, quadrature, form, matrix),
+        None => match Cells::new(pattern, space, quadrature) {
+            Some(cells) => cells.stiffness(pattern, form, true, matrix),
+            None => plain::add_stiffness(pattern, space, quadrature, form, matrix),
+        },
     }
 }
 
 /// Writes the matrix of `form` over the values of `matrix`, which [`stiffness`] made for this space: pattern and memory
 /// stay. Same bits as a fresh matrix.
+///
+/// Where the space is not one product of directions its graph is made again: an [`Assembler`](super::Assembler) keeps it.
 ///
 /// # Panics
 /// If the shapes do not fit.
@@ -96,8 +112,75 @@ where
         patches.stiffness(form, false, matrix);
         return;
     }
-    matrix.vals_mut().fill(T::zero());
-    plain::add_stiffness(&Pattern::new(space), space, quadrature, form, matrix);
+    refill_elements(&Pattern::new(space), space, quadrature, form, matrix);
+}
+
+/// Writes the matrix of `form` over the values of `matrix`, element by element.
+fn refill_elements<const C: usize, const N: usize, T, S, Q>(
+    pattern: &Pattern,
+    space: &S,
+    quadrature: &Q,
+    form: &Form<'_, C, N, T>,
+    matrix: &mut Csr<T>,
+) where
+    T: Real,
+    S: Space<N, N, T> + ?Sized,
+    Q: Quadrature<N, T> + ?Sized,
+{
+    match Cells::new(pattern, space, quadrature) {
+        Some(cells) => cells.stiffness(pattern, form, false, matrix),
+        None => {
+            matrix.vals_mut().fill(T::zero());
+            plain::add_stiffness(pattern, space, quadrature, form, matrix);
+        }
+    }
+}
+
+/// The graph of a space, kept: matrices on the same functions are refilled for the price of their values.
+///
+/// The map and the rule may change from one matrix to the next.
+#[derive(Clone, Debug)]
+pub struct Assembler {
+    /// None where the space is one product of directions: its graph is a formula.
+    pattern: Option<Pattern>,
+}
+
+impl Assembler {
+    /// What assembling on `space` with `quadrature` needs to know beforehand.
+    ///
+    /// # Panics
+    /// If there are 2^32 functions or elements or more.
+    pub fn new<const N: usize, T, S, Q>(space: &S, quadrature: &Q) -> Self
+    where
+        T: Real,
+        S: Space<N, N, T> + ?Sized,
+        Q: Quadrature<N, T> + ?Sized,
+    {
+        let asks = || ask::<N, N, T, S>(space);
+        let is_patch = Patches::new(space, quadrature, &|e| space.map_block(e), &asks).is_some();
+        Self { pattern: (!is_patch).then(|| Pattern::new(space)) }
+    }
+
+    /// What [`refill_stiffness`] does.
+    ///
+    /// # Panics
+    /// If the shapes do not fit.
+    pub fn refill_stiffness<const C: usize, const N: usize, T, S, Q>(
+        &self,
+        space: &S,
+        quadrature: &Q,
+        form: &Form<'_, C, N, T>,
+        matrix: &mut Csr<T>,
+    ) where
+        T: Real,
+        S: Space<N, N, T> + ?Sized,
+        Q: Quadrature<N, T> + ?Sized,
+    {
+        match &self.pattern {
+            None => refill_stiffness(space, quadrature, form, matrix),
+            Some(pattern) => refill_elements(pattern, space, quadrature, form, matrix),
+        }
+    }
 }
 
 /// The matrix ∫ N_a N_b dx, one component; curves and surfaces in space too.
@@ -120,6 +203,9 @@ where
     }
     let pattern = Pattern::new(space);
     let mut matrix = pattern.csr(1).with_places(places(space, &pattern, 1));
-    plain::add_mass(&pattern, space, quadrature, &mut matrix);
+    match Cells::new(&pattern, space, quadrature) {
+        Some(cells) => cells.mass(&pattern, &mut matrix),
+        None => plain::add_mass(&pattern, space, quadrature, &mut matrix),
+    }
     matrix
 }

@@ -2,6 +2,7 @@
 
 mod blocks;
 mod bulk;
+mod cells;
 mod dirichlet;
 mod load;
 pub mod norms;
@@ -19,7 +20,7 @@ use crate::linalg::{Matrix, Real, Vector};
 use std::fmt::Debug;
 
 pub use blocks::Blocks;
-pub use bulk::{add_stiffness, mass, refill_stiffness, stiffness};
+pub use bulk::{Assembler, add_stiffness, mass, refill_stiffness, stiffness};
 pub use dirichlet::{DirichletError, Fixed, dirichlet, dirichlet_with, planar_normal};
 pub use load::{load, measure, trace_load, trace_springs};
 pub use norms::{Errors, Norms, difference, errors};

@@ -1,5 +1,6 @@
 //! Which entries a bulk matrix has: element to function, function to element, rows in ascending order.
 
+use super::cells::{Place, Places, Slots, ordered};
 use super::tensor::numbers;
 use crate::basis::{Basis, Block, Elements};
 use crate::linalg::{Csr, Real, Sparsity};
@@ -20,6 +21,8 @@ pub struct Pattern {
     cells: Vec<(u32, u32)>,
     ptr: Vec<usize>,
     cols: Vec<u32>,
+    /// Where element matrices go, if all elements have reference cells.
+    slots: Option<Slots>,
 }
 
 impl Pattern {
@@ -52,12 +55,28 @@ impl Pattern {
                 place[i as usize] += 1;
             }
         }
-        let mut pattern = Self { functions, element_start, element_ids, cell_start, cells, ptr: Vec::new(), cols: Vec::new() };
+        let mut pattern = Self { functions, element_start, element_ids, cell_start, cells, ptr: Vec::new(), cols: Vec::new(), slots: None };
         let whole = numbers::patches(basis).and_then(|parts| match &parts[..] {
             [part] if numbers::is_whole(&part.ids, functions) => pattern.product(&part.block),
             _ => None,
         });
-        (pattern.ptr, pattern.cols) = whole.unwrap_or_else(|| pattern.rows());
+        if let Some((ptr, cols)) = whole {
+            (pattern.ptr, pattern.cols) = (ptr, cols);
+            return pattern;
+        }
+        pattern.ptr = pattern.lengths();
+        let longest = pattern.ptr.windows(2).map(|w| w[1] - w[0]).max().unwrap_or(0);
+        if !(0..elements).all(|e| basis.reference(e).is_some()) {
+            pattern.cols = pattern.columns(|_, _, _| {});
+        } else if longest <= usize::from(u16::MAX) {
+            let slots;
+            (pattern.cols, slots) = pattern.with_slots(Places::Short);
+            pattern.slots = Some(slots);
+        } else {
+            let slots;
+            (pattern.cols, slots) = pattern.with_slots(Places::Long);
+            pattern.slots = Some(slots);
+        }
         pattern
     }
 
@@ -118,8 +137,8 @@ impl Pattern {
         Some((ptr, cols))
     }
 
-    /// Rows of any basis, in two passes over the neighbours of every function.
-    fn rows(&self) -> (Vec<usize>, Vec<u32>) {
+    /// Row pointers of any basis: counts of neighbours.
+    fn lengths(&self) -> Vec<usize> {
         let mut mark = vec![u32::MAX; self.functions];
         let mut ptr = vec![0usize; self.functions + 1];
         for i in 0..self.functions {
@@ -134,21 +153,44 @@ impl Pattern {
             }
             ptr[i + 1] = ptr[i] + count;
         }
-        let (mut place, mut cols) = (ptr.clone(), vec![0u32; ptr[self.functions]]);
-        mark.fill(u32::MAX);
+        ptr
+    }
+
+    /// Columns of all rows; tells `found(element, a n + b, place)` where the entry of local functions a and b of an element of n functions
+    /// is in the row of a.
+    fn columns(&self, mut found: impl FnMut(usize, usize, u32)) -> Vec<u32> {
+        let mut cols = vec![0u32; self.ptr[self.functions]];
+        // the last column that a row got, and how many it has
+        let mut rows = vec![(u32::MAX, 0u32); self.functions];
         for i in 0..self.functions {
-            for &(e, _) in self.cells(i) {
-                for &j in self.ids(e as usize) {
-                    if mark[j as usize] != i as u32 {
-                        mark[j as usize] = i as u32;
+            for &(e, b) in self.cells(i) {
+                let ids = self.ids(e as usize);
+                for (a, &j) in ids.iter().enumerate() {
+                    let (last, count) = &mut rows[j as usize];
+                    if *last != i as u32 {
+                        *last = i as u32;
                         // the graph is symmetric: appending i to its neighbours for ascending i leaves every row sorted
-                        cols[place[j as usize]] = i as u32;
-                        place[j as usize] += 1;
+                        cols[self.ptr[j as usize] + *count as usize] = i as u32;
+                        *count += 1;
                     }
+                    found(e as usize, a * ids.len() + b as usize, *count - 1);
                 }
             }
         }
-        (ptr, cols)
+        cols
+    }
+
+    /// The columns, and where element matrices go.
+    fn with_slots<P: Place>(&self, kind: impl Fn(Vec<P>) -> Places) -> (Vec<u32>, Slots) {
+        let (order, first) = ordered(self.num_elements(), self.functions, |e| self.ids(e));
+        let mut places = vec![P::default(); first[self.num_elements()]];
+        let cols = self.columns(|e, at, place| places[first[e] + at] = P::new(place));
+        (cols, Slots { order, first, places: kind(places) })
+    }
+
+    /// Where element matrices go, if all elements have reference cells.
+    pub(super) fn slots(&self) -> Option<&Slots> {
+        self.slots.as_ref()
     }
 
     /// Number of functions.
@@ -183,6 +225,12 @@ impl Pattern {
     #[inline]
     pub fn ptr(&self) -> &[usize] {
         &self.ptr
+    }
+
+    /// What [`csr`](Self::csr) makes, with the columns taken along: rows are not known afterwards.
+    pub(super) fn csr_once<T: Real>(&mut self, components: usize) -> Csr<T> {
+        let cols = std::mem::take(&mut self.cols);
+        Csr::zeros(Arc::new(Sparsity::new(components, self.functions, self.ptr.clone(), cols)))
     }
 
     /// A zero matrix for fields of `components` components, unknown = components * function + component, in blocks of that size.

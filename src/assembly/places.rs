@@ -1,5 +1,6 @@
 //! Where unknowns live: orderings, coarse grids and partitions ask for it.
 
+use super::cells::means;
 use super::pattern::Pattern;
 use crate::basis::{Cell, Order, ShapeTable};
 use crate::geometry::MapTable;
@@ -20,6 +21,9 @@ pub fn places<const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Size
     pattern: &Pattern,
     components: usize,
 ) -> Vec<[f64; 3]> {
+    if let Some(places) = means(space, pattern, components) {
+        return places;
+    }
     let elements: Vec<usize> = (0..pattern.num_elements()).collect();
     let parts: Vec<Vec<[f64; 4]>> = elements
         .par_chunks(ELEMENTS_PER_TASK)

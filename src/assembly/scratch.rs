@@ -6,7 +6,20 @@ use crate::linalg::{Matrix, Real, Vector, determinant, inverse, measure};
 use crate::quadrature::Rule;
 use crate::space::Space;
 
-/// Tables of one element at the points of its rule.
+/// Tables of more reference cells than this are not kept.
+const KEPT: usize = 8;
+
+/// The tables of elements with the same reference cells and the same rule.
+#[derive(Debug)]
+struct Kept<const D: usize, T: Real> {
+    /// Reference cells of the functions and of the map.
+    references: (usize, usize),
+    rule: Rule<D, T>,
+    shapes: ShapeTable<D, T>,
+    nodes: ShapeTable<D, T>,
+}
+
+/// Tables of one element at the points of its rule; all elements are those of one space.
 #[derive(Debug)]
 pub(crate) struct Scratch<const D: usize, const N: usize, T: Real> {
     /// Shape functions in local coordinates.
@@ -23,6 +36,9 @@ pub(crate) struct Scratch<const D: usize, const N: usize, T: Real> {
     pub factors: Vec<T>,
     /// Planes of sums over points, `planes[(plane * functions + a) * functions + b]`.
     pub planes: Vec<T>,
+    kept: Vec<Kept<D, T>>,
+    /// Which of the kept tables has changed places with `shapes`.
+    current: Option<usize>,
 }
 
 impl<const D: usize, const N: usize, T: Real> Default for Scratch<D, N, T> {
@@ -35,16 +51,77 @@ impl<const D: usize, const N: usize, T: Real> Default for Scratch<D, N, T> {
             grads: Vec::new(),
             factors: Vec::new(),
             planes: Vec::new(),
+            kept: Vec::new(),
+            current: None,
         }
     }
 }
 
 impl<const D: usize, const N: usize, T: Real> Scratch<D, N, T> {
+    /// Ids, functions and map; tables of reference cells are made once.
+    fn evaluate<S: Space<D, N, T> + ?Sized>(&mut self, space: &S, element: usize, rule: &Rule<D, T>) {
+        space.active(element, &mut self.ids);
+        let Some((points, kept)) = self.shared(space, element, rule) else {
+            self.put_back();
+            space.evaluate(element, &rule.points, Order::Gradients, &mut self.shapes, &mut self.map);
+            return;
+        };
+        if self.current != Some(kept) {
+            self.put_back();
+            std::mem::swap(&mut self.shapes, &mut self.kept[kept].shapes);
+            self.current = Some(kept);
+        }
+        let nodes = &self.kept[kept].nodes;
+        self.map.reset(rule.points.len(), Order::Gradients);
+        for q in 0..rule.points.len() {
+            let (x, jacobian) = (&mut self.map.x[q], &mut self.map.jacobian[q]);
+            for (&i, (&value, grad)) in self.map.ids.iter().zip(nodes.values(q).iter().zip(nodes.grads(q))) {
+                *x += points[i] * value;
+                for k in 0..D {
+                    for c in 0..N {
+                        jacobian[(c, k)] += points[i][c] * grad[k];
+                    }
+                }
+            }
+        }
+    }
+
+    /// The points of the map, whose numbers for `element` are listed, and the number of its tables, where its reference cells have some.
+    fn shared<'a, S: Space<D, N, T> + ?Sized>(
+        &mut self,
+        space: &'a S,
+        element: usize,
+        rule: &Rule<D, T>,
+    ) -> Option<(&'a [Vector<N, T>], usize)> {
+        let control = space.control()?;
+        let references = (space.reference(element)?, control.basis.reference(element)?);
+        let known = self.kept.iter().position(|k| k.references == references && k.rule == *rule);
+        let kept = match known {
+            Some(k) => k,
+            None if self.kept.len() < KEPT => {
+                let (mut shapes, mut nodes) = (ShapeTable::new(), ShapeTable::new());
+                space.tabulate(element, &rule.points, Order::Gradients, &mut shapes);
+                control.basis.tabulate(element, &rule.points, Order::Gradients, &mut nodes);
+                self.kept.push(Kept { references, rule: rule.clone(), shapes, nodes });
+                self.kept.len() - 1
+            }
+            None => return None,
+        };
+        control.basis.active(element, &mut self.map.ids);
+        Some((control.points, kept))
+    }
+
+    /// Kept tables go back to where they are kept.
+    fn put_back(&mut self) {
+        if let Some(k) = self.current.take() {
+            std::mem::swap(&mut self.shapes, &mut self.kept[k].shapes);
+        }
+    }
+
     /// Ids, values, positions and weights.
     pub fn values<S: Space<D, N, T> + ?Sized>(&mut self, space: &S, element: usize, rule: &Rule<D, T>) {
-        space.active(element, &mut self.ids);
         // the Jacobian is wanted for the weights; the functions' derivatives come with it
-        space.evaluate(element, &rule.points, Order::Gradients, &mut self.shapes, &mut self.map);
+        self.evaluate(space, element, rule);
         self.dx.clear();
         self.dx.extend(rule.weights.iter().zip(&self.map.jacobian).map(|(&w, j)| w * measure(j)));
     }
@@ -56,8 +133,7 @@ impl<const N: usize, T: Real> Scratch<N, N, T> {
     /// At a point with a singular Jacobian the gradients are not finite, and so is all that is made of them: linear
     /// solvers answer [`LinearError::NotFinite`](crate::linalg::LinearError::NotFinite).
     pub fn gradients<S: Space<N, N, T> + ?Sized>(&mut self, space: &S, element: usize, rule: &Rule<N, T>) {
-        space.active(element, &mut self.ids);
-        space.evaluate(element, &rule.points, Order::Gradients, &mut self.shapes, &mut self.map);
+        self.evaluate(space, element, rule);
         let (points, n) = (rule.points.len(), self.ids.len());
         self.dx.clear();
         self.grads.clear();

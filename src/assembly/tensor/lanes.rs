@@ -10,7 +10,7 @@ pub(super) fn rows<const NP: usize>(table: &[f64]) -> &[[f64; NP]] {
 }
 
 /// Whether the processor has lanes: kernels are compiled for those that do.
-pub(super) fn available() -> bool {
+pub(in crate::assembly) fn available() -> bool {
     struct HasLanes;
     impl pulp::WithSimd for HasLanes {
         type Output = bool;

@@ -46,6 +46,7 @@ mod write;
 
 use axis::{Axis, COMPILED};
 use glue::Glue;
+pub(in crate::assembly) use lanes::available as lanes_available;
 use map::Map;
 pub(super) use map::{Ask, Asks};
 use net::Net;
