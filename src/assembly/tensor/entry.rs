@@ -119,7 +119,7 @@ impl Write<'_> {
 
     /// `values` of `blocks`, cut into parts of `share` of them.
     fn parts<'v, T>(&self, blocks: Range<usize>, share: usize, values: &'v mut [T]) -> Vec<(Range<usize>, &'v mut [T])> {
-        let (mut parts, mut rest) = (Vec::new(), values);
+        let (mut parts, mut rest) = (Vec::with_capacity(blocks.len().div_ceil(share)), values);
         for from in blocks.clone().step_by(share) {
             let part = from..(from + share).min(blocks.end);
             let (own, others) = rest.split_at_mut(self.place(part.end) - self.place(part.start));
@@ -132,21 +132,20 @@ impl Write<'_> {
     /// The rows of the functions `rows` of the slow direction to `values`.
     fn march<T: Real>(&self, plan: &Plan<'_, '_>, rows: Range<usize>, threads: usize, values: &mut [T]) {
         let middle = self.to.middle.functions;
-        let mut rest = values;
+        let tasks = if threads == 1 { 1 } else { TASKS_PER_THREAD * threads };
+        let (mut rest, mut kept) = (values, vec![RowScratch::default(); tasks]);
         march(plan, rows, threads, &mut |sums: Sums<'_>, rows: Range<usize>| {
             let blocks = rows.start * middle..rows.end * middle;
             let (own, others) = std::mem::take(&mut rest).split_at_mut(self.place(blocks.end) - self.place(blocks.start));
             rest = others;
-            let share = blocks.len().div_ceil(if threads == 1 { 1 } else { TASKS_PER_THREAD * threads }).max(1);
-            let write = |(part, mut own): (Range<usize>, &mut [T])| {
-                let mut scratch = RowScratch::default();
+            let share = blocks.len().div_ceil(tasks).max(1);
+            self.parts(blocks, share, own).into_par_iter().zip(&mut kept).for_each(|((part, mut own), scratch)| {
                 for k in part {
                     let (block, others) = std::mem::take(&mut own).split_at_mut(self.place(k + 1) - self.place(k));
                     own = others;
-                    sums.write(self.to, k % middle, k / middle, self.add, &mut scratch, block);
+                    sums.write(self.to, k % middle, k / middle, self.add, scratch, block);
                 }
-            };
-            self.parts(blocks, share, own).into_par_iter().for_each(write);
+            });
         });
     }
 }

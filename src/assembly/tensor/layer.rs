@@ -38,6 +38,8 @@ pub(super) struct Scratch<'a, V> {
 pub(super) struct Lines {
     map: Vec<Vec<f64>>,
     weight: Vec<Vec<f64>>,
+    /// Memory of one contraction per point.
+    planes: Vec<Vec<f64>>,
 }
 
 /// Sizes of a march and what its sweeps read.
@@ -103,7 +105,7 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
     /// Room for the lines of a layer.
     pub fn lines(&self) -> Lines {
         let count = if N == 3 { self.points } else { 1 };
-        Lines { map: vec![Vec::new(); count], weight: vec![Vec::new(); count] }
+        Lines { map: vec![Vec::new(); count], weight: vec![Vec::new(); count], planes: vec![Vec::new(); count] }
     }
 
     /// Contracts the nets of map and weights for the points of a layer; in the plane they do not change.
@@ -116,9 +118,10 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
             if N == 2 && !all[0].is_empty() {
                 continue;
             }
-            all.par_iter_mut().enumerate().take(layer.points.len()).for_each_init(Vec::new, |scratch, (k, out)| {
+            let lines = all.par_iter_mut().zip(&mut lines.planes).take(layer.points.len()).enumerate();
+            lines.for_each(|(k, (out, plane))| {
                 let q = layer.points.start + k;
-                net.lines::<N>(q, self.owners[1][q], out, scratch);
+                net.lines::<N>(q, self.owners[1][q], out, plane);
             });
         }
     }
