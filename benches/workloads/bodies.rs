@@ -53,12 +53,12 @@ pub fn plane_field<const C: usize>(x: &Vector<2>) -> Jet<C, 2> {
     jet
 }
 
-/// (w sin(pi z), 0, 0).
-pub fn solid_field(x: &Vector<3>) -> Jet<3, 3> {
+/// (w sin(pi z), 0, 0), or its first component alone.
+pub fn solid_field<const C: usize>(x: &Vector<3>) -> Jet<C, 3> {
     let (w, g, h) = bubble(x[0], x[1]);
     let pi = std::f64::consts::PI;
     let (s, c) = (pi * x[2]).sin_cos();
-    let mut jet: Jet<3, 3> = (Vector::zeros(), Matrix::zeros(), [Matrix::zeros(); 3]);
+    let mut jet: Jet<C, 3> = (Vector::zeros(), Matrix::zeros(), [Matrix::zeros(); C]);
     jet.0[0] = w * s;
     jet.1.set_row(0, &Vector::<3>::new(g[0] * s, g[1] * s, pi * w * c).transpose());
     for k in 0..2 {

@@ -1,9 +1,10 @@
-//! The workloads that speed is measured on: `cargo bench --bench workloads -- NAME [--p P] [--n N] [--threads T] [--reps R] [--nosolve] [--export FOLDER]`.
+//! The workloads that speed is measured on: `cargo bench --bench workloads -- NAME [--p P] [--n N] [--threads T] [--reps R] [--nosolve] [--beside] [--export FOLDER]`.
 //!
 //! With a name it prints one line of JSON; without one it runs the list, each workload in a process of its own, and
 //! prints a table. Threads are 1 unless told otherwise.
 #![allow(clippy::unwrap_used)]
 
+mod beside;
 mod bodies;
 mod contact;
 mod floor;
@@ -83,7 +84,7 @@ fn record(name: &str, options: &Options) -> Option<Record> {
 
 fn main() {
     let mut words = std::env::args().skip(1);
-    let (mut name, mut options) = (None, Options { p: None, n: None, threads: 1, reps: 3, solve: true, export: None });
+    let (mut name, mut options) = (None, Options { p: None, n: None, threads: 1, reps: 3, solve: true, export: None, beside: false });
     while let Some(word) = words.next() {
         if word == "--export" {
             options.export = Some(words.next().expect("--export wants a folder").into());
@@ -96,6 +97,7 @@ fn main() {
             "--threads" => options.threads = number(),
             "--reps" => options.reps = number().max(1),
             "--nosolve" => options.solve = false,
+            "--beside" => options.beside = true,
             "--bench" => {} // cargo adds it
             other => name = Some(other.to_owned()),
         }

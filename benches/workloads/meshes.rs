@@ -110,11 +110,11 @@ fn solved<const C: usize, const S: usize, const N: usize>(
     };
     let wave = wave::<C, N> as fn(&Vector<N>) -> Jet<C, N>;
     if name != "W4c" || n <= SOLVED {
-        return whole(name, [p, n], &body(n), material, Some(wave), options).0;
+        return whole(name, [p, n], &body(n), material, wave, true, options).0;
     }
-    let mut record = whole(name, [p, n], &body(n), material, None, options).0;
+    let mut record = whole(name, [p, n], &body(n), material, wave, false, options).0;
     if options.solve {
-        record.solved_as(&whole(name, [p, SOLVED], &body(SOLVED), material, Some(wave), options).0);
+        record.solved_as(&whole(name, [p, SOLVED], &body(SOLVED), material, wave, true, options).0);
     }
     record
 }

@@ -1,5 +1,6 @@
 //! One workload: times of assembly and solution, fingerprints, error.
 
+use crate::beside::{Beside, beside};
 use crate::bodies::{self, Jet};
 use crate::measure::{Time, median, peak_rss_mb, timed};
 use faying::assembly::{Assembler, Fixed, Form, Reduced, dirichlet, errors, gauss_rules, load, stiffness};
@@ -17,6 +18,8 @@ pub struct Options {
     pub solve: bool,
     /// Where W7 writes its matrices.
     pub export: Option<std::path::PathBuf>,
+    /// Loads, norms, and products with and without the matrix too.
+    pub beside: bool,
 }
 
 /// What is printed.
@@ -33,12 +36,14 @@ pub struct Record {
     error: Option<f64>,
     trace: f64,
     fro: f64,
+    beside: Option<Beside>,
     notes: String,
 }
 
 impl Record {
     /// One line.
     pub fn json(&self, options: &Options) -> String {
+        let cpu = |pick: fn(&Beside) -> Time| self.beside.as_ref().map(|b| pick(b).cpu);
         serde_json::json!({
             "peer": "faying", "version": env!("CARGO_PKG_VERSION"), "workload": self.name, "p": self.p, "n": self.n,
             "dofs": self.dofs, "nnz": self.nnz, "threads": options.threads, "reps": options.reps,
@@ -46,6 +51,8 @@ impl Record {
             "assemble_again_s": self.again.wall, "assemble_again_cpu_s": self.again.cpu,
             "solve_s": self.solve.map(|t| t.wall), "solve_cpu_s": self.solve.map(|t| t.cpu),
             "peak_rss_mb": peak_rss_mb(), "error": self.error, "fp_trace": self.trace, "fp_fro": self.fro, "notes": self.notes,
+            "product_cpu_s": cpu(|b| b.product), "apply_cpu_s": cpu(|b| b.apply),
+            "load_cpu_s": cpu(|b| b.load), "errors_cpu_s": cpu(|b| b.errors),
         })
         .to_string()
     }
@@ -122,18 +129,20 @@ fn fingerprints(k: &Csr) -> (f64, f64) {
     (k.diagonal().iter().sum(), k.vals().iter().map(|v| v * v).sum::<f64>().sqrt())
 }
 
-/// The record of one body and its matrix; solved where an exact field is given.
+/// The record of one body and its matrix.
 pub fn whole<const C: usize, const S: usize, const N: usize>(
     name: &str,
     [p, n]: [usize; 2],
     body: &dyn Body<S, N>,
     material: &dyn Material<C, N>,
-    exact: Option<fn(&Vector<N>) -> Jet<C, N>>,
+    exact: fn(&Vector<N>) -> Jet<C, N>,
+    solved: bool,
     options: &Options,
 ) -> (Record, Csr) {
     let (k, first, again) = assemble(&**body.space(), &form(material), options.reps);
     let (trace, fro) = fingerprints(&k);
-    let solved = exact.filter(|_| options.solve).map(|exact| solve(body, material, &k, exact, options.reps));
+    let solved = (solved && options.solve).then(|| solve(body, material, &k, exact, options.reps));
+    let beside = options.beside.then(|| beside(&**body.space(), material, &k, exact, options.reps));
     let record = Record {
         name: name.into(),
         p,
@@ -146,6 +155,7 @@ pub fn whole<const C: usize, const S: usize, const N: usize>(
         error: solved.map(|s| s.1),
         trace,
         fro,
+        beside,
         notes: String::new(),
     };
     (record, k)
@@ -154,14 +164,13 @@ pub fn whole<const C: usize, const S: usize, const N: usize>(
 /// W1: Poisson on the quarter annulus; solved at p = 3.
 pub fn annulus(name: &str, p: usize, n: usize, options: &Options) -> Record {
     let material = Conductor::<2>::try_new(1.0).unwrap();
-    let exact = (p == 3).then_some(bodies::plane_field::<1> as fn(&Vector<2>) -> Jet<1, 2>);
-    whole(name, [p, n], &bodies::annulus(p, n), &material, exact, options).0
+    whole(name, [p, n], &bodies::annulus(p, n), &material, bodies::plane_field, p == 3, options).0
 }
 
 /// W2: Poisson on the quarter cylinder; the error is that of the energy of u = z over the volume 3 pi / 4.
 pub fn cylinder(name: &str, p: usize, n: usize, options: &Options) -> Record {
     let body = bodies::cylinder(p, n);
-    let (mut record, k) = whole(name, [p, n], &body, &Conductor::<3>::try_new(1.0).unwrap(), None, options);
+    let (mut record, k) = whole(name, [p, n], &body, &Conductor::<3>::try_new(1.0).unwrap(), bodies::solid_field, false, options);
     // z is the Greville parameter of the third axis, for the map is linear along it
     let [a, b, c] = body.axes();
     let plane = faying::basis::Basis::<1>::num_functions(a) * faying::basis::Basis::<1>::num_functions(b);
@@ -176,11 +185,11 @@ pub fn cylinder(name: &str, p: usize, n: usize, options: &Options) -> Record {
 /// W3-2d: plane strain on the quarter annulus.
 pub fn annulus_elastic(name: &str, p: usize, n: usize, options: &Options) -> Record {
     let material = Hooke::<2>::plane_strain(1.0, 0.3).unwrap();
-    whole(name, [p, n], &bodies::annulus(p, n), &material, Some(bodies::plane_field::<2>), options).0
+    whole(name, [p, n], &bodies::annulus(p, n), &material, bodies::plane_field, true, options).0
 }
 
 /// W3-3d: elasticity on the quarter cylinder.
 pub fn cylinder_elastic(name: &str, p: usize, n: usize, options: &Options) -> Record {
     let material = Hooke::<3>::solid(1.0, 0.3).unwrap();
-    whole(name, [p, n], &bodies::cylinder(p, n), &material, Some(bodies::solid_field), options).0
+    whole(name, [p, n], &bodies::cylinder(p, n), &material, bodies::solid_field, true, options).0
 }

@@ -11,7 +11,7 @@ use crate::quadrature::{Quadrature, TensorRule};
 use crate::space::Space;
 
 /// Asks the map of `space`, in numbers.
-fn ask<'a, const D: usize, const N: usize, T, S>(space: &'a S) -> Box<Ask<'a>>
+pub(super) fn ask<'a, const D: usize, const N: usize, T, S>(space: &'a S) -> Box<Ask<'a>>
 where
     T: Real,
     S: Space<D, N, T> + ?Sized,

@@ -1,9 +1,11 @@
 //! Linear forms: loads inside a body and on its sides, springs on sides, measures.
 
+use super::bulk::ask;
 use super::scratch::Scratch;
+use super::tensor::{Patches, Sites};
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::geometry::MapTable;
-use crate::linalg::{Csr, Matrix, Real, Vector, measure as stretch};
+use crate::linalg::{Csr, Matrix, Real, Vector, lit, measure as stretch, to_f64};
 use crate::quadrature::Quadrature;
 use crate::space::{Space, Trace};
 use rayon::prelude::*;
@@ -24,6 +26,15 @@ where
     S: Space<D, N, T> + ?Sized,
     Q: Quadrature<D, T> + ?Sized,
 {
+    let asks = || ask::<D, N, T, S>(space);
+    if let Some(patch) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks).and_then(Patches::whole) {
+        return patch.load(C, &|sites: &Sites, out: &mut [f64]| {
+            for (x, out) in sites.x.chunks_exact(N).zip(out.chunks_exact_mut(C)) {
+                let force = f(&Vector::from_fn(|k, _| lit(x[k])));
+                out.iter_mut().zip(force.iter()).for_each(|(out, &f)| *out = to_f64(f));
+            }
+        });
+    }
     let elements: Vec<usize> = (0..space.num_elements()).collect();
     let parts: Vec<(Vec<usize>, Vec<Vector<C, T>>)> = elements
         .par_chunks(ELEMENTS_PER_TASK)
@@ -69,12 +80,14 @@ pub fn trace_load<const C: usize, const S: usize, const N: usize, T, Q>(
     T: Real,
     Q: Quadrature<S, T> + ?Sized,
 {
-    each_point(trace, quadrature, |ids, values, x, normal, ds| {
-        let force = f(x, normal) * ds;
-        for (&i, &value) in ids.iter().zip(values) {
-            let dof = trace.dofs[i];
-            for c in 0..C {
-                load[C * dof + c] += force[c] * value;
+    each_element(trace, quadrature, |ids, points| {
+        for point in points {
+            let force = f(point.x, &point.normal) * point.ds;
+            for (&i, &value) in ids.iter().zip(point.values) {
+                let dof = trace.dofs[i];
+                for c in 0..C {
+                    load[C * dof + c] += force[c] * value;
+                }
             }
         }
     });
@@ -95,17 +108,29 @@ pub fn trace_springs<const C: usize, const S: usize, const N: usize, T, Q>(
     T: Real,
     Q: Quadrature<S, T> + ?Sized,
 {
-    each_point(trace, quadrature, |ids, values, x, normal, ds| {
-        let stiffness = k(x, normal) * ds;
-        for (a, &i) in ids.iter().enumerate() {
-            for (b, &j) in ids.iter().enumerate() {
-                for c in 0..C {
-                    for e in 0..C {
-                        let value = stiffness[(c, e)] * values[a] * values[b];
-                        if value != T::zero() {
-                            add(matrix, C * trace.dofs[i] + c, C * trace.dofs[j] + e, value);
+    let mut block: Vec<T> = Vec::new();
+    each_element(trace, quadrature, |ids, points| {
+        // the matrix of the element first: its places are looked for once, not at every point
+        let width = C * ids.len();
+        block.clear();
+        block.resize(width * width, T::zero());
+        for point in points {
+            let stiffness = k(point.x, &point.normal) * point.ds;
+            for (a, &va) in point.values.iter().enumerate() {
+                for (b, &vb) in point.values.iter().enumerate() {
+                    let product = va * vb;
+                    for c in 0..C {
+                        for e in 0..C {
+                            block[(a * C + c) * width + b * C + e] += stiffness[(c, e)] * product;
                         }
                     }
+                }
+            }
+        }
+        for (row, entries) in block.chunks_exact(width.max(1)).enumerate() {
+            for (col, &value) in entries.iter().enumerate() {
+                if value != T::zero() {
+                    add(matrix, C * trace.dofs[ids[row / C]] + row % C, C * trace.dofs[ids[col / C]] + col % C, value);
                 }
             }
         }
@@ -118,21 +143,35 @@ fn add<T: Real>(matrix: &mut Csr<T>, row: usize, col: usize, value: T) {
     vals[cols.position_of(col).expect("functions that meet on a side share an element")] += value;
 }
 
-/// Calls `visit(functions of the side, their values, x, outward normal, ds)` at every point, elements ascending.
-fn each_point<const S: usize, const N: usize, T: Real, Q: Quadrature<S, T> + ?Sized>(
+/// A point of a side.
+struct SidePoint<'a, const N: usize, T: Real> {
+    /// Values of the element's functions.
+    values: &'a [T],
+    x: &'a Vector<N, T>,
+    /// Outward unit normal.
+    normal: Vector<N, T>,
+    /// Weight times measure.
+    ds: T,
+}
+
+/// Calls `visit(functions of the side, points)` for every element, ascending.
+fn each_element<const S: usize, const N: usize, T: Real, Q: Quadrature<S, T> + ?Sized>(
     trace: &Trace<S, N, T>,
     quadrature: &Q,
-    mut visit: impl FnMut(&[usize], &[T], &Vector<N, T>, &Vector<N, T>, T),
+    mut visit: impl FnMut(&[usize], &mut dyn Iterator<Item = SidePoint<'_, N, T>>),
 ) {
     let (mut ids, mut shapes, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
     for e in 0..trace.space.num_elements() {
         let rule = quadrature.rule(e);
         trace.space.active(e, &mut ids);
         trace.space.evaluate(e, &rule.points, Order::Gradients, &mut shapes, &mut map);
-        for (q, &w) in rule.weights.iter().enumerate() {
-            let jacobian = &map.jacobian[q];
-            visit(&ids, shapes.values(q), &map.x[q], &trace.normal(e, jacobian), w * stretch(jacobian));
-        }
+        let mut points = rule.weights.iter().enumerate().map(|(q, &w)| SidePoint {
+            values: shapes.values(q),
+            x: &map.x[q],
+            normal: trace.normal(e, &map.jacobian[q]),
+            ds: w * stretch(&map.jacobian[q]),
+        });
+        visit(&ids, &mut points);
     }
 }
 

@@ -72,7 +72,7 @@ impl Patches<'_> {
 
 impl Patch<'_> {
     /// The directions.
-    pub fn directions(&self) -> Directions<'_> {
+    pub(super) fn directions(&self) -> Directions<'_> {
         let n = self.axes.len();
         Directions { fast: &self.axes[0], middle: if n == 3 { &self.axes[1] } else { &self.none }, slow: &self.axes[n - 1] }
     }
@@ -151,7 +151,7 @@ impl Write<'_> {
 }
 
 /// A tangent as `((c * C + e) * N + l) * N + j` numbers.
-fn numbers<const C: usize, const N: usize, T: Real>(tangent: &Tangent<C, N, T>, out: &mut [f64]) {
+pub(super) fn numbers<const C: usize, const N: usize, T: Real>(tangent: &Tangent<C, N, T>, out: &mut [f64]) {
     for c in 0..C {
         for e in 0..C {
             for l in 0..N {

@@ -1,6 +1,6 @@
 //! The map on the grid of points: positions, cofactors of the Jacobian, weights.
 //!
-//! Per point: x (N numbers), the rows of det J times the inverse of J (N x N), weight / |det J|, weight |det J|.
+//! Per point: x (N numbers), the rows of det J times the inverse of J (N x N), weight / |det J|, weight |det J|, det J.
 
 use super::axis::Axis;
 use super::net::{Net, Tile};
@@ -28,7 +28,7 @@ impl Debug for Map<'_> {
 
 /// Numbers per point.
 pub(super) const fn numbers(n: usize) -> usize {
-    n + n * n + 2
+    n + n * n + 3
 }
 
 /// One tile of the grid: all points of the first direction, up to a lane's worth of the second, one of the third.
@@ -119,7 +119,7 @@ fn rational<S: Simd, const N: usize, const M: usize>(
 
 /// Writes a point from its position and its tangents `t[direction][component]`.
 #[inline(always)]
-fn finish<S: Simd, const N: usize>(simd: S, x: &[S::f64s; N], t: &[[S::f64s; N]; N], weight: S::f64s, out: &mut [S::f64s]) {
+pub(super) fn finish<S: Simd, const N: usize>(simd: S, x: &[S::f64s; N], t: &[[S::f64s; N]; N], weight: S::f64s, out: &mut [S::f64s]) {
     out[..N].copy_from_slice(x);
     let det;
     if N == 2 {
@@ -144,6 +144,7 @@ fn finish<S: Simd, const N: usize>(simd: S, x: &[S::f64s; N], t: &[[S::f64s; N];
     let size = simd.abs_f64s(det);
     out[N + N * N] = simd.div_f64s(weight, size);
     out[N + N * N + 1] = simd.mul_f64s(weight, size);
+    out[N + N * N + 2] = det;
 }
 
 /// a d - b c, as a d + (-b) c.

@@ -22,15 +22,24 @@
 //! the same order on AVX2 and AVX-512, and for any number of threads. Kernels count in `f64`; other scalars, degrees above
 //! 5, processors without lanes and spaces without product structure take the plain loop.
 
+mod aligned;
 mod axis;
 #[cfg(all(test, target_arch = "x86_64"))]
 mod bits;
 mod coefficient;
+mod deviation;
+mod diagonal;
 mod entry;
 mod fast;
+mod force;
+mod free;
+mod gather;
 mod glue;
+mod grid;
 mod groups;
+mod keep;
 mod lanes;
+mod law;
 mod layer;
 mod map;
 mod march;
@@ -39,17 +48,22 @@ mod net;
 pub(super) mod numbers;
 mod pattern;
 mod places;
+mod product;
 mod row;
 mod scatter;
+mod sites;
 mod slow;
+mod spread;
 mod write;
 
 use axis::{Axis, COMPILED};
+pub(super) use free::Free;
 use glue::Glue;
 pub(in crate::assembly) use lanes::available as lanes_available;
 use map::Map;
 pub(super) use map::{Ask, Asks};
 use net::Net;
+pub(super) use sites::Sites;
 
 use crate::basis::{Basis, Block};
 use crate::geometry::MapBlock;
@@ -67,7 +81,7 @@ pub(super) struct Patches<'a> {
 
 /// A run of elements that is one product of directions.
 #[derive(Debug)]
-struct Patch<'a> {
+pub(super) struct Patch<'a> {
     axes: Vec<Axis>,
     /// The direction that a patch in the plane lacks.
     none: Axis,
@@ -108,6 +122,11 @@ impl<'a> Patches<'a> {
         let ids = || parts.iter().flat_map(|part| part.ids.iter().map(|&id| id as u32)).collect();
         let glue = (!whole).then(|| Glue::new(&patches, ids(), functions));
         Some(Self { patches, glue })
+    }
+
+    /// The patch that is the whole space and numbered like it; `None` where patches are glued.
+    pub fn whole(mut self) -> Option<Patch<'a>> {
+        if self.glue.is_some() { None } else { self.patches.pop() }
     }
 }
 

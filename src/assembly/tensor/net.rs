@@ -10,10 +10,11 @@ use pulp::Simd;
 #[derive(Clone, Debug)]
 pub(super) struct Net {
     /// The directions of the functions.
-    axes: Vec<Axis>,
+    pub axes: Vec<Axis>,
     /// Numbers per function.
     pub width: usize,
-    coefficients: Vec<f64>,
+    /// The numbers, those of one function together.
+    pub coefficients: Vec<f64>,
 }
 
 /// The functions of the second direction at the points of one tile.

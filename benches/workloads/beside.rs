@@ -1,0 +1,51 @@
+//! What stands beside the matrix: products with and without it, loads, norms of errors.
+
+use crate::bodies::Jet;
+use crate::measure::{Time, median, timed};
+use faying::assembly::{Form, MatrixFree, errors, gauss_rules, load};
+use faying::linalg::{Csr, Operator, Vector};
+use faying::physics::{Material, form};
+use faying::space::Space;
+
+/// Times of one product with the matrix, of one without it, of the load and of the norms.
+#[derive(Clone, Copy, Debug)]
+pub struct Beside {
+    pub product: Time,
+    pub apply: Time,
+    pub load: Time,
+    pub errors: Time,
+}
+
+/// The median over `reps` of `work`, which warms up once.
+fn times<R>(reps: usize, mut work: impl FnMut() -> R) -> Time {
+    let all: Vec<Time> = (0..=reps).map(|_| timed(&mut work).1).collect();
+    median(&all[1..])
+}
+
+/// Measures on `space`; load and norms are those of `exact`.
+pub fn beside<const C: usize, const N: usize>(
+    space: &dyn Space<N, N>,
+    material: &dyn Material<C, N>,
+    k: &Csr,
+    exact: fn(&Vector<N>) -> Jet<C, N>,
+    reps: usize,
+) -> Beside {
+    let (rules, more, stiffness): (_, _, Form<'_, C, N>) = (gauss_rules(space, 0), gauss_rules(space, 1), form(material));
+    let free = MatrixFree::new(space, &rules, &stiffness);
+    let x: Vec<f64> = (0..k.num_rows()).map(|i| (0.1 * i as f64).sin()).collect();
+    let mut y = vec![0.0; x.len()];
+    let f = |x: &Vector<N>| {
+        let (_, gradient, hessian) = exact(x);
+        -material.divergence(x, &gradient, &hessian)
+    };
+    let field = |x: &Vector<N>| {
+        let (value, gradient, _) = exact(x);
+        (value, gradient)
+    };
+    Beside {
+        product: times(reps, || k.apply(&x, &mut y)),
+        apply: times(reps, || free.apply(&x, &mut y)),
+        load: times(reps, || load::<C, N, N, _, _, _>(space, &rules, &f)),
+        errors: times(reps, || errors(space, &more, &stiffness, &x, &field)),
+    }
+}

@@ -1,0 +1,175 @@
+//! The matrix of a form as an operator that stores no matrix.
+
+use super::bulk::ask;
+use super::scratch::Scratch;
+use super::tensor::{Free, Patches};
+use super::{Form, Pattern, contract, places};
+use crate::linalg::{Matrix, Operator, Real, Vector};
+use crate::quadrature::{Quadrature, TensorRule};
+use crate::space::Space;
+use rayon::prelude::*;
+use std::fmt::Debug;
+
+/// Elements of one task, and tasks whose results wait at a time.
+const ELEMENTS_PER_TASK: usize = 64;
+const TASKS_AT_ONCE: usize = 64;
+
+/// y = A x with the matrix A of a form, computed from the form at every product.
+///
+/// Where the space is one product of directions the field is contracted with the grid of points direction by direction
+/// and back: about 2 N (p + 1) products per point and component, in lanes, no memory of the size of A. Other spaces take
+/// a loop over elements that stores nothing. The quadrature is the one of the matrix: both agree to rounding. Same bits
+/// for any number of threads.
+///
+/// | map | tangent | kept per quadrature point |
+/// |---|---|---|
+/// | any | one component | N (N + 1) / 2 numbers, N² where the form is not symmetric |
+/// | any | several components, per point | C N (C N + 1) / 2, or (C N)² |
+/// | product of directions | several components, constant | nothing |
+/// | any other | several components, constant | N² + N + 3 |
+///
+/// [`lean`](Self::lean) keeps nothing, and asks map and tangent at every product.
+pub struct MatrixFree<'a, const C: usize, const N: usize, T: Real, S: ?Sized, Q: ?Sized> {
+    space: &'a S,
+    quadrature: &'a Q,
+    form: &'a Form<'a, C, N, T>,
+    grid: Option<Free>,
+    places: Vec<[f64; 3]>,
+}
+
+impl<const C: usize, const N: usize, T: Real, S: Debug + ?Sized, Q: ?Sized> Debug for MatrixFree<'_, C, N, T, S, Q> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MatrixFree").field("space", &self.space).field("form", &self.form).finish_non_exhaustive()
+    }
+}
+
+impl<'a, const C: usize, const N: usize, T, S, Q> MatrixFree<'a, C, N, T, S, Q>
+where
+    T: Real,
+    S: Space<N, N, T> + ?Sized,
+    Q: Quadrature<N, T> + ?Sized,
+{
+    /// The operator of `form` on `space`, unknown = C * function + component; what is dear at the points is kept.
+    pub fn new(space: &'a S, quadrature: &'a Q, form: &'a Form<'a, C, N, T>) -> Self {
+        Self::with(space, quadrature, form, true)
+    }
+
+    /// The same; nothing is kept at the points.
+    pub fn lean(space: &'a S, quadrature: &'a Q, form: &'a Form<'a, C, N, T>) -> Self {
+        Self::with(space, quadrature, form, false)
+    }
+
+    fn with(space: &'a S, quadrature: &'a Q, form: &'a Form<'a, C, N, T>, keeps: bool) -> Self {
+        let asks = || ask::<N, N, T, S>(space);
+        let grid = Patches::new(space, quadrature, &|e| space.map_block(e), &asks)
+            .and_then(Patches::whole)
+            .map(|patch| Free::new(patch, form, keeps));
+        let two = TensorRule::gauss([2; N]);
+        let places = match &grid {
+            Some(_) => Patches::new(space, &two, &|e| space.map_block(e), &asks).map(|p| p.mean_places(C)).unwrap_or_default(),
+            None => places(space, &Pattern::new(space), C),
+        };
+        Self { space, quadrature, form, grid, places }
+    }
+
+    /// Whether products contract the grid of points; otherwise they loop over elements.
+    pub fn is_contracted(&self) -> bool {
+        self.grid.is_some()
+    }
+
+    /// Bytes kept between products, beside tables of one direction and places.
+    pub fn bytes(&self) -> usize {
+        self.grid.as_ref().map_or(0, Free::bytes)
+    }
+
+    /// Adds what `kernel` makes of every element, one vector of C numbers per function, elements ascending.
+    fn add_elements(&self, kernel: impl Fn(&mut Scratch<N, N, T>, &mut [Vector<C, T>]) + Sync, y: &mut [T]) {
+        y.fill(T::zero());
+        let elements: Vec<usize> = (0..self.space.num_elements()).collect();
+        for block in elements.chunks(ELEMENTS_PER_TASK * TASKS_AT_ONCE) {
+            let parts: Vec<(Vec<usize>, Vec<Vector<C, T>>)> = block
+                .par_chunks(ELEMENTS_PER_TASK)
+                .map(|chunk| {
+                    let mut scratch = Scratch::<N, N, T>::default();
+                    let (mut ids, mut values) = (Vec::new(), Vec::new());
+                    for &e in chunk {
+                        scratch.gradients(self.space, e, self.quadrature.rule(e));
+                        let first = ids.len();
+                        ids.extend_from_slice(&scratch.ids);
+                        values.resize(ids.len(), Vector::zeros());
+                        kernel(&mut scratch, &mut values[first..]);
+                    }
+                    (ids, values)
+                })
+                .collect();
+            for (ids, values) in &parts {
+                for (&i, value) in ids.iter().zip(values) {
+                    for c in 0..C {
+                        y[C * i + c] += value[c];
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl<const C: usize, const N: usize, T, S, Q> Operator<T> for MatrixFree<'_, C, N, T, S, Q>
+where
+    T: Real,
+    S: Space<N, N, T> + ?Sized,
+    Q: Quadrature<N, T> + ?Sized,
+{
+    fn size(&self) -> usize {
+        C * self.space.num_functions()
+    }
+
+    fn apply(&self, x: &[T], y: &mut [T]) {
+        if let Some(grid) = &self.grid {
+            grid.apply(self.form, &|| ask::<N, N, T, S>(self.space), x, y);
+            return;
+        }
+        let kernel = |scratch: &mut Scratch<N, N, T>, out: &mut [Vector<C, T>]| {
+            for q in 0..scratch.dx.len() {
+                let mut gradient = Matrix::<C, N, T>::zeros();
+                for (a, &i) in scratch.ids.iter().enumerate() {
+                    gradient += Vector::<C, T>::from_fn(|c, _| x[C * i + c]) * scratch.grad(q, a).transpose();
+                }
+                let stress = contract(&self.form.coefficient.at(&scratch.map.x[q]), &gradient) * scratch.dx[q];
+                for (a, out) in out.iter_mut().enumerate() {
+                    *out += stress * scratch.grad(q, a);
+                }
+            }
+        };
+        self.add_elements(kernel, y);
+    }
+
+    fn diagonal(&self) -> Vec<T> {
+        if let Some(grid) = &self.grid {
+            return grid.diagonal(self.form, &|| ask::<N, N, T, S>(self.space));
+        }
+        let kernel = |scratch: &mut Scratch<N, N, T>, out: &mut [Vector<C, T>]| {
+            for q in 0..scratch.dx.len() {
+                let tangent = self.form.coefficient.at(&scratch.map.x[q]);
+                for (a, out) in out.iter_mut().enumerate() {
+                    let g = scratch.grad(q, a);
+                    for c in 0..C {
+                        let mut sum = T::zero();
+                        for j in 0..N {
+                            for l in 0..N {
+                                sum += tangent[c][j][(c, l)] * g[j] * g[l];
+                            }
+                        }
+                        out[c] += sum * scratch.dx[q];
+                    }
+                }
+            }
+        };
+        let mut diagonal = vec![T::zero(); self.size()];
+        self.add_elements(kernel, &mut diagonal);
+        diagonal
+    }
+
+    fn places(&self) -> &[[f64; 3]] {
+        &self.places
+    }
+}

@@ -1,0 +1,67 @@
+//! Vectors of lanes that start on a cache line: loads and stores of 64 bytes then touch one line, not two.
+
+use pulp::bytemuck;
+use std::marker::PhantomData;
+use std::ops::{Deref, DerefMut};
+
+/// Bytes of a cache line, and numbers.
+const LINE: usize = 64;
+const NUMBERS: usize = LINE / size_of::<f64>();
+
+/// First place of `numbers` that lies on a cache line, less than [`NUMBERS`]; zero where the address is not known.
+pub(super) fn offset(numbers: &[f64]) -> usize {
+    let offset = numbers.as_ptr().align_offset(LINE);
+    if offset < NUMBERS { offset } else { 0 }
+}
+
+/// `count` vectors.
+#[derive(Clone, Debug)]
+pub(super) struct Aligned<V> {
+    numbers: Vec<f64>,
+    start: usize,
+    count: usize,
+    lanes: PhantomData<V>,
+}
+
+impl<V> Default for Aligned<V> {
+    fn default() -> Self {
+        Self { numbers: Vec::new(), start: 0, count: 0, lanes: PhantomData }
+    }
+}
+
+impl<V: bytemuck::Pod> Aligned<V> {
+    /// Makes it `count` vectors; what they hold is not said.
+    #[inline(always)]
+    pub fn resize(&mut self, count: usize) {
+        if count != self.count {
+            let wanted = count * size_of::<V>() / size_of::<f64>() + NUMBERS;
+            if self.numbers.len() < wanted {
+                self.numbers.resize(wanted, 0.0);
+                self.start = offset(&self.numbers);
+            }
+            self.count = count;
+        }
+    }
+
+    /// Makes it `count` vectors of zeros.
+    #[inline(always)]
+    pub fn zeros(&mut self, count: usize) {
+        self.resize(count);
+        self.iter_mut().for_each(|v| *v = V::zeroed());
+    }
+}
+
+impl<V: bytemuck::Pod> Deref for Aligned<V> {
+    type Target = [V];
+    #[inline(always)]
+    fn deref(&self) -> &[V] {
+        bytemuck::cast_slice(&self.numbers[self.start..self.start + self.count * (size_of::<V>() / size_of::<f64>())])
+    }
+}
+
+impl<V: bytemuck::Pod> DerefMut for Aligned<V> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [V] {
+        bytemuck::cast_slice_mut(&mut self.numbers[self.start..self.start + self.count * (size_of::<V>() / size_of::<f64>())])
+    }
+}

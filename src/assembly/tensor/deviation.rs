@@ -1,0 +1,233 @@
+//! Squares of a field's values, gradients and energy against another field, summed over the grid.
+//!
+//! Every point of the slowest direction has sums of its own, cell by cell; they are added in ascending order.
+
+use super::Patch;
+use super::aligned::Aligned;
+use super::axis::Axis;
+use super::free::with_source;
+use super::grid::{Cell, Grid, Here, Visit};
+use super::law::Law;
+use super::map::numbers;
+use super::sites::{Answer, Sites};
+use super::spread::{self, Coefficients, Spread};
+use crate::assembly::Form;
+use crate::linalg::{Real, to_f64};
+use pulp::{NullaryFnOnce, Simd, bytemuck};
+use std::ops::Range;
+
+/// Squares that are summed: value, gradient, energy of the difference, then of the other field.
+pub(in crate::assembly) const SQUARES: usize = 6;
+
+struct Deviation<'a, V> {
+    field: Coefficients<'a>,
+    law: &'a Law<'a>,
+    answer: &'a Answer<'a>,
+    sites: Sites,
+    /// Values and gradients of the other field, `C + C N` numbers per point.
+    other: Vec<V>,
+    spread: Spread<V>,
+    g: Aligned<V>,
+    h: Aligned<V>,
+    stress: Aligned<V>,
+    tangents: Vec<V>,
+    buffer: Vec<f64>,
+    sums: [V; SQUARES],
+}
+
+impl<S: Simd, const N: usize> Visit<S, N> for Deviation<'_, S::f64s> {
+    #[inline(always)]
+    fn start(&mut self, simd: S, lanes: &[(usize, usize)]) {
+        self.spread.planes(simd, self.field, lanes);
+        self.sums = [simd.splat_f64s(0.0); SQUARES];
+    }
+
+    #[inline(always)]
+    fn open(&mut self, simd: S, element: usize) {
+        self.spread.lines::<S, N>(simd, self.field, element);
+    }
+
+    #[inline(always)]
+    fn cell(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, S::f64s>) {
+        self.add::<S, N>(simd, here, cell);
+    }
+
+    #[inline(always)]
+    fn close(&mut self, _: S, _: usize) {}
+
+    #[inline(always)]
+    fn end(&mut self, _: S, out: &mut [f64]) {
+        let sums: &[f64] = bytemuck::cast_slice(&self.sums);
+        for (lane, out) in out.chunks_exact_mut(SQUARES).enumerate() {
+            for (k, out) in out.iter_mut().enumerate() {
+                *out = sums[k * S::F64_LANES + lane];
+            }
+        }
+    }
+}
+
+impl<V: bytemuck::Pod> Deviation<'_, V> {
+    #[inline(always)]
+    fn add<S: Simd<f64s = V>, const N: usize>(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, V>) {
+        let (axes, width) = (self.field.axes, self.field.width);
+        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        self.sites.locate::<N>(axes, here);
+        self.sites.ask::<S, N>(simd, cell, here.lanes, self.answer, width * (N + 1), &mut self.other);
+        self.law.tangents::<S, N>(simd, width, cell, &mut self.buffer, &mut self.tangents);
+        let size = self.tangents.len() / cell.points.max(1);
+        self.g.resize(cell.points * width * (N + 1));
+        self.h.resize(width * N);
+        self.stress.resize(width * N);
+        let line = self.spread.line::<N>(self.field, here.middle.1);
+        simd.vectorize(Values::<'_, S, N> { simd, axis: &axes[0], e: here.first, width, line, out: &mut self.g });
+        let mut cell_sums = [zero; SQUARES];
+        for q in 0..cell.points {
+            let map = &cell.map[q * numbers(N)..][..numbers(N)];
+            let tangent = &self.tangents[q * size..][..size];
+            let other = &self.other[q * width * (N + 1)..][..width * (N + 1)];
+            let (dx, inverse) = (map[N + N * N + 1], simd.div_f64s(one, map[N + N * N + 2]));
+            let mut r = [[zero; N]; N];
+            for a in 0..N {
+                for l in 0..N {
+                    r[a][l] = simd.mul_f64s(map[N + a * N + l], inverse);
+                }
+            }
+            let mut squares = [zero; SQUARES];
+            for c in 0..width {
+                let g = &mut self.g[(q * width + c) * (N + 1)..][..N + 1];
+                if let Some(weight) = cell.weight {
+                    // F / W and its derivatives
+                    let w = &weight[q * (N + 1)..][..N + 1];
+                    let inverse = simd.div_f64s(one, w[0]);
+                    g[N] = simd.mul_f64s(g[N], inverse);
+                    for k in 0..N {
+                        g[k] = simd.mul_f64s(simd.negate_mul_add_e_f64s(g[N], w[1 + k], g[k]), inverse);
+                    }
+                }
+                let own = super::law::physical::<S, N>(simd, &r, g);
+                let value = simd.sub_f64s(g[N], other[c]);
+                squares[0] = simd.mul_add_e_f64s(value, value, squares[0]);
+                squares[3] = simd.mul_add_e_f64s(other[c], other[c], squares[3]);
+                for j in 0..N {
+                    let there = other[width + c * N + j];
+                    let apart = simd.sub_f64s(own[j], there);
+                    self.h[c * N + j] = apart;
+                    squares[1] = simd.mul_add_e_f64s(apart, apart, squares[1]);
+                    squares[4] = simd.mul_add_e_f64s(there, there, squares[4]);
+                }
+            }
+            self.law.stress::<S, N>(simd, tangent, &self.h, &mut self.stress);
+            squares[2] = dot(simd, &self.stress, &self.h);
+            self.law.stress::<S, N>(simd, tangent, &other[width..], &mut self.stress);
+            squares[5] = dot(simd, &self.stress, &other[width..]);
+            for k in 0..SQUARES {
+                cell_sums[k] = simd.mul_add_e_f64s(dx, squares[k], cell_sums[k]);
+            }
+        }
+        for k in 0..SQUARES {
+            self.sums[k] = simd.add_f64s(self.sums[k], cell_sums[k]);
+        }
+    }
+}
+
+/// Values and gradients of a cell; compiled apart from what is done with them.
+struct Values<'a, S: Simd, const N: usize> {
+    simd: S,
+    axis: &'a Axis,
+    e: usize,
+    width: usize,
+    line: &'a [S::f64s],
+    out: &'a mut [S::f64s],
+}
+
+impl<S: Simd, const N: usize> NullaryFnOnce for Values<'_, S, N> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let Self { simd, axis, e, width, line, out } = self;
+        match axis.active {
+            2 => spread::cell::<S, N, 2, true>(simd, axis, e, width, line, out),
+            3 => spread::cell::<S, N, 3, true>(simd, axis, e, width, line, out),
+            4 => spread::cell::<S, N, 4, true>(simd, axis, e, width, line, out),
+            5 => spread::cell::<S, N, 5, true>(simd, axis, e, width, line, out),
+            _ => spread::cell::<S, N, 6, true>(simd, axis, e, width, line, out),
+        }
+    }
+}
+
+#[inline(always)]
+fn dot<S: Simd>(simd: S, a: &[S::f64s], b: &[S::f64s]) -> S::f64s {
+    let mut sum = simd.splat_f64s(0.0);
+    for (a, b) in a.iter().zip(b) {
+        sum = simd.mul_add_e_f64s(*a, *b, sum);
+    }
+    sum
+}
+
+struct Run<'a, 'p, const N: usize> {
+    grid: Grid<'a, 'p>,
+    field: Coefficients<'a>,
+    law: &'a Law<'a>,
+    answer: &'a Answer<'a>,
+}
+
+impl<const N: usize> pulp::WithSimd for Run<'_, '_, N> {
+    type Output = [f64; SQUARES];
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; SQUARES] {
+        let mut total = [0.0; SQUARES];
+        if S::IS_SCALAR {
+            return total;
+        }
+        let Self { grid, field, law, answer } = self;
+        let new = || Deviation {
+            field,
+            law,
+            answer,
+            sites: Sites::default(),
+            other: Vec::new(),
+            spread: Spread::default(),
+            g: Aligned::default(),
+            h: Aligned::default(),
+            stress: Aligned::default(),
+            tangents: Vec::new(),
+            buffer: Vec::new(),
+            sums: [simd.splat_f64s(0.0); SQUARES],
+        };
+        grid.walk::<S, N, _>(simd, SQUARES, new, &mut |points: Range<usize>, sums: &[f64]| {
+            for sums in sums.chunks_exact(SQUARES).take(points.len()) {
+                total.iter_mut().zip(sums).for_each(|(total, sum)| *total += sum);
+            }
+        });
+        total
+    }
+}
+
+impl Patch<'_> {
+    /// The sums of squares of the field `u` (an empty one is zero) against the one that `answer` gives: C values, then
+    /// C N derivatives.
+    pub fn deviation<const C: usize, const N: usize, T: Real>(
+        &self,
+        form: &Form<'_, C, N, T>,
+        u: &[T],
+        answer: &Answer<'_>,
+    ) -> [f64; SQUARES] {
+        let weights = self.weight.as_ref().map(|(_, weights)| &weights[..]);
+        let read = |from: usize, to: &mut [f64]| {
+            if u.is_empty() {
+                to.fill(0.0);
+                return;
+            }
+            to.iter_mut().zip(&u[from..]).for_each(|(to, &x)| *to = to_f64(x));
+            if let Some(weights) = weights {
+                to.iter_mut().enumerate().for_each(|(k, to)| *to *= weights[(from + k) / C]);
+            }
+        };
+        let field = Coefficients { axes: &self.axes, width: C, read: &read };
+        let arch = pulp::Arch::new();
+        with_source(form, |source| {
+            let Some(law) = Law::new::<N>(source, C) else { return [0.0; SQUARES] };
+            let (grid, law) = (self.grid(), &law);
+            if N == 2 { arch.dispatch(Run::<2> { grid, field, law, answer }) } else { arch.dispatch(Run::<3> { grid, field, law, answer }) }
+        })
+    }
+}

@@ -1,0 +1,387 @@
+//! The walk over the grid of points: tiles of points of the slowest direction in lanes, cell by cell of the others.
+//!
+//! Map, weight function and whatever is made of them live for one cell only: no memory grows with the patch.
+
+use super::aligned::Aligned;
+use super::axis::Axis;
+use super::map::{self, Ask, Asks, numbers};
+use super::net::Net;
+use super::spread::{self, Coefficients, Spread};
+use pulp::{NullaryFnOnce, Simd, bytemuck};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Bytes of results of tiles that wait at a time.
+const BATCH_BYTES: usize = 4 << 20;
+/// Tasks per thread of a batch.
+const TASKS_PER_THREAD: usize = 2;
+
+/// Where a cell is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Here<'a> {
+    /// Element of the first direction.
+    pub first: usize,
+    /// Point of the middle direction and its number within its element; 0 in the plane.
+    pub middle: (usize, usize),
+    /// Element of the middle direction; 0 in the plane.
+    pub middle_element: usize,
+    /// (point, element) of the slowest direction per lane; lanes beyond the last point repeat it.
+    pub lanes: &'a [(usize, usize)],
+}
+
+/// The points of a cell: one element of the first direction, one point of the middle one, a tile of the slowest one.
+#[derive(Clone, Copy)]
+pub(super) struct Cell<'a, V> {
+    /// Number of points.
+    pub points: usize,
+    /// The map, `[point * numbers(N) + k]`, see `map`; nothing where something else was kept.
+    pub map: &'a [V],
+    /// What was kept in place of the map, `[point * size + k]`.
+    pub kept: &'a [V],
+    /// W and its derivatives, `[point * (N + 1) + k]`, of a rational basis.
+    pub weight: Option<&'a [V]>,
+}
+
+/// What is done on the grid, with memory of its own.
+pub(super) trait Visit<S: Simd, const N: usize>: Send {
+    /// A tile starts.
+    fn start(&mut self, simd: S, lanes: &[(usize, usize)]);
+    /// An element of the middle direction starts; in the plane there is one per tile.
+    fn open(&mut self, simd: S, element: usize);
+    /// A cell.
+    fn cell(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, S::f64s>);
+    /// An element of the middle direction ends.
+    fn close(&mut self, simd: S, element: usize);
+    /// A tile ends: its results to `out`, as many numbers for every lane.
+    fn end(&mut self, simd: S, out: &mut [f64]);
+}
+
+/// Takes the results of some points of the slowest direction, those of one point together (lanes beyond the last point
+/// too); points ascend.
+pub(super) type Sink<'a> = dyn FnMut(Range<usize>, &[f64]) + Send + 'a;
+
+/// Where the map comes from.
+#[derive(Clone, Copy)]
+pub(super) enum Points<'a, 'p> {
+    /// Control points, with weights as last number where it is rational.
+    Net(&'a Net),
+    /// Any map, element by element.
+    Elements(&'a Asks<'p>),
+    /// The map as it was kept on this processor, `numbers(N)` vectors per point; tile by tile, the first direction fastest.
+    Map(&'a [f64]),
+    /// Something else that was kept likewise, so many vectors per point.
+    Other(&'a [f64], usize),
+}
+
+/// A grid of points and what is known there.
+#[derive(Clone, Copy)]
+pub(super) struct Grid<'a, 'p> {
+    /// The directions.
+    pub axes: &'a [Axis],
+    /// The weight function of a rational basis, and its weights.
+    pub weight: Option<(&'a Net, &'a [f64])>,
+    /// The map.
+    pub points: Points<'a, 'p>,
+}
+
+/// Memory of one task.
+struct Scratch<'a, V> {
+    map: Spread<V>,
+    weight: Spread<V>,
+    numbers: Aligned<V>,
+    weights: Aligned<V>,
+    lanes: Vec<(usize, usize)>,
+    ask: Option<Box<Ask<'a>>>,
+    xi: Vec<f64>,
+    asked: Vec<f64>,
+}
+
+impl<'a, 'p> Grid<'a, 'p> {
+    /// Walks the grid; every point of the slowest direction has `size` numbers as result.
+    pub fn walk<S: Simd, const N: usize, V: Visit<S, N>>(&self, simd: S, size: usize, new: impl Fn() -> V + Sync, sink: &mut Sink<'_>) {
+        let lanes = S::F64_LANES;
+        let slow = &self.axes[N - 1];
+        let owners = slow.owners();
+        let tiles = slow.points().div_ceil(lanes);
+        let threads = rayon::current_num_threads();
+        let waiting = (BATCH_BYTES / (8 * size * lanes).max(1)).max(threads).min(tiles);
+        let tasks = if threads == 1 { 1 } else { TASKS_PER_THREAD * threads };
+        let share = waiting.div_ceil(tasks).max(1);
+        let mut results = vec![0.0; waiting * lanes * size];
+        // inside the pool, so that no batch has to enter it
+        rayon::scope(|_| {
+            let mut memory: Vec<(Scratch<'_, S::f64s>, V)> = (0..waiting.div_ceil(share)).map(|_| (self.scratch(), new())).collect();
+            for from in (0..tiles).step_by(waiting) {
+                let count = waiting.min(tiles - from);
+                let results = &mut results[..count * lanes * size];
+                let shares = results.par_chunks_mut((share * lanes * size).max(1)).zip(&mut memory).enumerate();
+                shares.for_each(|(k, (out, (scratch, visit)))| {
+                    for (j, out) in out.chunks_exact_mut((lanes * size).max(1)).enumerate() {
+                        let tile = from + k * share + j;
+                        scratch.lanes.clear();
+                        let points = (tile * lanes..(tile + 1) * lanes).map(|q| q.min(slow.points() - 1));
+                        scratch.lanes.extend(points.map(|q| (q, owners[q])));
+                        let points = self.tile(tile, tiles);
+                        simd.vectorize(Tile::<'_, '_, S, N, V> { simd, grid: Grid { points, ..*self }, scratch, visit, out });
+                    }
+                });
+                sink(from * lanes..((from + count) * lanes).min(slow.points()), results);
+            }
+        });
+    }
+
+    /// What was kept of tile `k`.
+    fn tile(&self, k: usize, tiles: usize) -> Points<'a, 'p> {
+        let part = |all: &'a [f64]| &all[k * (all.len() / tiles)..(k + 1) * (all.len() / tiles)];
+        match self.points {
+            Points::Map(all) => Points::Map(part(all)),
+            Points::Other(all, size) => Points::Other(part(all), size),
+            other => other,
+        }
+    }
+
+    fn scratch<V>(&self) -> Scratch<'p, V> {
+        let ask = if let Points::Elements(asks) = self.points { Some(asks()) } else { None };
+        Scratch {
+            map: Spread::default(),
+            weight: Spread::default(),
+            numbers: Aligned::default(),
+            weights: Aligned::default(),
+            lanes: Vec::new(),
+            ask,
+            xi: Vec::new(),
+            asked: Vec::new(),
+        }
+    }
+}
+
+struct Tile<'a, 'p, S: Simd, const N: usize, V> {
+    simd: S,
+    grid: Grid<'a, 'p>,
+    scratch: &'a mut Scratch<'p, S::f64s>,
+    visit: &'a mut V,
+    out: &'a mut [f64],
+}
+
+impl<S: Simd, const N: usize, V: Visit<S, N>> NullaryFnOnce for Tile<'_, '_, S, N, V> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let Self { simd, grid, scratch, visit, out } = self;
+        let Scratch { map, weight, numbers: filled, weights, lanes, ask, xi, asked } = scratch;
+        let axes = grid.axes;
+        let (map_net, weight_net) = (if let Points::Net(net) = grid.points { Some(net) } else { None }, grid.weight.map(|w| w.0));
+        let (read_map, read_weight) = (reader(map_net), reader(weight_net));
+        let of_map = map_net.map(|net| Coefficients { axes: &net.axes, width: net.width, read: &read_map });
+        let of_weight = weight_net.map(|net| Coefficients { axes: &net.axes, width: 1, read: &read_weight });
+        if let Some(net) = of_map {
+            map.planes(simd, net, lanes);
+        }
+        if let Some(net) = of_weight {
+            weight.planes(simd, net, lanes);
+        }
+        visit.start(simd, lanes);
+        let slow = slow_weights(simd, &axes[N - 1], lanes);
+        for e in 0..if N == 3 { axes[1].elements() } else { 1 } {
+            if let Some(net) = of_map {
+                map.lines::<S, N>(simd, net, e);
+            }
+            if let Some(net) = of_weight {
+                weight.lines::<S, N>(simd, net, e);
+            }
+            visit.open(simd, e);
+            for (k, q) in (if N == 3 { axes[1].start[e]..axes[1].start[e + 1] } else { 0..1 }).enumerate() {
+                let outer = if N == 3 { simd.mul_f64s(slow, simd.splat_f64s(axes[1].weights[q])) } else { slow };
+                for first in 0..axes[0].elements() {
+                    let here = Here { first, middle: (q, k), middle_element: e, lanes };
+                    let points = axes[0].start[first]..axes[0].start[first + 1];
+                    let mut cell = Cell { points: points.len(), map: &[], kept: &[], weight: None };
+                    let part = |all, size: usize| {
+                        let line = size * S::F64_LANES;
+                        let all: &[f64] = all;
+                        bytemuck::cast_slice(&all[(q * axes[0].points() + points.start) * line..][..points.len() * line])
+                    };
+                    match grid.points {
+                        Points::Map(all) => cell.map = part(all, numbers(N)),
+                        Points::Other(all, size) => cell.kept = part(all, size),
+                        Points::Net(net) => {
+                            filled.resize(points.len() * numbers(N));
+                            let line = of_map.map_or(&[][..], |field| map.line::<N>(field, k));
+                            simd.vectorize(FromNet::<'_, S, N> { simd, net, axis: &axes[0], first, line, outer, out: filled });
+                            cell.map = filled;
+                        }
+                        Points::Elements(_) => {
+                            filled.resize(points.len() * numbers(N));
+                            if let Some(ask) = ask {
+                                ask_cell::<N>(axes, here, ask, xi, asked, S::F64_LANES, bytemuck::cast_slice_mut(&mut filled[..]));
+                            }
+                            fill_asked::<S, N>(simd, &axes[0].weights[points.clone()], outer, filled);
+                            cell.map = filled;
+                        }
+                    }
+                    if let Some(field) = of_weight {
+                        weights.resize(points.len() * (N + 1));
+                        let line = weight.line::<N>(field, k);
+                        for (q, out) in points.clone().zip(weights.chunks_exact_mut(N + 1)) {
+                            let (value, slope) = spread::at::<S, N, 1>(simd, &field.axes[0], (q, first), line);
+                            out[0] = value[0];
+                            for k in 0..N {
+                                out[1 + k] = slope[k][0];
+                            }
+                        }
+                        cell.weight = Some(weights);
+                    }
+                    visit.cell(simd, here, cell);
+                }
+            }
+            visit.close(simd, e);
+        }
+        visit.end(simd, out);
+    }
+}
+
+/// Copies coefficients of a net.
+fn reader(net: Option<&Net>) -> impl Fn(usize, &mut [f64]) + Sync + '_ {
+    move |from, to| {
+        if let Some(net) = net {
+            to.copy_from_slice(&net.coefficients[from..from + to.len()]);
+        }
+    }
+}
+
+/// Weights of the points in lanes.
+#[inline(always)]
+fn slow_weights<S: Simd>(simd: S, axis: &Axis, lanes: &[(usize, usize)]) -> S::f64s {
+    let mut weights = simd.splat_f64s(0.0);
+    let numbers: &mut [f64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut weights));
+    for (w, &(q, _)) in numbers.iter_mut().zip(lanes) {
+        *w = axis.weights[q];
+    }
+    weights
+}
+
+#[inline(always)]
+fn plain<S: Simd, const N: usize, const M: usize>(
+    simd: S,
+    axis: &Axis,
+    at: (usize, usize),
+    line: &[S::f64s],
+    weight: S::f64s,
+    out: &mut [S::f64s],
+) {
+    let (value, slope) = spread::at::<S, N, M>(simd, axis, at, line);
+    let (mut x, mut t) = ([weight; N], [[weight; N]; N]);
+    for c in 0..N.min(M) {
+        x[c] = value[c];
+        for k in 0..N {
+            t[k][c] = slope[k][c];
+        }
+    }
+    map::finish(simd, &x, &t, weight, out);
+}
+
+/// x = A / W, dx = (dA - x dW) / W.
+#[inline(always)]
+fn rational<S: Simd, const N: usize, const M: usize>(
+    simd: S,
+    axis: &Axis,
+    at: (usize, usize),
+    line: &[S::f64s],
+    weight: S::f64s,
+    out: &mut [S::f64s],
+) {
+    let (value, slope) = spread::at::<S, N, M>(simd, axis, at, line);
+    let inverse = simd.div_f64s(simd.splat_f64s(1.0), value[M - 1]);
+    let (mut x, mut t) = ([weight; N], [[weight; N]; N]);
+    for c in 0..N.min(M - 1) {
+        x[c] = simd.mul_f64s(value[c], inverse);
+        for k in 0..N {
+            let rest = simd.negate_mul_add_e_f64s(x[c], slope[k][M - 1], slope[k][c]);
+            t[k][c] = simd.mul_f64s(rest, inverse);
+        }
+    }
+    map::finish(simd, &x, &t, weight, out);
+}
+
+/// The map of a cell from the line of a net; compiled once for all visitors.
+struct FromNet<'a, S: Simd, const N: usize> {
+    simd: S,
+    net: &'a Net,
+    axis: &'a Axis,
+    first: usize,
+    line: &'a [S::f64s],
+    outer: S::f64s,
+    out: &'a mut [S::f64s],
+}
+
+impl<S: Simd, const N: usize> NullaryFnOnce for FromNet<'_, S, N> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let Self { simd, net, axis, first, line, outer, out } = self;
+        for (q, out) in (axis.start[first]..axis.start[first + 1]).zip(out.chunks_exact_mut(numbers(N))) {
+            let weight = simd.mul_f64s(outer, simd.splat_f64s(axis.weights[q]));
+            match (N, net.width) {
+                (2, 2) => plain::<S, N, 2>(simd, &net.axes[0], (q, first), line, weight, out),
+                (2, _) => rational::<S, N, 3>(simd, &net.axes[0], (q, first), line, weight, out),
+                (_, 3) => plain::<S, N, 3>(simd, &net.axes[0], (q, first), line, weight, out),
+                _ => rational::<S, N, 4>(simd, &net.axes[0], (q, first), line, weight, out),
+            }
+        }
+    }
+}
+
+/// The map of a cell from its positions and tangents, which `out` holds.
+#[inline(always)]
+fn fill_asked<S: Simd, const N: usize>(simd: S, weights: &[f64], outer: S::f64s, out: &mut [S::f64s]) {
+    for (&weight, out) in weights.iter().zip(out.chunks_exact_mut(numbers(N))) {
+        let (mut x, mut t) = ([outer; N], [[outer; N]; N]);
+        for c in 0..N {
+            x[c] = out[c];
+            for d in 0..N {
+                t[d][c] = out[N + d * N + c];
+            }
+        }
+        map::finish(simd, &x, &t, simd.mul_f64s(outer, simd.splat_f64s(weight)), out);
+    }
+}
+
+/// Positions and tangents of a cell from a map that is asked element by element.
+fn ask_cell<const N: usize>(
+    axes: &[Axis],
+    here: Here<'_>,
+    ask: &mut Ask<'_>,
+    xi: &mut Vec<f64>,
+    asked: &mut Vec<f64>,
+    lanes: usize,
+    out: &mut [f64],
+) {
+    let along = axes[0].start[here.first]..axes[0].start[here.first + 1];
+    let counts = [axes[0].elements(), if N == 3 { axes[1].elements() } else { 1 }];
+    let mut from = 0;
+    while from < here.lanes.len() {
+        let slow = here.lanes[from].1;
+        let to = from + here.lanes[from..].iter().take_while(|p| p.1 == slow).count();
+        xi.clear();
+        for &(q, _) in &here.lanes[from..to] {
+            for first in along.clone() {
+                xi.push(axes[0].xi[first]);
+                if N == 3 {
+                    xi.push(axes[1].xi[here.middle.0]);
+                }
+                xi.push(axes[N - 1].xi[q]);
+            }
+        }
+        ask(here.first + counts[0] * (here.middle_element + counts[1] * slow), xi, asked);
+        let mut all = asked.chunks_exact(N + N * N);
+        for lane in from..to {
+            for q in 0..along.len() {
+                let point = all.next().expect("numbers of every point that was asked for");
+                for (k, &value) in point.iter().enumerate() {
+                    out[(q * numbers(N) + k) * lanes + lane] = value;
+                }
+            }
+        }
+        from = to;
+    }
+}

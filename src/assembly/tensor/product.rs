@@ -1,0 +1,166 @@
+//! The product of the matrix of a form with a vector, without the matrix.
+//!
+//! Gradients of the vector's field on the grid, the tangent there, the transposed contraction back: per point about
+//! 2 N (p + 1) products for the fastest direction, and a fraction of that for the others.
+
+use super::aligned::Aligned;
+use super::gather::{self, Gather};
+use super::grid::{Cell, Grid, Here, Sink, Visit};
+use super::law::{self, Law};
+use super::spread::{self, Coefficients, Read, Spread};
+use pulp::{NullaryFnOnce, Simd, bytemuck};
+
+/// The field's way to the points, the tangent, the way back.
+struct Product<'a, V, const N: usize> {
+    field: Coefficients<'a>,
+    law: &'a Law<'a>,
+    spread: Spread<V>,
+    gather: Gather<V, N>,
+    g: Aligned<V>,
+    h: Aligned<V>,
+    tangents: Vec<V>,
+    buffer: Vec<f64>,
+}
+
+impl<S: Simd, const N: usize> Visit<S, N> for Product<'_, S::f64s, N> {
+    #[inline(always)]
+    fn start(&mut self, simd: S, lanes: &[(usize, usize)]) {
+        self.spread.planes(simd, self.field, lanes);
+        self.gather.start(simd, self.field.axes);
+    }
+
+    #[inline(always)]
+    fn open(&mut self, simd: S, element: usize) {
+        self.spread.lines::<S, N>(simd, self.field, element);
+        self.gather.open::<S, N>(simd, self.field.axes, element);
+    }
+
+    #[inline(always)]
+    fn cell(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, S::f64s>) {
+        simd.vectorize(Respond::<'_, '_, S, N> { simd, product: self, here, cell });
+    }
+
+    #[inline(always)]
+    fn close(&mut self, simd: S, element: usize) {
+        self.gather.close::<S, N>(simd, self.field.axes, element);
+    }
+
+    #[inline(always)]
+    fn end(&mut self, simd: S, out: &mut [f64]) {
+        self.gather.end(simd, out);
+    }
+}
+
+struct Respond<'a, 'p, S: Simd, const N: usize> {
+    simd: S,
+    product: &'a mut Product<'p, S::f64s, N>,
+    here: Here<'a>,
+    cell: Cell<'a, S::f64s>,
+}
+
+impl<S: Simd, const N: usize> NullaryFnOnce for Respond<'_, '_, S, N> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let Self { simd, product, here, cell } = self;
+        match (product.field.axes[0].active, cell.weight.is_some()) {
+            (2, false) => product.respond::<S, 2, false>(simd, here, cell),
+            (3, false) => product.respond::<S, 3, false>(simd, here, cell),
+            (4, false) => product.respond::<S, 4, false>(simd, here, cell),
+            (5, false) => product.respond::<S, 5, false>(simd, here, cell),
+            (6, false) => product.respond::<S, 6, false>(simd, here, cell),
+            (2, _) => product.respond::<S, 2, true>(simd, here, cell),
+            (3, _) => product.respond::<S, 3, true>(simd, here, cell),
+            (4, _) => product.respond::<S, 4, true>(simd, here, cell),
+            (5, _) => product.respond::<S, 5, true>(simd, here, cell),
+            _ => product.respond::<S, 6, true>(simd, here, cell),
+        }
+    }
+}
+
+impl<V: bytemuck::Pod, const N: usize> Product<'_, V, N> {
+    #[inline(always)]
+    fn respond<S: Simd<f64s = V>, const NP: usize, const RATIONAL: bool>(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, V>) {
+        let (axes, width) = (self.field.axes, self.field.width);
+        self.g.resize(cell.points * width * (N + 1));
+        self.h.resize(2 * width * N);
+        let line = self.spread.line::<N>(self.field, here.middle.1);
+        spread::cell::<S, N, NP, RATIONAL>(simd, &axes[0], here.first, width, line, &mut self.g);
+        if let Law::Kept { symmetric: true } = self.law
+            && width == 1
+            && !RATIONAL
+        {
+            for (d, g) in cell.kept.chunks_exact(N * (N + 1) / 2).zip(self.g.chunks_exact_mut(N + 1)) {
+                law::kept_scalar::<S, N>(simd, d, g);
+            }
+        } else {
+            simd.vectorize(Tangents::<'_, '_, S, N> { simd, product: self, cell });
+        }
+        let line = self.gather.line::<N>(axes, here.middle.1);
+        gather::cell::<S, N, N, NP, RATIONAL>(simd, &axes[0], here.first, width, &self.g, line);
+    }
+}
+
+/// The tangent at the points of a cell; compiled once for all degrees.
+struct Tangents<'a, 'p, S: Simd, const N: usize> {
+    simd: S,
+    product: &'a mut Product<'p, S::f64s, N>,
+    cell: Cell<'a, S::f64s>,
+}
+
+impl<S: Simd, const N: usize> NullaryFnOnce for Tangents<'_, '_, S, N> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let Self { simd, product, cell } = self;
+        let Product { law, field, g, h, tangents, buffer, .. } = product;
+        let width = field.width;
+        law.tangents::<S, N>(simd, width, cell, buffer, tangents);
+        let tangents = if matches!(law, Law::Kept { .. }) { cell.kept } else { &tangents[..] };
+        let (size, map_size) = (tangents.len() / cell.points.max(1), cell.map.len() / cell.points.max(1));
+        for (q, g) in g.chunks_exact_mut(width * (N + 1)).enumerate() {
+            let weight = cell.weight.map(|w| &w[q * (N + 1)..][..N + 1]);
+            let (map, tangent) = (&cell.map[q * map_size..][..map_size], &tangents[q * size..][..size]);
+            law.respond::<S, N>(simd, map, weight, tangent, g, h);
+        }
+    }
+}
+
+struct Apply<'a, 'p, 's, const N: usize> {
+    grid: Grid<'a, 'p>,
+    law: &'a Law<'a>,
+    field: Coefficients<'a>,
+    sink: &'a mut Sink<'s>,
+}
+
+impl<const N: usize> pulp::WithSimd for Apply<'_, '_, '_, N> {
+    type Output = ();
+    fn with_simd<S: Simd>(self, simd: S) {
+        if S::IS_SCALAR {
+            return;
+        }
+        let Self { grid, law, field, sink } = self;
+        let new = || Product::<S::f64s, N> {
+            field,
+            law,
+            spread: Spread::default(),
+            gather: Gather::new(field.width),
+            g: Aligned::default(),
+            h: Aligned::default(),
+            tangents: Vec::new(),
+            buffer: Vec::new(),
+        };
+        grid.walk::<S, N, _>(simd, gather::plane_kinds(N) * field.plane(), new, sink);
+    }
+}
+
+/// Planes of the product with the field that `read` gives, point by point of the slowest direction.
+pub(super) fn product(grid: Grid<'_, '_>, law: &Law<'_>, components: usize, read: &Read<'_>, sink: &mut Sink<'_>) {
+    let field = Coefficients { axes: grid.axes, width: components, read };
+    let arch = pulp::Arch::new();
+    if grid.axes.len() == 2 {
+        arch.dispatch(Apply::<2> { grid, law, field, sink });
+    } else {
+        arch.dispatch(Apply::<3> { grid, law, field, sink });
+    }
+}

@@ -1,0 +1,77 @@
+//! Points handed to closures one by one, and their answers put back in lanes.
+
+use super::axis::Axis;
+use super::grid::{Cell, Here};
+use super::map::numbers;
+use pulp::{Simd, bytemuck};
+
+/// The points of a cell, those of one lane together.
+#[derive(Clone, Debug, Default)]
+pub(in crate::assembly) struct Sites {
+    /// Physical points, N numbers each.
+    pub x: Vec<f64>,
+    /// Element per lane.
+    pub elements: Vec<usize>,
+    /// Local points, N numbers each; only where they are asked for.
+    pub xi: Vec<f64>,
+    answers: Vec<f64>,
+}
+
+/// Answers at all points of a cell, `size` numbers each.
+pub(in crate::assembly) type Answer<'a> = dyn Fn(&Sites, &mut [f64]) + Sync + 'a;
+
+impl Sites {
+    /// Asks at all points of a cell: `out[point * size + number]`, zero in lanes beyond the last point.
+    #[inline(always)]
+    pub(super) fn ask<S: Simd, const N: usize>(
+        &mut self,
+        simd: S,
+        cell: Cell<'_, S::f64s>,
+        lanes: &[(usize, usize)],
+        answer: &Answer<'_>,
+        size: usize,
+        out: &mut Vec<S::f64s>,
+    ) {
+        let valid = 1 + lanes.windows(2).take_while(|w| w[0].0 != w[1].0).count();
+        let (width, count) = (S::F64_LANES, cell.points);
+        self.x.resize(valid * count * N, 0.0);
+        let map: &[f64] = bytemuck::cast_slice(cell.map);
+        for lane in 0..valid {
+            for q in 0..count {
+                for k in 0..N {
+                    self.x[(lane * count + q) * N + k] = map[(q * numbers(N) + k) * width + lane];
+                }
+            }
+        }
+        self.answers.resize(valid * count * size, 0.0);
+        let mut answers = std::mem::take(&mut self.answers);
+        answer(self, &mut answers);
+        out.clear();
+        out.resize(count * size, simd.splat_f64s(0.0));
+        let numbers: &mut [f64] = bytemuck::cast_slice_mut(out);
+        for (lane, answers) in answers.chunks_exact((count * size).max(1)).enumerate() {
+            for (k, &value) in answers.iter().enumerate() {
+                numbers[k * width + lane] = value;
+            }
+        }
+        self.answers = answers;
+    }
+
+    /// Elements and local points of a cell, for answers that depend on them.
+    pub(super) fn locate<const N: usize>(&mut self, axes: &[Axis], here: Here<'_>) {
+        let along = axes[0].start[here.first]..axes[0].start[here.first + 1];
+        let counts = [axes[0].elements(), if N == 3 { axes[1].elements() } else { 1 }];
+        self.elements.clear();
+        self.xi.clear();
+        for &(q, slow) in here.lanes {
+            self.elements.push(here.first + counts[0] * (here.middle_element + counts[1] * slow));
+            for first in along.clone() {
+                self.xi.push(axes[0].xi[first]);
+                if N == 3 {
+                    self.xi.push(axes[1].xi[here.middle.0]);
+                }
+                self.xi.push(axes[N - 1].xi[q]);
+            }
+        }
+    }
+}
