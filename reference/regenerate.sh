@@ -3,7 +3,8 @@
 #   regenerate.sh            writes reference/data/
 #   regenerate.sh --check    writes a temporary folder and fails where it differs from reference/data/ (see dolfinx/check.py)
 #   regenerate.sh NAME..     only dolfinx/NAME.py, also after --check
-# FAYING names the program that writes the meshes; without it, it is built. Exit 3: dolfinx cannot be had here.
+# FAYING names the program that writes the meshes; without it, it is built. Exit 2: no such script or
+# program; 3: dolfinx cannot be had here.
 set -euo pipefail
 [ -z "${FAYING:-}" ] || FAYING=$(realpath "$FAYING")
 cd "$(dirname "$0")"
@@ -27,6 +28,7 @@ if [ -z "${FAYING:-}" ]; then
     (cd .. && cargo build --release --locked --bin faying)
     FAYING=$(realpath "${CARGO_TARGET_DIR:-../target}/release/faying")
 fi
+[ -x "$FAYING" ] || { echo "FAYING: $FAYING is no program; build it with cargo build --release"; exit 2; }
 export FAYING OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
 work=$(mktemp -d)
@@ -40,6 +42,9 @@ if [ $# = 0 ]; then
     # those that write a document; the other modules are only read by them
     set -- $(cd dolfinx && grep -l '\brecord\.write(' ./*.py | sed 's|^\./||; s|\.py$||')
 fi
+for name in "$@"; do
+    [ -f "dolfinx/$name.py" ] || { echo "there is no script dolfinx/$name.py; documents are: $(cd data && ls ./*.json | sed 's|^\./||; s|\.json$||' | tr '\n' ' ')"; exit 2; }
+done
 one() { # script: one process with its own cache of compiled forms
     mkdir -p "$work/$1"
     local start=$SECONDS

@@ -125,7 +125,7 @@ def draw(rows):
         axis.grid(True, which="major", color="#dddddd", linewidth=0.6)
     axes[0].legend(fontsize=7, ncol=2, frameon=False)
     figure.tight_layout()
-    figure.savefig(os.path.join(DOCS, "dolfinx.svg"), metadata={"Date": None})
+    figure.savefig(os.path.join(DOCS, "dolfinx.svg"), metadata={"Date": None, "Creator": None})
 
 
 def table(rows):

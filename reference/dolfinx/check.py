@@ -30,8 +30,6 @@ def differences(stored, made, tolerance, place, scale=0.0):
         for key in sorted(set(stored) | set(made)):
             if key not in stored or key not in made:
                 yield f"{place}.{key}: only {'made' if key in made else 'stored'}"
-            elif key == "tolerance" and stored[key] != made[key]:
-                yield f"{place}.{key}: {stored[key]!r} stored, {made[key]!r} made"
             elif key == "error" and all(is_number(d.get(k)) for d in (stored, made) for k in ("error", "value")):
                 if not abs(stored[key] - made[key]) <= max(0.5 * abs(made[key]), tolerance * abs(made["value"])):
                     yield f"{place}.{key}: {stored[key]!r} stored, {made[key]!r} made"

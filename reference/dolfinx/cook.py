@@ -58,7 +58,7 @@ class Problem:
 
     def __init__(self, made, p):
         self.made, self.msh = made, made.mesh()
-        self.space = graded.space(self.msh, p, 2)
+        self.space = forms.space(self.msh, p, 2, forms.smooth_element(self.msh, p))
         # sides of the smallest cells lie within 1e-8 of x = 0 without being on it
         self.sides = forms.Sides(self.msh, [lambda x: 1e5 * x[0], lambda x: 1e5 * (x[0] - 48)], 2 * p)
         self.law = [fem.Constant(self.msh, PETSc.ScalarType(1)) for _ in range(2)]

@@ -4,8 +4,6 @@ Stretched cells (a product of two graded grids) lose digits by round-off; these 
 """
 
 import numpy as np
-import ufl
-from dolfinx import fem
 
 import forms
 import record
@@ -75,16 +73,8 @@ class Blocks:
 
     def table(self, expression, msh, components, points):
         """Named components of an expression at points of the mesh: pairs of a quantity's text and its value."""
-        values = at_all(expression, msh, [self.locate(x) for x in points])
+        values = forms.at_all(expression, msh, [self.locate(x) for x in points])
         return [(f"{name} at [{x[0]}, {x[1]}]", v[k]) for name, k in components for x, v in zip(points, values)]
-
-
-def at_all(expression, msh, places):
-    """An expression at pairs of a cell, counted as in the input, and reference coordinates there: compiled once for all."""
-    own = np.argsort(msh.topology.original_cell_index)
-    cells = np.array([own[cell] for cell, _ in places], dtype=np.int32)
-    found = fem.Expression(expression, np.array([s for _, s in places], float)).eval(cells)
-    return [values.reshape(len(places), -1)[k] for k, values in enumerate(found)]
 
 
 def compared(coarse, fine, least):
@@ -94,9 +84,3 @@ def compared(coarse, fine, least):
         scale = least * max(abs(value) for _, value in finer)
         made[kind] = [{"quantity": text, **record.estimated(a, b, scale)} for (text, b), (_, a) in zip(finer, coarser)]
     return made
-
-
-def space(msh, degree, components=0):
-    """Lagrange functions on Gauss-Lobatto nodes: equispaced ones lose digits at these degrees."""
-    one = ufl.FiniteElement("Lagrange", msh.ufl_cell(), degree)
-    return fem.FunctionSpace(msh, ufl.VectorElement(one, dim=components) if components else one)

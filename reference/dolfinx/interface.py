@@ -54,7 +54,7 @@ class Ring:
     def table(self, expression, components, points, outer=None):
         """Named components at points; of one part, where a point lies on the arc."""
         where = "" if outer is None else " in outer" if outer else " in inner"
-        values = graded.at_all(expression, self.msh, [self.locate(x, outer) for x in points])
+        values = forms.at_all(expression, self.msh, [self.locate(x, outer) for x in points])
         return [(f"{name} at [{x[0]}, {x[1]}]{where}", v[k]) for name, k in components for x, v in zip(points, values)]
 
     def locate(self, x, outer):
@@ -70,7 +70,7 @@ class Ring:
 
 
 def elasticity(ring, p):
-    space = graded.space(ring.msh, p, 2)
+    space = forms.space(ring.msh, p, 2, forms.smooth_element(ring.msh, p))
     laws = [forms.lame(10.0, 0.3), forms.lame(1.0, 0.35)]
     lam, mu = (ring.material(*pair) for pair in zip(*laws))
     q = 4 * p
@@ -90,7 +90,7 @@ def elasticity(ring, p):
 
 
 def poisson(ring, p):
-    space = graded.space(ring.msh, p)
+    space = forms.space(ring.msh, p, one=forms.smooth_element(ring.msh, p))
     k = ring.material(10.0, 1.0)
     q = 4 * p
     sides, x = ring.sides(q), ufl.SpatialCoordinate(ring.msh)

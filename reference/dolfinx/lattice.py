@@ -39,4 +39,4 @@ class Lattice:
             i = min(int(np.searchsorted(b, t + 1e-12, side="right")) - 1, len(b) - 2)
             index.append(i)
             reference.append((t - b[i]) / (b[i + 1] - b[i]))
-        return forms.at(expression, self.msh, self.cell(index), reference)
+        return forms.at_all(expression, self.msh, [(self.cell(index), reference)])[0]
