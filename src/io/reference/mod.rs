@@ -4,7 +4,7 @@
 //! side its facets and lambda as polynomials of its elements. Geometry itself is not stored: a case that names the file has the same.
 //!
 //! ```text
-//! "faying.reference/1\n"   then one zlib stream of:
+//! "faying.reference/2\n"   then one zlib stream of:
 //!   u32 little endian      length of the head
 //!   head                   JSON: everything but long lists of numbers
 //!   lists                  per patch: ends of elements per direction, coefficients; per side: facets, lambda
@@ -22,7 +22,7 @@ pub use read::read;
 pub use write::write;
 
 /// How every such file begins.
-pub const MAGIC: &[u8] = b"faying.reference/1\n";
+pub const MAGIC: &[u8] = b"faying.reference/2\n";
 
 /// A stored run: its last state.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
