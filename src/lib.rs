@@ -36,7 +36,7 @@
 //! | [`basis`] | B-splines, NURBS, Lagrange, their products and combinations |
 //! | [`geometry`] | maps, control nets and their refinement, shapes, closest points |
 //! | [`space`] | spaces, bodies, traces: the spline patch, the Lagrange mesh of a patch or of a file's cells, glued patches |
-//! | [`assembly`] | the bulk loop, loads, Dirichlet projection, error norms |
+//! | [`assembly`] | bulk matrices by contraction, in lanes, or element by element; loads, Dirichlet projection, error norms |
 //! | [`physics`] | materials, stresses, fluxes |
 //! | [`coupling`] | segments, multipliers and their inf-sup constants, mortar rows, Nitsche's stiffness |
 //! | [`constraint`] | saddle points, condensation, Schur complements, Uzawa, the active set |
@@ -75,6 +75,13 @@
 //! - A solver may decide contact rows itself: it is asked once, and used as it is. All others stand inside the
 //!   [`ActiveSet`](constraint::ActiveSet), whose errors carry the best iterate.
 //! - The matrix of a discrete cone is never formed: its inverse is banded, and rows are solved with it ([`Cone`](contact::Cone)).
+//! - A matrix's columns are a thing of their own ([`Sparsity`](linalg::Sparsity)): one number per block of a field's components, shared by all
+//!   matrices of the field, so that a row gives its columns as an iterator and not as a slice.
+//! - Elements without product structure still have tables in common: a basis names the reference cell of an element
+//!   ([`Basis::reference`](basis::Basis::reference)), a map gives its functions and points ([`Geometry::control`](geometry::Geometry::control)).
+//! - What assembly knows of a space between two matrices is an [`Assembler`](assembly::Assembler): refilling costs values only.
+//! - One loop in the plain order of elements serves every space and is what the quick ones are tested against; which of them a space takes
+//!   shows in no signature.
 //!
 //! # Features
 //!

@@ -1,6 +1,6 @@
 //! Linear combinations of the functions of another basis.
 
-use super::{TensorPatch, Basis, Cell, Elements, Order, ShapeTable};
+use super::{Basis, Cell, Elements, Order, ShapeTable, TensorPatch};
 use crate::linalg::{Real, Vector};
 
 /// N_k = sum_i c_ik B_i: end-lowered, dual and truncated bases, Bezier extraction.

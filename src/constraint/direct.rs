@@ -159,7 +159,7 @@ impl Direct {
         for a in 0..m {
             let (cols, vals) = s.rows.row(a);
             let (mut sum, mut sum_size, mut sum_rows) = (0.0, 0.0, 0.0);
-            for (j, &c) in cols.clone().zip(vals) {
+            for (j, &c) in cols.zip(vals) {
                 sum += c * v[j];
                 sum_size += (c * v[j]).abs();
                 sum_rows += c.abs() * root[j];

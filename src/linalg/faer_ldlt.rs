@@ -155,9 +155,14 @@ impl Ldlt {
     /// The upper triangle of `a`, which has to be symmetric.
     fn upper(&mut self, a: &dyn Operator<f64>) -> Result<Upper, LinearError> {
         let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
-        if !matrix.is_symmetric(NO_SYMMETRY) {
+        let fault = if matrix.vals().iter().any(|v| !v.is_finite()) {
+            Some(LinearError::NotFinite)
+        } else {
+            (!matrix.is_symmetric(NO_SYMMETRY)).then_some(LinearError::NotSymmetric)
+        };
+        if let Some(fault) = fault {
             self.ready = false;
-            return Err(LinearError::NotSymmetric);
+            return Err(fault);
         }
         let same = |s: &Arc<Sparsity>| Arc::ptr_eq(s, matrix.pattern()) || s == matrix.pattern();
         let known = self.analysis.as_ref().filter(|a| a.source.as_ref().is_some_and(same));

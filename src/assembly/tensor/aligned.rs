@@ -6,7 +6,7 @@ use std::ops::{Deref, DerefMut};
 
 /// Bytes of a cache line, and numbers.
 const LINE: usize = 64;
-const NUMBERS: usize = LINE / size_of::<f64>();
+pub(super) const NUMBERS: usize = LINE / size_of::<f64>();
 
 /// First place of `numbers` that lies on a cache line, less than [`NUMBERS`]; zero where the address is not known.
 pub(super) fn offset(numbers: &[f64]) -> usize {

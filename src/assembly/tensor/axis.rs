@@ -71,6 +71,10 @@ impl Axis {
             }
             axis.start.push(axis.xi.len());
         }
+        // a rule without points has nothing to contract
+        if axis.xi.is_empty() {
+            return None;
+        }
         axis.sums.push(0);
         for (from, to) in &axis.columns {
             axis.sums.push(axis.sums[axis.sums.len() - 1] + to - from);

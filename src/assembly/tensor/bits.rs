@@ -13,7 +13,7 @@ use pulp::x86::{V3, V4};
 fn bent<const N: usize>(degrees: [usize; N]) -> (TensorProduct<N, BSpline<f64>>, Vec<Vector<N>>) {
     let axes = std::array::from_fn(|k| BSpline::uniform(degrees[k], [5, 7, 9][k], degrees[k] as isize - 1));
     let basis = TensorProduct::new(axes);
-    let counts = basis.axes().each_ref().map(|a| Basis::<1>::num_functions(a));
+    let counts = basis.axes().each_ref().map(Basis::<1>::num_functions);
     let points = (0..basis.num_functions())
         .map(|i| {
             let at: [f64; N] = std::array::from_fn(|k| (i / counts[..k].iter().product::<usize>() % counts[k]) as f64 / counts[k] as f64);
@@ -35,7 +35,7 @@ fn elastic<const N: usize>() -> Form<'static, N, N> {
 fn matrix<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_, C, N>, arch: pulp::Arch) -> Csr {
     let rules = gauss_rules(space, 0);
     let asks = || -> Box<Ask<'_>> { unreachable!("the map is a net") };
-    let mut patches = Patches::new(space, &rules, &|e| space.map_block(e), &asks).unwrap();
+    let mut patches = Patches::new(space, &rules, &|e| space.map_block(e), &asks).expect("products of splines");
     patches.patches.iter_mut().for_each(|patch| patch.arch = arch);
     let mut matrix = patches.csr(C);
     patches.stiffness(form, false, &mut matrix);

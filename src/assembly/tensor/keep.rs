@@ -1,6 +1,6 @@
 //! Numbers at the points that an operator keeps, because making them again is dear.
 
-use super::aligned::offset;
+use super::aligned::{NUMBERS, offset};
 use super::grid::{Cell, Grid, Here, Points, Visit};
 use super::law::Law;
 use pulp::{Simd, bytemuck};
@@ -118,7 +118,7 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, N> {
             || Keep { law, symmetric, components, all: Vec::new(), g: Vec::new(), h: Vec::new(), tangents: Vec::new(), buffer: Vec::new() };
         let tiles = axes[N - 1].points().div_ceil(S::F64_LANES);
         // room to start on a cache line
-        all.reserve_exact((tiles * points * self.size + 1) * S::F64_LANES);
+        all.reserve_exact(tiles * points * self.size * S::F64_LANES + NUMBERS);
         all.resize(1, 0.0);
         let first = offset(&all);
         all.resize(first, 0.0);

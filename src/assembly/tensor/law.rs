@@ -239,9 +239,7 @@ fn local<S: Simd, const N: usize>(simd: S, r: &[[S::f64s; N]; N], f: S::f64s, s:
 pub(super) fn kept_scalar<S: Simd, const N: usize>(simd: S, d: &[S::f64s], g: &mut [S::f64s]) {
     let zero = simd.splat_f64s(0.0);
     let (mut h, mut t) = ([zero; N], [zero; N]);
-    for a in 0..N {
-        h[a] = g[a];
-    }
+    h.copy_from_slice(&g[..N]);
     let d = &d[..N * (N + 1) / 2];
     let mut k = 0;
     for a in 0..N {

@@ -206,9 +206,7 @@ pub(super) fn cell<S: Simd, const N: usize, const NP: usize, const VALUE: bool>(
         let mut own = [[zero; N]; NP];
         for a in 0..NP {
             let from = &line[(a * width + c) * N..][..N];
-            for k in 0..N {
-                own[a][k] = from[k];
-            }
+            own[a].copy_from_slice(from);
         }
         let out = out[c * (N + 1)..].chunks_mut(width * (N + 1));
         for (out, (values, slopes)) in out.zip(values.iter().zip(slopes)) {
@@ -225,9 +223,7 @@ pub(super) fn cell<S: Simd, const N: usize, const NP: usize, const VALUE: bool>(
                 }
             }
             let out = &mut out[..N + 1];
-            for k in 0..N {
-                out[k] = sums[k];
-            }
+            out[..N].copy_from_slice(&sums);
             if VALUE {
                 out[N] = value;
             }
