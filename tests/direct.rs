@@ -42,7 +42,7 @@ fn a_run_of_several_steps_with_changing_contact_analyses_once() {
                 [[patch]]\nname = \"a\"\nbackend = \"fe\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [6, 4]\n\
                 [[patch]]\nname = \"b\"\nbackend = \"iga\"\ngeometry = { kind = \"box\", min = [0, 1], max = [1, 2] }\nelements = [5, 4]\n\
                 [[boundary]]\non = \"a.bottom\"\nfix = [\"x\", \"y\"]\n[[boundary]]\non = \"b.left\"\nfix = [\"x\"]\n\
-                [[boundary]]\non = \"b.top\"\npressure = \"0.001*(1 - 8*t*(x - 0.5))\"\n\
+                [[boundary]]\non = \"b.top\"\npressure = \"0.001*(1 - 40*t*(x - 0.5))\"\n\
                 [[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n[steps]\nt = [0.05, 0.3, 0.6, 1]\n\
                 [solver]\nconstraint = \"counted\"\n";
     let options = ReadOptions { names: registry.case_names(), ..ReadOptions::default() };

@@ -3,7 +3,7 @@
 //! P A Pᵀ = L D Lᵀ without pivoting. P is a geometric nested dissection where the operator knows the places of its unknowns, else
 //! approximate minimum degree. A pattern seen before keeps its analysis.
 
-use super::analysis::{Analysis, analyse};
+use super::faer_analysis::{Analysis, analyse};
 use super::refine::refine;
 use super::residual::{KERNEL, SAFE_GROWTH, Soft, kernel_ratio, row_scale, scaled_condition, softest};
 use super::solver::NO_SYMMETRY;

@@ -1,8 +1,8 @@
 //! Floor 1: scalars, small and sparse matrices, linear solvers. Knows no module above it.
 
-mod analysis;
 mod buffer;
 mod csr;
+mod faer_analysis;
 mod faer_ldlt;
 mod faer_lu;
 mod gmres;
