@@ -235,7 +235,7 @@ fn a_stored_run_of_something_else_is_refused_with_the_reason() {
         (bytes[..bytes.len() - 1].to_vec(), "byte"),
         (bytes[..bytes.len() / 2].to_vec(), "byte"),
         ([&bytes[..], b"x"].concat(), "something follows its end"),
-        (b"faying.reference/2\n".to_vec(), "this version of stored runs is not supported"),
+        (b"faying.reference/3\n".to_vec(), "this version of stored runs is not supported"),
         (b"schema = 1\n".to_vec(), "a file that is no stored run is not supported"),
         (Vec::new(), "a file that is no stored run is not supported"),
     ] {
