@@ -133,6 +133,9 @@ class Problem:
         return found[np.argsort(self.places[found, 0])]
 
 
+ROUND_OFF = 1e-14  # of the largest displacement
+
+
 def solved(problem, pairing, cone, slave):
     """Quantities of one discrete problem; slave: number of the body."""
     p, sides, breaks = problem.degree, problem.sides, problem.breaks
@@ -180,11 +183,14 @@ def solved(problem, pairing, cone, slave):
              f"contact.{name}.active": int((at[dofs[0][:m]] == 0).sum())}
     for place, value in zip(PRESSURE_AT, space.at(PRESSURE_AT) @ pressure):
         found[f"contact.{name}.pressure at [{place}, 0.0]"] = value
+    # what is round-off of zero, in places and in values, differs from machine to machine
+    shown = np.where(np.abs(u) < ROUND_OFF * np.abs(u).max(), 0.0, u)
     for b, side in enumerate(sides):
         patch = (["upper", "lower"] if problem.blocks else ["block"])[b]
         for node in side[:: 2 * p]:
             for c, axis in enumerate("xy"):
-                found[f"u.{axis} at [{float(problem.places[node, 0])!r}, 0.0] in {patch}"] = u[2 * node + c]
+                place = round(float(problem.places[node, 0]), 12) + 0.0
+                found[f"u.{axis} at [{place}, 0.0] in {patch}"] = shown[2 * node + c]
     return found
 
 

@@ -122,6 +122,7 @@ def main():
     parts = [graded.compared(coarse, fine, LEAST) for coarse, fine in zip(*found)]
     record.write(
         "two materials that meet on an arc, elasticity in plane strain and Poisson; loads without rotational symmetry",
+        tolerance=1e-8,  # a stress that all but vanishes at its point carries the round-off of those beside it
         degrees=DEGREES,
         margin=MARGIN,
         elasticity={"case": "interface-elasticity", **parts[0]},
