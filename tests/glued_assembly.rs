@@ -2,51 +2,23 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/plain.rs"]
+mod plain;
+
 use faying::assembly::{Coefficient, Form, Pattern, Tangent, add_stiffness, gauss_rules, mass, refill_stiffness, stiffness};
-use faying::basis::{Basis, Elements, Order, ShapeTable};
+use faying::basis::Basis;
 use faying::check;
-use faying::geometry::{Bounds, ControlNet, Geometry, MapTable, shapes};
+use faying::geometry::{ControlNet, shapes};
 use faying::linalg::{Csr, Matrix, Operator, Vector};
 use faying::physics::{Hooke, form};
 use faying::space::{BasisKind, Body, Mesh, MultiPatch, Near, Patch, PatchSpec, Seam, Space};
+use plain::Plain;
 use std::sync::Arc;
 
 /// Entries may differ by this share of the largest.
 const SAME: f64 = 1e-13;
 /// Places may differ by this share of the size.
 const SAME_PLACE: f64 = 1e-12;
-
-/// Hides the product structure of functions and map: the plain loop.
-#[derive(Debug)]
-struct Plain<'a, const N: usize>(&'a dyn Space<N, N>);
-impl<const N: usize> Elements for Plain<'_, N> {
-    fn num_elements(&self) -> usize {
-        self.0.num_elements()
-    }
-}
-impl<const N: usize> Basis<N> for Plain<'_, N> {
-    fn num_functions(&self) -> usize {
-        self.0.num_functions()
-    }
-    fn degree(&self, element: usize) -> [usize; N] {
-        self.0.degree(element)
-    }
-    fn active(&self, element: usize, ids: &mut Vec<usize>) {
-        self.0.active(element, ids);
-    }
-    fn tabulate(&self, element: usize, xi: &[Vector<N>], order: Order, table: &mut ShapeTable<N>) {
-        self.0.tabulate(element, xi, order, table);
-    }
-}
-impl<const N: usize> Geometry<N, N> for Plain<'_, N> {
-    fn map(&self, element: usize, xi: &[Vector<N>], order: Order, table: &mut MapTable<N, N>) {
-        self.0.map(element, xi, order, table);
-    }
-    fn bounds(&self, element: usize) -> Bounds<N> {
-        self.0.bounds(element)
-    }
-}
-impl<const N: usize> Space<N, N> for Plain<'_, N> {}
 
 /// A tangent that varies and has no symmetry, or that of an energy.
 fn varying<const C: usize, const N: usize>(symmetric: bool) -> Form<'static, C, N> {

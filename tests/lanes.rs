@@ -4,6 +4,8 @@
 
 #[path = "common/cells.rs"]
 mod cells;
+#[path = "common/plain.rs"]
+mod plain;
 
 use cells::{Random, Shapes, bent, boxes, shaken};
 use faying::assembly::{
@@ -15,47 +17,13 @@ use faying::geometry::{Bounds, Control, Geometry, MapTable, shapes};
 use faying::linalg::{Csr, Ldlt, LinearSolver, Matrix, Operator, Vector};
 use faying::quadrature::{PerElement, Quadrature, Rule};
 use faying::space::{Body, CellBlock, Mapping, Mesh, MeshCells, PatchSpec, Space};
+use plain::Plain;
 use std::sync::Arc;
 
 /// Entries may differ by this share of the largest.
 const SAME: f64 = 1e-13;
 /// Places may differ by this share of the size.
 const SAME_PLACE: f64 = 1e-12;
-
-/// Hides the reference cells: the plain loop.
-#[derive(Debug)]
-struct Plain<'a, const N: usize>(&'a dyn Space<N, N>);
-impl<const N: usize> Elements for Plain<'_, N> {
-    fn num_elements(&self) -> usize {
-        self.0.num_elements()
-    }
-    fn cell(&self, element: usize) -> Cell {
-        self.0.cell(element)
-    }
-}
-impl<const N: usize> Basis<N> for Plain<'_, N> {
-    fn num_functions(&self) -> usize {
-        self.0.num_functions()
-    }
-    fn degree(&self, element: usize) -> [usize; N] {
-        self.0.degree(element)
-    }
-    fn active(&self, element: usize, ids: &mut Vec<usize>) {
-        self.0.active(element, ids);
-    }
-    fn tabulate(&self, element: usize, xi: &[Vector<N>], order: Order, table: &mut ShapeTable<N>) {
-        self.0.tabulate(element, xi, order, table);
-    }
-}
-impl<const N: usize> Geometry<N, N> for Plain<'_, N> {
-    fn map(&self, element: usize, xi: &[Vector<N>], order: Order, table: &mut MapTable<N, N>) {
-        self.0.map(element, xi, order, table);
-    }
-    fn bounds(&self, element: usize) -> Bounds<N> {
-        self.0.bounds(element)
-    }
-}
-impl<const N: usize> Space<N, N> for Plain<'_, N> {}
 
 /// Numbers between 0 and 1 that look random.
 fn noise(k: usize) -> f64 {

@@ -53,16 +53,34 @@ where
     }
     let mut pattern = Pattern::new(space);
     let places = places(space, &pattern, C);
-    match Cells::new(&pattern, space, quadrature) {
-        Some(cells) => {
-            let mut matrix = pattern.csr_once(C).with_places(places);
-            cells.stiffness(&pattern, form, true, &mut matrix);
-            matrix
-        }
+    let cells = Cells::new(&pattern, space, quadrature);
+    let new = if cells.is_some() { pattern.csr_once(C) } else { pattern.csr(C) };
+    let mut matrix = new.with_places(places);
+    elements(cells, &pattern, space, quadrature, form, true, &mut matrix);
+    matrix
+}
+
+/// The matrix of `form` to `matrix` element by element, in lanes where there are `cells`; `add`: on top of what is there.
+fn elements<const C: usize, const N: usize, T, S, Q>(
+    cells: Option<Cells<'_, N, N, T>>,
+    pattern: &Pattern,
+    space: &S,
+    quadrature: &Q,
+    form: &Form<'_, C, N, T>,
+    add: bool,
+    matrix: &mut Csr<T>,
+) where
+    T: Real,
+    S: Space<N, N, T> + ?Sized,
+    Q: Quadrature<N, T> + ?Sized,
+{
+    match cells {
+        Some(cells) => cells.stiffness(pattern, form, add, matrix),
         None => {
-            let mut matrix = pattern.csr(C).with_places(places);
-            plain::add_stiffness(&pattern, space, quadrature, form, &mut matrix);
-            matrix
+            if !add {
+                matrix.vals_mut().fill(T::zero());
+            }
+            plain::add_stiffness(pattern, space, quadrature, form, matrix);
         }
     }
 }
@@ -84,13 +102,8 @@ pub fn add_stiffness<const C: usize, const N: usize, T, S, Q>(
 {
     let asks = || ask::<N, N, T, S>(space);
     match Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
-        Some(patches) => {
-            patches.stiffness(form, true, matrix);
-        }
-        None => match Cells::new(pattern, space, quadrature) {
-            Some(cells) => cells.stiffness(pattern, form, true, matrix),
-            None => plain::add_stiffness(pattern, space, quadrature, form, matrix),
-        },
+        Some(patches) => patches.stiffness(form, true, matrix),
+        None => elements(Cells::new(pattern, space, quadrature), pattern, space, quadrature, form, true, matrix),
     }
 }
 
@@ -112,28 +125,8 @@ where
         patches.stiffness(form, false, matrix);
         return;
     }
-    refill_elements(&Pattern::new(space), space, quadrature, form, matrix);
-}
-
-/// Writes the matrix of `form` over the values of `matrix`, element by element.
-fn refill_elements<const C: usize, const N: usize, T, S, Q>(
-    pattern: &Pattern,
-    space: &S,
-    quadrature: &Q,
-    form: &Form<'_, C, N, T>,
-    matrix: &mut Csr<T>,
-) where
-    T: Real,
-    S: Space<N, N, T> + ?Sized,
-    Q: Quadrature<N, T> + ?Sized,
-{
-    match Cells::new(pattern, space, quadrature) {
-        Some(cells) => cells.stiffness(pattern, form, false, matrix),
-        None => {
-            matrix.vals_mut().fill(T::zero());
-            plain::add_stiffness(pattern, space, quadrature, form, matrix);
-        }
-    }
+    let pattern = Pattern::new(space);
+    elements(Cells::new(&pattern, space, quadrature), &pattern, space, quadrature, form, false, matrix);
 }
 
 /// The graph of a space, kept: matrices on the same functions are refilled for the price of their values.
@@ -178,7 +171,7 @@ impl Assembler {
     {
         match &self.pattern {
             None => refill_stiffness(space, quadrature, form, matrix),
-            Some(pattern) => refill_elements(pattern, space, quadrature, form, matrix),
+            Some(pattern) => elements(Cells::new(pattern, space, quadrature), pattern, space, quadrature, form, false, matrix),
         }
     }
 }

@@ -15,6 +15,7 @@ mod reduced_matrix;
 mod rim;
 mod rules;
 mod scratch;
+mod source;
 mod tensor;
 
 use crate::linalg::{Matrix, Real, Vector};

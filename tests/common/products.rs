@@ -1,45 +1,16 @@
 //! Patches whose functions are products, of every kind, and their copies that hide it: what the suites of `assembly::tensor` share.
 #![allow(dead_code, clippy::unwrap_used)]
 
+#[path = "plain.rs"]
+mod plain;
+pub use plain::Plain;
+
 use faying::assembly::{Coefficient, Form, Tangent};
-use faying::basis::{BSpline, Basis, Elements, LagrangeLine, Order, Rational, Refined, ShapeTable, TensorProduct};
+use faying::basis::{BSpline, Basis, Elements, LagrangeLine, Order, Rational, Refined, TensorProduct};
 use faying::geometry::{Bounds, ControlPoints, Geometry, MapBlock, MapTable};
 use faying::linalg::{Matrix, Vector};
-use faying::space::Space;
 
 pub type Line = Box<dyn Basis<1>>;
-
-/// Hides the product structure of functions and map: the plain loop.
-#[derive(Debug)]
-pub struct Plain<'a, const N: usize>(pub &'a dyn Space<N, N>);
-impl<const N: usize> Elements for Plain<'_, N> {
-    fn num_elements(&self) -> usize {
-        self.0.num_elements()
-    }
-}
-impl<const N: usize> Basis<N> for Plain<'_, N> {
-    fn num_functions(&self) -> usize {
-        self.0.num_functions()
-    }
-    fn degree(&self, element: usize) -> [usize; N] {
-        self.0.degree(element)
-    }
-    fn active(&self, element: usize, ids: &mut Vec<usize>) {
-        self.0.active(element, ids);
-    }
-    fn tabulate(&self, element: usize, xi: &[Vector<N>], order: Order, table: &mut ShapeTable<N>) {
-        self.0.tabulate(element, xi, order, table);
-    }
-}
-impl<const N: usize> Geometry<N, N> for Plain<'_, N> {
-    fn map(&self, element: usize, xi: &[Vector<N>], order: Order, table: &mut MapTable<N, N>) {
-        self.0.map(element, xi, order, table);
-    }
-    fn bounds(&self, element: usize) -> Bounds<N> {
-        self.0.bounds(element)
-    }
-}
-impl<const N: usize> Space<N, N> for Plain<'_, N> {}
 
 /// Hides the product structure of the map alone.
 #[derive(Debug)]

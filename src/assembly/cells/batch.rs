@@ -3,33 +3,11 @@
 pub(super) use super::lanes::Entries;
 use super::lanes::{Jacobians, Layout, constant, jacobians, products, pulled_back};
 use super::tables::Tables;
+use crate::assembly::source::{PointTangent, Source};
 use pulp::{Simd, WithSimd, bytemuck};
 
 /// Writes coordinate i of node b of an element at `(b * N + i) * lanes + lane`: (element, ids as scratch, numbers, lanes, lane).
 pub(super) type Nodes<'a> = dyn Fn(usize, &mut Vec<usize>, &mut [f64], usize, usize) + Sync + 'a;
-/// Writes the tangents at a place, `((c * C + e) * N + i) * N + j`.
-pub(super) type PointTangent<'a> = dyn Fn(&[f64], &mut [f64]) + Sync + 'a;
-
-/// What is integrated.
-pub(super) enum Source<'a> {
-    /// Products of values.
-    Mass,
-    /// The same tangents everywhere, one per pair of components.
-    Constant(Vec<Entries>),
-    /// Tangents per physical point.
-    PerPoint(&'a PointTangent<'a>),
-}
-
-impl std::fmt::Debug for Source<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Mass => "Mass",
-            Self::Constant(_) => "Constant",
-            Self::PerPoint(_) => "PerPoint",
-        })
-    }
-}
-
 /// The matrices of the cells of a batch: entry (a, c; b, e) of cell `lane` at `(((a * padded + b) * C + c) * C + e) * lanes + lane`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Matrices<'a> {
@@ -45,6 +23,8 @@ pub(super) struct Run<'a, const N: usize> {
     pub affine: bool,
     pub nodes: &'a Nodes<'a>,
     pub source: &'a Source<'a>,
+    /// Of the same tangents everywhere, per pair of components.
+    pub constant: &'a [Entries],
     pub components: usize,
     /// Only b >= a is wanted.
     pub upper: bool,
@@ -147,8 +127,7 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Batch<'_, '_, S, N> {
         for pair in 0..pairs {
             let layout = Layout { stride: pairs, offset: pair, upper: run.upper };
             if is_constant {
-                let Source::Constant(all) = run.source else { continue };
-                let entries = all[pair].iter().map(|&(i, j, t)| (i, j, simd.splat_f64s(t)));
+                let entries = run.constant[pair].iter().map(|&(i, j, t)| (i, j, simd.splat_f64s(t)));
                 let d = pulled_back(simd, &scratch.jacobians, 0, 1.0, entries);
                 constant(simd, tables, &d, layout, &mut scratch.out);
                 continue;
@@ -156,8 +135,8 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Batch<'_, '_, S, N> {
             scratch.d.clear();
             for (q, &w) in tables.weights.iter().enumerate() {
                 let d = match run.source {
-                    Source::Constant(all) => {
-                        let entries = all[pair].iter().map(|&(i, j, t)| (i, j, simd.splat_f64s(t)));
+                    Source::Constant(_) => {
+                        let entries = run.constant[pair].iter().map(|&(i, j, t)| (i, j, simd.splat_f64s(t)));
                         pulled_back(simd, &scratch.jacobians, at(q), w, entries)
                     }
                     _ => {

@@ -25,13 +25,14 @@ mod tables;
 pub(super) use means::means;
 pub(super) use slots::{Place, Places, Slots, ordered};
 
+use super::Form;
 use super::pattern::Pattern;
-use super::{Coefficient, Form, Tangent};
+use super::source::Source;
 use crate::geometry::Control;
-use crate::linalg::{Csr, Real, Vector, lit, to_f64};
+use crate::linalg::{Csr, Real, to_f64};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
-use batch::{Run, Source};
+use batch::{Entries, Run};
 use rayon::prelude::*;
 use scatter::Rows;
 use std::any::TypeId;
@@ -150,6 +151,7 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
                 }
             }
         };
+        let constant = if let Source::Constant(all) = source { entries::<D>(all) } else { Vec::new() };
         let mut rows = Rows { pattern, first, places, functions, upper: symmetric, values };
         for group in &self.groups {
             let mine: Vec<u32>;
@@ -166,6 +168,7 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
                 affine,
                 nodes: &nodes,
                 source,
+                constant: &constant,
                 components: C,
                 upper: symmetric,
                 elements,
@@ -178,35 +181,12 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
 impl<const N: usize, T: Real> Cells<'_, N, N, T> {
     /// Adds the matrix of `form` to `matrix`, which has the pattern `pattern.csr(C)`, or writes it over the values.
     pub fn stiffness<const C: usize>(&self, pattern: &Pattern, form: &Form<'_, C, N, T>, add: bool, matrix: &mut Csr<T>) {
-        let varying;
-        let source = match &form.coefficient {
-            Coefficient::Constant(tangent) => Source::Constant(entries(tangent)),
-            Coefficient::PerPoint(at) => {
-                varying = move |x: &[f64], out: &mut [f64]| numbers(&at(&Vector::from_fn(|k, _| lit(x[k]))), out);
-                Source::PerPoint(&varying)
-            }
-        };
-        self.fill::<C>(pattern, &source, form.symmetric, add, matrix);
+        self.fill::<C>(pattern, &Source::new(form), form.symmetric, add, matrix);
     }
 }
 
-/// The entries of a tangent that are not zero, per pair of components.
-fn entries<const C: usize, const N: usize, T: Real>(tangent: &Tangent<C, N, T>) -> Vec<batch::Entries> {
-    let mut all = vec![0.0; C * C * N * N];
-    numbers(tangent, &mut all);
+/// The tangents of N x N numbers in `all`, entries that are not zero.
+fn entries<const N: usize>(all: &[f64]) -> Vec<Entries> {
     let of = |pair: &[f64]| pair.iter().enumerate().filter(|(_, t)| **t != 0.0).map(|(ij, &t)| (ij / N, ij % N, t)).collect();
     all.chunks_exact(N * N).map(of).collect()
-}
-
-/// A tangent as `((c * C + e) * N + i) * N + j` numbers.
-fn numbers<const C: usize, const N: usize, T: Real>(tangent: &Tangent<C, N, T>, out: &mut [f64]) {
-    for c in 0..C {
-        for e in 0..C {
-            for i in 0..N {
-                for j in 0..N {
-                    out[((c * C + e) * N + i) * N + j] = to_f64(tangent[e][j][(c, i)]);
-                }
-            }
-        }
-    }
 }

@@ -9,31 +9,8 @@
 //! and the result is scaled by w_i w_j: grad R_i = w_i (grad N_i / W - N_i grad W / W²).
 
 use super::map::numbers;
+use crate::assembly::source::Source;
 use pulp::{Simd, bytemuck};
-use std::fmt::Debug;
-
-/// Writes the tangents at a place, `((c * C + e) * N + l) * N + j`.
-pub(super) type PointTangent<'a> = dyn Fn(&[f64], &mut [f64]) + Sync + 'a;
-
-/// What is integrated.
-pub(super) enum Source<'a> {
-    /// Products of values.
-    Mass,
-    /// The same tangents everywhere.
-    Constant(Vec<f64>),
-    /// Tangents per physical point.
-    PerPoint(&'a PointTangent<'a>),
-}
-
-impl Debug for Source<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Mass => "Mass",
-            Self::Constant(_) => "Constant",
-            Self::PerPoint(_) => "PerPoint",
-        })
-    }
-}
 
 /// A pair of components, or its transpose.
 #[derive(Clone, Copy, Debug)]

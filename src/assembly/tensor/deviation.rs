@@ -5,13 +5,13 @@
 use super::Patch;
 use super::aligned::Aligned;
 use super::axis::Axis;
-use super::free::with_source;
 use super::grid::{Cell, Grid, Here, Visit};
 use super::law::Law;
 use super::map::numbers;
 use super::sites::{Answer, Sites};
 use super::spread::{self, Coefficients, Spread};
 use crate::assembly::Form;
+use crate::assembly::source::Source;
 use crate::linalg::{Real, to_f64};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use std::ops::Range;
@@ -224,10 +224,9 @@ impl Patch<'_> {
         };
         let field = Coefficients { axes: &self.axes, width: C, read: &read };
         let arch = pulp::Arch::new();
-        with_source(form, |source| {
-            let Some(law) = Law::new::<N>(source, C) else { return [0.0; SQUARES] };
-            let (grid, law) = (self.grid(), &law);
-            if N == 2 { arch.dispatch(Run::<2> { grid, field, law, answer }) } else { arch.dispatch(Run::<3> { grid, field, law, answer }) }
-        })
+        let source = Source::new(form);
+        let Some(law) = Law::new::<N>(&source, C) else { return [0.0; SQUARES] };
+        let (grid, law) = (self.grid(), &law);
+        if N == 2 { arch.dispatch(Run::<2> { grid, field, law, answer }) } else { arch.dispatch(Run::<3> { grid, field, law, answer }) }
     }
 }

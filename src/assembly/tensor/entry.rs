@@ -1,12 +1,13 @@
 //! The matrix of a patch: pattern, then values.
 
-use super::coefficient::{Coefficient, Source};
+use super::coefficient::Coefficient;
 use super::march::{Plan, march};
 use super::pattern::pattern;
 use super::write::{Directions, RowScratch, Sums};
 use super::{Patch, Patches, scatter};
-use crate::assembly::{Coefficient as Given, Form, Tangent};
-use crate::linalg::{Csr, Real, Sparsity, Vector, lit, to_f64};
+use crate::assembly::Form;
+use crate::assembly::source::Source;
+use crate::linalg::{Csr, Real, Sparsity};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -41,19 +42,7 @@ impl Patches<'_> {
     /// # Panics
     /// If `matrix` has not the pattern of the basis.
     pub fn stiffness<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, add: bool, matrix: &mut Csr<T>) {
-        let varying;
-        let source = match &form.coefficient {
-            Given::Constant(tangent) => {
-                let mut all = vec![0.0; C * C * N * N];
-                numbers(tangent, &mut all);
-                Source::Constant(all)
-            }
-            Given::PerPoint(at) => {
-                varying = move |x: &[f64], out: &mut [f64]| numbers(&at(&Vector::from_fn(|k, _| lit(x[k]))), out);
-                Source::PerPoint(&varying)
-            }
-        };
-        self.fill(&Coefficient { components: C, symmetric: form.symmetric, source }, add, matrix);
+        self.fill(&Coefficient { components: C, symmetric: form.symmetric, source: Source::new(form) }, add, matrix);
     }
 
     /// The matrix of products of functions to the values of `matrix`.
@@ -147,18 +136,5 @@ impl Write<'_> {
                 }
             });
         });
-    }
-}
-
-/// A tangent as `((c * C + e) * N + l) * N + j` numbers.
-pub(super) fn numbers<const C: usize, const N: usize, T: Real>(tangent: &Tangent<C, N, T>, out: &mut [f64]) {
-    for c in 0..C {
-        for e in 0..C {
-            for l in 0..N {
-                for j in 0..N {
-                    out[((c * C + e) * N + l) * N + j] = to_f64(tangent[e][j][(c, l)]);
-                }
-            }
-        }
     }
 }

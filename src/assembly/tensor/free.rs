@@ -2,9 +2,7 @@
 
 use super::Patch;
 use super::axis::Axis;
-use super::coefficient::Source;
 use super::diagonal::{self, ORDERS, squares};
-use super::entry::numbers;
 use super::gather;
 use super::grid::{Grid, Points};
 use super::keep::{Kept, keep};
@@ -12,8 +10,9 @@ use super::law::Law;
 use super::map::{Asks, Map};
 use super::net::Net;
 use super::product::product;
-use crate::assembly::{Coefficient as Given, Form};
-use crate::linalg::{Real, Vector, lit, to_f64};
+use crate::assembly::source::Source;
+use crate::assembly::{Coefficient, Form};
+use crate::linalg::{Real, lit, to_f64};
 use std::ops::Range;
 
 /// Tables of a patch, and what is kept at its points.
@@ -35,32 +34,16 @@ impl<'p> Patch<'p> {
     }
 }
 
-/// Calls `work` with the numbers of `form`.
-pub(super) fn with_source<const C: usize, const N: usize, T: Real, R>(form: &Form<'_, C, N, T>, work: impl FnOnce(&Source<'_>) -> R) -> R {
-    match &form.coefficient {
-        Given::Constant(tangent) => {
-            let mut all = vec![0.0; C * C * N * N];
-            numbers(tangent, &mut all);
-            work(&Source::Constant(all))
-        }
-        Given::PerPoint(at) => {
-            let at = |x: &[f64], out: &mut [f64]| numbers(&at(&Vector::from_fn(|k, _| lit(x[k]))), out);
-            work(&Source::PerPoint(&at))
-        }
-    }
-}
-
 impl Free {
     /// `patch` for products with `form`; `keeps`: a map without product structure and tangents that vary are computed
     /// once, not at every product, and so are the tangents of one component.
     pub fn new<const C: usize, const N: usize, T: Real>(patch: Patch<'_>, form: &Form<'_, C, N, T>, keeps: bool) -> Self {
         // the map is dearer than all that is done with one component; of several it is the lesser part
-        let tangents = C == 1 || matches!(form.coefficient, Given::PerPoint(_));
+        let tangents = C == 1 || matches!(form.coefficient, Coefficient::PerPoint(_));
         let kept = (keeps && (tangents || matches!(patch.map, Map::Elements(..)))).then(|| {
-            with_source(form, |source| {
-                let law = if tangents { Law::new::<N>(source, C) } else { None };
-                keep(patch.grid(), law.as_ref(), form.symmetric, C)
-            })
+            let source = Source::new(form);
+            let law = if tangents { Law::new::<N>(&source, C) } else { None };
+            keep(patch.grid(), law.as_ref(), form.symmetric, C)
         });
         let Patch { axes, map, weight, .. } = patch;
         let net = if let (Map::Net(net), None) = (map, &kept) { Some(net) } else { None };
@@ -93,11 +76,9 @@ impl Free {
             work(&Law::Kept { symmetric: tangent.symmetric });
             return;
         }
-        with_source(form, |source| {
-            if let Some(law) = Law::new::<N>(source, C) {
-                work(&law);
-            }
-        });
+        if let Some(law) = Law::new::<N>(&Source::new(form), C) {
+            work(&law);
+        }
     }
 
     /// y = A x; `asks` gives the map of one element where nothing else is known of it.

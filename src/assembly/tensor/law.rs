@@ -2,9 +2,9 @@
 //!
 //!   t_ca = weight |det J| sum_l (J^-1)_al sum_ej tangent[e][j][(c,l)] sum_b (J^-1)_bj g_eb
 
-use super::coefficient::{PointTangent, Source};
 use super::grid::Cell;
 use super::map::numbers;
+use crate::assembly::source::{PointTangent, Source};
 use pulp::{Simd, bytemuck};
 
 /// A tangent, its structure found.
@@ -27,7 +27,7 @@ impl<'a> Law<'a> {
     pub fn new<const N: usize>(source: &'a Source<'a>, components: usize) -> Option<Self> {
         let all = match source {
             Source::Mass => return None,
-            Source::PerPoint(at) => return Some(Self::PerPoint(*at)),
+            Source::PerPoint(at) => return Some(Self::PerPoint(&**at)),
             Source::Constant(all) => all,
         };
         let c = components;

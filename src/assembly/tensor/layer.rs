@@ -1,13 +1,13 @@
 //! The two sweeps over a layer of elements: tiles of contracted points, then sums per vector of pairs.
 
 use super::axis::Axis;
-use super::coefficient::Source;
 use super::map::{self, ElementScratch, Map, Place, numbers};
 use super::march::Plan;
 use super::middle::{self, Tiles};
 use super::net::Tile;
 use super::write::Directions;
 use super::{fast, groups, slow};
+use crate::assembly::source::Source;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use rayon::prelude::*;
 use std::ops::Range;

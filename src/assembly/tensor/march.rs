@@ -5,11 +5,12 @@
 
 use super::Patch;
 use super::axis::Axis;
-use super::coefficient::{Coefficient, Pair, Source};
+use super::coefficient::{Coefficient, Pair};
 use super::fast::Group;
 use super::groups;
 use super::layer::{Layer, Scratch, Sweep};
 use super::write::Sums;
+use crate::assembly::source::Source;
 use pulp::{Simd, bytemuck};
 use rayon::prelude::*;
 use std::ops::Range;

@@ -1,0 +1,56 @@
+//! What the kernels integrate, in numbers: no type of a form reaches them, so that they are compiled once.
+
+use super::{Coefficient, Form, Tangent};
+use crate::linalg::{Real, Vector, lit, to_f64};
+use std::fmt::Debug;
+
+/// Writes the tangents at a place, `((c * C + e) * N + i) * N + j`: what direction j of component e of the trial function
+/// gives direction i of component c of the test function.
+pub(super) type PointTangent<'a> = dyn Fn(&[f64], &mut [f64]) + Sync + 'a;
+
+/// What is integrated.
+pub(super) enum Source<'a> {
+    /// Products of values.
+    Mass,
+    /// The same tangents everywhere.
+    Constant(Vec<f64>),
+    /// Tangents per physical point.
+    PerPoint(Box<PointTangent<'a>>),
+}
+
+impl<'a> Source<'a> {
+    /// The numbers of `form`.
+    pub fn new<const C: usize, const N: usize, T: Real>(form: &'a Form<'_, C, N, T>) -> Self {
+        match &form.coefficient {
+            Coefficient::Constant(tangent) => {
+                let mut all = vec![0.0; C * C * N * N];
+                numbers(tangent, &mut all);
+                Self::Constant(all)
+            }
+            Coefficient::PerPoint(at) => Self::PerPoint(Box::new(move |x, out| numbers(&at(&Vector::from_fn(|k, _| lit(x[k]))), out))),
+        }
+    }
+}
+
+impl Debug for Source<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Mass => "Mass",
+            Self::Constant(_) => "Constant",
+            Self::PerPoint(_) => "PerPoint",
+        })
+    }
+}
+
+/// A tangent in the order of [`PointTangent`].
+fn numbers<const C: usize, const N: usize, T: Real>(tangent: &Tangent<C, N, T>, out: &mut [f64]) {
+    for c in 0..C {
+        for e in 0..C {
+            for i in 0..N {
+                for j in 0..N {
+                    out[((c * C + e) * N + i) * N + j] = to_f64(tangent[e][j][(c, i)]);
+                }
+            }
+        }
+    }
+}

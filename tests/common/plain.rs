@@ -1,0 +1,41 @@
+//! A space without its structure.
+
+use faying::basis::{Basis, Cell, Elements, Order, ShapeTable};
+use faying::geometry::{Bounds, Geometry, MapTable};
+use faying::linalg::Vector;
+use faying::space::Space;
+
+/// Hides patches, reference cells and the structure of the map: what is assembled takes the plain loop.
+#[derive(Debug)]
+pub struct Plain<'a, const N: usize>(pub &'a dyn Space<N, N>);
+impl<const N: usize> Elements for Plain<'_, N> {
+    fn num_elements(&self) -> usize {
+        self.0.num_elements()
+    }
+    fn cell(&self, element: usize) -> Cell {
+        self.0.cell(element)
+    }
+}
+impl<const N: usize> Basis<N> for Plain<'_, N> {
+    fn num_functions(&self) -> usize {
+        self.0.num_functions()
+    }
+    fn degree(&self, element: usize) -> [usize; N] {
+        self.0.degree(element)
+    }
+    fn active(&self, element: usize, ids: &mut Vec<usize>) {
+        self.0.active(element, ids);
+    }
+    fn tabulate(&self, element: usize, xi: &[Vector<N>], order: Order, table: &mut ShapeTable<N>) {
+        self.0.tabulate(element, xi, order, table);
+    }
+}
+impl<const N: usize> Geometry<N, N> for Plain<'_, N> {
+    fn map(&self, element: usize, xi: &[Vector<N>], order: Order, table: &mut MapTable<N, N>) {
+        self.0.map(element, xi, order, table);
+    }
+    fn bounds(&self, element: usize) -> Bounds<N> {
+        self.0.bounds(element)
+    }
+}
+impl<const N: usize> Space<N, N> for Plain<'_, N> {}
