@@ -5,7 +5,8 @@
 #[path = "common/plain.rs"]
 mod plain;
 
-use faying::assembly::{Coefficient, Form, Pattern, Tangent, add_stiffness, gauss_rules, mass, refill_stiffness, stiffness};
+use faying::assembly::{Coefficient, Errors, Form, MatrixFree, Pattern, Tangent};
+use faying::assembly::{add_stiffness, difference, gauss_rules, load, mass, refill_stiffness, stiffness};
 use faying::basis::Basis;
 use faying::check;
 use faying::geometry::{ControlNet, shapes};
@@ -65,6 +66,37 @@ fn one_form<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form
     add_stiffness(&Pattern::new(space), space, &rules, form, &mut matrix);
     let scale = fast.vals().iter().fold(0.0f64, |m, v| m.max(v.abs()));
     assert!(matrix.vals().iter().zip(fast.vals()).all(|(a, b)| (a - 2.0 * b).abs() <= SAME * scale), "added to itself: twice");
+    most.max(without_matrix(space, form, &fast))
+}
+
+/// Product and diagonal without the matrix, loads and norms; returns how far they are apart.
+fn without_matrix<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_, C, N>, matrix: &Csr) -> f64 {
+    let (rules, plain) = (gauss_rules(space, 0), Plain(space));
+    let n = matrix.num_rows();
+    let x: Vec<f64> = (0..n).map(|i| (1.7 * i as f64).sin()).collect();
+    let (mut expected, mut found) = (vec![0.0; n], vec![f64::NAN; n]);
+    matrix.apply(&x, &mut expected);
+    let free = MatrixFree::new(space, &rules, form);
+    free.apply(&x, &mut found);
+    let size = (0..n).map(|i| matrix.row(i).1.iter().map(|v| v.abs()).sum::<f64>()).fold(0.0, f64::max);
+    let largest = |a: &[f64]| a.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+    let mut most = apart(&found, &expected) / size;
+    most = most.max(apart(&free.diagonal(), &matrix.diagonal()) / largest(&matrix.diagonal()));
+    assert_eq!(free.places(), matrix.places());
+    let field = |x: &Vector<N>| -> (Vector<C>, Matrix<C, N>) {
+        (Vector::repeat((2.0 * x[0] + x[1]).sin()), Matrix::from_fn(|c, j| x[j] - 0.3 * c as f64))
+    };
+    let force = |x: &Vector<N>| field(x).0;
+    let (a, b) = (load::<C, N, N, _, _, _>(space, &rules, &force), load::<C, N, N, _, _, _>(&plain, &rules, &force));
+    assert!(a != b, "the contraction is what is tested");
+    most = most.max(apart(&a, &b) / largest(&b));
+    // elements of later patches have numbers of their own
+    let other = |e: usize, _: &Vector<N>, x: &Vector<N>| (field(x).0 * (1.0 + 0.1 * e as f64), field(x).1);
+    let (a, b) = (difference(space, &rules, form, &x, &other), difference(&plain, &rules, form, &x, &other));
+    let numbers = |e: &Errors| [e.error.l2, e.error.h1, e.exact.l2, e.exact.h1, if form.symmetric { e.error.energy } else { 1.0 }];
+    most = numbers(&a).iter().zip(numbers(&b)).fold(most, |m, (a, b)| m.max((a / b - 1.0).abs()));
+    assert!(most <= SAME, "apart by {most:e}");
     most
 }
 

@@ -27,8 +27,8 @@ where
     Q: Quadrature<D, T> + ?Sized,
 {
     let asks = || ask::<D, N, T, S>(space);
-    if let Some(patch) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks).and_then(Patches::whole) {
-        return patch.load(C, &|sites: &Sites, out: &mut [f64]| {
+    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
+        return patches.load(C, space.num_functions(), &|sites: &Sites, out: &mut [f64]| {
             for (x, out) in sites.x.chunks_exact(N).zip(out.chunks_exact_mut(C)) {
                 let force = f(&Vector::from_fn(|k, _| lit(x[k])));
                 out.iter_mut().zip(force.iter()).for_each(|(out, &f)| *out = to_f64(f));

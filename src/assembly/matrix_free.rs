@@ -16,9 +16,10 @@ const TASKS_AT_ONCE: usize = 64;
 
 /// y = A x with the matrix A of a form, computed from the form at every product.
 ///
-/// Where the space is one product of directions the field is contracted with the grid of points direction by direction
-/// and back: about 2 N (p + 1) products per point and component, in lanes, no memory of the size of A. Other spaces take
-/// a loop over elements that stores nothing. The quadrature is the one of the matrix: both agree to rounding. Same bits
+/// Where the space is made of patches, each a product of directions, the field is contracted with the grid of points
+/// direction by direction and back: about 2 N (p + 1) products per point and component, in lanes, no memory of the size
+/// of A. Other spaces, and patches two of whose functions are glued to each other, take a loop over elements that stores
+/// nothing. The quadrature is the one of the matrix: both agree to rounding. Same bits
 /// for any number of threads.
 ///
 /// | map | tangent | kept per quadrature point |
@@ -61,12 +62,10 @@ where
 
     fn with(space: &'a S, quadrature: &'a Q, form: &'a Form<'a, C, N, T>, keeps: bool) -> Self {
         let asks = || ask::<N, N, T, S>(space);
-        let grid = Patches::new(space, quadrature, &|e| space.map_block(e), &asks)
-            .and_then(Patches::whole)
-            .map(|patch| Free::new(patch, form, keeps));
-        let two = TensorRule::gauss([2; N]);
-        let places = match &grid {
-            Some(_) => Patches::new(space, &two, &|e| space.map_block(e), &asks).map(|p| p.mean_places(C)).unwrap_or_default(),
+        let map = |e| space.map_block(e);
+        let grid = Patches::new(space, quadrature, &map, &asks).and_then(|patches| Free::new(patches, form, keeps));
+        let places = match Patches::new(space, &TensorRule::gauss([2; N]), &map, &asks) {
+            Some(patches) => patches.mean_places(C),
             None => places(space, &Pattern::new(space), C),
         };
         Self { space, quadrature, form, grid, places }
@@ -144,8 +143,10 @@ where
     }
 
     fn diagonal(&self) -> Vec<T> {
+        let mut diagonal = vec![T::zero(); self.size()];
         if let Some(grid) = &self.grid {
-            return grid.diagonal(self.form, &|| ask::<N, N, T, S>(self.space));
+            grid.diagonal(self.form, &|| ask::<N, N, T, S>(self.space), &mut diagonal);
+            return diagonal;
         }
         let kernel = |scratch: &mut Scratch<N, N, T>, out: &mut [Vector<C, T>]| {
             for q in 0..scratch.dx.len() {
@@ -164,7 +165,6 @@ where
                 }
             }
         };
-        let mut diagonal = vec![T::zero(); self.size()];
         self.add_elements(kernel, &mut diagonal);
         diagonal
     }

@@ -83,7 +83,7 @@ where
     Q: Quadrature<N, T> + ?Sized,
 {
     let asks = || ask::<N, N, T, S>(space);
-    if let Some(patch) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks).and_then(Patches::whole) {
+    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
         let answer = |sites: &Sites, out: &mut [f64]| {
             let per_lane = sites.xi.len() / (N * sites.elements.len().max(1));
             let points = sites.x.chunks_exact(N).zip(sites.xi.chunks_exact(N));
@@ -98,7 +98,7 @@ where
                 }
             }
         };
-        return roots(patch.deviation(form, u, &answer).map(lit));
+        return roots(patches.deviation(form, u, &answer).map(lit));
     }
     let squares: Vec<[T; 6]> = (0..space.num_elements())
         .into_par_iter()

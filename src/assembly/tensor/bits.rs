@@ -1,7 +1,7 @@
 //! The same bits at every width of lanes: AVX2 against AVX-512, where the processor has both.
 
-use super::Patches;
 use super::map::Ask;
+use super::{Free, Patches, Sites};
 use crate::assembly::{Coefficient, Form, gauss_rules};
 use crate::basis::{BSpline, Basis, Rational, TensorProduct};
 use crate::geometry::ControlPoints;
@@ -47,6 +47,35 @@ fn same_bits<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &For
     assert!(narrow.vals().iter().any(|v| *v != 0.0));
     let apart = narrow.vals().iter().zip(wide.vals()).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
     assert_eq!(apart, 0, "entries of {}", wide.num_entries());
+    let [narrow, wide] = widths.map(|arch| sums(space, form, arch));
+    assert!(narrow.iter().zip(&wide).all(|(a, b)| a.to_bits() == b.to_bits()), "without the matrix");
+}
+
+/// Product, diagonal, load and squares with the lanes of `arch`.
+fn sums<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_, C, N>, arch: pulp::Arch) -> Vec<f64> {
+    let rules = gauss_rules(space, 0);
+    let asks = || -> Box<Ask<'_>> { unreachable!("the map is a net") };
+    let patches = || {
+        let mut patches = Patches::new(space, &rules, &|e| space.map_block(e), &asks).unwrap();
+        patches.patches.iter_mut().for_each(|patch| patch.arch = arch);
+        patches
+    };
+    let sine = |sites: &Sites, out: &mut [f64]| {
+        let size = out.len() * N / sites.x.len();
+        out.iter_mut().enumerate().for_each(|(k, out)| *out = (sites.x[k / size * N] + k as f64 % size as f64).sin());
+    };
+    let mut all: Vec<f64> = patches().load(C, space.num_functions(), &sine);
+    let x = all.clone();
+    for keeps in [true, false] {
+        let free = Free::new(patches(), form, keeps).unwrap();
+        let mut y = vec![0.0; x.len()];
+        free.apply(form, &asks, &x, &mut y);
+        all.extend(&y);
+        free.diagonal(form, &asks, &mut y);
+        all.extend(&y);
+    }
+    all.extend(patches().deviation(form, &x, &sine));
+    all
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! Every point of the slowest direction has sums of its own, cell by cell; they are added in ascending order.
 
-use super::Patch;
+use super::Patches;
 use super::aligned::Aligned;
 use super::axis::Axis;
 use super::grid::{Cell, Grid, Here, Visit};
@@ -12,7 +12,7 @@ use super::sites::{Answer, Sites};
 use super::spread::{self, Coefficients, Spread};
 use crate::assembly::Form;
 use crate::assembly::source::Source;
-use crate::linalg::{Real, to_f64};
+use crate::linalg::Real;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use std::ops::Range;
 
@@ -202,7 +202,7 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, N> {
     }
 }
 
-impl Patch<'_> {
+impl Patches<'_> {
     /// The sums of squares of the field `u` (an empty one is zero) against the one that `answer` gives: C values, then
     /// C N derivatives.
     pub fn deviation<const C: usize, const N: usize, T: Real>(
@@ -211,22 +211,21 @@ impl Patch<'_> {
         u: &[T],
         answer: &Answer<'_>,
     ) -> [f64; SQUARES] {
-        let weights = self.weight.as_ref().map(|(_, weights)| &weights[..]);
-        let read = |from: usize, to: &mut [f64]| {
-            if u.is_empty() {
-                to.fill(0.0);
-                return;
-            }
-            to.iter_mut().zip(&u[from..]).for_each(|(to, &x)| *to = to_f64(x));
-            if let Some(weights) = weights {
-                to.iter_mut().enumerate().for_each(|(k, to)| *to *= weights[(from + k) / C]);
-            }
-        };
-        let field = Coefficients { axes: &self.axes, width: C, read: &read };
-        let arch = pulp::Arch::new();
         let source = Source::new(form);
-        let Some(law) = Law::new::<N>(&source, C) else { return [0.0; SQUARES] };
-        let (grid, law) = (self.grid(), &law);
-        if N == 2 { arch.dispatch(Run::<2> { grid, field, law, answer }) } else { arch.dispatch(Run::<3> { grid, field, law, answer }) }
+        let mut total = [0.0; SQUARES];
+        let Some(law) = Law::new::<N>(&source, C) else { return total };
+        for (k, patch) in self.patches.iter().enumerate() {
+            let part = self.part(k, C);
+            let read = |from: usize, to: &mut [f64]| part.read(u, from, to);
+            let field = Coefficients { axes: &patch.axes, width: C, read: &read };
+            let (grid, law) = (patch.grid(), &law);
+            let sums = if N == 2 {
+                patch.arch.dispatch(Run::<2> { grid, field, law, answer })
+            } else {
+                patch.arch.dispatch(Run::<3> { grid, field, law, answer })
+            };
+            total.iter_mut().zip(sums).for_each(|(total, sum)| *total += sum);
+        }
+        total
     }
 }

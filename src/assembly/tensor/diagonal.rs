@@ -155,7 +155,7 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, '_, N> {
 
 /// Squared contractions of all but the slowest direction, point by point of it: `number * ORDERS + order`.
 pub(super) fn diagonal(grid: Grid<'_, '_>, law: &Law<'_>, components: usize, sink: &mut Sink<'_>) {
-    let arch = pulp::Arch::new();
+    let arch = grid.arch;
     if grid.axes.len() == 2 {
         arch.dispatch(Run::<2> { grid, law, components, sink });
     } else {

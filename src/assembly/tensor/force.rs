@@ -1,13 +1,13 @@
 //! Loads: forces at the points, contracted with the functions direction by direction.
 
-use super::Patch;
+use super::Patches;
 use super::aligned::Aligned;
 use super::axis::Axis;
 use super::gather::{self, Gather};
 use super::grid::{Cell, Grid, Here, Sink, Visit};
 use super::map::numbers;
 use super::sites::{Answer, Sites};
-use crate::linalg::{Real, lit};
+use crate::linalg::Real;
 use pulp::Simd;
 use std::ops::Range;
 
@@ -97,23 +97,24 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, '_, N> {
     }
 }
 
-impl Patch<'_> {
-    /// ∫ f . N dx for forces of `components` components, which `answer` gives.
-    pub fn load<T: Real>(&self, components: usize, answer: &Answer<'_>) -> Vec<T> {
-        let slow = &self.axes[self.axes.len() - 1];
-        let owners = slow.owners();
-        let mut out = vec![T::zero(); components * self.axes.iter().map(|a| a.functions).product::<usize>()];
-        let mut sink = |points: Range<usize>, planes: &[f64]| gather::slow(slow, &owners, 1, planes, points, &mut out);
-        force(self.grid(), components, answer, &mut sink);
-        if let Some((_, weights)) = &self.weight {
-            out.chunks_exact_mut(components).zip(weights).for_each(|(out, &w)| out.iter_mut().for_each(|v| *v *= lit(w)));
+impl Patches<'_> {
+    /// ∫ f . N dx for forces of `components` components, which `answer` gives; `functions` of the whole.
+    pub fn load<T: Real>(&self, components: usize, functions: usize, answer: &Answer<'_>) -> Vec<T> {
+        let mut out = vec![T::zero(); components * functions];
+        for (k, patch) in self.patches.iter().enumerate() {
+            let slow = &patch.axes[patch.axes.len() - 1];
+            let owners = slow.owners();
+            self.part(k, components).add(patch.functions(), &mut out, |own| {
+                let mut sink = |points: Range<usize>, planes: &[f64]| gather::slow(slow, &owners, 1, planes, points, own);
+                force(patch.grid(), components, answer, &mut sink);
+            });
         }
         out
     }
 }
 
 fn force(grid: Grid<'_, '_>, width: usize, answer: &Answer<'_>, sink: &mut Sink<'_>) {
-    let arch = pulp::Arch::new();
+    let arch = grid.arch;
     if grid.axes.len() == 2 {
         arch.dispatch(Run::<2> { grid, width, answer, sink });
     } else {

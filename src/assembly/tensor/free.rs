@@ -1,6 +1,5 @@
-//! A patch without its matrix: what an operator holds between products.
+//! Patches without their matrix: what an operator holds between products.
 
-use super::Patch;
 use super::axis::Axis;
 use super::diagonal::{self, ORDERS, squares};
 use super::gather;
@@ -9,35 +8,97 @@ use super::keep::{Kept, keep};
 use super::law::Law;
 use super::map::{Asks, Map};
 use super::net::Net;
+use super::part::Part;
 use super::product::product;
+use super::{Patch, Patches};
 use crate::assembly::source::Source;
 use crate::assembly::{Coefficient, Form};
-use crate::linalg::{Real, lit, to_f64};
+use crate::linalg::{Real, lit};
 use std::ops::Range;
 
-/// Tables of a patch, and what is kept at its points.
+/// Tables of patches, and what is kept at their points.
 #[derive(Debug)]
 pub(in crate::assembly) struct Free {
+    patches: Vec<FreePatch>,
+    /// Number in the whole of every function of the patches.
+    ids: Option<Vec<u32>>,
+}
+
+#[derive(Debug)]
+struct FreePatch {
     axes: Vec<Axis>,
     weight: Option<(Net, Vec<f64>)>,
     net: Option<Net>,
     kept: Option<Kept>,
-}
-
-impl<'p> Patch<'p> {
-    pub(super) fn grid(&self) -> Grid<'_, 'p> {
-        let points = match &self.map {
-            Map::Net(net) => Points::Net(net),
-            Map::Elements(asks, _) => Points::Elements(*asks),
-        };
-        Grid { axes: &self.axes, weight: self.weight.as_ref().map(|(net, weights)| (net, &weights[..])), points }
-    }
+    first_element: usize,
+    /// Its functions among those of all patches.
+    functions: Range<usize>,
+    arch: pulp::Arch,
 }
 
 impl Free {
-    /// `patch` for products with `form`; `keeps`: a map without product structure and tangents that vary are computed
+    /// `patches` for products with `form`; `keeps`: a map without product structure and tangents that vary are computed
     /// once, not at every product, and so are the tangents of one component.
-    pub fn new<const C: usize, const N: usize, T: Real>(patch: Patch<'_>, form: &Form<'_, C, N, T>, keeps: bool) -> Self {
+    ///
+    /// `None` where a function is a sum of several of one patch: its diagonal entry is no contraction of squares.
+    pub fn new<const C: usize, const N: usize, T: Real>(patches: Patches<'_>, form: &Form<'_, C, N, T>, keeps: bool) -> Option<Self> {
+        let Patches { patches, glue } = patches;
+        if glue.as_ref().is_some_and(|glue| !glue.merged.is_empty()) {
+            return None;
+        }
+        let (mut element, mut function) = (0, 0);
+        let mut all = Vec::with_capacity(patches.len());
+        for patch in patches {
+            let own = FreePatch::new(patch, element, function, form, keeps);
+            element += own.axes.iter().map(Axis::elements).product::<usize>();
+            function = own.functions.end;
+            all.push(own);
+        }
+        Some(Self { patches: all, ids: glue.map(|glue| glue.ids) })
+    }
+
+    /// Bytes that are kept per operator beside tables of one direction.
+    pub fn bytes(&self) -> usize {
+        let ids = self.ids.as_ref().map_or(0, |ids| 4 * ids.len());
+        ids + self.patches.iter().map(FreePatch::bytes).sum::<usize>()
+    }
+
+    fn part(&self, patch: &FreePatch, width: usize) -> Part<'_> {
+        Part { ids: self.ids.as_ref().map(|ids| &ids[patch.functions.clone()]), weights: None, width }
+    }
+
+    /// y = A x; `asks` gives the map of one element where nothing else is known of it.
+    pub fn apply<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &Asks<'_>, x: &[T], y: &mut [T]) {
+        y.fill(T::zero());
+        for patch in &self.patches {
+            let part = Part { weights: patch.weights(), ..self.part(patch, C) };
+            let read = |from: usize, to: &mut [f64]| part.read(x, from, to);
+            let slow = &patch.axes[N - 1];
+            let owners = slow.owners();
+            part.add(patch.functions.len(), y, |own| {
+                let mut add = |points: Range<usize>, planes: &[f64]| gather::slow(slow, &owners, 2, planes, points, own);
+                patch.with_law(form, |law| product(patch.grid(asks), law, C, &read, &mut add));
+            });
+        }
+    }
+
+    /// The diagonal.
+    pub fn diagonal<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &Asks<'_>, out: &mut [T]) {
+        out.fill(T::zero());
+        for patch in &self.patches {
+            self.part(patch, C).add(patch.functions.len(), out, |own| patch.diagonal(form, asks, own));
+        }
+    }
+}
+
+impl FreePatch {
+    fn new<const C: usize, const N: usize, T: Real>(
+        patch: Patch<'_>,
+        first_element: usize,
+        first_function: usize,
+        form: &Form<'_, C, N, T>,
+        keeps: bool,
+    ) -> Self {
         // the map is dearer than all that is done with one component; of several it is the lesser part
         let tangents = C == 1 || matches!(form.coefficient, Coefficient::PerPoint(_));
         let kept = (keeps && (tangents || matches!(patch.map, Map::Elements(..)))).then(|| {
@@ -45,20 +106,19 @@ impl Free {
             let law = if tangents { Law::new::<N>(&source, C) } else { None };
             keep(patch.grid(), law.as_ref(), form.symmetric, C)
         });
-        let Patch { axes, map, weight, .. } = patch;
+        let functions = first_function..first_function + patch.functions();
+        let Patch { axes, map, weight, arch, .. } = patch;
         let net = if let (Map::Net(net), None) = (map, &kept) { Some(net) } else { None };
-        Self { axes, weight, net, kept }
+        Self { axes, weight, net, kept, first_element, functions, arch }
     }
 
-    /// Number of functions.
-    pub fn functions(&self) -> usize {
-        self.axes.iter().map(|a| a.functions).product()
+    fn weights(&self) -> Option<&[f64]> {
+        self.weight.as_ref().map(|(_, weights)| &weights[..])
     }
 
-    /// Bytes that are kept per operator beside tables of one direction.
-    pub fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         let kept = self.kept.as_ref().map_or(0, Kept::bytes);
-        kept + 8 * (self.net.as_ref().map_or(0, |net| net.coefficients.len()) + self.weight.as_ref().map_or(0, |w| 2 * w.1.len()))
+        kept + 8 * (self.net.as_ref().map_or(0, |net| net.coefficients.len()) + 2 * self.weights().map_or(0, <[f64]>::len))
     }
 
     fn grid<'a, 'p>(&'a self, asks: &'a Asks<'p>) -> Grid<'a, 'p> {
@@ -67,7 +127,8 @@ impl Free {
             (None, Some(net)) => Points::Net(net),
             (None, None) => Points::Elements(asks),
         };
-        Grid { axes: &self.axes, weight: self.weight.as_ref().map(|(net, weights)| (net, &weights[..])), points }
+        let weight = self.weight.as_ref().map(|(net, _)| net);
+        Grid { axes: &self.axes, weight, points, first_element: self.first_element, arch: self.arch }
     }
 
     /// Calls `work` with the law of `form`, or with that of the tangents that were kept.
@@ -81,32 +142,11 @@ impl Free {
         }
     }
 
-    /// y = A x; `asks` gives the map of one element where nothing else is known of it.
-    pub fn apply<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &Asks<'_>, x: &[T], y: &mut [T]) {
-        let weights = self.weight.as_ref().map(|(_, weights)| &weights[..]);
-        let read = |from: usize, to: &mut [f64]| {
-            to.iter_mut().zip(&x[from..]).for_each(|(to, &x)| *to = to_f64(x));
-            if let Some(weights) = weights {
-                to.iter_mut().enumerate().for_each(|(k, to)| *to *= weights[(from + k) / C]);
-            }
-        };
-        y.fill(T::zero());
+    /// Adds the diagonal to `out`, the functions of the patch alone.
+    fn diagonal<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &Asks<'_>, out: &mut [T]) {
         let slow = &self.axes[N - 1];
         let owners = slow.owners();
-        self.with_law(form, |law| {
-            let mut add = |points: Range<usize>, planes: &[f64]| gather::slow(slow, &owners, 2, planes, points, y);
-            product(self.grid(asks), law, C, &read, &mut add);
-        });
-        if let Some(weights) = weights {
-            y.chunks_exact_mut(C).zip(weights).for_each(|(y, &w)| y.iter_mut().for_each(|y| *y *= lit(w)));
-        }
-    }
-
-    /// The diagonal.
-    pub fn diagonal<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &Asks<'_>) -> Vec<T> {
-        let slow = &self.axes[N - 1];
-        let owners = slow.owners();
-        let mut sums = vec![0.0; C * self.functions()];
+        let mut sums = vec![0.0; out.len()];
         let plane = sums.len() / slow.functions.max(1);
         self.with_law(form, |law| {
             diagonal::diagonal(self.grid(asks), law, C, &mut |points: Range<usize>, numbers: &[f64]| {
@@ -121,9 +161,9 @@ impl Free {
                 }
             });
         });
-        if let Some((_, weights)) = &self.weight {
+        if let Some(weights) = self.weights() {
             sums.chunks_exact_mut(C).zip(weights).for_each(|(sums, &w)| sums.iter_mut().for_each(|s| *s *= w * w));
         }
-        sums.into_iter().map(lit).collect()
+        out.iter_mut().zip(sums).for_each(|(out, sum)| *out += lit(sum));
     }
 }

@@ -4,9 +4,12 @@
 
 use super::aligned::Aligned;
 use super::axis::Axis;
-use super::map::{self, Ask, Asks, numbers};
+use super::fill::{FromNet, ask_cell, fill_asked};
+use super::map::{Ask, Asks, Map, numbers};
 use super::net::Net;
+use super::part::Part;
 use super::spread::{self, Coefficients, Spread};
+use super::{Patch, Patches};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -19,6 +22,8 @@ const TASKS_PER_THREAD: usize = 2;
 /// Where a cell is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Here<'a> {
+    /// First element of the grid.
+    pub first_element: usize,
     /// Element of the first direction.
     pub first: usize,
     /// Point of the middle direction and its number within its element; 0 in the plane.
@@ -78,10 +83,33 @@ pub(super) enum Points<'a, 'p> {
 pub(super) struct Grid<'a, 'p> {
     /// The directions.
     pub axes: &'a [Axis],
-    /// The weight function of a rational basis, and its weights.
-    pub weight: Option<(&'a Net, &'a [f64])>,
+    /// The weight function of a rational basis.
+    pub weight: Option<&'a Net>,
     /// The map.
     pub points: Points<'a, 'p>,
+    /// First element.
+    pub first_element: usize,
+    /// The instruction set.
+    pub arch: pulp::Arch,
+}
+
+impl<'p> Patch<'p> {
+    pub(super) fn grid(&self) -> Grid<'_, 'p> {
+        let points = match &self.map {
+            Map::Net(net) => Points::Net(net),
+            Map::Elements(asks, _) => Points::Elements(*asks),
+        };
+        let weight = self.weight.as_ref().map(|(net, _)| net);
+        Grid { axes: &self.axes, weight, points, first_element: self.first_element, arch: self.arch }
+    }
+}
+
+impl Patches<'_> {
+    /// The unknowns of patch `k` for fields of `width` components.
+    pub(super) fn part(&self, k: usize, width: usize) -> Part<'_> {
+        let ids = self.glue.as_ref().map(|glue| &glue.ids[glue.first[k]..glue.first[k + 1]]);
+        Part { ids, weights: self.patches[k].weight.as_ref().map(|(_, weights)| &weights[..]), width }
+    }
 }
 
 /// Memory of one task.
@@ -170,7 +198,7 @@ impl<S: Simd, const N: usize, V: Visit<S, N>> NullaryFnOnce for Tile<'_, '_, S, 
         let Self { simd, grid, scratch, visit, out } = self;
         let Scratch { map, weight, numbers: filled, weights, lanes, ask, xi, asked } = scratch;
         let axes = grid.axes;
-        let (map_net, weight_net) = (if let Points::Net(net) = grid.points { Some(net) } else { None }, grid.weight.map(|w| w.0));
+        let (map_net, weight_net) = (if let Points::Net(net) = grid.points { Some(net) } else { None }, grid.weight);
         let (read_map, read_weight) = (reader(map_net), reader(weight_net));
         let of_map = map_net.map(|net| Coefficients { axes: &net.axes, width: net.width, read: &read_map });
         let of_weight = weight_net.map(|net| Coefficients { axes: &net.axes, width: 1, read: &read_weight });
@@ -193,7 +221,7 @@ impl<S: Simd, const N: usize, V: Visit<S, N>> NullaryFnOnce for Tile<'_, '_, S, 
             for (k, q) in (if N == 3 { axes[1].start[e]..axes[1].start[e + 1] } else { 0..1 }).enumerate() {
                 let outer = if N == 3 { simd.mul_f64s(slow, simd.splat_f64s(axes[1].weights[q])) } else { slow };
                 for first in 0..axes[0].elements() {
-                    let here = Here { first, middle: (q, k), middle_element: e, lanes };
+                    let here = Here { first_element: grid.first_element, first, middle: (q, k), middle_element: e, lanes };
                     let points = axes[0].start[first]..axes[0].start[first + 1];
                     let mut cell = Cell { points: points.len(), map: &[], kept: &[], weight: None };
                     let part = |all, size: usize| {
@@ -258,130 +286,4 @@ fn slow_weights<S: Simd>(simd: S, axis: &Axis, lanes: &[(usize, usize)]) -> S::f
         *w = axis.weights[q];
     }
     weights
-}
-
-#[inline(always)]
-fn plain<S: Simd, const N: usize, const M: usize>(
-    simd: S,
-    axis: &Axis,
-    at: (usize, usize),
-    line: &[S::f64s],
-    weight: S::f64s,
-    out: &mut [S::f64s],
-) {
-    let (value, slope) = spread::at::<S, N, M>(simd, axis, at, line);
-    let (mut x, mut t) = ([weight; N], [[weight; N]; N]);
-    for c in 0..N.min(M) {
-        x[c] = value[c];
-        for k in 0..N {
-            t[k][c] = slope[k][c];
-        }
-    }
-    map::finish(simd, &x, &t, weight, out);
-}
-
-/// x = A / W, dx = (dA - x dW) / W.
-#[inline(always)]
-fn rational<S: Simd, const N: usize, const M: usize>(
-    simd: S,
-    axis: &Axis,
-    at: (usize, usize),
-    line: &[S::f64s],
-    weight: S::f64s,
-    out: &mut [S::f64s],
-) {
-    let (value, slope) = spread::at::<S, N, M>(simd, axis, at, line);
-    let inverse = simd.div_f64s(simd.splat_f64s(1.0), value[M - 1]);
-    let (mut x, mut t) = ([weight; N], [[weight; N]; N]);
-    for c in 0..N.min(M - 1) {
-        x[c] = simd.mul_f64s(value[c], inverse);
-        for k in 0..N {
-            let rest = simd.negate_mul_add_e_f64s(x[c], slope[k][M - 1], slope[k][c]);
-            t[k][c] = simd.mul_f64s(rest, inverse);
-        }
-    }
-    map::finish(simd, &x, &t, weight, out);
-}
-
-/// The map of a cell from the line of a net; compiled once for all visitors.
-struct FromNet<'a, S: Simd, const N: usize> {
-    simd: S,
-    net: &'a Net,
-    axis: &'a Axis,
-    first: usize,
-    line: &'a [S::f64s],
-    outer: S::f64s,
-    out: &'a mut [S::f64s],
-}
-
-impl<S: Simd, const N: usize> NullaryFnOnce for FromNet<'_, S, N> {
-    type Output = ();
-    #[inline(always)]
-    fn call(self) {
-        let Self { simd, net, axis, first, line, outer, out } = self;
-        for (q, out) in (axis.start[first]..axis.start[first + 1]).zip(out.chunks_exact_mut(numbers(N))) {
-            let weight = simd.mul_f64s(outer, simd.splat_f64s(axis.weights[q]));
-            match (N, net.width) {
-                (2, 2) => plain::<S, N, 2>(simd, &net.axes[0], (q, first), line, weight, out),
-                (2, _) => rational::<S, N, 3>(simd, &net.axes[0], (q, first), line, weight, out),
-                (_, 3) => plain::<S, N, 3>(simd, &net.axes[0], (q, first), line, weight, out),
-                _ => rational::<S, N, 4>(simd, &net.axes[0], (q, first), line, weight, out),
-            }
-        }
-    }
-}
-
-/// The map of a cell from its positions and tangents, which `out` holds.
-#[inline(always)]
-fn fill_asked<S: Simd, const N: usize>(simd: S, weights: &[f64], outer: S::f64s, out: &mut [S::f64s]) {
-    for (&weight, out) in weights.iter().zip(out.chunks_exact_mut(numbers(N))) {
-        let (mut x, mut t) = ([outer; N], [[outer; N]; N]);
-        for c in 0..N {
-            x[c] = out[c];
-            for d in 0..N {
-                t[d][c] = out[N + d * N + c];
-            }
-        }
-        map::finish(simd, &x, &t, simd.mul_f64s(outer, simd.splat_f64s(weight)), out);
-    }
-}
-
-/// Positions and tangents of a cell from a map that is asked element by element.
-fn ask_cell<const N: usize>(
-    axes: &[Axis],
-    here: Here<'_>,
-    ask: &mut Ask<'_>,
-    xi: &mut Vec<f64>,
-    asked: &mut Vec<f64>,
-    lanes: usize,
-    out: &mut [f64],
-) {
-    let along = axes[0].start[here.first]..axes[0].start[here.first + 1];
-    let counts = [axes[0].elements(), if N == 3 { axes[1].elements() } else { 1 }];
-    let mut from = 0;
-    while from < here.lanes.len() {
-        let slow = here.lanes[from].1;
-        let to = from + here.lanes[from..].iter().take_while(|p| p.1 == slow).count();
-        xi.clear();
-        for &(q, _) in &here.lanes[from..to] {
-            for first in along.clone() {
-                xi.push(axes[0].xi[first]);
-                if N == 3 {
-                    xi.push(axes[1].xi[here.middle.0]);
-                }
-                xi.push(axes[N - 1].xi[q]);
-            }
-        }
-        ask(here.first + counts[0] * (here.middle_element + counts[1] * slow), xi, asked);
-        let mut all = asked.chunks_exact(N + N * N);
-        for lane in from..to {
-            for q in 0..along.len() {
-                let point = all.next().expect("numbers of every point that was asked for");
-                for (k, &value) in point.iter().enumerate() {
-                    out[(q * numbers(N) + k) * lanes + lane] = value;
-                }
-            }
-        }
-        from = to;
-    }
 }

@@ -138,7 +138,7 @@ const fn size_of_tangent(rows: usize, symmetric: bool) -> usize {
 pub(super) fn keep(grid: Grid<'_, '_>, law: Option<&Law<'_>>, symmetric: bool, components: usize) -> Kept {
     let n = grid.axes.len();
     let size = if law.is_some() { size_of_tangent(components * n, symmetric) } else { super::map::numbers(n) };
-    let arch = pulp::Arch::new();
+    let arch = grid.arch;
     let (all, first) = match n {
         2 => arch.dispatch(Run::<2> { grid, law, symmetric, components, size }),
         _ => arch.dispatch(Run::<3> { grid, law, symmetric, components, size }),

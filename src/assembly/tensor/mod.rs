@@ -17,6 +17,11 @@
 //! | `glue`, `scatter` | several patches as one body: numbers, pattern of the union, rows |
 //! | `pattern`, `places` | row pointers and columns in closed form; where the unknowns live |
 //! | `entry` | the matrix of a form |
+//! | `grid`, `fill`, `sites` | a walk over the points; closures that are asked there |
+//! | `spread`, `gather` | coefficients to points, and the transposed way |
+//! | `law`, `product`, `diagonal` | the tangent at a point; products without a matrix, and their diagonal |
+//! | `force`, `deviation` | loads; norms of differences |
+//! | `free`, `keep`, `part`, `aligned` | what an operator holds and keeps; unknowns of a patch; vectors on cache lines |
 //!
 //! Lanes are chosen at run time. They never mix and products are fused at every width, so that a sum has the same terms in
 //! the same order on AVX2 and AVX-512, and for any number of threads. Kernels count in `f64`; other scalars, degrees above
@@ -31,6 +36,7 @@ mod deviation;
 mod diagonal;
 mod entry;
 mod fast;
+mod fill;
 mod force;
 mod free;
 mod gather;
@@ -46,6 +52,7 @@ mod march;
 mod middle;
 mod net;
 pub(super) mod numbers;
+mod part;
 mod pattern;
 mod places;
 mod product;
@@ -81,8 +88,10 @@ pub(super) struct Patches<'a> {
 
 /// A run of elements that is one product of directions.
 #[derive(Debug)]
-pub(super) struct Patch<'a> {
+struct Patch<'a> {
     axes: Vec<Axis>,
+    /// First element.
+    first_element: usize,
     /// The direction that a patch in the plane lacks.
     none: Axis,
     map: Map<'a>,
@@ -123,11 +132,6 @@ impl<'a> Patches<'a> {
         let glue = (!whole).then(|| Glue::new(&patches, ids(), functions));
         Some(Self { patches, glue })
     }
-
-    /// The patch that is the whole space and numbered like it; `None` where patches are glued.
-    pub fn whole(mut self) -> Option<Patch<'a>> {
-        if self.glue.is_some() { None } else { self.patches.pop() }
-    }
 }
 
 impl<'a> Patch<'a> {
@@ -152,6 +156,7 @@ impl<'a> Patch<'a> {
         let net = map.filter(|m| m.basis.first == block.first).and_then(|m| control(&m, rules)).filter(|n| n.elements() == elements);
         Some(Self {
             axes,
+            first_element: block.first,
             none: Axis::none(),
             map: net.map_or(Map::Elements(asks, block.first), Map::Net),
             weight,

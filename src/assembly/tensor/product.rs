@@ -157,7 +157,7 @@ impl<const N: usize> pulp::WithSimd for Apply<'_, '_, '_, N> {
 /// Planes of the product with the field that `read` gives, point by point of the slowest direction.
 pub(super) fn product(grid: Grid<'_, '_>, law: &Law<'_>, components: usize, read: &Read<'_>, sink: &mut Sink<'_>) {
     let field = Coefficients { axes: grid.axes, width: components, read };
-    let arch = pulp::Arch::new();
+    let arch = grid.arch;
     if grid.axes.len() == 2 {
         arch.dispatch(Apply::<2> { grid, law, field, sink });
     } else {

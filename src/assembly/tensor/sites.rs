@@ -64,7 +64,7 @@ impl Sites {
         self.elements.clear();
         self.xi.clear();
         for &(q, slow) in here.lanes {
-            self.elements.push(here.first + counts[0] * (here.middle_element + counts[1] * slow));
+            self.elements.push(here.first_element + here.first + counts[0] * (here.middle_element + counts[1] * slow));
             for first in along.clone() {
                 self.xi.push(axes[0].xi[first]);
                 if N == 3 {

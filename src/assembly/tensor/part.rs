@@ -1,0 +1,57 @@
+//! A patch's share of a vector of unknowns: its functions' numbers in the whole, and their weights.
+
+use crate::linalg::{Real, lit, to_f64};
+
+/// Which unknowns are those of a patch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part<'a> {
+    /// Number in the whole of every function of the patch; none where they are the same.
+    pub ids: Option<&'a [u32]>,
+    /// One weight per function of a rational basis.
+    pub weights: Option<&'a [f64]>,
+    /// Numbers per function.
+    pub width: usize,
+}
+
+impl Part<'_> {
+    /// Coefficients of the products behind the functions, from number `from` of the patch on; an empty `u` is zero.
+    pub fn read<T: Real>(&self, u: &[T], from: usize, to: &mut [f64]) {
+        if u.is_empty() {
+            to.fill(0.0);
+            return;
+        }
+        match self.ids {
+            None => to.iter_mut().zip(&u[from..]).for_each(|(to, &u)| *to = to_f64(u)),
+            Some(ids) => {
+                for (k, to) in (from..).zip(to.iter_mut()) {
+                    *to = to_f64(u[self.width * ids[k / self.width] as usize + k % self.width]);
+                }
+            }
+        }
+        if let Some(weights) = self.weights {
+            to.iter_mut().enumerate().for_each(|(k, to)| *to *= weights[(from + k) / self.width]);
+        }
+    }
+
+    /// Calls `sum` with the numbers of the patch, zero before, and adds what it leaves there to `out`, which is zero
+    /// before the first patch.
+    pub fn add<T: Real>(&self, functions: usize, out: &mut [T], sum: impl FnOnce(&mut [T])) {
+        let Some(ids) = self.ids else {
+            sum(out);
+            self.scale(out);
+            return;
+        };
+        let mut own = vec![T::zero(); self.width * functions];
+        sum(&mut own);
+        self.scale(&mut own);
+        for (own, &id) in own.chunks_exact(self.width).zip(ids) {
+            out[self.width * id as usize..].iter_mut().zip(own).for_each(|(out, &own)| *out += own);
+        }
+    }
+
+    fn scale<T: Real>(&self, out: &mut [T]) {
+        if let Some(weights) = self.weights {
+            out.chunks_exact_mut(self.width).zip(weights).for_each(|(out, &w)| out.iter_mut().for_each(|v| *v *= lit(w)));
+        }
+    }
+}
