@@ -254,24 +254,22 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Add<'_, '_, S, N> {
                         scratch[q * types..(q + 1) * types].copy_from_slice(&tiles[from..from + types]);
                     }
                 }
-                for j in middle.columns[i].0..middle.columns[i].1 {
-                    let offset = j + middle.active - 1 - i;
-                    let t = &scratch[offset * points * types..(offset + 1) * points * types];
-                    let ring = to.ring(sweep.slots, i, j);
-                    for e in layer.elements.clone() {
-                        let origin = layer.points.start;
-                        match slow.active {
-                            2 if types == 1 => slow::values::<S, 2>(simd, slow, e, t, origin, ring, sums),
-                            3 if types == 1 => slow::values::<S, 3>(simd, slow, e, t, origin, ring, sums),
-                            4 if types == 1 => slow::values::<S, 4>(simd, slow, e, t, origin, ring, sums),
-                            5 if types == 1 => slow::values::<S, 5>(simd, slow, e, t, origin, ring, sums),
-                            6 if types == 1 => slow::values::<S, 6>(simd, slow, e, t, origin, ring, sums),
-                            2 => slow::contract::<S, 2>(simd, slow, e, t, origin, ring, sums),
-                            3 => slow::contract::<S, 3>(simd, slow, e, t, origin, ring, sums),
-                            4 => slow::contract::<S, 4>(simd, slow, e, t, origin, ring, sums),
-                            5 => slow::contract::<S, 5>(simd, slow, e, t, origin, ring, sums),
-                            _ => slow::contract::<S, 6>(simd, slow, e, t, origin, ring, sums),
-                        }
+                let (from, to_) = middle.columns[i];
+                let t = &scratch[(from + middle.active - 1 - i) * points * types..];
+                let ring = to.ring(sweep.slots, i, from);
+                let sizes = [to_ - from, points, layer.points.start];
+                for e in layer.elements.clone() {
+                    match slow.active {
+                        2 if types == 1 => slow::values::<S, 2>(simd, slow, e, t, sizes, ring, sums),
+                        3 if types == 1 => slow::values::<S, 3>(simd, slow, e, t, sizes, ring, sums),
+                        4 if types == 1 => slow::values::<S, 4>(simd, slow, e, t, sizes, ring, sums),
+                        5 if types == 1 => slow::values::<S, 5>(simd, slow, e, t, sizes, ring, sums),
+                        6 if types == 1 => slow::values::<S, 6>(simd, slow, e, t, sizes, ring, sums),
+                        2 => slow::contract::<S, 2>(simd, slow, e, t, sizes, ring, sums),
+                        3 => slow::contract::<S, 3>(simd, slow, e, t, sizes, ring, sums),
+                        4 => slow::contract::<S, 4>(simd, slow, e, t, sizes, ring, sums),
+                        5 => slow::contract::<S, 5>(simd, slow, e, t, sizes, ring, sums),
+                        _ => slow::contract::<S, 6>(simd, slow, e, t, sizes, ring, sums),
                     }
                 }
             }
