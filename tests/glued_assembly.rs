@@ -56,7 +56,7 @@ fn one_form<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form
             assert!(cols.zip(vals).all(|(j, v)| v.to_bits() == fast.get(j, i).to_bits()), "symmetric to the last bit, row {i}");
         }
     }
-    for threads in [2, 3] {
+    for threads in [2, 3, 4] {
         assert!(run(threads).vals().iter().zip(fast.vals()).all(|(a, b)| a.to_bits() == b.to_bits()), "{threads} threads");
     }
     let mut matrix = fast.clone();

@@ -10,9 +10,10 @@ use faying::basis::{Basis, Block, Elements, Order, Rational, ShapeTable, TensorP
 use faying::geometry::ControlPoints;
 use faying::linalg::{Csr, Vector};
 use faying::physics::{Hooke, form};
-use faying::quadrature::{Quadrature, TensorRule};
+use faying::quadrature::{PerElement, Quadrature, TensorRule};
 use faying::space::{Deformed, Over, Space};
 use products::{Plain, coarse, forms, lagrange, maps, net, noise, smooth, spline, weights};
+use std::sync::Arc;
 
 /// Entries may differ by this share of the largest.
 const SAME: f64 = 1e-13;
@@ -175,6 +176,22 @@ fn rules_with_other_numbers_of_points_per_direction_and_deformed_maps_equal_the_
 }
 
 #[test]
+fn a_patch_whose_elements_have_different_rules_is_integrated_with_each_of_them() {
+    let axes = || [spline(2, 4), spline(3, 3)];
+    for geometry in maps(axes) {
+        let space = Over { basis: TensorProduct::new(axes()), geometry };
+        let kinds: Vec<Arc<dyn Quadrature<2>>> = vec![Arc::new(TensorRule::gauss([3, 4])), Arc::new(TensorRule::gauss([2, 5]))];
+        let last = PerElement::new(kinds.clone(), (0..12).map(|e| usize::from(e == 11)).collect());
+        let one = PerElement::new(kinds, vec![1; 12]);
+        let form = Form::<1, 2>::laplace();
+        let (mixed, plain) = (stiffness(&space, &last, &form), stiffness(&Plain(&space), &last, &form));
+        assert_eq!(mixed.vals(), plain.vals());
+        assert_eq!(mass(&space, &last).vals(), mass(&Plain(&space), &last).vals());
+        compare(&space, &one, &form);
+    }
+}
+
+#[test]
 fn refilled_and_added_matrices_are_the_fresh_one() {
     fn check<const C: usize, const N: usize>(space: &dyn Space<N, N>) {
         let rules = gauss_rules(space, 0);
@@ -206,7 +223,7 @@ fn contracted_matrices_have_the_same_bits_for_any_number_of_threads() {
             rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| stiffness(space, &rules, form))
         };
         let one = run(1);
-        for threads in [2, 3, 7] {
+        for threads in [2, 3, 4, 7] {
             let k = run(threads);
             assert!(k.vals().iter().zip(one.vals()).all(|(a, b)| a.to_bits() == b.to_bits()), "{threads} threads");
             assert!(k == one);

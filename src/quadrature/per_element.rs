@@ -5,8 +5,6 @@ use crate::linalg::Real;
 use std::sync::Arc;
 
 /// Element `e` uses `rules[which[e]]`.
-///
-/// The elements of one block of a basis must share a rule, or [`Quadrature::axes`] speaks for the wrong elements.
 #[derive(Clone, Debug)]
 pub struct PerElement<const D: usize, T: Real = f64> {
     rules: Vec<Arc<dyn Quadrature<D, T>>>,

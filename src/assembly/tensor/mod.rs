@@ -77,6 +77,7 @@ use crate::geometry::MapBlock;
 use crate::linalg::{Real, to_f64};
 use crate::quadrature::Quadrature;
 use std::any::TypeId;
+use std::ops::Range;
 
 /// A space that is made of patches, with its rules and its map.
 #[derive(Debug)]
@@ -124,7 +125,8 @@ impl<'a> Patches<'a> {
         let mut patches = Vec::with_capacity(parts.len());
         for part in &parts {
             let first = part.block.first;
-            patches.push(Patch::new(&part.block, &quadrature.axes(first)?, map(first), asks)?);
+            let rules = rules_of(quadrature, first..first + part.block.axes.iter().map(|a| a.num_elements()).product::<usize>())?;
+            patches.push(Patch::new(&part.block, &rules, map(first), asks)?);
         }
         let functions = basis.num_functions();
         let whole = parts.len() == 1 && numbers::is_whole(&parts[0].ids, functions);
@@ -132,6 +134,16 @@ impl<'a> Patches<'a> {
         let glue = (!whole).then(|| Glue::new(&patches, ids(), functions));
         Some(Self { patches, glue })
     }
+}
+
+/// The rules per direction of `elements`; `None` where they have none or not the same.
+fn rules_of<const N: usize, T: Real, Q: Quadrature<N, T> + ?Sized>(
+    quadrature: &Q,
+    elements: Range<usize>,
+) -> Option<[&dyn Quadrature<1, T>; N]> {
+    let rules = quadrature.axes(elements.start)?;
+    let is_same = |own: [&dyn Quadrature<1, T>; N]| own.iter().zip(&rules).all(|(own, rule)| std::ptr::addr_eq(*own, *rule));
+    elements.skip(1).all(|e| quadrature.axes(e).is_some_and(is_same)).then_some(rules)
 }
 
 impl<'a> Patch<'a> {
