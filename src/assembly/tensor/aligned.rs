@@ -30,6 +30,13 @@ impl<V> Default for Aligned<V> {
 }
 
 impl<V: bytemuck::Pod> Aligned<V> {
+    /// `count` vectors of zeros, which the system hands out where they are first touched.
+    pub fn new(count: usize) -> Self {
+        let numbers = vec![0.0; count * size_of::<V>() / size_of::<f64>() + NUMBERS];
+        let start = offset(&numbers);
+        Self { numbers, start, count, lanes: PhantomData }
+    }
+
     /// Makes it `count` vectors; what they hold is not said.
     #[inline(always)]
     pub fn resize(&mut self, count: usize) {

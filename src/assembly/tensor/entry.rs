@@ -1,10 +1,10 @@
 //! The matrix of a patch: pattern, then values.
 
 use super::coefficient::Coefficient;
-use super::march::{Plan, march};
+use super::march::{Part, Plan, march};
 use super::pattern::pattern;
 use super::write::{Directions, RowScratch, Sums};
-use super::{Patch, Patches, scatter};
+use super::{Patch, Patches, scatter, strip};
 use crate::assembly::Form;
 use crate::assembly::source::Source;
 use crate::linalg::{Csr, Real, Sparsity};
@@ -72,21 +72,31 @@ impl Patch<'_> {
     }
 
     fn fill<T: Real>(&self, coefficient: &Coefficient<'_>, add: bool, values: &mut [T]) {
-        let plan = Plan::new(self, coefficient);
-        let (threads, solid) = (rayon::current_num_threads(), self.axes.len() == 3);
-        let write = Write { to: self.directions(), components: coefficient.components, add };
-        let rows = write.to.slow.functions;
-        assert_eq!(values.len(), write.place(rows * write.to.middle.functions), "the matrix has the pattern of the basis");
+        self.fill_strips(&Plan::new(self, coefficient), add, values);
+    }
+
+    /// The matrix of `plan` to `values`, in strips of the middle direction, each on its own where threads can be kept busy.
+    pub(super) fn fill_strips<T: Real>(&self, plan: &Plan<'_, '_>, add: bool, values: &mut [T]) {
+        let threads = rayon::current_num_threads();
+        let write = Write { to: self.directions(), components: plan.coefficient.components, add };
+        let (rows, middle) = (write.to.slow.functions, write.to.middle.functions);
+        assert_eq!(values.len(), write.place(0, rows), "the matrix has the pattern of the basis");
+        let mut strips = plan.strips();
+        // as many for every thread, unless they become narrow
+        let even = middle.div_ceil(strips.len().next_multiple_of(threads));
+        if strips.len() > 1 && 2 * even > strips[0].len() {
+            strips = strip::cut(middle, even);
+        }
+        // in the plane there is no other way to share the work; every march starts some elements early
+        let slabs = if self.axes.len() == 2 && threads > 1 { (TASKS_PER_THREAD * threads).min(rows / ROWS_AT_LEAST).max(1) } else { 1 };
+        let parts = write.parts(&strips, &strip::cut(rows, rows.div_ceil(slabs)), values);
         // inside the pool, so that no pass has to enter it
         rayon::scope(|_| {
-            let marches = if solid { 1 } else { (TASKS_PER_THREAD * threads).min(rows / ROWS_AT_LEAST) };
-            if threads == 1 || marches <= 1 {
-                write.march(&plan, 0..rows, if solid { threads } else { 1 }, values);
-                return;
+            if parts.len() < threads {
+                parts.into_iter().for_each(|part| write.march(plan, part, threads));
+            } else {
+                parts.into_par_iter().for_each(|part| write.march(plan, part, 1));
             }
-            // in the plane a block is a function of the slow direction
-            let parts = write.parts(0..rows, rows.div_ceil(marches), values);
-            parts.into_par_iter().for_each(|(rows, values)| write.march(&plan, rows, 1, values));
         });
     }
 }
@@ -99,42 +109,61 @@ struct Write<'a> {
     add: bool,
 }
 
+/// A part of the rows and their values, one piece per function of the slow direction.
+type Pieces<'v, T> = (Part, Vec<&'v mut [T]>);
+
 impl Write<'_> {
-    /// Place of block `k`: all rows of one function of the slow and one of the middle direction.
-    fn place(&self, k: usize) -> usize {
-        let middle = self.to.middle.functions;
-        self.components * self.components * self.to.entries(k % middle, k / middle)
+    /// Place of all rows of one function of the middle and one of the slow direction.
+    fn place(&self, middle: usize, slow: usize) -> usize {
+        self.components * self.components * self.to.entries(middle, slow)
     }
 
-    /// `values` of `blocks`, cut into parts of `share` of them.
-    fn parts<'v, T>(&self, blocks: Range<usize>, share: usize, values: &'v mut [T]) -> Vec<(Range<usize>, &'v mut [T])> {
-        let (mut parts, mut rest) = (Vec::with_capacity(blocks.len().div_ceil(share)), values);
-        for from in blocks.clone().step_by(share) {
-            let part = from..(from + share).min(blocks.end);
-            let (own, others) = rest.split_at_mut(self.place(part.end) - self.place(part.start));
-            rest = others;
-            parts.push((part, own));
+    /// `values` cut into `strips` of the middle and `slabs` of the slow direction.
+    fn parts<'v, T>(&self, strips: &[Range<usize>], slabs: &[Range<usize>], values: &'v mut [T]) -> Vec<Pieces<'v, T>> {
+        let (mut parts, mut rest) = (Vec::with_capacity(strips.len() * slabs.len()), values);
+        for rows in slabs {
+            let first = parts.len();
+            parts.extend(strips.iter().map(|strip| (Part { strip: strip.clone(), rows: rows.clone() }, Vec::with_capacity(rows.len()))));
+            for slow in rows.clone() {
+                for (strip, (_, pieces)) in strips.iter().zip(&mut parts[first..]) {
+                    let (own, others) = rest.split_at_mut(self.place(strip.end, slow) - self.place(strip.start, slow));
+                    pieces.push(own);
+                    rest = others;
+                }
+            }
         }
         parts
     }
 
-    /// The rows of the functions `rows` of the slow direction to `values`.
-    fn march<T: Real>(&self, plan: &Plan<'_, '_>, rows: Range<usize>, threads: usize, values: &mut [T]) {
-        let middle = self.to.middle.functions;
+    /// The rows of a part, made by `threads`.
+    fn march<T: Real>(&self, plan: &Plan<'_, '_>, (part, pieces): Pieces<'_, T>, threads: usize) {
+        let strip = part.strip.clone();
         let tasks = if threads == 1 { 1 } else { TASKS_PER_THREAD * threads };
-        let (mut rest, mut kept) = (values, vec![RowScratch::default(); tasks]);
-        march(plan, rows, threads, &mut |sums: Sums<'_>, rows: Range<usize>| {
-            let blocks = rows.start * middle..rows.end * middle;
-            let (own, others) = std::mem::take(&mut rest).split_at_mut(self.place(blocks.end) - self.place(blocks.start));
-            rest = others;
-            let share = blocks.len().div_ceil(tasks).max(1);
-            self.parts(blocks, share, own).into_par_iter().zip(&mut kept).for_each(|((part, mut own), scratch)| {
-                for k in part {
-                    let (block, others) = std::mem::take(&mut own).split_at_mut(self.place(k + 1) - self.place(k));
-                    own = others;
-                    sums.write(self.to, k % middle, k / middle, self.add, scratch, block);
+        let (mut pieces, mut kept) = (pieces.into_iter(), vec![RowScratch::default(); tasks]);
+        let shares = strip::cut(strip.len(), strip.len().div_ceil(tasks));
+        march(plan, part, threads, &mut |sums: Sums<'_>, rows: Range<usize>| {
+            for (slow, mut rest) in rows.zip(&mut pieces) {
+                let to = self;
+                let blocks = |functions: Range<usize>, mut own: &mut [T], scratch: &mut RowScratch<T>| {
+                    for k in functions {
+                        let (block, others) = std::mem::take(&mut own).split_at_mut(to.place(k + 1, slow) - to.place(k, slow));
+                        own = others;
+                        sums.write(to.to, k, slow, to.add, scratch, block);
+                    }
+                };
+                if tasks == 1 {
+                    blocks(strip.clone(), rest, &mut kept[0]);
+                    continue;
                 }
-            });
+                let mut shared = Vec::with_capacity(tasks);
+                for share in &shares {
+                    let functions = strip.start + share.start..strip.start + share.end;
+                    let (own, others) = rest.split_at_mut(self.place(functions.end, slow) - self.place(functions.start, slow));
+                    shared.push((functions, own));
+                    rest = others;
+                }
+                shared.into_par_iter().zip(&mut kept).for_each(|((functions, own), scratch)| blocks(functions, own, scratch));
+            }
         });
     }
 }

@@ -1,12 +1,11 @@
-//! The two sweeps over a layer of elements: tiles of contracted points, then sums per vector of pairs.
+//! The first sweep over a layer of elements: tiles of contracted points; sizes and memory of both.
 
-use super::axis::Axis;
+use super::fast;
 use super::map::{self, ElementScratch, Map, Place, numbers};
 use super::march::Plan;
-use super::middle::{self, Tiles};
 use super::net::Tile;
+use super::strip::{Strip, Window};
 use super::write::Directions;
-use super::{fast, groups, slow};
 use crate::assembly::source::Source;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use rayon::prelude::*;
@@ -25,7 +24,7 @@ pub(super) struct Scratch<'a, V> {
     tangents: Vec<V>,
     weight: Vec<V>,
     d: Vec<V>,
-    sums: Vec<V>,
+    pub sums: Vec<V>,
     tile: Tile<V>,
     weight_tile: Tile<V>,
     lanes: Vec<(usize, usize)>,
@@ -44,42 +43,43 @@ pub(super) struct Lines {
 
 /// Sizes of a march and what its sweeps read.
 pub(super) struct Sweep<'a, 'p, const N: usize> {
-    plan: &'a Plan<'a, 'p>,
-    none: Axis,
+    pub plan: &'a Plan<'a, 'p>,
+    /// The directions.
+    pub to: Directions<'a>,
+    /// The functions of the middle direction.
+    pub strip: Strip,
     /// Element of every point of the second and of the third direction.
     owners: [Vec<usize>; 2],
-    lanes: usize,
-    slots: usize,
+    pub lanes: usize,
+    pub slots: usize,
     /// Points of the slowest direction in a layer at most.
-    points: usize,
-    /// Tiles per point of the third direction; in the plane tiles of a layer.
-    tiles: usize,
-    /// Vectors of one pair of components in a tile.
-    chunk: usize,
-    /// Tasks of a layer at most, and vectors of one.
-    pub tasks: usize,
+    pub points: usize,
+    /// Points of the third direction in a layer at most: tasks of a tile.
+    pub lines: usize,
+    /// Tiles that are held at once.
+    pub tiles: usize,
+    /// Vectors of one pair of components in a task.
+    pub chunk: usize,
+    /// Vectors of one task.
     pub task: usize,
+    /// Places of the points of the middle direction in the tiles.
+    pub places: Vec<usize>,
     /// Vectors of pairs of the fastest direction, and sums of each.
     pub vectors: usize,
     pub vector: usize,
 }
 
 impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
-    pub fn new(plan: &'a Plan<'a, 'p>, points: usize, slots: usize, lanes: usize) -> Self {
-        let axes = &plan.patch.axes;
-        let (none, third) = (Axis::none(), N == 3);
+    pub fn new(plan: &'a Plan<'a, 'p>, strip: Strip, points: usize, slots: usize, lanes: usize) -> Self {
+        let (axes, to, third) = (&plan.patch.axes, plan.patch.directions(), N == 3);
         let vectors = (axes[0].functions * axes[0].active).div_ceil(lanes);
-        let tiles = if third { axes[1].points() } else { points }.div_ceil(lanes);
-        let tasks = if third { tiles * points } else { tiles };
+        let (lines, tiles) = if third { (points, strip.tiles) } else { (1, points.div_ceil(lanes)) };
         let chunk = vectors * lanes * plan.components();
-        let middle = if third { &axes[1] } else { &none };
-        let vector = plan.pairs.len() * Directions { fast: &axes[0], middle, slow: &axes[N - 1] }.sums(slots);
+        let task = chunk * plan.pairs.len();
+        let vector = plan.pairs.len() * strip.held.len() * to.sums(slots);
         let owners = [axes[1].owners(), axes[N - 1].owners()];
-        Self { plan, owners, lanes, slots, points, tiles, chunk, tasks, task: chunk * plan.pairs.len(), vectors, vector, none }
-    }
-
-    fn middle(&self) -> &Axis {
-        if N == 3 { &self.plan.patch.axes[1] } else { &self.none }
+        let places = strip.places(lanes, lines * task, plan.components());
+        Self { plan, to, strip, owners, lanes, slots, points, lines, tiles, chunk, task, places, vectors, vector }
     }
 
     pub fn scratch<S: Simd>(&self, simd: S) -> Scratch<'p, S::f64s> {
@@ -93,7 +93,7 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
             tangents: zeros(if varies { points * form.components * form.components * N * N } else { 0 }),
             weight: zeros(if rational { points * (N + 1) } else { 0 }),
             d: zeros(points * form.stride::<N>(rational)),
-            sums: zeros((2 * self.middle().active - 1) * self.points * 4),
+            sums: zeros((2 * self.to.middle.active - 1) * self.points * 4),
             tile: Tile::default(),
             weight_tile: Tile::default(),
             lanes: Vec::with_capacity(self.lanes),
@@ -126,37 +126,29 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
         }
     }
 
-    /// Number of tasks of a layer.
-    pub fn tasks_of(&self, layer: &Layer) -> usize {
-        if N == 3 { self.tiles * layer.points.len() } else { layer.points.len().div_ceil(self.lanes) }
+    /// Tiles that a layer contracts for `window`; in the plane all of its points.
+    pub fn tiles_of(&self, layer: &Layer, window: &Window) -> Range<usize> {
+        if N == 3 { window.tiles.clone() } else { 0..layer.points.len().div_ceil(self.lanes) }
     }
 
-    /// Task `k` of a layer: one tile through map, coefficient and the fastest direction.
-    pub fn fast<S: Simd>(&self, simd: S, layer: &Layer, k: usize, lines: &Lines, scratch: &mut Scratch<'p, S::f64s>, out: &mut [S::f64s]) {
+    /// Tile `tile` at point `line` of the third direction through map, coefficient and the fastest direction.
+    pub fn fast<S: Simd>(
+        &self,
+        simd: S,
+        layer: &Layer,
+        [tile, line]: [usize; 2],
+        lines: &Lines,
+        scratch: &mut Scratch<'p, S::f64s>,
+        out: &mut [S::f64s],
+    ) {
         let patch = self.plan.patch;
-        let (line, first, end) = if N == 3 {
-            (k / self.tiles, (k % self.tiles) * self.lanes, patch.axes[1].points())
-        } else {
-            (0, layer.points.start + k * self.lanes, layer.points.end)
-        };
+        let points = if N == 3 { &self.strip.points } else { &layer.points };
+        let (first, end) = (points.start + tile * self.lanes, points.end);
         let slow = if N == 3 { (layer.points.start + line, self.owners[1][layer.points.start + line]) } else { (0, 0) };
         scratch.lanes.clear();
         scratch.lanes.extend((first..first + self.lanes).map(|q| q.min(end - 1)).map(|q| (q, self.owners[0][q])));
         map::fill_elements::<S, N>(simd, &patch.axes, Place { lanes: &scratch.lanes, slow }, &mut scratch.element, &mut scratch.geo);
         simd.vectorize(Fast { simd, sweep: self, slow, line, lines, scratch, out });
-    }
-
-    /// Adds a layer to the sums of vector `r` of pairs of the fastest direction.
-    pub fn sums<S: Simd>(
-        &self,
-        simd: S,
-        layer: &Layer,
-        r: usize,
-        tiles: &[S::f64s],
-        scratch: &mut Scratch<'p, S::f64s>,
-        sums: &mut [S::f64s],
-    ) {
-        simd.vectorize(Add { simd, sweep: self, layer, r, tiles, scratch: &mut scratch.sums, sums });
     }
 }
 
@@ -200,79 +192,6 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Fast<'_, '_, S, N> {
             let (axis, out) = (&patch.axes[0], bytemuck::cast_slice_mut(out));
             let components = plan.components();
             simd.vectorize(fast::Contract { simd, axis, d: &scratch.d, stride, groups, components, out });
-        }
-    }
-}
-
-struct Add<'a, 'p, S: Simd, const N: usize> {
-    simd: S,
-    sweep: &'a Sweep<'a, 'p, N>,
-    layer: &'a Layer,
-    r: usize,
-    tiles: &'a [S::f64s],
-    scratch: &'a mut [S::f64s],
-    sums: &'a mut [S::f64s],
-}
-
-impl<S: Simd, const N: usize> NullaryFnOnce for Add<'_, '_, S, N> {
-    type Output = ();
-    #[inline(always)]
-    fn call(self) {
-        let Self { simd, sweep, layer, r, tiles, scratch, sums } = self;
-        let (plan, lanes, task) = (sweep.plan, sweep.lanes, sweep.task);
-        let axes = &plan.patch.axes;
-        let (middle, slow) = (sweep.middle(), &axes[N - 1]);
-        let to = Directions { fast: &axes[0], middle, slow };
-        let points = layer.points.len();
-        let width = 2 * middle.active - 1;
-        let vector = r * lanes * plan.components();
-        let types = if plan.components() == 1 { 1 } else { 4 };
-        for (k, (pair, sums)) in plan.pairs.iter().zip(sums.chunks_exact_mut(to.sums(sweep.slots))).enumerate() {
-            let start = k * sweep.chunk + vector;
-            let components = groups::places(pair.symmetric);
-            for i in 0..middle.functions {
-                if N == 3 {
-                    scratch[..width * points * types].fill(simd.splat_f64s(0.0));
-                    for q in 0..points {
-                        let at = Tiles { tile: task, start: start + q * sweep.tiles * task };
-                        match middle.active {
-                            2 if types == 1 => middle::values::<S, 2>(simd, middle, i, tiles, at, scratch, [q, points]),
-                            3 if types == 1 => middle::values::<S, 3>(simd, middle, i, tiles, at, scratch, [q, points]),
-                            4 if types == 1 => middle::values::<S, 4>(simd, middle, i, tiles, at, scratch, [q, points]),
-                            5 if types == 1 => middle::values::<S, 5>(simd, middle, i, tiles, at, scratch, [q, points]),
-                            6 if types == 1 => middle::values::<S, 6>(simd, middle, i, tiles, at, scratch, [q, points]),
-                            2 => middle::contract::<S, 2>(simd, middle, i, tiles, at, &components, scratch, [q, points]),
-                            3 => middle::contract::<S, 3>(simd, middle, i, tiles, at, &components, scratch, [q, points]),
-                            4 => middle::contract::<S, 4>(simd, middle, i, tiles, at, &components, scratch, [q, points]),
-                            5 => middle::contract::<S, 5>(simd, middle, i, tiles, at, &components, scratch, [q, points]),
-                            _ => middle::contract::<S, 6>(simd, middle, i, tiles, at, &components, scratch, [q, points]),
-                        }
-                    }
-                } else {
-                    for q in 0..points {
-                        let from = start + (q / lanes) * task + (q % lanes) * types;
-                        scratch[q * types..(q + 1) * types].copy_from_slice(&tiles[from..from + types]);
-                    }
-                }
-                let (from, to_) = middle.columns[i];
-                let t = &scratch[(from + middle.active - 1 - i) * points * types..];
-                let ring = to.ring(sweep.slots, i, from);
-                let sizes = [to_ - from, points, layer.points.start];
-                for e in layer.elements.clone() {
-                    match slow.active {
-                        2 if types == 1 => slow::values::<S, 2>(simd, slow, e, t, sizes, ring, sums),
-                        3 if types == 1 => slow::values::<S, 3>(simd, slow, e, t, sizes, ring, sums),
-                        4 if types == 1 => slow::values::<S, 4>(simd, slow, e, t, sizes, ring, sums),
-                        5 if types == 1 => slow::values::<S, 5>(simd, slow, e, t, sizes, ring, sums),
-                        6 if types == 1 => slow::values::<S, 6>(simd, slow, e, t, sizes, ring, sums),
-                        2 => slow::contract::<S, 2>(simd, slow, e, t, sizes, ring, sums),
-                        3 => slow::contract::<S, 3>(simd, slow, e, t, sizes, ring, sums),
-                        4 => slow::contract::<S, 4>(simd, slow, e, t, sizes, ring, sums),
-                        5 => slow::contract::<S, 5>(simd, slow, e, t, sizes, ring, sums),
-                        _ => slow::contract::<S, 6>(simd, slow, e, t, sizes, ring, sums),
-                    }
-                }
-            }
         }
     }
 }

@@ -1,14 +1,17 @@
 //! The march along the slowest direction, layer by layer: contract, add to the ring, hand on the rows that are complete.
 //!
 //! Every entry is summed over the elements of the slowest direction in ascending order, whoever does it: the bits depend
-//! neither on threads nor on layers nor on where a march starts.
+//! neither on threads nor on strips, windows or layers nor on where a march starts.
 
 use super::Patch;
+use super::aligned::Aligned;
 use super::axis::Axis;
 use super::coefficient::{Coefficient, Pair};
 use super::fast::Group;
 use super::groups;
 use super::layer::{Layer, Scratch, Sweep};
+use super::strip::{self, Strip};
+use super::sums::Add;
 use super::write::Sums;
 use crate::assembly::source::Source;
 use pulp::{Simd, bytemuck};
@@ -20,6 +23,13 @@ use std::ops::Range;
 const LAYER_BYTES: usize = 1 << 20;
 /// Groups of tasks per thread in a pass.
 const GROUPS_PER_THREAD: usize = 4;
+/// Bytes of sums that a strip of the middle direction aims at: they stay in the third cache, or in a share of it.
+const STRIP_BYTES: usize = 3 << 20;
+/// Fewest functions of a strip per active function of the middle direction, of which nearly as many elements are contracted
+/// beside its rows.
+const STRIP_PER_ACTIVE: usize = 6;
+/// Functions of the middle direction that one thread contracts at once, and several threads, which meet twice per window.
+const WINDOW: [usize; 2] = [2, 8];
 
 /// All that a march needs and does not change.
 pub(super) struct Plan<'a, 'p> {
@@ -28,6 +38,10 @@ pub(super) struct Plan<'a, 'p> {
     pub pairs: Vec<Pair>,
     /// Groups of pairs whose D is symmetric, and of the others.
     pub groups: [Vec<Group>; 2],
+    /// Functions of the middle direction in a strip, at most.
+    pub strip: usize,
+    /// Functions of the middle direction in a window, for one thread and for several.
+    pub window: [usize; 2],
 }
 
 impl<'a, 'p> Plan<'a, 'p> {
@@ -38,7 +52,18 @@ impl<'a, 'p> Plan<'a, 'p> {
             (_, 2) => [true, false].map(|symmetric| groups::groups::<2>(symmetric, extended)),
             _ => [true, false].map(|symmetric| groups::groups::<3>(symmetric, extended)),
         };
-        Self { patch, coefficient, pairs: coefficient.pairs(), groups }
+        let pairs = coefficient.pairs();
+        let to = patch.directions();
+        let per_function = to.fast.functions * to.fast.active * to.sums(to.slow.active) * pairs.len() * size_of::<f64>();
+        let functions = to.middle.functions;
+        let wanted = (functions * per_function).div_ceil(STRIP_BYTES).min(functions / (STRIP_PER_ACTIVE * to.middle.active)).max(1);
+        let strip = functions.div_ceil(wanted);
+        Self { patch, coefficient, pairs, groups, strip, window: WINDOW }
+    }
+
+    /// The functions of the middle direction in strips.
+    pub fn strips(&self) -> Vec<Range<usize>> {
+        strip::cut(self.patch.directions().middle.functions, self.strip)
     }
 
     /// Components of the contraction along the fastest direction.
@@ -50,20 +75,29 @@ impl<'a, 'p> Plan<'a, 'p> {
 /// Takes complete sums: of all functions whose number in the slowest direction is in the range, which follow each other.
 pub(super) type Sink<'a> = dyn FnMut(Sums<'_>, Range<usize>) + Send + 'a;
 
-/// The march over the functions `rows` of the slowest direction, `threads` of them sharing a layer.
+/// What a march makes: all rows of functions of the middle and of the slowest direction.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    /// Functions of the middle direction.
+    pub strip: Range<usize>,
+    /// Functions of the slowest direction.
+    pub rows: Range<usize>,
+}
+
+/// The march through `part`, `threads` of them sharing a layer.
 ///
 /// No type parameter reaches the kernels from outside, so that they are compiled once.
-pub(super) fn march(plan: &Plan<'_, '_>, rows: Range<usize>, threads: usize, sink: &mut Sink<'_>) {
+pub(super) fn march(plan: &Plan<'_, '_>, part: Part, threads: usize, sink: &mut Sink<'_>) {
     let arch = plan.patch.arch;
     match plan.patch.axes.len() {
-        2 => arch.dispatch(March::<2> { plan, rows, threads, sink }),
-        _ => arch.dispatch(March::<3> { plan, rows, threads, sink }),
+        2 => arch.dispatch(March::<2> { plan, part, threads, sink }),
+        _ => arch.dispatch(March::<3> { plan, part, threads, sink }),
     }
 }
 
 struct March<'a, 'p, 's, const N: usize> {
     plan: &'a Plan<'a, 'p>,
-    rows: Range<usize>,
+    part: Part,
     threads: usize,
     sink: &'a mut Sink<'s>,
 }
@@ -86,52 +120,71 @@ fn layer_elements<const N: usize>(axes: &[Axis], components: usize) -> usize {
 }
 
 fn run<S: Simd, const N: usize>(simd: S, march: March<'_, '_, '_, N>) {
-    let March { plan, rows, threads, sink } = march;
+    let March { plan, part: Part { strip, rows }, threads, sink } = march;
     let axes = &plan.patch.axes;
     let slow = &axes[N - 1];
     let mut reached = rows.clone().filter(|&i| slow.support[i].1 > 0);
-    let (Some(lowest), Some(highest)) = (reached.clone().next(), reached.next_back()) else { return };
+    let Some(lowest) = reached.next() else { return };
+    let highest = reached.next_back().unwrap_or(lowest);
+    let window = plan.window[usize::from(threads > 1)];
+    let Some(strip) = Strip::new(plan.patch.directions().middle, strip, window, S::F64_LANES) else { return };
     let (begin, end) = (slow.support[lowest].0, slow.support[highest].1);
     let step = layer_elements::<N>(axes, plan.pairs.len() * plan.components());
     let layers: Vec<Range<usize>> = (begin..end).step_by(step).map(|e| e..(e + step).min(end)).collect();
     let slots = layers.iter().map(|l| slow.first[l.end - 1] + slow.active - slow.first[l.start]).max().unwrap_or(0);
     let points = layers.iter().map(|l| slow.start[l.end] - slow.start[l.start]).max().unwrap_or(0);
-    let sweep = Sweep::<N>::new(plan, points, slots, S::F64_LANES);
-    let zero = simd.splat_f64s(0.0);
+    let sweep = Sweep::<N>::new(plan, strip, points, slots, S::F64_LANES);
     let groups = if threads == 1 { 1 } else { GROUPS_PER_THREAD * threads };
     let mut scratch: Vec<Scratch<'_, S::f64s>> = (0..groups).map(|_| sweep.scratch(simd)).collect();
-    let mut tiles = vec![zero; sweep.tasks * sweep.task];
-    let mut ring = vec![zero; sweep.vectors * sweep.vector];
+    // written before they are read
+    let mut tiles = Aligned::<S::f64s>::new(sweep.tiles * sweep.lines * sweep.task);
+    let mut ring = Aligned::<S::f64s>::new(sweep.vectors * sweep.vector);
+    let (tiles, ring) = (&mut tiles[..], &mut ring[..]);
     let mut lines = sweep.lines();
     let mut next = rows.start;
     for elements in layers {
         let layer = Layer { points: slow.start[elements.start]..slow.start[elements.end], elements };
         sweep.fill_lines(&layer, &mut lines);
-
-        let tasks = sweep.tasks_of(&layer);
-        let share = tasks.div_ceil(groups).max(1);
-        tiles[..tasks * sweep.task].par_chunks_mut(share * sweep.task).zip(&mut scratch).enumerate().for_each(|(k, (chunk, scratch))| {
-            for (j, out) in chunk.chunks_exact_mut(sweep.task).enumerate() {
-                sweep.fast(simd, &layer, k * share + j, &lines, scratch, out);
+        for window in &sweep.strip.windows {
+            let mut new = sweep.tiles_of(&layer, window);
+            while !new.is_empty() {
+                // up to the end of the ring of tiles
+                let slot = new.start % sweep.tiles;
+                let count = new.len().min(sweep.tiles - slot);
+                let tasks = count * sweep.lines;
+                let share = tasks.div_ceil(groups).max(1);
+                let out = &mut tiles[slot * sweep.lines * sweep.task..][..tasks * sweep.task];
+                out.par_chunks_mut(share * sweep.task).zip(&mut scratch).enumerate().for_each(|(k, (chunk, scratch))| {
+                    for (j, out) in chunk.chunks_exact_mut(sweep.task).enumerate() {
+                        let task = k * share + j;
+                        let (tile, line) = (new.start + task / sweep.lines, task % sweep.lines);
+                        if N == 2 || line < layer.points.len() {
+                            sweep.fast(simd, &layer, [tile, line], &lines, scratch, out);
+                        }
+                    }
+                });
+                new.start += count;
             }
-        });
 
-        let share = sweep.vectors.div_ceil(groups).max(1);
-        ring.par_chunks_mut(share * sweep.vector).zip(&mut scratch).enumerate().for_each(|(k, (chunk, scratch))| {
-            for (j, sums) in chunk.chunks_exact_mut(sweep.vector).enumerate() {
-                sweep.sums(simd, &layer, k * share + j, &tiles, scratch, sums);
-            }
-        });
+            let share = sweep.vectors.div_ceil(groups).max(1);
+            let (sweep, layer, tiles) = (&sweep, &layer, &*tiles);
+            ring.par_chunks_mut(share * sweep.vector).zip(&mut scratch).enumerate().for_each(|(k, (chunk, scratch))| {
+                for (j, sums) in chunk.chunks_exact_mut(sweep.vector).enumerate() {
+                    simd.vectorize(Add { simd, sweep, layer, window, r: k * share + j, tiles, scratch: &mut scratch.sums, sums });
+                }
+            });
+        }
 
         let first = next;
         while next < rows.end && slow.support[next].1 <= layer.elements.end {
             next += 1;
         }
         let sums = Sums {
-            values: bytemuck::cast_slice(&ring),
+            values: bytemuck::cast_slice(ring),
             lanes: S::F64_LANES,
             pair: sweep.vector / plan.pairs.len(),
             slots,
+            first: sweep.strip.held.start,
             components: plan.coefficient.components,
             pairs: &plan.pairs,
             symmetric: plan.coefficient.symmetric,

@@ -6,41 +6,43 @@
 use super::axis::Axis;
 use super::lanes::rows;
 use pulp::Simd;
+use std::ops::Range;
 
 /// Components on entry, (test, trial) with 0 slow, 1 middle, 2 neither.
 pub(super) const COMPONENTS: usize = 9;
 
-/// Where the points of the middle direction lie: point q in lane `q % lanes` of tile `q / lanes`.
+/// Where the points of the middle direction lie.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tiles {
-    /// Distance of the tiles.
-    pub tile: usize,
-    /// Start of the first.
+pub(super) struct Tiles<'a> {
+    /// What is added to every place.
     pub start: usize,
+    /// First point that has a place.
+    pub origin: usize,
+    /// Places of the points.
+    pub places: &'a [usize],
 }
 
-/// All pairs (i, j) of function `i`: `out[((j - i + active - 1) * points + point) * 4 + type]`, which must be zero.
+/// All pairs (i, j) of function `i` on some of its elements: `out[((j - i + active - 1) * points + point) * 4 + type]`, which must be zero.
 ///
 /// `components` says where component (test, trial) lies.
 #[inline(always)]
 pub(super) fn contract<S: Simd, const NP: usize>(
     simd: S,
     axis: &Axis,
-    i: usize,
+    (i, elements): (usize, Range<usize>),
     t: &[S::f64s],
-    at: Tiles,
+    at: Tiles<'_>,
     components: &[usize; COMPONENTS],
     out: &mut [S::f64s],
     [point, points]: [usize; 2],
 ) {
     let zero = simd.splat_f64s(0.0);
-    let lanes = S::F64_LANES;
     let [xx, xy, xn, yx, yy, yn, nx, ny, nn] = *components;
-    for e in axis.support[i].0..axis.support[i].1 {
+    for e in elements {
         let a = i - axis.first[e];
         let mut acc = [[zero; 4]; NP];
         for q in axis.start[e]..axis.start[e + 1] {
-            let place = at.start + (q / lanes) * at.tile + (q % lanes) * COMPONENTS;
+            let place = at.start + at.places[q - at.origin];
             let t = &t[place..place + COMPONENTS];
             let (values, slopes) = (&rows::<NP>(&axis.values)[q], &rows::<NP>(&axis.slopes)[q]);
             let (v, s) = (simd.splat_f64s(values[a]), simd.splat_f64s(slopes[a]));
@@ -73,19 +75,18 @@ pub(super) fn contract<S: Simd, const NP: usize>(
 pub(super) fn values<S: Simd, const NP: usize>(
     simd: S,
     axis: &Axis,
-    i: usize,
+    (i, elements): (usize, Range<usize>),
     t: &[S::f64s],
-    at: Tiles,
+    at: Tiles<'_>,
     out: &mut [S::f64s],
     [point, points]: [usize; 2],
 ) {
-    let lanes = S::F64_LANES;
-    for e in axis.support[i].0..axis.support[i].1 {
+    for e in elements {
         let a = i - axis.first[e];
         let mut acc = [simd.splat_f64s(0.0); NP];
         for q in axis.start[e]..axis.start[e + 1] {
             let values = &rows::<NP>(&axis.values)[q];
-            let u = simd.mul_f64s(t[at.start + (q / lanes) * at.tile + q % lanes], simd.splat_f64s(values[a]));
+            let u = simd.mul_f64s(t[at.start + at.places[q - at.origin]], simd.splat_f64s(values[a]));
             for b in 0..NP {
                 acc[b] = simd.mul_add_e_f64s(u, simd.splat_f64s(values[b]), acc[b]);
             }

@@ -12,7 +12,8 @@
 //! | `net`, `map` | positions and Jacobians on the grid |
 //! | `coefficient` | D per pair of components; rational functions by an extended coefficient |
 //! | `groups`, `fast`, `middle`, `slow` | the three contractions |
-//! | `layer`, `march` | loops and threads |
+//! | `strip` | strips and windows of the middle direction |
+//! | `layer`, `sums`, `march` | loops and threads |
 //! | `write`, `row` | rows of the matrix |
 //! | `glue`, `scatter` | several patches as one body: numbers, pattern of the union, rows |
 //! | `pattern`, `places` | row pointers and columns in closed form; where the unknowns live |
@@ -32,6 +33,8 @@ mod axis;
 #[cfg(all(test, target_arch = "x86_64"))]
 mod bits;
 mod coefficient;
+#[cfg(test)]
+mod cuts;
 mod deviation;
 mod diagonal;
 mod entry;
@@ -61,6 +64,8 @@ mod scatter;
 mod sites;
 mod slow;
 mod spread;
+mod strip;
+mod sums;
 mod write;
 
 use axis::{Axis, COMPILED};

@@ -49,8 +49,8 @@ impl Lines {
         for js in to.slow.columns[slow].0..to.slow.columns[slow].1 {
             for jm in to.middle.columns[middle].0..to.middle.columns[middle].1 {
                 self.runs.push(Run {
-                    upper: to.ring(sums.slots, middle, jm).at(to.slow.active, slow, js),
-                    mirror: to.ring(sums.slots, jm, middle).at(to.slow.active, js, slow),
+                    upper: to.ring(sums.slots, sums.first, middle, jm).at(to.slow.active, slow, js),
+                    mirror: to.ring(sums.slots, sums.first, jm, middle).at(to.slow.active, js, slow),
                     order: (js, jm).cmp(&(slow, middle)),
                     first: to.fast.functions * (jm + to.middle.functions * js),
                 });

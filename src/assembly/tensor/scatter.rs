@@ -7,7 +7,7 @@
 use super::Patch;
 use super::coefficient::Coefficient;
 use super::glue::Glue;
-use super::march::{Plan, march};
+use super::march::{Part, Plan, march};
 use super::write::{Directions, RowScratch, Sums};
 use crate::assembly::pattern::each_row;
 use crate::linalg::{Csr, Real, Sparsity};
@@ -37,9 +37,13 @@ pub(super) fn fill<T: Real>(patches: &[Patch<'_>], glue: &Glue, coefficient: &Co
         let (directions, first) = (patch.directions(), glue.first[k]);
         // inside the pool, so that no pass has to enter it
         rayon::scope(|_| {
-            march(&plan, 0..directions.slow.functions, threads, &mut |sums: Sums<'_>, rows: Range<usize>| {
-                to.stretch(&sums, directions, first, rows, threads, values);
-            });
+            // the order of sums of merged functions follows from the strips: they depend on nothing but the patch
+            for strip in plan.strips() {
+                let part = Part { strip: strip.clone(), rows: 0..directions.slow.functions };
+                march(&plan, part, threads, &mut |sums: Sums<'_>, rows: Range<usize>| {
+                    to.stretch(&sums, directions, first, [strip.clone(), rows], threads, values);
+                });
+            }
         });
     }
     if coefficient.symmetric && !add {
@@ -68,11 +72,21 @@ impl Target<'_> {
         row.binary_search(&other).expect("the matrix has the pattern of the basis")
     }
 
-    /// Adds the rows of the functions `rows` of the slow direction of the patch whose functions start at `first`.
-    fn stretch<T: Real>(&self, sums: &Sums<'_>, to: Directions<'_>, first: usize, rows: Range<usize>, threads: usize, values: &mut [T]) {
-        let (n0, n1) = (to.fast.functions, to.middle.functions);
-        let begin = first + rows.start * n0 * n1;
-        let mut order: Vec<(u32, usize)> = self.glue.ids[begin..first + rows.end * n0 * n1].iter().copied().zip(0..).collect();
+    /// Adds the rows of functions of the middle and the slow direction of the patch whose functions start at `first`.
+    fn stretch<T: Real>(
+        &self,
+        sums: &Sums<'_>,
+        to: Directions<'_>,
+        first: usize,
+        [strip, rows]: [Range<usize>; 2],
+        threads: usize,
+        values: &mut [T],
+    ) {
+        let (n0, n1) = (to.fast.functions, strip.len());
+        let place = |line: usize| [strip.start + line % n1, rows.start + line / n1];
+        let begin = |[middle, slow]: [usize; 2]| first + n0 * (middle + to.middle.functions * slow);
+        let ids = rows.clone().flat_map(|slow| &self.glue.ids[begin([strip.start, slow])..begin([strip.end, slow])]);
+        let mut order: Vec<(u32, usize)> = ids.copied().zip(0..).collect();
         order.sort_unstable();
         let mut slots: Vec<Option<&mut [T]>> = order.iter().map(|_| None).collect();
         let (mut rest, mut next, mut later) = (&mut *values, 0, Vec::new());
@@ -91,17 +105,18 @@ impl Target<'_> {
             let mut scratch = RowScratch::default();
             for (k, slots) in slots.chunks_mut(n0).enumerate() {
                 let line = task * share + k;
-                self.line(sums, to, first, [line % n1, rows.start + line / n1], slots, &mut scratch);
+                self.line(sums, to, first, place(line), slots, &mut scratch);
             }
         });
         drop(slots);
         later.sort_unstable();
         let mut scratch = RowScratch::default();
         for i in later {
-            let id = self.glue.ids[begin + i] as usize;
+            let line = place(i / n0);
+            let id = self.glue.ids[begin(line) + i % n0] as usize;
             let mut slots: Vec<Option<&mut [T]>> = (0..n0).map(|_| None).collect();
             slots[i % n0] = Some(&mut values[self.starts[id]..self.starts[id + 1]]);
-            self.line(sums, to, first, [i / n0 % n1, rows.start + i / n0 / n1], &mut slots, &mut scratch);
+            self.line(sums, to, first, line, &mut slots, &mut scratch);
         }
     }
 

@@ -22,6 +22,8 @@ pub(super) struct Sums<'a> {
     pub pair: usize,
     /// Slots of the ring.
     pub slots: usize,
+    /// First function of the middle direction that has sums.
+    pub first: usize,
     /// Components of the field.
     pub components: usize,
     /// Pairs of components.
@@ -44,16 +46,16 @@ pub(super) struct Directions<'a> {
 }
 
 impl Directions<'_> {
-    /// Place of the ring of the pair (i, j) of functions of the middle direction.
+    /// Place of the ring of the pair (i, j) of functions of the middle direction, the first of which that has sums is `first`.
     #[inline(always)]
-    pub fn ring(&self, slots: usize, i: usize, j: usize) -> Ring {
+    pub fn ring(&self, slots: usize, first: usize, i: usize, j: usize) -> Ring {
         let (active, pair) = (self.middle.active, 2 * self.middle.active - 1);
-        Ring { slots, pair, start: i * slots * (2 * self.slow.active - 1) * pair + j + active - 1 - i }
+        Ring { slots, pair, start: (i - first) * slots * (2 * self.slow.active - 1) * pair + j + active - 1 - i }
     }
 
-    /// Vectors of sums per pair of components and vector of pairs of the fastest direction.
+    /// Vectors of sums per function of the middle direction, pair of components and vector of pairs of the fastest one.
     pub fn sums(&self, slots: usize) -> usize {
-        self.middle.functions * slots * (2 * self.slow.active - 1) * (2 * self.middle.active - 1)
+        slots * (2 * self.slow.active - 1) * (2 * self.middle.active - 1)
     }
 
     /// Entries of the scalar matrix before function (0, middle, slow).
