@@ -155,26 +155,25 @@ impl<T: Real> Csr<T> {
 
     /// Whether |a_ij - a_ji| <= `tolerance` (m_i m_j)^1/2 everywhere, m_i the largest |entry| of row i; linear in the number of entries.
     pub fn is_symmetric(&self, tolerance: f64) -> bool {
-        let n = self.num_rows();
-        if n != self.num_cols() {
+        if self.num_rows() != self.num_cols() {
             return false;
         }
-        let largest = |i: usize| self.row(i).1.iter().fold(T::zero(), |m, v| m.max(v.abs()));
-        let limit: Vec<T> = (0..n).map(|i| (largest(i) * lit(tolerance)).sqrt()).collect();
-        let (pattern, c, vals) = (&*self.pattern, self.pattern.block(), self.vals());
-        // entry (k, l) of block `at` of group `i` of rows, in column group `j`, against what is opposite
-        let agree = |i: usize, at: usize, j: usize, opposite: Option<usize>| {
-            (0..c).all(|k| {
-                (0..c).all(|l| {
-                    let own = vals[pattern.place(i, at, k, l)];
-                    let other = opposite.map_or_else(T::zero, |at| vals[pattern.place(j, at, l, k)]);
-                    (own - other).abs() <= limit[c * i + k] * limit[c * j + l]
-                })
-            })
-        };
+        let limit: Vec<T> = (0..self.num_rows()).map(|i| (largest(self.row(i).1) * lit(tolerance)).sqrt()).collect();
+        match self.pattern.block() {
+            1 => self.agrees::<1>(&limit),
+            2 => self.agrees::<2>(&limit),
+            3 => self.agrees::<3>(&limit),
+            _ => self.agrees::<0>(&limit),
+        }
+    }
+
+    /// Whether |a_ij - a_ji| <= `limit[i]` `limit[j]` everywhere, in blocks of C, of any size where C = 0.
+    fn agrees<const C: usize>(&self, limit: &[T]) -> bool {
+        let (pattern, vals) = (&*self.pattern, self.vals());
+        let agree = |i: usize, at: usize, j: usize, opposite: Option<usize>| agree::<C, T>(pattern, vals, limit, [i, at, j], opposite);
         // rows ascend: the next block of group j left of its diagonal is the one that group i asks for, or has no partner
-        let groups = n / c;
-        let mut next = vec![0usize; groups];
+        let groups = pattern.ptr().len() - 1;
+        let mut next = vec![0u32; groups];
         for i in 0..groups {
             for (at, &j) in pattern.group(i).iter().enumerate() {
                 let j = j as usize;
@@ -185,24 +184,29 @@ impl<T: Real> Csr<T> {
                     continue;
                 }
                 let row = pattern.group(j);
-                while row.get(next[j]).is_some_and(|&b| (b as usize) < i) {
-                    if !agree(j, next[j], row[next[j]] as usize, None) {
+                while row.get(next[j] as usize).is_some_and(|&b| (b as usize) < i) {
+                    if !agree(j, next[j] as usize, row[next[j] as usize] as usize, None) {
                         return false;
                     }
                     next[j] += 1;
                 }
-                let partner = row.get(next[j]).is_some_and(|&b| b as usize == i);
-                if !agree(i, at, j, partner.then_some(next[j])) {
+                let partner = row.get(next[j] as usize).is_some_and(|&b| b as usize == i);
+                if !agree(i, at, j, partner.then_some(next[j] as usize)) {
                     return false;
                 }
-                next[j] += usize::from(partner);
+                next[j] += u32::from(partner);
             }
         }
         // what is left of the diagonal and was never asked for
         (0..groups).all(|j| {
             let row = pattern.group(j);
-            (next[j]..row.len()).take_while(|&at| (row[at] as usize) < j).all(|at| agree(j, at, row[at] as usize, None))
+            (next[j] as usize..row.len()).take_while(|&at| (row[at] as usize) < j).all(|at| agree(j, at, row[at] as usize, None))
         })
+    }
+
+    /// Whether no value is infinite or not a number.
+    pub(crate) fn is_finite(&self) -> bool {
+        all_finite(&self.vals)
     }
 
     /// Aᵀ, rows sorted, in blocks of the same size; linear in the number of entries.
@@ -242,6 +246,40 @@ impl<T: Real> Operator<T> for Csr<T> {
     fn places(&self) -> &[[f64; 3]] {
         &self.places
     }
+}
+
+/// Whether block `at` of group `i` of rows, in column group `j`, agrees with the block `opposite` of group `j`, or is nothing without one.
+#[inline(always)]
+fn agree<const C: usize, T: Real>(pattern: &Sparsity, vals: &[T], limit: &[T], [i, at, j]: [usize; 3], opposite: Option<usize>) -> bool {
+    let (c, ptr) = (if C == 0 { pattern.block() } else { C }, pattern.ptr());
+    let place = |i: usize, at: usize, k: usize, l: usize| if C == 1 { ptr[i] + at } else { pattern.place(i, at, k, l) };
+    let mut good = true;
+    for k in 0..c {
+        for l in 0..c {
+            let own = vals[place(i, at, k, l)];
+            let other = opposite.map_or_else(T::zero, |at| vals[place(j, at, l, k)]);
+            good &= (own - other).abs() <= limit[c * i + k] * limit[c * j + l];
+        }
+    }
+    good
+}
+
+/// Largest size of a value, in four parts.
+pub(crate) fn largest<T: Real>(vals: &[T]) -> T {
+    let (parts, rest) = vals.as_chunks::<4>();
+    let mut most = [T::zero(); 4];
+    for part in parts {
+        for k in 0..4 {
+            let size = part[k].abs();
+            most[k] = if size > most[k] { size } else { most[k] };
+        }
+    }
+    rest.iter().map(|v| v.abs()).chain(most).fold(T::zero(), |m, v| if v > m { v } else { m })
+}
+
+/// Whether no value is infinite or not a number.
+pub(crate) fn all_finite<T: Real>(vals: &[T]) -> bool {
+    vals.chunks(256).all(|part| part.iter().fold(true, |good, v| good & v.is_finite()))
 }
 
 #[cfg(test)]

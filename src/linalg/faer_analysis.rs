@@ -1,10 +1,14 @@
 //! The symbolic part of a factorisation: it depends on the pattern alone and is kept as long as that stays.
 
-use super::{LinearError, Sparsity, ordering};
-use faer::Side;
+use super::faer_ldlt::buffer;
+use super::multifrontal::Fronts;
+use super::{Buffer, LinearError, Sparsity, Upper, ordering};
+use faer::dyn_stack::MemStack;
+use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::perm::PermRef;
-use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::cholesky::{self, SymbolicCholesky, SymmetricOrdering};
+use faer::sparse::linalg::cholesky::{self, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Par, Side, Spec};
 use std::sync::Arc;
 
 /// An order of the unknowns and the places of the factor's numbers.
@@ -14,8 +18,45 @@ pub(super) struct Analysis {
     /// The pattern of the upper triangle.
     pub pattern: Arc<(Vec<usize>, Vec<usize>)>,
     pub symbolic: SymbolicCholesky<usize>,
+    /// The factorisation by fronts, where it is to be had.
+    pub fronts: Option<Fronts>,
     /// Whether places were used.
     pub dissected: bool,
+}
+
+impl Analysis {
+    /// Bytes that a factorisation needs beside the factor and the upper triangle.
+    pub fn work_bytes(&self) -> usize {
+        match &self.fronts {
+            Some(fronts) => fronts.bytes() + fronts.work_bytes(),
+            None => self.symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()).size_bytes(),
+        }
+    }
+
+    /// The factor of the matrix with this upper triangle; `work` is kept for the next one.
+    pub fn factorise(&self, upper: &Upper, factor: &mut [f64], work: &mut Option<[Buffer<f64>; 2]>) -> Result<(), LinearError> {
+        match (&self.fronts, self.symbolic.raw()) {
+            (Some(fronts), SymbolicCholeskyRaw::Supernodal(nodes)) => {
+                let work = work.get_or_insert_with(|| fronts.work());
+                fronts.factorise(nodes, &upper.vals, factor, work).ok_or(LinearError::Singular { residual: 1.0 })
+            }
+            _ => self.by_columns(upper, factor),
+        }
+    }
+
+    /// The same by faer, a column of supernodes after the other, or of single unknowns where the factor has few entries.
+    pub fn by_columns(&self, upper: &Upper, factor: &mut [f64]) -> Result<(), LinearError> {
+        let ((ptr, cols), symbolic) = (&*upper.pattern, &self.symbolic);
+        let n = symbolic.nrows();
+        // rows of the upper triangle are columns of the lower one
+        let matrix = SparseColMatRef::new(SymbolicSparseColMatRef::new_checked(n, n, ptr, None, cols), &upper.vals);
+        let mut memory = buffer(symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()))?;
+        let plain = LdltRegularization::default();
+        symbolic
+            .factorize_numeric_ldlt(factor, matrix, Side::Lower, plain, Par::Seq, MemStack::new(&mut memory), Spec::default())
+            .map_err(|_| LinearError::Singular { residual: 1.0 })?;
+        Ok(())
+    }
 }
 
 /// Orders and analyses the upper triangle with this pattern.
@@ -34,5 +75,9 @@ pub(super) fn analyse(pattern: &Arc<(Vec<usize>, Vec<usize>)>, places: &[[f64; 3
     let matrix = SymbolicSparseColMatRef::new_checked(n, n, ptr, None, cols);
     let symbolic =
         cholesky::factorize_symbolic_cholesky(matrix, Side::Lower, choice, Default::default()).map_err(|_| LinearError::Memory)?;
-    Ok(Analysis { source: None, pattern: pattern.clone(), symbolic, dissected: order.is_some() })
+    let fronts = match (symbolic.raw(), symbolic.perm()) {
+        (SymbolicCholeskyRaw::Supernodal(s), Some(perm)) => Fronts::of(s, ptr, cols, perm.arrays().1),
+        _ => None,
+    };
+    Ok(Analysis { source: None, pattern: pattern.clone(), symbolic, fronts, dissected: order.is_some() })
 }

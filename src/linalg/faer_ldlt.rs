@@ -1,8 +1,9 @@
-//! Sparse LDLᵀ of symmetric positive definite and quasi-definite matrices, on faer.
+//! Sparse LDLᵀ of symmetric positive definite and quasi-definite matrices: analysis and solves by faer, the numbers by fronts.
 //!
 //! P A Pᵀ = L D Lᵀ without pivoting. P is a geometric nested dissection where the operator knows the places of its unknowns, else
 //! approximate minimum degree. A pattern seen before keeps its analysis.
 
+use super::csr::all_finite;
 use super::faer_analysis::{Analysis, analyse};
 use super::refine::refine;
 use super::residual::{KERNEL, SAFE_GROWTH, Soft, kernel_ratio, row_scale, scaled_condition, softest};
@@ -11,8 +12,7 @@ use super::{Buffer, LinearError, LinearSolver, Operator, Sparsity, Upper};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
 use faer::sparse::linalg::cholesky::{LdltRef, SymbolicCholeskyRaw};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side, Spec};
+use faer::{Conj, MatMut, Par};
 use std::fmt;
 use std::sync::Arc;
 
@@ -30,12 +30,16 @@ const LIFT: f64 = 1e-7;
 pub struct Ldlt {
     analysis: Option<Analysis>,
     factor: Buffer<f64>,
+    /// Memory of the last factorisation.
+    work: Option<[Buffer<f64>; 2]>,
     ready: bool,
     /// Values that were factorised, from the second matrix of a pattern on: one matrix alone needs no memory to compare.
     values: Vec<f64>,
     analyses: usize,
     factorisations: usize,
     negative: usize,
+    /// |diagonal| of the matrix factorised last.
+    diagonal: Vec<f64>,
     scale: Vec<f64>,
 }
 
@@ -101,16 +105,15 @@ impl Ldlt {
     pub fn check(&mut self, a: &dyn Operator<f64>) -> Result<(), LinearError> {
         let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
         self.scale = row_scale(a);
-        let diagonal: Vec<f64> = matrix.diagonal().iter().map(|d| d.abs()).collect();
-        if diagonal.is_empty() {
+        if matrix.num_rows() == 0 {
             return Ok(());
         }
         // a vector of the kernel grows so much in one step that no other matrix needs a second look
-        let soft = self.soft(&diagonal, 1)?;
+        let soft = self.soft(1)?;
         if soft.growth < SAFE_GROWTH {
             return Ok(());
         }
-        let soft = self.soft(&diagonal, 2)?;
+        let soft = self.soft(2)?;
         if kernel_ratio(matrix, &self.scale, &soft.vector) < KERNEL {
             self.ready = false;
             return Err(LinearError::Singular { residual: 1.0 });
@@ -128,18 +131,17 @@ impl Ldlt {
     /// [`LinearError`] where `a` has no matrix or is not the one factorised.
     pub fn condition(&mut self, a: &dyn Operator<f64>) -> Result<f64, LinearError> {
         let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
-        let diagonal: Vec<f64> = matrix.diagonal().iter().map(|d| d.abs()).collect();
-        if diagonal.is_empty() {
+        if matrix.num_rows() == 0 {
             return Ok(1.0);
         }
-        let soft = self.soft(&diagonal, 2)?;
-        Ok(scaled_condition(matrix, &diagonal, &soft.vector))
+        let soft = self.soft(2)?;
+        Ok(scaled_condition(matrix, &self.diagonal, &soft.vector))
     }
 
     /// Inverse iteration with the factor; one that overflows has no factor worth keeping.
-    fn soft(&mut self, diagonal: &[f64], steps: usize) -> Result<Soft, LinearError> {
+    fn soft(&mut self, steps: usize) -> Result<Soft, LinearError> {
         let mut fault = None;
-        let soft = softest(diagonal, steps, |v| {
+        let soft = softest(&self.diagonal, steps, |v| {
             if let Err(error) = self.apply_inverse(v) {
                 fault = Some(error);
             }
@@ -155,7 +157,7 @@ impl Ldlt {
     /// The upper triangle of `a`, which has to be symmetric.
     fn upper(&mut self, a: &dyn Operator<f64>) -> Result<Upper, LinearError> {
         let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
-        let fault = if matrix.vals().iter().any(|v| !v.is_finite()) {
+        let fault = if !matrix.is_finite() {
             Some(LinearError::NotFinite)
         } else {
             (!matrix.is_symmetric(NO_SYMMETRY)).then_some(LinearError::NotSymmetric)
@@ -176,13 +178,13 @@ impl Ldlt {
         }
     }
 
-    /// Bytes that a factorisation of this pattern needs beyond the matrix itself: factor, pattern, scratch, and the numbers that a
+    /// Bytes that a factorisation of this pattern needs beyond the matrix itself: factor, pattern, fronts, and the numbers that a
     /// second matrix of the pattern is compared with. The analysis is kept.
     pub(crate) fn predict(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<usize, LinearError> {
         self.analyse_upper(upper, places)?;
-        let symbolic = &self.analysis.as_ref().expect("analysed above").symbolic;
-        let scratch = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()).size_bytes();
-        Ok(8 * symbolic.len_val() + 24 * upper.vals.len() + scratch)
+        let analysis = self.analysis.as_ref().expect("analysed above");
+        let symbolic = &analysis.symbolic;
+        Ok(8 * (symbolic.len_val() + symbolic.nrows()) + 24 * upper.vals.len() + analysis.work_bytes())
     }
 
     fn analyse_upper(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {
@@ -191,6 +193,7 @@ impl Ldlt {
             self.ready = false;
             self.analysis = None;
             self.factor = Buffer::default();
+            self.work = None;
             self.analysis = Some(analyse(&upper.pattern, places)?);
             self.analyses += 1;
         }
@@ -199,7 +202,7 @@ impl Ldlt {
 
     /// Factorises the matrix with this upper triangle; no check of singularity beyond zero and infinite pivots.
     pub(crate) fn factorise_upper(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {
-        if upper.vals.iter().any(|v| !v.is_finite()) {
+        if !all_finite(&upper.vals) {
             self.ready = false;
             return Err(LinearError::NotFinite);
         }
@@ -223,21 +226,10 @@ impl Ldlt {
             (self.ready, self.negative) = (true, 0);
             return Ok(());
         }
-        let (ptr, cols) = &*upper.pattern;
-        // rows of the upper triangle are columns of the lower one
-        let matrix = SparseColMatRef::new(SymbolicSparseColMatRef::new_checked(n, n, ptr, None, cols), &upper.vals);
-        let mut memory = buffer(symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()))?;
-        symbolic
-            .factorize_numeric_ldlt(
-                &mut self.factor,
-                matrix,
-                Side::Lower,
-                faer::linalg::cholesky::ldlt::factor::LdltRegularization::default(),
-                Par::Seq,
-                MemStack::new(&mut memory),
-                Spec::default(),
-            )
-            .map_err(|_| LinearError::Singular { residual: 1.0 })?;
+        let analysis = self.analysis.as_ref().expect("analysed above");
+        analysis.factorise(upper, &mut self.factor, &mut self.work)?;
+        self.diagonal.clear();
+        self.diagonal.extend(upper.pattern.0[..n].iter().map(|&first| upper.vals[first].abs()));
         self.ready = true;
         self.negative = self.count_negative(upper);
         Ok(())

@@ -1,5 +1,6 @@
 //! Residuals that do not depend on units, and vectors that a matrix maps to rounding errors.
 
+use super::csr::largest;
 use super::{Csr, Operator, Real, to_f64};
 
 /// A direct solve with a larger relative residual than this is an error.
@@ -82,7 +83,7 @@ fn halves(a: f64) -> (f64, f64) {
 /// Reciprocal of the largest entry of every row (of the diagonal, where there is no matrix); one for empty rows.
 pub(crate) fn row_scale<T: Real>(a: &dyn Operator<T>) -> Vec<f64> {
     let largest: Vec<f64> = match a.csr() {
-        Some(matrix) => (0..matrix.num_rows()).map(|i| matrix.row(i).1.iter().fold(0.0, |m: f64, &v| max(m, to_f64(v).abs()))).collect(),
+        Some(matrix) => (0..matrix.num_rows()).map(|i| to_f64(largest(matrix.row(i).1))).collect(),
         None => a.diagonal().iter().map(|&d| to_f64(d).abs()).collect(),
     };
     largest.iter().map(|&m| if m > 0.0 && m.is_finite() { 1.0 / m } else { 1.0 }).collect()
