@@ -2,7 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use faying::assembly::{Equation, Reduced, gauss_rules, stiffness};
+use faying::assembly::{Equation, Reduced, gauss_rules, refill_stiffness, stiffness};
+use faying::geometry::ControlNet;
 use faying::linalg::{Csr, Operator, Real, Sparsity, Triplets, lit, product, sum};
 use faying::physics::{Hooke, form};
 use faying::space::{Body, Patch, PatchSpec};
@@ -180,6 +181,42 @@ fn reduction_keeps_blocks_where_nodes_are_held_as_a_whole() {
             gathered[free(n + 4)] -= 0.25 * forces[90];
         }
         assert!(gathered.iter().zip(&product).all(|(a, b)| (a - b).abs() <= 1e-13 * size));
+    }
+}
+
+/// Allocations per layer of elements: tables of the directions, lists of tasks.
+const PER_LAYER: u64 = 16;
+
+/// Numbers of times that refilling the matrix of n elements per direction allocates, on one thread.
+fn allocations<const S: usize, const N: usize>(n: usize, material: &dyn faying::physics::Material<N, N>, net: ControlNet<N, N>) -> u64
+where
+    Patch<S, N>: Body<S, N>,
+{
+    let patch = Patch::<S, N>::try_new(&PatchSpec::new(net).with_degree([2; N]).with_elements([n; N])).unwrap();
+    let rules = gauss_rules(patch.space(), 0);
+    let mut k = stiffness(patch.space(), &rules, &form(material));
+    let fresh = k.clone();
+    k.vals_mut().fill(f64::NAN);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let mut refill = || refill_stiffness(patch.space(), &rules, &form(material), &mut k);
+    let count = pool.install(|| {
+        refill();
+        allocation_counter::measure(&mut refill).count_total
+    });
+    assert_eq!(k, fresh);
+    count
+}
+
+/// Memory of tasks is kept from layer to layer: elements, eight times as many in space, allocate nothing, layers a few times.
+#[test]
+fn refilling_allocates_per_layer_and_not_per_element() {
+    let square = faying::geometry::shapes::annulus_sector([0.0; 2], [1.0, 2.0], [0.0, 90.0]).unwrap();
+    let cube = faying::geometry::shapes::brick([0.0; 3], [1.0; 3]).unwrap();
+    let (plane, solid) = (Hooke::<2>::plane_stress(1.0, 0.3).unwrap(), Hooke::<3>::solid(1.0, 0.3).unwrap());
+    let counts = [16, 32].map(|n| allocations::<1, 2>(n, &plane, square.clone()));
+    let solids = [8, 16].map(|n| allocations::<2, 3>(n, &solid, cube.clone()));
+    for ([few, many], layers) in [(counts, 16), (solids, 8)] {
+        assert!(many <= few + PER_LAYER * layers, "{counts:?} {solids:?}");
     }
 }
 

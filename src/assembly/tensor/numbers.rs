@@ -69,9 +69,14 @@ fn agrees<const N: usize, T: Real, B: Basis<N, T> + ?Sized>(basis: &B, part: &Te
         let at: [(usize, usize, usize); N] = std::array::from_fn(|k| reach[k][lines[k]]);
         let element = (0..N).rev().fold(0, |e, k| e * elements[k] + at[k].0);
         own.clear();
-        own.push(0);
-        for k in (0..N).rev() {
-            own = own.iter().flat_map(|&i| (at[k].1..=at[k].2).map(move |a| i * functions[k] + a)).collect();
+        let widths = at.map(|(_, from, to)| to + 1 - from);
+        for mut rest in 0..widths.iter().product() {
+            let (mut id, mut stride) = (0, 1);
+            for k in 0..N {
+                id += stride * (at[k].1 + rest % widths[k]);
+                (rest, stride) = (rest / widths[k], stride * functions[k]);
+            }
+            own.push(id);
         }
         if own.iter().any(|&i| i >= part.ids.len()) {
             return false;
