@@ -27,8 +27,13 @@ pub(super) fn best_cut(piece: &Piece) -> Option<Vec<u8>> {
     match frame(piece) {
         Some((axes, share)) if share > ALIGNED => directions = axes.to_vec(),
         found => {
-            directions.extend(found.into_iter().flat_map(|f| f.0));
-            directions.extend(oblique_direction(&piece.at));
+            let more = found.into_iter().flat_map(|f| f.0).chain(oblique_direction(&piece.at));
+            // a direction met before gives the same plane
+            more.for_each(|d| {
+                if !directions.contains(&d) {
+                    directions.push(d);
+                }
+            });
         }
     }
     let mut planes: Vec<Plane> = directions.iter().filter_map(|d| Plane::through_median(piece, d)).collect();
