@@ -88,6 +88,19 @@ fn without_matrix<const C: usize, const N: usize>(space: &dyn Space<N, N>, form:
         (Vector::repeat((2.0 * x[0] + x[1]).sin()), Matrix::from_fn(|c, j| x[j] - 0.3 * c as f64))
     };
     let force = |x: &Vector<N>| field(x).0;
+    let run = |threads: usize| {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
+            let (mut all, mut y) = (load::<C, N, N, _, _, _>(space, &rules, &force), vec![f64::NAN; n]);
+            let e = difference(space, &rules, form, &x, &|_, _, x| field(x));
+            free.apply(&x, &mut y);
+            all.extend(y.iter().chain(&free.diagonal()).chain(&[e.error.l2, e.error.h1, e.error.energy]));
+            all
+        })
+    };
+    let one = run(1);
+    for threads in [2, 3, 4] {
+        assert!(run(threads).iter().zip(&one).all(|(a, b)| a.to_bits() == b.to_bits()), "{threads} threads");
+    }
     let (a, b) = (load::<C, N, N, _, _, _>(space, &rules, &force), load::<C, N, N, _, _, _>(&plain, &rules, &force));
     assert!(a != b, "the contraction is what is tested");
     most = most.max(apart(&a, &b) / largest(&b));

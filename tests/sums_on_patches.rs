@@ -1,17 +1,20 @@
-//! Loads and norms contracted direction by direction against the plain loops, on every kind of patch.
+//! Loads and norms against the plain loops: contracted direction by direction on every kind of patch, in lanes on cells.
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/cells.rs"]
+mod cells;
 #[path = "common/products.rs"]
 mod products;
 
-use faying::assembly::{Errors, Form, difference, errors, gauss_rules, load};
+use cells::{Shapes, bent, boxes, shaken};
+use faying::assembly::{Errors, Form, Moments, difference, errors, gauss_rules, load, load_with_moments};
 use faying::basis::{Basis, Rational, TensorProduct};
 use faying::geometry::ControlPoints;
 use faying::linalg::{Matrix, Vector};
 use faying::physics::{Hooke, form};
 use faying::quadrature::{Quadrature, TensorRule};
-use faying::space::{Deformed, Over, Space};
+use faying::space::{Body, Deformed, Mapping, Mesh, Over, Space};
 use products::{Plain, coarse, forms, lagrange, maps, net, noise, smooth, spline, weights};
 
 const SAME: f64 = 1e-13;
@@ -33,6 +36,10 @@ fn compare<const C: usize, const N: usize>(space: &dyn Space<N, N>, rules: &dyn 
     let largest = b.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     assert!(a != b, "the contraction is what is tested");
     let mut most = a.iter().zip(&b).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs() / largest));
+    let moments = |space: &dyn Space<N, N>| load_with_moments::<C, N, N, _, _, _>(space, rules, &force);
+    let ((same, fast), (_, slow)) = (moments(space), moments(&plain));
+    assert!(same == a, "the load does not depend on who asks for its moments");
+    most = most.max((fast.total - slow.total).amax() / slow.total.amax()).max((fast.first - slow.first).amax() / slow.first.amax());
     let u: Vec<f64> = (0..C * space.num_functions()).map(|i| noise(3 * i) - 0.3).collect();
     for u in [&u[..], &[]] {
         // a field that depends on element and local point too
@@ -138,8 +145,9 @@ fn sums_have_the_same_bits_for_any_number_of_threads() {
         let rules = gauss_rules(space, 0);
         let run = |threads: usize| {
             rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
-                let mut all = load::<C, N, N, _, _, _>(space, &rules, &|x: &Vector<N>| field::<C, N>(x).0);
-                all.extend(numbers(&errors(space, &rules, form, &all, &field)));
+                let (mut all, moments) = load_with_moments::<C, N, N, _, _, _>(space, &rules, &|x: &Vector<N>| field::<C, N>(x).0);
+                all.extend(moments.total.iter().chain(&moments.first));
+                all.extend(numbers(&errors(space, &rules, form, &all[..C * space.num_functions()], &field)));
                 all
             })
         };
@@ -153,4 +161,53 @@ fn sums_have_the_same_bits_for_any_number_of_threads() {
     let axes = || [smooth(2, 6), spline(3, 5), spline(2, 8)];
     let space = ControlPoints { basis: TensorProduct::new(axes()), points: net(&axes()) };
     bits(&space, &form(&Hooke::<3>::solid(1.0, 0.3).unwrap()));
+    // more tasks than wait at a time
+    bits::<1, 2>(&**plane([70, 65], Shapes::Simplex, 2).space(), &Form::laplace());
+    bits::<2, 2>(&**plane([9, 7], Shapes::Mixed, 3).space(), &form(&Hooke::<2>::plane_strain(1.0, 0.3).unwrap()));
+    bits::<3, 3>(&**solid([5, 4, 3], Shapes::Tensor, 2).space(), &form(&Hooke::<3>::solid(1.0, 0.3).unwrap()));
+}
+
+fn plane(counts: [usize; 2], shapes: Shapes, degree: usize) -> Mesh<1, 2> {
+    Mesh::from_cells(&boxes(counts, shapes, 1, Some(7), &shaken(counts, 0.2)), degree, Mapping::Exact).unwrap()
+}
+
+fn solid(counts: [usize; 3], shapes: Shapes, degree: usize) -> Mesh<2, 3> {
+    Mesh::from_cells(&boxes(counts, shapes, 2, Some(11), &bent), degree, Mapping::Isoparametric).unwrap()
+}
+
+#[test]
+fn sums_on_cells_are_those_of_the_plain_loops() {
+    let mut most = 0.0f64;
+    for shapes in [Shapes::Tensor, Shapes::Simplex, Shapes::Mixed] {
+        for degree in 1..=4 {
+            most = most.max(all_forms(&**plane([5, 3], shapes, degree).space()));
+        }
+        let curved = boxes([4, 3], shapes, 3, Some(5), &bent);
+        most = most.max(all_forms(&**Mesh::<1, 2>::from_cells(&curved, 2, Mapping::Exact).unwrap().space()));
+    }
+    for shapes in [Shapes::Tensor, Shapes::Simplex] {
+        for degree in 1..=3 {
+            most = most.max(all_forms(&**solid([3, 2, 1], shapes, degree).space()));
+        }
+    }
+    println!("cells: apart by {most:.1e} at most");
+}
+
+#[test]
+fn moments_of_a_force_are_those_of_its_formula() {
+    // f = (1, y, x) on the box 0 < x < 2, 0 < y < 3, 0 < z < 1 of shaken cells: exact by any rule that holds its degree
+    let map = |u: &Vector<3>| Vector::<3>::new(2.0 * u[0], 3.0 * u[1], u[2]);
+    for shapes in [Shapes::Tensor, Shapes::Simplex] {
+        let body = Mesh::<2, 3>::from_cells(&boxes([3, 2, 2], shapes, 1, Some(3), &map), 2, Mapping::Exact).unwrap();
+        let space = &**body.space();
+        let force = |x: &Vector<3>| Vector::<3>::new(1.0, x[1], x[0]);
+        let (load, found) = load_with_moments::<3, 3, 3, _, _, _>(space, &gauss_rules(space, 0), &force);
+        let exact =
+            Moments { total: Vector::<3>::new(6.0, 9.0, 6.0), first: Matrix::<3, 3>::new(6.0, 9.0, 3.0, 9.0, 18.0, 4.5, 8.0, 9.0, 3.0) };
+        assert!((found.total - exact.total).amax() < 1e-13 && (found.first - exact.first).amax() < 1e-12, "{found:?}");
+        for c in 0..3 {
+            let sum: f64 = load.iter().skip(c).step_by(3).sum();
+            assert!((sum - exact.total[c]).abs() < 1e-13, "functions sum to one: {sum}");
+        }
+    }
 }

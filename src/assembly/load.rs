@@ -1,6 +1,7 @@
 //! Linear forms: loads inside a body and on its sides, springs on sides, measures.
 
 use super::bulk::ask;
+use super::cells::Sums;
 use super::scratch::Scratch;
 use super::tensor::{Patches, Sites};
 use crate::basis::{Basis, Order, ShapeTable};
@@ -12,6 +13,15 @@ use rayon::prelude::*;
 
 /// Elements handed to one task at a time.
 const ELEMENTS_PER_TASK: usize = 64;
+
+/// The sum of a force over a body, and its first moments; that of f times length^D, and once more \[length\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moments<const C: usize, const N: usize, T: Real = f64> {
+    /// ∫ f dx.
+    pub total: Vector<C, T>,
+    /// ∫ f_c x_k dx at (c, k).
+    pub first: Matrix<C, N, T>,
+}
 
 /// ∫ f(x) . N dx, unknown = C * function + component.
 ///
@@ -26,45 +36,93 @@ where
     S: Space<D, N, T> + ?Sized,
     Q: Quadrature<D, T> + ?Sized,
 {
+    load_with_moments(space, quadrature, f).0
+}
+
+/// What [`load`] gives, with the sum and the first moments of the force by the same rule: f is asked once per point.
+pub fn load_with_moments<const C: usize, const D: usize, const N: usize, T, S, Q>(
+    space: &S,
+    quadrature: &Q,
+    f: &(impl Fn(&Vector<N, T>) -> Vector<C, T> + Sync + ?Sized),
+) -> (Vec<T>, Moments<C, N, T>)
+where
+    T: Real,
+    S: Space<D, N, T> + ?Sized,
+    Q: Quadrature<D, T> + ?Sized,
+{
     let asks = || ask::<D, N, T, S>(space);
+    let answer = |sites: &Sites, out: &mut [f64]| {
+        for (x, out) in sites.x.chunks_exact(N).zip(out.chunks_exact_mut(C)) {
+            let force = f(&Vector::from_fn(|k, _| lit(x[k])));
+            out.iter_mut().zip(force.iter()).for_each(|(out, &f)| *out = to_f64(f));
+        }
+    };
+    let moments = |sums: &[f64]| Moments {
+        total: Vector::from_fn(|c, _| lit(sums[c * (N + 1) + N])),
+        first: Matrix::from_fn(|c, k| lit(sums[c * (N + 1) + k])),
+    };
     if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
-        return patches.load(C, space.num_functions(), &|sites: &Sites, out: &mut [f64]| {
-            for (x, out) in sites.x.chunks_exact(N).zip(out.chunks_exact_mut(C)) {
-                let force = f(&Vector::from_fn(|k, _| lit(x[k])));
-                out.iter_mut().zip(force.iter()).for_each(|(out, &f)| *out = to_f64(f));
-            }
-        });
+        let (load, sums) = patches.load(C, space.num_functions(), &answer);
+        return (load, moments(&sums));
     }
+    if let Some(cells) = Sums::new(space, quadrature) {
+        let (load, sums) = cells.load(C, &answer);
+        return (load, moments(&sums));
+    }
+    plain_load(space, quadrature, f)
+}
+
+/// The ids and values of some elements, and the moments there.
+type Part<const C: usize, const N: usize, T> = (Vec<usize>, Vec<Vector<C, T>>, Moments<C, N, T>);
+
+/// The load element by element, for any space.
+fn plain_load<const C: usize, const D: usize, const N: usize, T, S, Q>(
+    space: &S,
+    quadrature: &Q,
+    f: &(impl Fn(&Vector<N, T>) -> Vector<C, T> + Sync + ?Sized),
+) -> (Vec<T>, Moments<C, N, T>)
+where
+    T: Real,
+    S: Space<D, N, T> + ?Sized,
+    Q: Quadrature<D, T> + ?Sized,
+{
+    let none = Moments { total: Vector::zeros(), first: Matrix::zeros() };
     let elements: Vec<usize> = (0..space.num_elements()).collect();
-    let parts: Vec<(Vec<usize>, Vec<Vector<C, T>>)> = elements
+    let parts: Vec<Part<C, N, T>> = elements
         .par_chunks(ELEMENTS_PER_TASK)
         .map(|chunk| {
             let mut scratch = Scratch::<D, N, T>::default();
-            let (mut ids, mut values): (Vec<usize>, Vec<Vector<C, T>>) = (Vec::new(), Vec::new());
+            let (mut ids, mut values, mut moments): Part<C, N, T> = (Vec::new(), Vec::new(), none);
             for &e in chunk {
                 scratch.values(space, e, quadrature.rule(e));
                 let first = ids.len();
                 ids.extend_from_slice(&scratch.ids);
                 values.resize(ids.len(), Vector::zeros());
                 for (q, &dx) in scratch.dx.iter().enumerate() {
-                    let force = f(&scratch.map.x[q]) * dx;
+                    let x = &scratch.map.x[q];
+                    let force = f(x) * dx;
+                    moments.total += force;
+                    moments.first += force * x.transpose();
                     for (sum, &value) in values[first..].iter_mut().zip(scratch.shapes.values(q)) {
                         *sum += force * value;
                     }
                 }
             }
-            (ids, values)
+            (ids, values, moments)
         })
         .collect();
     let mut out = vec![T::zero(); C * space.num_functions()];
-    for (ids, values) in &parts {
+    let mut moments = none;
+    for (ids, values, own) in &parts {
         for (&i, value) in ids.iter().zip(values) {
             for c in 0..C {
                 out[C * i + c] += value[c];
             }
         }
+        moments.total += own.total;
+        moments.first += own.first;
     }
-    out
+    (out, moments)
 }
 
 /// Adds ∫ f(x, n) . N ds over a side to the `load` of its body, n the outward unit normal.

@@ -24,7 +24,7 @@ use std::fmt::Debug;
 pub use blocks::Blocks;
 pub use bulk::{Assembler, add_stiffness, mass, refill_stiffness, stiffness};
 pub use dirichlet::{DirichletError, Fixed, dirichlet, dirichlet_with, planar_normal};
-pub use load::{load, measure, trace_load, trace_springs};
+pub use load::{Moments, load, load_with_moments, measure, trace_load, trace_springs};
 pub use matrix_free::MatrixFree;
 pub use norms::{Errors, Norms, difference, errors};
 pub use pattern::Pattern;

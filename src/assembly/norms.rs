@@ -1,6 +1,7 @@
 //! Norms of errors: L2, H1 semi-norm, energy.
 
 use super::bulk::ask;
+use super::cells::Sums;
 use super::tensor::{Patches, Sites};
 use super::{Form, contract, scratch::Scratch};
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
@@ -83,22 +84,25 @@ where
     Q: Quadrature<N, T> + ?Sized,
 {
     let asks = || ask::<N, N, T, S>(space);
-    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
-        let answer = |sites: &Sites, out: &mut [f64]| {
-            let per_lane = sites.xi.len() / (N * sites.elements.len().max(1));
-            let points = sites.x.chunks_exact(N).zip(sites.xi.chunks_exact(N));
-            for (k, ((x, xi), out)) in points.zip(out.chunks_exact_mut(C + C * N)).enumerate() {
-                let vector = |x: &[f64]| Vector::<N, T>::from_fn(|k, _| lit(x[k]));
-                let (value, gradient) = other(sites.elements[k / per_lane], &vector(xi), &vector(x));
-                for c in 0..C {
-                    out[c] = to_f64(value[c]);
-                    for j in 0..N {
-                        out[C + c * N + j] = to_f64(gradient[(c, j)]);
-                    }
+    let answer = |sites: &Sites, out: &mut [f64]| {
+        let per_lane = sites.xi.len() / (N * sites.elements.len().max(1));
+        let points = sites.x.chunks_exact(N).zip(sites.xi.chunks_exact(N));
+        for (k, ((x, xi), out)) in points.zip(out.chunks_exact_mut(C + C * N)).enumerate() {
+            let vector = |x: &[f64]| Vector::<N, T>::from_fn(|k, _| lit(x[k]));
+            let (value, gradient) = other(sites.elements[k / per_lane], &vector(xi), &vector(x));
+            for c in 0..C {
+                out[c] = to_f64(value[c]);
+                for j in 0..N {
+                    out[C + c * N + j] = to_f64(gradient[(c, j)]);
                 }
             }
-        };
+        }
+    };
+    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
         return roots(patches.deviation(form, u, &answer).map(lit));
+    }
+    if let Some(cells) = Sums::new(space, quadrature) {
+        return roots(cells.deviation(form, u, &answer).map(lit));
     }
     let squares: Vec<[T; 6]> = (0..space.num_elements())
         .into_par_iter()

@@ -10,6 +10,7 @@
 //! | `batch` | the matrices of some cells, batch after batch |
 //! | `scatter` | adds them to rows |
 //! | `means` | where unknowns live |
+//! | `points`, `sums` | loads and norms: tables at points, and what is summed there |
 //!
 //! Cells are added by groups and within a group by their least function; threads own rows, and a cell whose rows have several owners
 //! is computed by each of them. So a sum has the same terms in the same order for any number of threads and of lanes. Kernels count
@@ -18,12 +19,15 @@
 mod batch;
 mod lanes;
 mod means;
+mod points;
 mod scatter;
 mod slots;
+mod sums;
 mod tables;
 
 pub(super) use means::means;
 pub(super) use slots::{Place, Places, Slots, ordered};
+pub(super) use sums::Sums;
 
 use super::Form;
 use super::pattern::Pattern;

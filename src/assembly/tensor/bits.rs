@@ -64,8 +64,9 @@ fn sums<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_,
         let size = out.len() * N / sites.x.len();
         out.iter_mut().enumerate().for_each(|(k, out)| *out = (sites.x[k / size * N] + k as f64 % size as f64).sin());
     };
-    let mut all: Vec<f64> = patches().load(C, space.num_functions(), &sine);
+    let (mut all, moments): (Vec<f64>, _) = patches().load(C, space.num_functions(), &sine);
     let x = all.clone();
+    all.extend(moments);
     for keeps in [true, false] {
         let free = Free::new(patches(), form, keeps).unwrap();
         let mut y = vec![0.0; x.len()];

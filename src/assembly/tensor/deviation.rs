@@ -7,31 +7,24 @@ use super::aligned::Aligned;
 use super::axis::Axis;
 use super::grid::{Cell, Grid, Here, Visit};
 use super::law::Law;
-use super::map::numbers;
 use super::sites::{Answer, Sites};
 use super::spread::{self, Coefficients, Spread};
+use super::squares::{SQUARES, Squares};
 use crate::assembly::Form;
 use crate::assembly::source::Source;
 use crate::linalg::Real;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use std::ops::Range;
 
-/// Squares that are summed: value, gradient, energy of the difference, then of the other field.
-pub(in crate::assembly) const SQUARES: usize = 6;
-
 struct Deviation<'a, V> {
     field: Coefficients<'a>,
-    law: &'a Law<'a>,
     answer: &'a Answer<'a>,
     sites: Sites,
     /// Values and gradients of the other field, `C + C N` numbers per point.
     other: Vec<V>,
     spread: Spread<V>,
     g: Aligned<V>,
-    h: Aligned<V>,
-    stress: Aligned<V>,
-    tangents: Vec<V>,
-    buffer: Vec<f64>,
+    squares: Squares<'a, V>,
     sums: [V; SQUARES],
 }
 
@@ -70,62 +63,14 @@ impl<V: bytemuck::Pod> Deviation<'_, V> {
     #[inline(always)]
     fn add<S: Simd<f64s = V>, const N: usize>(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, V>) {
         let (axes, width) = (self.field.axes, self.field.width);
-        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
         self.sites.locate::<N>(axes, here);
         self.sites.ask::<S, N>(simd, cell, here.lanes, self.answer, width * (N + 1), &mut self.other);
-        self.law.tangents::<S, N>(simd, width, cell, &mut self.buffer, &mut self.tangents);
-        let size = self.tangents.len() / cell.points.max(1);
         self.g.resize(cell.points * width * (N + 1));
-        self.h.resize(width * N);
-        self.stress.resize(width * N);
         let line = self.spread.line::<N>(self.field, here.middle.1);
         simd.vectorize(Values::<'_, S, N> { simd, axis: &axes[0], e: here.first, width, line, out: &mut self.g });
-        let mut cell_sums = [zero; SQUARES];
-        for q in 0..cell.points {
-            let map = &cell.map[q * numbers(N)..][..numbers(N)];
-            let tangent = &self.tangents[q * size..][..size];
-            let other = &self.other[q * width * (N + 1)..][..width * (N + 1)];
-            let (dx, inverse) = (map[N + N * N + 1], simd.div_f64s(one, map[N + N * N + 2]));
-            let mut r = [[zero; N]; N];
-            for a in 0..N {
-                for l in 0..N {
-                    r[a][l] = simd.mul_f64s(map[N + a * N + l], inverse);
-                }
-            }
-            let mut squares = [zero; SQUARES];
-            for c in 0..width {
-                let g = &mut self.g[(q * width + c) * (N + 1)..][..N + 1];
-                if let Some(weight) = cell.weight {
-                    // F / W and its derivatives
-                    let w = &weight[q * (N + 1)..][..N + 1];
-                    let inverse = simd.div_f64s(one, w[0]);
-                    g[N] = simd.mul_f64s(g[N], inverse);
-                    for k in 0..N {
-                        g[k] = simd.mul_f64s(simd.negate_mul_add_e_f64s(g[N], w[1 + k], g[k]), inverse);
-                    }
-                }
-                let own = super::law::physical::<S, N>(simd, &r, g);
-                let value = simd.sub_f64s(g[N], other[c]);
-                squares[0] = simd.mul_add_e_f64s(value, value, squares[0]);
-                squares[3] = simd.mul_add_e_f64s(other[c], other[c], squares[3]);
-                for j in 0..N {
-                    let there = other[width + c * N + j];
-                    let apart = simd.sub_f64s(own[j], there);
-                    self.h[c * N + j] = apart;
-                    squares[1] = simd.mul_add_e_f64s(apart, apart, squares[1]);
-                    squares[4] = simd.mul_add_e_f64s(there, there, squares[4]);
-                }
-            }
-            self.law.stress::<S, N>(simd, tangent, &self.h, &mut self.stress);
-            squares[2] = dot(simd, &self.stress, &self.h);
-            self.law.stress::<S, N>(simd, tangent, &other[width..], &mut self.stress);
-            squares[5] = dot(simd, &self.stress, &other[width..]);
-            for k in 0..SQUARES {
-                cell_sums[k] = simd.mul_add_e_f64s(dx, squares[k], cell_sums[k]);
-            }
-        }
+        let sums = self.squares.of::<S, N>(simd, cell, &mut self.g, &self.other);
         for k in 0..SQUARES {
-            self.sums[k] = simd.add_f64s(self.sums[k], cell_sums[k]);
+            self.sums[k] = simd.add_f64s(self.sums[k], sums[k]);
         }
     }
 }
@@ -155,15 +100,6 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Values<'_, S, N> {
     }
 }
 
-#[inline(always)]
-fn dot<S: Simd>(simd: S, a: &[S::f64s], b: &[S::f64s]) -> S::f64s {
-    let mut sum = simd.splat_f64s(0.0);
-    for (a, b) in a.iter().zip(b) {
-        sum = simd.mul_add_e_f64s(*a, *b, sum);
-    }
-    sum
-}
-
 struct Run<'a, 'p, const N: usize> {
     grid: Grid<'a, 'p>,
     field: Coefficients<'a>,
@@ -181,16 +117,12 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, N> {
         let Self { grid, field, law, answer } = self;
         let new = || Deviation {
             field,
-            law,
             answer,
             sites: Sites::default(),
             other: Vec::new(),
             spread: Spread::default(),
             g: Aligned::default(),
-            h: Aligned::default(),
-            stress: Aligned::default(),
-            tangents: Vec::new(),
-            buffer: Vec::new(),
+            squares: Squares::new(law, field.width),
             sums: [simd.splat_f64s(0.0); SQUARES],
         };
         grid.walk::<S, N, _>(simd, SQUARES, new, &mut |points: Range<usize>, sums: &[f64]| {

@@ -76,7 +76,8 @@ impl Free {
             let slow = &patch.axes[N - 1];
             let owners = slow.owners();
             part.add(patch.functions.len(), y, |own| {
-                let mut add = |points: Range<usize>, planes: &[f64]| gather::slow(slow, &owners, 2, planes, points, own);
+                let kinds = (2, 2 * own.len() / slow.functions.max(1));
+                let mut add = |points: Range<usize>, planes: &[f64]| gather::slow(slow, &owners, kinds, planes, points, own);
                 patch.with_law(form, |law| product(patch.grid(asks), law, C, &read, &mut add));
             });
         }

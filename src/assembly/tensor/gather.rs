@@ -97,13 +97,13 @@ impl<V: bytemuck::Pod, const K: usize> Gather<V, K> {
         }
     }
 
-    /// Planes by points: `out[(lane * kinds + kind) * numbers + number]`.
+    /// Planes by points: `out[lane * size + kind * numbers + number]`.
     #[inline(always)]
-    pub fn end<S: Simd<f64s = V>>(&self, _simd: S, out: &mut [f64]) {
+    pub fn end<S: Simd<f64s = V>>(&self, _simd: S, out: &mut [f64], size: usize) {
         let kinds = plane_kinds(K);
         let numbers = self.planes.len() / kinds;
         let planes: &[f64] = bytemuck::cast_slice(&self.planes[..]);
-        for (lane, out) in out.chunks_exact_mut(kinds * numbers).enumerate() {
+        for (lane, out) in out.chunks_exact_mut(size).enumerate() {
             for kind in 0..kinds {
                 let from = planes[kind * S::F64_LANES + lane..].iter().step_by(kinds * S::F64_LANES);
                 out[kind * numbers..(kind + 1) * numbers].iter_mut().zip(from).for_each(|(to, &value)| *to = value);
@@ -179,8 +179,15 @@ pub(super) fn cell<S: Simd, const N: usize, const K: usize, const NP: usize, con
     }
 }
 
-/// Adds the slowest direction at its points `points`, planes by points in `planes`, to `out`.
-pub(super) fn slow<T: Real>(axis: &Axis, owners: &[usize], kinds: usize, planes: &[f64], points: Range<usize>, out: &mut [T]) {
+/// Adds the slowest direction at its points `points`, planes by points at the front of `size` numbers each, to `out`.
+pub(super) fn slow<T: Real>(
+    axis: &Axis,
+    owners: &[usize],
+    (kinds, size): (usize, usize),
+    planes: &[f64],
+    points: Range<usize>,
+    out: &mut [T],
+) {
     let numbers = out.len() / axis.functions.max(1);
     if numbers == 0 || points.is_empty() {
         return;
@@ -192,7 +199,7 @@ pub(super) fn slow<T: Real>(axis: &Axis, owners: &[usize], kinds: usize, planes:
         for q in support.start.max(points.start)..support.end.min(points.end) {
             let at = q * axis.active + i - axis.first[owners[q]];
             let (v, s) = (axis.values[at], axis.slopes[at]);
-            let plane = &planes[(q - points.start) * kinds * numbers..][..kinds * numbers];
+            let plane = &planes[(q - points.start) * size..][..kinds * numbers];
             let (values, slopes) = plane.split_at(numbers);
             if kinds == 1 {
                 out.iter_mut().zip(values).for_each(|(to, x)| *to += lit(v * x));

@@ -36,7 +36,7 @@ pub(super) struct Here<'a> {
 
 /// The points of a cell: one element of the first direction, one point of the middle one, a tile of the slowest one.
 #[derive(Clone, Copy)]
-pub(super) struct Cell<'a, V> {
+pub(in crate::assembly) struct Cell<'a, V> {
     /// Number of points.
     pub points: usize,
     /// The map, `[point * numbers(N) + k]`, see `map`; nothing where something else was kept.

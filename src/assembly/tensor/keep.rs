@@ -3,15 +3,16 @@
 use super::aligned::{NUMBERS, offset};
 use super::grid::{Cell, Grid, Here, Points, Visit};
 use super::law::Law;
+use crate::linalg::Buffer;
 use pulp::{Simd, bytemuck};
 use std::ops::Range;
 
 /// What was kept, in lanes of this processor.
 #[derive(Clone, Debug)]
 pub(super) struct Kept {
-    all: Vec<f64>,
-    /// Where it starts in `all`.
-    first: usize,
+    all: Buffer<f64>,
+    /// Where it is in `all`.
+    range: Range<usize>,
     /// The tangent in local coordinates in place of the map.
     pub tangent: Option<Tangent>,
 }
@@ -28,7 +29,7 @@ pub(super) struct Tangent {
 impl Kept {
     /// As points of a grid.
     pub fn points<'p>(&self) -> Points<'_, 'p> {
-        let all = &self.all[self.first..];
+        let all = &self.all[self.range.clone()];
         self.tangent.map_or(Points::Map(all), |tangent| Points::Other(all, tangent.size))
     }
 
@@ -106,26 +107,27 @@ struct Run<'a, 'p, const N: usize> {
 }
 
 impl<const N: usize> pulp::WithSimd for Run<'_, '_, N> {
-    type Output = (Vec<f64>, usize);
-    fn with_simd<S: Simd>(self, simd: S) -> (Vec<f64>, usize) {
-        let mut all = Vec::new();
+    type Output = (Buffer<f64>, Range<usize>);
+    fn with_simd<S: Simd>(self, simd: S) -> (Buffer<f64>, Range<usize>) {
         if S::IS_SCALAR {
-            return (all, 0);
+            return (Buffer::default(), 0..0);
         }
         let (axes, law, symmetric, components) = (self.grid.axes, self.law, self.symmetric, self.components);
         let points = if N == 3 { axes[0].points() * axes[1].points() } else { axes[0].points() };
         let new =
             || Keep { law, symmetric, components, all: Vec::new(), g: Vec::new(), h: Vec::new(), tangents: Vec::new(), buffer: Vec::new() };
         let tiles = axes[N - 1].points().div_ceil(S::F64_LANES);
-        // room to start on a cache line
-        all.reserve_exact(tiles * points * self.size * S::F64_LANES + NUMBERS);
-        all.resize(1, 0.0);
+        // room to start on a cache line; large pages, for every product streams all of it
+        let mut all = Buffer::zeros(tiles * points * self.size * S::F64_LANES + NUMBERS);
         let first = offset(&all);
-        all.resize(first, 0.0);
+        let mut next = first;
         // the weight function is no matter of the map
         let grid = Grid { weight: None, ..self.grid };
-        grid.walk::<S, N, _>(simd, points * self.size, new, &mut |_: Range<usize>, numbers: &[f64]| all.extend_from_slice(numbers));
-        (all, first)
+        grid.walk::<S, N, _>(simd, points * self.size, new, &mut |_: Range<usize>, numbers: &[f64]| {
+            all[next..next + numbers.len()].copy_from_slice(numbers);
+            next += numbers.len();
+        });
+        (all, first..next)
     }
 }
 
@@ -139,9 +141,9 @@ pub(super) fn keep(grid: Grid<'_, '_>, law: Option<&Law<'_>>, symmetric: bool, c
     let n = grid.axes.len();
     let size = if law.is_some() { size_of_tangent(components * n, symmetric) } else { super::map::numbers(n) };
     let arch = grid.arch;
-    let (all, first) = match n {
+    let (all, range) = match n {
         2 => arch.dispatch(Run::<2> { grid, law, symmetric, components, size }),
         _ => arch.dispatch(Run::<3> { grid, law, symmetric, components, size }),
     };
-    Kept { all, first, tangent: law.map(|_| Tangent { size, symmetric }) }
+    Kept { all, range, tangent: law.map(|_| Tangent { size, symmetric }) }
 }

@@ -8,7 +8,7 @@ use crate::assembly::source::{PointTangent, Source};
 use pulp::{Simd, bytemuck};
 
 /// A tangent, its structure found.
-pub(super) enum Law<'a> {
+pub(in crate::assembly) enum Law<'a> {
     /// A multiple of the gradient, component by component.
     Multiple(f64),
     /// Of N components: entries (cc, cc), (cc, ee), and the shear that (cl) and (lc) share.

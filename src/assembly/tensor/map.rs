@@ -27,7 +27,7 @@ impl Debug for Map<'_> {
 }
 
 /// Numbers per point.
-pub(super) const fn numbers(n: usize) -> usize {
+pub(in crate::assembly) const fn numbers(n: usize) -> usize {
     n + n * n + 3
 }
 
@@ -119,7 +119,13 @@ fn rational<S: Simd, const N: usize, const M: usize>(
 
 /// Writes a point from its position and its tangents `t[direction][component]`.
 #[inline(always)]
-pub(super) fn finish<S: Simd, const N: usize>(simd: S, x: &[S::f64s; N], t: &[[S::f64s; N]; N], weight: S::f64s, out: &mut [S::f64s]) {
+pub(in crate::assembly) fn finish<S: Simd, const N: usize>(
+    simd: S,
+    x: &[S::f64s; N],
+    t: &[[S::f64s; N]; N],
+    weight: S::f64s,
+    out: &mut [S::f64s],
+) {
     out[..N].copy_from_slice(x);
     let det;
     if N == 2 {

@@ -21,7 +21,7 @@
 //! | `grid`, `fill`, `sites` | a walk over the points; closures that are asked there |
 //! | `spread`, `gather` | coefficients to points, and the transposed way |
 //! | `law`, `product`, `diagonal` | the tangent at a point; products without a matrix, and their diagonal |
-//! | `force`, `deviation` | loads; norms of differences |
+//! | `force`, `deviation`, `squares` | loads; norms of differences |
 //! | `free`, `keep`, `part`, `aligned` | what an operator holds and keeps; unknowns of a patch; vectors on cache lines |
 //!
 //! Lanes are chosen at run time. They never mix and products are fused at every width, so that a sum has the same terms in
@@ -64,18 +64,23 @@ mod scatter;
 mod sites;
 mod slow;
 mod spread;
+mod squares;
 mod strip;
 mod sums;
 mod write;
 
 use axis::{Axis, COMPILED};
+pub(super) use force::add_moments;
 pub(super) use free::Free;
 use glue::Glue;
+pub(super) use grid::Cell;
 pub(in crate::assembly) use lanes::available as lanes_available;
+pub(super) use law::Law;
 use map::Map;
-pub(super) use map::{Ask, Asks};
+pub(super) use map::{Ask, Asks, finish, numbers as numbers_of_map};
 use net::Net;
-pub(super) use sites::Sites;
+pub(super) use sites::{Answer, Sites};
+pub(super) use squares::{SQUARES, Squares};
 
 use crate::basis::{Basis, Block};
 use crate::geometry::MapBlock;

@@ -47,7 +47,8 @@ impl<S: Simd, const N: usize> Visit<S, N> for Product<'_, S::f64s, N> {
 
     #[inline(always)]
     fn end(&mut self, simd: S, out: &mut [f64]) {
-        self.gather.end(simd, out);
+        let size = out.len() / S::F64_LANES;
+        self.gather.end(simd, out, size);
     }
 }
 

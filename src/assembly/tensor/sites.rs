@@ -23,7 +23,7 @@ pub(in crate::assembly) type Answer<'a> = dyn Fn(&Sites, &mut [f64]) + Sync + 'a
 impl Sites {
     /// Asks at all points of a cell: `out[point * size + number]`, zero in lanes beyond the last point.
     #[inline(always)]
-    pub(super) fn ask<S: Simd, const N: usize>(
+    pub(in crate::assembly) fn ask<S: Simd, const N: usize>(
         &mut self,
         simd: S,
         cell: Cell<'_, S::f64s>,

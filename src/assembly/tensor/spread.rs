@@ -5,6 +5,7 @@
 
 use super::aligned::Aligned;
 use super::axis::Axis;
+use super::lanes::rows;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 
 /// Copies coefficients, from a given one on.
@@ -92,11 +93,45 @@ impl<V: bytemuck::Pod> Spread<V> {
 
     #[inline(always)]
     fn lines_here<S: Simd<f64s = V>>(&mut self, simd: S, field: Coefficients<'_>, e: usize) {
-        let zero = simd.splat_f64s(0.0);
         let axis = &field.axes[1];
         let width = field.width * field.axes[0].functions;
+        self.lines.resize((axis.start[e + 1] - axis.start[e]) * width * 3);
+        match axis.active {
+            2 => self.lines_of::<S, 2>(simd, axis, width, e),
+            3 => self.lines_of::<S, 3>(simd, axis, width, e),
+            4 => self.lines_of::<S, 4>(simd, axis, width, e),
+            5 => self.lines_of::<S, 5>(simd, axis, width, e),
+            6 => self.lines_of::<S, 6>(simd, axis, width, e),
+            // nets of maps may have any degree
+            _ => self.lines_of_any(simd, axis, width, e),
+        }
+    }
+
+    #[inline(always)]
+    fn lines_of<S: Simd<f64s = V>, const NP: usize>(&mut self, simd: S, axis: &Axis, width: usize, e: usize) {
+        let zero = simd.splat_f64s(0.0);
         let points = axis.start[e]..axis.start[e + 1];
-        self.lines.resize(points.len() * width * 3);
+        let (values, slopes) = (&rows::<NP>(&axis.values)[points.clone()], &rows::<NP>(&axis.slopes)[points]);
+        let planes = &self.planes[axis.first[e] * width * 2..][..NP * width * 2];
+        for (out, (values, slopes)) in self.lines.chunks_exact_mut(width * 3).zip(values.iter().zip(slopes)) {
+            for (k, out) in out.chunks_exact_mut(3).enumerate() {
+                let mut sums = [zero; 3];
+                for a in 0..NP {
+                    let (v, s) = (simd.splat_f64s(values[a]), simd.splat_f64s(slopes[a]));
+                    let at = &planes[2 * (a * width + k)..][..2];
+                    sums[0] = simd.mul_add_e_f64s(at[0], v, sums[0]);
+                    sums[1] = simd.mul_add_e_f64s(at[0], s, sums[1]);
+                    sums[2] = simd.mul_add_e_f64s(at[1], v, sums[2]);
+                }
+                out.copy_from_slice(&sums);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn lines_of_any<S: Simd<f64s = V>>(&mut self, simd: S, axis: &Axis, width: usize, e: usize) {
+        let zero = simd.splat_f64s(0.0);
+        let points = axis.start[e]..axis.start[e + 1];
         let planes = &self.planes[axis.first[e] * width * 2..][..axis.active * width * 2];
         for (q, out) in points.zip(self.lines.chunks_exact_mut(width * 3)) {
             let values = &axis.values[q * axis.active..][..axis.active];
