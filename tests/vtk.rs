@@ -381,6 +381,23 @@ fn parts_with_different_fields_are_refused() {
 }
 
 #[test]
+fn fields_given_together_make_the_same_file() {
+    for style in [CellStyle::Bezier, CellStyle::Lagrange, CellStyle::Linear] {
+        for (name, space) in &bodies() {
+            let (u, s) = (displacement(space), stress(space));
+            let together = part(name, space, style).with_together(move |e, xi| {
+                let (u, s) = (u(e, xi), s(e, xi));
+                let point = |k: usize| [&u[2 * k..2 * k + 2], &s[6 * k..6 * k + 6], &[1.0 + e as f64 + xi[k][0]]].concat();
+                (0..xi.len()).flat_map(point).collect()
+            });
+            assert!(write(&[together]).unwrap() == write(&[part(name, space, style)]).unwrap(), "{name}, {style:?}");
+        }
+    }
+    let short = part("short", &bodies()[0].1, CellStyle::Lagrange).with_together(|_, _| vec![0.0]);
+    assert!(write(&[short]).unwrap_err().to_string().contains("gave 1 numbers on element 0"));
+}
+
+#[test]
 fn files_are_the_same_bytes_for_any_number_of_threads() {
     let made = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -76,6 +76,8 @@ pub struct Part<'a, const D: usize, const N: usize> {
     pub least_degree: usize,
     /// The fields; every part of a file has the same names.
     pub fields: Vec<PointField<'a, D>>,
+    /// All fields at once, where that costs less than each by itself: per point the numbers of one field after the other.
+    pub together: Option<Sampler<'a, D>>,
 }
 
 impl<const D: usize, const N: usize> std::fmt::Debug for Part<'_, D, N> {
@@ -87,7 +89,7 @@ impl<const D: usize, const N: usize> std::fmt::Debug for Part<'_, D, N> {
 impl<'a, const D: usize, const N: usize> Part<'a, D, N> {
     /// A part without fields.
     pub fn new(name: impl Into<String>, space: Arc<dyn Space<D, N>>, style: CellStyle) -> Self {
-        Self { name: name.into(), space, style, least_degree: 1, fields: Vec::new() }
+        Self { name: name.into(), space, style, least_degree: 1, fields: Vec::new(), together: None }
     }
 
     /// Adds a field of the space's own functions.
@@ -100,6 +102,13 @@ impl<'a, const D: usize, const N: usize> Part<'a, D, N> {
     #[must_use]
     pub fn with(self, name: &str, components: usize, sample: impl Fn(usize, &[Vector<D>]) -> Vec<f64> + Send + Sync + 'a) -> Self {
         self.with_field(name, components, false, Box::new(sample))
+    }
+
+    /// Gives all fields that were added at once, the same values as each of their samplers.
+    #[must_use]
+    pub fn with_together(mut self, sample: impl Fn(usize, &[Vector<D>]) -> Vec<f64> + Send + Sync + 'a) -> Self {
+        self.together = Some(Box::new(sample));
+        self
     }
 
     fn with_field(mut self, name: &str, components: usize, exact: bool, sample: Sampler<'a, D>) -> Self {
@@ -315,20 +324,33 @@ fn denominator<const D: usize, const N: usize>(part: &Part<'_, D, N>, element: u
     values
 }
 
-/// Values of a field, padded to three where they are two.
-fn sampled<const D: usize, const N: usize>(
-    part: &Part<'_, D, N>,
-    field: &PointField<'_, D>,
-    element: usize,
-    xi: &[Vector<D>],
-) -> Result<DMatrix<f64>, VtuError> {
-    let values = (field.sample)(element, xi);
-    let expected = xi.len() * field.components;
-    if values.len() != expected {
-        return Err(VtuError::Values { field: field.name.clone(), part: part.name.clone(), element, found: values.len(), expected });
+/// Values of all fields, padded to three where they are two.
+fn sampled<const D: usize, const N: usize>(part: &Part<'_, D, N>, element: usize, xi: &[Vector<D>]) -> Result<Vec<DMatrix<f64>>, VtuError> {
+    let checked = |values: &[f64], name: &str, components: usize| {
+        let (found, expected) = (values.len(), xi.len() * components);
+        let fault = || VtuError::Values { field: name.to_owned(), part: part.name.clone(), element, found, expected };
+        if found == expected { Ok(()) } else { Err(fault()) }
+    };
+    // `width` numbers per point, those of the field from `first` on
+    let matrix = |values: &[f64], width: usize, first: usize, c: usize| {
+        DMatrix::from_fn(xi.len(), padded(c), |q, i| if i < c { values[q * width + first + i] } else { 0.0 })
+    };
+    if let Some(together) = &part.together {
+        let (values, width) = (together(element, xi), part.fields.iter().map(|f| f.components).sum());
+        checked(&values, "all", width)?;
+        let mut first = 0;
+        let of = |field: &PointField<'_, D>| {
+            first += field.components;
+            matrix(&values, width, first - field.components, field.components)
+        };
+        return Ok(part.fields.iter().map(of).collect());
     }
-    let c = field.components;
-    Ok(DMatrix::from_fn(xi.len(), padded(c), |q, i| if i < c { values[q * c + i] } else { 0.0 }))
+    let own = |field: &PointField<'_, D>| {
+        let values = (field.sample)(element, xi);
+        checked(&values, &field.name, field.components)?;
+        Ok(matrix(&values, field.components, 0, field.components))
+    };
+    part.fields.iter().map(own).collect()
 }
 
 fn positions<const D: usize, const N: usize>(part: &Part<'_, D, N>, element: usize, xi: &[Vector<D>]) -> DMatrix<f64> {
@@ -358,13 +380,14 @@ fn bezier_piece<const D: usize, const N: usize>(
     plan: &Plan<D>,
     of: &Interpolant<D>,
 ) -> Result<Option<Piece>, VtuError> {
+    let n = of.points.len();
     let d = denominator(part, element, plan, &of.points);
     let w = &of.to_bezier * DMatrix::from_column_slice(d.len(), 1, &d);
     if w.iter().any(|w| !(w.is_finite() && *w > 0.0)) {
         return Ok(None);
     }
     let coefficients = |values: &DMatrix<f64>| {
-        let numerators = DMatrix::from_fn(values.nrows(), values.ncols(), |q, i| d[q] * values[(q, i)]);
+        let numerators = DMatrix::from_fn(n, values.ncols(), |q, i| d[q] * values[(q, i)]);
         let mut c = &of.to_bezier * numerators;
         (0..c.nrows()).for_each(|a| c.row_mut(a).unscale_mut(w[a]));
         c
@@ -378,22 +401,24 @@ fn bezier_piece<const D: usize, const N: usize>(
             b.iter().map(|b| b / sum).collect()
         })
         .collect();
+    // the points between stand behind those of the interpolation
+    let all: Vec<Vector<D>> = of.points.iter().chain(&at).copied().collect();
     let holds = |c: &DMatrix<f64>, values: &DMatrix<f64>, tolerance: f64| {
         (0..at.len()).all(|q| {
             (0..c.ncols())
-                .all(|i| (shapes[q].iter().enumerate().map(|(a, b)| b * c[(a, i)]).sum::<f64>() - values[(q, i)]).abs() <= tolerance)
+                .all(|i| (shapes[q].iter().enumerate().map(|(a, b)| b * c[(a, i)]).sum::<f64>() - values[(n + q, i)]).abs() <= tolerance)
         })
     };
-    let x = coefficients(&positions(part, element, &of.points));
+    let positions = positions(part, element, &all);
+    let x = coefficients(&positions);
     let size = (0..3).map(|i| x.column(i).max() - x.column(i).min()).fold(0.0, f64::max);
-    if !holds(&x, &positions(part, element, &at), 1e-10 * size + 1e-13 * x.amax()) {
+    if !holds(&x, &positions, 1e-10 * size + 1e-13 * x.amax()) {
         return Ok(None);
     }
     let mut fields = Vec::new();
-    for field in &part.fields {
-        let values = sampled(part, field, element, &of.points)?;
+    for (field, values) in part.fields.iter().zip(sampled(part, element, &all)?) {
         let c = coefficients(&values);
-        if field.exact && !holds(&c, &sampled(part, field, element, &at)?, 1e-9 * values.amax()) {
+        if field.exact && !holds(&c, &values, 1e-9 * values.rows(0, n).amax()) {
             return Ok(None);
         }
         fields.push(rows(&c));
@@ -418,20 +443,20 @@ fn lagrange_piece<const D: usize, const N: usize>(
     plan: &Plan<D>,
     of: &Interpolant<D>,
 ) -> Result<Piece, VtuError> {
-    let mut fields = Vec::new();
-    for field in &part.fields {
-        let mut values = sampled(part, field, element, &of.lattice)?;
-        if values.iter().any(|v| !v.is_finite()) {
-            // a gradient has no value where the map collapses; continue it from inside
-            values = &of.to_lattice * sampled(part, field, element, &of.points)?;
+    let mut fields = sampled(part, element, &of.lattice)?;
+    if fields.iter().any(|values| values.iter().any(|v| !v.is_finite())) {
+        // a gradient has no value where the map collapses; continue it from inside
+        for (values, inside) in fields.iter_mut().zip(sampled(part, element, &of.points)?) {
+            if values.iter().any(|v| !v.is_finite()) {
+                *values = &of.to_lattice * inside;
+            }
         }
-        fields.push(rows(&values));
     }
     let linear = part.style == CellStyle::Linear;
     Ok(Piece {
         points: triples(&positions(part, element, &of.lattice)),
         weights: None,
-        fields,
+        fields: fields.iter().map(rows).collect(),
         kind: cell_type(D, plan.cell, if linear { Shape::Linear } else { Shape::Lagrange }),
         degrees: degrees(if linear { [1; D] } else { plan.lagrange }),
         cells: if linear { linear_pieces(plan.cell, plan.lagrange, &of.nodes) } else { vec![(0..of.nodes.len()).collect()] },

@@ -2,6 +2,7 @@
 
 use super::exact::Exact;
 use super::reference::ReferencePatch;
+use crate::app::run::Resultant;
 use crate::assembly::{self, Errors};
 use crate::io::case::{self, Elastic as Constants};
 use crate::io::formula::{Formula, Point};
@@ -113,11 +114,19 @@ impl<const N: usize> Physics<N> {
         }
     }
 
-    /// ∫ f . N dx.
-    pub fn load(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, f: &PlaceFn<'_, N>) -> Vec<f64> {
+    /// ∫ f . N dx, and the resultant of f.
+    pub fn load(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, f: &PlaceFn<'_, N>) -> (Vec<f64>, Resultant) {
         match self {
-            Self::Scalar(_) => assembly::load::<1, N, N, f64, _, _>(space, rules, &|x: &Vector<N>| filled(|out| f(x, out))),
-            Self::Vector(_) => assembly::load::<N, N, N, f64, _, _>(space, rules, &|x: &Vector<N>| filled(|out| f(x, out))),
+            Self::Scalar(_) => {
+                let at = |x: &Vector<N>| filled(|out| f(x, out));
+                let (load, moments) = assembly::load_with_moments::<1, N, N, f64, _, _>(space, rules, &at);
+                (load, Resultant::of(&moments))
+            }
+            Self::Vector(_) => {
+                let at = |x: &Vector<N>| filled(|out| f(x, out));
+                let (load, moments) = assembly::load_with_moments::<N, N, N, f64, _, _>(space, rules, &at);
+                (load, Resultant::of(&moments))
+            }
         }
     }
 

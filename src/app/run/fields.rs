@@ -6,7 +6,7 @@ use super::integrate::on_trace;
 use super::pressed::ContactField;
 use super::report::{component_rows, multiplier_at};
 use super::tied::TieField;
-use crate::app::build::{Against, SideModel};
+use crate::app::build::{Against, PointState, SideModel};
 use crate::app::output::{ExactCurve, Output, Parts, Picture, RunOptions, SideOutput};
 use crate::app::registry::usual_cells;
 use crate::basis::{Basis, Order, ShapeTable};
@@ -61,7 +61,7 @@ fn body<const S: usize, const N: usize>(solved: &Arc<Solved<S, N>>, k: usize, op
             patch.physics_at(solved.state.t).at(&**patch.body.space(), &patch.field, &solved.state.u, element, xi)
         }
     };
-    let (values, stresses, equivalent) = (at(solved), at(solved), at(solved));
+    let (values, stresses, equivalent, all) = (at(solved), at(solved), at(solved), at(solved));
     let part = Part::new(patch.name.clone(), Arc::clone(patch.body.space()), options.cells.unwrap_or_else(|| usual_cells(&patch.backend)));
     if solved.model.components == 1 {
         return part.with_exact("u", 1, move |e, xi| values(e, xi).iter().map(|p| p.u[0]).collect());
@@ -69,6 +69,10 @@ fn body<const S: usize, const N: usize>(solved: &Arc<Solved<S, N>>, k: usize, op
     part.with_exact("displacement", N, move |e, xi| values(e, xi).iter().flat_map(|p| p.u.into_iter().take(N)).collect())
         .with("stress", 6, move |e, xi| stresses(e, xi).iter().flat_map(|p| p.stress).collect())
         .with("von_mises", 1, move |e, xi| equivalent(e, xi).iter().map(|p| von_mises(&p.stress)).collect())
+        .with_together(move |e, xi| {
+            let numbers = |p: PointState<N>| p.u.into_iter().take(N).chain(p.stress).chain([von_mises(&p.stress)]);
+            all(e, xi).into_iter().flat_map(numbers).collect()
+        })
 }
 
 /// The part of a name: the name itself where it is the only one.

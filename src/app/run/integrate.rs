@@ -5,19 +5,7 @@ use crate::basis::{Order, ShapeTable};
 use crate::geometry::MapTable;
 use crate::linalg::{Vector, measure};
 use crate::quadrature::Quadrature;
-use crate::space::{Field, Space, Trace};
-
-/// Calls `visit(x, dx)` at every point of a body, elements ascending.
-pub fn over_body<const N: usize>(space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, mut visit: impl FnMut(&Vector<N>, f64)) {
-    let mut map = MapTable::new();
-    for e in 0..space.num_elements() {
-        let rule = rules.rule(e);
-        space.map(e, &rule.points, Order::Gradients, &mut map);
-        for (q, &w) in rule.weights.iter().enumerate() {
-            visit(&map.x[q], w * measure(&map.jacobian[q]));
-        }
-    }
-}
+use crate::space::{Field, Trace};
 
 /// Calls `visit(element, xi, x, outward normal, ds)` at every point of a side, elements ascending.
 pub fn over_side<const S: usize, const N: usize>(

@@ -1,7 +1,8 @@
 //! Loads of a model at a time, and their resultant.
 
-use super::integrate::{cross, over_body, over_side};
+use super::integrate::{cross, over_side};
 use crate::app::build::{Action, Model, PatchModel};
+use crate::assembly::Moments;
 use crate::io::formula::Point;
 use crate::linalg::Vector;
 
@@ -15,6 +16,19 @@ pub struct Resultant {
 }
 
 impl Resultant {
+    /// That of a force field with these moments; what is missing of its components and of space is zero.
+    pub fn of<const C: usize, const N: usize>(moments: &Moments<C, N>) -> Self {
+        // ∫ x_i f_j dx
+        let first = |i: usize, j: usize| if i < N && j < C.min(N) { moments.first[(j, i)] } else { 0.0 };
+        Self {
+            force: std::array::from_fn(|k| if k < C { moments.total[k] } else { 0.0 }),
+            moment: std::array::from_fn(|k| {
+                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+                first(i, j) - first(j, i)
+            }),
+        }
+    }
+
     /// Adds a force times `weight` at `x`.
     pub fn add<const N: usize>(&mut self, x: &Vector<N>, force: &[f64], weight: f64) {
         let moment = cross(x, force);
@@ -73,12 +87,9 @@ impl<const S: usize, const N: usize> Model<S, N> {
         for (patch, total) in self.patches.iter().zip(&mut totals) {
             let Some(force) = self.volume_force(patch, t) else { continue };
             let space = &**patch.body.space();
-            load[patch.range()].copy_from_slice(&patch.physics.load(space, &patch.rules, &*force));
-            let mut value = vec![0.0; c];
-            over_body(space, &patch.rules, |x, dx| {
-                force(x, &mut value);
-                total.add(x, &value, dx);
-            });
+            let (own, resultant) = patch.physics.load(space, &patch.rules, &*force);
+            load[patch.range()].copy_from_slice(&own);
+            total.sum(&resultant);
         }
         for side_load in &self.loads {
             let (side, patch) = (&side_load.side, &self.patches[side_load.side.patch]);
