@@ -84,6 +84,15 @@ pub struct TensorPatch<'a, const D: usize, T: Real = f64> {
     pub ids: Cow<'a, [usize]>,
 }
 
+/// The functions of all elements in one list: those of element e are `ids[first[e]..first[e + 1]]`.
+#[derive(Clone, Copy, Debug)]
+pub struct Listed<'a> {
+    /// Where the functions of every element begin, and the length of `ids` behind them.
+    pub first: &'a [usize],
+    /// Functions, element after element, in the order of [`Basis::active`].
+    pub ids: &'a [usize],
+}
+
 /// Which multiplier polynomials are wanted of a basis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -122,6 +131,10 @@ pub trait Basis<const D: usize, T: Real = f64>: Elements {
     fn reference(&self, _element: usize) -> Option<usize> {
         None
     }
+    /// What [`active`](Basis::active) says of all elements, where the basis keeps it as a list: nobody has to ask element by element.
+    fn listed(&self) -> Option<Listed<'_>> {
+        None
+    }
     /// Product structure around `element`, where there is one: sum factorisation.
     fn block(&self, _element: usize) -> Option<Block<'_, D, T>> {
         None
@@ -153,6 +166,7 @@ macro_rules! forward_basis {
             }
             fn is_linear(&self, element: usize) -> bool { (**self).is_linear(element) }
             fn reference(&self, element: usize) -> Option<usize> { (**self).reference(element) }
+            fn listed(&self) -> Option<Listed<'_>> { (**self).listed() }
             fn block(&self, element: usize) -> Option<Block<'_, D, T>> { (**self).block(element) }
             fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> { (**self).patches() }
             fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> { (**self).polynomials(wanted) }

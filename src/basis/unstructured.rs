@@ -2,7 +2,7 @@
 
 use super::numbering::lattice;
 use super::topology::corner_count;
-use super::{BSpline, Basis, BernsteinSimplex, Cell, Elements, LagrangeLine, LagrangeSimplex, Order, Polynomials, ShapeTable};
+use super::{BSpline, Basis, BernsteinSimplex, Cell, Elements, LagrangeLine, LagrangeSimplex, Listed, Order, Polynomials, ShapeTable};
 use super::{TensorProduct, Topology};
 use crate::linalg::{Real, Vector, num};
 use std::sync::Arc;
@@ -180,6 +180,9 @@ impl<const D: usize, T: Real> Basis<D, T> for Unstructured<D, T> {
     /// One for the tensor cells, one for the simplices.
     fn reference(&self, element: usize) -> Option<usize> {
         Some(usize::from(self.cell(element) == Cell::Simplex))
+    }
+    fn listed(&self) -> Option<Listed<'_>> {
+        Some(Listed { first: &self.first, ids: &self.ids })
     }
     /// Bernstein polynomials on the same cells: continuous at no reduction of the degree, discontinuous at any.
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {

@@ -4,7 +4,7 @@ use super::block::{blocks, patches};
 use super::continuation::{continues, leaves_polynomial};
 use super::geometry::chosen;
 use super::points;
-use super::reference::references;
+use super::reference::{listed, references};
 use crate::basis::{Basis, Cell, Order, Polynomials, ShapeTable};
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
 use crate::quadrature::{Rule, TensorRule, simplex_rule};
@@ -22,6 +22,7 @@ const DEPENDENT: f64 = 1e2;
 /// - outside the cell the element's own functions continue;
 /// - the active functions of an element are linearly independent on it;
 /// - corners are as many as the cell has, or none;
+/// - a list of all functions says what is active on every element;
 /// - elements of one reference cell have the same tables;
 /// - blocks are products numbered with the first axis fastest;
 /// - patches are blocks that cover all elements, and their functions sum up to those with their numbers;
@@ -34,6 +35,7 @@ const DEPENDENT: f64 = 1e2;
 /// The rule that is broken, and where.
 pub fn basis<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Result<(), String> {
     functions(basis)?;
+    listed(basis)?;
     references(basis)?;
     blocks(basis)?;
     patches(basis)?;

@@ -1,10 +1,26 @@
-//! Reference cells: one table for many elements, and maps as functions and points.
+//! Reference cells: one table for many elements, lists of functions, and maps as functions and points.
 
 use super::geometry::chosen;
 use super::points;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Matrix, Real, Vector, num};
+
+/// The list of the functions of all elements repeats them.
+pub(super) fn listed<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Result<(), String> {
+    let Some(listed) = basis.listed() else { return Ok(()) };
+    if listed.first.len() != basis.num_elements() + 1 || listed.first.last() != Some(&listed.ids.len()) {
+        return Err("the list of functions is not of all elements".into());
+    }
+    let mut ids = Vec::new();
+    for e in 0..basis.num_elements() {
+        basis.active(e, &mut ids);
+        if listed.ids.get(listed.first[e]..listed.first[e + 1]) != Some(&ids) {
+            return Err(format!("element {e}: the list names other functions than those that are active"));
+        }
+    }
+    Ok(())
+}
 
 /// Elements that name one reference cell have the same table, to the last bit.
 pub(super) fn references<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Result<(), String> {

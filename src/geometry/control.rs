@@ -1,7 +1,7 @@
 //! Maps made of basis functions and control points.
 
 use super::{Bounds, Control, Geometry, MapBlock, MapTable, hull};
-use crate::basis::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable, TensorPatch};
+use crate::basis::{Basis, Block, Cell, Elements, Listed, Order, Polynomials, ShapeTable, TensorPatch};
 use crate::linalg::{Real, Vector};
 use std::borrow::Cow;
 
@@ -87,6 +87,9 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Basis<D, T> for Co
     }
     fn reference(&self, element: usize) -> Option<usize> {
         self.basis.reference(element)
+    }
+    fn listed(&self) -> Option<Listed<'_>> {
+        self.basis.listed()
     }
     fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
         self.basis.block(element)

@@ -1,7 +1,7 @@
 //! A space in its deformed configuration.
 
 use super::Space;
-use crate::basis::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable, TensorPatch};
+use crate::basis::{Basis, Block, Cell, Elements, Listed, Order, Polynomials, ShapeTable, TensorPatch};
 use crate::geometry::{Bounds, Geometry, MapTable, hull};
 use crate::linalg::{Real, Vector};
 
@@ -41,6 +41,9 @@ impl<X: Basis<D, T>, const D: usize, const N: usize, T: Real> Basis<D, T> for De
     }
     fn reference(&self, element: usize) -> Option<usize> {
         self.space.reference(element)
+    }
+    fn listed(&self) -> Option<Listed<'_>> {
+        self.space.listed()
     }
     fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
         self.space.block(element)

@@ -23,7 +23,7 @@ mod refine_cells;
 mod spec;
 mod trace;
 
-use crate::basis::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable, TensorPatch};
+use crate::basis::{Basis, Block, Cell, Elements, Listed, Order, Polynomials, ShapeTable, TensorPatch};
 use crate::geometry::{Bounds, Control, ControlPoints, Embedded, Geometry, MapBlock, MapTable};
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
@@ -106,6 +106,9 @@ impl<const D: usize, T: Real, B: Basis<D, T>, G: Elements> Basis<D, T> for Over<
     }
     fn reference(&self, element: usize) -> Option<usize> {
         self.basis.reference(element)
+    }
+    fn listed(&self) -> Option<Listed<'_>> {
+        self.basis.listed()
     }
     fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
         self.basis.block(element)
