@@ -4,6 +4,7 @@ mod blocks;
 mod bulk;
 mod cells;
 mod dirichlet;
+mod graph;
 mod load;
 mod matrix_free;
 pub mod norms;

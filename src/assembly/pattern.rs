@@ -1,9 +1,10 @@
 //! Which entries a bulk matrix has: element to function, function to element, rows in ascending order.
 
-use super::cells::{Place, Places, Slots, ordered};
+use super::cells::Slots;
+use super::graph::Graph;
 use super::tensor::numbers;
 use crate::basis::{Basis, Block, Elements};
-use crate::linalg::{Csr, Real, Sparsity};
+use crate::linalg::{Buffer, Csr, Real, Sparsity};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -11,16 +12,12 @@ use std::sync::Arc;
 ///
 /// Everything is linear in the number of entries and nothing is sorted: function i is appended to the row of every
 /// neighbour for ascending i, so each row comes out ascending. Where the basis is one product block the rows are
-/// products of index ranges and are written down directly.
+/// products of index ranges and are written down directly. The same for any number of threads.
 #[derive(Clone, Debug)]
 pub struct Pattern {
-    functions: usize,
-    element_start: Vec<usize>,
-    element_ids: Vec<u32>,
-    cell_start: Vec<usize>,
-    cells: Vec<(u32, u32)>,
+    graph: Graph,
     ptr: Vec<usize>,
-    cols: Vec<u32>,
+    cols: Buffer<u32>,
     /// Where element matrices go, if all elements have reference cells.
     slots: Option<Slots>,
 }
@@ -33,29 +30,7 @@ impl Pattern {
     pub fn new<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(basis: &B) -> Self {
         let (elements, functions) = (basis.num_elements(), basis.num_functions());
         assert!(u32::try_from(elements.max(functions)).is_ok(), "fewer than 2^32 functions and elements");
-        let mut element_start = Vec::with_capacity(elements + 1);
-        let (mut element_ids, mut ids) = (Vec::new(), Vec::new());
-        element_start.push(0);
-        for e in 0..elements {
-            basis.active(e, &mut ids);
-            element_ids.extend(ids.iter().map(|&i| i as u32));
-            element_start.push(element_ids.len());
-        }
-        let mut cell_start = vec![0usize; functions + 1];
-        for &i in &element_ids {
-            cell_start[i as usize + 1] += 1;
-        }
-        for i in 0..functions {
-            cell_start[i + 1] += cell_start[i];
-        }
-        let (mut place, mut cells) = (cell_start.clone(), vec![(0u32, 0u32); element_ids.len()]);
-        for e in 0..elements {
-            for (a, &i) in element_ids[element_start[e]..element_start[e + 1]].iter().enumerate() {
-                cells[place[i as usize]] = (e as u32, a as u32);
-                place[i as usize] += 1;
-            }
-        }
-        let mut pattern = Self { functions, element_start, element_ids, cell_start, cells, ptr: Vec::new(), cols: Vec::new(), slots: None };
+        let mut pattern = Self { graph: Graph::new(basis), ptr: Vec::new(), cols: Buffer::default(), slots: None };
         let whole = numbers::patches(basis).and_then(|parts| match &parts[..] {
             [part] if numbers::is_whole(&part.ids, functions) => pattern.product(&part.block),
             _ => None,
@@ -64,27 +39,23 @@ impl Pattern {
             (pattern.ptr, pattern.cols) = (ptr, cols);
             return pattern;
         }
-        pattern.ptr = pattern.lengths();
-        let longest = pattern.ptr.windows(2).map(|w| w[1] - w[0]).max().unwrap_or(0);
-        if !(0..elements).all(|e| basis.reference(e).is_some()) {
-            pattern.cols = pattern.columns(|_, _, _| {});
-        } else if longest <= usize::from(u16::MAX) {
-            let slots;
-            (pattern.cols, slots) = pattern.with_slots(Places::Short);
-            pattern.slots = Some(slots);
-        } else {
-            let slots;
-            (pattern.cols, slots) = pattern.with_slots(Places::Long);
-            pattern.slots = Some(slots);
+        pattern.ptr = pattern.graph.lengths();
+        match (0..elements).map(|e| basis.reference(e)).collect::<Option<Vec<usize>>>() {
+            None => pattern.cols = pattern.graph.columns(&pattern.ptr),
+            Some(references) => {
+                let slots;
+                (pattern.cols, slots) = Slots::new(&pattern.graph, &references, &pattern.ptr);
+                pattern.slots = Some(slots);
+            }
         }
         pattern
     }
 
     /// Rows of one block that covers the basis: products of ranges per axis.
-    fn product<const D: usize, T: Real>(&self, block: &Block<'_, D, T>) -> Option<(Vec<usize>, Vec<u32>)> {
+    fn product<const D: usize, T: Real>(&self, block: &Block<'_, D, T>) -> Option<(Vec<usize>, Buffer<u32>)> {
         let elements: usize = block.axes.iter().map(|a| a.num_elements()).product();
         let functions: usize = block.axes.iter().map(|a| a.num_functions()).product();
-        if block.first != 0 || elements != self.element_start.len() - 1 || functions != self.functions {
+        if block.first != 0 || elements != self.num_elements() || functions != self.num_functions() {
             return None;
         }
         let mut ids = Vec::new();
@@ -118,7 +89,7 @@ impl Pattern {
             let count: usize = (0..D).map(|k| ranges[k][at[k]].1.saturating_sub(ranges[k][at[k]].0)).product();
             ptr.push(ptr[i] + count);
         }
-        let mut cols = vec![0u32; ptr[functions]];
+        let mut cols = Buffer::<u32>::zeros(ptr[functions]);
         each_row(&ptr, &mut cols, |i, row| {
             let at = split(i);
             let range: [(usize, usize); D] = std::array::from_fn(|k| ranges[k][at[k]]);
@@ -137,57 +108,6 @@ impl Pattern {
         Some((ptr, cols))
     }
 
-    /// Row pointers of any basis: counts of neighbours.
-    fn lengths(&self) -> Vec<usize> {
-        let mut mark = vec![u32::MAX; self.functions];
-        let mut ptr = vec![0usize; self.functions + 1];
-        for i in 0..self.functions {
-            let mut count = 0;
-            for &(e, _) in self.cells(i) {
-                for &j in self.ids(e as usize) {
-                    if mark[j as usize] != i as u32 {
-                        mark[j as usize] = i as u32;
-                        count += 1;
-                    }
-                }
-            }
-            ptr[i + 1] = ptr[i] + count;
-        }
-        ptr
-    }
-
-    /// Columns of all rows; tells `found(element, a n + b, place)` where the entry of local functions a and b of an element of n functions
-    /// is in the row of a.
-    fn columns(&self, mut found: impl FnMut(usize, usize, u32)) -> Vec<u32> {
-        let mut cols = vec![0u32; self.ptr[self.functions]];
-        // the last column that a row got, and how many it has
-        let mut rows = vec![(u32::MAX, 0u32); self.functions];
-        for i in 0..self.functions {
-            for &(e, b) in self.cells(i) {
-                let ids = self.ids(e as usize);
-                for (a, &j) in ids.iter().enumerate() {
-                    let (last, count) = &mut rows[j as usize];
-                    if *last != i as u32 {
-                        *last = i as u32;
-                        // the graph is symmetric: appending i to its neighbours for ascending i leaves every row sorted
-                        cols[self.ptr[j as usize] + *count as usize] = i as u32;
-                        *count += 1;
-                    }
-                    found(e as usize, a * ids.len() + b as usize, *count - 1);
-                }
-            }
-        }
-        cols
-    }
-
-    /// The columns, and where element matrices go.
-    fn with_slots<P: Place>(&self, kind: impl Fn(Vec<P>) -> Places) -> (Vec<u32>, Slots) {
-        let (order, first) = ordered(self.num_elements(), self.functions, |e| self.ids(e));
-        let mut places = vec![P::default(); first[self.num_elements()]];
-        let cols = self.columns(|e, at, place| places[first[e] + at] = P::new(place));
-        (cols, Slots { order, first, places: kind(places) })
-    }
-
     /// Where element matrices go, if all elements have reference cells.
     pub(super) fn slots(&self) -> Option<&Slots> {
         self.slots.as_ref()
@@ -195,24 +115,24 @@ impl Pattern {
 
     /// Number of functions.
     pub fn num_functions(&self) -> usize {
-        self.functions
+        self.graph.num_functions()
     }
 
     /// Number of elements.
     pub fn num_elements(&self) -> usize {
-        self.element_start.len() - 1
+        self.graph.num_elements()
     }
 
     /// Functions of `element` in the order of [`Basis::active`].
     #[inline]
     pub fn ids(&self, element: usize) -> &[u32] {
-        &self.element_ids[self.element_start[element]..self.element_start[element + 1]]
+        self.graph.ids(element)
     }
 
     /// (element, local number) of function `i` wherever it is active, elements ascending.
     #[inline]
     pub fn cells(&self, i: usize) -> &[(u32, u32)] {
-        &self.cells[self.cell_start[i]..self.cell_start[i + 1]]
+        self.graph.cells(i)
     }
 
     /// Neighbours of function `i`, ascending.
@@ -230,7 +150,7 @@ impl Pattern {
     /// What [`csr`](Self::csr) makes, with the columns taken along: rows are not known afterwards.
     pub(super) fn csr_once<T: Real>(&mut self, components: usize) -> Csr<T> {
         let cols = std::mem::take(&mut self.cols);
-        Csr::zeros(Arc::new(Sparsity::new(components, self.functions, self.ptr.clone(), cols)))
+        Csr::zeros(Arc::new(Sparsity::of(components, self.num_functions(), self.ptr.clone(), cols)))
     }
 
     /// A zero matrix for fields of `components` components, unknown = components * function + component, in blocks of that size.
@@ -238,7 +158,7 @@ impl Pattern {
     /// # Panics
     /// If there are 2^32 unknowns or more.
     pub fn csr<T: Real>(&self, components: usize) -> Csr<T> {
-        Csr::zeros(Arc::new(Sparsity::new(components, self.functions, self.ptr.clone(), self.cols.clone())))
+        Csr::zeros(Arc::new(Sparsity::of(components, self.num_functions(), self.ptr.clone(), self.cols.clone())))
     }
 }
 

@@ -6,7 +6,7 @@ use std::fmt;
 use std::ops::{Deref, DerefMut};
 
 /// Arrays of fewer bytes stay on the heap, where freed memory is taken again.
-const LEAST_BYTES: usize = 32 << 20;
+const LEAST_BYTES: usize = 4 << 20;
 
 /// An array of fixed length.
 pub(crate) enum Buffer<T> {
@@ -93,6 +93,8 @@ fn mapped<T: 'static>(n: usize) -> Option<Box<dyn Pages<T>>> {
         Box::new(linux::pages::<f64>(n)?)
     } else if TypeId::of::<T>() == TypeId::of::<u32>() {
         Box::new(linux::pages::<u32>(n)?)
+    } else if TypeId::of::<T>() == TypeId::of::<u16>() {
+        Box::new(linux::pages::<u16>(n)?)
     } else {
         return None;
     };

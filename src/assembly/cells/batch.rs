@@ -1,14 +1,26 @@
 //! The matrices of some cells, batch after batch.
 
 pub(super) use super::lanes::Entries;
-use super::lanes::{Jacobians, Layout, constant, jacobians, products, pulled_back};
+use super::lanes::{Jacobians, Layout, bent, constant, jacobians, products, pulled_back};
+use super::slots::{BATCH, Batch};
 use super::tables::Tables;
 use crate::assembly::source::{PointTangent, Source};
 use pulp::{Simd, WithSimd, bytemuck};
+use std::ops::Range;
 
-/// Writes coordinate i of node b of an element at `(b * N + i) * lanes + lane`: (element, ids as scratch, numbers, lanes, lane).
-pub(super) type Nodes<'a> = dyn Fn(usize, &mut Vec<usize>, &mut [f64], usize, usize) + Sync + 'a;
-/// The matrices of the cells of a batch: entry (a, c; b, e) of cell `lane` at `(((a * padded + b) * C + c) * C + e) * lanes + lane`.
+/// Writes coordinate i of node b of the element of a lane at `(b * N + i) * lanes + lane`: (elements, ids as scratch, numbers).
+pub(super) type Nodes<'a> = dyn Fn(&[u32], &mut Vec<usize>, &mut [f64]) + Sync + 'a;
+
+/// Cells of a batch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Member {
+    pub batch: u32,
+    /// A bit for each.
+    pub lanes: u8,
+}
+
+/// The matrices of the cells of a batch: entry (a, c; b, e) of cell `k` is number `(((a * padded + b) * C + c) * C + e) * lanes + k % lanes` of
+/// part `k / lanes`, a part being `values.len() * lanes / BATCH` numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Matrices<'a> {
     pub values: &'a [f64],
@@ -16,11 +28,9 @@ pub(super) struct Matrices<'a> {
     pub padded: usize,
 }
 
-/// Runs over `elements`, which have the tables `tables`, and hands on the matrices of as many as there are lanes.
+/// Runs over the `members` that have a function in `functions`, all of which have the tables `tables`, and hands on their matrices.
 pub(super) struct Run<'a, const N: usize> {
     pub tables: &'a Tables<N>,
-    /// All maps are affine.
-    pub affine: bool,
     pub nodes: &'a Nodes<'a>,
     pub source: &'a Source<'a>,
     /// Of the same tangents everywhere, per pair of components.
@@ -28,8 +38,10 @@ pub(super) struct Run<'a, const N: usize> {
     pub components: usize,
     /// Only b >= a is wanted.
     pub upper: bool,
-    pub elements: &'a [u32],
-    pub sink: &'a mut dyn FnMut(&[u32], Matrices<'_>),
+    pub batches: &'a [Batch],
+    pub members: &'a [Member],
+    pub functions: Range<u32>,
+    pub sink: &'a mut dyn FnMut(&Batch, u8, Matrices<'_>),
 }
 
 impl<const N: usize> WithSimd for Run<'_, N> {
@@ -54,7 +66,6 @@ struct Scratch<V, const N: usize> {
     tangents: Vec<[[V; N]; N]>,
     ids: Vec<usize>,
     tangent: Vec<f64>,
-    out: Vec<V>,
 }
 
 #[inline(always)]
@@ -72,56 +83,71 @@ fn run<S: Simd, const N: usize>(simd: S, run: Run<'_, N>) {
         tangents: vec![[[zero; N]; N]; if matches!(run.source, Source::PerPoint(_)) { tables.weights.len() * pairs } else { 0 }],
         ids: Vec::new(),
         tangent: vec![0.0; pairs * N * N],
-        out: vec![zero; tables.functions * padded * pairs],
     };
-    for batch in run.elements.chunks(lanes) {
-        gather::<S, N>(&run, batch, &mut scratch);
-        simd.vectorize(Batch { simd, run: &run, batch, scratch: &mut scratch });
-        (run.sink)(batch, Matrices { values: bytemuck::cast_slice(&scratch.out), lanes, padded });
+    let size = tables.functions * padded * pairs;
+    let mut out = vec![zero; size * BATCH / lanes];
+    for member in run.members {
+        let batch = &run.batches[member.batch as usize];
+        if batch.end <= run.functions.start || batch.least >= run.functions.end {
+            continue;
+        }
+        // lanes without a cell repeat one
+        let cells = batch.cells();
+        let mut elements = [cells[member.lanes.trailing_zeros() as usize]; BATCH];
+        for (k, &e) in cells.iter().enumerate() {
+            if member.lanes >> k & 1 == 1 {
+                elements[k] = e;
+            }
+        }
+        for (part, out) in out.chunks_exact_mut(size).enumerate() {
+            let used = usize::from(member.lanes) >> (part * lanes);
+            if used & ((1 << lanes) - 1) == 0 {
+                continue;
+            }
+            let elements = &elements[part * lanes..][..lanes];
+            (run.nodes)(elements, &mut scratch.ids, bytemuck::cast_slice_mut(scratch.nodes.as_flattened_mut()));
+            simd.vectorize(Part { simd, run: &run, used, scratch: &mut scratch, out });
+        }
+        (run.sink)(batch, member.lanes, Matrices { values: bytemuck::cast_slice(&out), lanes, padded });
     }
 }
 
-/// Nodes of the cells of a batch; lanes beyond the last repeat it.
-#[inline(always)]
-fn gather<S: Simd, const N: usize>(run: &Run<'_, N>, batch: &[u32], scratch: &mut Scratch<S::f64s, N>) {
-    let lanes = S::F64_LANES;
-    let to: &mut [f64] = bytemuck::cast_slice_mut(scratch.nodes.as_flattened_mut());
-    for lane in 0..lanes {
-        let e = batch[lane.min(batch.len() - 1)];
-        (run.nodes)(e as usize, &mut scratch.ids, to, lanes, lane);
-    }
-}
-
-/// One batch, compiled for the lanes chosen.
-struct Batch<'a, 'r, S: Simd, const N: usize> {
+/// As many cells as there are lanes, compiled for the lanes chosen.
+struct Part<'a, 'r, S: Simd, const N: usize> {
     simd: S,
     run: &'a Run<'r, N>,
-    batch: &'a [u32],
+    /// A bit per lane that has a cell, from the lowest.
+    used: usize,
     scratch: &'a mut Scratch<S::f64s, N>,
+    out: &'a mut [S::f64s],
 }
 
-impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Batch<'_, '_, S, N> {
+impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Part<'_, '_, S, N> {
     type Output = ();
     #[inline(always)]
     fn call(self) {
-        let Self { simd, run, batch, scratch } = self;
+        let Self { simd, run, used, scratch, out } = self;
         let tables = run.tables;
-        let is_constant = run.affine && matches!(run.source, Source::Constant(_));
-        let points = if run.affine { 1 } else { tables.weights.len() };
+        // one Jacobian serves all points of a straight cell
+        let straight = tables.bends.as_ref().is_some_and(|bends| {
+            let bent = bent(simd, bends, &scratch.nodes);
+            bends.is_empty() || bytemuck::cast_slice::<_, f64>(&[bent]).iter().all(|&b| b <= 0.0)
+        });
+        let is_constant = straight && matches!(run.source, Source::Constant(_));
+        let points = if straight { 1 } else { tables.weights.len() };
         jacobians(simd, tables, points, &scratch.nodes, &mut scratch.jacobians);
-        // the Jacobian at a point; an affine map has one
-        let at = |q: usize| if run.affine { 0 } else { q };
+        let at = |q: usize| if straight { 0 } else { q };
         if let Source::Mass = run.source {
             scratch.weights.clear();
             for (q, &w) in tables.weights.iter().enumerate() {
                 scratch.weights.push([[simd.mul_f64s(simd.splat_f64s(w), scratch.jacobians.det[at(q)])]]);
             }
             let layout = Layout { stride: 1, offset: 0, upper: run.upper };
-            products(simd, &tables.values, &scratch.weights, &mut scratch.tested_values, layout, &mut scratch.out);
+            products(simd, &tables.values, &scratch.weights, &mut scratch.tested_values, layout, out);
             return;
         }
         if let Source::PerPoint(tangent) = run.source {
-            tangents(simd, run, tangent, batch.len(), scratch);
+            tangents(simd, run, tangent, used, scratch);
         }
         let pairs = run.components * run.components;
         for pair in 0..pairs {
@@ -129,7 +155,7 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Batch<'_, '_, S, N> {
             if is_constant {
                 let entries = run.constant[pair].iter().map(|&(i, j, t)| (i, j, simd.splat_f64s(t)));
                 let d = pulled_back(simd, &scratch.jacobians, 0, 1.0, entries);
-                constant(simd, tables, &d, layout, &mut scratch.out);
+                constant(simd, tables, &d, layout, out);
                 continue;
             }
             scratch.d.clear();
@@ -147,18 +173,18 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Batch<'_, '_, S, N> {
                 };
                 scratch.d.push(d);
             }
-            products(simd, &tables.grads, &scratch.d, &mut scratch.tested, layout, &mut scratch.out);
+            products(simd, &tables.grads, &scratch.d, &mut scratch.tested, layout, out);
         }
     }
 }
 
-/// The tangents at all points of all cells of a batch.
+/// The tangents at all points of the cells of a part.
 #[inline(always)]
 fn tangents<S: Simd, const N: usize>(
     simd: S,
     run: &Run<'_, N>,
     tangent: &PointTangent<'_>,
-    cells: usize,
+    used: usize,
     scratch: &mut Scratch<S::f64s, N>,
 ) {
     let (lanes, numbers) = (S::F64_LANES, run.components * run.components * N * N);
@@ -174,7 +200,7 @@ fn tangents<S: Simd, const N: usize>(
         let all: &mut [f64] = bytemuck::cast_slice_mut(scratch.tangents.as_flattened_mut().as_flattened_mut());
         let all = &mut all[q * numbers * lanes..][..numbers * lanes];
         for lane in 0..lanes {
-            if lane < cells {
+            if used >> lane & 1 == 1 {
                 let mut at = [0.0; N];
                 for i in 0..N {
                     at[i] = x[i * lanes + lane];

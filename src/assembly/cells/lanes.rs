@@ -65,6 +65,35 @@ pub(super) fn jacobians<S: Simd, const N: usize>(
     }
 }
 
+/// Nodes that are this near to those of an affine map, as a share of their largest coordinate, are there up to the last bits.
+const STRAIGHT: f64 = 2.0 * f64::EPSILON;
+
+/// Not above zero in the lanes whose Jacobians are the same at all points: up to what the rounding of the nodes' coordinates does to them.
+#[inline(always)]
+pub(super) fn bent<S: Simd, const N: usize>(simd: S, bends: &[f64], nodes: &[[S::f64s; N]]) -> S::f64s {
+    let zero = simd.splat_f64s(0.0);
+    let (mut largest, mut most) = (zero, zero);
+    for x in nodes {
+        for k in 0..N {
+            largest = simd.max_f64s(largest, simd.abs_f64s(x[k]));
+        }
+    }
+    for row in bends.chunks_exact(nodes.len()) {
+        let mut sum = [zero; N];
+        for (x, &share) in nodes.iter().zip(row) {
+            let share = simd.splat_f64s(share);
+            for k in 0..N {
+                // shares sum to zero: distances from the first node, so that it does not matter where the cell lies
+                sum[k] = simd.mul_add_e_f64s(simd.sub_f64s(x[k], nodes[0][k]), share, sum[k]);
+            }
+        }
+        for k in 0..N {
+            most = simd.max_f64s(most, simd.abs_f64s(sum[k]));
+        }
+    }
+    simd.sub_f64s(most, simd.mul_f64s(largest, simd.splat_f64s(STRAIGHT)))
+}
+
 /// D_kl = w |det J| sum_ij (J^-1)_ki t_ij (J^-1)_lj at a point.
 #[inline(always)]
 pub(super) fn pulled_back<S: Simd, const N: usize>(

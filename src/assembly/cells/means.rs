@@ -1,10 +1,13 @@
 //! Where the unknowns of cells live: means of the map's points with weights of the reference cell.
 
-use super::Pattern;
+use super::nodes::MapNodes;
+use super::slots::Batch;
+use super::{Pattern, parts, shares};
 use crate::basis::{Basis, Cell, Order, ShapeTable};
 use crate::linalg::{Real, to_f64};
 use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
 use crate::space::Space;
+use rayon::prelude::*;
 
 /// Weights of one pair of reference cells.
 struct Weights {
@@ -15,6 +18,19 @@ struct Weights {
 }
 
 impl Weights {
+    /// Those of the cell of `element`, with two Gauss points per direction.
+    fn of_cell<const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized>(
+        key: (usize, usize),
+        space: &S,
+        map: &dyn Basis<D, T>,
+        element: usize,
+    ) -> Self {
+        match space.cell(element) {
+            Cell::Simplex => Self::new(key, space, map, element, &simplex_rule::<D, T>(2)),
+            Cell::Tensor => Self::new(key, space, map, element, TensorRule::gauss([2; D]).rule(element)),
+        }
+    }
+
     /// sum_q N_a² M_b, and sum_q N_a².
     fn new<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(
         key: (usize, usize),
@@ -43,36 +59,49 @@ pub(in crate::assembly) fn means<const D: usize, const N: usize, T: Real, S: Spa
     pattern: &Pattern,
     components: usize,
 ) -> Option<Vec<[f64; 3]>> {
-    let (order, control) = (&pattern.slots()?.order, space.control()?);
-    let (tensor, simplex) = (TensorRule::gauss([2; D]), simplex_rule::<D, T>(2));
-    let mut kinds: Vec<Weights> = Vec::new();
-    let mut sums = vec![[0.0; 4]; pattern.num_functions()];
-    let (mut ids, mut nodes) = (Vec::new(), Vec::new());
-    for &e in order {
-        let e = e as usize;
-        let key = (space.reference(e)?, control.basis.reference(e)?);
-        let k = kinds.iter().position(|k| k.key == key).unwrap_or_else(|| {
-            let rule = if space.cell(e) == Cell::Simplex { &simplex } else { tensor.rule(e) };
-            kinds.push(Weights::new(key, space, control.basis, e, rule));
-            kinds.len() - 1
-        });
-        control.basis.active(e, &mut ids);
-        nodes.clear();
-        nodes.extend(ids.iter().map(|&i| -> [f64; 3] { std::array::from_fn(|k| if k < N { to_f64(control.points[i][k]) } else { 0.0 }) }));
-        for (&i, weights) in pattern.ids(e).iter().zip(kinds[k].of.chunks_exact(kinds[k].nodes + 1)) {
-            let sum = &mut sums[i as usize];
-            for (x, w) in nodes.iter().zip(weights) {
-                for k in 0..N.min(3) {
-                    sum[k] += w * x[k];
+    let (slots, control) = (pattern.slots()?, space.control()?);
+    if components == 0 {
+        return Some(Vec::new());
+    }
+    let nodes = MapNodes::new(control);
+    let functions = pattern.num_functions();
+    let mut places = vec![[0.0; 3]; components * functions];
+    let ranges = shares(pattern.ptr(), rayon::current_num_threads());
+    let owned = parts(&mut places, &ranges, |i| components * i).into_par_iter().zip(&ranges);
+    let known: Option<Vec<()>> = owned
+        .map(|(places, range)| {
+            let (mut sums, mut kinds) = (vec![0.0; range.len()], Vec::<Weights>::new());
+            let (mut ids, mut points) = (Vec::new(), Vec::new());
+            let reaches = |b: &&Batch| (b.least as usize) < range.end && range.start < b.end as usize;
+            for batch in slots.batches.iter().filter(reaches) {
+                for (&e, own) in batch.cells().iter().zip(slots.ids(batch)) {
+                    let e = e as usize;
+                    let key = (batch.reference, control.basis.reference(e)?);
+                    let k = kinds.iter().position(|k| k.key == key).unwrap_or_else(|| {
+                        kinds.push(Weights::of_cell(key, space, control.basis, e));
+                        kinds.len() - 1
+                    });
+                    points.clear();
+                    points.extend(nodes.of(e, &mut ids).iter().map(|&i| nodes.point(i)));
+                    for (&i, weights) in own.iter().zip(kinds[k].of.chunks_exact(kinds[k].nodes + 1)) {
+                        let own = (i as usize).wrapping_sub(range.start);
+                        let Some(sum) = sums.get_mut(own) else { continue };
+                        let place = &mut places[components * own];
+                        for (x, w) in points.iter().zip(weights) {
+                            for k in 0..N.min(3) {
+                                place[k] += w * x[k];
+                            }
+                        }
+                        *sum += weights[kinds[k].nodes];
+                    }
                 }
             }
-            sum[3] += weights[kinds[k].nodes];
-        }
-    }
-    let mut places = Vec::with_capacity(components * sums.len());
-    for [x, y, z, weight] in sums {
-        let w = if weight > 0.0 { weight } else { 1.0 };
-        places.extend(std::iter::repeat_n([x / w, y / w, z / w], components));
-    }
-    Some(places)
+            for (places, weight) in places.chunks_exact_mut(components).zip(sums) {
+                let w = if weight > 0.0 { weight } else { 1.0 };
+                places.fill(places[0].map(|x| x / w));
+            }
+            Some(())
+        })
+        .collect();
+    known.map(|_| places)
 }

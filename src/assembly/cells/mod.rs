@@ -4,21 +4,24 @@
 //!
 //! | file | does |
 //! |---|---|
-//! | `slots` | places of the entries of element matrices within their rows |
+//! | `slots` | batches of cells, and places of the entries of their matrices within rows |
 //! | `tables` | functions and map on the reference cell |
 //! | `lanes` | Jacobians, D, and the sums above, one cell per lane |
-//! | `batch` | the matrices of some cells, batch after batch |
+//! | `batch` | the matrices of the cells of a batch |
 //! | `scatter` | adds them to rows |
+//! | `nodes` | the points of a cell's map |
 //! | `means` | where unknowns live |
 //! | `points`, `sums` | loads and norms: tables at points, and what is summed there |
 //!
-//! Cells are added by groups and within a group by their least function; threads own rows, and a cell whose rows have several owners
-//! is computed by each of them. So a sum has the same terms in the same order for any number of threads and of lanes. Kernels count
+//! Batches of cells are fixed with the graph: cells follow one another by their least function. Threads own rows, and a batch whose rows have
+//! several owners is computed by each of them. So a sum has the same terms in the same order for any number of threads and of lanes.
+//! Where all cells of a part of a batch are straight up to the last bits of their nodes, one Jacobian and one table serve them. Kernels count
 //! in `f64`; other scalars, processors without lanes and spaces without reference cells take the plain loop.
 
 mod batch;
 mod lanes;
 mod means;
+mod nodes;
 mod points;
 mod scatter;
 mod slots;
@@ -26,41 +29,46 @@ mod sums;
 mod tables;
 
 pub(super) use means::means;
-pub(super) use slots::{Place, Places, Slots, ordered};
+pub(super) use slots::{BATCH, Place, Slots};
 pub(super) use sums::Sums;
 
 use super::Form;
+use super::graph::{parts, shares};
 use super::pattern::Pattern;
 use super::source::Source;
-use crate::geometry::Control;
-use crate::linalg::{Csr, Real, to_f64};
+use crate::linalg::{Csr, Real};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
-use batch::{Entries, Run};
+use batch::{Entries, Member, Run};
+use nodes::MapNodes;
 use rayon::prelude::*;
 use scatter::Rows;
+use slots::{Batch, Places};
 use std::any::TypeId;
 use std::ops::Range;
 use tables::Tables;
 
 /// Groups of elements at most: more have nothing in common.
 const GROUPS: usize = 32;
+/// Batches handed to one task at a time.
+const BATCHES_PER_TASK: usize = 512;
 
 /// Elements with common tables.
 #[derive(Debug)]
 struct Group<const D: usize> {
     tables: Tables<D>,
     /// In the order in which their matrices are added.
-    elements: Vec<u32>,
-    /// Whether all maps are affine.
-    affine: bool,
+    members: Vec<Member>,
 }
+
+/// What elements with common tables have in common: reference cells of functions and map, the address of the rule.
+type Key = (usize, usize, usize);
 
 /// A space of cells that share reference cells, with its rule.
 #[derive(Debug)]
 pub(super) struct Cells<'a, const D: usize, const N: usize, T: Real> {
     groups: Vec<Group<D>>,
-    control: Control<'a, D, N, T>,
+    nodes: MapNodes<'a, D, N, T>,
 }
 
 impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
@@ -74,33 +82,51 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
             return None;
         }
         let (slots, control) = (pattern.slots()?, space.control()?);
-        let mut keys = Vec::new();
+        let key = |batch: &Batch, e: u32| -> Option<Key> {
+            let rule = std::ptr::from_ref(quadrature.rule(e as usize));
+            Some((batch.reference, control.basis.reference(e as usize)?, rule.addr()))
+        };
+        let keyed: Vec<Option<Vec<(Key, Member)>>> = slots
+            .batches
+            .par_chunks(BATCHES_PER_TASK)
+            .enumerate()
+            .map(|(task, batches)| {
+                let mut members: Vec<(Key, Member)> = Vec::with_capacity(batches.len());
+                for (k, batch) in batches.iter().enumerate() {
+                    let own = members.len();
+                    for (lane, &e) in batch.cells().iter().enumerate() {
+                        let key = key(batch, e)?;
+                        match members[own..].iter_mut().find(|m| m.0 == key) {
+                            Some((_, member)) => member.lanes |= 1 << lane,
+                            None => members.push((key, Member { batch: (task * BATCHES_PER_TASK + k) as u32, lanes: 1 << lane })),
+                        }
+                    }
+                }
+                Some(members)
+            })
+            .collect();
+        let mut keys: Vec<Key> = Vec::new();
         let mut groups: Vec<Group<D>> = Vec::new();
-        let mut last = 0;
-        for &element in &slots.order {
-            let e = element as usize;
-            let rule = quadrature.rule(e);
-            let key = (space.reference(e)?, control.basis.reference(e)?, std::ptr::from_ref(rule));
-            if keys.get(last) != Some(&key) {
-                last = keys.iter().position(|k| *k == key).unwrap_or(keys.len());
-            }
-            if last == keys.len() {
-                if last == GROUPS {
-                    return None;
+        for members in keyed {
+            for (key, member) in members? {
+                let k = keys.iter().position(|k| *k == key).unwrap_or(keys.len());
+                if k == keys.len() {
+                    if k == GROUPS {
+                        return None;
+                    }
+                    let e = slots.batches[member.batch as usize].cells()[member.lanes.trailing_zeros() as usize] as usize;
+                    let tables = Tables::new(space, control.basis, e, quadrature.rule(e));
+                    // nothing to sum: not worth a kernel
+                    if tables.weights.is_empty() || tables.functions == 0 || tables.nodes == 0 {
+                        return None;
+                    }
+                    keys.push(key);
+                    groups.push(Group { tables, members: Vec::new() });
                 }
-                let tables = Tables::new(space, control.basis, e, rule);
-                // nothing to sum: not worth a kernel
-                if tables.weights.is_empty() || tables.functions == 0 || tables.nodes == 0 {
-                    return None;
-                }
-                keys.push(key);
-                groups.push(Group { tables, elements: Vec::new(), affine: true });
+                groups[k].members.push(member);
             }
-            let group = &mut groups[last];
-            group.affine = group.affine && space.is_affine(e);
-            group.elements.push(element);
         }
-        Some(Self { groups, control })
+        Some(Self { groups, nodes: MapNodes::new(control) })
     }
 
     /// Adds the matrix of products of functions to `matrix`.
@@ -113,28 +139,15 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
         assert_eq!(values.len(), C * C * ptr[pattern.num_functions()], "the matrix has the pattern of the basis");
         let slots = pattern.slots().expect("cells are made of them");
         // owners of equal numbers of entries
-        let owners = rayon::current_num_threads();
-        let cut =
-            |k: usize| if k == owners { pattern.num_functions() } else { ptr.partition_point(|&p| p * owners < k * ptr[ptr.len() - 1]) };
-        let (mut parts, mut rest) = (Vec::with_capacity(owners), values);
-        for k in 0..owners {
-            let functions = cut(k).min(pattern.num_functions())..cut(k + 1).min(pattern.num_functions());
-            let (own, others) = rest.split_at_mut(C * C * (ptr[functions.end] - ptr[functions.start]));
-            rest = others;
-            parts.push((functions, own));
-        }
-        parts.into_par_iter().for_each(|(functions, values)| {
-            if !add {
-                values.fill(T::zero());
-            }
-            match &slots.places {
-                Places::Short(places) => self.rows::<C, _>(pattern, places, source, symmetric, functions, values),
-                Places::Long(places) => self.rows::<C, _>(pattern, places, source, symmetric, functions, values),
-            }
+        let ranges = shares(ptr, rayon::current_num_threads());
+        let owned = parts(values, &ranges, |i| C * C * ptr[i]);
+        owned.into_par_iter().zip(ranges).for_each(|(values, functions)| match &slots.places {
+            Places::Short(places) => self.rows::<C, u16>(pattern, places, source, symmetric, functions, (values, add)),
+            Places::Long(places) => self.rows::<C, u32>(pattern, places, source, symmetric, functions, (values, add)),
         });
     }
 
-    /// Adds everything to the rows of `functions`.
+    /// Adds everything to the rows of `functions`, or writes it where nothing is to be added to.
     fn rows<const C: usize, P: Place>(
         &self,
         pattern: &Pattern,
@@ -142,43 +155,28 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
         source: &Source<'_>,
         symmetric: bool,
         functions: Range<usize>,
-        values: &mut [T],
+        (values, add): (&mut [T], bool),
     ) {
-        let first = &pattern.slots().expect("cells are made of them").first;
-        let whole = functions.len() == pattern.num_functions();
-        let Control { basis, points } = self.control;
-        let nodes = |e: usize, ids: &mut Vec<usize>, out: &mut [f64], lanes: usize, lane: usize| {
-            basis.active(e, ids);
-            for (out, &i) in out.chunks_exact_mut(D * lanes).zip(ids.iter()) {
-                for (k, &x) in points[i].iter().enumerate() {
-                    out[k * lanes + lane] = to_f64(x);
-                }
-            }
-        };
         let constant = if let Source::Constant(all) = source { entries::<D>(all) } else { Vec::new() };
-        let mut rows = Rows { pattern, first, places, functions, upper: symmetric, values };
-        for group in &self.groups {
-            let mine: Vec<u32>;
-            let elements = if whole {
-                &group.elements
-            } else {
-                let reaches = |e: &u32| pattern.ids(*e as usize).iter().any(|&i| rows.functions.contains(&(i as usize)));
-                mine = group.elements.iter().copied().filter(reaches).collect();
-                &mine
-            };
-            let (tables, affine) = (&group.tables, group.affine);
+        let slots = pattern.slots().expect("cells are made of them");
+        let ready = if add { values.len() } else { 0 };
+        let reach = functions.start as u32..functions.end as u32;
+        let mut rows = Rows { ptr: pattern.ptr(), slots, places, functions, upper: symmetric, values, ready, starts: Vec::new() };
+        for Group { tables, members } in &self.groups {
             pulp::Arch::new().dispatch(Run {
                 tables,
-                affine,
-                nodes: &nodes,
+                nodes: &|elements, ids, out| self.nodes.gather(elements, ids, out),
                 source,
                 constant: &constant,
                 components: C,
                 upper: symmetric,
-                elements,
-                sink: &mut |batch, matrices| rows.add::<C>(batch, matrices),
+                batches: &slots.batches,
+                members,
+                functions: reach.clone(),
+                sink: &mut |batch, lanes, matrices| rows.add::<C>(batch, lanes, matrices),
             });
         }
+        rows.make_ready::<C>(pattern.num_functions());
     }
 }
 

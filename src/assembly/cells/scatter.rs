@@ -1,28 +1,38 @@
-//! Adds the matrices of cells to the rows of a range, in the order of the cells.
+//! Adds the matrices of cells to the rows of a range, in the order of the batches.
 
 use super::batch::Matrices;
-use super::slots::Place;
-use crate::assembly::pattern::Pattern;
+use super::slots::{BATCH, Batch, Place, Slots};
 use crate::linalg::{Real, lit};
 use std::ops::Range;
 
+/// Beyond all values: where numbers go that belong to others.
+const ELSEWHERE: usize = usize::MAX / 2;
+
 /// The rows of some functions: whoever owns them adds every cell in the same order, so that sums have the same bits for any number of
-/// owners.
+/// owners and of lanes.
+///
+/// Of every batch the entries (a, b) and (b, a) of all its cells are added at once, and a sum has the terms of (i, j) and (j, i) in one
+/// order: symmetric matrices stay so to the last bit.
 pub(super) struct Rows<'a, P, T> {
-    pub pattern: &'a Pattern,
-    /// Where the entries of an element begin in `places`.
-    pub first: &'a [usize],
+    /// Where the rows of the scalar matrix begin.
+    pub ptr: &'a [usize],
+    pub slots: &'a Slots,
     pub places: &'a [P],
     pub functions: Range<usize>,
     /// Whether only the upper half of the matrices of cells is there.
     pub upper: bool,
     /// The values of the rows.
     pub values: &'a mut [T],
+    /// How many of them may be added to; what lies behind holds anything and is set to zero first.
+    pub ready: usize,
+    /// Where the rows of the functions of each cell begin, and the length of one.
+    pub starts: Vec<([usize; BATCH], [usize; BATCH])>,
 }
 
 impl<P: Place, T: Real> Rows<'_, P, T> {
-    /// Adds the matrices of `batch`, fields of C components.
-    pub fn add<const C: usize>(&mut self, batch: &[u32], matrices: Matrices<'_>) {
+    /// Adds the matrices of the cells of `batch` that `lanes` has a bit for, fields of C components.
+    pub fn add<const C: usize>(&mut self, batch: &Batch, lanes: u8, matrices: Matrices<'_>) {
+        self.begin::<C>(batch, lanes);
         // the number of lanes is a constant, so that picking one costs nothing
         match matrices.lanes {
             2 => self.add_lanes::<C, 2>(batch, matrices),
@@ -32,57 +42,86 @@ impl<P: Place, T: Real> Rows<'_, P, T> {
         }
     }
 
-    fn add_lanes<const C: usize, const L: usize>(&mut self, batch: &[u32], matrices: Matrices<'_>) {
-        let numbers = matrices.values.as_chunks::<L>().0;
-        let ptr = self.pattern.ptr();
+    /// Sets values to zero up to those of function `end`: shortly before they are added to, while they are in the cache.
+    pub fn make_ready<const C: usize>(&mut self, end: usize) {
+        let ptr = self.ptr;
+        let end = C * C * (ptr[end.clamp(self.functions.start, self.functions.end)] - ptr[self.functions.start]);
+        if self.ready < end {
+            self.values[self.ready..end].fill(T::zero());
+            self.ready = end;
+        }
+    }
+
+    fn begin<const C: usize>(&mut self, batch: &Batch, lanes: u8) {
+        self.make_ready::<C>(batch.end as usize);
+        let ptr = self.ptr;
         let base = C * C * ptr[self.functions.start];
-        // blocks of C x C numbers from one row of the matrix of a cell to the next
-        let down = matrices.padded;
-        for (lane, &e) in batch.iter().enumerate().take(L) {
-            let ids = self.pattern.ids(e as usize);
-            let n = ids.len();
-            let places = &self.places[self.first[e as usize]..][..n * n];
-            for (a, (&i, places)) in ids.iter().zip(places.chunks_exact(n)).enumerate() {
+        self.starts.clear();
+        self.starts.resize(batch.functions, ([ELSEWHERE; BATCH], [0; BATCH]));
+        for (lane, ids) in self.slots.ids(batch).enumerate() {
+            if lanes >> lane & 1 == 0 {
+                continue;
+            }
+            for (&i, (starts, lengths)) in ids.iter().zip(&mut self.starts) {
                 let i = i as usize;
-                if !self.functions.contains(&i) {
-                    continue;
+                if self.functions.contains(&i) {
+                    starts[lane] = C * C * ptr[i] - base;
+                    lengths[lane] = C * (ptr[i + 1] - ptr[i]);
                 }
-                let length = C * (ptr[i + 1] - ptr[i]);
-                let row = &mut self.values[C * C * ptr[i] - base..][..C * length];
-                let (left, right) = places.split_at(if self.upper { a } else { 0 });
-                let across = &numbers[(a * down + left.len()) * C * C..][..right.len() * C * C];
+            }
+        }
+    }
+
+    fn add_lanes<const C: usize, const L: usize>(&mut self, batch: &Batch, matrices: Matrices<'_>) {
+        let (n, across, upper) = (batch.functions, matrices.padded, self.upper);
+        let (values, starts) = (&mut *self.values, &self.starts[..n]);
+        let numbers = matrices.values.as_chunks::<L>().0;
+        // entries of a part
+        let part = numbers.len() * L / BATCH;
+        let mut octets = self.places[batch.first..][..n * n * BATCH].as_chunks::<BATCH>().0.iter();
+        let mut next = || octets.next().expect("one octet per entry");
+        for a in 0..n {
+            let diagonal = next();
+            let block = &numbers[(a * across + a) * C * C..];
+            // one half of the block on the diagonal, for the other is equal up to rounding
+            let pick = |c: usize, e: usize| if upper { c.min(e) * C + c.max(e) } else { c * C + e };
+            for lane in 0..BATCH {
+                let (at, length) = (starts[a].0[lane], starts[a].1[lane]);
+                let number = |c: usize, e: usize| block[lane / L * part + pick(c, e)][lane % L];
+                add_block::<C, T>(values, at, length, diagonal[lane].get(), number);
+            }
+            for b in a + 1..n {
+                let (right, left) = (next(), next());
+                let block = &numbers[(a * across + b) * C * C..];
+                let mirror = if upper { block } else { &numbers[(b * across + a) * C * C..] };
                 // what is left of the diagonal is the mirror image of what is above it
-                if C == 1 {
-                    for (b, place) in left.iter().enumerate() {
-                        row[place.get()] += lit(numbers[b * down + a][lane]);
-                    }
-                    for (place, number) in right.iter().zip(across) {
-                        row[place.get()] += lit(number[lane]);
-                    }
-                    continue;
-                }
-                for (b, place) in left.iter().enumerate() {
-                    let block = &numbers[(b * down + a) * C * C..][..C * C];
-                    add_block::<C, T>(row, length, place.get(), |c, e| block[e * C + c][lane]);
-                }
-                for (b, (place, block)) in right.iter().zip(across.chunks_exact(C * C)).enumerate() {
-                    if self.upper && b == 0 {
-                        // one half of the block on the diagonal, for the other is equal up to rounding
-                        add_block::<C, T>(row, length, place.get(), |c, e| block[c.min(e) * C + c.max(e)][lane]);
-                    } else {
-                        add_block::<C, T>(row, length, place.get(), |c, e| block[c * C + e][lane]);
-                    }
+                let turned = |c: usize, e: usize| if upper { e * C + c } else { c * C + e };
+                let (row, other) = (&starts[a], &starts[b]);
+                for lane in 0..BATCH {
+                    let from = lane / L * part;
+                    let number = |c: usize, e: usize| block[from + c * C + e][lane % L];
+                    add_block::<C, T>(values, row.0[lane], row.1[lane], right[lane].get(), number);
+                    let number = |c: usize, e: usize| mirror[from + turned(c, e)][lane % L];
+                    add_block::<C, T>(values, other.0[lane], other.1[lane], left[lane].get(), number);
                 }
             }
         }
     }
 }
 
-/// Adds the block of one pair of functions to the C rows of a function, `length` entries each.
+/// Adds the block of one pair of functions to the C rows of a function, which begin at `start` with `length` entries each; to none where they
+/// are others'.
 #[inline(always)]
-fn add_block<const C: usize, T: Real>(rows: &mut [T], length: usize, place: usize, number: impl Fn(usize, usize) -> f64) {
+fn add_block<const C: usize, T: Real>(values: &mut [T], start: usize, length: usize, place: usize, number: impl Fn(usize, usize) -> f64) {
+    if C == 1 {
+        if let Some(to) = values.get_mut(start + place) {
+            *to += lit(number(0, 0));
+        }
+        return;
+    }
     for c in 0..C {
-        let to = &mut rows[c * length + C * place..][..C];
+        let at = start + c * length + C * place;
+        let Some(to) = values.get_mut(at..at + C) else { return };
         for (e, to) in to.iter_mut().enumerate() {
             *to += lit(number(c, e));
         }

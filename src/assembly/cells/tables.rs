@@ -42,6 +42,40 @@ impl<const K: usize> Products<K> {
     }
 }
 
+/// Nodes of maps that are looked at for bends: more are not worth the search.
+const BENT_NODES: usize = 32;
+/// Combinations of gradients shorter than this share of the longest are none.
+const NO_BEND: f64 = 1e-10;
+
+/// An orthonormal basis of the differences grad M(q) - grad M(0), as rows over the `nodes` functions M.
+fn bends<const N: usize>(grads: &[[f64; N]], nodes: usize) -> Option<Vec<f64>> {
+    if nodes > BENT_NODES {
+        return None;
+    }
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let longest = grads.iter().flatten().fold(0.0f64, |m, g| m.max(g.abs()));
+    let (first, mut rows) = (grads.get(..nodes)?, Vec::new());
+    for grads in grads.chunks_exact(nodes).skip(1) {
+        for k in 0..N {
+            let mut rest: Vec<f64> = grads.iter().zip(first).map(|(g, first)| g[k] - first[k]).collect();
+            // twice, so that what is left is orthogonal to the last bits
+            for _ in 0..2 {
+                for row in rows.chunks_exact(nodes) {
+                    let share = dot(&rest, row);
+                    rest.iter_mut().zip(row).for_each(|(r, w)| *r -= share * w);
+                }
+            }
+            let length = dot(&rest, &rest).sqrt();
+            if length > NO_BEND * longest {
+                rows.extend(rest.iter().map(|r| r / length));
+            }
+        }
+    }
+    // functions that do not sum to one: their map moves with the origin
+    let moves = rows.chunks_exact(nodes).any(|row| row.iter().sum::<f64>().abs() > NO_BEND);
+    (!moves).then_some(rows)
+}
+
 /// The tables of a group.
 #[derive(Debug)]
 pub(super) struct Tables<const N: usize> {
@@ -58,6 +92,9 @@ pub(super) struct Tables<const N: usize> {
     pub map_values: Vec<f64>,
     /// Their gradients.
     pub map_grads: Vec<[f64; N]>,
+    /// Combinations of the map's nodes that vanish where its Jacobian is the same at all points of the rule, `nodes` numbers of sum zero each;
+    /// none for maps of linear functions. `None` where that is not known.
+    pub bends: Option<Vec<f64>>,
     /// sum_q w B_ak B_bl at `sums[a * functions + b][k][l]`: enough where D is constant.
     pub sums: Vec<[[f64; N]; N]>,
 }
@@ -75,13 +112,16 @@ impl<const N: usize> Tables<N> {
             weights.iter().enumerate().fold(0.0, |s, (q, &w)| s + w * grad(a, q, k) * grad(b, q, l))
         };
         let sums = (0..n * n).map(|ab| std::array::from_fn(|k| std::array::from_fn(|l| sum(ab / n, ab % n, k, l)))).collect();
+        let map_grads: Vec<[f64; N]> =
+            (0..points).flat_map(|q| nodes.grads(q).iter().map(|g| std::array::from_fn(|k| to_f64(g[k])))).collect();
         Self {
             functions: n,
             nodes: m,
             values: Products::new(n, points, |a, q, _| to_f64(shapes.values(q)[a])),
             grads: Products::new(n, points, grad),
             map_values: (0..points).flat_map(|q| nodes.values(q).iter().map(|&v| to_f64(v))).collect(),
-            map_grads: (0..points).flat_map(|q| nodes.grads(q).iter().map(|g| std::array::from_fn(|k| to_f64(g[k])))).collect(),
+            bends: bends(&map_grads, m),
+            map_grads,
             weights,
             sums,
         }
