@@ -67,6 +67,14 @@ fn shuffled<const N: usize>(mut mesh: MeshCells<N>) -> MeshCells<N> {
     mesh
 }
 
+/// The same mesh with its points moved along the diagonal inside the box: no cell is a parallelepiped.
+fn moved<const N: usize>(mut mesh: MeshCells<N>) -> MeshCells<N> {
+    for x in &mut mesh.points {
+        *x += Vector::repeat(0.1 * x.iter().map(|x| (PI * x).sin()).product::<f64>());
+    }
+    mesh
+}
+
 /// All orders of the axes.
 fn permutations<const N: usize>() -> Vec<[usize; N]> {
     let all = (0..N.pow(N as u32)).map(|i| -> [usize; N] { std::array::from_fn(|k| i / N.pow(k as u32) % N) });
@@ -105,7 +113,11 @@ fn solved<const C: usize, const S: usize, const N: usize>(
     options: &Options,
 ) -> Record {
     let body = |n| {
-        let mesh = if name.ends_with("-random") { shuffled(cells(cell, n)) } else { cells(cell, n) };
+        let mesh = match name.split_once('-').map(|n| n.1) {
+            Some("random") => shuffled(cells(cell, n)),
+            Some("moved") => moved(cells(cell, n)),
+            _ => cells(cell, n),
+        };
         Mesh::<S, N>::from_cells(&mesh, p, Mapping::Exact).unwrap()
     };
     let wave = wave::<C, N> as fn(&Vector<N>) -> Jet<C, N>;
@@ -123,19 +135,20 @@ fn solved<const C: usize, const S: usize, const N: usize>(
 pub fn default_n(name: &str) -> usize {
     match name {
         "W4c" => 30,
-        "W4d" | "W4d-random" | "W4f" => 24,
+        "W4d" | "W4d-random" | "W4d-moved" | "W4f" => 24,
         _ => 256,
     }
 }
 
-/// W4a to W4f, and W4a and W4d in random order as `W4a-random` and `W4d-random`; `None` for another name.
+/// W4a to W4f, W4a and W4d in random order as `W4a-random` and `W4d-random`, W4b and W4d with cells of other shapes as `W4b-moved` and
+/// `W4d-moved`; `None` for another name.
 pub fn record(name: &str, p: usize, n: usize, options: &Options) -> Option<Record> {
     let (flat, solid) = (Conductor::<2>::try_new(1.0).unwrap(), Conductor::<3>::try_new(1.0).unwrap());
     Some(match name {
         "W4a" | "W4a-random" => solved::<1, 1, 2>(name, [p, n], Cell::Simplex, &flat, options),
-        "W4b" => solved::<1, 1, 2>(name, [p, n], Cell::Tensor, &flat, options),
+        "W4b" | "W4b-moved" => solved::<1, 1, 2>(name, [p, n], Cell::Tensor, &flat, options),
         "W4c" => solved::<1, 2, 3>(name, [p, n], Cell::Simplex, &solid, options),
-        "W4d" | "W4d-random" => solved::<1, 2, 3>(name, [p, n], Cell::Tensor, &solid, options),
+        "W4d" | "W4d-random" | "W4d-moved" => solved::<1, 2, 3>(name, [p, n], Cell::Tensor, &solid, options),
         "W4e" => solved::<2, 1, 2>(name, [p, n], Cell::Simplex, &Hooke::<2>::plane_strain(1.0, 0.3).unwrap(), options),
         "W4f" => solved::<3, 2, 3>(name, [p, n], Cell::Tensor, &Hooke::<3>::solid(1.0, 0.3).unwrap(), options),
         _ => return None,
