@@ -1,7 +1,7 @@
 //! The symbolic part of a factorisation: it depends on the pattern alone and is kept as long as that stays.
 
 use super::faer_ldlt::buffer;
-use super::multifrontal::Fronts;
+use super::faer_fronts::Fronts;
 use super::{Buffer, LinearError, Sparsity, Upper, ordering};
 use faer::dyn_stack::MemStack;
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;

@@ -8,7 +8,7 @@
 //! Source: Duff, Reid, ACM Trans. Math. Softw. 9 (1983) 302-325; Liu, SIAM Review 34 (1992) 82-109.
 
 use super::Buffer;
-use super::panel::eliminate;
+use super::faer_panel::eliminate;
 use faer::linalg::matmul::matmul;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::{Accum, MatMut, MatRef, Par};
