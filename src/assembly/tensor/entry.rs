@@ -87,12 +87,13 @@ impl Patch<'_> {
         if strips.len() > 1 && 2 * even > strips[0].len() {
             strips = strip::cut(middle, even);
         }
+        let plane = self.axes.len() == 2;
         // in the plane there is no other way to share the work; every march starts some elements early
-        let slabs = if self.axes.len() == 2 && threads > 1 { (TASKS_PER_THREAD * threads).min(rows / ROWS_AT_LEAST).max(1) } else { 1 };
+        let slabs = if plane && threads > 1 { (TASKS_PER_THREAD * threads).min(rows / ROWS_AT_LEAST).max(1) } else { 1 };
         let parts = write.parts(&strips, &strip::cut(rows, rows.div_ceil(slabs)), values);
         // inside the pool, so that no pass has to enter it
         rayon::scope(|_| {
-            if parts.len() < threads {
+            if !plane && parts.len() < threads {
                 parts.into_iter().for_each(|part| write.march(plan, part, threads));
             } else {
                 parts.into_par_iter().for_each(|part| write.march(plan, part, 1));
