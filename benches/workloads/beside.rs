@@ -5,15 +5,20 @@ use crate::measure::{Time, median, timed};
 use faying::assembly::{Form, MatrixFree, errors, gauss_rules, load};
 use faying::linalg::{Csr, Operator, Vector};
 use faying::physics::{Material, form};
+use faying::quadrature::Quadrature;
 use faying::space::Space;
+use std::hint::black_box;
 
-/// Times of one product with the matrix, of one without it, of the load and of the norms.
+/// Times of one product with the matrix, of one without it, of the load and of the norms; of the closures that these two ask,
+/// at as many points.
 #[derive(Clone, Copy, Debug)]
 pub struct Beside {
     pub product: Time,
     pub apply: Time,
     pub load: Time,
     pub errors: Time,
+    pub force: Time,
+    pub field: Time,
 }
 
 /// The median over `reps` of `work`, which warms up once.
@@ -42,7 +47,13 @@ pub fn beside<const C: usize, const N: usize>(
         let (value, gradient, _) = exact(x);
         (value, gradient)
     };
+    // places inside the body, as many as points of a rule
+    let count = |rules: &dyn Quadrature<N>| (0..space.num_elements()).map(|e| rules.rule(e).points.len()).sum::<usize>();
+    let place = |k: usize| Vector::<N>::from_fn(|c, _| 0.9 + 0.1 * ((k >> (4 * c)) % 16) as f64);
+    let (few, many) = (count(&rules), count(&more));
     Beside {
+        force: times(reps, || black_box((0..few).fold(Vector::<C>::zeros(), |s, k| s + f(&place(k))))),
+        field: times(reps, || black_box((0..many).fold(0.0, |s, k| s + field(&place(k)).1[(0, 0)]))),
         product: times(reps, || k.apply(&x, &mut y)),
         apply: times(reps, || free.apply(&x, &mut y)),
         load: times(reps, || load::<C, N, N, _, _, _>(space, &rules, &f)),

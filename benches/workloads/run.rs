@@ -53,6 +53,7 @@ impl Record {
             "peak_rss_mb": peak_rss_mb(), "error": self.error, "fp_trace": self.trace, "fp_fro": self.fro, "notes": self.notes,
             "product_cpu_s": cpu(|b| b.product), "apply_cpu_s": cpu(|b| b.apply),
             "load_cpu_s": cpu(|b| b.load), "errors_cpu_s": cpu(|b| b.errors),
+            "force_cpu_s": cpu(|b| b.force), "field_cpu_s": cpu(|b| b.field),
         })
         .to_string()
     }
