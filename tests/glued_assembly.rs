@@ -255,3 +255,13 @@ fn bricks_around_an_edge() {
         println!("bricks, {kind:?}: apart by {most:.1e} at most");
     }
 }
+
+#[test]
+fn bricks_wide_enough_for_several_strips() {
+    // 60 x 38 x 4 functions of degree 2 each: more sums than one strip of the middle direction holds
+    let brick = |z: f64| shapes::brick([0.0, 0.0, z], [3.0, 2.0, z + 0.2]).unwrap();
+    let bodies = [0.0, 0.2].map(|z| body::<2, 3>(brick(z), [2, 2, 2], [58, 36, 2], Kind::Splines)).to_vec();
+    let whole = glued(bodies, &[(0, "w1", 1, "w0")]);
+    let most = one_form(&**whole.space(), &Form::<1, 3>::laplace()).max(one_form(&**whole.space(), &varying::<1, 3>(false)));
+    println!("wide bricks: apart by {most:.1e} at most");
+}
