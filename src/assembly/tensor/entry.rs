@@ -16,6 +16,9 @@ use std::sync::Arc;
 const ROWS_AT_LEAST: usize = 16;
 /// Marches per thread in the plane; tasks per thread of a layer's rows.
 const TASKS_PER_THREAD: usize = 2;
+/// Functions of a strip per active function of the middle direction, below which threads share a march: what strips contract
+/// twice is dearer than meeting.
+const NARROW: usize = 3;
 
 impl Patches<'_> {
     fn functions(&self) -> usize {
@@ -84,7 +87,7 @@ impl Patch<'_> {
         let mut strips = plan.strips();
         // as many for every thread, unless they become narrow
         let even = middle.div_ceil(strips.len().next_multiple_of(threads));
-        if strips.len() > 1 && 2 * even > strips[0].len() {
+        if even >= NARROW * write.to.middle.active {
             strips = strip::cut(middle, even);
         }
         let plane = self.axes.len() == 2;
