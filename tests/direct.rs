@@ -164,3 +164,17 @@ fn the_condition_of_a_constrained_system_is_that_of_its_matrix() {
     let other = Direct::new().solve(&ConstrainedSystem { load: &vec![-3.0; n], ..system }).unwrap();
     assert_eq!(other.condition, solution.condition);
 }
+
+#[test]
+fn the_factor_answers_for_no_matrix_of_another_size() {
+    let (small, large) = (laplace(4, 3, |_| 1.0), laplace(7, 5, |_| 1.0));
+    for (known, other) in [(&small, &large), (&large, &small)] {
+        let mut solver = Ldlt::new();
+        solver.prepare(known).unwrap();
+        let (expected, found) = (known.num_rows(), other.num_rows());
+        for error in [solver.check(other).unwrap_err(), solver.condition(other).unwrap_err()] {
+            assert!(matches!(error, LinearError::Shape { expected: e, found: f } if (e, f) == (expected, found)), "{error}");
+        }
+        assert!(solver.condition(known).unwrap() > 1.0);
+    }
+}

@@ -26,6 +26,18 @@ impl<T: num_traits::Zero + Copy + 'static> Buffer<T> {
         let pages = if n.saturating_mul(size_of::<T>()) < LEAST_BYTES { None } else { mapped(n) };
         pages.map_or_else(|| Self::Heap(vec![T::zero(); n]), Self::Pages)
     }
+
+    /// `n` zeros; `None` where there is no memory for them.
+    pub(crate) fn try_zeros(n: usize) -> Option<Self> {
+        let pages = if n.checked_mul(size_of::<T>())? < LEAST_BYTES { None } else { mapped(n) };
+        if let Some(pages) = pages {
+            return Some(Self::Pages(pages));
+        }
+        let mut values = Vec::new();
+        values.try_reserve_exact(n).ok()?;
+        values.resize(n, T::zero());
+        Some(Self::Heap(values))
+    }
 }
 
 impl<T> Default for Buffer<T> {

@@ -1,7 +1,7 @@
 //! The symbolic part of a factorisation: it depends on the pattern alone and is kept as long as that stays.
 
-use super::faer_ldlt::buffer;
 use super::faer_fronts::Fronts;
+use super::faer_ldlt::buffer;
 use super::{Buffer, LinearError, Sparsity, Upper, ordering};
 use faer::dyn_stack::MemStack;
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
@@ -37,7 +37,10 @@ impl Analysis {
     pub fn factorise(&self, upper: &Upper, factor: &mut [f64], work: &mut Option<[Buffer<f64>; 2]>) -> Result<(), LinearError> {
         match (&self.fronts, self.symbolic.raw()) {
             (Some(fronts), SymbolicCholeskyRaw::Supernodal(nodes)) => {
-                let work = work.get_or_insert_with(|| fronts.work());
+                let work = match work {
+                    Some(work) => work,
+                    None => work.insert(fronts.work().ok_or(LinearError::Memory)?),
+                };
                 fronts.factorise(nodes, &upper.vals, factor, work).ok_or(LinearError::Singular { residual: 1.0 })
             }
             _ => self.by_columns(upper, factor),
@@ -76,7 +79,9 @@ pub(super) fn analyse(pattern: &Arc<(Vec<usize>, Vec<usize>)>, places: &[[f64; 3
     let symbolic =
         cholesky::factorize_symbolic_cholesky(matrix, Side::Lower, choice, Default::default()).map_err(|_| LinearError::Memory)?;
     let fronts = match (symbolic.raw(), symbolic.perm()) {
-        (SymbolicCholeskyRaw::Supernodal(s), Some(perm)) => Fronts::of(s, ptr, cols, perm.arrays().1),
+        (SymbolicCholeskyRaw::Supernodal(s), Some(perm)) => {
+            Fronts::of(s, ptr, cols, perm.arrays().1).filter(|fronts| fronts.pay(symbolic.len_val()))
+        }
         _ => None,
     };
     Ok(Analysis { source: None, pattern: pattern.clone(), symbolic, fronts, dissected: order.is_some() })

@@ -8,7 +8,7 @@ use super::faer_analysis::{Analysis, analyse};
 use super::refine::refine;
 use super::residual::{KERNEL, SAFE_GROWTH, Soft, kernel_ratio, row_scale, scaled_condition, softest};
 use super::solver::NO_SYMMETRY;
-use super::{Buffer, LinearError, LinearSolver, Operator, Sparsity, Upper};
+use super::{Buffer, Csr, LinearError, LinearSolver, Operator, Sparsity, Upper};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
 use faer::sparse::linalg::cholesky::{LdltRef, SymbolicCholeskyRaw};
@@ -103,7 +103,7 @@ impl Ldlt {
     /// # Errors
     /// [`LinearError::Singular`], also before [`Ldlt::factorise`].
     pub fn check(&mut self, a: &dyn Operator<f64>) -> Result<(), LinearError> {
-        let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
+        let matrix = self.factorised(a)?;
         self.scale = row_scale(a);
         if matrix.num_rows() == 0 {
             return Ok(());
@@ -130,12 +130,22 @@ impl Ldlt {
     /// # Errors
     /// [`LinearError`] where `a` has no matrix or is not the one factorised.
     pub fn condition(&mut self, a: &dyn Operator<f64>) -> Result<f64, LinearError> {
-        let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
+        let matrix = self.factorised(a)?;
         if matrix.num_rows() == 0 {
             return Ok(1.0);
         }
         let soft = self.soft(2)?;
         Ok(scaled_condition(matrix, &self.diagonal, &soft.vector))
+    }
+
+    /// The matrix of `a`, which has as many rows as the one factorised.
+    fn factorised<'a>(&self, a: &'a dyn Operator<f64>) -> Result<&'a Csr<f64>, LinearError> {
+        let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
+        let (expected, found) = (self.diagonal.len(), matrix.num_rows());
+        if self.ready && expected != found {
+            return Err(LinearError::Shape { expected, found });
+        }
+        Ok(matrix)
     }
 
     /// Inverse iteration with the factor; one that overflows has no factor worth keeping.
@@ -220,15 +230,16 @@ impl Ldlt {
         let symbolic = &self.analysis.as_ref().expect("analysed above").symbolic;
         let n = symbolic.nrows();
         if self.factor.len() != symbolic.len_val() {
-            self.factor = Buffer::zeros(symbolic.len_val());
+            self.factor = Buffer::default();
+            self.factor = Buffer::try_zeros(symbolic.len_val()).ok_or(LinearError::Memory)?;
         }
+        self.diagonal.clear();
         if n == 0 {
             (self.ready, self.negative) = (true, 0);
             return Ok(());
         }
         let analysis = self.analysis.as_ref().expect("analysed above");
         analysis.factorise(upper, &mut self.factor, &mut self.work)?;
-        self.diagonal.clear();
         self.diagonal.extend(upper.pattern.0[..n].iter().map(|&first| upper.vals[first].abs()));
         self.ready = true;
         self.negative = self.count_negative(upper);
