@@ -57,7 +57,6 @@ impl<const N: usize> WithSimd for Run<'_, N> {
 /// What a run keeps between batches.
 struct Scratch<V, const N: usize> {
     jacobians: Jacobians<V, N>,
-    nodes: Vec<[V; N]>,
     d: Vec<[[V; N]; N]>,
     weights: Vec<[[V; 1]; 1]>,
     tested: Vec<[V; N]>,
@@ -75,7 +74,6 @@ fn run<S: Simd, const N: usize>(simd: S, run: Run<'_, N>) {
     let padded = tables.grads.padded();
     let mut scratch = Scratch {
         jacobians: Jacobians { adjugate: Vec::new(), det: Vec::new() },
-        nodes: vec![[zero; N]; tables.nodes],
         d: Vec::new(),
         weights: Vec::new(),
         tested: Vec::new(),
@@ -86,6 +84,7 @@ fn run<S: Simd, const N: usize>(simd: S, run: Run<'_, N>) {
     };
     let size = tables.functions * padded * pairs;
     let mut out = vec![zero; size * BATCH / lanes];
+    let mut nodes = vec![[zero; N]; tables.nodes * BATCH / lanes];
     for member in run.members {
         let batch = &run.batches[member.batch as usize];
         if batch.end <= run.functions.start || batch.least >= run.functions.end {
@@ -99,16 +98,35 @@ fn run<S: Simd, const N: usize>(simd: S, run: Run<'_, N>) {
                 elements[k] = e;
             }
         }
-        for (part, out) in out.chunks_exact_mut(size).enumerate() {
-            let used = usize::from(member.lanes) >> (part * lanes);
-            if used & ((1 << lanes) - 1) == 0 {
-                continue;
-            }
-            let elements = &elements[part * lanes..][..lanes];
-            (run.nodes)(elements, &mut scratch.ids, bytemuck::cast_slice_mut(scratch.nodes.as_flattened_mut()));
-            simd.vectorize(Part { simd, run: &run, used, scratch: &mut scratch, out });
+        let used = |part: usize| (usize::from(member.lanes) >> (part * lanes)) & ((1 << lanes) - 1);
+        // of the whole member: its matrices have the same bits however many lanes there are
+        let mut straight = tables.bends.is_some();
+        for (part, nodes) in nodes.chunks_exact_mut(tables.nodes).enumerate().filter(|(part, _)| used(*part) != 0) {
+            (run.nodes)(&elements[part * lanes..][..lanes], &mut scratch.ids, bytemuck::cast_slice_mut(nodes.as_flattened_mut()));
+            straight = straight && simd.vectorize(Straight { simd, tables, nodes });
+        }
+        let parts = nodes.chunks_exact(tables.nodes).zip(out.chunks_exact_mut(size));
+        for (part, (nodes, out)) in parts.enumerate().filter(|(part, _)| used(*part) != 0) {
+            simd.vectorize(Part { simd, run: &run, used: used(part), straight, nodes, scratch: &mut scratch, out });
         }
         (run.sink)(batch, member.lanes, Matrices { values: bytemuck::cast_slice(&out), lanes, padded });
+    }
+}
+
+/// Whether one Jacobian serves all points of each of as many cells as there are lanes.
+struct Straight<'a, S: Simd, const N: usize> {
+    simd: S,
+    tables: &'a Tables<N>,
+    nodes: &'a [[S::f64s; N]],
+}
+
+impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Straight<'_, S, N> {
+    type Output = bool;
+    #[inline(always)]
+    fn call(self) -> bool {
+        let Some(bends) = &self.tables.bends else { return false };
+        let bent = bent(self.simd, bends, self.nodes);
+        bends.is_empty() || bytemuck::cast_slice::<_, f64>(&[bent]).iter().all(|&b| b <= 0.0)
     }
 }
 
@@ -118,6 +136,8 @@ struct Part<'a, 'r, S: Simd, const N: usize> {
     run: &'a Run<'r, N>,
     /// A bit per lane that has a cell, from the lowest.
     used: usize,
+    straight: bool,
+    nodes: &'a [[S::f64s; N]],
     scratch: &'a mut Scratch<S::f64s, N>,
     out: &'a mut [S::f64s],
 }
@@ -126,16 +146,11 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Part<'_, '_, S, N> {
     type Output = ();
     #[inline(always)]
     fn call(self) {
-        let Self { simd, run, used, scratch, out } = self;
+        let Self { simd, run, used, straight, nodes, scratch, out } = self;
         let tables = run.tables;
-        // one Jacobian serves all points of a straight cell
-        let straight = tables.bends.as_ref().is_some_and(|bends| {
-            let bent = bent(simd, bends, &scratch.nodes);
-            bends.is_empty() || bytemuck::cast_slice::<_, f64>(&[bent]).iter().all(|&b| b <= 0.0)
-        });
         let is_constant = straight && matches!(run.source, Source::Constant(_));
         let points = if straight { 1 } else { tables.weights.len() };
-        jacobians(simd, tables, points, &scratch.nodes, &mut scratch.jacobians);
+        jacobians(simd, tables, points, nodes, &mut scratch.jacobians);
         let at = |q: usize| if straight { 0 } else { q };
         if let Source::Mass = run.source {
             scratch.weights.clear();
@@ -147,7 +162,7 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Part<'_, '_, S, N> {
             return;
         }
         if let Source::PerPoint(tangent) = run.source {
-            tangents(simd, run, tangent, used, scratch);
+            tangents(simd, run, tangent, used, nodes, scratch);
         }
         let pairs = run.components * run.components;
         for pair in 0..pairs {
@@ -185,13 +200,14 @@ fn tangents<S: Simd, const N: usize>(
     run: &Run<'_, N>,
     tangent: &PointTangent<'_>,
     used: usize,
+    nodes: &[[S::f64s; N]],
     scratch: &mut Scratch<S::f64s, N>,
 ) {
     let (lanes, numbers) = (S::F64_LANES, run.components * run.components * N * N);
     for q in 0..run.tables.weights.len() {
         let values = &run.tables.map_values[q * run.tables.nodes..][..run.tables.nodes];
         let mut x = [simd.splat_f64s(0.0); N];
-        for (node, &value) in scratch.nodes.iter().zip(values) {
+        for (node, &value) in nodes.iter().zip(values) {
             for i in 0..N {
                 x[i] = simd.mul_add_e_f64s(node[i], simd.splat_f64s(value), x[i]);
             }

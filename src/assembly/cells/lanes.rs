@@ -1,7 +1,7 @@
 //! Kernels with cells in lanes: what every cell of a batch needs is one vector of numbers.
 //!
-//! Lanes never mix and products are fused at every width, so that the matrix of a cell has the same bits whatever the other cells of
-//! its batch are and however many there are.
+//! Lanes never mix and products are fused at every width, so that the matrices of a batch have the same bits however many lanes there
+//! are.
 
 use super::tables::{Products, TILE, Tables};
 use pulp::Simd;
@@ -65,7 +65,8 @@ pub(super) fn jacobians<S: Simd, const N: usize>(
     }
 }
 
-/// Nodes that are this near to those of an affine map, as a share of their largest coordinate, are there up to the last bits.
+/// Nodes that are this near to those of an affine map, as a share of their largest coordinate, are there up to the last bits:
+/// far from the origin the rounding of coordinates bends a cell more than this allows it to differ.
 const STRAIGHT: f64 = 2.0 * f64::EPSILON;
 
 /// Not above zero in the lanes whose Jacobians are the same at all points: up to what the rounding of the nodes' coordinates does to them.

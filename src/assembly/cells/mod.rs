@@ -19,6 +19,8 @@
 //! in `f64`; other scalars, processors without lanes and spaces without reference cells take the plain loop.
 
 mod batch;
+#[cfg(all(test, target_arch = "x86_64"))]
+mod bits;
 mod lanes;
 mod means;
 mod nodes;
@@ -69,6 +71,8 @@ type Key = (usize, usize, usize);
 pub(super) struct Cells<'a, const D: usize, const N: usize, T: Real> {
     groups: Vec<Group<D>>,
     nodes: MapNodes<'a, D, N, T>,
+    /// The instruction set.
+    arch: pulp::Arch,
 }
 
 impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
@@ -126,7 +130,7 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
                 groups[k].members.push(member);
             }
         }
-        Some(Self { groups, nodes: MapNodes::new(control) })
+        Some(Self { groups, nodes: MapNodes::new(control), arch: pulp::Arch::new() })
     }
 
     /// Adds the matrix of products of functions to `matrix`.
@@ -163,7 +167,7 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
         let reach = functions.start as u32..functions.end as u32;
         let mut rows = Rows { ptr: pattern.ptr(), slots, places, functions, upper: symmetric, values, ready, starts: Vec::new() };
         for Group { tables, members } in &self.groups {
-            pulp::Arch::new().dispatch(Run {
+            self.arch.dispatch(Run {
                 tables,
                 nodes: &|elements, ids, out| self.nodes.gather(elements, ids, out),
                 source,

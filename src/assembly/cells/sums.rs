@@ -2,11 +2,12 @@
 //!
 //! Cells are added by groups with common tables, then by their numbers: same bits for any number of threads and of lanes.
 
+use super::batch::Nodes;
+use super::nodes::MapNodes;
 use super::points::{PointGroup, PointTables, groups};
 use crate::assembly::Form;
 use crate::assembly::source::Source;
 use crate::assembly::tensor::{Answer, Cell, Law, SQUARES, Sites, Squares, add_moments, finish, numbers_of_map};
-use crate::geometry::Control;
 use crate::linalg::{Real, lit, to_f64};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -18,15 +19,14 @@ use std::any::TypeId;
 const ELEMENTS_PER_TASK: usize = 256;
 const TASKS_AT_ONCE: usize = 16;
 
-/// Writes number i of node b of an element at `(b * width + i) * lanes + lane`: (element, ids as scratch, numbers, lanes, lane).
-type Nodes<'a> = dyn Fn(usize, &mut Vec<usize>, &mut [f64], usize, usize) + Sync + 'a;
-
 /// A space of cells that share reference cells, with its rule, for sums over its points.
 #[derive(Debug)]
 pub(in crate::assembly) struct Sums<'a, const D: usize, const N: usize, T: Real, S: ?Sized> {
     groups: Vec<PointGroup<D>>,
-    control: Control<'a, D, N, T>,
+    nodes: MapNodes<'a, D, N, T>,
     space: &'a S,
+    /// The instruction set.
+    pub(super) arch: pulp::Arch,
 }
 
 /// What is summed.
@@ -54,7 +54,8 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
             return None;
         }
         let control = space.control()?;
-        Some(Self { groups: groups(space, control, quadrature)?, control, space })
+        let groups = groups(space, control, quadrature)?;
+        Some(Self { groups, nodes: MapNodes::new(control), space, arch: pulp::Arch::new() })
     }
 
     /// ∫ f . N dx for forces of `width` components, which `answer` gives, then their moments as
@@ -77,15 +78,6 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
 
     /// Sums over the cells, task by task.
     fn each(&self, kind: Kind<'_>, width: usize, answer: &Answer<'_>, ids: bool, mut sink: impl FnMut(&PointTables<D>, &Task)) {
-        let Control { basis, points } = self.control;
-        let nodes = |e: usize, ids: &mut Vec<usize>, out: &mut [f64], lanes: usize, lane: usize| {
-            basis.active(e, ids);
-            for (out, &i) in out.chunks_exact_mut(D * lanes).zip(ids.iter()) {
-                for (k, &x) in points[i].iter().enumerate() {
-                    out[k * lanes + lane] = to_f64(x);
-                }
-            }
-        };
         let mut tasks: Vec<Task> = (0..TASKS_AT_ONCE).map(|_| Task::default()).collect();
         for PointGroup { tables, elements } in &self.groups {
             for block in elements.chunks(ELEMENTS_PER_TASK * TASKS_AT_ONCE) {
@@ -97,7 +89,8 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
                         task.ids.extend(task.own.iter().map(|&i| i as u32));
                     }
                     let Task { numbers, own: ids, .. } = task;
-                    pulp::Arch::new().dispatch(Run::<D> { tables, nodes: &nodes, kind, width, answer, elements, ids, numbers });
+                    let nodes = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.nodes.gather(elements, ids, out);
+                    self.arch.dispatch(Run::<D> { tables, nodes: &nodes, kind, width, answer, elements, ids, numbers });
                 });
                 tasks[..block.len().div_ceil(ELEMENTS_PER_TASK)].iter().for_each(|task| sink(tables, task));
             }
@@ -109,14 +102,14 @@ impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
     /// The sums of squares of the field `u` (an empty one is zero) against the one that `answer` gives, as
     /// [`Patches::deviation`](crate::assembly::tensor::Patches::deviation) has them.
     pub fn deviation<const C: usize>(&self, form: &Form<'_, C, N, T>, u: &[T], answer: &Answer<'_>) -> [f64; SQUARES] {
-        let field = |e: usize, ids: &mut Vec<usize>, out: &mut [f64], lanes: usize, lane: usize| {
-            if u.is_empty() {
-                return;
-            }
-            self.space.active(e, ids);
-            for (out, &i) in out.chunks_exact_mut(C * lanes).zip(ids.iter()) {
-                for (c, &x) in u[C * i..C * (i + 1)].iter().enumerate() {
-                    out[c * lanes + lane] = to_f64(x);
+        let field = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| {
+            let lanes = elements.len();
+            for (lane, &e) in elements.iter().enumerate().filter(|_| !u.is_empty()) {
+                self.space.active(e as usize, ids);
+                for (out, &i) in out.chunks_exact_mut(C * lanes).zip(ids.iter()) {
+                    for (c, &x) in u[C * i..C * (i + 1)].iter().enumerate() {
+                        out[c * lanes + lane] = to_f64(x);
+                    }
                 }
             }
         };
@@ -158,19 +151,21 @@ impl<const D: usize> WithSimd for Run<'_, D> {
         let (mut sites, mut answers, mut out) = (Sites::default(), Vec::new(), Vec::<S::f64s>::new());
         let (mut field, mut g) = (vec![zero; tables.functions * width], vec![zero; tables.weights.len() * width * (D + 1)]);
         let mut squares = if let Kind::Squares { law, .. } = kind { Some(Squares::new(law, width)) } else { None };
-        let mut which = Vec::with_capacity(lanes);
+        let (mut which, mut here) = (Vec::with_capacity(lanes), Vec::with_capacity(lanes));
         sites.xi = tables.xi.repeat(lanes);
         for batch in elements.chunks(lanes) {
             which.clear();
             sites.elements.clear();
+            here.clear();
             for lane in 0..lanes {
                 let k = lane.min(batch.len() - 1);
                 which.push((k, batch[k] as usize));
                 sites.elements.push(batch[k] as usize);
-                nodes(batch[k] as usize, ids, bytemuck::cast_slice_mut(places.as_flattened_mut()), lanes, lane);
-                if let Kind::Squares { field: read, .. } = kind {
-                    read(batch[k] as usize, ids, bytemuck::cast_slice_mut(&mut field), lanes, lane);
-                }
+                here.push(batch[k]);
+            }
+            nodes(&here, ids, bytemuck::cast_slice_mut(places.as_flattened_mut()));
+            if let Kind::Squares { field: read, .. } = kind {
+                read(&here, ids, bytemuck::cast_slice_mut(&mut field));
             }
             simd.vectorize(Place { simd, tables, nodes: &places, out: &mut map });
             let cell = Cell { points: tables.weights.len(), map: &map, kept: &[], weight: None };

@@ -56,7 +56,7 @@ fn sums<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_,
     let rules = gauss_rules(space, 0);
     let asks = || -> Box<Ask<'_>> { unreachable!("the map is a net") };
     let patches = || {
-        let mut patches = Patches::new(space, &rules, &|e| space.map_block(e), &asks).unwrap();
+        let mut patches = Patches::new(space, &rules, &|e| space.map_block(e), &asks).expect("products of splines");
         patches.patches.iter_mut().for_each(|patch| patch.arch = arch);
         patches
     };
@@ -68,7 +68,7 @@ fn sums<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_,
     let x = all.clone();
     all.extend(moments);
     for keeps in [true, false] {
-        let free = Free::new(patches(), form, keeps).unwrap();
+        let free = Free::new(patches(), form, keeps).expect("no merged functions");
         let mut y = vec![0.0; x.len()];
         free.apply(form, &asks, &x, &mut y);
         all.extend(&y);

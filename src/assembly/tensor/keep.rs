@@ -8,7 +8,7 @@ use pulp::{Simd, bytemuck};
 use std::ops::Range;
 
 /// What was kept, in lanes of this processor.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Kept {
     all: Buffer<f64>,
     /// Where it is in `all`.

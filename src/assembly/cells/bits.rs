@@ -1,0 +1,64 @@
+//! The same bits at every width of lanes: AVX2 against AVX-512, where the processor has both, with straight and bent cells in one batch.
+
+use super::{Cells, Sums};
+use crate::assembly::tensor::Sites;
+use crate::assembly::{Form, Pattern, gauss_rules};
+use crate::basis::Cell;
+use crate::linalg::{Csr, Vector};
+use crate::space::{Body, CellBlock, Mapping, Mesh, MeshCells, Space};
+use pulp::x86::{V3, V4};
+
+/// A row of 20 quadratic quadrilaterals, or of twice as many triangles; those in the middle are bent.
+fn row(cell: Cell) -> MeshCells<2> {
+    let bend = |x: f64| if x > 6.0 && x < 11.0 { 0.05 * (3.0 * x).sin() } else { 0.0 };
+    let points = (0..41 * 3).map(|i| {
+        let x = (i % 41) as f64 / 2.0;
+        Vector::<2>::new(x, (i / 41) as f64 / 2.0 + bend(x))
+    });
+    let at = |e: usize, i: usize, j: usize| 2 * e + i + 41 * j;
+    let nodes = (0..20).flat_map(|e| match cell {
+        Cell::Tensor => (0..9).map(|k| at(e, k % 3, k / 3)).collect::<Vec<_>>(),
+        Cell::Simplex => {
+            let lower = [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [0, 2]];
+            lower.iter().map(|[i, j]| at(e, *i, *j)).chain(lower.iter().map(|[i, j]| at(e, 2 - i, 2 - j))).collect()
+        }
+    });
+    MeshCells { points: points.collect(), blocks: vec![CellBlock { cell, order: 2, nodes: nodes.collect() }], tags: Vec::new() }
+}
+
+/// The matrix, a load with its moments, and squares, with the lanes of `arch`.
+fn numbers(space: &dyn Space<2, 2>, arch: pulp::Arch) -> Vec<f64> {
+    let (rules, pattern, form) = (gauss_rules(space, 0), Pattern::new(space), Form::<1, 2>::laplace());
+    let mut matrix: Csr = pattern.csr(1);
+    let mut cells = Cells::new(&pattern, space, &rules).expect("cells with reference cells");
+    cells.arch = arch;
+    cells.stiffness(&pattern, &form, false, &mut matrix);
+    let mut all = matrix.vals().to_vec();
+    cells.mass(&pattern, &mut matrix);
+    all.extend(matrix.vals());
+    let mut sums = Sums::new(space, &rules).expect("cells with reference cells");
+    sums.arch = arch;
+    let sine = |sites: &Sites, out: &mut [f64]| {
+        let size = out.len() * 2 / sites.x.len();
+        out.iter_mut().enumerate().for_each(|(k, out)| *out = (sites.x[k / size * 2] + k as f64 % size as f64).sin());
+    };
+    let (load, moments) = sums.load(1, &sine);
+    all.extend(sums.deviation(&form, &load, &sine));
+    all.extend(load.iter().chain(&moments));
+    all
+}
+
+#[test]
+fn avx2_and_avx512_give_the_same_bits_on_cells() {
+    let (Some(v3), Some(v4)) = (V3::try_new(), V4::try_new()) else {
+        println!("skipped: the processor lacks AVX2 or AVX-512");
+        return;
+    };
+    for cell in [Cell::Tensor, Cell::Simplex] {
+        let body = Mesh::<1, 2>::from_cells(&row(cell), 2, Mapping::Exact).expect("a mesh");
+        let [narrow, wide] = [pulp::Arch::V3(v3), pulp::Arch::V4(v4)].map(|arch| numbers(&**body.space(), arch));
+        assert!(narrow.iter().all(|v| v.is_finite()) && narrow.iter().any(|v| *v != 0.0));
+        let apart = narrow.iter().zip(&wide).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+        assert_eq!(apart, 0, "{cell:?}: of {} numbers", wide.len());
+    }
+}
