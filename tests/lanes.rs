@@ -17,7 +17,7 @@ use faying::geometry::{Bounds, Control, Geometry, MapTable, shapes};
 use faying::linalg::{Csr, Ldlt, LinearSolver, Matrix, Operator, Vector};
 use faying::quadrature::{PerElement, Quadrature, Rule};
 use faying::space::{Body, CellBlock, Mapping, Mesh, MeshCells, PatchSpec, Space};
-use plain::Plain;
+use plain::{Plain, apart};
 use std::sync::Arc;
 
 /// Entries may differ by this share of the largest.
@@ -52,13 +52,6 @@ fn forms<'a, const C: usize, const N: usize>() -> Vec<Form<'a, C, N>> {
         all.push(Form { coefficient: Coefficient::PerPoint(Box::new(move |x: &Vector<N>| tangent(x, symmetric))), symmetric });
     }
     all
-}
-
-/// Largest difference of two matrices of one pattern over the largest entry.
-fn apart(a: &Csr, b: &Csr) -> f64 {
-    assert_eq!(a.pattern(), b.pattern());
-    let scale = b.vals().iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    a.vals().iter().zip(b.vals()).fold(0.0f64, |m, (a, b)| m.max((a - b).abs())) / scale
 }
 
 /// The two ways agree; asserts that they are two ways.

@@ -13,7 +13,7 @@ use faying::linalg::{Cg, LinearSolver, Operator, Vector};
 use faying::physics::{Hooke, form};
 use faying::quadrature::{Quadrature, TensorRule};
 use faying::space::{Deformed, Over, Space};
-use products::{Anyhow, Plain, coarse, forms, lagrange, maps, net, noise, smooth, spline, weights};
+use products::{Anyhow, Plain, coarse, forms, lagrange, largest, maps, net, noise, smooth, spline, weights};
 
 /// Entries may differ by this share of |A| |x|.
 const SAME: f64 = 1e-13;
@@ -25,7 +25,7 @@ fn vector(n: usize) -> Vec<f64> {
 /// max_i |a_i - b_i| / s_i.
 fn apart(a: &[f64], b: &[f64], scale: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
-    a.iter().zip(b).zip(scale).fold(0.0, |m: f64, ((a, b), s)| m.max((a - b).abs() / s))
+    largest(a.iter().zip(b).zip(scale).map(|((a, b), s)| (a - b) / s))
 }
 
 /// Product and diagonal equal those of the matrix, with and without what is kept at the points.

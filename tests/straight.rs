@@ -14,17 +14,11 @@ use faying::geometry::{Bounds, Control, Geometry, MapTable};
 use faying::linalg::{Csr, Operator, Vector};
 use faying::physics::{Hooke, form};
 use faying::space::{Body, Mapping, Mesh, Space};
-use plain::Plain;
+use plain::{Plain, apart};
 use std::collections::BTreeSet;
 
 /// Entries may differ by this share of the largest.
 const SAME: f64 = 1e-13;
-
-fn apart(a: &Csr, b: &Csr) -> f64 {
-    assert_eq!(a.pattern(), b.pattern());
-    let scale = b.vals().iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    a.vals().iter().zip(b.vals()).fold(0.0f64, |m, (a, b)| m.max((a - b).abs())) / scale
-}
 
 fn same_bits(a: &Csr, b: &Csr) -> bool {
     a.pattern() == b.pattern() && a.vals().iter().zip(b.vals()).all(|(a, b)| a.to_bits() == b.to_bits())

@@ -12,20 +12,13 @@ use faying::linalg::{Csr, Vector};
 use faying::physics::{Hooke, form};
 use faying::quadrature::{PerElement, Quadrature, TensorRule};
 use faying::space::{Deformed, Over, Space};
-use products::{Plain, coarse, forms, lagrange, maps, net, noise, smooth, spline, weights};
+use products::{Plain, apart, coarse, forms, lagrange, maps, net, noise, smooth, spline, weights};
 use std::sync::Arc;
 
 /// Entries may differ by this share of the largest.
 const SAME: f64 = 1e-13;
 /// Places may differ by this share of the size.
 const SAME_PLACE: f64 = 1e-12;
-
-/// Largest difference of two matrices of one pattern over the largest entry.
-fn apart(a: &Csr, b: &Csr) -> f64 {
-    assert_eq!(a.pattern(), b.pattern());
-    let scale = b.vals().iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    a.vals().iter().zip(b.vals()).fold(0.0f64, |m, (a, b)| m.max((a - b).abs())) / scale
-}
 
 /// The two ways agree; returns how far they are apart, and asserts that they are two ways.
 fn compare<const C: usize, const N: usize>(space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, form: &Form<'_, C, N>) -> f64 {

@@ -1,8 +1,9 @@
-//! A space without its structure.
+//! A space without its structure, and how far two matrices are apart.
+#![allow(dead_code)]
 
 use faying::basis::{Basis, Cell, Elements, Order, ShapeTable};
 use faying::geometry::{Bounds, Geometry, MapTable};
-use faying::linalg::Vector;
+use faying::linalg::{Csr, Vector};
 use faying::space::Space;
 
 /// Hides patches, reference cells and the structure of the map: what is assembled takes the plain loop.
@@ -39,3 +40,14 @@ impl<const N: usize> Geometry<N, N> for Plain<'_, N> {
     }
 }
 impl<const N: usize> Space<N, N> for Plain<'_, N> {}
+
+/// The largest of some sizes; NaN where one is NaN.
+pub fn largest(sizes: impl IntoIterator<Item = f64>) -> f64 {
+    sizes.into_iter().map(f64::abs).fold(0.0, |most, size| if size > most || size.is_nan() { size } else { most })
+}
+
+/// Largest difference of two matrices of one pattern over the largest entry.
+pub fn apart(a: &Csr, b: &Csr) -> f64 {
+    assert_eq!(a.pattern(), b.pattern());
+    largest(a.vals().iter().zip(b.vals()).map(|(a, b)| a - b)) / largest(b.vals().iter().copied())
+}

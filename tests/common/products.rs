@@ -3,7 +3,8 @@
 
 #[path = "plain.rs"]
 mod plain;
-pub use plain::Plain;
+#[allow(unused_imports)]
+pub use plain::{Plain, apart, largest};
 
 use faying::assembly::{Coefficient, Form, Tangent};
 use faying::basis::{BSpline, Basis, Elements, LagrangeLine, Order, Rational, Refined, TensorProduct};
