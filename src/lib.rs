@@ -78,7 +78,8 @@
 //! - A matrix's columns are a thing of their own ([`Sparsity`](linalg::Sparsity)): one number per block of a field's components, shared by all
 //!   matrices of the field, so that a row gives its columns as an iterator and not as a slice.
 //! - Elements without product structure still have tables in common: a basis names the reference cell of an element
-//!   ([`Basis::reference`](basis::Basis::reference)), a map gives its functions and points ([`Geometry::control`](geometry::Geometry::control)).
+//!   ([`Basis::reference`](basis::Basis::reference)), a map gives its functions and points ([`Geometry::control`](geometry::Geometry::control)), and a basis that
+//!   keeps the functions of all elements as one list says so ([`Basis::listed`](basis::Basis::listed)).
 //! - What assembly knows of a space between two matrices is an [`Assembler`](assembly::Assembler): refilling costs values only.
 //! - One loop in the plain order of elements serves every space and is what the quick ones are tested against; which of them a space takes
 //!   shows in no signature.

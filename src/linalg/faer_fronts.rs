@@ -344,6 +344,7 @@ mod tests {
             let upper = Upper::of(&a);
             analyse(&upper.pattern, crate::linalg::Operator::places(&a)).unwrap().fronts.is_some()
         };
-        assert!(pays([60, 50, 1]) && !pays([13, 12, 11]));
+        assert!(pays([120, 100, 3]), "a plate");
+        assert!(!pays([13, 12, 11]), "a block");
     }
 }
