@@ -136,7 +136,7 @@ pub struct Patch {
     pub name: Located<String>,
     /// Its shape.
     pub geometry: Located<Geometry>,
-    /// Index into [`Case::materials`].
+    /// Index into [`Case::materials`](super::Case::materials).
     pub material: Located<usize>,
     /// One entry per direction.
     pub elements: Located<Vec<Located<Divisions>>>,
@@ -179,7 +179,7 @@ pub struct Meeting {
 /// A side of a patch by its canonical name, or the tag of a mesh.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct SideRef {
-    /// Index into [`Case::patches`].
+    /// Index into [`Case::patches`](super::Case::patches).
     pub patch: usize,
     /// `u0`, `u1`, `v0`, `v1`, `w0`, `w1`, or the tag of a mesh.
     pub side: String,
