@@ -6,7 +6,7 @@ use std::fmt;
 use std::ops::{Deref, DerefMut};
 
 /// Arrays of fewer bytes stay on the heap, where freed memory is taken again.
-const LEAST_BYTES: usize = 32 << 20;
+const LEAST_BYTES: usize = 4 << 20;
 
 /// An array of fixed length.
 pub(crate) enum Buffer<T> {
