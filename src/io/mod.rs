@@ -11,7 +11,6 @@ pub mod pvd;
 pub mod reference;
 pub mod table;
 pub mod vtu;
-mod vtu_cells;
 
 pub use case::Case;
 pub use errors::{Diagnostic, Diagnostics, Severity};

@@ -4,7 +4,7 @@ use super::gmsh::lexicographic;
 use super::vtu_read::{VtuField, VtuFile};
 use super::{CellShape, FileError, Format, Group, MeshBlock, MeshFile};
 use crate::basis::Cell;
-use crate::io::{vtu, vtu_cells};
+use crate::io::vtu;
 use std::collections::{BTreeMap, HashMap};
 
 /// Highest order of a mesh's cells.
@@ -44,9 +44,9 @@ fn places(shape: CellShape, order: usize) -> Vec<usize> {
         CellShape::Point => return vec![0],
         CellShape::Prism => return (0..6).collect(),
         CellShape::Pyramid => return (0..5).collect(),
-        CellShape::Line => pad(vtu_cells::nodes(cell, [order]).iter().map(|a| a.to_vec()).collect()),
-        CellShape::Triangle | CellShape::Quadrilateral => pad(vtu_cells::nodes(cell, [order; 2]).iter().map(|a| a.to_vec()).collect()),
-        CellShape::Tetrahedron | CellShape::Hexahedron => pad(vtu_cells::nodes(cell, [order; 3]).iter().map(|a| a.to_vec()).collect()),
+        CellShape::Line => pad(vtu::cells::nodes(cell, [order]).iter().map(|a| a.to_vec()).collect()),
+        CellShape::Triangle | CellShape::Quadrilateral => pad(vtu::cells::nodes(cell, [order; 2]).iter().map(|a| a.to_vec()).collect()),
+        CellShape::Tetrahedron | CellShape::Hexahedron => pad(vtu::cells::nodes(cell, [order; 3]).iter().map(|a| a.to_vec()).collect()),
     };
     let sorted = lexicographic(shape, order);
     vtk.iter().map(|a| sorted.iter().position(|b| b == a).expect("a node of the cell")).collect()
