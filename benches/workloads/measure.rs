@@ -1,6 +1,6 @@
 //! Clocks, medians, peak memory.
 
-use rustix::time::{ClockId, clock_gettime};
+use cpu_time::ProcessTime;
 use std::time::Instant;
 
 /// Wall time and CPU time of the process (user + system, all threads) \[s\].
@@ -10,16 +10,11 @@ pub struct Time {
     pub cpu: f64,
 }
 
-fn cpu() -> f64 {
-    let t = clock_gettime(ClockId::ProcessCPUTime);
-    t.tv_sec as f64 + 1e-9 * t.tv_nsec as f64
-}
-
 /// The result of `work` and its time.
 pub fn timed<R>(work: impl FnOnce() -> R) -> (R, Time) {
-    let (wall, before) = (Instant::now(), cpu());
+    let (wall, cpu) = (Instant::now(), ProcessTime::now());
     let result = work();
-    (result, Time { cpu: cpu() - before, wall: wall.elapsed().as_secs_f64() })
+    (result, Time { cpu: cpu.elapsed().as_secs_f64(), wall: wall.elapsed().as_secs_f64() })
 }
 
 /// Medians of wall and CPU times, each by itself.
