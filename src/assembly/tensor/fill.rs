@@ -28,12 +28,13 @@ impl<S: Simd, const N: usize> NullaryFnOnce for FromNet<'_, S, N> {
         let Self { simd, net, axis, first, line, outer, out } = self;
         for (q, out) in (axis.start[first]..axis.start[first + 1]).zip(out.chunks_exact_mut(numbers(N))) {
             let weight = simd.mul_f64s(outer, simd.splat_f64s(axis.weights[q]));
-            match (N, net.width) {
-                (2, 2) => plain::<S, N, 2>(simd, &net.axes[0], (q, first), line, weight, out),
-                (2, _) => rational::<S, N, 3>(simd, &net.axes[0], (q, first), line, weight, out),
-                (_, 3) => plain::<S, N, 3>(simd, &net.axes[0], (q, first), line, weight, out),
-                _ => rational::<S, N, 4>(simd, &net.axes[0], (q, first), line, weight, out),
-            }
+            let at = (q, first);
+            let (x, t) = match (N, net.width) {
+                (2, 2) => map::position(simd, spread::at::<S, N, 2>(simd, &net.axes[0], at, line)),
+                (_, 3) => map::position(simd, spread::at::<S, N, 3>(simd, &net.axes[0], at, line)),
+                _ => map::position(simd, spread::at::<S, N, 4>(simd, &net.axes[0], at, line)),
+            };
+            map::finish(simd, &x, &t, weight, out);
         }
     }
 }
@@ -91,47 +92,4 @@ pub(super) fn ask_cell<const N: usize>(
         }
         from = to;
     }
-}
-
-#[inline(always)]
-fn plain<S: Simd, const N: usize, const M: usize>(
-    simd: S,
-    axis: &Axis,
-    at: (usize, usize),
-    line: &[S::f64s],
-    weight: S::f64s,
-    out: &mut [S::f64s],
-) {
-    let (value, slope) = spread::at::<S, N, M>(simd, axis, at, line);
-    let (mut x, mut t) = ([weight; N], [[weight; N]; N]);
-    for c in 0..N.min(M) {
-        x[c] = value[c];
-        for k in 0..N {
-            t[k][c] = slope[k][c];
-        }
-    }
-    map::finish(simd, &x, &t, weight, out);
-}
-
-/// x = A / W, dx = (dA - x dW) / W.
-#[inline(always)]
-fn rational<S: Simd, const N: usize, const M: usize>(
-    simd: S,
-    axis: &Axis,
-    at: (usize, usize),
-    line: &[S::f64s],
-    weight: S::f64s,
-    out: &mut [S::f64s],
-) {
-    let (value, slope) = spread::at::<S, N, M>(simd, axis, at, line);
-    let inverse = simd.div_f64s(simd.splat_f64s(1.0), value[M - 1]);
-    let (mut x, mut t) = ([weight; N], [[weight; N]; N]);
-    for c in 0..N.min(M - 1) {
-        x[c] = simd.mul_f64s(value[c], inverse);
-        for k in 0..N {
-            let rest = simd.negate_mul_add_e_f64s(x[c], slope[k][M - 1], slope[k][c]);
-            t[k][c] = simd.mul_f64s(rest, inverse);
-        }
-    }
-    map::finish(simd, &x, &t, weight, out);
 }

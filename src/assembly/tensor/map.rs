@@ -53,13 +53,11 @@ pub(super) fn fill_net<S: Simd, const N: usize>(
 ) {
     let weight = weights(simd, axes, place);
     for (q, out) in out.chunks_exact_mut(numbers(N)).enumerate() {
-        let (mut x, mut t) = ([weight; N], [[weight; N]; N]);
-        match (N, net.width) {
-            (2, 2) => plain::<S, N, 2>(simd, net, q, lines, tile, &mut x, &mut t),
-            (2, 3) => rational::<S, N, 3>(simd, net, q, lines, tile, &mut x, &mut t),
-            (3, 3) => plain::<S, N, 3>(simd, net, q, lines, tile, &mut x, &mut t),
-            _ => rational::<S, N, 4>(simd, net, q, lines, tile, &mut x, &mut t),
-        }
+        let (x, t) = match (N, net.width) {
+            (2, 2) => position(simd, net.at::<S, N, 2>(simd, q, lines, tile)),
+            (_, 3) => position(simd, net.at::<S, N, 3>(simd, q, lines, tile)),
+            _ => position(simd, net.at::<S, N, 4>(simd, q, lines, tile)),
+        };
         finish(simd, &x, &t, simd.mul_f64s(weight, simd.splat_f64s(axes[0].weights[q])), out);
     }
 }
@@ -76,45 +74,28 @@ fn weights<S: Simd>(simd: S, axes: &[Axis], place: Place<'_>) -> S::f64s {
     weight
 }
 
+/// Position and tangents from a net of M numbers per point: x = A and dx = dA, or, where the last is a weight W beyond
+/// the coordinates, x = A / W and dx = (dA - x dW) / W.
 #[inline(always)]
-fn plain<S: Simd, const N: usize, const M: usize>(
+pub(super) fn position<S: Simd, const N: usize, const M: usize>(
     simd: S,
-    net: &Net,
-    q: usize,
-    lines: &[f64],
-    tile: &Tile<S::f64s>,
-    x: &mut [S::f64s; N],
-    t: &mut [[S::f64s; N]; N],
-) {
-    let (value, slope) = net.at::<S, N, M>(simd, q, lines, tile);
-    for c in 0..N.min(M) {
-        x[c] = value[c];
-        for k in 0..N {
-            t[k][c] = slope[k][c];
-        }
-    }
-}
-
-/// x = A / W, dx = (dA - x dW) / W.
-#[inline(always)]
-fn rational<S: Simd, const N: usize, const M: usize>(
-    simd: S,
-    net: &Net,
-    q: usize,
-    lines: &[f64],
-    tile: &Tile<S::f64s>,
-    x: &mut [S::f64s; N],
-    t: &mut [[S::f64s; N]; N],
-) {
-    let (value, slope) = net.at::<S, N, M>(simd, q, lines, tile);
+    (value, slope): ([S::f64s; M], [[S::f64s; M]; N]),
+) -> ([S::f64s; N], [[S::f64s; N]; N]) {
+    let zero = simd.splat_f64s(0.0);
+    let (mut x, mut t) = ([zero; N], [[zero; N]; N]);
     let inverse = simd.div_f64s(simd.splat_f64s(1.0), value[M - 1]);
-    for c in 0..N.min(M - 1) {
-        x[c] = simd.mul_f64s(value[c], inverse);
+    for c in 0..N.min(M) {
+        x[c] = if M > N { simd.mul_f64s(value[c], inverse) } else { value[c] };
         for k in 0..N {
-            let rest = simd.negate_mul_add_e_f64s(x[c], slope[k][M - 1], slope[k][c]);
-            t[k][c] = simd.mul_f64s(rest, inverse);
+            t[k][c] = if M > N {
+                let rest = simd.negate_mul_add_e_f64s(x[c], slope[k][M - 1], slope[k][c]);
+                simd.mul_f64s(rest, inverse)
+            } else {
+                slope[k][c]
+            };
         }
     }
+    (x, t)
 }
 
 /// Writes a point from its position and its tangents `t[direction][component]`.
