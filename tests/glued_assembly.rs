@@ -4,8 +4,10 @@
 
 #[path = "common/plain.rs"]
 mod plain;
+#[path = "common/states.rs"]
+mod states;
 
-use faying::assembly::{Coefficient, Errors, Form, MatrixFree, Pattern, Tangent};
+use faying::assembly::{Assembler, Coefficient, Errors, Form, MatrixFree, Pattern, Tangent};
 use faying::assembly::{add_stiffness, difference, gauss_rules, load, mass, refill_stiffness, stiffness};
 use faying::basis::Basis;
 use faying::check;
@@ -14,6 +16,7 @@ use faying::linalg::{Csr, Matrix, Operator, Vector};
 use faying::physics::{Hooke, form};
 use faying::space::{BasisKind, Body, Mesh, MultiPatch, Near, Patch, PatchSpec, Seam, Space};
 use plain::{Plain, apart, largest};
+use states::states_are_those_of_each_element;
 use std::sync::Arc;
 
 /// Entries may differ by this share of the largest.
@@ -124,6 +127,8 @@ fn check<const N: usize>(space: &dyn Space<N, N>, single: bool, steel: &Hooke<N>
         }
     }
     assert_eq!(Operator::places(&fast).len(), space.num_functions());
+    states_are_those_of_each_element::<1, N>(space, &rules);
+    states_are_those_of_each_element::<N, N>(space, &rules);
     most
 }
 
@@ -197,6 +202,30 @@ fn rings_of_patches_and_rings_closed_on_themselves() {
         let whole = glued(bodies, &[(0, "u1", 1, "u0"), (1, "u1", 2, "u0"), (2, "u1", 0, "u0")]);
         let most = check(&**whole.space(), true, &plane());
         println!("three arcs, {kind:?}: apart by {most:.1e} at most");
+    }
+}
+
+/// Numbers that an assembler keeps are used for the functions they belong to, and for no others.
+#[test]
+fn an_assembler_made_for_other_seams_gives_the_same_bits() {
+    let arc = |from: f64, to: f64| shapes::annulus_sector([0.0, 0.0], [1.0, 2.0], [from, to]).unwrap();
+    let bodies =
+        || [[0.0, 120.0], [120.0, 200.0], [200.0, 360.0]].map(|[a, b]| body::<1, 2>(arc(a, b), [2, 3], [3, 2], Kind::Nurbs)).to_vec();
+    let closed = glued(bodies(), &[(0, "u1", 1, "u0"), (1, "u1", 2, "u0"), (2, "u1", 0, "u0")]);
+    let open = glued(bodies(), &[(0, "u1", 1, "u0"), (1, "u1", 2, "u0")]);
+    let elsewhere = glued(bodies(), &[(1, "u1", 2, "u0"), (2, "u1", 0, "u0")]);
+    for whole in [&closed, &open, &elsewhere] {
+        let (space, steel) = (&**whole.space(), plane());
+        let form = form(&steel);
+        let rules = gauss_rules(space, 0);
+        let fresh = stiffness(space, &rules, &form);
+        for other in [&closed, &open, &elsewhere] {
+            let kept = Assembler::new(&**other.space(), &rules);
+            let mut matrix = fresh.clone();
+            matrix.vals_mut().fill(f64::NAN);
+            kept.refill_stiffness(space, &rules, &form, &mut matrix);
+            assert!(matrix == fresh);
+        }
     }
 }
 

@@ -6,6 +6,8 @@
 mod cells;
 #[path = "common/plain.rs"]
 mod plain;
+#[path = "common/states.rs"]
+mod states;
 
 use cells::{Random, Shapes, bent, boxes, shaken};
 use faying::assembly::{
@@ -18,6 +20,7 @@ use faying::linalg::{Csr, Ldlt, LinearSolver, Matrix, Operator, Vector};
 use faying::quadrature::{PerElement, Quadrature, Rule};
 use faying::space::{Body, CellBlock, Mapping, Mesh, MeshCells, PatchSpec, Space};
 use plain::{Plain, apart};
+use states::states_are_those_of_each_element;
 use std::sync::Arc;
 
 /// Entries may differ by this share of the largest.
@@ -89,6 +92,8 @@ fn all_forms<const N: usize>(space: &dyn Space<N, N>, what: &str) {
     for form in forms::<N, N>() {
         compare(space, &rules, &form, what);
     }
+    states_are_those_of_each_element::<1, N>(space, &rules);
+    states_are_those_of_each_element::<N, N>(space, &rules);
 }
 
 fn plane(counts: [usize; 2], shapes: Shapes, order: usize, degree: usize, mapping: Mapping) -> Mesh<1, 2> {

@@ -4,6 +4,8 @@
 
 #[path = "common/products.rs"]
 mod products;
+#[path = "common/states.rs"]
+mod states;
 
 use faying::assembly::{Form, Pattern, add_stiffness, gauss_rules, mass, refill_stiffness, stiffness};
 use faying::basis::{Basis, Block, Elements, Order, Rational, ShapeTable, TensorProduct};
@@ -13,6 +15,7 @@ use faying::physics::{Hooke, form};
 use faying::quadrature::{PerElement, Quadrature, TensorRule};
 use faying::space::{Deformed, Over, Space};
 use products::{Plain, apart, coarse, forms, lagrange, maps, net, noise, smooth, spline, weights};
+use states::states_are_those_of_each_element;
 use std::sync::Arc;
 
 /// Entries may differ by this share of the largest.
@@ -59,6 +62,8 @@ fn all_forms<const N: usize>(space: &dyn Space<N, N>) -> f64 {
     for form in forms::<N, N>() {
         most = most.max(compare(space, &rules, &form));
     }
+    states_are_those_of_each_element::<1, N>(space, &rules);
+    states_are_those_of_each_element::<N, N>(space, &rules);
     most
 }
 

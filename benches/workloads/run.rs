@@ -54,6 +54,7 @@ impl Record {
             "product_cpu_s": cpu(|b| b.product), "apply_cpu_s": cpu(|b| b.apply),
             "load_cpu_s": cpu(|b| b.load), "errors_cpu_s": cpu(|b| b.errors),
             "force_cpu_s": cpu(|b| b.force), "field_cpu_s": cpu(|b| b.field),
+            "stress_cpu_s": cpu(|b| b.stress), "traction_cpu_s": cpu(|b| b.traction), "springs_cpu_s": cpu(|b| b.springs),
         })
         .to_string()
     }
@@ -143,7 +144,7 @@ pub fn whole<const C: usize, const S: usize, const N: usize>(
     let (k, first, again) = assemble(&**body.space(), &form(material), options.reps);
     let (trace, fro) = fingerprints(&k);
     let solved = (solved && options.solve).then(|| solve(body, material, &k, exact, options.reps));
-    let beside = options.beside.then(|| beside(&**body.space(), material, &k, exact, options.reps));
+    let beside = options.beside.then(|| beside(body, material, &k, exact, options.reps));
     let record = Record {
         name: name.into(),
         p,

@@ -2,13 +2,14 @@
 
 use super::cells::Cells;
 use super::pattern::Pattern;
-use super::tensor::{Ask, Patches};
+use super::tensor::{Ask, Glue, Patches};
 use super::{Form, places, plain};
 use crate::basis::Order;
 use crate::geometry::MapTable;
 use crate::linalg::{Csr, Real, Vector, lit, to_f64};
 use crate::quadrature::{Quadrature, TensorRule};
 use crate::space::Space;
+use std::sync::Arc;
 
 /// Asks the map of `space`, in numbers.
 pub(super) fn ask<'a, const D: usize, const N: usize, T, S>(space: &'a S) -> Box<Ask<'a>>
@@ -46,7 +47,7 @@ where
     let asks = || ask::<N, N, T, S>(space);
     if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
         let two = TensorRule::gauss([2; N]);
-        let coarse = Patches::new(space, &two, &|e| space.map_block(e), &asks);
+        let coarse = Patches::with_glue(space, &two, &|e| space.map_block(e), &asks, patches.glue());
         let mut matrix = patches.csr(C).with_places(coarse.map(|p| p.mean_places(C)).unwrap_or_default());
         patches.stiffness(form, false, &mut matrix);
         return matrix;
@@ -110,7 +111,7 @@ pub fn add_stiffness<const C: usize, const N: usize, T, S, Q>(
 /// Writes the matrix of `form` over the values of `matrix`, which [`stiffness`] made for this space: pattern and memory
 /// stay. Same bits as a fresh matrix.
 ///
-/// Where the space is not one product of directions its graph is made again: an [`Assembler`](super::Assembler) keeps it.
+/// Where the space is not one product of directions its graph is made for it: an [`Assembler`](super::Assembler) keeps it.
 ///
 /// # Panics
 /// If the shapes do not fit.
@@ -120,13 +121,7 @@ where
     S: Space<N, N, T> + ?Sized,
     Q: Quadrature<N, T> + ?Sized,
 {
-    let asks = || ask::<N, N, T, S>(space);
-    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
-        patches.stiffness(form, false, matrix);
-        return;
-    }
-    let pattern = Pattern::new(space);
-    elements(Cells::new(&pattern, space, quadrature), &pattern, space, quadrature, form, false, matrix);
+    Assembler::new(space, quadrature).refill_stiffness(space, quadrature, form, matrix);
 }
 
 /// The graph of a space, kept: matrices on the same functions are refilled for the price of their values.
@@ -134,8 +129,10 @@ where
 /// The map and the rule may change from one matrix to the next.
 #[derive(Clone, Debug)]
 pub struct Assembler {
-    /// None where the space is one product of directions: its graph is a formula.
+    /// None where the space is made of products of directions: its graph is a formula.
     pattern: Option<Pattern>,
+    /// The numbers of patches that are glued.
+    glue: Option<Arc<Glue>>,
 }
 
 impl Assembler {
@@ -150,8 +147,10 @@ impl Assembler {
         Q: Quadrature<N, T> + ?Sized,
     {
         let asks = || ask::<N, N, T, S>(space);
-        let is_patch = Patches::new(space, quadrature, &|e| space.map_block(e), &asks).is_some();
-        Self { pattern: (!is_patch).then(|| Pattern::new(space)) }
+        match Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
+            Some(patches) => Self { pattern: None, glue: patches.glue().cloned() },
+            None => Self { pattern: Some(Pattern::new(space)), glue: None },
+        }
     }
 
     /// What [`refill_stiffness`] does.
@@ -169,9 +168,15 @@ impl Assembler {
         S: Space<N, N, T> + ?Sized,
         Q: Quadrature<N, T> + ?Sized,
     {
-        match &self.pattern {
-            None => refill_stiffness(space, quadrature, form, matrix),
-            Some(pattern) => elements(Cells::new(pattern, space, quadrature), pattern, space, quadrature, form, false, matrix),
+        if let Some(pattern) = &self.pattern {
+            elements(Cells::new(pattern, space, quadrature), pattern, space, quadrature, form, false, matrix);
+            return;
+        }
+        let asks = || ask::<N, N, T, S>(space);
+        match Patches::with_glue(space, quadrature, &|e| space.map_block(e), &asks, self.glue.as_ref()) {
+            Some(patches) => patches.stiffness(form, false, matrix),
+            // another rule than the one the graph was made for
+            None => Self { pattern: Some(Pattern::new(space)), glue: None }.refill_stiffness(space, quadrature, form, matrix),
         }
     }
 }
@@ -189,7 +194,7 @@ where
     let asks = || ask::<D, N, T, S>(space);
     if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
         let two = TensorRule::gauss([2; D]);
-        let coarse = Patches::new(space, &two, &|e| space.map_block(e), &asks);
+        let coarse = Patches::with_glue(space, &two, &|e| space.map_block(e), &asks, patches.glue());
         let mut matrix = patches.csr(1).with_places(coarse.map(|p| p.mean_places(1)).unwrap_or_default());
         patches.mass(&mut matrix);
         return matrix;

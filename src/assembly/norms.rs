@@ -2,11 +2,12 @@
 
 use super::bulk::ask;
 use super::cells::Sums;
+use super::fields::field_at;
 use super::tensor::{Patches, Sites};
 use super::{Form, contract, scratch::Scratch};
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
 use crate::quadrature::Quadrature;
-use crate::space::{FieldAt, Space};
+use crate::space::Space;
 use rayon::prelude::*;
 
 /// Norms of a field.
@@ -145,22 +146,4 @@ fn roots<T: Real>(total: [T; 6]) -> Errors<T> {
     // a rounded energy of almost nothing may be below zero; what is no number stays none
     let [l2, h1, energy, l2_exact, h1_exact, energy_exact] = total.map(|s| if s < T::zero() { T::zero() } else { s.sqrt() });
     Errors { error: Norms { l2, h1, energy }, exact: Norms { l2: l2_exact, h1: h1_exact, energy: energy_exact } }
-}
-
-/// The field of coefficients `u` at point `q` of the element in `scratch`.
-fn field_at<const C: usize, const N: usize, T: Real>(scratch: &Scratch<N, N, T>, u: &[T], q: usize) -> FieldAt<C, N, T> {
-    let (mut value, mut gradient) = (Vector::<C, T>::zeros(), Matrix::<C, N, T>::zeros());
-    if !u.is_empty() {
-        for (a, (&i, &n)) in scratch.ids.iter().zip(scratch.shapes.values(q)).enumerate() {
-            let g = scratch.grad(q, a);
-            for c in 0..C {
-                let coefficient = u[C * i + c];
-                value[c] += coefficient * n;
-                for j in 0..N {
-                    gradient[(c, j)] += coefficient * g[j];
-                }
-            }
-        }
-    }
-    FieldAt { x: scratch.map.x[q], value, gradient }
 }

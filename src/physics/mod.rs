@@ -16,7 +16,7 @@ pub use hooke::{Assumption, Elastic, Hooke, MaterialError};
 pub use jet::Jet;
 pub use loads::{exact_traction, neumann, pressure, traction};
 pub use poisson::Conductor;
-pub use stress::{Stress, energy, stress_at, von_mises};
+pub use stress::{Stress, energy, stress_at, stresses, von_mises};
 
 /// Stress and its derivative at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,8 +1,10 @@
 //! Stress and energy of discrete fields.
 
 use super::Material;
+use crate::assembly::fields;
 use crate::linalg::{Matrix, Operator, Real, Vector, lit, num};
-use crate::space::{Field, Space, field_at};
+use crate::quadrature::Quadrature;
+use crate::space::{Field, FieldAt, Space, field_at};
 
 /// A field and its stress at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,16 +37,45 @@ where
     S: Space<N, N, T> + ?Sized,
     M: Material<C, N, T> + ?Sized,
 {
-    field_at::<C, N, T, S>(space, &Field { first: 0, components: C }, u, element, xi)
-        .into_iter()
-        .map(|s| Stress {
-            x: s.x,
-            value: s.value,
-            gradient: s.gradient,
-            stress: material.respond(&s.x, &s.gradient).stress,
-            spatial: material.spatial_stress(&s.x, &s.gradient),
-        })
-        .collect()
+    let states = field_at::<C, N, T, S>(space, &Field { first: 0, components: C }, u, element, xi);
+    states.iter().map(|state| stressed(material, state)).collect()
+}
+
+/// `visit(element, stresses)` of every element, ascending: the field `u` and its stress at the points of its rule.
+///
+/// [`stress_at`] of every element, for less: see [`fields`].
+///
+/// # Panics
+/// If `u` is shorter than C times the number of functions and not empty.
+pub fn stresses<const C: usize, const N: usize, T, S, Q, M, R>(
+    space: &S,
+    quadrature: &Q,
+    material: &M,
+    u: &[T],
+    visit: &(impl Fn(usize, &[Stress<C, N, T>]) -> R + Sync),
+) -> Vec<R>
+where
+    T: Real,
+    S: Space<N, N, T> + ?Sized,
+    Q: Quadrature<N, T> + ?Sized,
+    M: Material<C, N, T> + ?Sized,
+    R: Send,
+{
+    fields(space, quadrature, u, &|element, states: &[FieldAt<C, N, T>]| {
+        let stresses: Vec<Stress<C, N, T>> = states.iter().map(|state| stressed(material, state)).collect();
+        visit(element, &stresses)
+    })
+}
+
+/// The stress that `material` has where the field is `state`.
+fn stressed<const C: usize, const N: usize, T, M>(material: &M, state: &FieldAt<C, N, T>) -> Stress<C, N, T>
+where
+    T: Real,
+    M: Material<C, N, T> + ?Sized,
+{
+    let FieldAt { x, value, gradient } = *state;
+    let (stress, spatial) = (material.respond(&x, &gradient).stress, material.spatial_stress(&x, &gradient));
+    Stress { x, value, gradient, stress, spatial }
 }
 
 /// The von Mises stress of xx yy zz xy yz xz.

@@ -76,13 +76,13 @@ impl<V: bytemuck::Pod> Deviation<'_, V> {
 }
 
 /// Values and gradients of a cell; compiled apart from what is done with them.
-struct Values<'a, S: Simd, const N: usize> {
-    simd: S,
-    axis: &'a Axis,
-    e: usize,
-    width: usize,
-    line: &'a [S::f64s],
-    out: &'a mut [S::f64s],
+pub(super) struct Values<'a, S: Simd, const N: usize> {
+    pub simd: S,
+    pub axis: &'a Axis,
+    pub e: usize,
+    pub width: usize,
+    pub line: &'a [S::f64s],
+    pub out: &'a mut [S::f64s],
 }
 
 impl<S: Simd, const N: usize> NullaryFnOnce for Values<'_, S, N> {

@@ -54,7 +54,7 @@ impl Free {
             function = own.functions.end;
             all.push(own);
         }
-        Some(Self { patches: all, ids: glue.map(|glue| glue.ids) })
+        Some(Self { patches: all, ids: glue.map(|glue| glue.ids.clone()) })
     }
 
     /// Bytes that are kept per operator beside tables of one direction.

@@ -9,7 +9,7 @@ const ROWS_AT_ONCE: usize = 512;
 
 /// The functions of all patches, one patch after the other, and their numbers in the whole.
 #[derive(Clone, Debug)]
-pub(super) struct Glue {
+pub(in crate::assembly) struct Glue {
     /// Functions of the whole.
     pub functions: usize,
     /// Number in the whole of every function of the patches.
@@ -29,7 +29,7 @@ pub(super) struct Glue {
 
 impl Glue {
     /// The functions of `patches` under the numbers `ids`, below `functions`.
-    pub fn new(patches: &[Patch<'_>], ids: Vec<u32>, functions: usize) -> Self {
+    pub(super) fn new(patches: &[Patch<'_>], ids: Vec<u32>, functions: usize) -> Self {
         let mut first = vec![0];
         first.extend(patches.iter().scan(0, |next, patch| {
             *next += patch.functions();
@@ -54,6 +54,12 @@ impl Glue {
         glue.merged = (0..functions).filter(|&k| glue.owners(k).windows(2).any(|w| patch_of(w[0]) == patch_of(w[1]))).collect();
         glue.direct = (0..functions).into_par_iter().with_min_len(ROWS_AT_ONCE).map(|k| glue.is_direct(patches, k)).collect();
         glue
+    }
+
+    /// Whether this is [`Self::new`] of the same patches, numbers and functions.
+    pub(super) fn is_of(&self, patches: &[Patch<'_>], ids: impl Iterator<Item = u32>, functions: usize) -> bool {
+        let sizes = self.first.windows(2).map(|w| w[1] - w[0]);
+        self.functions == functions && sizes.eq(patches.iter().map(Patch::functions)) && ids.eq(self.ids.iter().copied())
     }
 
     /// The functions of the patches behind function `k`.
@@ -99,7 +105,7 @@ impl Glue {
     }
 
     /// Row pointers and columns of scalar functions.
-    pub fn pattern(&self, patches: &[Patch<'_>]) -> (Vec<usize>, Vec<u32>) {
+    pub(super) fn pattern(&self, patches: &[Patch<'_>]) -> (Vec<usize>, Vec<u32>) {
         let count = |row: &mut Vec<u32>, k: usize| {
             if self.direct[k] {
                 let mut sum = 0;

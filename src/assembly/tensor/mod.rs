@@ -21,7 +21,7 @@
 //! | `grid`, `fill`, `sites` | a walk over the points; closures that are asked there |
 //! | `spread`, `gather` | coefficients to points, and the transposed way |
 //! | `law`, `product`, `diagonal` | the tangent at a point; products without a matrix, and their diagonal |
-//! | `force`, `deviation`, `squares` | loads; norms of differences |
+//! | `force`, `deviation`, `squares`, `states` | loads; norms of differences; a field and its gradient |
 //! | `free`, `keep`, `part`, `aligned` | what an operator holds and keeps; unknowns of a patch; vectors on cache lines |
 //!
 //! Lanes are chosen at run time. They never mix and products are fused at every width, so that a sum has the same terms in
@@ -65,6 +65,7 @@ mod sites;
 mod slow;
 mod spread;
 mod squares;
+mod states;
 mod strip;
 mod sums;
 mod write;
@@ -72,7 +73,7 @@ mod write;
 use axis::{Axis, COMPILED};
 pub(super) use force::add_moments;
 pub(super) use free::Free;
-use glue::Glue;
+pub(super) use glue::Glue;
 pub(super) use grid::Cell;
 pub(in crate::assembly) use lanes::available as lanes_available;
 pub(super) use law::Law;
@@ -88,13 +89,14 @@ use crate::linalg::{Real, to_f64};
 use crate::quadrature::Quadrature;
 use std::any::TypeId;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A space that is made of patches, with its rules and its map.
 #[derive(Debug)]
 pub(super) struct Patches<'a> {
     patches: Vec<Patch<'a>>,
     /// Numbers of the functions; none where the only patch is numbered like the whole.
-    glue: Option<Glue>,
+    glue: Option<Arc<Glue>>,
 }
 
 /// A run of elements that is one product of directions.
@@ -128,6 +130,22 @@ impl<'a> Patches<'a> {
         B: Basis<N, T> + ?Sized,
         Q: Quadrature<N, T> + ?Sized,
     {
+        Self::with_glue(basis, quadrature, map, asks, None)
+    }
+
+    /// The same with the numbers that [`Self::glue`] gave for the same functions, under whatever map and rules.
+    pub fn with_glue<'m, const N: usize, const M: usize, T, B, Q>(
+        basis: &B,
+        quadrature: &Q,
+        map: &dyn Fn(usize) -> Option<MapBlock<'m, N, M, T>>,
+        asks: &'a Asks<'a>,
+        known: Option<&Arc<Glue>>,
+    ) -> Option<Self>
+    where
+        T: Real,
+        B: Basis<N, T> + ?Sized,
+        Q: Quadrature<N, T> + ?Sized,
+    {
         if TypeId::of::<T>() != TypeId::of::<f64>() || !lanes::available() || N != M || !(N == 2 || N == 3) || basis.num_elements() == 0 {
             return None;
         }
@@ -140,9 +158,17 @@ impl<'a> Patches<'a> {
         }
         let functions = basis.num_functions();
         let whole = parts.len() == 1 && numbers::is_whole(&parts[0].ids, functions);
-        let ids = || parts.iter().flat_map(|part| part.ids.iter().map(|&id| id as u32)).collect();
-        let glue = (!whole).then(|| Glue::new(&patches, ids(), functions));
+        let ids = || parts.iter().flat_map(|part| part.ids.iter().map(|&id| id as u32));
+        let glue = (!whole).then(|| match known {
+            Some(known) if known.is_of(&patches, ids(), functions) => known.clone(),
+            _ => Arc::new(Glue::new(&patches, ids().collect(), functions)),
+        });
         Some(Self { patches, glue })
+    }
+
+    /// The numbers of patches that are glued, or not numbered like the whole.
+    pub fn glue(&self) -> Option<&Arc<Glue>> {
+        self.glue.as_ref()
     }
 }
 

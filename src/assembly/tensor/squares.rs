@@ -30,7 +30,7 @@ impl<'a, V: bytemuck::Pod> Squares<'a, V> {
     #[inline(always)]
     pub fn of<S: Simd<f64s = V>, const N: usize>(&mut self, simd: S, cell: Cell<'_, V>, g: &mut [V], other: &[V]) -> [V; SQUARES] {
         let width = self.width;
-        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let zero = simd.splat_f64s(0.0);
         self.law.tangents::<S, N>(simd, width, cell, &mut self.buffer, &mut self.tangents);
         let size = self.tangents.len() / cell.points.max(1);
         self.h.resize(width * N, zero);
@@ -40,25 +40,11 @@ impl<'a, V: bytemuck::Pod> Squares<'a, V> {
             let map = &cell.map[q * numbers(N)..][..numbers(N)];
             let tangent = &self.tangents[q * size..][..size];
             let other = &other[q * width * (N + 1)..][..width * (N + 1)];
-            let (dx, inverse) = (map[N + N * N + 1], simd.div_f64s(one, map[N + N * N + 2]));
-            let mut r = [[zero; N]; N];
-            for a in 0..N {
-                for l in 0..N {
-                    r[a][l] = simd.mul_f64s(map[N + a * N + l], inverse);
-                }
-            }
+            let (dx, r) = (map[N + N * N + 1], inverse::<S, N>(simd, map));
             let mut squares = [zero; SQUARES];
             for c in 0..width {
                 let g = &mut g[(q * width + c) * (N + 1)..][..N + 1];
-                if let Some(weight) = cell.weight {
-                    // F / W and its derivatives
-                    let w = &weight[q * (N + 1)..][..N + 1];
-                    let inverse = simd.div_f64s(one, w[0]);
-                    g[N] = simd.mul_f64s(g[N], inverse);
-                    for k in 0..N {
-                        g[k] = simd.mul_f64s(simd.negate_mul_add_e_f64s(g[N], w[1 + k], g[k]), inverse);
-                    }
-                }
+                quotient::<S, N>(simd, cell, q, g);
                 let own = law::physical::<S, N>(simd, &r, g);
                 let value = simd.sub_f64s(g[N], other[c]);
                 squares[0] = simd.mul_add_e_f64s(value, value, squares[0]);
@@ -80,6 +66,31 @@ impl<'a, V: bytemuck::Pod> Squares<'a, V> {
             }
         }
         sums
+    }
+}
+
+/// J^-1 from the map of a point.
+#[inline(always)]
+pub(super) fn inverse<S: Simd, const N: usize>(simd: S, map: &[S::f64s]) -> [[S::f64s; N]; N] {
+    let inverse = simd.div_f64s(simd.splat_f64s(1.0), map[N + N * N + 2]);
+    let mut r = [[inverse; N]; N];
+    for a in 0..N {
+        for l in 0..N {
+            r[a][l] = simd.mul_f64s(map[N + a * N + l], inverse);
+        }
+    }
+    r
+}
+
+/// F / W and its local derivatives at point `q` from those of the numerator F, where the basis is rational.
+#[inline(always)]
+pub(super) fn quotient<S: Simd, const N: usize>(simd: S, cell: Cell<'_, S::f64s>, q: usize, g: &mut [S::f64s]) {
+    let Some(weight) = cell.weight else { return };
+    let w = &weight[q * (N + 1)..][..N + 1];
+    let inverse = simd.div_f64s(simd.splat_f64s(1.0), w[0]);
+    g[N] = simd.mul_f64s(g[N], inverse);
+    for k in 0..N {
+        g[k] = simd.mul_f64s(simd.negate_mul_add_e_f64s(g[N], w[1 + k], g[k]), inverse);
     }
 }
 

@@ -1,0 +1,73 @@
+//! A field with its gradient at the points of all elements.
+
+use super::bulk::ask;
+use super::scratch::Scratch;
+use super::tensor::Patches;
+use crate::linalg::{Matrix, Real, Vector, lit};
+use crate::quadrature::Quadrature;
+use crate::space::{FieldAt, Space};
+use rayon::prelude::*;
+
+/// `visit(element, states)` of every element, ascending: the field of the unknowns `u` at the points of its rule.
+///
+/// `u` holds unknown = C * function + component; an empty `u` is zero. Patches of products are contracted direction by
+/// direction, for far less than a look at each element costs. Same results for any number of threads.
+///
+/// # Panics
+/// If `u` is shorter than C times the number of functions and not empty.
+pub fn fields<const C: usize, const N: usize, T, S, Q, R>(
+    space: &S,
+    quadrature: &Q,
+    u: &[T],
+    visit: &(impl Fn(usize, &[FieldAt<C, N, T>]) -> R + Sync),
+) -> Vec<R>
+where
+    T: Real,
+    S: Space<N, N, T> + ?Sized,
+    Q: Quadrature<N, T> + ?Sized,
+    R: Send,
+{
+    let asks = || ask::<N, N, T, S>(space);
+    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
+        return patches.states::<C, N, T, R>(u, &|element, numbers| {
+            let states: Vec<FieldAt<C, N, T>> = numbers.chunks_exact(N + C * (N + 1)).map(state).collect();
+            visit(element, &states)
+        });
+    }
+    let of_element = |(scratch, states): &mut (Scratch<N, N, T>, Vec<FieldAt<C, N, T>>), element: usize| {
+        scratch.gradients(space, element, quadrature.rule(element));
+        states.clear();
+        states.extend((0..scratch.dx.len()).map(|q| field_at::<C, N, T>(scratch, u, q)));
+        visit(element, states)
+    };
+    (0..space.num_elements()).into_par_iter().map_init(Default::default, of_element).collect()
+}
+
+/// A point from its numbers: position, values, gradients component by component.
+fn state<const C: usize, const N: usize, T: Real>(numbers: &[f64]) -> FieldAt<C, N, T> {
+    let (x, rest) = numbers.split_at(N);
+    let (value, gradient) = rest.split_at(C);
+    FieldAt {
+        x: Vector::from_fn(|k, _| lit(x[k])),
+        value: Vector::from_fn(|c, _| lit(value[c])),
+        gradient: Matrix::from_fn(|c, k| lit(gradient[c * N + k])),
+    }
+}
+
+/// The field of coefficients `u` at point `q` of the element in `scratch`.
+pub(super) fn field_at<const C: usize, const N: usize, T: Real>(scratch: &Scratch<N, N, T>, u: &[T], q: usize) -> FieldAt<C, N, T> {
+    let (mut value, mut gradient) = (Vector::<C, T>::zeros(), Matrix::<C, N, T>::zeros());
+    if !u.is_empty() {
+        for (a, (&i, &n)) in scratch.ids.iter().zip(scratch.shapes.values(q)).enumerate() {
+            let g = scratch.grad(q, a);
+            for c in 0..C {
+                let coefficient = u[C * i + c];
+                value[c] += coefficient * n;
+                for j in 0..N {
+                    gradient[(c, j)] += coefficient * g[j];
+                }
+            }
+        }
+    }
+    FieldAt { x: scratch.map.x[q], value, gradient }
+}

@@ -1,0 +1,156 @@
+//! A field and its gradient at all points of the grid, handed over element by element.
+
+use super::aligned::Aligned;
+use super::deviation::Values;
+use super::grid::{Cell, Grid, Here, Visit};
+use super::map::numbers;
+use super::spread::{Coefficients, Spread};
+use super::{Patch, Patches, law, squares};
+use crate::linalg::Real;
+use pulp::{Simd, bytemuck};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Numbers per point: position, values, gradients.
+const fn size(n: usize, components: usize) -> usize {
+    n + components * (n + 1)
+}
+
+struct States<'a, V> {
+    field: Coefficients<'a>,
+    /// Points of the first direction.
+    line: usize,
+    spread: Spread<V>,
+    g: Aligned<V>,
+    /// `[lane][middle point][first point][number]`.
+    all: Vec<f64>,
+}
+
+impl<S: Simd, const N: usize> Visit<S, N> for States<'_, S::f64s> {
+    #[inline(always)]
+    fn start(&mut self, simd: S, lanes: &[(usize, usize)]) {
+        self.spread.planes(simd, self.field, lanes);
+    }
+
+    #[inline(always)]
+    fn open(&mut self, simd: S, element: usize) {
+        self.spread.lines::<S, N>(simd, self.field, element);
+    }
+
+    #[inline(always)]
+    fn cell(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, S::f64s>) {
+        let (axes, width) = (self.field.axes, self.field.width);
+        self.g.resize(cell.points * width * (N + 1));
+        let line = self.spread.line::<N>(self.field, here.middle.1);
+        simd.vectorize(Values::<'_, S, N> { simd, axis: &axes[0], e: here.first, width, line, out: &mut self.g });
+        let (size, plane) = (size(N, width), self.all.len() / S::F64_LANES);
+        let first = here.middle.0 * self.line + axes[0].start[here.first];
+        let mut put = |q: usize, k: usize, values: S::f64s| {
+            let values: &[f64] = bytemuck::cast_slice(std::slice::from_ref(&values));
+            for (lane, &value) in values.iter().enumerate() {
+                self.all[lane * plane + (first + q) * size + k] = value;
+            }
+        };
+        for q in 0..cell.points {
+            let map = &cell.map[q * numbers(N)..][..numbers(N)];
+            let r = squares::inverse::<S, N>(simd, map);
+            for k in 0..N {
+                put(q, k, map[k]);
+            }
+            for c in 0..width {
+                let g = &mut self.g[(q * width + c) * (N + 1)..][..N + 1];
+                squares::quotient::<S, N>(simd, cell, q, g);
+                put(q, N + c, g[N]);
+                for (k, value) in law::physical::<S, N>(simd, &r, g).into_iter().enumerate() {
+                    put(q, N + width + c * N + k, value);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn close(&mut self, _: S, _: usize) {}
+
+    #[inline(always)]
+    fn end(&mut self, _: S, out: &mut [f64]) {
+        out.copy_from_slice(&self.all);
+    }
+}
+
+/// Takes the planes of the points of one element of the slowest direction, elements ascending.
+type Slab<'a> = dyn FnMut(usize, &[f64]) + Send + 'a;
+
+struct Run<'a, 'p, 's, const N: usize> {
+    grid: Grid<'a, 'p>,
+    field: Coefficients<'a>,
+    slab: &'a mut Slab<'s>,
+}
+
+impl<const N: usize> pulp::WithSimd for Run<'_, '_, '_, N> {
+    type Output = ();
+    fn with_simd<S: Simd>(self, simd: S) {
+        if S::IS_SCALAR {
+            return;
+        }
+        let Self { grid, field, slab } = self;
+        let (line, slow) = (grid.axes[0].points(), &grid.axes[N - 1]);
+        let plane = line * if N == 3 { grid.axes[1].points() } else { 1 } * size(N, field.width);
+        let new = || States { field, line, spread: Spread::default(), g: Aligned::default(), all: vec![0.0; plane * S::F64_LANES] };
+        // planes wait until an element has all of its own
+        let (mut waiting, mut next) = (Vec::new(), 0);
+        grid.walk::<S, N, _>(simd, plane, new, &mut |points: Range<usize>, planes: &[f64]| {
+            waiting.extend_from_slice(&planes[..points.len() * plane]);
+            let mut from = 0;
+            while next < slow.elements() && (slow.start[next + 1] - slow.start[next]) * plane <= waiting.len() - from {
+                let to = from + (slow.start[next + 1] - slow.start[next]) * plane;
+                slab(next, &waiting[from..to]);
+                (from, next) = (to, next + 1);
+            }
+            waiting.drain(..from);
+        });
+    }
+}
+
+impl Patches<'_> {
+    /// `take(element, numbers)` of every element, ascending: N coordinates, C values and C N derivatives (component by
+    /// component) of every point of its rule, first direction fastest. An empty `u` is zero.
+    pub fn states<const C: usize, const N: usize, T: Real, R: Send>(&self, u: &[T], take: &(impl Fn(usize, &[f64]) -> R + Sync)) -> Vec<R> {
+        let mut all = Vec::new();
+        for (k, patch) in self.patches.iter().enumerate() {
+            let part = self.part(k, C);
+            let read = |from: usize, to: &mut [f64]| part.read(u, from, to);
+            let field = Coefficients { axes: &patch.axes, width: C, read: &read };
+            let grid = patch.grid();
+            let slab = &mut |slow: usize, planes: &[f64]| all.extend(elements::<N, R>(patch, slow, size(N, C), planes, take));
+            if N == 2 {
+                patch.arch.dispatch(Run::<2> { grid, field, slab });
+            } else {
+                patch.arch.dispatch(Run::<3> { grid, field, slab });
+            }
+        }
+        all
+    }
+}
+
+/// The elements at `slow` of the slowest direction, from the planes of its points.
+fn elements<const N: usize, R: Send>(
+    patch: &Patch<'_>,
+    slow: usize,
+    size: usize,
+    planes: &[f64],
+    take: &(impl Fn(usize, &[f64]) -> R + Sync),
+) -> Vec<R> {
+    let (first, middle) = (&patch.axes[0], if N == 3 { &patch.axes[1] } else { &patch.none });
+    let own = |own: &mut Vec<f64>, e: usize| {
+        let (i, j) = (e % first.elements(), e / first.elements());
+        own.clear();
+        for plane in planes.chunks_exact(middle.points() * first.points() * size) {
+            for row in middle.start[j]..middle.start[j + 1] {
+                let line = row * first.points();
+                own.extend_from_slice(&plane[(line + first.start[i]) * size..(line + first.start[i + 1]) * size]);
+            }
+        }
+        take(patch.first_element + e + slow * first.elements() * middle.elements(), own)
+    };
+    (0..first.elements() * middle.elements()).into_par_iter().map_init(Vec::new, own).collect()
+}
