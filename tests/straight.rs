@@ -9,12 +9,10 @@ mod plain;
 
 use cells::{Random, Shapes, bent, boxes};
 use faying::assembly::{Coefficient, Form, Pattern, gauss_rules, mass, stiffness};
-use faying::basis::{Basis, Cell, Elements, Order, ShapeTable};
-use faying::geometry::{Bounds, Control, Geometry, MapTable};
 use faying::linalg::{Csr, Operator, Vector};
 use faying::physics::{Hooke, form};
 use faying::space::{Body, Mapping, Mesh, Space};
-use plain::{Plain, apart};
+use plain::{Plain, Renumbered, apart};
 use std::collections::BTreeSet;
 
 /// Entries may differ by this share of the largest.
@@ -85,48 +83,6 @@ fn straight_and_bent_solid_cells_equal_the_plain_loop() {
     }
 }
 
-/// The same space with its functions in another order, and no list of them.
-#[derive(Debug)]
-struct Renumbered<'a, const N: usize>(&'a dyn Space<N, N>, Vec<usize>);
-impl<const N: usize> Elements for Renumbered<'_, N> {
-    fn num_elements(&self) -> usize {
-        self.0.num_elements()
-    }
-    fn cell(&self, element: usize) -> Cell {
-        self.0.cell(element)
-    }
-}
-impl<const N: usize> Basis<N> for Renumbered<'_, N> {
-    fn num_functions(&self) -> usize {
-        self.0.num_functions()
-    }
-    fn degree(&self, element: usize) -> [usize; N] {
-        self.0.degree(element)
-    }
-    fn active(&self, element: usize, ids: &mut Vec<usize>) {
-        self.0.active(element, ids);
-        ids.iter_mut().for_each(|i| *i = self.1[*i]);
-    }
-    fn tabulate(&self, element: usize, xi: &[Vector<N>], order: Order, table: &mut ShapeTable<N>) {
-        self.0.tabulate(element, xi, order, table);
-    }
-    fn reference(&self, element: usize) -> Option<usize> {
-        self.0.reference(element)
-    }
-}
-impl<const N: usize> Geometry<N, N> for Renumbered<'_, N> {
-    fn map(&self, element: usize, xi: &[Vector<N>], order: Order, table: &mut MapTable<N, N>) {
-        self.0.map(element, xi, order, table);
-    }
-    fn bounds(&self, element: usize) -> Bounds<N> {
-        self.0.bounds(element)
-    }
-    fn control(&self) -> Option<Control<'_, N, N>> {
-        self.0.control()
-    }
-}
-impl<const N: usize> Space<N, N> for Renumbered<'_, N> {}
-
 /// Everything that a pattern says, checked against sets made element by element.
 fn checked<const N: usize>(space: &dyn Space<N, N>) -> (Pattern, Vec<usize>, Vec<u32>) {
     let pattern = Pattern::new(space);
@@ -154,7 +110,7 @@ fn graphs_places_and_matrices_are_the_same_for_any_number_of_threads() {
         let mut random = Random(9);
         let mut order: Vec<(usize, usize)> = (0..space.num_functions()).map(|i| (random.below(1 << 30), i)).collect();
         order.sort_unstable();
-        let scattered = Renumbered(space, order.into_iter().map(|o| o.1).collect());
+        let scattered = Renumbered::new(space, order.into_iter().map(|o| o.1).collect());
         let rules = gauss_rules(space, 0);
         // as they are, without reference cells, and scattered, where rows of one thread reach everything
         for (way, space) in [space, &Plain(space), &scattered].into_iter().enumerate() {

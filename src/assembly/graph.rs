@@ -28,7 +28,7 @@ pub(super) struct Sites<'a, P> {
     pub first: &'a [usize],
     /// For n functions per element at n: the entry of row a and column b at `b n + a`.
     pub entries: &'a [Vec<usize>],
-    /// Where the places begin of elements whose least function is not below a given one.
+    /// Where the places begin of elements whose greatest function is not below a given one.
     pub begin: &'a (dyn Fn(usize) -> usize + Sync),
 }
 

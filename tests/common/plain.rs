@@ -1,8 +1,8 @@
-//! A space without its structure, and how far two matrices are apart.
+//! Spaces without some of their structure, and how far two matrices are apart.
 #![allow(dead_code)]
 
 use faying::basis::{Basis, Cell, Elements, Order, ShapeTable};
-use faying::geometry::{Bounds, Geometry, MapTable};
+use faying::geometry::{Bounds, Control, Geometry, MapTable};
 use faying::linalg::{Csr, Vector};
 use faying::space::Space;
 
@@ -40,6 +40,57 @@ impl<const N: usize> Geometry<N, N> for Plain<'_, N> {
     }
 }
 impl<const N: usize> Space<N, N> for Plain<'_, N> {}
+
+/// A space with its cells and its map, but with its functions in another order and no list of them.
+#[derive(Debug)]
+pub struct Renumbered<'a, const N: usize> {
+    space: Plain<'a, N>,
+    number: Vec<usize>,
+}
+impl<'a, const N: usize> Renumbered<'a, N> {
+    /// Function i of `space` gets `number[i]`.
+    pub fn new(space: &'a dyn Space<N, N>, number: Vec<usize>) -> Self {
+        Self { space: Plain(space), number }
+    }
+}
+impl<const N: usize> Elements for Renumbered<'_, N> {
+    fn num_elements(&self) -> usize {
+        self.space.num_elements()
+    }
+    fn cell(&self, element: usize) -> Cell {
+        self.space.cell(element)
+    }
+}
+impl<const N: usize> Basis<N> for Renumbered<'_, N> {
+    fn num_functions(&self) -> usize {
+        self.space.num_functions()
+    }
+    fn degree(&self, element: usize) -> [usize; N] {
+        self.space.degree(element)
+    }
+    fn active(&self, element: usize, ids: &mut Vec<usize>) {
+        self.space.active(element, ids);
+        ids.iter_mut().for_each(|i| *i = self.number[*i]);
+    }
+    fn tabulate(&self, element: usize, xi: &[Vector<N>], order: Order, table: &mut ShapeTable<N>) {
+        self.space.tabulate(element, xi, order, table);
+    }
+    fn reference(&self, element: usize) -> Option<usize> {
+        self.space.0.reference(element)
+    }
+}
+impl<const N: usize> Geometry<N, N> for Renumbered<'_, N> {
+    fn map(&self, element: usize, xi: &[Vector<N>], order: Order, table: &mut MapTable<N, N>) {
+        self.space.map(element, xi, order, table);
+    }
+    fn bounds(&self, element: usize) -> Bounds<N> {
+        self.space.bounds(element)
+    }
+    fn control(&self) -> Option<Control<'_, N, N>> {
+        self.space.0.control()
+    }
+}
+impl<const N: usize> Space<N, N> for Renumbered<'_, N> {}
 
 /// The largest of some sizes; NaN where one is NaN.
 pub fn largest(sizes: impl IntoIterator<Item = f64>) -> f64 {

@@ -78,13 +78,13 @@ fn run<S: Simd, const N: usize>(simd: S, run: Run<'_, N>) {
         weights: Vec::new(),
         tested: Vec::new(),
         tested_values: Vec::new(),
-        tangents: vec![[[zero; N]; N]; if matches!(run.source, Source::PerPoint(_)) { tables.weights.len() * pairs } else { 0 }],
+        tangents: vec![[[zero; N]; N]; if matches!(run.source, Source::PerPoint(_)) { tables.at.weights.len() * pairs } else { 0 }],
         ids: Vec::new(),
         tangent: vec![0.0; pairs * N * N],
     };
-    let size = tables.functions * padded * pairs;
+    let size = tables.at.functions * padded * pairs;
     let mut out = vec![zero; size * BATCH / lanes];
-    let mut nodes = vec![[zero; N]; tables.nodes * BATCH / lanes];
+    let mut nodes = vec![[zero; N]; tables.at.nodes * BATCH / lanes];
     for member in run.members {
         let batch = &run.batches[member.batch as usize];
         if batch.end <= run.functions.start || batch.least >= run.functions.end {
@@ -101,11 +101,11 @@ fn run<S: Simd, const N: usize>(simd: S, run: Run<'_, N>) {
         let used = |part: usize| (usize::from(member.lanes) >> (part * lanes)) & ((1 << lanes) - 1);
         // of the whole member: its matrices have the same bits however many lanes there are
         let mut straight = tables.bends.is_some();
-        for (part, nodes) in nodes.chunks_exact_mut(tables.nodes).enumerate().filter(|(part, _)| used(*part) != 0) {
+        for (part, nodes) in nodes.chunks_exact_mut(tables.at.nodes).enumerate().filter(|(part, _)| used(*part) != 0) {
             (run.nodes)(&elements[part * lanes..][..lanes], &mut scratch.ids, bytemuck::cast_slice_mut(nodes.as_flattened_mut()));
             straight = straight && simd.vectorize(Straight { simd, tables, nodes });
         }
-        let parts = nodes.chunks_exact(tables.nodes).zip(out.chunks_exact_mut(size));
+        let parts = nodes.chunks_exact(tables.at.nodes).zip(out.chunks_exact_mut(size));
         for (part, (nodes, out)) in parts.enumerate().filter(|(part, _)| used(*part) != 0) {
             simd.vectorize(Part { simd, run: &run, used: used(part), straight, nodes, scratch: &mut scratch, out });
         }
@@ -149,12 +149,12 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Part<'_, '_, S, N> {
         let Self { simd, run, used, straight, nodes, scratch, out } = self;
         let tables = run.tables;
         let is_constant = straight && matches!(run.source, Source::Constant(_));
-        let points = if straight { 1 } else { tables.weights.len() };
+        let points = if straight { 1 } else { tables.at.weights.len() };
         jacobians(simd, tables, points, nodes, &mut scratch.jacobians);
         let at = |q: usize| if straight { 0 } else { q };
         if let Source::Mass = run.source {
             scratch.weights.clear();
-            for (q, &w) in tables.weights.iter().enumerate() {
+            for (q, &w) in tables.at.weights.iter().enumerate() {
                 scratch.weights.push([[simd.mul_f64s(simd.splat_f64s(w), scratch.jacobians.det[at(q)])]]);
             }
             let layout = Layout { stride: 1, offset: 0, upper: run.upper };
@@ -174,7 +174,7 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Part<'_, '_, S, N> {
                 continue;
             }
             scratch.d.clear();
-            for (q, &w) in tables.weights.iter().enumerate() {
+            for (q, &w) in tables.at.weights.iter().enumerate() {
                 let d = match run.source {
                     Source::Constant(_) => {
                         let entries = run.constant[pair].iter().map(|&(i, j, t)| (i, j, simd.splat_f64s(t)));
@@ -204,8 +204,8 @@ fn tangents<S: Simd, const N: usize>(
     scratch: &mut Scratch<S::f64s, N>,
 ) {
     let (lanes, numbers) = (S::F64_LANES, run.components * run.components * N * N);
-    for q in 0..run.tables.weights.len() {
-        let values = &run.tables.map_values[q * run.tables.nodes..][..run.tables.nodes];
+    for q in 0..run.tables.at.weights.len() {
+        let values = &run.tables.at.map_values[q * run.tables.at.nodes..][..run.tables.at.nodes];
         let mut x = [simd.splat_f64s(0.0); N];
         for (node, &value) in nodes.iter().zip(values) {
             for i in 0..N {

@@ -30,7 +30,7 @@ pub(super) fn jacobians<S: Simd, const N: usize>(
     let zero = simd.splat_f64s(0.0);
     out.adjugate.clear();
     out.det.clear();
-    for grads in tables.map_grads.chunks_exact(tables.nodes).take(points) {
+    for grads in tables.at.map_grads.chunks_exact(tables.at.nodes).take(points) {
         let mut j = [[zero; N]; N];
         for (x, g) in nodes.iter().zip(grads) {
             for k in 0..N {
@@ -178,7 +178,7 @@ pub(super) fn products<S: Simd, const K: usize>(
 pub(super) fn constant<S: Simd, const N: usize>(simd: S, tables: &Tables<N>, d: &[[S::f64s; N]; N], layout: Layout, out: &mut [S::f64s]) {
     let zero = simd.splat_f64s(0.0);
     let padded = tables.grads.padded();
-    for (a, row) in tables.sums.chunks_exact(tables.functions).enumerate() {
+    for (a, row) in tables.sums.chunks_exact(tables.at.functions).enumerate() {
         let from = if layout.upper { a } else { 0 };
         for (b, s) in row.iter().enumerate().skip(from) {
             let mut sum = zero;

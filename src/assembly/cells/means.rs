@@ -1,6 +1,7 @@
 //! Where the unknowns of cells live: means of the map's points with weights of the reference cell.
 
 use super::nodes::MapNodes;
+use super::points::Kinds;
 use super::slots::Batch;
 use super::{Pattern, parts, shares};
 use crate::basis::{Basis, Cell, Order, ShapeTable};
@@ -11,7 +12,6 @@ use rayon::prelude::*;
 
 /// Weights of one pair of reference cells.
 struct Weights {
-    key: (usize, usize),
     nodes: usize,
     /// Of the map's node b for function a at `[a * (nodes + 1) + b]`, then their sum.
     of: Vec<f64>,
@@ -20,25 +20,18 @@ struct Weights {
 impl Weights {
     /// Those of the cell of `element`, with two Gauss points per direction.
     fn of_cell<const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized>(
-        key: (usize, usize),
         space: &S,
         map: &dyn Basis<D, T>,
         element: usize,
     ) -> Self {
         match space.cell(element) {
-            Cell::Simplex => Self::new(key, space, map, element, &simplex_rule::<D, T>(2)),
-            Cell::Tensor => Self::new(key, space, map, element, TensorRule::gauss([2; D]).rule(element)),
+            Cell::Simplex => Self::new(space, map, element, &simplex_rule::<D, T>(2)),
+            Cell::Tensor => Self::new(space, map, element, TensorRule::gauss([2; D]).rule(element)),
         }
     }
 
     /// sum_q N_a² M_b, and sum_q N_a².
-    fn new<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(
-        key: (usize, usize),
-        basis: &B,
-        map: &dyn Basis<D, T>,
-        element: usize,
-        rule: &Rule<D, T>,
-    ) -> Self {
+    fn new<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(basis: &B, map: &dyn Basis<D, T>, element: usize, rule: &Rule<D, T>) -> Self {
         let (mut shapes, mut table) = (ShapeTable::new(), ShapeTable::new());
         basis.tabulate(element, &rule.points, Order::Values, &mut shapes);
         map.tabulate(element, &rule.points, Order::Values, &mut table);
@@ -49,7 +42,7 @@ impl Weights {
             of.extend((0..nodes).map(|b| squares.iter().enumerate().map(|(q, s)| s * to_f64(table.values(q)[b])).sum::<f64>()));
             of.push(squares.iter().sum());
         }
-        Self { key, nodes, of }
+        Self { nodes, of }
     }
 }
 
@@ -70,20 +63,18 @@ pub(in crate::assembly) fn means<const D: usize, const N: usize, T: Real, S: Spa
     let owned = parts(&mut places, &ranges, |i| components * i).into_par_iter().zip(&ranges);
     let known: Option<Vec<()>> = owned
         .map(|(places, range)| {
-            let (mut sums, mut kinds) = (vec![0.0; range.len()], Vec::<Weights>::new());
+            let (mut sums, mut kinds) = (vec![0.0; range.len()], Kinds::<_, Weights>::default());
             let (mut ids, mut points) = (Vec::new(), Vec::new());
             let reaches = |b: &&Batch| (b.least as usize) < range.end && range.start < b.end as usize;
             for batch in slots.batches.iter().filter(reaches) {
                 for (&e, own) in batch.cells().iter().zip(slots.ids(batch)) {
                     let e = e as usize;
                     let key = (batch.reference, control.basis.reference(e)?);
-                    let k = kinds.iter().position(|k| k.key == key).unwrap_or_else(|| {
-                        kinds.push(Weights::of_cell(key, space, control.basis, e));
-                        kinds.len() - 1
-                    });
+                    let k = kinds.place(key, |_| Some(Weights::of_cell(space, control.basis, e)))?;
+                    let kind = &kinds.of[k];
                     points.clear();
                     points.extend(nodes.of(e, &mut ids).iter().map(|&i| nodes.point(i)));
-                    for (&i, weights) in own.iter().zip(kinds[k].of.chunks_exact(kinds[k].nodes + 1)) {
+                    for (&i, weights) in own.iter().zip(kind.of.chunks_exact(kind.nodes + 1)) {
                         let own = (i as usize).wrapping_sub(range.start);
                         let Some(sum) = sums.get_mut(own) else { continue };
                         let place = &mut places[components * own];
@@ -92,7 +83,7 @@ pub(in crate::assembly) fn means<const D: usize, const N: usize, T: Real, S: Spa
                                 place[k] += w * x[k];
                             }
                         }
-                        *sum += weights[kinds[k].nodes];
+                        *sum += weights[kind.nodes];
                     }
                 }
             }

@@ -5,15 +5,16 @@
 //! | file | does |
 //! |---|---|
 //! | `slots` | batches of cells, and places of the entries of their matrices within rows |
-//! | `tables` | functions and map on the reference cell |
+//! | `points` | tables on the reference cell, and which elements share them |
+//! | `tables` | what matrices need beside them |
 //! | `lanes` | Jacobians, D, and the sums above, one cell per lane |
 //! | `batch` | the matrices of the cells of a batch |
 //! | `scatter` | adds them to rows |
 //! | `nodes` | the points of a cell's map |
 //! | `means` | where unknowns live |
-//! | `points`, `sums` | loads and norms: tables at points, and what is summed there |
+//! | `sums` | loads and norms |
 //!
-//! Batches of cells are fixed with the graph: cells follow one another by their least function. Threads own rows, and a batch whose rows have
+//! Batches of cells are fixed with the graph: cells follow one another by their greatest function. Threads own rows, and a batch whose rows have
 //! several owners is computed by each of them. So a sum has the same terms in the same order for any number of threads and of lanes.
 //! Where all cells of a part of a batch are straight up to the last bits of their nodes, one Jacobian and one table serve them. Kernels count
 //! in `f64`; other scalars, processors without lanes and spaces without reference cells take the plain loop.
@@ -43,33 +44,21 @@ use crate::quadrature::Quadrature;
 use crate::space::Space;
 use batch::{Entries, Member, Run};
 use nodes::MapNodes;
+use points::{Group, Key, Kinds, PointTables};
 use rayon::prelude::*;
 use scatter::Rows;
-use slots::{Batch, Places};
+use slots::Places;
 use std::any::TypeId;
 use std::ops::Range;
 use tables::Tables;
 
-/// Groups of elements at most: more have nothing in common.
-const GROUPS: usize = 32;
 /// Batches handed to one task at a time.
 const BATCHES_PER_TASK: usize = 512;
-
-/// Elements with common tables.
-#[derive(Debug)]
-struct Group<const D: usize> {
-    tables: Tables<D>,
-    /// In the order in which their matrices are added.
-    members: Vec<Member>,
-}
-
-/// What elements with common tables have in common: reference cells of functions and map, the address of the rule.
-type Key = (usize, usize, usize);
 
 /// A space of cells that share reference cells, with its rule.
 #[derive(Debug)]
 pub(super) struct Cells<'a, const D: usize, const N: usize, T: Real> {
-    groups: Vec<Group<D>>,
+    groups: Vec<Group<Tables<D>, Member>>,
     nodes: MapNodes<'a, D, N, T>,
     /// The instruction set.
     arch: pulp::Arch,
@@ -82,14 +71,10 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
         S: Space<D, N, T> + ?Sized,
         Q: Quadrature<D, T> + ?Sized,
     {
-        if TypeId::of::<T>() != TypeId::of::<f64>() || !super::tensor::lanes_available() || D != N || !(N == 2 || N == 3) {
+        if !has_lanes::<D, N, T>() {
             return None;
         }
         let (slots, control) = (pattern.slots()?, space.control()?);
-        let key = |batch: &Batch, e: u32| -> Option<Key> {
-            let rule = std::ptr::from_ref(quadrature.rule(e as usize));
-            Some((batch.reference, control.basis.reference(e as usize)?, rule.addr()))
-        };
         let keyed: Vec<Option<Vec<(Key, Member)>>> = slots
             .batches
             .par_chunks(BATCHES_PER_TASK)
@@ -99,7 +84,7 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
                 for (k, batch) in batches.iter().enumerate() {
                     let own = members.len();
                     for (lane, &e) in batch.cells().iter().enumerate() {
-                        let key = key(batch, e)?;
+                        let key = points::key(batch.reference, control.basis, e as usize, quadrature.rule(e as usize))?;
                         match members[own..].iter_mut().find(|m| m.0 == key) {
                             Some((_, member)) => member.lanes |= 1 << lane,
                             None => members.push((key, Member { batch: (task * BATCHES_PER_TASK + k) as u32, lanes: 1 << lane })),
@@ -109,28 +94,14 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
                 Some(members)
             })
             .collect();
-        let mut keys: Vec<Key> = Vec::new();
-        let mut groups: Vec<Group<D>> = Vec::new();
+        let mut groups = Kinds::default();
         for members in keyed {
             for (key, member) in members? {
-                let k = keys.iter().position(|k| *k == key).unwrap_or(keys.len());
-                if k == keys.len() {
-                    if k == GROUPS {
-                        return None;
-                    }
-                    let e = slots.batches[member.batch as usize].cells()[member.lanes.trailing_zeros() as usize] as usize;
-                    let tables = Tables::new(space, control.basis, e, quadrature.rule(e));
-                    // nothing to sum: not worth a kernel
-                    if tables.weights.is_empty() || tables.functions == 0 || tables.nodes == 0 {
-                        return None;
-                    }
-                    keys.push(key);
-                    groups.push(Group { tables, members: Vec::new() });
-                }
-                groups[k].members.push(member);
+                let e = slots.batches[member.batch as usize].cells()[member.lanes.trailing_zeros() as usize] as usize;
+                groups.put(key, member, || PointTables::new(space, control.basis, e, quadrature.rule(e)).map(Tables::from))?;
             }
         }
-        Some(Self { groups, nodes: MapNodes::new(control), arch: pulp::Arch::new() })
+        Some(Self { groups: groups.of, nodes: MapNodes::new(control), arch: pulp::Arch::new() })
     }
 
     /// Adds the matrix of products of functions to `matrix`.
@@ -189,6 +160,11 @@ impl<const N: usize, T: Real> Cells<'_, N, N, T> {
     pub fn stiffness<const C: usize>(&self, pattern: &Pattern, form: &Form<'_, C, N, T>, add: bool, matrix: &mut Csr<T>) {
         self.fill::<C>(pattern, &Source::new(form), form.symmetric, add, matrix);
     }
+}
+
+/// Whether there are kernels for cells of D dimensions in N that count in `T`, and lanes for them.
+fn has_lanes<const D: usize, const N: usize, T: Real>() -> bool {
+    TypeId::of::<T>() == TypeId::of::<f64>() && super::tensor::lanes_available() && D == N && (N == 2 || N == 3)
 }
 
 /// The tangents of N x N numbers in `all`, entries that are not zero.

@@ -42,9 +42,12 @@ impl<'a, const D: usize, const N: usize, T: Real> MapNodes<'a, D, N, T> {
     pub fn gather(&self, elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]) {
         let lanes = elements.len();
         for (lane, &e) in elements.iter().enumerate() {
-            for (out, &i) in out.chunks_exact_mut(N * lanes).zip(self.of(e as usize, ids)) {
-                for (k, x) in self.point(i).into_iter().enumerate() {
-                    out[k * lanes + lane] = x;
+            // no chunks: their number is a division per cell
+            let mut at = lane;
+            for &i in self.of(e as usize, ids) {
+                for x in self.point(i) {
+                    out[at] = x;
+                    at += lanes;
                 }
             }
         }

@@ -1,18 +1,74 @@
-//! Tables at the points of a rule for all elements that share reference cells, and which elements these are.
+//! Tables at the points of a rule on a reference cell, and which elements share them.
 
 use crate::basis::{Basis, Order, ShapeTable};
-use crate::geometry::Control;
 use crate::linalg::{Real, to_f64};
-use crate::quadrature::{Quadrature, Rule};
-use crate::space::Space;
+use crate::quadrature::Rule;
 
-/// Groups of elements at most: more have nothing in common.
-const GROUPS: usize = 32;
+/// Kinds of elements with tables at most: more have nothing in common.
+const KINDS: usize = 32;
+
+/// What elements with common tables have in common: reference cells of functions and map, the address of the rule.
+pub(super) type Key = (usize, usize, usize);
+
+/// The key of `element`, whose functions have the reference cell `reference`; `None` where its map has none.
+pub(super) fn key<const D: usize, T: Real>(reference: usize, map: &dyn Basis<D, T>, element: usize, rule: &Rule<D, T>) -> Option<Key> {
+    Some((reference, map.reference(element)?, std::ptr::from_ref(rule).addr()))
+}
+
+/// Few kinds of many things, by their keys, in the order in which they were met.
+#[derive(Debug)]
+pub(super) struct Kinds<K, X> {
+    keys: Vec<K>,
+    /// What is kept of each.
+    pub of: Vec<X>,
+    /// The one asked for last: mostly the next, too.
+    last: usize,
+}
+
+impl<K, X> Default for Kinds<K, X> {
+    fn default() -> Self {
+        Self { keys: Vec::new(), of: Vec::new(), last: 0 }
+    }
+}
+
+impl<K: PartialEq, X> Kinds<K, X> {
+    /// The place of `key`, `new` making what is kept of it where it is met for the first time; `None` where that has nothing.
+    pub fn place(&mut self, key: K, new: impl FnOnce(usize) -> Option<X>) -> Option<usize> {
+        if self.keys.get(self.last) != Some(&key) {
+            let place = self.keys.iter().position(|k| *k == key).unwrap_or(self.keys.len());
+            if place == self.keys.len() {
+                self.of.push(new(place)?);
+                self.keys.push(key);
+            }
+            self.last = place;
+        }
+        Some(self.last)
+    }
+}
+
+/// Elements with common tables, in the order in which they are added.
+#[derive(Debug)]
+pub(super) struct Group<X, M> {
+    pub tables: X,
+    pub members: Vec<M>,
+}
+
+impl<X, M> Kinds<Key, Group<X, M>> {
+    /// Puts `member` to those of `key`; `None` where there are too many kinds, or no tables.
+    pub fn put(&mut self, key: Key, member: M, tables: impl FnOnce() -> Option<X>) -> Option<()> {
+        let new = |k: usize| if k < KINDS { Some(Group { tables: tables()?, members: Vec::new() }) } else { None };
+        let place = self.place(key, new)?;
+        self.of[place].members.push(member);
+        Some(())
+    }
+}
 
 /// Functions, map and rule on a reference cell, `[point * functions + a]` and `[point * nodes + b]`.
 #[derive(Debug)]
 pub(super) struct PointTables<const D: usize> {
+    /// Functions per element.
     pub functions: usize,
+    /// Functions of the map per element.
     pub nodes: usize,
     /// Local points, D numbers each.
     pub xi: Vec<f64>,
@@ -24,7 +80,8 @@ pub(super) struct PointTables<const D: usize> {
 }
 
 impl<const D: usize> PointTables<D> {
-    fn new<T: Real, B: Basis<D, T> + ?Sized>(basis: &B, map: &dyn Basis<D, T>, element: usize, rule: &Rule<D, T>) -> Self {
+    /// The tables of `element` for all of its kind; `None` where they are empty.
+    pub fn new<T: Real, B: Basis<D, T> + ?Sized>(basis: &B, map: &dyn Basis<D, T>, element: usize, rule: &Rule<D, T>) -> Option<Self> {
         let (mut shapes, mut nodes) = (ShapeTable::new(), ShapeTable::new());
         basis.tabulate(element, &rule.points, Order::Gradients, &mut shapes);
         map.tabulate(element, &rule.points, Order::Gradients, &mut nodes);
@@ -33,7 +90,7 @@ impl<const D: usize> PointTables<D> {
         let grads = |table: &ShapeTable<D, T>| {
             (0..points).flat_map(|q| table.grads(q).to_vec()).map(|g| std::array::from_fn(|k| to_f64(g[k]))).collect()
         };
-        Self {
+        let tables = Self {
             functions: shapes.num_functions(),
             nodes: nodes.num_functions(),
             xi: rule.points.iter().flat_map(|xi| xi.iter().map(|&x| to_f64(x))).collect(),
@@ -42,46 +99,7 @@ impl<const D: usize> PointTables<D> {
             grads: grads(&shapes),
             map_values: values(&nodes),
             map_grads: grads(&nodes),
-        }
+        };
+        (points > 0 && tables.functions > 0 && tables.nodes > 0).then_some(tables)
     }
-}
-
-/// Elements with common tables, ascending.
-#[derive(Debug)]
-pub(super) struct PointGroup<const D: usize> {
-    pub tables: PointTables<D>,
-    pub elements: Vec<u32>,
-}
-
-/// The elements of `space` by their reference cells and rules; `None` where some have none, or too many differ.
-pub(super) fn groups<const D: usize, const N: usize, T, S, Q>(
-    space: &S,
-    control: Control<'_, D, N, T>,
-    quadrature: &Q,
-) -> Option<Vec<PointGroup<D>>>
-where
-    T: Real,
-    S: Space<D, N, T> + ?Sized,
-    Q: Quadrature<D, T> + ?Sized,
-{
-    let mut keys = Vec::new();
-    let mut groups: Vec<PointGroup<D>> = Vec::new();
-    let mut last = 0;
-    for e in 0..space.num_elements() {
-        let rule = quadrature.rule(e);
-        let key = (space.reference(e)?, control.basis.reference(e)?, std::ptr::from_ref(rule));
-        if keys.get(last) != Some(&key) {
-            last = keys.iter().position(|k| *k == key).unwrap_or(keys.len());
-        }
-        if last == keys.len() {
-            let tables = PointTables::new(space, control.basis, e, rule);
-            if last == GROUPS || tables.functions == 0 || tables.nodes == 0 {
-                return None;
-            }
-            keys.push(key);
-            groups.push(PointGroup { tables, elements: Vec::new() });
-        }
-        groups[last].elements.push(u32::try_from(e).ok()?);
-    }
-    Some(groups)
 }

@@ -1,5 +1,6 @@
 //! Where the entries of element matrices go: places within the rows, found while the rows are made, batch after batch of cells.
 
+use super::points::Kinds;
 use crate::assembly::graph::{Graph, Sites, shares};
 use crate::linalg::Buffer;
 
@@ -42,8 +43,8 @@ impl Batch {
 /// Entries (0, 0), (0, 1), (1, 0), (0, 2), (2, 0), .. (1, 1), (1, 2), (2, 1), .. of a batch follow one another, BATCH places each.
 #[derive(Clone, Debug)]
 pub(in crate::assembly) struct Slots {
-    /// In the order in which their matrices are added: cells by least function, so that neighbours follow each other whatever their numbers
-    /// are.
+    /// In the order in which their matrices are added: cells by greatest function. Rows are reached from the first to the last, so each is
+    /// made ready shortly before it is added to, and cells that share their last function follow each other.
     pub batches: Vec<Batch>,
     /// The functions of the cells in the order of the batches: read from front to back, whatever order the elements have.
     ids: Vec<u32>,
@@ -100,7 +101,9 @@ impl Slots {
             }
         }
         let all = first[graph.num_elements()];
-        let begin = |i: usize| match batches.partition_point(|b| (b.least as usize) < i) {
+        // one more than the greatest function of the first cell: it never falls from batch to batch
+        let reach = |b: &Batch| ids[b.ids..][..b.functions].iter().max().map_or(0, |&i| i as usize + 1);
+        let begin = |i: usize| match batches.partition_point(|b| reach(b) <= i) {
             k if k < batches.len() => batches[k].first,
             _ => all,
         };
@@ -147,7 +150,7 @@ fn ordered_entries(n: usize) -> Vec<usize> {
     entries
 }
 
-/// Cells by least function in batches, their functions, and of every element the place of its first entry, the number of all places behind
+/// Cells by greatest function in batches, their functions, and of every element the place of its first entry, the number of all places behind
 /// them. Linear in the number of ids.
 fn batched(graph: &Graph, references: &[usize]) -> (Vec<Batch>, Vec<u32>, Vec<usize>) {
     let (elements, functions) = (graph.num_elements(), graph.num_functions());
@@ -155,14 +158,14 @@ fn batched(graph: &Graph, references: &[usize]) -> (Vec<Batch>, Vec<u32>, Vec<us
     let spans: Vec<(u32, u32)> = (0..elements).map(span).collect();
     let mut start = vec![0u32; functions + 2];
     for span in &spans {
-        start[span.0 as usize + 1] += 1;
+        start[span.1 as usize + 1] += 1;
     }
     for i in 0..=functions {
         start[i + 1] += start[i];
     }
     let mut order = vec![0u32; elements];
     for (e, span) in spans.iter().enumerate() {
-        let place = &mut start[span.0 as usize];
+        let place = &mut start[span.1 as usize];
         order[*place as usize] = e as u32;
         *place += 1;
     }
@@ -171,26 +174,24 @@ fn batched(graph: &Graph, references: &[usize]) -> (Vec<Batch>, Vec<u32>, Vec<us
     let all: usize = (0..elements).map(|e| graph.ids(e).len()).sum();
     ids.reserve_exact(all + BATCH * BATCH);
     // the last batch of every kind: there are few
-    let mut open: Vec<((usize, usize), usize)> = Vec::new();
+    let mut open = Kinds::default();
     for &e in &order {
         let (least, end) = spans[e as usize];
         let own = graph.ids(e as usize);
         let (reference, n) = (references[e as usize], own.len());
-        let kind = open.iter().position(|o| o.0 == (reference, n)).unwrap_or_else(|| {
-            open.push(((reference, n), usize::MAX));
-            open.len() - 1
-        });
-        if batches.get(open[kind].1).is_none_or(|b| b.count == BATCH) {
-            open[kind].1 = batches.len();
+        let kind = open.place((reference, n), |_| Some(usize::MAX)).expect("every kind is kept");
+        if batches.get(open.of[kind]).is_none_or(|b| b.count == BATCH) {
+            open.of[kind] = batches.len();
             batches.push(Batch { cells: [NONE; BATCH], count: 0, reference, functions: n, least, end, first: next, ids: ids.len() });
             next += BATCH * n * n;
             ids.resize(ids.len() + BATCH * n, NONE);
         }
-        let batch = &mut batches[open[kind].1];
+        let batch = &mut batches[open.of[kind]];
         batch.cells[batch.count] = e;
         first[e as usize] = batch.first + batch.count;
         ids[batch.ids + batch.count * n..][..n].copy_from_slice(own);
         batch.count += 1;
+        batch.least = batch.least.min(least);
         batch.end = batch.end.max(end);
     }
     first[elements] = next;

@@ -4,7 +4,7 @@
 
 use super::batch::Nodes;
 use super::nodes::MapNodes;
-use super::points::{PointGroup, PointTables, groups};
+use super::points::{self, Group, Kinds, PointTables};
 use crate::assembly::Form;
 use crate::assembly::source::Source;
 use crate::assembly::tensor::{Answer, Cell, Law, SQUARES, Sites, Squares, add_moments, finish, numbers_of_map};
@@ -13,7 +13,6 @@ use crate::quadrature::Quadrature;
 use crate::space::Space;
 use pulp::{NullaryFnOnce, Simd, WithSimd, bytemuck};
 use rayon::prelude::*;
-use std::any::TypeId;
 
 /// Elements of one task, and tasks whose results wait at a time.
 const ELEMENTS_PER_TASK: usize = 256;
@@ -22,7 +21,8 @@ const TASKS_AT_ONCE: usize = 16;
 /// A space of cells that share reference cells, with its rule, for sums over its points.
 #[derive(Debug)]
 pub(in crate::assembly) struct Sums<'a, const D: usize, const N: usize, T: Real, S: ?Sized> {
-    groups: Vec<PointGroup<D>>,
+    /// Elements ascend in each.
+    groups: Vec<Group<PointTables<D>, u32>>,
     nodes: MapNodes<'a, D, N, T>,
     space: &'a S,
     /// The instruction set.
@@ -50,12 +50,17 @@ struct Task {
 impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Sums<'a, D, N, T, S> {
     /// The cells of `space`; `None` where the plain loop has to do it.
     pub fn new<Q: Quadrature<D, T> + ?Sized>(space: &'a S, quadrature: &Q) -> Option<Self> {
-        if TypeId::of::<T>() != TypeId::of::<f64>() || !crate::assembly::tensor::lanes_available() || D != N || !(N == 2 || N == 3) {
+        if !super::has_lanes::<D, N, T>() {
             return None;
         }
         let control = space.control()?;
-        let groups = groups(space, control, quadrature)?;
-        Some(Self { groups, nodes: MapNodes::new(control), space, arch: pulp::Arch::new() })
+        let mut groups = Kinds::default();
+        for e in 0..space.num_elements() {
+            let rule = quadrature.rule(e);
+            let key = points::key(space.reference(e)?, control.basis, e, rule)?;
+            groups.put(key, u32::try_from(e).ok()?, || PointTables::new(space, control.basis, e, rule))?;
+        }
+        Some(Self { groups: groups.of, nodes: MapNodes::new(control), space, arch: pulp::Arch::new() })
     }
 
     /// ∫ f . N dx for forces of `width` components, which `answer` gives, then their moments as
@@ -79,8 +84,8 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
     /// Sums over the cells, task by task.
     fn each(&self, kind: Kind<'_>, width: usize, answer: &Answer<'_>, ids: bool, mut sink: impl FnMut(&PointTables<D>, &Task)) {
         let mut tasks: Vec<Task> = (0..TASKS_AT_ONCE).map(|_| Task::default()).collect();
-        for PointGroup { tables, elements } in &self.groups {
-            for block in elements.chunks(ELEMENTS_PER_TASK * TASKS_AT_ONCE) {
+        for Group { tables, members } in &self.groups {
+            for block in members.chunks(ELEMENTS_PER_TASK * TASKS_AT_ONCE) {
                 tasks.par_iter_mut().zip(block.par_chunks(ELEMENTS_PER_TASK)).for_each(|(task, elements)| {
                     task.numbers.clear();
                     task.ids.clear();

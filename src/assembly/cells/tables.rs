@@ -1,8 +1,6 @@
-//! Tables on the reference cell of a group of elements: functions, map, weights.
+//! What the kernels of matrices need beside the tables on a reference cell: products, sums over the points, bends of the map.
 
-use crate::basis::{Basis, Order, ShapeTable};
-use crate::linalg::{Real, to_f64};
-use crate::quadrature::Rule;
+use super::points::PointTables;
 
 /// Columns of an element matrix that are summed at once.
 pub(super) const TILE: usize = 4;
@@ -79,19 +77,12 @@ fn bends<const N: usize>(grads: &[[f64; N]], nodes: usize) -> Option<Vec<f64>> {
 /// The tables of a group.
 #[derive(Debug)]
 pub(super) struct Tables<const N: usize> {
-    /// Functions per element.
-    pub functions: usize,
-    /// Functions of the map per element.
-    pub nodes: usize,
-    pub weights: Vec<f64>,
+    /// Those that follow from the reference cells alone.
+    pub at: PointTables<N>,
     /// Values of the functions.
     pub values: Products<1>,
     /// Their gradients.
     pub grads: Products<N>,
-    /// Values of the map's functions at `map_values[q * nodes + b]`.
-    pub map_values: Vec<f64>,
-    /// Their gradients.
-    pub map_grads: Vec<[f64; N]>,
     /// Combinations of the map's nodes that vanish where its Jacobian is the same at all points of the rule, `nodes` numbers of sum zero each;
     /// none for maps of linear functions. `None` where that is not known.
     pub bends: Option<Vec<f64>>,
@@ -99,31 +90,19 @@ pub(super) struct Tables<const N: usize> {
     pub sums: Vec<[[f64; N]; N]>,
 }
 
-impl<const N: usize> Tables<N> {
-    /// The tables of `element` for all that have its reference cells and its rule.
-    pub fn new<T: Real, B: Basis<N, T> + ?Sized>(basis: &B, map: &dyn Basis<N, T>, element: usize, rule: &Rule<N, T>) -> Self {
-        let (mut shapes, mut nodes) = (ShapeTable::new(), ShapeTable::new());
-        basis.tabulate(element, &rule.points, Order::Gradients, &mut shapes);
-        map.tabulate(element, &rule.points, Order::Gradients, &mut nodes);
-        let (points, n, m) = (rule.points.len(), shapes.num_functions(), nodes.num_functions());
-        let weights: Vec<f64> = rule.weights.iter().map(|&w| to_f64(w)).collect();
-        let grad = |a: usize, q: usize, k: usize| to_f64(shapes.grads(q)[a][k]);
+impl<const N: usize> From<PointTables<N>> for Tables<N> {
+    fn from(at: PointTables<N>) -> Self {
+        let (n, points) = (at.functions, at.weights.len());
+        let grad = |a: usize, q: usize, k: usize| at.grads[q * n + a][k];
         let sum = |a: usize, b: usize, k: usize, l: usize| {
-            weights.iter().enumerate().fold(0.0, |s, (q, &w)| s + w * grad(a, q, k) * grad(b, q, l))
+            at.weights.iter().enumerate().fold(0.0, |s, (q, &w)| s + w * grad(a, q, k) * grad(b, q, l))
         };
-        let sums = (0..n * n).map(|ab| std::array::from_fn(|k| std::array::from_fn(|l| sum(ab / n, ab % n, k, l)))).collect();
-        let map_grads: Vec<[f64; N]> =
-            (0..points).flat_map(|q| nodes.grads(q).iter().map(|g| std::array::from_fn(|k| to_f64(g[k])))).collect();
         Self {
-            functions: n,
-            nodes: m,
-            values: Products::new(n, points, |a, q, _| to_f64(shapes.values(q)[a])),
+            values: Products::new(n, points, |a, q, _| at.values[q * n + a]),
             grads: Products::new(n, points, grad),
-            map_values: (0..points).flat_map(|q| nodes.values(q).iter().map(|&v| to_f64(v))).collect(),
-            bends: bends(&map_grads, m),
-            map_grads,
-            weights,
-            sums,
+            bends: bends(&at.map_grads, at.nodes),
+            sums: (0..n * n).map(|ab| std::array::from_fn(|k| std::array::from_fn(|l| sum(ab / n, ab % n, k, l)))).collect(),
+            at,
         }
     }
 }
