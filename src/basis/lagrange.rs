@@ -104,6 +104,10 @@ impl<T: Real> Basis<1, T> for LagrangeLine<T> {
             }
         }
     }
+    /// One: the nodes of all elements lie alike.
+    fn reference(&self, _element: usize) -> Option<usize> {
+        Some(0)
+    }
     fn block(&self, _element: usize) -> Option<Block<'_, 1, T>> {
         Some(Block { first: 0, axes: [self], weights: None })
     }

@@ -19,6 +19,8 @@ pub struct TensorProduct<const D: usize, A, T: Real = f64> {
 /// Univariate coordinates of a batch are looked for among this many of those met last, so that a product of `n` points
 /// per direction is tabulated in `n` points per axis.
 const RECENT: usize = 16;
+/// Reference cells per axis whose tuples are numbered.
+const REFERENCES: usize = 1 << 8;
 /// Active functions per axis that `active` holds without allocating.
 const ON_STACK: usize = 20;
 
@@ -175,6 +177,14 @@ impl<const D: usize, A: Basis<1, T>, T: Real> Basis<D, T> for TensorProduct<D, A
         table.lines = lines;
         table.ids = places;
         table.line_points = points;
+    }
+    /// A number for every tuple of the axes' numbers, where these are small.
+    fn reference(&self, element: usize) -> Option<usize> {
+        let at = self.split(element);
+        (0..D).try_fold(0, |number, k| {
+            let own = self.axes[k].reference(at[k])?;
+            (own < REFERENCES).then_some(number * REFERENCES + own)
+        })
     }
     fn block(&self, _element: usize) -> Option<Block<'_, D, T>> {
         let whole = self.axes.iter().all(|axis| is_one_block(axis));

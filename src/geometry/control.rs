@@ -28,29 +28,41 @@ impl<B, const N: usize, T: Real> ControlPoints<B, N, T> {
         order: Order,
         table: &mut MapTable<D, N, T>,
     ) {
-        table.reset(points, order);
-        for q in 0..points {
-            let x = &mut table.x[q];
-            for (&i, &n) in ids.iter().zip(shapes.values(q)) {
-                *x += self.points[i] * n;
-            }
-            if order >= Order::Gradients {
-                let jacobian = &mut table.jacobian[q];
-                for (&i, g) in ids.iter().zip(shapes.grads(q)) {
-                    let p = &self.points[i];
-                    for k in 0..D {
-                        for c in 0..N {
-                            jacobian[(c, k)] += p[c] * g[k];
-                        }
+        combine(&self.points, ids, shapes, points, order, table);
+    }
+}
+
+/// Fills `table` from control points and the tabulated functions `ids` of an element at `count` local points.
+pub(super) fn combine<const D: usize, const N: usize, T: Real>(
+    control: &[Vector<N, T>],
+    ids: &[usize],
+    shapes: &ShapeTable<D, T>,
+    count: usize,
+    order: Order,
+    table: &mut MapTable<D, N, T>,
+) {
+    table.reset(count, order);
+    for q in 0..count {
+        let x = &mut table.x[q];
+        for (&i, &n) in ids.iter().zip(shapes.values(q)) {
+            *x += control[i] * n;
+        }
+        if order >= Order::Gradients {
+            let jacobian = &mut table.jacobian[q];
+            for (&i, g) in ids.iter().zip(shapes.grads(q)) {
+                let p = &control[i];
+                for k in 0..D {
+                    for c in 0..N {
+                        jacobian[(c, k)] += p[c] * g[k];
                     }
                 }
             }
-            if order >= Order::Hessians {
-                let hessian = &mut table.hessian[q];
-                for (&i, h) in ids.iter().zip(shapes.hessians(q)) {
-                    for (c, sum) in hessian.iter_mut().enumerate() {
-                        *sum += h * self.points[i][c];
-                    }
+        }
+        if order >= Order::Hessians {
+            let hessian = &mut table.hessian[q];
+            for (&i, h) in ids.iter().zip(shapes.hessians(q)) {
+                for (c, sum) in hessian.iter_mut().enumerate() {
+                    *sum += h * control[i][c];
                 }
             }
         }

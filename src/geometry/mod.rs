@@ -11,6 +11,7 @@ mod frame;
 mod hull;
 mod net;
 mod net_moves;
+mod sampler;
 pub mod shapes;
 
 use crate::basis::{Basis, Block, Elements, Order, ShapeTable};
@@ -27,6 +28,7 @@ pub use frame::{cross, unit_normal, unit_tangent};
 pub use hull::hull;
 pub use net::{ControlNet, NetError};
 pub use net_moves::{turn, turn_about};
+pub(crate) use sampler::Sampler;
 
 /// Positions and derivatives of a map at a batch of points; caller-owned, keeps its memory between calls.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use super::Space;
 use crate::basis::{Cell, Order};
-use crate::geometry::{MapTable, cell};
+use crate::geometry::{MapTable, Sampler, cell};
 use crate::linalg::Real;
 use rayon::prelude::*;
 
@@ -12,12 +12,13 @@ const POINTS: usize = 3;
 /// The largest diameter of the elements of `space` \[length\], taken among corners and middles of edges, faces and cells.
 pub fn diameter<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -> T {
     let points = [Cell::Tensor, Cell::Simplex].map(|c| [cell::grid::<N, T>(c, POINTS), cell::corners::<N, T>(c)]);
-    let of = |table: &mut MapTable<N, N, T>, e: usize| {
-        let [bent, straight] = &points[usize::from(space.cell(e) == Cell::Simplex)];
-        space.map(e, if space.is_affine(e) { straight } else { bent }, Order::Values, table);
+    let of = |(map, table): &mut (Sampler<'_, N, N, T, X>, MapTable<N, N, T>), e: usize| {
+        let (kind, affine) = (usize::from(space.cell(e) == Cell::Simplex), usize::from(space.is_affine(e)));
+        map.map(e, 2 * kind + affine, &points[kind][affine], table);
         let pairs = table.x.iter().enumerate().flat_map(|(k, a)| table.x[..k].iter().map(move |b| (a - b).norm_squared()));
         pairs.fold(T::zero(), |most, d| most.max(d))
     };
-    let largest = (0..space.num_elements()).into_par_iter().map_init(MapTable::new, of).reduce(T::zero, |a, b| a.max(b));
+    let maps = || (Sampler::new(space, Order::Values), MapTable::new());
+    let largest = (0..space.num_elements()).into_par_iter().map_init(maps, of).reduce(T::zero, |a, b| a.max(b));
     largest.sqrt()
 }

@@ -96,6 +96,10 @@ impl<const S: usize, const N: usize> Body<S, N> for Mesh<S, N> {
         &self.space
     }
 
+    fn quality(&self) -> Option<&Quality<N>> {
+        Some(&self.quality)
+    }
+
     fn sides(&self) -> Vec<String> {
         match &self.sides {
             Sides::Lines(_) => self.grid.as_ref().map(Grid::sides).unwrap_or_default(),

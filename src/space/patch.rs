@@ -93,6 +93,10 @@ impl<const S: usize, const N: usize> Body<S, N> for Patch<S, N> {
         &self.space
     }
 
+    fn quality(&self) -> Option<&Quality<N>> {
+        Some(&self.quality)
+    }
+
     fn sides(&self) -> Vec<String> {
         self.grid.sides()
     }

@@ -2,7 +2,7 @@
 
 use super::Space;
 use crate::basis::{Cell, Order};
-use crate::geometry::{Geometry, MapTable, cell};
+use crate::geometry::{Geometry, MapTable, Sampler, cell};
 use crate::linalg::{Real, Vector, determinant, measure as scale, to_f64};
 use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
 use rayon::prelude::*;
@@ -57,16 +57,18 @@ pub fn quality<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -
     let grids = [Cell::Tensor, Cell::Simplex]
         .map(|kind| (DEGREES[0]..=DEGREES[1]).map(|degree| cell::grid::<N, T>(kind, degree + 2)).collect::<Vec<_>>());
     let centers = [Cell::Tensor, Cell::Simplex].map(cell::center::<N, T>);
+    let maps = || (Sampler::new(space, Order::Gradients), MapTable::<N, N, T>::new());
     let sampled: Vec<Sampled<N>> = (0..space.num_elements())
         .into_par_iter()
-        .map_init(MapTable::<N, N, T>::new, |table, e| {
-            let degree = space.degree(e).into_iter().max().unwrap_or(1);
+        .map_init(maps, |(map, table), e| {
+            let degree = space.degree(e).into_iter().max().unwrap_or(1).clamp(DEGREES[0], DEGREES[1]);
             let kind = usize::from(space.cell(e) == Cell::Simplex);
-            let points = match space.is_affine(e) {
-                true => std::slice::from_ref(&centers[kind]),
-                false => &grids[kind][degree.clamp(DEGREES[0], DEGREES[1]) - DEGREES[0]],
+            // sets of points by their degree, the centre before them
+            let (set, points) = match space.is_affine(e) {
+                true => (0, std::slice::from_ref(&centers[kind])),
+                false => (degree, &grids[kind][degree - DEGREES[0]][..]),
             };
-            space.map(e, points, Order::Gradients, table);
+            map.map(e, 2 * set + kind, points, table);
             let mut s = Sampled { mean: 0.0, least: (f64::INFINITY, Vector::zeros()), most: (f64::NEG_INFINITY, Vector::zeros()) };
             for (j, x) in table.jacobian.iter().zip(&table.x) {
                 let d = to_f64(determinant(j));
@@ -131,18 +133,19 @@ pub fn measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?
         // the unit simplex has the measure 1 / D!
         Cell::Simplex => (cell::center::<D, T>(kind), T::one() / crate::linalg::num((1..=D).product::<usize>())),
     });
+    let maps = || (Sampler::new(geometry, Order::Gradients), MapTable::<D, N, T>::new());
     let parts: Vec<T> = (0..geometry.num_elements())
         .into_par_iter()
-        .map_init(MapTable::<D, N, T>::new, |table, e| {
+        .map_init(maps, |(map, table), e| {
             let kind = usize::from(geometry.cell(e) == Cell::Simplex);
             if geometry.is_affine(e) {
                 let (point, size) = &affine[kind];
-                geometry.map(e, std::slice::from_ref(point), Order::Gradients, table);
+                map.map(e, kind, std::slice::from_ref(point), table);
                 return scale(&table.jacobian[0]) * *size;
             }
             let mut last = T::zero();
             for (k, rule) in rules[kind].iter().enumerate() {
-                geometry.map(e, &rule.points, Order::Gradients, table);
+                map.map(e, 2 * (k + 1) + kind, &rule.points, table);
                 let sum = table.jacobian.iter().zip(&rule.weights).fold(T::zero(), |s, (j, &w)| s + scale(j) * w);
                 let settled = k > 0 && (sum - last).abs() <= T::default_epsilon() * crate::linalg::lit(16.0) * sum.abs();
                 last = sum;
