@@ -2,7 +2,8 @@
 
 use super::flow::Network;
 use super::frame::frame;
-use super::{Piece, index};
+use super::graph::Piece;
+use super::index;
 
 /// Projections closer than this part of the extent count as equal, so that a cut follows a line of the grid.
 const EQUAL: f64 = 1e-9;
@@ -10,8 +11,6 @@ const EQUAL: f64 = 1e-9;
 const BAND: f64 = 0.1;
 /// The same half width in separators of the straight cut, for large sets.
 const LAYERS: usize = 2;
-/// Vertices beside a plane whose edges are looked at.
-const NEAR: usize = 32;
 /// Edges along the directions of a grid to this part need no others.
 const ALIGNED: f64 = 0.85;
 
@@ -77,18 +76,12 @@ impl Plane {
         // before or after the run of equal projections, whichever halves better
         let (num_before, num_after) = t.iter().fold((0, 0), |(b, a), &x| (b + usize::from(x < before), a + usize::from(x <= after)));
         let bound = if num_after == n || (num_before > 0 && n / 2 - num_before <= num_after - n / 2) { before } else { after };
-        // the vertices nearest to the median tell how far edges reach there
-        let few = (n / 2).min(NEAR);
-        let near = *values[..n / 2].select_nth_unstable_by(n / 2 - few, f64::total_cmp).1;
-        let beside = (0..n).filter(|&v| (near..=after).contains(&t[v])).take(NEAR);
-        let reach =
-            beside.flat_map(|v| piece.neighbours(v).iter().map(|&u| (t[u as usize] - t[v]).abs()).collect::<Vec<_>>()).fold(0.0, f64::max);
         let (mut halves, mut rim) = ([0u64; 2], [0u64; 2]);
         for v in 0..n {
             let (w, side) = (u64::from(piece.weight[v]), usize::from(t[v] >= bound));
             halves[side] += w;
             let crosses = |&u: &u32| usize::from(t[u as usize] >= bound) != side;
-            if (t[v] - bound).abs() <= 1.5 * reach && piece.neighbours(v).iter().any(crosses) {
+            if (t[v] - bound).abs() <= piece.reach[v] && piece.neighbours(v).iter().any(crosses) {
                 rim[side] += w;
             }
         }
@@ -105,7 +98,7 @@ impl Plane {
         for v in 0..n {
             let side = label[v];
             weight[side as usize] += u64::from(piece.weight[v]);
-            if piece.neighbours(v).iter().any(|&u| label[u as usize] != side) {
+            if (t[v] - bound).abs() <= piece.reach[v] && piece.neighbours(v).iter().any(|&u| label[u as usize] != side) {
                 rim[side as usize] += u64::from(piece.weight[v]);
                 rims[side as usize].push(v);
             }
@@ -162,6 +155,11 @@ fn band_cut(piece: &Piece, t: &[f64], separator: usize) -> Option<(f64, Vec<u8>)
             }
         })
         .collect();
+    // an edge across the band leaves no separator inside it
+    if (0..n).any(|v| label[v] == LEFT && t[v] + piece.reach[v] >= high && piece.neighbours(v).iter().any(|&u| label[u as usize] == RIGHT))
+    {
+        return None;
+    }
     let band: Vec<usize> = (0..n).filter(|&v| label[v] == SEPARATOR).collect();
     let mut local = vec![u32::MAX; n];
     for (k, &v) in band.iter().enumerate() {
@@ -169,28 +167,26 @@ fn band_cut(piece: &Piece, t: &[f64], separator: usize) -> Option<(f64, Vec<u8>)
     }
     // vertex k enters at 2 k and leaves at 2 k + 1, its weight is what it lets through
     let (source, sink) = (2 * band.len(), 2 * band.len() + 1);
+    let touches = |v: usize, side| piece.neighbours(v).iter().any(|&u| label[u as usize] == side);
+    let ends: Vec<[bool; 2]> = band.iter().map(|&v| [touches(v, LEFT), touches(v, RIGHT)]).collect();
     let mut arcs: Vec<(u32, u32, u32)> = Vec::new();
     let mut arc = |from, to, room| arcs.push((index(from), index(to), room));
     for (k, &v) in band.iter().enumerate() {
         arc(2 * k, 2 * k + 1, piece.weight[v]);
-        let (mut left, mut right) = (false, false);
-        for &u in piece.neighbours(v) {
-            match label[u as usize] {
-                LEFT => left = true,
-                RIGHT => right = true,
-                _ => arc(2 * k + 1, 2 * local[u as usize] as usize, u32::MAX),
-            }
-        }
-        if left {
+        if ends[k][0] {
             arc(source, 2 * k, u32::MAX);
         }
-        if right {
+        if ends[k][1] {
             arc(2 * k + 1, sink, u32::MAX);
+            continue;
         }
-    }
-    // an edge across the band leaves no separator inside it
-    if (0..n).any(|v| label[v] == LEFT && piece.neighbours(v).iter().any(|&u| label[u as usize] == RIGHT)) {
-        return None;
+        // no way needs to come back to the source's neighbours, nor to go on from the sink's
+        for &u in piece.neighbours(v) {
+            let to = local[u as usize];
+            if to != u32::MAX && !ends[to as usize][0] {
+                arc(2 * k + 1, 2 * to as usize, u32::MAX);
+            }
+        }
     }
     let mut net = Network::new(sink + 1, &arcs);
     net.saturate(source, sink);

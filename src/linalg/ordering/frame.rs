@@ -1,6 +1,6 @@
 //! The directions of the grid that a set of vertices lies on.
 
-use super::Piece;
+use super::graph::Piece;
 
 /// Vertices looked at: this many, and one of so many more.
 const SAMPLES: usize = 8;
