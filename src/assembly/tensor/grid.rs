@@ -2,14 +2,13 @@
 //!
 //! Map, weight function and whatever is made of them live for one cell only: no memory grows with the patch.
 
+use super::Patch;
 use super::aligned::Aligned;
 use super::axis::Axis;
 use super::fill::{FromNet, ask_cell, fill_asked};
 use super::map::{Ask, Asks, Map, numbers};
 use super::net::Net;
-use super::part::Part;
 use super::spread::{self, Coefficients, Spread};
-use super::{Patch, Patches};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -53,6 +52,11 @@ pub(super) trait Visit<S: Simd, const N: usize>: Send {
     fn start(&mut self, simd: S, lanes: &[(usize, usize)]);
     /// An element of the middle direction starts; in the plane there is one per tile.
     fn open(&mut self, simd: S, element: usize);
+    /// All cells of a line along the first direction at once, where that is quicker than one by one; answers whether it did.
+    /// `middle` as in [`Here`], `kept` of all its points.
+    fn line(&mut self, _simd: S, _middle: (usize, usize), _kept: &[S::f64s]) -> bool {
+        false
+    }
     /// A cell.
     fn cell(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, S::f64s>);
     /// An element of the middle direction ends.
@@ -101,14 +105,6 @@ impl<'p> Patch<'p> {
         };
         let weight = self.weight.as_ref().map(|(net, _)| net);
         Grid { axes: &self.axes, weight, points, first_element: self.first_element, arch: self.arch }
-    }
-}
-
-impl Patches<'_> {
-    /// The unknowns of patch `k` for fields of `width` components.
-    pub(super) fn part(&self, k: usize, width: usize) -> Part<'_> {
-        let ids = self.glue.as_ref().map(|glue| &glue.ids[glue.first[k]..glue.first[k + 1]]);
-        Part { ids, weights: self.patches[k].weight.as_ref().map(|(_, weights)| &weights[..]), width }
     }
 }
 
@@ -220,6 +216,12 @@ impl<S: Simd, const N: usize, V: Visit<S, N>> NullaryFnOnce for Tile<'_, '_, S, 
             visit.open(simd, e);
             for (k, q) in (if N == 3 { axes[1].start[e]..axes[1].start[e + 1] } else { 0..1 }).enumerate() {
                 let outer = if N == 3 { simd.mul_f64s(slow, simd.splat_f64s(axes[1].weights[q])) } else { slow };
+                if let (Points::Other(all, size), None) = (grid.points, grid.weight) {
+                    let line = axes[0].points() * size * S::F64_LANES;
+                    if visit.line(simd, (q, k), bytemuck::cast_slice(&all[q * line..][..line])) {
+                        continue;
+                    }
+                }
                 for first in 0..axes[0].elements() {
                     let here = Here { first_element: grid.first_element, first, middle: (q, k), middle_element: e, lanes };
                     let points = axes[0].start[first]..axes[0].start[first + 1];

@@ -1,5 +1,6 @@
 //! A patch's share of a vector of unknowns: its functions' numbers in the whole, and their weights.
 
+use super::Patches;
 use crate::linalg::{Real, lit, to_f64};
 
 /// Which unknowns are those of a patch.
@@ -53,5 +54,13 @@ impl Part<'_> {
         if let Some(weights) = self.weights {
             out.chunks_exact_mut(self.width).zip(weights).for_each(|(out, &w)| out.iter_mut().for_each(|v| *v *= lit(w)));
         }
+    }
+}
+
+impl Patches<'_> {
+    /// The unknowns of patch `k` for fields of `width` components.
+    pub(super) fn part(&self, k: usize, width: usize) -> Part<'_> {
+        let ids = self.glue.as_ref().map(|glue| &glue.ids[glue.first[k]..glue.first[k + 1]]);
+        Part { ids, weights: self.patches[k].weight.as_ref().map(|(_, weights)| &weights[..]), width }
     }
 }

@@ -1,14 +1,20 @@
 //! The product of the matrix of a form with a vector, without the matrix.
 //!
 //! Gradients of the vector's field on the grid, the tangent there, the transposed contraction back: per point about
-//! 2 N (p + 1) products for the fastest direction, and a fraction of that for the others.
+//! 2 N (p + 1) products for the fastest direction, and a fraction of that for the others. Kept tangents of one component are
+//! taken point by point along whole lines, so that they are read while the points before them are still counted.
 
 use super::aligned::Aligned;
+use super::axis::Axis;
 use super::gather::{self, Gather};
 use super::grid::{Cell, Grid, Here, Sink, Visit};
+use super::lanes::rows;
 use super::law::{self, Law};
 use super::spread::{self, Coefficients, Read, Spread};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
+
+/// Functions along the first direction at most for which a point is done at once: more do not fit the registers.
+const MOST_ACTIVE: usize = 5;
 
 /// The field's way to the points, the tangent, the way back.
 struct Product<'a, V, const N: usize> {
@@ -36,6 +42,16 @@ impl<S: Simd, const N: usize> Visit<S, N> for Product<'_, S::f64s, N> {
     }
 
     #[inline(always)]
+    fn line(&mut self, simd: S, (_, k): (usize, usize), kept: &[S::f64s]) -> bool {
+        let scalar = matches!(self.law, Law::Kept { symmetric: true }) && self.field.width == 1;
+        let fits = self.field.axes[0].active <= MOST_ACTIVE;
+        if scalar && fits {
+            simd.vectorize(Line::<'_, '_, S, N> { simd, product: self, k, kept });
+        }
+        scalar && fits
+    }
+
+    #[inline(always)]
     fn cell(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, S::f64s>) {
         simd.vectorize(Respond::<'_, '_, S, N> { simd, product: self, here, cell });
     }
@@ -49,6 +65,72 @@ impl<S: Simd, const N: usize> Visit<S, N> for Product<'_, S::f64s, N> {
     fn end(&mut self, simd: S, out: &mut [f64]) {
         let size = out.len() / S::F64_LANES;
         self.gather.end(simd, out, size);
+    }
+}
+
+/// A line of one component whose tangents were kept: every point from the field to its sums, nothing stored in between.
+struct Line<'a, 'p, S: Simd, const N: usize> {
+    simd: S,
+    product: &'a mut Product<'p, S::f64s, N>,
+    /// Number of the line within its element of the middle direction.
+    k: usize,
+    kept: &'a [S::f64s],
+}
+
+impl<S: Simd, const N: usize> NullaryFnOnce for Line<'_, '_, S, N> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let Self { simd, product, k, kept } = self;
+        let axes = product.field.axes;
+        let (from, to) = (product.spread.line::<N>(product.field, k), product.gather.line::<N>(axes, k));
+        match axes[0].active {
+            2 => points::<S, N, 2>(simd, &axes[0], from, kept, to),
+            3 => points::<S, N, 3>(simd, &axes[0], from, kept, to),
+            4 => points::<S, N, 4>(simd, &axes[0], from, kept, to),
+            _ => points::<S, N, MOST_ACTIVE>(simd, &axes[0], from, kept, to),
+        }
+    }
+}
+
+/// Adds B^T D B of a line to `to`, terms in the order of [`spread::cell`] and [`gather::cell`].
+#[inline(always)]
+fn points<S: Simd, const N: usize, const NP: usize>(simd: S, axis: &Axis, from: &[S::f64s], d: &[S::f64s], to: &mut [S::f64s]) {
+    let zero = simd.splat_f64s(0.0);
+    let (values, slopes) = (rows::<NP>(&axis.values), rows::<NP>(&axis.slopes));
+    let size = N * (N + 1) / 2;
+    for e in 0..axis.elements() {
+        let range = axis.start[e]..axis.start[e + 1];
+        let (from, to) = (&from[axis.first[e] * N..][..NP * N], &mut to[axis.first[e] * N..][..NP * N]);
+        let (mut own, mut sums) = ([[zero; N]; NP], [[zero; N]; NP]);
+        for a in 0..NP {
+            for k in 0..N {
+                own[a][k] = from[a * N + k];
+                sums[a][k] = to[a * N + k];
+            }
+        }
+        let tables = values[range.clone()].iter().zip(&slopes[range.clone()]);
+        for ((values, slopes), d) in tables.zip(d[range.start * size..range.end * size].chunks_exact(size)) {
+            let mut g = [zero; N];
+            for a in 0..NP {
+                let (v, s) = (simd.splat_f64s(values[a]), simd.splat_f64s(slopes[a]));
+                g[0] = simd.mul_add_e_f64s(own[a][0], s, g[0]);
+                for k in 1..N {
+                    g[k] = simd.mul_add_e_f64s(own[a][k], v, g[k]);
+                }
+            }
+            law::kept_scalar::<S, N>(simd, d, &mut g);
+            for a in 0..NP {
+                let (v, s) = (simd.splat_f64s(values[a]), simd.splat_f64s(slopes[a]));
+                sums[a][0] = simd.mul_add_e_f64s(g[0], s, sums[a][0]);
+                for k in 1..N {
+                    sums[a][k] = simd.mul_add_e_f64s(g[k], v, sums[a][k]);
+                }
+            }
+        }
+        for a in 0..NP {
+            to[a * N..][..N].copy_from_slice(&sums[a]);
+        }
     }
 }
 
