@@ -8,13 +8,14 @@ mod plain;
 mod states;
 
 use faying::assembly::{Assembler, Coefficient, Errors, Form, MatrixFree, Pattern, Tangent};
-use faying::assembly::{add_stiffness, difference, gauss_rules, load, mass, refill_stiffness, stiffness};
+use faying::assembly::{add_stiffness, difference, fields, gauss_rules, load, mass, refill_stiffness, stiffness};
 use faying::basis::Basis;
 use faying::check;
 use faying::geometry::{ControlNet, shapes};
 use faying::linalg::{Csr, Matrix, Operator, Vector};
-use faying::physics::{Hooke, form};
-use faying::space::{BasisKind, Body, Mesh, MultiPatch, Near, Patch, PatchSpec, Seam, Space};
+use faying::physics::{Hooke, Stress, form, stress_at, stresses};
+use faying::quadrature::Quadrature;
+use faying::space::{BasisKind, Body, FieldAt, Mesh, MultiPatch, Near, Patch, PatchSpec, Seam, Space};
 use plain::{Plain, apart, largest};
 use states::states_are_those_of_each_element;
 use std::sync::Arc;
@@ -129,7 +130,31 @@ fn check<const N: usize>(space: &dyn Space<N, N>, single: bool, steel: &Hooke<N>
     assert_eq!(Operator::places(&fast).len(), space.num_functions());
     states_are_those_of_each_element::<1, N>(space, &rules);
     states_are_those_of_each_element::<N, N>(space, &rules);
+    stresses_are_those_of_each_element(space, steel);
     most
+}
+
+/// The stresses of all elements are those of each to 1e-12 of the largest.
+fn stresses_are_those_of_each_element<const N: usize>(space: &dyn Space<N, N>, steel: &Hooke<N>) {
+    let rules = gauss_rules(space, 0);
+    let u: Vec<f64> = (0..N * space.num_functions()).map(|k| (0.7 * k as f64).sin()).collect();
+    let all = stresses(space, &rules, steel, &u, &|_, own: &[Stress<N, N>]| own.to_vec());
+    let one = |e: usize| stress_at(space, steel, &u, e, &rules.rule(e).points);
+    let numbers = |all: Vec<Stress<N, N>>| all.into_iter().flat_map(|s| s.stress.iter().copied().chain(s.spatial).collect::<Vec<f64>>());
+    let expected: Vec<f64> = (0..space.num_elements()).flat_map(|e| numbers(one(e))).collect();
+    let found: Vec<f64> = all.into_iter().flat_map(numbers).collect();
+    assert_eq!(found.len(), expected.len());
+    let apart = largest(found.iter().zip(&expected).map(|(a, b)| a - b)) / largest(expected.iter().copied());
+    assert!(apart <= 1e-12, "stresses are apart by {apart:e}");
+}
+
+#[test]
+#[should_panic(expected = "range end")]
+fn a_field_with_too_few_unknowns_is_refused() {
+    let patch = body::<1, 2>(shapes::annulus_sector([0.0, 0.0], [1.0, 2.0], [0.0, 90.0]).unwrap(), [2, 2], [1, 1], Kind::Nurbs);
+    let space = &**patch.space();
+    let short = vec![1.0; 2 * space.num_functions() - 1];
+    fields(space, &gauss_rules(space, 0), &short, &|_, states: &[FieldAt<2, 2>]| states.len());
 }
 
 fn plane() -> Hooke<2> {
@@ -214,13 +239,19 @@ fn an_assembler_made_for_other_seams_gives_the_same_bits() {
     let closed = glued(bodies(), &[(0, "u1", 1, "u0"), (1, "u1", 2, "u0"), (2, "u1", 0, "u0")]);
     let open = glued(bodies(), &[(0, "u1", 1, "u0"), (1, "u1", 2, "u0")]);
     let elsewhere = glued(bodies(), &[(1, "u1", 2, "u0"), (2, "u1", 0, "u0")]);
-    for whole in [&closed, &open, &elsewhere] {
+    // as many functions with the same numbers, of another degree
+    let turned = |degree: usize, n: usize| {
+        [[0.0, 120.0], [120.0, 200.0], [200.0, 360.0]].map(|[a, b]| body::<1, 2>(arc(a, b), [2, degree], [3, n], Kind::Nurbs)).to_vec()
+    };
+    let coarse = glued(turned(2, 3), &[(0, "u1", 1, "u0"), (1, "u1", 2, "u0")]);
+    assert_eq!(coarse.space().num_functions(), open.space().num_functions());
+    for whole in [&closed, &open, &elsewhere, &coarse] {
         let (space, steel) = (&**whole.space(), plane());
         let form = form(&steel);
         let rules = gauss_rules(space, 0);
         let fresh = stiffness(space, &rules, &form);
-        for other in [&closed, &open, &elsewhere] {
-            let kept = Assembler::new(&**other.space(), &rules);
+        for other in [&closed, &open, &elsewhere, &coarse] {
+            let kept = Assembler::new(&**other.space(), &gauss_rules(&**other.space(), 0));
             let mut matrix = fresh.clone();
             matrix.vals_mut().fill(f64::NAN);
             kept.refill_stiffness(space, &rules, &form, &mut matrix);

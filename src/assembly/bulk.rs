@@ -121,7 +121,14 @@ where
     S: Space<N, N, T> + ?Sized,
     Q: Quadrature<N, T> + ?Sized,
 {
-    Assembler::new(space, quadrature).refill_stiffness(space, quadrature, form, matrix);
+    let asks = || ask::<N, N, T, S>(space);
+    match Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
+        Some(patches) => patches.stiffness(form, false, matrix),
+        None => {
+            let pattern = Pattern::new(space);
+            elements(Cells::new(&pattern, space, quadrature), &pattern, space, quadrature, form, false, matrix);
+        }
+    }
 }
 
 /// The graph of a space, kept: matrices on the same functions are refilled for the price of their values.
@@ -176,7 +183,7 @@ impl Assembler {
         match Patches::with_glue(space, quadrature, &|e| space.map_block(e), &asks, self.glue.as_ref()) {
             Some(patches) => patches.stiffness(form, false, matrix),
             // another rule than the one the graph was made for
-            None => Self { pattern: Some(Pattern::new(space)), glue: None }.refill_stiffness(space, quadrature, form, matrix),
+            None => refill_stiffness(space, quadrature, form, matrix),
         }
     }
 }

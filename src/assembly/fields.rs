@@ -3,7 +3,7 @@
 use super::bulk::ask;
 use super::scratch::Scratch;
 use super::tensor::Patches;
-use crate::linalg::{Matrix, Real, Vector, lit};
+use crate::linalg::{Matrix, Real, Vector};
 use crate::quadrature::Quadrature;
 use crate::space::{FieldAt, Space};
 use rayon::prelude::*;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// `visit(element, states)` of every element, ascending: the field of the unknowns `u` at the points of its rule.
 ///
 /// `u` holds unknown = C * function + component; an empty `u` is zero. Patches of products are contracted direction by
-/// direction, for far less than a look at each element costs. Same results for any number of threads.
+/// direction; what waits are some planes of points across the slowest direction. Same results for any number of threads.
 ///
 /// # Panics
 /// If `u` is shorter than C times the number of functions and not empty.
@@ -29,10 +29,7 @@ where
 {
     let asks = || ask::<N, N, T, S>(space);
     if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
-        return patches.states::<C, N, T, R>(u, &|element, numbers| {
-            let states: Vec<FieldAt<C, N, T>> = numbers.chunks_exact(N + C * (N + 1)).map(state).collect();
-            visit(element, &states)
-        });
+        return patches.states(u, visit);
     }
     let of_element = |(scratch, states): &mut (Scratch<N, N, T>, Vec<FieldAt<C, N, T>>), element: usize| {
         scratch.gradients(space, element, quadrature.rule(element));
@@ -41,17 +38,6 @@ where
         visit(element, states)
     };
     (0..space.num_elements()).into_par_iter().map_init(Default::default, of_element).collect()
-}
-
-/// A point from its numbers: position, values, gradients component by component.
-fn state<const C: usize, const N: usize, T: Real>(numbers: &[f64]) -> FieldAt<C, N, T> {
-    let (x, rest) = numbers.split_at(N);
-    let (value, gradient) = rest.split_at(C);
-    FieldAt {
-        x: Vector::from_fn(|k, _| lit(x[k])),
-        value: Vector::from_fn(|c, _| lit(value[c])),
-        gradient: Matrix::from_fn(|c, k| lit(gradient[c * N + k])),
-    }
 }
 
 /// The field of coefficients `u` at point `q` of the element in `scratch`.

@@ -6,7 +6,7 @@ use crate::assembly::{Coefficient, Form, gauss_rules};
 use crate::basis::{BSpline, Basis, Rational, TensorProduct};
 use crate::geometry::ControlPoints;
 use crate::linalg::{Csr, Matrix, Vector};
-use crate::space::Space;
+use crate::space::{FieldAt, Space};
 use pulp::x86::{V3, V4};
 
 /// A bent box over splines of mixed degrees, 9 elements along the slowest direction.
@@ -51,7 +51,7 @@ fn same_bits<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &For
     assert!(narrow.iter().zip(&wide).all(|(a, b)| a.to_bits() == b.to_bits()), "without the matrix");
 }
 
-/// Product, diagonal, load and squares with the lanes of `arch`.
+/// Product, diagonal, load, squares and states with the lanes of `arch`.
 fn sums<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_, C, N>, arch: pulp::Arch) -> Vec<f64> {
     let rules = gauss_rules(space, 0);
     let asks = || -> Box<Ask<'_>> { unreachable!("the map is a net") };
@@ -76,6 +76,10 @@ fn sums<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_,
         all.extend(&y);
     }
     all.extend(patches().deviation(form, &x, &sine));
+    let numbers = |states: &[FieldAt<C, N>]| -> Vec<f64> {
+        states.iter().flat_map(|s| s.x.iter().chain(&s.value).chain(&s.gradient).copied().collect::<Vec<_>>()).collect()
+    };
+    all.extend(patches().states(&x, &|_, states| numbers(states)).into_iter().flatten());
     all
 }
 

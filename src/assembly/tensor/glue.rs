@@ -22,6 +22,8 @@ pub(in crate::assembly) struct Glue {
     pub direct: Vec<bool>,
     /// Functions of the whole that are several functions of one patch.
     pub merged: Vec<usize>,
+    /// First and last neighbour of every function of every direction of the patches.
+    columns: Vec<(usize, usize)>,
     /// The functions of the patches behind every function of the whole, ascending.
     start: Vec<usize>,
     owners: Vec<usize>,
@@ -46,10 +48,14 @@ impl Glue {
             next[id as usize] += 1;
         }
         let mut run_end = vec![ids.len(); ids.len()];
-        for i in (1..ids.len()).rev() {
-            run_end[i - 1] = if ids[i] == ids[i - 1] + 1 && !first.contains(&i) { run_end[i] } else { i };
+        for own in first.windows(2) {
+            run_end[own[0]..own[1]].fill(own[1]);
+            for i in (own[0] + 1..own[1]).rev() {
+                run_end[i - 1] = if ids[i] == ids[i - 1] + 1 { run_end[i] } else { i };
+            }
         }
-        let mut glue = Self { functions, ids, first, run_end, direct: Vec::new(), merged: Vec::new(), start, owners };
+        let columns = columns(patches).collect();
+        let mut glue = Self { functions, ids, first, run_end, direct: Vec::new(), merged: Vec::new(), columns, start, owners };
         let patch_of = |i: usize| glue.first.partition_point(|&f| f <= i);
         glue.merged = (0..functions).filter(|&k| glue.owners(k).windows(2).any(|w| patch_of(w[0]) == patch_of(w[1]))).collect();
         glue.direct = (0..functions).into_par_iter().with_min_len(ROWS_AT_ONCE).map(|k| glue.is_direct(patches, k)).collect();
@@ -59,7 +65,8 @@ impl Glue {
     /// Whether this is [`Self::new`] of the same patches, numbers and functions.
     pub(super) fn is_of(&self, patches: &[Patch<'_>], ids: impl Iterator<Item = u32>, functions: usize) -> bool {
         let sizes = self.first.windows(2).map(|w| w[1] - w[0]);
-        self.functions == functions && sizes.eq(patches.iter().map(Patch::functions)) && ids.eq(self.ids.iter().copied())
+        let same = self.functions == functions && sizes.eq(patches.iter().map(Patch::functions));
+        same && columns(patches).eq(self.columns.iter().copied()) && ids.eq(self.ids.iter().copied())
     }
 
     /// The functions of the patches behind function `k`.
@@ -138,4 +145,12 @@ impl Glue {
         });
         (ptr, cols)
     }
+}
+
+/// First and last neighbour of every function, direction by direction, patch by patch.
+fn columns<'a>(patches: &'a [Patch<'_>]) -> impl Iterator<Item = (usize, usize)> + 'a {
+    patches.iter().flat_map(|patch| {
+        let to = patch.directions();
+        [to.fast, to.middle, to.slow].into_iter().flat_map(|axis| axis.columns.iter().copied())
+    })
 }

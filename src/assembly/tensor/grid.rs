@@ -1,6 +1,7 @@
 //! The walk over the grid of points: tiles of points of the slowest direction in lanes, cell by cell of the others.
 //!
-//! Map, weight function and whatever is made of them live for one cell only: no memory grows with the patch.
+//! Map, weight function and whatever is made of them live for one cell only; what grows with the patch is the result that
+//! a visitor has per point of the slowest direction.
 
 use super::Patch;
 use super::aligned::Aligned;

@@ -22,7 +22,10 @@ impl Part<'_> {
             return;
         }
         match self.ids {
-            None => to.iter_mut().zip(&u[from..]).for_each(|(to, &u)| *to = to_f64(u)),
+            None => {
+                let u = &u[from..from + to.len()];
+                to.iter_mut().zip(u).for_each(|(to, &u)| *to = to_f64(u));
+            }
             Some(ids) => {
                 for (k, to) in (from..).zip(to.iter_mut()) {
                     *to = to_f64(u[self.width * ids[k / self.width] as usize + k % self.width]);

@@ -6,7 +6,8 @@ use super::grid::{Cell, Grid, Here, Visit};
 use super::map::numbers;
 use super::spread::{Coefficients, Spread};
 use super::{Patch, Patches, law, squares};
-use crate::linalg::Real;
+use crate::linalg::{Matrix, Real, Vector, lit};
+use crate::space::FieldAt;
 use pulp::{Simd, bytemuck};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -112,16 +113,20 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, '_, N> {
 }
 
 impl Patches<'_> {
-    /// `take(element, numbers)` of every element, ascending: N coordinates, C values and C N derivatives (component by
-    /// component) of every point of its rule, first direction fastest. An empty `u` is zero.
-    pub fn states<const C: usize, const N: usize, T: Real, R: Send>(&self, u: &[T], take: &(impl Fn(usize, &[f64]) -> R + Sync)) -> Vec<R> {
+    /// `visit(element, states)` of every element, ascending: the field of `u` at the points of its rule, first direction
+    /// fastest. An empty `u` is zero.
+    pub fn states<const C: usize, const N: usize, T: Real, R: Send>(
+        &self,
+        u: &[T],
+        visit: &(impl Fn(usize, &[FieldAt<C, N, T>]) -> R + Sync),
+    ) -> Vec<R> {
         let mut all = Vec::new();
         for (k, patch) in self.patches.iter().enumerate() {
             let part = self.part(k, C);
             let read = |from: usize, to: &mut [f64]| part.read(u, from, to);
             let field = Coefficients { axes: &patch.axes, width: C, read: &read };
             let grid = patch.grid();
-            let slab = &mut |slow: usize, planes: &[f64]| all.extend(elements::<N, R>(patch, slow, size(N, C), planes, take));
+            let slab = &mut |slow: usize, planes: &[f64]| all.extend(elements(patch, slow, planes, visit));
             if N == 2 {
                 patch.arch.dispatch(Run::<2> { grid, field, slab });
             } else {
@@ -133,24 +138,36 @@ impl Patches<'_> {
 }
 
 /// The elements at `slow` of the slowest direction, from the planes of its points.
-fn elements<const N: usize, R: Send>(
+fn elements<const C: usize, const N: usize, T: Real, R: Send>(
     patch: &Patch<'_>,
     slow: usize,
-    size: usize,
     planes: &[f64],
-    take: &(impl Fn(usize, &[f64]) -> R + Sync),
+    visit: &(impl Fn(usize, &[FieldAt<C, N, T>]) -> R + Sync),
 ) -> Vec<R> {
     let (first, middle) = (&patch.axes[0], if N == 3 { &patch.axes[1] } else { &patch.none });
-    let own = |own: &mut Vec<f64>, e: usize| {
+    let size = size(N, C);
+    let own = |states: &mut Vec<FieldAt<C, N, T>>, e: usize| {
         let (i, j) = (e % first.elements(), e / first.elements());
-        own.clear();
+        states.clear();
         for plane in planes.chunks_exact(middle.points() * first.points() * size) {
             for row in middle.start[j]..middle.start[j + 1] {
                 let line = row * first.points();
-                own.extend_from_slice(&plane[(line + first.start[i]) * size..(line + first.start[i + 1]) * size]);
+                let points = &plane[(line + first.start[i]) * size..(line + first.start[i + 1]) * size];
+                states.extend(points.chunks_exact(size).map(state));
             }
         }
-        take(patch.first_element + e + slow * first.elements() * middle.elements(), own)
+        visit(patch.first_element + e + slow * first.elements() * middle.elements(), states)
     };
     (0..first.elements() * middle.elements()).into_par_iter().map_init(Vec::new, own).collect()
+}
+
+/// A point from its numbers: position, values, gradients component by component.
+fn state<const C: usize, const N: usize, T: Real>(numbers: &[f64]) -> FieldAt<C, N, T> {
+    let (x, rest) = numbers.split_at(N);
+    let (value, gradient) = rest.split_at(C);
+    FieldAt {
+        x: Vector::from_fn(|k, _| lit(x[k])),
+        value: Vector::from_fn(|c, _| lit(value[c])),
+        gradient: Matrix::from_fn(|c, k| lit(gradient[c * N + k])),
+    }
 }
