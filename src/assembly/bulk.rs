@@ -57,7 +57,9 @@ where
     let cells = Cells::new(&pattern, space, quadrature);
     let new = if cells.is_some() { pattern.csr_once(C) } else { pattern.csr(C) };
     let mut matrix = new.with_places(places);
-    elements(cells, &pattern, space, quadrature, form, true, &mut matrix);
+    // cells write zeros before they add: a page of new memory that is read first costs two faults
+    let add = cells.is_none();
+    elements(cells, &pattern, space, quadrature, form, add, &mut matrix);
     matrix
 }
 

@@ -104,9 +104,9 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
         Some(Self { groups: groups.of, nodes: MapNodes::new(control), arch: pulp::Arch::new() })
     }
 
-    /// Adds the matrix of products of functions to `matrix`.
+    /// Writes the matrix of products of functions over the values of `matrix`, which has the pattern `pattern.csr(1)`.
     pub fn mass(&self, pattern: &Pattern, matrix: &mut Csr<T>) {
-        self.fill::<1>(pattern, &Source::Mass, true, true, matrix);
+        self.fill::<1>(pattern, &Source::Mass, true, false, matrix);
     }
 
     fn fill<const C: usize>(&self, pattern: &Pattern, source: &Source<'_>, symmetric: bool, add: bool, matrix: &mut Csr<T>) {
