@@ -8,7 +8,7 @@ use faying::linalg::ordering;
 
 /// Entries of the Cholesky factor, diagonal included, under `METIS_NodeND` of METIS 5.1.0 (Debian 5.1.0.dfsg-7) with its default options,
 /// given the graph of all unknowns without their places.
-const METIS: [(&str, usize); 16] = [
+const METIS: [(&str, usize); 18] = [
     ("square, p = 1", 490_107),
     ("square, turned, p = 2", 724_724),
     ("square, graded to 1/1000, p = 2", 724_724),
@@ -25,6 +25,8 @@ const METIS: [(&str, usize); 16] = [
     ("points in the square", 226_787),
     ("points in the cube", 274_076),
     ("two tied squares with multipliers", 1_512_689),
+    ("triangles, two components", 904_471),
+    ("tetrahedra", 2_272_028),
 ];
 
 #[test]

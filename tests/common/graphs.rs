@@ -1,6 +1,11 @@
 //! Patterns of matrices with places of their unknowns, made by rules that give the same numbers everywhere.
 #![allow(dead_code)]
 
+#[path = "delaunay.rs"]
+mod delaunay;
+
+use delaunay::{Congruence, quadratic};
+
 /// Rows of the upper triangle, diagonal included, and a place per unknown.
 pub struct Graph {
     pub ptr: Vec<usize>,
@@ -53,15 +58,20 @@ fn graded(t: f64) -> f64 {
 
 /// Points of the unit square or cube by a linear congruence, tied within a distance.
 fn scattered(count: usize, dimensions: usize, distance: f64) -> Graph {
-    let mut state = 1u64;
-    let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    };
-    let places: Vec<[f64; 3]> = (0..count).map(|_| std::array::from_fn(|k| if k < dimensions { next() } else { 0.0 })).collect();
+    let mut numbers = Congruence::new();
+    let places: Vec<[f64; 3]> = (0..count).map(|_| std::array::from_fn(|k| if k < dimensions { numbers.next() } else { 0.0 })).collect();
     let near = |a: usize, b: usize| (0..3).map(|k| (places[a][k] - places[b][k]).powi(2)).sum::<f64>() < distance * distance;
     let pairs: Vec<(usize, usize)> = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))).filter(|&(a, b)| near(a, b)).collect();
     Graph::of(&places, pairs.into_iter(), 1)
+}
+
+/// Finite elements of degree 2 on a mesh without a grid of about `count` points, denser towards one corner by the square of the distance.
+fn unstructured<const M: usize>(count: usize, c: usize) -> Graph {
+    let mut numbers = Congruence::new();
+    let at = |d: usize, x: f64| if d + 1 < M { x * x } else { 0.0 };
+    let points = (0..count).map(|_| std::array::from_fn(|d| at(d, numbers.next()))).collect();
+    let (places, pairs) = quadratic::<M>(points);
+    Graph::of(&places, pairs.into_iter(), c)
 }
 
 /// Two square grids of n and 3n/2 cells, one above the other, and a row of multipliers at the slave's lowest nodes: each tied to its
@@ -115,5 +125,7 @@ pub fn graphs() -> Vec<(&'static str, Graph)> {
         ("points in the square", scattered(6000, 2, 0.03)),
         ("points in the cube", scattered(3000, 3, 0.12)),
         ("two tied squares with multipliers", tied(60, 2)),
+        ("triangles, two components", unstructured::<3>(2500, 2)),
+        ("tetrahedra", unstructured::<4>(1500, 1)),
     ]
 }

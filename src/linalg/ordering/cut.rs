@@ -155,11 +155,14 @@ fn band_cut(piece: &Piece, t: &[f64], separator: usize) -> Option<(f64, Vec<u8>)
             }
         })
         .collect();
-    // an edge across the band leaves no separator inside it
-    if (0..n).any(|v| label[v] == LEFT && t[v] + piece.reach[v] >= high && piece.neighbours(v).iter().any(|&u| label[u as usize] == RIGHT))
-    {
-        return None;
-    }
+    // an edge across the band leaves no separator inside it: both of its ends may be one
+    let across = |v: usize| match label[v] {
+        LEFT => t[v] + piece.reach[v] > high && piece.neighbours(v).iter().any(|&u| label[u as usize] == RIGHT),
+        RIGHT => t[v] - piece.reach[v] < low && piece.neighbours(v).iter().any(|&u| label[u as usize] == LEFT),
+        _ => false,
+    };
+    let far: Vec<usize> = (0..n).filter(|&v| across(v)).collect();
+    far.into_iter().for_each(|v| label[v] = SEPARATOR);
     let band: Vec<usize> = (0..n).filter(|&v| label[v] == SEPARATOR).collect();
     let mut local = vec![u32::MAX; n];
     for (k, &v) in band.iter().enumerate() {
