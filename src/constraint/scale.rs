@@ -222,8 +222,10 @@ impl<'a> Scaled<'a> {
     ) -> Result<(Vec<f64>, Vec<f64>, f64), LinearError> {
         let largest = |x: &[f64]| x.iter().fold(0.0, |m, &v| max(m, v.abs()));
         let (mut u, mut l) = (vec![0.0; self.num_unknowns()], vec![0.0; self.num_rows()]);
-        let (mut r1, mut r2) = (u.clone(), l.clone());
-        let mut size = self.residual(scale, &u, &l, &mut r1, &mut r2);
+        // the residual of zero is the load, without a product
+        let mut r1 = self.load.to_vec();
+        let mut r2: Vec<f64> = (0..l.len()).map(|a| if self.enforced[a] { -self.offset[a] } else { 0.0 }).collect();
+        let mut size = if r1.iter().chain(&r2).any(|&r| r != 0.0) { 1.0 } else { 0.0 };
         let mut step = f64::INFINITY;
         for k in 0..=max_steps {
             if size == 0.0 {
