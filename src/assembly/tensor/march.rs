@@ -25,9 +25,9 @@ const LAYER_BYTES: usize = 1 << 20;
 const GROUPS_PER_THREAD: usize = 4;
 /// Bytes of sums that a strip of the middle direction aims at: they stay in the third cache, or in a share of it.
 const STRIP_BYTES: usize = 3 << 20;
-/// Fewest functions of a strip per active function of the middle direction, of which nearly as many elements are contracted
-/// beside its rows.
-const STRIP_PER_ACTIVE: usize = 6;
+/// Functions of a strip per active function of the middle direction, about and at least: nearly as many elements as are
+/// active are contracted beside its rows, which narrower strips do not win back.
+const STRIP_PER_ACTIVE: f64 = 4.5;
 /// Functions of the middle direction that one thread contracts at once, and several threads, which meet twice per window.
 const WINDOW: [usize; 2] = [2, 8];
 
@@ -56,8 +56,8 @@ impl<'a, 'p> Plan<'a, 'p> {
         let to = patch.directions();
         let per_function = to.fast.functions * to.fast.active * to.sums(to.slow.active) * pairs.len() * size_of::<f64>();
         let functions = to.middle.functions;
-        let wanted = (functions * per_function).div_ceil(STRIP_BYTES).min(functions / (STRIP_PER_ACTIVE * to.middle.active)).max(1);
-        let strip = functions.div_ceil(wanted);
+        let most = (functions as f64 / (STRIP_PER_ACTIVE * to.middle.active as f64)).round() as usize;
+        let strip = functions.div_ceil((functions * per_function).div_ceil(STRIP_BYTES).min(most).max(1));
         Self { patch, coefficient, pairs, groups, strip, window: WINDOW }
     }
 
