@@ -116,10 +116,23 @@ fn group<S: Simd, const NP: usize, const K: usize, const MASK: u8>(
         }
         for k in 0..K {
             let sums: &[f64] = bytemuck::cast_slice(&acc[k]);
+            let place = |r: usize| ((r / lanes) * lanes * components + g.to[k]) * lanes + r % lanes;
+            // lanes of points become lanes of pairs
+            if lanes.is_multiple_of(NP) {
+                // all pairs of a function are neighbours in one vector
+                let mut at = place(i * NP);
+                for lane in 0..lanes {
+                    let mut row = [0.0; NP];
+                    for c in 0..NP {
+                        row[c] = sums[c * lanes + lane];
+                    }
+                    out[at..at + NP].copy_from_slice(&row);
+                    at += components * lanes;
+                }
+                continue;
+            }
             for c in 0..NP {
-                let r = i * NP + c;
-                // lanes of points become lanes of pairs
-                let mut at = ((r / lanes) * lanes * components + g.to[k]) * lanes + r % lanes;
+                let mut at = place(i * NP + c);
                 for lane in 0..lanes {
                     out[at] = sums[c * lanes + lane];
                     at += components * lanes;
