@@ -2,14 +2,19 @@
 
 use super::faer_fronts::Fronts;
 use super::faer_ldlt::buffer;
+use super::faer_solve::solve;
 use super::{Buffer, LinearError, Sparsity, Upper, ordering};
 use faer::dyn_stack::MemStack;
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::perm::PermRef;
-use faer::sparse::linalg::cholesky::{self, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering};
+use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
+use faer::sparse::linalg::cholesky::{self, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Par, Side, Spec};
+use faer::{Conj, MatMut, Par, Side, Spec};
 use std::sync::Arc;
+
+/// Pivots below this share of their diagonal entry are rounding.
+const NO_PIVOT: f64 = 1e-12;
 
 /// An order of the unknowns and the places of the factor's numbers.
 pub(super) struct Analysis {
@@ -58,6 +63,55 @@ impl Analysis {
         symbolic
             .factorize_numeric_ldlt(factor, matrix, Side::Lower, plain, Par::Seq, MemStack::new(&mut memory), Spec::default())
             .map_err(|_| LinearError::Singular { residual: 1.0 })?;
+        Ok(())
+    }
+
+    /// Number of negative pivots: as many as the matrix has negative eigenvalues (Sylvester). Pivots within rounding of zero,
+    /// measured by the diagonal entry they come from, do not count.
+    pub fn negative_pivots(&self, upper: &Upper, factor: &[f64]) -> usize {
+        let order = self.symbolic.perm().map(|p| p.arrays().0);
+        let negative = |new: usize, pivot: f64| {
+            let old = order.map_or(new, |order| order[new]);
+            pivot < -NO_PIVOT * upper.vals[upper.pattern.0[old]].abs()
+        };
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(s) => (0..s.nrows()).filter(|&j| negative(j, factor[s.col_ptr()[j]])).count(),
+            SymbolicCholeskyRaw::Supernodal(s) => {
+                let factor = SupernodalLdltRef::new(s, factor);
+                let of_node = |k: usize| {
+                    let (node, first) = (factor.supernode(k).val(), s.supernode_begin()[k]);
+                    (0..node.ncols()).filter(|&j| negative(first + j, node[(j, j)])).count()
+                };
+                (0..s.n_supernodes()).map(of_node).sum()
+            }
+        }
+    }
+
+    /// x = A⁻¹ x by the factor of A.
+    pub fn solve(&self, factor: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+        if let (SymbolicCholeskyRaw::Supernodal(nodes), Some(perm)) = (self.symbolic.raw(), self.symbolic.perm()) {
+            let order = perm.arrays().0;
+            let mut own: Vec<f64> = order.iter().map(|&old| x[old]).collect();
+            solve(nodes, factor, &mut own);
+            order.iter().zip(own).for_each(|(&old, v)| x[old] = v);
+            return Ok(());
+        }
+        self.solve_by_faer(factor, x)
+    }
+
+    /// The same by faer: for factors of single unknowns.
+    pub fn solve_by_faer(&self, factor: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+        let n = x.len();
+        if n == 0 {
+            return Ok(());
+        }
+        let mut memory = buffer(self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq))?;
+        LdltRef::new(&self.symbolic, factor).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(x, n, 1),
+            Par::Seq,
+            MemStack::new(&mut memory),
+        );
         Ok(())
     }
 }

@@ -9,15 +9,10 @@ use super::refine::refine;
 use super::residual::{KERNEL, SAFE_GROWTH, Soft, kernel_ratio, row_scale, scaled_condition, softest};
 use super::solver::NO_SYMMETRY;
 use super::{Buffer, Csr, LinearError, LinearSolver, Operator, Sparsity, Upper};
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
-use faer::sparse::linalg::cholesky::{LdltRef, SymbolicCholeskyRaw};
-use faer::{Conj, MatMut, Par};
+use faer::dyn_stack::MemBuffer;
 use std::fmt;
 use std::sync::Arc;
 
-/// Pivots below this share of their diagonal entry are rounding.
-const NO_PIVOT: f64 = 1e-12;
 /// What this share of the diagonal lifts is rounding, too: a body on soft springs may have pivots of either sign. A coupling that
 /// takes energy away does so in proportion to the stiffness.
 const LIFT: f64 = 1e-7;
@@ -242,7 +237,7 @@ impl Ldlt {
         analysis.factorise(upper, &mut self.factor, &mut self.work)?;
         self.diagonal.extend(upper.pattern.0[..n].iter().map(|&first| upper.vals[first].abs()));
         self.ready = true;
-        self.negative = self.count_negative(upper);
+        self.negative = analysis.negative_pivots(upper, &self.factor);
         Ok(())
     }
 
@@ -263,28 +258,6 @@ impl Ldlt {
         if negative > 0 { Err(LinearError::Indefinite { negative }) } else { Ok(()) }
     }
 
-    /// Number of negative pivots: as many as the matrix has negative eigenvalues (Sylvester). Pivots within rounding of zero,
-    /// measured by the diagonal entry they come from, do not count.
-    fn count_negative(&self, upper: &Upper) -> usize {
-        let Some(analysis) = &self.analysis else { return 0 };
-        let order = analysis.symbolic.perm().map(|p| p.arrays().0);
-        let negative = |new: usize, pivot: f64| {
-            let old = order.map_or(new, |order| order[new]);
-            pivot < -NO_PIVOT * upper.vals[upper.pattern.0[old]].abs()
-        };
-        match analysis.symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(s) => (0..s.nrows()).filter(|&j| negative(j, self.factor[s.col_ptr()[j]])).count(),
-            SymbolicCholeskyRaw::Supernodal(s) => {
-                let factor = SupernodalLdltRef::new(s, &self.factor);
-                let of_node = |k: usize| {
-                    let (node, first) = (factor.supernode(k).val(), s.supernode_begin()[k]);
-                    (0..node.ncols()).filter(|&j| negative(first + j, node[(j, j)])).count()
-                };
-                (0..s.n_supernodes()).map(of_node).sum()
-            }
-        }
-    }
-
     /// x = A⁻¹ x by the factor alone.
     pub(crate) fn apply_inverse(&self, x: &mut [f64]) -> Result<(), LinearError> {
         let Some(analysis) = self.analysis.as_ref().filter(|_| self.ready) else {
@@ -294,17 +267,7 @@ impl Ldlt {
         if x.len() != n {
             return Err(LinearError::Shape { expected: n, found: x.len() });
         }
-        if n == 0 {
-            return Ok(());
-        }
-        let mut memory = buffer(analysis.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq))?;
-        LdltRef::new(&analysis.symbolic, &self.factor).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(x, n, 1),
-            Par::Seq,
-            MemStack::new(&mut memory),
-        );
-        Ok(())
+        analysis.solve(&self.factor, x)
     }
 }
 

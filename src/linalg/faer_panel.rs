@@ -75,7 +75,7 @@ impl WithSimd for Few<'_> {
 
 /// y += sum_k factor_k x_k.
 #[inline(always)]
-fn subtract<S: Simd, const K: usize>(simd: S, y: &mut [f64], x: [&[f64]; K], factor: [f64; K]) {
+pub(super) fn subtract<S: Simd, const K: usize>(simd: S, y: &mut [f64], x: [&[f64]; K], factor: [f64; K]) {
     let n = y.len();
     let wide = factor.map(|f| simd.splat_f64s(f));
     let x: [_; K] = std::array::from_fn(|k| S::as_simd_f64s(&x[k][..n]));

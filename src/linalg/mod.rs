@@ -7,6 +7,7 @@ mod faer_fronts;
 mod faer_ldlt;
 mod faer_lu;
 mod faer_panel;
+mod faer_solve;
 mod gmres;
 mod krylov;
 mod limits;
