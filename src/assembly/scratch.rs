@@ -1,7 +1,7 @@
 //! What one task needs per element: tables, physical gradients, weights; kept between elements.
 
 use crate::basis::{Order, ShapeTable};
-use crate::geometry::MapTable;
+use crate::geometry::{MapTable, combine};
 use crate::linalg::{Matrix, Real, Vector, determinant, inverse, measure};
 use crate::quadrature::Rule;
 use crate::space::Space;
@@ -72,18 +72,9 @@ impl<const D: usize, const N: usize, T: Real> Scratch<D, N, T> {
             self.current = Some(kept);
         }
         let nodes = &self.kept[kept].nodes;
-        self.map.reset(rule.points.len(), Order::Gradients);
-        for q in 0..rule.points.len() {
-            let (x, jacobian) = (&mut self.map.x[q], &mut self.map.jacobian[q]);
-            for (&i, (&value, grad)) in self.map.ids.iter().zip(nodes.values(q).iter().zip(nodes.grads(q))) {
-                *x += points[i] * value;
-                for k in 0..D {
-                    for c in 0..N {
-                        jacobian[(c, k)] += points[i][c] * grad[k];
-                    }
-                }
-            }
-        }
+        let ids = std::mem::take(&mut self.map.ids);
+        combine(points, &ids, nodes, rule.points.len(), Order::Gradients, &mut self.map);
+        self.map.ids = ids;
     }
 
     /// The points of the map, whose numbers for `element` are listed, and the number of its tables, where its reference cells have some.

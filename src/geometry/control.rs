@@ -33,7 +33,7 @@ impl<B, const N: usize, T: Real> ControlPoints<B, N, T> {
 }
 
 /// Fills `table` from control points and the tabulated functions `ids` of an element at `count` local points.
-pub(super) fn combine<const D: usize, const N: usize, T: Real>(
+pub(crate) fn combine<const D: usize, const N: usize, T: Real>(
     control: &[Vector<N, T>],
     ids: &[usize],
     shapes: &ShapeTable<D, T>,

@@ -22,6 +22,7 @@ pub use bounds::Bounds;
 pub use bvh::Tree;
 pub use closest::{ClosestPoint, Projection, closest_point};
 pub use control::ControlPoints;
+pub(crate) use control::combine;
 pub use embedded::Embedded;
 pub use embedding::Embedding;
 pub use frame::{cross, unit_normal, unit_tangent};

@@ -1,7 +1,6 @@
 //! A map asked at the same points of many elements: functions of a reference cell are tabulated once.
 
-use super::control::combine;
-use super::{Control, Geometry, MapTable};
+use super::{Control, Geometry, MapTable, combine};
 use crate::basis::{Order, ShapeTable};
 use crate::linalg::{Real, Vector};
 

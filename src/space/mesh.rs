@@ -96,7 +96,7 @@ impl<const S: usize, const N: usize> Body<S, N> for Mesh<S, N> {
         &self.space
     }
 
-    fn quality(&self) -> Option<&Quality<N>> {
+    fn known_quality(&self) -> Option<&Quality<N>> {
         Some(&self.quality)
     }
 

@@ -209,7 +209,7 @@ pub trait Body<const S: usize, const N: usize, T: Real = f64>: Debug + Send + Sy
     /// [`SideError`] for an unknown name, a collapsed side, or a facet inside the body.
     fn trace(&self, side: &str) -> Result<Trace<S, N, T>, SideError>;
     /// How sound the map is, where the body has looked at it already: what [`quality()`] says of its space.
-    fn quality(&self) -> Option<&Quality<N>> {
+    fn known_quality(&self) -> Option<&Quality<N>> {
         None
     }
 }
@@ -220,7 +220,7 @@ macro_rules! forward_body {
             fn space(&self) -> &Arc<dyn Space<N, N, T>> { (**self).space() }
             fn sides(&self) -> Vec<String> { (**self).sides() }
             fn trace(&self, side: &str) -> Result<Trace<S, N, T>, SideError> { (**self).trace(side) }
-            fn quality(&self) -> Option<&Quality<N>> { (**self).quality() }
+            fn known_quality(&self) -> Option<&Quality<N>> { (**self).known_quality() }
         }
     )*};
 }

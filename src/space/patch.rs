@@ -93,7 +93,7 @@ impl<const S: usize, const N: usize> Body<S, N> for Patch<S, N> {
         &self.space
     }
 
-    fn quality(&self) -> Option<&Quality<N>> {
+    fn known_quality(&self) -> Option<&Quality<N>> {
         Some(&self.quality)
     }
 

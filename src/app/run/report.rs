@@ -34,7 +34,7 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, mode
     result.backend = backend(model);
     result.backends = model.patches.iter().map(|p| (p.name.clone(), p.backend.clone())).collect();
     result.unknowns = Unknowns { primal: model.num_primal(), multipliers: model.num_multipliers() };
-    let soundness = model.patches.iter().map(|p| match p.body.quality() {
+    let soundness = model.patches.iter().map(|p| match p.body.known_quality() {
         Some(known) => known.least_jacobian,
         None => quality(&**p.body.space()).map_or(f64::NAN, |q| q.least_jacobian),
     });
