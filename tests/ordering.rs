@@ -55,7 +55,7 @@ fn fill_does_not_depend_on_units_and_little_on_position() {
         };
         let reference = fill(&graph.places);
         // powers of two: the same rounding
-        for unit in [2f64.powi(-30), 2f64.powi(30)] {
+        for unit in [2f64.powi(-600), 2f64.powi(-30), 2f64.powi(30), 2f64.powi(600)] {
             assert_eq!(fill(&graph.places.iter().map(|x| x.map(|x| unit * x)).collect::<Vec<_>>()), reference, "{name} in {unit:e}");
         }
         let (c, s) = (0.3f64.cos(), 0.3f64.sin());

@@ -27,6 +27,7 @@ where
     Q: Quadrature<N, T> + ?Sized,
     R: Send,
 {
+    assert!(u.is_empty() || u.len() >= C * space.num_functions(), "a field of {C} components needs an unknown per component and function");
     let asks = || ask::<N, N, T, S>(space);
     if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
         return patches.states(u, visit);

@@ -6,7 +6,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 /// Columns that are taken together.
 const FEW: usize = 4;
-/// Partial sums of a dot product: as many whatever the lanes, so that all instruction sets give the same bits.
+/// Partial sums of a dot product: as many whatever the lanes, so that all instruction sets give the same bits from one factor.
 const SUMS: usize = 8;
 
 /// x = (L D Lᵀ)⁻¹ x in the order of the factor.
@@ -178,7 +178,7 @@ mod tests {
             analysis.solve(&factor, &mut b).unwrap();
             analysis.solve_by_faer(&factor, &mut c).unwrap();
             let apart = |y: &[f64], z: &[f64]| y.iter().zip(z).fold(0.0f64, |m, (y, z)| m.max((y - z).abs()));
-            assert!(b != x && apart(&b, &c) < 1e-13 && apart(&b, &x) < 1e-13, "{n:?}: {:e} {:e}", apart(&b, &c), apart(&b, &x));
+            assert!(apart(&b, &c) < 1e-13 && apart(&b, &x) < 1e-13, "{n:?}: {:e} {:e}", apart(&b, &c), apart(&b, &x));
         }
     }
 }

@@ -1,6 +1,8 @@
-//! A field at the points of all elements, beside a look at each of them.
+//! A field and its stress at the points of all elements, beside a look at each of them.
+#![allow(dead_code)]
 
-use faying::assembly::fields;
+use faying::assembly::{fields, gauss_rules};
+use faying::physics::{Hooke, Stress, stress_at, stresses};
 use faying::quadrature::Quadrature;
 use faying::space::{Field, FieldAt, Space, field_at};
 
@@ -38,5 +40,21 @@ pub fn states_are_those_of_each_element<const C: usize, const N: usize>(space: &
     }
     for (k, allowed) in [1e-13, 1e-13, 1e-12].into_iter().enumerate() {
         assert!(apart[k] <= allowed * most[k], "number {k} is apart by {:e} of {:e}", apart[k], most[k]);
+    }
+}
+
+/// The stresses of all elements are those of each to 1e-12 of the largest.
+pub fn stresses_are_those_of_each_element<const N: usize>(space: &dyn Space<N, N>, steel: &Hooke<N>) {
+    let rules = gauss_rules(space, 0);
+    let u: Vec<f64> = (0..N * space.num_functions()).map(|k| (0.7 * k as f64).sin()).collect();
+    let all = stresses(space, &rules, steel, &u, &|_, own: &[Stress<N, N>]| own.to_vec());
+    let one = |e: usize| stress_at(space, steel, &u, e, &rules.rule(e).points);
+    let numbers = |all: Vec<Stress<N, N>>| all.into_iter().flat_map(|s| s.stress.iter().copied().chain(s.spatial).collect::<Vec<f64>>());
+    let expected: Vec<f64> = (0..space.num_elements()).flat_map(|e| numbers(one(e))).collect();
+    let found: Vec<f64> = all.into_iter().flat_map(numbers).collect();
+    assert_eq!(found.len(), expected.len());
+    let most = expected.iter().fold(0.0f64, |m, s| m.max(s.abs()));
+    for (a, b) in found.iter().zip(&expected) {
+        assert!((a - b).abs() <= 1e-12 * most, "{a:e} for {b:e}, the largest is {most:e}");
     }
 }

@@ -25,8 +25,8 @@ const LAYER_BYTES: usize = 1 << 20;
 const GROUPS_PER_THREAD: usize = 4;
 /// Bytes of sums that a strip of the middle direction aims at: they stay in the third cache, or in a share of it.
 const STRIP_BYTES: usize = 3 << 20;
-/// Functions of a strip per active function of the middle direction, about and at least: nearly as many elements as are
-/// active are contracted beside its rows, which narrower strips do not win back.
+/// Functions of a strip per active function of the middle direction, about and never less than three quarters of it: nearly
+/// as many elements as are active are contracted beside its rows, which narrower strips do not win back.
 const STRIP_PER_ACTIVE: f64 = 4.5;
 /// Functions of the middle direction that one thread contracts at once, and several threads, which meet twice per window.
 const WINDOW: [usize; 2] = [2, 8];

@@ -162,6 +162,10 @@ fn band_cut(piece: &Piece, t: &[f64], separator: usize) -> Option<(f64, Vec<u8>)
         _ => false,
     };
     let far: Vec<usize> = (0..n).filter(|&v| across(v)).collect();
+    // places that say so little about the edges make the flow dear and win nothing
+    if far.len() > n / 2 {
+        return None;
+    }
     far.into_iter().for_each(|v| label[v] = SEPARATOR);
     let band: Vec<usize> = (0..n).filter(|&v| label[v] == SEPARATOR).collect();
     let mut local = vec![u32::MAX; n];

@@ -99,11 +99,9 @@ impl Piece {
     /// All vertices of a graph.
     pub(super) fn whole(graph: Graph, weight: Vec<u32>, at: Vec<[f64; 3]>) -> Self {
         let size = at.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
-        // of the size, so that no square vanishes
-        let unit = if size > 0.0 { size } else { 1.0 };
-        let square = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|d| (a[d] / unit - b[d] / unit).powi(2)).sum::<f64>();
+        let square = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|d| (a[d] - b[d]) * (a[d] - b[d])).sum::<f64>();
         let longest = |v: usize| graph.neighbours(v).iter().fold(0.0, |m: f64, &u| m.max(square(&at[v], &at[u as usize])));
-        let reach = (0..at.len()).map(|v| unit * longest(v).sqrt() * (1.0 + 1e-9) + ROUNDING * size).collect();
+        let reach = (0..at.len()).map(|v| longest(v).sqrt() * (1.0 + 1e-9) + ROUNDING * size).collect();
         Self { ids: (0..at.len()).map(index).collect(), graph, weight, at, reach }
     }
 

@@ -34,6 +34,9 @@ const CROWD: u32 = 256;
 ///
 /// `ptr`, `cols`: rows of the pattern, one triangle or both. Returns `order[new] = old`, or `None` where the places do
 /// not tell the unknowns apart (absent, not finite, too many at one point): take a minimum degree order there.
+///
+/// # Panics
+/// If `ptr` is empty, a column lies beyond the rows, or there are 2^32 unknowns or more.
 pub fn nested_dissection(ptr: &[usize], cols: &[usize], places: &[[f64; 3]]) -> Option<Vec<usize>> {
     let n = ptr.len() - 1;
     if places.len() != n || n == 0 || places.iter().flatten().any(|x| !x.is_finite()) {
@@ -64,7 +67,7 @@ pub fn nested_dissection(ptr: &[usize], cols: &[usize], places: &[[f64; 3]]) -> 
     let num_dense = dense.iter().filter(|&&d| d).count();
     let keep_dense = num_dense == 0 || 10 * num_dense > groups;
     let weight = start.windows(2).map(|w| w[1] - w[0]).collect();
-    let whole = Piece::whole(graph, weight, (0..groups).map(|g| places[members(g)[0] as usize]).collect());
+    let whole = Piece::whole(graph, weight, scaled((0..groups).map(|g| places[members(g)[0] as usize]).collect()));
     let mut order = if keep_dense {
         dissect(&whole, &whole)
     } else {
@@ -101,6 +104,19 @@ fn dissect(piece: &Piece, whole: &Piece) -> Vec<u32> {
     order.extend(right);
     order.extend(separator);
     order
+}
+
+/// Places times the power of two that brings the largest coordinate near 1: the same cuts, and squares of distances that
+/// neither vanish nor overflow.
+fn scaled(mut places: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
+    let size = places.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    if size > 0.0 {
+        // in two steps: the power for the smallest numbers is too large for one
+        let exponent = size.log2().floor() as i32;
+        let (some, rest) = (2f64.powi(-(exponent / 2)), 2f64.powi(exponent / 2 - exponent));
+        places.iter_mut().flatten().for_each(|x| *x = *x * some * rest);
+    }
+    places
 }
 
 /// Bits that ascend as the finite number does; zero without a sign.
