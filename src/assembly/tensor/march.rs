@@ -27,7 +27,7 @@ const GROUPS_PER_THREAD: usize = 4;
 const STRIP_BYTES: usize = 3 << 20;
 /// Functions of a strip per active function of the middle direction, about and never less than three quarters of it: nearly
 /// as many elements as are active are contracted beside its rows, which narrower strips do not win back.
-const STRIP_PER_ACTIVE: f64 = 4.5;
+const STRIP_PER_ACTIVE: f64 = 5.5;
 /// Functions of the middle direction that one thread contracts at once, and several threads, which meet twice per window.
 const WINDOW: [usize; 2] = [2, 8];
 
