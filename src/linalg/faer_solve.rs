@@ -91,7 +91,7 @@ fn backward(panel: &[f64], width: usize, t: &mut [f64]) {
     let height = t.len();
     let mut end = width;
     while end > 0 {
-        let j = if end % FEW == 0 { end - FEW } else { end - 1 };
+        let j = if end.is_multiple_of(FEW) { end - FEW } else { end - 1 };
         let line = |a: usize| &panel[a * height + end..(a + 1) * height];
         let mut sums = [0.0; FEW];
         if end - j == FEW {
