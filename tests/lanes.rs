@@ -154,6 +154,7 @@ fn meshes_of_one_cell_and_rules_that_differ_equal_the_plain_loop() {
     let which = (0..space.num_elements()).map(|e| rules[0].which()[e] + if e % 3 == 0 { rules[0].rules().len() } else { 0 }).collect();
     let mixed = PerElement::new(all, which);
     compare::<1, 2>(space, &mixed, &Form::laplace(), "two rules");
+    states_are_those_of_each_element::<2, 2>(space, &mixed);
     // a rule of its own for every cell has nothing in common: the plain loop
     #[derive(Debug)]
     struct Own(Vec<Rule<2>>);

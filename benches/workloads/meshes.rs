@@ -83,13 +83,14 @@ fn permutations<const N: usize>() -> Vec<[usize; N]> {
 
 /// (w, 0, ..), w the product of sin(pi x_k).
 fn wave<const C: usize, const N: usize>(x: &Vector<N>) -> Jet<C, N> {
+    let sines: [(f64, f64); N] = std::array::from_fn(|k| (PI * x[k]).sin_cos());
     // the product with the functions of some directions exchanged for their derivatives
     let product = |order: [usize; N]| -> f64 {
         (0..N)
             .map(|k| match order[k] {
-                0 => (PI * x[k]).sin(),
-                1 => PI * (PI * x[k]).cos(),
-                _ => -PI * PI * (PI * x[k]).sin(),
+                0 => sines[k].0,
+                1 => PI * sines[k].1,
+                _ => -PI * PI * sines[k].0,
             })
             .product()
     };

@@ -1,6 +1,7 @@
 //! A field with its gradient at the points of all elements.
 
 use super::bulk::ask;
+use super::cells::Sums;
 use super::scratch::Scratch;
 use super::tensor::Patches;
 use crate::linalg::{Matrix, Real, Vector};
@@ -11,7 +12,8 @@ use rayon::prelude::*;
 /// `visit(element, states)` of every element, ascending: the field of the unknowns `u` at the points of its rule.
 ///
 /// `u` holds unknown = C * function + component; an empty `u` is zero. Patches of products are contracted direction by
-/// direction; what waits are some planes of points across the slowest direction. Same results for any number of threads.
+/// direction; what waits are some planes of points across the slowest direction. Cells with common tables go through lanes.
+/// Same results for any number of threads.
 ///
 /// # Panics
 /// If `u` is shorter than C times the number of functions and not empty.
@@ -31,6 +33,9 @@ where
     let asks = || ask::<N, N, T, S>(space);
     if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
         return patches.states(u, visit);
+    }
+    if let Some(cells) = Sums::new(space, quadrature) {
+        return cells.states(u, visit);
     }
     let of_element = |(scratch, states): &mut (Scratch<N, N, T>, Vec<FieldAt<C, N, T>>), element: usize| {
         scratch.gradients(space, element, quadrature.rule(element));

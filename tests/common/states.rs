@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 use faying::assembly::{fields, gauss_rules};
+use faying::linalg::{Matrix, Vector};
 use faying::physics::{Hooke, Stress, stress_at, stresses};
 use faying::quadrature::Quadrature;
 use faying::space::{Field, FieldAt, Space, field_at};
@@ -22,6 +23,12 @@ pub fn states_are_those_of_each_element<const C: usize, const N: usize>(space: &
     let all = run(1);
     assert!(all.iter().enumerate().all(|(k, (e, _))| k == *e) && all.len() == space.num_elements(), "every element, ascending");
     assert!(run(3) == all, "the same bits for any number of threads");
+    let of_nothing = fields::<C, N, f64, _, _, _>(space, rules, &[], &|_, states: &[FieldAt<C, N>]| states.to_vec());
+    for (state, nothing) in all.iter().flat_map(|(_, states)| states).zip(of_nothing.iter().flatten()) {
+        assert!(nothing.value == Vector::<C>::zeros() && nothing.gradient == Matrix::<C, N>::zeros(), "an empty field is zero");
+        assert!((nothing.x - state.x).amax() == 0.0, "where the other one is");
+    }
+    assert_eq!(of_nothing.iter().map(Vec::len).sum::<usize>(), all.iter().map(|(_, states)| states.len()).sum::<usize>());
     let (mut apart, mut most) = ([0.0f64; 3], [0.0f64; 3]);
     for (e, states) in &all {
         let own = field_at::<C, N, f64, _>(space, &Field { first: 0, components: C }, &u, *e, &rules.rule(*e).points);

@@ -5,7 +5,7 @@ use crate::assembly::tensor::Sites;
 use crate::assembly::{Form, Pattern, gauss_rules};
 use crate::basis::Cell;
 use crate::linalg::{Csr, Vector};
-use crate::space::{Body, CellBlock, Mapping, Mesh, MeshCells, Space};
+use crate::space::{Body, CellBlock, FieldAt, Mapping, Mesh, MeshCells, Space};
 use pulp::x86::{V3, V4};
 
 /// A row of 20 quadratic quadrilaterals, or of twice as many triangles; those in the middle are bent.
@@ -26,7 +26,7 @@ fn row(cell: Cell) -> MeshCells<2> {
     MeshCells { points: points.collect(), blocks: vec![CellBlock { cell, order: 2, nodes: nodes.collect() }], tags: Vec::new() }
 }
 
-/// The matrix, a load with its moments, and squares, with the lanes of `arch`.
+/// The matrix, a load with its moments, squares, and a field, with the lanes of `arch`.
 fn numbers(space: &dyn Space<2, 2>, arch: pulp::Arch) -> Vec<f64> {
     let (rules, pattern, form) = (gauss_rules(space, 0), Pattern::new(space), Form::<1, 2>::laplace());
     let mut matrix: Csr = pattern.csr(1);
@@ -45,6 +45,10 @@ fn numbers(space: &dyn Space<2, 2>, arch: pulp::Arch) -> Vec<f64> {
     let (load, moments) = sums.load(1, &sine);
     all.extend(sums.deviation(&form, &load, &sine));
     all.extend(load.iter().chain(&moments));
+    let states = sums.states(&load, &|_, states: &[FieldAt<1, 2>]| {
+        states.iter().flat_map(|s| [s.x[0], s.x[1], s.value[0], s.gradient[0], s.gradient[1]]).collect::<Vec<f64>>()
+    });
+    all.extend(states.into_iter().flatten());
     all
 }
 

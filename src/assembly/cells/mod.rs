@@ -12,7 +12,8 @@
 //! | `scatter` | adds them to rows |
 //! | `nodes` | the points of a cell's map |
 //! | `means` | where unknowns live |
-//! | `sums` | loads and norms |
+//! | `sums`, `states` | loads and norms; a field and its gradient at all points |
+//! | `visit` | what is made at the points of cells in lanes |
 //!
 //! Batches of cells are fixed with the graph: cells follow one another by their greatest function. Threads own rows, and a batch whose rows have
 //! several owners is computed by each of them. So a sum has the same terms in the same order for any number of threads and of lanes.
@@ -28,8 +29,10 @@ mod nodes;
 mod points;
 mod scatter;
 mod slots;
+mod states;
 mod sums;
 mod tables;
+mod visit;
 
 pub(super) use means::means;
 pub(super) use slots::{BATCH, Place, Slots};

@@ -211,7 +211,7 @@ impl Law<'_> {
 
 /// h_j = sum_b g_b r_bj: det J times the physical gradient.
 #[inline(always)]
-pub(super) fn physical<S: Simd, const N: usize>(simd: S, r: &[[S::f64s; N]; N], g: &[S::f64s]) -> [S::f64s; N] {
+pub(in crate::assembly) fn physical<S: Simd, const N: usize>(simd: S, r: &[[S::f64s; N]; N], g: &[S::f64s]) -> [S::f64s; N] {
     let mut h = [g[0]; N];
     for j in 0..N {
         h[j] = simd.mul_f64s(g[0], r[0][j]);

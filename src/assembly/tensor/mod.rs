@@ -76,12 +76,13 @@ pub(super) use free::Free;
 pub(super) use glue::Glue;
 pub(super) use grid::Cell;
 pub(in crate::assembly) use lanes::available as lanes_available;
-pub(super) use law::Law;
+pub(super) use law::{Law, physical};
 use map::Map;
 pub(super) use map::{Ask, Asks, finish, numbers as numbers_of_map};
 use net::Net;
 pub(super) use sites::{Answer, Sites};
-pub(super) use squares::{SQUARES, Squares};
+pub(super) use squares::{SQUARES, Squares, inverse};
+pub(super) use states::{size as state_size, state};
 
 use crate::basis::{Basis, Block};
 use crate::geometry::MapBlock;

@@ -71,7 +71,7 @@ impl<'a, V: bytemuck::Pod> Squares<'a, V> {
 
 /// J^-1 from the map of a point.
 #[inline(always)]
-pub(super) fn inverse<S: Simd, const N: usize>(simd: S, map: &[S::f64s]) -> [[S::f64s; N]; N] {
+pub(in crate::assembly) fn inverse<S: Simd, const N: usize>(simd: S, map: &[S::f64s]) -> [[S::f64s; N]; N] {
     let inverse = simd.div_f64s(simd.splat_f64s(1.0), map[N + N * N + 2]);
     let mut r = [[inverse; N]; N];
     for a in 0..N {

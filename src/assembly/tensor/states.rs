@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Numbers per point: position, values, gradients.
-const fn size(n: usize, components: usize) -> usize {
+pub(in crate::assembly) const fn size(n: usize, components: usize) -> usize {
     n + components * (n + 1)
 }
 
@@ -162,7 +162,7 @@ fn elements<const C: usize, const N: usize, T: Real, R: Send>(
 }
 
 /// A point from its numbers: position, values, gradients component by component.
-fn state<const C: usize, const N: usize, T: Real>(numbers: &[f64]) -> FieldAt<C, N, T> {
+pub(in crate::assembly) fn state<const C: usize, const N: usize, T: Real>(numbers: &[f64]) -> FieldAt<C, N, T> {
     let (x, rest) = numbers.split_at(N);
     let (value, gradient) = rest.split_at(C);
     FieldAt {

@@ -1,0 +1,69 @@
+//! A field and its gradient at all points of cells in lanes, handed over element by element.
+
+use super::points::{Group, PointTables};
+use super::sums::Sums;
+use super::visit::{Kind, Run};
+use crate::assembly::tensor::{state, state_size};
+use crate::linalg::Real;
+use crate::space::{FieldAt, Space};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Elements of one task: their numbers wait in the second cache.
+const ELEMENTS_PER_TASK: usize = 64;
+
+/// Memory of one task.
+#[derive(Default)]
+struct Task<const C: usize, const N: usize, T: Real> {
+    numbers: Vec<f64>,
+    /// Where the numbers of every element are.
+    places: Vec<Range<usize>>,
+    ids: Vec<usize>,
+    states: Vec<FieldAt<C, N, T>>,
+}
+
+impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
+    /// `visit(element, states)` of every element, ascending: the field of `u` at the points of its rule. An empty `u` is zero.
+    pub fn states<const C: usize, R: Send>(&self, u: &[T], visit: &(impl Fn(usize, &[FieldAt<C, N, T>]) -> R + Sync)) -> Vec<R> {
+        let elements = self.space.num_elements();
+        let new = || Task { numbers: Vec::new(), places: Vec::new(), ids: Vec::new(), states: Vec::new() };
+        let of_task = |memory: &mut Task<C, N, T>, task: usize| {
+            let range = task * ELEMENTS_PER_TASK..((task + 1) * ELEMENTS_PER_TASK).min(elements);
+            self.fill(u, range.clone(), memory);
+            let Task { numbers, places, states, .. } = memory;
+            let own = |(e, place): (usize, &Range<usize>)| {
+                states.clear();
+                states.extend(numbers[place.clone()].chunks_exact(state_size(N, C)).map(state));
+                visit(e, states)
+            };
+            range.zip(places.iter()).map(own).collect::<Vec<R>>()
+        };
+        let tasks: Vec<Vec<R>> = (0..elements.div_ceil(ELEMENTS_PER_TASK)).into_par_iter().map_init(new, of_task).collect();
+        tasks.into_iter().flatten().collect()
+    }
+
+    /// The numbers of the elements of `range`, and where they are.
+    fn fill<const C: usize>(&self, u: &[T], range: Range<usize>, task: &mut Task<C, N, T>) {
+        let Task { numbers, places, ids, .. } = task;
+        numbers.clear();
+        places.clear();
+        places.resize(range.len(), 0..0);
+        let nodes = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.nodes.gather(elements, ids, out);
+        let field = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.coefficients::<C>(u, elements, ids, out);
+        for Group { tables, members } in &self.groups {
+            let before = |end: usize| members.partition_point(|&e| (e as usize) < end);
+            let (elements, first) = (&members[before(range.start)..before(range.end)], numbers.len());
+            let length = length::<C, N>(tables);
+            for (k, &e) in elements.iter().enumerate() {
+                places[e as usize - range.start] = first + k * length..first + (k + 1) * length;
+            }
+            let kind = Kind::States { field: &field };
+            self.arch.dispatch(Run::<N> { tables, nodes: &nodes, kind, width: C, elements, ids, numbers });
+        }
+    }
+}
+
+/// Numbers of an element.
+fn length<const C: usize, const N: usize>(tables: &PointTables<N>) -> usize {
+    tables.weights.len() * state_size(N, C)
+}
