@@ -24,7 +24,7 @@ pub(super) fn sample_points<const D: usize, T: Real>(kind: crate::basis::Cell) -
 /// Checks the map `geometry`.
 ///
 /// Rules: x, Jacobian and second derivatives are finite, derivatives are those of x, also outside the cell; they do not
-/// depend on the batch or on the order asked for; [`Geometry::bounds`] hold the element; corner ids shared by elements
+/// depend on the batch or on the order asked for; [`Geometry::bounds`] hold the element, and [`Geometry::all_bounds`] are the same; corner ids shared by elements
 /// are at one place; [`Geometry::map_block`] and [`Geometry::control`], where there are any, repeat the map.
 ///
 /// # Errors
@@ -32,7 +32,14 @@ pub(super) fn sample_points<const D: usize, T: Real>(kind: crate::basis::Cell) -
 pub fn geometry<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>(geometry: &G) -> Result<(), String> {
     let eps = T::default_epsilon();
     let (mut full, mut other) = (MapTable::new(), MapTable::new());
+    let boxes = geometry.all_bounds();
+    if boxes.len() != geometry.num_elements() {
+        return Err(format!("all_bounds gives {} boxes for {} elements", boxes.len(), geometry.num_elements()));
+    }
     for e in chosen(geometry.num_elements()) {
+        if boxes[e] != geometry.bounds(e) {
+            return Err(format!("element {e}: all_bounds gives another box than bounds"));
+        }
         let kind = geometry.cell(e);
         let points = sample_points::<D, T>(kind);
         geometry.map(e, &points, Order::Hessians, &mut full);

@@ -117,7 +117,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
     /// Builds the tree over the elements of `geometry` (a reference, a box or an `Arc` will do).
     pub fn new(geometry: G) -> Self {
         let elements = geometry.num_elements();
-        let tree = Tree::new((0..elements).into_par_iter().map(|e| geometry.bounds(e)).collect());
+        let tree = Tree::new(geometry.all_bounds());
         let size = tree.bounds().map_or(T::zero(), |b| b.diagonal());
         let loose = if D < N { loose_faces(&geometry, size * lit(SAME_FACE)) } else { Vec::new() };
         let (bend, nodes) = (0..if D == 1 { elements } else { 0 })

@@ -1,8 +1,10 @@
 //! Maps made of basis functions and control points.
 
-use super::{Bounds, Control, Geometry, MapBlock, MapTable, hull};
+use super::hull::Boxes;
+use super::{Bounds, Control, Geometry, MapBlock, MapTable};
 use crate::basis::{Basis, Block, Cell, Elements, Listed, Order, Polynomials, ShapeTable, TensorPatch};
 use crate::linalg::{Real, Vector};
+use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// x(xi) = sum_i N_i(xi) P_i with one point per function of `basis`.
@@ -126,8 +128,12 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Geometry<D, N, T> 
     }
 
     fn bounds(&self, element: usize) -> Bounds<N, T> {
-        let held = hull::hull(&self.basis, element, |i| self.points[i]);
-        hull::tightened(self, element, held.unwrap_or(Bounds { lo: Vector::zeros(), hi: Vector::zeros() }))
+        Boxes::new(self, Control { basis: &self.basis, points: &self.points }).of(element)
+    }
+
+    fn all_bounds(&self) -> Vec<Bounds<N, T>> {
+        let boxes = || Boxes::new(self, Control { basis: &self.basis, points: &self.points });
+        (0..self.num_elements()).into_par_iter().map_init(boxes, |boxes, e| boxes.of(e)).collect()
     }
 
     fn is_affine(&self, element: usize) -> bool {

@@ -1,6 +1,6 @@
 //! Boxes that surely hold a combination of basis functions on an element, and tighter ones for maps.
 
-use super::{Bounds, Geometry, MapTable, cell};
+use super::{Bounds, Control, Geometry, MapTable, Sampler, cell};
 use crate::basis::{Basis, Cell, Order, ShapeTable};
 use crate::linalg::{Real, Vector, lit, num};
 
@@ -16,37 +16,104 @@ pub fn hull<const D: usize, const N: usize, T: Real, B: Basis<D, T> + ?Sized>(
     let mut ids = Vec::new();
     basis.active(element, &mut ids);
     let values: Vec<Vector<N, T>> = ids.iter().map(|&i| value(i)).collect();
-    let around = Bounds::around(&values)?;
-    let degree = basis.degree(element).into_iter().max().unwrap_or(0);
-    let cell = basis.cell(element);
-    if degree <= 1 && cell == Cell::Simplex {
-        return Some(around);
-    }
-    // Chebyshev points: inside the cell, never nodes, so a Lagrange function of degree >= 2 shows a negative value
-    let line: Vec<T> =
-        (0..=degree).map(|j| lit((1.0 - (std::f64::consts::PI * (2 * j + 1) as f64 / (2 * degree + 2) as f64).cos()) / 2.0)).collect();
-    let points = cell::spread::<D, T>(cell, &line);
-    let mut table = ShapeTable::new();
-    basis.tabulate(element, &points, Order::Values, &mut table);
-    let noise = T::default_epsilon() * lit(64.0);
-    if (0..points.len()).all(|q| table.values(q).iter().all(|&n| n >= -noise)) {
-        return Some(around);
-    }
-    let mut coefficients: Vec<Vector<N, T>> =
-        (0..points.len()).map(|q| table.values(q).iter().zip(&values).fold(Vector::zeros(), |s, (&n, v)| s + v * n)).collect();
-    let inverse = bernstein_inverse(&line);
-    let n = line.len();
-    for axis in 0..D {
-        let stride = n.pow(axis as u32);
-        let old = coefficients.clone();
-        for (q, c) in coefficients.iter_mut().enumerate() {
-            let k = q / stride % n;
-            let base = q - k * stride;
-            *c = (0..n).fold(Vector::zeros(), |s, j| s + old[base + j * stride] * inverse[k * n + j]);
+    Change::of(basis, element).hull(&values)
+}
+
+/// How values of the functions of an element become a hull.
+#[derive(Debug)]
+enum Change<const D: usize, T: Real> {
+    /// They are one.
+    None,
+    /// By the functions at points of a product of lines, then from values on a line to Bernstein coefficients.
+    Bernstein { points: usize, functions: ShapeTable<D, T>, line: usize, inverse: Vec<T> },
+}
+
+impl<const D: usize, T: Real> Change<D, T> {
+    fn of<B: Basis<D, T> + ?Sized>(basis: &B, element: usize) -> Self {
+        let degree = basis.degree(element).into_iter().max().unwrap_or(0);
+        let cell = basis.cell(element);
+        if degree <= 1 && cell == Cell::Simplex {
+            return Self::None;
         }
+        // Chebyshev points: inside the cell, never nodes, so a Lagrange function of degree >= 2 shows a negative value
+        let line: Vec<T> =
+            (0..=degree).map(|j| lit((1.0 - (std::f64::consts::PI * (2 * j + 1) as f64 / (2 * degree + 2) as f64).cos()) / 2.0)).collect();
+        let points = cell::spread::<D, T>(cell, &line);
+        let mut functions = ShapeTable::new();
+        basis.tabulate(element, &points, Order::Values, &mut functions);
+        if (0..points.len()).all(|q| functions.values(q).iter().all(|&n| n >= -noise::<T>())) {
+            return Self::None;
+        }
+        Self::Bernstein { points: points.len(), functions, line: line.len(), inverse: bernstein_inverse(&line) }
     }
-    let hull = Bounds::around(&coefficients)?;
-    Some(hull.inflated(hull.diagonal() * noise * lit(16.0)))
+
+    fn hull<const N: usize>(&self, values: &[Vector<N, T>]) -> Option<Bounds<N, T>> {
+        let Self::Bernstein { points, functions, line, inverse } = self else { return Bounds::around(values) };
+        let (n, sum) = (*line, |q: usize| functions.values(q).iter().zip(values).fold(Vector::zeros(), |s, (&n, v)| s + v * n));
+        let mut coefficients: Vec<Vector<N, T>> = (0..*points).map(sum).collect();
+        for axis in 0..D {
+            let stride = n.pow(axis as u32);
+            let old = coefficients.clone();
+            for (q, c) in coefficients.iter_mut().enumerate() {
+                let k = q / stride % n;
+                let base = q - k * stride;
+                *c = (0..n).fold(Vector::zeros(), |s, j| s + old[base + j * stride] * inverse[k * n + j]);
+            }
+        }
+        let hull = Bounds::around(&coefficients)?;
+        Some(hull.inflated(hull.diagonal() * noise::<T>() * lit(16.0)))
+    }
+}
+
+/// Functions above the negative of this are taken for positive.
+fn noise<T: Real>() -> T {
+    T::default_epsilon() * lit(64.0)
+}
+
+/// Kinds of elements whose tables are kept at most.
+const KEPT: usize = 64;
+
+/// Boxes of the elements of a map of control points, one after the other: reference cells are looked at once.
+#[derive(Debug)]
+pub(super) struct Boxes<'a, const D: usize, const N: usize, T: Real, G: ?Sized> {
+    geometry: &'a G,
+    control: Control<'a, D, N, T>,
+    sampler: Sampler<'a, D, N, T, G>,
+    kept: Vec<(usize, Change<D, T>)>,
+    table: MapTable<D, N, T>,
+    ids: Vec<usize>,
+    values: Vec<Vector<N, T>>,
+}
+
+impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized> Boxes<'a, D, N, T, G> {
+    /// Those of `geometry`, whose functions and points are `control`.
+    pub fn new(geometry: &'a G, control: Control<'a, D, N, T>) -> Self {
+        let sampler = Sampler::new(geometry, Order::Hessians);
+        Self { geometry, control, sampler, kept: Vec::new(), table: MapTable::new(), ids: Vec::new(), values: Vec::new() }
+    }
+
+    /// The box of `element`: that around its hull, tightened.
+    pub fn of(&mut self, element: usize) -> Bounds<N, T> {
+        let basis = self.control.basis;
+        basis.active(element, &mut self.ids);
+        self.values.clear();
+        self.values.extend(self.ids.iter().map(|&i| self.control.points[i]));
+        let known = basis.reference(element).and_then(|own| {
+            let place = self.kept.iter().position(|(kept, _)| *kept == own);
+            if place.is_none() && self.kept.len() < KEPT {
+                self.kept.push((own, Change::of(basis, element)));
+                return Some(self.kept.len() - 1);
+            }
+            place
+        });
+        let held = match known {
+            Some(k) => self.kept[k].1.hull(&self.values),
+            None => Change::of(basis, element).hull(&self.values),
+        };
+        let points = samples(self.geometry.cell(element));
+        self.sampler.map(element, 0, &points, &mut self.table);
+        around::<D, N, T>(&self.table, held.unwrap_or(Bounds { lo: Vector::zeros(), hi: Vector::zeros() }))
+    }
 }
 
 /// The box `outer` of an element cut to one around samples, grown by four times the sampled deviation from straight pieces.
@@ -57,15 +124,28 @@ pub(super) fn tightened<const D: usize, const N: usize, T: Real, G: Geometry<D, 
     element: usize,
     outer: Bounds<N, T>,
 ) -> Bounds<N, T> {
-    let pieces = if D < 3 { 4 } else { 2 };
-    let points = cell::grid::<D, T>(geometry.cell(element), pieces + 1);
     let mut table = MapTable::new();
-    geometry.map(element, &points, Order::Hessians, &mut table);
+    geometry.map(element, &samples(geometry.cell(element)), Order::Hessians, &mut table);
+    around(&table, outer)
+}
+
+/// Pieces of a cell per direction, between whose ends a map is sampled.
+const fn pieces(d: usize) -> usize {
+    if d < 3 { 4 } else { 2 }
+}
+
+/// Where a map is sampled.
+fn samples<const D: usize, T: Real>(cell: Cell) -> Vec<Vector<D, T>> {
+    cell::grid::<D, T>(cell, pieces(D) + 1)
+}
+
+/// [`tightened`] from the samples.
+fn around<const D: usize, const N: usize, T: Real>(table: &MapTable<D, N, T>, outer: Bounds<N, T>) -> Bounds<N, T> {
     let Some(samples) = Bounds::around(&table.x) else { return outer };
     let bend = table.hessian.iter().flatten().fold(T::zero(), |m, h| m.max(h.iter().fold(T::zero(), |s, v| s + v.abs())));
     // |x - linear interpolation| <= max |x''| h^2 / 8 per coordinate; the samples of x'' may miss its peak
     let rounding = samples.diagonal() * T::default_epsilon() * lit(16.0);
-    let grown = samples.inflated(bend * lit(0.5 / (pieces * pieces) as f64) + rounding);
+    let grown = samples.inflated(bend * lit(0.5 / (pieces(D) * pieces(D)) as f64) + rounding);
     Bounds { lo: grown.lo.zip_map(&outer.lo, |a, b| a.max(b)), hi: grown.hi.zip_map(&outer.hi, |a, b| a.min(b)) }
 }
 

@@ -16,6 +16,7 @@ pub mod shapes;
 
 use crate::basis::{Basis, Block, Elements, Order, ShapeTable};
 use crate::linalg::{Matrix, Real, Vector};
+use rayon::prelude::*;
 use std::borrow::Cow;
 
 pub use bounds::Bounds;
@@ -99,6 +100,10 @@ pub trait Geometry<const D: usize, const N: usize, T: Real = f64>: Elements {
     fn map(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut MapTable<D, N, T>);
     /// A box that holds the element, for trees.
     fn bounds(&self, element: usize) -> Bounds<N, T>;
+    /// [`bounds`](Self::bounds) of every element; reference cells need to be looked at only once.
+    fn all_bounds(&self) -> Vec<Bounds<N, T>> {
+        (0..self.num_elements()).into_par_iter().map(|e| self.bounds(e)).collect()
+    }
     /// Whether the map of `element` is known to be affine: its Jacobian is constant, the images of segments are straight.
     fn is_affine(&self, _element: usize) -> bool {
         false
@@ -120,6 +125,7 @@ macro_rules! forward_geometry {
                 (**self).map(element, xi, order, table)
             }
             fn bounds(&self, element: usize) -> Bounds<N, T> { (**self).bounds(element) }
+            fn all_bounds(&self) -> Vec<Bounds<N, T>> { (**self).all_bounds() }
             fn is_affine(&self, element: usize) -> bool { (**self).is_affine(element) }
             fn control(&self) -> Option<Control<'_, D, N, T>> { (**self).control() }
             fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> { (**self).map_block(element) }

@@ -394,7 +394,7 @@ fn center_of<const S: usize, const N: usize, T: Real>(trace: &Trace<S, N, T>, el
 
 /// Diagonal of the box around the slave side, that of all sides where it is a point.
 fn sides_size<const S: usize, const N: usize, T: Real>(slave: &Trace<S, N, T>, masters: &[&Trace<S, N, T>]) -> T {
-    let around = |t: &Trace<S, N, T>| (0..t.space.num_elements()).map(|e| t.space.bounds(e)).reduce(|a, b| a.union(&b));
+    let around = |t: &Trace<S, N, T>| t.space.all_bounds().into_iter().reduce(|a, b| a.union(&b));
     masters.iter().filter_map(|m| around(m)).chain(around(slave)).map(|b| b.diagonal()).fold(T::zero(), |a, b| a.max(b))
 }
 

@@ -128,6 +128,9 @@ impl<const D: usize, const N: usize, T: Real, B: Elements, G: Geometry<D, N, T>>
     fn bounds(&self, element: usize) -> Bounds<N, T> {
         self.geometry.bounds(element)
     }
+    fn all_bounds(&self) -> Vec<Bounds<N, T>> {
+        self.geometry.all_bounds()
+    }
     fn is_affine(&self, element: usize) -> bool {
         self.geometry.is_affine(element)
     }

@@ -218,7 +218,7 @@ pub(super) fn share_of_touching<const S: usize, const N: usize>(
     left_out: &dyn Fn(usize, usize) -> bool,
 ) -> (BTreeMap<(usize, usize), f64>, Vec<f64>) {
     let facets: Vec<(usize, usize)> = sides.iter().enumerate().flat_map(|(k, s)| (0..s.trace.facets.len()).map(move |f| (k, f))).collect();
-    let boxes: Vec<Bounds<N>> = facets.iter().map(|&(k, f)| sides[k].trace.space.bounds(f)).collect();
+    let boxes: Vec<Bounds<N>> = sides.iter().flat_map(|s| s.trace.space.all_bounds()).collect();
     let tree = Tree::new(boxes);
     let size = tree.bounds().map_or(0.0, |b| b.diagonal());
     let mut closest: Vec<Option<ClosestPoint<S, N, _>>> = sides.iter().map(|_| None).collect();

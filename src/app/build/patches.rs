@@ -13,7 +13,6 @@ use crate::io::errors::Diagnostic;
 use crate::io::place::Located;
 use crate::linalg::Vector;
 use crate::space::{Body, Field, PatchSpec, SpecError};
-use rayon::prelude::*;
 
 /// The code and the text of what a built-in backend refuses.
 pub fn patch_fault(error: &SpecError) -> Fault {
@@ -164,10 +163,7 @@ pub(super) fn shares<const S: usize, const N: usize>(
 
 /// Middle and diagonal of the box around all bodies.
 pub(super) fn extent<const S: usize, const N: usize>(patches: &[PatchModel<S, N>]) -> (Vector<N>, f64) {
-    let boxes = patches.iter().filter_map(|p| {
-        let space = p.body.space();
-        (0..space.num_elements()).into_par_iter().map(|e| space.bounds(e)).reduce_with(|a, b| a.union(&b))
-    });
+    let boxes = patches.iter().filter_map(|p| p.body.space().all_bounds().into_iter().reduce(|a, b| a.union(&b)));
     let whole: Option<Bounds<N>> = boxes.reduce(|a, b| a.union(&b));
     whole.map_or((Vector::zeros(), 1.0), |b| (b.center(), b.diagonal().max(f64::MIN_POSITIVE)))
 }

@@ -4,7 +4,6 @@ use super::fewer::{chained, few_lines, joined, straightened};
 use super::frame::{axes, bar, outline};
 use super::sample::{Drawn, division, divisions, sampled};
 use super::{GREY, INK, PlotError, Root, document, shortened, stroke, text, units};
-use crate::basis::Elements;
 use crate::geometry::{Bounds, Geometry};
 use crate::io::table::short;
 use crate::io::vtu::Part;
@@ -45,8 +44,7 @@ pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, 
         None => None,
         Some(window) => {
             let inside = |b: &Bounds<2>| b.meets(&window).then(|| division(b, window.hi[0] - window.lo[0], DETAIL).round() as usize);
-            let wanted: Vec<Vec<_>> =
-                parts.iter().map(|p| (0..p.space.num_elements()).map(|e| inside(&p.space.bounds(e))).collect()).collect();
+            let wanted: Vec<Vec<_>> = parts.iter().map(|p| p.space.all_bounds().iter().map(inside).collect()).collect();
             Some((window, drawn(plot, parts, &wanted)?))
         }
     };

@@ -31,8 +31,7 @@ pub(super) fn division(bounds: &Bounds<2>, shown: f64, pixels: f64) -> f64 {
 
 /// Pieces per direction of every element of every part: by size, within [`PIECES`] in total.
 pub(super) fn divisions(parts: &[Part<'_, 2, 2>]) -> Vec<Vec<Option<usize>>> {
-    let boxes: Vec<Vec<_>> =
-        parts.iter().map(|p| (0..p.space.num_elements()).into_par_iter().map(|e| p.space.bounds(e)).collect()).collect();
+    let boxes: Vec<Vec<_>> = parts.iter().map(|p| p.space.all_bounds()).collect();
     let size = boxes.iter().flatten().copied().reduce(|a, b| a.union(&b)).map_or(1.0, |b| b.diagonal());
     let total: f64 = boxes.iter().flatten().map(|b| division(b, size, 900.0).powi(2)).sum();
     let scale = (PIECES / total).sqrt().min(1.0);
