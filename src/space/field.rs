@@ -84,6 +84,11 @@ impl<const N: usize, G: Geometry<N, N, T>, T: Real> Locator<N, G, T> {
         Self { closest: ClosestPoint::new(space) }
     }
 
+    /// Closest points of the body, with the tree over its elements.
+    pub fn closest(&self) -> &ClosestPoint<N, N, G, T> {
+        &self.closest
+    }
+
     /// The element of the point `x`; a point off the body by less than a quarter of the nearest element's size moves to
     /// the nearest point. A point shared by elements belongs to the first that is found, always the same one.
     ///

@@ -2,6 +2,7 @@
 
 use super::evaluate::{Answer, evaluate};
 use super::grammar::Reduce;
+use super::locate::Locators;
 use super::prepare::{Prepared, Preparer};
 use crate::app::build::Model;
 use crate::app::result::{CheckReport, ProbeReport, RunResult};
@@ -53,7 +54,8 @@ impl<const S: usize, const N: usize> Questions<S, N> {
         let answered: Vec<Value> = case.probes.iter().map(|p| json!({ "name": p.name.value, "value": 0.0 })).collect();
         let mut with_probes = skeleton.clone();
         with_probes["probes"] = Value::Array(answered);
-        let (of_probes, of_checks) = (Preparer::new(case, model, skeleton), Preparer::new(case, model, &with_probes));
+        let locators = Locators::new(model);
+        let (of_probes, of_checks) = (Preparer::new(case, &locators, skeleton), Preparer::new(case, &locators, &with_probes));
         let mut faults = Diagnostics::new();
         let understand = |preparer: &Preparer<'_, S, N>, faults: &mut Diagnostics, text: &Located<String>, both: bool| {
             preparer.prepare(&text.value, text.at, both).unwrap_or_else(|fault| {

@@ -3,11 +3,13 @@
 mod checks;
 mod evaluate;
 mod grammar;
+mod locate;
 mod path;
 mod prepare;
 
 pub use checks::Questions;
 pub use evaluate::{Answer, evaluate};
 pub use grammar::{At, FieldName, GrammarError, Kind, Quantity, Reduce};
+pub use locate::{Locators, Spot};
 pub use path::{known, look_up, resolve};
-pub use prepare::{Prepared, Preparer, SideSpot, Spot};
+pub use prepare::{Prepared, Preparer, SideSpot};

@@ -1,30 +1,22 @@
 //! Quantities of a case against its model, before anything is solved: names, components, places.
 
 use super::grammar::{At, FieldName, Kind, Quantity, Reduce};
+use super::locate::{Locators, Spot};
 use super::path::{known, look_up};
 use crate::app::build::{Model, canonical_side, named_point};
-use crate::geometry::{ClosestPoint, Geometry};
+use crate::geometry::ClosestPoint;
 use crate::io::case::{Case, Multiplier};
 use crate::io::errors::{Diagnostic, nearest};
 use crate::io::formula::{Formula, Scope};
 use crate::io::place::Place;
 use crate::linalg::Vector;
-use crate::space::{Locator, measure};
+use crate::space::measure;
 use serde_json::Value;
 
 /// A point off a body by less than this share of an element moves to the nearest point.
 const OFF: f64 = 0.25;
 /// How a point is written, in the plane and in space.
 const POINT: [&str; 2] = ["[x, y]", "[x, y, z]"];
-
-/// A place in a body.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Spot<const N: usize> {
-    /// The patch.
-    pub patch: usize,
-    /// Elements that hold the place, with local coordinates: several on common edges.
-    pub elements: Vec<(usize, Vector<N>)>,
-}
 
 /// A place on a slave side.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,13 +56,14 @@ pub enum Prepared<const S: usize, const N: usize> {
 pub struct Preparer<'a, const S: usize, const N: usize> {
     case: &'a Case,
     model: &'a Model<S, N>,
+    locators: &'a Locators<'a, S, N>,
     skeleton: &'a Value,
 }
 
 impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     /// `skeleton`: the JSON of a result before it is filled.
-    pub fn new(case: &'a Case, model: &'a Model<S, N>, skeleton: &'a Value) -> Self {
-        Self { case, model, skeleton }
+    pub fn new(case: &'a Case, locators: &'a Locators<'a, S, N>, skeleton: &'a Value) -> Self {
+        Self { case, model: locators.model(), locators, skeleton }
     }
 
     fn fault(&self, code: &'static str, message: String, at: Place) -> Box<Diagnostic> {
@@ -191,8 +184,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         let x = self.point(text, place, at)?;
         let (mut best, mut nearest_body): (Option<(f64, usize, usize, Vector<N>, Vector<N>)>, f64) = (None, f64::INFINITY);
         for &k in bodies {
-            let p = &self.model.patches[k];
-            match Locator::new(p.body.space().clone()).locate(&x) {
+            match self.locators.of(k).locate(&x) {
                 Ok(found) => {
                     // patches that touch in the point: the first one
                     let better = best.as_ref().is_none_or(|b| found.distance < b.0 - 1e-9 * self.model.size);
@@ -216,32 +208,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
                     .with_help("points off a body by less than a quarter of an element move to the nearest point"),
             ));
         };
-        Ok(Spot { patch, elements: self.neighbours(patch, element, xi, &x) })
-    }
-
-    /// All elements of the patch that hold the point `x`, the one found first.
-    fn neighbours(&self, patch: usize, element: usize, xi: Vector<N>, x: &Vector<N>) -> Vec<(usize, Vector<N>)> {
-        let space = self.model.patches[patch].body.space();
-        let mut all = vec![(element, xi)];
-        for e in (0..space.num_elements()).filter(|&e| e != element) {
-            let bounds = space.bounds(e);
-            let near = 1e-9 * bounds.diagonal();
-            if bounds.distance(x) > near {
-                continue;
-            }
-            let alone = crate::geometry::Embedded::new(
-                space.clone(),
-                vec![crate::geometry::Embedding { element: e, origin: Vector::zeros(), axes: crate::linalg::Matrix::<N, N>::identity() }],
-                space.cell(e),
-            );
-            if let Some(p) = crate::geometry::closest_point(&alone, x)
-                && p.distance <= near
-            {
-                all.push((e, p.xi));
-            }
-        }
-        all.sort_by_key(|(e, _)| *e);
-        all
+        Ok(Spot { patch, elements: self.locators.around(patch, element, xi, &x) })
     }
 
     fn side_measure(&self, text: &str, side: &str, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
