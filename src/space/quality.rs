@@ -116,7 +116,7 @@ pub fn quality<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -
 /// Gauss points are added per element until the sum settles, so that rational maps reach rounding; polynomial maps do at
 /// once. Affine maps take one point.
 pub fn measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?Sized>(geometry: &X) -> T {
-    const COUNTS: [usize; 6] = [4, 6, 9, 13, 18, 24];
+    const COUNTS: [usize; 8] = [2, 3, 4, 6, 9, 13, 18, 24];
     let rule_of = |kind: Cell, n: usize| -> Rule<D, T> {
         match kind {
             Cell::Tensor => TensorRule::<D, T>::gauss([n; D]).rule(0).clone(),
