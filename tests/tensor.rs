@@ -7,13 +7,13 @@ mod products;
 #[path = "common/states.rs"]
 mod states;
 
-use faying::assembly::{Form, Pattern, add_stiffness, gauss_rules, mass, refill_stiffness, stiffness};
-use faying::basis::{Basis, Block, Elements, Order, Rational, ShapeTable, TensorProduct};
+use faying::assembly::{Form, Pattern, add_stiffness, fields, gauss_rules, mass, refill_stiffness, stiffness};
+use faying::basis::{BSpline, Basis, Block, Elements, Order, Rational, ShapeTable, TensorProduct};
 use faying::geometry::ControlPoints;
 use faying::linalg::{Csr, Vector};
 use faying::physics::{Hooke, form};
 use faying::quadrature::{PerElement, Quadrature, TensorRule};
-use faying::space::{Deformed, Over, Space};
+use faying::space::{Deformed, Field, FieldAt, Over, Space, field_at};
 use products::{Plain, apart, coarse, forms, lagrange, maps, net, noise, smooth, spline, weights};
 use states::states_are_those_of_each_element;
 use std::sync::Arc;
@@ -278,4 +278,25 @@ fn degrees_beyond_the_kernels_and_permuted_blocks_take_the_plain_loop() {
     let space = Over { basis: Turned(TensorProduct::new(axes())), geometry };
     let rules = gauss_rules(&space, 0);
     assert_eq!(stiffness(&space, &rules, &laplace).vals(), stiffness(&Plain(&space), &rules, &laplace).vals());
+}
+
+#[test]
+fn fields_in_single_precision_are_those_of_each_element() {
+    let axes = || [BSpline::<f32>::uniform(2, 3, 1), BSpline::<f32>::uniform(1, 2, 0)];
+    let basis = TensorProduct::new(axes());
+    let points =
+        (0..Basis::<2, f32>::num_functions(&basis)).map(|i| Vector::<2, f32>::new((i % 5) as f32, (i / 5) as f32 + 0.1 * noise(i) as f32));
+    let space = ControlPoints { points: points.collect(), basis };
+    let u: Vec<f32> = (0..2 * Basis::<2, f32>::num_functions(&space)).map(|i| noise(7 * i) as f32).collect();
+    let rules = gauss_rules::<2, f32, _>(&space, 0);
+    let all = fields::<2, 2, f32, _, _, _>(&space, &rules, &u, &|_, states: &[FieldAt<2, 2, f32>]| states.to_vec());
+    assert_eq!(all.len(), 6);
+    for (e, states) in all.iter().enumerate() {
+        let own = field_at::<2, 2, f32, _>(&space, &Field { first: 0, components: 2 }, &u, e, &rules.rule(e).points);
+        assert_eq!(own.len(), 6);
+        for (a, b) in states.iter().zip(&own) {
+            let apart = (a.x - b.x).amax().max((a.value - b.value).amax()).max((a.gradient - b.gradient).amax());
+            assert!(apart <= 1e-5 * b.gradient.amax().max(5.0), "{a:?} {b:?}");
+        }
+    }
 }

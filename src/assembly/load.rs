@@ -174,31 +174,31 @@ pub fn trace_springs<const C: usize, const S: usize, const N: usize, T, Q>(
         block.resize(width * width, T::zero());
         for point in points {
             let stiffness = k(point.x, &point.normal) * point.ds;
-            for (a, &va) in point.values.iter().enumerate() {
-                for (b, &vb) in point.values.iter().enumerate() {
-                    let product = va * vb;
-                    for c in 0..C {
+            for (&va, rows) in point.values.iter().zip(block.chunks_exact_mut((C * width).max(1))) {
+                for (c, row) in rows.chunks_exact_mut(width).enumerate() {
+                    for (&vb, entries) in point.values.iter().zip(row.as_chunks_mut::<C>().0) {
+                        let product = va * vb;
                         for e in 0..C {
-                            block[(a * C + c) * width + b * C + e] += stiffness[(c, e)] * product;
+                            entries[e] += stiffness[(c, e)] * product;
                         }
                     }
                 }
             }
         }
         for (row, entries) in block.chunks_exact(width.max(1)).enumerate() {
-            for (col, &value) in entries.iter().enumerate() {
-                if value != T::zero() {
-                    add(matrix, C * trace.dofs[ids[row / C]] + row % C, C * trace.dofs[ids[col / C]] + col % C, value);
+            let (cols, vals) = matrix.row_mut(C * trace.dofs[ids[row / C]] + row % C);
+            let mut next = 0;
+            for (col, &value) in entries.iter().enumerate().filter(|(_, value)| **value != T::zero()) {
+                let j = C * trace.dofs[ids[col / C]] + col % C;
+                // functions of a side mostly follow one another in the row
+                if cols.get(next) != Some(j) {
+                    next = cols.position_of(j).expect("functions that meet on a side share an element");
                 }
+                vals[next] += value;
+                next += 1;
             }
         }
     });
-}
-
-/// Adds to an entry that the pattern has.
-fn add<T: Real>(matrix: &mut Csr<T>, row: usize, col: usize, value: T) {
-    let (cols, vals) = matrix.row_mut(row);
-    vals[cols.position_of(col).expect("functions that meet on a side share an element")] += value;
 }
 
 /// A point of a side.

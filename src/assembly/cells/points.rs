@@ -3,6 +3,8 @@
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::linalg::{Real, to_f64};
 use crate::quadrature::Rule;
+use std::collections::HashMap;
+use std::hash::Hash;
 
 /// Kinds of elements with tables at most: more have nothing in common.
 const KINDS: usize = 32;
@@ -15,34 +17,39 @@ pub(super) fn key<const D: usize, T: Real>(reference: usize, map: &dyn Basis<D, 
     Some((reference, map.reference(element)?, std::ptr::from_ref(rule).addr()))
 }
 
-/// Few kinds of many things, by their keys, in the order in which they were met.
+/// Kinds of many things, by their keys, in the order in which they were met; mostly few.
 #[derive(Debug)]
 pub(super) struct Kinds<K, X> {
-    keys: Vec<K>,
+    known: HashMap<K, usize>,
     /// What is kept of each.
     pub of: Vec<X>,
     /// The one asked for last: mostly the next, too.
-    last: usize,
+    last: Option<(K, usize)>,
 }
 
 impl<K, X> Default for Kinds<K, X> {
     fn default() -> Self {
-        Self { keys: Vec::new(), of: Vec::new(), last: 0 }
+        Self { known: HashMap::new(), of: Vec::new(), last: None }
     }
 }
 
-impl<K: PartialEq, X> Kinds<K, X> {
+impl<K: Copy + Eq + Hash, X> Kinds<K, X> {
     /// The place of `key`, `new` making what is kept of it where it is met for the first time; `None` where that has nothing.
     pub fn place(&mut self, key: K, new: impl FnOnce(usize) -> Option<X>) -> Option<usize> {
-        if self.keys.get(self.last) != Some(&key) {
-            let place = self.keys.iter().position(|k| *k == key).unwrap_or(self.keys.len());
-            if place == self.keys.len() {
-                self.of.push(new(place)?);
-                self.keys.push(key);
-            }
-            self.last = place;
+        if let Some((_, place)) = self.last.filter(|(last, _)| *last == key) {
+            return Some(place);
         }
-        Some(self.last)
+        let place = match self.known.get(&key) {
+            Some(&place) => place,
+            None => {
+                let place = self.of.len();
+                self.of.push(new(place)?);
+                self.known.insert(key, place);
+                place
+            }
+        };
+        self.last = Some((key, place));
+        Some(place)
     }
 }
 
