@@ -9,6 +9,7 @@
 
 use super::Buffer;
 use super::faer_panel::eliminate;
+use super::packed::{add, triangle};
 use faer::linalg::matmul::matmul;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -55,11 +56,6 @@ impl<'a> Node<'a> {
     fn height(&self) -> usize {
         self.width + self.below.len()
     }
-}
-
-/// Numbers of a packed lower triangle.
-fn triangle(n: usize) -> usize {
-    n * (n + 1) / 2
 }
 
 impl Fronts {
@@ -187,42 +183,6 @@ impl Fronts {
         }
         Some(())
     }
-}
-
-/// Adds the columns of a packed lower triangle whose positions lie in `from..to` to `target`, the columns `from..` of a front and its rows
-/// from `from` on, `height` numbers from column to column.
-fn add(packed: &[f64], position: &[u32], [from, to]: [usize; 2], target: &mut [f64], height: usize, runs: &mut Vec<Run>) {
-    let n = position.len();
-    let [first, last] = [from, to].map(|bound| position.partition_point(|&p| (p as usize) < bound));
-    // positions mostly follow one another
-    runs.clear();
-    for (row, &p) in position.iter().enumerate().skip(first) {
-        match runs.last_mut() {
-            Some(run) if run.at + row - run.first == p as usize => run.end = row + 1,
-            _ => runs.push(Run { first: row, end: row + 1, at: p as usize }),
-        }
-    }
-    let (mut at, mut current) = (triangle(n) - triangle(n - first), 0);
-    for column in first..last {
-        let values = &packed[at..at + n - column];
-        let line = &mut target[(position[column] as usize - from) * height..][..height];
-        current += usize::from(runs[current].end == column);
-        for run in &runs[current..] {
-            let begin = run.first.max(column);
-            let to = run.at + begin - run.first - from;
-            for (t, v) in line[to..to + run.end - begin].iter_mut().zip(&values[begin - column..run.end - column]) {
-                *t += v;
-            }
-        }
-        at += n - column;
-    }
-}
-
-/// Rows `first..end` of a child at positions from `at` on.
-struct Run {
-    first: usize,
-    end: usize,
-    at: usize,
 }
 
 /// Lower triangle of C = -A Bᵀ; what is above the diagonal of C is overwritten in part.

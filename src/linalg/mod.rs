@@ -15,6 +15,7 @@ mod minres;
 mod nnls;
 mod operator;
 pub mod ordering;
+mod packed;
 mod precondition;
 mod product;
 mod profile;
@@ -24,6 +25,7 @@ pub(crate) mod residual;
 mod small;
 pub(crate) mod solver;
 mod sparsity;
+mod symmetry;
 mod triplets;
 mod upper;
 
