@@ -53,3 +53,52 @@ impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>
         Some((control, self.kept.len() - 1))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::basis::{BSpline, Basis, LagrangeLine, TensorProduct};
+    use crate::geometry::ControlPoints;
+
+    /// Points of set `k`.
+    fn points(k: usize) -> Vec<Vector<2>> {
+        (0..3).map(|q| Vector::from([0.3 * q as f64, 0.01 * k as f64])).collect()
+    }
+
+    /// Asks for every element at `sets` sets of points, twice, and compares with the map itself; returns how many tables are kept.
+    fn compared(geometry: &dyn Geometry<2, 2, f64>, elements: usize, sets: usize, order: Order) -> usize {
+        let (mut sampler, mut found, mut known) = (Sampler::new(geometry, order), MapTable::new(), MapTable::new());
+        for _ in 0..2 {
+            for element in 0..elements {
+                for set in 0..sets {
+                    sampler.map(element, set, &points(set), &mut found);
+                    geometry.map(element, &points(set), order, &mut known);
+                    assert_eq!((&found.x, &found.jacobian, &found.hessian), (&known.x, &known.jacobian, &known.hessian));
+                }
+            }
+        }
+        sampler.kept.len()
+    }
+
+    fn bent<B: Basis<2>>(basis: B) -> ControlPoints<B, 2> {
+        let points = (0..basis.num_functions()).map(|i| Vector::from([i as f64 + (i as f64).sin(), (0.7 * i as f64).cos()])).collect();
+        ControlPoints { basis, points }
+    }
+
+    #[test]
+    fn maps_are_those_of_the_geometry_with_and_without_tables() {
+        let cells = bent(TensorProduct::new([LagrangeLine::new(2, 3), LagrangeLine::new(1, 4)]));
+        for order in [Order::Values, Order::Gradients, Order::Hessians] {
+            assert_eq!(compared(&cells, 12, 5, order), 5, "one reference cell");
+        }
+        // functions of a spline differ from element to element
+        let splines = bent(TensorProduct::new([BSpline::uniform(2, 3, 1), BSpline::uniform(2, 4, 1)]));
+        assert_eq!(compared(&splines, 12, 5, Order::Gradients), 0);
+    }
+
+    #[test]
+    fn beyond_the_tables_kept_the_map_is_asked() {
+        let cells = bent(TensorProduct::new([LagrangeLine::new(1, 2), LagrangeLine::new(1, 2)]));
+        assert_eq!(compared(&cells, 4, KEPT + 3, Order::Gradients), KEPT);
+    }
+}
