@@ -29,6 +29,23 @@ where
     Q: Quadrature<N, T> + ?Sized,
     R: Send,
 {
+    fields_keeping::<C, N, T, S, Q, (), R>(space, quadrature, u, &|(), element, states| visit(element, states))
+}
+
+/// [`fields`] for a visitor that keeps memory from element to element, some of them on each thread.
+pub(crate) fn fields_keeping<const C: usize, const N: usize, T, S, Q, W, R>(
+    space: &S,
+    quadrature: &Q,
+    u: &[T],
+    visit: &(impl Fn(&mut W, usize, &[FieldAt<C, N, T>]) -> R + Sync),
+) -> Vec<R>
+where
+    T: Real,
+    S: Space<N, N, T> + ?Sized,
+    Q: Quadrature<N, T> + ?Sized,
+    W: Default,
+    R: Send,
+{
     assert!(u.is_empty() || u.len() >= C * space.num_functions(), "a field of {C} components needs an unknown per component and function");
     let asks = || ask::<N, N, T, S>(space);
     if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
@@ -37,11 +54,11 @@ where
     if let Some(cells) = Sums::new(space, quadrature) {
         return cells.states(u, visit);
     }
-    let of_element = |(scratch, states): &mut (Scratch<N, N, T>, Vec<FieldAt<C, N, T>>), element: usize| {
+    let of_element = |(scratch, states, kept): &mut (Scratch<N, N, T>, Vec<FieldAt<C, N, T>>, W), element: usize| {
         scratch.gradients(space, element, quadrature.rule(element));
         states.clear();
         states.extend((0..scratch.dx.len()).map(|q| field_at::<C, N, T>(scratch, u, q)));
-        visit(element, states)
+        visit(kept, element, states)
     };
     (0..space.num_elements()).into_par_iter().map_init(Default::default, of_element).collect()
 }

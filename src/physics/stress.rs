@@ -1,7 +1,7 @@
 //! Stress and energy of discrete fields.
 
 use super::Material;
-use crate::assembly::fields;
+use crate::assembly::fields_keeping;
 use crate::linalg::{Matrix, Operator, Real, Vector, lit, num};
 use crate::quadrature::Quadrature;
 use crate::space::{Field, FieldAt, Space, field_at};
@@ -43,7 +43,7 @@ where
 
 /// `visit(element, stresses)` of every element, ascending: the field `u` and its stress at the points of its rule.
 ///
-/// [`stress_at`] of every element, for less: see [`fields`].
+/// [`stress_at`] of every element, for less: see [`crate::assembly::fields`].
 ///
 /// # Panics
 /// If `u` is shorter than C times the number of functions and not empty.
@@ -61,9 +61,10 @@ where
     M: Material<C, N, T> + ?Sized,
     R: Send,
 {
-    fields(space, quadrature, u, &|element, states: &[FieldAt<C, N, T>]| {
-        let stresses: Vec<Stress<C, N, T>> = states.iter().map(|state| stressed(material, state)).collect();
-        visit(element, &stresses)
+    fields_keeping(space, quadrature, u, &|stresses: &mut Vec<Stress<C, N, T>>, element, states: &[FieldAt<C, N, T>]| {
+        stresses.clear();
+        stresses.extend(states.iter().map(|state| stressed(material, state)));
+        visit(element, stresses)
     })
 }
 

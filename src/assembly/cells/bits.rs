@@ -45,7 +45,7 @@ fn numbers(space: &dyn Space<2, 2>, arch: pulp::Arch) -> Vec<f64> {
     let (load, moments) = sums.load(1, &sine);
     all.extend(sums.deviation(&form, &load, &sine));
     all.extend(load.iter().chain(&moments));
-    let states = sums.states(&load, &|_, states: &[FieldAt<1, 2>]| {
+    let states = sums.states(&load, &|(), _, states: &[FieldAt<1, 2>]| {
         states.iter().flat_map(|s| [s.x[0], s.x[1], s.value[0], s.gradient[0], s.gradient[1]]).collect::<Vec<f64>>()
     });
     all.extend(states.into_iter().flatten());

@@ -13,7 +13,6 @@ use std::ops::Range;
 const ELEMENTS_PER_TASK: usize = 64;
 
 /// Memory of one task.
-#[derive(Default)]
 struct Task<const C: usize, const N: usize, T: Real> {
     numbers: Vec<f64>,
     /// Where the numbers of every element are.
@@ -23,18 +22,23 @@ struct Task<const C: usize, const N: usize, T: Real> {
 }
 
 impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
-    /// `visit(element, states)` of every element, ascending: the field of `u` at the points of its rule. An empty `u` is zero.
-    pub fn states<const C: usize, R: Send>(&self, u: &[T], visit: &(impl Fn(usize, &[FieldAt<C, N, T>]) -> R + Sync)) -> Vec<R> {
+    /// `visit(kept, element, states)` of every element, ascending: the field of `u` at the points of its rule. An empty `u` is
+    /// zero; `kept` is what earlier elements left.
+    pub fn states<const C: usize, W: Default, R: Send>(
+        &self,
+        u: &[T],
+        visit: &(impl Fn(&mut W, usize, &[FieldAt<C, N, T>]) -> R + Sync),
+    ) -> Vec<R> {
         let elements = self.space.num_elements();
-        let new = || Task { numbers: Vec::new(), places: Vec::new(), ids: Vec::new(), states: Vec::new() };
-        let of_task = |memory: &mut Task<C, N, T>, task: usize| {
+        let new = || (Task { numbers: Vec::new(), places: Vec::new(), ids: Vec::new(), states: Vec::new() }, W::default());
+        let of_task = |(memory, kept): &mut (Task<C, N, T>, W), task: usize| {
             let range = task * ELEMENTS_PER_TASK..((task + 1) * ELEMENTS_PER_TASK).min(elements);
             self.fill(u, range.clone(), memory);
             let Task { numbers, places, states, .. } = memory;
             let own = |(e, place): (usize, &Range<usize>)| {
                 states.clear();
                 states.extend(numbers[place.clone()].chunks_exact(state_size(N, C)).map(state));
-                visit(e, states)
+                visit(kept, e, states)
             };
             range.zip(places.iter()).map(own).collect::<Vec<R>>()
         };

@@ -79,7 +79,7 @@ fn sums<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_,
     let numbers = |states: &[FieldAt<C, N>]| -> Vec<f64> {
         states.iter().flat_map(|s| s.x.iter().chain(&s.value).chain(&s.gradient).copied().collect::<Vec<_>>()).collect()
     };
-    all.extend(patches().states(&x, &|_, states| numbers(states)).into_iter().flatten());
+    all.extend(patches().states(&x, &|(), _, states| numbers(states)).into_iter().flatten());
     all
 }
 

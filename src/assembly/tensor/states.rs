@@ -113,12 +113,12 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, '_, N> {
 }
 
 impl Patches<'_> {
-    /// `visit(element, states)` of every element, ascending: the field of `u` at the points of its rule, first direction
-    /// fastest. An empty `u` is zero.
-    pub fn states<const C: usize, const N: usize, T: Real, R: Send>(
+    /// `visit(kept, element, states)` of every element, ascending: the field of `u` at the points of its rule, first direction
+    /// fastest. An empty `u` is zero; `kept` is what earlier elements left.
+    pub fn states<const C: usize, const N: usize, T: Real, W: Default, R: Send>(
         &self,
         u: &[T],
-        visit: &(impl Fn(usize, &[FieldAt<C, N, T>]) -> R + Sync),
+        visit: &(impl Fn(&mut W, usize, &[FieldAt<C, N, T>]) -> R + Sync),
     ) -> Vec<R> {
         let mut all = Vec::new();
         for (k, patch) in self.patches.iter().enumerate() {
@@ -138,15 +138,15 @@ impl Patches<'_> {
 }
 
 /// The elements at `slow` of the slowest direction, from the planes of its points.
-fn elements<const C: usize, const N: usize, T: Real, R: Send>(
+fn elements<const C: usize, const N: usize, T: Real, W: Default, R: Send>(
     patch: &Patch<'_>,
     slow: usize,
     planes: &[f64],
-    visit: &(impl Fn(usize, &[FieldAt<C, N, T>]) -> R + Sync),
+    visit: &(impl Fn(&mut W, usize, &[FieldAt<C, N, T>]) -> R + Sync),
 ) -> Vec<R> {
     let (first, middle) = (&patch.axes[0], if N == 3 { &patch.axes[1] } else { &patch.none });
     let size = size(N, C);
-    let own = |states: &mut Vec<FieldAt<C, N, T>>, e: usize| {
+    let own = |(states, kept): &mut (Vec<FieldAt<C, N, T>>, W), e: usize| {
         let (i, j) = (e % first.elements(), e / first.elements());
         states.clear();
         for plane in planes.chunks_exact(middle.points() * first.points() * size) {
@@ -156,9 +156,9 @@ fn elements<const C: usize, const N: usize, T: Real, R: Send>(
                 states.extend(points.chunks_exact(size).map(state));
             }
         }
-        visit(patch.first_element + e + slow * first.elements() * middle.elements(), states)
+        visit(kept, patch.first_element + e + slow * first.elements() * middle.elements(), states)
     };
-    (0..first.elements() * middle.elements()).into_par_iter().map_init(Vec::new, own).collect()
+    (0..first.elements() * middle.elements()).into_par_iter().map_init(Default::default, own).collect()
 }
 
 /// A point from its numbers: position, values, gradients component by component.
