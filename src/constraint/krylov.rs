@@ -44,7 +44,7 @@ impl Krylov {
         let (n, m) = (s.num_unknowns(), s.num_rows());
         let w: Vec<f64> = (0..m).map(|a| if s.enforced[a] { (WEIGHT / s.k[a]).min(0.5 / s.compliance[a]) } else { 0.0 }).collect();
         let f: Vec<f64> = (0..m).map(|a| if s.enforced[a] { 1.0 - w[a] * s.compliance[a] } else { 0.0 }).collect();
-        let matrix = penalised(s, &s.rows.transposed(), &w, &[]);
+        let matrix = penalised(s, &s.columns, &w, &[]);
         let inverse = inverse_diagonal(&matrix)?;
         refuse_motions(&matrix, &inverse, &self.limits)?;
         let scale: Vec<f64> = s.diagonal.iter().map(|d| if *d != 0.0 { 1.0 / d.abs() } else { 1.0 }).collect();

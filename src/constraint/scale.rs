@@ -7,15 +7,8 @@
 
 use super::{ConstrainedSystem, RowKind, SolveError};
 use crate::coupling::Rows;
-use crate::linalg::residual::{RESIDUAL_LIMIT, Sum, max, ratio};
 use crate::linalg::solver::NO_SYMMETRY;
-use crate::linalg::{Csr, Limits, LinearError, Operator, Real, Triplets};
-
-/// Corrections of an iterative method: each gains several digits.
-const MAX_CORRECTIONS: usize = 20;
-
-/// Gaps below this part of the largest unknown, both in scaled rows, are its rounding.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
+use crate::linalg::{Csr, LinearError, Operator, Real, Triplets};
 
 /// What a constraint row weighs.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -79,6 +72,8 @@ pub(crate) struct Scaled<'a> {
     pub symmetric: bool,
     /// Scaled B where it differs from C.
     pub reaction: Option<Csr<f64>>,
+    /// Scaled Bᵀ, open rows included.
+    pub columns: Csr<f64>,
     /// Scaled g.
     pub offset: Vec<f64>,
     /// Scaled compliance.
@@ -138,7 +133,9 @@ impl<'a> Scaled<'a> {
         let offset = (0..m).map(|i| system.offset[i] * factor[i]).collect();
         let places = row_places(system, m, n);
         let symmetric = stiffness.is_symmetric(NO_SYMMETRY);
-        Ok(Self { stiffness, diagonal, load: system.load, rows, symmetric, reaction, offset, compliance, k, factor, enforced, places })
+        let columns = reaction.as_ref().unwrap_or(&rows).transposed();
+        let load = system.load;
+        Ok(Self { stiffness, diagonal, load, rows, symmetric, reaction, columns, offset, compliance, k, factor, enforced, places })
     }
 
     /// Refuses a system that is not symmetric.
@@ -164,158 +161,6 @@ impl<'a> Scaled<'a> {
 
     pub(crate) fn num_rows(&self) -> usize {
         self.offset.len()
-    }
-
-    /// Residuals r1 = f - K u - Bᵀ l, r2 = -g - C u + s l (zero on open rows), and their size relative to their terms.
-    ///
-    /// Summed in twice the working precision. Rows of r1 are measured by `scale` (the reciprocal of a diagonal), rows of r2 by 1 / k_i.
-    pub(crate) fn residual(&self, scale: &[f64], u: &[f64], l: &[f64], r1: &mut [f64], r2: &mut [f64]) -> f64 {
-        let mut sums = vec![Sum::default(); r1.len()];
-        for i in 0..r1.len() {
-            let (cols, vals) = self.stiffness.row(i);
-            let mut sum = Sum::default();
-            sum.add(self.load[i]);
-            for (j, &v) in cols.zip(vals) {
-                sum.add_product(-v, u[j]);
-            }
-            sums[i] = sum;
-        }
-        let reaction = self.reaction.as_ref().unwrap_or(&self.rows);
-        let (mut top1, mut bottom1, mut top2, mut bottom2) = (0.0, 0.0, 0.0, 0.0);
-        for a in 0..r2.len() {
-            r2[a] = 0.0;
-            if !self.enforced[a] {
-                continue;
-            }
-            let (cols, vals) = reaction.row(a);
-            for (j, &v) in cols.zip(vals) {
-                sums[j].add_product(-v, l[a]);
-            }
-            let (cols, vals) = self.rows.row(a);
-            let mut sum = Sum::default();
-            sum.add(-self.offset[a]);
-            sum.add_product(self.compliance[a], l[a]);
-            for (j, &v) in cols.zip(vals) {
-                sum.add_product(-v, u[j]);
-            }
-            r2[a] = sum.value();
-            top2 = max(top2, r2[a].abs() / self.k[a]);
-            bottom2 = max(bottom2, sum.size / self.k[a]);
-        }
-        for i in 0..r1.len() {
-            r1[i] = sums[i].value();
-            top1 = max(top1, r1[i].abs() * scale[i]);
-            bottom1 = max(bottom1, sums[i].size * scale[i]);
-        }
-        // rows that hold their unknowns at zero have no terms but rounding: that of the unknowns is no residual
-        let unknown = u.iter().fold(0.0, |m, &v| max(m, v.abs()));
-        let second = if top2 <= ROUNDING * unknown { 0.0 } else { ratio(top2, bottom2) };
-        max(ratio(top1, bottom1), second)
-    }
-
-    /// Adds corrections until they stall: u += du, l += dl with (du, dl) = `correct`(r1, r2). Returns (u, l, residual).
-    pub(crate) fn refined(
-        &self,
-        scale: &[f64],
-        max_steps: usize,
-        mut correct: impl FnMut(&[f64], &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError>,
-    ) -> Result<(Vec<f64>, Vec<f64>, f64), LinearError> {
-        let largest = |x: &[f64]| x.iter().fold(0.0, |m, &v| max(m, v.abs()));
-        let (mut u, mut l) = (vec![0.0; self.num_unknowns()], vec![0.0; self.num_rows()]);
-        // the residual of zero is the load, without a product
-        let mut r1 = self.load.to_vec();
-        let mut r2: Vec<f64> = (0..l.len()).map(|a| if self.enforced[a] { -self.offset[a] } else { 0.0 }).collect();
-        let mut size = if r1.iter().chain(&r2).any(|&r| r != 0.0) { 1.0 } else { 0.0 };
-        let mut step = f64::INFINITY;
-        for k in 0..=max_steps {
-            if size == 0.0 {
-                break;
-            }
-            let (du, dl) = correct(&r1, &r2)?;
-            // the scaled multipliers are lengths like u; each part is measured by itself
-            let next = max(ratio(largest(&du), largest(&u)), ratio(largest(&dl), largest(&l)));
-            if k > 0 && (next.is_nan() || (next > 0.5 * step && size <= RESIDUAL_LIMIT)) {
-                break;
-            }
-            for i in 0..u.len() {
-                u[i] += du[i];
-            }
-            for a in 0..l.len() {
-                l[a] += dl[a];
-            }
-            size = self.residual(scale, &u, &l, &mut r1, &mut r2);
-            // corrections shrink at a steady rate: the next one would be lost in rounding
-            if size.is_nan() || (k > 0 && size <= RESIDUAL_LIMIT && next * ratio(next, step.min(1.0)) <= f64::EPSILON) {
-                break;
-            }
-            step = if k > 0 { next } else { f64::INFINITY };
-        }
-        Ok((u, l, size))
-    }
-
-    /// Adds corrections of an iterative method until error and residual are below the tolerance: u += du, l += dl with
-    /// (du, dl, iterations) = `correct`(r1, r2, its own limits). Returns (u, l, residual, iterations).
-    ///
-    /// Every correction goes to the residual `inner` (the tolerance, where that is larger); what it leaves over is what the next one begins
-    /// with, so the end is decided by the true residual. The error left is estimated from the last two corrections.
-    ///
-    /// # Errors
-    /// [`LinearError::NotConverged`] with the tolerance of `limits` and the true residual, and those of `correct`.
-    pub(crate) fn iterated(
-        &self,
-        scale: &[f64],
-        limits: &Limits,
-        inner: f64,
-        mut correct: impl FnMut(&[f64], &[f64], &Limits) -> Result<(Vec<f64>, Vec<f64>, usize), LinearError>,
-    ) -> Result<(Vec<f64>, Vec<f64>, f64, usize), LinearError> {
-        let largest = |x: &[f64]| x.iter().fold(0.0, |m, &v| max(m, v.abs()));
-        let (mut u, mut l) = (vec![0.0; self.num_unknowns()], vec![0.0; self.num_rows()]);
-        let (mut r1, mut r2) = (u.clone(), l.clone());
-        let mut size = self.residual(scale, &u, &l, &mut r1, &mut r2);
-        let goal = limits.tolerance.max(f64::EPSILON);
-        let most = limits.most((10 * (u.len() + l.len())).max(100));
-        let stopped = |done: usize, residual: f64| LinearError::NotConverged { iterations: done, residual, tolerance: limits.tolerance };
-        let (mut done, mut before) = (0, f64::INFINITY);
-        for round in 0..MAX_CORRECTIONS {
-            if size == 0.0 {
-                break;
-            }
-            if size.is_nan() {
-                return Err(LinearError::NotFinite);
-            }
-            if done >= most {
-                return Err(stopped(done, size));
-            }
-            let own = Limits { tolerance: inner.max(limits.tolerance), max_iterations: most - done, stop: limits.stop.clone() };
-            let (du, dl, iterations) = correct(&r1, &r2, &own).map_err(|error| match error {
-                LinearError::NotConverged { iterations, residual, .. } => stopped(done + iterations, residual * size),
-                LinearError::Stopped { iterations } => LinearError::Stopped { iterations: done + iterations },
-                other => other,
-            })?;
-            done += iterations;
-            for i in 0..u.len() {
-                u[i] += du[i];
-            }
-            for a in 0..l.len() {
-                l[a] += dl[a];
-            }
-            size = self.residual(scale, &u, &l, &mut r1, &mut r2);
-            // the scaled multipliers are lengths like u; each part is measured by itself
-            let step = max(ratio(largest(&du), largest(&u)), ratio(largest(&dl), largest(&l)));
-            let rate = if round > 0 { ratio(step, before) } else { 1.0 };
-            before = step;
-            if size <= goal && (step <= goal || step * rate <= goal || rate > 0.5 && round > 0) {
-                break;
-            }
-            if rate > 0.5 && round > 0 {
-                // rounding stands in the way of more
-                break;
-            }
-        }
-        if size.is_nan() || size > RESIDUAL_LIMIT.max(goal) {
-            return Err(stopped(done, size));
-        }
-        Ok((u, l, size, done))
     }
 }
 

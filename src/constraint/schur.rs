@@ -65,7 +65,7 @@ impl Schur {
                 Err(other) => return Err(other),
             }
         }
-        let matrix = penalised(s, &part.columns, &part.w, places);
+        let matrix = penalised(s, &s.columns, &part.w, places);
         self.penalised.prepare(&matrix)?;
         definite(&mut self.penalised, &matrix).map(|()| true)
     }
@@ -134,8 +134,6 @@ fn definite(factor: &mut Ldlt, matrix: &Csr<f64>) -> Result<(), LinearError> {
 
 /// What does not depend on the factor that is taken.
 struct Parts {
-    /// Cᵀ, open rows included.
-    columns: Csr<f64>,
     w: Vec<f64>,
     f: Vec<f64>,
     /// 1 on enforced rows, 0 on others.
@@ -150,7 +148,6 @@ struct Parts {
 impl Parts {
     fn of(s: &Scaled<'_>) -> Self {
         let m = s.num_rows();
-        let columns = s.rows.transposed();
         let enforced: Vec<f64> = s.enforced.iter().map(|&e| if e { 1.0 } else { 0.0 }).collect();
         let w: Vec<f64> = (0..m).map(|a| if s.enforced[a] { (1.0 / s.k[a]).min(0.5 / s.compliance[a]) } else { 0.0 }).collect();
         let f = (0..m).map(|a| if s.enforced[a] { 1.0 - w[a] * s.compliance[a] } else { 0.0 }).collect();
@@ -163,7 +160,7 @@ impl Parts {
             let (cols, vals) = left.row_mut(a);
             cols.zip(vals).for_each(|(j, v)| *v *= enforced[a] * q[j]);
         }
-        let mut right = columns.clone();
+        let mut right = s.columns.clone();
         for i in 0..right.num_rows() {
             let (cols, vals) = right.row_mut(i);
             cols.zip(vals).for_each(|(a, v)| *v *= enforced[a]);
@@ -173,7 +170,7 @@ impl Parts {
         let diagonal: Vec<f64> = (0..m).map(|a| if s.enforced[a] { s.compliance[a] + REGULARISATION * own[a] } else { s.k[a] }).collect();
         let index = (0..m).map(|a| u32::try_from(a).expect("fewer than 2^32 rows")).collect();
         let n = sum(1.0, &inner, 1.0, &Csr::from_parts(m, (0..=m).collect(), index, diagonal)).with_places(s.places.clone());
-        Self { columns, w, f, enforced, scale, q, n }
+        Self { w, f, enforced, scale, q, n }
     }
 
     /// z = N⁻¹ (C Q⁻¹ K Q⁻¹ Cᵀ + s) N⁻¹ r over the enforced rows.
@@ -209,7 +206,7 @@ impl ConstraintSolver<f64> for Schur {
         let mut answer = self.solved(&s, &part, floats);
         if !floats && matches!(answer, Err(LinearError::Singular { .. })) {
             // a stiffness on the brink of being singular
-            self.penalised.prepare(&penalised(&s, &part.columns, &part.w, places))?;
+            self.penalised.prepare(&penalised(&s, &s.columns, &part.w, places))?;
             floats = true;
             answer = self.solved(&s, &part, floats);
         }

@@ -27,6 +27,7 @@ pub(crate) mod solver;
 mod sparsity;
 mod symmetry;
 mod triplets;
+pub(crate) mod twice;
 mod upper;
 
 pub(crate) use buffer::Buffer;

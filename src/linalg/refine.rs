@@ -1,7 +1,8 @@
 //! Solutions by a factor, refined on the matrix itself with residuals in twice the working precision.
 
-use super::residual::{RESIDUAL_LIMIT, Sum, max, ratio, residual};
-use super::{LinearError, Operator};
+use super::residual::{RESIDUAL_LIMIT, max, ratio, residual};
+use super::twice::residual_rows;
+use super::{Buffer, LinearError, Operator};
 
 /// Refinements after which a residual that still falls is taken as it is.
 const MAX_REFINEMENTS: usize = 10;
@@ -26,7 +27,7 @@ pub(crate) fn refine(
     let largest = |x: &[f64]| x.iter().fold(0.0, |m, &v| max(m, v.abs()));
     x.copy_from_slice(b);
     inverse(x)?;
-    let mut r = vec![0.0; n];
+    let mut r = Buffer::try_zeros(n).ok_or(LinearError::Memory)?;
     let mut size = accurate_residual(a, scale, b, x, &mut r);
     let (mut step, mut steps) = (f64::INFINITY, 0);
     while steps < MAX_REFINEMENTS && size > 0.0 {
@@ -57,17 +58,9 @@ fn accurate_residual(a: &dyn Operator<f64>, scale: &[f64], b: &[f64], x: &[f64],
     let Some(matrix) = a.csr() else {
         return residual(a, scale, b, x, r);
     };
-    let (mut top, mut bottom) = (0.0, 0.0);
-    for i in 0..b.len() {
-        let (cols, vals) = matrix.row(i);
-        let mut sum = Sum::default();
+    let [top, bottom] = residual_rows(matrix, x, r, &|i, mut sum| {
         sum.add(b[i]);
-        for (j, &v) in cols.zip(vals) {
-            sum.add_product(-v, x[j]);
-        }
-        r[i] = sum.value();
-        top = max(top, r[i].abs() * scale[i]);
-        bottom = max(bottom, sum.size * scale[i]);
-    }
+        (sum.value(), [sum.value().abs() * scale[i], sum.size * scale[i]])
+    });
     ratio(top, bottom)
 }

@@ -35,51 +35,6 @@ pub(crate) fn residual<T: Real>(a: &dyn Operator<T>, scale: &[f64], b: &[T], x: 
     ratio(top, bottom)
 }
 
-/// A sum of products in twice the working precision (Ogita, Rump, Oishi, SIAM J. Sci. Comput. 26 (2005) 1955-1988).
-///
-/// Refinement with such residuals makes the solution itself accurate, not only its residual: two methods then agree
-/// on bodies of very different stiffness.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sum {
-    high: f64,
-    low: f64,
-    /// Sum of the sizes of all terms.
-    pub size: f64,
-}
-
-impl Sum {
-    #[inline]
-    pub(crate) fn add(&mut self, x: f64) {
-        let sum = self.high + x;
-        let part = sum - self.high;
-        self.low += (self.high - (sum - part)) + (x - part);
-        self.high = sum;
-        self.size += x.abs();
-    }
-
-    #[inline]
-    pub(crate) fn add_product(&mut self, a: f64, b: f64) {
-        let product = a * b;
-        // Veltkamp's halves: without the instruction, a fused multiply-add is a library call
-        let (a1, a2) = halves(a);
-        let (b1, b2) = halves(b);
-        self.low += a2 * b2 - (((product - a1 * b1) - a2 * b1) - a1 * b2);
-        self.add(product);
-    }
-
-    #[inline]
-    pub(crate) fn value(&self) -> f64 {
-        self.high + self.low
-    }
-}
-
-#[inline]
-fn halves(a: f64) -> (f64, f64) {
-    let c = 134_217_729.0 * a; // 2^27 + 1
-    let high = c - (c - a);
-    (high, a - high)
-}
-
 /// Reciprocal of the largest entry of every row (of the diagonal, where there is no matrix); one for empty rows.
 pub(crate) fn row_scale<T: Real>(a: &dyn Operator<T>) -> Vec<f64> {
     let largest: Vec<f64> = match a.csr() {
@@ -118,39 +73,68 @@ pub(crate) struct Soft {
     pub growth: f64,
 }
 
-/// Steps of inverse iteration with M, scaled by |diagonal|; `None` if `solve` overflows.
+/// Inverse iteration with a matrix M, scaled by |diagonal|, one solution at a time.
 ///
 /// Rigid motions grow by the reciprocal of rounding errors in one step, all else by at most the condition.
-pub(crate) fn softest(diagonal: &[f64], steps: usize, mut solve: impl FnMut(&mut [f64])) -> Option<Soft> {
-    let weight = |i: usize| if diagonal[i] > 0.0 { diagonal[i] } else { 1.0 };
-    let mut v = trial_numbers(diagonal.len());
-    let mut size = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    v.iter_mut().enumerate().for_each(|(i, x)| *x *= weight(i).sqrt());
-    let mut growth = 0.0;
-    for step in 0..steps {
-        if step > 0 {
-            for i in 0..v.len() {
-                v[i] *= weight(i);
-            }
+#[derive(Debug)]
+pub(crate) struct InverseIteration<'a> {
+    diagonal: &'a [f64],
+    vector: Vec<f64>,
+    size: f64,
+    growth: f64,
+}
+
+impl<'a> InverseIteration<'a> {
+    pub(crate) fn begin(diagonal: &'a [f64]) -> Self {
+        let mut vector = trial_numbers(diagonal.len());
+        let size = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+        vector.iter_mut().zip(diagonal).for_each(|(x, &d)| *x *= weight(d).sqrt());
+        Self { diagonal, vector, size, growth: 0.0 }
+    }
+
+    /// The right-hand side of the next step, to be replaced by the solution.
+    pub(crate) fn right_side(&mut self) -> &mut [f64] {
+        if self.growth > 0.0 {
+            self.vector.iter_mut().zip(self.diagonal).for_each(|(x, &d)| *x *= weight(d));
         }
-        solve(&mut v);
-        let norm = (0..v.len()).map(|i| v[i] * v[i] * weight(i)).sum::<f64>().sqrt();
+        &mut self.vector
+    }
+
+    /// Ends a step; `None` if the solution overflowed.
+    pub(crate) fn solved(&mut self) -> Option<()> {
+        let norm = self.vector.iter().zip(self.diagonal).map(|(x, &d)| x * x * weight(d)).sum::<f64>().sqrt();
         if !norm.is_finite() || norm == 0.0 {
             return None;
         }
-        growth = norm / size;
-        size = 1.0;
-        for x in &mut v {
-            *x /= norm;
-        }
+        self.growth = norm / self.size;
+        self.size = 1.0;
+        self.vector.iter_mut().for_each(|x| *x /= norm);
+        Some(())
     }
-    Some(Soft { vector: v, growth })
+
+    pub(crate) fn end(self) -> Soft {
+        Soft { vector: self.vector, growth: self.growth }
+    }
+}
+
+fn weight(diagonal: f64) -> f64 {
+    if diagonal > 0.0 { diagonal } else { 1.0 }
+}
+
+/// Steps of inverse iteration with M; `None` if `solve` overflows.
+pub(crate) fn softest(diagonal: &[f64], steps: usize, mut solve: impl FnMut(&mut [f64])) -> Option<Soft> {
+    let mut iteration = InverseIteration::begin(diagonal);
+    for _ in 0..steps {
+        solve(iteration.right_side());
+        iteration.solved()?;
+    }
+    Some(iteration.end())
 }
 
 /// Condition of D^-1/2 A D^-1/2, D = |diagonal|: the largest row sum of its sizes over its Rayleigh quotient at the soft vector v.
 pub(crate) fn scaled_condition(a: &Csr<f64>, diagonal: &[f64], v: &[f64]) -> f64 {
     let n = a.num_rows();
-    let weight: Vec<f64> = diagonal.iter().map(|&d| if d > 0.0 { d } else { 1.0 }).collect();
+    let weight: Vec<f64> = diagonal.iter().map(|&d| weight(d)).collect();
     let root: Vec<f64> = weight.iter().map(|w| 1.0 / w.sqrt()).collect();
     let (mut largest, mut energy, mut size) = (0.0, 0.0, 0.0);
     for i in 0..n {

@@ -93,6 +93,12 @@ impl Sparsity {
         &self.cols[self.ptr[i]..self.ptr[i + 1]]
     }
 
+    /// Groups of columns of some groups of rows, one after the other.
+    #[inline]
+    pub(crate) fn groups(&self, rows: Range<usize>) -> &[u32] {
+        &self.cols[self.ptr[rows.start]..self.ptr[rows.end]]
+    }
+
     /// Number of the entry (k, l) of block `at` of group `i` of rows.
     #[inline]
     pub(crate) fn place(&self, i: usize, at: usize, k: usize, l: usize) -> usize {
