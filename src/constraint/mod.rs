@@ -10,6 +10,7 @@ mod free;
 mod krylov;
 mod penalised;
 mod proximal;
+mod quasidefinite;
 mod refinement;
 pub mod scale;
 mod schur;

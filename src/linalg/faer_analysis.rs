@@ -11,6 +11,7 @@ use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
 use faer::sparse::linalg::cholesky::{self, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
+use pulp::Arch;
 use std::sync::Arc;
 
 /// Pivots below this share of their diagonal entry are rounding.
@@ -87,16 +88,12 @@ impl Analysis {
         }
     }
 
-    /// x = A⁻¹ x by the factor of A.
-    pub fn solve(&self, factor: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+    /// x = A⁻¹ x by the factor of A, for each of R vectors; `memory` is kept for the next ones.
+    pub fn solve<const R: usize>(&self, factor: &[f64], x: [&mut [f64]; R], memory: &mut Buffer<f64>) -> Result<(), LinearError> {
         if let (SymbolicCholeskyRaw::Supernodal(nodes), Some(perm)) = (self.symbolic.raw(), self.symbolic.perm()) {
-            let order = perm.arrays().0;
-            let mut own: Vec<f64> = order.iter().map(|&old| x[old]).collect();
-            solve(nodes, factor, &mut own);
-            order.iter().zip(own).for_each(|(&old, v)| x[old] = v);
-            return Ok(());
+            return solve(Arch::new(), nodes, factor, perm.arrays().0, x, memory).ok_or(LinearError::Memory);
         }
-        self.solve_by_faer(factor, x)
+        x.into_iter().try_for_each(|x| self.solve_by_faer(factor, x))
     }
 
     /// The same by faer: for factors of single unknowns.

@@ -11,7 +11,7 @@ use super::solver::NO_SYMMETRY;
 use super::{Buffer, Csr, LinearError, LinearSolver, Operator, Sparsity, Upper};
 use faer::dyn_stack::MemBuffer;
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// What this share of the diagonal lifts is rounding, too: a body on soft springs may have pivots of either sign. A coupling that
 /// takes energy away does so in proportion to the stiffness.
@@ -27,6 +27,8 @@ pub struct Ldlt {
     factor: Buffer<f64>,
     /// Memory of the last factorisation.
     work: Option<[Buffer<f64>; 2]>,
+    /// Memory of the last solution.
+    vectors: Mutex<Buffer<f64>>,
     ready: bool,
     /// Values that were factorised, from the second matrix of a pattern on: one matrix alone needs no memory to compare.
     values: Vec<f64>,
@@ -199,6 +201,7 @@ impl Ldlt {
             self.analysis = None;
             self.factor = Buffer::default();
             self.work = None;
+            self.vectors = Mutex::default();
             self.analysis = Some(analyse(&upper.pattern, places)?);
             self.analyses += 1;
         }
@@ -260,14 +263,21 @@ impl Ldlt {
 
     /// x = A⁻¹ x by the factor alone.
     pub(crate) fn apply_inverse(&self, x: &mut [f64]) -> Result<(), LinearError> {
+        self.apply_inverse_each([x])
+    }
+
+    /// The same for each of R vectors, in the time of little more than one.
+    pub(crate) fn apply_inverse_each<const R: usize>(&self, x: [&mut [f64]; R]) -> Result<(), LinearError> {
         let Some(analysis) = self.analysis.as_ref().filter(|_| self.ready) else {
             return Err(LinearError::Singular { residual: 1.0 });
         };
         let n = analysis.symbolic.nrows();
-        if x.len() != n {
+        if let Some(x) = x.iter().find(|x| x.len() != n) {
             return Err(LinearError::Shape { expected: n, found: x.len() });
         }
-        analysis.solve(&self.factor, x)
+        // another thread may have it
+        let (mut kept, mut own) = (self.vectors.try_lock().ok(), Buffer::default());
+        analysis.solve(&self.factor, x, kept.as_deref_mut().unwrap_or(&mut own))
     }
 }
 

@@ -75,22 +75,35 @@ impl WithSimd for Few<'_> {
 
 /// y += sum_k factor_k x_k.
 #[inline(always)]
-pub(super) fn subtract<S: Simd, const K: usize>(simd: S, y: &mut [f64], x: [&[f64]; K], factor: [f64; K]) {
-    let n = y.len();
-    let wide = factor.map(|f| simd.splat_f64s(f));
+fn subtract<S: Simd, const K: usize>(simd: S, y: &mut [f64], x: [&[f64]; K], factor: [f64; K]) {
+    subtract_each(simd, [y], x, [factor]);
+}
+
+/// The same for each of several y with factors of its own: every x is read once.
+#[inline(always)]
+pub(super) fn subtract_each<S: Simd, const K: usize, const R: usize>(simd: S, y: [&mut [f64]; R], x: [&[f64]; K], factor: [[f64; K]; R]) {
+    let n = x[0].len();
+    let wide = factor.map(|f| f.map(|f| simd.splat_f64s(f)));
     let x: [_; K] = std::array::from_fn(|k| S::as_simd_f64s(&x[k][..n]));
-    let (lanes, rest) = S::as_mut_simd_f64s(y);
-    for (i, y) in lanes.iter_mut().enumerate() {
-        for k in 0..K {
-            *y = simd.mul_add_f64s(wide[k], x[k].0[i], *y);
+    let y = y.map(|y| S::as_mut_simd_f64s(&mut y[..n]));
+    for i in 0..x[0].0.len() {
+        let x: [S::f64s; K] = std::array::from_fn(|k| x[k].0[i]);
+        for r in 0..R {
+            let mut sum = y[r].0[i];
+            for k in 0..K {
+                sum = simd.mul_add_f64s(wide[r][k], x[k], sum);
+            }
+            y[r].0[i] = sum;
         }
     }
-    if !rest.is_empty() {
-        let mut last = simd.partial_load_f64s(rest);
-        for k in 0..K {
-            last = simd.mul_add_f64s(wide[k], simd.partial_load_f64s(x[k].1), last);
+    if !x[0].1.is_empty() {
+        for r in 0..R {
+            let mut last = simd.partial_load_f64s(y[r].1);
+            for k in 0..K {
+                last = simd.mul_add_f64s(wide[r][k], simd.partial_load_f64s(x[k].1), last);
+            }
+            simd.partial_store_f64s(y[r].1, last);
         }
-        simd.partial_store_f64s(rest, last);
     }
 }
 

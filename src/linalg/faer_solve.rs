@@ -1,6 +1,7 @@
 //! Solutions with a supernodal L D Lᵀ: a column of supernodes after the other, four columns at a time.
 
-use super::faer_panel::subtract;
+use super::Buffer;
+use super::faer_panel::subtract_each;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -9,132 +10,192 @@ const FEW: usize = 4;
 /// Partial sums of a dot product: as many whatever the lanes, so that all instruction sets give the same bits from one factor.
 const SUMS: usize = 8;
 
-/// x = (L D Lᵀ)⁻¹ x in the order of the factor.
-pub(super) fn solve(nodes: &SymbolicSupernodalCholesky<usize>, factor: &[f64], x: &mut [f64]) {
-    let count = nodes.n_supernodes();
+/// x = (L D Lᵀ)⁻¹ x for each of R vectors, unknown `order[i]` of the vector being unknown i of the factor. The factor is read once for all,
+/// and each solution has the bits that it has alone. `None` where there is no memory.
+pub(super) fn solve<const R: usize>(
+    arch: Arch,
+    nodes: &SymbolicSupernodalCholesky<usize>,
+    factor: &[f64],
+    order: &[usize],
+    x: [&mut [f64]; R],
+    memory: &mut Buffer<f64>,
+) -> Option<()> {
     let height = |k: usize| nodes.supernode_end()[k] - nodes.supernode_begin()[k] + nodes.supernode(k).pattern().len();
-    let work = vec![0.0; (0..count).map(height).max().unwrap_or(0)];
-    Arch::new().dispatch(Solve { nodes, factor, x, work });
+    let highest = (0..nodes.n_supernodes()).map(height).max().unwrap_or(0);
+    let each = order.len() + highest;
+    if memory.len() < R * each {
+        *memory = Buffer::default();
+        *memory = Buffer::try_zeros(R * each)?;
+    }
+    let mut rest = &mut **memory;
+    let mut vectors = x.each_ref().map(|x| {
+        let (own, others) = std::mem::take(&mut rest).split_at_mut(each);
+        rest = others;
+        let (own, part) = own.split_at_mut(order.len());
+        own.iter_mut().zip(order).for_each(|(v, &old)| *v = x[old]);
+        Vector { own, part }
+    });
+    arch.dispatch(Solve { nodes, factor, vectors: &mut vectors });
+    for (x, vector) in x.into_iter().zip(vectors) {
+        vector.own.iter().zip(order).for_each(|(&v, &old)| x[old] = v);
+    }
+    Some(())
 }
 
-struct Solve<'a> {
+/// A right-hand side that becomes the solution.
+struct Vector<'a> {
+    /// In the order of the factor.
+    own: &'a mut [f64],
+    /// What a supernode acts on.
+    part: &'a mut [f64],
+}
+
+struct Solve<'a, 'b, const R: usize> {
     nodes: &'a SymbolicSupernodalCholesky<usize>,
     factor: &'a [f64],
-    x: &'a mut [f64],
-    /// The part of x that a supernode acts on.
-    work: Vec<f64>,
+    vectors: &'a mut [Vector<'b>; R],
 }
 
-impl WithSimd for Solve<'_> {
+impl<const R: usize> WithSimd for Solve<'_, '_, R> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { nodes, factor, x, mut work } = self;
+        let Self { nodes, factor, vectors } = self;
         for k in 0..nodes.n_supernodes() {
             let (begin, end, below) = (nodes.supernode_begin()[k], nodes.supernode_end()[k], nodes.supernode(k).pattern());
             let panel = &factor[nodes.col_ptr_for_val()[k]..nodes.col_ptr_for_val()[k + 1]];
             let width = end - begin;
-            let part = &mut work[..width + below.len()];
-            part[..width].copy_from_slice(&x[begin..end]);
-            part[width..].fill(0.0);
-            forward(simd, panel, width, part);
-            x[begin..end].copy_from_slice(&part[..width]);
-            for (&row, v) in below.iter().zip(&part[width..]) {
-                x[row] += v;
+            forward(
+                simd,
+                panel,
+                width,
+                vectors.each_mut().map(|v| {
+                    let part = &mut v.part[..width + below.len()];
+                    part[..width].copy_from_slice(&v.own[begin..end]);
+                    part[width..].fill(0.0);
+                    part
+                }),
+            );
+            for Vector { own, part } in vectors.iter_mut() {
+                own[begin..end].copy_from_slice(&part[..width]);
+                for (&row, v) in below.iter().zip(&part[width..]) {
+                    own[row] += v;
+                }
             }
         }
         for k in (0..nodes.n_supernodes()).rev() {
             let (begin, end, below) = (nodes.supernode_begin()[k], nodes.supernode_end()[k], nodes.supernode(k).pattern());
             let panel = &factor[nodes.col_ptr_for_val()[k]..nodes.col_ptr_for_val()[k + 1]];
             let width = end - begin;
-            let part = &mut work[..width + below.len()];
-            for (j, v) in x[begin..end].iter().enumerate() {
-                part[j] = v / panel[j * (width + below.len()) + j];
+            backward(
+                panel,
+                width,
+                vectors.each_mut().map(|v| {
+                    let part = &mut v.part[..width + below.len()];
+                    for (j, x) in v.own[begin..end].iter().enumerate() {
+                        part[j] = x / panel[j * (width + below.len()) + j];
+                    }
+                    for (x, &row) in part[width..].iter_mut().zip(below) {
+                        *x = v.own[row];
+                    }
+                    part
+                }),
+            );
+            for Vector { own, part } in vectors.iter_mut() {
+                own[begin..end].copy_from_slice(&part[..width]);
             }
-            for (v, &row) in part[width..].iter_mut().zip(below) {
-                *v = x[row];
-            }
-            backward(panel, width, part);
-            x[begin..end].copy_from_slice(&part[..width]);
         }
     }
 }
 
-/// The first `width` of t by the unit triangle, the others less their products with the rows below.
+/// The first `width` of each t by the unit triangle, the others less their products with the rows below.
 #[inline(always)]
-fn forward<S: Simd>(simd: S, panel: &[f64], width: usize, t: &mut [f64]) {
-    let height = t.len();
+fn forward<S: Simd, const R: usize>(simd: S, panel: &[f64], width: usize, mut t: [&mut [f64]; R]) {
+    let height = t[0].len();
     let mut j = 0;
     while j < width {
         let end = if width - j < FEW { j + 1 } else { j + FEW };
-        for a in j..end {
-            for b in a + 1..end {
-                t[b] -= panel[a * height + b] * t[a];
+        for t in &mut t {
+            for a in j..end {
+                for b in a + 1..end {
+                    t[b] -= panel[a * height + b] * t[a];
+                }
             }
         }
-        let (done, rest) = t.split_at_mut(end);
+        let factors = t.each_ref().map(|t| -> [f64; FEW] { std::array::from_fn(|k| if j + k < end { -t[j + k] } else { 0.0 }) });
+        let rest = t.each_mut().map(|t| &mut t[end..]);
         let line = |a: usize| &panel[a * height + end..(a + 1) * height];
         if end - j == FEW {
-            let lines = [line(j), line(j + 1), line(j + 2), line(j + 3)];
-            subtract(simd, rest, lines, [-done[j], -done[j + 1], -done[j + 2], -done[j + 3]]);
+            subtract_each(simd, rest, [line(j), line(j + 1), line(j + 2), line(j + 3)], factors);
         } else {
-            subtract(simd, rest, [line(j)], [-done[j]]);
+            subtract_each(simd, rest, [line(j)], factors.map(|f| [f[0]]));
         }
         j = end;
     }
 }
 
-/// The first `width` of t by the transposed unit triangle, less the products of the others with their columns.
+/// The first `width` of each t by the transposed unit triangle, less the products of the others with their columns.
 #[inline(always)]
-fn backward(panel: &[f64], width: usize, t: &mut [f64]) {
-    let height = t.len();
+fn backward<const R: usize>(panel: &[f64], width: usize, mut t: [&mut [f64]; R]) {
+    let height = t[0].len();
     let mut end = width;
     while end > 0 {
         let j = if end.is_multiple_of(FEW) { end - FEW } else { end - 1 };
         let line = |a: usize| &panel[a * height + end..(a + 1) * height];
-        let mut sums = [0.0; FEW];
-        if end - j == FEW {
-            sums = dots([line(j), line(j + 1), line(j + 2), line(j + 3)], &t[end..]);
+        let mut sums = [[0.0; FEW]; R];
+        let rest = t.each_ref().map(|t| &t[end..]);
+        if end - j < FEW {
+            let products = dots([line(j)], rest);
+            (0..R).for_each(|r| sums[r][0] = products[r][0]);
+        } else if R == 1 {
+            sums = dots([line(j), line(j + 1), line(j + 2), line(j + 3)], rest);
         } else {
-            [sums[0]] = dots([line(j)], &t[end..]);
-        }
-        for a in (j..end).rev() {
-            let mut v = t[a] - sums[a - j];
-            for b in a + 1..end {
-                v -= panel[a * height + b] * t[b];
+            // more sums than that leave the registers
+            for (k, products) in [(0, dots([line(j), line(j + 1)], rest)), (2, dots([line(j + 2), line(j + 3)], rest))] {
+                (0..R).for_each(|r| sums[r][k..k + 2].copy_from_slice(&products[r]));
             }
-            t[a] = v;
+        }
+        for (t, sums) in t.iter_mut().zip(sums) {
+            for a in (j..end).rev() {
+                let mut v = t[a] - sums[a - j];
+                for b in a + 1..end {
+                    v -= panel[a * height + b] * t[b];
+                }
+                t[a] = v;
+            }
         }
         end = j;
     }
 }
 
-/// Dot products of some columns with t.
+/// Dot products of some columns with each t.
 #[inline(always)]
-fn dots<const K: usize>(columns: [&[f64]; K], t: &[f64]) -> [f64; K] {
-    let mut sums = [[0.0; SUMS]; K];
-    let mut parts: [&[[f64; SUMS]]; K] = [&[]; K];
-    let mut rests: [&[f64]; K] = [&[]; K];
-    for k in 0..K {
-        (parts[k], rests[k]) = columns[k][..t.len()].as_chunks::<SUMS>();
-    }
-    let (whole, rest) = t.as_chunks::<SUMS>();
-    for (i, t) in whole.iter().enumerate() {
+fn dots<const K: usize, const R: usize>(columns: [&[f64]; K], t: [&[f64]; R]) -> [[f64; K]; R] {
+    let n = t[0].len();
+    let mut sums = [[[0.0; SUMS]; K]; R];
+    let columns = columns.map(|c| c[..n].as_chunks::<SUMS>());
+    let t = t.map(|t| t[..n].as_chunks::<SUMS>());
+    for i in 0..n / SUMS {
         for k in 0..K {
-            let c = &parts[k][i];
-            for l in 0..SUMS {
-                sums[k][l] += c[l] * t[l];
+            let c = &columns[k].0[i];
+            for r in 0..R {
+                let t = &t[r].0[i];
+                for l in 0..SUMS {
+                    sums[r][k][l] += c[l] * t[l];
+                }
             }
         }
     }
-    let mut total = [0.0; K];
-    for k in 0..K {
-        for (c, t) in rests[k].iter().zip(rest) {
-            total[k] += c * t;
-        }
-        for s in sums[k] {
-            total[k] += s;
+    let mut total = [[0.0; K]; R];
+    for r in 0..R {
+        for k in 0..K {
+            for (c, t) in columns[k].1.iter().zip(t[r].1) {
+                total[r][k] += c * t;
+            }
+            for s in sums[r][k] {
+                total[r][k] += s;
+            }
         }
     }
     total
@@ -142,43 +203,123 @@ fn dots<const K: usize>(columns: [&[f64]; K], t: &[f64]) -> [f64; K] {
 
 #[cfg(test)]
 mod tests {
-    use crate::linalg::faer_analysis::analyse;
+    use super::*;
+    use crate::linalg::faer_analysis::{Analysis, analyse};
     use crate::linalg::residual::trial_numbers;
-    use crate::linalg::{Triplets, Upper};
+    use crate::linalg::{Csr, Ldlt, LinearSolver, Triplets, Upper};
     use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
 
-    // rows tied to their neighbours in a box, every `odd`-th diagonal entry negative
-    #[test]
-    fn solutions_are_those_of_faer_on_definite_and_indefinite_matrices() {
-        for (n, odd) in [([30, 25, 5], usize::MAX), ([13, 12, 11], usize::MAX), ([31, 23, 6], 5), ([12, 13, 11], 2)] {
-            let count = n.iter().product::<usize>();
-            let (mut all, mut numbers) = (Triplets::new(count, count), trial_numbers(4 * count).into_iter());
-            for i in 0..count {
-                let v = numbers.next().unwrap();
-                all.push(i, i, if i % odd == odd - 1 { -8.0 - v } else { 8.0 + v });
-                for (step, rest) in [(1, i % n[0]), (n[0], i / n[0] % n[1]), (n[0] * n[1], i / (n[0] * n[1]))].into_iter().zip(n) {
-                    if step.1 + 1 < rest {
-                        let v = numbers.next().unwrap();
-                        all.push(i, i + step.0, v);
-                        all.push(i + step.0, i, v);
-                    }
+    const CASES: [([usize; 3], usize); 4] = [([30, 25, 5], usize::MAX), ([13, 12, 11], usize::MAX), ([31, 23, 6], 5), ([12, 13, 11], 2)];
+
+    /// Rows tied to their neighbours in a box, every `odd`-th diagonal entry negative.
+    fn tied(n: [usize; 3], odd: usize) -> Csr {
+        let count = n.iter().product::<usize>();
+        let (mut all, mut numbers) = (Triplets::new(count, count), trial_numbers(4 * count).into_iter());
+        for i in 0..count {
+            let v = numbers.next().unwrap();
+            all.push(i, i, if i % odd == odd - 1 { -8.0 - v } else { 8.0 + v });
+            for (step, rest) in [(1, i % n[0]), (n[0], i / n[0] % n[1]), (n[0] * n[1], i / (n[0] * n[1]))].into_iter().zip(n) {
+                if step.1 + 1 < rest {
+                    let v = numbers.next().unwrap();
+                    all.push(i, i + step.0, v);
+                    all.push(i + step.0, i, v);
                 }
             }
-            let a = all.to_csr();
-            let places: Vec<[f64; 3]> = (0..count).map(|i| [i % n[0], i / n[0] % n[1], i / (n[0] * n[1])].map(|x| x as f64)).collect();
-            let upper = Upper::of(&a);
-            let analysis = analyse(&upper.pattern, &places).unwrap();
-            assert!(matches!(analysis.symbolic.raw(), SymbolicCholeskyRaw::Supernodal(_)), "{n:?}");
-            let mut factor = vec![0.0; analysis.symbolic.len_val()];
-            analysis.by_columns(&upper, &mut factor).unwrap();
-            let x = trial_numbers(count);
-            let (mut b, mut c) = (vec![0.0; count], vec![0.0; count]);
+        }
+        all.to_csr()
+    }
+
+    fn places(n: [usize; 3]) -> Vec<[f64; 3]> {
+        (0..n.iter().product()).map(|i| [i % n[0], i / n[0] % n[1], i / (n[0] * n[1])].map(|x| x as f64)).collect()
+    }
+
+    fn factorised(a: &Csr, places: &[[f64; 3]]) -> (Analysis, Vec<f64>) {
+        let upper = Upper::of(a);
+        let analysis = analyse(&upper.pattern, places).unwrap();
+        assert!(matches!(analysis.symbolic.raw(), SymbolicCholeskyRaw::Supernodal(_)));
+        let mut factor = vec![0.0; analysis.symbolic.len_val()];
+        analysis.by_columns(&upper, &mut factor).unwrap();
+        (analysis, factor)
+    }
+
+    fn apart(y: &[f64], z: &[f64]) -> f64 {
+        y.iter().zip(z).fold(0.0f64, |m, (y, z)| m.max((y - z).abs()))
+    }
+
+    #[test]
+    fn solutions_are_those_of_faer_on_definite_and_indefinite_matrices() {
+        for (n, odd) in CASES {
+            // by dissection, and by minimum degree where no places are known
+            for places in [places(n), Vec::new()] {
+                let a = tied(n, odd);
+                let (analysis, factor) = factorised(&a, &places);
+                assert_eq!(analysis.dissected, !places.is_empty());
+                let x = trial_numbers(a.num_rows());
+                let (mut b, mut c) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+                a.mul(&x, &mut b);
+                c.copy_from_slice(&b);
+                analysis.solve(&factor, [&mut b], &mut Buffer::default()).unwrap();
+                analysis.solve_by_faer(&factor, &mut c).unwrap();
+                assert!(apart(&b, &c) < 1e-13 && apart(&b, &x) < 1e-13, "{n:?}: {:e} {:e}", apart(&b, &c), apart(&b, &x));
+            }
+        }
+    }
+
+    #[test]
+    fn a_matrix_without_places_is_solved_in_the_order_of_minimum_degree() {
+        for (n, odd) in CASES {
+            let a = tied(n, odd);
+            let (x, mut b, mut y) = (trial_numbers(a.num_rows()), vec![0.0; a.num_rows()], vec![0.0; a.num_rows()]);
             a.mul(&x, &mut b);
-            c.copy_from_slice(&b);
-            analysis.solve(&factor, &mut b).unwrap();
-            analysis.solve_by_faer(&factor, &mut c).unwrap();
-            let apart = |y: &[f64], z: &[f64]| y.iter().zip(z).fold(0.0f64, |m, (y, z)| m.max((y - z).abs()));
-            assert!(apart(&b, &c) < 1e-13 && apart(&b, &x) < 1e-13, "{n:?}: {:e} {:e}", apart(&b, &c), apart(&b, &x));
+            let mut solver = Ldlt::new();
+            solver.prepare(&a).unwrap();
+            assert!(!solver.dissected());
+            solver.solve(&a, &b, &mut y).unwrap();
+            assert!(apart(&x, &y) < 1e-14 * 8.0, "{n:?}: {:e}", apart(&x, &y));
+        }
+    }
+
+    /// Bits of the solutions of some loads, `R` at once.
+    fn bits<const R: usize>(arch: Arch, a: &Csr, (analysis, factor): &(Analysis, Vec<f64>)) -> Vec<Vec<u64>> {
+        let (SymbolicCholeskyRaw::Supernodal(nodes), Some(perm)) = (analysis.symbolic.raw(), analysis.symbolic.perm()) else {
+            panic!("supernodes in an order");
+        };
+        let mut loads: [Vec<f64>; 2] =
+            std::array::from_fn(|k| trial_numbers(2 * a.num_rows())[k * a.num_rows()..][..a.num_rows()].to_vec());
+        // memory that earlier solutions left
+        let mut memory = Buffer::from(vec![f64::NAN; 5 * a.num_rows()]);
+        for loads in loads.chunks_exact_mut(R) {
+            let mut loads = loads.iter_mut();
+            let x: [&mut [f64]; R] = std::array::from_fn(|_| loads.next().unwrap().as_mut_slice());
+            solve(arch, nodes, factor, perm.arrays().0, x, &mut memory).unwrap();
+        }
+        loads.iter().map(|x| x.iter().map(|v| v.to_bits()).collect()).collect()
+    }
+
+    #[test]
+    fn two_loads_at_once_have_the_bits_of_each_alone() {
+        for (n, odd) in CASES {
+            let a = tied(n, odd);
+            let known = factorised(&a, &places(n));
+            let alone = bits::<1>(Arch::new(), &a, &known);
+            assert!(alone[0] != alone[1]);
+            assert!(bits::<2>(Arch::new(), &a, &known) == alone, "{n:?}");
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[test]
+    fn avx2_and_avx512_give_the_same_bits() {
+        use pulp::x86::{V3, V4};
+        let (Some(v3), Some(v4)) = (V3::try_new(), V4::try_new()) else {
+            println!("skipped: the processor lacks AVX2 or AVX-512");
+            return;
+        };
+        for (n, odd) in CASES {
+            let a = tied(n, odd);
+            let known = factorised(&a, &places(n));
+            assert!(bits::<1>(Arch::V3(v3), &a, &known) == bits::<1>(Arch::V4(v4), &a, &known), "{n:?}: one");
+            assert!(bits::<2>(Arch::V3(v3), &a, &known) == bits::<2>(Arch::V4(v4), &a, &known), "{n:?}: two");
         }
     }
 }
