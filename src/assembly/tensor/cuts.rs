@@ -2,14 +2,14 @@
 
 use super::Patches;
 use super::coefficient::Coefficient;
-use super::map::Ask;
 use super::march::Plan;
 use crate::assembly::source::Source;
-use crate::assembly::{Coefficient as Given, Form, Pattern, Tangent, gauss_rules, plain};
+use crate::assembly::{Coefficient as Given, Form, Pattern, Tangent, bulk, gauss_rules, plain};
 use crate::basis::{BSpline, Basis, Rational, TensorProduct};
-use crate::geometry::ControlPoints;
+use crate::geometry::{ControlPoints, shapes};
 use crate::linalg::{Csr, Matrix, Vector};
-use crate::space::Space;
+use crate::space::{BasisKind, Body, MultiPatch, Near, Patch, PatchSpec, Seam, Space};
+use std::sync::Arc;
 
 /// Entries may differ from the plain loop's by this share of the largest.
 const SAME: f64 = 1e-13;
@@ -37,52 +37,103 @@ fn tangent<const C: usize>(symmetric: bool) -> Tangent<C, 3> {
     std::array::from_fn(|e| std::array::from_fn(|j| Matrix::from_fn(|c, l| entry(c, l, e, j))))
 }
 
-/// The matrix in strips and windows of these sizes, on top of `matrix`'s values where `add`.
-fn filled(patches: &Patches<'_>, coefficient: &Coefficient<'_>, [strip, window]: [usize; 2], threads: usize, add: bool, matrix: &mut Csr) {
-    let patch = &patches.patches[0];
-    let plan = Plan { strip, window: [window; 2], ..Plan::new(patch, coefficient) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-    pool.install(|| patch.fill_strips(&plan, add, matrix.vals_mut()));
+/// A form with that tangent, or with one that varies.
+fn form<const C: usize>(symmetric: bool, varies: bool) -> Form<'static, C, 3> {
+    let steady = tangent::<C>(symmetric);
+    let at = move |x: &Vector<3>| steady.map(|row| row.map(|m| m * (1.0 + 0.3 * x[0])));
+    let coefficient = if varies { Given::PerPoint(Box::new(at)) } else { Given::Constant(steady) };
+    Form { coefficient, symmetric }
 }
 
-fn check<const C: usize>(space: &dyn Space<3, 3>, symmetric: bool) {
+/// Functions of the fast and of the middle direction in a strip, and of the latter in a window.
+type Sizes = [usize; 3];
+
+/// The matrix in strips and windows of these sizes, on top of `matrix`'s values where `add`.
+fn filled(
+    patches: &Patches<'_>,
+    coefficient: &Coefficient<'_>,
+    [fast, middle, window]: Sizes,
+    threads: usize,
+    add: bool,
+    matrix: &mut Csr,
+) {
+    let sized = |patch| Plan { strip: [fast, middle], window: [window; 2], ..Plan::new(patch, coefficient) };
+    let plans: Vec<Plan<'_, '_>> = patches.patches.iter().map(sized).collect();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+    pool.install(|| patches.fill_strips(&plans, add, matrix));
+}
+
+/// How far apart the values are, as a share of the largest.
+fn apart(a: &Csr, b: &Csr) -> f64 {
+    let scale = b.vals().iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    assert!(a.vals().iter().all(|v| v.is_finite()));
+    a.vals().iter().zip(b.vals()).fold(0.0f64, |m, (a, b)| m.max((a - b).abs())) / scale
+}
+
+/// Numbers whose bits differ.
+fn differ(a: &Csr, b: &Csr) -> usize {
+    a.vals().iter().zip(b.vals()).filter(|(a, b)| a.to_bits() != b.to_bits()).count()
+}
+
+/// Strips of every size against the plain loop and against one strip; `asked`: the map of every element is asked.
+///
+/// Merged functions are summed strip by strip: their bits may depend on the sizes, but not on the threads.
+fn check<const C: usize>(space: &dyn Space<3, 3>, form: &Form<'_, C, 3>, asked: bool, merged: bool) {
     let rules = gauss_rules(space, 0);
-    let asks = || -> Box<Ask<'_>> { unreachable!("the map is a net") };
-    let patches = Patches::new(space, &rules, &|e| space.map_block(e), &asks).expect("products of splines");
-    let form = Form { coefficient: Given::Constant(tangent::<C>(symmetric)), symmetric };
-    let coefficient = Coefficient { components: C, symmetric, source: Source::new(&form) };
-    let middle = patches.patches[0].directions().middle.functions;
+    let asks = || bulk::ask::<3, 3, f64, dyn Space<3, 3>>(space);
+    let patches = Patches::new(space, &rules, &|e| if asked { None } else { space.map_block(e) }, &asks).expect("products of splines");
+    let coefficient = Coefficient { components: C, symmetric: form.symmetric, source: Source::new(form) };
+    let to = patches.patches[0].directions();
+    let (f, m) = (to.fast.functions, to.middle.functions);
 
     let empty: Csr = patches.csr(C);
     let mut whole = empty.clone();
-    filled(&patches, &coefficient, [middle, middle], 1, false, &mut whole);
+    filled(&patches, &coefficient, [f, m, m], 1, false, &mut whole);
     let pattern = Pattern::new(space);
     let mut other = pattern.csr(C);
-    plain::add_stiffness(&pattern, space, &rules, &form, &mut other);
-    let scale = other.vals().iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    let apart = whole.vals().iter().zip(other.vals()).fold(0.0f64, |m, (a, b)| m.max((a - b).abs())) / scale;
-    assert!(whole.vals().iter().all(|v| v.is_finite()) && apart > 0.0 && apart <= SAME, "apart from the plain loop by {apart:e}");
+    plain::add_stiffness(&pattern, space, &rules, form, &mut other);
+    let most = apart(&whole, &other);
+    assert!(most > 0.0 && most <= SAME, "apart from the plain loop by {most:e}");
 
-    // one function, a last strip that is short, one strip, one wider than the patch
-    for (strip, window) in [(1, 1), (2, 3), (3, 1), (4, middle), (middle - 1, 2), (middle, 4), (2 * middle, 3 * middle)] {
+    // one function, last strips that are short, one strip, strips wider than the patch
+    let sizes = [[1, 1, 1], [2, 3, 3], [3, 2, 1], [4, m, m], [f - 1, 4, 2], [f, m - 1, 2], [f, 3, 4], [1, m, 2], [2 * f, 2 * m, 3 * m]];
+    for size in sizes {
+        let mut first = None;
         for threads in [1, 4] {
             let mut matrix = empty.clone();
             matrix.vals_mut().fill(f64::NAN);
-            filled(&patches, &coefficient, [strip, window], threads, false, &mut matrix);
-            let apart = matrix.vals().iter().zip(whole.vals()).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
-            assert_eq!(apart, 0, "strips of {strip}, windows of {window}, {threads} threads: of {} entries", whole.num_entries());
+            filled(&patches, &coefficient, size, threads, false, &mut matrix);
+            if merged {
+                let most = apart(&matrix, &whole);
+                assert!(most <= SAME, "sizes {size:?}, {threads} threads: apart by {most:e}");
+                let first = first.get_or_insert_with(|| matrix.clone());
+                assert_eq!(differ(&matrix, first), 0, "sizes {size:?}, {threads} threads and one");
+            } else {
+                assert_eq!(differ(&matrix, &whole), 0, "sizes {size:?}, {threads} threads: of {} entries", whole.num_entries());
+            }
         }
     }
     let mut twice = whole.clone();
-    filled(&patches, &coefficient, [3, 2], 2, true, &mut twice);
-    assert!(twice.vals().iter().zip(whole.vals()).all(|(a, b)| *a == 2.0 * b), "added to itself: twice");
+    filled(&patches, &coefficient, [2, 3, 2], 2, true, &mut twice);
+    whole.vals_mut().iter_mut().for_each(|v| *v *= 2.0);
+    let most = apart(&twice, &whole);
+    assert!(if merged { most <= SAME } else { differ(&twice, &whole) == 0 }, "added to itself: twice, apart by {most:e}");
+}
+
+/// [`check`] of one bent box, its map as a net and asked.
+fn check_box<const C: usize>(axes: &dyn Fn() -> [BSpline<f64>; 3], form: &Form<'_, C, 3>) {
+    let space = ControlPoints { basis: TensorProduct::new(axes()), points: bent(&axes()) };
+    for asked in [false, true] {
+        check::<C>(&space, form, asked, false);
+    }
 }
 
 #[test]
 fn strips_of_every_size_give_the_same_bits_for_degrees_1_to_5() {
     for p in 1..=5 {
-        let axes = || [BSpline::uniform(2, 3, 1), BSpline::uniform(p, 8, p as isize - 1), BSpline::uniform(1 + p % 2, 4, 0)];
-        check::<1>(&ControlPoints { basis: TensorProduct::new(axes()), points: bent(&axes()) }, p % 2 == 0);
+        let long = |p: usize, n| BSpline::uniform(p, n, p as isize - 1);
+        check_box::<1>(&|| [BSpline::uniform(2, 3, 1), long(p, 8), BSpline::uniform(1 + p % 2, 4, 0)], &form(p % 2 == 0, false));
+        check_box::<1>(&|| [long(p, 9), long(1 + p % 3, 5), BSpline::uniform(1 + p % 2, 4, 0)], &form(p % 2 == 1, p == 2));
     }
 }
 
@@ -90,18 +141,42 @@ fn strips_of_every_size_give_the_same_bits_for_degrees_1_to_5() {
 fn strips_cut_repeated_knots_where_they_like() {
     let breaks: Vec<f64> = [0.0, 1.0, 1.5, 3.0, 3.5, 5.0, 6.0].to_vec();
     for (p, continuity) in [(2, [1, 0, 1, -1, 0]), (3, [2, 0, 1, 0, -1]), (4, [0, 3, 1, 2, 0])] {
-        let axes = || [BSpline::uniform(1, 3, 0), BSpline::from_breakpoints(p, &breaks, &continuity), BSpline::uniform(2, 5, 1)];
-        check::<1>(&ControlPoints { basis: TensorProduct::new(axes()), points: bent(&axes()) }, false);
+        let long = || BSpline::from_breakpoints(p, &breaks, &continuity);
+        check_box::<1>(&|| [BSpline::uniform(1, 3, 0), long(), BSpline::uniform(2, 5, 1)], &form(false, false));
+        check_box::<1>(&|| [long(), BSpline::uniform(2, 3, 0), BSpline::uniform(1, 3, 0)], &form(true, false));
     }
 }
 
 #[test]
 fn strips_of_vector_fields_and_rational_functions_give_the_same_bits() {
-    let axes = || [BSpline::uniform(2, 3, 1), BSpline::uniform(2, 7, 1), BSpline::uniform(2, 4, 1)];
+    let axes = || [BSpline::uniform(2, 6, 1), BSpline::uniform(2, 7, 1), BSpline::uniform(2, 4, 1)];
+    for symmetric in [true, false] {
+        check_box::<3>(&axes, &form(symmetric, !symmetric));
+    }
     let points = bent(&axes());
     let weights = (0..points.len()).map(|i| 1.0 + 0.3 * noise(i)).collect();
-    for symmetric in [true, false] {
-        check::<3>(&ControlPoints { basis: TensorProduct::new(axes()), points: points.clone() }, symmetric);
+    let rational = ControlPoints { basis: Rational::new::<3>(TensorProduct::new(axes()), weights), points };
+    for asked in [false, true] {
+        check::<1>(&rational, &form(true, asked), asked, false);
     }
-    check::<1>(&ControlPoints { basis: Rational::new::<3>(TensorProduct::new(axes()), weights), points }, true);
+}
+
+#[test]
+fn strips_of_glued_patches_and_of_merged_functions() {
+    let brick = |x: f64| shapes::brick([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]).expect("a brick");
+    let body = |x: f64, kind| {
+        let spec = PatchSpec::new(brick(x)).with_degree([2, 3, 2]).with_elements([5, 4, 3]).with_basis(kind);
+        Arc::new(Patch::<2, 3>::try_new(&spec).expect("a patch")) as Arc<dyn Body<2, 3>>
+    };
+    let bodies = vec![("a".to_owned(), body(0.0, BasisKind::BSpline)), ("b".to_owned(), body(1.0, BasisKind::BSpline))];
+    let whole = MultiPatch::try_new(bodies, &[Seam::new((0, "u1"), (1, "u0"))], Near::Exact).expect("one body");
+    check::<1>(&**whole.space(), &form(true, false), false, true);
+    check::<3>(&**whole.space(), &form(false, false), false, true);
+    // collapsed edges: several functions of a patch are one of the whole
+    let octant = shapes::sphere_octant([0.0; 3], [1.0, 2.0]).expect("an octant");
+    let spec = PatchSpec::new(octant).with_degree([2, 3, 2]).with_elements([4, 3, 2]).with_basis(BasisKind::Nurbs);
+    let octant = Patch::<2, 3>::try_new(&spec).expect("a patch");
+    assert!(octant.space().patches().is_some(), "sums of products are what is tested");
+    check::<1>(&**octant.space(), &form(true, false), false, true);
+    check::<3>(&**octant.space(), &form(true, false), false, true);
 }

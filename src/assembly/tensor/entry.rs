@@ -55,9 +55,15 @@ impl Patches<'_> {
 
     fn fill<T: Real>(&self, coefficient: &Coefficient<'_>, add: bool, matrix: &mut Csr<T>) {
         assert_eq!(matrix.num_rows(), coefficient.components * self.functions(), "the matrix has the pattern of the basis");
+        let plans: Vec<Plan<'_, '_>> = self.patches.iter().map(|patch| Plan::new(patch, coefficient)).collect();
+        self.fill_strips(&plans, add, matrix);
+    }
+
+    /// The matrix of `plans`, one per patch, to the values of `matrix`.
+    pub(super) fn fill_strips<T: Real>(&self, plans: &[Plan<'_, '_>], add: bool, matrix: &mut Csr<T>) {
         match &self.glue {
-            None => self.patches[0].fill(coefficient, add, matrix.vals_mut()),
-            Some(glue) => scatter::fill(&self.patches, glue, coefficient, add, matrix),
+            None => self.patches[0].fill_strips(&plans[0], add, matrix.vals_mut()),
+            Some(glue) => scatter::fill(plans, glue, add, matrix),
         }
     }
 }
@@ -74,21 +80,18 @@ impl Patch<'_> {
         self.axes.iter().map(|a| a.functions).product()
     }
 
-    fn fill<T: Real>(&self, coefficient: &Coefficient<'_>, add: bool, values: &mut [T]) {
-        self.fill_strips(&Plan::new(self, coefficient), add, values);
-    }
-
-    /// The matrix of `plan` to `values`, in strips of the middle direction, each on its own where threads can be kept busy.
-    pub(super) fn fill_strips<T: Real>(&self, plan: &Plan<'_, '_>, add: bool, values: &mut [T]) {
+    /// The matrix of `plan` to `values`, in strips of two directions, each on its own where threads can be kept busy.
+    fn fill_strips<T: Real>(&self, plan: &Plan<'_, '_>, add: bool, values: &mut [T]) {
         let threads = rayon::current_num_threads();
         let write = Write { to: self.directions(), components: plan.coefficient.components, add };
         let (rows, middle) = (write.to.slow.functions, write.to.middle.functions);
         assert_eq!(values.len(), write.place(0, rows), "the matrix has the pattern of the basis");
         let mut strips = plan.strips();
         // as many for every thread, unless they become narrow
-        let even = middle.div_ceil(strips.len().next_multiple_of(threads));
+        let count = (strips[1].len()..).find(|count| (strips[0].len() * count).is_multiple_of(threads)).unwrap_or(1);
+        let even = middle.div_ceil(count);
         if even >= NARROW * write.to.middle.active {
-            strips = strip::cut(middle, even);
+            strips[1] = strip::cut(middle, even);
         }
         let plane = self.axes.len() == 2;
         // in the plane there is no other way to share the work; every march starts some elements early
@@ -113,7 +116,7 @@ struct Write<'a> {
     add: bool,
 }
 
-/// A part of the rows and their values, one piece per function of the slow direction.
+/// A part of the rows and their values, one piece per function of the slow and of the middle direction.
 type Pieces<'v, T> = (Part, Vec<&'v mut [T]>);
 
 impl Write<'_> {
@@ -122,17 +125,29 @@ impl Write<'_> {
         self.components * self.components * self.to.entries(middle, slow)
     }
 
-    /// `values` cut into `strips` of the middle and `slabs` of the slow direction.
-    fn parts<'v, T>(&self, strips: &[Range<usize>], slabs: &[Range<usize>], values: &'v mut [T]) -> Vec<Pieces<'v, T>> {
-        let (mut parts, mut rest) = (Vec::with_capacity(strips.len() * slabs.len()), values);
-        for rows in slabs {
+    /// `values` cut into `strips` of the fast and of the middle and `slabs` of the slow direction.
+    fn parts<'v, T>(&self, [fast, middle]: &[Vec<Range<usize>>; 2], slabs: &[Range<usize>], values: &'v mut [T]) -> Vec<Pieces<'v, T>> {
+        let (mut parts, mut rest) = (Vec::with_capacity(fast.len() * middle.len() * slabs.len()), values);
+        let sums = &self.to.fast.sums;
+        for slow in slabs {
             let first = parts.len();
-            parts.extend(strips.iter().map(|strip| (Part { strip: strip.clone(), rows: rows.clone() }, Vec::with_capacity(rows.len()))));
-            for slow in rows.clone() {
-                for (strip, (_, pieces)) in strips.iter().zip(&mut parts[first..]) {
-                    let (own, others) = rest.split_at_mut(self.place(strip.end, slow) - self.place(strip.start, slow));
-                    pieces.push(own);
-                    rest = others;
+            for middle in middle {
+                parts.extend(fast.iter().map(|fast| {
+                    let part = Part { fast: fast.clone(), middle: middle.clone(), slow: slow.clone() };
+                    (part, Vec::with_capacity(middle.len() * slow.len()))
+                }));
+            }
+            for slow in slow.clone() {
+                for (middle, parts) in middle.iter().zip(parts[first..].chunks_exact_mut(fast.len())) {
+                    for k in middle.clone() {
+                        // entries per neighbour along the fast direction
+                        let runs = (self.place(k + 1, slow) - self.place(k, slow)) / sums[self.to.fast.functions];
+                        for (fast, (_, pieces)) in fast.iter().zip(parts.iter_mut()) {
+                            let (own, others) = rest.split_at_mut(runs * (sums[fast.end] - sums[fast.start]));
+                            pieces.push(own);
+                            rest = others;
+                        }
+                    }
                 }
             }
         }
@@ -141,32 +156,19 @@ impl Write<'_> {
 
     /// The rows of a part, made by `threads`.
     fn march<T: Real>(&self, plan: &Plan<'_, '_>, (part, pieces): Pieces<'_, T>, threads: usize) {
-        let strip = part.strip.clone();
+        let middle = part.middle.clone();
         let tasks = if threads == 1 { 1 } else { TASKS_PER_THREAD * threads };
-        let (mut pieces, mut kept) = (pieces.into_iter(), vec![RowScratch::default(); tasks]);
-        let shares = strip::cut(strip.len(), strip.len().div_ceil(tasks));
+        let share = middle.len().div_ceil(tasks).max(1);
+        let (mut pieces, mut kept) = (pieces, vec![RowScratch::default(); tasks]);
+        let mut planes = pieces.chunks_exact_mut(middle.len().max(1));
         march(plan, part, threads, &mut |sums: Sums<'_>, rows: Range<usize>| {
-            for (slow, mut rest) in rows.zip(&mut pieces) {
-                let to = self;
-                let blocks = |functions: Range<usize>, mut own: &mut [T], scratch: &mut RowScratch<T>| {
-                    for k in functions {
-                        let (block, others) = std::mem::take(&mut own).split_at_mut(to.place(k + 1, slow) - to.place(k, slow));
-                        own = others;
-                        sums.write(to.to, k, slow, to.add, scratch, block);
+            for (slow, plane) in rows.zip(&mut planes) {
+                let shares = plane.par_chunks_mut(share).zip(&mut kept).enumerate();
+                shares.for_each(|(task, (own, scratch))| {
+                    for (k, out) in (middle.start + task * share..).zip(own) {
+                        sums.write(self.to, [k, slow], self.add, scratch, out);
                     }
-                };
-                if tasks == 1 {
-                    blocks(strip.clone(), rest, &mut kept[0]);
-                    continue;
-                }
-                let mut shared = Vec::with_capacity(tasks);
-                for share in &shares {
-                    let functions = strip.start + share.start..strip.start + share.end;
-                    let (own, others) = rest.split_at_mut(self.place(functions.end, slow) - self.place(functions.start, slow));
-                    shared.push((functions, own));
-                    rest = others;
-                }
-                shared.into_par_iter().zip(&mut kept).for_each(|((functions, own), scratch)| blocks(functions, own, scratch));
+                });
             }
         });
     }

@@ -7,6 +7,7 @@
 
 use super::axis::Axis;
 use super::lanes::{COMPONENTS_AT_ONCE, rows};
+use super::strip::Strip;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 
 /// Value of the test function times value of the trial function.
@@ -38,6 +39,7 @@ pub(super) struct Group {
 pub(super) struct Contract<'a, S: Simd> {
     pub simd: S,
     pub axis: &'a Axis,
+    pub strip: &'a Strip,
     pub d: &'a [S::f64s],
     pub stride: usize,
     pub groups: &'a [Group],
@@ -49,23 +51,25 @@ impl<S: Simd> NullaryFnOnce for Contract<'_, S> {
     type Output = ();
     #[inline(always)]
     fn call(self) {
-        let Self { simd, axis, d, stride, groups, components, out } = self;
+        let Self { simd, axis, strip, d, stride, groups, components, out } = self;
         match axis.active {
-            2 => contract::<S, 2>(simd, axis, d, stride, groups, components, out),
-            3 => contract::<S, 3>(simd, axis, d, stride, groups, components, out),
-            4 => contract::<S, 4>(simd, axis, d, stride, groups, components, out),
-            5 => contract::<S, 5>(simd, axis, d, stride, groups, components, out),
-            _ => contract::<S, 6>(simd, axis, d, stride, groups, components, out),
+            2 => contract::<S, 2>(simd, axis, strip, d, stride, groups, components, out),
+            3 => contract::<S, 3>(simd, axis, strip, d, stride, groups, components, out),
+            4 => contract::<S, 4>(simd, axis, strip, d, stride, groups, components, out),
+            5 => contract::<S, 5>(simd, axis, strip, d, stride, groups, components, out),
+            _ => contract::<S, 6>(simd, axis, strip, d, stride, groups, components, out),
         }
     }
 }
 
-/// All pairs of the direction for one tile: `d[point * stride + component]` with the tile's points in lanes, to
-/// `out[(((r / V) * V + lane) * components + component) * V + r % V]`, r = i * active + (j - i).
+/// All pairs of the strip for one tile: `d[point * stride + component]` with the tile's points in lanes, to
+/// `out[(((r / V) * V + lane) * components + component) * V + r % V]`, r = i * active + (j - i), points and functions i
+/// counted from the first of the strip.
 #[inline(always)]
 fn contract<S: Simd, const NP: usize>(
     simd: S,
     axis: &Axis,
+    strip: &Strip,
     d: &[S::f64s],
     stride: usize,
     groups: &[Group],
@@ -74,16 +78,16 @@ fn contract<S: Simd, const NP: usize>(
 ) {
     for g in groups {
         match (g.count, g.mask) {
-            (3, VV) => group::<S, NP, 3, VV>(simd, axis, d, stride, g, components, out),
-            (1, VV) => group::<S, NP, 1, VV>(simd, axis, d, stride, g, components, out),
-            (2, SV) => group::<S, NP, 2, SV>(simd, axis, d, stride, g, components, out),
-            (1, SV) => group::<S, NP, 1, SV>(simd, axis, d, stride, g, components, out),
-            (2, VS) => group::<S, NP, 2, VS>(simd, axis, d, stride, g, components, out),
-            (1, VS) => group::<S, NP, 1, VS>(simd, axis, d, stride, g, components, out),
-            (1, SS) => group::<S, NP, 1, SS>(simd, axis, d, stride, g, components, out),
-            (1, SV_VV) => group::<S, NP, 1, SV_VV>(simd, axis, d, stride, g, components, out),
-            (1, VS_VV) => group::<S, NP, 1, VS_VV>(simd, axis, d, stride, g, components, out),
-            (1, ALL) => group::<S, NP, 1, ALL>(simd, axis, d, stride, g, components, out),
+            (3, VV) => group::<S, NP, 3, VV>(simd, axis, strip, d, stride, g, components, out),
+            (1, VV) => group::<S, NP, 1, VV>(simd, axis, strip, d, stride, g, components, out),
+            (2, SV) => group::<S, NP, 2, SV>(simd, axis, strip, d, stride, g, components, out),
+            (1, SV) => group::<S, NP, 1, SV>(simd, axis, strip, d, stride, g, components, out),
+            (2, VS) => group::<S, NP, 2, VS>(simd, axis, strip, d, stride, g, components, out),
+            (1, VS) => group::<S, NP, 1, VS>(simd, axis, strip, d, stride, g, components, out),
+            (1, SS) => group::<S, NP, 1, SS>(simd, axis, strip, d, stride, g, components, out),
+            (1, SV_VV) => group::<S, NP, 1, SV_VV>(simd, axis, strip, d, stride, g, components, out),
+            (1, VS_VV) => group::<S, NP, 1, VS_VV>(simd, axis, strip, d, stride, g, components, out),
+            (1, ALL) => group::<S, NP, 1, ALL>(simd, axis, strip, d, stride, g, components, out),
             _ => unreachable!("groups are made for these kernels"),
         }
     }
@@ -93,6 +97,7 @@ fn contract<S: Simd, const NP: usize>(
 fn group<S: Simd, const NP: usize, const K: usize, const MASK: u8>(
     simd: S,
     axis: &Axis,
+    strip: &Strip,
     d: &[S::f64s],
     stride: usize,
     g: &Group,
@@ -100,10 +105,10 @@ fn group<S: Simd, const NP: usize, const K: usize, const MASK: u8>(
     out: &mut [f64],
 ) {
     let lanes = S::F64_LANES;
-    for i in 0..axis.functions {
+    for (own, i) in strip.held.clone().enumerate() {
         let mut acc = [[simd.splat_f64s(0.0); NP]; K];
-        let (from, to) = axis.support[i];
-        for e in from..to {
+        for e in strip.support(axis, i) {
+            let d = &d[(axis.start[e] - strip.points.start) * stride..];
             // the local number is a constant: accumulators stay in registers
             match i - axis.first[e] {
                 0 => segment::<S, NP, K, MASK, 0>(simd, axis, e, d, stride, g, &mut acc),
@@ -120,7 +125,7 @@ fn group<S: Simd, const NP: usize, const K: usize, const MASK: u8>(
             // lanes of points become lanes of pairs
             if lanes.is_multiple_of(NP) {
                 // all pairs of a function are neighbours in one vector
-                let mut at = place(i * NP);
+                let mut at = place(own * NP);
                 for lane in 0..lanes {
                     let mut row = [0.0; NP];
                     for c in 0..NP {
@@ -132,7 +137,7 @@ fn group<S: Simd, const NP: usize, const K: usize, const MASK: u8>(
                 continue;
             }
             for c in 0..NP {
-                let mut at = place(i * NP + c);
+                let mut at = place(own * NP + c);
                 for lane in 0..lanes {
                     out[at] = sums[c * lanes + lane];
                     at += components * lanes;
@@ -142,7 +147,7 @@ fn group<S: Simd, const NP: usize, const K: usize, const MASK: u8>(
     }
 }
 
-/// Adds the points of element `e`, on which the test function is the local function `A`.
+/// Adds the points of element `e`, which `d` starts with and on which the test function is the local function `A`.
 #[inline(always)]
 fn segment<S: Simd, const NP: usize, const K: usize, const MASK: u8, const A: usize>(
     simd: S,
@@ -157,7 +162,7 @@ fn segment<S: Simd, const NP: usize, const K: usize, const MASK: u8, const A: us
         return;
     }
     let range = axis.start[e]..axis.start[e + 1];
-    let points = d[range.start * stride..range.end * stride].chunks_exact(stride);
+    let points = d[..range.len() * stride].chunks_exact(stride);
     let tables = rows::<NP>(&axis.values)[range.clone()].iter().zip(&rows::<NP>(&axis.slopes)[range]);
     for (d, (values, slopes)) in points.zip(tables) {
         let (v, s) = (simd.splat_f64s(values[A]), simd.splat_f64s(slopes[A]));

@@ -4,7 +4,7 @@ use super::fast;
 use super::map::{self, ElementScratch, Map, Place, numbers};
 use super::march::Plan;
 use super::net::Tile;
-use super::strip::{Strip, Window};
+use super::strip::{Strip, Window, Windows};
 use super::write::Directions;
 use crate::assembly::source::Source;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
@@ -46,8 +46,11 @@ pub(super) struct Sweep<'a, 'p, const N: usize> {
     pub plan: &'a Plan<'a, 'p>,
     /// The directions.
     pub to: Directions<'a>,
-    /// The functions of the middle direction.
-    pub strip: Strip,
+    /// The functions of the fast and of the middle direction.
+    pub fast: Strip,
+    pub middle: Strip,
+    /// The steps through the latter.
+    pub windows: Windows,
     /// Element of every point of the second and of the third direction.
     owners: [Vec<usize>; 2],
     pub lanes: usize,
@@ -70,22 +73,23 @@ pub(super) struct Sweep<'a, 'p, const N: usize> {
 }
 
 impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
-    pub fn new(plan: &'a Plan<'a, 'p>, strip: Strip, points: usize, slots: usize, lanes: usize) -> Self {
+    pub fn new(plan: &'a Plan<'a, 'p>, [fast, middle]: [Strip; 2], threads: usize, points: usize, slots: usize, lanes: usize) -> Self {
         let (axes, to, third) = (&plan.patch.axes, plan.patch.directions(), N == 3);
-        let vectors = (axes[0].functions * axes[0].active).div_ceil(lanes);
-        let (lines, tiles) = if third { (points, strip.tiles) } else { (1, points.div_ceil(lanes)) };
+        let windows = Windows::new(to.middle, &middle, plan.window[usize::from(threads > 1)], lanes);
+        let vectors = (fast.held.len() * axes[0].active).div_ceil(lanes);
+        let (lines, tiles) = if third { (points, windows.tiles) } else { (1, points.div_ceil(lanes)) };
         let chunk = vectors * lanes * plan.components();
         let task = chunk * plan.pairs.len();
-        let vector = plan.pairs.len() * strip.held.len() * to.sums(slots);
+        let vector = plan.pairs.len() * middle.held.len() * to.sums(slots);
         let owners = [axes[1].owners(), axes[N - 1].owners()];
-        let places = strip.places(lanes, lines * task, plan.components());
-        Self { plan, to, strip, owners, lanes, slots, points, lines, tiles, chunk, task, places, vectors, vector }
+        let places = windows.places(&middle, lanes, lines * task, plan.components());
+        Self { plan, to, fast, middle, windows, owners, lanes, slots, points, lines, tiles, chunk, task, places, vectors, vector }
     }
 
     pub fn scratch<S: Simd>(&self, simd: S) -> Scratch<'p, S::f64s> {
         let (patch, form) = (self.plan.patch, self.plan.coefficient);
         let zeros = |n: usize| vec![simd.splat_f64s(0.0); n];
-        let points = patch.axes[0].points();
+        let points = self.fast.points.len();
         let varies = matches!(form.source, Source::PerPoint(_));
         let rational = patch.weight.is_some();
         Scratch {
@@ -121,7 +125,7 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
             let lines = all.par_iter_mut().zip(&mut lines.planes).take(layer.points.len()).enumerate();
             lines.for_each(|(k, (out, plane))| {
                 let q = layer.points.start + k;
-                net.lines::<N>(q, self.owners[1][q], out, plane);
+                net.lines::<N>((q, self.owners[1][q]), &self.fast.elements, out, plane);
             });
         }
     }
@@ -142,12 +146,13 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
         out: &mut [S::f64s],
     ) {
         let patch = self.plan.patch;
-        let points = if N == 3 { &self.strip.points } else { &layer.points };
+        let points = if N == 3 { &self.middle.points } else { &layer.points };
         let (first, end) = (points.start + tile * self.lanes, points.end);
         let slow = if N == 3 { (layer.points.start + line, self.owners[1][layer.points.start + line]) } else { (0, 0) };
         scratch.lanes.clear();
         scratch.lanes.extend((first..first + self.lanes).map(|q| q.min(end - 1)).map(|q| (q, self.owners[0][q])));
-        map::fill_elements::<S, N>(simd, &patch.axes, Place { lanes: &scratch.lanes, slow }, &mut scratch.element, &mut scratch.geo);
+        let place = Place { along: [self.fast.elements.start, self.fast.elements.end], lanes: &scratch.lanes, slow };
+        map::fill_elements::<S, N>(simd, &patch.axes, place, &mut scratch.element, &mut scratch.geo);
         simd.vectorize(Fast { simd, sweep: self, slow, line, lines, scratch, out });
     }
 }
@@ -168,7 +173,7 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Fast<'_, '_, S, N> {
     fn call(self) {
         let Self { simd, sweep, slow, line, lines, scratch, out } = self;
         let (plan, patch) = (sweep.plan, sweep.plan.patch);
-        let place = Place { lanes: &scratch.lanes, slow };
+        let place = Place { along: [sweep.fast.elements.start, sweep.fast.elements.end], lanes: &scratch.lanes, slow };
         if let Map::Net(net) = &patch.map {
             net.tile(simd, &scratch.lanes, &mut scratch.tile);
             map::fill_net::<S, N>(simd, net, &patch.axes, place, &lines.map[line], &scratch.tile, &mut scratch.geo);
@@ -189,9 +194,9 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Fast<'_, '_, S, N> {
         for (pair, out) in plan.pairs.iter().zip(out.chunks_exact_mut(sweep.chunk)) {
             plan.coefficient.pull::<S, N>(simd, pair, &scratch.geo, &scratch.tangents, weight, &mut scratch.d);
             let groups = &plan.groups[usize::from(!pair.symmetric)];
-            let (axis, out) = (&patch.axes[0], bytemuck::cast_slice_mut(out));
+            let (axis, strip, out) = (&patch.axes[0], &sweep.fast, bytemuck::cast_slice_mut(out));
             let components = plan.components();
-            simd.vectorize(fast::Contract { simd, axis, d: &scratch.d, stride, groups, components, out });
+            simd.vectorize(fast::Contract { simd, axis, strip, d: &scratch.d, stride, groups, components, out });
         }
     }
 }

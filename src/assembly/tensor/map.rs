@@ -6,6 +6,7 @@ use super::axis::Axis;
 use super::net::{Net, Tile};
 use pulp::{Simd, bytemuck};
 use std::fmt::Debug;
+use std::ops::Range;
 
 /// Asks the map of an element at local points, N numbers each: per point N numbers of x, then dx_c/dxi_d at `d * N + c`.
 pub(in crate::assembly) type Ask<'a> = dyn FnMut(usize, &[f64], &mut Vec<f64>) + Send + 'a;
@@ -31,16 +32,26 @@ pub(in crate::assembly) const fn numbers(n: usize) -> usize {
     n + n * n + 3
 }
 
-/// One tile of the grid: all points of the first direction, up to a lane's worth of the second, one of the third.
+/// One tile of the grid: points of some elements of the first direction, up to a lane's worth of the second, one of the third.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place<'a> {
+    /// Elements of the first direction, from and to.
+    pub along: [usize; 2],
     /// (point, element) of the second direction per lane; lanes beyond the last point repeat it.
     pub lanes: &'a [(usize, usize)],
     /// Point and element of the third direction.
     pub slow: (usize, usize),
 }
 
-/// The map of a tile to `out[point * numbers(N) + k]`.
+impl Place<'_> {
+    /// Points of the first direction.
+    #[inline(always)]
+    fn points(&self, axes: &[Axis]) -> Range<usize> {
+        axes[0].start[self.along[0]]..axes[0].start[self.along[1]]
+    }
+}
+
+/// The map of a tile to `out[point * numbers(N) + k]`, points counted from the first of the tile, as in `lines`.
 #[inline(always)]
 pub(super) fn fill_net<S: Simd, const N: usize>(
     simd: S,
@@ -52,13 +63,14 @@ pub(super) fn fill_net<S: Simd, const N: usize>(
     out: &mut [S::f64s],
 ) {
     let weight = weights(simd, axes, place);
-    for (q, out) in out.chunks_exact_mut(numbers(N)).enumerate() {
+    let along = &axes[0].weights[place.points(axes)];
+    for (q, (out, &first)) in out.chunks_exact_mut(numbers(N)).zip(along).enumerate() {
         let (x, t) = match (N, net.width) {
             (2, 2) => position(simd, net.at::<S, N, 2>(simd, q, lines, tile)),
             (_, 3) => position(simd, net.at::<S, N, 3>(simd, q, lines, tile)),
             _ => position(simd, net.at::<S, N, 4>(simd, q, lines, tile)),
         };
-        finish(simd, &x, &t, simd.mul_f64s(weight, simd.splat_f64s(axes[0].weights[q])), out);
+        finish(simd, &x, &t, simd.mul_f64s(weight, simd.splat_f64s(first)), out);
     }
 }
 
@@ -167,11 +179,12 @@ pub(super) fn fill_elements<S: Simd, const N: usize>(
     let (lanes, width) = (S::F64_LANES, numbers(N));
     let numbers: &mut [f64] = bytemuck::cast_slice_mut(out);
     let counts: [usize; 2] = [axes[0].elements(), axes[1].elements()];
+    let origin = place.points(axes).start;
     let mut from = 0;
     while from < place.lanes.len() {
         let e1 = place.lanes[from].1;
         let to = from + place.lanes[from..].iter().take_while(|p| p.1 == e1).count();
-        for e0 in 0..counts[0] {
+        for e0 in place.along[0]..place.along[1] {
             let along = axes[0].start[e0]..axes[0].start[e0 + 1];
             points.clear();
             for &(q1, _) in &place.lanes[from..to] {
@@ -184,7 +197,7 @@ pub(super) fn fill_elements<S: Simd, const N: usize>(
                 for q in along.clone() {
                     let point = all.next().expect("numbers of every point that was asked for");
                     for (k, &value) in point.iter().enumerate() {
-                        numbers[(q * width + k) * lanes + lane] = value;
+                        numbers[((q - origin) * width + k) * lanes + lane] = value;
                     }
                 }
             }
@@ -207,7 +220,7 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Finish<'_, S, N> {
     fn call(self) {
         let Self { simd, axes, place, out } = self;
         let weight = weights(simd, axes, place);
-        for (q, out) in out.chunks_exact_mut(numbers(N)).enumerate() {
+        for (&first, out) in axes[0].weights[place.points(axes)].iter().zip(out.chunks_exact_mut(numbers(N))) {
             let (mut x, mut t) = ([weight; N], [[weight; N]; N]);
             for c in 0..N {
                 x[c] = out[c];
@@ -215,7 +228,7 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Finish<'_, S, N> {
                     t[d][c] = out[N + d * N + c];
                 }
             }
-            finish(simd, &x, &t, simd.mul_f64s(weight, simd.splat_f64s(axes[0].weights[q])), out);
+            finish(simd, &x, &t, simd.mul_f64s(weight, simd.splat_f64s(first)), out);
         }
     }
 }

@@ -1,5 +1,8 @@
 //! The march along the slowest direction, layer by layer: contract, add to the ring, hand on the rows that are complete.
 //!
+//! A march makes the rows of (a strip of the fast direction) x (a strip of the middle one) x (functions of the slowest), see
+//! `strip`: the sums that it holds do not grow with the patch. Marches share nothing and are made in any order.
+//!
 //! Every entry is summed over the elements of the slowest direction in ascending order, whoever does it: the bits depend
 //! neither on threads nor on strips, windows or layers nor on where a march starts.
 
@@ -12,7 +15,7 @@ use super::groups;
 use super::layer::{Layer, Scratch, Sweep};
 use super::strip::{self, Strip};
 use super::sums::Add;
-use super::write::Sums;
+use super::write::{Directions, Sums};
 use crate::assembly::source::Source;
 use pulp::{Simd, bytemuck};
 use rayon::prelude::*;
@@ -23,13 +26,28 @@ use std::ops::Range;
 const LAYER_BYTES: usize = 1 << 20;
 /// Groups of tasks per thread in a pass.
 const GROUPS_PER_THREAD: usize = 4;
-/// Bytes of sums that a strip of the middle direction aims at: they stay in the third cache, or in a share of it.
+/// Bytes of sums that a strip of the fast and of the middle direction aims at: they stay in the third cache, or in a share
+/// of it, however large the patch is.
 const STRIP_BYTES: usize = 3 << 20;
-/// Functions of a strip per active function of the middle direction, about and never less than three quarters of it: nearly
-/// as many elements as are active are contracted beside its rows, which narrower strips do not win back.
-const STRIP_PER_ACTIVE: f64 = 5.5;
+/// Functions of a strip of the fast direction per active function, at most and never less than half of it: one element
+/// less than are active is contracted beside its rows.
+const FAST_PER_ACTIVE: f64 = 6.5;
+/// Functions of a strip of the middle direction per active function, about and never less than three quarters of it: beside
+/// these rows sums are held on both sides.
+const MIDDLE_PER_ACTIVE: f64 = 5.5;
 /// Functions of the middle direction that one thread contracts at once, and several threads, which meet twice per window.
 const WINDOW: [usize; 2] = [2, 8];
+
+/// Functions of the fast and of the middle direction in a strip of a patch that has `bytes` of sums. In space the fast one is
+/// cut first; in the plane a line of sums is short.
+fn sizes(to: Directions<'_>, bytes: usize) -> [usize; 2] {
+    let (fast, middle) = (to.fast.functions, to.middle.functions);
+    let per_active = |axis: &Axis, size: f64| axis.functions as f64 / (size * axis.active as f64);
+    let count = |bytes: usize, most: f64| bytes.div_ceil(STRIP_BYTES).min(most as usize).max(1);
+    let fasts = if middle > 1 { count(bytes, per_active(to.fast, FAST_PER_ACTIVE).ceil()) } else { 1 };
+    let middles = count(bytes / fasts, per_active(to.middle, MIDDLE_PER_ACTIVE).round());
+    [fast.div_ceil(fasts), middle.div_ceil(middles)]
+}
 
 /// All that a march needs and does not change.
 pub(super) struct Plan<'a, 'p> {
@@ -38,8 +56,8 @@ pub(super) struct Plan<'a, 'p> {
     pub pairs: Vec<Pair>,
     /// Groups of pairs whose D is symmetric, and of the others.
     pub groups: [Vec<Group>; 2],
-    /// Functions of the middle direction in a strip, at most.
-    pub strip: usize,
+    /// Functions of the fast and of the middle direction in a strip, at most.
+    pub strip: [usize; 2],
     /// Functions of the middle direction in a window, for one thread and for several.
     pub window: [usize; 2],
 }
@@ -54,16 +72,15 @@ impl<'a, 'p> Plan<'a, 'p> {
         };
         let pairs = coefficient.pairs();
         let to = patch.directions();
-        let per_function = to.fast.functions * to.fast.active * to.sums(to.slow.active) * pairs.len() * size_of::<f64>();
-        let functions = to.middle.functions;
-        let most = (functions as f64 / (STRIP_PER_ACTIVE * to.middle.active as f64)).round() as usize;
-        let strip = functions.div_ceil((functions * per_function).div_ceil(STRIP_BYTES).min(most).max(1));
+        let per_pair = to.fast.active * to.sums(to.slow.active) * pairs.len() * size_of::<f64>();
+        let strip = sizes(to, to.fast.functions * to.middle.functions * per_pair);
         Self { patch, coefficient, pairs, groups, strip, window: WINDOW }
     }
 
-    /// The functions of the middle direction in strips.
-    pub fn strips(&self) -> Vec<Range<usize>> {
-        strip::cut(self.patch.directions().middle.functions, self.strip)
+    /// The functions of the fast and of the middle direction in strips.
+    pub fn strips(&self) -> [Vec<Range<usize>>; 2] {
+        let to = self.patch.directions();
+        [strip::cut(to.fast.functions, self.strip[0]), strip::cut(to.middle.functions, self.strip[1])]
     }
 
     /// Components of the contraction along the fastest direction.
@@ -75,13 +92,12 @@ impl<'a, 'p> Plan<'a, 'p> {
 /// Takes complete sums: of all functions whose number in the slowest direction is in the range, which follow each other.
 pub(super) type Sink<'a> = dyn FnMut(Sums<'_>, Range<usize>) + Send + 'a;
 
-/// What a march makes: all rows of functions of the middle and of the slowest direction.
+/// What a march makes: the rows of functions of all directions.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
-    /// Functions of the middle direction.
-    pub strip: Range<usize>,
-    /// Functions of the slowest direction.
-    pub rows: Range<usize>,
+    pub fast: Range<usize>,
+    pub middle: Range<usize>,
+    pub slow: Range<usize>,
 }
 
 /// The march through `part`, `threads` of them sharing a layer.
@@ -112,28 +128,28 @@ impl<const N: usize> pulp::WithSimd for March<'_, '_, '_, N> {
 }
 
 /// Elements of the slowest direction that a layer takes.
-fn layer_elements<const N: usize>(axes: &[Axis], components: usize) -> usize {
+fn layer_elements<const N: usize>(axes: &[Axis], fast: &Strip, components: usize) -> usize {
     let slow = &axes[N - 1];
-    let per_point = if N == 3 { axes[1].points() } else { 1 } * axes[0].functions * axes[0].active * components;
+    let per_point = if N == 3 { axes[1].points() } else { 1 } * fast.held.len() * axes[0].active * components;
     let per_element = slow.points().div_ceil(slow.elements()) * per_point * size_of::<f64>();
     (LAYER_BYTES / per_element.max(1)).clamp(1, slow.elements())
 }
 
 fn run<S: Simd, const N: usize>(simd: S, march: March<'_, '_, '_, N>) {
-    let March { plan, part: Part { strip, rows }, threads, sink } = march;
+    let March { plan, part: Part { fast, middle, slow: rows }, threads, sink } = march;
     let axes = &plan.patch.axes;
     let slow = &axes[N - 1];
     let mut reached = rows.clone().filter(|&i| slow.support[i].1 > 0);
     let Some(lowest) = reached.next() else { return };
     let highest = reached.next_back().unwrap_or(lowest);
-    let window = plan.window[usize::from(threads > 1)];
-    let Some(strip) = Strip::new(plan.patch.directions().middle, strip, window, S::F64_LANES) else { return };
+    let to = plan.patch.directions();
+    let (Some(fast), Some(middle)) = (Strip::one_way(to.fast, fast), Strip::both_ways(to.middle, middle)) else { return };
     let (begin, end) = (slow.support[lowest].0, slow.support[highest].1);
-    let step = layer_elements::<N>(axes, plan.pairs.len() * plan.components());
+    let step = layer_elements::<N>(axes, &fast, plan.pairs.len() * plan.components());
     let layers: Vec<Range<usize>> = (begin..end).step_by(step).map(|e| e..(e + step).min(end)).collect();
     let slots = layers.iter().map(|l| slow.first[l.end - 1] + slow.active - slow.first[l.start]).max().unwrap_or(0);
     let points = layers.iter().map(|l| slow.start[l.end] - slow.start[l.start]).max().unwrap_or(0);
-    let sweep = Sweep::<N>::new(plan, strip, points, slots, S::F64_LANES);
+    let sweep = Sweep::<N>::new(plan, [fast, middle], threads, points, slots, S::F64_LANES);
     let groups = if threads == 1 { 1 } else { GROUPS_PER_THREAD * threads };
     let mut scratch: Vec<Scratch<'_, S::f64s>> = (0..groups).map(|_| sweep.scratch(simd)).collect();
     // written before they are read
@@ -145,7 +161,7 @@ fn run<S: Simd, const N: usize>(simd: S, march: March<'_, '_, '_, N>) {
     for elements in layers {
         let layer = Layer { points: slow.start[elements.start]..slow.start[elements.end], elements };
         sweep.fill_lines(&layer, &mut lines);
-        for window in &sweep.strip.windows {
+        for window in &sweep.windows.steps {
             let mut new = sweep.tiles_of(&layer, window);
             while !new.is_empty() {
                 // up to the end of the ring of tiles
@@ -184,7 +200,8 @@ fn run<S: Simd, const N: usize>(simd: S, march: March<'_, '_, '_, N>) {
             lanes: S::F64_LANES,
             pair: sweep.vector / plan.pairs.len(),
             slots,
-            first: sweep.strip.held.start,
+            fast: &sweep.fast,
+            first: sweep.middle.held.start,
             components: plan.coefficient.components,
             pairs: &plan.pairs,
             symmetric: plan.coefficient.symmetric,

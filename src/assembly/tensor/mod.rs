@@ -12,7 +12,7 @@
 //! | `net`, `map` | positions and Jacobians on the grid |
 //! | `coefficient` | D per pair of components; rational functions by an extended coefficient |
 //! | `groups`, `fast`, `middle`, `slow` | the three contractions |
-//! | `strip` | strips and windows of the middle direction |
+//! | `strip` | strips of the fast and of the middle direction, windows of the latter |
 //! | `layer`, `sums`, `march` | loops and threads |
 //! | `write`, `row` | rows of the matrix |
 //! | `glue`, `scatter` | several patches as one body: numbers, pattern of the union, rows |

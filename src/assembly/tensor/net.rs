@@ -5,6 +5,7 @@ use crate::basis::Block;
 use crate::linalg::Real;
 use crate::quadrature::Quadrature;
 use pulp::Simd;
+use std::ops::Range;
 
 /// sum_k N_k c_k with `width` numbers c_k per function: positions in homogeneous form, or a weight function.
 #[derive(Clone, Debug)]
@@ -49,24 +50,39 @@ impl Net {
         self.axes.iter().map(Axis::elements).collect()
     }
 
-    /// Contracts all but the second direction, the third at its point `slow`: `out[((point * n1 + function) * N + kind) *
-    /// width + c]`, kinds value, derivative along the first direction, derivative along the third.
-    pub fn lines<const N: usize>(&self, slow: usize, owner: usize, out: &mut Vec<f64>, scratch: &mut Vec<f64>) {
+    /// Contracts all but the second direction, the first on `elements`, the third at a point with its element, `slow`:
+    /// `out[((point * n1 + function) * N + kind) * width + c]`, kinds value, derivative along the first direction, derivative
+    /// along the third, points counted from the first of the elements.
+    pub fn lines<const N: usize>(
+        &self,
+        (slow, owner): (usize, usize),
+        elements: &Range<usize>,
+        out: &mut Vec<f64>,
+        scratch: &mut Vec<f64>,
+    ) {
         let m = self.width;
         let (first, second) = (&self.axes[0], &self.axes[1]);
         let (n0, n1) = (first.functions, second.functions);
-        let plane = n0 * n1 * m;
+        let origin = first.start[elements.start];
+        // functions of the first direction on these elements
+        let own = first.first[elements.start]..first.first[elements.end - 1] + first.active;
+        let (mut stride, mut before) = (n0, 0);
         let (values, slopes): (&[f64], &[f64]) = if N == 3 {
             let third = &self.axes[2];
+            (stride, before) = (own.len(), own.start);
+            let plane = stride * n1 * m;
             scratch.clear();
             scratch.resize(2 * plane, 0.0);
             let (values, slopes) = scratch.split_at_mut(plane);
             for a in 0..third.active {
                 let (v, s) = (third.values[slow * third.active + a], third.slopes[slow * third.active + a]);
-                let from = &self.coefficients[(third.first[owner] + a) * plane..][..plane];
-                for ((value, slope), &c) in values.iter_mut().zip(slopes.iter_mut()).zip(from) {
-                    *value += v * c;
-                    *slope += s * c;
+                let from = self.coefficients[(third.first[owner] + a) * n0 * n1 * m..][..n0 * n1 * m].chunks_exact(n0 * m);
+                let to = values.chunks_exact_mut(stride * m).zip(slopes.chunks_exact_mut(stride * m));
+                for ((values, slopes), from) in to.zip(from) {
+                    for ((value, slope), &c) in values.iter_mut().zip(slopes).zip(&from[own.start * m..own.end * m]) {
+                        *value += v * c;
+                        *slope += s * c;
+                    }
                 }
             }
             (values, slopes)
@@ -74,14 +90,14 @@ impl Net {
             (&self.coefficients, &[])
         };
         out.clear();
-        out.resize(first.points() * n1 * N * m, 0.0);
-        for e in 0..first.elements() {
+        out.resize((first.start[elements.end] - origin) * n1 * N * m, 0.0);
+        for e in elements.clone() {
             for q in first.start[e]..first.start[e + 1] {
                 for k in 0..n1 {
-                    let to = &mut out[(q * n1 + k) * N * m..][..N * m];
+                    let to = &mut out[((q - origin) * n1 + k) * N * m..][..N * m];
                     for a in 0..first.active {
                         let (v, s) = (first.values[q * first.active + a], first.slopes[q * first.active + a]);
-                        let from = (k * n0 + first.first[e] + a) * m;
+                        let from = (k * stride + first.first[e] + a - before) * m;
                         for c in 0..m {
                             to[c] += v * values[from + c];
                             to[m + c] += s * values[from + c];
@@ -114,7 +130,7 @@ impl Net {
         }
     }
 
-    /// Value and derivatives along all directions at point `q` of the first, the tile's points in lanes.
+    /// Value and derivatives along all directions at point `q` of `lines`, the tile's points in lanes.
     #[inline(always)]
     pub fn at<S: Simd, const N: usize, const M: usize>(
         &self,

@@ -33,20 +33,21 @@ fn planes<S: Simd, const N: usize>(simd: S, patch: &Patch<'_>, owners: &[Vec<usi
     let (axes, lanes) = (&patch.axes, S::F64_LANES);
     let (q0, q1) = (axes[0].points(), axes[1].points());
     let slow = if N == 3 { (k, owners[1][k]) } else { (0, 0) };
+    let elements = 0..axes[0].elements();
     let (from, to) = if N == 3 { (0, q1) } else { (k * lanes, ((k + 1) * lanes).min(q1)) };
     let (mut lines, mut weight_lines, mut scratch) = (Vec::new(), Vec::new(), Vec::new());
     if let Map::Net(net) = &patch.map {
-        net.lines::<N>(slow.0, slow.1, &mut lines, &mut scratch);
+        net.lines::<N>(slow, &elements, &mut lines, &mut scratch);
     }
     if let Some((net, _)) = &patch.weight {
-        net.lines::<N>(slow.0, slow.1, &mut weight_lines, &mut scratch);
+        net.lines::<N>(slow, &elements, &mut weight_lines, &mut scratch);
     }
     let mut geo = vec![simd.splat_f64s(0.0); q0 * numbers(N)];
     let (mut tile, mut element) = (Tile::default(), ElementScratch::new(&patch.map));
     let mut grid = vec![0.0; (to - from) * q0 * (N + 1)];
     for first in (from..to).step_by(lanes) {
         let here: Vec<(usize, usize)> = (first..first + lanes).map(|q| q.min(to - 1)).map(|q| (q, owners[0][q])).collect();
-        let place = Place { lanes: &here, slow };
+        let place = Place { along: [elements.start, elements.end], lanes: &here, slow };
         match &patch.map {
             Map::Net(net) => {
                 net.tile(simd, &here, &mut tile);

@@ -9,10 +9,10 @@ use crate::linalg::{Real, lit};
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// Bytes of lines that a strip of rows aims at.
-const STRIP_BYTES: usize = 16 << 10;
-/// Fewest rows of a strip: it copies the pairs of some rows before it too.
-const STRIP_AT_LEAST: usize = 32;
+/// Bytes of lines that rows are taken from at once.
+const BYTES_AT_ONCE: usize = 16 << 10;
+/// Fewest rows at once: the pairs of some rows before them are copied too.
+const ROWS_AT_LEAST: usize = 32;
 
 /// Functions of the fastest direction beside one pair of functions of the others.
 #[derive(Clone, Copy, Debug)]
@@ -34,9 +34,10 @@ pub(super) struct Lines {
     pub runs: Vec<Run>,
     /// The mirrored and the own line of every run and component of the trial function.
     values: Vec<f64>,
-    /// Numbers of a line, and the first that is copied.
+    /// Numbers of a line, the first that is copied, and the first that has sums.
     width: usize,
     from: usize,
+    origin: usize,
     /// First number of the line of the rows.
     first: usize,
 }
@@ -58,15 +59,18 @@ impl Lines {
         }
     }
 
-    /// Functions of the fastest direction whose lines stay in the first cache, `STRIP_AT_LEAST` or more.
-    pub fn strip(&self, sums: &Sums<'_>, axis: &Axis) -> usize {
+    /// Functions of the fastest direction whose lines stay in the first cache, `ROWS_AT_LEAST` or more.
+    pub fn at_once(&self, sums: &Sums<'_>, axis: &Axis) -> usize {
         let per_function = 2 * self.runs.len() * sums.components * axis.active * size_of::<f64>();
-        (STRIP_BYTES / per_function.max(1)).max(STRIP_AT_LEAST)
+        (BYTES_AT_ONCE / per_function.max(1)).max(ROWS_AT_LEAST)
     }
 
     /// Copies the sums of component `c` of the test function, as far as the rows of `functions` need them.
     pub fn fill(&mut self, sums: &Sums<'_>, axis: &Axis, c: usize, functions: Range<usize>) {
-        let pairs = (functions.start + 1).saturating_sub(axis.active) * axis.active..functions.end * axis.active;
+        let first = sums.fast.held.start;
+        let from = (functions.start + 1).saturating_sub(axis.active).max(first);
+        let pairs = (from - first) * axis.active..(functions.end - first) * axis.active;
+        self.origin = first * axis.active;
         match sums.lanes {
             2 => self.copy::<2>(sums, c, pairs),
             4 => self.copy::<4>(sums, c, pairs),
@@ -79,7 +83,7 @@ impl Lines {
         let n = sums.components;
         let (from, per_vector) = (sums.values.as_chunks::<L>().0, sums.pairs.len() * sums.pair);
         let (first, vectors) = (pairs.start / L, pairs.end.div_ceil(L) - pairs.start / L);
-        (self.from, self.width) = (first * L, vectors * L);
+        (self.from, self.width) = (self.origin + first * L, vectors * L);
         self.values.resize(self.runs.len() * n * 2 * self.width, 0.0);
         let out = self.values.as_chunks_mut::<L>().0;
         for (r, from) in from.chunks_exact(per_vector).skip(first).take(vectors).enumerate() {

@@ -4,8 +4,6 @@
 //! whole, each to the task of its patch; a second function of the stretch with the same number comes after all others.
 //! So every entry is summed in an order that does not depend on the threads.
 
-use super::Patch;
-use super::coefficient::Coefficient;
 use super::glue::Glue;
 use super::march::{Part, Plan, march};
 use super::write::{Directions, RowScratch, Sums};
@@ -17,9 +15,10 @@ use std::ops::Range;
 /// Tasks per thread of a stretch of rows.
 const TASKS_PER_THREAD: usize = 2;
 
-/// The matrix of `coefficient` on all patches to `matrix`; `add`: on top of what is there.
-pub(super) fn fill<T: Real>(patches: &[Patch<'_>], glue: &Glue, coefficient: &Coefficient<'_>, add: bool, matrix: &mut Csr<T>) {
-    let (c, threads) = (coefficient.components, rayon::current_num_threads());
+/// The matrix of one form, a plan per patch, to `matrix`; `add`: on top of what is there.
+pub(super) fn fill<T: Real>(plans: &[Plan<'_, '_>], glue: &Glue, add: bool, matrix: &mut Csr<T>) {
+    let (coefficient, threads) = (plans[0].coefficient, rayon::current_num_threads());
+    let c = coefficient.components;
     let graph = matrix.pattern().clone();
     assert_eq!(graph.block(), c, "the matrix has the pattern of the basis");
     let starts: Vec<usize> = graph.ptr().iter().map(|blocks| c * c * blocks).collect();
@@ -32,16 +31,16 @@ pub(super) fn fill<T: Real>(patches: &[Patch<'_>], glue: &Glue, coefficient: &Co
             }
         });
     }
-    for (k, patch) in patches.iter().enumerate() {
-        let plan = Plan::new(patch, coefficient);
-        let (directions, first) = (patch.directions(), glue.first[k]);
+    for (plan, &first) in plans.iter().zip(&glue.first) {
+        let directions = plan.patch.directions();
         // inside the pool, so that no pass has to enter it
         rayon::scope(|_| {
             // the order of sums of merged functions follows from the strips: they depend on nothing but the patch
-            for strip in plan.strips() {
-                let part = Part { strip: strip.clone(), rows: 0..directions.slow.functions };
-                march(&plan, part, threads, &mut |sums: Sums<'_>, rows: Range<usize>| {
-                    to.stretch(&sums, directions, first, [strip.clone(), rows], threads, values);
+            let strips = plan.strips();
+            for (middle, fast) in strips[1].iter().flat_map(|middle| strips[0].iter().map(move |fast| (middle, fast))) {
+                let part = Part { fast: fast.clone(), middle: middle.clone(), slow: 0..directions.slow.functions };
+                march(plan, part, threads, &mut |sums: Sums<'_>, rows: Range<usize>| {
+                    to.stretch(&sums, directions, first, [middle.clone(), rows], threads, values);
                 });
             }
         });
@@ -72,20 +71,22 @@ impl Target<'_> {
         row.binary_search(&other).expect("the matrix has the pattern of the basis")
     }
 
-    /// Adds the rows of functions of the middle and the slow direction of the patch whose functions start at `first`.
+    /// Adds the rows of functions of all directions of the patch whose functions start at `first`.
     fn stretch<T: Real>(
         &self,
         sums: &Sums<'_>,
         to: Directions<'_>,
         first: usize,
-        [strip, rows]: [Range<usize>; 2],
+        [middle, slow]: [Range<usize>; 2],
         threads: usize,
         values: &mut [T],
     ) {
-        let (n0, n1) = (to.fast.functions, strip.len());
-        let place = |line: usize| [strip.start + line % n1, rows.start + line / n1];
-        let begin = |[middle, slow]: [usize; 2]| first + n0 * (middle + to.middle.functions * slow);
-        let ids = rows.clone().flat_map(|slow| &self.glue.ids[begin([strip.start, slow])..begin([strip.end, slow])]);
+        let (fast, n1) = (&sums.fast.rows, middle.len());
+        let n0 = fast.len();
+        let place = |line: usize| [middle.start + line % n1, slow.start + line / n1];
+        let begin = |[middle, slow]: [usize; 2]| first + fast.start + to.fast.functions * (middle + to.middle.functions * slow);
+        let lines = slow.len() * n1;
+        let ids = (0..lines).flat_map(|line| &self.glue.ids[begin(place(line))..][..n0]);
         let mut order: Vec<(u32, usize)> = ids.copied().zip(0..).collect();
         order.sort_unstable();
         let mut slots: Vec<Option<&mut [T]>> = order.iter().map(|_| None).collect();
@@ -99,7 +100,6 @@ impl Target<'_> {
             let (own, others) = rest.split_at_mut(from - next).1.split_at_mut(end - from);
             (slots[i], rest, next) = (Some(own), others, end);
         }
-        let lines = rows.len() * n1;
         let share = lines.div_ceil(if threads == 1 { 1 } else { TASKS_PER_THREAD * threads }).max(1);
         slots.par_chunks_mut(share * n0).enumerate().for_each(|(task, slots)| {
             let mut scratch = RowScratch::default();
@@ -120,7 +120,7 @@ impl Target<'_> {
         }
     }
 
-    /// The rows of functions (.., middle, slow) that have a slot.
+    /// The rows of functions (the strip's, middle, slow) that have a slot.
     fn line<T: Real>(
         &self,
         sums: &Sums<'_>,
@@ -133,8 +133,8 @@ impl Target<'_> {
         let (n, own) = (sums.components, first + to.fast.functions * (middle + to.middle.functions * slow));
         lines.start(sums, to, [middle, slow]);
         for c in 0..n {
-            lines.fill(sums, to.fast, c, 0..to.fast.functions);
-            for (i, slot) in slots.iter_mut().enumerate() {
+            lines.fill(sums, to.fast, c, sums.fast.rows.clone());
+            for (i, slot) in sums.fast.rows.clone().zip(slots.iter_mut()) {
                 let Some(out) = slot else { continue };
                 let id = self.glue.ids[own + i] as usize;
                 let length = out.len() / n;

@@ -23,7 +23,7 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Add<'_, '_, S, N> {
     #[inline(always)]
     fn call(self) {
         let Self { simd, sweep, layer, window, r, tiles, scratch, sums } = self;
-        let (plan, strip, lanes, task, to) = (sweep.plan, &sweep.strip, sweep.lanes, sweep.task, sweep.to);
+        let (plan, strip, lanes, task, to) = (sweep.plan, &sweep.middle, sweep.lanes, sweep.task, sweep.to);
         let (middle, slow) = (to.middle, to.slow);
         let points = layer.points.len();
         let width = 2 * middle.active - 1;

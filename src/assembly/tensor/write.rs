@@ -9,6 +9,7 @@ use super::axis::Axis;
 use super::coefficient::Pair;
 use super::row::Lines;
 use super::slow::Ring;
+use super::strip::Strip;
 use crate::linalg::Real;
 
 /// Where sums lie.
@@ -22,6 +23,8 @@ pub(super) struct Sums<'a> {
     pub pair: usize,
     /// Slots of the ring.
     pub slots: usize,
+    /// Functions of the fast direction.
+    pub fast: &'a Strip,
     /// First function of the middle direction that has sums.
     pub first: usize,
     /// Components of the field.
@@ -67,16 +70,18 @@ impl Directions<'_> {
 }
 
 impl Sums<'_> {
-    /// The rows of functions (.., `middle`, `slow`) to `out`; `add`: on top of what is there.
-    pub fn write<T: Real>(&self, to: Directions<'_>, middle: usize, slow: usize, add: bool, scratch: &mut RowScratch<T>, out: &mut [T]) {
+    /// The rows of functions (the strip's, middle, slow), `outer` are the last two, to `out`; `add`: on top of what is there.
+    pub fn write<T: Real>(&self, to: Directions<'_>, outer: [usize; 2], add: bool, scratch: &mut RowScratch<T>, out: &mut [T]) {
         let (n, RowScratch { lines, row }) = (self.components, scratch);
-        lines.start(self, to, [middle, slow]);
-        let strip = lines.strip(self, to.fast);
-        let strips = (0..to.fast.functions).step_by(strip).map(|from| from..(from + strip).min(to.fast.functions));
-        for (c, strip) in strips.flat_map(|strip| (0..n).map(move |c| (c, strip.clone()))) {
-            lines.fill(self, to.fast, c, strip.clone());
-            for i in strip {
-                let before = n * lines.runs.len() * to.fast.sums[i];
+        lines.start(self, to, outer);
+        let (rows, step) = (self.fast.rows.clone(), lines.at_once(self, to.fast));
+        // functions before those held have no element
+        let reached = rows.start.max(self.fast.held.start)..rows.end;
+        let blocks = reached.step_by(step).map(|from| from..(from + step).min(rows.end));
+        for (c, block) in blocks.flat_map(|block| (0..n).map(move |c| (c, block.clone()))) {
+            lines.fill(self, to.fast, c, block.clone());
+            for i in block {
+                let before = n * lines.runs.len() * (to.fast.sums[i] - to.fast.sums[rows.start]);
                 let length = n * lines.runs.len() * (to.fast.sums[i + 1] - to.fast.sums[i]);
                 let own = &mut out[n * before + c * length..][..length];
                 if add {
