@@ -194,6 +194,32 @@ fn memory_is_predicted_by_the_analysis_that_the_solve_then_uses() {
 }
 
 #[test]
+fn a_prediction_with_another_reaction_does_not_change_what_is_solved_next() {
+    let blocks = Blocks::new((6, 1.0), (4, 1.0), &[0, 1]);
+    let expected = Direct::new().solve(&blocks.system()).unwrap();
+    // a reaction without the entries of one unknown
+    let mut reaction = blocks.rows.clone();
+    let lost = reaction.slave.entries[0].1;
+    reaction.slave.entries.retain(|&(_, j, _)| j != lost);
+    let mut solver = Direct::new();
+    solver.predicted_memory(&ConstrainedSystem { reaction: Some(&reaction), ..blocks.system() }).unwrap();
+    let found = solver.solve(&blocks.system()).unwrap();
+    assert_eq!(found.method, expected.method);
+    assert_eq!(found.unknowns, expected.unknowns);
+}
+
+#[test]
+fn a_residual_whose_terms_overflow_is_not_taken_for_small() {
+    let mut all = Triplets::new(2, 2);
+    (0..2).for_each(|i| all.push(i, i, 1e308));
+    let a = all.to_csr();
+    let mut solver = Ldlt::new();
+    solver.prepare(&a).unwrap();
+    let mut x = [0.0; 2];
+    assert!(matches!(solver.solve(&a, &[1e308; 2], &mut x), Err(LinearError::Singular { .. })), "{x:?}");
+}
+
+#[test]
 fn another_reaction_is_solved_by_lu() {
     let blocks = Blocks::new((6, 1.0), (4, 1.0), &[0, 1]);
     let exact = Direct::new().solve(&blocks.system()).unwrap();

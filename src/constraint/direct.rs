@@ -72,7 +72,8 @@ impl Direct {
     pub fn predicted_memory(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<usize, SolveError> {
         check_shape(system)?;
         let kind: Vec<RowKind> = system.kind.iter().map(|&k| if k == RowKind::Contact { RowKind::Equal } else { k }).collect();
-        let s = Scaled::of(&ConstrainedSystem { kind: &kind, ..*system })?;
+        // only the symmetric part is factorised, whatever the reaction
+        let s = Scaled::of(&ConstrainedSystem { kind: &kind, reaction: None, ..*system })?;
         let upper = assemble(&mut self.layout, &s, &vec![0.0; s.num_rows()], &vec![1.0; s.num_rows()]);
         Ok(self.ldlt.predict(&upper, &s.all_places(system.stiffness.places()))?)
     }

@@ -57,8 +57,7 @@ impl<L: LinearSolver<f64>> ConstraintSolver<f64> for Free<L> {
             return Err(SolveError::ExactRow { row });
         }
         let w: Vec<f64> = (0..m).map(|a| if s.enforced[a] { 1.0 / s.compliance[a] } else { 0.0 }).collect();
-        let columns = s.rows.transposed();
-        let matrix = penalised(&s, &columns, &w, system.stiffness.places());
+        let matrix = penalised(&s, &s.columns, &w, system.stiffness.places());
         if self.matrix.as_ref() != Some(&matrix) {
             self.matrix = None;
             self.linear.prepare(&matrix)?;

@@ -22,6 +22,7 @@ pub(super) struct Layout {
 
 /// Upper triangle of the matrix at the file's head; the pattern holds all rows, enforced or not. `layout` is kept from matrix to matrix.
 pub(super) fn assemble(layout: &mut Option<Layout>, s: &Scaled<'_>, w: &[f64], f: &[f64]) -> Upper {
+    debug_assert!(s.reaction.is_none(), "columns are those of the constraint");
     let (n, m, columns) = (s.num_unknowns(), s.num_rows(), &s.columns);
     let known = layout.as_ref().is_some_and(|l| &l.stiffness == s.stiffness.pattern() && &l.rows == s.rows.pattern());
     if !known {

@@ -3,7 +3,7 @@
 //!   r1 = f - K u - Bᵀ l,   r2 = -g - C u + s l   in the scaled rows of [`super::scale`], summed in twice the working precision
 
 use super::scale::Scaled;
-use crate::linalg::residual::{RESIDUAL_LIMIT, max, ratio};
+use crate::linalg::residual::{RESIDUAL_LIMIT, max, ratio, relative};
 use crate::linalg::twice::residual_rows;
 use crate::linalg::{Limits, LinearError};
 
@@ -114,8 +114,8 @@ impl Scaled<'_> {
         });
         // rows that hold their unknowns at zero have no terms but rounding: that of the unknowns is no residual
         let unknown = u.iter().fold(0.0, |m, &v| max(m, v.abs()));
-        let second = if top2 <= ROUNDING * unknown { 0.0 } else { ratio(top2, bottom2) };
-        max(ratio(top1, bottom1), second)
+        let second = if top2 <= ROUNDING * unknown { 0.0 } else { relative(top2, bottom2) };
+        max(relative(top1, bottom1), second)
     }
 
     /// Adds corrections until they stall: u += du, l += dl with (du, dl) = `correct`(r1, r2). Returns (u, l, residual).

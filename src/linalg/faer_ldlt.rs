@@ -185,13 +185,13 @@ impl Ldlt {
         }
     }
 
-    /// Bytes that a factorisation of this pattern needs beyond the matrix itself: factor, pattern, fronts, and the numbers that a
-    /// second matrix of the pattern is compared with. The analysis is kept.
+    /// Bytes that a factorisation of this pattern needs beyond the matrix itself: factor, pattern, fronts, the numbers that a
+    /// second matrix of the pattern is compared with, and two vectors that solutions keep. The analysis is kept.
     pub(crate) fn predict(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<usize, LinearError> {
         self.analyse_upper(upper, places)?;
         let analysis = self.analysis.as_ref().expect("analysed above");
         let symbolic = &analysis.symbolic;
-        Ok(8 * (symbolic.len_val() + symbolic.nrows()) + 24 * upper.vals.len() + analysis.work_bytes())
+        Ok(8 * (symbolic.len_val() + 3 * symbolic.nrows()) + 24 * upper.vals.len() + analysis.work_bytes())
     }
 
     fn analyse_upper(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {

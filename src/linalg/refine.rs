@@ -1,6 +1,6 @@
 //! Solutions by a factor, refined on the matrix itself with residuals in twice the working precision.
 
-use super::residual::{RESIDUAL_LIMIT, max, ratio, residual};
+use super::residual::{RESIDUAL_LIMIT, max, ratio, relative, residual};
 use super::twice::residual_rows;
 use super::{Buffer, LinearError, Operator};
 
@@ -62,5 +62,5 @@ fn accurate_residual(a: &dyn Operator<f64>, scale: &[f64], b: &[f64], x: &[f64],
         sum.add(b[i]);
         (sum.value(), [sum.value().abs() * scale[i], sum.size * scale[i]])
     });
-    ratio(top, bottom)
+    relative(top, bottom)
 }

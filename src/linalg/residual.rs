@@ -32,7 +32,7 @@ pub(crate) fn residual<T: Real>(a: &dyn Operator<T>, scale: &[f64], b: &[T], x: 
         top = max(top, to_f64(r[i]).abs() * scale[i]);
         bottom = max(bottom, (size + to_f64(b[i]).abs()) * scale[i]);
     }
-    ratio(top, bottom)
+    relative(top, bottom)
 }
 
 /// Reciprocal of the largest entry of every row (of the diagonal, where there is no matrix); one for empty rows.
@@ -47,6 +47,11 @@ pub(crate) fn row_scale<T: Real>(a: &dyn Operator<T>) -> Vec<f64> {
 /// The larger of two numbers; not a number if one is not.
 pub(crate) fn max(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
+}
+
+/// The size `top` of a residual beside that of its terms; not a number where the terms overflow, for then nothing is known.
+pub(crate) fn relative(top: f64, bottom: f64) -> f64 {
+    if bottom.is_infinite() { f64::NAN } else { ratio(top, bottom) }
 }
 
 /// top / bottom with 0 / 0 = 0; not a number stays one.

@@ -19,7 +19,8 @@ const SHARE: usize = 64 * TOGETHER;
 
 /// `r[i]` and two measures by `row(i, sum)` of every row i, `sum` being -(A x)_i; returns the largest of each measure.
 ///
-/// Rows are summed by themselves: the result does not depend on the number of threads.
+/// Rows are summed by themselves: the result does not depend on the number of threads. Many rows go over the threads of the pool, so a caller
+/// must not hold a lock that other tasks of the pool wait for.
 ///
 /// # Panics
 /// If the lengths do not fit.
@@ -32,7 +33,8 @@ fn rows_with(arch: Arch, a: &Csr<f64>, x: &[f64], r: &mut [f64], row: &(impl Fn(
     let share = SHARE * a.pattern().block();
     let part = |(k, r): (usize, &mut [f64])| arch.dispatch(Rows { a, x, first: SHARE * k, r, row });
     let larger = |a: [f64; 2], b: [f64; 2]| [max(a[0], b[0]), max(a[1], b[1])];
-    if rayon::current_num_threads() == 1 {
+    // few rows are not worth a hand-over to another thread
+    if r.len() <= share || rayon::current_num_threads() == 1 {
         return r.chunks_mut(share).enumerate().map(part).fold([0.0; 2], larger);
     }
     r.par_chunks_mut(share).enumerate().map(part).reduce(|| [0.0; 2], larger)
@@ -193,6 +195,24 @@ mod tests {
         let (r, _) = rows(Arch::new(), &a, &[3.0, 0.0, 0.0, 0.0, 5.0], &[1.0, 1.0, 1.0]);
         assert_eq!(r.into_iter().map(f64::from_bits).collect::<Vec<_>>(), [-9.0, 1.0, -2.0]);
         let (_, most) = rows(Arch::new(), &a, &[f64::NAN, 0.0, 0.0, 0.0, 5.0], &[1.0, 1.0, 1.0]);
-        assert!(f64::from_bits(most[1]).is_nan());
+        assert!(most.map(f64::from_bits).iter().all(|m| m.is_nan()));
+    }
+
+    #[test]
+    fn what_is_no_number_in_one_row_is_none_of_all() {
+        // a column of its own for the first row, numbers for all that follow it
+        let n = 3 * SHARE;
+        let mut all = Triplets::new(n, n + 1);
+        (0..n).for_each(|i| all.push(i, if i == 0 { n } else { i }, 1.0));
+        let (a, b) = (all.to_csr(), vec![1.0; n]);
+        for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut x = vec![2.0; n + 1];
+            x[n] = odd;
+            for threads in [1, 3] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+                let [top, bottom] = pool.install(|| rows(Arch::new(), &a, &x, &b)).1.map(f64::from_bits);
+                assert!(!top.is_finite() && !bottom.is_finite(), "{odd} on {threads} threads: {top} {bottom}");
+            }
+        }
     }
 }

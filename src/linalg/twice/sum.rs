@@ -1,7 +1,7 @@
 //! Sums of products in twice the working precision: term by term, and in lanes.
 //!
-//! The part of a product that rounding cuts off comes from one fused multiply-add, or from Veltkamp's halves where the processor has none:
-//! the same number, as long as nothing overflows or underflows on the way.
+//! The part of a product that rounding cuts off comes from one fused multiply-add in lanes; from Veltkamp's halves term by term, and where the
+//! processor has none: the same number, as long as nothing overflows or underflows on the way.
 
 use pulp::Simd;
 
