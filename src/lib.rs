@@ -80,7 +80,7 @@
 //! - Elements without product structure still have tables in common: a basis names the reference cell of an element
 //!   ([`Basis::reference`](basis::Basis::reference)), a map gives its functions and points ([`Geometry::control`](geometry::Geometry::control)), and a basis that
 //!   keeps the functions of all elements as one list says so ([`Basis::listed`](basis::Basis::listed)). Boxes of all elements are asked for at
-//!   once ([`Geometry::all_bounds`](geometry::Geometry::all_bounds), provided), so that reference cells are looked at once.
+//!   once ([`Geometry::all_bounds`](geometry::Geometry::all_bounds), provided), so that those of a mesh look at its reference cells alone.
 //! - What assembly knows of a space between two matrices is an [`Assembler`](assembly::Assembler): refilling costs values only.
 //! - One loop in the plain order of elements serves every space and is what the quick ones are tested against; which of them a space takes
 //!   shows in no signature.

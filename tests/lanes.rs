@@ -11,14 +11,14 @@ mod states;
 
 use cells::{Random, Shapes, bent, boxes, shaken};
 use faying::assembly::{
-    Assembler, Coefficient, Form, Pattern, Tangent, add_stiffness, gauss_rules, load, mass, refill_stiffness, stiffness,
+    Assembler, Coefficient, Form, Pattern, Tangent, add_stiffness, fields, gauss_rules, load, mass, refill_stiffness, stiffness,
 };
 use faying::basis::{Basis, Cell, Elements, Order, ShapeTable};
 use faying::check;
 use faying::geometry::{Bounds, Control, Geometry, MapTable, shapes};
 use faying::linalg::{Csr, Ldlt, LinearSolver, Matrix, Operator, Vector};
 use faying::quadrature::{PerElement, Quadrature, Rule};
-use faying::space::{Body, CellBlock, Mapping, Mesh, MeshCells, PatchSpec, Space};
+use faying::space::{Body, CellBlock, FieldAt, Mapping, Mesh, MeshCells, PatchSpec, Space};
 use plain::{Plain, apart};
 use states::states_are_those_of_each_element;
 use std::sync::Arc;
@@ -267,9 +267,12 @@ fn collapsed_cells_give_what_is_not_finite() {
     impl Space<2, 2> for Flat<'_> {}
     let body = plane([2, 2], Shapes::Simplex, 1, 1, Mapping::Exact);
     let space = &**body.space();
-    let points = space.control().unwrap().points.iter().map(|x| Vector::<2>::new(x[0], 0.0)).collect();
-    let k = stiffness(&Flat(space, points), &gauss_rules(space, 0), &Form::<1, 2>::laplace());
+    let points: Vec<Vector<2>> = space.control().unwrap().points.iter().map(|x| Vector::<2>::new(x[0], 0.0)).collect();
+    let k = stiffness(&Flat(space, points.clone()), &gauss_rules(space, 0), &Form::<1, 2>::laplace());
     assert!(k.vals().iter().any(|v| !v.is_finite()));
+    let flat =
+        fields::<1, 2, f64, _, _, _>(&Flat(space, points), &gauss_rules(space, 0), &[], &|_, states: &[FieldAt<1, 2>]| states.to_vec());
+    assert!(flat.iter().flatten().all(|s| s.gradient == Matrix::<1, 2>::zeros()), "an empty field is zero whatever the map");
 }
 
 /// `cells` with points and cells in another order, and the new number of every point.

@@ -32,7 +32,8 @@ where
     fields_keeping::<C, N, T, S, Q, (), R>(space, quadrature, u, &|(), element, states| visit(element, states))
 }
 
-/// [`fields`] for a visitor that keeps memory from element to element, some of them on each thread.
+/// [`fields`] for a visitor with memory of its own, so that it need not ask for it per element. Which elements share a `W` is not defined:
+/// results must not depend on what is in it.
 pub(crate) fn fields_keeping<const C: usize, const N: usize, T, S, Q, W, R>(
     space: &S,
     quadrature: &Q,

@@ -37,9 +37,6 @@ pub fn geometry<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + 
         return Err(format!("all_bounds gives {} boxes for {} elements", boxes.len(), geometry.num_elements()));
     }
     for e in chosen(geometry.num_elements()) {
-        if boxes[e] != geometry.bounds(e) {
-            return Err(format!("element {e}: all_bounds gives another box than bounds"));
-        }
         let kind = geometry.cell(e);
         let points = sample_points::<D, T>(kind);
         geometry.map(e, &points, Order::Hessians, &mut full);
@@ -49,6 +46,11 @@ pub fn geometry<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + 
         let size = geometry.bounds(e).diagonal();
         if !(size.is_finite() && size > T::zero()) {
             return Err(format!("element {e}: its box has the diagonal {size}"));
+        }
+        if boxes[e] != geometry.bounds(e) {
+            return Err(format!(
+                "element {e}: all_bounds gives another box than bounds (or its functions are not those of the reference cell they name)"
+            ));
         }
         // places far from the origin carry larger rounding
         let scale = size + full.x.iter().fold(T::zero(), |m, x| m.max(x.amax()));

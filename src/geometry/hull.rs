@@ -16,24 +16,36 @@ pub fn hull<const D: usize, const N: usize, T: Real, B: Basis<D, T> + ?Sized>(
     let mut ids = Vec::new();
     basis.active(element, &mut ids);
     let values: Vec<Vector<N, T>> = ids.iter().map(|&i| value(i)).collect();
-    Change::of(basis, element).hull(&values)
+    around_functions(Bernstein::of(basis, element).as_ref(), &values)
 }
 
-/// How values of the functions of an element become a hull.
+/// A box around coefficients of functions that are not negative, or that are changed to such by `change`.
+fn around_functions<const D: usize, const N: usize, T: Real>(
+    change: Option<&Bernstein<D, T>>,
+    values: &[Vector<N, T>],
+) -> Option<Bounds<N, T>> {
+    change.map_or_else(|| Bounds::around(values), |change| change.hull(values))
+}
+
+/// From coefficients to those of Bernstein polynomials: by the functions at points of a product of lines, line by line.
 #[derive(Debug)]
-enum Change<const D: usize, T: Real> {
-    /// They are one.
-    None,
-    /// By the functions at points of a product of lines, then from values on a line to Bernstein coefficients.
-    Bernstein { points: usize, functions: ShapeTable<D, T>, line: usize, inverse: Vec<T> },
+struct Bernstein<const D: usize, T: Real> {
+    /// Number of points, and of those on a line.
+    points: usize,
+    line: usize,
+    /// The functions at the points.
+    functions: ShapeTable<D, T>,
+    /// From values on a line to coefficients.
+    inverse: Vec<T>,
 }
 
-impl<const D: usize, T: Real> Change<D, T> {
-    fn of<B: Basis<D, T> + ?Sized>(basis: &B, element: usize) -> Self {
+impl<const D: usize, T: Real> Bernstein<D, T> {
+    /// `None` where the functions of `element` are not negative.
+    fn of<B: Basis<D, T> + ?Sized>(basis: &B, element: usize) -> Option<Self> {
         let degree = basis.degree(element).into_iter().max().unwrap_or(0);
         let cell = basis.cell(element);
         if degree <= 1 && cell == Cell::Simplex {
-            return Self::None;
+            return None;
         }
         // Chebyshev points: inside the cell, never nodes, so a Lagrange function of degree >= 2 shows a negative value
         let line: Vec<T> =
@@ -42,13 +54,13 @@ impl<const D: usize, T: Real> Change<D, T> {
         let mut functions = ShapeTable::new();
         basis.tabulate(element, &points, Order::Values, &mut functions);
         if (0..points.len()).all(|q| functions.values(q).iter().all(|&n| n >= -noise::<T>())) {
-            return Self::None;
+            return None;
         }
-        Self::Bernstein { points: points.len(), functions, line: line.len(), inverse: bernstein_inverse(&line) }
+        Some(Self { points: points.len(), functions, line: line.len(), inverse: bernstein_inverse(&line) })
     }
 
     fn hull<const N: usize>(&self, values: &[Vector<N, T>]) -> Option<Bounds<N, T>> {
-        let Self::Bernstein { points, functions, line, inverse } = self else { return Bounds::around(values) };
+        let Self { points, functions, line, inverse } = self;
         let (n, sum) = (*line, |q: usize| functions.values(q).iter().zip(values).fold(Vector::zeros(), |s, (&n, v)| s + v * n));
         let mut coefficients: Vec<Vector<N, T>> = (0..*points).map(sum).collect();
         for axis in 0..D {
@@ -79,7 +91,7 @@ pub(super) struct Boxes<'a, const D: usize, const N: usize, T: Real, G: ?Sized> 
     geometry: &'a G,
     control: Control<'a, D, N, T>,
     sampler: Sampler<'a, D, N, T, G>,
-    kept: Vec<(usize, Change<D, T>)>,
+    kept: Vec<(usize, Option<Bernstein<D, T>>)>,
     table: MapTable<D, N, T>,
     ids: Vec<usize>,
     values: Vec<Vector<N, T>>,
@@ -101,14 +113,14 @@ impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>
         let known = basis.reference(element).and_then(|own| {
             let place = self.kept.iter().position(|(kept, _)| *kept == own);
             if place.is_none() && self.kept.len() < KEPT {
-                self.kept.push((own, Change::of(basis, element)));
+                self.kept.push((own, Bernstein::of(basis, element)));
                 return Some(self.kept.len() - 1);
             }
             place
         });
         let held = match known {
-            Some(k) => self.kept[k].1.hull(&self.values),
-            None => Change::of(basis, element).hull(&self.values),
+            Some(k) => around_functions(self.kept[k].1.as_ref(), &self.values),
+            None => around_functions(Bernstein::of(basis, element).as_ref(), &self.values),
         };
         let points = samples(self.geometry.cell(element));
         self.sampler.map(element, 0, &points, &mut self.table);

@@ -100,7 +100,7 @@ pub trait Geometry<const D: usize, const N: usize, T: Real = f64>: Elements {
     fn map(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut MapTable<D, N, T>);
     /// A box that holds the element, for trees.
     fn bounds(&self, element: usize) -> Bounds<N, T>;
-    /// [`bounds`](Self::bounds) of every element; reference cells need to be looked at only once.
+    /// [`bounds`](Self::bounds) of every element. Where elements share reference cells this may look at those alone.
     fn all_bounds(&self) -> Vec<Bounds<N, T>> {
         (0..self.num_elements()).into_par_iter().map(|e| self.bounds(e)).collect()
     }

@@ -150,6 +150,9 @@ impl<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T>> Geometry<D, 
         let (part, e) = self.at(element);
         part.inner.bounds(e)
     }
+    fn all_bounds(&self) -> Vec<Bounds<N, T>> {
+        self.parts.iter().flat_map(|part| part.inner.all_bounds()).collect()
+    }
     fn is_affine(&self, element: usize) -> bool {
         let (part, e) = self.at(element);
         part.inner.is_affine(e)

@@ -291,12 +291,23 @@ fn the_checkers_find_what_is_broken() {
             let b = self.0.bounds(element);
             if self.1 == "box" { Bounds { lo: b.lo, hi: b.lo + (b.hi - b.lo) * 0.7 } } else { b }
         }
+        fn all_bounds(&self) -> Vec<Bounds<2>> {
+            let mut all: Vec<Bounds<2>> = (0..self.num_elements()).map(|e| self.bounds(e)).collect();
+            match self.1 {
+                "few" => all.truncate(1),
+                "moved" => all[1] = all[0],
+                _ => {}
+            }
+            all
+        }
     }
     let points: Vec<Vector<2>> = (0..6).map(|i| Vector::<2>::new(i as f64, (2.1 * i as f64).sin())).collect();
     let make = |what| Broken(ControlPoints { basis: BSpline::uniform(3, 3, 2), points: points.clone() }, what);
     check::geometry(&make("nothing")).unwrap();
     assert!(check::geometry(&make("derivative")).unwrap_err().contains("derivative"));
     assert!(check::geometry(&make("box")).unwrap_err().contains("box"));
+    assert!(check::geometry(&make("few")).unwrap_err().contains("1 boxes for 3 elements"));
+    assert!(check::geometry(&make("moved")).unwrap_err().contains("another box"));
 
     /// A body one of whose sides is turned inside out.
     #[derive(Debug)]

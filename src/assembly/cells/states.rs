@@ -23,7 +23,7 @@ struct Task<const C: usize, const N: usize, T: Real> {
 
 impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
     /// `visit(kept, element, states)` of every element, ascending: the field of `u` at the points of its rule. An empty `u` is
-    /// zero; `kept` is what earlier elements left.
+    /// zero; `kept` is memory of the visitor, whatever is in it.
     pub fn states<const C: usize, W: Default, R: Send>(
         &self,
         u: &[T],
@@ -57,11 +57,14 @@ impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
         for Group { tables, members } in &self.groups {
             let before = |end: usize| members.partition_point(|&e| (e as usize) < end);
             let (elements, first) = (&members[before(range.start)..before(range.end)], numbers.len());
+            if elements.is_empty() {
+                continue;
+            }
             let length = length::<C, N>(tables);
             for (k, &e) in elements.iter().enumerate() {
                 places[e as usize - range.start] = first + k * length..first + (k + 1) * length;
             }
-            let kind = Kind::States { field: &field };
+            let kind = Kind::States((!u.is_empty()).then_some(&field));
             self.arch.dispatch(Run::<N> { tables, nodes: &nodes, kind, width: C, elements, ids, numbers });
         }
     }

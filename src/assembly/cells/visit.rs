@@ -12,8 +12,8 @@ pub(super) enum Kind<'a> {
     Load(&'a Answer<'a>),
     /// Squares of a field against the answers; `field` gives its coefficients as [`Nodes`] gives nodes.
     Squares { law: &'a Law<'a>, field: &'a Nodes<'a>, answer: &'a Answer<'a> },
-    /// Position, values and gradients of a field at every point.
-    States { field: &'a Nodes<'a> },
+    /// Position, values and gradients of a field at every point; of the one that is zero, whatever the map, where there is none.
+    States(Option<&'a Nodes<'a>>),
 }
 
 /// Some elements, batch after batch; the numbers of each to `numbers`.
@@ -58,7 +58,7 @@ impl<const D: usize> WithSimd for Run<'_, D> {
             nodes(&here, ids, bytemuck::cast_slice_mut(places.as_flattened_mut()));
             simd.vectorize(Place { simd, tables, nodes: &places, out: &mut map });
             let cell = Cell { points, map: &map, kept: &[], weight: None };
-            if let Kind::Squares { field: read, .. } | Kind::States { field: read } = kind {
+            if let Kind::Squares { field: read, .. } | Kind::States(Some(read)) = kind {
                 read(&here, ids, bytemuck::cast_slice_mut(&mut field));
                 simd.vectorize(Spread::<'_, S, D> { simd, tables, width, field: &field, out: &mut g });
             }
@@ -72,7 +72,10 @@ impl<const D: usize> WithSimd for Run<'_, D> {
                     let (g, other, out) = (&mut g, &answers, &mut out);
                     simd.vectorize(Compare::<'_, '_, S, D> { simd, cell, g, squares, other, out });
                 }
-                _ => simd.vectorize(Show::<'_, S, D> { simd, width, map: &map, g: &g, out: &mut out }),
+                _ => {
+                    let g = matches!(kind, Kind::States(Some(_))).then_some(&g[..]);
+                    simd.vectorize(Show::<'_, S, D> { simd, width, map: &map, g, out: &mut out });
+                }
             }
             let made: &[f64] = bytemuck::cast_slice(&out);
             for lane in 0..batch.len() {
@@ -208,7 +211,8 @@ struct Show<'a, S: Simd, const D: usize> {
     simd: S,
     width: usize,
     map: &'a [S::f64s],
-    g: &'a [S::f64s],
+    /// Of the field; it is zero where there are none.
+    g: Option<&'a [S::f64s]>,
     out: &'a mut Vec<S::f64s>,
 }
 
@@ -218,12 +222,13 @@ impl<S: Simd, const D: usize> NullaryFnOnce for Show<'_, S, D> {
     fn call(self) {
         let Self { simd, width, map, g, out } = self;
         let (points, size) = (map.len() / numbers_of_map(D), state_size(D, width));
+        out.clear();
         out.resize(points * size, simd.splat_f64s(0.0));
-        let all = map.chunks_exact(numbers_of_map(D)).zip(g.chunks_exact(width * (D + 1)));
-        for (out, (map, g)) in out.chunks_exact_mut(size).zip(all) {
-            let (r, (x, rest)) = (inverse::<S, D>(simd, map), out.split_at_mut(D));
-            let (values, gradients) = rest.split_at_mut(width);
-            x.copy_from_slice(&map[..D]);
+        for (q, (out, map)) in out.chunks_exact_mut(size).zip(map.chunks_exact(numbers_of_map(D))).enumerate() {
+            out[..D].copy_from_slice(&map[..D]);
+            let Some(g) = g else { continue };
+            let (r, (values, gradients)) = (inverse::<S, D>(simd, map), out[D..].split_at_mut(width));
+            let g = &g[q * width * (D + 1)..][..width * (D + 1)];
             for (c, g) in g.chunks_exact(D + 1).enumerate() {
                 values[c] = g[D];
                 gradients[c * D..(c + 1) * D].copy_from_slice(&physical::<S, D>(simd, &r, g));

@@ -103,6 +103,9 @@ fn check<const C: usize>(space: &dyn Space<3, 3>, form: &Form<'_, C, 3>, asked: 
             let mut matrix = empty.clone();
             matrix.vals_mut().fill(f64::NAN);
             filled(&patches, &coefficient, size, threads, false, &mut matrix);
+            if form.symmetric {
+                assert_eq!(differ(&matrix.transposed(), &matrix), 0, "sizes {size:?}: symmetric to the last bit");
+            }
             if merged {
                 let most = apart(&matrix, &whole);
                 assert!(most <= SAME, "sizes {size:?}, {threads} threads: apart by {most:e}");
@@ -117,7 +120,9 @@ fn check<const C: usize>(space: &dyn Space<3, 3>, form: &Form<'_, C, 3>, asked: 
     filled(&patches, &coefficient, [2, 3, 2], 2, true, &mut twice);
     whole.vals_mut().iter_mut().for_each(|v| *v *= 2.0);
     let most = apart(&twice, &whole);
-    assert!(if merged { most <= SAME } else { differ(&twice, &whole) == 0 }, "added to itself: twice, apart by {most:e}");
+    // what two patches add to an entry comes after what was there
+    let exact = !merged && patches.patches.len() == 1;
+    assert!(if exact { differ(&twice, &whole) == 0 } else { most <= SAME }, "added to itself: twice, apart by {most:e}");
 }
 
 /// [`check`] of one bent box, its map as a net and asked.
@@ -170,8 +175,8 @@ fn strips_of_glued_patches_and_of_merged_functions() {
     };
     let bodies = vec![("a".to_owned(), body(0.0, BasisKind::BSpline)), ("b".to_owned(), body(1.0, BasisKind::BSpline))];
     let whole = MultiPatch::try_new(bodies, &[Seam::new((0, "u1"), (1, "u0"))], Near::Exact).expect("one body");
-    check::<1>(&**whole.space(), &form(true, false), false, true);
-    check::<3>(&**whole.space(), &form(false, false), false, true);
+    check::<1>(&**whole.space(), &form(true, false), false, false);
+    check::<3>(&**whole.space(), &form(false, false), true, false);
     // collapsed edges: several functions of a patch are one of the whole
     let octant = shapes::sphere_octant([0.0; 3], [1.0, 2.0]).expect("an octant");
     let spec = PatchSpec::new(octant).with_degree([2, 3, 2]).with_elements([4, 3, 2]).with_basis(BasisKind::Nurbs);
@@ -179,4 +184,27 @@ fn strips_of_glued_patches_and_of_merged_functions() {
     assert!(octant.space().patches().is_some(), "sums of products are what is tested");
     check::<1>(&**octant.space(), &form(true, false), false, true);
     check::<3>(&**octant.space(), &form(true, false), false, true);
+}
+
+#[test]
+fn strips_are_cut_where_sums_are_large_and_not_too_narrow() {
+    for (p, long) in [(1, 9), (1, 200), (2, 30), (2, 120), (3, 40), (3, 90), (4, 60)] {
+        let axes = || [BSpline::uniform(p, long, p as isize - 1), BSpline::uniform(p, long, p as isize - 1), BSpline::uniform(p, 1, 0)];
+        let space: &dyn Space<3, 3> = &ControlPoints { basis: TensorProduct::new(axes()), points: bent(&axes()) };
+        let rules = gauss_rules(space, 0);
+        let asks = || bulk::ask::<3, 3, f64, dyn Space<3, 3>>(space);
+        let patches = Patches::new(space, &rules, &|e| space.map_block(e), &asks).expect("products of splines");
+        let form = Form::<1, 3>::laplace();
+        let coefficient = Coefficient { components: 1, symmetric: true, source: Source::new(&form) };
+        let (patch, functions, active) = (&patches.patches[0], long + p, p + 1);
+        let [fast, middle] = Plan::new(patch, &coefficient).strip;
+        let bytes = 8 * functions * functions * active * patch.directions().sums(active);
+        assert!(fast <= functions && middle <= functions);
+        if bytes <= 3 << 20 {
+            assert_eq!([fast, middle], [functions; 2], "p = {p}, {long}: {bytes} bytes in one strip");
+        } else {
+            assert!(fast < functions, "p = {p}, {long}: {bytes} bytes are cut");
+            assert!(2 * fast >= 6 * active && 4 * middle >= 3 * 5 * active, "p = {p}, {long}: {fast} x {middle} are not narrow");
+        }
+    }
 }

@@ -16,8 +16,8 @@ use std::sync::Arc;
 const ROWS_AT_LEAST: usize = 16;
 /// Marches per thread in the plane; tasks per thread of a layer's rows.
 const TASKS_PER_THREAD: usize = 2;
-/// Functions of a strip per active function of the middle direction, below which threads share a march: what strips contract
-/// twice is dearer than meeting.
+/// Functions of a strip per active function of the middle direction, below which strips are not made narrower to give every thread
+/// as many: what they contract twice is dearer than a march that threads share.
 const NARROW: usize = 3;
 
 impl Patches<'_> {
@@ -96,14 +96,13 @@ impl Patch<'_> {
         let plane = self.axes.len() == 2;
         // in the plane there is no other way to share the work; every march starts some elements early
         let slabs = if plane && threads > 1 { (TASKS_PER_THREAD * threads).min(rows / ROWS_AT_LEAST).max(1) } else { 1 };
-        let parts = write.parts(&strips, &strip::cut(rows, rows.div_ceil(slabs)), values);
+        let mut parts = write.parts(&strips, &strip::cut(rows, rows.div_ceil(slabs)), values);
         // inside the pool, so that no pass has to enter it
         rayon::scope(|_| {
-            if !plane && parts.len() < threads {
-                parts.into_iter().for_each(|part| write.march(plan, part, threads));
-            } else {
-                parts.into_par_iter().for_each(|part| write.march(plan, part, 1));
-            }
+            // parts that would leave some threads without one are shared by all
+            let shared = parts.split_off(if plane { parts.len() } else { parts.len() / threads * threads });
+            parts.into_par_iter().for_each(|part| write.march(plan, part, 1));
+            shared.into_iter().for_each(|part| write.march(plan, part, threads));
         });
     }
 }

@@ -51,6 +51,8 @@ pub(super) struct Sweep<'a, 'p, const N: usize> {
     pub middle: Strip,
     /// The steps through the latter.
     pub windows: Windows,
+    /// Whether several threads share the march.
+    shared: bool,
     /// Element of every point of the second and of the third direction.
     owners: [Vec<usize>; 2],
     pub lanes: usize,
@@ -83,7 +85,8 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
         let vector = plan.pairs.len() * middle.held.len() * to.sums(slots);
         let owners = [axes[1].owners(), axes[N - 1].owners()];
         let places = windows.places(&middle, lanes, lines * task, plan.components());
-        Self { plan, to, fast, middle, windows, owners, lanes, slots, points, lines, tiles, chunk, task, places, vectors, vector }
+        let shared = threads > 1;
+        Self { plan, to, fast, middle, windows, shared, owners, lanes, slots, points, lines, tiles, chunk, task, places, vectors, vector }
     }
 
     pub fn scratch<S: Simd>(&self, simd: S) -> Scratch<'p, S::f64s> {
@@ -122,11 +125,16 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
             if N == 2 && !all[0].is_empty() {
                 continue;
             }
-            let lines = all.par_iter_mut().zip(&mut lines.planes).take(layer.points.len()).enumerate();
-            lines.for_each(|(k, (out, plane))| {
+            let line = |(k, (out, plane)): (usize, (&mut Vec<f64>, &mut Vec<f64>))| {
                 let q = layer.points.start + k;
                 net.lines::<N>((q, self.owners[1][q]), &self.fast.elements, out, plane);
-            });
+            };
+            // a march of one thread must not wait for another, which would begin a march meanwhile: its sums are large
+            if self.shared {
+                all.par_iter_mut().zip(&mut lines.planes).take(layer.points.len()).enumerate().for_each(line);
+            } else {
+                all.iter_mut().zip(&mut lines.planes).take(layer.points.len()).enumerate().for_each(line);
+            }
         }
     }
 

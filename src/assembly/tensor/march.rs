@@ -1,10 +1,11 @@
 //! The march along the slowest direction, layer by layer: contract, add to the ring, hand on the rows that are complete.
 //!
 //! A march makes the rows of (a strip of the fast direction) x (a strip of the middle one) x (functions of the slowest), see
-//! `strip`: the sums that it holds do not grow with the patch. Marches share nothing and are made in any order.
+//! `strip`: in space the sums that it holds do not grow with the patch. Marches share nothing and are made in any order.
 //!
 //! Every entry is summed over the elements of the slowest direction in ascending order, whoever does it: the bits depend
-//! neither on threads nor on strips, windows or layers nor on where a march starts.
+//! neither on threads nor on strips, windows or layers nor on where a march starts, but for functions of a patch that are one of the whole
+//! (`scatter`): they depend on the strips, and these on the patch alone.
 
 use super::Patch;
 use super::aligned::Aligned;
@@ -29,8 +30,8 @@ const GROUPS_PER_THREAD: usize = 4;
 /// Bytes of sums that a strip of the fast and of the middle direction aims at: they stay in the third cache, or in a share
 /// of it, however large the patch is.
 const STRIP_BYTES: usize = 3 << 20;
-/// Functions of a strip of the fast direction per active function, at most and never less than half of it: one element
-/// less than are active is contracted beside its rows.
+/// Functions of a strip of the fast direction per active function where a patch is cut as often as it may be: at most this, and never
+/// less than half of it. One element less than are active is contracted beside its rows.
 const FAST_PER_ACTIVE: f64 = 6.5;
 /// Functions of a strip of the middle direction per active function, about and never less than three quarters of it: beside
 /// these rows sums are held on both sides.

@@ -1,6 +1,6 @@
 //! Rows of the patches of a glued body to the rows of the whole.
 //!
-//! Patches follow each other. The rows of one stretch of the slowest direction are handed out by their numbers in the
+//! Patches follow each other. The rows of one stretch (a strip of the fast and of the middle direction, some functions of the slowest) are handed out by their numbers in the
 //! whole, each to the task of its patch; a second function of the stretch with the same number comes after all others.
 //! So every entry is summed in an order that does not depend on the threads.
 
@@ -71,7 +71,7 @@ impl Target<'_> {
         row.binary_search(&other).expect("the matrix has the pattern of the basis")
     }
 
-    /// Adds the rows of functions of all directions of the patch whose functions start at `first`.
+    /// Adds the rows of the strip of `sums`, of `middle` and of `slow` of the patch whose functions start at `first`.
     fn stretch<T: Real>(
         &self,
         sums: &Sums<'_>,

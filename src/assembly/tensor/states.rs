@@ -114,7 +114,7 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, '_, N> {
 
 impl Patches<'_> {
     /// `visit(kept, element, states)` of every element, ascending: the field of `u` at the points of its rule, first direction
-    /// fastest. An empty `u` is zero; `kept` is what earlier elements left.
+    /// fastest. An empty `u` is zero; `kept` is memory of the visitor, whatever is in it.
     pub fn states<const C: usize, const N: usize, T: Real, W: Default, R: Send>(
         &self,
         u: &[T],
@@ -126,7 +126,7 @@ impl Patches<'_> {
             let read = |from: usize, to: &mut [f64]| part.read(u, from, to);
             let field = Coefficients { axes: &patch.axes, width: C, read: &read };
             let grid = patch.grid();
-            let slab = &mut |slow: usize, planes: &[f64]| all.extend(elements(patch, slow, planes, visit));
+            let slab = &mut |slow: usize, planes: &[f64]| all.extend(elements(patch, slow, planes, u.is_empty(), visit));
             if N == 2 {
                 patch.arch.dispatch(Run::<2> { grid, field, slab });
             } else {
@@ -137,11 +137,12 @@ impl Patches<'_> {
     }
 }
 
-/// The elements at `slow` of the slowest direction, from the planes of its points.
+/// The elements at `slow` of the slowest direction, from the planes of its points; `nothing`: the field is zero, whatever the map.
 fn elements<const C: usize, const N: usize, T: Real, W: Default, R: Send>(
     patch: &Patch<'_>,
     slow: usize,
     planes: &[f64],
+    nothing: bool,
     visit: &(impl Fn(&mut W, usize, &[FieldAt<C, N, T>]) -> R + Sync),
 ) -> Vec<R> {
     let (first, middle) = (&patch.axes[0], if N == 3 { &patch.axes[1] } else { &patch.none });
@@ -155,6 +156,9 @@ fn elements<const C: usize, const N: usize, T: Real, W: Default, R: Send>(
                 let points = &plane[(line + first.start[i]) * size..(line + first.start[i + 1]) * size];
                 states.extend(points.chunks_exact(size).map(state));
             }
+        }
+        for state in states.iter_mut().filter(|_| nothing) {
+            (state.value, state.gradient) = (Vector::zeros(), Matrix::zeros());
         }
         visit(kept, patch.first_element + e + slow * first.elements() * middle.elements(), states)
     };
