@@ -23,26 +23,54 @@ impl<T: Real> BSpline<T> {
     /// # Panics
     /// If there is not one row per function.
     pub fn insert(&self, t: T, rows: &mut Vec<Vec<T>>) -> Result<Self, KnotError> {
+        self.insert_all(&[t], rows)
+    }
+
+    /// [`BSpline::insert`] of several knots, which ascend: one pass over the knots, however many they are.
+    ///
+    /// # Errors
+    /// As [`BSpline::insert`]; `rows` are as they were.
+    ///
+    /// # Panics
+    /// If there is not one row per function, or if the knots do not ascend.
+    pub fn insert_all(&self, new: &[T], rows: &mut Vec<Vec<T>>) -> Result<Self, KnotError> {
         assert_eq!(rows.len(), self.num_functions(), "one row of coefficients per function");
-        let (p, knots) = (self.polynomial_degree(), self.knots());
-        let k = knots.partition_point(|&x| x <= t);
-        let mut finer = knots.to_vec();
-        finer.insert(k, t);
-        let finer = Self::try_new(p, finer)?;
-        let k = k - 1; // knots[k] <= t < knots[k + 1]
-        let s = knots[..=k].iter().rev().take_while(|&&x| x == t).count();
-        let mut new: Vec<Vec<T>> = Vec::with_capacity(p.saturating_sub(s));
-        for i in k + 1 - p..k + 1 - s.min(p) {
-            let a = (t - knots[i]) / (knots[i + p] - knots[i]);
-            new.push(blend(a, &rows[i], T::one() - a, &rows[i - 1]));
+        assert!(new.is_sorted(), "knots to be inserted ascend");
+        let p = self.polynomial_degree();
+        let (mut all, mut old) = (Vec::with_capacity(self.knots().len() + new.len()), self.knots());
+        for &t in new {
+            let count = old.iter().take_while(|&&x| x <= t).count();
+            all.extend_from_slice(&old[..count]);
+            all.push(t);
+            old = &old[count..];
         }
-        if s >= p {
-            // the function that is one at t is cut in two
-            let row = rows[k - p].clone();
-            rows.insert(k - p, row);
-        } else {
-            rows.splice(k + 1 - p..k - s, new);
+        all.extend_from_slice(old);
+        let finer = Self::try_new(p, all)?;
+        // as many rows as knots are behind; those ahead are still the old ones
+        let (mut behind, mut knots) = (Vec::with_capacity(finer.num_functions()), Vec::with_capacity(finer.knots().len()));
+        let (mut ahead, mut old) = (std::mem::take(rows).into_iter(), self.knots());
+        for &t in new {
+            let count = old.iter().take_while(|&&x| x <= t).count();
+            knots.extend_from_slice(&old[..count]);
+            behind.extend(ahead.by_ref().take(count));
+            old = &old[count..];
+            let k = knots.len() - 1; // knots[k] <= t < old[0]
+            let s = knots.iter().rev().take_while(|&&x| x == t).count();
+            let knot = |i: usize| if i <= k { knots[i] } else { old[i - k - 1] };
+            let share = |i: usize| (t - knots[i]) / (knot(i + p) - knots[i]);
+            if s >= p {
+                // the function that is one at t is cut in two
+                let row = behind[k - p].clone();
+                behind.insert(k - p, row);
+            } else {
+                let changed = k + 1 - p..k + 1 - s;
+                let blended: Vec<Vec<T>> = changed.map(|i| blend(share(i), &behind[i], T::one() - share(i), &behind[i - 1])).collect();
+                behind.splice(k + 1 - p..k - s, blended);
+            }
+            knots.push(t);
         }
+        behind.extend(ahead);
+        *rows = behind;
         Ok(finer)
     }
 
@@ -65,12 +93,10 @@ impl<T: Real> BSpline<T> {
         let regularity: Vec<isize> = (1..n).map(|b| self.regularity(b)).collect();
         let target = Self::from_breakpoints(q, self.breakpoints(), &regularity);
         // Bernstein coefficients of every element, the degree raised there
-        let (mut bezier, mut pieces) = (self.clone(), rows.to_vec());
-        for b in 1..n {
-            for _ in self.multiplicity(b)..p {
-                bezier = bezier.insert(self.breakpoints()[b], &mut pieces).expect("an interior knot below its largest multiplicity");
-            }
-        }
+        let mut pieces = rows.to_vec();
+        let missing = |b: usize| std::iter::repeat_n(self.breakpoints()[b], p.saturating_sub(self.multiplicity(b)));
+        let bezier = self.insert_all(&(1..n).flat_map(missing).collect::<Vec<T>>(), &mut pieces);
+        let bezier = bezier.expect("interior knots below their largest multiplicity");
         let raised = |e: usize| -> Vec<Vec<T>> {
             let first = bezier.first_active(e);
             (0..=q)
@@ -130,22 +156,27 @@ impl<T: Real> BSpline<T> {
             }
         }
         // the breakpoint of `to` that is the interior breakpoint b of `self`
-        let partner = |b: usize| (1..to.num_elements()).find(|&c| same(other[c], own[b]));
+        let partner = |b: usize| {
+            let c = other.partition_point(|&x| x < own[b] && !same(x, own[b]));
+            (c > 0 && c < to.num_elements() && same(other[c], own[b])).then_some(c)
+        };
         for b in 1..self.num_elements() {
             let found = partner(b).map_or(to.polynomial_degree() as isize, |c| to.regularity(c));
             if found > self.regularity(b) {
                 return Err(ContainError::Continuity { knot: to_f64(own[b]), found, needed: self.regularity(b) });
             }
         }
-        let (mut spline, mut out) = self.elevate(times, rows);
+        let (spline, mut out) = self.elevate(times, rows);
+        let mut new = Vec::new();
         for c in 1..to.num_elements() {
             let b = own.partition_point(|&x| x < other[c] && !same(x, other[c]));
             let known = same(own[b], other[c]);
             let (t, there) = if known { (own[b], self.multiplicity(b) + times) } else { (other[c], 0) };
-            for _ in there..to.multiplicity(c) {
-                spline = spline.insert(t, &mut out).expect("the space of `to` has this knot");
-            }
+            new.extend(std::iter::repeat_n(t, to.multiplicity(c).saturating_sub(there)));
         }
+        // knots that are the same up to rounding may be those of either
+        new.sort_by(|a, b| a.partial_cmp(b).expect("knots are finite"));
+        spline.insert_all(&new, &mut out).expect("the space of `to` has these knots");
         debug_assert_eq!(out.len(), to.num_functions());
         Ok(out)
     }

@@ -145,3 +145,35 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn knots_inserted_together_are_those_inserted_one_after_the_other() {
+    let knots = vec![-1., -1., -1., -1., 0., 0.3, 0.3, 1., 1., 1., 1.5, 1.5, 1.5, 1.5, 2., 2., 2., 2.];
+    let rough = BSpline::<f64>::try_new(3, knots).unwrap();
+    let rows: Vec<Vec<f64>> = (0..rough.num_functions()).map(|i| vec![(1.7 * i as f64).sin(), (2.3 * i as f64).cos()]).collect();
+    let new = [-0.9, -0.9, -0.9, -0.9, 0.0, 0.0, 0.1, 0.3, 0.31, 1.0, 1.49, 1.6, 1.6, 1.9999];
+    let (mut spline, mut each, mut together) = (rough.clone(), rows.clone(), rows.clone());
+    for t in new {
+        spline = spline.insert(t, &mut each).unwrap();
+    }
+    assert_eq!(rough.insert_all(&new, &mut together).unwrap(), spline);
+    assert_eq!(together, each, "the same bits");
+    for t in [-0.95, -0.9, 0.05, 0.3, 0.9, 1.5, 1.7, 2.0] {
+        for (a, b) in rough.value_at(t, &rows).iter().zip(spline.value_at(t, &together)) {
+            assert!((a - b).abs() < 1e-14, "{t}: {a} {b}");
+        }
+    }
+    for wrong in [vec![0.5, 2.0], vec![-1.0], vec![0.5, 1.5], vec![f64::NAN]] {
+        let mut kept = rows.clone();
+        assert!(rough.insert_all(&wrong, &mut kept).is_err() && kept == rows, "{wrong:?} leaves the rows");
+    }
+    // every knot is looked at once: a quadratic loop would take minutes
+    let line = BSpline::<f64>::uniform(2, 1, 0);
+    let fine: Vec<f64> = (1..200_000).map(|k| k as f64 / 200_000.0).collect();
+    let mut rows = vec![vec![0.0], vec![0.5], vec![1.0]];
+    let spline = line.insert_all(&fine, &mut rows).unwrap();
+    // each of them cuts the last row again: one rounding per knot at most
+    for (x, row) in spline.greville().into_iter().zip(&rows) {
+        assert!((row[0] - x).abs() < f64::EPSILON * fine.len() as f64, "the parameter itself: {x} {}", row[0]);
+    }
+}
