@@ -51,6 +51,12 @@ fn ring([r, a, z]: [f64; 3]) -> [f64; 3] {
     [(1.0 + r) * angle.cos(), (1.0 + r) * angle.sin(), z]
 }
 
+/// A coil of eight turns, each beside the one before.
+fn coil([r, t, _]: [f64; 3]) -> [f64; 3] {
+    let (angle, radius) = (16.0 * std::f64::consts::PI * t, 1.0 + 0.4 * r + 4.0 * t);
+    [radius * angle.cos(), radius * angle.sin(), 0.0]
+}
+
 /// t from 0 to 1 in steps that grow by a factor of 1000 in all.
 fn graded(t: f64) -> f64 {
     (1000f64.powf(t) - 1.0) / 999.0
@@ -122,6 +128,10 @@ pub fn graphs() -> Vec<(&'static str, Graph)> {
         ("thick ring, p = 2, three components", grid([10, 16, 10], 2, 3, ring)),
         ("plate 1 : 100, p = 1, three components", grid([40, 40, 3], 1, 3, |[x, y, z]| [100.0 * x, 100.0 * y, z])),
         ("shell 1 : 100, p = 2", grid([50, 50, 4], 2, 1, |[x, y, z]| ring([0.01 * z, x, 1.6 * y]))),
+        ("ring of thin cells, p = 2", grid([3, 6000, 1], 2, 1, ring)),
+        ("ring of thin cells, p = 3", grid([6, 3000, 1], 3, 1, ring)),
+        ("thick ring of thin cells, p = 2", grid([3, 2000, 3], 2, 1, ring)),
+        ("coil of thin cells, p = 2", grid([3, 6000, 1], 2, 1, coil)),
         ("points in the square", scattered(6000, 2, 0.03)),
         ("points in the cube", scattered(3000, 3, 0.12)),
         ("two tied squares with multipliers", tied(60, 2)),

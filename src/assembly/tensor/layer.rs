@@ -3,7 +3,7 @@
 use super::fast;
 use super::map::{self, ElementScratch, Map, Place, numbers};
 use super::march::Plan;
-use super::net::Tile;
+use super::net::{Curves, Tile};
 use super::strip::{Strip, Window, Windows};
 use super::write::Directions;
 use crate::assembly::source::Source;
@@ -35,8 +35,8 @@ pub(super) struct Scratch<'a, V> {
 /// Functions on the lines of the fastest direction, per point of the third direction.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
-    map: Vec<Vec<f64>>,
-    weight: Vec<Vec<f64>>,
+    map: Vec<Curves>,
+    weight: Vec<Curves>,
     /// Memory of one contraction per point.
     planes: Vec<Vec<f64>>,
 }
@@ -112,22 +112,23 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
     /// Room for the lines of a layer.
     pub fn lines(&self) -> Lines {
         let count = if N == 3 { self.points } else { 1 };
-        Lines { map: vec![Vec::new(); count], weight: vec![Vec::new(); count], planes: vec![Vec::new(); count] }
+        Lines { map: vec![Curves::default(); count], weight: vec![Curves::default(); count], planes: vec![Vec::new(); count] }
     }
 
-    /// Contracts the nets of map and weights for the points of a layer; in the plane they do not change.
-    pub fn fill_lines(&self, layer: &Layer, lines: &mut Lines) {
+    /// Contracts the nets of map and weights for the points of a layer; in the plane once for all elements of the march, `slow`.
+    pub fn fill_lines(&self, layer: &Layer, slow: &Range<usize>, lines: &mut Lines) {
         let patch = self.plan.patch;
         let net = if let Map::Net(net) = &patch.map { Some(net) } else { None };
         let weight = patch.weight.as_ref().map(|w| &w.0);
+        let elements = [&self.fast.elements, if N == 3 { &self.middle.elements } else { slow }];
         for (net, all) in [(net, &mut lines.map), (weight, &mut lines.weight)] {
             let Some(net) = net else { continue };
             if N == 2 && !all[0].is_empty() {
                 continue;
             }
-            let line = |(k, (out, plane)): (usize, (&mut Vec<f64>, &mut Vec<f64>))| {
+            let line = |(k, (out, plane)): (usize, (&mut Curves, &mut Vec<f64>))| {
                 let q = layer.points.start + k;
-                net.lines::<N>((q, self.owners[1][q]), &self.fast.elements, out, plane);
+                net.curves::<N>((q, self.owners[1][q]), elements, out, plane);
             };
             // a march of one thread must not wait for another, which would begin a march meanwhile: its sums are large
             if self.shared {

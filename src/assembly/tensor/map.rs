@@ -3,7 +3,7 @@
 //! Per point: x (N numbers), the rows of det J times the inverse of J (N x N), weight / |det J|, weight |det J|, det J.
 
 use super::axis::Axis;
-use super::net::{Net, Tile};
+use super::net::{Curves, Net, Tile};
 use pulp::{Simd, bytemuck};
 use std::fmt::Debug;
 use std::ops::Range;
@@ -51,14 +51,14 @@ impl Place<'_> {
     }
 }
 
-/// The map of a tile to `out[point * numbers(N) + k]`, points counted from the first of the tile, as in `lines`.
+/// The map of a tile to `out[point * numbers(N) + k]`, points counted from the first of the tile, as in `curves`.
 #[inline(always)]
 pub(super) fn fill_net<S: Simd, const N: usize>(
     simd: S,
     net: &Net,
     axes: &[Axis],
     place: Place<'_>,
-    lines: &[f64],
+    curves: &Curves,
     tile: &Tile<S::f64s>,
     out: &mut [S::f64s],
 ) {
@@ -66,9 +66,9 @@ pub(super) fn fill_net<S: Simd, const N: usize>(
     let along = &axes[0].weights[place.points(axes)];
     for (q, (out, &first)) in out.chunks_exact_mut(numbers(N)).zip(along).enumerate() {
         let (x, t) = match (N, net.width) {
-            (2, 2) => position(simd, net.at::<S, N, 2>(simd, q, lines, tile)),
-            (_, 3) => position(simd, net.at::<S, N, 3>(simd, q, lines, tile)),
-            _ => position(simd, net.at::<S, N, 4>(simd, q, lines, tile)),
+            (2, 2) => position(simd, net.at::<S, N, 2>(simd, q, curves, tile)),
+            (_, 3) => position(simd, net.at::<S, N, 3>(simd, q, curves, tile)),
+            _ => position(simd, net.at::<S, N, 4>(simd, q, curves, tile)),
         };
         finish(simd, &x, &t, simd.mul_f64s(weight, simd.splat_f64s(first)), out);
     }

@@ -161,7 +161,7 @@ fn run<S: Simd, const N: usize>(simd: S, march: March<'_, '_, '_, N>) {
     let mut next = rows.start;
     for elements in layers {
         let layer = Layer { points: slow.start[elements.start]..slow.start[elements.end], elements };
-        sweep.fill_lines(&layer, &mut lines);
+        sweep.fill_lines(&layer, &(begin..end), &mut lines);
         for window in &sweep.windows.steps {
             let mut new = sweep.tiles_of(&layer, window);
             while !new.is_empty() {

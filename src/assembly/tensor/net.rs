@@ -26,6 +26,23 @@ pub(super) struct Tile<V> {
     tables: Vec<[V; 2]>,
 }
 
+/// A net contracted along all directions but the second: per point of the first direction the coefficients of a curve.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Curves {
+    /// Functions of the second direction.
+    of: Range<usize>,
+    /// `[((point * functions + function) * N + kind) * width + c]`, kinds value, derivative along the first direction, derivative
+    /// along the third, points counted from the first of the elements.
+    numbers: Vec<f64>,
+}
+
+impl Curves {
+    /// Whether nothing has been contracted yet.
+    pub fn is_empty(&self) -> bool {
+        self.numbers.is_empty()
+    }
+}
+
 impl<V> Default for Tile<V> {
     fn default() -> Self {
         Self { first: 0, tables: Vec::new() }
@@ -50,35 +67,34 @@ impl Net {
         self.axes.iter().map(Axis::elements).collect()
     }
 
-    /// Contracts all but the second direction, the first on `elements`, the third at a point with its element, `slow`:
-    /// `out[((point * n1 + function) * N + kind) * width + c]`, kinds value, derivative along the first direction, derivative
-    /// along the third, points counted from the first of the elements.
-    pub fn lines<const N: usize>(
+    /// Contracts all but the second direction: on `elements` of the first and for those of the second, the third at a point with its
+    /// element, `slow`.
+    pub fn curves<const N: usize>(
         &self,
         (slow, owner): (usize, usize),
-        elements: &Range<usize>,
-        out: &mut Vec<f64>,
+        elements: [&Range<usize>; 2],
+        out: &mut Curves,
         scratch: &mut Vec<f64>,
     ) {
         let m = self.width;
         let (first, second) = (&self.axes[0], &self.axes[1]);
-        let (n0, n1) = (first.functions, second.functions);
-        let origin = first.start[elements.start];
-        // functions of the first direction on these elements
-        let own = first.first[elements.start]..first.first[elements.end - 1] + first.active;
+        let n0 = first.functions;
+        // functions on these elements
+        let [own, of] =
+            [(first, elements[0]), (second, elements[1])].map(|(axis, e)| axis.first[e.start]..axis.first[e.end - 1] + axis.active);
         let (mut stride, mut before) = (n0, 0);
         let (values, slopes): (&[f64], &[f64]) = if N == 3 {
             let third = &self.axes[2];
             (stride, before) = (own.len(), own.start);
-            let plane = stride * n1 * m;
+            let plane = stride * of.len() * m;
             scratch.clear();
             scratch.resize(2 * plane, 0.0);
             let (values, slopes) = scratch.split_at_mut(plane);
             for a in 0..third.active {
                 let (v, s) = (third.values[slow * third.active + a], third.slopes[slow * third.active + a]);
-                let from = self.coefficients[(third.first[owner] + a) * n0 * n1 * m..][..n0 * n1 * m].chunks_exact(n0 * m);
+                let from = &self.coefficients[((third.first[owner] + a) * second.functions + of.start) * n0 * m..][..of.len() * n0 * m];
                 let to = values.chunks_exact_mut(stride * m).zip(slopes.chunks_exact_mut(stride * m));
-                for ((values, slopes), from) in to.zip(from) {
+                for ((values, slopes), from) in to.zip(from.chunks_exact(n0 * m)) {
                     for ((value, slope), &c) in values.iter_mut().zip(slopes).zip(&from[own.start * m..own.end * m]) {
                         *value += v * c;
                         *slope += s * c;
@@ -87,14 +103,15 @@ impl Net {
             }
             (values, slopes)
         } else {
-            (&self.coefficients, &[])
+            (&self.coefficients[of.start * n0 * m..of.end * n0 * m], &[])
         };
-        out.clear();
-        out.resize((first.start[elements.end] - origin) * n1 * N * m, 0.0);
-        for e in elements.clone() {
+        let origin = first.start[elements[0].start];
+        out.numbers.clear();
+        out.numbers.resize((first.start[elements[0].end] - origin) * of.len() * N * m, 0.0);
+        for e in elements[0].clone() {
             for q in first.start[e]..first.start[e + 1] {
-                for k in 0..n1 {
-                    let to = &mut out[((q - origin) * n1 + k) * N * m..][..N * m];
+                for k in 0..of.len() {
+                    let to = &mut out.numbers[((q - origin) * of.len() + k) * N * m..][..N * m];
                     for a in 0..first.active {
                         let (v, s) = (first.values[q * first.active + a], first.slopes[q * first.active + a]);
                         let from = (k * stride + first.first[e] + a - before) * m;
@@ -109,6 +126,7 @@ impl Net {
                 }
             }
         }
+        out.of = of;
     }
 
     /// Tables of the second direction with `points[lane]` = (point, element) in lanes.
@@ -130,19 +148,19 @@ impl Net {
         }
     }
 
-    /// Value and derivatives along all directions at point `q` of `lines`, the tile's points in lanes.
+    /// Value and derivatives along all directions at point `q` of `curves`, the tile's points in lanes.
     #[inline(always)]
     pub fn at<S: Simd, const N: usize, const M: usize>(
         &self,
         simd: S,
         q: usize,
-        lines: &[f64],
+        curves: &Curves,
         tile: &Tile<S::f64s>,
     ) -> ([S::f64s; M], [[S::f64s; M]; N]) {
         let zero = simd.splat_f64s(0.0);
         let (mut value, mut slope) = ([zero; M], [[zero; M]; N]);
-        let start = (q * self.axes[1].functions + tile.first) * N * M;
-        let lines = lines[start..start + tile.tables.len() * N * M].chunks_exact(N * M);
+        let start = (q * curves.of.len() + tile.first - curves.of.start) * N * M;
+        let lines = curves.numbers[start..start + tile.tables.len() * N * M].chunks_exact(N * M);
         for (line, [v, s]) in lines.zip(&tile.tables) {
             for c in 0..M {
                 let along = simd.splat_f64s(line[c]);

@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::map::{self, ElementScratch, Map, Place, numbers};
-use super::net::Tile;
+use super::net::{Curves, Tile};
 use super::{Patch, Patches};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use rayon::prelude::*;
@@ -23,25 +23,57 @@ impl<const N: usize> pulp::WithSimd for Planes<'_, '_, N> {
         let axes = &self.patch.axes;
         let owners = [axes[1].owners(), axes[N - 1].owners()];
         let tasks = if N == 3 { axes[2].points() } else { axes[1].points().div_ceil(S::F64_LANES) };
-        let planes: Vec<Vec<Contracted>> = (0..tasks).into_par_iter().map(|k| planes::<S, N>(simd, self.patch, &owners, k)).collect();
+        // in the plane one contraction serves all tiles
+        let all = (N == 2).then(|| Contraction::of::<N>(self.patch, (0, 0)));
+        let planes: Vec<Vec<Contracted>> =
+            (0..tasks).into_par_iter().map(|k| planes::<S, N>(simd, self.patch, &owners, k, all.as_ref())).collect();
         planes.into_iter().flatten().collect()
     }
 }
 
-/// In space the plane of slow point `k`; in the plane the lines of the points of tile `k`.
-fn planes<S: Simd, const N: usize>(simd: S, patch: &Patch<'_>, owners: &[Vec<usize>; 2], k: usize) -> Vec<Contracted> {
+/// The nets of map and weights without all but the second direction.
+#[derive(Default)]
+struct Contraction {
+    map: Curves,
+    weight: Curves,
+}
+
+impl Contraction {
+    /// At a point with its element of the third direction.
+    fn of<const N: usize>(patch: &Patch<'_>, slow: (usize, usize)) -> Self {
+        let (mut all, mut scratch) = (Self::default(), Vec::new());
+        let [fast, second] = [0, 1].map(|k| 0..patch.axes[k].elements());
+        if let Map::Net(net) = &patch.map {
+            net.curves::<N>(slow, [&fast, &second], &mut all.map, &mut scratch);
+        }
+        if let Some((net, _)) = &patch.weight {
+            net.curves::<N>(slow, [&fast, &second], &mut all.weight, &mut scratch);
+        }
+        all
+    }
+}
+
+/// In space the plane of slow point `k`; in the plane, with the contraction of `all`, the lines of the points of tile `k`.
+fn planes<S: Simd, const N: usize>(
+    simd: S,
+    patch: &Patch<'_>,
+    owners: &[Vec<usize>; 2],
+    k: usize,
+    all: Option<&Contraction>,
+) -> Vec<Contracted> {
     let (axes, lanes) = (&patch.axes, S::F64_LANES);
     let (q0, q1) = (axes[0].points(), axes[1].points());
     let slow = if N == 3 { (k, owners[1][k]) } else { (0, 0) };
     let elements = 0..axes[0].elements();
     let (from, to) = if N == 3 { (0, q1) } else { (k * lanes, ((k + 1) * lanes).min(q1)) };
-    let (mut lines, mut weight_lines, mut scratch) = (Vec::new(), Vec::new(), Vec::new());
-    if let Map::Net(net) = &patch.map {
-        net.lines::<N>(slow, &elements, &mut lines, &mut scratch);
-    }
-    if let Some((net, _)) = &patch.weight {
-        net.lines::<N>(slow, &elements, &mut weight_lines, &mut scratch);
-    }
+    let own;
+    let curves = match all {
+        Some(all) => all,
+        None => {
+            own = Contraction::of::<N>(patch, slow);
+            &own
+        }
+    };
     let mut geo = vec![simd.splat_f64s(0.0); q0 * numbers(N)];
     let (mut tile, mut element) = (Tile::default(), ElementScratch::new(&patch.map));
     let mut grid = vec![0.0; (to - from) * q0 * (N + 1)];
@@ -51,7 +83,7 @@ fn planes<S: Simd, const N: usize>(simd: S, patch: &Patch<'_>, owners: &[Vec<usi
         match &patch.map {
             Map::Net(net) => {
                 net.tile(simd, &here, &mut tile);
-                simd.vectorize(Positions::<'_, S, N> { simd, net, axes, place, lines: &lines, tile: &tile, out: &mut geo });
+                simd.vectorize(Positions::<'_, S, N> { simd, net, axes, place, curves: &curves.map, tile: &tile, out: &mut geo });
             }
             Map::Elements(..) => map::fill_elements::<S, N>(simd, axes, place, &mut element, &mut geo),
         }
@@ -59,7 +91,7 @@ fn planes<S: Simd, const N: usize>(simd: S, patch: &Patch<'_>, owners: &[Vec<usi
         if let Some((net, _)) = &patch.weight {
             net.tile(simd, &here, &mut tile);
             for q in 0..q0 {
-                let w = net.at::<S, N, 1>(simd, q, &weight_lines, &tile).0;
+                let w = net.at::<S, N, 1>(simd, q, &curves.weight, &tile).0;
                 let w: &[f64] = bytemuck::cast_slice(&w);
                 squares[q * lanes..][..lanes].iter_mut().zip(w).for_each(|(s, w)| *s = 1.0 / (w * w));
             }
@@ -101,7 +133,7 @@ struct Positions<'a, S: Simd, const N: usize> {
     net: &'a super::Net,
     axes: &'a [Axis],
     place: Place<'a>,
-    lines: &'a [f64],
+    curves: &'a Curves,
     tile: &'a Tile<S::f64s>,
     out: &'a mut [S::f64s],
 }
@@ -110,7 +142,7 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Positions<'_, S, N> {
     type Output = ();
     #[inline(always)]
     fn call(self) {
-        map::fill_net::<S, N>(self.simd, self.net, self.axes, self.place, self.lines, self.tile, self.out);
+        map::fill_net::<S, N>(self.simd, self.net, self.axes, self.place, self.curves, self.tile, self.out);
     }
 }
 

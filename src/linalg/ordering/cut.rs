@@ -1,27 +1,47 @@
 //! Cuts of a set of points and edges in two halves and a small separator.
 
-use super::flow::Network;
+use super::band::band_cut;
 use super::frame::frame;
 use super::graph::Piece;
-use super::index;
+use super::level::levels;
 
 /// Projections closer than this part of the extent count as equal, so that a cut follows a line of the grid.
 const EQUAL: f64 = 1e-9;
-/// Half width, as part of all vertices, of the band in which the smallest separator is sought.
-const BAND: f64 = 0.1;
-/// The same half width in separators of the straight cut, for large sets.
-const LAYERS: usize = 2;
 /// Edges along the directions of a grid to this part need no others.
 const ALIGNED: f64 = 0.85;
+/// A separator this many times a set of levels, or the side of a square or cube of as many vertices, says that places mislead.
+const WIDE: f64 = 2.0;
 
 /// Labels of a cut.
 pub(super) const LEFT: u8 = 0;
 pub(super) const RIGHT: u8 = 1;
 pub(super) const SEPARATOR: u8 = 2;
 
-/// The cheapest cut over the directions of the grid, or the axes and the longest direction of inertia; `None` where no cut leaves two
-/// halves.
-pub(super) fn best_cut(piece: &Piece) -> Option<Vec<u8>> {
+/// The cheapest cut over the directions of the grid, or the axes and the longest direction of inertia, and over the levels of the graph
+/// where that takes more than the level of a body of this `width`; `None` where no cut leaves two halves.
+pub(super) fn best_cut(piece: &Piece, width: f64) -> Option<Vec<u8>> {
+    let plane = plane_cut(piece);
+    if plane.as_ref().is_some_and(|cut| cut.cost <= WIDE * width.min(side(piece))) {
+        return plane.map(|cut| cut.label);
+    }
+    // places say little about the edges: thin cells along a bend, say
+    let (hops, _) = levels(piece, plane.as_ref().map_or(0, Cut::end));
+    let by_levels = Plane::through_median(piece, hops, true).and_then(|plane| plane.cut(piece)).map(|cut| cut.smoothed(piece));
+    [plane, by_levels].into_iter().flatten().min_by(|a, b| a.cost.total_cmp(&b.cost)).map(|cut| cut.label)
+}
+
+/// Weight of a separator along the side of a square, or a cube where places leave a plane, of as many vertices with as many neighbours.
+fn side(piece: &Piece) -> f64 {
+    let n = piece.ids.len() as f64;
+    let dim = if piece.at.iter().all(|x| x[2] == piece.at[0][2]) { 2.0 } else { 3.0 };
+    let weight: u64 = piece.weight.iter().map(|&w| u64::from(w)).sum();
+    // a vertex sees as far to both sides
+    let layers = 0.5 * (piece.num_edges() as f64 / n + 1.0).powf(1.0 / dim);
+    weight as f64 * (layers / n.powf(1.0 / dim)).min(1.0)
+}
+
+/// The cheapest cut by planes.
+fn plane_cut(piece: &Piece) -> Option<Cut> {
     let mut directions = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     match frame(piece) {
         Some((axes, share)) if share > ALIGNED => directions = axes.to_vec(),
@@ -35,36 +55,30 @@ pub(super) fn best_cut(piece: &Piece) -> Option<Vec<u8>> {
             });
         }
     }
-    let mut planes: Vec<Plane> = directions.iter().filter_map(|d| Plane::through_median(piece, d)).collect();
+    let projected = |d: &[f64; 3]| piece.at.iter().map(|x| x[0] * d[0] + x[1] * d[1] + x[2] * d[2]).collect();
+    let mut planes: Vec<Plane> = directions.iter().filter_map(|d| Plane::through_median(piece, projected(d), false)).collect();
     // the sort keeps the first of equal ones in front
     planes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let best = planes.into_iter().find_map(|plane| plane.cut(piece))?;
-    if !best.straight {
-        // oblique to the grid, or no grid: the smallest separator in a band around the median follows the mesh
-        if let Some((cost, label)) = band_cut(piece, &best.t, best.label.iter().filter(|&&l| l == SEPARATOR).count())
-            && cost < 0.98 * best.cost
-        {
-            return Some(label);
-        }
-    }
-    Some(best.label)
+    // oblique to the grid, or no grid: the smallest separator in a band around the median follows the mesh
+    Some(if best.straight { best } else { best.smoothed(piece) })
 }
 
-/// A plane through the median of the vertices.
+/// A plane through the median of the vertices, or a level of the graph.
 struct Plane {
     /// What its separator costs about: the weight of the smaller rim, more where the halves differ.
     cost: f64,
-    /// Projections on the normal.
+    /// Projections on the normal, or levels.
     t: Vec<f64>,
+    hops: bool,
     /// What is below goes left.
     bound: f64,
     extent: f64,
 }
 
 impl Plane {
-    fn through_median(piece: &Piece, normal: &[f64; 3]) -> Option<Self> {
+    fn through_median(piece: &Piece, t: Vec<f64>, hops: bool) -> Option<Self> {
         let n = piece.ids.len();
-        let t: Vec<f64> = piece.at.iter().map(|x| x[0] * normal[0] + x[1] * normal[1] + x[2] * normal[2]).collect();
         let (low, high) = t.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
         let extent = high - low;
         if extent <= 1e-12 * low.abs().max(high.abs()) {
@@ -81,24 +95,24 @@ impl Plane {
             let (w, side) = (u64::from(piece.weight[v]), usize::from(t[v] >= bound));
             halves[side] += w;
             let crosses = |&u: &u32| usize::from(t[u as usize] >= bound) != side;
-            if (t[v] - bound).abs() <= piece.reach[v] && piece.neighbours(v).iter().any(crosses) {
+            if (t[v] - bound).abs() <= reach(piece, hops, v) && piece.neighbours(v).iter().any(crosses) {
                 rim[side] += w;
             }
         }
         let difference = halves[0].abs_diff(halves[1]) as f64 / (halves[0] + halves[1]) as f64;
-        Some(Self { cost: rim[0].min(rim[1]) as f64 * (1.0 + difference * difference), t, bound, extent })
+        Some(Self { cost: rim[0].min(rim[1]) as f64 * (1.0 + difference * difference), t, hops, bound, extent })
     }
 
     /// The separator is the rim of one half.
     fn cut(self, piece: &Piece) -> Option<Cut> {
-        let Self { t, bound, extent, .. } = self;
+        let Self { t, hops, bound, extent, .. } = self;
         let n = t.len();
         let mut label: Vec<u8> = t.iter().map(|&x| if x < bound { LEFT } else { RIGHT }).collect();
         let (mut weight, mut rim, mut rims) = ([0u64; 2], [0u64; 2], [Vec::new(), Vec::new()]);
         for v in 0..n {
             let side = label[v];
             weight[side as usize] += u64::from(piece.weight[v]);
-            if (t[v] - bound).abs() <= piece.reach[v] && piece.neighbours(v).iter().any(|&u| label[u as usize] != side) {
+            if (t[v] - bound).abs() <= reach(piece, hops, v) && piece.neighbours(v).iter().any(|&u| label[u as usize] != side) {
                 rim[side as usize] += u64::from(piece.weight[v]);
                 rims[side as usize].push(v);
             }
@@ -110,7 +124,7 @@ impl Plane {
             (first, last) = (first.min(t[v]), last.max(t[v]));
         }
         let straight = last - first <= 2.0 * EQUAL * extent;
-        Some(Cut { cost: cost(piece, &label)?, label, t, straight })
+        Some(Cut { cost: cost(piece, &label)?, label, t, hops, straight })
     }
 }
 
@@ -119,12 +133,34 @@ struct Cut {
     cost: f64,
     label: Vec<u8>,
     t: Vec<f64>,
+    hops: bool,
     /// The separator is one line of equal projections.
     straight: bool,
 }
 
+impl Cut {
+    /// The vertex at one end.
+    fn end(&self) -> usize {
+        (0..self.t.len()).min_by(|&a, &b| self.t[a].total_cmp(&self.t[b])).unwrap_or(0)
+    }
+
+    /// The smallest separator near this one, if it is smaller.
+    fn smoothed(self, piece: &Piece) -> Self {
+        let separator = self.label.iter().filter(|&&l| l == SEPARATOR).count();
+        match band_cut(piece, &self.t, self.hops, separator) {
+            Some((cost, label)) if cost < 0.98 * self.cost => Self { cost, label, ..self },
+            _ => self,
+        }
+    }
+}
+
+/// No edge of `v` makes a larger step in the projections.
+pub(super) fn reach(piece: &Piece, hops: bool, v: usize) -> f64 {
+    if hops { 1.0 } else { piece.reach[v] }
+}
+
 /// The weight of a separator, more where the halves differ; `None` where a half is empty.
-fn cost(piece: &Piece, label: &[u8]) -> Option<f64> {
+pub(super) fn cost(piece: &Piece, label: &[u8]) -> Option<f64> {
     let mut weight = [0u64; 3];
     for v in 0..label.len() {
         weight[label[v] as usize] += u64::from(piece.weight[v]);
@@ -134,78 +170,6 @@ fn cost(piece: &Piece, label: &[u8]) -> Option<f64> {
     }
     let difference = weight[0].abs_diff(weight[1]) as f64 / (weight[0] + weight[1]) as f64;
     Some(weight[2] as f64 * (1.0 + difference * difference))
-}
-
-/// The smallest separator between the lowest and the highest projections, by maximum flow through the band between them.
-fn band_cut(piece: &Piece, t: &[f64], separator: usize) -> Option<(f64, Vec<u8>)> {
-    let n = t.len();
-    let mut values = t.to_vec();
-    let width = ((BAND * n as f64) as usize).min(LAYERS * separator);
-    let low = *values.select_nth_unstable_by(n / 2 - width, f64::total_cmp).1;
-    let high = *values.select_nth_unstable_by((n / 2 + width).min(n - 1), f64::total_cmp).1;
-    let mut label: Vec<u8> = t
-        .iter()
-        .map(|&x| {
-            if x < low {
-                LEFT
-            } else if x > high {
-                RIGHT
-            } else {
-                SEPARATOR
-            }
-        })
-        .collect();
-    // an edge across the band leaves no separator inside it: both of its ends may be one
-    let across = |v: usize| match label[v] {
-        LEFT => t[v] + piece.reach[v] > high && piece.neighbours(v).iter().any(|&u| label[u as usize] == RIGHT),
-        RIGHT => t[v] - piece.reach[v] < low && piece.neighbours(v).iter().any(|&u| label[u as usize] == LEFT),
-        _ => false,
-    };
-    let far: Vec<usize> = (0..n).filter(|&v| across(v)).collect();
-    // places that say so little about the edges make the flow dear and win nothing
-    if far.len() > n / 2 {
-        return None;
-    }
-    far.into_iter().for_each(|v| label[v] = SEPARATOR);
-    let band: Vec<usize> = (0..n).filter(|&v| label[v] == SEPARATOR).collect();
-    let mut local = vec![u32::MAX; n];
-    for (k, &v) in band.iter().enumerate() {
-        local[v] = index(k);
-    }
-    // vertex k enters at 2 k and leaves at 2 k + 1, its weight is what it lets through
-    let (source, sink) = (2 * band.len(), 2 * band.len() + 1);
-    let touches = |v: usize, side| piece.neighbours(v).iter().any(|&u| label[u as usize] == side);
-    let ends: Vec<[bool; 2]> = band.iter().map(|&v| [touches(v, LEFT), touches(v, RIGHT)]).collect();
-    let mut arcs: Vec<(u32, u32, u32)> = Vec::new();
-    let mut arc = |from, to, room| arcs.push((index(from), index(to), room));
-    for (k, &v) in band.iter().enumerate() {
-        arc(2 * k, 2 * k + 1, piece.weight[v]);
-        if ends[k][0] {
-            arc(source, 2 * k, u32::MAX);
-        }
-        if ends[k][1] {
-            arc(2 * k + 1, sink, u32::MAX);
-            continue;
-        }
-        // no way needs to come back to the source's neighbours, nor to go on from the sink's
-        for &u in piece.neighbours(v) {
-            let to = local[u as usize];
-            if to != u32::MAX && !ends[to as usize][0] {
-                arc(2 * k + 1, 2 * to as usize, u32::MAX);
-            }
-        }
-    }
-    let mut net = Network::new(sink + 1, &arcs);
-    net.saturate(source, sink);
-    let reached = net.reached(source);
-    for (k, &v) in band.iter().enumerate() {
-        label[v] = match (reached[2 * k], reached[2 * k + 1]) {
-            (_, true) => LEFT,
-            (true, false) => SEPARATOR,
-            (false, false) => RIGHT,
-        };
-    }
-    Some((cost(piece, &label)?, label))
 }
 
 /// The direction in which the points spread most, where it is clearly longest and no axis.

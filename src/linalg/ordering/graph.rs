@@ -109,6 +109,11 @@ impl Piece {
         self.graph.neighbours(v)
     }
 
+    /// Every edge counts from both of its ends.
+    pub(super) fn num_edges(&self) -> usize {
+        self.graph.adjacency.len()
+    }
+
     /// The vertices left and right of a separator.
     pub(super) fn halves(&self, label: &[u8]) -> [Self; 2] {
         let n = self.ids.len();

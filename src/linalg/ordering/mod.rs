@@ -4,20 +4,24 @@
 //! Planes are tried across the directions that its short edges have, those of a grid wherever it lies, turned or bent.
 //! The separator is the rim of one half where a line of the grid runs along the plane, else the smallest set that parts a band around it.
 //! Vertices at one place are cut as one. Edges are looked at near a plane only: none is longer than its vertices reach.
+//! Where planes meet far more edges than a level of the graph has vertices, levels are tried too: thin cells along a bend, say.
 //! The order depends on the pattern and the places only, not on the number of threads.
 //!
 //! Source: George, SIAM J. Numer. Anal. 10 (1973) 345-363; Liu, SIAM J. Matrix Anal. 11 (1990) 134-172.
 
+mod band;
 mod cut;
 mod flow;
 mod frame;
 mod graph;
 mod leaf;
+mod level;
 mod tree;
 
 use cut::{LEFT, SEPARATOR, best_cut};
 use graph::{Graph, Piece};
 use leaf::minimum_degree;
+use level::levels;
 
 pub use tree::{factor_entries, postordered};
 
@@ -69,11 +73,11 @@ pub fn nested_dissection(ptr: &[usize], cols: &[usize], places: &[[f64; 3]]) -> 
     let weight = start.windows(2).map(|w| w[1] - w[0]).collect();
     let whole = Piece::whole(graph, weight, scaled((0..groups).map(|g| places[members(g)[0] as usize]).collect()));
     let mut order = if keep_dense {
-        dissect(&whole, &whole)
+        dissect(&whole, &whole, width(&whole))
     } else {
         let label: Vec<u8> = dense.iter().map(|&d| if d { SEPARATOR } else { LEFT }).collect();
         let [rest, _] = whole.halves(&label);
-        dissect(&rest, &whole)
+        dissect(&rest, &whole, width(&rest))
     };
     if !keep_dense {
         order.extend((0..groups).filter(|&g| dense[g]).map(index));
@@ -85,21 +89,28 @@ pub fn nested_dissection(ptr: &[usize], cols: &[usize], places: &[[f64; 3]]) -> 
     Some(result)
 }
 
-/// Order of the ids of a part of `whole`: left half, right half, separator.
-fn dissect(piece: &Piece, whole: &Piece) -> Vec<u32> {
+/// Mean weight of the levels of a graph.
+fn width(piece: &Piece) -> f64 {
+    let weight: u64 = piece.weight.iter().map(|&w| u64::from(w)).sum();
+    let many = if piece.ids.is_empty() { 1 } else { levels(piece, 0).1 };
+    weight as f64 / many as f64
+}
+
+/// Order of the ids of a part of `whole`, a body of such a `width`: left half, right half, separator.
+fn dissect(piece: &Piece, whole: &Piece, width: f64) -> Vec<u32> {
     let n = piece.ids.len();
     if n <= LEAF {
         return minimum_degree(piece, whole);
     }
-    let Some(label) = best_cut(piece) else {
+    let Some(label) = best_cut(piece, width) else {
         return piece.ids.clone();
     };
     let [left, right] = piece.halves(&label);
     let separator = (0..n).filter(|&v| label[v] == SEPARATOR).map(|v| piece.ids[v]);
     let (mut order, right) = if n > PARALLEL {
-        rayon::join(|| dissect(&left, whole), || dissect(&right, whole))
+        rayon::join(|| dissect(&left, whole, width), || dissect(&right, whole, width))
     } else {
-        (dissect(&left, whole), dissect(&right, whole))
+        (dissect(&left, whole, width), dissect(&right, whole, width))
     };
     order.extend(right);
     order.extend(separator);
