@@ -47,15 +47,15 @@ impl<T: Real> BSpline<T> {
         all.extend_from_slice(old);
         let finer = Self::try_new(p, all)?;
         // as many rows as knots are behind; those ahead are still the old ones
-        let (mut behind, mut knots) = (Vec::with_capacity(finer.num_functions()), Vec::with_capacity(finer.knots().len()));
+        let (mut behind, knots, mut passed) = (Vec::with_capacity(finer.num_functions()), finer.knots(), 0);
         let (mut ahead, mut old) = (std::mem::take(rows).into_iter(), self.knots());
         for &t in new {
             let count = old.iter().take_while(|&&x| x <= t).count();
-            knots.extend_from_slice(&old[..count]);
+            passed += count;
             behind.extend(ahead.by_ref().take(count));
             old = &old[count..];
-            let k = knots.len() - 1; // knots[k] <= t < old[0]
-            let s = knots.iter().rev().take_while(|&&x| x == t).count();
+            let k = passed - 1; // knots[k] <= t < old[0]
+            let s = knots[..passed].iter().rev().take_while(|&&x| x == t).count();
             let knot = |i: usize| if i <= k { knots[i] } else { old[i - k - 1] };
             let share = |i: usize| (t - knots[i]) / (knot(i + p) - knots[i]);
             if s >= p {
@@ -67,7 +67,7 @@ impl<T: Real> BSpline<T> {
                 let blended: Vec<Vec<T>> = changed.map(|i| blend(share(i), &behind[i], T::one() - share(i), &behind[i - 1])).collect();
                 behind.splice(k + 1 - p..k - s, blended);
             }
-            knots.push(t);
+            passed += 1;
         }
         behind.extend(ahead);
         *rows = behind;

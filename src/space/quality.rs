@@ -3,7 +3,7 @@
 use super::Space;
 use crate::basis::{Cell, Order};
 use crate::geometry::{Geometry, MapTable, Sampler, cell};
-use crate::linalg::{Real, Vector, determinant, measure as scale, to_f64};
+use crate::linalg::{Matrix, Real, Vector, determinant, lit, measure as scale, to_f64};
 use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
 use rayon::prelude::*;
 
@@ -113,8 +113,8 @@ pub fn quality<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -
 
 /// Length, area or volume of a map: ∫ sqrt(det JᵀJ) dxi.
 ///
-/// Gauss points are added per element until the sum settles, so that rational maps reach rounding; polynomial maps do at
-/// once. Affine maps take one point.
+/// Gauss points are added per element until the sum settles, so that rational maps reach rounding, that of the Jacobian included;
+/// polynomial maps do at once. Affine maps take one point.
 pub fn measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?Sized>(geometry: &X) -> T {
     const COUNTS: [usize; 8] = [2, 3, 4, 6, 9, 13, 18, 24];
     let rule_of = |kind: Cell, n: usize| -> Rule<D, T> {
@@ -147,7 +147,7 @@ pub fn measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?
             for (k, rule) in rules[kind].iter().enumerate() {
                 map.map(e, 2 * (k + 1) + kind, &rule.points, table);
                 let sum = table.jacobian.iter().zip(&rule.weights).fold(T::zero(), |s, (j, &w)| s + scale(j) * w);
-                let settled = k > 0 && (sum - last).abs() <= T::default_epsilon() * crate::linalg::lit(16.0) * sum.abs();
+                let settled = k > 0 && (sum - last).abs() <= lit::<T>(16.0) * rounding(table) * sum.abs();
                 last = sum;
                 if settled {
                     break;
@@ -157,4 +157,18 @@ pub fn measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?
         })
         .collect();
     parts.into_iter().fold(T::zero(), |s, p| s + p)
+}
+
+/// Relative rounding of a Jacobian: positions as large as x cancel in a column as short as dx/dxi_k, thin cells far from the origin say.
+fn rounding<const D: usize, const N: usize, T: Real>(table: &MapTable<D, N, T>) -> T {
+    let square = |v: T, x: &T| v + *x * *x;
+    let size = table.x.iter().map(|x| x.iter().fold(T::zero(), square)).fold(T::zero(), |m, s| m.max(s)).sqrt();
+    let short = |j: &Matrix<N, D, T>| (0..D).map(|k| j.column(k).iter().fold(T::zero(), square)).fold(None, least);
+    let shortest = table.jacobian.iter().filter_map(short).fold(None, least).map_or(T::one(), |s| s.sqrt());
+    // a collapsed cell settles by its sum, too
+    T::default_epsilon() * (T::one() + size / shortest).min(lit(5000.0))
+}
+
+fn least<T: Real>(m: Option<T>, s: T) -> Option<T> {
+    Some(m.map_or(s, |m| m.min(s)))
 }

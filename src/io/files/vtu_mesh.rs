@@ -242,22 +242,22 @@ pub fn write_vtu(mesh: &MeshFile) -> Result<Vec<u8>, FileError> {
     file.start("Piece", &[("NumberOfPoints", &points), ("NumberOfCells", &count)]);
     file.start("CellData", if high_order { &[("HigherOrderDegrees", "HigherOrderDegrees")] } else { &[] });
     if high_order {
-        file.array("Float64", "HigherOrderDegrees", 3, degrees.iter().flat_map(|v| v.to_le_bytes()));
+        file.array("Float64", "HigherOrderDegrees", 3, degrees.iter().map(|v| v.to_le_bytes()));
     }
-    file.array("Int64", "id", 1, mesh.blocks.iter().flat_map(|b| &b.ids).flat_map(|v| v.to_le_bytes()));
+    file.array("Int64", "id", 1, mesh.blocks.iter().flat_map(|b| &b.ids).map(|v| v.to_le_bytes()));
     for (g, group) in mesh.groups.iter().enumerate() {
         let name = group.name.as_ref().map_or(String::new(), |n| format!(" {n}"));
         let name = format!("{GROUP}{} {}{name}", group.dimension, group.number);
-        file.array("UInt8", &name, 1, mesh.blocks.iter().flat_map(|b| std::iter::repeat_n(u8::from(b.groups.contains(&g)), b.ids.len())));
+        file.array("UInt8", &name, 1, mesh.blocks.iter().flat_map(|b| std::iter::repeat_n([u8::from(b.groups.contains(&g))], b.ids.len())));
     }
     file.end("CellData");
     file.start("Points", &[]);
-    file.array("Float64", "Points", 3, mesh.points.iter().flatten().flat_map(|v| v.to_le_bytes()));
+    file.array("Float64", "Points", 3, mesh.points.iter().flatten().map(|v| v.to_le_bytes()));
     file.end("Points");
     file.start("Cells", &[]);
-    file.array("Int64", "connectivity", 1, connectivity.iter().flat_map(|v| v.to_le_bytes()));
-    file.array("Int64", "offsets", 1, ends.iter().flat_map(|v| v.to_le_bytes()));
-    file.array("UInt8", "types", 1, types.iter().copied());
+    file.array("Int64", "connectivity", 1, connectivity.iter().map(|v| v.to_le_bytes()));
+    file.array("Int64", "offsets", 1, ends.iter().map(|v| v.to_le_bytes()));
+    file.array("UInt8", "types", 1, types.iter().map(|t| [*t]));
     file.end("Cells");
     file.end("Piece");
     file.end("UnstructuredGrid");

@@ -3,7 +3,6 @@
 use super::piece::Piece;
 use quick_xml::Writer;
 use quick_xml::events::{BytesEnd, BytesStart, Event};
-use std::io::Write as _;
 
 /// The arrays of a file.
 #[derive(Clone, Debug, Default)]
@@ -43,7 +42,8 @@ impl Grid {
         }
     }
 
-    pub fn into_bytes(self) -> Vec<u8> {
+    /// Every array is dropped as soon as it is in the document.
+    pub fn into_bytes(mut self) -> Vec<u8> {
         let hexahedra = self.types.iter().any(|t| [72, 79].contains(t));
         let high_order = self.types.iter().any(|t| *t >= 68);
         let mut file = File::new();
@@ -57,27 +57,29 @@ impl Grid {
         file.start("Piece", &[("NumberOfPoints", &points), ("NumberOfCells", &cells)]);
         // the attribute, not the array alone, makes readers use the weights
         file.start("PointData", if self.rational { &[("RationalWeights", "RationalWeights")] } else { &[] });
-        for ((name, components), values) in self.names.iter().zip(&self.fields) {
-            file.array("Float64", name, *components, values.iter().flat_map(|v| v.to_le_bytes()));
+        for ((name, components), values) in self.names.iter().zip(self.fields) {
+            file.array("Float64", name, *components, values.into_iter().map(f64::to_le_bytes));
         }
+        let weights = std::mem::take(&mut self.weights);
         if self.rational {
-            file.array("Float64", "RationalWeights", 1, self.weights.iter().flat_map(|v| v.to_le_bytes()));
+            file.array("Float64", "RationalWeights", 1, weights.iter().map(|v| v.to_le_bytes()));
         }
+        drop(weights);
         file.end("PointData");
         file.start("CellData", if high_order { &[("HigherOrderDegrees", "HigherOrderDegrees")] } else { &[] });
         if high_order {
-            file.array("Float64", "HigherOrderDegrees", 3, self.degrees.iter().flat_map(|v| v.to_le_bytes()));
+            file.array("Float64", "HigherOrderDegrees", 3, self.degrees.into_iter().map(f64::to_le_bytes));
         }
-        file.array("Int32", "patch", 1, self.patch.iter().flat_map(|v| v.to_le_bytes()));
-        file.array("Int32", "element", 1, self.element.iter().flat_map(|v| v.to_le_bytes()));
+        file.array("Int32", "patch", 1, self.patch.into_iter().map(i32::to_le_bytes));
+        file.array("Int32", "element", 1, self.element.into_iter().map(i32::to_le_bytes));
         file.end("CellData");
         file.start("Points", &[]);
-        file.array("Float64", "Points", 3, self.points.iter().flat_map(|v| v.to_le_bytes()));
+        file.array("Float64", "Points", 3, self.points.into_iter().map(f64::to_le_bytes));
         file.end("Points");
         file.start("Cells", &[]);
-        file.array("Int64", "connectivity", 1, self.connectivity.iter().flat_map(|v| v.to_le_bytes()));
-        file.array("Int64", "offsets", 1, self.offsets.iter().flat_map(|v| v.to_le_bytes()));
-        file.array("UInt8", "types", 1, self.types.iter().copied());
+        file.array("Int64", "connectivity", 1, self.connectivity.into_iter().map(i64::to_le_bytes));
+        file.array("Int64", "offsets", 1, self.offsets.into_iter().map(i64::to_le_bytes));
+        file.array("UInt8", "types", 1, self.types.into_iter().map(u8::to_le_bytes));
         file.end("Cells");
         file.end("Piece");
         file.end("UnstructuredGrid");
@@ -108,7 +110,8 @@ impl File {
         self.event(Event::End(BytesEnd::new(tag)));
     }
 
-    pub fn array(&mut self, kind: &str, name: &str, components: usize, bytes: impl Iterator<Item = u8>) {
+    /// An array of numbers, each as its bytes.
+    pub fn array<const B: usize>(&mut self, kind: &str, name: &str, components: usize, numbers: impl Iterator<Item = [u8; B]>) {
         let (components, offset) = (components.to_string(), self.appended.len().to_string());
         let attributes = [
             ("type", kind),
@@ -118,21 +121,28 @@ impl File {
             ("offset", offset.as_str()),
         ];
         self.event(Event::Empty(BytesStart::new("DataArray").with_attributes(attributes)));
+        // no room for more: of large files the half would stay empty
+        self.appended.reserve_exact(8 + B * numbers.size_hint().0);
         let header = self.appended.len();
         self.appended.extend([0; 8]);
-        self.appended.extend(bytes);
+        numbers.for_each(|bytes| self.appended.extend_from_slice(&bytes));
         let length = (self.appended.len() - header - 8) as u64;
         self.appended[header..header + 8].copy_from_slice(&length.to_le_bytes());
     }
 
     pub fn finish(mut self) -> Vec<u8> {
         self.start("AppendedData", &[("encoding", "raw")]);
-        let raw = std::mem::take(&mut self.appended);
-        let out = self.xml.get_mut();
-        out.write_all(b"_").and_then(|()| out.write_all(&raw)).expect("a Vec takes every byte");
+        let (raw, out) = (std::mem::take(&mut self.appended), self.xml.get_mut());
+        out.push(b'_');
+        // the document is put together around the data, which are most of it
+        let head = std::mem::take(out);
         self.end("AppendedData");
         self.end("VTKFile");
-        let mut bytes = self.xml.into_inner();
+        let tail = self.xml.into_inner();
+        let mut bytes = raw;
+        bytes.reserve_exact(head.len() + tail.len() + 1);
+        bytes.splice(0..0, head);
+        bytes.extend(tail);
         bytes.push(b'\n');
         bytes
     }

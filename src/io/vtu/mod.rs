@@ -24,7 +24,7 @@ mod plan;
 use crate::linalg::Vector;
 use crate::space::Space;
 use file::Grid;
-use piece::part_pieces;
+use piece::each_piece;
 use std::sync::Arc;
 
 pub use cells::MAX_DEGREE;
@@ -161,9 +161,7 @@ pub fn write<const D: usize, const N: usize>(parts: &[Part<'_, D, N>]) -> Result
         }
     }
     for (number, part) in parts.iter().enumerate() {
-        for (element, piece) in part_pieces(part)?.iter().enumerate() {
-            grid.append(number, element, piece);
-        }
+        each_piece(part, |element, piece| grid.append(number, element, piece))?;
     }
     Ok(grid.into_bytes())
 }

@@ -23,8 +23,14 @@ pub(super) struct Piece {
     pub cells: Vec<Vec<usize>>,
 }
 
-/// The pieces of all elements of a part.
-pub(super) fn part_pieces<const D: usize, const N: usize>(part: &Part<'_, D, N>) -> Result<Vec<Piece>, VtuError> {
+/// Elements whose pieces are held at once.
+const AT_ONCE: usize = 4096;
+
+/// Hands the pieces of all elements of a part to `take`, in their order.
+pub(super) fn each_piece<const D: usize, const N: usize>(
+    part: &Part<'_, D, N>,
+    mut take: impl FnMut(usize, &Piece),
+) -> Result<(), VtuError> {
     let plans: Vec<Plan<D>> = (0..part.space.num_elements()).into_par_iter().map(|e| plan(part, e)).collect();
     let mut known: BTreeMap<(bool, [usize; D]), Interpolant<D>> = BTreeMap::new();
     for p in &plans {
@@ -33,18 +39,20 @@ pub(super) fn part_pieces<const D: usize, const N: usize>(part: &Part<'_, D, N>)
         }
     }
     let of = |cell: Cell, degree: [usize; D]| &known[&(cell == Cell::Simplex, degree)];
-    plans
-        .par_iter()
-        .enumerate()
-        .map(|(e, plan)| {
-            if plan.shape == Shape::Bezier
-                && let Some(piece) = bezier_piece(part, e, plan, of(plan.cell, plan.degree))?
-            {
-                return Ok(piece);
-            }
-            lagrange_piece(part, e, plan, of(plan.cell, plan.lagrange))
-        })
-        .collect()
+    let piece = |e: usize, plan: &Plan<D>| {
+        if plan.shape == Shape::Bezier
+            && let Some(piece) = bezier_piece(part, e, plan, of(plan.cell, plan.degree))?
+        {
+            return Ok(piece);
+        }
+        lagrange_piece(part, e, plan, of(plan.cell, plan.lagrange))
+    };
+    for first in (0..plans.len()).step_by(AT_ONCE) {
+        let some = &plans[first..plans.len().min(first + AT_ONCE)];
+        let pieces: Vec<Piece> = some.par_iter().enumerate().map(|(k, plan)| piece(first + k, plan)).collect::<Result<_, _>>()?;
+        pieces.iter().enumerate().for_each(|(k, piece)| take(first + k, piece));
+    }
+    Ok(())
 }
 
 /// Values of all fields, padded to three where they are two.
