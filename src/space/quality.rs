@@ -165,8 +165,9 @@ fn rounding<const D: usize, const N: usize, T: Real>(table: &MapTable<D, N, T>) 
     let size = table.x.iter().map(|x| x.iter().fold(T::zero(), square)).fold(T::zero(), |m, s| m.max(s)).sqrt();
     let short = |j: &Matrix<N, D, T>| (0..D).map(|k| j.column(k).iter().fold(T::zero(), square)).fold(None, least);
     let shortest = table.jacobian.iter().filter_map(short).fold(None, least).map_or(T::one(), |s| s.sqrt());
-    // a collapsed cell settles by its sum, too
-    T::default_epsilon() * (T::one() + size / shortest).min(lit(5000.0))
+    // columns of a collapsed cell vanish without any cancellation: its sum must settle all the same
+    let most = T::default_epsilon().sqrt() * lit(0.01);
+    (T::default_epsilon() * (T::one() + size / shortest)).min(most)
 }
 
 fn least<T: Real>(m: Option<T>, s: T) -> Option<T> {

@@ -110,6 +110,20 @@ fn tied(n: usize, c: usize) -> Graph {
     Graph::of(&places, edges.into_iter(), c)
 }
 
+/// Square grids of n x n vertices of degree 1 in one plane, each shifted a little, without edges between them.
+fn sheets(count: usize, n: usize) -> Graph {
+    let id = |k: usize, i: usize, j: usize| (k * n + j) * n + i;
+    let all = || (0..count).flat_map(move |k| (0..n).flat_map(move |j| (0..n).map(move |i| (k, i, j))));
+    let shift = |k: usize| k as f64 / count as f64;
+    let places: Vec<[f64; 3]> = all().map(|(k, i, j)| [i as f64 + shift(k), j as f64 + 0.5 * shift(k), 0.0]).collect();
+    let near = |(k, i, j): (usize, usize, usize)| {
+        let ahead = [(1, 0), (-1, 1), (0, 1), (1, 1)].into_iter().map(move |(a, b)| (i as isize + a, j + b));
+        let inside = ahead.filter(move |&(a, b)| (0..n as isize).contains(&a) && b < n);
+        inside.map(move |(a, b)| (id(k, i, j), id(k, a as usize, b)))
+    };
+    Graph::of(&places, all().flat_map(near), 1)
+}
+
 /// The bodies that orders are compared on.
 pub fn graphs() -> Vec<(&'static str, Graph)> {
     let flat = |[x, y, _]: [f64; 3]| [x, y, 0.0];
@@ -132,6 +146,7 @@ pub fn graphs() -> Vec<(&'static str, Graph)> {
         ("ring of thin cells, p = 3", grid([6, 3000, 1], 3, 1, ring)),
         ("thick ring of thin cells, p = 2", grid([3, 2000, 3], 2, 1, ring)),
         ("coil of thin cells, p = 2", grid([3, 6000, 1], 2, 1, coil)),
+        ("three sheets in one place", sheets(3, 50)),
         ("points in the square", scattered(6000, 2, 0.03)),
         ("points in the cube", scattered(3000, 3, 0.12)),
         ("two tied squares with multipliers", tied(60, 2)),

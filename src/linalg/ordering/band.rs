@@ -1,8 +1,9 @@
 //! The smallest separator in a band of vertices.
 
-use super::cut::{LEFT, RIGHT, SEPARATOR, cost, reach};
+use super::cut::{LEFT, RIGHT, SEPARATOR};
 use super::flow::Network;
 use super::graph::Piece;
+use super::halving::{Coordinate, cost};
 use super::index;
 
 /// Half width, as part of all vertices, of the band in which the smallest separator is sought.
@@ -10,8 +11,9 @@ const BAND: f64 = 0.1;
 /// The same half width in separators of the straight cut, for large sets.
 const LAYERS: usize = 2;
 
-/// The smallest separator between the lowest and the highest projections, by maximum flow through the band between them.
-pub(super) fn band_cut(piece: &Piece, t: &[f64], hops: bool, separator: usize) -> Option<(f64, Vec<u8>)> {
+/// The smallest separator between the lowest and the highest coordinates, by maximum flow through the band between them.
+pub(super) fn band_cut(piece: &Piece, coordinate: &Coordinate, separator: usize) -> Option<(f64, Vec<u8>)> {
+    let t = coordinate.values();
     let n = t.len();
     let mut values = t.to_vec();
     let width = ((BAND * n as f64) as usize).min(LAYERS * separator);
@@ -31,8 +33,8 @@ pub(super) fn band_cut(piece: &Piece, t: &[f64], hops: bool, separator: usize) -
         .collect();
     // an edge across the band leaves no separator inside it: both of its ends may be one
     let across = |v: usize| match label[v] {
-        LEFT => t[v] + reach(piece, hops, v) > high && piece.neighbours(v).iter().any(|&u| label[u as usize] == RIGHT),
-        RIGHT => t[v] - reach(piece, hops, v) < low && piece.neighbours(v).iter().any(|&u| label[u as usize] == LEFT),
+        LEFT => t[v] + coordinate.reach(piece, v) > high && piece.neighbours(v).iter().any(|&u| label[u as usize] == RIGHT),
+        RIGHT => t[v] - coordinate.reach(piece, v) < low && piece.neighbours(v).iter().any(|&u| label[u as usize] == LEFT),
         _ => false,
     };
     let far: Vec<usize> = (0..n).filter(|&v| across(v)).collect();

@@ -109,9 +109,13 @@ impl Piece {
         self.graph.neighbours(v)
     }
 
-    /// Every edge counts from both of its ends.
-    pub(super) fn num_edges(&self) -> usize {
+    /// Sum of the numbers of neighbours.
+    pub(super) fn degrees(&self) -> usize {
         self.graph.adjacency.len()
+    }
+
+    pub(super) fn total_weight(&self) -> u64 {
+        self.weight.iter().map(|&w| u64::from(w)).sum()
     }
 
     /// The vertices left and right of a separator.

@@ -1,29 +1,48 @@
-//! Levels of a graph: steps along edges from one end of it.
+//! Levels of a graph: steps along edges from one end of it, part after part.
 
+use super::cut::{LEFT, RIGHT};
 use super::graph::Piece;
 use super::index;
 
-/// Levels of all vertices from one far away from `start`, and their number; a part without edges to the others follows behind them.
-pub(super) fn levels(piece: &Piece, start: usize) -> (Vec<f64>, usize) {
-    // the vertex met last is far from any other
-    let (_, far, _) = search(piece, start);
-    let (level, _, many) = search(piece, far);
-    (level, many)
+/// Levels of the vertices of a set.
+pub(super) struct Levels {
+    /// The level of every vertex: those of a part without edges to the others lie behind them, and one is left out in between.
+    pub level: Vec<f64>,
+    /// Mean weight of the levels of the heaviest part.
+    pub width: f64,
+    /// The last level of every part, and the weight of all up to there.
+    parts: Vec<(f64, u64)>,
 }
 
-/// Levels from `start`, the vertex of the first part met last, and the number of levels.
-fn search(piece: &Piece, start: usize) -> (Vec<f64>, usize, usize) {
+impl Levels {
+    /// Levels from the vertex farthest away from `start`.
+    pub(super) fn of(piece: &Piece, start: usize) -> Self {
+        search(piece, search(piece, start).1).0
+    }
+
+    /// Labels of two halves made of whole parts, where there are several.
+    pub(super) fn parted(&self) -> Option<Vec<u8>> {
+        let (&(_, all), others) = self.parts.split_last()?;
+        let fits = others.partition_point(|&(_, weight)| 2 * weight < all);
+        let end = others.get(fits).or(others.last())?.0;
+        Some(self.level.iter().map(|&l| if l <= end { LEFT } else { RIGHT }).collect())
+    }
+}
+
+/// Levels from `start`, and the vertex of its part met last.
+fn search(piece: &Piece, start: usize) -> (Levels, usize) {
     let n = piece.ids.len();
-    let (mut level, mut queue) = (vec![f64::NAN; n], Vec::with_capacity(n));
-    let (mut first, mut unmet, mut last, mut far) = (0.0, 0, 0.0, None);
-    let mut next = Some(start);
+    let (mut level, mut queue, mut far) = (vec![f64::NAN; n], Vec::with_capacity(n), start);
+    let (mut first, mut weight, mut parts, mut heaviest, mut width) = (0.0, 0, Vec::new(), 0, 0.0);
+    let (mut unmet, mut next) = (0, (n > 0).then_some(start));
     while let Some(root) = next {
-        let mut head = queue.len();
+        let (mut head, mut last, mut own) = (queue.len(), first, 0);
         level[root] = first;
         queue.push(index(root));
         while let Some(&v) = queue.get(head) {
             head += 1;
             last = level[v as usize];
+            own += u64::from(piece.weight[v as usize]);
             for &u in piece.neighbours(v as usize) {
                 if level[u as usize].is_nan() {
                     level[u as usize] = last + 1.0;
@@ -31,11 +50,18 @@ fn search(piece: &Piece, start: usize) -> (Vec<f64>, usize, usize) {
                 }
             }
         }
-        far = far.or(queue.last().copied());
+        if parts.is_empty() {
+            far = queue[head - 1] as usize;
+        }
+        if own > heaviest {
+            (heaviest, width) = (own, own as f64 / (last - first + 1.0));
+        }
+        weight += own;
+        parts.push((last, weight));
         // parts are not neighbours, nor are their levels
         first = last + 2.0;
         unmet += level[unmet..].iter().take_while(|l| !l.is_nan()).count();
         next = (unmet < n).then_some(unmet);
     }
-    (level, far.map_or(start, |v| v as usize), last as usize + 1)
+    (Levels { level, width, parts }, far)
 }

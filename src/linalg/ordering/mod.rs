@@ -14,6 +14,7 @@ mod cut;
 mod flow;
 mod frame;
 mod graph;
+mod halving;
 mod leaf;
 mod level;
 mod tree;
@@ -21,7 +22,7 @@ mod tree;
 use cut::{LEFT, SEPARATOR, best_cut};
 use graph::{Graph, Piece};
 use leaf::minimum_degree;
-use level::levels;
+use level::Levels;
 
 pub use tree::{factor_entries, postordered};
 
@@ -73,11 +74,11 @@ pub fn nested_dissection(ptr: &[usize], cols: &[usize], places: &[[f64; 3]]) -> 
     let weight = start.windows(2).map(|w| w[1] - w[0]).collect();
     let whole = Piece::whole(graph, weight, scaled((0..groups).map(|g| places[members(g)[0] as usize]).collect()));
     let mut order = if keep_dense {
-        dissect(&whole, &whole, width(&whole))
+        dissect(&whole, &whole, Levels::of(&whole, 0).width)
     } else {
         let label: Vec<u8> = dense.iter().map(|&d| if d { SEPARATOR } else { LEFT }).collect();
         let [rest, _] = whole.halves(&label);
-        dissect(&rest, &whole, width(&rest))
+        dissect(&rest, &whole, Levels::of(&rest, 0).width)
     };
     if !keep_dense {
         order.extend((0..groups).filter(|&g| dense[g]).map(index));
@@ -89,20 +90,13 @@ pub fn nested_dissection(ptr: &[usize], cols: &[usize], places: &[[f64; 3]]) -> 
     Some(result)
 }
 
-/// Mean weight of the levels of a graph.
-fn width(piece: &Piece) -> f64 {
-    let weight: u64 = piece.weight.iter().map(|&w| u64::from(w)).sum();
-    let many = if piece.ids.is_empty() { 1 } else { levels(piece, 0).1 };
-    weight as f64 / many as f64
-}
-
-/// Order of the ids of a part of `whole`, a body of such a `width`: left half, right half, separator.
+/// Order of the ids of a part of `whole`, a body with levels of mean weight `width`: left half, right half, separator.
 fn dissect(piece: &Piece, whole: &Piece, width: f64) -> Vec<u32> {
     let n = piece.ids.len();
     if n <= LEAF {
         return minimum_degree(piece, whole);
     }
-    let Some(label) = best_cut(piece, width) else {
+    let Some((label, width)) = best_cut(piece, width) else {
         return piece.ids.clone();
     };
     let [left, right] = piece.halves(&label);
