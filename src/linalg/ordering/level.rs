@@ -20,6 +20,11 @@ impl Levels {
         search(piece, search(piece, start).1).0
     }
 
+    /// The mean weight of the levels from the first vertex, of the heaviest part.
+    pub(super) fn width(piece: &Piece) -> f64 {
+        search(piece, 0).0.width
+    }
+
     /// Labels of two halves made of whole parts, where there are several.
     pub(super) fn parted(&self) -> Option<Vec<u8>> {
         let (&(_, all), others) = self.parts.split_last()?;

@@ -73,12 +73,13 @@ pub fn nested_dissection(ptr: &[usize], cols: &[usize], places: &[[f64; 3]]) -> 
     let keep_dense = num_dense == 0 || 10 * num_dense > groups;
     let weight = start.windows(2).map(|w| w[1] - w[0]).collect();
     let whole = Piece::whole(graph, weight, scaled((0..groups).map(|g| places[members(g)[0] as usize]).collect()));
+    // groups ascend by their places: the first lies at one end
     let mut order = if keep_dense {
-        dissect(&whole, &whole, Levels::of(&whole, 0).width)
+        dissect(&whole, &whole, Levels::width(&whole))
     } else {
         let label: Vec<u8> = dense.iter().map(|&d| if d { SEPARATOR } else { LEFT }).collect();
         let [rest, _] = whole.halves(&label);
-        dissect(&rest, &whole, Levels::of(&rest, 0).width)
+        dissect(&rest, &whole, Levels::width(&rest))
     };
     if !keep_dense {
         order.extend((0..groups).filter(|&g| dense[g]).map(index));
