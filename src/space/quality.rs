@@ -159,17 +159,18 @@ pub fn measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?
     parts.into_iter().fold(T::zero(), |s, p| s + p)
 }
 
-/// Relative rounding of a Jacobian: positions as large as x cancel in a column as short as dx/dxi_k, thin cells far from the origin say.
+/// Relative rounding of a Jacobian: positions as large as x cancel in cells as thin as its least singular value, which is not less than
+/// the measure over the other columns. Thin cells far from the origin, say.
 fn rounding<const D: usize, const N: usize, T: Real>(table: &MapTable<D, N, T>) -> T {
     let square = |v: T, x: &T| v + *x * *x;
     let size = table.x.iter().map(|x| x.iter().fold(T::zero(), square)).fold(T::zero(), |m, s| m.max(s)).sqrt();
-    let short = |j: &Matrix<N, D, T>| (0..D).map(|k| j.column(k).iter().fold(T::zero(), square)).fold(None, least);
-    let shortest = table.jacobian.iter().filter_map(short).fold(None, least).map_or(T::one(), |s| s.sqrt());
-    // columns of a collapsed cell vanish without any cancellation: its sum must settle all the same
+    let share = |j: &Matrix<N, D, T>| {
+        let columns = (0..D).map(|k| j.column(k).iter().fold(T::zero(), square).sqrt());
+        let (product, least) = columns.fold((T::one(), None), |(p, m), c| (p * c, Some(m.map_or(c, |m: T| m.min(c)))));
+        product / (least.unwrap_or(T::one()) * scale(j))
+    };
+    let thinnest = table.jacobian.iter().map(share).fold(T::zero(), |m, s| m.max(s));
+    // cells vanish without any cancellation where they collapse: their sum must settle all the same
     let most = T::default_epsilon().sqrt() * lit(0.01);
-    (T::default_epsilon() * (T::one() + size / shortest)).min(most)
-}
-
-fn least<T: Real>(m: Option<T>, s: T) -> Option<T> {
-    Some(m.map_or(s, |m| m.min(s)))
+    (T::default_epsilon() * (T::one() + size * thinnest)).min(most)
 }

@@ -11,7 +11,7 @@ use crate::app::output::{ExactCurve, Output, Parts, Picture, RunOptions, SideOut
 use crate::app::registry::usual_cells;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::contact::{Surface, Target};
-use crate::geometry::{Geometry, MapTable};
+use crate::geometry::{ClosestPoint, Geometry, MapTable, Projection};
 use crate::io::case::Case;
 use crate::io::formula::Point;
 use crate::io::table::InterfaceRow;
@@ -203,8 +203,10 @@ fn tied_side(solved: &Arc<Plane>, t: usize, p: usize, options: &RunOptions) -> S
     // components may have different functions at the ends: one line per function of the richest
     let richest = (0..rows.len()).max_by_key(|&c| rows[c].len()).unwrap_or(0);
     let jump = jumps(solved, t, p);
+    let slave = ClosestPoint::new(&*part.slave.trace.space);
+    let arc = ArcLength::new(&*part.slave.trace.space);
     let gap_at = |x: [f64; 3]| {
-        let found = crate::geometry::closest_point(&*part.slave.trace.space, &Vector::<2>::new(x[0], x[1]))?;
+        let found = slave.project(&Vector::<2>::new(x[0], x[1]))?;
         jump(found.element, &[found.xi]).first().copied()
     };
     let table = centres(&part.slave, &*part.multipliers[richest])
@@ -214,7 +216,7 @@ fn tied_side(solved: &Arc<Plane>, t: usize, p: usize, options: &RunOptions) -> S
             let lambda = if rows.iter().all(|r| r.len() == rows[richest].len()) {
                 rows.iter().map(|r| solved.state.lambda[r.start + j]).collect()
             } else {
-                at_centre(solved, t, p, s)
+                at_centre(solved, t, p, slave.project(&arc.point(s)))
             };
             InterfaceRow { s, x, lambda, gap: gap_at(x), active: true }
         })
@@ -250,11 +252,10 @@ fn without_rows(solved: &Arc<Plane>, t: usize, p: usize) -> Vec<InterfaceRow> {
     rows
 }
 
-/// Values of all components at an arc length, where components have different functions.
-fn at_centre(solved: &Arc<Plane>, t: usize, p: usize, s: f64) -> Vec<f64> {
+/// Values of all components at a point of the slave, where components have different functions.
+fn at_centre(solved: &Arc<Plane>, t: usize, p: usize, at: Option<Projection<1, 2>>) -> Vec<f64> {
     let part = &solved.model.ties[t].parts[p];
-    let x = ArcLength::new(&*part.slave.trace.space).point(s);
-    let Some(found) = crate::geometry::closest_point(&*part.slave.trace.space, &x) else { return vec![0.0; part.multipliers.len()] };
+    let Some(found) = at else { return vec![0.0; part.multipliers.len()] };
     part.multipliers
         .iter()
         .zip(component_rows(part))

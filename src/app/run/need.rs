@@ -15,6 +15,10 @@ const GROWTH_SOLID: f64 = 1.7;
 const SMALL_SOLID: f64 = 3.0;
 const INSIDE_SOLID: f64 = 0.1;
 
+/// Factors of thin bodies in space, beside that of the plane for as many functions across the plate, beside the band of a beam.
+const THIN_PLATE: f64 = 0.8;
+const THIN_BEAM: f64 = 1.6;
+
 /// Bytes per pair of functions for graphs that orders are made of.
 const BYTES_PER_PAIR: f64 = 16.0;
 /// Bytes per unknown for vectors.
@@ -71,7 +75,7 @@ impl Need {
 
     /// A product of directions: elements, functions of an element, functions of each.
     fn of_lines(lines: &[(f64, f64, f64)], components: usize, free: f64) -> Self {
-        let (mut functions, mut elements, mut pairs, mut own, mut overlap, mut narrow) = (1.0, 1.0, 1.0, 1.0f64, 1.0f64, f64::INFINITY);
+        let (mut functions, mut elements, mut pairs, mut own, mut overlap) = (1.0, 1.0, 1.0, 1.0f64, 1.0f64);
         for &(n, active, line) in lines {
             // neighbours share what an element does not add
             let shared = active - (line - active) / (n - 1.0).max(1.0);
@@ -80,16 +84,23 @@ impl Need {
             pairs *= n * active * active - (n - 1.0).max(0.0) * shared * shared;
             own = own.max(active);
             overlap = overlap.max(shared);
-            narrow = narrow.min(line);
         }
         // of degree 1 splines and cells are the same functions
         let bytes = elements * if overlap < own - 1.0 || own <= 2.0 { BYTES_PER_CELL } else { BYTES_PER_ELEMENT };
         let kind = Kind { components: components as f64, dimension: lines.len(), degree: own - 1.0, overlap, elements: bytes, free };
         let mut need = Self::of(functions, pairs, kind);
-        if lines.len() == 2 {
-            // no more than the band of the narrowest numbering
-            need.factor = need.factor.min(need.unknowns * components as f64 * own * (narrow + 1.0));
-        }
+        let mut sides: Vec<f64> = lines.iter().map(|l| l.2).collect();
+        sides.sort_by(f64::total_cmp);
+        let across: f64 = sides[..sides.len() - 1].iter().product();
+        // no more than the band of the narrowest numbering, in space than that of a plate
+        let each = need.unknowns * free * components as f64;
+        let most = if let [thin, a, b] = sides[..] {
+            let plate = THIN_PLATE * thin * fill(a * b, Kind { components: 1.0, dimension: 2, ..kind });
+            each * plate.min(THIN_BEAM * own * (across + 1.0))
+        } else {
+            need.unknowns * components as f64 * own * (across + 1.0)
+        };
+        need.factor = need.factor.min(most);
         need
     }
 

@@ -33,6 +33,8 @@ const STRIP_BYTES: usize = 3 << 20;
 /// Functions of a strip of the fast direction per active function where a patch is cut as often as it may be: at most this, and never
 /// less than half of it. One element less than are active is contracted beside its rows.
 const FAST_PER_ACTIVE: f64 = 6.5;
+/// Functions of a strip of the fast direction in the plane: what a thread keeps of a line of points stays in its cache.
+const LINE: usize = 512;
 /// Functions of a strip of the middle direction per active function, about and never less than three quarters of it: beside
 /// these rows sums are held on both sides.
 const MIDDLE_PER_ACTIVE: f64 = 5.5;
@@ -40,12 +42,12 @@ const MIDDLE_PER_ACTIVE: f64 = 5.5;
 const WINDOW: [usize; 2] = [2, 8];
 
 /// Functions of the fast and of the middle direction in a strip of a patch that has `bytes` of sums. In space the fast one is
-/// cut first; in the plane a line of sums is short.
+/// cut first; in the plane a line of sums is short, and cut where it is long.
 fn sizes(to: Directions<'_>, bytes: usize) -> [usize; 2] {
     let (fast, middle) = (to.fast.functions, to.middle.functions);
     let per_active = |axis: &Axis, size: f64| axis.functions as f64 / (size * axis.active as f64);
     let count = |bytes: usize, most: f64| bytes.div_ceil(STRIP_BYTES).min(most as usize).max(1);
-    let fasts = if middle > 1 { count(bytes, per_active(to.fast, FAST_PER_ACTIVE).ceil()) } else { 1 };
+    let fasts = if middle > 1 { count(bytes, per_active(to.fast, FAST_PER_ACTIVE).ceil()) } else { fast.div_ceil(LINE).max(1) };
     let middles = count(bytes / fasts, per_active(to.middle, MIDDLE_PER_ACTIVE).round());
     [fast.div_ceil(fasts), middle.div_ceil(middles)]
 }

@@ -105,27 +105,27 @@ impl Target<'_> {
             let mut scratch = RowScratch::default();
             for (k, slots) in slots.chunks_mut(n0).enumerate() {
                 let line = task * share + k;
-                self.line(sums, to, first, place(line), slots, &mut scratch);
+                self.line(sums, to, first, fast.clone(), place(line), slots, &mut scratch);
             }
         });
         drop(slots);
         later.sort_unstable();
         let mut scratch = RowScratch::default();
         for i in later {
-            let line = place(i / n0);
-            let id = self.glue.ids[begin(line) + i % n0] as usize;
-            let mut slots: Vec<Option<&mut [T]>> = (0..n0).map(|_| None).collect();
-            slots[i % n0] = Some(&mut values[self.starts[id]..self.starts[id + 1]]);
-            self.line(sums, to, first, line, &mut slots, &mut scratch);
+            let [middle, slow] = place(i / n0);
+            let id = self.glue.ids[begin([middle, slow]) + i % n0] as usize;
+            let mut slot = [Some(&mut values[self.starts[id]..self.starts[id + 1]])];
+            self.line(sums, to, first, fast.start + i % n0..fast.start + i % n0 + 1, [middle, slow], &mut slot, &mut scratch);
         }
     }
 
-    /// The rows of functions (the strip's, middle, slow) that have a slot.
+    /// The rows of functions (`fast`, middle, slow) that have a slot.
     fn line<T: Real>(
         &self,
         sums: &Sums<'_>,
         to: Directions<'_>,
         first: usize,
+        fast: Range<usize>,
         [middle, slow]: [usize; 2],
         slots: &mut [Option<&mut [T]>],
         RowScratch { lines, row }: &mut RowScratch<T>,
@@ -133,8 +133,8 @@ impl Target<'_> {
         let (n, own) = (sums.components, first + to.fast.functions * (middle + to.middle.functions * slow));
         lines.start(sums, to, [middle, slow]);
         for c in 0..n {
-            lines.fill(sums, to.fast, c, sums.fast.rows.clone());
-            for (i, slot) in sums.fast.rows.clone().zip(slots.iter_mut()) {
+            lines.fill(sums, to.fast, c, fast.clone());
+            for (i, slot) in fast.clone().zip(slots.iter_mut()) {
                 let Some(out) = slot else { continue };
                 let id = self.glue.ids[own + i] as usize;
                 let length = out.len() / n;
