@@ -554,3 +554,25 @@ fn vtk_finds_in_the_file_of_a_run_what_its_quantities_say() {
         }
     }
 }
+
+/// Elements are handed over in portions; their order and their fields do not show it.
+#[test]
+fn elements_of_large_grids_keep_their_order() {
+    let spec = PatchSpec::new(shapes::rectangle([0.0, 0.0], [1.0, 1.0]).unwrap()).with_elements([130, 70]);
+    let space: Arc<dyn Space<2, 2>> = Patch::<1, 2>::try_new(&spec).unwrap().space().clone();
+    for style in [CellStyle::Bezier, CellStyle::Lagrange] {
+        let own = |name: &str| Part::new(name, space.clone(), style).with("own", 1, |e, xi| vec![e as f64; xi.len()]);
+        let file = read(&write(&[own("a"), own("b")]).unwrap());
+        let elements = 130 * 70;
+        assert_eq!(file.cells, 2 * elements);
+        let (nodes, ends) = (&file.arrays["connectivity"].1, &file.arrays["offsets"].1);
+        let mut first = 0;
+        for (cell, &end) in ends.iter().enumerate() {
+            let number = (cell % elements) as f64;
+            assert_eq!((file.arrays["patch"].1[cell], file.arrays["element"].1[cell]), ((cell / elements) as f64, number));
+            let same = |&node: &f64| (file.arrays["own"].1[node as usize] - number).abs() < 1e-9;
+            assert!(end as usize > first && nodes[first..end as usize].iter().all(same), "cell {cell}");
+            first = end as usize;
+        }
+    }
+}
