@@ -23,8 +23,8 @@ fn exact(x: &Vector<2>) -> f64 {
 /// Ties the top of `lower` (slave) to the bottom of `upper` and returns the L2 error.
 fn tied<L: Body<1, 2> + ?Sized, U: Body<1, 2> + ?Sized>(lower: &L, upper: &U) -> Result<f64, Box<dyn Error>> {
     let (material, spaces, n) = (Conductor::<2>::try_new(1.0)?, [lower.space(), upper.space()], lower.space().num_functions());
-    let fields = [Field { first: 0, components: 1 }, Field { first: n, components: 1 }];
-    let matrices = spaces.map(|s| stiffness(&**s, &gauss_rules(&**s, 0), &form(&material)));
+    let (form, fields) = (form(&material)?, [Field { first: 0, components: 1 }, Field { first: n, components: 1 }]);
+    let matrices = spaces.map(|s| stiffness(&**s, &gauss_rules(&**s, 0), &form));
     let mut prescribed = Vec::new();
     for (sides, field) in [(["u0", "u1", "v0"].map(|s| lower.trace(s)), fields[0]), (["u0", "u1", "v1"].map(|s| upper.trace(s)), fields[1])]
     {
@@ -46,7 +46,7 @@ fn tied<L: Body<1, 2> + ?Sized, U: Body<1, 2> + ?Sized>(lower: &L, upper: &U) ->
     let system = ConstrainedSystem { stiffness, load, constraint: &constraint, reaction: None, offset: &offset, kind, compliance: &[] };
     let u = reduced.expand(&Direct::new().solve(&system)?.unknowns);
     let solution = |x: &Vector<2>| (Vector::<1>::new(exact(x)), nalgebra::RowVector2::new(x[0].cos() * x[1].exp(), exact(x)));
-    let error = |b: usize| errors(&**spaces[b], &gauss_rules(&**spaces[b], 1), &form(&material), &u[fields[b].first..], &solution).error;
+    let error = |b: usize| errors(&**spaces[b], &gauss_rules(&**spaces[b], 1), &form, &u[fields[b].first..], &solution).error;
     Ok(error(0).hypot(error(1)).l2)
 }
 

@@ -133,13 +133,13 @@ fn the_bulk_loop_equals_the_plain_formula_for_all_kinds_of_coefficients() {
         let (s, f) = (splines::<2>(degree, [3, 2], 0.2), lagrange::<2>(degree, [2, 3], 0.2));
         for space in [&s as &dyn Space<2, 2>, &f] {
             compare::<1, 2>(space, &Form::laplace());
-            compare(space, &form(&steel));
+            compare(space, &form(&steel).unwrap());
             compare(space, &varying);
             compare(space, &Form { coefficient: Coefficient::Constant(skew(&Vector::zeros())), symmetric: false });
             compare(space, &Form { coefficient: Coefficient::PerPoint(Box::new(skew)), symmetric: false });
         }
     }
-    compare(&splines::<3>(2, [2, 1, 2], 0.1), &form(&brick));
+    compare(&splines::<3>(2, [2, 1, 2], 0.1), &form(&brick).unwrap());
     compare::<1, 3>(&lagrange::<3>(2, [1, 2, 1], 0.1), &Form::laplace());
 }
 
@@ -195,9 +195,9 @@ fn matrices_and_errors_have_the_same_bits_for_any_number_of_threads() {
     let material = Hooke::<2>::plane_stress(1.0, 0.3).unwrap();
     let run = |threads: usize| {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
-            let k = stiffness(&space, &rules, &form(&material));
+            let k = stiffness(&space, &rules, &form(&material).unwrap());
             let f = load(&space, &rules, &|x: &Vector<2>| Vector::<2>::new(x[0].sin(), x[1]));
-            let e = errors(&space, &rules, &form(&material), &f, &|x: &Vector<2>| (*x, Matrix::identity()));
+            let e = errors(&space, &rules, &form(&material).unwrap(), &f, &|x: &Vector<2>| (*x, Matrix::identity()));
             (k, f, e)
         })
     };
@@ -381,7 +381,7 @@ fn side_loads_and_springs_act_along_the_outward_normal() {
 fn the_reduced_system_solves_the_full_one_with_bound_and_prescribed_unknowns() {
     let space = splines::<2>(2, [3, 2], 0.1);
     let material = Hooke::<2>::plane_strain(1.0, 0.2).unwrap();
-    let k = stiffness(&space, &gauss_rules(&space, 0), &form(&material));
+    let k = stiffness(&space, &gauss_rules(&space, 0), &form(&material).unwrap());
     let n = k.num_rows();
     let load: Vec<f64> = (0..2 * n).map(|i| (i as f64).sin()).collect();
     // two equal bodies; rows 0..8 held, 9 follows 10 and 11, the first unknowns of the second body move as one
@@ -439,8 +439,9 @@ fn norms_of_a_linear_field_are_its_integrals() {
     // u = x on a unit square scaled to 1 x 1.5: |u|² = 1/3 1.5, |grad u|² = 1.5, energy k 1.5
     let space = splines::<2>(1, [2, 2], 0.0);
     let k = Conductor::<2>::try_new(4.0).unwrap();
-    let e =
-        errors(&space, &gauss_rules(&space, 1), &form(&k), &[], &|x: &Vector<2>| (Vector::<1>::new(x[0]), Matrix::<1, 2>::new(1.0, 0.0)));
+    let e = errors(&space, &gauss_rules(&space, 1), &form(&k).unwrap(), &[], &|x: &Vector<2>| {
+        (Vector::<1>::new(x[0]), Matrix::<1, 2>::new(1.0, 0.0))
+    });
     for (found, expected) in [(e.exact.l2, 0.5f64), (e.exact.h1, 1.5), (e.exact.energy, 6.0)] {
         assert!((found - expected.sqrt()).abs() < 1e-14);
     }
@@ -453,7 +454,7 @@ fn a_field_that_is_no_number_somewhere_has_no_error_of_zero() {
     let space = splines::<2>(1, [2, 2], 0.0);
     let k = Conductor::<2>::try_new(4.0).unwrap();
     let exact = |x: &Vector<2>| (Vector::<1>::new((x[0] - 0.5).sqrt()), Matrix::<1, 2>::zeros());
-    let e = errors(&space, &gauss_rules(&space, 1), &form(&k), &[], &exact);
+    let e = errors(&space, &gauss_rules(&space, 1), &form(&k).unwrap(), &[], &exact);
     assert!(e.error.l2.is_nan() && e.exact.l2.is_nan(), "{e:?}");
     assert_eq!([e.error.h1, e.error.energy], [0.0; 2]);
 }
@@ -518,6 +519,34 @@ fn the_material_checker_finds_a_wrong_tangent_stress_at_rest_and_a_rotation() {
 }
 
 #[test]
+fn a_material_that_is_not_linear_has_no_form_and_no_flux() {
+    /// A conductor whose conductivity grows with the slope, k = 1 + |grad u|²: right in all its answers.
+    #[derive(Debug)]
+    struct Growing;
+    impl Material<1, 2> for Growing {
+        fn respond(&self, _: &Vector<2>, grad_u: &Matrix<1, 2>) -> Response<1, 2> {
+            let k = 1.0 + grad_u.norm_squared();
+            let entry = |j: usize| Matrix::<1, 2>::from_fn(|_, l| k * f64::from(u8::from(j == l)) + 2.0 * grad_u[j] * grad_u[l]);
+            Response { stress: grad_u * k, tangent: [std::array::from_fn(entry)] }
+        }
+        fn modulus(&self, _: &Vector<2>) -> f64 {
+            1.0
+        }
+        fn is_homogeneous(&self) -> bool {
+            true
+        }
+    }
+    check::material(&Growing, &[Vector::<2>::new(0.3, 0.1)], 0.5).unwrap();
+    let text = form(&Growing).unwrap_err().to_string();
+    assert!(text.starts_with("Growing is not linear: its tangent at rest is another law"), "{text}");
+    let dynamic: Arc<dyn Material<1, 2>> = Arc::new(Growing);
+    assert_eq!(form(&*dynamic).unwrap_err().material, "Growing");
+    let space: Arc<dyn Space<2, 2>> = Arc::new(splines::<2>(1, [2, 2], 0.0));
+    let [trace, _] = two_sides(1, [2, 2]);
+    assert_eq!(BodyFlux::new(space, trace, Field { first: 0, components: 1 }, dynamic).unwrap_err().material, "Growing");
+}
+
+#[test]
 fn the_flux_of_a_body_is_its_stress_times_the_normal_and_bounded_by_its_energy() {
     let field = Field { first: 7, components: 2 };
     let (k, strain, _) = varying();
@@ -526,10 +555,10 @@ fn the_flux_of_a_body_is_its_stress_times_the_normal_and_bounded_by_its_energy()
     for degree in [1, 2, 3] {
         let space: Arc<dyn Space<2, 2>> = Arc::new(splines::<2>(degree, [4, 3], 0.0));
         for trace in two_sides(degree, [4, 3]) {
-            let flux = BodyFlux::new(space.clone(), trace.clone(), field, strain.clone());
+            let flux = BodyFlux::new(space.clone(), trace.clone(), field, strain.clone()).unwrap();
             check::flux(&flux, &trace, &*space, field, &*strain).unwrap();
             let scalar = Field { first: 0, components: 1 };
-            let flux = BodyFlux::new(space.clone(), trace.clone(), scalar, k.clone());
+            let flux = BodyFlux::new(space.clone(), trace.clone(), scalar, k.clone()).unwrap();
             check::flux(&flux, &trace, &*space, scalar, &*k).unwrap();
             // a flux seen through the wrong normal is found
             let mut turned = trace.clone();

@@ -553,6 +553,93 @@ fn e019_known_but_not_in_this_version() {
     }
 }
 
+/// Every key of the contract that is not built (line before it, the key with a value, what is said), and the values that ask for
+/// nothing new.
+#[test]
+fn e019_every_key_of_the_contract_that_is_not_built() {
+    let (model, material, patch) = ("physics = \"elasticity\"", "name = \"steel\"", "name = \"lower\"");
+    let (contact, steps, solver, top) = ("name = \"pad\"", "[steps]\ncount = 2", "[solver]", "schema = 1");
+    let base = format!("{BASE}\n{steps}\n{solver}\n");
+    let put = |after: &str, line: &str| base.replacen(after, &format!("{after}\n{line}"), 1);
+    for (after, line, key) in [
+        (top, "units = { length = \"mm\", force = \"N\" }", "`units`"),
+        (solver, "\n[output]\nfields = [\"von_mises\"]", "`output`"),
+        (solver, "\n[[line]]\nname = \"depth\"\nquantity = \"stress.yy\"\nfrom = [0, 0]\nto = [0, 1]", "`line`"),
+        (model, "kinematics = \"finite\"", "kinematics = \"finite\""),
+        (model, "assumption = \"axisymmetric\"", "\"axisymmetric\""),
+        (model, "reaction = \"1 + x\"", "`reaction`"),
+        (model, "foundation = { y = 1e3 }", "`foundation`"),
+        (material, "law = \"neo-hooke\"", "law = \"neo-hooke\""),
+        (material, "law = \"saint-venant-kirchhoff\"", "law = \"saint-venant-kirchhoff\""),
+        (material, "law = \"mooney-rivlin\"", "law = \"mooney-rivlin\""),
+        (material, "volumetric = \"log\"", "`volumetric`"),
+        (material, "c1 = 1.0", "`c1`"),
+        (material, "c2 = 1.0", "`c2`"),
+        (material, "bulk = 1.0", "`bulk`"),
+        (patch, "exact = { u = [\"x\", \"0\"] }", "`exact`"),
+        (patch, "reaction = 2", "`reaction`"),
+        (patch, "foundation = { x = 0, y = \"F\" }", "`foundation`"),
+        (contact, "friction = 0.3", "`friction`"),
+        (contact, "friction = \"F\"", "`friction`"),
+        (contact, "friction = \"0.1*x\"", "`friction`"),
+        (contact, "friction = { tresca = 0.05 }", "`friction`"),
+        (steps, "smallest = 1e-3", "`smallest`"),
+        (solver, "newton = { tolerance = 1e-10, max_iterations = 25 }", "`newton`"),
+        (solver, "preconditioner = \"fast-diagonal\"", "preconditioner = \"fast-diagonal\""),
+        (solver, "preconditioner = \"multigrid\"", "preconditioner = \"multigrid\""),
+        (solver, "preconditioner = \"aggregation\"", "preconditioner = \"aggregation\""),
+        (solver, "preconditioner = \"gauss-seidel\"", "preconditioner = \"gauss-seidel\""),
+        (solver, "operator = \"matrix-free\"", "operator = \"matrix-free\""),
+        (solver, "precision = \"mixed\"", "precision = \"mixed\""),
+    ] {
+        let d = error_of(&put(after, line));
+        assert_eq!((d.code, d.message), ("E019", format!("{key} is not in this version")), "{line}");
+        assert!(d.line.is_some() && !d.help.unwrap_or_default().is_empty(), "{line}");
+    }
+    let same = parse(&base).unwrap();
+    for (after, line) in [
+        (model, "kinematics = \"small\""),
+        (model, "reaction = 0"),
+        (model, "foundation = { y = 0.0 }"),
+        (material, "law = \"hooke\""),
+        (patch, "reaction = \"0\""),
+        (contact, "friction = 0"),
+        (contact, "friction = 0.0"),
+        (contact, "friction = \"F - F\""),
+        (contact, "friction = { tresca = 0 }"),
+        (solver, "preconditioner = \"auto\""),
+        (solver, "operator = \"auto\""),
+        (solver, "operator = \"matrix\""),
+        (solver, "precision = \"double\""),
+    ] {
+        let case = parse(&put(after, line)).unwrap_or_else(|e| panic!("{line}: {e}"));
+        let effective = case.effective_toml();
+        let (key, _) = line.split_once(" = ").unwrap();
+        assert!(effective.contains(&format!("{key} = ")), "{line} is not in\n{effective}");
+        let without: Vec<&str> = effective.lines().filter(|l| !l.starts_with(&format!("{key} = "))).collect();
+        assert_eq!(without, same.effective_toml().lines().collect::<Vec<_>>(), "{line}");
+        parse(effective).unwrap_or_else(|e| panic!("{line}, effective: {e}"));
+    }
+    // words that the contract does not know are no promise
+    assert_eq!(error_of(&put(material, "law = \"hoke\"")).code, "E015");
+    assert_eq!(error_of(&put(model, "kinematic = \"small\"")).code, "E012");
+    // physics without the key
+    let flow = "[model]\nphysics = \"poisson\"\ndimension = 2\nassumption = \"axisymmetric\"\n[[patch]]\nname = \"a\"\nelements = [2, 2]\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\n";
+    assert_eq!(error_of(flow).code, "E019");
+    assert_eq!(
+        error_of(&flow.replace("dimension = 2", "dimension = 3").replace("0]", "0, 0]").replace("1]", "1, 1]").replace("2]", "2, 2]")).code,
+        "E015"
+    );
+}
+
+/// `[study.NAME]` has the names of the options.
+#[test]
+fn a_study_takes_its_quantity_under_the_name_of_the_option() {
+    let studies = |key: &str| parse(&format!("{BASE}\n[study.sweep]\n{key} = [\"tip\"]\n")).unwrap().studies[0].value.quantities.clone();
+    assert_eq!(studies("quantity"), ["tip"]);
+    assert_eq!(studies("quantities"), ["tip"]);
+}
+
 #[test]
 fn e021_unknown_patches_and_sides() {
     fails(

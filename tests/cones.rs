@@ -108,7 +108,7 @@ fn halves(kinds: [Kind; 2], degree: usize, p: impl Fn(&Vector<2>) -> f64 + Sync 
     let grid = [GRID.to_vec(), vec![0.0, 0.5, 1.0]];
     let upper = b.body(&PatchSpec::new(net).with_degree([degree_b; 2]).with_breakpoints(grid));
     let extra = a.extra_points().max(b.extra_points());
-    let mut model = Bodies::<2>::new(vec![lower, upper], &form(&hooke()), extra);
+    let mut model = Bodies::<2>::new(vec![lower, upper], &form(&hooke()).unwrap(), extra);
     model.fix(0, &[("v0", 1), ("u0", 0)], &|_| Vector::<2>::zeros());
     model.fix(1, &[("u0", 0)], &|_| Vector::<2>::zeros());
     press(&mut model, 1, "v1", p);
@@ -228,7 +228,7 @@ fn lifted(degree: usize, elements: usize) -> (Bodies<2>, Vec<f64>) {
     let breaks: Vec<f64> = (0..=elements).map(|k| (k as f64 / elements as f64).powf(1.2)).collect();
     let grid = [breaks.clone(), vec![0.0, 0.4, 1.0]];
     let upper = Kind::Spline.body(&PatchSpec::new(net).with_degree([degree; 2]).with_breakpoints(grid));
-    let mut model = Bodies::<2>::new(vec![lower, upper], &form(&hooke()), 0);
+    let mut model = Bodies::<2>::new(vec![lower, upper], &form(&hooke()).unwrap(), 0);
     model.fix(0, &[("v0", 1), ("u0", 0)], &|_| Vector::<2>::zeros());
     model.fix(1, &[("u0", 0), ("v1", 0)], &|_| Vector::<2>::zeros());
     press(&mut model, 1, "v1", |x| 0.01 * (1.0 - 0.5 * x[0]));
@@ -349,7 +349,7 @@ fn sides_that_face_each_other_in_part_have_every_cone() {
     for kind in KINDS {
         let lower = kind.rectangle([0.0, 0.0], [1.0, 0.5], 2, [5, 2]);
         let upper = Kind::Spline.rectangle([0.0, 0.5], [1.57, 1.0], 4, [9, 2]);
-        let mut model = Bodies::<2>::new(vec![lower, upper], &form(&hooke()), kind.extra_points());
+        let mut model = Bodies::<2>::new(vec![lower, upper], &form(&hooke()).unwrap(), kind.extra_points());
         model.fix(0, &[("v0", 0), ("v0", 1)], &|_| Vector::<2>::zeros());
         model.fix(1, &[("u0", 0), ("v1", 1)], &|x| Vector::<2>::new(0.0, if x[1] > 0.9 { -1e-3 } else { 0.0 }));
         let sides = [model.trace(0, "v1"), model.trace(1, "v0")];
@@ -384,7 +384,7 @@ fn rings(
         kind.body(&PatchSpec::new(net).with_degree([degree; 2]).with_elements([n, 2]))
     };
     let bodies = vec![part(kinds[0], [1.0, 1.5], elements[0]), part(kinds[1], [1.5, 2.0], elements[1])];
-    let mut model = Bodies::<2>::new(bodies, &form(&hooke()), 4);
+    let mut model = Bodies::<2>::new(bodies, &form(&hooke()).unwrap(), 4);
     for body in 0..2 {
         model.fix(body, &[("u0", 1), ("u1", 0)], &|_| Vector::<2>::zeros());
     }

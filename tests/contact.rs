@@ -86,7 +86,7 @@ fn halves(kinds: [Kind; 2], degree: usize) -> Bodies<2> {
     let grid = [vec![0.0, 0.2, 0.45, 0.8, 1.0], vec![0.0, 0.5, 1.0]];
     let upper = b.body(&PatchSpec::new(net).with_degree([degree; 2]).with_breakpoints(grid));
     let extra = a.extra_points().max(b.extra_points());
-    let mut model = Bodies::<2>::new(vec![lower, upper], &form(&hooke()), extra);
+    let mut model = Bodies::<2>::new(vec![lower, upper], &form(&hooke()).unwrap(), extra);
     model.fix(0, &[("v0", 1), ("u0", 0)], &|_| Vector::<2>::zeros());
     model.fix(1, &[("u0", 0)], &|_| Vector::<2>::zeros());
     press(&mut model, 1, "v1", 1.25e-3);
@@ -169,7 +169,7 @@ fn a_press_fit_and_a_rigid_side_give_the_same_state_as_the_master() {
     for kind in KINDS {
         let model = {
             let upper = kind.rectangle([0.0, 0.5], [1.0, 1.0], 2, [4, 2]);
-            let mut model = Bodies::<2>::new(vec![upper], &form(&hooke()), kind.extra_points());
+            let mut model = Bodies::<2>::new(vec![upper], &form(&hooke()).unwrap(), kind.extra_points());
             model.fix(0, &[("u0", 0)], &|_| Vector::<2>::zeros());
             press(&mut model, 0, "v1", 2e-3);
             model
@@ -225,7 +225,7 @@ fn a_half_cylinder_on_a_rigid_plane_has_the_pressure_of_hertz() {
     let spec = PatchSpec::new(net).with_degree([2, 2]).with_breakpoints([along, inward]);
     for (name, kind) in [("iga", Kind::Nurbs), ("fe", Kind::Tensor)] {
         for multiplier in [MultiplierKind::Auto, MultiplierKind::Lowered(0)] {
-            let mut model = Bodies::<2>::new(vec![kind.body(&spec)], &form(&hooke()), 1);
+            let mut model = Bodies::<2>::new(vec![kind.body(&spec)], &form(&hooke()).unwrap(), 1);
             model.fix(0, &[("u0", 0)], &|_| Vector::<2>::zeros());
             press(&mut model, 0, "u1", 0.5 * force / radius);
             let side = model.trace(0, "v1");
@@ -263,7 +263,7 @@ fn a_hydrostatic_state_crosses_an_arc_that_does_not_match() {
     for degree in [2, 3] {
         for slave in 0..2 {
             let bodies = vec![part([1.0, 1.5], [5, 2], degree), part([1.5, 2.0], [4, 2], degree)];
-            let mut model = Bodies::<2>::new(bodies, &form(&hooke()), 6);
+            let mut model = Bodies::<2>::new(bodies, &form(&hooke()).unwrap(), 6);
             for body in 0..2 {
                 model.fix(body, &[("u0", 1), ("u1", 0)], &|_| Vector::<2>::zeros());
             }
@@ -324,7 +324,7 @@ fn what_overhangs_the_master_carries_no_pressure() {
     for kind in KINDS {
         let lower = kind.rectangle([0.0, 0.0], [1.0, 0.5], 2, [5, 2]);
         let upper = Kind::Spline.rectangle([0.0, 0.5], [2.0, 1.0], 2, [8, 2]);
-        let mut model = Bodies::<2>::new(vec![lower, upper], &form(&hooke()), kind.extra_points());
+        let mut model = Bodies::<2>::new(vec![lower, upper], &form(&hooke()).unwrap(), kind.extra_points());
         model.fix(0, &[("v0", 0), ("v0", 1)], &|_| Vector::<2>::zeros());
         model.fix(1, &[("u0", 0), ("v1", 1)], &|x| Vector::<2>::new(0.0, if x[1] > 0.9 { -1e-3 } else { 0.0 }));
         let sides = [model.trace(0, "v1"), model.trace(1, "v0")];

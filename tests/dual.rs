@@ -289,7 +289,7 @@ fn the_slave_block_is_diagonal_and_condensation_answers_as_the_saddle_point_does
                 };
                 kind.body(&PatchSpec::new(net).with_degree([degree; 2]).with_elements([elements, 2]).with_mapping(Mapping::Exact))
             };
-            let mut model = Bodies::<1>::new(vec![body(a, true, 4), body(b, false, 6)], &form(&conductor), 2);
+            let mut model = Bodies::<1>::new(vec![body(a, true, 4), body(b, false, 6)], &form(&conductor).unwrap(), 2);
             model.fix(0, &[("u0", 0), ("u1", 0), ("v0", 0)], &exact);
             model.fix(1, &[("u0", 0), ("u1", 0), ("v1", 0)], &exact);
             let sides = [model.trace(0, "v1"), model.trace(1, "v0")];

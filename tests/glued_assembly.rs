@@ -113,7 +113,7 @@ fn without_matrix<const C: usize, const N: usize>(space: &dyn Space<N, N>, form:
 fn check<const N: usize>(space: &dyn Space<N, N>, single: bool, steel: &Hooke<N>) -> f64 {
     check::basis(space).unwrap_or_else(|what| panic!("{what}"));
     let most = one_form(space, &Form::<1, N>::laplace())
-        .max(one_form(space, &form(steel)))
+        .max(one_form(space, &form(steel).unwrap()))
         .max(one_form(space, &varying::<1, N>(false)))
         .max(one_form(space, &varying::<N, N>(true)));
     let rules = gauss_rules(space, 0);
@@ -232,7 +232,7 @@ fn an_assembler_made_for_other_seams_gives_the_same_bits() {
     assert_eq!(coarse.space().num_functions(), open.space().num_functions());
     for whole in [&closed, &open, &elsewhere, &coarse] {
         let (space, steel) = (&**whole.space(), plane());
-        let form = form(&steel);
+        let form = form(&steel).unwrap();
         let rules = gauss_rules(space, 0);
         let fresh = stiffness(space, &rules, &form);
         for other in [&closed, &open, &elsewhere, &coarse] {
@@ -251,8 +251,9 @@ fn a_patch_closed_on_itself_has_pairs_of_functions_that_meet_twice() {
     for (kind, elements) in [(Kind::Nurbs, [4, 3]), (Kind::Splines, [6, 2]), (Kind::Lagrange, [5, 2])] {
         let whole = glued(vec![body::<1, 2>(ring(), [2, 2], elements, kind)], &[(0, "u0", 0, "u1")]);
         let space = &**whole.space();
-        let most =
-            one_form(space, &Form::<1, 2>::laplace()).max(one_form(space, &form(&plane()))).max(one_form(space, &varying::<2, 2>(false)));
+        let most = one_form(space, &Form::<1, 2>::laplace())
+            .max(one_form(space, &form(&plane()).unwrap()))
+            .max(one_form(space, &varying::<2, 2>(false)));
         let rules = gauss_rules(space, 0);
         assert!(apart(&mass(space, &rules), &mass(&Plain(space), &rules)) <= SAME);
         println!("closed ring, {kind:?}: apart by {most:.1e} at most");

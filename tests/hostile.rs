@@ -369,3 +369,86 @@ fn meshes_larger_than_the_memory_allowed_are_refused_before_they_are_held() {
         }
     }
 }
+
+/// The program under a limit of `kilobytes` of address space: `ulimit -v` of the shell that becomes it.
+#[cfg(target_os = "linux")]
+fn limited(folder: &Path, words: &str, kilobytes: u64) -> (Option<i32>, String) {
+    let script = format!("ulimit -v {kilobytes}\nexec {} {words}", env!("CARGO_BIN_EXE_faying"));
+    let out = Command::new("sh").args(["-c", &script]).current_dir(folder).stdout(Stdio::null()).output().unwrap();
+    (out.status.code(), String::from_utf8_lossy(&out.stderr).into_owned())
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn no_sample_dies_where_the_address_space_is_limited() {
+    let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/cases");
+    let folder = TempDir::new().unwrap();
+    let mut cases: Vec<_> = std::fs::read_dir(&samples).unwrap().map(|e| e.unwrap().path()).collect();
+    cases.retain(|path| path.extension().is_some_and(|end| end == "toml"));
+    assert!(cases.len() > 10);
+    for (kilobytes, threads) in [(300_000, 4), (300_000, 1), (500_000, 16), (1_000_000, 2), (2_000_000, 16)] {
+        for case in &cases {
+            let words = format!("run {} --out {kilobytes} --force -q --threads {threads}", case.display());
+            let (exit, stderr) = limited(folder.path(), &words, kilobytes);
+            let refused = exit == Some(6) && stderr.contains("error[E081]") && stderr.contains("ulimit -v");
+            assert!(exit == Some(0) || refused, "{words} under {kilobytes} kB: {exit:?} {stderr}");
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_limit_of_the_process_refuses_what_it_cannot_hold_before_it_is_built() {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("cube.toml"), CUBE).unwrap();
+    for command in ["run", "check"] {
+        let begun = Instant::now();
+        let (exit, stderr) = limited(folder.path(), &format!("{command} cube.toml --set patch.cube.elements=[150,150,150]"), 1_000_000);
+        assert_eq!(exit, Some(6), "{stderr}");
+        assert!(stderr.contains("error[E081]") && stderr.contains("the process may map 1.0 GB (ulimit -v)"), "{stderr}");
+        assert!(stderr.contains("raise `ulimit -v`"), "{stderr}");
+        assert!(begun.elapsed().as_secs() < 20);
+    }
+}
+
+/// A Poisson cube, whose factor is much larger than its matrix.
+const CUBE: &str = "[model]\nphysics = \"poisson\"\ndimension = 3\nsource = 1\n[[patch]]\nname = \"cube\"\n\
+     geometry = { kind = \"box\", min = [0, 0, 0], max = [1, 1, 1] }\nbackend = \"fe\"\ndegree = 1\nelements = [50, 50, 50]\n\
+     [[boundary]]\non = \"all-outer\"\ndirichlet = 0\n[solver]\nlinear = \"iterative\"\n";
+
+/// Bytes that a refused case is said to need.
+fn said(stderr: &str) -> f64 {
+    let words: Vec<&str> = stderr.split_whitespace().collect();
+    let at = words.iter().position(|w| *w == "memory;").unwrap_or_else(|| panic!("{stderr}"));
+    let unit = match words[at - 2] {
+        "GB" => 1e9,
+        "MB" => 1e6,
+        other => panic!("{other}"),
+    };
+    words[at - 3].parse::<f64>().unwrap() * unit
+}
+
+#[test]
+fn what_is_solved_without_a_factor_is_not_refused_for_one() {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("cube.toml"), CUBE).unwrap();
+    let need = |sets: &[&str]| {
+        let words: Vec<&str> =
+            ["check", "cube.toml", "--max-memory", "1MB"].into_iter().chain(sets.iter().flat_map(|s| ["--set", *s])).collect();
+        let end = faying(folder.path(), &words, silent);
+        assert_eq!(end.exit, Some(6), "{end:?}");
+        said(&end.stderr)
+    };
+    // a million unknowns: the factor of them all, and what conjugate gradients take
+    let million = "patch.cube.elements=[100,100,100]";
+    let (direct, iterative) = (need(&[million, "solver.linear=direct"]), need(&[million]));
+    assert!(direct > 10e9 && iterative < 3e9, "{direct:e} {iterative:e}");
+    // what is said holds, and is no idle fear
+    let small = need(&[]);
+    let end = faying(folder.path(), &["run", "cube.toml", "--vtu", "none"], silent);
+    assert_eq!(end.exit, Some(0), "{end:?}");
+    if let Some(peak) = end.peak {
+        println!("said {small:e}, taken {peak:e}");
+        assert!((0.4 * small..1.1 * small).contains(&(peak as f64)), "said {small:e}, taken {peak:e}");
+    }
+}

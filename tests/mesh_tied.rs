@@ -22,7 +22,7 @@ fn error_of<const C: usize>(material: &dyn Material<C, 2>, shapes: [Shapes; 2], 
     let above = |u: &Vector<2>| Vector::<2>::new(u[0] + 0.1 * (u[1] + 1.0), u[1] + 1.0 + 0.1 * u[0]);
     let meshes = [boxes([3, 2], shapes[0], 1, Some(3), &shaken([3, 2], 0.2)), boxes([4, 3], shapes[1], 1, Some(4), &above)];
     let bodies = meshes.iter().map(|m| -> Box<dyn Body<1, 2>> { Box::new(Mesh::from_cells(m, degree, Mapping::Isoparametric).unwrap()) });
-    let form = form(material);
+    let form = form(material).unwrap();
     let mut model = Bodies::<C>::new(bodies.collect(), &form, 0);
     let gradient = Matrix::<C, 2>::from_fn(|c, k| 0.3 - 0.4 * (c + 2 * k) as f64);
     let exact = move |x: &Vector<2>| gradient * x + Vector::<C>::repeat(0.2);

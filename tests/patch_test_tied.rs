@@ -197,7 +197,7 @@ fn run<const C: usize>(cases: &[Case], material: &impl Material<C, 2>, gradient:
     let failures: Vec<String> = cases
         .par_iter()
         .filter_map(|case| {
-            let d = tied(case, &form(material), stress, gradient);
+            let d = tied(case, &form(material).unwrap(), stress, gradient);
             let ok = d.displacement < 1e-11 && d.multiplier < 1e-9 && d.balance < 1e-12 && d.solvers < 1e-9;
             (!ok).then(|| format!("{case:?}: {d:?}"))
         })
@@ -271,7 +271,7 @@ fn ring(inner: Kind, outer: Kind, slave: usize, degree: usize, level: usize) -> 
     };
     let bodies = vec![part(inner, [1.0, 1.5], [3 * n, n]), part(outer, [1.5, 2.0], [4 * n, n])];
     let conductor = Conductor::<2>::try_new(1.0).unwrap();
-    let mut model = Bodies::<1>::new(bodies, &form(&conductor), 1);
+    let mut model = Bodies::<1>::new(bodies, &form(&conductor).unwrap(), 1);
     model.fix(0, &[("u0", 0), ("u1", 0), ("v0", 0)], &exact);
     model.fix(1, &[("u0", 0), ("u1", 0), ("v1", 0)], &exact);
     let sides = [model.trace(0, "v1"), model.trace(1, "v0")];
@@ -292,7 +292,7 @@ fn ring(inner: Kind, outer: Kind, slave: usize, degree: usize, level: usize) -> 
     let rows = Mortar.assemble(&interface, model.unknowns()).unwrap().constraint;
     let n = rows.slave.rows;
     let solution = model.solve(&rows, None, &vec![0.0; n], &vec![RowKind::Equal; n], &mut Direct::new()).unwrap();
-    model.error_l2(&solution.unknowns, &form(&conductor), &exact)
+    model.error_l2(&solution.unknowns, &form(&conductor).unwrap(), &exact)
 }
 
 // A curved interface whose sides only approximate one curve (the mesh) or carry it exactly (the spline).

@@ -123,6 +123,35 @@ fn wrong_words_are_exit_2() {
     assert_eq!(names(at.path()), BTreeSet::from(["square.toml".to_owned()]));
 }
 
+/// Commands and options of the contract that are not built.
+#[test]
+fn known_words_of_the_command_line_that_are_not_built_are_exit_2() {
+    let at = folder();
+    for words in [
+        &["run", "square.toml", "--no-pictures"][..],
+        &["run", "square.toml", "--dry"],
+        &["run", "--watch", "square.toml"],
+        &["--quiet", "run", "square.toml", "--resume"],
+        &["completions", "bash"],
+        &["man"],
+    ] {
+        let word = words.iter().find(|w| w.starts_with("--") && **w != "--quiet").unwrap_or(&words[0]);
+        let document = fails(at.path(), words, 2, &format!("`{word}` is not in this version"));
+        assert_eq!((&document["status"], &document["exit"]), (&"invalid".into(), &2.into()));
+    }
+    for word in ["young", "friction", "nonmortar", "active_set"] {
+        fails(at.path(), &["explain", word], 2, &format!("`{word}` is a key of case files, and explaining keys is not in this version"));
+    }
+    for word in ["error.u.L2", "von_mises", "contact.pad.force.y", "energy"] {
+        fails(at.path(), &["explain", word], 2, &format!("`{word}` is a quantity, and explaining quantities is not in this version"));
+    }
+    // words of no contract and options of other commands are not understood
+    fails(at.path(), &["run", "square.toml", "--dryer"], 2, "unexpected argument '--dryer' found");
+    fails(at.path(), &["check", "square.toml", "--watch"], 2, "unexpected argument '--watch' found");
+    fails(at.path(), &["mann"], 2, "unrecognized subcommand 'mann'");
+    assert_eq!(names(at.path()).len(), 1);
+}
+
 #[test]
 fn codes_are_explained() {
     let at = folder();
@@ -447,18 +476,45 @@ fn check_solves_nothing_and_writes_nothing() {
     assert_eq!(names(at.path()).len(), 1);
 }
 
+/// A run that is sent `signals` in its first phase, started with the signals `ignored`; how it ended, and its result.
+#[cfg(unix)]
+fn signalled(ignored: &str, signals: &[&str]) -> (Option<i32>, serde_json::Value) {
+    let at = folder();
+    let words = "run square.toml -v --set patch.square.elements=[160,160] --set discretization.degree=3";
+    let ignore = if ignored.is_empty() { String::new() } else { format!("trap '' {ignored}\n") };
+    let script = format!("{ignore}exec {} {words}", env!("CARGO_BIN_EXE_faying"));
+    // a runner may have been started with signals ignored, which its children inherit
+    let defaults = ["--default-signal=HUP,INT,TERM", "sh"];
+    let mut shell = if cfg!(target_os = "linux") { Command::new("env") } else { Command::new("sh") };
+    shell.args(defaults.iter().filter(|_| cfg!(target_os = "linux"))).args(["-c", &script]).current_dir(at.path());
+    let mut child = shell.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    // "build" begins after signals are listened to
+    lines.find(|line| line.as_ref().is_ok_and(|l| l.contains("build"))).expect("a phase called build").unwrap();
+    for signal in signals {
+        assert!(Command::new("kill").args([signal, child.id().to_string().as_str()]).status().unwrap().success());
+    }
+    lines.for_each(drop);
+    let code = child.wait().unwrap().code();
+    (code, json(&std::fs::read_to_string(at.path().join("square.out/result.json")).unwrap()))
+}
+
 #[cfg(unix)]
 #[test]
-fn an_interrupted_run_writes_what_there_is() {
-    let at = folder();
-    let words = ["run", "square.toml", "-v", "--set", "patch.square.elements=[160, 160]", "--set", "discretization.degree=3"];
-    let mut child = program(at.path()).args(words).stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
-    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
-    // "build" begins after the handler of Ctrl-C is in place
-    lines.find(|line| line.as_ref().is_ok_and(|l| l.contains("build"))).expect("a phase called build").unwrap();
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    lines.for_each(drop);
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    let result = json(&std::fs::read_to_string(at.path().join("square.out/result.json")).unwrap());
-    assert_eq!((&result["status"], &result["exit"]), (&"interrupted".into(), &130.into()));
+fn a_run_that_is_asked_to_end_writes_what_there_is() {
+    // a scheduler sends SIGTERM, a terminal that closes SIGHUP, and its shell another one
+    for signals in [&["-INT"][..], &["-TERM"], &["-HUP"], &["-HUP", "-TERM", "-HUP"]] {
+        let (code, result) = signalled("", signals);
+        assert_eq!(code, Some(130), "{signals:?}");
+        assert_eq!((&result["status"], &result["exit"]), (&"interrupted".into(), &130.into()), "{signals:?}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_under_nohup_outlives_its_terminal() {
+    // nohup ignores SIGHUP, and nothing else
+    let (code, result) = signalled("HUP", &["-HUP"]);
+    assert_eq!((code, &result["status"]), (Some(0), &"ok".into()));
+    assert_eq!(signalled("HUP", &["-HUP", "-TERM"]).0, Some(130));
 }

@@ -50,6 +50,25 @@ fn samples_and_their_effective_cases_are_valid() {
     }
 }
 
+/// Keys that are not built stand in the schema with the values that mean what is built.
+#[test]
+fn plain_values_of_keys_that_are_not_built_are_valid() {
+    let schema = schema(&Names::default());
+    let (_, good) = samples().into_iter().find(|(name, _)| name.ends_with("contact-patch.toml")).unwrap();
+    for (old, new) in [
+        ("dimension = 2", "dimension = 2\nkinematics = \"small\""),
+        ("slave =", "friction = 0.0\nslave ="),
+        ("young =", "law = \"hooke\"\nyoung ="),
+    ] {
+        let plain = good.replacen(old, new, 1);
+        assert_ne!(plain, good);
+        assert_eq!(faults(&schema, &as_json(&plain)), Vec::<String>::new(), "{new}");
+        Case::parse("plain.toml", &plain, &ReadOptions::default()).unwrap();
+    }
+    let study = "[study.sweep]\nquantity = [\"energy\"]\n";
+    assert_eq!(faults(&schema, &as_json(&format!("{good}\n{study}"))), Vec::<String>::new());
+}
+
 /// Mistakes that the reader refuses; the schema refuses them, too.
 #[test]
 fn what_the_reader_refuses_for_its_keys_words_and_types_the_schema_refuses() {
@@ -70,6 +89,9 @@ fn what_the_reader_refuses_for_its_keys_words_and_types_the_schema_refuses() {
         ("below = 6", ""),
         ("fix = [\"y\"]", "fix = [\"q\"]"),
         ("[[contact]]", "[[contacts]]"),
+        ("dimension = 2", "dimension = 2\nkinematics = \"finite\""),
+        ("slave = \"upper.bottom\"", "friction = 0.3\nslave = \"upper.bottom\""),
+        ("[model]", "[output]\nfields = [\"von_mises\"]\n[model]"),
     ] {
         assert!(good.contains(old), "{old}");
         let bad = good.replacen(old, new, 1);

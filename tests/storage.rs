@@ -133,7 +133,7 @@ fn elasticity_takes_less_than_nine_bytes_per_entry_in_space() {
         let spec = PatchSpec::new(net.clone()).with_degree([2; 3]).with_elements([5; 3]).with_continuity(smooth);
         let patch = Patch::<2, 3>::try_new(&spec).unwrap();
         let space = patch.space();
-        let k = stiffness(space, &gauss_rules(space, 0), &form(&material));
+        let k = stiffness(space, &gauss_rules(space, 0), &form(&material).unwrap());
         assert_eq!(k.places().len(), k.num_rows());
         let counted = 8 * k.num_entries() + 4 * k.num_entries() / 9 + 8 * (k.num_rows() / 3 + 1) + 24 * k.num_rows();
         assert_eq!(k.bytes(), counted, "values, one column per 3 x 3 block, row pointers, places");
@@ -148,7 +148,7 @@ fn elasticity_takes_less_than_nine_bytes_per_entry_in_space() {
 fn reduction_keeps_blocks_where_nodes_are_held_as_a_whole() {
     let net = faying::geometry::shapes::brick([0.0; 3], [1.0; 3]).unwrap();
     let patch = Patch::<2, 3>::try_new(&PatchSpec::new(net).with_degree([2; 3]).with_elements([2; 3])).unwrap();
-    let k = stiffness(patch.space(), &gauss_rules(patch.space(), 0), &form(&Hooke::<3>::solid(1.0, 0.3).unwrap()));
+    let k = stiffness(patch.space(), &gauss_rules(patch.space(), 0), &form(&Hooke::<3>::solid(1.0, 0.3).unwrap()).unwrap());
     let single = scattered(&k).with_places(k.places().to_vec());
     let n = k.num_rows();
     let f: Vec<f64> = (0..2 * n).map(|i| (i as f64).sin()).collect();
@@ -194,11 +194,11 @@ where
 {
     let patch = Patch::<S, N>::try_new(&PatchSpec::new(net).with_degree([2; N]).with_elements([n; N])).unwrap();
     let rules = gauss_rules(patch.space(), 0);
-    let mut k = stiffness(patch.space(), &rules, &form(material));
+    let mut k = stiffness(patch.space(), &rules, &form(material).unwrap());
     let fresh = k.clone();
     k.vals_mut().fill(f64::NAN);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let mut refill = || refill_stiffness(patch.space(), &rules, &form(material), &mut k);
+    let mut refill = || refill_stiffness(patch.space(), &rules, &form(material).unwrap(), &mut k);
     let count = pool.install(|| {
         refill();
         allocation_counter::measure(&mut refill).count_total

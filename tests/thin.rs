@@ -49,7 +49,7 @@ fn measures_of_thin_cells_are_those_of_their_formulas() {
 /// Numbers in the factor of a body held on u0.
 fn factor<const C: usize, const S: usize, const N: usize>(body: &dyn Body<S, N>, material: &dyn Material<C, N>) -> f64 {
     let space = &**body.space();
-    let k = stiffness(space, &gauss_rules(space, 0), &form(material));
+    let k = stiffness(space, &gauss_rules(space, 0), &form(material).unwrap());
     let trace = body.trace("u0").unwrap();
     let held: Vec<Fixed<'_, S, N>> = (0..C).map(|component| Fixed { trace: &trace, component, value: None }).collect();
     let prescribed = dirichlet(&held, Field { first: 0, components: C }, 0, &mut Ldlt::new()).unwrap();

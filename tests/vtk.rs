@@ -29,6 +29,21 @@ struct File {
     cells: usize,
 }
 
+/// The bytes of an array: how many blocks, bytes of one, of the last, of each as it stands in the file, then the zlib streams.
+fn inflated(bytes: &[u8]) -> Vec<u8> {
+    use std::io::Read;
+    let number = |k: usize| u64::from_le_bytes(bytes[8 * k..8 * k + 8].try_into().unwrap()) as usize;
+    let (blocks, size, last) = (number(0), number(1), number(2));
+    let (mut at, mut raw) = (8 * (3 + blocks), Vec::new());
+    for k in 0..blocks {
+        let before = raw.len();
+        flate2::read::ZlibDecoder::new(&bytes[at..at + number(3 + k)]).read_to_end(&mut raw).unwrap();
+        assert_eq!(raw.len() - before, if k + 1 == blocks && last > 0 { last } else { size }, "block {k} of {blocks}");
+        at += number(3 + k);
+    }
+    raw
+}
+
 fn read(bytes: &[u8]) -> File {
     let tag = b"<AppendedData encoding=\"raw\">";
     let data = bytes.windows(tag.len()).position(|w| w == tag).expect("appended data") + tag.len();
@@ -50,8 +65,7 @@ fn read(bytes: &[u8]) -> File {
                 }
                 if tag == "DataArray" {
                     let at = data + own["offset"].parse::<usize>().unwrap();
-                    let length = u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap()) as usize;
-                    let raw = &bytes[at + 8..at + 8 + length];
+                    let raw = inflated(&bytes[at..]);
                     let values: Vec<f64> = match own["type"].as_str() {
                         "Float64" => raw.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect(),
                         "Int64" => raw.chunks_exact(8).map(|b| i64::from_le_bytes(b.try_into().unwrap()) as f64).collect(),
@@ -111,6 +125,7 @@ impl File {
         let hexahedra = types.iter().any(|t| [72.0, 79.0].contains(t));
         assert_eq!(self.attributes["VTKFile.version"], if hexahedra { "2.2" } else { "1.0" });
         assert_eq!(self.attributes["VTKFile.header_type"], "UInt64");
+        assert_eq!(self.attributes["VTKFile.compressor"], "vtkZLibDataCompressor");
     }
 }
 
@@ -228,6 +243,16 @@ fn bodies() -> Vec<(&'static str, Arc<dyn Space<2, 2>>)> {
     all
 }
 
+/// The local point of an element that is the cell's (r, s): cells of left-handed elements have their first two axes exchanged.
+fn cell_point<const D: usize>(space: &dyn Space<D, D>, element: usize, mut point: Vector<D>) -> Vector<D> {
+    let mut table = MapTable::new();
+    space.map(element, &[Vector::<D>::repeat(0.3)], Order::Gradients, &mut table);
+    if faying::linalg::determinant(&table.jacobian[0]) < 0.0 {
+        point.swap_rows(0, 1);
+    }
+    point
+}
+
 /// VTK and the space agree at `POINTS` of every element to 1e-9.
 fn compare(name: &str, space: &Arc<dyn Space<2, 2>>, style: CellStyle, stresses: bool) {
     let part = part(name, space, style);
@@ -237,7 +262,7 @@ fn compare(name: &str, space: &Arc<dyn Space<2, 2>>, style: CellStyle, stresses:
     assert_eq!(file.cells, space.num_elements());
     let Some(found) = by_vtk(&bytes, &POINTS) else { return };
     for e in 0..space.num_elements() {
-        let xi = POINTS.map(Vector::<2>::from);
+        let xi = POINTS.map(|x| cell_point(&**space, e, Vector::<2>::from(x)));
         let mut table = MapTable::new();
         space.map(e, &xi, Order::Values, &mut table);
         let (u, s) = ((part.fields[0].sample)(e, &xi), (part.fields[1].sample)(e, &xi));
@@ -303,7 +328,7 @@ fn vtk_evaluates_cells_of_unstructured_meshes_as_we_do() {
                 assert!(degree == 1 || file.arrays["types"].1.iter().all(|t| *t == kind + shift));
                 let Some(found) = by_vtk(&bytes, &POINTS) else { continue };
                 for ((e, q), vtk) in found {
-                    let xi = [Vector::<3>::new(POINTS[q][0], POINTS[q][1], 0.0)];
+                    let xi = [cell_point(&*space, e, Vector::<3>::new(POINTS[q][0], POINTS[q][1], 0.0))];
                     let mut table = MapTable::new();
                     space.map(e, &xi, Order::Values, &mut table);
                     let u = (part.fields[0].sample)(e, &xi)[0];
@@ -401,7 +426,8 @@ fn fields_given_together_make_the_same_file() {
 fn files_are_the_same_bytes_for_any_number_of_threads() {
     let made = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| bodies().iter().map(|(name, space)| write(&[part(name, space, CellStyle::Bezier)]).unwrap()).collect::<Vec<_>>())
+        let of = |style: CellStyle| bodies().iter().map(|(name, space)| write(&[part(name, space, style)]).unwrap()).collect::<Vec<_>>();
+        pool.install(|| [CellStyle::Lagrange, CellStyle::Bezier, CellStyle::Linear].map(of))
     };
     assert!(made(1) == made(3));
 }
@@ -508,7 +534,8 @@ fn pictures_to_look_at_are_written_where_asked() {
 /// Runs `case` in `folder` and returns its fields.vtu and its probes by name.
 fn run(folder: &std::path::Path, case: &str, backend: &str) -> (Vec<u8>, BTreeMap<String, f64>) {
     std::fs::write(folder.join("case.toml"), case).unwrap();
-    let words = ["run", "case.toml", "--backend", backend, "--json"];
+    // Bezier cells are the patches themselves
+    let words = ["run", "case.toml", "--backend", backend, "--vtu", "bezier", "--json"];
     let out = Command::new(env!("CARGO_BIN_EXE_faying")).current_dir(folder).args(words).output().unwrap();
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
     let result: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
@@ -552,6 +579,137 @@ fn vtk_finds_in_the_file_of_a_run_what_its_quantities_say() {
                 }
             }
         }
+    }
+}
+
+/// What VTK's own maps measure: per cell its signed size and its least Jacobian determinant.
+fn measured_by_vtk(bytes: &[u8]) -> Option<Vec<[f64; 2]>> {
+    let Some(python) = python() else {
+        eprintln!("skipped: no python3 with VTK here (Debian: apt-get install python3-vtk9)");
+        return None;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("grid.vtu");
+    std::fs::write(&file, bytes).unwrap();
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/vtk/measure.py");
+    let out = Command::new(python).arg(script).arg(&file).output().unwrap();
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let number = |word: Option<&str>| word.unwrap().parse::<f64>().unwrap();
+    let line = |line: &str| {
+        let mut words = line.split(' ').skip(1);
+        [number(words.next()), number(words.next())]
+    };
+    Some(String::from_utf8(out.stdout).unwrap().lines().map(line).collect())
+}
+
+/// No cell is negative, and all together are `expected` up to `tolerance`.
+fn positive(what: &str, bytes: &[u8], expected: Option<f64>, tolerance: f64) {
+    let Some(cells) = measured_by_vtk(bytes) else { return };
+    let total: f64 = cells.iter().map(|c| c[0]).sum();
+    assert!(!cells.is_empty() && cells.iter().all(|c| c[0] > 0.0 && c[1] > -1e-12 * c[0]), "{what}: {cells:?}");
+    if let Some(expected) = expected {
+        assert!((total - expected).abs() <= tolerance * expected, "{what}: VTK measures {total:?}, we {expected:?}");
+    }
+}
+
+#[test]
+fn no_cell_is_inside_out_and_vtk_measures_what_we_do() {
+    for (name, space) in bodies() {
+        let ours = faying::space::measure::<2, 2, f64, _>(&*space);
+        let whole = |style| write(&[Part::new(name, space.clone(), style)]).unwrap();
+        // Bezier cells are the map of the element, Lagrange cells where that is polynomial
+        positive(name, &whole(CellStyle::Bezier), Some(ours), 1e-9);
+        let polynomial = !name.contains("NURBS") && !name.starts_with("ring");
+        positive(name, &whole(CellStyle::Lagrange), polynomial.then_some(ours), if space.degree(0) == [1, 1] { 1e-12 } else { 1e-9 });
+        positive(name, &whole(CellStyle::Linear), None, 0.0);
+    }
+}
+
+#[test]
+fn solids_of_left_handed_patches_have_their_volume_in_every_style() {
+    let sample = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/cases/solid.toml")).unwrap();
+    let sample = sample.split("[[check]]").next().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("case.toml"), sample).unwrap();
+    let faying = |words: &[&str]| {
+        let out = Command::new(env!("CARGO_BIN_EXE_faying")).current_dir(folder.path()).args(words).arg("--json").output().unwrap();
+        assert!(out.status.success(), "{words:?}: {}", String::from_utf8_lossy(&out.stderr));
+        serde_json::from_slice::<serde_json::Value>(&out.stdout).unwrap()
+    };
+    for backend in ["iga", "fe"] {
+        let mut measures = Vec::new();
+        for style in ["lagrange", "bezier", "linear"] {
+            let result = faying(&["run", "case.toml", "--backend", backend, "--vtu", style, "--force"]);
+            let exact: f64 = result["geometry"]["measure"].as_object().unwrap().values().map(|v| v.as_f64().unwrap()).sum();
+            let bytes = std::fs::read(folder.path().join("case.out/fields.vtu")).unwrap();
+            read(&bytes).check();
+            // what `inspect` finds in the file is the measure of the map that was written
+            let seen = faying(&["inspect", "case.out/fields.vtu"]);
+            let written = if style == "bezier" { Some(exact) } else { seen["measure"].as_f64() };
+            positive(&format!("solid, {backend}, {style}"), &bytes, written, 1e-9);
+            measures.push((exact, written.unwrap()));
+        }
+        assert!(measures.iter().all(|(exact, written)| (written / exact - 1.0).abs() < 0.1), "{measures:?}");
+    }
+}
+
+#[test]
+fn points_are_shared_where_all_data_are_continuous() {
+    use cells::{Shapes, bent, boxes};
+    let plain =
+        |space: &Arc<dyn Space<2, 2>>, style| Part::new("body", space.clone(), style).with_exact("displacement", 2, displacement(space));
+    for (name, space) in bodies() {
+        for style in [CellStyle::Lagrange, CellStyle::Bezier, CellStyle::Linear] {
+            let file = read(&write(&[plain(&space, style)]).unwrap());
+            file.check();
+            let [p, q] = [0, 1].map(|k| file.arrays.get("HigherOrderDegrees").map_or(0, |d| d.1[k] as usize));
+            let simplex = space.cell(0) == Cell::Simplex;
+            if style != CellStyle::Linear && !simplex {
+                // 3 x 2 elements; some patches halve them at their own knots
+                let n = space.num_elements() / 2;
+                let counts = [(n * p + 1) * (2 * q + 1), (n * q + 1) * (2 * p + 1)];
+                assert!(counts.contains(&file.points), "{name} ({style:?}): {} points, not {counts:?}", file.points);
+            }
+            // a field that jumps between elements keeps every element's own points
+            let jumps = plain(&space, style).with("own", 1, |e, xi| vec![e as f64; xi.len()]);
+            let apart = read(&write(&[jumps]).unwrap());
+            let nodes: usize = if style == CellStyle::Linear { continue } else { file.arrays["connectivity"].1.len() };
+            assert_eq!(apart.points, nodes, "{name} ({style:?})");
+        }
+    }
+    // triangles and quadrilaterals, tetrahedra, hexahedra: as many points as places
+    for degree in 1..=4 {
+        let mixed = Mesh::<1, 2>::from_cells(&boxes([3, 2], Shapes::Mixed, degree, Some(2), &bent), degree, Mapping::Isoparametric);
+        let space = mixed.unwrap().space().clone();
+        let file = read(&write(&[plain(&space, CellStyle::Lagrange)]).unwrap());
+        assert_eq!(file.points, (3 * degree + 1) * (2 * degree + 1), "degree {degree}");
+        for shapes in [Shapes::Tensor, Shapes::Simplex] {
+            let solid = boxes([2, 1, 1], shapes, degree, Some(2), &bent);
+            let space = Mesh::<2, 3>::from_cells(&solid, degree, Mapping::Isoparametric).unwrap().space().clone();
+            let file = read(&write(&[Part::new("solid", space, CellStyle::Lagrange)]).unwrap());
+            assert_eq!(file.points, (2 * degree + 1) * (degree + 1) * (degree + 1), "{shapes:?}, degree {degree}");
+        }
+    }
+}
+
+/// A run of scalar unknowns writes one point per node, whatever the backend, and Lagrange cells.
+#[test]
+fn runs_write_lagrange_cells_with_shared_points_by_default() {
+    let case = "[model]\nphysics = \"poisson\"\ndimension = 2\nsource = \"1\"\n[discretization]\ndegree = 1\n[[patch]]\nname = \"a\"\n\
+                geometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [40, 40]\n[[boundary]]\non = \"all-outer\"\ndirichlet = \"0\"\n";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("case.toml"), case).unwrap();
+    for backend in ["iga", "fe"] {
+        let words = ["run", "case.toml", "--backend", backend, "--force"];
+        let out = Command::new(env!("CARGO_BIN_EXE_faying")).current_dir(folder.path()).args(words).output().unwrap();
+        assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+        let bytes = std::fs::read(folder.path().join("case.out/fields.vtu")).unwrap();
+        let file = read(&bytes);
+        file.check();
+        assert_eq!((file.points, file.cells), (41 * 41, 1600));
+        assert!(file.arrays["types"].1.iter().all(|t| *t == 70.0), "{backend}");
+        // 1681 points of four numbers and 1600 cells of nine: 170 kB as they are
+        assert!(bytes.len() < 90_000, "{} bytes", bytes.len());
     }
 }
 

@@ -39,7 +39,7 @@ pub fn beside<const C: usize, const S: usize, const N: usize>(
     reps: usize,
 ) -> Beside {
     let space = &**body.space();
-    let (rules, more, stiffness): (_, _, Form<'_, C, N>) = (gauss_rules(space, 0), gauss_rules(space, 1), form(material));
+    let (rules, more, stiffness): (_, _, Form<'_, C, N>) = (gauss_rules(space, 0), gauss_rules(space, 1), form(material).unwrap());
     let free = MatrixFree::new(space, &rules, &stiffness);
     let x: Vec<f64> = (0..k.num_rows()).map(|i| (0.1 * i as f64).sin()).collect();
     let mut y = vec![0.0; x.len()];

@@ -59,7 +59,7 @@ fn solve(bodies: &[Box<dyn Body<1, 2>>; 2], sides: &[Trace<1, 2>; 2], held: &[Tr
     let (matrices, bulk) = timed(|| {
         [0, 1].map(|k: usize| {
             let space = &**bodies[k].space();
-            stiffness(space, &gauss_rules(space, 0), &form(&material))
+            stiffness(space, &gauss_rules(space, 0), &form(&material).unwrap())
         })
     });
     let unknowns = matrices[0].num_rows() + matrices[1].num_rows();

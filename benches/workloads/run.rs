@@ -119,7 +119,7 @@ fn solve<const C: usize, const S: usize, const N: usize>(
         })
         .collect();
     let u = reduced.expand(&v);
-    let norms = errors(space, &gauss_rules(space, 1), &form(material), &u, &|x: &Vector<N>| {
+    let norms = errors(space, &gauss_rules(space, 1), &form(material).unwrap(), &u, &|x: &Vector<N>| {
         let (value, gradient, _) = exact(x);
         (value, gradient)
     });
@@ -141,7 +141,7 @@ pub fn whole<const C: usize, const S: usize, const N: usize>(
     solved: bool,
     options: &Options,
 ) -> (Record, Csr) {
-    let (k, first, again) = assemble(&**body.space(), &form(material), options.reps);
+    let (k, first, again) = assemble(&**body.space(), &form(material).unwrap(), options.reps);
     let (trace, fro) = fingerprints(&k);
     let solved = (solved && options.solve).then(|| solve(body, material, &k, exact, options.reps));
     let beside = options.beside.then(|| beside(body, material, &k, exact, options.reps));

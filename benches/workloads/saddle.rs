@@ -62,7 +62,7 @@ fn two<const C: usize>(
             })
             .collect();
         prescribed.extend(dirichlet(&fixed, Field { first, components: C }, 0, &mut Ldlt::new()).unwrap());
-        matrices.push(stiffness(space, &gauss_rules(space, 0), &form(material)));
+        matrices.push(stiffness(space, &gauss_rules(space, 0), &form(material).unwrap()));
         first = force.len();
     }
     (matrices, force, prescribed)

@@ -103,7 +103,7 @@ fn system(name: &str, p: usize, n: usize) -> Option<System> {
 /// The body with zero values on all sides under a load of one along the first component.
 fn held<const C: usize, const S: usize, const N: usize>(body: &dyn Body<S, N>, material: &dyn Material<C, N>) -> System {
     let space = &**body.space();
-    let k = stiffness(space, &gauss_rules(space, 0), &form(material));
+    let k = stiffness(space, &gauss_rules(space, 0), &form(material).unwrap());
     let f = load::<C, N, N, _, _, _>(space, &gauss_rules(space, 0), &|_: &Vector<N>| Vector::<C>::from_fn(|c, _| f64::from(c == 0)));
     let traces: Vec<_> = body.sides().iter().map(|s| body.trace(s).unwrap()).collect();
     let sides: Vec<Fixed<'_, S, N>> =

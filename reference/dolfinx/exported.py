@@ -7,6 +7,7 @@ import os
 import subprocess
 import tempfile
 import xml.etree.ElementTree as xml
+import zlib
 
 import numpy as np
 
@@ -37,7 +38,7 @@ def export(case, sets=()):
 
 
 def read_vtu(path):
-    """The arrays of a .vtu file with raw appended data."""
+    """The arrays of a .vtu file with appended data compressed by zlib: numbers of blocks and bytes, then the blocks."""
     with open(path, "rb") as file:
         data = file.read()
     start = data.index(b'<AppendedData encoding="raw">')
@@ -46,8 +47,11 @@ def read_vtu(path):
     arrays = {}
     for array in header.iter("DataArray"):
         at = start + int(array.get("offset"))
-        size = int(np.frombuffer(data, np.uint64, 1, at)[0])
-        values = np.frombuffer(data, TYPES[array.get("type")], size // np.dtype(TYPES[array.get("type")]).itemsize, at + 8)
+        blocks = int(np.frombuffer(data, np.uint64, 1, at)[0])
+        at += 24
+        ends = at + 8 * blocks + np.cumsum([0, *np.frombuffer(data, np.uint64, blocks, at)], dtype=np.int64)
+        raw = b"".join(zlib.decompress(data[a:b]) for a, b in zip(ends, ends[1:]))
+        values = np.frombuffer(raw, TYPES[array.get("type")])
         arrays[array.get("Name")] = values.reshape(-1, int(array.get("NumberOfComponents", "1")))
     return arrays
 

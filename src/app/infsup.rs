@@ -4,7 +4,7 @@ use super::build::{SlaveEnds, SlaveSpaces, plane_net, slave_spaces};
 use super::quantities::{Kind, Quantity, look_up};
 use super::registry::Registry;
 use super::result::{CheckReport, ProbeReport, RunResult, Status};
-use super::run::{end_early, too_large};
+use super::run::{Room, end_early, too_large};
 use super::studies::{Method, Row, decided};
 use super::watch::Watch;
 use crate::coupling::inf_sup::{InfSup, InfSupError, Measure, Norm, Question, ZERO, degree_exponent, inf_sup, slope, verdict};
@@ -60,7 +60,7 @@ pub struct Constant {
 /// # Ok::<(), faying::io::Diagnostics>(())
 /// ```
 pub fn constants(case: &Case, registry: &Registry, options: &InfSupOptions, watch: &Watch) -> Result<Vec<Constant>, Diagnostics> {
-    if let Some(fault) = too_large(case, plane_net, watch.max_memory).filter(|_| case.model.dimension.value == 2) {
+    if let Some(fault) = too_large(case, plane_net, Room::least(watch.max_memory), true).filter(|_| case.model.dimension.value == 2) {
         return Err(fault.into());
     }
     let spaces = match case.model.dimension.value {

@@ -10,7 +10,7 @@ use crate::linalg::Vector;
 /// What decides about a run beside its case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RunOptions {
-    /// Cells of every part; none: Bezier for `iga`, Lagrange for all else.
+    /// Cells of every part; none: Lagrange.
     pub cells: Option<CellStyle>,
     /// Whether the last state is wanted as a stored run.
     pub keep: bool,

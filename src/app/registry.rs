@@ -9,7 +9,6 @@ use crate::coupling::nitsche::Variant;
 use crate::coupling::{Coupling, InterfaceQuadrature, Mortar, Nitsche, Penalty};
 use crate::io::case;
 use crate::io::errors::nearest;
-use crate::io::vtu::CellStyle;
 use crate::linalg::{Limits, Vector};
 use crate::space::{Body, Mapping, Mesh, Patch, PatchSpec, Trace};
 use std::fmt::Debug;
@@ -207,14 +206,6 @@ pub(super) fn carries_geometry<const N: usize>(backend: &str, spec: &PatchSpec<N
 /// Whether the functions of a backend are smooth across knots; of backends from outside it is not known.
 pub(super) fn is_spline(backend: &str) -> bool {
     backend == "iga"
-}
-
-/// The cells that show a body of this backend best.
-pub(super) fn usual_cells(backend: &str) -> CellStyle {
-    match backend {
-        "iga" => CellStyle::Bezier,
-        _ => CellStyle::Lagrange,
-    }
 }
 
 /// The constraint solver that a case's word means.

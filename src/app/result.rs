@@ -64,6 +64,10 @@ pub struct GeometryReport {
     pub measure: Named<f64>,
     /// Least determinant dx/dxi of the maps from unit cells over all Gauss points, signed by the patch [length^N].
     pub least_jacobian: f64,
+    /// Gauss points per direction of the bulk integrals of each patch, the most of its elements; of triangles and tetrahedra one
+    /// number, the points of their rule. More than degree + 1 where the map is curved in space, see
+    /// [`points_of_curved_cells`](crate::assembly::points_of_curved_cells).
+    pub points: Named<Vec<usize>>,
     /// Elements of all patches.
     pub elements: usize,
     /// Largest diameter of an element \[length\].
@@ -243,6 +247,10 @@ pub struct InterfaceReport {
     pub segments: SegmentsReport,
     /// Largest distance of partner points \[length\].
     pub distance: f64,
+    /// Share of the slave sides that is tied.
+    pub share: f64,
+    /// What is tied to what.
+    pub sides: Vec<TiedSides>,
     /// Estimate of the integration's consistency error on this solution, free of units: what the constraint and the
     /// equilibrium miss of the integrals ([`crate::coupling::consistency`]); zero up to round-off where the integration is
     /// exact, and where the coupling has no mortar rows.
@@ -252,6 +260,19 @@ pub struct InterfaceReport {
     /// Its multiplier space, where it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub multiplier: Option<MultiplierReport>,
+}
+
+/// A slave side and a master side that are tied.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct TiedSides {
+    /// The side that carries the multiplier.
+    pub slave: String,
+    /// The other.
+    pub master: String,
+    /// Largest distance of partner points \[length\].
+    pub distance: f64,
+    /// Share of the slave side that is tied to this master.
+    pub share: f64,
 }
 
 /// Sum of all forces and moments on the model, zero in equilibrium.

@@ -38,7 +38,7 @@ pub enum Progress<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Stop {
-    /// The user asked for it: exit 130.
+    /// The user or the system asked for it (Ctrl-C; SIGTERM, SIGHUP): exit 130.
     Interrupted,
     /// The time limit has passed: E081, exit 6.
     TimeLimit {
@@ -54,7 +54,8 @@ pub struct Watch {
     pub interrupted: Arc<AtomicBool>,
     /// When the run must end, and the limit in seconds it came from.
     pub deadline: Option<(Instant, f64)>,
-    /// Most bytes the run may use; it compares its prediction before it allocates (E081, exit 6).
+    /// Most bytes the run may use; it compares its prediction before it allocates (E081, exit 6). Limits of the process (address space, control
+    /// group) stand beside it, and hold without it.
     pub max_memory: Option<u64>,
     /// Who hears the news.
     pub listener: Option<Box<dyn Fn(Progress<'_>) + Send + Sync>>,

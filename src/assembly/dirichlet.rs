@@ -60,7 +60,7 @@ pub enum DirichletError {
     },
 }
 
-/// Values that differ by less than this, relative to the largest of the component, are equal.
+/// Values that differ by less than this, relative to the largest of the field, are equal.
 pub(super) const EQUAL_VALUES: f64 = 1e-9;
 /// Points nearer than this, relative to the extent of the sides, are one.
 const SAME_PLACE: f64 = 1e-9;
@@ -96,15 +96,16 @@ pub fn dirichlet_with<const S: usize, const N: usize, T: Real>(
     solver: &mut dyn LinearSolver<T>,
 ) -> Result<Vec<(usize, T)>, DirichletError> {
     let mut values = Vec::new();
+    let largest = largest_value(conditions, pinned);
     for component in 0..field.components {
         let mine: Vec<(usize, Fixed<'_, S, N, T>)> =
             conditions.iter().copied().enumerate().filter(|(_, f)| f.component == component).collect();
         if mine.iter().any(|(_, f)| f.value.is_some()) {
-            conflicts(component, &mine)?;
+            conflicts(component, &mine, largest)?;
         }
         let pins: Vec<(usize, Pinned<'_, N, T>)> =
             pinned.iter().copied().enumerate().filter(|(_, p)| p.component == component).map(|(k, p)| (conditions.len() + k, p)).collect();
-        rim::conflicts(component, &mine, &pins)?;
+        rim::conflicts(component, &mine, &pins, largest)?;
         let mut found = project(&mine, extra_points, solver).map_err(|source| DirichletError::Projection { component, source })?;
         if !pins.is_empty() {
             found.sort_by_key(|f| f.0);
@@ -198,10 +199,25 @@ impl<T: Real> Moments<T> {
     }
 }
 
+/// The largest value of any component in the corners of elements and at the points of edges and corners: a component that is zero but for
+/// rounding, as of data along inclined directions, is measured by the others.
+fn largest_value<const S: usize, const N: usize, T: Real>(conditions: &[Fixed<'_, S, N, T>], pinned: &[Pinned<'_, N, T>]) -> T {
+    let (mut largest, mut map) = (T::zero(), MapTable::new());
+    for f in conditions {
+        let (Some(value), space) = (f.value, &*f.trace.space) else { continue };
+        for e in 0..space.num_elements() {
+            space.map(e, &cell::corners::<S, T>(space.cell(e)), Order::Values, &mut map);
+            largest = map.x.iter().fold(largest, |m, x| m.max(value(x).abs()));
+        }
+    }
+    pinned.iter().flat_map(|p| p.rim.x.iter().map(|x| p.at(x).abs())).fold(largest, |m, v| m.max(v))
+}
+
 /// Compares the data of different sides in the corners of their elements that coincide and share a function.
 fn conflicts<const S: usize, const N: usize, T: Real>(
     component: usize,
     conditions: &[(usize, Fixed<'_, S, N, T>)],
+    largest: T,
 ) -> Result<(), DirichletError> {
     struct Corner<const N: usize, T: Real> {
         condition: usize,
@@ -216,7 +232,7 @@ fn conflicts<const S: usize, const N: usize, T: Real>(
         }
     }
     let mut at: HashMap<usize, Vec<Corner<N, T>>> = HashMap::new();
-    let (mut largest, mut lo, mut hi) = (T::zero(), Vector::<N, T>::repeat(lit(f64::MAX)), Vector::<N, T>::repeat(lit(f64::MIN)));
+    let (mut lo, mut hi) = (Vector::<N, T>::repeat(lit(f64::MAX)), Vector::<N, T>::repeat(lit(f64::MIN)));
     let (mut ids, mut shapes, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
     for (k, f) in conditions {
         let space = &*f.trace.space;
@@ -229,7 +245,6 @@ fn conflicts<const S: usize, const N: usize, T: Real>(
                 lo = lo.zip_map(&x, |a, b| a.min(b));
                 hi = hi.zip_map(&x, |a, b| a.max(b));
                 let value = f.value.map_or_else(T::zero, |value| value(&x));
-                largest = largest.max(value.abs());
                 for (&i, &n) in ids.iter().zip(shapes.values(q)) {
                     let dof = f.trace.dofs[i];
                     if n.abs() > lit(EQUAL_VALUES) && sides_of[&dof] > 1 {

@@ -37,7 +37,7 @@ pub(crate) use plain::element_stiffness;
 pub use reduce::{Equation, Reduced, ReductionError};
 pub use rim::{Pinned, Rim};
 pub(crate) use rules::element_rule;
-pub use rules::gauss_rules;
+pub use rules::{gauss_rules, gauss_rules_along, points_of_curved_cells};
 pub(crate) use scratch::{Scratch, inverse_or_nan};
 
 /// d stress / d grad_u: `tangent[i][j][(k, l)]` = d sigma_(k,l) / d (grad u)_(i,j), i, k components, j, l directions.

@@ -115,7 +115,7 @@ impl<const N: usize, T: Real> Debug for Pinned<'_, N, T> {
 }
 
 impl<const N: usize, T: Real> Pinned<'_, N, T> {
-    fn at(&self, x: &Vector<N, T>) -> T {
+    pub(super) fn at(&self, x: &Vector<N, T>) -> T {
         self.value.map_or_else(T::zero, |value| value(x))
     }
 }
@@ -170,6 +170,7 @@ pub(super) fn conflicts<const S: usize, const N: usize, T: Real>(
     component: usize,
     sides: &[(usize, Fixed<'_, S, N, T>)],
     pinned: &[(usize, Pinned<'_, N, T>)],
+    largest: T,
 ) -> Result<(), DirichletError> {
     let sorted = |mut list: Vec<usize>| {
         list.sort_unstable();
@@ -178,10 +179,6 @@ pub(super) fn conflicts<const S: usize, const N: usize, T: Real>(
     let mut others: Vec<(usize, Vec<usize>, Option<&(dyn Fn(&Vector<N, T>) -> T + Sync)>)> = Vec::new();
     others.extend(sides.iter().map(|(k, f)| (*k, sorted(f.trace.dofs.clone()), f.value)));
     others.extend(pinned.iter().map(|(k, p)| (*k, p.rim.functions(), p.value)));
-    let mut largest = T::zero();
-    for (_, p) in pinned {
-        largest = p.rim.x.iter().fold(largest, |m, x| m.max(p.at(x).abs()));
-    }
     for (k, p) in pinned {
         for (first, functions, value) in others.iter().filter(|o| o.0 < *k) {
             // corners and the ends of edges: between them both are projected

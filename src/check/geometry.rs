@@ -24,7 +24,8 @@ pub(super) fn sample_points<const D: usize, T: Real>(kind: crate::basis::Cell) -
 /// Checks the map `geometry`.
 ///
 /// Rules: x, Jacobian and second derivatives are finite, derivatives are those of x, also outside the cell; they do not
-/// depend on the batch or on the order asked for; [`Geometry::bounds`] hold the element, and [`Geometry::all_bounds`] are the same; corner ids shared by elements
+/// depend on the batch or on the order asked for; [`Geometry::bounds`] hold the element, and [`Geometry::all_bounds`] are the same,
+/// [`Geometry::extent`] is around them; corner ids shared by elements
 /// are at one place; [`Geometry::map_block`] and [`Geometry::control`], where there are any, repeat the map.
 ///
 /// # Errors
@@ -35,6 +36,9 @@ pub fn geometry<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + 
     let boxes = geometry.all_bounds();
     if boxes.len() != geometry.num_elements() {
         return Err(format!("all_bounds gives {} boxes for {} elements", boxes.len(), geometry.num_elements()));
+    }
+    if geometry.extent() != boxes.iter().copied().reduce(|a, b| a.union(&b)) {
+        return Err("extent is not the box around all_bounds".into());
     }
     for e in chosen(geometry.num_elements()) {
         let kind = geometry.cell(e);

@@ -10,9 +10,14 @@
 use super::{Hit, Target};
 use crate::basis::Order;
 use crate::coupling::{CouplingError, Segments};
-use crate::geometry::{Geometry, MapTable, unit_normal};
-use crate::linalg::{Real, Vector};
+use crate::geometry::{MapTable, unit_normal};
+use crate::linalg::{Real, Vector, lit};
 use crate::space::Trace;
+
+/// Normals that face each other have a product below minus this; those at right angles do not.
+const OPPOSITE: f64 = 1e-6;
+/// Cosine of normals from which on an obstacle is seen from behind: beside a corner they may stand at right angles.
+const FROM_BEHIND: f64 = 0.5;
 
 /// One entry per point of the segments.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,20 +37,23 @@ impl<const N: usize, T: Real> Default for Frames<N, T> {
 }
 
 impl<const N: usize, T: Real> Frames<N, T> {
-    /// Frames of segments against a deformable master.
+    /// The points of `segments` at which `slave` and `master` face each other, and their frames.
+    ///
+    /// Outward normals oppose there; other points see the master from behind, face nothing, and are missing from the report's covered measure.
     ///
     /// # Errors
     /// [`CouplingError::Missing`] where the master has no tangent.
     pub fn against_master<const S: usize>(
-        slave: &dyn Geometry<S, N, T>,
+        slave: &Trace<S, N, T>,
         master: &Trace<S, N, T>,
         segments: &Segments<S, T>,
-    ) -> Result<Self, CouplingError> {
+    ) -> Result<(Segments<S, T>, Self), CouplingError> {
         let mut frames = Self::default();
         let (mut here, mut there) = (MapTable::new(), MapTable::new());
+        let mut faces = Vec::with_capacity(segments.ds.len());
         for piece in 0..segments.num_pieces() {
-            let (points, other) = (segments.points(piece), segments.master[piece]);
-            slave.map(segments.slave[piece], &segments.slave_xi[points.clone()], Order::Values, &mut here);
+            let (points, element, other) = (segments.points(piece), segments.slave[piece], segments.master[piece]);
+            slave.space.map(element, &segments.slave_xi[points.clone()], Order::Gradients, &mut here);
             master.space.map(other, &segments.master_xi[points], Order::Gradients, &mut there);
             for q in 0..here.x.len() {
                 let normal = unit_normal(&there.jacobian[q], master.outward[other]);
@@ -54,36 +62,44 @@ impl<const N: usize, T: Real> Frames<N, T> {
                         "element {other} of the master side has no tangent; its map is degenerate"
                     )));
                 }
-                frames.x.push(here.x[q]);
-                frames.normal.push(normal);
-                frames.gap.push((here.x[q] - there.x[q]).dot(&normal));
+                faces.push(oppose(&slave.normal(element, &here.jacobian[q]), &normal));
+                if faces[faces.len() - 1] {
+                    frames.x.push(here.x[q]);
+                    frames.normal.push(normal);
+                    frames.gap.push((here.x[q] - there.x[q]).dot(&normal));
+                }
             }
         }
-        Ok(frames)
+        let kept = if faces.contains(&false) { only(segments, &faces) } else { segments.clone() };
+        Ok((kept, frames))
     }
 
     /// The points of `segments` that face `target` within `reach`, and their frames.
     ///
-    /// Points that face nothing are dropped and missing from the report's covered measure.
+    /// Points that face nothing, or see the target from behind, are dropped and missing from the report's covered measure.
     pub fn against_target<const S: usize>(
-        slave: &dyn Geometry<S, N, T>,
+        slave: &Trace<S, N, T>,
         target: &dyn Target<S, N, T>,
         segments: &Segments<S, T>,
         reach: Option<T>,
     ) -> (Segments<S, T>, Self) {
         let (mut kept, mut frames, mut table) = (Segments::new(), Self::default(), MapTable::new());
         let mut report = segments.report.clone();
-        let mut measure = vec![[T::zero(); 2]; slave.num_elements()];
+        let mut measure = vec![[T::zero(); 2]; slave.facets.len()];
         (report.covered, report.distance) = (T::zero(), T::zero());
         let mut facing = Vec::new();
         for piece in 0..segments.num_pieces() {
             let (points, element) = (segments.points(piece), segments.slave[piece]);
-            slave.map(element, &segments.slave_xi[points.clone()], Order::Values, &mut table);
+            slave.space.map(element, &segments.slave_xi[points.clone()], Order::Gradients, &mut table);
             facing.clear();
-            for (x, q) in table.x.iter().zip(points) {
+            for ((x, jacobian), q) in table.x.iter().zip(&table.jacobian).zip(points) {
                 measure[element][1] += segments.ds[q];
-                // what is no number is kept: the gap there is reported
-                let near = |hit: &Hit<S, N, T>| reach.is_none_or(|r| (x - hit.x).norm() <= r || !hit.gap.is_finite());
+                let near = |hit: &Hit<S, N, T>| {
+                    let within = reach.is_none_or(|r| (x - hit.x).norm() <= r)
+                        && slave.normal(element, jacobian).dot(&hit.normal) < lit(FROM_BEHIND);
+                    // what is no number is kept: the gap there is reported
+                    within || !hit.gap.is_finite()
+                };
                 let Some(hit) = target.project(x).filter(near) else { continue };
                 measure[element][0] += segments.ds[q];
                 report.covered += segments.ds[q];
@@ -101,4 +117,41 @@ impl<const N: usize, T: Real> Frames<N, T> {
         kept.report = report;
         (kept, frames)
     }
+}
+
+/// Whether two outward normals face each other.
+fn oppose<const N: usize, T: Real>(slave: &Vector<N, T>, opponent: &Vector<N, T>) -> bool {
+    slave.dot(opponent) < lit(-OPPOSITE)
+}
+
+/// The points of `segments` that are to be kept.
+fn only<const S: usize, T: Real>(segments: &Segments<S, T>, keep: &[bool]) -> Segments<S, T> {
+    let mut kept = Segments::new();
+    let mut report = segments.report.clone();
+    let mut measure = vec![[T::zero(); 2]; report.share.len()];
+    for piece in 0..segments.num_pieces() {
+        let element = segments.slave[piece];
+        let mut points = Vec::new();
+        for q in segments.points(piece) {
+            let ds = segments.ds[q];
+            if let Some(sums) = measure.get_mut(element) {
+                sums[1] += ds;
+                sums[0] += if keep[q] { ds } else { T::zero() };
+            }
+            if keep[q] {
+                points.push((segments.slave_xi[q], segments.master_xi[q], ds));
+            }
+        }
+        if !points.is_empty() {
+            kept.push_piece(element, segments.master[piece], points);
+        }
+    }
+    for (share, [part, all]) in report.share.iter_mut().zip(measure) {
+        if part < all {
+            *share *= part / all;
+        }
+    }
+    report.covered = kept.measure();
+    kept.report = report;
+    kept
 }

@@ -120,11 +120,11 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
     ) -> Result<Self, ContactError> {
         let (master, segments, frames) = match opponent {
             Opponent::Master(master) => {
-                let frames = Frames::against_master(&*slave.trace.space, master.trace, &segments)?;
+                let (segments, frames) = Frames::against_master(slave.trace, master.trace, &segments)?;
                 (Some(master), segments, frames)
             }
             Opponent::Rigid(target, reach) => {
-                let (segments, frames) = Frames::against_target(&*slave.trace.space, target, &segments, reach);
+                let (segments, frames) = Frames::against_target(slave.trace, target, &segments, reach);
                 (None, segments, frames)
             }
         };
@@ -167,12 +167,12 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         second: &Segments<S, T>,
         unknowns: usize,
     ) -> Result<Self, ContactError> {
-        let frames = Frames::against_master(&*slave.trace.space, master.trace, second)?;
+        let (second, frames) = Frames::against_master(slave.trace, master.trace, second)?;
         let interface = Interface {
             slave,
             master: Some(master),
             multiplier: &[multiplier],
-            segments: second,
+            segments: &second,
             master_segments: None,
             direction: Some(&frames.normal),
         };

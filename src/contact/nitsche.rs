@@ -58,9 +58,12 @@ fn faced<'a, const S: usize, const N: usize, T: Real>(
     segments: &Segments<S, T>,
 ) -> Result<Faced<'a, S, N, T>, ContactError> {
     Ok(match opponent {
-        Opponent::Master(master) => (Some(master), segments.clone(), Frames::against_master(&*slave.trace.space, master.trace, segments)?),
+        Opponent::Master(master) => {
+            let (segments, frames) = Frames::against_master(slave.trace, master.trace, segments)?;
+            (Some(master), segments, frames)
+        }
         Opponent::Rigid(target, reach) => {
-            let (segments, frames) = Frames::against_target(&*slave.trace.space, target, segments, reach);
+            let (segments, frames) = Frames::against_target(slave.trace, target, segments, reach);
             (None, segments, frames)
         }
     })

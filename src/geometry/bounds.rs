@@ -38,6 +38,11 @@ impl<const N: usize, T: Real> Bounds<N, T> {
         (self.hi - self.lo).norm()
     }
 
+    /// Whether `other` lies within this box.
+    pub fn holds(&self, other: &Self) -> bool {
+        (0..N).all(|k| self.lo[k] <= other.lo[k] && other.hi[k] <= self.hi[k])
+    }
+
     /// Whether the boxes share a point.
     pub fn meets(&self, other: &Self) -> bool {
         (0..N).all(|k| self.lo[k] <= other.hi[k] && other.lo[k] <= self.hi[k])

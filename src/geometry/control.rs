@@ -136,6 +136,12 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Geometry<D, N, T> 
         (0..self.num_elements()).into_par_iter().map_init(boxes, |boxes, e| boxes.of(e)).collect()
     }
 
+    fn extent(&self) -> Option<Bounds<N, T>> {
+        let boxes = || Boxes::new(self, Control { basis: &self.basis, points: &self.points });
+        let hulls: Vec<_> = (0..self.num_elements()).into_par_iter().map_init(boxes, |boxes, e| boxes.hull(e)).collect();
+        boxes().around(&hulls)
+    }
+
     fn is_affine(&self, element: usize) -> bool {
         self.basis.is_linear(element)
     }

@@ -106,6 +106,14 @@ impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>
 
     /// The box of `element`: that around its hull, tightened.
     pub fn of(&mut self, element: usize) -> Bounds<N, T> {
+        let held = self.hull(element);
+        let points = samples(self.geometry.cell(element));
+        self.sampler.map(element, 0, &points, &mut self.table);
+        around::<D, N, T>(&self.table, held)
+    }
+
+    /// The box around the hull of `element`, which holds that of the element.
+    pub fn hull(&mut self, element: usize) -> Bounds<N, T> {
         let basis = self.control.basis;
         basis.active(element, &mut self.ids);
         self.values.clear();
@@ -122,9 +130,25 @@ impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>
             Some(k) => around_functions(self.kept[k].1.as_ref(), &self.values),
             None => around_functions(Bernstein::of(basis, element).as_ref(), &self.values),
         };
-        let points = samples(self.geometry.cell(element));
-        self.sampler.map(element, 0, &points, &mut self.table);
-        around::<D, N, T>(&self.table, held.unwrap_or(Bounds { lo: Vector::zeros(), hi: Vector::zeros() }))
+        held.unwrap_or(Bounds { lo: Vector::zeros(), hi: Vector::zeros() })
+    }
+
+    /// The box around the boxes of all elements, whose hulls are `hulls`: elements whose hull lies within what is there are not asked.
+    pub fn around(&mut self, hulls: &[Bounds<N, T>]) -> Option<Bounds<N, T>> {
+        // those that reach furthest come first: they leave few others to ask
+        let furthest = |k: usize, sign: T| {
+            let reach = |e: &usize| if sign > T::zero() { hulls[*e].hi[k] } else { -hulls[*e].lo[k] };
+            (0..hulls.len()).reduce(|a, b| if reach(&b) > reach(&a) { b } else { a })
+        };
+        let first = (0..N).flat_map(|k| [furthest(k, T::one()), furthest(k, -T::one())]).flatten().collect::<Vec<_>>();
+        let mut whole: Option<Bounds<N, T>> = None;
+        for e in first.into_iter().chain(0..hulls.len()) {
+            if whole.is_none_or(|whole| !whole.holds(&hulls[e])) {
+                let own = self.of(e);
+                whole = Some(whole.map_or(own, |whole| whole.union(&own)));
+            }
+        }
+        whole
     }
 }
 

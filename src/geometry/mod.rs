@@ -11,6 +11,7 @@ mod frame;
 mod hull;
 mod net;
 mod net_moves;
+mod sag;
 mod sampler;
 pub mod shapes;
 
@@ -30,6 +31,7 @@ pub use frame::{cross, unit_normal, unit_tangent};
 pub use hull::hull;
 pub use net::{ControlNet, NetError};
 pub use net_moves::{turn, turn_about};
+pub use sag::Sag;
 pub(crate) use sampler::Sampler;
 
 /// Positions and derivatives of a map at a batch of points; caller-owned, keeps its memory between calls.
@@ -104,6 +106,10 @@ pub trait Geometry<const D: usize, const N: usize, T: Real = f64>: Elements {
     fn all_bounds(&self) -> Vec<Bounds<N, T>> {
         (0..self.num_elements()).into_par_iter().map(|e| self.bounds(e)).collect()
     }
+    /// The box around [`all_bounds`](Self::all_bounds); `None` without elements. This may leave out elements that surely lie within others.
+    fn extent(&self) -> Option<Bounds<N, T>> {
+        self.all_bounds().into_iter().reduce(|a, b| a.union(&b))
+    }
     /// Whether the map of `element` is known to be affine: its Jacobian is constant, the images of segments are straight.
     fn is_affine(&self, _element: usize) -> bool {
         false
@@ -126,6 +132,7 @@ macro_rules! forward_geometry {
             }
             fn bounds(&self, element: usize) -> Bounds<N, T> { (**self).bounds(element) }
             fn all_bounds(&self) -> Vec<Bounds<N, T>> { (**self).all_bounds() }
+            fn extent(&self) -> Option<Bounds<N, T>> { (**self).extent() }
             fn is_affine(&self, element: usize) -> bool { (**self).is_affine(element) }
             fn control(&self) -> Option<Control<'_, D, N, T>> { (**self).control() }
             fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> { (**self).map_block(element) }

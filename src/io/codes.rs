@@ -91,7 +91,9 @@ pub const CODES: &[Code] = &[
         "E017",
         3,
         "formula",
-        "A quoted formula cannot be read. The caret stands at the character where reading stopped. Formulas know + - * / ^, comparisons, if(c, a, b), the usual functions, pi, e, x, y, z, t, r, theta and the names of [let]. Data of sides and loads must be finite at every point where they are integrated.",
+        "A quoted formula cannot be read. The caret stands at the character where reading stopped. Formulas know + - * / ^, comparisons, if(c, a, b), the usual functions, pi, e, x, y, z, t, r, theta and the names of [let]. Data of sides and loads must be finite at every point where they are integrated. \
+         As a warning: an `exact` made of pieces whose flux jumps inside a body or across an interface. The source that follows from it is taken at points and \
+         lacks the jump, so that the case solves for something else and errors do not fall.",
         "pressure = \"p*sin(x\"  # a bracket is missing",
         "correct the formula at the caret; define the names it uses in [let].",
     ),
@@ -131,7 +133,10 @@ pub const CODES: &[Code] = &[
         "E023",
         3,
         "sides do not meet",
-        "Two sides that are to be tied are farther apart than `tolerance` allows. Use [[contact]] if a gap is meant.",
+        "Two sides that are to be tied are farther apart than `tolerance` allows, or the sides of a contact do not face each other: \
+         outward normals must oppose, and an overlap at rest may be up to half the thickness of a body. `between` ties sides whose facets explain their distance: \
+         a mean of a quarter and at most twice of what facets deviate from the surface they stand for. As a warning: sides that are \
+         nearly together are not tied, or named ones are tied across a distance that their facets do not explain. Use [[contact]] if a gap is meant.",
         "[[interface]]\nslave = \"inner.v1\"     # r = 1.5\nmaster = \"outer.v0\"    # r = 1.75",
         "correct the geometry, raise `tolerance` if the gap is meant to be closed, or use [[contact]] if it is to stay.",
     ),
@@ -195,7 +200,8 @@ pub const CODES: &[Code] = &[
         "E041",
         3,
         "inverted element",
-        "The map of an element changes its orientation. The message names the patch, the element, the least Jacobian and where.",
+        "The map of an element changes its orientation. The message names the patch, the element, the least Jacobian and where. As a \
+         warning: cells with an aspect (longest edge over least height) beyond 1e8, whose stiffness loses its digits to rounding.",
         "points = [[0, 0], [1, 0], [1, 1], [0, 1]]    # the last two exchanged: the patch folds over",
         "put the points in order, u fastest; a weight or a point that is far off folds a patch, too.",
     ),
@@ -227,7 +233,8 @@ pub const CODES: &[Code] = &[
         "E051",
         3,
         "no support",
-        "A body can still move although every contact is closed. Fix it with [[boundary]], or tie it to something that is fixed. A body that loses contact while iterating ends with exit 5 instead.",
+        "A body can still move although every contact is closed. Fix it with [[boundary]], or tie it to something that is fixed. A body that loses contact while iterating ends with exit 5 instead. \
+         As a warning: springs hold a motion of a body with less than 1e-5 of the body's own stiffness, and nothing else does.",
         "[[boundary]]\non = \"upper.top\"\npressure = 1.0         # and nothing holds \"upper\" sideways",
         "fix what the message names: fix = [\"x\"] on one side of the body.",
     ),
@@ -259,7 +266,8 @@ pub const CODES: &[Code] = &[
         "E061",
         3,
         "unstable pair",
-        "A warning: the multiplier space is not stable on this side; `faying infsup` shows it.",
+        "A warning: the multiplier space is not stable on this side; `faying infsup` shows it. `constant` on a side of degree 1, and spaces \
+         given as data, may be p/p-1 by another name; constants on maximally smooth splines of degree 3, 5, ... are p/p-3, p/p-5, ..., not stable either.",
         "multiplier = \"p/p-1\"",
         "use \"p/p\" or \"p/p-2\" (the default).",
     ),
@@ -291,8 +299,11 @@ pub const CODES: &[Code] = &[
         "E065",
         3,
         "inexact integration",
-        "A warning: the rule of integration misses more than a hundredth of what it should see at the interface (interface.NAME.consistency). \
-         Slave points do not see the kinks of the master's functions; mixed integration does not see those of a multiplier of low degree.",
+        "A warning: numbers are poor here. The rule of integration misses more than a hundredth of what it should see at the interface \
+         (interface.NAME.consistency, contact.NAME.consistency). Slave points do not see the kinks of the master's functions; mixed integration does \
+         not see those of a multiplier of low degree. Of a patch: on coarse cells of a rational map the Gauss points miss more than 1e-3 of the stress of \
+         linear fields; the message says how many extra_points do not. Of a contact: it slides so far along a curved surface that the gap along the \
+         normal at rest is wrong by more than a tenth of what is closed; small kinematics do not see the curve.",
         "integration = \"mixed\"\nmultiplier = \"p/p-2\"",
         "use integration = \"merged\" (the default), or raise extra_points.",
     ),

@@ -3,7 +3,7 @@
 use super::faer_fronts::Fronts;
 use super::faer_ldlt::buffer;
 use super::faer_solve::solve;
-use super::{Buffer, LinearError, Sparsity, Upper, ordering};
+use super::{Buffer, LinearError, Sparsity, Upper, faer_kernels, ordering};
 use faer::dyn_stack::MemStack;
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::perm::PermRef;
@@ -41,6 +41,9 @@ impl Analysis {
 
     /// The factor of the matrix with this upper triangle; `work` is kept for the next one.
     pub fn factorise(&self, upper: &Upper, factor: &mut [f64], work: &mut Option<[Buffer<f64>; 2]>) -> Result<(), LinearError> {
+        if let SymbolicCholeskyRaw::Supernodal(_) = self.symbolic.raw() {
+            faer_kernels::take()?;
+        }
         match (&self.fronts, self.symbolic.raw()) {
             (Some(fronts), SymbolicCholeskyRaw::Supernodal(nodes)) => {
                 let work = match work {

@@ -3,7 +3,7 @@
 use super::faer_ldlt::buffer;
 use super::refine::refine;
 use super::residual::{KERNEL, kernel_ratio, row_scale, softest};
-use super::{Csr, LinearError, LinearSolver, Operator, Sparsity};
+use super::{Csr, LinearError, LinearSolver, Operator, Sparsity, faer_kernels};
 use faer::dyn_stack::MemStack;
 use faer::sparse::linalg::LuError;
 use faer::sparse::linalg::lu::{LuRef, NumericLu, SymbolicLu, factorize_symbolic_lu};
@@ -11,6 +11,9 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Spec};
 use std::fmt;
 use std::sync::Arc;
+
+/// Rows up to which faer makes no dense products.
+const FEW: usize = 16;
 
 /// LU factorisation with refinement and a check of the residual; the order is COLAMD.
 ///
@@ -61,6 +64,9 @@ impl Lu {
         }
         let analysis = self.analysis.as_ref().expect("analysed above");
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &analysis.ptr, None, &analysis.rows);
+        if n > FEW {
+            faer_kernels::take()?;
+        }
         let mut memory = buffer(analysis.symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Spec::default()))?;
         analysis
             .symbolic

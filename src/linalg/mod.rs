@@ -4,6 +4,7 @@ mod buffer;
 mod csr;
 mod faer_analysis;
 mod faer_fronts;
+mod faer_kernels;
 mod faer_ldlt;
 mod faer_lu;
 mod faer_panel;

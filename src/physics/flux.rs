@@ -1,6 +1,6 @@
 //! The flux sigma n of a body on one of its sides, for Nitsche's method and for tractions.
 
-use super::{Flux, FluxTable, Material};
+use super::{Flux, FluxTable, Material, NotLinear};
 use crate::assembly::{Scratch, element_rule, element_stiffness, inverse_or_nan};
 use crate::basis::{Order, ShapeTable};
 use crate::geometry::MapTable;
@@ -19,9 +19,18 @@ pub struct BodyFlux<const C: usize, const S: usize, const N: usize, T: Real = f6
 }
 
 impl<const C: usize, const S: usize, const N: usize, T: Real> BodyFlux<C, S, N, T> {
-    /// The flux of the field numbered by `field` on `space` through `trace`; the material is taken at rest.
-    pub fn new(space: Arc<dyn Space<N, N, T>>, trace: Trace<S, N, T>, field: Field, material: Arc<dyn Material<C, N, T>>) -> Self {
-        Self { space, trace, field, material }
+    /// The flux of the field numbered by `field` on `space` through `trace`.
+    ///
+    /// # Errors
+    /// [`NotLinear`] for a material that is not linear: its flux is no linear map of the unknowns.
+    pub fn new(
+        space: Arc<dyn Space<N, N, T>>,
+        trace: Trace<S, N, T>,
+        field: Field,
+        material: Arc<dyn Material<C, N, T>>,
+    ) -> Result<Self, NotLinear> {
+        super::linear(&*material)?;
+        Ok(Self { space, trace, field, material })
     }
 
     /// Gradients of the functions behind the facet, positions and normals at lifted points, then `visit(q, x, normal,
@@ -91,16 +100,17 @@ impl<const C: usize, const S: usize, const N: usize, T: Real> Flux<S, N, T> for 
         self.each_point(element, &rule.points, |q, _, _, stretch, _| ds.push(rule.weights[q] * stretch));
         // the facet's matrix is G Gᵀ, and its rank that of the few columns of G
         let g = DMatrix::from_fn(n, rows, |a, r| ds[r / C].sqrt() * table.values[r * n + a]);
+        let none = T::zero() / T::zero();
+        let Ok(form) = super::form(&*self.material) else { return none };
         let mut scratch = Scratch::default();
         scratch.gradients(&*self.space, parent, element_rule(&*self.space, parent, 0).rule(0));
         let mut energy = vec![T::zero(); n * n];
-        element_stiffness(&mut scratch, &super::form(&*self.material), &mut energy);
+        element_stiffness(&mut scratch, &form, &mut energy);
         let mut energy = DMatrix::from_row_slice(n, n, &energy);
         let shift = energy.trace() * T::default_epsilon().max(lit(RIGID_SHIFT));
         for a in 0..n {
             energy[(a, a)] += shift;
         }
-        let none = T::zero() / T::zero();
         let Some(root) = energy.cholesky() else { return none };
         // eigenvalues of L^-1 G Gᵀ L^-T, other than zero, are those of (L^-1 G)ᵀ (L^-1 G)
         let Some(half) = root.l().solve_lower_triangular(&g) else { return none };

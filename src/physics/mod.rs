@@ -33,7 +33,7 @@ pub trait Material<const C: usize, const N: usize, T: Real = f64>: Debug + Send 
     fn respond(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> Response<C, N, T>;
     /// A modulus [force/area] at `x` that scales penalty and Nitsche terms.
     fn modulus(&self, x: &Vector<N, T>) -> T;
-    /// Whether the tangent does not depend on `grad_u`.
+    /// Whether the tangent does not depend on `grad_u`, so that the stress is tangent : grad u; [`form`] takes no other.
     fn is_linear(&self) -> bool {
         false
     }
@@ -82,14 +82,35 @@ macro_rules! forward_material {
 }
 forward_material!(&X, Box<X>, std::sync::Arc<X>);
 
-/// The form of `material` linearised at rest; for a linear material the form of the problem.
-pub fn form<const C: usize, const N: usize, T: Real, M: Material<C, N, T> + ?Sized>(material: &M) -> Form<'_, C, N, T> {
+/// A law whose tangent changes with the gradient, where only a linear one has a meaning.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{material} is not linear: its tangent at rest is another law; a linear material says so by `Material::is_linear`")]
+#[non_exhaustive]
+pub struct NotLinear {
+    /// The material as it prints itself, at most 80 characters.
+    pub material: String,
+}
+
+/// Passes on a linear `material`.
+///
+/// # Errors
+/// [`NotLinear`] for any other.
+pub(crate) fn linear<const C: usize, const N: usize, T: Real, M: Material<C, N, T> + ?Sized>(material: &M) -> Result<&M, NotLinear> {
+    if material.is_linear() { Ok(material) } else { Err(NotLinear { material: format!("{material:?}").chars().take(80).collect() }) }
+}
+
+/// The form ∫ sigma(grad u) : grad v of a linear `material`.
+///
+/// # Errors
+/// [`NotLinear`] for a material that does not say that it is linear: its form changes with the state.
+pub fn form<const C: usize, const N: usize, T: Real, M: Material<C, N, T> + ?Sized>(material: &M) -> Result<Form<'_, C, N, T>, NotLinear> {
+    let material = linear(material)?;
     let coefficient = if material.is_homogeneous() {
         Coefficient::Constant(material.respond(&Vector::zeros(), &Matrix::zeros()).tangent)
     } else {
         Coefficient::PerPoint(Box::new(move |x: &Vector<N, T>| material.respond(x, &Matrix::zeros()).tangent))
     };
-    Form { coefficient, symmetric: true }
+    Ok(Form { coefficient, symmetric: true })
 }
 
 /// sigma n (k du/dn) at a batch of points as a linear map of unknowns.

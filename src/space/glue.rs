@@ -8,7 +8,7 @@
 
 use super::Trace;
 use crate::basis::{Cell, Order, ShapeTable};
-use crate::geometry::{Bounds, ClosestPoint, MapTable, Tree, cell};
+use crate::geometry::{Bounds, ClosestPoint, MapTable, Sag, Tree, cell};
 use crate::linalg::{Real, Vector, lit, to_f64};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -17,8 +17,10 @@ use std::collections::BTreeMap;
 const SAME_VALUE: f64 = 1e-8;
 /// Places nearer than this share of the sides' size are one.
 const SAME_PLACE: f64 = 1e-8;
-/// Largest distance of curved sides between corners that coincide, as a share of the element's size.
+/// Largest distance of curved sides between corners that coincide, as a share of the element's size: of sides that are named.
 const CURVED: f64 = 0.25;
+/// The same, as a multiple of what facets may deviate from the surface they stand for.
+const DEVIATIONS: f64 = 2.0;
 
 /// How far apart two glued sides may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,8 +29,10 @@ pub enum Near<T: Real = f64> {
     /// 1e-8 of the size of the sides everywhere.
     Exact,
     /// 1e-8 of the size in the corners of elements, a quarter of the element between them: one side or both approximate
-    /// a curve.
+    /// a curve, and are known to be meant.
     Corners,
+    /// 1e-8 of the size in the corners of elements, twice the deviation of their facets ([`Sag`]) between them.
+    Facets,
     /// A distance \[length\].
     Given(T),
 }
@@ -129,18 +133,41 @@ pub fn glue_facets<const S: usize, const N: usize, T: Real>(
     masters: &[&Trace<S, N, T>],
     near: Near<T>,
 ) -> Result<Found<S, T>, GlueError> {
-    let size = sides_size(slave, masters);
-    let (tight, share) = match near {
-        Near::Exact => (size * lit(SAME_PLACE), T::zero()),
-        Near::Corners => (size * lit(SAME_PLACE), lit(CURVED)),
-        Near::Given(distance) => (distance, T::zero()),
-    };
+    let exact = sides_size(slave, masters) * lit(SAME_PLACE);
+    let none = vec![T::zero(); slave.space.num_elements()];
+    match near {
+        Near::Exact => glue_within(slave, masters, exact, &none),
+        Near::Given(distance) => glue_within(slave, masters, distance, &none),
+        Near::Corners => {
+            let shares: Vec<T> = slave.space.all_bounds().iter().map(|b| b.diagonal() * lit(CURVED)).collect();
+            glue_within(slave, masters, exact, &shares)
+        }
+        // most sides are equal point by point: their facets need no look
+        Near::Facets => glue_within(slave, masters, exact, &none).or_else(|_| {
+            let most = |trace: &Trace<S, N, T>| {
+                let sag = Sag::of(&*trace.space, &trace.outward);
+                (0..trace.facets.len()).map(|e| sag.of_facet(e) * lit(DEVIATIONS)).collect::<Vec<T>>()
+            };
+            let widest = masters.iter().flat_map(|m| most(m)).fold(T::zero(), |a, b| a.max(b));
+            let wide: Vec<T> = most(slave).into_iter().map(|own| own.max(widest)).collect();
+            glue_within(slave, masters, exact, &wide)
+        }),
+    }
+}
+
+/// [`glue_facets`] of sides that are within `tight` in the corners of elements, and `wide` between those of each slave element.
+fn glue_within<const S: usize, const N: usize, T: Real>(
+    slave: &Trace<S, N, T>,
+    masters: &[&Trace<S, N, T>],
+    tight: T,
+    wide: &[T],
+) -> Result<Found<S, T>, GlueError> {
     let partners = Partners::of(masters);
     let mut rows: BTreeMap<(usize, usize), Vec<(usize, T)>> = BTreeMap::new();
     let mut facets = Vec::with_capacity(slave.facets.len());
     let mut facet = Facet::default();
     for e in 0..slave.space.num_elements() {
-        let allowed = tight.max(slave.space.bounds(e).diagonal() * share);
+        let allowed = tight.max(wide[e]);
         let center = center_of(slave, e);
         let mut outcome = Outcome::<S, T>::NoPartner;
         for (m, f) in partners.near(&center, allowed) {
@@ -168,7 +195,7 @@ pub fn glue_facets<const S: usize, const N: usize, T: Real>(
         match outcome {
             Outcome::Rows(..) => {}
             Outcome::Differs(difference) => return Err(GlueError::Functions { element: e, at: place(&center), difference }),
-            Outcome::NoPartner => return Err(no_partner(slave, masters, e, &center, tight, share)),
+            Outcome::NoPartner => return Err(no_partner(slave, masters, e, &center, tight, wide)),
         }
     }
     several_masters(slave, &rows)?;
@@ -394,7 +421,7 @@ fn center_of<const S: usize, const N: usize, T: Real>(trace: &Trace<S, N, T>, el
 
 /// Diagonal of the box around the slave side, that of all sides where it is a point.
 fn sides_size<const S: usize, const N: usize, T: Real>(slave: &Trace<S, N, T>, masters: &[&Trace<S, N, T>]) -> T {
-    let around = |t: &Trace<S, N, T>| t.space.all_bounds().into_iter().reduce(|a, b| a.union(&b));
+    let around = |t: &Trace<S, N, T>| t.space.extent();
     masters.iter().filter_map(|m| around(m)).chain(around(slave)).map(|b| b.diagonal()).fold(T::zero(), |a, b| a.max(b))
 }
 
@@ -405,13 +432,13 @@ fn no_partner<const S: usize, const N: usize, T: Real>(
     e: usize,
     center: &Vector<N, T>,
     tight: T,
-    share: T,
+    wide: &[T],
 ) -> GlueError {
     let closest: Vec<_> = masters.iter().map(|m| ClosestPoint::new(m.space.clone())).collect();
     let mut table = MapTable::new();
     let mut worst: Option<(T, Vector<N, T>, T)> = None;
     for element in 0..slave.space.num_elements() {
-        let allowed = tight.max(slave.space.bounds(element).diagonal() * share);
+        let allowed = tight.max(wide[element]);
         slave.space.map(element, &cell::grid(slave.space.cell(element), 3), Order::Values, &mut table);
         for x in &table.x {
             let found = closest.iter().filter_map(|c| c.project(x)).map(|p| p.distance);

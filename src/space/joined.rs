@@ -153,6 +153,9 @@ impl<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T>> Geometry<D, 
     fn all_bounds(&self) -> Vec<Bounds<N, T>> {
         self.parts.iter().flat_map(|part| part.inner.all_bounds()).collect()
     }
+    fn extent(&self) -> Option<Bounds<N, T>> {
+        self.parts.iter().filter_map(|part| part.inner.extent()).reduce(|a, b| a.union(&b))
+    }
     fn is_affine(&self, element: usize) -> bool {
         let (part, e) = self.at(element);
         part.inner.is_affine(e)

@@ -1,6 +1,7 @@
 //! Floor 5: spaces (a basis over a geometry), bodies with named sides, traces.
 
 mod cells;
+mod clearance;
 mod curve;
 mod deformed;
 mod diameter;
@@ -30,6 +31,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 pub use cells::{CellBlock, FacetTag, MeshCells};
+pub use clearance::{Clearance, Sight, Skin, SkinPoint, clearance, raised, skin_points};
 pub use deformed::Deformed;
 pub use diameter::diameter;
 pub use field::{FieldAt, Located, Locator, OutsideBody, field_at, locate};
@@ -130,6 +132,9 @@ impl<const D: usize, const N: usize, T: Real, B: Elements, G: Geometry<D, N, T>>
     }
     fn all_bounds(&self) -> Vec<Bounds<N, T>> {
         self.geometry.all_bounds()
+    }
+    fn extent(&self) -> Option<Bounds<N, T>> {
+        self.geometry.extent()
     }
     fn is_affine(&self, element: usize) -> bool {
         self.geometry.is_affine(element)

@@ -62,7 +62,7 @@ impl<'a, const C: usize, const N: usize> Problem<'a, C, N> {
     pub fn solve<const S: usize>(&self, body: &dyn Body<S, N>) -> Solved<C> {
         let space = &**body.space();
         let rules = gauss_rules(space, self.extra);
-        let k = stiffness(space, &rules, &form(self.material));
+        let k = stiffness(space, &rules, &form(self.material).unwrap());
         let mut f = load::<C, N, N, _, _, _>(space, &rules, &|x: &Vector<N>| {
             let (_, gradient, hessian) = (self.exact)(x);
             -self.material.divergence(x, &gradient, &hessian)
@@ -88,7 +88,7 @@ impl<'a, const C: usize, const N: usize> Problem<'a, C, N> {
         let u = reduced.expand(&v);
         let reactions = reduced.residual(&[&k], &f, &[], &[], &u);
         let fine = gauss_rules(space, self.extra_norm);
-        let errors = errors(space, &fine, &form(self.material), &u, &|x: &Vector<N>| {
+        let errors = errors(space, &fine, &form(self.material).unwrap(), &u, &|x: &Vector<N>| {
             let (value, gradient, _) = (self.exact)(x);
             (value, gradient)
         });

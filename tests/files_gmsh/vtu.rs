@@ -32,9 +32,8 @@ fn quarter_rings_that_this_program_writes_become_meshes() {
         let ring = annulus_sector([0.0, 0.0], [1.0, 2.0], [0.0, 90.0]).unwrap();
         let mesh = Mesh::<1, 2>::from_patch(&PatchSpec::new(ring).with_degree([p, p]).with_elements([6, 3])).unwrap();
         let bytes = write(&[Part::new("ring", mesh.space().clone(), CellStyle::Lagrange)]).unwrap();
-        let mut mesh = parse(&bytes, &Limits::default()).unwrap().mesh().unwrap();
-        // angle, then radius: left-handed
-        mesh.points.iter_mut().for_each(|x| x[1] = -x[1]);
+        // angle, then radius is left-handed; its cells are not
+        let mesh = parse(&bytes, &Limits::default()).unwrap().mesh().unwrap();
         assert_eq!(mesh.points.len(), (6 * p + 1) * (3 * p + 1), "shared points are one");
         assert_eq!(p, mesh.blocks[0].order);
         let area = measure(&mesh, 2, Some("1")) / (0.75 * std::f64::consts::PI);
@@ -68,7 +67,8 @@ fn text_and_base64_arrays_of_other_programs_are_read() {
 fn grids_that_cannot_be_used_say_why() {
     for (from, to, expected) in [
         ("type=\"UnstructuredGrid\"", "type=\"PolyData\"", "a VTK file of type PolyData is not supported"),
-        ("byte_order", "compressor=\"vtkZLibDataCompressor\" byte_order", "a compressed VTU file"),
+        ("byte_order", "compressor=\"vtkLZ4DataCompressor\" byte_order", "a VTU file compressed by vtkLZ4DataCompressor"),
+        ("byte_order", "compressor=\"vtkZLibDataCompressor\" byte_order", "the data end early (byte "),
         ("0 1 2 0 2 3", "0 1 2 0 2 4", "a cell refers to point 4 of 4 (byte "),
         ("0 1 2 0 2 3", "0 1 2 0 2 -1", "a cell refers to point -1 of 4 (byte "),
         (">3 6<", ">6 3<", "the offsets of the cells do not fit their points (byte "),
@@ -83,6 +83,26 @@ fn grids_that_cannot_be_used_say_why() {
     let bezier = TEXT.replace("AgAAAA==BQU=", "AgAAAExM");
     let error = parse(bezier.as_bytes(), &Limits::default()).unwrap().mesh().unwrap_err();
     assert!(error.to_string().contains("Bezier triangle"), "{error}");
+}
+
+/// The types 5 and 5 as a block of two bytes: header and data as base64 texts of their own, as VTK writes, with 4-byte numbers.
+const PACKED: &str = "AQAAAACAAAACAAAACgAAAA==eJxjZQUAABEACw==";
+
+#[test]
+fn compressed_arrays_in_base64_are_read_and_damaged_ones_are_not() {
+    let zlib = TEXT.replace("byte_order", "compressor=\"vtkZLibDataCompressor\" byte_order").replace("AgAAAA==BQU=", PACKED);
+    assert_eq!(parse(zlib.as_bytes(), &Limits::default()).unwrap(), parse(TEXT.as_bytes(), &Limits::default()).unwrap());
+    for (from, to, expected) in [
+        ("eJxjZQUAABEACw==", "eJxjZQUAABEA", "the data end early"),
+        ("eJxjZQUAABEACw==", "eJxjZQUAABEAAA==", "a compressed block is damaged"),
+        // three bytes are promised
+        ("AQAAAACAAAACAAAACgAAAA==", "AQAAAACAAAADAAAACgAAAA==", "a compressed block is damaged"),
+        // 2^30 blocks
+        ("AQAAAACAAAACAAAACgAAAA==", "AAAAQACAAAACAAAACgAAAA==", "the data end early"),
+    ] {
+        let error = parse(zlib.replace(from, to).as_bytes(), &Limits::default()).unwrap_err();
+        assert!(error.to_string().contains(expected) && error.code() == "E043", "{to}: {error}");
+    }
 }
 
 #[test]

@@ -33,13 +33,14 @@ fn tied<const C: usize>(case: &Case, material: Arc<dyn Material<C, 2>>, gradient
     let lower = a.rectangle([0.0, 0.0], [1.0, 0.5], case.degree, [case.elements[0], 2]);
     let upper = b.rectangle([0.0, 0.5], [1.0, 1.0], case.degree, [case.elements[1], 2]);
     let extra = a.extra_points().max(b.extra_points());
-    let mut model = Bodies::<C>::new(vec![lower, upper], &form(&*material), extra);
+    let mut model = Bodies::<C>::new(vec![lower, upper], &form(&*material).unwrap(), extra);
     let all =
         |sides: [&'static str; 3]| -> Vec<(&'static str, usize)> { sides.iter().flat_map(|&s| (0..C).map(move |c| (s, c))).collect() };
     model.fix(0, &all(["u0", "u1", "v0"]), &exact);
     model.fix(1, &all(["u0", "u1", "v1"]), &exact);
     let sides = [model.trace(0, "v1"), model.trace(1, "v0")];
-    let flux = |k: usize| BodyFlux::<C, 1, 2>::new(model.bodies[k].space().clone(), sides[k].clone(), model.fields[k], material.clone());
+    let flux =
+        |k: usize| BodyFlux::<C, 1, 2>::new(model.bodies[k].space().clone(), sides[k].clone(), model.fields[k], material.clone()).unwrap();
     let fluxes = [flux(0), flux(1)];
     let (slave, master) = (case.slave, 1 - case.slave);
     let segments =
@@ -128,7 +129,7 @@ fn fluxes_and_couplings_of_curved_sides_and_repeated_knots_keep_their_contracts(
         let field = Field { first: 0, components: 2 };
         for side in ["v0", "v1", "u0"] {
             let trace = body.trace(side).unwrap();
-            let flux = BodyFlux::<2, 1, 2>::new(space.clone(), trace.clone(), field, hooke.clone());
+            let flux = BodyFlux::<2, 1, 2>::new(space.clone(), trace.clone(), field, hooke.clone()).unwrap();
             check::flux::<2, 1, 2, f64>(&flux, &trace, &**space, field, &*hooke).unwrap_or_else(|e| panic!("{kind:?} {side}: {e}"));
         }
     }
@@ -140,7 +141,8 @@ fn fluxes_and_couplings_of_curved_sides_and_repeated_knots_keep_their_contracts(
 fn the_stabilisation_is_the_eigenvalue_found_by_hand() {
     let body = Kind::Spline.rectangle([0.0, 0.0], [1.0, 1.0], 1, [1, 1]);
     let conductor: Arc<dyn Material<1, 2>> = Arc::new(Conductor::<2>::try_new(2.0).unwrap());
-    let flux = BodyFlux::<1, 1, 2>::new(body.space().clone(), body.trace("v1").unwrap(), Field { first: 0, components: 1 }, conductor);
+    let flux =
+        BodyFlux::<1, 1, 2>::new(body.space().clone(), body.trace("v1").unwrap(), Field { first: 0, components: 1 }, conductor).unwrap();
     let found = Flux::<1, 2>::stabilisation(&flux, 0);
     // ∫ flux² = k² / 12, energy k (c² + c + 1/3 + 1/12), c = -1/2
     let odd = 2.0 / 12.0 / (0.25 - 0.5 + 1.0 / 3.0 + 1.0 / 12.0);
@@ -153,7 +155,8 @@ fn interfaces_that_nitsche_cannot_couple_are_refused_in_words() {
     let sides = [bodies[0].trace("v1").unwrap(), bodies[1].trace("v0").unwrap()];
     let fields = [Field { first: 0, components: 1 }, Field { first: bodies[0].space().num_functions(), components: 1 }];
     let conductor: Arc<dyn Material<1, 2>> = Arc::new(Conductor::<2>::try_new(1.0).unwrap());
-    let fluxes = [0, 1].map(|k: usize| BodyFlux::<1, 1, 2>::new(bodies[k].space().clone(), sides[k].clone(), fields[k], conductor.clone()));
+    let fluxes =
+        [0, 1].map(|k: usize| BodyFlux::<1, 1, 2>::new(bodies[k].space().clone(), sides[k].clone(), fields[k], conductor.clone()).unwrap());
     let segments = SlaveRule::tied(3, Tolerance::Exact).segments(&*sides[0].space, &*sides[1].space).unwrap();
     let side = |k: usize| Side { trace: &sides[k], field: fields[k], flux: Some(&fluxes[k] as &dyn Flux<1, 2>) };
     let good =

@@ -54,7 +54,7 @@ fn assemble(
     let (mut matrices, mut load, mut prescribed) = (Vec::new(), Vec::new(), Vec::new());
     for (b, part) in parts.iter().enumerate() {
         let space = &**part.body.space();
-        matrices.push(stiffness(space, &gauss_rules(space, 0), &form(&material)));
+        matrices.push(stiffness(space, &gauss_rules(space, 0), &form(&material).expect("a linear law")));
         let mut own = vec![0.0; 2 * space.num_functions()];
         let traces: Vec<_> = part.sides.iter().map(|s| part.body.trace(s).expect("a side")).collect();
         let exact = [0, 1].map(|c| move |x: &Vector<2>| (grad * x)[c] + shift[b] * c as f64);
@@ -107,7 +107,7 @@ fn displacement_errors(parts: &[Part<'_>; 2], fields: [Field; 2], u: &[f64], gra
         let space = &**parts[b].body.space();
         let own = &u[fields[b].first..fields[b].first + 2 * space.num_functions()];
         let exact = |x: &Vector<2>| (grad * x + Vector::<2>::new(0.0, shift[b]), *grad);
-        errors(space, &gauss_rules(space, 1), &form(&material), own, &exact).error
+        errors(space, &gauss_rules(space, 1), &form(&material).expect("a linear law"), own, &exact).error
     });
     per_body[0].hypot(per_body[1])
 }

@@ -4,6 +4,7 @@ use super::Builder;
 use super::couples::Couples;
 use super::directions::{directions, slides};
 use super::fixed::Fixed;
+use super::meant::{meant, overlap};
 use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideModel};
 use super::multipliers::{held_help, multiplier, multiplier_fault};
 use super::obstacles::{num_pressed, obstacle, turned_away};
@@ -22,7 +23,7 @@ use crate::coupling::interface::{Partners, slave_segments};
 use crate::coupling::multiplier::MultiplierError;
 use crate::coupling::{Interface, Nitsche, Penalty, Segments, Side};
 use crate::io::case::{self, Cone, Integration, Master, Method};
-use crate::io::errors::Diagnostic;
+use crate::io::errors::{Diagnostic, Severity};
 use crate::io::formula::{Formula, Point};
 use crate::io::place::Place;
 use crate::linalg::Vector;
@@ -75,6 +76,7 @@ pub(super) fn build<const S: usize, const N: usize>(
             start: contact.active_set.start.value,
             formulation: formulation(contact),
         };
+        let mut behind = Vec::new();
         for (k, slave) in slaves.iter().enumerate() {
             let at = contact.slave.get(k).map_or(contact.head.at, |s| s.at);
             let taken = |function: usize, component: usize| {
@@ -89,10 +91,19 @@ pub(super) fn build<const S: usize, const N: usize>(
                         builder.faults.push(warning);
                     }
                 }
-                Err(fault) => builder.faults.push(*fault),
+                // sides of a list may look elsewhere, as long as one faces the opponent
+                Err(Missed::Nothing(fault)) => behind.push(*fault),
+                Err(Missed::Fault(fault)) => builder.faults.push(*fault),
             }
         }
-        if let Some(fault) = turned_away(builder, contact, &built) {
+        if let Some(fault) = built.parts.iter().find_map(|part| overlap(builder, model, part, contact)) {
+            builder.faults.push(fault);
+        }
+        for mut fault in behind {
+            if !built.parts.is_empty() {
+                fault.severity = Severity::Warning;
+                fault.help = Some("leave the side out of `slave`".into());
+            }
             builder.faults.push(fault);
         }
         model.contacts.push(built);
@@ -151,6 +162,20 @@ fn known<const S: usize, const N: usize>(
     Ok(())
 }
 
+/// Why a slave side has no part.
+enum Missed {
+    /// No point of it faces the opponent.
+    Nothing(Box<Diagnostic>),
+    /// Something else is wrong.
+    Fault(Box<Diagnostic>),
+}
+
+impl From<Box<Diagnostic>> for Missed {
+    fn from(fault: Box<Diagnostic>) -> Self {
+        Self::Fault(fault)
+    }
+}
+
 #[allow(clippy::type_complexity)]
 fn part<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
@@ -162,7 +187,7 @@ fn part<const S: usize, const N: usize>(
     at: Place,
     taken: &dyn Fn(usize, usize) -> bool,
     on_seam: &dyn Fn(usize) -> bool,
-) -> Result<(ContactPart<S, N>, Option<Diagnostic>), Box<Diagnostic>> {
+) -> Result<(ContactPart<S, N>, Option<Diagnostic>), Missed> {
     let name = &contact.name.value;
     let moves = built.obstacle.as_ref().is_some_and(|o| o.changes);
     let (mut second, mut finer) = (None, None);
@@ -174,7 +199,7 @@ fn part<const S: usize, const N: usize>(
         }
         None => {
             let Some(master) = &as_one(model, masters) else {
-                return Err(Box::new(builder.error("E021", format!("contact \"{name}\" has no master"), contact.head.at)));
+                return Err(Box::new(builder.error("E021", format!("contact \"{name}\" has no master"), contact.head.at)).into());
             };
             let points = degree(slave).max(degree(master)) + 1 + contact.extra_points.value;
             let make = |word: &str, points: usize| {
@@ -197,12 +222,20 @@ fn part<const S: usize, const N: usize>(
         }
     };
     let fault = |e: &ContactError| Box::new(contact_fault(builder, contact, slave, masters, e, at));
+    let missed = || {
+        let plain = fault(&ContactError::NoTarget);
+        let found = match &built.obstacle {
+            Some(obstacle) => turned_away(builder, contact, obstacle, slave, plain),
+            None => meant(model, slave, masters, plain),
+        };
+        Missed::Nothing(found)
+    };
     if let Formulation::Nitsche(method) = &built.formulation {
         method.check_factor().map_err(|e| Box::new(builder.error("E015", format!("contact \"{name}\": {e}"), contact.factor.at)))?;
         if built.is_pressed() {
             let text = "method = \"nitsche\" against an obstacle that a `force` presses is not in this version";
             let help = "write method = \"lagrange\", or give the obstacle a `move`";
-            return Err(Box::new(builder.error("E019", text, contact.method.at).with_help(help)));
+            return Err(Box::new(builder.error("E019", text, contact.method.at).with_help(help)).into());
         }
         let sides = PointSides { slave, against: &against, masters };
         let changes = moves || built.gap.depends_on_time() || sides.change(model);
@@ -216,7 +249,7 @@ fn part<const S: usize, const N: usize>(
                 return Ok((part, None));
             }
         }
-        return Err(fault(&ContactError::NoTarget));
+        return Err(missed());
     }
     // rows are along the normal of what is faced: an end is constrained where the body cannot move that way
     let slides = slides(model, slave);
@@ -241,7 +274,7 @@ fn part<const S: usize, const N: usize>(
         let text =
             format!("the multiplier of \"{name}\" on `{}` is over-constrained: the normal direction has 0 free unknowns", slave.label);
         let advice = help().unwrap_or_else(|| "free the side, or give it more elements".into());
-        return Err(Box::new(builder.error("E024", text, at).with_help(advice)));
+        return Err(Box::new(builder.error("E024", text, at).with_help(advice)).into());
     }
     let (psi, warning) = multiplier(builder, model, name, slave, &contact.multiplier, &stuck, None)?;
     if psi.num_functions() > free {
@@ -251,7 +284,7 @@ fn part<const S: usize, const N: usize>(
         if let Some(help) = help() {
             fault = fault.with_help(help);
         }
-        return Err(Box::new(fault));
+        return Err(Box::new(fault).into());
     }
     let changes = moves || built.gap.depends_on_time();
     let cone = match contact.cone.value {
@@ -272,7 +305,7 @@ fn part<const S: usize, const N: usize>(
             return Ok((part, warning));
         }
     }
-    Err(fault(&ContactError::NoTarget))
+    Err(missed())
 }
 
 fn rows<const S: usize, const N: usize>(
@@ -318,12 +351,12 @@ fn finer_rows<const S: usize, const N: usize>(
     segments: &Segments<S>,
 ) -> Option<Finer> {
     let Against::Side(master, _) = against else { return None };
-    let frames = Frames::against_master(&*slave.trace.space, &master.trace, segments).ok()?;
+    let (segments, frames) = Frames::against_master(&slave.trace, &master.trace, segments).ok()?;
     let interface = Interface {
         slave: Side { trace: &slave.trace, field: model.patches[slave.patch].field, flux: None },
         master: Some(Side { trace: &master.trace, field: master.field, flux: None }),
         multiplier: &[psi],
-        segments,
+        segments: &segments,
         master_segments: None,
         direction: Some(&frames.normal),
     };

@@ -1,14 +1,17 @@
 //! Which sides the interfaces of the case couple: slaves with their masters, named or found by where they touch.
 
 use super::Builder;
-use super::glue::share_of_touching;
 use super::joined::{Known, disjoint};
 use super::model::{PatchModel, SideModel};
 use super::sides::Sides;
+use super::ties::{labels, short};
+use super::touch::{SAME_PLACE, Touching, sag, touching_sides};
 use crate::app::registry::is_glue;
+use crate::geometry::Sag;
 use crate::io::case::{SideRef, Tie};
 use crate::io::errors::Diagnostic;
 use crate::io::place::{Located, Place};
+use crate::space::clearance;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
@@ -22,6 +25,10 @@ pub(super) struct Couple<const S: usize, const N: usize> {
     pub at: Place,
     /// Largest distance of the sides, where it is given \[length\].
     pub tolerance: Option<f64>,
+    /// Whether the case names both, so that they are meant to be tied.
+    pub is_named: bool,
+    /// Where their facets explain how far they are apart: the largest distance that points of them may have \[length\].
+    pub explained: Option<f64>,
 }
 
 /// The couples of every interface of the case, in its order; closed patches and touching patches of files come apart.
@@ -47,6 +54,9 @@ impl<const S: usize, const N: usize> Couples<S, N> {
         ties.flat_map(|(couples, _)| couples).chain(&self.seams)
     }
 }
+
+/// Named sides are tied across this share of the local element.
+const NAMED: f64 = 0.25;
 
 /// Finds the couples of all interfaces; what is wrong goes to the builder's faults.
 ///
@@ -77,7 +87,9 @@ pub(super) fn find<const S: usize, const N: usize>(
     for joint in &case.joints {
         let mut side = |k: usize| sides.get(builder, patches, &Located::new(joint.sides[k].clone(), joint.at));
         match side(0).and_then(|slave| Ok((slave, side(1)?))) {
-            Ok((slave, master)) => couples.seams.push(Couple { slave, masters: vec![master], at: joint.at, tolerance: None }),
+            Ok((slave, master)) => {
+                couples.seams.push(Couple { slave, masters: vec![master], at: joint.at, tolerance: None, is_named: false, explained: None })
+            }
             Err(fault) => builder.faults.push(*fault),
         }
     }
@@ -157,7 +169,58 @@ fn named<const S: usize, const N: usize>(
     let slaves = list(builder, &tie.slave);
     let masters: Vec<_> = list(builder, &tie.master).into_iter().map(|(side, _)| side).collect();
     let tolerance = tie.tolerance.value;
-    slaves.into_iter().map(|(slave, at)| Couple { slave, masters: masters.clone(), at, tolerance }).collect()
+    let couple = |(slave, at)| Couple { slave, masters: masters.clone(), at, tolerance, is_named: true, explained: None };
+    let mut couples: Vec<Couple<S, N>> = slaves.into_iter().map(couple).collect();
+    for couple in couples.iter_mut().filter(|c| c.tolerance.is_none()) {
+        match explained(builder, patches, couple) {
+            Ok(within) => couple.explained = within,
+            Err(warning) => builder.faults.push(*warning),
+        }
+    }
+    couples
+}
+
+/// The largest distance of points of named sides, where their facets explain how far they are apart; none where nothing tells.
+///
+/// # Errors
+/// A warning where they do not, and the sides are tied because they are named.
+fn explained<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    patches: &[PatchModel<S, N>],
+    couple: &Couple<S, N>,
+) -> Result<Option<f64>, Box<Diagnostic>> {
+    let exact = |s: &SideModel<S, N>| patches[s.patch].exact_map;
+    if exact(&couple.slave) && couple.masters.iter().all(|m| exact(m)) {
+        // 1e-8 of the size is all they may be apart: more is an error where they are tied
+        return Ok(None);
+    }
+    let all: Vec<&Arc<SideModel<S, N>>> = std::iter::once(&couple.slave).chain(&couple.masters).collect();
+    let sags: Vec<Sag<S, N>> = all.iter().map(|s| sag(builder.case, patches, s)).collect();
+    let boxes = all.iter().flat_map(|s| s.trace.space.all_bounds());
+    let floor = boxes.reduce(|a, b| a.union(&b)).map_or(0.0, |b| b.diagonal()) * SAME_PLACE;
+    let masters: Vec<_> = couple.masters.iter().zip(&sags[1..]).map(|(m, s)| (&m.trace, s)).collect();
+    let found = clearance((&couple.slave.trace, &sags[0]), &masters, NAMED, floor);
+    if found.is_empty() {
+        return Ok(None);
+    }
+    if found.touches(floor) {
+        return Ok(Some(widest(&sags, floor)));
+    }
+    let text = format!(
+        "`{}` and {} are {} apart in the mean, up to {}; their facets explain {} in the mean. They are tied because they are named",
+        couple.slave.label,
+        labels(&couple.masters),
+        short(found.mean()),
+        short(found.greatest),
+        short(found.allowed())
+    );
+    let help = "move the bodies together, refine the sides, or write `tolerance` if they are meant to be tied so";
+    Err(Box::new(builder.warning("E023", text, couple.at).with_help(help)))
+}
+
+/// The largest distance of points of sides whose facets deviate by `sags`: both deviations, and twice the larger that they miss.
+fn widest<const S: usize, const N: usize>(sags: &[Sag<S, N>], floor: f64) -> f64 {
+    (4.0 * sags.iter().map(Sag::greatest).fold(0.0, f64::max)).max(2.0 * floor)
 }
 
 /// u0 with u1 of one patch for `closed = "u"`, and so on.
@@ -176,7 +239,7 @@ fn ring<const S: usize, const N: usize>(
     }
     let mut side = |end: usize| sides.get(builder, patches, &Located::new(SideRef { patch, side: format!("{axis}{end}") }, closed.at));
     let (slave, master) = (side(1)?, side(0)?);
-    Ok(Couple { slave, masters: vec![master], at: closed.at, tolerance: None })
+    Ok(Couple { slave, masters: vec![master], at: closed.at, tolerance: None, is_named: false, explained: None })
 }
 
 fn is_all(between: &Located<Vec<String>>) -> bool {
@@ -233,7 +296,7 @@ fn explicit<const S: usize, const N: usize>(builder: &Builder<'_, S, N>) -> BTre
 /// Touching facets are found by a tree of boxes. To glue the patches of a file, call it with their numbers and push the
 /// couples to [`Couples::seams`]; [`find`] does so for its `files`.
 pub(super) fn touching<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    builder: &mut Builder<'_, S, N>,
     patches: &[PatchModel<S, N>],
     sides: &mut Sides<S, N>,
     bodies: &[usize],
@@ -249,8 +312,23 @@ pub(super) fn touching<const S: usize, const N: usize>(
     }
     let marks: Vec<_> = all.iter().map(|s| known.marks(s)).collect();
     let left_out = |a: usize, b: usize| all[a].patch == all[b].patch || known.hold((&all[a], &marks[a]), (&all[b], &marks[b]));
-    let is_exact = |k: usize| patches[k].exact_map;
-    let (mut shares, touched) = share_of_touching(&all, tolerance, &is_exact, &left_out);
+    let sags: Vec<Sag<S, N>> = all.iter().map(|s| sag(builder.case, patches, s)).collect();
+    let boxes = all.iter().flat_map(|s| s.trace.space.all_bounds());
+    let floor = boxes.reduce(|a, b| a.union(&b)).map_or(0.0, |b| b.diagonal()) * SAME_PLACE;
+    let explained = widest(&sags, floor);
+    let Touching { mut shares, touched, near } = touching_sides(&all, tolerance, &sags, floor, &left_out);
+    for ([a, b], found) in near {
+        let text = format!(
+            "`{}` and `{}` are {} apart in the mean, up to {}; their facets explain {} in the mean. They are not tied",
+            all[a].label,
+            all[b].label,
+            short(found.mean()),
+            short(found.greatest),
+            short(found.allowed())
+        );
+        let help = "if they are meant to be tied, name slave and master of an [[interface]], or give `tolerance`";
+        builder.faults.push(builder.warning("E023", text, at).with_help(help));
+    }
     if let Err([lost, other]) = disjoint(&all, &mut shares, &touched) {
         let text = format!("`{}` touches `{}` beyond the sides with which it shares facets", all[lost].label, all[other].label);
         return Err(Box::new(
@@ -264,6 +342,8 @@ pub(super) fn touching<const S: usize, const N: usize>(
             masters: masters.into_iter().map(|m| all[m].clone()).collect(),
             at,
             tolerance,
+            is_named: false,
+            explained: Some(explained),
         })
         .collect())
 }

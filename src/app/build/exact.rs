@@ -27,6 +27,11 @@ impl Exact {
         Self { components: formulas.iter().map(|f| f.value.clone()).collect() }
     }
 
+    /// Whether a component is made of pieces, whose derivatives may jump.
+    pub fn is_piecewise(&self) -> bool {
+        self.components.iter().any(Formula::is_piecewise)
+    }
+
     /// u_c.
     pub fn value(&self, component: usize, at: &Point) -> f64 {
         self.components[component].value(at)

@@ -6,22 +6,11 @@
 use super::Builder;
 use super::couples::{Couple, Couples};
 use super::meetings::{self, Hinge};
-use super::model::{PatchModel, SideModel};
+use super::model::PatchModel;
 use super::ties::{labels, short};
 use crate::assembly::Equation;
-use crate::basis::Order;
-use crate::geometry::{Bounds, ClosestPoint, MapTable, Tree, cell};
 use crate::io::errors::Diagnostic;
 use crate::space::{GlueError, Near, glue};
-use std::collections::BTreeMap;
-use std::sync::Arc;
-
-/// Touching sides are nearer than this share of the size of all sides.
-const TOUCHING: f64 = 1e-8;
-/// The same for sides that approximate a curve, as a share of the facet's size.
-const TOUCHING_CURVED: f64 = 0.25;
-/// The outward normals of touching sides are opposite: their product is below this.
-const OPPOSITE: f64 = -0.5;
 
 /// Which functions of the model are one function, in numbers unknown / components.
 #[derive(Clone, Debug, Default)]
@@ -70,7 +59,8 @@ impl Glued {
         let near = match couple.tolerance {
             Some(distance) => Near::Given(distance),
             None if exact => Near::Exact,
-            None => Near::Corners,
+            None if couple.is_named => Near::Corners,
+            None => Near::Facets,
         };
         let traces: Vec<_> = couple.masters.iter().map(|m| &m.trace).collect();
         let first = |patch: usize| patches[patch].field.first / self.components;
@@ -204,55 +194,6 @@ fn unite(root: &mut [usize], a: usize, b: usize) {
     };
     let (a, b) = (find(root, a), find(root, b));
     root[a.max(b)] = a.min(b);
-}
-
-/// The share of facets of side a that lie on side b, for all pairs (a, b) of sides of which at least one facet does, and the share of
-/// facets of every side that lie on any other.
-///
-/// A facet lies on a side if its centre does and the outward normals are opposite. One tree of boxes over all facets; pairs for which
-/// `left_out` holds are not looked at.
-pub(super) fn share_of_touching<const S: usize, const N: usize>(
-    sides: &[Arc<SideModel<S, N>>],
-    tolerance: Option<f64>,
-    is_exact: &dyn Fn(usize) -> bool,
-    left_out: &dyn Fn(usize, usize) -> bool,
-) -> (BTreeMap<(usize, usize), f64>, Vec<f64>) {
-    let facets: Vec<(usize, usize)> = sides.iter().enumerate().flat_map(|(k, s)| (0..s.trace.facets.len()).map(move |f| (k, f))).collect();
-    let boxes: Vec<Bounds<N>> = sides.iter().flat_map(|s| s.trace.space.all_bounds()).collect();
-    let tree = Tree::new(boxes);
-    let size = tree.bounds().map_or(0.0, |b| b.diagonal());
-    let mut closest: Vec<Option<ClosestPoint<S, N, _>>> = sides.iter().map(|_| None).collect();
-    let (mut map, mut other) = (MapTable::new(), MapTable::new());
-    let mut shares: BTreeMap<(usize, usize), f64> = BTreeMap::new();
-    let mut touched = vec![0.0; sides.len()];
-    for (i, &(a, f)) in facets.iter().enumerate() {
-        let trace = &sides[a].trace;
-        trace.space.map(f, &[cell::center(trace.space.cell(f))], Order::Gradients, &mut map);
-        let (x, normal) = (map.x[0], trace.normal(f, &map.jacobian[0]));
-        let curved = (tree.item(i).diagonal() * TOUCHING_CURVED).max(size * TOUCHING);
-        let widest = tolerance.unwrap_or(curved);
-        let mut near: Vec<usize> =
-            tree.meeting(&Bounds { lo: x, hi: x }.inflated(widest)).into_iter().map(|j| facets[j].0).filter(|&b| b != a).collect();
-        near.sort_unstable();
-        near.dedup();
-        near.retain(|&b| !left_out(a, b));
-        let mut lies = false;
-        for b in near {
-            let both = is_exact(sides[a].patch) && is_exact(sides[b].patch);
-            let allowed = tolerance.unwrap_or(if both { size * TOUCHING } else { curved });
-            let target = closest[b].get_or_insert_with(|| ClosestPoint::new(sides[b].trace.space.clone()));
-            let Some(foot) = target.project_within(&x, allowed).filter(|p| p.distance <= allowed) else { continue };
-            sides[b].trace.space.map(foot.element, &[foot.xi], Order::Gradients, &mut other);
-            if normal.dot(&sides[b].trace.normal(foot.element, &other.jacobian[0])) < OPPOSITE {
-                *shares.entry((a, b)).or_default() += 1.0 / trace.facets.len() as f64;
-                lies = true;
-            }
-        }
-        if lies {
-            touched[a] += 1.0 / trace.facets.len() as f64;
-        }
-    }
-    (shares, touched)
 }
 
 fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, couple: &Couple<S, N>, error: &GlueError) -> Diagnostic {

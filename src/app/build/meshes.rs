@@ -41,6 +41,14 @@ pub(super) fn body<const S: usize, const N: usize>(
     Ok(Box::new(mesh))
 }
 
+/// The mesh of a patch as its file has it, in place, where it is halved for the patch: its facets have parts that do not turn.
+pub(super) fn unrefined<const S: usize, const N: usize>(patch: &Patch) -> Option<Box<dyn Body<S, N>>> {
+    let part = patch.geometry.shape.part().filter(|p| p.is_mesh() && patch.refine.value > 0)?;
+    let mut cells = part.cells::<N>()?;
+    cells.points = placed_points(&cells.points, &patch.geometry).ok()?;
+    Some(Box::new(Mesh::<S, N>::from_cells(&cells, 1, space::Mapping::Exact).ok()?))
+}
+
 /// Points of a mesh scaled, rotated, moved as their geometry says.
 pub(super) fn placed_points<const N: usize>(points: &[Vector<N>], geometry: &Geometry) -> Result<Vec<Vector<N>>, String> {
     let turn = turn_of(geometry)?;

@@ -10,6 +10,7 @@ mod exact;
 mod fixed;
 mod glue;
 mod joined;
+mod meant;
 mod meetings;
 mod meshes;
 mod model;
@@ -29,9 +30,11 @@ mod soft;
 mod stored;
 mod supports;
 mod ties;
+mod touch;
 mod traces;
 mod values;
 mod volume;
+mod weak;
 
 use super::registry::Names;
 use crate::geometry::ControlNet;
@@ -62,8 +65,10 @@ pub(crate) use stored::stored_run;
 pub use supports::free_motions;
 pub(crate) use supports::sentences;
 pub(crate) use ties::short;
+pub use touch::sag;
 pub use traces::{SlaveEnds, SlaveSpaces, slave_spaces};
 pub use volume::volume_net;
+pub(crate) use weak::weakly_held;
 
 /// Makes the net of a shape, its transformations included, in N dimensions.
 pub type MakeNet<const N: usize> = fn(&crate::io::case::Geometry) -> Result<ControlNet<N, N>, (&'static str, String)>;

@@ -37,7 +37,7 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub changing: Option<Box<Changing>>,
     /// Rules of the bulk integrals.
     pub rules: PerElement<N>,
-    /// Gauss points per direction beyond degree + 1.
+    /// Gauss points per direction of its sides beyond degree + 1.
     pub extra_points: usize,
     /// Whether its sides lie exactly on those of the geometry.
     pub exact_map: bool,

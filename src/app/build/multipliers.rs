@@ -3,12 +3,13 @@
 use super::Builder;
 use super::boundary::component_name;
 use super::model::{Model, SideModel};
-use crate::basis::{Basis, Extracted, Order, ShapeTable};
+use crate::basis::{Basis, Cell, Extracted, Order, Polynomials, ShapeTable};
 use crate::coupling::multiplier::{Ends, MultiplierError, MultiplierKind};
 use crate::io::case::{self, Multiplier};
 use crate::io::errors::Diagnostic;
 use crate::io::place::{Located, Place};
 use crate::linalg::Vector;
+use crate::space::Space;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// A multiplier by its words, and the warning it deserves.
@@ -50,6 +51,20 @@ pub(super) fn multiplier<const S: usize, const N: usize>(
         _ => return Err(Box::new(builder.error("E019", "this multiplier is not in this version", wanted.at))),
     };
     let made = made.map(|psi| wrapped(model, slave, constrained, psi));
+    if let (Ok(psi), None) = (&made, &warning)
+        && let Some((degree, lowered)) = by_another_name(&wanted.value, &*slave.trace.space, &**psi)
+    {
+        let word = match &wanted.value {
+            Multiplier::Named(word) => format!("\"{word}\""),
+            _ => format!("of degree {}", degree - lowered),
+        };
+        let text = format!(
+            "multiplier {word} of \"{name}\" is p/p-{lowered} on this side of degree {degree}, which is not stable: its pressure oscillates; \
+             `faying infsup` shows it"
+        );
+        let help = if degree == 1 { "use p/p, or raise the degree of the slave to 2" } else { "use p/p or p/p-2" };
+        warning = Some(builder.warning("E061", text, wanted.at).with_help(help));
+    }
     made.map(|psi| (psi, warning)).map_err(|e| {
         let mut fault = multiplier_fault(builder, name, slave, &e, wanted.at, N.max(2));
         if let (MultiplierError::NothingLeft { .. }, Some(c)) = (&e, component) {
@@ -57,6 +72,32 @@ pub(super) fn multiplier<const S: usize, const N: usize>(
         }
         Box::new(fault)
     })
+}
+
+/// Degree of the side and k, where `psi` is an unstable p/p-k of `space` by another name: constants, or a space given as data.
+///
+/// k = 1 is unstable on every side of tensor cells, k = 3, 5, ... on those of splines with one function per element: continuous
+/// functions of degree 3 have bubbles enough for constants. On triangles p/p-1 is another space.
+fn by_another_name<const S: usize, const N: usize>(
+    wanted: &Multiplier,
+    space: &dyn Space<S, N>,
+    psi: &dyn Basis<S>,
+) -> Option<(usize, usize)> {
+    let is_tensor = S == 1 || (0..space.num_elements()).all(|e| space.cell(e) == Cell::Tensor);
+    let could = matches!(wanted, Multiplier::Data { .. }) || matches!(wanted, Multiplier::Named(word) if word == "constant");
+    if !is_tensor || !could {
+        return None;
+    }
+    let least = |basis: &dyn Fn(usize) -> [usize; S]| (0..space.num_elements()).flat_map(basis).min();
+    let degree = least(&|e| space.degree(e))?;
+    let lowered = degree.checked_sub((0..space.num_elements()).flat_map(|e| psi.degree(e)).max()?)?;
+    let smooth = || {
+        let grow = |axis: &dyn Basis<1>| axis.num_functions() == axis.num_elements() + axis.degree(0)[0];
+        space.block(0).is_some_and(|b| b.axes.iter().all(|axis| grow(*axis)))
+    };
+    let unstable = lowered == 1 || (lowered % 2 == 1 && smooth());
+    let same = space.polynomials(Polynomials::Lowered(lowered)).is_none_or(|named| named.num_functions() == psi.num_functions());
+    (unstable && same).then_some((degree, lowered))
 }
 
 /// Functions with less than this value at a corner do not live there.

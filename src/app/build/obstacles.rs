@@ -1,12 +1,12 @@
 //! Rigid obstacles: what they are made of, where they are at a time, what presses them.
 
 use super::Builder;
-use super::model::ContactModel;
+use super::model::SideModel;
 use super::outline::{is_curve, plane_outline, surface};
 use crate::app::registry::{Fault, MakeObstacle};
 use crate::basis::Order;
 use crate::contact::{HalfPlane, LevelSet, Moved, Sphere, Target};
-use crate::geometry::{Geometry, MapTable};
+use crate::geometry::{MapTable, cell};
 use crate::io::case::{self, ObstacleShape};
 use crate::io::errors::Diagnostic;
 use crate::io::formula::{Formula, Point};
@@ -152,27 +152,27 @@ fn at_rest<const S: usize, const N: usize>(
     })
 }
 
-/// E023 where all slave sides look away from the obstacle that they should be pressed on: it is turned the wrong way round.
+/// `plain`, or what is wrong where the slave's points have the obstacle behind them: it is turned the wrong way round.
 pub(super) fn turned_away<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     contact: &case::Contact,
-    built: &ContactModel<S, N>,
-) -> Option<Diagnostic> {
-    let case::Master::Rigid(obstacle) = &contact.master else { return None };
-    let mut map = MapTable::new();
-    let mut points = 0;
-    for part in &built.parts {
-        let (segments, trace) = (&part.first.segments, &part.slave.trace);
-        for piece in 0..segments.num_pieces() {
-            let (element, range) = (segments.slave[piece], segments.points(piece));
-            trace.space.map(element, &segments.slave_xi[range.clone()], Order::Gradients, &mut map);
-            for (jacobian, q) in map.jacobian.iter().zip(range) {
-                points += 1;
-                if trace.normal(element, jacobian).dot(&part.first.frames.normal[q]) < SAME_WAY {
-                    return None;
-                }
-            }
+    model: &ObstacleModel<S, N>,
+    slave: &SideModel<S, N>,
+    plain: Box<Diagnostic>,
+) -> Box<Diagnostic> {
+    let case::Master::Rigid(obstacle) = &contact.master else { return plain };
+    let (mut map, trace) = (MapTable::new(), &slave.trace);
+    let target = model.target(builder.case.steps.value.first().copied().unwrap_or(1.0), None);
+    let (mut points, mut behind) = (0, 0);
+    for element in 0..trace.facets.len() {
+        trace.space.map(element, &[cell::center(trace.space.cell(element))], Order::Gradients, &mut map);
+        if let Some(hit) = target.project(&map.x[0]) {
+            points += 1;
+            behind += usize::from(trace.normal(element, &map.jacobian[0]).dot(&hit.normal) >= SAME_WAY);
         }
+    }
+    if points == 0 || behind < points {
+        return plain;
     }
     let help = match &obstacle.shape.value {
         ObstacleShape::HalfPlane { .. } => "`normal` points out of the obstacle: change its sign",
@@ -183,10 +183,11 @@ pub(super) fn turned_away<const S: usize, const N: usize>(
         }
         _ => "choose the side of the body that faces the obstacle",
     };
-    let sides = built.parts.iter().map(|p| format!("`{}`", p.slave.label)).collect::<Vec<_>>().join(", ");
-    let text =
-        format!("{sides} and the obstacle of contact \"{}\" look the same way: the body is on the wrong side of it", contact.name.value);
-    (points > 0).then(|| builder.error("E023", text, obstacle.at).with_help(help))
+    let text = format!(
+        "`{}` and the obstacle of contact \"{}\" look the same way: the body is on the wrong side of it",
+        slave.label, contact.name.value
+    );
+    Box::new(builder.error("E023", text, obstacle.at).with_help(help))
 }
 
 /// What makes obstacles of geometries in the plane.

@@ -86,7 +86,7 @@ fn curve(net: ControlNet<1, 2>) -> Result<Vec<OutlinePiece>, Fault> {
         }
         None => Arc::new(ControlPoints { basis: axis, points }),
     };
-    let size = map.all_bounds().into_iter().reduce(|a, b| a.union(&b)).map_or(0.0, |b| b.diagonal());
+    let size = map.extent().map_or(0.0, |b| b.diagonal());
     let looks: Vec<Vector<1>> = (0..LOOKS).map(|k| Vector::<1>::new(k as f64 / (LOOKS - 1) as f64)).collect();
     let mut table = MapTable::new();
     for e in 0..map.num_elements() {

@@ -5,7 +5,7 @@ use super::model::{Changing, PatchModel};
 use super::physics::Physics;
 use super::{Builder, MakeNet};
 use crate::app::registry::{Fault, carries_geometry};
-use crate::assembly::gauss_rules;
+use crate::assembly::{gauss_rules_along, points_of_curved_cells};
 use crate::basis::Cell;
 use crate::geometry::{Bounds, ControlNet, Geometry};
 use crate::io::case::{self, Cells, Patch};
@@ -59,8 +59,10 @@ fn one<const S: usize, const N: usize>(
     let first_time = case.steps.value.first().copied().unwrap_or(1.0);
     let physics = Physics::of(material, assumption, first_time)
         .map_err(|e| builder.error("E053", format!("material \"{}\": {e}", material.name.value), super::values::key(material, &e)))?;
-    let extra_points = patch.discretization.extra_points.value;
-    let rules = gauss_rules(&**body.space(), extra_points);
+    let curved = points_of_curved_cells(&**body.space());
+    let rules = gauss_rules_along(&**body.space(), curved.map(|k| k + patch.discretization.extra_points.value));
+    // the normals of its sides are products of two derivatives of the map as well
+    let extra_points = patch.discretization.extra_points.value + curved.into_iter().max().unwrap_or(0);
     let source = [&case.model.source, &patch.source].into_iter().flatten().flat_map(|s| s.value.iter().map(|f| f.value.clone())).collect();
     let accelerations = [&case.model.gravity, &patch.gravity].into_iter().flatten();
     let gravity = accelerations.fold(None, |sum: Option<Vec<f64>>, g| {
@@ -163,7 +165,7 @@ pub(super) fn shares<const S: usize, const N: usize>(
 
 /// Middle and diagonal of the box around all bodies.
 pub(super) fn extent<const S: usize, const N: usize>(patches: &[PatchModel<S, N>]) -> (Vector<N>, f64) {
-    let boxes = patches.iter().filter_map(|p| p.body.space().all_bounds().into_iter().reduce(|a, b| a.union(&b)));
+    let boxes = patches.iter().filter_map(|p| p.body.space().extent());
     let whole: Option<Bounds<N>> = boxes.reduce(|a, b| a.union(&b));
     whole.map_or((Vector::zeros(), 1.0), |b| (b.center(), b.diagonal().max(f64::MIN_POSITIVE)))
 }

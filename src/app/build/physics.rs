@@ -3,7 +3,7 @@
 use super::exact::Exact;
 use super::reference::ReferencePatch;
 use crate::app::run::Resultant;
-use crate::assembly::{self, Errors};
+use crate::assembly::{self, Errors, Form};
 use crate::io::case::{self, Elastic as Constants};
 use crate::io::formula::{Formula, Point};
 use crate::linalg::{Csr, Matrix, Vector};
@@ -16,9 +16,9 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub enum Physics<const N: usize> {
     /// One component.
-    Scalar(Arc<dyn Material<1, N>>),
+    Scalar(Arc<Conductor<N>>),
     /// As many components as coordinates.
-    Vector(Arc<dyn Material<N, N>>),
+    Vector(Arc<Hooke<N>>),
 }
 
 /// The solution at a point.
@@ -41,6 +41,14 @@ pub type SideFn<'a, const N: usize> = dyn Fn(&Vector<N>, &Vector<N>, &mut [f64])
 fn jet<const N: usize>(formula: &Formula, x: &Vector<N>, t: f64) -> Jet<N> {
     let jet = formula.slope(&Point::new(x.as_slice()).at_time(t));
     Jet::new(jet.value, Vector::from_fn(|k, _| jet.gradient[k]))
+}
+
+/// The laws of cases are linear.
+const LINEAR: &str = "Hooke's and Fourier's laws are linear";
+
+/// The form of a law of a case.
+fn form<const C: usize, const N: usize>(material: &dyn Material<C, N>) -> Form<'_, C, N> {
+    physics::form(material).expect(LINEAR)
 }
 
 fn filled<const C: usize>(fill: impl FnOnce(&mut [f64])) -> Vector<C> {
@@ -98,19 +106,35 @@ impl<const N: usize> Physics<N> {
         }
     }
 
+    /// The modulus at `x` that scales penalties [force/area].
+    pub fn modulus(&self, x: &Vector<N>) -> f64 {
+        match self {
+            Self::Scalar(m) => m.modulus(x),
+            Self::Vector(m) => m.modulus(x),
+        }
+    }
+
+    /// Whether the material is the same everywhere.
+    pub fn is_homogeneous(&self) -> bool {
+        match self {
+            Self::Scalar(m) => m.is_homogeneous(),
+            Self::Vector(m) => m.is_homogeneous(),
+        }
+    }
+
     /// sigma n of the field numbered by `field` through a side of the body.
     pub fn flux<const S: usize>(&self, space: &Arc<dyn Space<N, N>>, trace: &Trace<S, N>, field: Field) -> Box<dyn Flux<S, N>> {
         match self {
-            Self::Scalar(m) => Box::new(BodyFlux::new(Arc::clone(space), trace.clone(), field, Arc::clone(m))),
-            Self::Vector(m) => Box::new(BodyFlux::new(Arc::clone(space), trace.clone(), field, Arc::clone(m))),
+            Self::Scalar(m) => Box::new(BodyFlux::new(Arc::clone(space), trace.clone(), field, m.clone()).expect(LINEAR)),
+            Self::Vector(m) => Box::new(BodyFlux::new(Arc::clone(space), trace.clone(), field, m.clone()).expect(LINEAR)),
         }
     }
 
     /// The stiffness of a body.
     pub fn stiffness(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>) -> Csr {
         match self {
-            Self::Scalar(m) => assembly::stiffness(space, rules, &physics::form(&**m)),
-            Self::Vector(m) => assembly::stiffness(space, rules, &physics::form(&**m)),
+            Self::Scalar(m) => assembly::stiffness(space, rules, &form(&**m)),
+            Self::Vector(m) => assembly::stiffness(space, rules, &form(&**m)),
         }
     }
 
@@ -198,24 +222,24 @@ impl<const N: usize> Physics<N> {
     /// Norms of the error of `u` against the exact solution at time `t`.
     pub fn errors(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, u: &[f64], exact: &Exact, t: f64) -> Errors {
         match self {
-            Self::Scalar(m) => assembly::errors(space, rules, &physics::form(&**m), u, &|x: &Vector<N>| {
-                exact.slope::<1, N>(&Point::new(x.as_slice()).at_time(t))
-            }),
-            Self::Vector(m) => assembly::errors(space, rules, &physics::form(&**m), u, &|x: &Vector<N>| {
-                exact.slope::<N, N>(&Point::new(x.as_slice()).at_time(t))
-            }),
+            Self::Scalar(m) => {
+                assembly::errors(space, rules, &form(&**m), u, &|x: &Vector<N>| exact.slope::<1, N>(&Point::new(x.as_slice()).at_time(t)))
+            }
+            Self::Vector(m) => {
+                assembly::errors(space, rules, &form(&**m), u, &|x: &Vector<N>| exact.slope::<N, N>(&Point::new(x.as_slice()).at_time(t)))
+            }
         }
     }
 
     /// Norms of the difference of `u` and a stored run, on the rules that come with it.
     pub fn difference<const S: usize>(&self, space: &dyn Space<N, N>, u: &[f64], other: &ReferencePatch<S, N>) -> Errors {
         match self {
-            Self::Scalar(m) => assembly::difference(space, &other.rules, &physics::form(&**m), u, &|e, xi: &Vector<N>, x: &Vector<N>| {
-                other.at::<1>(e, xi, x)
-            }),
-            Self::Vector(m) => assembly::difference(space, &other.rules, &physics::form(&**m), u, &|e, xi: &Vector<N>, x: &Vector<N>| {
-                other.at::<N>(e, xi, x)
-            }),
+            Self::Scalar(m) => {
+                assembly::difference(space, &other.rules, &form(&**m), u, &|e, xi: &Vector<N>, x: &Vector<N>| other.at::<1>(e, xi, x))
+            }
+            Self::Vector(m) => {
+                assembly::difference(space, &other.rules, &form(&**m), u, &|e, xi: &Vector<N>, x: &Vector<N>| other.at::<N>(e, xi, x))
+            }
         }
     }
 

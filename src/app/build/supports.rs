@@ -1,6 +1,6 @@
 //! Rigid motions that are left when every contact is closed.
 
-use super::model::{Against, ContactPart, Model};
+use super::model::{Against, ContactPart, Model, SideSpring};
 use super::rigid::{FreeBody, RigidModes, RigidRow};
 use super::{Builder, SideModel};
 use crate::basis::Order;
@@ -111,6 +111,15 @@ pub fn free_motions<const S: usize, const N: usize>(
 
 /// The rigid motions of a model and what supports, springs and ties ask of them: both ways, without contacts.
 pub(super) fn held<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies) -> (RigidModes<N>, Vec<RigidRow<N>>) {
+    held_by(model, bodies, &model.springs)
+}
+
+/// [`held`] with `springs` in the place of those of the model.
+pub(super) fn held_by<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    bodies: &RigidBodies,
+    springs: &[SideSpring<S, N>],
+) -> (RigidModes<N>, Vec<RigidRow<N>>) {
     let body = |patch: usize| bodies.of_patch(model, patch);
     let modes = RigidModes { bodies: bodies.len(), components: model.components, center: model.center, size: model.size };
     let mut rows: Vec<RigidRow<N>> = Vec::new();
@@ -128,7 +137,7 @@ pub(super) fn held<const S: usize, const N: usize>(model: &Model<S, N>, bodies: 
             fix(body(p.rim.patch), unit(p.component), *x);
         }
     }
-    for s in &model.springs {
+    for s in springs {
         for x in points(&s.side) {
             fix(body(s.side.patch), unit(s.component), x);
         }
@@ -138,7 +147,9 @@ pub(super) fn held<const S: usize, const N: usize>(model: &Model<S, N>, bodies: 
         let Some(&(first, _)) = e.terms.first() else { continue };
         let Some(patch) = model.patches.iter().position(|p| p.range().contains(&first)) else { continue };
         let field = model.patches[patch].field;
-        if e.terms.iter().any(|t| (t.0 - field.first) / field.components != (first - field.first) / field.components) {
+        // unknowns of other patches may come before those of this one
+        let function = |unknown: usize| unknown.checked_sub(field.first).map(|k| k / field.components);
+        if e.terms.iter().any(|t| function(t.0) != function(first)) {
             continue;
         }
         let mut direction = Vector::<N>::zeros();

@@ -2,7 +2,7 @@
 
 use super::Builder;
 use super::boundary::component_name;
-use super::couples::Couples;
+use super::couples::{Couple, Couples};
 use super::fixed::Fixed;
 use super::model::{Model, Pairing, SideModel, TieModel, TiePart};
 use super::multipliers::{held_help, multiplier, multiplier_fault};
@@ -78,7 +78,7 @@ pub(super) fn build<const S: usize, const N: usize>(
         }
         let mut parts = Vec::new();
         for couple in couples {
-            match part(builder, model, tie, &couple.slave, &couple.masters, couple.at, fixed, &members) {
+            match part(builder, model, tie, couple, fixed, &members) {
                 Ok((part, warnings)) => {
                     model.rows += part.num_rows;
                     parts.push(part);
@@ -141,12 +141,11 @@ fn part<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     model: &Model<S, N>,
     tie: &Tie,
-    slave: &Arc<SideModel<S, N>>,
-    masters: &[Arc<SideModel<S, N>>],
-    at: Place,
+    couple: &Couple<S, N>,
     fixed: &Fixed,
     members: &Memberships,
 ) -> Result<(TiePart<S, N>, Vec<Diagnostic>), Box<Diagnostic>> {
+    let (slave, masters, at) = (&couple.slave, &couple.masters[..], couple.at);
     let mut warnings = Vec::new();
     let name = &tie.name.value;
     let coupling = coupling_of(builder, tie)?;
@@ -186,7 +185,7 @@ fn part<const S: usize, const N: usize>(
     let mut finer: Vec<Segments<S>> = Vec::new();
     let mut missed: Option<CouplingError> = None;
     for master in masters {
-        match segments(builder, model, tie, slave, master)? {
+        match segments(builder, model, tie, couple, master)? {
             Ok((segments, second)) => {
                 pairings.push(Pairing { master: master.clone(), segments, second });
                 finer.extend(finer_segments(builder, tie, slave, master));
@@ -283,15 +282,16 @@ fn segments<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     model: &Model<S, N>,
     tie: &Tie,
-    slave: &SideModel<S, N>,
+    couple: &Couple<S, N>,
     master: &SideModel<S, N>,
 ) -> Result<Found<S>, Box<Diagnostic>> {
+    let slave = &*couple.slave;
     let points = degree(slave).max(degree(master)) + 1 + tie.extra_points.value;
     let is_exact = model.patches[slave.patch].exact_map && model.patches[master.patch].exact_map;
     let tolerance = match tie.tolerance.value {
         Some(distance) => Tolerance::Given(distance),
         None if is_exact => Tolerance::Exact,
-        None => Tolerance::Local,
+        None => couple.explained.map_or(Tolerance::Local, Tolerance::Given),
     };
     let word = if tie.integration.value == Integration::Merged { "merged" } else { "slave" };
     let make = builder.names.integrations.get(word).map_err(|e| Box::new(builder.error("E019", e.to_string(), tie.integration.at)))?;

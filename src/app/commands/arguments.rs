@@ -90,7 +90,7 @@ pub struct RunArguments {
     /// Use this backend for every patch: iga, fe
     #[arg(long, value_name = "NAME")]
     pub backend: Option<String>,
-    /// Cells of fields.vtu [default: bezier for iga, lagrange for fe]
+    /// Cells of fields.vtu [default: lagrange]
     #[arg(long, value_name = "CELLS")]
     pub vtu: Option<VtuCells>,
     /// Store the last state in FILE: cases with `reference = "FILE"` in [model] measure their errors against it
@@ -266,10 +266,10 @@ pub struct StudyArguments {
 /// Cells of `fields.vtu`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum VtuCells {
-    /// Exact, rational weights included
-    Bezier,
-    /// Equispaced nodes, for readers without Bezier cells
+    /// Values at equispaced nodes
     Lagrange,
+    /// Exact, rational weights included; values are coefficients
+    Bezier,
     /// Straight cells
     Linear,
     /// No .vtu files
@@ -301,13 +301,13 @@ pub struct Common {
     /// One JSON document on stdout, or in FILE, instead of the summary on stdout
     #[arg(long, global = true, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
     pub json: Option<PathBuf>,
-    /// Number of threads [default: one per core]; results do not depend on it
+    /// Number of threads [default: one per core]; results do not depend on it. Fewer where the address space is limited
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Change a key of the case, such as patch.lower.degree=3 (repeatable)
     #[arg(long = "set", global = true, value_name = "KEY=VALUE", value_parser = assignment)]
     pub set: Vec<String>,
-    /// Most memory to use, such as 4GB; a run that would need more ends before it starts
+    /// Most memory to use, such as 4GB; a run that would need more, or more than the limits of the process, ends before it starts
     #[arg(long, global = true, value_name = "SIZE", value_parser = bytes)]
     pub max_memory: Option<u64>,
     /// Longest time in seconds; a factorisation that has begun comes to its end first

@@ -3,13 +3,15 @@
 use super::arguments::Common;
 use super::ended::Ended;
 use super::manifest::Input;
+use super::signals;
+use crate::app::run::most_threads;
 use crate::app::{Registry, Watch};
 use crate::io::case::{Case, ReadOptions, not_found};
 use crate::io::errors::Diagnostic;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// A case with what is known of its file.
@@ -117,27 +119,29 @@ pub fn known_backend(registry: &Registry, name: &str, option: &str) -> Result<()
     known.or_else(|_| registry.plane.backends.get(name).map(|_| ())).map_err(|e| super::usage(&format!("{option}: {e}"), None))
 }
 
-/// The limits of the options, and a flag that Ctrl-C sets; a second Ctrl-C ends at once.
+/// The limits of the options, and a flag that requests to end set; see [`signals::listen`].
 pub fn watch(common: &Common) -> Watch {
     let interrupted = Arc::new(AtomicBool::new(false));
-    let flag = interrupted.clone();
-    let handler = move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-        eprintln!("interrupted: writing what there is; press again to end at once");
-    };
-    // a program around this library may have a handler of its own; then it decides
-    let _ = ctrlc::set_handler(handler);
+    signals::listen(&interrupted);
     let deadline = common.time_limit.map(|seconds| (Instant::now() + Duration::from_secs_f64(seconds), seconds));
     Watch { interrupted, deadline, max_memory: common.max_memory, listener: None }
 }
 
-/// The threads of the options.
+/// The threads of the options, as many of them as the limits of the process leave room for.
+///
+/// # Errors
+/// E081 where not even one can be started.
 pub fn pool(common: &Common) -> Result<rayon::ThreadPool, Ended> {
-    let wanted = common.threads.map_or(0, usize::from); // zero: one per core
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(wanted)
-        .build()
-        .map_err(|e| Ended::plain("internal", 70, &format!("threads cannot be started: {e}"), None))
+    let wanted = common.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let mut threads = wanted.min(most_threads());
+    loop {
+        match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+            Ok(pool) => return Ok(pool),
+            Err(_) if threads > 1 => threads /= 2,
+            Err(e) => {
+                let fault = Diagnostic::error("E081", format!("no thread can be started: {e}"));
+                return Err(fault.with_help("raise the limits of the process on memory (ulimit -v) and processes (ulimit -u)").into());
+            }
+        }
+    }
 }

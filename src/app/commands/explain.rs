@@ -2,6 +2,8 @@
 
 use super::arguments::ExplainArguments;
 use super::ended::Ended;
+use crate::app::quantities::{Kind, Quantity};
+use crate::io::case::is_key;
 use crate::io::codes::{self, CODES};
 use crate::io::errors::nearest;
 use crate::io::table::Table;
@@ -11,6 +13,18 @@ use serde_json::{Value, json};
 pub fn explain(arguments: &ExplainArguments) -> Ended {
     let Some(given) = &arguments.code else { return all() };
     let Some(code) = codes::find(given.trim()) else {
+        let word = given.trim();
+        // a code is a letter with digits; every other word may be a key or a quantity
+        let later = if is_key(word) {
+            Some(("key of case files", "keys", "`faying schema` describes every key"))
+        } else if is_quantity(word) {
+            Some(("quantity", "quantities", "write it in a [[probe]]: `faying check` says whether the case has it"))
+        } else {
+            None
+        };
+        if let Some((what, them, help)) = later {
+            return super::usage(&format!("`{word}` is a {what}, and explaining {them} is not in this version"), Some(help));
+        }
         let near = nearest(&given.trim().to_uppercase(), CODES.iter().map(|c| c.code));
         let help = near.map_or_else(
             || "`faying explain` lists all codes".to_owned(),
@@ -29,6 +43,14 @@ pub fn explain(arguments: &ExplainArguments) -> Ended {
     );
     let document = json!({"code": code.code, "title": code.title, "exit_of_code": code.exit, "text": code.text, "example": code.example, "remedy": code.remedy});
     Ended::done("explain", text, document)
+}
+
+/// Whether a word has the form of a quantity; numbers of results are named by paths of at least two parts.
+fn is_quantity(word: &str) -> bool {
+    Quantity::parse(word).is_ok_and(|quantity| match quantity.kind {
+        Kind::Path(path) => path.len() > 1 || matches!(word, "energy" | "unknowns"),
+        _ => true,
+    })
 }
 
 fn all() -> Ended {

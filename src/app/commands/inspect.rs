@@ -59,7 +59,7 @@ pub fn contents(path: &Path, common: &Common) -> Result<Contents, Ended> {
 
 /// Whether `needed` bytes beside those of `contents`, as many as the file has at least, stay below `--max-memory`.
 pub fn room(path: &Path, needed: u64, common: &Common) -> Result<(), Ended> {
-    let Some(allowed) = common.max_memory else { return Ok(()) };
+    let Some(allowed) = memory_for_files(common.max_memory) else { return Ok(()) };
     let held = std::fs::metadata(path).map_or(0, |about| about.len());
     let needed = needed.saturating_add(held);
     if needed <= allowed {

@@ -15,6 +15,7 @@ mod folder;
 mod history;
 mod inspect;
 mod keep;
+mod later;
 mod manifest;
 mod new;
 mod panics;
@@ -22,6 +23,7 @@ mod place;
 mod results;
 mod run;
 mod schema;
+mod signals;
 mod streams;
 mod study;
 mod study_axes;
@@ -41,6 +43,7 @@ use crate::io::errors::Diagnostic;
 use clap::error::ErrorKind;
 use clap::{Parser, ValueEnum};
 use std::ffi::OsString;
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -153,11 +156,20 @@ fn refused(error: &clap::Error, words: &[OsString]) -> i32 {
         let _ = error.print(); // a reader that left has read enough
         return 0;
     }
-    let _ = error.print();
-    let text = error.render().to_string();
-    // clap's first paragraph: what is wrong, and the words that are missing
-    let paragraph: Vec<&str> = text.lines().take_while(|line| !line.trim().is_empty()).map(str::trim).collect();
-    let message = paragraph.join(" ").trim_start_matches("error: ").to_owned();
+    let message = match later::of(error, words) {
+        Some(message) => {
+            // stderr is the last resort: nobody is left to hear that it failed
+            let _ = writeln!(std::io::stderr(), "error: {message}\n  = help: `faying --help` lists what is");
+            message
+        }
+        None => {
+            let _ = error.print();
+            let text = error.render().to_string();
+            // clap's first paragraph: what is wrong, and the words that are missing
+            let paragraph: Vec<&str> = text.lines().take_while(|line| !line.trim().is_empty()).map(str::trim).collect();
+            paragraph.join(" ").trim_start_matches("error: ").to_owned()
+        }
+    };
     let document = plain_failure("invalid", 2, &message, Some("faying --help"));
     let _ = match json_asked(words).filter(|file| place::document(Some(file), words).is_ok()) {
         None => Ok(()),

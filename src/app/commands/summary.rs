@@ -48,9 +48,16 @@ pub fn of_check(result: &RunResult) -> String {
     for (patch, backend) in result.backends.iter() {
         table.row([patch.to_owned(), backend.clone(), result.geometry.measure.get(patch).map_or("-".to_owned(), |m| short(*m, 8))]);
     }
+    let mut tied = Table::new(["interface", "slave", "master", "distance", "share"]);
+    for (name, report) in result.interface.iter() {
+        for s in &report.sides {
+            tied.row([name.to_owned(), s.slave.clone(), s.master.clone(), short(s.distance, 3), short(s.share, 6)]);
+        }
+    }
+    let tied = if tied.is_empty() { String::new() } else { format!("{tied}\n") };
     let u = &result.unknowns;
     let memory = result.predicted.map_or(String::new(), |p| format!("; about {} of memory", bytes(p.memory)));
-    format!("{}: valid\n\n{table}\n{} unknowns, {} multipliers{memory}\n", result.case, u.primal, u.multipliers)
+    format!("{}: valid\n\n{table}\n{tied}{} unknowns, {} multipliers{memory}\n", result.case, u.primal, u.multipliers)
 }
 
 /// Steps shown; `history.csv` has all of them.

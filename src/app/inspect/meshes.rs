@@ -1,6 +1,6 @@
 //! What is in a file of points and cells.
 
-use super::cells::CellMap;
+use super::CellMap;
 use super::look::{Soundness, is_flat, look};
 use crate::io::files::{MeshBlock, MeshFile};
 use crate::space::measure;

@@ -1,19 +1,18 @@
 //! What is in a mesh or geometry file: parts, sides, sizes, quality.
 
-mod cells;
 mod grid;
 mod look;
 mod meshes;
 mod picture;
 mod splines;
 
-pub use cells::CellMap;
 pub use grid::{FieldReport, add_fields, mesh_of};
 pub use look::{Place, Soundness};
 pub use meshes::{CellsReport, GroupReport};
 pub use picture::picture;
 pub use splines::{LabelReport, PatchReport, face, faces, map_of, name_of};
 
+pub use crate::io::files::CellMap;
 use crate::io::files::{Contents, FileError, Format, MeshFile, SplineFile};
 use crate::io::table::{Table, short};
 use serde::Serialize;

@@ -1,6 +1,6 @@
 //! The faces of a file as polygons for its picture: elements in the plane, the outer surface of bodies in space.
 
-use super::cells::CellMap;
+use super::CellMap;
 use super::splines::{faces, map_of, middle, name_of};
 use crate::basis::{Elements, Order};
 use crate::geometry::{Geometry, MapTable, cell};

@@ -1,8 +1,8 @@
 //! What is in a file of spline patches.
 
 use super::look::{Soundness, is_flat, look};
-use crate::basis::{BSpline, Rational, TensorProduct};
-use crate::geometry::{ControlPoints, Geometry};
+use crate::basis::BSpline;
+use crate::geometry::Geometry;
 use crate::io::files::{FileError, SplineFile, SplinePatch};
 use crate::linalg::Vector;
 use crate::space::measure;
@@ -54,12 +54,7 @@ pub fn name_of(file: &SplineFile, patch: usize) -> String {
 /// # Errors
 /// [`FileError`] where knots, points and weights do not fit.
 pub fn map_of<const D: usize>(patch: &SplinePatch) -> Result<Box<dyn Geometry<D, 3>>, FileError> {
-    let net = patch.net::<D, 3>()?;
-    let product = TensorProduct::new(net.axes);
-    Ok(match net.weights {
-        None => Box::new(ControlPoints { basis: product, points: net.points }),
-        Some(w) => Box::new(ControlPoints { basis: Rational::new::<D>(product, w), points: net.points }),
-    })
+    patch.map::<D>()
 }
 
 /// Knot spans of a knot vector.

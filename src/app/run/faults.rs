@@ -1,6 +1,7 @@
 //! What goes wrong in a run, in the words and codes of the contract.
 
 use super::predict::{Prediction, bytes};
+use super::room::Room;
 use super::solve::{StepError, StepState};
 use crate::app::build::{self, Model, free_motions, sentences};
 use crate::app::result::{RunResult, Status};
@@ -12,13 +13,13 @@ use crate::io::errors::Diagnostic;
 use crate::linalg::LinearError;
 use std::collections::HashSet;
 
-/// E081 for a prediction above the limit.
-pub fn memory_limit<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, prediction: &Prediction, limit: u64) -> Diagnostic {
+/// E081 for a prediction beyond the room.
+pub fn memory_limit<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, prediction: &Prediction, room: &Room) -> Diagnostic {
     let largest = (0..model.patches.len()).max_by_key(|&k| model.patches[k].num_unknowns()).unwrap_or(0);
     let at = case.patches.get(largest).map(|p| p.elements.at).unwrap_or_default();
     let name = model.patches.get(largest).map_or("", |p| p.name.as_str());
-    let text = format!("{} unknowns need about {} of memory; the limit is {}", model.unknowns, bytes(prediction.memory), bytes(limit));
-    Diagnostic::error("E081", text).at(&case.source, at).with_help(format!("raise --max-memory, or give patch \"{name}\" fewer elements"))
+    let text = format!("{} unknowns need about {} of memory; {}", model.unknowns, bytes(prediction.memory), room.why());
+    Diagnostic::error("E081", text).at(&case.source, at).with_help(format!("{}, or give patch \"{name}\" fewer elements", room.raise()))
 }
 
 /// E015 for an interface or a contact (`who`) that is not symmetric, by mixed integration or by its coupling, and a constraint solver that needs symmetry.
@@ -158,6 +159,14 @@ pub fn step_fault<const S: usize, const N: usize>(
         StepError::Solve(SolveError::Linear(LinearError::Indefinite { .. })) => {
             let help = "raise `factor` beside \"nitsche\" (auto is 4), or write variant = \"unsymmetric\"";
             (Status::Singular, "indefinite", Diagnostic::error("E072", error.to_string()).with_help(help))
+        }
+        StepError::Solve(SolveError::Linear(LinearError::Memory)) => {
+            let all = model.unknowns + model.rows;
+            let text = format!("{all} unknowns: the memory that is left does not hold the factor and what dense products take beside it");
+            let key = case.patches.first().map(|p| p.elements.at).unwrap_or_default();
+            let raise = Room::least(None).map_or("raise the limits of the process", |room| room.raise());
+            let help = format!("{raise}; give the bodies fewer elements, or write linear = \"iterative\"");
+            (Status::Limit, "memory", Diagnostic::error("E081", text).at(&case.source, key).with_help(help))
         }
         StepError::Solve(SolveError::Linear(LinearError::NotSymmetric)) => {
             let help = "write constraint = \"saddle-point\", or variant = \"symmetric\" for coupling = \"nitsche\"";

@@ -8,7 +8,6 @@ use super::report::{component_rows, multiplier_at};
 use super::tied::TieField;
 use crate::app::build::{Against, PointState, SideModel};
 use crate::app::output::{ExactCurve, Output, Parts, Picture, RunOptions, SideOutput};
-use crate::app::registry::usual_cells;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::contact::{Surface, Target};
 use crate::geometry::{ClosestPoint, Geometry, MapTable, Projection};
@@ -62,7 +61,7 @@ fn body<const S: usize, const N: usize>(solved: &Arc<Solved<S, N>>, k: usize, op
         }
     };
     let (values, stresses, equivalent, all) = (at(solved), at(solved), at(solved), at(solved));
-    let part = Part::new(patch.name.clone(), Arc::clone(patch.body.space()), options.cells.unwrap_or_else(|| usual_cells(&patch.backend)));
+    let part = Part::new(patch.name.clone(), Arc::clone(patch.body.space()), options.cells.unwrap_or(CellStyle::Lagrange));
     if solved.model.components == 1 {
         return part.with_exact("u", 1, move |e, xi| values(e, xi).iter().map(|p| p.u[0]).collect());
     }

@@ -4,15 +4,14 @@
 
 use super::need::Need;
 use super::predict::{Prediction, bytes};
+use super::room::Room;
 use crate::app::build::{MakeNet, elements_along, mesh_counts};
 use crate::app::registry::is_spline;
-use crate::io::case::{Case, Patch};
+use crate::io::case::{Case, Linear, Patch};
 use crate::io::errors::Diagnostic;
 
 /// Most unknowns in this version: columns are 32 bits wide.
 const MOST_UNKNOWNS: f64 = u32::MAX as f64;
-/// Share of the machine's memory that a run may be predicted to need where no limit is given.
-const SHARE: f64 = 0.9;
 
 /// The need of a case, as far as its numbers say.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,22 +53,26 @@ impl Forecast {
     }
 }
 
-/// E081 where `case` is larger than `limit`, or without one than this version or this machine can hold.
-pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, limit: Option<u64>) -> Option<Diagnostic> {
-    let forecast = Forecast::of(case, net);
+/// Whether the linear systems of `case` are solved without a factor, as far as its words say: one that is not symmetric takes one still.
+pub fn avoids_factors(case: &Case) -> bool {
+    case.solver.linear.value == Linear::Iterative
+}
+
+/// E081 where `case`, solved by a `factor` or without, is larger than there is `room` or than this version can hold.
+pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, room: Option<Room>, factor: bool) -> Option<Diagnostic> {
+    let mut forecast = Forecast::of(case, net);
+    if !factor {
+        forecast.need = forecast.need.without_factor();
+    }
     let need = &forecast.need;
     let Prediction { memory, .. } = need.prediction();
-    let machine = limit.is_none().then(physical_memory).flatten();
     // what this version holds is asked first: no limit on memory can be raised above it
     let fixed = need.unknowns > MOST_UNKNOWNS;
-    let why = if fixed {
-        format!("this version holds up to {MOST_UNKNOWNS:.1e} unknowns")
-    } else if let Some(limit) = limit.filter(|&l| memory > l) {
-        format!("the limit is {}", bytes(limit))
-    } else if let Some(all) = machine.filter(|&all| memory as f64 > SHARE * all as f64) {
-        format!("this machine has {}", bytes(all))
-    } else {
-        return None;
+    let short = room.filter(|room| memory > room.bytes && !fixed);
+    let why = match short {
+        _ if fixed => format!("this version holds up to {MOST_UNKNOWNS:.1e} unknowns"),
+        Some(room) => room.why(),
+        None => return None,
     };
     let patch = case.patches.get(forecast.largest)?;
     let unknowns = if need.unknowns < 1e15 { format!("{:.0}", need.unknowns) } else { format!("{:.1e}", need.unknowns) };
@@ -78,20 +81,8 @@ pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, limit: Option<u64
     if patch.refine.value > 0 {
         help += &format!(" or a smaller refine (it is {})", patch.refine.value);
     }
-    if !fixed {
-        help += "; or raise --max-memory";
+    if let Some(room) = short {
+        help += &format!("; or {}", room.raise());
     }
     Some(Diagnostic::error("E081", text).at(&case.source, patch.elements.at).with_help(help))
-}
-
-/// Most bytes that reading a geometry file may take: the limit of the user, else what this machine has.
-pub fn memory_for_files(limit: Option<u64>) -> Option<u64> {
-    limit.or_else(|| physical_memory().map(|all| (SHARE * all as f64) as u64))
-}
-
-/// Bytes of the machine's memory, where the system says them.
-fn physical_memory() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let kilobytes: u64 = text.lines().find_map(|l| l.strip_prefix("MemTotal:"))?.split_whitespace().next()?.parse().ok()?;
-    kilobytes.checked_mul(1024)
 }

@@ -12,10 +12,12 @@ mod loads;
 mod matrices;
 mod multipliers;
 mod need;
+mod poor;
 mod predict;
 mod pressed;
 mod reactions;
 mod report;
+mod room;
 mod soften;
 mod solve;
 mod solver;
@@ -23,6 +25,7 @@ mod system;
 mod tied;
 
 use faults::{floating, memory_limit, step_fault, stopped};
+use forecast::avoids_factors;
 
 use super::build::{self, MakeNet, Model, plane_net, volume_net};
 use super::output::{Finished, Output, RunOptions, StepOutput};
@@ -36,12 +39,13 @@ use crate::io::case::Case;
 use crate::io::errors::{Diagnostic, Diagnostics, Severity};
 use std::sync::Arc;
 
-pub(crate) use forecast::{memory_for_files, too_large};
+pub(crate) use forecast::too_large;
 pub use loads::Resultant;
 pub use matrices::{Matrices, Stiffness};
 pub use predict::{Prediction, bytes, predict};
 pub use pressed::ContactField;
 pub use report::{HalfWidth, Zone, component_rows, multiplier_at};
+pub(crate) use room::{Room, memory_for_files, most_threads};
 pub use solve::{StepError, StepState, Unsolved};
 pub use solver::Solver;
 pub use tied::TieField;
@@ -185,7 +189,7 @@ fn slaves_in<const S: usize, const N: usize>(
     registry: &Registry,
     dimension: &Dimension<'_, S, N>,
 ) -> Result<Vec<bool>, Diagnostics> {
-    let model = built(case, registry, dimension, &Watch::default())?;
+    let model = built(case, registry, dimension, &Watch::default(), Room::least(None))?;
     let ties = model.ties.iter().flat_map(|t| &t.parts).map(|part| part.slave.patch);
     let contacts = model.contacts.iter().flat_map(|c| &c.parts).map(|part| part.slave.patch);
     let mut slave = vec![false; case.patches.len()];
@@ -201,14 +205,12 @@ pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &Wa
 fn check_in<const S: usize, const N: usize>(case: &Case, registry: &Registry, dimension: &Dimension<'_, S, N>, watch: &Watch) -> Finished {
     let outcome = || -> Result<RunResult, Diagnostics> {
         watch.phase("build");
-        let model = built(case, registry, dimension, watch)?;
+        let room = Room::least(watch.max_memory);
+        let model = built(case, registry, dimension, watch, room)?;
         let mut result = report::skeleton("check", case, &model);
         Questions::of(case, &model, &result.numbers())?;
         result.solve = None;
-        let prediction = predict(&model, case.steps.value.len());
-        if let Some(limit) = watch.max_memory.filter(|&limit| prediction.memory > limit) {
-            return Err(memory_limit(case, &model, &prediction, limit).into());
-        }
+        let prediction = fitting(case, &model, room)?;
         result.predicted = Some(prediction);
         end_early(&mut result, watch);
         Ok(result)
@@ -263,21 +265,20 @@ fn built<const S: usize, const N: usize>(
     registry: &Registry,
     dimension: &Dimension<'_, S, N>,
     watch: &Watch,
+    room: Option<Room>,
 ) -> Result<Model<S, N>, Diagnostics> {
     let word = &case.solver.constraint;
     let mut solver = Solver::new(registry, &case.solver, watch)
         .map_err(|fault| Diagnostic::error(fault.code, fault.message).at(&case.source, word.at))?;
-    if let Some(fault) = forecast::too_large(case, dimension.net, watch.max_memory) {
+    if let Some(fault) = too_large(case, dimension.net, room, !avoids_factors(case)) {
         return Err(fault.into());
     }
     let model = build::build(case, dimension.names, dimension.net)?;
     let mixed = |part: &build::TiePart<S, N>| part.reaction.is_some();
-    let leaning = |part: &build::TiePart<S, N>| mixed(part) || !part.stiffness.to_csr().is_symmetric(crate::linalg::solver::NO_SYMMETRY);
-    let tie = model.ties.iter().find(|tie| tie.parts.iter().any(leaning));
+    let (tie, contact) = leaning(&model);
     if let Some(tie) = tie.filter(|_| solver.needs_symmetry()) {
         return Err(faults::not_symmetric(case, &format!("interface \"{}\"", tie.name), tie.parts.iter().any(mixed)).into());
     }
-    let contact = model.contacts.iter().find(|c| c.parts.iter().any(|part| part.first.reaction.is_some()));
     if let Some(contact) = contact.filter(|_| solver.needs_symmetry()) {
         return Err(match contact.parts.iter().any(|part| part.second.is_some()) {
             true => faults::not_symmetric(case, &format!("contact \"{}\"", contact.name), true),
@@ -292,6 +293,28 @@ fn built<const S: usize, const N: usize>(
     Ok(model)
 }
 
+/// The first tie and the first contact that make the system one without symmetry.
+fn leaning<const S: usize, const N: usize>(model: &Model<S, N>) -> (Option<&build::TieModel<S, N>>, Option<&build::ContactModel<S, N>>) {
+    let leans =
+        |part: &build::TiePart<S, N>| part.reaction.is_some() || !part.stiffness.to_csr().is_symmetric(crate::linalg::solver::NO_SYMMETRY);
+    let tie = model.ties.iter().find(|tie| tie.parts.iter().any(leans));
+    let contact = model.contacts.iter().find(|c| c.parts.iter().any(|part| part.first.reaction.is_some()));
+    (tie, contact)
+}
+
+/// What a model will need.
+///
+/// # Errors
+/// E081 where that is more than there is `room`.
+fn fitting<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, room: Option<Room>) -> Result<Prediction, Diagnostics> {
+    let factor = !avoids_factors(case) || !matches!(leaning(model), (None, None));
+    let prediction = predict(model, case.steps.value.len(), factor);
+    match room.filter(|room| prediction.memory > room.bytes) {
+        Some(room) => Err(memory_limit(case, model, &prediction, &room).into()),
+        None => Ok(prediction),
+    }
+}
+
 /// A result and its solutions: of all steps that have one, the last where the case has no steps.
 type Outcome<const S: usize, const N: usize> = (RunResult, Vec<Arc<Solved<S, N>>>);
 
@@ -303,18 +326,15 @@ fn solve_case<const S: usize, const N: usize>(
     watch: &Watch,
 ) -> Result<Outcome<S, N>, Diagnostics> {
     watch.phase("build");
-    let model = built(case, registry, dimension, watch)?;
+    // asked before the model takes its part
+    let room = Room::least(watch.max_memory);
+    let model = built(case, registry, dimension, watch, room)?;
     let mut result = report::skeleton(command, case, &model);
     if let Some(one) = dimension.multipliers {
         multipliers::describe(case, &model, one, &mut result);
     }
     let questions = Questions::of(case, &model, &result.numbers())?;
-    if let Some(limit) = watch.max_memory {
-        let prediction = predict(&model, case.steps.value.len());
-        if prediction.memory > limit {
-            return Err(memory_limit(case, &model, &prediction, limit).into());
-        }
-    }
+    fitting(case, &model, room)?;
     if let Some(stop) = watch.stop() {
         stopped(&mut result, stop);
         return Ok((result, Vec::new()));
@@ -354,7 +374,7 @@ fn solve_case<const S: usize, const N: usize>(
         let when = |d: Diagnostic| if case.has_steps() { at_step(d, k, t) } else { d };
         if let Some(state) = &state {
             report::fill(&mut result, &model, state, &matrices.bodies, dimension.half_width, reason);
-            report::warn_of_inexact(case, &mut result);
+            poor::of_state(case, &model, state, &mut result);
             result.t = case.has_steps().then_some(t);
             if status == Status::Ok && !state.u.iter().chain(&state.lambda).all(|v| v.is_finite()) {
                 (status, reason) = (Status::NotFinite, "not-finite");

@@ -23,6 +23,8 @@ const THIN_BEAM: f64 = 1.6;
 const BYTES_PER_PAIR: f64 = 16.0;
 /// Bytes per unknown for vectors.
 const BYTES_PER_UNKNOWN: f64 = 50.0;
+/// Bytes per unknown for the vectors of an iterative method.
+const BYTES_OF_ITERATION: f64 = 100.0;
 /// Bytes per element of a spline patch, per product cell and per simplex: connectivity, faces, bounds, results on them.
 const BYTES_PER_ELEMENT: f64 = 50.0;
 const BYTES_PER_CELL: f64 = 800.0;
@@ -40,6 +42,8 @@ pub(super) struct Need {
     /// Bytes of the matrices of the bodies, of the reduced one and of the triangle that is factorised.
     pub matrices: f64,
     pub factor: f64,
+    /// Bytes that finding the factor takes beside it: graphs that orders are made of, what waits on a stack.
+    pub beside: f64,
     /// Bytes of all else.
     pub other: f64,
 }
@@ -152,14 +156,19 @@ impl Need {
         let matrices = entries * ((NUMBER + INDEX / (c * c)) + free * ((NUMBER + INDEX) + 2.0 * NUMBER));
         let factor = free * unknowns * fill(free * functions, kind);
         let waiting = if kind.dimension == 2 { BYTES_WAITING * factor } else { 0.0 };
-        let other = kind.elements + BYTES_PER_UNKNOWN * unknowns + BYTES_PER_PAIR * pairs + waiting;
-        Self { unknowns, entries, matrices, factor, other }
+        let other = kind.elements + BYTES_PER_UNKNOWN * unknowns;
+        Self { unknowns, entries, matrices, factor, beside: BYTES_PER_PAIR * pairs + waiting, other }
     }
 
     /// `count` entries between bodies, stored one by one.
     pub fn add_entries(&mut self, count: f64) {
         self.entries += count;
         self.matrices += count * (2.0 * (NUMBER + INDEX) + 2.0 * NUMBER);
+    }
+
+    /// The same system solved by iterations: vectors of the method in place of the factor.
+    pub fn without_factor(self) -> Self {
+        Self { factor: 0.0, beside: 0.0, other: self.other + BYTES_OF_ITERATION * self.unknowns, ..self }
     }
 
     /// Both together.
@@ -169,6 +178,7 @@ impl Need {
             entries: self.entries + other.entries,
             matrices: self.matrices + other.matrices,
             factor: self.factor + other.factor,
+            beside: self.beside + other.beside,
             other: self.other + other.other,
         }
     }

@@ -18,7 +18,7 @@ pub struct Prediction {
 /// Bytes per number of the factor, the largest front included.
 const BYTES_PER_FACTOR: f64 = 8.5;
 /// Bytes of the program itself.
-const PROGRAM: f64 = 2e7;
+pub(super) const PROGRAM: f64 = 2e7;
 
 /// Bytes per unknown of a step that is kept: the solution and what supports do.
 const BYTES_PER_STATE: f64 = 16.0;
@@ -28,13 +28,13 @@ const BYTES_TO_COMPARE: f64 = 4.0;
 impl Need {
     /// Bytes and counts; what does not fit into 64 bits is their largest number.
     pub(super) fn prediction(&self) -> Prediction {
-        let memory = PROGRAM + self.matrices + BYTES_PER_FACTOR * self.factor + self.other;
+        let memory = PROGRAM + self.matrices + BYTES_PER_FACTOR * self.factor + self.beside + self.other;
         Prediction { entries: self.entries as u64, factor: self.factor as u64, memory: memory as u64 }
     }
 }
 
-/// Predicts the need of `model` in a number of steps, whose states are kept for the files.
-pub fn predict<const S: usize, const N: usize>(model: &Model<S, N>, steps: usize) -> Prediction {
+/// Predicts the need of `model` in a number of steps, whose states are kept for the files; `factor`: whether a factor is made.
+pub fn predict<const S: usize, const N: usize>(model: &Model<S, N>, steps: usize, factor: bool) -> Prediction {
     let mut all = Need { unknowns: model.rows as f64, ..Need::default() };
     let mut held = vec![false; model.unknowns];
     for condition in &model.conditions {
@@ -59,7 +59,7 @@ pub fn predict<const S: usize, const N: usize>(model: &Model<S, N>, steps: usize
     if steps > 1 || !model.contacts.is_empty() {
         all.matrices += BYTES_TO_COMPARE * all.entries;
     }
-    let mut prediction = all.prediction();
+    let mut prediction = if factor { all } else { all.without_factor() }.prediction();
     let kept = BYTES_PER_STATE * (model.unknowns + model.rows) as f64 * steps.saturating_sub(1) as f64;
     prediction.memory = (prediction.memory as f64 + kept) as u64;
     prediction

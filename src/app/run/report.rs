@@ -11,15 +11,15 @@ use crate::app::build::{Model, SideModel, TieModel, TiePart};
 use crate::app::named::Named;
 use crate::app::result::{
     ActiveSetSummary, Balance, ContactReport, Extremes, GeometryReport, InterfaceReport, Kkt, L2, Least, Moment, Norm, RunResult,
-    SolveReport, Unknowns,
+    SolveReport, TiedSides, Unknowns,
 };
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::contact::Contact;
 use crate::coupling::Rows;
 use crate::geometry::Geometry;
 use crate::io::case::Case;
-use crate::io::errors::Diagnostic;
 use crate::linalg::{Csr, Operator, Vector};
+use crate::quadrature::{PerElement, Quadrature};
 use crate::space::{diameter, measure, quality};
 use std::collections::BTreeMap;
 
@@ -41,6 +41,7 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, mode
     result.geometry = GeometryReport {
         measure: model.patches.iter().map(|p| (p.name.clone(), measure::<N, N, f64, _>(&**p.body.space()))).collect(),
         least_jacobian: soundness.fold(f64::INFINITY, f64::min),
+        points: model.patches.iter().map(|p| (p.name.clone(), gauss_points(&p.rules))).collect(),
         elements: model.patches.iter().map(|p| p.body.space().num_elements()).sum(),
         h: model.patches.iter().map(|p| diameter::<N, f64, _>(&**p.body.space())).fold(0.0, f64::max),
     };
@@ -52,7 +53,7 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, mode
             (c.name.clone(), ContactReport { force: vec![0.0; N], moment: moment::<N>([0.0; 3]), displacement, ..Default::default() })
         })
         .collect();
-    result.interface = model.ties.iter().map(|t| (t.name.clone(), InterfaceReport::default())).collect();
+    result.interface = model.ties.iter().map(|t| (t.name.clone(), tied(t))).collect();
     for label in model.supports.iter().map(|s| &s.label).chain(model.pins.iter().map(|p| &p.rim.label)) {
         if result.reactions.get(label).is_none() {
             result.reactions.push(label.clone(), vec![0.0; model.components]);
@@ -65,7 +66,15 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, mode
     result.solve = Some(SolveReport { active_set: (!model.contacts.is_empty()).then(ActiveSetSummary::default), ..Default::default() });
     result.checks_expected = case.checks.len();
     result.warnings.extend(case.warnings.items.iter().chain(&model.warnings.items).cloned());
+    result.warnings.extend(super::poor::of_model(case, model));
     result
+}
+
+/// Gauss points per direction, the most of all rules; without tensor cells the points of the largest rule.
+fn gauss_points<const N: usize>(rules: &PerElement<N>) -> Vec<usize> {
+    let along = rules.rules().iter().filter_map(|r| r.axes(0)).map(|axes| axes.map(|a| a.rule(0).points.len()));
+    let most = along.reduce(|a, b| std::array::from_fn(|k| a[k].max(b[k])));
+    most.map_or_else(|| rules.rules().iter().map(|r| r.rule(0).points.len()).max().into_iter().collect(), |m| m.to_vec())
 }
 
 /// One backend for all, slave+master where that tells the patches apart, else "mixed".
@@ -126,26 +135,6 @@ pub fn fill<const S: usize, const N: usize>(
     result.balance =
         Balance { force: outside.force[..model.components].to_vec(), moment: (model.components == N).then(|| moment::<N>(outside.moment)) };
     result.errors = errors(model, state);
-}
-
-/// From this error of consistency on an integration is said to be inexact.
-const INEXACT: f64 = 1e-2;
-
-/// E065 for every interface whose integration spoils the result; once over all steps.
-pub fn warn_of_inexact(case: &Case, result: &mut RunResult) {
-    let mut found = Vec::new();
-    for (name, report) in result.interface.iter().filter(|(_, report)| report.consistency > INEXACT) {
-        let Some(tie) = case.interfaces.iter().find(|t| t.name.value == *name) else { continue };
-        let text = format!(
-            "the integration of interface \"{name}\" is inexact: it misses {} % of the conditions there",
-            (100.0 * report.consistency).round()
-        );
-        if !result.warnings.iter().any(|d| d.code == "E065" && d.message.contains(&format!("\"{name}\""))) {
-            let help = "write integration = \"merged\", or raise `extra_points`; mixed integration goes with p/p";
-            found.push(Diagnostic::warning("E065", text).at(&case.source, tie.integration.at).with_help(help));
-        }
-    }
-    result.warnings.extend(found);
 }
 
 /// Action and reaction: columns of B sum to zero against each other.
@@ -271,8 +260,28 @@ pub fn component_rows<const S: usize, const N: usize>(part: &TiePart<S, N>) -> V
         .collect()
 }
 
-fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, tie: &TieModel<S, N>) -> InterfaceReport {
+/// What an interface ties, before anything is solved.
+fn tied<const S: usize, const N: usize>(tie: &TieModel<S, N>) -> InterfaceReport {
     let mut report = InterfaceReport::default();
+    let mut whole = 0.0;
+    let mut covered = 0.0;
+    for part in &tie.parts {
+        whole += part.pairings.first().map_or(0.0, |p| p.segments.report.slave_measure);
+        for pairing in &part.pairings {
+            let seen = &pairing.segments.report;
+            covered += seen.covered;
+            report.distance = report.distance.max(seen.distance);
+            let share = if seen.slave_measure > 0.0 { seen.covered / seen.slave_measure } else { 0.0 };
+            let (slave, master) = (part.slave.label.clone(), pairing.master.label.clone());
+            report.sides.push(TiedSides { slave, master, distance: seen.distance, share });
+        }
+    }
+    report.share = if whole > 0.0 { covered / whole } else { 0.0 };
+    report
+}
+
+fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, tie: &TieModel<S, N>) -> InterfaceReport {
+    let mut report = tied(tie);
     let mut pull = Pull::default();
     for part in &tie.parts {
         let lambda = TieField::of(model, part, state.t);

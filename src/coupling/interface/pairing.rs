@@ -238,8 +238,7 @@ pub fn crossing<const N: usize, T: Real>(
 
 /// A box diagonal around a curve \[length\].
 pub(super) fn size_of<const N: usize, T: Real>(curve: &dyn Geometry<1, N, T>) -> T {
-    let all = curve.all_bounds().into_iter().reduce(|a, b| a.union(&b));
-    all.map_or_else(T::zero, |b| b.diagonal())
+    curve.extent().map_or_else(T::zero, |b| b.diagonal())
 }
 
 /// Three coordinates for reports.

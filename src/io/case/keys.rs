@@ -103,7 +103,8 @@ pub(super) const CONTACT: &[&str] = &[
 ];
 
 /// Other names of a key.
-pub(super) const ALIASES: &[(&str, &str)] = &[("nonmortar", "slave"), ("secondary", "slave"), ("mortar", "master"), ("primary", "master")];
+pub(super) const ALIASES: &[(&str, &str)] =
+    &[("nonmortar", "slave"), ("secondary", "slave"), ("mortar", "master"), ("primary", "master"), ("quantity", "quantities")];
 
 /// Symbols that stand in textbooks for a key.
 pub(super) const SYMBOLS: &[(&str, &str)] = &[("E", "young"), ("nu", "poisson"), ("rho", "density")];
@@ -154,5 +155,5 @@ pub(super) const STUDIES: &[&str] = &["compare", "convergence", "quadrature", "i
 pub(super) const STUDY: &[&str] =
     &["levels", "degrees", "backends", "pairings", "integration", "extra_points", "vary", "quantities", "tol", "norm", "ends"];
 
-/// Keys that users may expect and that no block knows yet.
+/// Keys and words that users may expect anywhere and that no block knows yet; those of single blocks stand in `not_yet`.
 pub(super) const LATER: &[&str] = &["friction", "axisymmetric", "dynamics", "thermal", "plasticity", "adhesion", "damping"];

@@ -42,6 +42,7 @@ pub use changes::Changes;
 pub use names::Names;
 pub use opened::{FileRead, sha256};
 pub use part::{FilePart, MeshPart};
+pub(crate) use schema::is_key;
 pub use schema::schema;
 pub(crate) use sides::quoted;
 pub use types::*;

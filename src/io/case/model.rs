@@ -73,7 +73,10 @@ impl Reader {
         self.components = n;
         let words = [("plane-strain", Assumption::PlaneStrain), ("plane-stress", Assumption::PlaneStress)];
         let assumption = if poisson || dimension.value == 3 {
-            if b.has("assumption") {
+            let axisymmetric = b.node("assumption").is_some_and(|node| matches!(&node.value, Value::Text(word) if word == "axisymmetric"));
+            if axisymmetric && dimension.value == 2 {
+                self.word(b, "assumption", &words);
+            } else if b.has("assumption") {
                 let why =
                     if poisson { "plane elasticity, the physics here is poisson" } else { "plane elasticity, the dimension here is 3" };
                 self.fault("E015", b.key_at("assumption"), format!("`assumption` is a key of {why}"), "");
@@ -233,7 +236,7 @@ impl Reader {
     pub fn material(&mut self, b: &mut Block, index: usize, model: &Model) -> Material {
         let name = self.name(b, "material", index, true);
         let poisson = model.physics.value == Physics::Poisson;
-        let wrong: &[&str] = if poisson { &["young", "poisson", "lambda", "mu"] } else { &["conductivity"] };
+        let wrong: &[&str] = if poisson { &["young", "poisson", "lambda", "mu", "law"] } else { &["conductivity"] };
         for key in wrong.iter().filter(|k| b.has(k)) {
             let (physics, keys) = if poisson { ("poisson", "conductivity") } else { ("elasticity", "young, poisson, lambda, mu, density") };
             self.fault(

@@ -2,6 +2,7 @@
 
 use super::keys;
 use super::names::Names;
+use super::not_yet::{LATER_KEYS, Plain, later_of};
 use super::schema_keys::{ENTRIES, Entry};
 use serde_json::{Map, Value, json};
 
@@ -47,6 +48,13 @@ pub fn schema(names: &Names) -> Value {
     document
 }
 
+/// Whether `word` is a key of some block, built or not.
+pub(crate) fn is_key(word: &str) -> bool {
+    ENTRIES.iter().any(|e| e.key == word)
+        || keys::ALIASES.iter().any(|(alias, _)| *alias == word)
+        || LATER_KEYS.iter().any(|(_, key, ..)| *key == word)
+}
+
 /// The entry of a key.
 fn entry(of: &str, key: &str) -> &'static Entry {
     ENTRIES.iter().find(|e| e.block == of && e.key == key).expect("a test holds the entries against the keys of the reader")
@@ -66,9 +74,20 @@ fn block(of: &str, title: &str, known: &[&'static str], required: &[&str]) -> Va
         value["description"] = json!(e.text);
         properties.insert((*key).to_owned(), value);
         // other names of a key
-        for (alias, _) in keys::ALIASES.iter().filter(|(_, meant)| meant == key && matches!(of, "interface" | "contact")) {
-            properties.insert((*alias).to_owned(), json!({"$ref": "#/$defs/sides", "description": format!("another name of `{key}`")}));
+        for (alias, _) in keys::ALIASES.iter().filter(|(_, meant)| meant == key) {
+            let mut same: Value = serde_json::from_str(e.kind).expect("a test reads every entry");
+            same["description"] = json!(format!("another name of `{key}`"));
+            properties.insert((*alias).to_owned(), same);
         }
+    }
+    for (_, key, plain, _) in later_of(of) {
+        let mut value = match plain {
+            Plain::Never => continue,
+            Plain::Zero => json!({"type": "number", "minimum": 0, "maximum": 0}),
+            Plain::Words(plain, _) => json!({"enum": plain}),
+        };
+        value["description"] = json!("other values are not in this version");
+        properties.insert((*key).to_owned(), value);
     }
     let mut value = json!({"type": "object", "properties": properties, "additionalProperties": false});
     if !title.is_empty() {

@@ -103,7 +103,12 @@ pub(super) const ENTRIES: &[Entry] = &[
         r#"{"enum":["isoparametric","exact"],"default":"isoparametric"}"#,
         "fe: degree of the space, or the patch's own map",
     ),
-    e("discretization", "extra_points", EXTRA, "Gauss points per direction beyond degree + 1"),
+    e(
+        "discretization",
+        "extra_points",
+        EXTRA,
+        "Gauss points per direction beyond the default: degree + 1; more in curved splines in space, result.json says how many",
+    ),
     e("material", "name", NAME, "what patches call it"),
     e("material", "young", FORMULA, "Young's modulus [force/area], with poisson"),
     e("material", "poisson", FORMULA, "Poisson's ratio, below 0.5"),

@@ -4,9 +4,11 @@
 //! was read, and the whole stays below [`Limits::memory`].
 
 mod budget;
+mod cell_map;
 pub mod gismo;
 mod gismo_write;
 pub mod gmsh;
+mod handed;
 mod mesh;
 pub mod mfem;
 mod read;
@@ -14,10 +16,12 @@ mod select;
 mod sides;
 mod spline;
 mod text;
+mod vtu_bytes;
 mod vtu_mesh;
 pub mod vtu_read;
 mod xml;
 
+pub use cell_map::CellMap;
 pub use mesh::{CellShape, Group, MeshBlock, MeshFile};
 pub use read::{parse, read, read_bytes};
 pub use spline::{KnotUse, Label, PatchSide, SplineFile, SplinePatch};

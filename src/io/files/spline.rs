@@ -1,7 +1,8 @@
 //! Spline patches as files hold them.
 
 use super::{FileError, Format};
-use crate::geometry::ControlNet;
+use crate::basis::{Rational, TensorProduct};
+use crate::geometry::{ControlNet, ControlPoints, Geometry};
 use crate::linalg::Vector;
 
 /// A side of a patch of a file.
@@ -80,6 +81,19 @@ impl SplinePatch {
         let knots = std::array::from_fn(|k| self.knots[k].clone());
         ControlNet::from_knots(degree, knots, points, self.weights.clone())
             .map_err(|e| FileError::Broken { what: format!("patch{name}: {e}"), spot: None })
+    }
+
+    /// The map of a patch of D parameters on its knot spans.
+    ///
+    /// # Errors
+    /// As [`net`](Self::net).
+    pub fn map<const D: usize>(&self) -> Result<Box<dyn Geometry<D, 3>>, FileError> {
+        let net = self.net::<D, 3>()?;
+        let product = TensorProduct::new(net.axes);
+        Ok(match net.weights {
+            None => Box::new(ControlPoints { basis: product, points: net.points }),
+            Some(w) => Box::new(ControlPoints { basis: Rational::new::<D>(product, w), points: net.points }),
+        })
     }
 }
 

@@ -1,6 +1,7 @@
 //! Meshes out of VTK grids and back: linear cells and Lagrange cells with equispaced nodes.
 
 use super::gmsh::lexicographic;
+use super::handed::right_handed;
 use super::vtu_read::{VtuField, VtuFile};
 use super::{CellShape, FileError, Format, Group, MeshBlock, MeshFile};
 use crate::basis::Cell;
@@ -56,7 +57,7 @@ impl VtuFile {
     /// The mesh of linear cells and Lagrange cells of order 1 to 4, one order in all directions of a cell.
     ///
     /// Groups are the arrays of [`write_vtu`], else the field `patch`: a group for each of its values, its number that value plus one. The
-    /// elements that this program writes do not share points; points of one patch at the same place become one. Fields are not kept.
+    /// elements that this program writes share points only where all data agree; points of one patch at the same place become one. Fields are not kept.
     ///
     /// # Errors
     /// [`FileError::Unsupported`] for Bezier and other cells, and for Lagrange hexahedra of files older than version 2.1, whose nodes are
@@ -207,11 +208,12 @@ fn lexicographic_count(shape: CellShape, p: usize) -> usize {
 
 /// The bytes of a `.vtu` file of a mesh: linear cells, Lagrange cells of order 2 to 4.
 ///
-/// Cell data: `id`, the file's number of the cell, and for every group an array `group DIMENSION NUMBER NAME` that is one in its cells.
+/// Cells of the highest dimension are right-handed. Cell data: `id`, the file's number of the cell, and for every group an array `group DIMENSION NUMBER NAME` that is one in its cells.
 ///
 /// # Errors
 /// [`FileError::Unsupported`] for prisms and pyramids of order 2, orders above 4, and more groups times cells than 2^28.
 pub fn write_vtu(mesh: &MeshFile) -> Result<Vec<u8>, FileError> {
+    let mesh = &*right_handed(mesh);
     let unsupported = |what: String| FileError::Unsupported { what, spot: None };
     let cells: usize = mesh.blocks.iter().map(|b| b.ids.len()).sum();
     if mesh.groups.len().saturating_mul(cells) > MAX_MEMBERS {
@@ -234,9 +236,7 @@ pub fn write_vtu(mesh: &MeshFile) -> Result<Vec<u8>, FileError> {
         }
     }
     let high_order = types.iter().any(|t| *t >= 68);
-    let version = if types.contains(&72) { "2.2" } else { "1.0" };
-    let mut file = vtu::File::new();
-    file.start("VTKFile", &[("type", "UnstructuredGrid"), ("version", version), ("byte_order", "LittleEndian"), ("header_type", "UInt64")]);
+    let mut file = vtu::File::new(types.contains(&72));
     file.start("UnstructuredGrid", &[]);
     let (points, count) = (mesh.points.len().to_string(), types.len().to_string());
     file.start("Piece", &[("NumberOfPoints", &points), ("NumberOfCells", &count)]);

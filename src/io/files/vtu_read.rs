@@ -1,12 +1,14 @@
 //! VTK unstructured grids (`.vtu`), read: points, cells, fields.
 //!
-//! Arrays as text, in base64 inside the document, or appended raw or in base64, none compressed; either order of bytes.
+//! Arrays as text, in base64 inside the document, or appended raw or in base64, as they are or compressed by zlib; either order of bytes.
 //! Source: "VTK XML Formats", vtk.org; the facts this program's own writer keeps to are in [`crate::io::vtu`].
 
 use super::budget::Budget;
+use super::vtu_bytes::{Fault, Header};
 use super::{FileError, Limits, Spot};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
+use std::borrow::Cow;
 
 /// Most fields of a file.
 const MAX_FIELDS: usize = 4096;
@@ -105,7 +107,7 @@ pub fn recognises(bytes: &[u8]) -> bool {
 /// Reads an unstructured grid.
 ///
 /// # Errors
-/// [`FileError::Unsupported`] for compressed arrays and other kinds of grids; [`FileError::Broken`] with the byte; [`FileError::Memory`].
+/// [`FileError::Unsupported`] for other compressions and other kinds of grids; [`FileError::Broken`] with the byte; [`FileError::Memory`].
 pub fn parse(bytes: &[u8], limits: &Limits) -> Result<VtuFile, FileError> {
     let (xml, appended) = appended(bytes)?;
     let mut state =
@@ -182,6 +184,7 @@ struct Layout {
     kind: Option<()>,
     big_endian: bool,
     wide: bool,
+    compressed: bool,
 }
 
 /// An array's head.
@@ -230,8 +233,10 @@ impl State<'_> {
                 if kind != "UnstructuredGrid" {
                     return unsupported(format!("a VTK file of type {}", kind.chars().take(24).collect::<String>()));
                 }
-                if attribute(tag, "compressor").is_some() {
-                    return unsupported("a compressed VTU file (save it without compression)".into());
+                let compressor = attribute(tag, "compressor").filter(|c| !c.is_empty());
+                if let Some(other) = compressor.as_ref().filter(|c| *c != "vtkZLibDataCompressor") {
+                    let other = other.chars().take(32).collect::<String>();
+                    return unsupported(format!("a VTU file compressed by {other} (save it with zlib or without compression)"));
                 }
                 let version = attribute(tag, "version").unwrap_or_default();
                 let mut parts = version.split('.').map(|p| p.parse::<u8>().unwrap_or(0));
@@ -240,6 +245,7 @@ impl State<'_> {
                     kind: Some(()),
                     big_endian: attribute(tag, "byte_order").is_some_and(|o| o == "BigEndian"),
                     wide: attribute(tag, "header_type").is_some_and(|h| h == "UInt64"),
+                    compressed: compressor.is_some(),
                 };
             }
             b"Piece" => {
@@ -312,32 +318,22 @@ impl State<'_> {
             }
             return Ok(values);
         }
-        let owned;
-        let header = if self.layout.wide { 8 } else { 4 };
-        let length = |b: &[u8]| -> Option<usize> {
-            let mut word = [0; 8];
-            word[..header].copy_from_slice(b.get(..header)?);
-            if self.layout.big_endian {
-                word[..header].reverse();
-            }
-            usize::try_from(u64::from_le_bytes(word)).ok()
-        };
         let (source, base64) = match (array.format.as_str(), self.appended) {
             ("binary", _) => (text.trim_ascii(), true),
             ("appended", Some((data, base64))) => (data.get(array.offset..).unwrap_or_default(), base64),
             _ => return Err(broken("its format is not ascii, binary or appended, or nothing is appended")),
         };
-        let data: &[u8] = if base64 {
-            let count = length(&decode(source, header)).ok_or_else(|| broken("the data end early"))?;
-            let all = count.saturating_add(header).min(source.len());
-            self.budget.take(all as u64)?;
-            owned = decode(source, all);
-            &owned
+        let header = Header { bytes: if self.layout.wide { 8 } else { 4 }, big_endian: self.layout.big_endian };
+        let raw = if self.layout.compressed {
+            header.unpacked(source, base64, &mut self.budget)
         } else {
-            source
+            header.plain(source, base64, &mut self.budget)
         };
-        let count = length(data).ok_or_else(|| broken("the data end early"))?;
-        let raw = data[header..].get(..count).ok_or_else(|| broken("the data end early"))?;
+        let raw = raw.map_err(|fault| match fault {
+            Fault::Broken(what) => broken(what),
+            Fault::Memory(error) => error,
+        })?;
+        let count = raw.len();
         if count % size != 0 {
             return Err(broken("its length is no multiple of its type's"));
         }
@@ -357,8 +353,8 @@ impl State<'_> {
                 (false, _, false) => bits as f64,
             }
         }));
-        if base64 {
-            self.budget.give(count as u64 + header as u64);
+        if let Cow::Owned(raw) = raw {
+            self.budget.give(raw.capacity() as u64);
         }
         Ok(values)
     }
@@ -464,35 +460,4 @@ impl State<'_> {
         }
         Ok(())
     }
-}
-
-/// Bytes of base64 text, at most so many; padding may stand between parts.
-fn decode(text: &[u8], at_most: usize) -> Vec<u8> {
-    let mut out = Vec::with_capacity(at_most.min(text.len()));
-    let (mut bits, mut count) = (0u32, 0);
-    for b in text {
-        let digit = match b {
-            b'A'..=b'Z' => b - b'A',
-            b'a'..=b'z' => b - b'a' + 26,
-            b'0'..=b'9' => b - b'0' + 52,
-            b'+' => 62,
-            b'/' => 63,
-            b'=' => {
-                (bits, count) = (0, 0);
-                continue;
-            }
-            b if b.is_ascii_whitespace() => continue,
-            _ => break,
-        };
-        bits = (bits << 6 | u32::from(digit)) & 0xffff;
-        count += 6;
-        if count >= 8 {
-            count -= 8;
-            out.push((bits >> count) as u8);
-        }
-        if out.len() >= at_most {
-            break;
-        }
-    }
-    out
 }

@@ -161,6 +161,11 @@ impl Formula {
         self.program.any(|op| *op == Op::Variable(variable))
     }
 
+    /// Whether it has pieces: `if`, comparisons, abs, sign, min or max, whose derivatives may jump.
+    pub fn is_piecewise(&self) -> bool {
+        self.program.any(Op::has_pieces)
+    }
+
     /// The value at a point; not a number where the formula has none.
     pub fn value(&self, at: &Point) -> f64 {
         self.program.run(at, &[])

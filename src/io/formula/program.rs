@@ -74,6 +74,19 @@ pub(super) enum Op {
     If,
 }
 
+impl Op {
+    /// Whether it chooses between pieces.
+    pub fn has_pieces(&self) -> bool {
+        use Binary::{Add, Atan2, Div, Mul, Pow, Sub};
+        match self {
+            Self::If | Self::Unary(Unary::Abs | Unary::Sign) => true,
+            // the others compare, or take the smaller or the larger
+            Self::Binary(op) => !matches!(op, Add | Sub | Mul | Div | Pow | Atan2),
+            _ => false,
+        }
+    }
+}
+
 /// Stack that needs no heap up to this depth.
 const SHALLOW: usize = 24;
 

@@ -2,9 +2,9 @@
 
 use super::fewer::{chained, few_lines, joined, straightened};
 use super::frame::{axes, bar, outline};
-use super::sample::{Drawn, division, divisions, sampled};
+use super::sample::{Drawn, boxes, division, divisions, sampled};
 use super::{GREY, INK, PlotError, Root, document, shortened, stroke, text, units};
-use crate::geometry::{Bounds, Geometry};
+use crate::geometry::Bounds;
 use crate::io::table::short;
 use crate::io::vtu::Part;
 use crate::linalg::Vector;
@@ -26,6 +26,8 @@ pub struct FieldPlot<'a> {
 
 /// A peak that is smaller than this share of the bodies is shown in detail.
 const SMALL: f64 = 0.15;
+/// Share of an element's size that it may bulge beyond its box.
+const BULGE: f64 = 0.1;
 /// Width and height of the detail in pixels.
 const DETAIL: f64 = 300.0;
 
@@ -34,7 +36,8 @@ const DETAIL: f64 = 300.0;
 /// # Errors
 /// [`PlotError`] where a part lacks the field or there is nothing to draw.
 pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, PlotError> {
-    let all = drawn(plot, parts, &divisions(parts))?;
+    let around: Vec<Vec<Bounds<2>>> = parts.iter().map(|p| boxes(&*p.space)).collect();
+    let all = drawn(plot, parts, &divisions(&around))?;
     let points: Vec<Vector<2>> =
         all.iter().flatten().flat_map(|d| d.edges.iter().flat_map(|(line, _)| line)).map(|p| Vector::<2>::from(*p)).collect();
     let finite: Vec<Vector<2>> = points.into_iter().filter(|p| p.iter().all(|x| x.is_finite())).collect();
@@ -43,8 +46,9 @@ pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, 
     let detail = match peak(&all, &scale, &bounds) {
         None => None,
         Some(window) => {
-            let inside = |b: &Bounds<2>| b.meets(&window).then(|| division(b, window.hi[0] - window.lo[0], DETAIL).round() as usize);
-            let wanted: Vec<Vec<_>> = parts.iter().map(|p| p.space.all_bounds().iter().map(inside).collect()).collect();
+            let near = |b: &Bounds<2>| b.inflated(BULGE * b.diagonal()).meets(&window);
+            let inside = |b: &Bounds<2>| near(b).then(|| division(b, window.hi[0] - window.lo[0], DETAIL).round() as usize);
+            let wanted: Vec<Vec<_>> = around.iter().map(|part| part.iter().map(inside).collect()).collect();
             Some((window, drawn(plot, parts, &wanted)?))
         }
     };

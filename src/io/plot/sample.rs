@@ -2,7 +2,7 @@
 
 use super::{FieldPlot, PlotError};
 use crate::basis::{Cell, Elements, Order};
-use crate::geometry::{Bounds, Geometry, MapTable};
+use crate::geometry::{Bounds, Geometry, MapTable, Sampler, cell};
 use crate::io::vtu::Part;
 use crate::linalg::Vector;
 use crate::space::Space;
@@ -29,9 +29,26 @@ pub(super) fn division(bounds: &Bounds<2>, shown: f64, pixels: f64) -> f64 {
     (bounds.diagonal() / shown * pixels / PIECE).clamp(1.0, FINEST)
 }
 
-/// Pieces per direction of every element of every part: by size, within [`PIECES`] in total.
-pub(super) fn divisions(parts: &[Part<'_, 2, 2>]) -> Vec<Vec<Option<usize>>> {
-    let boxes: Vec<Vec<_>> = parts.iter().map(|p| p.space.all_bounds()).collect();
+/// Points per direction between which an element of a picture is taken for straight.
+const LOOKS: usize = 5;
+
+/// Boxes of all elements as a picture needs them: around some of their points. What bulges between these is small to the eye, and
+/// boxes that surely hold an element take second derivatives.
+pub(super) fn boxes(space: &dyn Space<2, 2>) -> Vec<Bounds<2>> {
+    let grids = [Cell::Tensor, Cell::Simplex].map(|kind| [2, LOOKS].map(|n| cell::grid::<2, f64>(kind, n)));
+    let maps = || (Sampler::new(space, Order::Values), MapTable::<2, 2>::new());
+    (0..space.num_elements())
+        .into_par_iter()
+        .map_init(maps, |(map, table), e| {
+            let (kind, bent) = (usize::from(space.cell(e) == Cell::Simplex), usize::from(!space.is_affine(e)));
+            map.map(e, 2 * bent + kind, &grids[kind][bent], table);
+            Bounds::around(&table.x).unwrap_or(Bounds { lo: Vector::zeros(), hi: Vector::zeros() })
+        })
+        .collect()
+}
+
+/// Pieces per direction of every element of every part, whose boxes are `boxes`: by size, within [`PIECES`] in total.
+pub(super) fn divisions(boxes: &[Vec<Bounds<2>>]) -> Vec<Vec<Option<usize>>> {
     let size = boxes.iter().flatten().copied().reduce(|a, b| a.union(&b)).map_or(1.0, |b| b.diagonal());
     let total: f64 = boxes.iter().flatten().map(|b| division(b, size, 900.0).powi(2)).sum();
     let scale = (PIECES / total).sqrt().min(1.0);

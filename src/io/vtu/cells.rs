@@ -7,6 +7,7 @@
 use crate::basis::Cell;
 use crate::linalg::Vector;
 use nalgebra::DMatrix;
+use std::collections::BTreeMap;
 
 /// Largest degree VTK evaluates (vtkHigherOrderInterpolation::MaxDegree).
 pub const MAX_DEGREE: usize = 10;
@@ -193,6 +194,47 @@ pub(crate) fn linear_pieces<const D: usize>(cell: Cell, degree: [usize; D], node
     pieces
 }
 
+/// The same linear cell with the other handedness.
+fn mirrored<const D: usize>(piece: &[usize]) -> Vec<usize> {
+    let order: &[usize] = match (D, piece.len()) {
+        (2, 3) => &[0, 2, 1],
+        (2, _) => &[0, 3, 2, 1],
+        (3, 4) => &[0, 2, 1, 3],
+        (3, _) => &[0, 3, 2, 1, 4, 7, 6, 5],
+        _ => &[0, 1],
+    };
+    order.iter().map(|&k| piece[k]).collect()
+}
+
+/// Places in `nodes` of the nodes of the cell with its first two axes exchanged, in VTK's order: it has the other handedness.
+fn exchanged<const D: usize>(cell: Cell, degree: [usize; D], nodes: &[[usize; D]]) -> Vec<usize> {
+    let swapped = |mut a: [usize; D]| {
+        if D > 1 {
+            a.swap(0, 1);
+        }
+        a
+    };
+    let place: BTreeMap<[usize; D], usize> = nodes.iter().copied().zip(0..).collect();
+    self::nodes(cell, swapped(degree)).into_iter().map(|a| place[&swapped(a)]).collect()
+}
+
+/// Local corners (first axis fastest) around a node with its whole-numbered weights at them, without common factors: equal for all
+/// cells that have the vertex, edge or face in common. None inside the cell.
+fn around<const D: usize>(cell: Cell, degree: [usize; D], node: [usize; D]) -> Option<Vec<(usize, u64)>> {
+    let weights: Vec<usize> = if cell == Cell::Simplex && D > 1 {
+        std::iter::once(degree[0] - node.iter().sum::<usize>()).chain(node).collect()
+    } else {
+        (0..1usize << D).map(|c| (0..D).map(|k| if c >> k & 1 == 1 { node[k] } else { degree[k] - node[k] }).product()).collect()
+    };
+    let common = weights.iter().fold(0, |a, &b| gcd(a, b));
+    let list: Vec<(usize, u64)> = weights.iter().enumerate().filter(|(_, w)| **w > 0).map(|(c, w)| (c, (w / common) as u64)).collect();
+    (list.len() < weights.len()).then_some(list)
+}
+
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
 /// Multi-indices below `size`, first index fastest.
 fn boxes<const D: usize>(size: [usize; D]) -> Vec<[usize; D]> {
     let total: usize = size.iter().product();
@@ -267,6 +309,12 @@ pub(crate) struct Interpolant<const D: usize> {
     pub to_bezier: DMatrix<f64>,
     /// Values at `lattice` = `to_lattice` * values at `points`.
     pub to_lattice: DMatrix<f64>,
+    /// The nodes of the cell in the file: of a right-handed element, and of a left-handed one, whose first two axes are exchanged.
+    pub whole: [Vec<Vec<usize>>; 2],
+    /// The same of the linear cells that fill it.
+    pub linear: [Vec<Vec<usize>>; 2],
+    /// Per node the corners around it, as [`around`] says.
+    pub around: Vec<Option<Vec<(usize, u64)>>>,
 }
 
 impl<const D: usize> Interpolant<D> {
@@ -281,7 +329,11 @@ impl<const D: usize> Interpolant<D> {
         };
         let to_bezier = values(&points).try_inverse().expect("inner points determine the polynomial");
         let to_lattice = values(&lattice) * &to_bezier;
-        Self { nodes, points, lattice, to_bezier, to_lattice }
+        let whole = [vec![(0..n).collect()], vec![exchanged(cell, degree, &nodes)]];
+        let pieces = linear_pieces(cell, degree, &nodes);
+        let linear = [pieces.clone(), pieces.iter().map(|piece| mirrored::<D>(piece)).collect()];
+        let around = nodes.iter().map(|&node| around(cell, degree, node)).collect();
+        Self { nodes, points, lattice, to_bezier, to_lattice, whole, linear, around }
     }
 }
 
@@ -332,6 +384,52 @@ mod tests {
             let quad = nodes(Cell::Tensor, [p, 2]);
             assert_eq!(linear_pieces(Cell::Tensor, [p, 2], &quad).len(), 2 * p);
         }
+    }
+
+    /// Volume of a hexahedron or tetrahedron, area of a quadrilateral or triangle with straight edges, times a positive number.
+    fn signed<const D: usize>(nodes: &[[usize; D]], corners: &[usize]) -> f64 {
+        let x = |i: usize| nalgebra::Vector3::from_fn(|k, _| if k < D { nodes[corners[i]][k] as f64 } else { 0.0 });
+        let third = if D == 2 { nalgebra::Vector3::z() } else { x(if corners.len() == 8 { 4 } else { 3 }) - x(0) };
+        let second = if corners.len() == 3 || corners.len() == 4 && D == 3 { 2 } else { 3 };
+        (x(1) - x(0)).cross(&(x(second) - x(0))).dot(&third)
+    }
+
+    #[test]
+    fn cells_of_left_handed_elements_are_mirrored() {
+        fn check<const D: usize>(cell: Cell, degree: [usize; D]) {
+            let of = Interpolant::<D>::new(cell, degree);
+            let corners = if cell == Cell::Simplex { D + 1 } else { 1 << D };
+            for (list, count) in [(&of.whole, of.nodes.len()), (&of.linear, corners)] {
+                assert_eq!(list[0].len(), list[1].len());
+                for (right, left) in list[0].iter().zip(&list[1]) {
+                    let (a, b) = (signed(&of.nodes, &right[..corners]), signed(&of.nodes, &left[..corners]));
+                    assert!(a > 0.0 && b < 0.0, "{cell:?} {degree:?}: {a} {b}");
+                    let sorted = |list: &[usize]| {
+                        let mut list = list.to_vec();
+                        list.sort_unstable();
+                        list
+                    };
+                    assert_eq!((sorted(right), right.len()), (sorted(left), count));
+                }
+            }
+        }
+        for p in 1..=4 {
+            check(Cell::Tensor, [p, 2]);
+            check(Cell::Tensor, [p, 2, 3]);
+            check(Cell::Simplex, [p, p]);
+            check(Cell::Simplex, [p, p, p]);
+        }
+    }
+
+    #[test]
+    fn neighbours_of_any_shape_see_a_common_node_alike() {
+        // the point at 1/3 of an edge: degree 3 on a triangle, 6 along the edge of a quadrilateral
+        assert_eq!(around(Cell::Simplex, [3, 3], [1, 0]), Some(vec![(0, 2), (1, 1)]));
+        assert_eq!(around(Cell::Tensor, [6, 4], [2, 0]), Some(vec![(0, 2), (1, 1)]));
+        assert_eq!(around(Cell::Tensor, [6, 4], [6, 4]), Some(vec![(3, 1)]));
+        assert_eq!(around(Cell::Tensor, [2, 2, 2], [1, 2, 1]).map(|list| list.len()), Some(4));
+        assert_eq!(around(Cell::Tensor, [2, 2], [1, 1]), None);
+        assert_eq!(around(Cell::Simplex, [3, 3], [1, 1]), None);
     }
 
     #[test]

@@ -1,16 +1,16 @@
 //! The arrays of all pieces, and the XML document that holds them.
 
 use super::piece::Piece;
+use super::points::Points;
+use flate2::{Compress, Compression, FlushCompress};
 use quick_xml::Writer;
 use quick_xml::events::{BytesEnd, BytesStart, Event};
+use rayon::prelude::*;
 
 /// The arrays of a file.
-#[derive(Clone, Debug, Default)]
 pub(super) struct Grid {
-    pub names: Vec<(String, usize)>,
-    points: Vec<f64>,
-    pub fields: Vec<Vec<f64>>,
-    weights: Vec<f64>,
+    names: Vec<(String, usize)>,
+    points: Points,
     rational: bool,
     connectivity: Vec<i64>,
     offsets: Vec<i64>,
@@ -18,22 +18,39 @@ pub(super) struct Grid {
     degrees: Vec<f64>,
     patch: Vec<i32>,
     element: Vec<i32>,
+    /// Points of the element at hand.
+    ids: Vec<usize>,
 }
 
 impl Grid {
-    pub fn append(&mut self, part: usize, element: usize, piece: &Piece) {
-        let first = self.points.len() / 3;
-        self.points.extend(piece.points.iter().flatten());
-        self.rational |= piece.weights.is_some();
-        match &piece.weights {
-            Some(w) => self.weights.extend(w),
-            None => self.weights.extend(std::iter::repeat_n(1.0, piece.points.len())),
+    /// A grid with fields of so many components at its points.
+    pub fn new(names: Vec<(String, usize)>) -> Self {
+        let points = Points::new(names.iter().map(|n| n.1).collect());
+        let (connectivity, offsets, types, degrees) = Default::default();
+        Self {
+            names,
+            points,
+            rational: false,
+            connectivity,
+            offsets,
+            types,
+            degrees,
+            patch: Vec::new(),
+            element: Vec::new(),
+            ids: Vec::new(),
         }
-        for (all, own) in self.fields.iter_mut().zip(&piece.fields) {
-            all.extend(own);
-        }
-        for cell in &piece.cells {
-            self.connectivity.extend(cell.iter().map(|i| (first + i) as i64));
+    }
+
+    /// Begins a part of so many elements.
+    pub fn begin(&mut self, elements: usize) {
+        self.points.begin(elements);
+    }
+
+    pub fn append(&mut self, part: usize, element: usize, piece: &Piece<'_>) {
+        self.points.of(piece, &mut self.ids);
+        self.rational |= piece.rational;
+        for cell in piece.cells {
+            self.connectivity.extend(cell.iter().map(|i| self.ids[*i] as i64));
             self.offsets.push(self.connectivity.len() as i64);
             self.types.push(piece.kind);
             self.degrees.extend(piece.degrees);
@@ -46,21 +63,16 @@ impl Grid {
     pub fn into_bytes(mut self) -> Vec<u8> {
         let hexahedra = self.types.iter().any(|t| [72, 79].contains(t));
         let high_order = self.types.iter().any(|t| *t >= 68);
-        let mut file = File::new();
-        let version = if hexahedra { "2.2" } else { "1.0" };
-        file.start(
-            "VTKFile",
-            &[("type", "UnstructuredGrid"), ("version", version), ("byte_order", "LittleEndian"), ("header_type", "UInt64")],
-        );
+        let mut file = File::new(hexahedra);
         file.start("UnstructuredGrid", &[]);
-        let (points, cells) = ((self.points.len() / 3).to_string(), self.types.len().to_string());
+        let (points, cells) = (self.points.x.len().to_string(), self.types.len().to_string());
         file.start("Piece", &[("NumberOfPoints", &points), ("NumberOfCells", &cells)]);
         // the attribute, not the array alone, makes readers use the weights
         file.start("PointData", if self.rational { &[("RationalWeights", "RationalWeights")] } else { &[] });
-        for ((name, components), values) in self.names.iter().zip(self.fields) {
+        for ((name, components), values) in self.names.iter().zip(std::mem::take(&mut self.points.fields)) {
             file.array("Float64", name, *components, values.into_iter().map(f64::to_le_bytes));
         }
-        let weights = std::mem::take(&mut self.weights);
+        let weights = std::mem::take(&mut self.points.weights);
         if self.rational {
             file.array("Float64", "RationalWeights", 1, weights.iter().map(|v| v.to_le_bytes()));
         }
@@ -74,7 +86,7 @@ impl Grid {
         file.array("Int32", "element", 1, self.element.into_iter().map(i32::to_le_bytes));
         file.end("CellData");
         file.start("Points", &[]);
-        file.array("Float64", "Points", 3, self.points.into_iter().map(f64::to_le_bytes));
+        file.array("Float64", "Points", 3, self.points.x.into_iter().flatten().map(f64::to_le_bytes));
         file.end("Points");
         file.start("Cells", &[]);
         file.array("Int64", "connectivity", 1, self.connectivity.into_iter().map(i64::to_le_bytes));
@@ -87,15 +99,34 @@ impl Grid {
     }
 }
 
-/// An XML document with raw data appended.
+/// Bytes that are compressed together.
+const BLOCK: usize = 1 << 17;
+
+/// Blocks that are compressed at once.
+const AT_ONCE: usize = 32;
+
+/// Level of the compression: level 3 takes three times as long for a tenth less.
+const LEVEL: u32 = 1;
+
+/// An XML document with compressed data appended.
 pub(in crate::io) struct File {
     xml: Writer<Vec<u8>>,
     appended: Vec<u8>,
 }
 
 impl File {
-    pub fn new() -> Self {
-        Self { xml: Writer::new_with_indent(Vec::new(), b' ', 2), appended: Vec::new() }
+    /// An unstructured grid. `hexahedra`: readers take high-order hexahedra of older versions in another order.
+    pub fn new(hexahedra: bool) -> Self {
+        let mut file = Self { xml: Writer::new_with_indent(Vec::new(), b' ', 2), appended: Vec::new() };
+        let attributes = [
+            ("type", "UnstructuredGrid"),
+            ("version", if hexahedra { "2.2" } else { "1.0" }),
+            ("byte_order", "LittleEndian"),
+            ("header_type", "UInt64"),
+            ("compressor", "vtkZLibDataCompressor"),
+        ];
+        file.start("VTKFile", &attributes);
+        file
     }
 
     fn event(&mut self, event: Event<'_>) {
@@ -110,7 +141,7 @@ impl File {
         self.event(Event::End(BytesEnd::new(tag)));
     }
 
-    /// An array of numbers, each as its bytes.
+    /// An array of numbers, each as its 1, 2, 4 or 8 bytes.
     pub fn array<const B: usize>(&mut self, kind: &str, name: &str, components: usize, numbers: impl Iterator<Item = [u8; B]>) {
         let (components, offset) = (components.to_string(), self.appended.len().to_string());
         let attributes = [
@@ -121,13 +152,29 @@ impl File {
             ("offset", offset.as_str()),
         ];
         self.event(Event::Empty(BytesStart::new("DataArray").with_attributes(attributes)));
-        // no room for more: of large files the half would stay empty
-        self.appended.reserve_exact(8 + B * numbers.size_hint().0);
-        let header = self.appended.len();
-        self.appended.extend([0; 8]);
-        numbers.for_each(|bytes| self.appended.extend_from_slice(&bytes));
-        let length = (self.appended.len() - header - 8) as u64;
-        self.appended[header..header + 8].copy_from_slice(&length.to_le_bytes());
+        let (mut sizes, mut data, mut total) = (Vec::new(), Vec::new(), 0);
+        let mut raw = Vec::with_capacity((B * numbers.size_hint().0).min(AT_ONCE * BLOCK));
+        let mut pack = |raw: &mut Vec<u8>| {
+            for block in raw.par_chunks(BLOCK).map(deflated).collect::<Vec<_>>() {
+                sizes.push(block.len());
+                data.extend(block);
+            }
+            total += raw.len();
+            raw.clear();
+        };
+        for bytes in numbers {
+            raw.extend_from_slice(&bytes);
+            // blocks hold whole numbers of every size
+            if raw.len() == AT_ONCE * BLOCK {
+                pack(&mut raw);
+            }
+        }
+        pack(&mut raw);
+        // how many blocks, bytes of one, bytes of the last unless it is full, bytes of each as they stand in the file
+        for n in [sizes.len(), BLOCK, total % BLOCK].into_iter().chain(sizes) {
+            self.appended.extend((n as u64).to_le_bytes());
+        }
+        self.appended.extend(data);
     }
 
     pub fn finish(mut self) -> Vec<u8> {
@@ -145,5 +192,18 @@ impl File {
         bytes.extend(tail);
         bytes.push(b'\n');
         bytes
+    }
+}
+
+/// A block as a zlib stream.
+fn deflated(block: &[u8]) -> Vec<u8> {
+    let mut out = Vec::with_capacity(block.len() / 2 + 64);
+    let mut stream = Compress::new(Compression::new(LEVEL), true);
+    loop {
+        let rest = &block[stream.total_in() as usize..];
+        match stream.compress_vec(rest, &mut out, FlushCompress::Finish).expect("a stream that was not ended takes every byte") {
+            flate2::Status::StreamEnd => return out,
+            _ => out.reserve(block.len() / 4 + 64),
+        }
     }
 }

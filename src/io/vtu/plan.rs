@@ -3,7 +3,9 @@
 use super::cells::{Shape, inner_points, nodes};
 use super::{CellStyle, MAX_DEGREE, Part};
 use crate::basis::{Block, Cell, Order, ShapeTable};
-use crate::linalg::Vector;
+use crate::geometry::MapTable;
+use crate::linalg::{Matrix, Vector, determinant};
+use crate::space::Space;
 
 /// How an element becomes a cell.
 #[derive(Clone, Copy, Debug)]
@@ -15,10 +17,12 @@ pub(super) struct Plan<const D: usize> {
     pub lagrange: [usize; D],
     pub map_weights: bool,
     pub basis_weights: bool,
+    /// Whether the map turns space inside out; its cell is then mirrored.
+    pub left: bool,
 }
 
 /// The plan of an element: a Bezier cell where map and basis are polynomial or rational of a degree that VTK evaluates.
-pub(super) fn plan<const D: usize, const N: usize>(part: &Part<'_, D, N>, element: usize) -> Plan<D> {
+pub(super) fn plan<const D: usize, const N: usize>(part: &Part<'_, D, N>, element: usize, table: &mut MapTable<D, N>) -> Plan<D> {
     let space = &*part.space;
     let cell = space.cell(element);
     let p = space.degree(element);
@@ -27,7 +31,15 @@ pub(super) fn plan<const D: usize, const N: usize>(part: &Part<'_, D, N>, elemen
     let highest: [usize; D] = std::array::from_fn(|k| p[k].max(map_degree[k]));
     // linear cells of a degree-p element are cut between the same nodes
     let lagrange = highest.map(|d| d.max(part.least_degree).clamp(1, MAX_DEGREE));
-    let mut plan = Plan { cell, shape: Shape::Lagrange, degree: lagrange, lagrange, map_weights: false, basis_weights: false };
+    let mut plan = Plan {
+        cell,
+        shape: Shape::Lagrange,
+        degree: lagrange,
+        lagrange,
+        map_weights: false,
+        basis_weights: false,
+        left: is_left(space, element, table),
+    };
     if part.style != CellStyle::Bezier {
         return plan;
     }
@@ -51,6 +63,16 @@ pub(super) fn plan<const D: usize, const N: usize>(part: &Part<'_, D, N>, elemen
         plan.degree = lagrange;
     }
     plan
+}
+
+/// Whether the Jacobian determinant is negative in the middle of an element; a surface in space has no sign.
+fn is_left<const D: usize, const N: usize>(space: &dyn Space<D, N>, element: usize, table: &mut MapTable<D, N>) -> bool {
+    if D != N || D == 1 {
+        return false;
+    }
+    let middle = if space.cell(element) == Cell::Simplex { 1.0 / (D as f64 + 1.0) } else { 0.5 };
+    space.map(element, &[Vector::<D>::repeat(middle)], Order::Gradients, table);
+    determinant(&Matrix::<D, D>::from_fn(|i, k| table.jacobian[0][(i, k)])) < 0.0
 }
 
 /// Whether positive numbers differ by more than rounding.

@@ -84,8 +84,14 @@ impl Reader {
             Some(Value::Text(name)) if known.contains(&"name") => format!("{what} {name:?}"),
             _ => what.to_owned(),
         };
-        let unknown: Vec<(String, Place)> =
-            table.entries.iter().filter(|e| !known.contains(&e.key.as_str())).map(|e| (e.key.clone(), e.key_at)).collect();
+        let (plain, refused) = self.later_keys(&table, what);
+        let understood = |key: &str| known.contains(&key) || plain.contains(&key);
+        let unknown: Vec<(String, Place)> = table
+            .entries
+            .iter()
+            .filter(|e| !understood(&e.key) && !refused.contains(&e.key.as_str()))
+            .map(|e| (e.key.clone(), e.key_at))
+            .collect();
         let mut meant = Vec::new();
         for (key, at) in unknown {
             let Some(near) = self.unknown_key(&key, at, &named, known) else { continue };
@@ -95,7 +101,7 @@ impl Reader {
                 e.key = near.to_owned();
             }
         }
-        table.entries.retain(|e| known.contains(&e.key.as_str()));
+        table.entries.retain(|e| understood(&e.key));
         Some(Block { table, at: node.at, what: named, keys: known.to_vec(), meant })
     }
 

@@ -1,5 +1,6 @@
 //! MSH files of version 4.1 out of meshes.
 
+use super::super::handed::right_handed;
 use super::kinds::{number_of, places};
 use crate::io::files::{FileError, MeshBlock, MeshFile};
 use std::collections::BTreeMap;
@@ -91,6 +92,7 @@ fn numbers(own: Vec<u64>, count: usize) -> Vec<u64> {
 
 /// See [`super::write`].
 pub(super) fn write(mesh: &MeshFile, binary: bool) -> Result<Vec<u8>, FileError> {
+    let mesh = &*right_handed(mesh);
     let mut types = Vec::new();
     for block in &mesh.blocks {
         let Some(number) = number_of(block.shape, block.order) else {

@@ -10,6 +10,7 @@ mod write;
 mod write_mesh;
 
 use super::budget::Budget;
+use super::handed::exchange;
 use super::text::{Words, broken, shown, unsupported};
 use super::{Contents, FileError, Limits};
 
@@ -27,9 +28,13 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<Contents, FileError> {
     let line = words.line();
     words.expect("MFEM")?;
     let kind = words.rest_of_line();
+    let spacing = kind == b"NURBS mesh v1.1";
     match kind {
-        b"NURBS mesh v1.0" => Ok(Contents::Patches(nurbs::parse(words, false, &mut budget)?)),
-        b"NURBS mesh v1.1" => Ok(Contents::Patches(nurbs::parse(words, true, &mut budget)?)),
+        b"NURBS mesh v1.0" | b"NURBS mesh v1.1" => {
+            let mut file = nurbs::parse(words, spacing, &mut budget)?;
+            exchange(&mut file, &write::exchanged(bytes));
+            Ok(Contents::Patches(file))
+        }
         b"mesh v1.0" | b"mesh v1.2" => Ok(Contents::Mesh(lagrange::parse(words, &mut budget)?)),
         _ if kind.starts_with(b"NURBS NC-patch mesh") => {
             Err(unsupported(line, "a MFEM NURBS NC-patch mesh (patches that meet along a part of a side, a hierarchy of refined sides)"))

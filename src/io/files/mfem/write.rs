@@ -1,6 +1,7 @@
 //! Writes MFEM NURBS meshes with control points per patch.
 
 use super::super::budget::Budget;
+use super::super::handed::{exchange, left_handed_patches};
 use super::super::sides::{knots_agree, lie, side_corner, side_number, touch};
 use super::super::{CellShape, FileError, KnotUse, Limits, SplineFile, Written};
 use super::cells::{CORNERS, Cell, NONE, Skeleton};
@@ -10,11 +11,44 @@ use std::fmt::Write;
 
 /// Writes an "MFEM NURBS mesh v1.0" in the layout `patches`; numbers read back to the same bits.
 ///
-/// Patches share corners where the file says that they have a side in common and the knots there agree. Ids and names are lost.
+/// Patches are right-handed: of those that are not, the first two directions are exchanged, which a comment says and
+/// [`parse`](super::parse) undoes, so that sides keep their names. Patches share corners where the file says that they have a side in common and the knots there agree. Ids and names are lost.
 ///
 /// # Errors
-/// [`FileError::Unsupported`] for patches of several dimensions.
+/// [`FileError::Unsupported`] for patches of several dimensions; [`FileError::Broken`] for knots, points and weights that do not fit.
 pub fn write(file: &SplineFile) -> Result<Written, FileError> {
+    let left = left_handed_patches(file)?;
+    let mut written = if left.is_empty() {
+        written(file, "")
+    } else {
+        let mut file = file.clone();
+        exchange(&mut file, &left);
+        let list: Vec<String> = left.iter().map(usize::to_string).collect();
+        written(&file, &format!("{EXCHANGED} {}\n", list.join(" ")))
+    }?;
+    if !left.is_empty() {
+        let names: Vec<String> = left.iter().map(|k| file.patches[*k].name.clone().unwrap_or_else(|| k.to_string())).collect();
+        written.lost.push(format!(
+            "the order of the first two directions of left-handed patches, which are exchanged (a comment keeps it for this program): {}",
+            names.join(", ")
+        ));
+    }
+    Ok(written)
+}
+
+/// What the comment begins with that lists patches whose first two directions are exchanged, counted from 0.
+pub(super) const EXCHANGED: &str = "# faying: left-handed patches, first two directions exchanged:";
+
+/// The patches that a file lists behind [`EXCHANGED`], ahead of its first section.
+pub(super) fn exchanged(bytes: &[u8]) -> Vec<usize> {
+    let ahead = bytes.split(|b| *b == b'\n').skip(1).take_while(|line| line.trim_ascii().is_empty() || line.starts_with(b"#"));
+    let lists = ahead.filter_map(|line| line.strip_prefix(EXCHANGED.as_bytes()));
+    let numbers =
+        lists.flat_map(|list| String::from_utf8_lossy(list).split_whitespace().filter_map(|w| w.parse().ok()).collect::<Vec<_>>());
+    numbers.collect::<BTreeSet<usize>>().into_iter().collect()
+}
+
+fn written(file: &SplineFile, comment: &str) -> Result<Written, FileError> {
     let unsupported = |what: &str| FileError::Unsupported { what: what.to_string(), spot: None };
     let Some(d) = file.patches.first().map(|p| p.dimension()) else {
         return Err(unsupported("an MFEM mesh without patches"));
@@ -32,7 +66,7 @@ pub fn write(file: &SplineFile) -> Result<Written, FileError> {
     } else {
         knot_uses(&cells, d, &[], &skeleton, &mut lost, &mut budget)?
     };
-    let mut out = format!("MFEM NURBS mesh v1.0\n\ndimension\n{d}\n\nelements\n{}\n", cells.len());
+    let mut out = format!("MFEM NURBS mesh v1.0\n{comment}\ndimension\n{d}\n\nelements\n{}\n", cells.len());
     for cell in &cells {
         element(&mut out, cell.attribute, cell.shape, cell.corners());
     }

@@ -1,6 +1,7 @@
 //! Writes MFEM meshes of Lagrange elements.
 
 use super::super::budget::Budget;
+use super::super::handed::right_handed;
 use super::super::{CellShape, FileError, Group, Limits, MeshBlock, MeshFile, Written};
 use super::cells::{CORNERS, Cell, NONE, Skeleton};
 use super::lagrange::{lattice, starts, unknown};
@@ -10,13 +11,14 @@ use std::fmt::Write;
 
 /// Writes an "MFEM mesh v1.0" of the cells of the highest dimension and of the facets that are in a group.
 ///
-/// Order 1 is written with vertices, orders 2 and 3 with nodes (Quadratic, Cubic). A cell has the number of its first group; names, further
+/// Elements are right-handed. Order 1 is written with vertices, orders 2 and 3 with nodes (Quadratic, Cubic). A cell has the number of its first group; names, further
 /// groups and cells of lower dimension are lost.
 ///
 /// # Errors
 /// [`FileError::Unsupported`] for mixed orders, order 4, order 3 in three dimensions, curved prisms and pyramids, and cells with one node
 /// at two corners.
 pub fn write_mesh(mesh: &MeshFile) -> Result<Written, FileError> {
+    let mesh = &*right_handed(mesh);
     let unsupported = |what: String| Err(FileError::Unsupported { what, spot: None });
     let d = mesh.dimension();
     if d == 0 {

@@ -1,8 +1,8 @@
 //! The map of cells of one kind as files list them: equispaced nodes, first axis fastest.
 
+use super::{CellShape, MeshBlock};
 use crate::basis::{Cell, Elements, Order, simplex_lattice};
 use crate::geometry::{Bounds, Geometry, MapTable};
-use crate::io::files::{CellShape, MeshBlock};
 use crate::linalg::Vector;
 
 /// Polynomials of order up to 4 leave the box of their nodes by less than this share of its diagonal: the Lebesgue constant of five

@@ -1,0 +1,150 @@
+//! Bytes of the arrays of a `.vtu`: behind a header, in base64 or not, compressed by zlib or not.
+//!
+//! An array as it is: its length, then its bytes. A compressed one: the number of blocks, the bytes of a block and of the last one unless
+//! that is full, the bytes of every block as it stands in the file, then the blocks. In base64 the header is a text of its own.
+//! Source: "VTK XML Formats", vtk.org.
+
+use super::FileError;
+use super::budget::Budget;
+use flate2::{Decompress, FlushDecompress, Status};
+use std::borrow::Cow;
+
+/// Memory of a zlib stream that is read: its window and its tables.
+const STREAM: u64 = 1 << 16;
+
+/// Most bytes that a block grows by at once.
+const STEP: usize = 1 << 15;
+
+/// Why bytes were not read.
+#[derive(Debug)]
+pub(super) enum Fault {
+    /// The array contradicts itself.
+    Broken(&'static str),
+    /// It is too large.
+    Memory(FileError),
+}
+
+impl From<FileError> for Fault {
+    fn from(error: FileError) -> Self {
+        Self::Memory(error)
+    }
+}
+
+const EARLY: Fault = Fault::Broken("the data end early");
+
+/// Layout of the numbers ahead of an array.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Header {
+    /// Bytes of a number.
+    pub bytes: usize,
+    /// Whether the first byte is the highest.
+    pub big_endian: bool,
+}
+
+impl Header {
+    /// The k-th number.
+    fn number(self, data: &[u8], k: usize) -> Result<usize, Fault> {
+        let at = k.checked_mul(self.bytes).ok_or(EARLY)?;
+        let mut word = [0; 8];
+        word[..self.bytes].copy_from_slice(data.get(at..at.saturating_add(self.bytes)).ok_or(EARLY)?);
+        if self.big_endian {
+            word[..self.bytes].reverse();
+        }
+        usize::try_from(u64::from_le_bytes(word)).map_err(|_| EARLY)
+    }
+
+    /// The bytes of an array as it is; those that are owned are counted.
+    pub fn plain<'a>(self, source: &'a [u8], base64: bool, budget: &mut Budget) -> Result<Cow<'a, [u8]>, Fault> {
+        if !base64 {
+            let count = self.number(source, 0)?;
+            return Ok(Cow::Borrowed(source[self.bytes..].get(..count).ok_or(EARLY)?));
+        }
+        let count = self.number(&decode(source, self.bytes), 0)?;
+        let all = count.saturating_add(self.bytes).min(source.len());
+        budget.take(all as u64)?;
+        let mut data = decode(source, all);
+        if data.len() < self.bytes || data.len() - self.bytes < count {
+            return Err(EARLY);
+        }
+        data.drain(..self.bytes);
+        data.truncate(count);
+        Ok(Cow::Owned(data))
+    }
+
+    /// The bytes of a compressed array, which are counted.
+    pub fn unpacked<'a>(self, source: &[u8], base64: bool, budget: &mut Budget) -> Result<Cow<'a, [u8]>, Fault> {
+        let part = |bytes: usize| if base64 { Cow::Owned(decode(source, bytes)) } else { Cow::Borrowed(source) };
+        let blocks = self.number(&part(self.bytes), 0)?;
+        let head = blocks.checked_add(3).and_then(|n| n.checked_mul(self.bytes)).filter(|n| *n <= source.len()).ok_or(EARLY)?;
+        budget.take(head as u64)?;
+        let header = part(head)[..].get(..head).ok_or(EARLY)?.to_vec();
+        let (full, last) = (self.number(&header, 1)?, self.number(&header, 2)?);
+        let mut end = head;
+        for k in 0..blocks {
+            end = end.checked_add(self.number(&header, 3 + k)?).filter(|n| *n <= source.len()).ok_or(EARLY)?;
+        }
+        let decoded = if base64 { end as u64 } else { 0 };
+        budget.take(decoded + STREAM)?;
+        let data = part(end);
+        let (mut raw, mut from) = (Vec::new(), head);
+        for k in 0..blocks {
+            let to = from + self.number(&header, 3 + k)?;
+            let size = if k + 1 == blocks && last > 0 { last } else { full };
+            inflate(data.get(from..to).ok_or(EARLY)?, size, &mut raw, budget)?;
+            from = to;
+        }
+        budget.give(head as u64 + decoded + STREAM);
+        Ok(Cow::Owned(raw))
+    }
+}
+
+/// Appends the `size` bytes of a zlib stream; memory grows with what comes out of it.
+fn inflate(block: &[u8], size: usize, raw: &mut Vec<u8>, budget: &mut Budget) -> Result<(), Fault> {
+    const BROKEN: Fault = Fault::Broken("a compressed block is damaged");
+    let (start, mut stream) = (raw.len(), Decompress::new(true));
+    loop {
+        let left = size.saturating_sub(raw.len() - start);
+        budget.room(raw, left.clamp(1, STEP))?;
+        let before = (stream.total_in(), raw.len());
+        let rest = &block[(before.0 as usize).min(block.len())..];
+        let status = stream.decompress_vec(rest, raw, FlushDecompress::None).map_err(|_| BROKEN)?;
+        if status == Status::StreamEnd {
+            break;
+        }
+        if raw.len() - start > size || (stream.total_in(), raw.len()) == before {
+            return Err(BROKEN);
+        }
+    }
+    if raw.len() - start == size { Ok(()) } else { Err(BROKEN) }
+}
+
+/// Bytes of base64 text, at most so many; padding may stand between parts.
+fn decode(text: &[u8], at_most: usize) -> Vec<u8> {
+    let mut out = Vec::with_capacity(at_most.min(text.len()));
+    let (mut bits, mut count) = (0u32, 0);
+    for b in text {
+        let digit = match b {
+            b'A'..=b'Z' => b - b'A',
+            b'a'..=b'z' => b - b'a' + 26,
+            b'0'..=b'9' => b - b'0' + 52,
+            b'+' => 62,
+            b'/' => 63,
+            b'=' => {
+                (bits, count) = (0, 0);
+                continue;
+            }
+            b if b.is_ascii_whitespace() => continue,
+            _ => break,
+        };
+        bits = (bits << 6 | u32::from(digit)) & 0xffff;
+        count += 6;
+        if count >= 8 {
+            count -= 8;
+            out.push((bits >> count) as u8);
+        }
+        if out.len() >= at_most {
+            break;
+        }
+    }
+    out
+}

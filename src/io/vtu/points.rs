@@ -1,0 +1,153 @@
+//! Points of a part, of which elements have those in common where all their numbers agree.
+
+use super::piece::{AHEAD, Piece, WEIGHT};
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+/// Fields agree within this share of the greatest value met so far, positions within this share of the element's size.
+const SAME: f64 = 1e-10;
+
+/// Rounding of positions, as a share of their distance from the origin.
+const ROUNDING: f64 = 1e-14;
+
+/// No point.
+const NONE: u32 = u32::MAX;
+
+/// Corners around a node, rising, each with the node's weight at it in the low bits.
+type Key = [u64; 4];
+
+/// Bits of a weight: degree 10 on a hexahedron has weights up to 1000.
+const WEIGHT_BITS: u32 = 12;
+
+/// Multiplies and folds: keys are distinct by construction, and the order of the table is never seen.
+#[derive(Default)]
+struct Fold(u64);
+
+impl Hasher for Fold {
+    fn write(&mut self, bytes: &[u8]) {
+        for word in bytes.as_chunks::<8>().0 {
+            self.write_u64(u64::from_le_bytes(*word));
+        }
+    }
+    fn write_u64(&mut self, word: u64) {
+        self.0 = (self.0.rotate_left(23) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
+    fn finish(&self) -> u64 {
+        self.0 ^ self.0 >> 32
+    }
+}
+
+/// Positions, weights and fields of points.
+#[derive(Default)]
+pub(super) struct Points {
+    pub x: Vec<[f64; 3]>,
+    pub weights: Vec<f64>,
+    /// Per field, all components of a point after the other.
+    pub fields: Vec<Vec<f64>>,
+    components: Vec<usize>,
+    /// The point of the same node that came before.
+    before: Vec<u32>,
+    /// The last point of the corners whose ids are below the length.
+    vertices: Vec<u32>,
+    /// The last point of all other nodes.
+    nodes: HashMap<Key, u32, BuildHasherDefault<Fold>>,
+    /// Greatest magnitude per field.
+    greatest: Vec<f64>,
+}
+
+impl Points {
+    pub fn new(components: Vec<usize>) -> Self {
+        Self { fields: vec![Vec::new(); components.len()], components, ..Self::default() }
+    }
+
+    /// Begins a part of so many elements, which shares no points with those before.
+    pub fn begin(&mut self, elements: usize) {
+        self.vertices = vec![NONE; 2 * elements + 2];
+        self.nodes.clear();
+        self.greatest = vec![0.0; self.fields.len()];
+    }
+
+    /// The points of the nodes of a piece: those that are there, new ones for all else.
+    pub fn of(&mut self, piece: &Piece<'_>, ids: &mut Vec<usize>) {
+        ids.clear();
+        let width = AHEAD + self.components.iter().sum::<usize>();
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for row in piece.values.chunks_exact(width) {
+            let mut first = AHEAD;
+            for (greatest, c) in self.greatest.iter_mut().zip(&self.components) {
+                *greatest = row[first..first + c].iter().fold(*greatest, |m, v| if v.is_finite() { m.max(v.abs()) } else { m });
+                first += c;
+            }
+            (0..3).for_each(|k| (low[k], high[k]) = (low[k].min(row[k]), high[k].max(row[k])));
+        }
+        let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+        let far = (0..3).map(|k| high[k].abs().max(low[k].abs())).fold(0.0, f64::max);
+        let near = SAME * size + ROUNDING * far;
+        // an element that has a corner twice would have a point twice
+        let known = !piece.corners.is_empty() && (1..piece.corners.len()).all(|k| !piece.corners[..k].contains(&piece.corners[k]));
+        for (row, around) in piece.values.chunks_exact(width).zip(piece.around) {
+            let list = around.as_ref().filter(|_| known && self.x.len() < NONE as usize);
+            ids.push(match list {
+                Some(list) => self.shared(row, key(list, &piece.corners), near),
+                None => self.add(row, NONE),
+            });
+        }
+    }
+
+    fn shared(&mut self, row: &[f64], key: Key, near: f64) -> usize {
+        let vertex = (key[1] == u64::MAX).then_some((key[0] >> WEIGHT_BITS) as usize).filter(|v| *v < self.vertices.len());
+        let last = match vertex {
+            Some(v) => self.vertices[v],
+            None => self.nodes.get(&key).copied().unwrap_or(NONE),
+        };
+        let mut point = last;
+        while point != NONE {
+            if self.agrees(point as usize, row, near) {
+                return point as usize;
+            }
+            point = self.before[point as usize];
+        }
+        let new = self.add(row, last);
+        match vertex {
+            Some(v) => self.vertices[v] = new as u32,
+            None => {
+                self.nodes.insert(key, new as u32);
+            }
+        }
+        new
+    }
+
+    /// Whether all numbers of a point are those of a node.
+    fn agrees(&self, point: usize, row: &[f64], near: f64) -> bool {
+        let mut first = AHEAD;
+        self.x[point].iter().zip(row).all(|(a, b)| (a - b).abs() <= near)
+            && (self.weights[point] - row[WEIGHT]).abs() <= SAME * row[WEIGHT]
+            && self.fields.iter().zip(&self.components).zip(&self.greatest).all(|((values, c), greatest)| {
+                let (own, tolerance) = (&row[first..first + c], SAME * greatest);
+                first += c;
+                values[point * c..(point + 1) * c].iter().zip(own).all(|(a, b)| a == b || (a - b).abs() <= tolerance)
+            })
+    }
+
+    fn add(&mut self, row: &[f64], before: u32) -> usize {
+        self.x.push([row[0], row[1], row[2]]);
+        self.weights.push(row[WEIGHT]);
+        let mut first = AHEAD;
+        for (values, c) in self.fields.iter_mut().zip(&self.components) {
+            values.extend_from_slice(&row[first..first + c]);
+            first += c;
+        }
+        self.before.push(before);
+        self.x.len() - 1
+    }
+}
+
+/// The name that all elements give to a node.
+fn key(around: &[(usize, u64)], corners: &[usize]) -> Key {
+    let mut key = [u64::MAX; 4];
+    for (slot, &(c, weight)) in key.iter_mut().zip(around) {
+        *slot = (corners[c] as u64) << WEIGHT_BITS | weight;
+    }
+    key.sort_unstable();
+    key
+}

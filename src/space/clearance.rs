@@ -1,0 +1,205 @@
+//! Whether two sides touch: their distance against how far their facets may deviate from the surface they stand for.
+//!
+//! A point of a facet is moved out to that surface ([`Sag::bulge`]) and so is its closest point on the other side; g is their distance
+//! along the other side's normal. Points whose normals do not oppose, or that lie beyond the other's rim, see nothing.
+//! Sides touch if |mean g| <= 0.25 mean sag and |g| <= 2 sag everywhere; distances below a floor are none.
+
+use super::{Space, Trace};
+use crate::basis::{Cell, Order};
+use crate::geometry::{ClosestPoint, MapTable, Sag, cell};
+use crate::linalg::{Real, Vector, lit, num};
+use std::sync::Arc;
+
+/// The outward normals of touching sides are opposite: their product is below this.
+const OPPOSITE: f64 = -0.5;
+/// Largest mean distance of touching sides, as a share of the mean sag.
+const MEAN: f64 = 0.25;
+/// Largest distance of touching sides, as a share of the sag.
+const GREATEST: f64 = 2.0;
+/// Sides within so many sags may have been meant to touch.
+const NEARLY: f64 = 3.0;
+
+/// A side as others see it.
+#[derive(Debug)]
+pub struct Skin<'a, const S: usize, const N: usize, T: Real = f64> {
+    trace: &'a Trace<S, N, T>,
+    sag: &'a Sag<S, N, T>,
+    closest: ClosestPoint<S, N, Arc<dyn Space<S, N, T>>, T>,
+}
+
+/// A point of a skin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkinPoint<const N: usize, T: Real = f64> {
+    /// Its place on the surface that the facet stands for.
+    pub x: Vector<N, T>,
+    /// Outward unit normal of the facet.
+    pub normal: Vector<N, T>,
+    /// The facet's sag \[length\].
+    pub sag: T,
+}
+
+/// How far a point is from a skin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight<T: Real = f64> {
+    /// Distance along the skin's normal \[length\], negative where the sides overlap.
+    pub gap: T,
+    /// Distance to the closest point of the facets \[length\].
+    pub distance: T,
+    /// The larger sag of both facets \[length\].
+    pub sag: T,
+}
+
+impl<'a, const S: usize, const N: usize, T: Real> Skin<'a, S, N, T> {
+    /// The skin of `trace`, whose facets deviate by `sag`.
+    pub fn new(trace: &'a Trace<S, N, T>, sag: &'a Sag<S, N, T>) -> Self {
+        Self { trace, sag, closest: ClosestPoint::new(Arc::clone(&trace.space)) }
+    }
+
+    /// What `point` of another side sees of this one within `reach`.
+    pub fn sight(&self, point: &SkinPoint<N, T>, reach: T, floor: T, table: &mut MapTable<S, N, T>) -> Option<Sight<T>> {
+        let foot = self.closest.project_within(&point.x, reach)?;
+        if foot.rim && foot.distance > floor {
+            return None;
+        }
+        self.trace.space.map(foot.element, &[foot.xi], Order::Gradients, table);
+        let normal = self.trace.normal(foot.element, &table.jacobian[0]);
+        if normal.dot(&point.normal) >= lit(OPPOSITE) {
+            return None;
+        }
+        let raised = foot.x + normal * self.sag.bulge(foot.element, self.trace.space.cell(foot.element), &foot.xi);
+        let gap = (point.x - raised).dot(&normal);
+        Some(Sight { gap, distance: foot.distance, sag: point.sag.max(self.sag.of_facet(foot.element)) })
+    }
+}
+
+/// Points of a facet at which its distance is measured: the centre first.
+pub fn skin_points<const S: usize, T: Real>(kind: Cell) -> Vec<Vector<S, T>> {
+    let mut points = vec![cell::center::<S, T>(if S == 1 { Cell::Tensor } else { kind })];
+    points.extend(cell::grid::<S, T>(kind, if S == 1 { 5 } else { 3 }));
+    points
+}
+
+/// The points `xi` of a facet on the surface that it stands for.
+pub fn raised<const S: usize, const N: usize, T: Real>(
+    trace: &Trace<S, N, T>,
+    sag: &Sag<S, N, T>,
+    facet: usize,
+    xi: &[Vector<S, T>],
+    table: &mut MapTable<S, N, T>,
+) -> Vec<SkinPoint<N, T>> {
+    let kind = trace.space.cell(facet);
+    trace.space.map(facet, xi, Order::Gradients, table);
+    let point = |(q, xi): (usize, &Vector<S, T>)| {
+        let normal = trace.normal(facet, &table.jacobian[q]);
+        SkinPoint { x: table.x[q] + normal * sag.bulge(facet, kind, xi), normal, sag: sag.of_facet(facet) }
+    };
+    xi.iter().enumerate().map(point).collect()
+}
+
+/// Distances of two sides, gathered.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clearance<T: Real = f64> {
+    gap: T,
+    sag: T,
+    weight: T,
+    /// Greatest distance \[length\].
+    pub greatest: T,
+    /// Greatest |g| over the sag there, where g is above the floor.
+    ratio: T,
+}
+
+impl<T: Real> Clearance<T> {
+    /// Nothing seen yet.
+    pub fn new() -> Self {
+        Self { gap: T::zero(), sag: T::zero(), weight: T::zero(), greatest: T::zero(), ratio: T::zero() }
+    }
+
+    /// Takes note of a distance with its weight \[length^S\].
+    pub fn see(&mut self, sight: &Sight<T>, weight: T, floor: T) {
+        let size = sight.gap.abs();
+        self.gap += sight.gap * weight;
+        self.sag += sight.sag * weight;
+        self.weight += weight;
+        self.greatest = self.greatest.max(size);
+        if size > floor {
+            let most = T::max_value().unwrap_or_else(T::one);
+            self.ratio = self.ratio.max(if sight.sag > T::zero() { size / sight.sag } else { most });
+        }
+    }
+
+    /// Takes note of all that `other` saw.
+    pub fn join(&mut self, other: &Self) {
+        self.gap += other.gap;
+        self.sag += other.sag;
+        self.weight += other.weight;
+        self.greatest = self.greatest.max(other.greatest);
+        self.ratio = self.ratio.max(other.ratio);
+    }
+
+    /// Whether nothing was seen.
+    pub fn is_empty(&self) -> bool {
+        self.weight <= T::zero()
+    }
+
+    /// |mean distance| \[length\].
+    pub fn mean(&self) -> T {
+        if self.is_empty() { T::zero() } else { (self.gap / self.weight).abs() }
+    }
+
+    /// The mean distance that facets explain \[length\].
+    pub fn allowed(&self) -> T {
+        if self.is_empty() { T::zero() } else { self.sag / self.weight * lit(MEAN) }
+    }
+
+    /// Whether the facets explain the distance; below `floor` is none.
+    pub fn touches(&self, floor: T) -> bool {
+        !self.is_empty() && self.mean() <= self.allowed().max(floor) && self.ratio <= lit(GREATEST)
+    }
+}
+
+impl<T: Real> Sight<T> {
+    /// Whether this point lies on the other side; distances below `floor` are none.
+    pub fn touches(&self, floor: T) -> bool {
+        self.gap.abs() <= (self.sag * lit(GREATEST)).max(floor)
+    }
+
+    /// Whether the sides may have been meant to touch here: within three sags, or `share` of the facet of this size.
+    pub fn nearly(&self, close: T) -> bool {
+        self.gap.abs() <= (self.sag * lit(NEARLY)).max(close)
+    }
+}
+
+/// The distances of `slave` to the nearest of `masters` and back, at the points that see the other within `share` of their facets.
+///
+/// Each side comes with the sag of its facets, and whether it counts as approximate is in that sag.
+pub fn clearance<const S: usize, const N: usize, T: Real>(
+    slave: (&Trace<S, N, T>, &Sag<S, N, T>),
+    masters: &[(&Trace<S, N, T>, &Sag<S, N, T>)],
+    share: T,
+    floor: T,
+) -> Clearance<T> {
+    let mut all = Clearance::new();
+    let mut table = MapTable::new();
+    let own = Skin::new(slave.0, slave.1);
+    let others: Vec<Skin<'_, S, N, T>> = masters.iter().map(|(t, s)| Skin::new(t, s)).collect();
+    let mut look = |from: (&Trace<S, N, T>, &Sag<S, N, T>), at: &[&Skin<'_, S, N, T>]| {
+        let boxes = from.0.space.all_bounds();
+        for (f, bounds) in boxes.iter().enumerate() {
+            let reach = (bounds.diagonal() * share).max(floor);
+            let points = raised(from.0, from.1, f, &skin_points(from.0.space.cell(f)), &mut table);
+            let weight = bounds.diagonal().powi(S as i32) / num(points.len());
+            for point in &points {
+                let seen = at.iter().filter_map(|skin| skin.sight(point, reach, floor, &mut table));
+                let nearest = seen.reduce(|a, b| if b.gap.abs() < a.gap.abs() { b } else { a });
+                if let Some(sight) = nearest {
+                    all.see(&sight, weight, floor);
+                }
+            }
+        }
+    };
+    look(slave, &others.iter().collect::<Vec<_>>());
+    for master in masters {
+        look(*master, &[&own]);
+    }
+    all
+}
