@@ -627,3 +627,18 @@ fn values_that_no_seam_can_carry_are_prescribed_on_both_of_its_sides() {
         }
     }
 }
+
+#[test]
+fn the_result_tells_which_sides_are_glued_and_how_much_of_them() {
+    let joints = "[[interface]]\nname = \"seam\"\nbetween = \"all\"\ncoupling = \"glue\"\n";
+    let finished = solve(&l_shape(4, joints));
+    let glued = &finished.result.geometry.glued;
+    let mut pairs: Vec<[&str; 2]> = glued.iter().map(|g| [g.sides.slave.as_str(), g.sides.master.as_str()]).collect();
+    pairs.iter_mut().for_each(|p| p.sort_unstable());
+    pairs.sort_unstable();
+    assert_eq!(pairs, [["a.top", "b.bottom"], ["b.right", "c.left"]]);
+    for g in glued {
+        assert_eq!(g.interface, "seam");
+        assert!(g.sides.distance < 1e-12 && (g.sides.share - 1.0).abs() < 1e-12, "{g:?}");
+    }
+}

@@ -72,6 +72,19 @@ pub struct GeometryReport {
     pub elements: usize,
     /// Largest diameter of an element \[length\].
     pub h: f64,
+    /// Sides that `coupling = "glue"` joins.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub glued: Vec<GluedSides>,
+}
+
+/// A slave side and a master side whose functions are shared.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct GluedSides {
+    /// Name of the interface.
+    pub interface: String,
+    /// The sides, their distance and the share that is glued.
+    #[serde(flatten)]
+    pub sides: TiedSides,
 }
 
 /// The active set iteration.

@@ -9,6 +9,7 @@ mod equilibrium;
 mod exact;
 mod fixed;
 mod glue;
+mod glued_sides;
 mod joined;
 mod meant;
 mod meetings;
@@ -110,6 +111,7 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
     let mut builder = Builder { case, names, faults: Diagnostics::new() };
     let (mut model, mut sides, couples) = supported(&mut builder, net)?;
     let fixed = fixed::Fixed::of(&builder, &model).map_err(|fault| Diagnostics::from(*fault))?;
+    model.glued_sides = glued_sides::of(case, &couples);
     ties::build(&mut builder, &mut model, &couples, &fixed);
     builder.stop()?;
     contacts::build(&mut builder, &mut model, &mut sides, &couples, &fixed);
@@ -138,6 +140,7 @@ fn supported<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, ne
     builder.stop()?;
     let mut model = Model {
         glued,
+        glued_sides: Vec::new(),
         hinges,
         components: case.model.components(),
         unknowns: patches.last().map_or(0, |p| p.range().end) + obstacles::num_pressed(case),

@@ -6,6 +6,7 @@ use super::meetings::Hinge;
 use super::obstacles::ObstacleModel;
 use super::physics::Physics;
 use super::reference::Reference;
+use crate::app::result::GluedSides;
 use crate::assembly::{Equation, Rim};
 use crate::basis::Basis;
 use crate::contact::{Cone, Contact};
@@ -339,6 +340,8 @@ pub struct Model<const S: usize, const N: usize> {
     pub patches: Vec<PatchModel<S, N>>,
     /// Functions that glued patches share.
     pub glued: Glued,
+    /// Sides that interfaces of the case glue.
+    pub glued_sides: Vec<GluedSides>,
     /// Points in which patches of one mesh hold together beside their common facets.
     pub hinges: Vec<Hinge<N>>,
     /// Prescribed components.

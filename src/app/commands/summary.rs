@@ -1,6 +1,6 @@
 //! The short summary of a run for stdout.
 
-use crate::app::result::RunResult;
+use crate::app::result::{GluedSides, RunResult};
 use crate::app::run::bytes;
 use crate::io::table::{Table, short};
 use std::fmt::Write as _;
@@ -53,6 +53,9 @@ pub fn of_check(result: &RunResult) -> String {
         for s in &report.sides {
             tied.row([name.to_owned(), s.slave.clone(), s.master.clone(), short(s.distance, 3), short(s.share, 6)]);
         }
+    }
+    for GluedSides { interface, sides: s } in &result.geometry.glued {
+        tied.row([interface.clone(), s.slave.clone(), s.master.clone(), short(s.distance, 3), short(s.share, 6)]);
     }
     let tied = if tied.is_empty() { String::new() } else { format!("{tied}\n") };
     let u = &result.unknowns;

@@ -44,6 +44,7 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, mode
         points: model.patches.iter().map(|p| (p.name.clone(), gauss_points(&p.rules))).collect(),
         elements: model.patches.iter().map(|p| p.body.space().num_elements()).sum(),
         h: model.patches.iter().map(|p| diameter::<N, f64, _>(&**p.body.space())).fold(0.0, f64::max),
+        glued: model.glued_sides.clone(),
     };
     result.contact = model
         .contacts
