@@ -73,6 +73,7 @@ pub(super) fn build<const S: usize, const N: usize>(
             gap: contact.gap.value.clone(),
             reach: contact.reach.value,
             exact: contact.exact.as_ref().map(|f| f.value.clone()),
+            symmetry: contact.symmetry.value,
             start: contact.active_set.start.value,
             formulation: formulation(contact),
         };

@@ -329,6 +329,8 @@ pub struct ContactModel<const S: usize, const N: usize> {
 }
 
 /// A whole case, ready to be assembled.
+    /// Whether a zone that ends at the end of a side goes on beyond it: half models.
+    pub symmetry: bool,
 #[derive(Debug)]
 pub struct Model<const S: usize, const N: usize> {
     /// Components of the unknown.
