@@ -47,8 +47,8 @@ impl<const S: usize, const N: usize> ContactField<S, N> {
         element: usize,
         xi: &[Vector<S>],
     ) -> Vec<[f64; 2]> {
-        if let Some(psi) = &part.multiplier {
-            return multiplier_at(&**psi, &state.lambda[part.rows()], element, xi).into_iter().map(|l| [l, f64::NAN]).collect();
+        if let Some(read) = part.read_through() {
+            return multiplier_at(read, &state.lambda[part.rows()], element, xi).into_iter().map(|l| [l, f64::NAN]).collect();
         }
         let mut all = vec![[0.0; 2]; xi.len()];
         let Some(own) = &self.0 else { return all };
@@ -84,7 +84,7 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
     /// What the part transmits by the multipliers `lambda` of its rows.
     pub fn transmitted(&self, built: &Contact<S, N>, lambda: &[f64]) -> Transmitted<N> {
         match (&self.multiplier, &built.points) {
-            (Some(psi), _) => built.transmitted(&**psi, lambda),
+            (Some(psi), _) => built.transmitted_as_read(&**psi, self.read_through().unwrap_or(&**psi), lambda),
             (None, points) => built.transmitted_at_points(&points.as_ref().map_or_else(Vec::new, |p| p.of_points(lambda))),
         }
     }
