@@ -196,6 +196,10 @@ fn a_press_fit_and_a_rigid_side_give_the_same_state_as_the_master() {
     }
 }
 
+fn side_of<'a>(side: &'a Trace<1, 2>, r: &'a Pressed) -> ClosedSide<'a, 2> {
+    ClosedSide { slave: &*side.space, contact: &r.contact, closed: &r.transmitted.closed, pressure: &r.transmitted.pressure }
+}
+
 /// Sizes `first`, `count` of them, then growing by `ratio` up to `end`; from 0.
 fn graded(first: f64, count: usize, ratio: f64, end: f64) -> Vec<f64> {
     let mut at = vec![0.0];
@@ -233,7 +237,7 @@ fn a_half_cylinder_on_a_rigid_plane_has_the_pressure_of_hertz() {
             let plane = HalfPlane::try_new(Vector::<2>::zeros(), Vector::<2>::new(0.0, 1.0)).unwrap();
             // a set that is far too large is peeled one element per iteration: start from twice the gap at the zone's rim
             let r = solve(&model, (0, &side), Err(&plane), &*psi, 2, &|_, g| g, a * a / radius, saddle_point);
-            let width = half_width(&[ClosedSide { slave: &*side.space, contact: &r.contact, closed: &r.transmitted.closed }]);
+            let width = half_width(&[side_of(&side, &r)], true);
             let report = r.solution.active_set.as_ref().unwrap();
             println!(
                 "{name} {multiplier}: p0 {:.5} of {p0:.5}, a {width:.5} of {a}, {} unknowns, {} iterations",

@@ -580,7 +580,7 @@ fn a_circular_punch_pressed_with_a_force_makes_the_pressure_of_hertz_on_both_bac
              [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [0, -1], max = [1, 0] }}\nelements = [40, 20]\n\
              grade = {{ toward = {{ u = 0, v = 1 }}, ratio = 0.1 }}\n\
              [[boundary]]\non = \"b.bottom\"\nfix = [\"y\"]\n[[boundary]]\non = \"b.left\"\nfix = [\"x\"]\n\
-             [[contact]]\nname = \"c\"\nslave = \"b.top\"\nrigid = {{ kind = \"sphere\", center = [0, 1], radius = 1, force = {{ y = {:?} }} }}\n\
+             [[contact]]\nname = \"c\"\nslave = \"b.top\"\nrigid = {{ kind = \"sphere\", center = [0, 1], radius = 1, force = {{ y = {:?} }} }}\nsymmetry = true\n\
              [[probe]]\nname = \"p\"\nquantity = \"contact.c.pressure at [0.03, 0]\"\n",
             -0.5 * force
         ));

@@ -164,10 +164,12 @@ fn quantities_of_a_homogeneous_state_have_their_known_values() {
     assert_eq!(probe(&result, "path"), 40.0);
     let ok: Vec<bool> = result.checks.iter().map(|c| c.ok).collect();
     let skipped: Vec<bool> = result.checks.iter().map(|c| c.skipped).collect();
-    assert_eq!(ok, [true, true, true, true, true, false], "{}", show(&result));
-    assert_eq!(skipped, [false, false, false, true, true, false]);
+    // nothing decides a rate in a run
+    assert_eq!(ok, [true, true, true, false, true, false], "{}", show(&result));
+    assert_eq!(skipped, [false, false, false, false, true, false]);
+    assert!(result.checks[3].reason.as_ref().is_some_and(|r| r.contains("faying convergence")), "{:?}", result.checks[3]);
     assert_eq!((result.status, result.exit), (Status::CheckFailed, 1));
-    assert_eq!((result.checks_expected, result.checks_performed, result.checks_skipped), (6, 4, 2));
+    assert_eq!((result.checks_expected, result.checks_performed, result.checks_skipped), (6, 5, 1));
     for k in ["0", "1"] {
         close(number(&result, &["balance", "force", k]), 0.0, 1e-13, "balance of forces");
     }
@@ -584,7 +586,7 @@ fn the_half_width_is_that_of_the_sides_as_one() {
     };
     let plane = "kind = \"half-plane\", point = [0, 0], normal = [0, 1]";
     let round = "kind = \"sphere\", center = [0.5, -2], radius = 2.0";
-    close(probe(&run(&case(0.6, 12, plane)), "w"), 1.0, 1e-9, "all of it");
+    close(probe(&run(&case(0.6, 12, plane)), "w"), 0.5, 1e-9, "half of it");
     // what one box gives: 0.15, within a fraction of the element of 0.05
     close(probe(&run(&case(0.45, 9, round)), "w"), 0.15, 0.005, "a zone over the joint");
 }

@@ -16,7 +16,8 @@ makes w = T'r unknowns, w >= 0 their bounds, and -mu the forces on them: PETSc S
 C, g, G, V are integrated here, on the common breakpoints of both sides; nothing but the mesh is taken from the program.
 
 Multipliers: p/p and p/p-2 are Bernstein polynomials, continuous and discontinuous; dual (p = 1) is biorthogonal to the hats. So are the
-functions of the program: coefficients enter the first cone. What agrees is everything: energy, force, moment, number of active functions,
+functions of the program: coefficients enter the first cone. The pressure of dual multipliers is read through the hats, sum lambda_j N_j,
+which have the integrals of psi_j and do not oscillate: so does the program. What agrees is everything: energy, force, moment, number of active functions,
 displacements at nodes, pressure at points, to "agreement" of the largest value of a kind; differences are round-off, of matrices whose
 condition is below 1e6.
 
@@ -66,11 +67,11 @@ class Multipliers:
         return points
 
     def at(self, points):
-        """Values at points of the side, (points, functions)."""
+        """Values at points of the side of what the pressure is read through, (points, functions)."""
         found = np.zeros((len(points), self.count))
         for row, x in enumerate(points):
             e, t = local(self.breaks, x)
-            found[row, self.index[e]] = self.values(t)
+            found[row, self.index[e]] = bernstein(self.degree, t)
         return found
 
 

@@ -6,7 +6,7 @@ use crate::contact::Target;
 use crate::coupling::interface::{MasterSums, MergedCurve, Partners, SlaveRule};
 use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind, side_ends};
 use crate::coupling::nitsche::Variant;
-use crate::coupling::{Coupling, InterfaceQuadrature, Mortar, Nitsche, Penalty};
+use crate::coupling::{Coupling, InterfaceQuadrature, Mortar, Nitsche, Penalty, Segments};
 use crate::io::case;
 use crate::io::errors::nearest;
 use crate::linalg::{Limits, Vector};
@@ -144,6 +144,8 @@ pub struct Names<const S: usize, const N: usize> {
     pub multipliers: Family<MakeMultiplier<S, N>>,
     /// Multiplier spaces given by degree and continuity; none: not there in this dimension.
     pub polynomials: Polynomials<S, N>,
+    /// What `dual` means in contact, where elements may be covered in part; none: what it means in ties.
+    pub covered: Covered<S, N>,
     /// Couplings of interfaces.
     pub couplings: Family<MakeCoupling<S, N>>,
     /// Integrations of interfaces and contacts.
@@ -158,6 +160,16 @@ pub type MakeObstacle<const S: usize, const N: usize> = fn(&case::Geometry) -> R
 /// The maker of obstacles with the shape of a geometry, where there is one.
 #[derive(Debug)]
 pub struct Obstacles<const S: usize, const N: usize>(pub Option<MakeObstacle<S, N>>);
+
+/// Dual multipliers of a contact, and what their pressure is read through.
+pub type DualPair<const S: usize> = (Box<dyn Basis<S>>, Box<dyn Basis<S>>);
+/// Makes them over what the segments cover of a slave side; the closure as of [`MakeMultiplier`].
+pub type MakeCovered<const S: usize, const N: usize> =
+    fn(&Trace<S, N>, &dyn Fn(usize) -> bool, &Segments<S>) -> Result<DualPair<S>, MultiplierError>;
+
+/// The maker of dual multipliers over what is covered of a side, where there is one.
+#[derive(Debug)]
+pub struct Covered<const S: usize, const N: usize>(pub Option<MakeCovered<S, N>>);
 
 /// The maker of multipliers that are given by data, where there is one.
 pub struct Polynomials<const S: usize, const N: usize>(pub Option<MakePolynomial<S, N>>);
@@ -185,6 +197,7 @@ impl<const S: usize, const N: usize> Names<S, N> {
             backends: Family::new("backend"),
             multipliers: Family::new("multiplier"),
             polynomials: Polynomials(None),
+            covered: Covered(None),
             couplings: Family::new("coupling"),
             integrations: Family::new("integration"),
             obstacles: Obstacles(None),
@@ -239,6 +252,7 @@ impl Names<1, 2> {
             names.multipliers.add(&kind.to_string(), Box::new(move |trace, constrained| curve_multiplier(kind, trace, constrained)));
         }
         names.polynomials = Polynomials(Some(Box::new(curve_multiplier)));
+        names.covered = Covered(Some(covered_dual));
         names.obstacles = Obstacles(Some(super::build::PLANE_OBSTACLES));
         names
             .couplings
@@ -270,16 +284,30 @@ fn curve_multiplier<const N: usize>(
     trace: &Trace<1, N>,
     constrained: &dyn Fn(usize) -> bool,
 ) -> Result<Box<dyn Basis<1>>, MultiplierError> {
+    multiplier::build(&trace.space, kind, &constrained_ends(trace, constrained))
+}
+
+/// Dual multipliers of a contact on a curve.
+fn covered_dual<const N: usize>(
+    trace: &Trace<1, N>,
+    constrained: &dyn Fn(usize) -> bool,
+    segments: &Segments<1>,
+) -> Result<DualPair<1>, MultiplierError> {
+    let made = multiplier::build_covered(&trace.space, &constrained_ends(trace, constrained), segments)?;
+    Ok((Box::new(made.functions), Box::new(made.reading)))
+}
+
+/// Which ends of a curve have a constrained function.
+fn constrained_ends<const N: usize>(trace: &Trace<1, N>, constrained: &dyn Fn(usize) -> bool) -> Vec<bool> {
     let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
-    let ends: Vec<bool> = side_ends(&*trace.space)
+    side_ends(&*trace.space)
         .iter()
         .map(|end| {
             trace.space.active(end.element, &mut ids);
             trace.space.tabulate(end.element, &[Vector::<1>::new(end.at as f64)], Order::Values, &mut table);
             ids.iter().zip(table.values(0)).any(|(&i, value)| value.abs() > NO_VALUE && constrained(trace.dofs[i]))
         })
-        .collect();
-    multiplier::build(&trace.space, kind, &ends)
+        .collect()
 }
 
 /// All names a case file may use.

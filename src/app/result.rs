@@ -138,11 +138,13 @@ pub struct Extremes {
     pub max: f64,
 }
 
-/// Least value.
+/// How far apart the sides of a contact are \[length\], negative where they overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Least {
-    /// Least value.
+pub struct Gaps {
+    /// Least gap of the cone, a mean: lumped for coefficients. At the points for Nitsche's method.
     pub min: f64,
+    /// Least gap at the points of integration.
+    pub least: f64,
 }
 
 /// Violation of the contact conditions, each zero where they hold.
@@ -210,8 +212,8 @@ pub struct ContactReport {
     pub area: f64,
     /// Extremes of the pressure -lambda at the points of integration [force/area].
     pub pressure: Extremes,
-    /// Least gap of the cone, lumped for coefficients \[length\].
-    pub gap: Least,
+    /// Least gaps, of the cone and at points.
+    pub gap: Gaps,
     /// Active multipliers: closed rows of the cone ([`crate::contact::Cone`]); coefficients, integrals or values below zero.
     pub active: usize,
     /// Violation of the contact conditions in the variables of the cone.
@@ -220,7 +222,8 @@ pub struct ContactReport {
     pub sign_cases: [usize; 9],
     /// Pieces that face the master.
     pub segments: SegmentsReport,
-    /// Half the extent of the zone along the side; all of it where the zone ends at an end of the side \[length\].
+    /// Half the extent of the zone along the slave, an arc length found to a fraction of an element; with `symmetry` all of it where the
+    /// zone ends at an end of the side \[length\]. In the plane alone. See [`crate::contact::half_width`].
     pub half_width: f64,
     /// Linear systems solved by the active set.
     pub iterations: usize,

@@ -36,8 +36,7 @@
 //! | 2 | 0.021 | 0 | 29 | 0.022 | -0.010 | 10 | 0.034 | -0.059 | 17 |
 //!
 //! All converge as far as a pressure that ends like a square root lets them; the larger cones come nearer on coarse elements and pay with
-//! tension beside the zone. The zone is read from the active functions, so it is widest for W (half widths 0.048, 0.055 and 0.048 at
-//! level 2).
+//! tension beside the zone. The zone of the active functions is widest for W (half of it 0.048, 0.055 and 0.048 at level 2).
 //!
 //! **Sides that face something in part.** G is integrated where the sides face each other, and only functions that face something have
 //! a part in T; the others stay open. E asks more: an interpolatory rule cut at the rim gives functions whose point lies outside a negative

@@ -30,9 +30,7 @@ pub enum ContactError {
     #[error(transparent)]
     Coupling(#[from] CouplingError),
     /// A multiplier function has a negative mean: its sign says nothing about compression.
-    #[error(
-        "multiplier function {function} has the weight {weight:.3e}; contact needs multipliers with positive means, such as constant or p/p-2"
-    )]
+    #[error("multiplier function {function} has the weight {weight:.3e}; contact needs multipliers with positive means")]
     Weight {
         /// The function.
         function: usize,
@@ -93,6 +91,10 @@ pub struct Contact<const S: usize, const N: usize, T: Real = f64> {
     pub offset: Vec<T>,
     /// ∫ ψ_j ds.
     pub weights: Vec<T>,
+    /// g' at every point of the segments.
+    pub at_rest: Vec<T>,
+    /// Translations of an obstacle that a force presses: direction, unknown, and its value at which the gaps were found.
+    pub translations: Vec<(Vector<N, T>, usize, T)>,
     /// Whether the support of ψ_j faces something and has a part in the cone.
     pub facing: Vec<bool>,
     /// Rows that belong to points instead of multiplier functions, and what goes with them.
@@ -149,7 +151,9 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
             return Err(ContactError::Weight { function, weight: to_f64(weights[function]) });
         }
         let facing = weights.iter().map(|&w| w > threshold).collect();
-        Ok(Self { segments, frames, rows, reaction: None, offset, weights, facing, points: None, turn: Turn::identity() })
+        let (at_rest, translations) = (wanted, Vec::new());
+        let turn = Turn::identity();
+        Ok(Self { segments, frames, rows, reaction: None, offset, weights, at_rest, translations, facing, points: None, turn })
     }
 
     /// The same contact with the master part of the reaction by other points: B = [D, -M'] beside C = [D, -M] (mixed integration).
@@ -199,5 +203,15 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         }
         let (gap, weights) = (self.turn.transposed(gap), self.turned_weights());
         (0..gap.len()).map(|j| self.facing[j].then(|| gap[j] / weights[j])).collect()
+    }
+
+    /// g' + \[u\] . n at every point of the segments \[length\], from `jump[component][point]` of u_slave - u_master
+    /// ([`crate::coupling::evaluate::jumps`]) and the `unknowns` with translations of the obstacle.
+    pub fn point_gaps(&self, jump: &[Vec<T>], unknowns: &[T]) -> Vec<T> {
+        let gap = |(q, n): (usize, &Vector<N, T>)| {
+            let opened = (0..N).fold(self.at_rest[q], |g, c| g + jump[c][q] * n[c]);
+            self.translations.iter().fold(opened, |g, (e, unknown, at)| g - n.dot(e) * (unknowns[*unknown] - *at))
+        };
+        self.frames.normal.iter().enumerate().map(gap).collect()
     }
 }

@@ -147,7 +147,8 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         let stiffness = Triplets { entries: summed(entries), ..Triplets::new(unknowns, unknowns) };
         let reaction = (theta != T::one()).then_some(reaction);
         let points = Some(AtPoints { compliance, stiffness, row });
-        Ok(Self { segments: kept, frames, rows, reaction, offset, weights, facing, points, turn: Turn::identity() })
+        let (at_rest, translations, turn) = (wanted, Vec::new(), Turn::identity());
+        Ok(Self { segments: kept, frames, rows, reaction, offset, weights, at_rest, translations, facing, points, turn })
     }
 }
 

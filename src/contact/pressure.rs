@@ -1,7 +1,8 @@
 //! What a contact transmits: pressure, force, moment, and the zone where it is closed.
 //!
 //! lambda = sum_j lambda_j ψ_j is the normal stress sigma_N <= 0, pressure = -lambda \[force/area\]. With n out of the
-//! master the traction on the slave is -lambda n: what the master does to the slave.
+//! master the traction on the slave is -lambda n: what the master does to the slave. Dual multipliers oscillate: their pressure is read
+//! through other functions with the same integrals ([`crate::coupling::multiplier::Reading`]), forces and moments are theirs.
 //!
 //! The closed zone is read from the functions that carry pressure: χ = sum of ψ_j over mu_j < 0 (the multipliers of the cone, lambda_j for
 //! P) is one inside, zero outside, and falls over the overlap of the outermost functions. Its integral is the area; it ends where χ = 1/2. Taking
@@ -59,21 +60,27 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
 
     /// Force, moment, pressures and zone for the multipliers `lambda`.
     pub fn transmitted(&self, multiplier: &dyn Basis<S, T>, lambda: &[T]) -> Transmitted<N, T> {
+        self.transmitted_as_read(multiplier, multiplier, lambda)
+    }
+
+    /// The same with pressures and zone read through the functions `reading`, as many as there are multipliers.
+    pub fn transmitted_as_read(&self, multiplier: &dyn Basis<S, T>, reading: &dyn Basis<S, T>, lambda: &[T]) -> Transmitted<N, T> {
         let mu = self.in_cone(lambda);
         let threshold = threshold(&mu);
-        let zone = self.combined(multiplier, |j| if mu[j] < threshold { T::one() } else { T::zero() });
-        self.summed(self.pressure(multiplier, lambda), &zone)
+        let zone = self.combined(reading, |j| if mu[j] < threshold { T::one() } else { T::zero() });
+        self.summed(self.pressure(reading, lambda), &zone, &self.pressure(multiplier, lambda))
     }
 
     /// Force, moment, pressures and zone for `lambda` at the points of the segments: without functions χ is one where lambda < 0.
     pub fn transmitted_at_points(&self, lambda: &[T]) -> Transmitted<N, T> {
         let threshold = threshold(lambda);
         let zone: Vec<T> = lambda.iter().map(|&l| if l < threshold { T::one() } else { T::zero() }).collect();
-        self.summed(lambda.iter().map(|&l| -l).collect(), &zone)
+        let pressure: Vec<T> = lambda.iter().map(|&l| -l).collect();
+        self.summed(pressure.clone(), &zone, &pressure)
     }
 
-    /// Sums over the points of pressures and χ.
-    fn summed(&self, pressure: Vec<T>, zone: &[T]) -> Transmitted<N, T> {
+    /// Sums over the points of χ and of what pushes there, extremes of the pressure that is read.
+    fn summed(&self, pressure: Vec<T>, zone: &[T], pushes: &[T]) -> Transmitted<N, T> {
         let mut out = Transmitted {
             force: Vector::zeros(),
             moment: [T::zero(); 3],
@@ -83,7 +90,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
             pressure: Vec::new(),
             closed: zone.iter().map(|&chi| chi >= lit(0.5)).collect(),
         };
-        for (q, &p) in pressure.iter().enumerate() {
+        for (q, &p) in pushes.iter().enumerate() {
             let ds = self.segments.ds[q];
             let pull = self.frames.normal[q] * (p * ds);
             out.force += pull;

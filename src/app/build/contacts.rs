@@ -6,7 +6,7 @@ use super::directions::{directions, slides};
 use super::fixed::Fixed;
 use super::meant::{meant, overlap};
 use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideModel};
-use super::multipliers::{held_help, multiplier, multiplier_fault};
+use super::multipliers::{held_help, multiplier, multiplier_fault, positive_help, wrapped};
 use super::obstacles::{num_pressed, obstacle, turned_away};
 use super::points::PointSides;
 use super::sides::{Sides, as_one};
@@ -73,6 +73,7 @@ pub(super) fn build<const S: usize, const N: usize>(
             gap: contact.gap.value.clone(),
             reach: contact.reach.value,
             exact: contact.exact.as_ref().map(|f| f.value.clone()),
+            symmetry: contact.symmetry.value,
             start: contact.active_set.start.value,
             formulation: formulation(contact),
         };
@@ -245,7 +246,9 @@ fn part<const S: usize, const N: usize>(
                 let (masters, num_rows, first_row) = (masters.to_vec(), first.offset.len(), model.rows);
                 let (slave, cone) = (slave.clone(), contact::Cone::Coefficients);
                 let (multiplier, second, finer) = (None, None, None);
-                let part = ContactPart { slave, multiplier, cone, against, second, finer, masters, first, changes, first_row, num_rows };
+                let reading = None;
+                let part =
+                    ContactPart { slave, multiplier, reading, cone, against, second, finer, masters, first, changes, first_row, num_rows };
                 return Ok((part, None));
             }
         }
@@ -276,7 +279,20 @@ fn part<const S: usize, const N: usize>(
         let advice = help().unwrap_or_else(|| "free the side, or give it more elements".into());
         return Err(Box::new(builder.error("E024", text, at).with_help(advice)).into());
     }
-    let (psi, warning) = multiplier(builder, model, name, slave, &contact.multiplier, &stuck, None)?;
+    let (mut psi, warning) = multiplier(builder, model, name, slave, &contact.multiplier, &stuck, None)?;
+    let mut reading = None;
+    if let (Some(make), true) =
+        (builder.names.covered.0, matches!(&contact.multiplier.value, case::Multiplier::Named(word) if word == "dual"))
+    {
+        // what faces something at the first time at which anything does
+        let faced = times(builder.case, moves).iter().map(|&t| faced(slave, &against, built.reach, t)).find(|s| !s.ds.is_empty());
+        if let Some(segments) = faced {
+            let (functions, read) = make(&slave.trace, &stuck, &segments)
+                .map_err(|e| Box::new(multiplier_fault(builder, name, slave, &e, contact.multiplier.at, N.max(2))))?;
+            psi = wrapped(model, slave, &stuck, functions);
+            reading = Some(wrapped(model, slave, &stuck, read)).filter(|read| read.num_functions() == psi.num_functions());
+        }
+    }
     if psi.num_functions() > free {
         let error = MultiplierError::TooMany { component: 0, multipliers: psi.num_functions(), free };
         let mut fault = multiplier_fault(builder, name, slave, &error, contact.multiplier.at, N);
@@ -301,11 +317,23 @@ fn part<const S: usize, const N: usize>(
             let (masters, num_rows, first_row) = (masters.to_vec(), psi.num_functions(), model.rows);
             let multiplier = Some(psi);
             let slave = slave.clone();
-            let part = ContactPart { slave, multiplier, cone, against, second, finer, masters, first, changes, first_row, num_rows };
+            let part =
+                ContactPart { slave, multiplier, reading, cone, against, second, finer, masters, first, changes, first_row, num_rows };
             return Ok((part, warning));
         }
     }
     Err(missed())
+}
+
+/// The points of a slave side that face its opponent at time `t`.
+fn faced<const S: usize, const N: usize>(slave: &SideModel<S, N>, against: &Against<S, N>, reach: Option<f64>, t: f64) -> Segments<S> {
+    match against {
+        // a master without tangent is reported where the rows are made
+        Against::Side(master, segments) => {
+            Frames::against_master(&slave.trace, &master.trace, segments).map_or_else(|_| segments.clone(), |(segments, _)| segments)
+        }
+        Against::Rigid(obstacle, segments) => Frames::against_target(&slave.trace, &*obstacle.target(t, None), segments, reach).0,
+    }
 }
 
 fn rows<const S: usize, const N: usize>(
@@ -413,7 +441,7 @@ fn contact_fault<const S: usize, const N: usize>(
 ) -> Diagnostic {
     let text = format!("contact \"{}\": {error}", contact.name.value);
     match error {
-        ContactError::Weight { .. } => builder.error("E064", text, contact.multiplier.at),
+        ContactError::Weight { .. } => builder.error("E064", text, contact.multiplier.at).with_help(positive_help(slave)),
         ContactError::NoGreville => builder
             .error("E064", text, contact.cone.at)
             .with_help("write cone = \"weights\" or \"coefficients\", or take a multiplier such as p/p-2"),

@@ -259,6 +259,8 @@ pub struct ContactPart<const S: usize, const N: usize> {
     pub slave: Arc<SideModel<S, N>>,
     /// The multiplier; none of Nitsche's method, whose rows belong to points.
     pub multiplier: Option<Box<dyn Basis<S>>>,
+    /// The functions that its pressure is read through; none: its own.
+    pub reading: Option<Box<dyn Basis<S>>>,
     /// The cone it lies in.
     pub cone: Cone,
     /// What it faces.
@@ -280,6 +282,11 @@ pub struct ContactPart<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> ContactPart<S, N> {
+    /// What lambda is read through at points: one function per multiplier; none of Nitsche's method.
+    pub fn read_through(&self) -> Option<&dyn Basis<S>> {
+        self.reading.as_deref().or(self.multiplier.as_deref())
+    }
+
     /// Its rows in the system.
     pub fn rows(&self) -> std::ops::Range<usize> {
         self.first_row..self.first_row + self.num_rows
@@ -323,6 +330,8 @@ pub struct ContactModel<const S: usize, const N: usize> {
     pub reach: Option<f64>,
     /// Exact multiplier; none: from the model's exact solution, if any.
     pub exact: Option<Formula>,
+    /// Whether a zone that ends at the end of a side goes on beyond it: half models.
+    pub symmetry: bool,
     /// First guess of the active set.
     pub start: case::Start,
     /// How it is enforced.

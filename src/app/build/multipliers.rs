@@ -106,7 +106,7 @@ const NO_VALUE: f64 = 1e-10;
 /// `psi` on a side that is glued to itself: functions that are one function of the trace where the side closes are one
 /// multiplier. Multipliers of as many functions as the closed trace, or fewer, have no end there and stay as they are.
 /// Those numbered as the functions of the trace follow them; of others the ones that live alone at a corner are matched.
-fn wrapped<const S: usize, const N: usize>(
+pub(super) fn wrapped<const S: usize, const N: usize>(
     model: &Model<S, N>,
     slave: &SideModel<S, N>,
     constrained: &dyn Fn(usize) -> bool,
@@ -156,6 +156,13 @@ fn wrapped<const S: usize, const N: usize>(
     if twin.is_empty() { psi } else { Box::new(Extracted::new::<S>(psi, next, rows)) }
 }
 
+/// A multiplier with positive functions that exists on this side.
+pub(super) fn positive_help<const S: usize, const N: usize>(slave: &SideModel<S, N>) -> &'static str {
+    let space = &*slave.trace.space;
+    let least = (0..space.num_elements()).flat_map(|e| space.degree(e)).min();
+    if least >= Some(2) { "write multiplier = \"p/p-2\"" } else { "write multiplier = \"p/p\"" }
+}
+
 /// The diagnostic of a multiplier that cannot be.
 pub(super) fn multiplier_fault<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
@@ -167,8 +174,11 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
 ) -> Diagnostic {
     let patch = slave.label.split('.').next().unwrap_or(&slave.label);
     match error {
-        MultiplierError::NotHere { .. } | MultiplierError::NoDual { .. } | MultiplierError::Unknown { .. } => {
+        MultiplierError::NotHere { .. } | MultiplierError::Unknown { .. } => {
             builder.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label), at)
+        }
+        MultiplierError::NoDual { .. } => {
+            builder.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label), at).with_help(positive_help(slave))
         }
         MultiplierError::NothingLeft { .. } => builder
             .error("E024", format!("the multiplier of \"{name}\" on `{}` cannot be lowered at an end: {error}", slave.label), at)

@@ -74,7 +74,7 @@ pub(crate) fn stored_run<const S: usize, const N: usize>(
     }
     for contact in &model.contacts {
         for part in &contact.parts {
-            let field = part.multiplier.as_ref().map(|m| (&**m as &dyn Basis<S>, &lambda[part.rows()]));
+            let field = part.read_through().map(|read| (read, &lambda[part.rows()]));
             run.sides.extend(stored_sides(model, &contact.name, &part.slave, field.as_slice()));
         }
     }

@@ -17,6 +17,7 @@ fn of_contact(c: &ContactReport) -> Vec<(String, f64)> {
         ("pressure.min", c.pressure.min),
         ("pressure.max", c.pressure.max),
         ("gap.min", c.gap.min),
+        ("gap.least", c.gap.least),
         ("active", c.active as f64),
         ("half_width", c.half_width),
         ("iterations", c.iterations as f64),

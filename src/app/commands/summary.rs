@@ -102,7 +102,7 @@ fn contacts(result: &RunResult) -> Table {
             short(c.pressure.max, 6),
             short(c.area, 6),
             short(c.half_width, 6),
-            short(c.gap.min, 3),
+            short(c.gap.least, 3),
             c.active.to_string(),
         ]);
     }

@@ -312,8 +312,8 @@ fn by_functions(solved: &Arc<Plane>, c: usize, p: usize) -> ([SideField; 4], Vec
     let field = |coefficients: Vec<f64>| -> SideField {
         let solved = Arc::clone(solved);
         Box::new(move |element, xi| {
-            let psi = solved.model.contacts[c].parts[p].multiplier.as_ref();
-            psi.map_or_else(Vec::new, |psi| multiplier_at(&**psi, &coefficients, element, xi))
+            let read = solved.model.contacts[c].parts[p].read_through();
+            read.map_or_else(Vec::new, |read| multiplier_at(read, &coefficients, element, xi))
         })
     };
     let lambda: Vec<f64> = solved.state.lambda[rows.clone()].to_vec();

@@ -89,9 +89,12 @@ fn in_space(case: &Case) -> bool {
     case.model.dimension.value == 3
 }
 
-fn zone(sides: &[report::Zone<'_, 1, 2>]) -> f64 {
-    let sides: Vec<_> = sides.iter().map(|(slave, contact, closed)| ClosedSide { slave: *slave, contact, closed }).collect();
-    half_width(&sides)
+fn zone(sides: &[report::Zone<'_, 1, 2>], symmetry: bool) -> f64 {
+    let sides: Vec<_> = sides
+        .iter()
+        .map(|(slave, contact, sent)| ClosedSide { slave: *slave, contact, closed: &sent.closed, pressure: &sent.pressure })
+        .collect();
+    half_width(&sides, symmetry)
 }
 
 impl Case {

@@ -47,8 +47,8 @@ impl<const S: usize, const N: usize> ContactField<S, N> {
         element: usize,
         xi: &[Vector<S>],
     ) -> Vec<[f64; 2]> {
-        if let Some(psi) = &part.multiplier {
-            return multiplier_at(&**psi, &state.lambda[part.rows()], element, xi).into_iter().map(|l| [l, f64::NAN]).collect();
+        if let Some(read) = part.read_through() {
+            return multiplier_at(read, &state.lambda[part.rows()], element, xi).into_iter().map(|l| [l, f64::NAN]).collect();
         }
         let mut all = vec![[0.0; 2]; xi.len()];
         let Some(own) = &self.0 else { return all };
@@ -84,7 +84,7 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
     /// What the part transmits by the multipliers `lambda` of its rows.
     pub fn transmitted(&self, built: &Contact<S, N>, lambda: &[f64]) -> Transmitted<N> {
         match (&self.multiplier, &built.points) {
-            (Some(psi), _) => built.transmitted(&**psi, lambda),
+            (Some(psi), _) => built.transmitted_as_read(&**psi, self.read_through().unwrap_or(&**psi), lambda),
             (None, points) => built.transmitted_at_points(&points.as_ref().map_or_else(Vec::new, |p| p.of_points(lambda))),
         }
     }
@@ -92,6 +92,15 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
     /// The gap of every row \[length\]: lumped over a multiplier function, or at the point it belongs to. None where nothing is faced.
     pub fn gaps(&self, model: &Model<S, N>, built: &Contact<S, N>, u: &[f64]) -> Vec<Option<f64>> {
         let Some(points) = &built.points else { return built.lumped_gap(u) };
+        let mut gaps = vec![None; built.offset.len()];
+        for (&j, gap) in points.row.iter().zip(self.point_gaps(model, built, u)) {
+            gaps[j] = Some(gap);
+        }
+        gaps
+    }
+
+    /// The gap at every point of the segments \[length\].
+    pub fn point_gaps(&self, model: &Model<S, N>, built: &Contact<S, N>, u: &[f64]) -> Vec<f64> {
         let side = |trace, field| Side { trace, field, flux: None };
         let interface = Interface {
             slave: side(&self.slave.trace, model.patches[self.slave.patch].field),
@@ -104,12 +113,6 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
             master_segments: None,
             direction: None,
         };
-        let jump = jumps(&interface, u);
-        let mut gaps = vec![None; built.offset.len()];
-        for (q, &j) in points.row.iter().enumerate() {
-            let along: f64 = (0..N).map(|c| jump[c][q] * built.frames.normal[q][c]).sum();
-            gaps[j] = Some(built.offset[j] / built.weights[j] + along);
-        }
-        gaps
+        built.point_gaps(&jumps(&interface, u), u)
     }
 }

@@ -10,11 +10,11 @@ use super::tied::TieField;
 use crate::app::build::{Model, SideModel, TieModel, TiePart};
 use crate::app::named::Named;
 use crate::app::result::{
-    ActiveSetSummary, Balance, ContactReport, Extremes, GeometryReport, InterfaceReport, Kkt, L2, Least, Moment, Norm, RunResult,
+    ActiveSetSummary, Balance, ContactReport, Extremes, Gaps, GeometryReport, InterfaceReport, Kkt, L2, Moment, Norm, RunResult,
     SolveReport, TiedSides, Unknowns,
 };
 use crate::basis::{Basis, Order, ShapeTable};
-use crate::contact::Contact;
+use crate::contact::{Contact, Transmitted};
 use crate::coupling::Rows;
 use crate::geometry::Geometry;
 use crate::io::case::Case;
@@ -23,10 +23,10 @@ use crate::quadrature::{PerElement, Quadrature};
 use crate::space::{diameter, measure, quality};
 use std::collections::BTreeMap;
 
-/// A slave side with the rows of its contact and the points that are closed.
-pub type Zone<'a, const S: usize, const N: usize> = (&'a dyn Geometry<S, N>, &'a Contact<S, N>, Vec<bool>);
-/// Half the width of a contact zone on slave sides of S dimensions, where that has a meaning.
-pub type HalfWidth<const S: usize, const N: usize> = fn(&[Zone<'_, S, N>]) -> f64;
+/// A slave side with the rows of its contact and what it transmits.
+pub type Zone<'a, const S: usize, const N: usize> = (&'a dyn Geometry<S, N>, &'a Contact<S, N>, Transmitted<N>);
+/// Half the width of a contact zone on slave sides of S dimensions, of half models or not, where that has a meaning.
+pub type HalfWidth<const S: usize, const N: usize> = fn(&[Zone<'_, S, N>], bool) -> f64;
 
 /// The result before anything is solved: all names, all counts, the geometry.
 pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, model: &Model<S, N>) -> RunResult {
@@ -182,7 +182,7 @@ fn contacts<const S: usize, const N: usize>(
         let mut total = Resultant::default();
         let mut report = ContactReport {
             pressure: Extremes { min: f64::INFINITY, max: f64::NEG_INFINITY },
-            gap: Least { min: f64::INFINITY },
+            gap: Gaps { min: f64::INFINITY, least: f64::INFINITY },
             iterations: state.active_set.as_ref().map_or(0, |a| a.iterations),
             ..Default::default()
         };
@@ -214,6 +214,7 @@ fn contacts<const S: usize, const N: usize>(
                     product: report.kkt.product.max((l * gap).abs()),
                 };
             }
+            report.gap.least = part.point_gaps(model, rows, &state.u).into_iter().fold(report.gap.least, f64::min);
             report.segments.count += rows.segments.num_pieces();
             report.segments.measure += rows.segments.measure();
             let estimate = part.finer.as_ref().map(|f| f.estimate(&rows.rows, rows.reaction.as_ref(), &state.u, lambda));
@@ -228,10 +229,10 @@ fn contacts<const S: usize, const N: usize>(
                 contact.obstacle.iter().flat_map(|o| &o.pressed).for_each(|p| force[p.component] = 0.0);
                 outside.sum(&Resultant { force, moment: sent.moment });
             }
-            zones.push((&*part.slave.trace.space, rows, sent.closed));
+            zones.push((&*part.slave.trace.space, rows, sent));
         }
         report.balance = pull.defect();
-        report.half_width = half_width.map_or(0.0, |f| f(&zones));
+        report.half_width = half_width.map_or(0.0, |f| f(&zones, contact.symmetry));
         report.force = total.force[..N].to_vec();
         report.moment = moment::<N>(total.moment);
         report.displacement = contact.obstacle.as_ref().map(|o| o.displacement(state.t, Some(&state.u)).as_slice().to_vec());

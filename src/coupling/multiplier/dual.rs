@@ -46,17 +46,7 @@ const NOT_DUAL: f64 = 1e-9;
 /// [`MultiplierError::NothingLeft`] where constrained ends leave an element without functions.
 pub fn dual<const N: usize, T: Real>(space: &dyn Space<1, N, T>, constrained: &[SideEnd]) -> Result<Piecewise<T>, MultiplierError> {
     let n = space.num_functions();
-    let mut gone = vec![false; n];
-    for end in constrained {
-        gone[function_at(space, end)] = true;
-    }
-    // new numbers: the functions behind a removed one move up
-    let mut number = Vec::with_capacity(n);
-    let mut functions = 0;
-    for &gone in &gone {
-        number.push(functions);
-        functions += usize::from(!gone);
-    }
+    let (gone, number, functions) = numbering(space, constrained);
     let (mut weight, mut length, mut home) = (vec![T::zero(); n], vec![T::zero(); n], vec![0; n]);
     let (mut pieces, mut work) = (Vec::with_capacity(space.num_elements()), Work::new());
     for element in 0..space.num_elements() {
@@ -80,6 +70,20 @@ pub fn dual<const N: usize, T: Real>(space: &dyn Space<1, N, T>, constrained: &[
     Ok(Piecewise::new(space, functions, pieces))
 }
 
+/// Which functions have no multiplier, the numbers of the others, which move up, and how many there are.
+pub(super) fn numbering<const N: usize, T: Real>(space: &dyn Space<1, N, T>, constrained: &[SideEnd]) -> (Vec<bool>, Vec<usize>, usize) {
+    let mut gone = vec![false; space.num_functions()];
+    for end in constrained {
+        gone[function_at(space, end)] = true;
+    }
+    let (mut number, mut functions) = (Vec::with_capacity(gone.len()), 0);
+    for &gone in &gone {
+        number.push(functions);
+        functions += usize::from(!gone);
+    }
+    (gone, number, functions)
+}
+
 /// The function with the largest value at an end.
 fn function_at<const N: usize, T: Real>(space: &dyn Space<1, N, T>, end: &SideEnd) -> usize {
     let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
@@ -91,21 +95,21 @@ fn function_at<const N: usize, T: Real>(space: &dyn Space<1, N, T>, end: &SideEn
 }
 
 /// Integrals of one element; memory is kept from element to element.
-struct Work<T: Real> {
+pub(super) struct Work<T: Real> {
     ids: Vec<usize>,
     /// Functions of the element that have a multiplier.
-    kept: Vec<usize>,
+    pub kept: Vec<usize>,
     /// d_i of the kept functions.
-    weights: Vec<T>,
+    pub weights: Vec<T>,
     /// G_ki, a line per kept function i.
-    products: Vec<T>,
+    pub products: Vec<T>,
     shapes: ShapeTable<1, T>,
     legendre: Vec<T>,
     rule: Option<Rule<1, T>>,
 }
 
 impl<T: Real> Work<T> {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self {
             ids: Vec::new(),
             kept: Vec::new(),
@@ -118,7 +122,7 @@ impl<T: Real> Work<T> {
     }
 
     /// Fills weights and products with Legendre's polynomials as q_k; returns the length of the element.
-    fn integrate<const N: usize>(&mut self, space: &dyn Space<1, N, T>, element: usize, gone: &[bool]) -> T {
+    pub fn integrate<const N: usize>(&mut self, space: &dyn Space<1, N, T>, element: usize, gone: &[bool]) -> T {
         space.active(element, &mut self.ids);
         let places: Vec<usize> = (0..self.ids.len()).filter(|&a| !gone[self.ids[a]]).collect();
         self.kept.clear();
@@ -153,7 +157,7 @@ impl<T: Real> Work<T> {
     }
 
     /// A of the element, from Gᵀ Aᵀ = diag(d) with lines scaled to one and one correction.
-    fn piece(&self, element: usize, degree: usize) -> Result<Piece<T>, MultiplierError> {
+    pub fn piece(&self, element: usize, degree: usize) -> Result<Piece<T>, MultiplierError> {
         let m = self.kept.len();
         if m == 0 {
             return Err(MultiplierError::NothingLeft { element, degree });

@@ -5,17 +5,19 @@
 //! | `p/p` | the trace's own spline space, degree lowered by one at constrained ends |
 //! | `p/p-k` | degree p - k on the same breakpoints, knots kept with their multiplicity: regularity max(r - k, -1) |
 //! | `constant` | one constant per element |
-//! | `dual` | biorthogonal to the functions of the trace, one multiplier each; without the ones at constrained ends |
+//! | `dual` | biorthogonal to the functions of the trace, one multiplier each; without the ones at constrained ends; in contact over what is covered of an element |
 //! | data | a degree, a continuity, and what happens at the ends |
 //!
 //! A basis that offers no polynomials has `p/p` on its own functions and `constant`.
 
 mod constants;
+mod covered;
 mod dual;
 mod end_lowered;
 mod reproduction;
 
 use crate::basis::{Basis, Elements, Polynomials};
+use crate::coupling::Segments;
 use crate::linalg::Real;
 use crate::space::{Space, Trace};
 use std::fmt::{self, Display};
@@ -23,6 +25,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 pub use constants::PiecewiseConstant;
+pub use covered::{CoveredDual, MOST, Reading, dual_covered};
 pub use dual::dual;
 pub use end_lowered::end_lowered;
 pub use reproduction::reproduction;
@@ -280,14 +283,28 @@ fn dual_here<const N: usize, T: Real>(
     ends: &[bool],
 ) -> Result<Box<dyn Basis<1, T>>, MultiplierError> {
     let constrained = chosen_ends(&**space as &dyn Basis<1, T>, |k| ends.get(k).copied().unwrap_or(false));
-    match dual(&**space, &constrained) {
-        Ok(psi) => Ok(Box::new(psi)),
-        Err(MultiplierError::NoDual { reason, .. }) => {
-            let known = known_here(degree, true).into_iter().filter(|name| name != "dual").collect::<Vec<_>>().join(", ");
-            Err(MultiplierError::NoDual { reason, known })
-        }
-        Err(other) => Err(other),
-    }
+    dual(&**space, &constrained).map(|psi| Box::new(psi) as Box<dyn Basis<1, T>>).map_err(|e| instead(e, degree))
+}
+
+/// The dual multipliers of a contact: [`dual_covered`] with `ends` as of [`build`].
+///
+/// # Errors
+/// Those of [`dual_covered`]; [`MultiplierError::NoDual`] names what exists on this side.
+pub fn build_covered<const N: usize, T: Real>(
+    space: &Arc<dyn Space<1, N, T>>,
+    ends: &[bool],
+    segments: &Segments<1, T>,
+) -> Result<CoveredDual<N, T>, MultiplierError> {
+    let basis = &**space as &dyn Basis<1, T>;
+    let constrained = chosen_ends(basis, |k| ends.get(k).copied().unwrap_or(false));
+    dual_covered(space, &constrained, segments).map_err(|e| instead(e, least_degree(basis)))
+}
+
+/// The same error with what exists on a side of `degree` where dual functions do not.
+fn instead(error: MultiplierError, degree: usize) -> MultiplierError {
+    let MultiplierError::NoDual { reason, .. } = error else { return error };
+    let known = known_here(degree, true).into_iter().filter(|name| name != "dual").collect::<Vec<_>>().join(", ");
+    MultiplierError::NoDual { reason, known }
 }
 
 /// Fails where a component has more multipliers than unknowns of the slave side that are not prescribed.

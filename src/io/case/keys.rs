@@ -99,6 +99,7 @@ pub(super) const CONTACT: &[&str] = &[
     "factor",
     "variant",
     "exact",
+    "symmetry",
     "active_set",
 ];
 

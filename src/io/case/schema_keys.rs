@@ -238,6 +238,12 @@ pub(super) const ENTRIES: &[Entry] = &[
     e("contact", "factor", r##"{"$ref":"#/$defs/auto"}"##, "penalty, augmented, nitsche: multiplies modulus/h"),
     e("contact", "variant", r##"{"$ref":"#/$defs/variant"}"##, "of nitsche"),
     e("contact", "exact", FORMULA, "exact multiplier, negative in compression, for its error"),
+    e(
+        "contact",
+        "symmetry",
+        r#"{"type":"boolean","default":false}"#,
+        "a zone that ends at the end of the side goes on beyond it (half models)",
+    ),
     e("contact", "active_set", r##"{"$ref":"#/$defs/active_set"}"##, "the iteration"),
     e(
         "active_set",

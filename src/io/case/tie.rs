@@ -120,6 +120,7 @@ impl Reader {
             self.fault("E015", tolerance.at, "`tolerance` is not a key of this method", help);
         }
         let exact = self.formula(b, "exact", Uses::Space);
+        let symmetry = self.flag(b, "symmetry", false);
         let active_set = self.active_set(b);
         Contact {
             head: b.head(),
@@ -134,6 +135,7 @@ impl Reader {
             cone,
             reach,
             exact,
+            symmetry,
             active_set,
             tolerance,
             factor,

@@ -168,6 +168,8 @@ pub struct Contact {
     pub reach: Located<Option<f64>>,
     /// Exact multiplier, negative in compression (force per area).
     pub exact: Option<Located<Formula>>,
+    /// Whether a zone that ends at the end of the side goes on beyond it: half models.
+    pub symmetry: Located<bool>,
     /// Active set.
     pub active_set: ActiveSetSpec,
     /// Augmented: error of the multipliers at which the iteration ends, relative; none: auto.
