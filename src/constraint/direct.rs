@@ -9,15 +9,16 @@
 //!
 //! Source: Vanderbei, SIAM J. Optim. 5 (1995) 100-113 (quasi-definite matrices).
 
-use super::quasidefinite::{Layout, assemble};
+use super::interface::{Interface, InterfaceWork};
+use super::quasidefinite::Layout;
 use super::refinement::Refinement;
 use super::scale::{Scaled, check_shape, gaps};
-use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError};
-use crate::linalg::residual::{InverseIteration, KERNEL, RESIDUAL_LIMIT, max, ratio};
+use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError, kinds_of_set};
+use crate::linalg::residual::{InverseIteration, KERNEL, RESIDUAL_LIMIT, Soft, max, ratio};
 use crate::linalg::{Csr, Ldlt, LinearError, LinearSolver, Lu, Upper};
 
 /// Refinements allowed.
-const MAX_REFINEMENTS: usize = 20;
+pub(super) const MAX_REFINEMENTS: usize = 20;
 /// Systems up to this size fall back to LU where refinement does not reach the residual wanted.
 const LU_LIMIT: usize = 20_000;
 
@@ -25,11 +26,15 @@ const LU_LIMIT: usize = 20_000;
 /// not symmetric. A symmetric stiffness with negative energy is refused: couplings may add some where their factor is too small.
 ///
 /// Redundant rows that agree share their multiplier; rows that contradict each other are an error.
+///
+/// The sets of a contact ([`ConstraintSolver::solve_set`]) share one factor and the Schur complement of the contact rows where that is
+/// cheaper than the factors of eight sets and no large part of the factor's memory; else every set has a factor of its own under one analysis.
 #[derive(Debug, Default)]
 pub struct Direct {
     ldlt: Ldlt,
     lu: Lu,
     layout: Option<Layout>,
+    interface: Interface,
 }
 
 /// What the factor was made with.
@@ -53,17 +58,33 @@ impl Direct {
         Self::default()
     }
 
+    #[cfg(test)]
+    pub(super) fn with_interface(interface: Interface) -> Self {
+        Self { interface, ..Self::default() }
+    }
+
     /// How often a new pattern was analysed.
     pub fn analyses(&self) -> usize {
-        self.ldlt.analyses()
+        self.ldlt.analyses() + self.interface.analyses()
     }
 
-    /// Numbers stored for the last factor: 8 bytes each.
+    /// How often a symmetric matrix was factorised.
+    pub fn factorisations(&self) -> usize {
+        self.ldlt.factorisations() + self.interface.factorisations()
+    }
+
+    /// Numbers stored for the factors at hand: 8 bytes each.
     pub fn factor_entries(&self) -> usize {
-        self.ldlt.factor_entries()
+        self.ldlt.factor_entries() + self.interface.factor_entries()
     }
 
-    /// Bytes that the factorisation of `system` needs beyond the system itself, found by the analysis alone; contact rows count as closed.
+    /// What the Schur complement of the contact rows has cost so far; zeros where there is none.
+    pub fn interface_work(&self) -> InterfaceWork {
+        self.interface.work
+    }
+
+    /// Bytes that solving `system` needs beyond the system itself, found by the analysis alone: the factor and, where the sets of its contact
+    /// rows share one, their Schur complement; else contact rows count as closed.
     ///
     /// The analysis is kept for [`ConstraintSolver::solve`]. Not for systems whose reaction differs from the constraint.
     ///
@@ -71,19 +92,28 @@ impl Direct {
     /// [`SolveError`] where the system itself is at fault.
     pub fn predicted_memory(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<usize, SolveError> {
         check_shape(system)?;
-        let kind: Vec<RowKind> = system.kind.iter().map(|&k| if k == RowKind::Contact { RowKind::Equal } else { k }).collect();
+        let kind = kinds_of_set(system.kind, &vec![true; system.kind.len()]);
         // only the symmetric part is factorised, whatever the reaction
         let s = Scaled::of(&ConstrainedSystem { kind: &kind, reaction: None, ..*system })?;
-        let upper = assemble(&mut self.layout, &s, &vec![0.0; s.num_rows()], &vec![1.0; s.num_rows()]);
-        Ok(self.ldlt.predict(&upper, &s.all_places(system.stiffness.places()))?)
+        let places = system.stiffness.places();
+        let symmetric = system.reaction.is_none_or(|b| b == system.constraint);
+        if let Some(contact) = s.interface(system.kind).filter(|_| symmetric)
+            && let Some(bytes) = self.interface.predict(&s, &contact, places)?
+        {
+            return Ok(bytes);
+        }
+        let layout = Layout::of(&mut self.layout, &s, &[]);
+        Ok(self.ldlt.predict(&layout.empty(), &layout.places(&s, places))?)
     }
 
     /// Factorises the matrix at the file's head; refuses motions without resistance.
     pub(crate) fn factorise(&mut self, s: &Scaled<'_>, places: &[[f64; 3]]) -> Result<Factor, LinearError> {
         let (mut factor, upper) = self.numbers(s, places)?;
+        let whole = Whole { s, factor: &factor, ldlt: &self.ldlt };
         let mut motion = InverseIteration::begin(&factor.diagonal);
         for _ in 0..motion_steps(s) {
-            self.step(s, &mut motion)?;
+            whole.step(motion.right_side())?;
+            motion.solved().ok_or(LinearError::Singular { residual: 1.0 })?;
         }
         factor.condition = refuse_kernel(s, &factor, &motion.end().vector)?;
         self.refuse_negative(s, &upper, places)?;
@@ -92,14 +122,12 @@ impl Direct {
 
     /// The factor's numbers without any check, and the upper triangle that was factorised.
     fn numbers(&mut self, s: &Scaled<'_>, places: &[[f64; 3]]) -> Result<(Factor, Upper), LinearError> {
-        let (n, m) = (s.num_unknowns(), s.num_rows());
-        let w: Vec<f64> = (0..m).map(|a| if s.enforced[a] { (1.0 / s.k[a]).min(0.5 / s.compliance[a]) } else { 0.0 }).collect();
-        let f: Vec<f64> = (0..m).map(|a| 1.0 - w[a] * s.compliance[a]).collect();
-        let upper = assemble(&mut self.layout, s, &w, &f);
-        self.ldlt.factorise_upper(&upper, &s.all_places(places))?;
-        let diagonal: Vec<f64> = (0..n).map(|i| upper.vals[upper.pattern.0[i]].abs()).collect();
-        let scale: Vec<f64> = diagonal.iter().map(|&d| if d > 0.0 { 1.0 / d } else { 1.0 }).collect();
-        Ok((Factor { w, f, diagonal, scale, condition: 1.0 }, upper))
+        let (w, f) = weights(s);
+        let layout = Layout::of(&mut self.layout, s, &[]);
+        let upper = layout.assemble(s, &w, &f);
+        self.ldlt.factorise_upper(&upper, &layout.places(s, places))?;
+        let diagonal: Vec<f64> = (0..s.num_unknowns()).map(|i| upper.vals[upper.pattern.0[i]].abs()).collect();
+        Ok((Factor::with(w, f, diagonal), upper))
     }
 
     /// Every row has one negative pivot, the stiffness none.
@@ -107,43 +135,16 @@ impl Direct {
         self.ldlt.refuse_negative(upper, s.num_unknowns(), &s.all_places(places))
     }
 
-    /// One step of inverse iteration with the block of the unknowns: the vector has no part in the rows.
-    fn step(&self, s: &Scaled<'_>, motion: &mut InverseIteration<'_>) -> Result<(), LinearError> {
-        let vector = motion.right_side();
-        let mut x = extended(vector, s.num_rows());
-        self.ldlt.apply_inverse(&mut x)?;
-        vector.copy_from_slice(&x[..vector.len()]);
-        motion.solved().ok_or(LinearError::Singular { residual: 1.0 })
-    }
-
     /// (du, dl) with K du + Cᵀ dl = r1, C du - s dl = r2, up to the regularisation.
     pub(crate) fn correct(&self, s: &Scaled<'_>, factor: &Factor, r1: &[f64], r2: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
-        let mut x = right_side(s, factor, r1, r2);
-        self.ldlt.apply_inverse(&mut x)?;
-        Ok(parts(s, x))
+        Whole { s, factor, ldlt: &self.ldlt }.correct(r1, r2)
     }
 
-    /// The solution, and the condition. Corrections and the steps that look for motions without resistance go through the factor together:
-    /// a solution takes the time of reading it.
+    /// The solution, and the condition.
     fn quasi_definite(&mut self, s: &Scaled<'_>, places: &[[f64; 3]]) -> Result<((Vec<f64>, Vec<f64>, f64), f64), LinearError> {
         let (factor, upper) = self.numbers(s, places)?;
-        let mut motion = InverseIteration::begin(&factor.diagonal);
-        let mut answer = Refinement::begin(s, &factor.scale);
-        let mut more = answer.size > 0.0;
-        for _ in 0..motion_steps(s) {
-            if !more {
-                self.step(s, &mut motion)?;
-                continue;
-            }
-            let vector = motion.right_side();
-            let (mut x, mut y) = (extended(vector, s.num_rows()), right_side(s, &factor, &answer.r1, &answer.r2));
-            self.ldlt.apply_inverse_each([&mut x, &mut y])?;
-            vector.copy_from_slice(&x[..vector.len()]);
-            motion.solved().ok_or(LinearError::Singular { residual: 1.0 })?;
-            let (du, dl) = parts(s, y);
-            more = answer.improve(&du, &dl);
-        }
-        let condition = refuse_kernel(s, &factor, &motion.end().vector)?;
+        let (answer, more, soft) = begin(s, &factor, &Whole { s, factor: &factor, ldlt: &self.ldlt })?;
+        let condition = refuse_kernel(s, &factor, &soft.vector)?;
         self.refuse_negative(s, &upper, places)?;
         let answer = if more { answer.finished(MAX_REFINEMENTS, |r1, r2| self.correct(s, &factor, r1, r2))? } else { answer.end() };
         Ok((answer, condition))
@@ -189,35 +190,162 @@ impl Direct {
 
 impl ConstraintSolver<f64> for Direct {
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
-        let s = Scaled::of(system)?;
+        self.solve_alone(system, Scaled::of(system)?)
+    }
+
+    fn solve_set(&mut self, system: &ConstrainedSystem<'_, f64>, closed: &[bool]) -> Result<ConstrainedSolution<f64>, SolveError> {
+        let kind = kinds_of_set(system.kind, closed);
+        let of_set = ConstrainedSystem { kind: &kind, ..*system };
+        let s = Scaled::of(&of_set)?;
+        if let Some(contact) = s.interface(system.kind)
+            && let Some((u, l, size, condition)) = self.interface.solve(&s, &contact, system.stiffness.places())?
+        {
+            return Ok(solution(&of_set, s, DIRECT, (u, l, size), Some(condition)));
+        }
+        self.solve_alone(&of_set, s)
+    }
+}
+
+impl Direct {
+    /// Solves `system`, which is `s`, by a factor of its own.
+    fn solve_alone(&mut self, system: &ConstrainedSystem<'_, f64>, s: Scaled<'_>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let small = s.num_unknowns() + s.num_rows() <= LU_LIMIT;
         let (method, answer, condition) = if s.reaction.is_some() || !s.symmetric {
-            ("saddle-point, LU", self.general(&s)?, None)
+            (LU, self.general(&s)?, None)
         } else {
             let (first, condition) = self.quasi_definite(&s, system.stiffness.places())?;
             if first.2 > RESIDUAL_LIMIT && small {
                 // the residual reached says more than LU's own complaint
                 let residual = first.2;
-                ("saddle-point, LU", self.general(&s).map_err(|_| LinearError::Singular { residual })?, Some(condition))
+                (LU, self.general(&s).map_err(|_| LinearError::Singular { residual })?, Some(condition))
             } else {
-                ("saddle-point, direct", first, Some(condition))
+                (DIRECT, first, Some(condition))
             }
         };
-        let (unknowns, l, residual) = answer;
+        let residual = answer.2;
         if residual.is_nan() || residual > RESIDUAL_LIMIT {
             return Err(LinearError::Singular { residual: if residual.is_finite() { residual } else { 1.0 } }.into());
         }
-        Ok(ConstrainedSolution {
-            gap: gaps(system, &unknowns),
-            unknowns,
-            multipliers: (0..l.len()).map(|a| s.factor[a] * l[a]).collect(),
-            active: s.enforced,
-            residual,
-            condition,
-            method: method.into(),
-            iterations: 0,
-            active_set: None,
-        })
+        Ok(solution(system, s, method, answer, condition))
+    }
+}
+
+/// Methods in words.
+const DIRECT: &str = "saddle-point, direct";
+const LU: &str = "saddle-point, LU";
+
+/// The answer in the caller's units.
+fn solution(
+    system: &ConstrainedSystem<'_, f64>,
+    s: Scaled<'_>,
+    method: &str,
+    (unknowns, l, residual): (Vec<f64>, Vec<f64>, f64),
+    condition: Option<f64>,
+) -> ConstrainedSolution<f64> {
+    ConstrainedSolution {
+        gap: gaps(system, &unknowns),
+        unknowns,
+        multipliers: (0..l.len()).map(|a| s.factor[a] * l[a]).collect(),
+        active: s.enforced,
+        residual,
+        condition,
+        method: method.into(),
+        iterations: 0,
+        active_set: None,
+    }
+}
+
+/// What a factor does to residuals.
+pub(super) trait Inverse {
+    /// The block of the unknowns of the inverse times `vector`: the load has no part in the rows.
+    fn step(&self, vector: &mut [f64]) -> Result<(), LinearError>;
+
+    /// (du, dl) with K du + Cᵀ dl = r1, C du - s dl = r2, up to the regularisation.
+    fn correct(&self, r1: &[f64], r2: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError>;
+
+    /// [`Inverse::step`] and [`Inverse::correct`] in the time of little more than one: a solution takes the time of reading the factor.
+    fn both(&self, vector: &mut [f64], r1: &[f64], r2: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError>;
+}
+
+/// The inverse by a factor of the matrix at the file's head.
+struct Whole<'a, 'b> {
+    s: &'a Scaled<'b>,
+    factor: &'a Factor,
+    ldlt: &'a Ldlt,
+}
+
+impl Inverse for Whole<'_, '_> {
+    fn step(&self, vector: &mut [f64]) -> Result<(), LinearError> {
+        let mut x = extended(vector, self.s.num_rows());
+        self.ldlt.apply_inverse(&mut x)?;
+        vector.copy_from_slice(&x[..vector.len()]);
+        Ok(())
+    }
+
+    fn correct(&self, r1: &[f64], r2: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+        let mut x = right_side(self.s, self.factor, r1, r2);
+        self.ldlt.apply_inverse(&mut x)?;
+        Ok(parts(self.s, x))
+    }
+
+    fn both(&self, vector: &mut [f64], r1: &[f64], r2: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+        let (mut x, mut y) = (extended(vector, self.s.num_rows()), right_side(self.s, self.factor, r1, r2));
+        self.ldlt.apply_inverse_each([&mut x, &mut y])?;
+        vector.copy_from_slice(&x[..vector.len()]);
+        Ok(parts(self.s, y))
+    }
+}
+
+/// The first corrections together with the steps that look for motions without resistance: the state, whether more corrections may gain
+/// digits, and the softest motion found.
+pub(super) fn begin<'a, 'b>(
+    s: &'a Scaled<'b>,
+    factor: &'a Factor,
+    inverse: &impl Inverse,
+) -> Result<(Refinement<'a, 'b>, bool, Soft), LinearError> {
+    let mut motion = InverseIteration::begin(&factor.diagonal);
+    let mut state = Refinement::begin(s, &factor.scale);
+    let mut more = state.size > 0.0;
+    for _ in 0..motion_steps(s) {
+        let correction = if more {
+            Some(inverse.both(motion.right_side(), &state.r1, &state.r2)?)
+        } else {
+            inverse.step(motion.right_side())?;
+            None
+        };
+        motion.solved().ok_or(LinearError::Singular { residual: 1.0 })?;
+        if let Some((du, dl)) = correction {
+            more = state.improve(&du, &dl);
+        }
+    }
+    Ok((state, more, motion.end()))
+}
+
+/// W and F of the rows at the file's head; W is zero on open rows.
+pub(super) fn weights(s: &Scaled<'_>) -> (Vec<f64>, Vec<f64>) {
+    let m = s.num_rows();
+    let w: Vec<f64> = (0..m).map(|a| if s.enforced[a] { (1.0 / s.k[a]).min(0.5 / s.compliance[a]) } else { 0.0 }).collect();
+    let f = (0..m).map(|a| 1.0 - w[a] * s.compliance[a]).collect();
+    (w, f)
+}
+
+impl Factor {
+    fn with(w: Vec<f64>, f: Vec<f64>, diagonal: Vec<f64>) -> Self {
+        let scale = diagonal.iter().map(|&d| if d > 0.0 { 1.0 / d } else { 1.0 }).collect();
+        Self { w, f, diagonal, scale, condition: 1.0 }
+    }
+
+    /// What the factor of `s` at the file's head would be made with.
+    pub(super) fn of(s: &Scaled<'_>) -> Self {
+        let (w, f) = weights(s);
+        let diagonal = s.diagonal_with(|a| w[a]);
+        Self::with(w, f, diagonal)
+    }
+
+    /// Makes v of size one in the norm of inverse iteration.
+    pub(super) fn normalise(&self, v: &mut [f64]) {
+        let size = v.iter().zip(&self.scale).map(|(v, s)| v * v / s).sum::<f64>().sqrt();
+        v.iter_mut().for_each(|v| *v /= size);
     }
 }
 
@@ -258,7 +386,7 @@ fn parts(s: &Scaled<'_>, mut x: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
 
 /// Refuses a system that leaves a motion without any resistance: K v + Cᵀ W C v is rounding for some v. Returns the condition
 /// among motions that keep the rows, as v does: the largest row sum of S = D^-1/2 (K + Cᵀ W C) D^-1/2 over its Rayleigh quotient at v.
-fn refuse_kernel(s: &Scaled<'_>, factor: &Factor, v: &[f64]) -> Result<f64, LinearError> {
+pub(super) fn refuse_kernel(s: &Scaled<'_>, factor: &Factor, v: &[f64]) -> Result<f64, LinearError> {
     let (n, m) = (s.num_unknowns(), s.num_rows());
     if n == 0 {
         return Ok(1.0);

@@ -7,6 +7,7 @@ mod augmented;
 mod condensed;
 mod direct;
 mod free;
+mod interface;
 mod krylov;
 mod penalised;
 mod proximal;
@@ -24,6 +25,7 @@ pub use augmented::{Augmented, Uzawa};
 pub use condensed::Condensed;
 pub use direct::Direct;
 pub use free::Free;
+pub use interface::InterfaceWork;
 pub use krylov::Krylov;
 pub use proximal::Proximal;
 pub use scale::penalty;
@@ -300,10 +302,33 @@ pub trait ConstraintSolver<T: Real = f64>: Debug + Send {
     /// # Errors
     /// [`SolveError`] instead of a wrong answer.
     fn solve(&mut self, system: &ConstrainedSystem<'_, T>) -> Result<ConstrainedSolution<T>, SolveError>;
+
+    /// Solves `system` with a set of contact rows closed and all others open; `closed` has one entry per row, of which those of contact
+    /// rows are read. What one set teaches may serve the next: the rows that may close stay the same.
+    ///
+    /// # Errors
+    /// As [`ConstraintSolver::solve`] of the system with closed rows as equalities.
+    fn solve_set(&mut self, system: &ConstrainedSystem<'_, T>, closed: &[bool]) -> Result<ConstrainedSolution<T>, SolveError> {
+        self.solve(&ConstrainedSystem { kind: &kinds_of_set(system.kind, closed), ..*system })
+    }
+}
+
+/// Kinds of rows with a set of the contact rows closed, the others open.
+pub(crate) fn kinds_of_set(kind: &[RowKind], closed: &[bool]) -> Vec<RowKind> {
+    let of = |(&kind, &closed): (&RowKind, &bool)| match kind {
+        RowKind::Contact if closed => RowKind::Equal,
+        RowKind::Contact => RowKind::Open,
+        other => other,
+    };
+    kind.iter().zip(closed).map(of).collect()
 }
 
 impl<T: Real, X: ConstraintSolver<T> + ?Sized> ConstraintSolver<T> for Box<X> {
     fn solve(&mut self, system: &ConstrainedSystem<'_, T>) -> Result<ConstrainedSolution<T>, SolveError> {
         (**self).solve(system)
+    }
+
+    fn solve_set(&mut self, system: &ConstrainedSystem<'_, T>, closed: &[bool]) -> Result<ConstrainedSolution<T>, SolveError> {
+        (**self).solve_set(system, closed)
     }
 }

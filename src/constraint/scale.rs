@@ -155,6 +155,27 @@ impl<'a> Scaled<'a> {
         }
     }
 
+    /// |diagonal| of K + Cᵀ W C.
+    pub(crate) fn diagonal_with(&self, w: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut diagonal = self.diagonal.clone();
+        for a in 0..self.num_rows() {
+            let (cols, vals) = self.rows.row(a);
+            cols.zip(vals).for_each(|(j, &c)| diagonal[j] += c * w(a) * c);
+        }
+        diagonal.iter_mut().for_each(|d| *d = d.abs());
+        diagonal
+    }
+
+    /// The rows that `kind` calls contact, where they can share the factor of a symmetric system; those without entries feel nothing. None
+    /// where there are none, where the system is not symmetric, and where a row without entries is soft.
+    pub(crate) fn interface(&self, kind: &[RowKind]) -> Option<Vec<usize>> {
+        let empty = |a: usize| self.rows.row(a).1.iter().all(|&v| v == 0.0);
+        let mut contact: Vec<usize> = (0..self.num_rows()).filter(|&a| kind[a] == RowKind::Contact).collect();
+        let lost = self.reaction.is_some() || !self.symmetric || contact.iter().any(|&a| empty(a) && self.compliance[a] > 0.0);
+        contact.retain(|&a| !empty(a));
+        (!lost && !contact.is_empty()).then_some(contact)
+    }
+
     pub(crate) fn num_unknowns(&self) -> usize {
         self.load.len()
     }

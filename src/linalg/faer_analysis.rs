@@ -1,9 +1,10 @@
 //! The symbolic part of a factorisation: it depends on the pattern alone and is kept as long as that stays.
 
+use super::faer_border::{Border, Nodes};
 use super::faer_fronts::Fronts;
 use super::faer_ldlt::buffer;
-use super::faer_solve::solve;
-use super::{Buffer, LinearError, Sparsity, Upper, faer_kernels, ordering};
+use super::faer_solve::{solve, solve_bordered};
+use super::{Buffer, Csr, LinearError, Sparsity, Upper, faer_kernels, ordering};
 use faer::dyn_stack::MemStack;
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::perm::PermRef;
@@ -93,10 +94,45 @@ impl Analysis {
 
     /// x = A⁻¹ x by the factor of A, for each of R vectors; `memory` is kept for the next ones.
     pub fn solve<const R: usize>(&self, factor: &[f64], x: [&mut [f64]; R], memory: &mut Buffer<f64>) -> Result<(), LinearError> {
-        if let (SymbolicCholeskyRaw::Supernodal(nodes), Some(perm)) = (self.symbolic.raw(), self.symbolic.perm()) {
-            return solve(Arch::new(), nodes, factor, perm.arrays().0, x, memory).ok_or(LinearError::Memory);
+        if let (raw @ SymbolicCholeskyRaw::Supernodal(_), Some(perm)) = (self.symbolic.raw(), self.symbolic.perm()) {
+            return solve(Arch::new(), Nodes(raw), factor, perm.arrays().0, x, memory).ok_or(LinearError::Memory);
         }
         x.into_iter().try_for_each(|x| self.solve_by_faer(factor, x))
+    }
+
+    /// Which nodes of the factor the rows `chosen` of `c` reach.
+    pub fn border(&self, c: &Csr<f64>, chosen: &[usize]) -> Border {
+        Border::of(Nodes(self.symbolic.raw()), self.orders()[1], c, chosen)
+    }
+
+    /// Operations of a factorisation.
+    pub fn operations(&self) -> f64 {
+        Nodes(self.symbolic.raw()).operations()
+    }
+
+    /// C A⁻¹ Cᵀ over the rows of a border, the lower triangle alone.
+    pub fn complement(&self, factor: &[f64], border: &Border, c: &Csr<f64>) -> Result<Buffer<f64>, LinearError> {
+        faer_kernels::take()?;
+        border.complement(Nodes(self.symbolic.raw()), factor, self.orders()[1], c).ok_or(LinearError::Memory)
+    }
+
+    /// x = A⁻¹ (x - Cᵀ nu) for each of R vectors, where `inner`(r, h) replaces h = C A⁻¹ x by nu.
+    pub fn solve_bordered<const R: usize>(
+        &self,
+        factor: &[f64],
+        border: &Border,
+        c: &Csr<f64>,
+        x: [&mut [f64]; R],
+        memory: &mut Buffer<f64>,
+        inner: impl FnMut(usize, &mut [f64]),
+    ) -> Result<(), LinearError> {
+        solve_bordered(Arch::new(), Nodes(self.symbolic.raw()), factor, self.orders(), border, c, x, memory, inner)
+            .ok_or(LinearError::Memory)
+    }
+
+    /// The unknown of each column of the factor, and the column of each unknown.
+    fn orders(&self) -> [&[usize]; 2] {
+        self.symbolic.perm().map_or([&[]; 2], |perm| [perm.arrays().0, perm.arrays().1])
     }
 
     /// The same by faer: for factors of single unknowns.

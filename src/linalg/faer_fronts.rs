@@ -186,7 +186,7 @@ impl Fronts {
 }
 
 /// Lower triangle of C = -A Bᵀ; what is above the diagonal of C is overwritten in part.
-fn lower_product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
+pub(super) fn lower_product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
     let n = c.nrows();
     if n <= SQUARE {
         matmul(c, Accum::Replace, a, b.transpose(), -1.0, Par::Seq);

@@ -8,7 +8,7 @@ use super::faer_analysis::{Analysis, analyse};
 use super::refine::refine;
 use super::residual::{KERNEL, SAFE_GROWTH, Soft, kernel_ratio, row_scale, scaled_condition, softest};
 use super::solver::NO_SYMMETRY;
-use super::{Buffer, Csr, LinearError, LinearSolver, Operator, Sparsity, Upper};
+use super::{Border, Buffer, Csr, LinearError, LinearSolver, Operator, Sparsity, Upper};
 use faer::dyn_stack::MemBuffer;
 use std::fmt;
 use std::sync::{Arc, Mutex};
@@ -191,10 +191,10 @@ impl Ldlt {
         self.analyse_upper(upper, places)?;
         let analysis = self.analysis.as_ref().expect("analysed above");
         let symbolic = &analysis.symbolic;
-        Ok(8 * (symbolic.len_val() + 3 * symbolic.nrows()) + 24 * upper.vals.len() + analysis.work_bytes())
+        Ok(8 * (symbolic.len_val() + 3 * symbolic.nrows()) + 24 * upper.pattern.1.len() + analysis.work_bytes())
     }
 
-    fn analyse_upper(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {
+    pub(crate) fn analyse_upper(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {
         let seen = self.analysis.as_ref().is_some_and(|a| Arc::ptr_eq(&a.pattern, &upper.pattern) || a.pattern == upper.pattern);
         if !seen {
             self.ready = false;
@@ -216,7 +216,7 @@ impl Ldlt {
         }
         let before = self.analyses;
         self.analyse_upper(upper, places)?;
-        if self.ready && self.values == upper.vals {
+        if self.holds(upper) {
             return Ok(());
         }
         self.ready = false;
@@ -242,6 +242,65 @@ impl Ldlt {
         self.ready = true;
         self.negative = analysis.negative_pivots(upper, &self.factor);
         Ok(())
+    }
+
+    /// Whether the factor is that of the matrix with this upper triangle; known from the second matrix of a pattern on.
+    fn holds(&self, upper: &Upper) -> bool {
+        self.ready && self.values == upper.vals
+    }
+
+    /// [`Ldlt::factorise_upper`] for a matrix that will be asked for again: its values are kept to compare from the first one on. Says
+    /// whether the factor is new.
+    pub(crate) fn factorise_kept(&mut self, upper: Upper, places: &[[f64; 3]]) -> Result<bool, LinearError> {
+        if self.analysis.as_ref().is_some_and(|a| Arc::ptr_eq(&a.pattern, &upper.pattern)) && self.holds(&upper) {
+            return Ok(false);
+        }
+        self.values.clear();
+        self.factorise_upper(&upper, places)?;
+        self.values = upper.vals;
+        Ok(true)
+    }
+
+    /// The factor and what it was made by.
+    fn at_hand(&self) -> Result<&Analysis, LinearError> {
+        self.analysis.as_ref().filter(|_| self.ready).ok_or(LinearError::Singular { residual: 1.0 })
+    }
+
+    /// Number of negative pivots of the last factor, rounding left out.
+    pub(crate) fn negative(&self) -> usize {
+        self.negative
+    }
+
+    /// Numbers that a factor of the pattern analysed last has, and operations that it takes, a multiplication and an addition being two.
+    pub(crate) fn size(&self) -> (usize, f64) {
+        self.analysis.as_ref().map_or((0, 0.0), |a| (a.symbolic.len_val(), a.operations()))
+    }
+
+    #[cfg(test)]
+    pub(super) fn raw(&self) -> &faer::sparse::linalg::cholesky::SymbolicCholeskyRaw<usize> {
+        self.analysis.as_ref().unwrap().symbolic.raw()
+    }
+
+    /// Which parts of the factor the rows `chosen` of `c` reach; needs an analysis only.
+    pub(crate) fn border(&self, c: &Csr<f64>, chosen: &[usize]) -> Border {
+        self.analysis.as_ref().expect("the pattern was analysed").border(c, chosen)
+    }
+
+    /// S = C A⁻¹ Cᵀ over the rows of `border`, column after column; the lower triangle alone is set.
+    pub(crate) fn complement(&self, border: &Border, c: &Csr<f64>) -> Result<Buffer<f64>, LinearError> {
+        self.at_hand()?.complement(&self.factor, border, c)
+    }
+
+    /// x = A⁻¹ (x - Cᵀ nu) for each of R vectors, where `inner`(r, h) replaces h = C A⁻¹ x, one number per row of `border`, by nu.
+    pub(crate) fn solve_bordered<const R: usize>(
+        &self,
+        border: &Border,
+        c: &Csr<f64>,
+        x: [&mut [f64]; R],
+        inner: impl FnMut(usize, &mut [f64]),
+    ) -> Result<(), LinearError> {
+        let (mut kept, mut own) = (self.vectors.try_lock().ok(), Buffer::default());
+        self.at_hand()?.solve_bordered(&self.factor, border, c, x, kept.as_deref_mut().unwrap_or(&mut own), inner)
     }
 
     /// Refuses negative energy among the first `unknowns` of the matrix factorised last, which is `upper`; every row behind them counts

@@ -1,8 +1,8 @@
-//! Solutions with a supernodal L D Lᵀ: a column of supernodes after the other, four columns at a time.
+//! Solutions with an L D Lᵀ: a node of columns after the other, four columns at a time.
 
-use super::Buffer;
+use super::faer_border::{Border, Node, Nodes};
 use super::faer_panel::subtract_each;
-use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
+use super::{Buffer, Csr};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Columns that are taken together.
@@ -14,96 +14,184 @@ const SUMS: usize = 8;
 /// and each solution has the bits that it has alone. `None` where there is no memory.
 pub(super) fn solve<const R: usize>(
     arch: Arch,
-    nodes: &SymbolicSupernodalCholesky<usize>,
+    nodes: Nodes<'_>,
     factor: &[f64],
     order: &[usize],
     x: [&mut [f64]; R],
     memory: &mut Buffer<f64>,
 ) -> Option<()> {
-    let height = |k: usize| nodes.supernode_end()[k] - nodes.supernode_begin()[k] + nodes.supernode(k).pattern().len();
-    let highest = (0..nodes.n_supernodes()).map(height).max().unwrap_or(0);
-    let each = order.len() + highest;
-    if memory.len() < R * each {
-        *memory = Buffer::default();
-        *memory = Buffer::try_zeros(R * each)?;
-    }
-    let mut rest = &mut **memory;
+    let highest = nodes.highest();
+    let mut rest = reserved(memory, R * (order.len() + highest))?;
     let mut vectors = x.each_ref().map(|x| {
-        let (own, others) = std::mem::take(&mut rest).split_at_mut(each);
-        rest = others;
-        let (own, part) = own.split_at_mut(order.len());
-        own.iter_mut().zip(order).for_each(|(v, &old)| *v = x[old]);
-        Vector { own, part }
+        let vector = Vector::taken(&mut rest, order.len(), highest);
+        vector.own.iter_mut().zip(order).for_each(|(v, &old)| *v = x[old]);
+        vector
     });
-    arch.dispatch(Solve { nodes, factor, vectors: &mut vectors });
+    half(arch, Half::Forward, nodes, None, factor, &mut vectors);
+    half(arch, Half::Backward, nodes, None, factor, &mut vectors);
     for (x, vector) in x.into_iter().zip(vectors) {
         vector.own.iter().zip(order).for_each(|(&v, &old)| x[old] = v);
     }
     Some(())
 }
 
+/// x = A⁻¹ (x - Cᵀ nu) for each of R vectors, where `inner`(r, h) replaces h = C A⁻¹ x, one number per row of the border, by nu.
+///
+/// h takes the way back over the nodes of the border alone, and so does Cᵀ nu on the way forward.
+pub(super) fn solve_bordered<const R: usize>(
+    arch: Arch,
+    nodes: Nodes<'_>,
+    factor: &[f64],
+    order: [&[usize]; 2],
+    border: &Border,
+    c: &Csr<f64>,
+    x: [&mut [f64]; R],
+    memory: &mut Buffer<f64>,
+    mut inner: impl FnMut(usize, &mut [f64]),
+) -> Option<()> {
+    let ([order, new], highest, m) = (order, nodes.highest(), border.rows.len());
+    let n = order.len();
+    let (numbers, rest) = reserved(memory, R * (2 * n + 2 * highest) + m)?.split_at_mut(m);
+    let mut rest = rest;
+    let mut vectors = x.each_ref().map(|x| {
+        let vector = Vector::taken(&mut rest, n, highest);
+        vector.own.iter_mut().zip(order).for_each(|(v, &old)| *v = x[old]);
+        vector
+    });
+    half(arch, Half::Forward, nodes, None, factor, &mut vectors);
+    let mut reached: [Vector<'_>; R] = std::array::from_fn(|_| Vector::taken(&mut rest, n, highest));
+    let columns = || border.nodes.iter().map(|&k| nodes.node(k)).flat_map(|node| node.begin..node.begin + node.width);
+    for (z, x) in reached.iter_mut().zip(&vectors) {
+        columns().for_each(|i| z.own[i] = x.own[i]);
+    }
+    half(arch, Half::Backward, nodes, Some(&border.nodes), factor, &mut reached);
+    for (r, z) in reached.iter_mut().enumerate() {
+        for (h, &a) in numbers.iter_mut().zip(&border.rows) {
+            let (cols, vals) = c.row(a);
+            *h = cols.zip(vals).map(|(j, v)| v * z.own[new[j]]).sum();
+        }
+        inner(r, numbers);
+        columns().for_each(|i| z.own[i] = 0.0);
+        for (nu, &a) in numbers.iter().zip(&border.rows) {
+            let (cols, vals) = c.row(a);
+            cols.zip(vals).for_each(|(j, v)| z.own[new[j]] += v * nu);
+        }
+    }
+    half(arch, Half::Forward, nodes, Some(&border.nodes), factor, &mut reached);
+    for (z, x) in reached.iter().zip(&mut vectors) {
+        columns().for_each(|i| x.own[i] -= z.own[i]);
+    }
+    half(arch, Half::Backward, nodes, None, factor, &mut vectors);
+    for (x, vector) in x.into_iter().zip(vectors) {
+        vector.own.iter().zip(order).for_each(|(&v, &old)| x[old] = v);
+    }
+    Some(())
+}
+
+/// At least `n` numbers of `memory`; `None` where there are none.
+fn reserved(memory: &mut Buffer<f64>, n: usize) -> Option<&mut [f64]> {
+    if memory.len() < n {
+        *memory = Buffer::default();
+        *memory = Buffer::try_zeros(n)?;
+    }
+    Some(&mut **memory)
+}
+
 /// A right-hand side that becomes the solution.
 struct Vector<'a> {
     /// In the order of the factor.
     own: &'a mut [f64],
-    /// What a supernode acts on.
+    /// What a node acts on.
     part: &'a mut [f64],
 }
 
-struct Solve<'a, 'b, const R: usize> {
-    nodes: &'a SymbolicSupernodalCholesky<usize>,
+impl<'a> Vector<'a> {
+    /// A vector in the first numbers of `rest`, which loses them.
+    fn taken(rest: &mut &'a mut [f64], n: usize, highest: usize) -> Self {
+        let (own, others) = std::mem::take(rest).split_at_mut(n);
+        let (part, others) = others.split_at_mut(highest);
+        *rest = others;
+        Self { own, part }
+    }
+}
+
+/// Which half of a solution: L⁻¹, or L⁻ᵀ D⁻¹.
+#[derive(Clone, Copy)]
+enum Half {
+    Forward,
+    Backward,
+}
+
+/// Half a solution on the nodes `chosen` (ascending), on all where there are none; with a node all those above it have to be among them.
+fn half<const R: usize>(
+    arch: Arch,
+    half: Half,
+    nodes: Nodes<'_>,
+    chosen: Option<&[usize]>,
+    factor: &[f64],
+    vectors: &mut [Vector<'_>; R],
+) {
+    arch.dispatch(Sweep { half, nodes, chosen, factor, vectors });
+}
+
+struct Sweep<'a, 'b, const R: usize> {
+    half: Half,
+    nodes: Nodes<'a>,
+    chosen: Option<&'a [usize]>,
     factor: &'a [f64],
     vectors: &'a mut [Vector<'b>; R],
 }
 
-impl<const R: usize> WithSimd for Solve<'_, '_, R> {
+impl<const R: usize> WithSimd for Sweep<'_, '_, R> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { nodes, factor, vectors } = self;
-        for k in 0..nodes.n_supernodes() {
-            let (begin, end, below) = (nodes.supernode_begin()[k], nodes.supernode_end()[k], nodes.supernode(k).pattern());
-            let panel = &factor[nodes.col_ptr_for_val()[k]..nodes.col_ptr_for_val()[k + 1]];
-            let width = end - begin;
-            forward(
-                simd,
-                panel,
-                width,
-                vectors.each_mut().map(|v| {
-                    let part = &mut v.part[..width + below.len()];
-                    part[..width].copy_from_slice(&v.own[begin..end]);
-                    part[width..].fill(0.0);
-                    part
-                }),
-            );
-            for Vector { own, part } in vectors.iter_mut() {
-                own[begin..end].copy_from_slice(&part[..width]);
-                for (&row, v) in below.iter().zip(&part[width..]) {
-                    own[row] += v;
+        let Self { half, nodes, chosen, factor, vectors } = self;
+        let count = chosen.map_or(nodes.len(), <[usize]>::len);
+        for at in 0..count {
+            let at = if matches!(half, Half::Forward) { at } else { count - 1 - at };
+            let Node { begin, width, below, values } = nodes.node(chosen.map_or(at, |chosen| chosen[at]));
+            let (panel, end) = (&factor[values], begin + width);
+            match half {
+                Half::Forward => {
+                    forward(
+                        simd,
+                        panel,
+                        width,
+                        vectors.each_mut().map(|v| {
+                            let part = &mut v.part[..width + below.len()];
+                            part[..width].copy_from_slice(&v.own[begin..end]);
+                            part[width..].fill(0.0);
+                            part
+                        }),
+                    );
+                    for Vector { own, part } in vectors.iter_mut() {
+                        own[begin..end].copy_from_slice(&part[..width]);
+                        for (&row, v) in below.iter().zip(&part[width..]) {
+                            own[row] += v;
+                        }
+                    }
                 }
-            }
-        }
-        for k in (0..nodes.n_supernodes()).rev() {
-            let (begin, end, below) = (nodes.supernode_begin()[k], nodes.supernode_end()[k], nodes.supernode(k).pattern());
-            let panel = &factor[nodes.col_ptr_for_val()[k]..nodes.col_ptr_for_val()[k + 1]];
-            let width = end - begin;
-            backward(
-                panel,
-                width,
-                vectors.each_mut().map(|v| {
-                    let part = &mut v.part[..width + below.len()];
-                    for (j, x) in v.own[begin..end].iter().enumerate() {
-                        part[j] = x / panel[j * (width + below.len()) + j];
+                Half::Backward => {
+                    backward(
+                        panel,
+                        width,
+                        vectors.each_mut().map(|v| {
+                            let part = &mut v.part[..width + below.len()];
+                            for (j, x) in v.own[begin..end].iter().enumerate() {
+                                part[j] = x / panel[j * (width + below.len()) + j];
+                            }
+                            for (x, &row) in part[width..].iter_mut().zip(below) {
+                                *x = v.own[row];
+                            }
+                            part
+                        }),
+                    );
+                    for Vector { own, part } in vectors.iter_mut() {
+                        own[begin..end].copy_from_slice(&part[..width]);
                     }
-                    for (x, &row) in part[width..].iter_mut().zip(below) {
-                        *x = v.own[row];
-                    }
-                    part
-                }),
-            );
-            for Vector { own, part } in vectors.iter_mut() {
-                own[begin..end].copy_from_slice(&part[..width]);
+                }
             }
         }
     }
@@ -281,9 +369,7 @@ mod tests {
 
     /// Bits of the solutions of some loads, `R` at once.
     fn bits<const R: usize>(arch: Arch, a: &Csr, (analysis, factor): &(Analysis, Vec<f64>)) -> Vec<Vec<u64>> {
-        let (SymbolicCholeskyRaw::Supernodal(nodes), Some(perm)) = (analysis.symbolic.raw(), analysis.symbolic.perm()) else {
-            panic!("supernodes in an order");
-        };
+        let (nodes, perm) = (Nodes(analysis.symbolic.raw()), analysis.symbolic.perm().unwrap());
         let mut loads: [Vec<f64>; 2] =
             std::array::from_fn(|k| trial_numbers(2 * a.num_rows())[k * a.num_rows()..][..a.num_rows()].to_vec());
         // memory that earlier solutions left

@@ -19,7 +19,7 @@ mod pivot;
 mod springs;
 
 use super::scale::check_shape;
-use super::{ActiveSetEvent, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError};
+use super::{ActiveSetEvent, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 use crate::linalg::LinearError;
 use forces::Measure;
 use pivot::{Next, Pivot, Try};
@@ -226,16 +226,16 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
         singular: &mut usize,
         goes_on: &mut dyn FnMut(IterationNews) -> bool,
     ) -> Result<Tried, SolveError> {
-        let mut kind = system.kind.to_vec();
+        let mut closed = vec![false; system.kind.len()];
         for (number, attempt) in tries.iter().enumerate() {
             let active = attempt.state.iter().filter(|&&a| a).count();
             if !goes_on(IterationNews { iteration, active, rows: measure.contact.len() }) {
                 return Ok(Tried::Stopped);
             }
             for (k, &j) in measure.contact.iter().enumerate() {
-                kind[j] = if attempt.state[k] { RowKind::Equal } else { RowKind::Open };
+                closed[j] = attempt.state[k];
             }
-            match self.inner.solve(&ConstrainedSystem { kind: &kind, ..*system }) {
+            match self.inner.solve_set(system, &closed) {
                 Ok(solution) => return Ok(Tried::Solved(number, Box::new(solution))),
                 Err(SolveError::Linear(LinearError::Stopped { .. })) => return Ok(Tried::Stopped),
                 // with all rows closed nothing is left to try: the body has no support at all

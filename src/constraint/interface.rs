@@ -1,0 +1,589 @@
+//! One factor for all sets of contact: the Schur complement of the rows that may close.
+//!
+//!   A = [ K + Eᵀ V E + Cᵀ W C   Eᵀ F ]       E: equalities, V and F theirs (see [`super::direct`]);  C: all contact rows, open or closed
+//!       [ F E                   -F s - e k ]       W = 1e-2 k / |C|₁²: springs that hold bodies which contact alone supports
+//!
+//!   S = C A⁻¹ Cᵀ,   h = C A⁻¹ r,   (S + diag d) nu = h - b,   u = A⁻¹ (r - Cᵀ nu)
+//!
+//!   closed rows: d = t / (1 - t W), b = r₂ / (1 - t W), lambda = (nu + W r₂) / (1 - t W),   t = compliance + e k
+//!   open rows:   d = -1 / W,        b = 0,              lambda = 0                          (the spring gives way)
+//!
+//! That is the system of the set, whatever W is. S + diag d is quasi-definite, and singular exactly where that system is. A is
+//! factorised once and S made by forward elimination alone; a set costs a dense factor and a few substitutions.
+//!
+//! Source: the Schur complement of a factorised matrix under changes of low rank: Hager, SIAM Review 31 (1989) 221-239.
+
+use super::direct::{Factor, Inverse, MAX_REFINEMENTS, begin, refuse_kernel, weights};
+use super::quasidefinite::{Layout, REGULARISATION};
+use super::scale::Scaled;
+use crate::linalg::residual::{InverseIteration, RESIDUAL_LIMIT, SAFE_GROWTH};
+use crate::linalg::{Border, Buffer, Csr, DenseLdlt, Ldlt, LinearError, Sparsity};
+use std::sync::Arc;
+
+/// W |C|₁² / k: soft beside the bodies, far above rounding. Any other one gives the same answer.
+const SPRINGS: f64 = 1e-2;
+/// Sets that S has to pay for, and the factors that it may cost.
+const SETS: f64 = 8.0;
+const FACTORS: f64 = 7.0;
+/// S may have this share of the numbers of the factor; so many are always allowed.
+const SHARE: f64 = 0.1;
+const FEW: usize = 1 << 18;
+/// Corrections of a motion that may be without resistance: S has fewer digits than it takes to tell.
+const CORRECTIONS: usize = 2;
+
+/// Counted operations of a solver that keeps one factor for all sets of contact; a multiplication and an addition are two.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InterfaceWork {
+    /// Contact rows in the Schur complement.
+    pub rows: usize,
+    /// Operations of one factor of the whole system.
+    pub factor: f64,
+    /// Operations of L⁻¹ Cᵀ.
+    pub columns: f64,
+    /// Operations of C A⁻¹ Cᵀ with it.
+    pub complement: f64,
+    /// Times that both were made.
+    pub complements: usize,
+    /// Sets that were solved.
+    pub sets: usize,
+    /// Operations of all their dense factors.
+    pub dense: f64,
+}
+
+/// What is kept from set to set.
+#[derive(Debug)]
+pub(super) struct Interface {
+    /// W |C|₁² / k of contact rows.
+    springs: f64,
+    ldlt: Ldlt,
+    layout: Option<Layout>,
+    plan: Option<Plan>,
+    held: Option<Held>,
+    dense: DenseLdlt,
+    /// Analyses and factors of solvers that were given up.
+    before: [usize; 2],
+    pub work: InterfaceWork,
+}
+
+/// Whether a pattern is worth a Schur complement.
+#[derive(Debug)]
+struct Plan {
+    stiffness: Arc<Sparsity>,
+    rows: Arc<Sparsity>,
+    contact: Vec<usize>,
+    /// Which parts of the factor the contact rows reach; none where every set has a factor of its own.
+    border: Option<Border>,
+}
+
+/// The Schur complement of the numbers factorised last.
+#[derive(Debug)]
+struct Held {
+    rows: Csr<f64>,
+    /// Spring of each contact row, weight of each equality.
+    w: Vec<f64>,
+    /// None where these numbers are not for it.
+    complement: Option<Buffer<f64>>,
+}
+
+/// Unknowns, scaled multipliers, residual, condition.
+pub(super) type Answer = (Vec<f64>, Vec<f64>, f64, f64);
+
+impl Default for Interface {
+    fn default() -> Self {
+        Self {
+            springs: SPRINGS,
+            ldlt: Ldlt::new(),
+            layout: None,
+            plan: None,
+            held: None,
+            dense: DenseLdlt::default(),
+            before: [0; 2],
+            work: InterfaceWork::default(),
+        }
+    }
+}
+
+impl Interface {
+    /// How often a pattern was analysed.
+    pub fn analyses(&self) -> usize {
+        self.before[0] + self.ldlt.analyses()
+    }
+
+    /// How often numbers were factorised.
+    pub fn factorisations(&self) -> usize {
+        self.before[1] + self.ldlt.factorisations()
+    }
+
+    /// Numbers of the factor at hand.
+    pub fn factor_entries(&self) -> usize {
+        self.ldlt.factor_entries()
+    }
+
+    /// Bytes that the factor and the Schur complement take, from the analysis alone; `None` where every set has a factor of its own.
+    pub fn predict(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]]) -> Result<Option<usize>, LinearError> {
+        self.plan(s, contact, places)?;
+        let Some(border) = self.plan.as_ref().and_then(|plan| plan.border.as_ref()) else { return Ok(None) };
+        let layout = Layout::of(&mut self.layout, s, contact);
+        let factor = self.ldlt.predict(&layout.empty(), &layout.places(s, places))?;
+        Ok(Some(factor + border.bytes() + DenseLdlt::bytes(contact.len())))
+    }
+
+    /// Solves `s`, whose contact rows are `contact`, ascending, each with entries; `None` where that is to be done by a factor of its own.
+    ///
+    /// # Errors
+    /// [`LinearError::Singular`] where a motion is left.
+    pub fn solve(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]]) -> Result<Option<Answer>, LinearError> {
+        if contact.is_empty() {
+            return Ok(None);
+        }
+        self.plan(s, contact, places)?;
+        if self.plan.as_ref().is_none_or(|plan| plan.border.is_none()) {
+            return Ok(None);
+        }
+        self.hold(s, contact, places)?;
+        let answer = self.solve_set(s);
+        if let Ok(None) = answer {
+            // what these numbers did to one set they may do to others
+            self.give_up();
+        }
+        answer
+    }
+
+    /// Lets go of the factor, and of these numbers for good.
+    fn give_up(&mut self) {
+        self.before = [self.analyses(), self.factorisations()];
+        self.ldlt = Ldlt::new();
+        if let Some(held) = &mut self.held {
+            held.complement = None;
+        }
+    }
+
+    /// Decides for a pattern, once.
+    fn plan(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]]) -> Result<(), LinearError> {
+        let same = |p: &Plan| &p.stiffness == s.stiffness.pattern() && &p.rows == s.rows.pattern() && p.contact == contact;
+        if self.plan.as_ref().is_some_and(same) {
+            return Ok(());
+        }
+        (self.plan, self.held) = (None, None);
+        let layout = Layout::of(&mut self.layout, s, contact);
+        let (size, m) = (s.num_unknowns() + layout.multipliers(), contact.len());
+        let mut border = None;
+        // no factor has more numbers than a triangle
+        if affordable(m, size * (size + 1) / 2) {
+            self.ldlt.analyse_upper(&layout.empty(), &layout.places(s, places))?;
+            let (entries, factor) = self.ldlt.size();
+            if affordable(m, entries) {
+                let found = self.ldlt.border(&s.rows, contact);
+                let [columns, complement] = found.operations;
+                if columns + complement + SETS * dense(m) < FACTORS * factor {
+                    self.work = InterfaceWork { rows: m, factor, columns, complement, ..InterfaceWork::default() };
+                    border = Some(found);
+                }
+            }
+        }
+        if border.is_none() {
+            self.give_up();
+        }
+        let (stiffness, rows) = (s.stiffness.pattern().clone(), s.rows.pattern().clone());
+        self.plan = Some(Plan { stiffness, rows, contact: contact.to_vec(), border });
+        Ok(())
+    }
+
+    /// Factor and Schur complement of the numbers of `s`; those at hand are kept.
+    fn hold(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]]) -> Result<(), LinearError> {
+        let layout = Layout::of(&mut self.layout, s, contact);
+        let (mut w, f) = weights(s);
+        for &a in contact {
+            w[a] = spring(s, a, self.springs);
+        }
+        let upper = layout.assemble(s, &w, &f);
+        let same = |held: &Held| held.w == w && held.rows.vals() == s.rows.vals();
+        let border = self.plan.as_ref().and_then(|plan| plan.border.as_ref()).expect("planned");
+        let known = self.held.as_ref().is_some_and(same);
+        if known && self.held.as_ref().is_some_and(|held| held.complement.is_none()) {
+            return Ok(());
+        }
+        let new = match self.ldlt.factorise_kept(upper, &layout.places(s, places)) {
+            Err(LinearError::Singular { .. }) => {
+                self.held = Some(Held { rows: s.rows.clone(), w, complement: None });
+                return Ok(());
+            }
+            other => other?,
+        };
+        if known && !new {
+            return Ok(());
+        }
+        self.held = None;
+        let good = self.ldlt.negative() <= layout.multipliers() && self.is_held(s, contact, &w)?;
+        let complement = if good { Some(self.ldlt.complement(border, &s.rows)?) } else { None };
+        self.work.complements += usize::from(good);
+        self.held = Some(Held { rows: s.rows.clone(), w, complement });
+        Ok(())
+    }
+
+    /// Whether A lets no motion go: no trial vector grows as such a motion does.
+    fn is_held(&self, s: &Scaled<'_>, contact: &[usize], w: &[f64]) -> Result<bool, LinearError> {
+        let all = Scaled::diagonal_with(s, |a| if contact.binary_search(&a).is_ok() || s.enforced[a] { w[a] } else { 0.0 });
+        let mut motion = InverseIteration::begin(&all);
+        let layout = self.layout.as_ref().expect("laid out");
+        let vector = motion.right_side();
+        let mut x = vector.to_vec();
+        x.resize(x.len() + layout.multipliers(), 0.0);
+        self.ldlt.apply_inverse(&mut x)?;
+        vector.copy_from_slice(&x[..s.num_unknowns()]);
+        Ok(motion.solved().is_some() && motion.end().growth < SAFE_GROWTH)
+    }
+
+    fn solve_set(&mut self, s: &Scaled<'_>) -> Result<Option<Answer>, LinearError> {
+        let (Some(Plan { border: Some(border), contact, .. }), Some(Held { w, complement: Some(complement), .. }), Some(layout)) =
+            (&self.plan, &self.held, &self.layout)
+        else {
+            return Ok(None);
+        };
+        let soft = |a: usize| s.compliance[a] + REGULARISATION * s.k[a];
+        let diagonal: Vec<f64> =
+            contact.iter().map(|&a| if s.enforced[a] { soft(a) / (1.0 - soft(a) * w[a]) } else { -1.0 / w[a] }).collect();
+        self.work.sets += 1;
+        self.work.dense += dense(contact.len());
+        self.dense.factorise(complement, &diagonal)?;
+        let (_, f) = weights(s);
+        let set = Set { s, layout, border, contact, ldlt: &self.ldlt, dense: &self.dense, w, f };
+        let factor = Factor::of(s);
+        let (state, more, mut soft) = begin(s, &factor, &set)?;
+        if soft.growth > SAFE_GROWTH {
+            for _ in 0..CORRECTIONS {
+                set.correct_motion(&factor, &mut soft.vector)?;
+            }
+        }
+        let condition = refuse_kernel(s, &factor, &soft.vector)?;
+        // rows that are closed have positive pivots, open ones negative: else there is negative energy among the motions of the set
+        let right = self.dense.pivots().zip(contact).all(|(pivot, &a)| (pivot > 0.0) == s.enforced[a]);
+        let answer = if more { state.finished(MAX_REFINEMENTS, |r1, r2| set.correct(r1, r2))? } else { state.end() };
+        let (u, l, size) = answer;
+        Ok((right && size <= RESIDUAL_LIMIT).then_some((u, l, size, condition)))
+    }
+}
+
+/// Operations of the dense factor of m rows.
+fn dense(m: usize) -> f64 {
+    (m as f64).powi(3) / 3.0
+}
+
+/// Whether m rows are few beside a factor of so many numbers.
+fn affordable(m: usize, entries: usize) -> bool {
+    m * m <= FEW || (m as f64).powi(2) <= SHARE * entries as f64
+}
+
+/// W of contact row `a`.
+fn spring(s: &Scaled<'_>, a: usize, springs: f64) -> f64 {
+    let sum: f64 = s.rows.row(a).1.iter().map(|v| v.abs()).sum();
+    (springs * s.k[a] / (sum * sum)).min(0.5 / s.compliance[a])
+}
+
+/// The inverse of the system of a set.
+struct Set<'a, 'b> {
+    s: &'a Scaled<'b>,
+    layout: &'a Layout,
+    border: &'a Border,
+    contact: &'a [usize],
+    ldlt: &'a Ldlt,
+    dense: &'a DenseLdlt,
+    w: &'a [f64],
+    f: Vec<f64>,
+}
+
+impl Set<'_, '_> {
+    /// 1 - t W of closed contact row `a`.
+    fn share(&self, a: usize) -> f64 {
+        1.0 - (self.s.compliance[a] + REGULARISATION * self.s.k[a]) * self.w[a]
+    }
+
+    /// The load of A for what is left over.
+    fn right_side(&self, r1: &[f64], r2: &[f64]) -> Vec<f64> {
+        let mut x = r1.to_vec();
+        x.resize(x.len() + self.layout.multipliers(), 0.0);
+        for (a, number) in self.layout.numbers() {
+            x[r1.len() + number] = self.f[a] * r2[a];
+            let (cols, vals) = self.s.rows.row(a);
+            cols.zip(vals).for_each(|(j, v)| x[j] += v * self.w[a] * r2[a]);
+        }
+        x
+    }
+
+    /// Replaces h by nu; `r2` of closed rows.
+    fn nu(&self, r2: &[f64], h: &mut [f64]) {
+        for (h, &a) in h.iter_mut().zip(self.contact).filter(|(_, a)| self.s.enforced[**a]) {
+            *h -= r2[a] / self.share(a);
+        }
+        self.dense.solve(h);
+    }
+
+    /// Unknowns and multipliers.
+    fn parts(&self, mut x: Vec<f64>, nu: &[f64], r2: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (n, enforced) = (self.s.num_unknowns(), &self.s.enforced);
+        let mut l = vec![0.0; self.s.num_rows()];
+        for (a, number) in self.layout.numbers().filter(|(a, _)| enforced[*a]) {
+            l[a] = x[n + number];
+        }
+        for (&nu, &a) in nu.iter().zip(self.contact).filter(|(_, a)| enforced[**a]) {
+            l[a] = (nu + self.w[a] * r2[a]) / self.share(a);
+        }
+        x.truncate(n);
+        (x, l)
+    }
+
+    /// Corrects the softest motion v, v·Dv = 1, by the residual of K v + Cᵀ l = (v·K v) D v, C v = 0, which is at right angles to v: what is not
+    /// soft in v leaves it, however little resists v itself.
+    fn correct_motion(&self, factor: &Factor, v: &mut Vec<f64>) -> Result<(), LinearError> {
+        let s = self.s;
+        let (mut r1, mut r2) = (vec![0.0; v.len()], vec![0.0; s.num_rows()]);
+        s.stiffness.mul(v, &mut r1);
+        s.rows.mul(v, &mut r2);
+        r2.iter_mut().zip(&s.enforced).filter(|(_, enforced)| !**enforced).for_each(|(r, _)| *r = 0.0);
+        let energy: f64 = v.iter().zip(&r1).map(|(v, r)| v * r).sum();
+        (0..v.len()).for_each(|i| r1[i] -= energy * v[i] / factor.scale[i]);
+        let (du, _) = self.correct(&r1, &r2)?;
+        v.iter_mut().zip(du).for_each(|(v, du)| *v -= du);
+        factor.normalise(v);
+        Ok(())
+    }
+}
+
+impl Inverse for Set<'_, '_> {
+    fn step(&self, vector: &mut [f64]) -> Result<(), LinearError> {
+        let none = vec![0.0; self.s.num_rows()];
+        let mut x = self.right_side(vector, &none);
+        self.ldlt.solve_bordered(self.border, &self.s.rows, [&mut x], |_, h| self.nu(&none, h))?;
+        vector.copy_from_slice(&x[..vector.len()]);
+        Ok(())
+    }
+
+    fn correct(&self, r1: &[f64], r2: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+        let (mut x, mut nu) = (self.right_side(r1, r2), Vec::new());
+        self.ldlt.solve_bordered(self.border, &self.s.rows, [&mut x], |_, h| {
+            self.nu(r2, h);
+            nu = h.to_vec();
+        })?;
+        Ok(self.parts(x, &nu, r2))
+    }
+
+    fn both(&self, vector: &mut [f64], r1: &[f64], r2: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+        let none = vec![0.0; self.s.num_rows()];
+        let (mut x, mut y, mut nu) = (self.right_side(vector, &none), self.right_side(r1, r2), Vec::new());
+        self.ldlt.solve_bordered(self.border, &self.s.rows, [&mut x, &mut y], |which, h| {
+            self.nu(if which == 0 { &none } else { r2 }, h);
+            nu = h.to_vec();
+        })?;
+        vector.copy_from_slice(&x[..vector.len()]);
+        Ok(self.parts(y, &nu, r2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, RowKind, SolveError, kinds_of_set};
+    use crate::coupling::Rows;
+    use crate::linalg::residual::trial_numbers;
+    use crate::linalg::Triplets;
+
+    /// Two membranes of n x n nodes, the second above the first, which is held at one side: tied along one side or not, in contact along
+    /// another, the contact rows graded and averaged over neighbours.
+    struct Sheets {
+        stiffness: Csr<f64>,
+        load: Vec<f64>,
+        rows: Rows<f64>,
+        offset: Vec<f64>,
+        kind: Vec<RowKind>,
+        compliance: Vec<f64>,
+    }
+
+    impl Sheets {
+        fn new(n: usize, ties: usize, contact: usize, held: bool) -> Self {
+            let count = 2 * n * n;
+            let mut k = Triplets::new(count, count);
+            let mut spring = |i: usize, j: usize, v: f64| {
+                k.push(i, i, v);
+                k.push(j, j, v);
+                k.push(i, j, -v);
+                k.push(j, i, -v);
+            };
+            for body in 0..2 {
+                let at = |x: usize, y: usize| body * n * n + y * n + x;
+                for y in 0..n {
+                    for x in 0..n {
+                        // graded: stiffness over two decades
+                        let v = [1.0, 30.0][body] * 10f64.powf(2.0 * x as f64 / n as f64);
+                        if x + 1 < n {
+                            spring(at(x, y), at(x + 1, y), v);
+                        }
+                        if y + 1 < n {
+                            spring(at(x, y), at(x, y + 1), v);
+                        }
+                    }
+                }
+            }
+            for x in 0..n {
+                k.push(x, x, 1.0);
+                if held {
+                    k.push(count - 1 - x, count - 1 - x, 0.1);
+                }
+            }
+            let m = ties + contact;
+            let (mut slave, mut master) = (Triplets::new(m, count), Triplets::new(m, count));
+            for a in 0..m {
+                // ties along x = 0, contact along y = n - 1 of the first and y = 0 of the second
+                let node = |x: usize, body: usize| if a < ties { body * n * n + (1 + x) * n } else { (n * n - n) + body * n + x };
+                let x = if a < ties { a } else { (a - ties) * (n - 1) / contact };
+                let size = 10f64.powf(-(a as f64) / 4.0);
+                for (step, share) in [(0, 0.75), (1, 0.25)] {
+                    slave.push(a, node(x + step, 1), size * share);
+                    master.push(a, node(x + step, 0), -size * share);
+                }
+            }
+            let numbers = trial_numbers(count + m);
+            let places = (0..count).map(|i| [(i % n) as f64, (i / n) as f64, 0.0]).collect();
+            Self {
+                stiffness: k.to_csr().with_places(places),
+                load: numbers[..count].iter().map(|v| v - 0.7).collect(),
+                rows: Rows { slave, master },
+                offset: (0..m).map(|a| if a < ties { 0.0 } else { numbers[count + a] * 10f64.powf(-(a as f64) / 4.0) }).collect(),
+                kind: (0..m).map(|a| if a < ties { RowKind::Equal } else { RowKind::Contact }).collect(),
+                compliance: Vec::new(),
+            }
+        }
+
+        fn system(&self) -> ConstrainedSystem<'_, f64> {
+            ConstrainedSystem {
+                stiffness: &self.stiffness,
+                load: &self.load,
+                constraint: &self.rows,
+                reaction: None,
+                offset: &self.offset,
+                kind: &self.kind,
+                compliance: &self.compliance,
+            }
+        }
+
+        fn alone(&self, closed: &[bool]) -> Result<ConstrainedSolution, SolveError> {
+            Direct::new().solve(&ConstrainedSystem { kind: &kinds_of_set(&self.kind, closed), ..self.system() })
+        }
+    }
+
+    fn apart(a: &[f64], b: &[f64]) -> f64 {
+        let largest = |x: &mut dyn Iterator<Item = f64>| x.fold(0.0f64, |m, v| m.max(v.abs()));
+        largest(&mut a.iter().zip(b).map(|(a, b)| a - b)) / largest(&mut b.iter().copied()).max(1e-300)
+    }
+
+    /// Multipliers as forces: rows are graded.
+    fn forces(sheets: &Sheets, solution: &ConstrainedSolution) -> Vec<f64> {
+        let mut size = vec![0.0; sheets.kind.len()];
+        sheets.rows.slave.entries.iter().for_each(|&(a, _, v)| size[a] += v);
+        solution.multipliers.iter().zip(size).map(|(l, s)| l * s).collect()
+    }
+
+    #[test]
+    fn every_set_has_the_answer_of_a_factor_of_its_own_whatever_the_springs() {
+        for springs in [1e-4, 1e-2, 1.0, 1e2] {
+            for (ties, held, soft) in [(0, false, false), (0, true, false), (5, false, false), (3, false, true)] {
+                let (n, contact) = (14, 9);
+                let mut sheets = Sheets::new(n, ties, contact, held);
+                if soft {
+                    // contact rows from stiff to softer than the bodies, a tie that gives way
+                    let entry = |a: usize| 10f64.powf(-(a as f64) / 2.0) * [1e-6, 1e-2, 1.0, 1e3][a % 4];
+                    sheets.compliance = (0..ties + contact).map(entry).collect();
+                }
+                let mut direct = Direct::with_interface(Interface { springs, ..Interface::default() });
+                for bits in [511usize, 1, 0b1010_1010, 0b0_0001_1100, 0b1_0000_0001, 0b1_1110_0000, 3] {
+                    let closed: Vec<bool> = (0..ties + contact).map(|a| a >= ties && bits >> (a - ties) & 1 == 1).collect();
+                    let (found, expected) = (direct.solve_set(&sheets.system(), &closed).unwrap(), sheets.alone(&closed).unwrap());
+                    assert_eq!(found.active, expected.active);
+                    let d = [
+                        apart(&found.unknowns, &expected.unknowns),
+                        apart(&forces(&sheets, &found), &forces(&sheets, &expected)),
+                        apart(&found.gap, &expected.gap),
+                    ];
+                    assert!(d.iter().all(|&d| d < 1e-10), "{springs} {ties} {held} {soft} {bits:b}: {d:?}");
+                    assert!(found.residual < 1e-13, "{:e}", found.residual);
+                    let (a, b) = (found.condition.unwrap(), expected.condition.unwrap());
+                    assert!((a / b - 1.0).abs() < 1e-5, "condition {a} and {b}");
+                }
+                let work = direct.interface_work();
+                assert_eq!((work.rows, work.sets, work.complements, direct.factorisations(), direct.analyses()), (contact, 7, 1, 1, 1));
+                // another load and other gaps: the same factor
+                sheets.load.iter_mut().for_each(|f| *f = 0.3 - *f);
+                sheets.offset.iter_mut().for_each(|g| *g *= 0.5);
+                let closed = vec![true; ties + contact];
+                let (found, expected) = (direct.solve_set(&sheets.system(), &closed).unwrap(), sheets.alone(&closed).unwrap());
+                assert!(apart(&found.unknowns, &expected.unknowns) < 1e-10);
+                assert_eq!((direct.factorisations(), direct.interface_work().complements), (1, 1));
+            }
+        }
+    }
+
+    #[test]
+    fn a_set_is_singular_exactly_where_its_system_is() {
+        for springs in [1e-4, 1e-2, 1.0, 1e2] {
+            for (ties, held) in [(0, false), (0, true), (4, false)] {
+                let sheets = Sheets::new(14, ties, 9, held);
+                let mut direct = Direct::with_interface(Interface { springs, ..Interface::default() });
+                // all open leaves the second sheet free unless it is held or tied; one row is enough
+                for bits in [511usize, 0, 16, 0] {
+                    let closed: Vec<bool> = (0..ties + 9).map(|a| a >= ties && bits >> (a - ties) & 1 == 1).collect();
+                    let (found, expected) = (direct.solve_set(&sheets.system(), &closed), sheets.alone(&closed));
+                    assert_eq!(found.is_err(), bits == 0 && ties == 0 && !held, "{springs} {ties} {held} {bits:b}");
+                    match (found, expected) {
+                        (Ok(a), Ok(b)) => assert!(apart(&a.unknowns, &b.unknowns) < 1e-10),
+                        (a, b) => assert_eq!(a.unwrap_err(), b.unwrap_err()),
+                    }
+                }
+                assert_eq!((direct.factorisations(), direct.interface_work().sets), (1, 4));
+            }
+        }
+    }
+
+    #[test]
+    fn other_reactions_negative_energy_and_too_many_rows_have_a_factor_for_every_set() {
+        let sheets = Sheets::new(14, 2, 9, false);
+        let closed: Vec<bool> = (0..11).map(|a| a % 2 == 0).collect();
+        // a reaction that lacks an entry
+        let mut reaction = sheets.rows.clone();
+        reaction.master.entries.pop();
+        let mut direct = Direct::new();
+        let found = direct.solve_set(&ConstrainedSystem { reaction: Some(&reaction), ..sheets.system() }, &closed).unwrap();
+        assert_eq!((found.method.as_str(), direct.interface_work().sets), ("saddle-point, LU", 0));
+        // negative energy that no row takes
+        let mut negative = Sheets::new(14, 2, 9, false);
+        let (cols, vals) = negative.stiffness.row_mut(40);
+        cols.zip(vals).filter(|(j, _)| *j == 40).for_each(|(_, v)| *v = -*v);
+        let found = direct.solve_set(&negative.system(), &closed).unwrap_err();
+        assert_eq!(found, negative.alone(&closed).unwrap_err());
+        assert!(matches!(found, SolveError::Linear(LinearError::Indefinite { .. })), "{found}");
+        // as many rows as unknowns of a chain
+        let n = 900;
+        let (mut k, mut rows) = (Triplets::new(n, n), Triplets::new(n, n));
+        for i in 0..n {
+            k.push(i, i, 2.0);
+            rows.push(i, i, 1.0);
+            if i > 0 {
+                k.push(i, i - 1, -1.0);
+                k.push(i - 1, i, -1.0);
+            }
+        }
+        let chain = Sheets {
+            stiffness: k.to_csr(),
+            load: vec![-1.0; n],
+            rows: Rows { slave: rows, master: Triplets::new(n, n) },
+            offset: vec![1.0; n],
+            kind: vec![RowKind::Contact; n],
+            compliance: Vec::new(),
+        };
+        let closed: Vec<bool> = (0..n).map(|i| i % 3 == 0).collect();
+        let mut direct = Direct::new();
+        let found = direct.solve_set(&chain.system(), &closed).unwrap();
+        assert_eq!(found.unknowns, chain.alone(&closed).unwrap().unknowns);
+        assert_eq!(direct.interface_work().sets, 0);
+        direct.solve_set(&chain.system(), &vec![true; n]).unwrap();
+        assert_eq!(direct.analyses(), 1, "no analysis is needed to see that");
+    }
+}
