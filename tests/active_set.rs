@@ -95,7 +95,8 @@ fn one_solution_is_found_from_every_start_and_with_every_c() {
             let with = |more: String| solved(text, &[&sets[..], &[more]].concat());
             let reference = with("contact.c.active_set.start=all".into());
             assert_eq!(reference.result.status, Status::Ok, "{name}: {}", said(&reference.result));
-            let mut starts: Vec<String> = ["all", "none", "gap"].iter().map(|s| format!("contact.c.active_set.start={s}")).collect();
+            let mut starts: Vec<String> =
+                ["auto", "all", "none", "gap"].iter().map(|s| format!("contact.c.active_set.start={s}")).collect();
             starts.extend((1..=20).map(|seed| format!("contact.c.active_set.start={{ seed = {seed} }}")));
             let mut failures: Vec<String> = starts
                 .iter()
@@ -136,10 +137,11 @@ fn random_case(number: usize) -> String {
     let degree = 1 + d.below(3);
     let backend = d.one(&["iga", "fe"]);
     let multiplier = if degree == 1 { d.one(&["auto", "p/p", "constant"]) } else { d.one(&["auto", "p/p", "p/p-2", "dual", "constant"]) };
-    let start = match d.below(4) {
+    let start = match d.below(5) {
         0 => "\"all\"".to_owned(),
         1 => "\"none\"".to_owned(),
         2 => "\"gap\"".to_owned(),
+        3 => "\"auto\"".to_owned(),
         _ => format!("{{ seed = {} }}", d.below(1000)),
     };
     let rule =
@@ -278,7 +280,7 @@ fn the_contact_conditions_hold_at_the_end_of_every_sample_case() {
         let result = Case::read(path).unwrap().run(&Registry::default()).unwrap();
         assert_eq!(result.status, Status::Ok, "{}: {}", path.display(), said(&result));
         let iterations = set(&result).iterations;
-        assert!(iterations <= 30, "{}: {iterations}", path.display());
+        assert!(iterations <= 8, "{}: {iterations}", path.display());
         assert_eq!(kkt(&result), None, "{}", path.display());
         seen += 1;
     }
@@ -347,7 +349,7 @@ const WEDGE: &str = "[[patch]]\nname = \"up\"\ngeometry = { kind = \"box\", min 
 #[test]
 fn a_start_of_all_rows_needs_few_systems_where_nearly_all_are_right() {
     let text = format!("{MODEL}{WEDGE}");
-    for start in ["\"all\"", "\"none\"", "\"gap\"", "{ seed = 3 }"] {
+    for start in ["\"auto\"", "\"all\"", "\"none\"", "\"gap\"", "{ seed = 3 }"] {
         let found = solved(&text, &[format!("contact.pad.active_set={{ start = {start} }}")]);
         assert_eq!(found.result.status, Status::Ok, "{start}: {}", said(&found.result));
         let pad = found.result.contact.get("pad").unwrap();

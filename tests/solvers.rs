@@ -9,7 +9,8 @@ use blocks::{Blocks, contact_blocks, difference, differences, largest};
 use faying::basis::{BSpline, Basis, LagrangeLine, Order, ShapeTable};
 use faying::check;
 use faying::constraint::{
-    ActiveSet, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Cycle, Direct, RowKind, SolveError, penalty,
+    ActiveSet, ActiveSetEvent, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Cycle, Direct, RowKind, SolveError,
+    penalty,
 };
 use faying::coupling::Rows;
 use faying::linalg::{Cg, Csr, Ldlt, LinearError, LinearSolver, Lu, Operator, Triplets, ordering, product};
@@ -342,6 +343,34 @@ fn contact_does_not_depend_on_units_or_on_the_first_state() {
         let solution = ActiveSet::new(Direct::new()).starting_from(start).solve(&blocks.system()).unwrap();
         assert_eq!(solution.active, reference.active, "start {k}");
     }
+}
+
+/// Says of its first answer that none of its digits are right.
+#[derive(Debug)]
+struct Doubtful(Direct, bool);
+
+impl ConstraintSolver for Doubtful {
+    fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
+        let first = std::mem::take(&mut self.1);
+        let solution = self.0.solve(system)?;
+        Ok(ConstrainedSolution { condition: if first { Some(1e17) } else { solution.condition }, ..solution })
+    }
+}
+
+#[test]
+fn a_state_whose_digits_say_nothing_gives_way_as_a_singular_one_does() {
+    let blocks = contact_blocks(-1e-3);
+    let m = blocks.offset.len();
+    let mut start = vec![true; m];
+    start[0] = false;
+    let usual = ActiveSet::new(Direct::new()).solve(&blocks.system()).unwrap();
+    let solution = ActiveSet::new(Doubtful(Direct::new(), true)).starting_from(start).solve(&blocks.system()).unwrap();
+    assert_eq!(solution.active, usual.active);
+    let report = solution.active_set.unwrap();
+    assert_eq!((report.history[0], &report.events[0]), (m, &ActiveSetEvent::AllClosed { iteration: 1 }));
+    // of all rows closed there is nothing to give way to
+    let only = ActiveSet::new(Doubtful(Direct::new(), true)).solve(&blocks.system()).unwrap();
+    assert!(only.active_set.unwrap().events.is_empty());
 }
 
 #[test]

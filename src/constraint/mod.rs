@@ -85,11 +85,6 @@ pub enum ActiveSetEvent {
         /// The iteration that began with all rows closed.
         iteration: usize,
     },
-    /// The start closed far too much: the iteration began again with all rows closed, which is reduced faster than a scattered guess.
-    Again {
-        /// The iteration that began with all rows closed.
-        iteration: usize,
-    },
     /// The state wanted left a body free; only some of the rows changed.
     Part {
         /// The iteration.
@@ -113,7 +108,6 @@ impl ActiveSetEvent {
     pub(crate) fn after(self, before: usize) -> Self {
         match self {
             Self::AllClosed { iteration } => Self::AllClosed { iteration: before + iteration },
-            Self::Again { iteration } => Self::Again { iteration: before + iteration },
             Self::Springs { iteration } => Self::Springs { iteration: before + iteration },
             Self::Part { iteration, changed, wanted } => Self::Part { iteration: before + iteration, changed, wanted },
             Self::Cycle(c) => Self::Cycle(Cycle { first: before + c.first, second: before + c.second, rows: c.rows }),

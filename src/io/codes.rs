@@ -312,12 +312,12 @@ pub const CODES: &[Code] = &[
         "E071",
         5,
         "contact does not settle",
-        "The active set did not settle within active_set.max_iterations (default 30): raise it, or begin nearer to the answer with \
-         active_set.start = \"gap\". A state that comes back is a cycle: it is counted (solve.active_set.cycles) and left by single \
+        "The active set did not settle within active_set.max_iterations (default 100): raise it, or begin from another \
+         active_set.start. A state that comes back is a cycle: it is counted (solve.active_set.cycles) and left by single \
          exchanges; where these come to no end either, the message names the iterations, the functions that flip and where. The state \
          that violates the contact conditions least is saved; solve.active_set.best says which iteration it is from.",
         "active_set = { max_iterations = 3 }",
-        "raise max_iterations, begin with start = \"gap\", or refine the slave side.",
+        "raise max_iterations, begin with start = \"all\", or refine the slave side.",
     ),
     code(
         "E072",

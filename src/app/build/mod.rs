@@ -64,7 +64,7 @@ pub(crate) use sides::canonical as canonical_side;
 pub use soft::{Fluxes, between};
 pub(crate) use stored::stored_run;
 pub use supports::free_motions;
-pub(crate) use supports::sentences;
+pub(crate) use supports::{floating, sentences};
 pub(crate) use ties::short;
 pub use touch::sag;
 pub use traces::{SlaveEnds, SlaveSpaces, slave_spaces};

@@ -8,6 +8,7 @@ use crate::contact::Contact;
 use crate::geometry::MapTable;
 use crate::linalg::Vector;
 use crate::quadrature::Quadrature;
+use std::ops::Range;
 
 /// Points looked at per side.
 const SAMPLES: usize = 24;
@@ -107,6 +108,20 @@ pub fn free_motions<const S: usize, const N: usize>(
         }
     }
     modes.free(&rows).into_iter().map(|f| FreeBody { body: bodies.number(model, f.body), ..f }).collect()
+}
+
+/// The unknowns of every body that supports and ties leave a rigid motion, patches and obstacles that forces press: what contact has to hold.
+pub(crate) fn floating<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<Vec<Range<usize>>> {
+    let bodies = RigidBodies::of(model);
+    let (modes, rows) = held(model, &bodies);
+    let unknowns = |body: usize| match bodies.first.get(body) {
+        Some(&first) => (0..model.patches.len()).filter(|&k| model.glued.body(k) == first).map(|k| model.patches[k].range()).collect(),
+        None => {
+            let obstacle = &model.contacts[bodies.pressed[body - bodies.first.len()]].obstacle;
+            obstacle.iter().flat_map(|o| &o.pressed).map(|p| p.unknown..p.unknown + 1).collect()
+        }
+    };
+    modes.free(&rows).iter().map(|f| unknowns(f.body)).collect()
 }
 
 /// The rigid motions of a model and what supports, springs and ties ask of them: both ways, without contacts.

@@ -94,7 +94,7 @@ pub fn step_fault<const S: usize, const N: usize>(
                 Status::NotConverged,
                 "cycling",
                 at(Diagnostic::error("E071", text))
-                    .with_help("raise active_set.max_iterations, or try another start: \"none\", \"gap\", { seed = 1 }"),
+                    .with_help("raise active_set.max_iterations, or try another start: \"all\", \"gap\", { seed = 1 }"),
             )
         }
         StepError::Solve(SolveError::TooManyIterations { iterations, .. }) => {

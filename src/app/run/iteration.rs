@@ -22,9 +22,6 @@ fn note(event: &ActiveSetEvent) -> String {
     match event {
         ActiveSetEvent::AllClosed { iteration: 1 } => "iteration 1: the start left a body free; all rows were closed".into(),
         ActiveSetEvent::AllClosed { iteration } => format!("iteration {iteration}: the step left a body free; all rows were closed"),
-        ActiveSetEvent::Again { iteration } => {
-            format!("iteration {iteration}: the start closed far too much; all rows were closed to begin again")
-        }
         ActiveSetEvent::Part { iteration, changed, wanted } => {
             format!("iteration {iteration}: the step left a body free; {changed} of {wanted} rows changed")
         }

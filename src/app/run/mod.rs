@@ -21,6 +21,7 @@ mod room;
 mod soften;
 mod solve;
 mod solver;
+mod start;
 mod system;
 mod tied;
 

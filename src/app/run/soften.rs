@@ -125,6 +125,7 @@ impl Watched<'_> {
         self.done += last;
         if let Ok(solution) = &solved {
             self.set.start.clone_from(&solution.active);
+            self.set.near = true;
         }
         solved
     }

@@ -177,6 +177,8 @@ pub(super) fn once<const S: usize, const N: usize>(
     } else if has_contact && !(solver.decides && softness.is_exact()) {
         let active_set = &mut solver.set;
         active_set.start.clone_from(&system.start);
+        active_set.near = before.is_some();
+        active_set.elements.clone_from(&system.elements);
         active_set.max_iterations = model.max_iterations;
         active_set.c = model.c;
         // where no pressure balances the loads, no step back leads anywhere

@@ -1,15 +1,13 @@
 //! The rows of all ties and contacts as one system, and the first guess of which contacts are closed.
 
-use super::solve::{NO_CONTACT, StepError, StepState};
-use crate::app::build::{ContactModel, Model};
+use super::solve::{StepError, StepState};
+use super::start::Guess;
+use crate::app::build::Model;
 use crate::constraint::RowKind;
 use crate::contact::Contact;
 use crate::coupling::Rows;
 use crate::io::case::Start;
 use crate::linalg::Triplets;
-
-/// Gaps below this share of the lengths they come from count as zero where a start looks at gaps.
-const ZERO: f64 = 1e-12;
 
 /// C, B, g and kinds of all rows in all unknowns.
 pub(super) struct System<const S: usize, const N: usize> {
@@ -18,6 +16,8 @@ pub(super) struct System<const S: usize, const N: usize> {
     pub(super) offset: Vec<f64>,
     pub(super) kind: Vec<RowKind>,
     pub(super) start: Vec<bool>,
+    /// Rows whose multiplier functions share an element of the slave side, one list per element.
+    pub(super) elements: Vec<Vec<usize>>,
     /// Rows of points that start closed whatever their gap is.
     pub(super) eased: Vec<bool>,
     pub(super) contacts: Vec<Vec<Contact<S, N>>>,
@@ -40,7 +40,8 @@ impl<const S: usize, const N: usize> System<S, N> {
         let m = model.rows;
         let mut rows = empty(m, model.unknowns);
         let (mut reaction, mut differs) = (empty(m, model.unknowns), false);
-        let (mut offset, mut kind, mut start) = (vec![0.0; m], vec![RowKind::Equal; m], vec![true; m]);
+        let (mut offset, mut kind) = (vec![0.0; m], vec![RowKind::Equal; m]);
+        let (mut guess, mut elements) = (Guess::new(model, before), Vec::new());
         for part in model.ties.iter().flat_map(|tie| &tie.parts) {
             append(&mut rows, &part.rows, part.first_row);
             append(&mut reaction, part.reaction.as_ref().unwrap_or(&part.rows), part.first_row);
@@ -59,40 +60,24 @@ impl<const S: usize, const N: usize> System<S, N> {
                 differs |= built.reaction.is_some();
                 let (own, weights) = (built.turned_offset(), built.turned_weights());
                 for (j, (&g, k)) in own.iter().zip(built.kinds()).enumerate() {
-                    offset[part.first_row + j] = g;
-                    kind[part.first_row + j] = k;
                     let row = part.first_row + j;
-                    // rows that faced nothing say nothing
-                    let known = before.filter(|b| b.sign_case[row] != NO_CONTACT);
-                    start[row] = known.map_or_else(|| starts_active(model, contact, (g, weights[j]), j, part.first_row), |b| b.active[row]);
+                    (offset[row], kind[row]) = (g, k);
+                    guess.take(contact, row, k, g, weights[j]);
                 }
-                eased[part.rows()].fill(built.points.is_some() && contact.start == Start::All && before.is_none());
+                if let Some(psi) = &part.multiplier {
+                    elements.extend((0..psi.num_elements()).map(|e| {
+                        let mut functions = Vec::new();
+                        psi.active(e, &mut functions);
+                        functions.iter().map(|j| part.first_row + j).collect()
+                    }));
+                }
+                eased[part.rows()].fill(built.points.is_some() && matches!(contact.start, Start::Auto | Start::All) && before.is_none());
                 parts.push(built);
             }
             contacts.push(parts);
         }
-        Ok(Self { rows, reaction: differs.then_some(reaction), offset, kind, start, eased, contacts })
-    }
-}
-
-fn starts_active<const S: usize, const N: usize>(
-    model: &Model<S, N>,
-    contact: &ContactModel<S, N>,
-    (offset, weight): (f64, f64),
-    j: usize,
-    first: usize,
-) -> bool {
-    match contact.start {
-        Start::All => true,
-        Start::None => false,
-        // bodies that touch have gaps of round-off: zero within a share of the lengths the gaps come from
-        Start::Gap => offset <= ZERO * model.size.max(model.center.norm()) * weight.abs(),
-        Start::Seed(seed) => {
-            // SplitMix64 of seed and row: the same on every machine
-            let mut z = seed.wrapping_add((first + j + 1) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-            z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-            (z ^ (z >> 31)) & 1 == 1
-        }
+        guess.close_nearest(&rows);
+        let (start, reaction) = (guess.closed, differs.then_some(reaction));
+        Ok(Self { rows, reaction, offset, kind, start, elements, eased, contacts })
     }
 }

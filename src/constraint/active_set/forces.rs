@@ -35,6 +35,14 @@ impl<'a> Measure<'a> {
         }
     }
 
+    /// Lists of rows of a system with `m` rows as lists of contact rows, by their place among these; without lists of less than two.
+    pub fn among_contact(&self, lists: &[Vec<usize>], m: usize) -> Vec<Vec<usize>> {
+        let mut place = vec![None; m];
+        self.contact.iter().enumerate().for_each(|(k, &j)| place[j] = Some(k));
+        let list = |rows: &Vec<usize>| -> Vec<usize> { rows.iter().filter_map(|&j| place.get(j).copied().flatten()).collect() };
+        lists.iter().map(list).filter(|l| l.len() > 1).collect()
+    }
+
     /// Whether contact row `k` feels anything at all.
     pub fn has_entries(&self, k: usize) -> bool {
         self.scales.weight[self.contact[k]] > 0.0
@@ -65,42 +73,6 @@ impl<'a> Measure<'a> {
         forces.zero = own.iter().map(|&g| ZERO * largest.max(g)).collect();
         forces
     }
-
-    /// Force that would close the gap at rest of each row by its own stiffness, from the least gap among the rows that hang together.
-    ///
-    /// Rows hang together where they share unknowns: those of one side do.
-    pub fn at_rest(&self) -> Vec<f64> {
-        let mut group: Vec<usize> = (0..self.contact.len()).collect();
-        let mut first: Vec<usize> = vec![usize::MAX; self.rows.num_cols()];
-        for (k, &j) in self.contact.iter().enumerate() {
-            for i in self.rows.row(j).0 {
-                let other = &mut first[i];
-                if *other == usize::MAX {
-                    *other = k;
-                } else {
-                    let (a, b) = (root(&mut group, *other), root(&mut group, k));
-                    group[a.max(b)] = a.min(b);
-                }
-            }
-        }
-        let lumped = |j: usize| self.offset[j] / if self.scales.weight[j] > 0.0 { self.scales.weight[j] } else { 1.0 };
-        let mut least = vec![f64::INFINITY; self.contact.len()];
-        for (k, &j) in self.contact.iter().enumerate() {
-            let g = root(&mut group, k);
-            least[g] = least[g].min(lumped(j));
-        }
-        let force = |(k, &j): (usize, &usize)| self.scales.stiffness[j] * (lumped(j) - least[root(&mut group, k)]);
-        self.contact.iter().enumerate().map(force).collect()
-    }
-}
-
-/// The representative of `k`'s group; shortens the way there.
-fn root(group: &mut [usize], mut k: usize) -> usize {
-    while group[k] != k {
-        group[k] = group[group[k]];
-        k = group[k];
-    }
-    k
 }
 
 /// Multipliers and gaps of the contact rows as forces.
@@ -110,8 +82,10 @@ pub(super) struct Forces {
     pub multiplier: Vec<f64>,
     /// q, negative in penetration.
     pub gap: Vec<f64>,
-    zero: Vec<f64>,
-    closed: Vec<bool>,
+    /// What of both counts as zero.
+    pub zero: Vec<f64>,
+    /// Whether the rows are closed.
+    pub closed: Vec<bool>,
 }
 
 impl Forces {

@@ -6,9 +6,10 @@
 //! keeps its state: all nine combinations of signs are decided, none by rounding. In a linear system the second term of an active row
 //! and the first of an open one are zero by construction and taken as such: the result does not depend on c.
 //!
+//! - Rows whose functions share an element with an opening one open, too, while that leads on (`pivot`).
 //! - A state that comes back is a cycle; single exchanges of least index lead out of it (`pivot`).
 //! - A singular system leaves a body free: part of the rows that were to open stay closed. A singular start gives way to all rows closed.
-//!   Where no part will do, the body is put on weak springs, and the set that is found on them is where the iteration begins again (`springs`).
+//!   So does one whose condition exceeds 1 / ε: no digit of its answer is right. Where no part will do, the body is put on weak springs, and the set that is found on them is where the iteration begins again (`springs`).
 //! - The best iterate is kept: least norm of the force lambda_j s_j - min(0, lambda_j s_j + k_j gap_j / s_j).
 //!
 //! Sources: Hintermueller, Ito, Kunisch, SIAM J. Optim. 13 (2002) 865-888 (active sets as Newton's method); Alart, Curnier, Comput.
@@ -55,14 +56,21 @@ pub struct ActiveSet<C> {
     pub c: f64,
     /// First state, one per row (only contact rows are read); empty: all contact rows active.
     pub start: Vec<bool>,
+    /// Whether the start is near the answer, as the end of an earlier load step is: then plain steps come first, otherwise wide ones.
+    pub near: bool,
+    /// Rows whose multiplier functions live on the same slave element, one list per element (rows of other kinds are not read); empty:
+    /// plain steps only.
+    ///
+    /// In a wide step every closed row that shares an element with an opening one opens, too.
+    pub elements: Vec<Vec<usize>>,
     /// Whether steps that leave a body free are tried in part; without, the first one ends the iteration.
     pub retreat: bool,
 }
 
 impl<C> ActiveSet<C> {
-    /// At most 30 iterations, c = 1, all contact rows active at first.
+    /// At most 100 iterations, c = 1, all contact rows active at first, plain steps.
     pub fn new(inner: C) -> Self {
-        Self { inner, max_iterations: 30, c: 1.0, start: Vec::new(), retreat: true }
+        Self { inner, max_iterations: 100, c: 1.0, start: Vec::new(), near: false, elements: Vec::new(), retreat: true }
     }
 
     /// The same with another first state, one per row.
@@ -166,7 +174,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
         if tries[0].state != all {
             tries.push(Try { all: true, ..Try::new(all.clone(), 0) });
         }
-        let mut pivot = Pivot::new(all, measure.at_rest());
+        let mut pivot = Pivot::new(all, measure.among_contact(&self.elements, m), !self.near);
         let (mut found, mut linear, mut singular) = (Found::default(), 0, 0);
         loop {
             let iteration = found.report.iterations + 1;
@@ -187,8 +195,6 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
             let report = &mut found.report;
             if taken.all {
                 report.events.push(ActiveSetEvent::AllClosed { iteration });
-            } else if taken.again {
-                report.events.push(ActiveSetEvent::Again { iteration });
             } else if taken.changed < wanted {
                 report.events.push(ActiveSetEvent::Part { iteration, changed: taken.changed, wanted });
             }
@@ -236,16 +242,22 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
                 closed[j] = attempt.state[k];
             }
             match self.inner.solve_set(system, &closed) {
-                Ok(solution) => return Ok(Tried::Solved(number, Box::new(solution))),
+                // with all rows closed nothing is left to try
+                Ok(solution) if attempt.state == all || solution.condition.is_none_or(|c| c * f64::EPSILON < 1.0) => {
+                    return Ok(Tried::Solved(number, Box::new(solution)));
+                }
                 Err(SolveError::Linear(LinearError::Stopped { .. })) => return Ok(Tried::Stopped),
-                // with all rows closed nothing is left to try: the body has no support at all
-                Err(SolveError::Linear(LinearError::Singular { .. })) if attempt.state != all => {
+                // of all rows closed: the body has no support at all
+                Err(error) if attempt.state == all || !matches!(error, SolveError::Linear(LinearError::Singular { .. })) => {
+                    return Err(error);
+                }
+                // singular, or so nearly that its digits say nothing
+                _ => {
                     *singular += 1;
                     if !self.retreat && iteration > 1 || *singular > self.max_iterations {
                         break;
                     }
                 }
-                Err(error) => return Err(error),
             }
         }
         Ok(Tried::Singular)

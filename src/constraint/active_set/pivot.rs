@@ -1,9 +1,17 @@
 //! Which state of the contact rows comes next, and what keeps an iteration from running in a circle.
 //!
-//! The nominal step changes all wrong rows at once: the primal-dual active set, which is block principal pivoting on the linear
-//! complementarity problem of the rows. Where it visits a state twice, single wrong rows change, the one of least index first, until
-//! fewer rows are wrong than ever before; then all change at once again. With a positive definite matrix of the rows both phases end:
-//! the number of wrong rows falls with every cycle, and single exchanges of least index never repeat a state.
+//! - *Plain*: all wrong rows change at once: the primal-dual active set, which is block principal pivoting on the linear complementarity
+//!   problem of the rows.
+//! - *Wide*: where at least two rows open, and no fewer than close, every closed row whose function shares an element with that of an
+//!   opening one opens, too. Where too much is closed, the pressure of smooth multipliers ends in a root singularity of tension and its
+//!   coefficients alternate there: of the rows in tension only every other one is wrong, those between hide what is left, and plain steps
+//!   move the end of the zone by a row per system. Multipliers whose functions share no elements know plain steps only.
+//!
+//! Wide steps come first, plain ones where the start is near the answer; [`PATIENCE`] systems without a new least number of wrong rows
+//! change from one to the other. A wide state that was there before gives way to the plain one. Where that was there, too, single wrong
+//! rows change, the one of least index first, until fewer rows are wrong than ever before; then all change at once again. With a positive
+//! definite matrix of the rows all phases end: the number of wrong rows falls with every cycle, and single exchanges of least index never
+//! repeat a state.
 //!
 //! Sources: Murty, Linear Algebra Appl. 9 (1974) 65-108 (least index); Judice, Pires, Comput. Oper. Res. 21 (1994) 587-596;
 //! Portugal, Judice, Vicente, Math. Comp. 63 (1994) 625-643 (blocks with exchanges of least index between them).
@@ -19,13 +27,11 @@ pub(super) struct Try {
     pub changed: usize,
     /// All rows closed, as no other step was possible.
     pub all: bool,
-    /// All rows closed, to begin again.
-    pub again: bool,
 }
 
 impl Try {
     pub fn new(state: Vec<bool>, changed: usize) -> Self {
-        Self { state, changed, all: false, again: false }
+        Self { state, changed, all: false }
     }
 }
 
@@ -40,46 +46,18 @@ pub(super) enum Next {
     Circle,
 }
 
-/// Steps that open more than they close before a first guess counts as one that closes far too much.
+/// Systems without a new least number of wrong rows after which wide and plain steps take turns.
 const PATIENCE: usize = 4;
-
-/// A first guess that closes too much is reduced once, from all rows closed: pressures of a scattered guess say little.
-///
-/// Tension alone peels rows from the rim of a zone, in the plane a share of it per iteration, on graded meshes a few rows: with
-/// 64 elements some twenty to fifty systems. While the guess is reduced, rows open, too, that press less than it takes to close their
-/// gaps at rest; what opens too far closes again in one stroke, and where all of it does, the plain step is taken after all.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Reduction {
-    /// In that many steps more opened than closed.
-    Waits(usize),
-    /// After [`PATIENCE`] such steps: all rows are closed.
-    Begins,
-    /// All rows were closed, and none closed again.
-    Goes,
-    /// Rows closed again, or there was no guess.
-    Done,
-}
-
-impl Reduction {
-    /// The state after a step; `opens`: more rows open than close.
-    fn after(self, opens: bool, first: bool, state: &[bool], all: &[bool]) -> Self {
-        match self {
-            // no row closed: there was no guess
-            Self::Waits(_) if first && !state.contains(&true) => Self::Done,
-            Self::Waits(_) | Self::Begins if opens && state == all => Self::Goes,
-            Self::Waits(steps) if opens && steps == PATIENCE => Self::Begins,
-            Self::Waits(steps) => Self::Waits(steps + usize::from(opens)),
-            Self::Goes if opens => Self::Goes,
-            _ => Self::Done,
-        }
-    }
-}
 
 /// The memory of an iteration.
 #[derive(Debug)]
 pub(super) struct Pivot {
     /// All rows that can be closed.
     pub all: Vec<bool>,
+    /// Rows whose functions share an element, one list per element.
+    elements: Vec<Vec<usize>>,
+    /// Whether the next step is wide.
+    wide: bool,
     /// Whether one row changes at a time.
     single: bool,
     /// States since the last change between blocks and single exchanges, and when.
@@ -88,12 +66,8 @@ pub(super) struct Pivot {
     states: Vec<Vec<bool>>,
     /// Fewest wrong rows so far.
     fewest: usize,
-    /// How far the reduction of a first guess has come.
-    reduction: Reduction,
-    /// Force that closes each row's gap at rest.
-    at_rest: Vec<f64>,
-    /// Where the plain step would have led when the guess was reduced last.
-    plain: Option<Try>,
+    /// Systems since then, or since the last change between wide and plain steps.
+    waited: usize,
     /// Whether a state was ever all rows closed.
     seen_all: bool,
     /// The cycles found.
@@ -101,17 +75,17 @@ pub(super) struct Pivot {
 }
 
 impl Pivot {
-    pub fn new(all: Vec<bool>, at_rest: Vec<f64>) -> Self {
-        let states = Vec::new();
+    /// `elements`: rows whose functions share an element, one list per element; `wide`: whether wide steps come first.
+    pub fn new(all: Vec<bool>, elements: Vec<Vec<usize>>, wide: bool) -> Self {
         Self {
             all,
+            elements,
+            wide,
             single: false,
             visited: HashMap::new(),
-            states,
+            states: Vec::new(),
             fewest: usize::MAX,
-            reduction: Reduction::Waits(0),
-            at_rest,
-            plain: None,
+            waited: 0,
             seen_all: false,
             cycles: Vec::new(),
         }
@@ -126,41 +100,57 @@ impl Pivot {
         if wrong.is_empty() {
             return Next::Settled;
         }
-        if self.single && wrong.len() < self.fewest {
-            self.begin(false, state, iteration);
+        if wrong.len() < self.fewest {
+            (self.fewest, self.waited) = (wrong.len(), 0);
+            if self.single {
+                self.begin(false, state, iteration);
+            }
+        } else if !self.single {
+            self.waited += 1;
         }
-        self.fewest = self.fewest.min(wrong.len());
-        let opening = wrong.iter().filter(|&&k| state[k]).count();
-        self.reduction = self.reduction.after(2 * opening > wrong.len(), iteration == 1, state, &self.all);
-        let again = self.reduction == Reduction::Begins && !self.seen_all && !self.single;
-        let mut tries = if self.single { self.exchanges(state, &wrong) } else { self.blocks(state, &wrong, forces) };
-        let comes_back = |visited: &HashMap<Vec<bool>, usize>, tries: &[Try]| tries.first().is_none_or(|t| visited.contains_key(&t.state));
-        if !self.single
-            && comes_back(&self.visited, &tries)
-            && let Some(plain) = self.plain.take().filter(|t| !self.visited.contains_key(&t.state))
-        {
-            // the reduction went too far and all of it closed again: that is no cycle of the iteration
-            self.reduction = Reduction::Done;
-            tries = vec![plain];
+        if self.waited == PATIENCE {
+            (self.wide, self.waited) = (!self.wide, 0);
         }
-        if !self.single && comes_back(&self.visited, &tries) {
-            let back = tries.first().map_or_else(|| state.to_vec(), |t| t.state.clone());
-            self.note(&back, iteration, rows);
-            self.begin(true, state, iteration);
-            tries = self.exchanges(state, &wrong);
+        let mut tries = if self.single { exchanges(state, &wrong) } else { blocks(state, &wrong, forces) };
+        let wide = if self.wide && !self.single { self.widened(state, &wrong) } else { None };
+        match wide.filter(|t| !self.visited.contains_key(&t.state)) {
+            Some(wide) => tries.insert(0, wide),
+            None if !self.single && self.visited.contains_key(&tries[0].state) => {
+                self.note(&tries[0].state, iteration, rows);
+                self.begin(true, state, iteration);
+                tries = exchanges(state, &wrong);
+            }
+            None => {}
         }
-        let known = tries.first().map(|t| t.state.clone());
+        let known = tries[0].state.clone();
         tries.retain(|t| !self.visited.contains_key(&t.state));
         if tries.is_empty() {
-            self.note(&known.expect("a wrong row makes a step"), iteration, rows);
+            self.note(&known, iteration, rows);
             return Next::Circle;
         }
         if !self.seen_all {
             let changed = (0..state.len()).filter(|&k| state[k] != self.all[k]).count();
-            let all = Try { all: !again, again, ..Try::new(self.all.clone(), changed) };
-            tries.insert(if again { 0 } else { tries.len() }, all);
+            tries.push(Try { all: true, ..Try::new(self.all.clone(), changed) });
         }
         Next::Tries(tries)
+    }
+
+    /// The wide step; none where it is the plain one.
+    fn widened(&self, state: &[bool], wrong: &[usize]) -> Option<Try> {
+        let opening = wrong.iter().filter(|&&k| state[k]).count();
+        if opening < 2 || 2 * opening < wrong.len() {
+            return None;
+        }
+        let mut changes = vec![false; state.len()];
+        wrong.iter().for_each(|&k| changes[k] = true);
+        for element in &self.elements {
+            if element.iter().any(|&k| state[k] && wrong.binary_search(&k).is_ok()) {
+                element.iter().filter(|&&k| state[k]).for_each(|&k| changes[k] = true);
+            }
+        }
+        let rows: Vec<usize> = (0..state.len()).filter(|&k| changes[k]).collect();
+        let next = changed(state, &rows);
+        (rows.len() > wrong.len() && next.state.contains(&true)).then_some(next)
     }
 
     /// Begins to change single rows, or all again.
@@ -176,37 +166,27 @@ impl Pivot {
         let flips = |k: usize| cycle.iter().any(|s| s[k] != back[k]);
         self.cycles.push(Cycle { first, second: iteration + 1, rows: (0..back.len()).filter(|&k| flips(k)).map(|k| rows[k]).collect() });
     }
+}
 
-    /// One wrong row at a time, least index first.
-    fn exchanges(&self, state: &[bool], wrong: &[usize]) -> Vec<Try> {
-        wrong.iter().map(|&k| changed(state, &[k])).collect()
-    }
+/// One wrong row at a time, least index first.
+fn exchanges(state: &[bool], wrong: &[usize]) -> Vec<Try> {
+    wrong.iter().map(|&k| changed(state, &[k])).collect()
+}
 
-    /// All wrong rows; where that is singular, of those that open the half that pulls most, a quarter, and so on to the worst and to none.
-    fn blocks(&mut self, state: &[bool], wrong: &[usize], forces: &Forces) -> Vec<Try> {
-        let close: Vec<usize> = wrong.iter().copied().filter(|&k| !state[k]).collect();
-        let reduced = self.reduction == Reduction::Goes;
-        let pull = |k: usize| if reduced { forces.multiplier[k] + self.at_rest[k] } else { forces.multiplier[k] };
-        let mut open: Vec<usize> = if reduced {
-            (0..state.len()).filter(|&k| state[k] && (wrong.binary_search(&k).is_ok() || pull(k) > 0.0)).collect()
-        } else {
-            wrong.iter().copied().filter(|&k| state[k]).collect()
-        };
-        if reduced && open.len() + close.len() > wrong.len() {
-            self.plain = Some(changed(state, wrong));
+/// All wrong rows; where that is singular, of those that open the half that pulls most, a quarter, and so on to the worst and to none.
+fn blocks(state: &[bool], wrong: &[usize], forces: &Forces) -> Vec<Try> {
+    let (mut open, close): (Vec<usize>, Vec<usize>) = wrong.iter().partition(|&&k| state[k]);
+    open.sort_by(|&a, &b| forces.multiplier[b].total_cmp(&forces.multiplier[a]));
+    let mut tries = Vec::new();
+    let mut part = open.len();
+    loop {
+        if part + close.len() > 0 {
+            tries.push(changed(state, &[&close[..], &open[..part]].concat()));
         }
-        open.sort_by(|&a, &b| pull(b).total_cmp(&pull(a)));
-        let mut tries = Vec::new();
-        let mut part = open.len();
-        loop {
-            if part + close.len() > 0 {
-                tries.push(changed(state, &[&close[..], &open[..part]].concat()));
-            }
-            if part == 0 {
-                return tries;
-            }
-            part /= 2;
+        if part == 0 {
+            return tries;
         }
+        part /= 2;
     }
 }
 
@@ -214,4 +194,89 @@ fn changed(state: &[bool], rows: &[usize]) -> Try {
     let mut state = state.to_vec();
     rows.iter().for_each(|&k| state[k] = !state[k]);
     Try::new(state, rows.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of `wrong` pull where they are closed and penetrate where they are open.
+    fn forces(closed: &[bool], wrong: &[usize]) -> Forces {
+        let sign = |k: usize| if wrong.contains(&k) { 1.0 } else { -1.0 };
+        let rows = 0..closed.len();
+        Forces {
+            multiplier: rows.clone().map(|k| if closed[k] { sign(k) } else { 0.0 }).collect(),
+            gap: rows.clone().map(|k| if closed[k] { 0.0 } else { -sign(k) }).collect(),
+            zero: rows.map(|_| 1e-12).collect(),
+            closed: closed.to_vec(),
+        }
+    }
+
+    /// Rows of a linear multiplier on a line.
+    fn line(rows: usize, wide: bool) -> Pivot {
+        Pivot::new(vec![true; rows], (1..rows).map(|k| vec![k - 1, k]).collect(), wide)
+    }
+
+    /// "110010": the closed rows.
+    fn state(text: &str) -> Vec<bool> {
+        text.chars().map(|c| c == '1').collect()
+    }
+
+    /// The first state to try after one of which `wrong` are wrong.
+    fn after(pivot: &mut Pivot, from: &str, wrong: &[usize], iteration: usize) -> String {
+        let from = state(from);
+        let rows: Vec<usize> = (0..from.len()).collect();
+        match pivot.next(&from, &forces(&from, wrong), 1.0, iteration, &rows) {
+            Next::Tries(tries) => tries[0].state.iter().map(|&a| if a { '1' } else { '0' }).collect(),
+            other => format!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_wide_step_opens_what_shares_an_element_with_an_opening_row() {
+        let next = |from: &str, wrong: &[usize]| after(&mut line(6, true), from, wrong, 1);
+        assert_eq!(next("111111", &[3, 5]), "110000");
+        // rows that close do so beside it, and open rows are no part of it
+        assert_eq!(next("110111", &[2, 4, 5]), "111000");
+        // one row opens; more close than open; no row would be left
+        assert_eq!(next("111111", &[5]), "111110");
+        assert_eq!(next("111000", &[1, 2, 3, 4, 5]), "100111");
+        assert_eq!(next("111111", &[1, 4]), "101101");
+        // near the answer, and of functions that share nothing
+        assert_eq!(after(&mut line(6, false), "111111", &[3, 5], 1), "111010");
+        assert_eq!(after(&mut Pivot::new(vec![true; 6], Vec::new(), true), "111111", &[3, 5], 1), "111010");
+    }
+
+    #[test]
+    fn wide_and_plain_steps_take_turns_where_nothing_is_won() {
+        let mut pivot = line(9, true);
+        // the first four rows count the states
+        for iteration in 1..=12 {
+            let from = format!("{iteration:04b}11111");
+            let next = after(&mut pivot, &from, &[6, 8], iteration);
+            let plain = (5..9).contains(&iteration);
+            assert_eq!(&next[4..], if plain { "11010" } else { "10000" }, "{iteration}");
+        }
+        // a new least number of wrong rows begins the count again
+        let mut pivot = line(9, true);
+        for iteration in 1..=8 {
+            let from = format!("{iteration:04b}11111");
+            let wrong: &[usize] = if iteration < 4 { &[5, 6, 8] } else { &[6, 8] };
+            let next = after(&mut pivot, &from, wrong, iteration);
+            assert_eq!(&next[5..], if iteration == 8 { "1010" } else { "0000" }, "{iteration}");
+        }
+    }
+
+    #[test]
+    fn a_wide_state_that_was_there_gives_way_to_the_plain_one_and_that_to_single_exchanges() {
+        let mut pivot = line(6, true);
+        after(&mut pivot, "110000", &[2], 1);
+        assert_eq!(after(&mut pivot, "111111", &[3, 5], 2), "111010");
+        assert!(pivot.cycles.is_empty());
+        let mut pivot = line(6, true);
+        after(&mut pivot, "110000", &[2], 1);
+        after(&mut pivot, "111010", &[1], 2);
+        assert_eq!(after(&mut pivot, "111111", &[3, 5], 3), "111011");
+        assert_eq!(pivot.cycles, [Cycle { first: 2, second: 4, rows: vec![3, 5] }]);
+    }
 }

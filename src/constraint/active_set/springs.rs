@@ -22,7 +22,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
     ) -> Result<ConstrainedSolution<f64>, SolveError> {
         let (SolveError::RigidMotion { iteration, best, .. }, Some(stiffness)) = (&lost, held(system.stiffness)) else { return Err(lost) };
         let first = best.as_ref().and_then(|b| b.active_set.clone()).unwrap_or_default();
-        let (start, most) = (std::mem::take(&mut self.start), self.max_iterations);
+        let (start, near, most) = (std::mem::take(&mut self.start), std::mem::take(&mut self.near), self.max_iterations);
         let mut report = first;
         report.events.push(ActiveSetEvent::Springs { iteration: *iteration });
         let mut phase = |set: &mut Self, stiffness: &dyn Operator<f64>, report: &mut ActiveSetReport| {
@@ -34,10 +34,10 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
             Ok(solution)
         };
         let ended = phase(self, &stiffness, &mut report).and_then(|soft| {
-            self.start = soft.active;
+            (self.start, self.near) = (soft.active, true);
             phase(self, system.stiffness, &mut report)
         });
-        (self.start, self.max_iterations) = (start, most);
+        (self.start, self.near, self.max_iterations) = (start, near, most);
         match ended {
             Ok(solution) => Ok(ConstrainedSolution { active_set: Some(report), ..solution }),
             Err(SolveError::Stopped { iterations, best }) => Err(SolveError::Stopped { iterations: report.iterations + iterations, best }),

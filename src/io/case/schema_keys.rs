@@ -248,10 +248,10 @@ pub(super) const ENTRIES: &[Entry] = &[
     e(
         "active_set",
         "start",
-        r#"{"anyOf":[{"enum":["all","none","gap"]},{"type":"object","properties":{"seed":{"type":"integer","minimum":0}},"required":["seed"],"additionalProperties":false}],"default":"all"}"#,
+        r#"{"anyOf":[{"enum":["auto","all","none","gap"]},{"type":"object","properties":{"seed":{"type":"integer","minimum":0}},"required":["seed"],"additionalProperties":false}],"default":"auto"}"#,
         "which rows are closed at first",
     ),
-    e("active_set", "max_iterations", r#"{"type":"integer","minimum":1,"maximum":100000,"default":30}"#, "most linear systems"),
+    e("active_set", "max_iterations", r#"{"type":"integer","minimum":1,"maximum":100000,"default":100}"#, "most linear systems"),
     e("active_set", "c", r##"{"$ref":"#/$defs/positive","default":1.0}"##, "weight of the gap against the multiplier"),
     e("multiplier", "degree", r#"{"type":"integer","minimum":0,"maximum":12}"#, "degree of the multiplier"),
     e(

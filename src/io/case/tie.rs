@@ -267,7 +267,7 @@ impl Reader {
             Some(node) if matches!(node.value, Value::Table(_)) => node,
             other => {
                 if let Some(node) = other {
-                    self.wrong_type(&node, "active_set", "a table", "write active_set = { max_iterations = 30 }");
+                    self.wrong_type(&node, "active_set", "a table", "write active_set = { max_iterations = 100 }");
                 }
                 let at = b.default("active_set", Value::Table(Table::default()));
                 Node::new(Value::Table(Table::default()), at)
@@ -280,11 +280,11 @@ impl Reader {
                     let seed = self.required(&s, "seed", "start = { seed = 7 }")?;
                     self.whole_of(&seed, "seed", 0, i64::MAX)
                 });
-                Located::new(seed.map_or(Start::All, |k| Start::Seed(k as u64)), n.at)
+                Located::new(seed.map_or(Start::Auto, |k| Start::Seed(k as u64)), n.at)
             }
-            _ => self.word(&mut inner, "start", &[("all", Start::All), ("none", Start::None), ("gap", Start::Gap)]),
+            _ => self.word(&mut inner, "start", &[("auto", Start::Auto), ("all", Start::All), ("none", Start::None), ("gap", Start::Gap)]),
         };
-        let max_iterations = self.whole(&mut inner, "max_iterations", 1, 100_000, 30);
+        let max_iterations = self.whole(&mut inner, "max_iterations", 1, 100_000, 100);
         let c = match self.number(&inner, "c", Sign::Positive) {
             Some(c) => c,
             None if inner.has("c") => Located::new(1.0, inner.at),

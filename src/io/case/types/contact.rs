@@ -120,6 +120,8 @@ pub enum Cone {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Start {
+    /// The quarter of the rows with the least gap at rest, at least one per body that contact alone holds.
+    Auto,
     /// Every row closed.
     All,
     /// Every row open.
