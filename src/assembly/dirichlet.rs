@@ -1,4 +1,4 @@
-//! Prescribed values: one L2 projection over all sides of a body that have data.
+//! Prescribed values: one L2 projection over all sides of a body that have data, beside values that are known before.
 
 use super::gauss_rules;
 use super::rim::{self, Pinned};
@@ -7,7 +7,7 @@ use crate::geometry::{MapTable, cell};
 use crate::linalg::{LinearError, LinearSolver, Real, Triplets, Vector, lit, measure, to_f64};
 use crate::quadrature::Quadrature;
 use crate::space::{Field, Trace};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::Debug;
 
 /// A component prescribed on a side.
@@ -80,17 +80,18 @@ pub fn dirichlet<const S: usize, const N: usize, T: Real>(
     extra_points: usize,
     solver: &mut dyn LinearSolver<T>,
 ) -> Result<Vec<(usize, T)>, DirichletError> {
-    dirichlet_with(conditions, &[], field, extra_points, solver)
+    dirichlet_with(conditions, &[], &[], field, extra_points, solver)
 }
 
 /// As [`dirichlet`], with data on edges and in corners: they take the functions that no side prescribes, edges first, each
-/// by one L2 projection along them.
+/// by one L2 projection along them. `held` lists (unknown, value) that are known before: the sides are projected beside them.
 ///
 /// # Errors
 /// As [`dirichlet`]; positions in errors count on from the conditions through `pinned`.
 pub fn dirichlet_with<const S: usize, const N: usize, T: Real>(
     conditions: &[Fixed<'_, S, N, T>],
     pinned: &[Pinned<'_, N, T>],
+    held: &[(usize, T)],
     field: Field,
     extra_points: usize,
     solver: &mut dyn LinearSolver<T>,
@@ -106,7 +107,9 @@ pub fn dirichlet_with<const S: usize, const N: usize, T: Real>(
         let pins: Vec<(usize, Pinned<'_, N, T>)> =
             pinned.iter().copied().enumerate().filter(|(_, p)| p.component == component).map(|(k, p)| (conditions.len() + k, p)).collect();
         rim::conflicts(component, &mine, &pins, largest)?;
-        let mut found = project(&mine, extra_points, solver).map_err(|source| DirichletError::Projection { component, source })?;
+        let own = held.iter().map(|&(i, value)| (i - field.first, value)).filter(|(i, _)| i % field.components == component);
+        let own: Vec<(usize, T)> = own.map(|(i, value)| (i / field.components, value)).collect();
+        let mut found = project(&mine, &own, extra_points, solver).map_err(|source| DirichletError::Projection { component, source })?;
         if !pins.is_empty() {
             found.sort_by_key(|f| f.0);
             rim::project(&pins, &mut found, solver).map_err(|source| DirichletError::Projection { component, source })?;
@@ -120,19 +123,18 @@ pub fn dirichlet_with<const S: usize, const N: usize, T: Real>(
 /// The projection of one component on the union of its sides: (function of the body, coefficient), each function once.
 fn project<const S: usize, const N: usize, T: Real>(
     conditions: &[(usize, Fixed<'_, S, N, T>)],
+    held: &[(usize, T)],
     extra_points: usize,
     solver: &mut dyn LinearSolver<T>,
 ) -> Result<Vec<(usize, T)>, LinearError> {
     let moments: Vec<Option<Moments<T>>> = conditions.iter().map(|(_, f)| f.value.map(|v| Moments::of(f.trace, v, extra_points))).collect();
-    let mut zero: Vec<usize> = Vec::new();
+    // zero before all others
+    let mut known: BTreeMap<usize, T> = held.iter().copied().collect();
     for ((_, f), _) in conditions.iter().zip(&moments).filter(|(_, m)| m.is_none()) {
-        zero.extend_from_slice(&f.trace.dofs);
+        known.extend(f.trace.dofs.iter().map(|&dof| (dof, T::zero())));
     }
-    zero.sort_unstable();
-    zero.dedup();
-    let is_zero = |dof: usize| zero.binary_search(&dof).is_ok();
     let mut functions: Vec<usize> =
-        conditions.iter().flat_map(|(_, f)| f.trace.dofs.iter().copied()).filter(|&dof| !is_zero(dof)).collect();
+        conditions.iter().flat_map(|(_, f)| f.trace.dofs.iter().copied()).filter(|dof| !known.contains_key(dof)).collect();
     functions.sort_unstable();
     functions.dedup();
     let mut matrix = Triplets::new(functions.len(), functions.len());
@@ -141,8 +143,10 @@ fn project<const S: usize, const N: usize, T: Real>(
         let Some(moments) = moments else { continue };
         let number: Vec<Option<usize>> = f.trace.dofs.iter().map(|dof| functions.binary_search(dof).ok()).collect();
         for &(i, j, value) in &moments.mass {
-            if let (Some(i), Some(j)) = (number[i], number[j]) {
-                matrix.push(i, j, value);
+            match (number[i], number[j]) {
+                (Some(i), Some(j)) => matrix.push(i, j, value),
+                (Some(i), None) => rhs[i] -= value * known[&f.trace.dofs[j]],
+                _ => {}
             }
         }
         for (&i, &value) in number.iter().zip(&moments.data) {
@@ -157,7 +161,46 @@ fn project<const S: usize, const N: usize, T: Real>(
         solver.prepare(&matrix)?;
         solver.solve(&matrix, &rhs, &mut solution)?;
     }
-    Ok(functions.into_iter().zip(solution).chain(zero.into_iter().map(|i| (i, T::zero()))).collect())
+    Ok(functions.into_iter().zip(solution).chain(known).collect())
+}
+
+/// A corner of a side: a point that one of its elements has alone, and where one function lives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SideCorner<const N: usize, T: Real = f64> {
+    /// The function of the body.
+    pub function: usize,
+    /// Its value there, 1 unless functions are scaled.
+    pub value: T,
+    /// Where \[length\].
+    pub x: Vector<N, T>,
+    /// The longest distance to another corner of its element \[length\].
+    pub extent: T,
+}
+
+/// Functions with less than this value at a corner do not live there.
+const NO_VALUE: f64 = 1e-10;
+
+/// The corners of a side, in the order of its elements: the two ends of a curve that does not close, the four vertices of a side of tensor
+/// cells. Points that several elements share are none.
+pub fn side_corners<const S: usize, const N: usize, T: Real>(trace: &Trace<S, N, T>) -> Vec<SideCorner<N, T>> {
+    let space = &*trace.space;
+    let (mut ids, mut shapes, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
+    let (mut all, mut count): (Vec<SideCorner<N, T>>, HashMap<usize, usize>) = (Vec::new(), HashMap::new());
+    for e in 0..space.num_elements() {
+        space.active(e, &mut ids);
+        let corners = cell::corners::<S, T>(space.cell(e));
+        space.evaluate(e, &corners, Order::Values, &mut shapes, &mut map);
+        for q in 0..corners.len() {
+            let mut alive = ids.iter().zip(shapes.values(q)).filter(|(_, v)| v.abs() > lit(NO_VALUE));
+            let (Some((&i, &value)), None) = (alive.next(), alive.next()) else { continue };
+            let function = trace.dofs[i];
+            *count.entry(function).or_default() += 1;
+            let extent = map.x.iter().fold(T::zero(), |m, x| m.max((x - map.x[q]).norm()));
+            all.push(SideCorner { function, value, x: map.x[q], extent });
+        }
+    }
+    all.retain(|c| count[&c.function] == 1);
+    all
 }
 
 /// Products of the functions of a side with each other and with the data.

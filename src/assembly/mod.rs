@@ -25,7 +25,7 @@ use std::fmt::Debug;
 
 pub use blocks::Blocks;
 pub use bulk::{Assembler, add_stiffness, mass, refill_stiffness, stiffness};
-pub use dirichlet::{DirichletError, Fixed, dirichlet, dirichlet_with, planar_normal};
+pub use dirichlet::{DirichletError, Fixed, SideCorner, dirichlet, dirichlet_with, planar_normal, side_corners};
 pub use fields::fields;
 pub(crate) use fields::fields_keeping;
 pub use load::{Moments, load, load_with_moments, measure, trace_load, trace_springs};

@@ -143,10 +143,11 @@ pub const CODES: &[Code] = &[
     code(
         "E024",
         3,
-        "over-constrained",
-        "There are more multipliers than free unknowns of the slave side: a cross point where several interfaces end, too few elements, or a `fix` or `dirichlet` on the slave side itself. Use more elements on the slave side, exchange slave and master, or choose a smaller multiplier space.",
+        "over-constrained, or too few multipliers",
+        "There are more multipliers than free unknowns of the slave side: a cross point where several interfaces end, too few elements, or a `fix` or `dirichlet` on the slave side itself. Use more elements on the slave side, exchange slave and master, or choose a smaller multiplier space. \
+         Or there are too few to hold a body: the rows of the multiplier leave a rigid motion that its points would not (one constant per component lets a body turn about the middle of the side); the message names it.",
         "elements = [1, 4]      # one element on the slave side, both of its ends fixed",
-        "use more elements on the slave side, exchange slave and master, or choose a smaller multiplier such as \"p/p-2\".",
+        "use more elements on the slave side; where there are too many multipliers exchange slave and master or choose a smaller one such as \"p/p-2\", where there are too few a larger one such as \"p/p\".",
     ),
     code(
         "E025",
@@ -242,7 +243,8 @@ pub const CODES: &[Code] = &[
         "E052",
         3,
         "two conditions on one side and component",
-        "Each component of a side has one kind of condition: prescribed once, or loaded. Both lines are named.",
+        "Each component of a side has one kind of condition: prescribed once, or loaded. Both lines are named. \
+         As a warning: prescribed values of two tied bodies differ in their common corner, and the multiplier there has to carry the jump.",
         "[[boundary]]\non = \"a.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"a.left\"\ntraction = { x = 1.0 }",
         "keep one of the two blocks.",
     ),

@@ -2,7 +2,7 @@
 
 use super::Builder;
 use super::couples::Couples;
-use super::model::{Action, Condition, Model, SideLoad, SideModel, SideSpring, Value};
+use super::model::{Action, Condition, Model, RigidSides, SideLoad, SideModel, SideSpring, Value};
 use super::rims;
 use super::sides::Sides;
 use super::values::on_side;
@@ -157,6 +157,7 @@ fn resultants<const S: usize, const N: usize>(
         unknowns.dedup();
         let Some((&first, rest)) = unknowns.split_first() else { continue };
         model.equations.extend(rest.iter().map(|&i| Equation { terms: vec![(i, 1.0), (first, -1.0)], value: 0.0 }));
+        model.rigid_sides.push(RigidSides { sides: sides.to_vec(), component });
         for side in sides {
             supported(model, side);
             model.held.push((side.clone(), Vector::from_fn(|k, _| f64::from(u8::from(k == component)))));

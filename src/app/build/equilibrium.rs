@@ -7,11 +7,10 @@
 //! Source: Farkas, J. Reine Angew. Math. 124 (1902) 1-27; conditions of this kind for contact: Kikuchi, Oden, Contact Problems in
 //! Elasticity, SIAM 1988, chapter 6.
 
-use super::model::{ContactPart, Model};
-use super::rigid::{RigidModes, RigidRow};
+use super::functions::contact_forms;
+use super::model::Model;
 use super::short;
-use super::supports::{RigidBodies, contact_terms, held};
-use crate::basis::{Order, ShapeTable};
+use super::supports::{RigidBodies, held};
 use crate::contact::{Cone, Contact};
 use nalgebra::{DMatrix, DVector};
 
@@ -33,8 +32,8 @@ pub(crate) fn unheld<const S: usize, const N: usize>(
     size: f64,
 ) -> Option<String> {
     let bodies = RigidBodies::of(model);
-    let (modes, rows) = held(model, &bodies);
-    let null = modes.null(&rows);
+    let (modes, forms) = held(model, &bodies);
+    let null = modes.null(&forms);
     // the cones W and E hold tension in places: what the functions push says too little there
     if null.ncols() == 0 || model.contacts.iter().flat_map(|c| &c.parts).any(|part| part.cone != Cone::Coefficients) {
         return None;
@@ -50,7 +49,7 @@ pub(crate) fn unheld<const S: usize, const N: usize>(
             },
         };
         let first = m * body;
-        modes.work(force, moment).into_iter().enumerate().for_each(|(k, w)| load[first + k] += w);
+        modes.work(body, force, moment).into_iter().enumerate().for_each(|(k, w)| load[first + k] += w);
     }
     // what is no number is told as such where the system is solved
     if load.iter().any(|l| !l.is_finite()) {
@@ -59,7 +58,8 @@ pub(crate) fn unheld<const S: usize, const N: usize>(
     let mut columns = Vec::new();
     for (k, (contact, built)) in model.contacts.iter().zip(contacts).enumerate() {
         for (part, built) in contact.parts.iter().zip(built) {
-            columns.extend(pushes(model, &modes, &bodies, k, part, built).into_iter().map(|form| -(null.transpose() * form)));
+            let forms = contact_forms(model, &modes, &bodies, k, part, built);
+            columns.extend(forms.iter().map(|(form, _)| -(null.transpose() * modes.dense(form))));
         }
     }
     let (_, rest) = crate::linalg::nonnegative_least_squares(&columns, &(null.transpose() * load));
@@ -69,15 +69,16 @@ pub(crate) fn unheld<const S: usize, const N: usize>(
     let motion = &null * &rest;
     let sentence = |body: usize| {
         let own = motion.rows(m * body, m).into_owned();
-        let named = modes.name(&DMatrix::from_column_slice(m, 1, (&own / own.norm()).as_slice()));
+        let named = modes.name(body, &DMatrix::from_column_slice(m, 1, (&own / own.norm()).as_slice()));
         let mut lacks = Vec::new();
         let list: Vec<String> = own.iter().take(N).map(|f| if f.abs() > STILL * own.norm() { short(-f) } else { "0".into() }).collect();
         if own.rows(0, N).norm() > STILL * own.norm() {
             lacks.push(format!("a force ({})", list.join(", ")));
         }
         if own.rows(N, m - N).norm() > STILL * own.norm() {
-            let about: Vec<String> = model.center.iter().map(|&x| short(x)).collect();
-            lacks.push(format!("a moment {} about ({})", short(-own[N] * model.size), about.join(", ")));
+            let (center, size) = modes.frames[body];
+            let about: Vec<String> = center.iter().map(|&x| short(x)).collect();
+            lacks.push(format!("a moment {} about ({})", short(-own[N] * size), about.join(", ")));
         }
         let number = bodies.number(model, body);
         let who = match model.patches.get(number) {
@@ -86,39 +87,6 @@ pub(crate) fn unheld<const S: usize, const N: usize>(
         };
         format!("nothing holds {who} against its load in {}: {} is missing", named.join(", "), lacks.join(" and "))
     };
-    let moving = (0..modes.bodies).filter(|&b| motion.rows(m * b, m).norm() > STILL * motion.norm());
+    let moving = (0..modes.num_bodies()).filter(|&b| motion.rows(m * b, m).norm() > STILL * motion.norm());
     Some(moving.map(sentence).collect::<Vec<_>>().join("; "))
-}
-
-/// Every row of a contact on the modes of all bodies, C r.
-fn pushes<const S: usize, const N: usize>(
-    model: &Model<S, N>,
-    modes: &RigidModes<N>,
-    bodies: &RigidBodies,
-    contact_number: usize,
-    part: &ContactPart<S, N>,
-    contact: &Contact<S, N>,
-) -> Vec<DVector<f64>> {
-    let segments = &contact.segments;
-    let push = |q: usize| {
-        modes.form(&RigidRow { terms: contact_terms(model, bodies, contact_number, part, contact, q), direction: contact.frames.normal[q] })
-    };
-    let Some(multiplier) = &part.multiplier else {
-        // rows at points push there
-        return (0..contact.frames.x.len()).map(push).collect();
-    };
-    let mut forms = vec![DVector::<f64>::zeros(modes.modes() * modes.bodies); multiplier.num_functions()];
-    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
-    for piece in 0..segments.num_pieces() {
-        let points = segments.points(piece);
-        multiplier.active(segments.slave[piece], &mut ids);
-        multiplier.tabulate(segments.slave[piece], &segments.slave_xi[points.clone()], Order::Values, &mut table);
-        for (k, q) in points.enumerate() {
-            let form = push(q);
-            for (&j, value) in ids.iter().zip(table.values(k)) {
-                forms[j].axpy(value * segments.ds[q], &form, 1.0);
-            }
-        }
-    }
-    forms
 }

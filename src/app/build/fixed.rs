@@ -2,6 +2,7 @@
 
 use super::Builder;
 use super::boundary::component_name;
+use super::corners;
 use super::model::{Condition, Model, Pin, RimModel, SideModel, Value};
 use super::values::{time_text, times};
 use crate::assembly::{DirichletError, Fixed as Prescribed, Pinned, Rim, dirichlet_with};
@@ -77,7 +78,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         })
     }
 
-    /// One L2 projection per glued body and component of values given per condition; of glued unknowns only the one that
+    /// Corners that bodies have in common, then one L2 projection per glued body and component of values given per condition; of glued unknowns only the one that
     /// stands for all is listed.
     pub(crate) fn projected<'a>(
         &'a self,
@@ -91,7 +92,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         for pin in &self.pins {
             by_body.entry(self.glued.body(pin.rim.patch)).or_default().1.push(pin);
         }
-        for (mine, pins) in by_body.values() {
+        for (body, (mine, pins)) in &by_body {
             let values: Vec<_> = mine.iter().map(|c| value(&c.value, c.component)).collect();
             let pin_values: Vec<_> = pins.iter().map(|p| value(&p.value, p.component)).collect();
             let rims: Vec<Rim<N>> = pins.iter().map(|p| self.rim_in_model(&p.rim)).collect();
@@ -109,13 +110,23 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 .map(|((c, v), trace)| Prescribed { trace, component: c.component, value: v.as_deref() })
                 .collect();
             let field = Field { first: 0, components: self.components };
+            // corners that other bodies have, too, before all sides
+            let mut corners = Vec::new();
+            for corner in self.corners.iter().filter(|c| self.glued.body(self.conditions[c.condition].side.patch) == *body) {
+                let condition = &self.conditions[corner.condition];
+                let prescribed = value(&condition.value, condition.component).map_or(0.0, |v| v(&corner.x)) / corner.value;
+                // data without a value in the corner itself are projected there
+                if prescribed.is_finite() {
+                    corners.push((field.unknown(corner.function, condition.component), prescribed));
+                }
+            }
             let extra_points = mine.iter().map(|c| self.patches[c.side.patch].extra_points).max().unwrap_or(0);
             let at: Vec<Place> = mine.iter().map(|c| c.at).chain(pins.iter().map(|p| p.at)).collect();
             let places = |e: &DirichletError| match e {
                 DirichletError::Conflict { first, second, .. } => Some((at[*first], at[*second])),
                 _ => at.first().map(|&at| (at, at)),
             };
-            let part = dirichlet_with(&fixed, &pinned, field, extra_points, &mut Ldlt::new()).map_err(|e| {
+            let part = dirichlet_with(&fixed, &pinned, &corners, field, extra_points, &mut Ldlt::new()).map_err(|e| {
                 let places = places(&e);
                 Box::new((e, places))
             })?;
@@ -159,17 +170,22 @@ impl<const S: usize, const N: usize> Model<S, N> {
         for (traces, rims, extra) in by_body.values() {
             let fixed: Vec<_> = traces.iter().map(|trace| Prescribed { trace, component: 0, value: Some(value) }).collect();
             let pinned: Vec<_> = rims.iter().map(|rim| Pinned { rim, component: 0, value: Some(value) }).collect();
-            match dirichlet_with(&fixed, &pinned, field, *extra, &mut Ldlt::new()) {
+            match dirichlet_with(&fixed, &pinned, &[], field, *extra, &mut Ldlt::new()) {
                 Ok(found) => all.extend(found),
                 // sides glued with a gap place their common corners differently: each side by itself
                 Err(_) => {
-                    let sides = fixed.iter().map(|f| dirichlet_with(&[*f], &[], field, *extra, &mut Ldlt::new()));
-                    let rims = pinned.iter().map(|p| dirichlet_with::<S, N, f64>(&[], &[*p], field, *extra, &mut Ldlt::new()));
+                    let sides = fixed.iter().map(|f| dirichlet_with(&[*f], &[], &[], field, *extra, &mut Ldlt::new()));
+                    let rims = pinned.iter().map(|p| dirichlet_with::<S, N, f64>(&[], &[*p], &[], field, *extra, &mut Ldlt::new()));
                     all.extend(rims.chain(sides).flatten().flatten());
                 }
             }
         }
         all
+    }
+
+    /// Finds the corners in which prescribed sides of several bodies meet.
+    pub(super) fn find_corners(&mut self) {
+        self.corners = corners::shared(self, &|k| self.in_model(&self.conditions[k].side));
     }
 
     /// The trace of a side in functions of the model: unknown / components, glued ones by the one that stands for all, those

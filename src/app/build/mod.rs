@@ -2,12 +2,14 @@
 
 mod boundary;
 mod contacts;
+mod corners;
 mod couples;
 mod directions;
 mod divisions;
 mod equilibrium;
 mod exact;
 mod fixed;
+mod functions;
 mod glue;
 mod glued_sides;
 mod joined;
@@ -43,14 +45,16 @@ use crate::io::case::{Case, Shape};
 use crate::io::errors::{Diagnostic, Diagnostics};
 use crate::io::place::Place;
 
+pub use corners::SharedCorner;
 pub(crate) use divisions::elements_along;
 pub(crate) use equilibrium::unheld;
 pub use exact::{Exact, FieldJet};
+pub use functions::FunctionSums;
 pub use glue::Glued;
 pub(crate) use meshes::{counts as mesh_counts, named_point};
 pub use model::{
-    Action, Against, Changing, Condition, ContactModel, ContactPart, Formulation, Model, Pairing, PatchModel, Pin, RimModel, SideLoad,
-    SideModel, SideSpring, TieModel, TiePart, Value,
+    Action, Against, Changing, Condition, ContactModel, ContactPart, Formulation, Model, Pairing, PatchModel, Pin, RigidSides, RimModel,
+    SideLoad, SideModel, SideSpring, TieModel, TiePart, Value,
 };
 pub(crate) use obstacles::PLANE as PLANE_OBSTACLES;
 pub use obstacles::{ObstacleModel, Pressed};
@@ -114,6 +118,7 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
     model.glued_sides = glued_sides::of(case, &couples);
     ties::build(&mut builder, &mut model, &couples, &fixed);
     builder.stop()?;
+    corners::jumps(&mut builder, &model);
     contacts::build(&mut builder, &mut model, &mut sides, &couples, &fixed);
     builder.stop()?;
     supports::check(&mut builder, &model);
@@ -146,10 +151,12 @@ fn supported<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, ne
         unknowns: patches.last().map_or(0, |p| p.range().end) + obstacles::num_pressed(case),
         patches,
         conditions: Vec::new(),
+        corners: Vec::new(),
         pins: Vec::new(),
         supports: Vec::new(),
         equations: Vec::new(),
         held: Vec::new(),
+        rigid_sides: Vec::new(),
         loads: Vec::new(),
         springs: Vec::new(),
         exact: case.model.exact.as_ref().map(|e| Exact::of(&e.value)),
@@ -164,6 +171,7 @@ fn supported<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, ne
         warnings: Diagnostics::new(),
     };
     boundary::build(builder, &mut model, &mut sides, &couples);
+    model.find_corners();
     values::in_bodies(builder, &model);
     builder.stop()?;
     Ok((model, sides, couples))

@@ -1,6 +1,8 @@
 //! A case as bodies, conditions, loads, interfaces and contacts, ready to be assembled.
 
+use super::corners::SharedCorner;
 use super::exact::Exact;
+use super::functions::FunctionSums;
 use super::glue::Glued;
 use super::meetings::Hinge;
 use super::obstacles::ObstacleModel;
@@ -12,6 +14,7 @@ use crate::basis::Basis;
 use crate::contact::{Cone, Contact};
 use crate::coupling::consistency::Finer;
 use crate::coupling::{Coupling, Nitsche, Rows, Segments};
+use crate::geometry::Bounds;
 use crate::io::case;
 use crate::io::errors::Diagnostics;
 use crate::io::formula::Formula;
@@ -42,6 +45,8 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub extra_points: usize,
     /// Whether its sides lie exactly on those of the geometry.
     pub exact_map: bool,
+    /// The box around it; none of a body without elements.
+    pub extent: Option<Bounds<N>>,
     /// Body force or source of the patch, one formula per component.
     pub source: Vec<Formula>,
     /// Density and gravity, where both are given.
@@ -175,6 +180,15 @@ pub struct SideLoad<const S: usize, const N: usize> {
     pub action: Action,
 }
 
+/// Sides that a resultant moves as one.
+#[derive(Debug)]
+pub struct RigidSides<const S: usize, const N: usize> {
+    /// The sides.
+    pub sides: Vec<Arc<SideModel<S, N>>>,
+    /// The component that all their points have in common.
+    pub component: usize,
+}
+
 /// Springs between a side and the ground.
 #[derive(Debug)]
 pub struct SideSpring<const S: usize, const N: usize> {
@@ -212,6 +226,8 @@ pub struct TiePart<const S: usize, const N: usize> {
     pub rows: Rows,
     /// B where it differs from C.
     pub reaction: Option<Rows>,
+    /// Per master, the sums of every row's multiplier function over what faces it; empty where the coupling makes other rows than mortar.
+    pub function_sums: Vec<Vec<FunctionSums<N>>>,
     /// Entries that are added to the stiffness in unknowns of the model, at the first time.
     pub stiffness: Triplets,
     /// Softness of the rows: penalty stiffness over the stiffness of their slave unknowns; none: exact.
@@ -355,6 +371,8 @@ pub struct Model<const S: usize, const N: usize> {
     pub hinges: Vec<Hinge<N>>,
     /// Prescribed components.
     pub conditions: Vec<Condition<S, N>>,
+    /// Corners in which prescribed sides of several bodies meet.
+    pub corners: Vec<SharedCorner<N>>,
     /// Components prescribed on edges and in corners.
     pub pins: Vec<Pin<N>>,
     /// Sides with at least one prescribed component, in the order of the case.
@@ -363,6 +381,8 @@ pub struct Model<const S: usize, const N: usize> {
     pub equations: Vec<Equation>,
     /// The directions in which equations hold a side: its normal, its tangents, axes along which it moves as one.
     pub held: Vec<(Arc<SideModel<S, N>>, Vector<N>)>,
+    /// Sides that move as one along an axis; their equations are among those above.
+    pub rigid_sides: Vec<RigidSides<S, N>>,
     /// Loads on sides.
     pub loads: Vec<SideLoad<S, N>>,
     /// Springs on sides.

@@ -74,6 +74,7 @@ fn one<const S: usize, const N: usize>(
         backend: backend.value.clone(),
         field: Field { first, components: case.model.components() },
         exact_map,
+        extent: body.space().extent(),
         body,
         physics,
         changing: super::values::constants(material)
@@ -165,7 +166,7 @@ pub(super) fn shares<const S: usize, const N: usize>(
 
 /// Middle and diagonal of the box around all bodies.
 pub(super) fn extent<const S: usize, const N: usize>(patches: &[PatchModel<S, N>]) -> (Vector<N>, f64) {
-    let boxes = patches.iter().filter_map(|p| p.body.space().extent());
+    let boxes = patches.iter().filter_map(|p| p.extent);
     let whole: Option<Bounds<N>> = boxes.reduce(|a, b| a.union(&b));
     whole.map_or((Vector::zeros(), 1.0), |b| (b.center(), b.diagonal().max(f64::MIN_POSITIVE)))
 }

@@ -1,11 +1,12 @@
 //! Rigid motions that are left when every contact is closed.
 
-use super::model::{Against, ContactPart, Model, SideSpring};
-use super::rigid::{FreeBody, RigidModes, RigidRow};
+use super::functions::{self, tie_forms};
+use super::model::{Against, ContactPart, Model, SideSpring, TiePart};
+use super::rigid::{FreeBody, RigidForm, RigidModes, RigidRow};
 use super::{Builder, SideModel};
 use crate::basis::Order;
 use crate::contact::Contact;
-use crate::geometry::MapTable;
+use crate::geometry::{Bounds, MapTable};
 use crate::linalg::Vector;
 use crate::quadrature::Quadrature;
 use std::ops::Range;
@@ -63,8 +64,17 @@ impl RigidBodies {
         self.first.get(body).copied().unwrap_or_else(|| model.patches.len() + self.pressed[body - self.first.len()])
     }
 
-    fn len(&self) -> usize {
-        self.first.len() + self.pressed.len()
+    /// The modes of the bodies, each about its own middle; of obstacles about that of the model.
+    pub fn modes<const S: usize, const N: usize>(&self, model: &Model<S, N>) -> RigidModes<N> {
+        let mut boxes: Vec<Option<Bounds<N>>> = vec![None; self.first.len()];
+        for (k, patch) in model.patches.iter().enumerate() {
+            let whole = &mut boxes[self.of_patch(model, k)];
+            *whole = [whole.take(), patch.extent].into_iter().flatten().reduce(|a, b| a.union(&b));
+        }
+        let around = (model.center, model.size);
+        let frame = |b: Option<Bounds<N>>| b.map_or(around, |b| (b.center(), b.diagonal())).1.max(f64::MIN_POSITIVE);
+        let frames = boxes.into_iter().map(|b| (b.map_or(model.center, |b| b.center()), frame(b)));
+        RigidModes { components: model.components, frames: frames.chain(self.pressed.iter().map(|_| around)).collect() }
     }
 }
 
@@ -91,23 +101,77 @@ pub(super) fn contact_terms<const S: usize, const N: usize>(
     terms
 }
 
+/// The points of a contact for which `closed` holds, as rows along the normal.
+pub(super) fn contact_points<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    modes: &RigidModes<N>,
+    bodies: &RigidBodies,
+    contact_number: usize,
+    part: &ContactPart<S, N>,
+    contact: &Contact<S, N>,
+    closed: &dyn Fn(usize) -> bool,
+) -> Vec<RigidForm> {
+    let row = |q: usize| {
+        let terms = contact_terms(model, bodies, contact_number, part, contact, q);
+        modes.form(&RigidRow { terms, direction: contact.frames.normal[q] })
+    };
+    (0..contact.frames.x.len()).filter(|&q| closed(q)).map(row).collect()
+}
+
+/// Some points of a tie, held in every component.
+pub(super) fn tie_points<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    modes: &RigidModes<N>,
+    bodies: &RigidBodies,
+    part: &TiePart<S, N>,
+) -> Vec<RigidForm> {
+    let (mut table, mut forms) = (MapTable::new(), Vec::new());
+    let slave = bodies.of_patch(model, part.slave.patch);
+    for pairing in &part.pairings {
+        let (s, master) = (&pairing.segments, bodies.of_patch(model, pairing.master.patch));
+        for piece in (0..s.num_pieces()).step_by(s.num_pieces().div_ceil(SAMPLES).max(1)) {
+            part.slave.trace.space.map(s.slave[piece], &s.slave_xi[s.points(piece)], Order::Values, &mut table);
+            for x in &table.x {
+                let row = |c: usize| RigidRow { terms: vec![(slave, 1.0, *x), (master, -1.0, *x)], direction: unit(c) };
+                forms.extend((0..model.components).map(|c| modes.form(&row(c))));
+            }
+        }
+    }
+    forms
+}
+
 /// Motions that supports, ties and contacts leave, of patches and, numbered behind them by contact, of obstacles that forces press: `contacts` at a time, per contact and part, of them the points in `closed`.
 pub fn free_motions<const S: usize, const N: usize>(
     model: &Model<S, N>,
     contacts: &[Vec<&Contact<S, N>>],
     closed: &dyn Fn(usize, usize, usize) -> bool,
 ) -> Vec<FreeBody> {
+    free_by(model, contacts, closed, Ties::Functions)
+}
+
+fn free_by<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    contacts: &[Vec<&Contact<S, N>>],
+    closed: &dyn Fn(usize, usize, usize) -> bool,
+    ties: Ties,
+) -> Vec<FreeBody> {
     let bodies = RigidBodies::of(model);
-    let (modes, mut rows) = held(model, &bodies);
+    let (modes, mut forms) = held_by(model, &bodies, &model.springs, ties);
     for (k, contact) in model.contacts.iter().enumerate() {
         for (p, part) in contact.parts.iter().enumerate() {
-            let built = contacts[k][p];
-            for q in (0..built.frames.x.len()).filter(|&q| closed(k, p, q)) {
-                rows.push(RigidRow { terms: contact_terms(model, &bodies, k, part, built, q), direction: built.frames.normal[q] });
-            }
+            forms.extend(contact_points(model, &modes, &bodies, k, part, contacts[k][p], &|q| closed(k, p, q)));
         }
     }
-    modes.free(&rows).into_iter().map(|f| FreeBody { body: bodies.number(model, f.body), ..f }).collect()
+    modes.free(&forms).into_iter().map(|f| FreeBody { body: bodies.number(model, f.body), ..f }).collect()
+}
+
+/// How ties are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ties {
+    /// As if every point held.
+    Points,
+    /// By the functions of their multipliers, where there are any.
+    Functions,
 }
 
 /// The unknowns of every body that supports and ties leave a rigid motion, patches and obstacles that forces press: what contact has to hold.
@@ -125,8 +189,8 @@ pub(crate) fn floating<const S: usize, const N: usize>(model: &Model<S, N>) -> V
 }
 
 /// The rigid motions of a model and what supports, springs and ties ask of them: both ways, without contacts.
-pub(super) fn held<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies) -> (RigidModes<N>, Vec<RigidRow<N>>) {
-    held_by(model, bodies, &model.springs)
+pub(super) fn held<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies) -> (RigidModes<N>, Vec<RigidForm>) {
+    held_by(model, bodies, &model.springs, Ties::Functions)
 }
 
 /// [`held`] with `springs` in the place of those of the model.
@@ -134,9 +198,10 @@ pub(super) fn held_by<const S: usize, const N: usize>(
     model: &Model<S, N>,
     bodies: &RigidBodies,
     springs: &[SideSpring<S, N>],
-) -> (RigidModes<N>, Vec<RigidRow<N>>) {
+    ties: Ties,
+) -> (RigidModes<N>, Vec<RigidForm>) {
     let body = |patch: usize| bodies.of_patch(model, patch);
-    let modes = RigidModes { bodies: bodies.len(), components: model.components, center: model.center, size: model.size };
+    let modes = bodies.modes(model);
     let mut rows: Vec<RigidRow<N>> = Vec::new();
     for (k, &contact) in bodies.pressed.iter().enumerate() {
         rows.extend(guides(model, bodies.first.len() + k, contact));
@@ -157,7 +222,7 @@ pub(super) fn held_by<const S: usize, const N: usize>(
             fix(body(s.side.patch), unit(s.component), x);
         }
     }
-    // equations between unknowns: inclined sliding; sides that move as one support nothing
+    // equations between components of one function: inclined sliding
     for e in &model.equations {
         let Some(&(first, _)) = e.terms.first() else { continue };
         let Some(patch) = model.patches.iter().position(|p| p.range().contains(&first)) else { continue };
@@ -177,29 +242,27 @@ pub(super) fn held_by<const S: usize, const N: usize>(
             fix(body(patch), direction, x);
         }
     }
+    // sides that move as one along an axis: all their points move as the first
+    for group in &model.rigid_sides {
+        let all: Vec<_> = group.sides.iter().flat_map(|side| points(side).into_iter().map(|x| (body(side.patch), x))).collect();
+        let Some(&(of, at)) = all.first() else { continue };
+        let as_first =
+            |&(body, x): &(usize, Vector<N>)| RigidRow { terms: vec![(body, 1.0, x), (of, -1.0, at)], direction: unit(group.component) };
+        rows.extend(all[1..].iter().map(as_first));
+    }
     for h in &model.hinges {
         for c in 0..model.components {
             rows.push(RigidRow { terms: vec![(body(h.patches[0]), 1.0, h.x), (body(h.patches[1]), -1.0, h.x)], direction: unit(c) });
         }
     }
-    let mut table = MapTable::new();
+    let mut forms: Vec<RigidForm> = rows.iter().map(|row| modes.form(row)).collect();
     for part in model.ties.iter().flat_map(|t| &t.parts) {
-        for pairing in &part.pairings {
-            let s = &pairing.segments;
-            for piece in (0..s.num_pieces()).step_by(s.num_pieces().div_ceil(SAMPLES).max(1)) {
-                part.slave.trace.space.map(s.slave[piece], &s.slave_xi[s.points(piece)], Order::Values, &mut table);
-                for x in &table.x {
-                    for c in 0..model.components {
-                        rows.push(RigidRow {
-                            terms: vec![(body(part.slave.patch), 1.0, *x), (body(pairing.master.patch), -1.0, *x)],
-                            direction: unit(c),
-                        });
-                    }
-                }
-            }
-        }
+        forms.extend(match ties {
+            Ties::Functions if !part.function_sums.is_empty() => tie_forms(model, &modes, bodies, part),
+            _ => tie_points(model, &modes, bodies, part),
+        });
     }
-    (modes, rows)
+    (modes, forms)
 }
 
 /// What holds the obstacle of a contact, body `body`: all but the components in which forces press it.
@@ -234,10 +297,13 @@ pub(crate) fn sentences<const S: usize, const N: usize>(model: &Model<S, N>, fre
         .collect()
 }
 
-/// E051 for every body that can still move with all contacts closed.
+/// E051 for every body that can still move with all points of ties held and all contacts closed; E024 where multipliers hold less than points.
 pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>) {
     let first: Vec<Vec<_>> = model.contacts.iter().map(|c| c.parts.iter().map(|p| &p.first).collect()).collect();
-    let free = free_motions(model, &first, &|_, _, _| true);
+    let free = free_by(model, &first, &|_, _, _| true, Ties::Points);
+    if free.is_empty() {
+        return functions::check(builder, model, &RigidBodies::of(model));
+    }
     for (f, sentence) in free.iter().zip(sentences(model, &free)) {
         let obstacle = f.body.checked_sub(model.patches.len());
         let at = match obstacle {

@@ -4,6 +4,7 @@ use super::Builder;
 use super::boundary::component_name;
 use super::couples::{Couple, Couples};
 use super::fixed::Fixed;
+use super::functions::function_sums;
 use super::model::{Model, Pairing, SideModel, TieModel, TiePart};
 use super::multipliers::{held_help, multiplier, multiplier_fault};
 use super::sides::Sides;
@@ -213,6 +214,7 @@ fn part<const S: usize, const N: usize>(
         pairings,
         rows: empty(0, model.unknowns),
         reaction: None,
+        function_sums: Vec::new(),
         stiffness: Triplets::new(model.unknowns, model.unknowns),
         penalty: None,
         finer: None,
@@ -235,6 +237,9 @@ fn part<const S: usize, const N: usize>(
         part.multipliers.clear();
     }
     part.reaction = differs.then_some(reaction);
+    if has_mortar_rows(&tie.coupling.value) {
+        part.function_sums = function_sums(model, &part);
+    }
     if has_mortar_rows(&tie.coupling.value) && finer.len() == part.pairings.len() {
         let borrowed: Vec<&dyn Basis<S>> = part.multipliers.iter().map(|m| &**m).collect();
         let interfaces: Vec<Interface<'_, S, N>> = part

@@ -6,9 +6,10 @@
 //! share of the stiffness; one much smaller than 1 is a motion that the rounding of the bodies' stiffness, 1e-16 of it times the
 //! number of elements squared, makes up.
 
+use super::functions::closed_forms;
 use super::model::Model;
 use super::rigid::{RigidModes, RigidRow};
-use super::supports::{RigidBodies, contact_terms, held_by, unit};
+use super::supports::{RigidBodies, Ties, held_by, unit};
 use super::ties::short;
 use crate::basis::Order;
 use crate::geometry::MapTable;
@@ -28,16 +29,9 @@ pub(crate) fn weakly_held<const S: usize, const N: usize>(case: &Case, model: &M
         return Vec::new();
     }
     let bodies = RigidBodies::of(model);
-    let (modes, mut rows) = held_by(model, &bodies, &[]);
-    for (k, contact) in model.contacts.iter().enumerate() {
-        for part in &contact.parts {
-            for q in 0..part.first.frames.x.len() {
-                let terms = contact_terms(model, &bodies, k, part, &part.first, q);
-                rows.push(RigidRow { terms, direction: part.first.frames.normal[q] });
-            }
-        }
-    }
-    let left = modes.null(&rows);
+    let (modes, mut forms) = held_by(model, &bodies, &[], Ties::Functions);
+    forms.extend(closed_forms(model, &modes, &bodies));
+    let left = modes.null(&forms);
     if left.ncols() == 0 {
         return Vec::new();
     }
@@ -53,12 +47,11 @@ pub(crate) fn weakly_held<const S: usize, const N: usize>(case: &Case, model: &M
             for ((x, j), w) in table.x.iter().zip(&table.jacobian).zip(&rule.weights) {
                 let k = spring.stiffness.value(&Point::new(x.as_slice()).at_time(t)) * w * measure(j);
                 let form = modes.form(&RigidRow { terms: vec![(body, 1.0, *x)], direction: unit(spring.component) });
-                springs.syger(k, &form, &form, 1.0);
+                modes.add_square(&form, k, &mut springs);
             }
         }
     }
-    springs.fill_upper_triangle_with_lower_triangle();
-    let stiffness = body_stiffness(model, &bodies, n / modes.modes());
+    let stiffness = body_stiffness(model, &bodies, modes.num_bodies());
     let weights = DMatrix::from_fn(n, n, |i, j| if i == j { stiffness[i / modes.modes()] } else { 0.0 });
     let (soft, hard) = (left.transpose() * springs * &left, left.transpose() * weights * &left);
     // B is positive definite: L⁻¹ S L⁻ᵀ has the same eigenvalues
@@ -68,7 +61,7 @@ pub(crate) fn weakly_held<const S: usize, const N: usize>(case: &Case, model: &M
     let mut found = Vec::new();
     for (k, &share) in eigen.eigenvalues.iter().enumerate().filter(|(_, share)| **share < SOFT) {
         let motion = &left * (inverse.transpose() * eigen.eigenvectors.column(k));
-        found.extend(sentence(case, model, &bodies, &motion, modes.modes(), share));
+        found.extend(sentence(case, model, &bodies, &modes, &motion, share));
     }
     found
 }
@@ -78,16 +71,16 @@ fn sentence<const S: usize, const N: usize>(
     case: &Case,
     model: &Model<S, N>,
     bodies: &RigidBodies,
+    rigid: &RigidModes<N>,
     motion: &DVector<f64>,
-    modes: usize,
     share: f64,
 ) -> Option<Diagnostic> {
+    let modes = rigid.modes();
     let size = |body: usize| motion.rows(modes * body, modes).norm();
     let most = (0..motion.len() / modes).max_by(|&a, &b| size(a).total_cmp(&size(b)).then(b.cmp(&a)))?;
     let patch = model.patches.get(bodies.number(model, most))?;
     let own = motion.rows(modes * most, modes).into_owned() / size(most);
-    let rigid = RigidModes { bodies: 1, components: model.components, center: model.center, size: model.size };
-    let name = rigid.name(&DMatrix::from_column_slice(modes, 1, own.as_slice())).join(", ");
+    let name = rigid.name(most, &DMatrix::from_column_slice(modes, 1, own.as_slice())).join(", ");
     let text = format!(
         "body \"{}\" is hardly held: springs hold its {name} with {} of its own stiffness; rounding is that much larger there",
         patch.name,
