@@ -129,18 +129,26 @@ impl Interface {
     }
 
     /// Solves `s`, whose contact rows are `contact`, ascending, each with entries; `None` where that is to be done by a factor of its own.
+    /// `again`: as for [`super::ConstraintSolver::solve_set`].
     ///
     /// # Errors
     /// [`LinearError::Singular`] where a motion is left.
-    pub fn solve(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]]) -> Result<Option<Answer>, LinearError> {
-        if contact.is_empty() {
-            return Ok(None);
+    pub fn solve(
+        &mut self,
+        s: &Scaled<'_>,
+        contact: &[usize],
+        places: &[[f64; 3]],
+        again: bool,
+    ) -> Result<Option<Answer>, LinearError> {
+        if !again {
+            self.plan(s, contact, places)?;
         }
-        self.plan(s, contact, places)?;
         if self.plan.as_ref().is_none_or(|plan| plan.border.is_none()) {
             return Ok(None);
         }
-        self.hold(s, contact, places)?;
+        if !again || self.held.is_none() {
+            self.hold(s, contact, places)?;
+        }
         let answer = self.solve_set(s);
         if let Ok(None) = answer {
             // what these numbers did to one set they may do to others
@@ -494,9 +502,9 @@ mod tests {
                     sheets.compliance = (0..ties + contact).map(entry).collect();
                 }
                 let mut direct = Direct::with_interface(Interface { springs, ..Interface::default() });
-                for bits in [511usize, 1, 0b1010_1010, 0b0_0001_1100, 0b1_0000_0001, 0b1_1110_0000, 3] {
+                for (again, bits) in [511usize, 1, 0b1010_1010, 0b0_0001_1100, 0b1_0000_0001, 0b1_1110_0000, 3].into_iter().enumerate().map(|(k, bits)| (k % 3 > 0, bits)) {
                     let closed: Vec<bool> = (0..ties + contact).map(|a| a >= ties && bits >> (a - ties) & 1 == 1).collect();
-                    let (found, expected) = (direct.solve_set(&sheets.system(), &closed).unwrap(), sheets.alone(&closed).unwrap());
+                    let (found, expected) = (direct.solve_set(&sheets.system(), &closed, again).unwrap(), sheets.alone(&closed).unwrap());
                     assert_eq!(found.active, expected.active);
                     let d = [
                         apart(&found.unknowns, &expected.unknowns),
@@ -513,8 +521,8 @@ mod tests {
                 // another load and other gaps: the same factor
                 sheets.load.iter_mut().for_each(|f| *f = 0.3 - *f);
                 sheets.offset.iter_mut().for_each(|g| *g *= 0.5);
-                let closed = vec![true; ties + contact];
-                let (found, expected) = (direct.solve_set(&sheets.system(), &closed).unwrap(), sheets.alone(&closed).unwrap());
+                let (closed, again) = (vec![true; ties + contact], false);
+                let (found, expected) = (direct.solve_set(&sheets.system(), &closed, again).unwrap(), sheets.alone(&closed).unwrap());
                 assert!(apart(&found.unknowns, &expected.unknowns) < 1e-10);
                 assert_eq!((direct.factorisations(), direct.interface_work().complements), (1, 1));
             }
@@ -528,9 +536,9 @@ mod tests {
                 let sheets = Sheets::new(14, ties, 9, held);
                 let mut direct = Direct::with_interface(Interface { springs, ..Interface::default() });
                 // all open leaves the second sheet free unless it is held or tied; one row is enough
-                for bits in [511usize, 0, 16, 0] {
+                for (again, bits) in [(false, 511usize), (true, 0), (true, 16), (false, 0)] {
                     let closed: Vec<bool> = (0..ties + 9).map(|a| a >= ties && bits >> (a - ties) & 1 == 1).collect();
-                    let (found, expected) = (direct.solve_set(&sheets.system(), &closed), sheets.alone(&closed));
+                    let (found, expected) = (direct.solve_set(&sheets.system(), &closed, again), sheets.alone(&closed));
                     assert_eq!(found.is_err(), bits == 0 && ties == 0 && !held, "{springs} {ties} {held} {bits:b}");
                     match (found, expected) {
                         (Ok(a), Ok(b)) => assert!(apart(&a.unknowns, &b.unknowns) < 1e-10),
@@ -550,13 +558,13 @@ mod tests {
         let mut reaction = sheets.rows.clone();
         reaction.master.entries.pop();
         let mut direct = Direct::new();
-        let found = direct.solve_set(&ConstrainedSystem { reaction: Some(&reaction), ..sheets.system() }, &closed).unwrap();
+        let found = direct.solve_set(&ConstrainedSystem { reaction: Some(&reaction), ..sheets.system() }, &closed, false).unwrap();
         assert_eq!((found.method.as_str(), direct.interface_work().sets), ("saddle-point, LU", 0));
         // negative energy that no row takes
         let mut negative = Sheets::new(14, 2, 9, false);
         let (cols, vals) = negative.stiffness.row_mut(40);
         cols.zip(vals).filter(|(j, _)| *j == 40).for_each(|(_, v)| *v = -*v);
-        let found = direct.solve_set(&negative.system(), &closed).unwrap_err();
+        let found = direct.solve_set(&negative.system(), &closed, false).unwrap_err();
         assert_eq!(found, negative.alone(&closed).unwrap_err());
         assert!(matches!(found, SolveError::Linear(LinearError::Indefinite { .. })), "{found}");
         // as many rows as unknowns of a chain
@@ -580,10 +588,10 @@ mod tests {
         };
         let closed: Vec<bool> = (0..n).map(|i| i % 3 == 0).collect();
         let mut direct = Direct::new();
-        let found = direct.solve_set(&chain.system(), &closed).unwrap();
+        let found = direct.solve_set(&chain.system(), &closed, false).unwrap();
         assert_eq!(found.unknowns, chain.alone(&closed).unwrap().unknowns);
         assert_eq!(direct.interface_work().sets, 0);
-        direct.solve_set(&chain.system(), &vec![true; n]).unwrap();
+        direct.solve_set(&chain.system(), &vec![true; n], true).unwrap();
         assert_eq!(direct.analyses(), 1, "no analysis is needed to see that");
     }
 }

@@ -235,7 +235,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
             for (k, &j) in measure.contact.iter().enumerate() {
                 closed[j] = attempt.state[k];
             }
-            match self.inner.solve_set(system, &closed) {
+            match self.inner.solve_set(system, &closed, iteration > 1 || number > 0) {
                 Ok(solution) => return Ok(Tried::Solved(number, Box::new(solution))),
                 Err(SolveError::Linear(LinearError::Stopped { .. })) => return Ok(Tried::Stopped),
                 // with all rows closed nothing is left to try: the body has no support at all
