@@ -43,11 +43,11 @@ pub struct Direct {
 #[derive(Debug)]
 pub(crate) struct Factor {
     /// W, zero on open rows.
-    w: Vec<f64>,
+    pub(super) w: Vec<f64>,
     /// F.
     f: Vec<f64>,
     /// |diagonal| of K + Cᵀ W C.
-    diagonal: Vec<f64>,
+    pub(super) diagonal: Vec<f64>,
     /// 1 / diagonal of K + Cᵀ W C.
     pub scale: Vec<f64>,
     /// Condition, see [`ConstrainedSolution::condition`].
@@ -357,10 +357,21 @@ impl Factor {
         Self::with(w, f, diagonal)
     }
 
-    /// Makes v of size one in the norm of inverse iteration.
-    pub(super) fn normalise(&self, v: &mut [f64]) {
+    /// Corrects the softest motion v, v·Dv = 1, of a matrix M by the residual of M v = (v·M v) D v, which is at right angles to v: what is not
+    /// soft in v leaves it, however little resists v itself. `product`: M v; `inverse` solves with M, to few digits.
+    pub(super) fn correct_motion(
+        &self,
+        v: &mut [f64],
+        product: &mut [f64],
+        inverse: impl FnOnce(&[f64]) -> Result<Vec<f64>, LinearError>,
+    ) -> Result<(), LinearError> {
+        let energy: f64 = v.iter().zip(&*product).map(|(v, r)| v * r).sum();
+        (0..v.len()).for_each(|i| product[i] -= energy * v[i] / self.scale[i]);
+        let correction = inverse(product)?;
+        v.iter_mut().zip(correction).for_each(|(v, dv)| *v -= dv);
         let size = v.iter().zip(&self.scale).map(|(v, s)| v * v / s).sum::<f64>().sqrt();
         v.iter_mut().for_each(|v| *v /= size);
+        Ok(())
     }
 }
 

@@ -29,7 +29,7 @@ const FACTORS: f64 = 7.0;
 const SHARE: f64 = 0.1;
 const FEW: usize = 1 << 18;
 /// Corrections of a motion that may be without resistance: S has fewer digits than it takes to tell.
-const CORRECTIONS: usize = 2;
+pub(super) const CORRECTIONS: usize = 2;
 
 /// Counted operations of a solver that keeps one factor for all sets of contact; a multiplication and an addition are two.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -183,7 +183,7 @@ impl Interface {
             if affordable(m, entries) {
                 let found = self.ldlt.border(&s.rows, contact);
                 let [columns, complement] = found.operations;
-                if columns + complement + SETS * dense(m) < FACTORS * factor {
+                if pays(&found, factor) {
                     self.work = InterfaceWork { rows: m, factor, columns, complement, ..InterfaceWork::default() };
                     border = Some(found);
                 }
@@ -253,14 +253,19 @@ impl Interface {
             contact.iter().map(|&a| if s.enforced[a] { soft(a) / (1.0 - soft(a) * w[a]) } else { -1.0 / w[a] }).collect();
         self.work.sets += 1;
         self.work.dense += dense(contact.len());
-        self.dense.factorise(complement, &diagonal)?;
+        let m = contact.len();
+        self.dense.eliminate(m, m, |i, j| complement[j * m + i] + if i == j { diagonal[i] } else { 0.0 })?;
         let (_, f) = weights(s);
         let set = Set { s, layout, border, contact, ldlt: &self.ldlt, dense: &self.dense, w, f };
         let factor = Factor::of(s);
         let (state, more, mut soft) = begin(s, &factor, &set)?;
         if soft.growth > SAFE_GROWTH {
             for _ in 0..CORRECTIONS {
-                set.correct_motion(&factor, &mut soft.vector)?;
+                let (mut r1, mut r2) = (vec![0.0; s.num_unknowns()], vec![0.0; s.num_rows()]);
+                s.stiffness.mul(&soft.vector, &mut r1);
+                s.rows.mul(&soft.vector, &mut r2);
+                r2.iter_mut().zip(&s.enforced).filter(|(_, enforced)| !**enforced).for_each(|(r, _)| *r = 0.0);
+                factor.correct_motion(&mut soft.vector, &mut r1, |r1| Ok(set.correct(r1, &r2)?.0))?;
             }
         }
         let condition = refuse_kernel(s, &factor, &soft.vector)?;
@@ -277,8 +282,14 @@ fn dense(m: usize) -> f64 {
     (m as f64).powi(3) / 3.0
 }
 
+/// Whether the Schur complement of a border and eight sets in it take fewer operations than seven factors.
+pub(super) fn pays(border: &Border, factor: f64) -> bool {
+    let [columns, complement] = border.operations;
+    columns + complement + SETS * dense(border.rows.len()) < FACTORS * factor
+}
+
 /// Whether m rows are few beside a factor of so many numbers.
-fn affordable(m: usize, entries: usize) -> bool {
+pub(super) fn affordable(m: usize, entries: usize) -> bool {
     m * m <= FEW || (m as f64).powi(2) <= SHARE * entries as f64
 }
 
@@ -338,22 +349,6 @@ impl Set<'_, '_> {
         }
         x.truncate(n);
         (x, l)
-    }
-
-    /// Corrects the softest motion v, v·Dv = 1, by the residual of K v + Cᵀ l = (v·K v) D v, C v = 0, which is at right angles to v: what is not
-    /// soft in v leaves it, however little resists v itself.
-    fn correct_motion(&self, factor: &Factor, v: &mut Vec<f64>) -> Result<(), LinearError> {
-        let s = self.s;
-        let (mut r1, mut r2) = (vec![0.0; v.len()], vec![0.0; s.num_rows()]);
-        s.stiffness.mul(v, &mut r1);
-        s.rows.mul(v, &mut r2);
-        r2.iter_mut().zip(&s.enforced).filter(|(_, enforced)| !**enforced).for_each(|(r, _)| *r = 0.0);
-        let energy: f64 = v.iter().zip(&r1).map(|(v, r)| v * r).sum();
-        (0..v.len()).for_each(|i| r1[i] -= energy * v[i] / factor.scale[i]);
-        let (du, _) = self.correct(&r1, &r2)?;
-        v.iter_mut().zip(du).for_each(|(v, du)| *v -= du);
-        factor.normalise(v);
-        Ok(())
     }
 }
 

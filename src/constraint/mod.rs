@@ -4,6 +4,7 @@
 
 mod active_set;
 mod augmented;
+mod complement;
 mod condensed;
 mod direct;
 mod free;
