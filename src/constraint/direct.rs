@@ -12,7 +12,7 @@
 use super::interface::{Interface, InterfaceWork};
 use super::quasidefinite::Layout;
 use super::refinement::Refinement;
-use super::scale::{Scaled, check_shape, gaps};
+use super::scale::{Kept, Scaled, check_shape, gaps};
 use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError, kinds_of_set};
 use crate::linalg::residual::{InverseIteration, KERNEL, RESIDUAL_LIMIT, Soft, max, ratio};
 use crate::linalg::{Csr, Ldlt, LinearError, LinearSolver, Lu, Upper};
@@ -35,17 +35,19 @@ pub struct Direct {
     lu: Lu,
     layout: Option<Layout>,
     interface: Interface,
+    /// What all sets of a system have in common.
+    kept: Option<Kept>,
 }
 
 /// What the factor was made with.
 #[derive(Debug)]
 pub(crate) struct Factor {
     /// W, zero on open rows.
-    w: Vec<f64>,
+    pub(super) w: Vec<f64>,
     /// F.
     f: Vec<f64>,
     /// |diagonal| of K + Cᵀ W C.
-    diagonal: Vec<f64>,
+    pub(super) diagonal: Vec<f64>,
     /// 1 / diagonal of K + Cᵀ W C.
     pub scale: Vec<f64>,
     /// Condition, see [`ConstrainedSolution::condition`].
@@ -190,34 +192,47 @@ impl Direct {
 
 impl ConstraintSolver<f64> for Direct {
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
-        self.solve_alone(system, Scaled::of(system)?)
+        self.solve_alone(system, &Scaled::of(system)?)
     }
 
-    fn solve_set(&mut self, system: &ConstrainedSystem<'_, f64>, closed: &[bool]) -> Result<ConstrainedSolution<f64>, SolveError> {
+    fn solve_set(
+        &mut self,
+        system: &ConstrainedSystem<'_, f64>,
+        closed: &[bool],
+        again: bool,
+    ) -> Result<ConstrainedSolution<f64>, SolveError> {
         let kind = kinds_of_set(system.kind, closed);
         let of_set = ConstrainedSystem { kind: &kind, ..*system };
-        let s = Scaled::of(&of_set)?;
-        if let Some(contact) = s.interface(system.kind)
-            && let Some((u, l, size, condition)) = self.interface.solve(&s, &contact, system.stiffness.places())?
-        {
-            return Ok(solution(&of_set, s, DIRECT, (u, l, size), Some(condition)));
-        }
-        self.solve_alone(&of_set, s)
+        let s = match self.kept.take() {
+            Some(kept) if again => kept.with(&of_set)?,
+            _ => Scaled::of(&of_set)?,
+        };
+        let shared = match s.interface(system.kind) {
+            Some(contact) => self.interface.solve(&s, &contact, system.stiffness.places(), again),
+            None => Ok(None),
+        };
+        let solved = match shared {
+            Ok(Some((u, l, size, condition))) => Ok(solution(&of_set, &s, DIRECT, (u, l, size), Some(condition))),
+            Ok(None) => self.solve_alone(&of_set, &s),
+            Err(error) => Err(error.into()),
+        };
+        self.kept = Some(s.into());
+        solved
     }
 }
 
 impl Direct {
     /// Solves `system`, which is `s`, by a factor of its own.
-    fn solve_alone(&mut self, system: &ConstrainedSystem<'_, f64>, s: Scaled<'_>) -> Result<ConstrainedSolution<f64>, SolveError> {
+    fn solve_alone(&mut self, system: &ConstrainedSystem<'_, f64>, s: &Scaled<'_>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let small = s.num_unknowns() + s.num_rows() <= LU_LIMIT;
         let (method, answer, condition) = if s.reaction.is_some() || !s.symmetric {
-            (LU, self.general(&s)?, None)
+            (LU, self.general(s)?, None)
         } else {
-            let (first, condition) = self.quasi_definite(&s, system.stiffness.places())?;
+            let (first, condition) = self.quasi_definite(s, system.stiffness.places())?;
             if first.2 > RESIDUAL_LIMIT && small {
                 // the residual reached says more than LU's own complaint
                 let residual = first.2;
-                (LU, self.general(&s).map_err(|_| LinearError::Singular { residual })?, Some(condition))
+                (LU, self.general(s).map_err(|_| LinearError::Singular { residual })?, Some(condition))
             } else {
                 (DIRECT, first, Some(condition))
             }
@@ -237,7 +252,7 @@ const LU: &str = "saddle-point, LU";
 /// The answer in the caller's units.
 fn solution(
     system: &ConstrainedSystem<'_, f64>,
-    s: Scaled<'_>,
+    s: &Scaled<'_>,
     method: &str,
     (unknowns, l, residual): (Vec<f64>, Vec<f64>, f64),
     condition: Option<f64>,
@@ -246,7 +261,7 @@ fn solution(
         gap: gaps(system, &unknowns),
         unknowns,
         multipliers: (0..l.len()).map(|a| s.factor[a] * l[a]).collect(),
-        active: s.enforced,
+        active: s.enforced.clone(),
         residual,
         condition,
         method: method.into(),
@@ -342,10 +357,21 @@ impl Factor {
         Self::with(w, f, diagonal)
     }
 
-    /// Makes v of size one in the norm of inverse iteration.
-    pub(super) fn normalise(&self, v: &mut [f64]) {
+    /// Corrects the softest motion v, v·Dv = 1, of a matrix M by the residual of M v = (v·M v) D v, which is at right angles to v: what is not
+    /// soft in v leaves it, however little resists v itself. `product`: M v; `inverse` solves with M, to few digits.
+    pub(super) fn correct_motion(
+        &self,
+        v: &mut [f64],
+        product: &mut [f64],
+        inverse: impl FnOnce(&[f64]) -> Result<Vec<f64>, LinearError>,
+    ) -> Result<(), LinearError> {
+        let energy: f64 = v.iter().zip(&*product).map(|(v, r)| v * r).sum();
+        (0..v.len()).for_each(|i| product[i] -= energy * v[i] / self.scale[i]);
+        let correction = inverse(product)?;
+        v.iter_mut().zip(correction).for_each(|(v, dv)| *v -= dv);
         let size = v.iter().zip(&self.scale).map(|(v, s)| v * v / s).sum::<f64>().sqrt();
         v.iter_mut().for_each(|v| *v /= size);
+        Ok(())
     }
 }
 

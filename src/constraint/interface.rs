@@ -29,7 +29,7 @@ const FACTORS: f64 = 7.0;
 const SHARE: f64 = 0.1;
 const FEW: usize = 1 << 18;
 /// Corrections of a motion that may be without resistance: S has fewer digits than it takes to tell.
-const CORRECTIONS: usize = 2;
+pub(super) const CORRECTIONS: usize = 2;
 
 /// Counted operations of a solver that keeps one factor for all sets of contact; a multiplication and an addition are two.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -129,18 +129,26 @@ impl Interface {
     }
 
     /// Solves `s`, whose contact rows are `contact`, ascending, each with entries; `None` where that is to be done by a factor of its own.
+    /// `again`: as for [`super::ConstraintSolver::solve_set`].
     ///
     /// # Errors
     /// [`LinearError::Singular`] where a motion is left.
-    pub fn solve(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]]) -> Result<Option<Answer>, LinearError> {
-        if contact.is_empty() {
-            return Ok(None);
+    pub fn solve(
+        &mut self,
+        s: &Scaled<'_>,
+        contact: &[usize],
+        places: &[[f64; 3]],
+        again: bool,
+    ) -> Result<Option<Answer>, LinearError> {
+        if !again {
+            self.plan(s, contact, places)?;
         }
-        self.plan(s, contact, places)?;
         if self.plan.as_ref().is_none_or(|plan| plan.border.is_none()) {
             return Ok(None);
         }
-        self.hold(s, contact, places)?;
+        if !again || self.held.is_none() {
+            self.hold(s, contact, places)?;
+        }
         let answer = self.solve_set(s);
         if let Ok(None) = answer {
             // what these numbers did to one set they may do to others
@@ -175,7 +183,7 @@ impl Interface {
             if affordable(m, entries) {
                 let found = self.ldlt.border(&s.rows, contact);
                 let [columns, complement] = found.operations;
-                if columns + complement + SETS * dense(m) < FACTORS * factor {
+                if pays(&found, factor) {
                     self.work = InterfaceWork { rows: m, factor, columns, complement, ..InterfaceWork::default() };
                     border = Some(found);
                 }
@@ -245,14 +253,19 @@ impl Interface {
             contact.iter().map(|&a| if s.enforced[a] { soft(a) / (1.0 - soft(a) * w[a]) } else { -1.0 / w[a] }).collect();
         self.work.sets += 1;
         self.work.dense += dense(contact.len());
-        self.dense.factorise(complement, &diagonal)?;
+        let m = contact.len();
+        self.dense.eliminate(m, m, |i, j| complement[j * m + i] + if i == j { diagonal[i] } else { 0.0 })?;
         let (_, f) = weights(s);
         let set = Set { s, layout, border, contact, ldlt: &self.ldlt, dense: &self.dense, w, f };
         let factor = Factor::of(s);
         let (state, more, mut soft) = begin(s, &factor, &set)?;
         if soft.growth > SAFE_GROWTH {
             for _ in 0..CORRECTIONS {
-                set.correct_motion(&factor, &mut soft.vector)?;
+                let (mut r1, mut r2) = (vec![0.0; s.num_unknowns()], vec![0.0; s.num_rows()]);
+                s.stiffness.mul(&soft.vector, &mut r1);
+                s.rows.mul(&soft.vector, &mut r2);
+                r2.iter_mut().zip(&s.enforced).filter(|(_, enforced)| !**enforced).for_each(|(r, _)| *r = 0.0);
+                factor.correct_motion(&mut soft.vector, &mut r1, |r1| Ok(set.correct(r1, &r2)?.0))?;
             }
         }
         let condition = refuse_kernel(s, &factor, &soft.vector)?;
@@ -269,8 +282,14 @@ fn dense(m: usize) -> f64 {
     (m as f64).powi(3) / 3.0
 }
 
+/// Whether the Schur complement of a border and eight sets in it take fewer operations than seven factors.
+pub(super) fn pays(border: &Border, factor: f64) -> bool {
+    let [columns, complement] = border.operations;
+    columns + complement + SETS * dense(border.rows.len()) < FACTORS * factor
+}
+
 /// Whether m rows are few beside a factor of so many numbers.
-fn affordable(m: usize, entries: usize) -> bool {
+pub(super) fn affordable(m: usize, entries: usize) -> bool {
     m * m <= FEW || (m as f64).powi(2) <= SHARE * entries as f64
 }
 
@@ -330,22 +349,6 @@ impl Set<'_, '_> {
         }
         x.truncate(n);
         (x, l)
-    }
-
-    /// Corrects the softest motion v, v·Dv = 1, by the residual of K v + Cᵀ l = (v·K v) D v, C v = 0, which is at right angles to v: what is not
-    /// soft in v leaves it, however little resists v itself.
-    fn correct_motion(&self, factor: &Factor, v: &mut Vec<f64>) -> Result<(), LinearError> {
-        let s = self.s;
-        let (mut r1, mut r2) = (vec![0.0; v.len()], vec![0.0; s.num_rows()]);
-        s.stiffness.mul(v, &mut r1);
-        s.rows.mul(v, &mut r2);
-        r2.iter_mut().zip(&s.enforced).filter(|(_, enforced)| !**enforced).for_each(|(r, _)| *r = 0.0);
-        let energy: f64 = v.iter().zip(&r1).map(|(v, r)| v * r).sum();
-        (0..v.len()).for_each(|i| r1[i] -= energy * v[i] / factor.scale[i]);
-        let (du, _) = self.correct(&r1, &r2)?;
-        v.iter_mut().zip(du).for_each(|(v, du)| *v -= du);
-        factor.normalise(v);
-        Ok(())
     }
 }
 
@@ -494,9 +497,9 @@ mod tests {
                     sheets.compliance = (0..ties + contact).map(entry).collect();
                 }
                 let mut direct = Direct::with_interface(Interface { springs, ..Interface::default() });
-                for bits in [511usize, 1, 0b1010_1010, 0b0_0001_1100, 0b1_0000_0001, 0b1_1110_0000, 3] {
+                for (again, bits) in [511usize, 1, 0b1010_1010, 0b0_0001_1100, 0b1_0000_0001, 0b1_1110_0000, 3].into_iter().enumerate().map(|(k, bits)| (k % 3 > 0, bits)) {
                     let closed: Vec<bool> = (0..ties + contact).map(|a| a >= ties && bits >> (a - ties) & 1 == 1).collect();
-                    let (found, expected) = (direct.solve_set(&sheets.system(), &closed).unwrap(), sheets.alone(&closed).unwrap());
+                    let (found, expected) = (direct.solve_set(&sheets.system(), &closed, again).unwrap(), sheets.alone(&closed).unwrap());
                     assert_eq!(found.active, expected.active);
                     let d = [
                         apart(&found.unknowns, &expected.unknowns),
@@ -513,8 +516,8 @@ mod tests {
                 // another load and other gaps: the same factor
                 sheets.load.iter_mut().for_each(|f| *f = 0.3 - *f);
                 sheets.offset.iter_mut().for_each(|g| *g *= 0.5);
-                let closed = vec![true; ties + contact];
-                let (found, expected) = (direct.solve_set(&sheets.system(), &closed).unwrap(), sheets.alone(&closed).unwrap());
+                let (closed, again) = (vec![true; ties + contact], false);
+                let (found, expected) = (direct.solve_set(&sheets.system(), &closed, again).unwrap(), sheets.alone(&closed).unwrap());
                 assert!(apart(&found.unknowns, &expected.unknowns) < 1e-10);
                 assert_eq!((direct.factorisations(), direct.interface_work().complements), (1, 1));
             }
@@ -528,9 +531,9 @@ mod tests {
                 let sheets = Sheets::new(14, ties, 9, held);
                 let mut direct = Direct::with_interface(Interface { springs, ..Interface::default() });
                 // all open leaves the second sheet free unless it is held or tied; one row is enough
-                for bits in [511usize, 0, 16, 0] {
+                for (again, bits) in [(false, 511usize), (true, 0), (true, 16), (false, 0)] {
                     let closed: Vec<bool> = (0..ties + 9).map(|a| a >= ties && bits >> (a - ties) & 1 == 1).collect();
-                    let (found, expected) = (direct.solve_set(&sheets.system(), &closed), sheets.alone(&closed));
+                    let (found, expected) = (direct.solve_set(&sheets.system(), &closed, again), sheets.alone(&closed));
                     assert_eq!(found.is_err(), bits == 0 && ties == 0 && !held, "{springs} {ties} {held} {bits:b}");
                     match (found, expected) {
                         (Ok(a), Ok(b)) => assert!(apart(&a.unknowns, &b.unknowns) < 1e-10),
@@ -550,13 +553,13 @@ mod tests {
         let mut reaction = sheets.rows.clone();
         reaction.master.entries.pop();
         let mut direct = Direct::new();
-        let found = direct.solve_set(&ConstrainedSystem { reaction: Some(&reaction), ..sheets.system() }, &closed).unwrap();
+        let found = direct.solve_set(&ConstrainedSystem { reaction: Some(&reaction), ..sheets.system() }, &closed, false).unwrap();
         assert_eq!((found.method.as_str(), direct.interface_work().sets), ("saddle-point, LU", 0));
         // negative energy that no row takes
         let mut negative = Sheets::new(14, 2, 9, false);
         let (cols, vals) = negative.stiffness.row_mut(40);
         cols.zip(vals).filter(|(j, _)| *j == 40).for_each(|(_, v)| *v = -*v);
-        let found = direct.solve_set(&negative.system(), &closed).unwrap_err();
+        let found = direct.solve_set(&negative.system(), &closed, false).unwrap_err();
         assert_eq!(found, negative.alone(&closed).unwrap_err());
         assert!(matches!(found, SolveError::Linear(LinearError::Indefinite { .. })), "{found}");
         // as many rows as unknowns of a chain
@@ -580,10 +583,10 @@ mod tests {
         };
         let closed: Vec<bool> = (0..n).map(|i| i % 3 == 0).collect();
         let mut direct = Direct::new();
-        let found = direct.solve_set(&chain.system(), &closed).unwrap();
+        let found = direct.solve_set(&chain.system(), &closed, false).unwrap();
         assert_eq!(found.unknowns, chain.alone(&closed).unwrap().unknowns);
         assert_eq!(direct.interface_work().sets, 0);
-        direct.solve_set(&chain.system(), &vec![true; n]).unwrap();
+        direct.solve_set(&chain.system(), &vec![true; n], true).unwrap();
         assert_eq!(direct.analyses(), 1, "no analysis is needed to see that");
     }
 }

@@ -4,6 +4,7 @@
 
 mod active_set;
 mod augmented;
+mod complement;
 mod condensed;
 mod direct;
 mod free;
@@ -298,11 +299,18 @@ pub trait ConstraintSolver<T: Real = f64>: Debug + Send {
     fn solve(&mut self, system: &ConstrainedSystem<'_, T>) -> Result<ConstrainedSolution<T>, SolveError>;
 
     /// Solves `system` with a set of contact rows closed and all others open; `closed` has one entry per row, of which those of contact
-    /// rows are read. What one set teaches may serve the next: the rows that may close stay the same.
+    /// rows are read. What one set teaches may serve the next: the rows that may close stay the same. `again`: nothing of the system has
+    /// changed since the last call, which was this one with another set.
     ///
     /// # Errors
     /// As [`ConstraintSolver::solve`] of the system with closed rows as equalities.
-    fn solve_set(&mut self, system: &ConstrainedSystem<'_, T>, closed: &[bool]) -> Result<ConstrainedSolution<T>, SolveError> {
+    fn solve_set(
+        &mut self,
+        system: &ConstrainedSystem<'_, T>,
+        closed: &[bool],
+        again: bool,
+    ) -> Result<ConstrainedSolution<T>, SolveError> {
+        let _ = again;
         self.solve(&ConstrainedSystem { kind: &kinds_of_set(system.kind, closed), ..*system })
     }
 }
@@ -322,7 +330,12 @@ impl<T: Real, X: ConstraintSolver<T> + ?Sized> ConstraintSolver<T> for Box<X> {
         (**self).solve(system)
     }
 
-    fn solve_set(&mut self, system: &ConstrainedSystem<'_, T>, closed: &[bool]) -> Result<ConstrainedSolution<T>, SolveError> {
-        (**self).solve_set(system, closed)
+    fn solve_set(
+        &mut self,
+        system: &ConstrainedSystem<'_, T>,
+        closed: &[bool],
+        again: bool,
+    ) -> Result<ConstrainedSolution<T>, SolveError> {
+        (**self).solve_set(system, closed, again)
     }
 }

@@ -118,18 +118,7 @@ impl<'a> Scaled<'a> {
             scale_rows(b, &factor);
         }
         let compliance: Vec<f64> = (0..m).map(|i| system.compliance.get(i).map_or(0.0, |s| s * factor[i] * factor[i])).collect();
-        let far = system.offset.iter().fold(0.0, |a: f64, g| a.max(g.abs()));
-        let mut enforced = vec![false; m];
-        for i in 0..m {
-            enforced[i] = system.kind[i] == RowKind::Equal;
-            if enforced[i] && largest[i] == 0.0 && compliance[i] == 0.0 {
-                // 0 u + g = 0 says nothing, or cannot be met
-                if system.offset[i].abs() > 1e-12 * far || (m == 1 && system.offset[i] != 0.0) {
-                    return Err(SolveError::OverConstrained { row: i, rows: m });
-                }
-                enforced[i] = false;
-            }
-        }
+        let enforced = enforced(system, &rows)?;
         let offset = (0..m).map(|i| system.offset[i] * factor[i]).collect();
         let places = row_places(system, m, n);
         let symmetric = stiffness.is_symmetric(NO_SYMMETRY);
@@ -182,6 +171,57 @@ impl<'a> Scaled<'a> {
 
     pub(crate) fn num_rows(&self) -> usize {
         self.offset.len()
+    }
+}
+
+/// Which rows are enforced; those without entries are not, unless they are soft.
+fn enforced(system: &ConstrainedSystem<'_, f64>, rows: &Csr<f64>) -> Result<Vec<bool>, SolveError> {
+    let m = system.offset.len();
+    let far = system.offset.iter().fold(0.0, |a: f64, g| a.max(g.abs()));
+    let mut enforced: Vec<bool> = system.kind.iter().map(|&k| k == RowKind::Equal).collect();
+    for i in 0..m {
+        let soft = system.compliance.get(i).is_some_and(|&s| s != 0.0);
+        if enforced[i] && !soft && rows.row(i).1.iter().all(|&v| v == 0.0) {
+            // 0 u + g = 0 says nothing, or cannot be met
+            if system.offset[i].abs() > 1e-12 * far || (m == 1 && system.offset[i] != 0.0) {
+                return Err(SolveError::OverConstrained { row: i, rows: m });
+            }
+            enforced[i] = false;
+        }
+    }
+    Ok(enforced)
+}
+
+/// What [`Scaled`] has beside the caller's stiffness and load.
+#[derive(Debug)]
+pub(crate) struct Kept {
+    diagonal: Vec<f64>,
+    rows: Csr<f64>,
+    symmetric: bool,
+    reaction: Option<Csr<f64>>,
+    columns: Csr<f64>,
+    offset: Vec<f64>,
+    compliance: Vec<f64>,
+    k: Vec<f64>,
+    factor: Vec<f64>,
+    places: Vec<[f64; 3]>,
+}
+
+impl Kept {
+    /// Another set of the system that this was kept from.
+    pub(crate) fn with<'a>(self, system: &ConstrainedSystem<'a, f64>) -> Result<Scaled<'a>, SolveError> {
+        check_shape(system)?;
+        let Self { diagonal, rows, symmetric, reaction, columns, offset, compliance, k, factor, places } = self;
+        let (stiffness, load) = (system.stiffness.csr().ok_or(LinearError::NoMatrix)?, system.load);
+        let enforced = enforced(system, &rows)?;
+        Ok(Scaled { stiffness, diagonal, load, rows, symmetric, reaction, columns, offset, compliance, k, factor, enforced, places })
+    }
+}
+
+impl From<Scaled<'_>> for Kept {
+    fn from(s: Scaled<'_>) -> Self {
+        let Scaled { diagonal, rows, symmetric, reaction, columns, offset, compliance, k, factor, places, .. } = s;
+        Self { diagonal, rows, symmetric, reaction, columns, offset, compliance, k, factor, places }
     }
 }
 

@@ -13,12 +13,16 @@
 //!
 //! so that M⁻¹ + W F⁻¹ preconditions it: the count grows by about ten with every halving of the elements.
 //!
+//! Where rows are few beside the factor S is made as numbers, once for all sets of contact ([`super::complement`]): the iterations are the
+//! same, and none of them takes a solution with the factor.
+//!
 //! Source: Klawonn, Widlund, Comm. Pure Appl. Math. 54 (2001) 57-90 (weights); Stefanica, SIAM J. Sci. Comput. 23 (2001) 1135-1160 (mortars).
 
+use super::complement::{Complement, border};
 use super::penalised::penalised;
-use super::scale::{Scaled, gaps};
-use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
-use crate::linalg::{Csr, Ldlt, Limits, LinearError, LinearSolver, Operator, Sparsity, Upper, conjugate_gradients, product, sum};
+use super::scale::{Kept, Scaled, gaps};
+use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError, kinds_of_set};
+use crate::linalg::{Csr, DenseLdlt, Ldlt, Limits, LinearError, LinearSolver, Operator, Sparsity, Upper, conjugate_gradients, product, sum};
 use std::sync::Arc;
 
 /// Residual to which the conjugate gradients of one correction go; the next correction takes on from there.
@@ -38,6 +42,18 @@ pub struct Schur {
     rows: Ldlt,
     /// The pattern of a stiffness that is singular.
     floating: Option<Arc<Sparsity>>,
+    shared: Option<Shared>,
+    dense: DenseLdlt,
+    /// What all sets of a system have in common.
+    kept: Option<Kept>,
+}
+
+/// What the sets of a system share.
+#[derive(Debug)]
+struct Shared {
+    /// Springs inside the factor, on all rows; none where it is that of the stiffness itself.
+    springs: Option<Vec<f64>>,
+    complement: Complement,
 }
 
 impl Schur {
@@ -56,33 +72,66 @@ impl Schur {
         self.stiffness.factorisations() + self.penalised.factorisations()
     }
 
-    /// Factorises K where that is regular, K_W elsewhere; says whether it is K_W.
+    /// Factorises K where that is regular, K_W elsewhere, and makes S where that pays; says whether it is K_W.
     fn prepare(&mut self, s: &Scaled<'_>, part: &Parts, places: &[[f64; 3]]) -> Result<bool, LinearError> {
+        self.shared = None;
         if self.floating.as_ref() != Some(s.stiffness.pattern()) {
             match self.stiffness.prepare(s.stiffness) {
-                Ok(()) => return definite(&mut self.stiffness, s.stiffness).map(|()| false),
+                Ok(()) => {
+                    definite(&mut self.stiffness, s.stiffness)?;
+                    if let Some(border) = border(s, &self.stiffness) {
+                        self.shared = Some(Shared { springs: None, complement: Complement::of(s, &self.stiffness, border, &part.q)? });
+                    }
+                    return Ok(false);
+                }
                 Err(LinearError::Singular { .. }) => self.floating = Some(s.stiffness.pattern().clone()),
                 Err(other) => return Err(other),
             }
         }
+        let springs: Vec<f64> = (0..s.num_rows()).map(|a| spring(s, a)).collect();
+        let matrix = penalised(s, &s.columns, &springs, places);
+        self.penalised.analyse(&matrix)?;
+        let Some(border) = border(s, &self.penalised) else { return self.prepare_springs(s, part, places) };
+        self.penalised.prepare(&matrix)?;
+        definite(&mut self.penalised, &matrix)?;
+        let complement = Complement::of(s, &self.penalised, border, &part.q)?;
+        self.shared = Some(Shared { springs: Some(springs), complement });
+        Ok(true)
+    }
+
+    /// Factorises K_W with the rows of a set alone.
+    fn prepare_springs(&mut self, s: &Scaled<'_>, part: &Parts, places: &[[f64; 3]]) -> Result<bool, LinearError> {
+        self.shared = None;
         let matrix = penalised(s, &s.columns, &part.w, places);
         self.penalised.prepare(&matrix)?;
         definite(&mut self.penalised, &matrix).map(|()| true)
     }
 
-    /// (u, l, residual, iterations) with the factor of K or, where the bodies float, of K_W.
-    fn solved(&mut self, s: &Scaled<'_>, part: &Parts, floats: bool) -> Result<(Vec<f64>, Vec<f64>, f64, usize), LinearError> {
+    /// (u, l, residual, iterations) with the factor of K or, where the bodies float, of K_W; none where the factor is not for this set.
+    fn solved(&mut self, s: &Scaled<'_>, part: &Parts, floats: bool) -> Result<Option<(Vec<f64>, Vec<f64>, f64, usize)>, LinearError> {
         let m = s.num_rows();
         let factor = if floats { &self.penalised } else { &self.stiffness };
         let (w, f) = if floats { (part.w.clone(), part.f.clone()) } else { (vec![0.0; m], part.enforced.clone()) };
+        let set = match &self.shared {
+            Some(shared) => {
+                let Some(set) = shared.complement.of_set(s, factor, shared.springs.as_deref(), &mut self.dense)? else { return Ok(None) };
+                Some(set)
+            }
+            None => None,
+        };
+        let inverse = |v: &mut [f64]| match &set {
+            Some(set) => set.apply_inverse(v),
+            None => factor.apply_inverse(v),
+        };
+        let spread = self.shared.as_ref().map(|shared| &shared.complement.spread);
         self.rows.prepare(&part.n)?;
         let preconditioner = &self.rows;
-        s.iterated(&part.scale, &self.limits, INNER, |r1, r2, limits| {
+        let answer = s.iterated(&part.scale, &self.limits, INNER, |r1, r2, limits| {
             let pushed: Vec<f64> = (0..m).map(|a| w[a] * r2[a]).collect();
             let mut load = r1.to_vec();
             s.rows.add_transposed_mul(&pushed, &mut load);
             let mut u = load.clone();
-            factor.apply_inverse(&mut u)?;
+            inverse(&mut u)?;
             let mut b = vec![0.0; m];
             s.rows.mul(&u, &mut b);
             for a in 0..m {
@@ -92,18 +141,22 @@ impl Schur {
             let mut v = vec![0.0; s.num_unknowns()];
             let done = conjugate_gradients(
                 &mut |p, q| {
-                    v.fill(0.0);
                     let scaled: Vec<f64> = (0..m).map(|a| f[a] * p[a]).collect();
-                    s.rows.add_transposed_mul(&scaled, &mut v);
-                    factor.apply_inverse(&mut v)?;
-                    s.rows.mul(&v, q);
+                    if let Some(set) = &set {
+                        set.multiply(&scaled, q);
+                    } else {
+                        v.fill(0.0);
+                        s.rows.add_transposed_mul(&scaled, &mut v);
+                        factor.apply_inverse(&mut v)?;
+                        s.rows.mul(&v, q);
+                    }
                     for a in 0..m {
                         q[a] = f[a] * (q[a] + s.compliance[a] * p[a]);
                     }
                     Ok(())
                 },
                 &mut |r, z| {
-                    part.precondition(s, preconditioner, r, z)?;
+                    part.precondition(s, preconditioner, spread, r, z)?;
                     for a in 0..m {
                         z[a] = if part.enforced[a] == 0.0 { 0.0 } else { z[a] + w[a] / f[a] * r[a] };
                     }
@@ -121,10 +174,16 @@ impl Schur {
             for i in 0..du.len() {
                 du[i] = load[i] - du[i];
             }
-            factor.apply_inverse(&mut du)?;
+            inverse(&mut du)?;
             Ok((du, dl, done))
-        })
+        })?;
+        Ok(Some(answer))
     }
+}
+
+/// W of row `a`, whether it is enforced or not.
+fn spring(s: &Scaled<'_>, a: usize) -> f64 {
+    (1.0 / s.k[a]).min(0.5 / s.compliance[a])
 }
 
 /// Refuses a stiffness with negative energy.
@@ -149,7 +208,7 @@ impl Parts {
     fn of(s: &Scaled<'_>) -> Self {
         let m = s.num_rows();
         let enforced: Vec<f64> = s.enforced.iter().map(|&e| if e { 1.0 } else { 0.0 }).collect();
-        let w: Vec<f64> = (0..m).map(|a| if s.enforced[a] { (1.0 / s.k[a]).min(0.5 / s.compliance[a]) } else { 0.0 }).collect();
+        let w: Vec<f64> = (0..m).map(|a| if s.enforced[a] { spring(s, a) } else { 0.0 }).collect();
         let f = (0..m).map(|a| if s.enforced[a] { 1.0 - w[a] * s.compliance[a] } else { 0.0 }).collect();
         let largest = s.diagonal.iter().fold(0.0, |top: f64, d| top.max(d.abs()));
         let q: Vec<f64> = s.diagonal.iter().map(|d| 1.0 / if *d != 0.0 { d.abs() } else { largest.max(f64::MIN_POSITIVE) }).collect();
@@ -174,20 +233,25 @@ impl Parts {
     }
 
     /// z = N⁻¹ (C Q⁻¹ K Q⁻¹ Cᵀ + s) N⁻¹ r over the enforced rows.
-    fn precondition(&self, s: &Scaled<'_>, n: &Ldlt, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
+    /// `spread`: C Q⁻¹ K Q⁻¹ Cᵀ over all rows, where it is known.
+    fn precondition(&self, s: &Scaled<'_>, n: &Ldlt, spread: Option<&Csr<f64>>, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         let m = r.len();
         let mut t: Vec<f64> = (0..m).map(|a| self.enforced[a] * r[a]).collect();
         n.apply_inverse(&mut t)?;
         for a in 0..m {
             t[a] *= self.enforced[a];
         }
-        let mut v = vec![0.0; self.q.len()];
-        s.rows.add_transposed_mul(&t, &mut v);
-        v.iter_mut().zip(&self.q).for_each(|(v, q)| *v *= q);
-        let mut kv = vec![0.0; v.len()];
-        s.stiffness.mul(&v, &mut kv);
-        kv.iter_mut().zip(&self.q).for_each(|(v, q)| *v *= q);
-        s.rows.mul(&kv, z);
+        if let Some(spread) = spread {
+            spread.mul(&t, z);
+        } else {
+            let mut v = vec![0.0; self.q.len()];
+            s.rows.add_transposed_mul(&t, &mut v);
+            v.iter_mut().zip(&self.q).for_each(|(v, q)| *v *= q);
+            let mut kv = vec![0.0; v.len()];
+            s.stiffness.mul(&v, &mut kv);
+            kv.iter_mut().zip(&self.q).for_each(|(v, q)| *v *= q);
+            s.rows.mul(&kv, z);
+        }
         for a in 0..m {
             z[a] = self.enforced[a] * (z[a] + s.compliance[a] * t[a]);
         }
@@ -197,25 +261,55 @@ impl Parts {
 
 impl ConstraintSolver<f64> for Schur {
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
-        let s = Scaled::of(system)?;
+        self.solve_scaled(system, &Scaled::of(system)?, false)
+    }
+
+    fn solve_set(
+        &mut self,
+        system: &ConstrainedSystem<'_, f64>,
+        closed: &[bool],
+        again: bool,
+    ) -> Result<ConstrainedSolution<f64>, SolveError> {
+        let kind = kinds_of_set(system.kind, closed);
+        let of_set = ConstrainedSystem { kind: &kind, ..*system };
+        let s = match self.kept.take() {
+            Some(kept) if again => kept.with(&of_set)?,
+            _ => Scaled::of(&of_set)?,
+        };
+        let solved = self.solve_scaled(&of_set, &s, again);
+        self.kept = Some(s.into());
+        solved
+    }
+}
+
+impl Schur {
+    /// Solves `system`, which is `s`; `again`: the matrices are those of the last call.
+    fn solve_scaled(
+        &mut self,
+        system: &ConstrainedSystem<'_, f64>,
+        s: &Scaled<'_>,
+        again: bool,
+    ) -> Result<ConstrainedSolution<f64>, SolveError> {
         s.need_symmetry()?;
         let m = s.num_rows();
-        let part = Parts::of(&s);
+        let part = Parts::of(s);
         let places = system.stiffness.places();
-        let mut floats = self.prepare(&s, &part, places)?;
-        let mut answer = self.solved(&s, &part, floats);
-        if !floats && matches!(answer, Err(LinearError::Singular { .. })) {
-            // a stiffness on the brink of being singular
-            self.penalised.prepare(&penalised(&s, &s.columns, &part.w, places))?;
-            floats = true;
-            answer = self.solved(&s, &part, floats);
+        let mut floats = match &self.shared {
+            Some(shared) if again => shared.springs.is_some(),
+            _ => self.prepare(s, &part, places)?,
+        };
+        let mut answer = self.solved(s, &part, floats);
+        if matches!(answer, Ok(None)) || !floats && matches!(answer, Err(LinearError::Singular { .. })) {
+            // negative energy, or a stiffness on the brink of being singular
+            floats = self.prepare_springs(s, &part, places)?;
+            answer = self.solved(s, &part, floats);
         }
-        let (unknowns, l, residual, iterations) = answer?;
+        let (unknowns, l, residual, iterations) = answer?.ok_or(LinearError::Singular { residual: 1.0 })?;
         Ok(ConstrainedSolution {
             gap: gaps(system, &unknowns),
             unknowns,
             multipliers: (0..m).map(|a| s.factor[a] * l[a]).collect(),
-            active: s.enforced,
+            active: s.enforced.clone(),
             residual,
             condition: None,
             method: format!(

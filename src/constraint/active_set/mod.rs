@@ -241,7 +241,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
             for (k, &j) in measure.contact.iter().enumerate() {
                 closed[j] = attempt.state[k];
             }
-            match self.inner.solve_set(system, &closed) {
+            match self.inner.solve_set(system, &closed, iteration > 1 || number > 0) {
                 // with all rows closed nothing is left to try
                 Ok(solution) if attempt.state == all || solution.condition.is_none_or(|c| c * f64::EPSILON < 1.0) => {
                     return Ok(Tried::Solved(number, Box::new(solution)));
