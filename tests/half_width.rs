@@ -75,7 +75,7 @@ fn ball(backend: &str, middle: f64, length: f64, symmetry: bool) -> RunResult {
         &format!(
             "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\nbackend = \"{backend}\"\ndegree = 2\n\
              [[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
-             [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [{}, {}], max = [{}, 0] }}\nelements = [41, 12]\n\
+             [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [{}, {}], max = [{}, 0] }}\nelements = [101, 24]\n\
              [[boundary]]\non = \"b.bottom\"\nfix = [\"x\", \"y\"]\n\
              [[contact]]\nname = \"c\"\nslave = \"b.top\"\nsymmetry = {symmetry}\n\
              rigid = {{ kind = \"sphere\", center = [{}, {}], radius = {} }}\n",
@@ -98,34 +98,34 @@ fn a_zone_moves_with_what_presses_it_and_scales_with_its_length() {
         let widths: Vec<f64> = (0..6).map(|k| contact(&ball(backend, 0.01 * f64::from(k), 1.0, false), "c").half_width).collect();
         let (least, most) = widths.iter().fold((f64::INFINITY, 0.0f64), |(l, m), w| (l.min(*w), m.max(*w)));
         println!("{backend}: {widths:?}");
-        assert!(most / least < 1.02, "{backend}: {widths:?}");
+        assert!(most / least < 1.03, "{backend}: {widths:?}");
         let large = contact(&ball(backend, 0.02, 1e6, false), "c").half_width;
         close(large, 1e6 * widths[2], 1e-8, backend);
     }
 }
 
 #[test]
-fn a_uniform_pressure_ends_where_its_side_does_and_at_the_rim_of_what_it_faces() {
-    // a block between guides on a rigid box that ends at x = 0.63, within an element; and all of it on a plane
-    for (backend, rigid, wanted) in [
-        ("iga", "kind = \"half-plane\", point = [0, 0], normal = [0, 1]", 0.5),
-        ("fe", "kind = \"half-plane\", point = [0, 0], normal = [0, 1]", 0.5),
-        ("iga", "kind = \"box\", min = [-1, -1], max = [0.63, 0]", 0.315),
-        ("fe", "kind = \"box\", min = [-1, -1], max = [0.63, 0]", 0.315),
-    ] {
-        let result = solve(
-            &format!(
-                "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\nbackend = \"{backend}\"\ndegree = 2\n\
-                 [[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.0\n\
-                 [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [1, 1] }}\nelements = [10, 10]\n\
-                 [[boundary]]\non = \"b.top\"\ndirichlet = [\"0\", \"-0.01\"]\n[[boundary]]\non = [\"b.left\", \"b.right\"]\nfix = [\"x\"]\n\
-                 [[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nrigid = {{ {rigid} }}\n"
-            ),
-            &[],
-        );
-        // the points of slave integration reach the rim to within their weight
-        let share = if wanted == 0.5 { 1e-9 } else { 0.08 };
-        close(contact(&result, "c").half_width, wanted, share, &format!("{backend} {rigid}"));
+fn a_zone_ends_where_its_side_does_and_at_the_rim_of_what_it_faces() {
+    // a block on a plane; and on a block that ends at x = 0.63, within an element
+    for backend in ["iga", "fe"] {
+        for multiplier in ["p/p", "p/p-2"] {
+            let case = |more: &str, opponent: &str| {
+                format!(
+                    "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\nbackend = \"{backend}\"\ndegree = 2\n\
+                     [[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+                     [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [1, 1] }}\nelements = [10, 10]\n{more}\
+                     [[boundary]]\non = \"b.top\"\ndirichlet = [\"0\", \"-0.01\"]\n\
+                     [[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nmultiplier = \"{multiplier}\"\n{opponent}\n"
+                )
+            };
+            let plane = case("", "rigid = { kind = \"half-plane\", point = [0, 0], normal = [0, 1] }");
+            let below = "[[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, -1], max = [0.63, 0] }\nelements = [6, 8]\n\
+                         [[boundary]]\non = \"a.bottom\"\nfix = [\"x\", \"y\"]\n";
+            for (text, wanted) in [(plane, 0.5), (case(below, "master = \"a.top\""), 0.315)] {
+                let result = solve(&text, &[]);
+                close(contact(&result, "c").half_width, wanted, 1e-12, &format!("{backend} {multiplier} {wanted}"));
+            }
+        }
     }
 }
 
@@ -165,7 +165,7 @@ fn the_least_gap_is_that_of_a_point() {
 
 #[test]
 fn a_rate_that_no_study_finds_fails_in_a_run() {
-    let text = "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = \"x^3\"\n\
+    let text = "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = { u = \"x^3\" }\n\
                 [[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [2, 2]\n\
                 [[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n\
                 [[check]]\nname = \"order\"\nquantity = \"rate.error.u.L2\"\nabove = 1\n";

@@ -272,11 +272,8 @@ impl<T: Real> Unrolled<T> {
         let wanted = middle + (end.at - middle) * lit(TAIL);
         let same = (end.at - middle).abs() * lit(SAME_PLACE);
         let mut k = end.first;
-        // of two as near the first
-        while k + 1 < self.sections.len()
-            && self.starts[k + 1] < end.at - same
-            && (self.starts[k + 1] - wanted).abs() + same < (self.starts[k] - wanted).abs()
-        {
+        // of two as near the first; a single element says nothing of what lies within it
+        while k + 1 < end.last && (self.starts[k + 1] - wanted).abs() + same < (self.starts[k] - wanted).abs() {
             k += 1;
         }
         let begin = self.starts[k];
