@@ -351,9 +351,9 @@ impl Default for Registry {
 ///
 /// | name | `linear = "direct"` | `linear = "iterative"` |
 /// | --- | --- | --- |
-/// | saddle-point | LDLᵀ; LU without symmetry | MINRES without a factor; without symmetry GMRES with the symmetric factor |
+/// | saddle-point | LDLᵀ, one for all sets of contact where its rows are few; LU without symmetry | MINRES without a factor; without symmetry GMRES with the symmetric factor |
 /// | condensed | LDLᵀ of Tᵀ K T | conjugate gradients on it |
-/// | schur | conjugate gradients on C K⁻¹ Cᵀ over a factor of K | refused: it needs the factor |
+/// | schur | conjugate gradients on C K⁻¹ Cᵀ over a factor of K, as numbers where rows are few | refused: it needs the factor |
 /// | uzawa | augmented Lagrangian over a factor of K + Cᵀ W C | the same over conjugate gradients |
 fn solvers() -> Family<MakeSolver> {
     let mut solvers: Family<MakeSolver> = Family::new("constraint solver");

@@ -133,13 +133,7 @@ impl Interface {
     ///
     /// # Errors
     /// [`LinearError::Singular`] where a motion is left.
-    pub fn solve(
-        &mut self,
-        s: &Scaled<'_>,
-        contact: &[usize],
-        places: &[[f64; 3]],
-        again: bool,
-    ) -> Result<Option<Answer>, LinearError> {
+    pub fn solve(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]], again: bool) -> Result<Option<Answer>, LinearError> {
         if !again {
             self.plan(s, contact, places)?;
         }
@@ -387,8 +381,8 @@ mod tests {
     use super::*;
     use crate::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, RowKind, SolveError, kinds_of_set};
     use crate::coupling::Rows;
-    use crate::linalg::residual::trial_numbers;
     use crate::linalg::Triplets;
+    use crate::linalg::residual::trial_numbers;
 
     /// Two membranes of n x n nodes, the second above the first, which is held at one side: tied along one side or not, in contact along
     /// another, the contact rows graded and averaged over neighbours.
@@ -497,7 +491,11 @@ mod tests {
                     sheets.compliance = (0..ties + contact).map(entry).collect();
                 }
                 let mut direct = Direct::with_interface(Interface { springs, ..Interface::default() });
-                for (again, bits) in [511usize, 1, 0b1010_1010, 0b0_0001_1100, 0b1_0000_0001, 0b1_1110_0000, 3].into_iter().enumerate().map(|(k, bits)| (k % 3 > 0, bits)) {
+                for (again, bits) in [511usize, 1, 0b1010_1010, 0b0_0001_1100, 0b1_0000_0001, 0b1_1110_0000, 3]
+                    .into_iter()
+                    .enumerate()
+                    .map(|(k, bits)| (k % 3 > 0, bits))
+                {
                     let closed: Vec<bool> = (0..ties + contact).map(|a| a >= ties && bits >> (a - ties) & 1 == 1).collect();
                     let (found, expected) = (direct.solve_set(&sheets.system(), &closed, again).unwrap(), sheets.alone(&closed).unwrap());
                     assert_eq!(found.active, expected.active);

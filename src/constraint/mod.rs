@@ -299,7 +299,7 @@ pub trait ConstraintSolver<T: Real = f64>: Debug + Send {
     fn solve(&mut self, system: &ConstrainedSystem<'_, T>) -> Result<ConstrainedSolution<T>, SolveError>;
 
     /// Solves `system` with a set of contact rows closed and all others open; `closed` has one entry per row, of which those of contact
-    /// rows are read. What one set teaches may serve the next: the rows that may close stay the same. `again`: nothing of the system has
+    /// rows are read. What one set teaches may serve the next: the rows that may close stay the same. `_again`: nothing of the system has
     /// changed since the last call, which was this one with another set.
     ///
     /// # Errors
@@ -308,9 +308,8 @@ pub trait ConstraintSolver<T: Real = f64>: Debug + Send {
         &mut self,
         system: &ConstrainedSystem<'_, T>,
         closed: &[bool],
-        again: bool,
+        _again: bool,
     ) -> Result<ConstrainedSolution<T>, SolveError> {
-        let _ = again;
         self.solve(&ConstrainedSystem { kind: &kinds_of_set(system.kind, closed), ..*system })
     }
 }
@@ -330,12 +329,7 @@ impl<T: Real, X: ConstraintSolver<T> + ?Sized> ConstraintSolver<T> for Box<X> {
         (**self).solve(system)
     }
 
-    fn solve_set(
-        &mut self,
-        system: &ConstrainedSystem<'_, T>,
-        closed: &[bool],
-        again: bool,
-    ) -> Result<ConstrainedSolution<T>, SolveError> {
+    fn solve_set(&mut self, system: &ConstrainedSystem<'_, T>, closed: &[bool], again: bool) -> Result<ConstrainedSolution<T>, SolveError> {
         (**self).solve_set(system, closed, again)
     }
 }

@@ -22,7 +22,9 @@ use super::complement::{Complement, border};
 use super::penalised::penalised;
 use super::scale::{Kept, Scaled, gaps};
 use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError, kinds_of_set};
-use crate::linalg::{Csr, DenseLdlt, Ldlt, Limits, LinearError, LinearSolver, Operator, Sparsity, Upper, conjugate_gradients, product, sum};
+use crate::linalg::{
+    Csr, DenseLdlt, Ldlt, Limits, LinearError, LinearSolver, Operator, Sparsity, Upper, conjugate_gradients, product, sum,
+};
 use std::sync::Arc;
 
 /// Residual to which the conjugate gradients of one correction go; the next correction takes on from there.

@@ -50,7 +50,12 @@ impl<'a> Nodes<'a> {
             }
             SymbolicCholeskyRaw::Supernodal(s) => {
                 let (begin, end) = (s.supernode_begin()[k], s.supernode_end()[k]);
-                Node { begin, width: end - begin, below: s.supernode(k).pattern(), values: s.col_ptr_for_val()[k]..s.col_ptr_for_val()[k + 1] }
+                Node {
+                    begin,
+                    width: end - begin,
+                    below: s.supernode(k).pattern(),
+                    values: s.col_ptr_for_val()[k]..s.col_ptr_for_val()[k + 1],
+                }
             }
         }
     }

@@ -123,14 +123,7 @@ enum Half {
 }
 
 /// Half a solution on the nodes `chosen` (ascending), on all where there are none; with a node all those above it have to be among them.
-fn half<const R: usize>(
-    arch: Arch,
-    half: Half,
-    nodes: Nodes<'_>,
-    chosen: Option<&[usize]>,
-    factor: &[f64],
-    vectors: &mut [Vector<'_>; R],
-) {
+fn half<const R: usize>(arch: Arch, half: Half, nodes: Nodes<'_>, chosen: Option<&[usize]>, factor: &[f64], vectors: &mut [Vector<'_>; R]) {
     arch.dispatch(Sweep { half, nodes, chosen, factor, vectors });
 }
 

@@ -34,6 +34,10 @@ const BYTES_PER_SIMPLEX: f64 = 1200.0;
 const INDEX: f64 = 4.0;
 const NUMBER: f64 = 8.0;
 
+/// Numbers that the Schur complement of contact rows may have, and its share of the factor's numbers: as the solver decides.
+const FEW_SQUARE: f64 = (1 << 18) as f64;
+const SHARE_OF_FACTOR: f64 = 0.1;
+
 /// Sizes that a prediction is made of.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Need {
@@ -164,6 +168,15 @@ impl Need {
     pub fn add_entries(&mut self, count: f64) {
         self.entries += count;
         self.matrices += count * (2.0 * (NUMBER + INDEX) + 2.0 * NUMBER);
+    }
+
+    /// The Schur complement of `rows` contact rows beside one factor of all bodies: it and its dense factor, and the rows of separators that wait
+    /// while it is made, no more than the square root of the factor's numbers at a time. Many rows have a factor for every set instead.
+    pub fn add_interface(&mut self, rows: f64) {
+        let square = rows * rows;
+        if square <= FEW_SQUARE.max(SHARE_OF_FACTOR * self.factor) {
+            self.beside += NUMBER * (3.0 * square + rows * self.factor.sqrt());
+        }
     }
 
     /// The same system solved by iterations: vectors of the method in place of the factor.

@@ -56,6 +56,10 @@ pub fn predict<const S: usize, const N: usize>(model: &Model<S, N>, steps: usize
         let points = part.first.points.as_ref().map_or(0, |p| p.stiffness.entries.len());
         all.add_entries((points + part.first.rows.slave.entries.len() + part.first.rows.master.entries.len()) as f64);
     }
+    if factor {
+        let parts = model.contacts.iter().flat_map(|c| &c.parts);
+        all.add_interface(parts.map(|part| part.first.rows.slave.rows).sum::<usize>() as f64);
+    }
     if steps > 1 || !model.contacts.is_empty() {
         all.matrices += BYTES_TO_COMPARE * all.entries;
     }
