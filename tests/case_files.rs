@@ -928,7 +928,7 @@ fn the_base_case_is_typed_with_its_defaults() {
     let c = &case.contacts[0];
     assert!(matches!(&c.master, Master::Sides(s) if s.len() == 1));
     assert_eq!(c.gap.value(&Point::default().with_gap(0.25)), 0.25);
-    assert_eq!((c.active_set.max_iterations.value, c.active_set.c.value, c.reach.value), (30, 1.0, None));
+    assert_eq!((c.active_set.max_iterations.value, c.active_set.c.value, c.reach.value), (100, 1.0, None));
     assert_eq!(c.multiplier.value, Multiplier::Named("auto".into()));
     assert_eq!(case.steps.value, [1.0]);
     // places: the value of young stands on line 12
@@ -1108,7 +1108,7 @@ fn the_effective_case_reads_back_to_the_same_case() {
         "coupling = \"mortar\"",
         "integration = \"merged\"",
         "method = \"lagrange\"",
-        "max_iterations = 30",
+        "max_iterations = 100",
         "cells = \"tensor\"",
         "inside = false",
         "refine = 0",

@@ -359,7 +359,17 @@ fn an_endless_case_is_a_limit() {
 fn a_reason_stands_beside_numbers_only() {
     let at = folder();
     assert_eq!(code(&faying(at.path(), &["new", "hertz"])), 0);
-    let words = ["run", "hertz.toml", "--json", "--vtu", "none", "--set", "contact.0.active_set.max_iterations=1"];
+    let words = [
+        "run",
+        "hertz.toml",
+        "--json",
+        "--vtu",
+        "none",
+        "--set",
+        "contact.0.active_set.max_iterations=1",
+        "--set",
+        "contact.0.active_set.start=all",
+    ];
     let out = faying(at.path(), &words);
     assert_eq!(code(&out), 5);
     let document = json(&stdout(&out));

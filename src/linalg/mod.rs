@@ -2,9 +2,9 @@
 
 mod buffer;
 mod csr;
-mod dense;
 mod faer_analysis;
 mod faer_border;
+mod faer_dense;
 mod faer_fronts;
 mod faer_kernels;
 mod faer_ldlt;
@@ -35,8 +35,8 @@ mod upper;
 
 pub(crate) use buffer::Buffer;
 pub use csr::Csr;
-pub(crate) use dense::DenseLdlt;
 pub(crate) use faer_border::Border;
+pub(crate) use faer_dense::DenseLdlt;
 pub use faer_ldlt::Ldlt;
 pub use faer_lu::Lu;
 pub use gmres::Gmres;

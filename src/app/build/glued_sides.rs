@@ -16,7 +16,9 @@ const REACH: f64 = 0.25;
 pub(super) fn of<const S: usize, const N: usize>(case: &Case, couples: &Couples<S, N>) -> Vec<GluedSides> {
     let interfaces = case.interfaces.iter().zip(&couples.ties).filter(|(tie, _)| is_glue(&tie.coupling.value));
     let pairs = interfaces.flat_map(|(tie, list)| list.iter().map(|couple| (tie.name.value.clone(), couple)));
-    pairs.flat_map(|(interface, couple)| pairs_of(couple).into_iter().map(move |sides| GluedSides { interface: interface.clone(), sides })).collect()
+    pairs
+        .flat_map(|(interface, couple)| pairs_of(couple).into_iter().map(move |sides| GluedSides { interface: interface.clone(), sides }))
+        .collect()
 }
 
 /// The slave with each of its masters: greatest distance of its points to the nearest master, and the share of points that have it.

@@ -55,7 +55,7 @@ pub struct CoveredDual<const N: usize, T: Real = f64> {
 
 /// The dual multipliers of the side `space` over what `segments` cover of it; `constrained` ends have no free unknown.
 ///
-/// Functions are numbered as those of the side, the ones at constrained ends left out. On elements that are covered as a whole, or not at all,
+/// Functions are numbered as those of the side; the ones at constrained ends, and those that gave all their shares away, are left out. On elements that are covered as a whole, or not at all,
 /// they are those of [`dual`](super::dual()); where functions face nothing they have no weight.
 ///
 /// # Errors
@@ -84,9 +84,24 @@ pub fn dual_covered<const N: usize, T: Real>(
         pieces.push(piece);
         elements.push(Read::of(&in_order, &owner, &number, is_bernstein));
     }
+    let functions = drop_unused(functions, &mut pieces, &mut elements);
     let functions = Piecewise::new(&**space, functions, pieces);
     let reading = Reading { space: Arc::clone(space), functions: functions.num_functions(), elements };
     Ok(CoveredDual { functions, reading })
+}
+
+/// Numbers the functions that live on any element one after the other; returns how many they are. A function that gave all its shares away
+/// lives on none.
+fn drop_unused<T: Real>(functions: usize, pieces: &mut [Piece<T>], elements: &mut [Read]) -> usize {
+    let mut number = vec![0; functions];
+    pieces.iter().flat_map(|p| &p.ids).for_each(|&i| number[i] = 1);
+    let mut used = 0;
+    for n in &mut number {
+        (*n, used) = (used, used + *n);
+    }
+    let ids = pieces.iter_mut().flat_map(|p| &mut p.ids).chain(elements.iter_mut().flat_map(|e| &mut e.ids));
+    ids.for_each(|i| *i = number[*i]);
+    used
 }
 
 /// Whether the points of these pieces span an element: Gauss points tell where their piece begins and ends.
