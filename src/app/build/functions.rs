@@ -194,6 +194,7 @@ pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
                 slave: &part.slave.label,
                 patches: (part.slave.patch, masters),
                 functions,
+                along: " per component",
                 apart,
                 at: read.multiplier.at,
             });
@@ -211,6 +212,7 @@ pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
                 slave: &part.slave.label,
                 patches,
                 functions: psi.num_functions(),
+                along: " along the normal",
                 apart,
                 at: read.multiplier.at,
             });
@@ -222,9 +224,9 @@ pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
         let Some((patch, body)) = moving(&l.patches.0).or_else(|| l.patches.1.iter().find_map(moving)) else { continue };
         let (slave, name) = (&model.patches[l.patches.0].name, &model.patches[patch].name);
         let closed = if model.contacts.is_empty() { "" } else { ", even with every contact closed" };
-        let number = if l.functions == 1 { "one function".to_string() } else { format!("{} functions", l.functions) };
+        let number = if l.functions == 1 { "one function".to_string() } else { format!("{} functions", l.functions) } + l.along;
         let text = format!(
-            "the multiplier of \"{}\" on `{}` has too few functions ({number} per component) to hold body \"{name}\", which can still move: {}{closed}",
+            "the multiplier of \"{}\" on `{}` has too few functions ({number}) to hold body \"{name}\", which can still move: {}{closed}",
             l.name,
             l.slave,
             body.motions.join(", ")
@@ -243,6 +245,8 @@ struct Loose<'a> {
     /// Of the slave, and of its masters.
     patches: (usize, Vec<usize>),
     functions: usize,
+    /// What each set of functions acts on.
+    along: &'static str,
     apart: f64,
     at: Place,
 }
