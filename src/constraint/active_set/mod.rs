@@ -7,7 +7,7 @@
 //! and the first of an open one are zero by construction and taken as such: the result does not depend on c.
 //!
 //! - Rows whose functions share an element with an opening one open, too, while that leads on (`pivot`).
-//! - A state that comes back is a cycle; single exchanges lead out of it, the worst row first, at last those of least index (`pivot`).
+//! - A state that comes back is a cycle; single exchanges of least index lead out of it (`pivot`).
 //! - A singular system leaves a body free: part of the rows that were to open stay closed. A singular start gives way to all rows closed.
 //!   So does one whose condition exceeds 1 / ε: no digit of its answer is right. Where no part will do, the body is put on weak springs, and the set that is found on them is where the iteration begins again (`springs`).
 //! - The best iterate is kept: least norm of the force lambda_j s_j - min(0, lambda_j s_j + k_j gap_j / s_j).

@@ -9,9 +9,9 @@
 //!
 //! Wide steps come first, plain ones where the start is near the answer; [`PATIENCE`] systems without a new least number of wrong rows
 //! change from one to the other. A wide state that was there before gives way to the plain one. Where that was there, too, single wrong
-//! rows change, the one with the largest force first, until fewer rows are wrong than ever before; then all change at once again. Where
-//! single rows lead back, too, the one of least index comes first. With a positive definite matrix of the rows all phases end: the number
-//! of wrong rows falls with every cycle, and single exchanges of least index never repeat a state.
+//! rows change, the one of least index first, until fewer rows are wrong than ever before; then all change at once again. With a positive
+//! definite matrix of the rows all phases end: the number of wrong rows falls with every cycle, and single exchanges of least index never
+//! repeat a state.
 //!
 //! Sources: Murty, Linear Algebra Appl. 9 (1974) 65-108 (least index); Judice, Pires, Comput. Oper. Res. 21 (1994) 587-596;
 //! Portugal, Judice, Vicente, Math. Comp. 63 (1994) 625-643 (blocks with exchanges of least index between them).
@@ -49,15 +49,6 @@ pub(super) enum Next {
 /// Systems without a new least number of wrong rows after which wide and plain steps take turns.
 const PATIENCE: usize = 4;
 
-/// Which wrong row is exchanged first.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum First {
-    /// The one with the largest force: few systems, and no promise.
-    Worst,
-    /// The one of least index.
-    Least,
-}
-
 /// The memory of an iteration.
 #[derive(Debug)]
 pub(super) struct Pivot {
@@ -67,8 +58,8 @@ pub(super) struct Pivot {
     elements: Vec<Vec<usize>>,
     /// Whether the next step is wide.
     wide: bool,
-    /// Which row changes where one does at a time.
-    single: Option<First>,
+    /// Whether one row changes at a time.
+    single: bool,
     /// States since the last change between blocks and single exchanges, and when.
     visited: HashMap<Vec<bool>, usize>,
     /// All states so far.
@@ -90,7 +81,7 @@ impl Pivot {
             all,
             elements,
             wide,
-            single: None,
+            single: false,
             visited: HashMap::new(),
             states: Vec::new(),
             fewest: usize::MAX,
@@ -111,29 +102,23 @@ impl Pivot {
         }
         if wrong.len() < self.fewest {
             (self.fewest, self.waited) = (wrong.len(), 0);
-            if self.single.is_some() {
-                self.begin(None, state, iteration);
+            if self.single {
+                self.begin(false, state, iteration);
             }
-        } else if self.single.is_none() {
+        } else if !self.single {
             self.waited += 1;
         }
         if self.waited == PATIENCE {
             (self.wide, self.waited) = (!self.wide, 0);
         }
-        let mut tries = match self.single {
-            Some(first) => exchanges(state, &wrong, forces, first),
-            None => blocks(state, &wrong, forces),
-        };
-        let wide = if self.wide && self.single.is_none() { self.widened(state, &wrong) } else { None };
+        let mut tries = if self.single { exchanges(state, &wrong) } else { blocks(state, &wrong, forces) };
+        let wide = if self.wide && !self.single { self.widened(state, &wrong) } else { None };
         match wide.filter(|t| !self.visited.contains_key(&t.state)) {
             Some(wide) => tries.insert(0, wide),
-            None if self.single != Some(First::Least) && self.visited.contains_key(&tries[0].state) => {
-                let first = if self.single.is_none() { First::Worst } else { First::Least };
-                if first == First::Worst {
-                    self.note(&tries[0].state, iteration, rows);
-                }
-                self.begin(Some(first), state, iteration);
-                tries = exchanges(state, &wrong, forces, first);
+            None if !self.single && self.visited.contains_key(&tries[0].state) => {
+                self.note(&tries[0].state, iteration, rows);
+                self.begin(true, state, iteration);
+                tries = exchanges(state, &wrong);
             }
             None => {}
         }
@@ -169,7 +154,7 @@ impl Pivot {
     }
 
     /// Begins to change single rows, or all again.
-    fn begin(&mut self, single: Option<First>, state: &[bool], iteration: usize) {
+    fn begin(&mut self, single: bool, state: &[bool], iteration: usize) {
         self.single = single;
         self.visited.clear();
         self.visited.insert(state.to_vec(), iteration);
@@ -183,15 +168,9 @@ impl Pivot {
     }
 }
 
-/// One wrong row at a time.
-fn exchanges(state: &[bool], wrong: &[usize], forces: &Forces, first: First) -> Vec<Try> {
-    let mut rows = wrong.to_vec();
-    if first == First::Worst {
-        // of wrong rows one of both is zero or less
-        let force = |k: usize| forces.multiplier[k].max(-forces.gap[k]);
-        rows.sort_by(|&a, &b| force(b).total_cmp(&force(a)));
-    }
-    rows.iter().map(|&k| changed(state, &[k])).collect()
+/// One wrong row at a time, least index first.
+fn exchanges(state: &[bool], wrong: &[usize]) -> Vec<Try> {
+    wrong.iter().map(|&k| changed(state, &[k])).collect()
 }
 
 /// All wrong rows; where that is singular, of those that open the half that pulls most, a quarter, and so on to the worst and to none.
@@ -221,9 +200,9 @@ fn changed(state: &[bool], rows: &[usize]) -> Try {
 mod tests {
     use super::*;
 
-    /// Rows of `wrong` pull where they are closed and penetrate where they are open, the last one most.
+    /// Rows of `wrong` pull where they are closed and penetrate where they are open.
     fn forces(closed: &[bool], wrong: &[usize]) -> Forces {
-        let sign = |k: usize| if wrong.contains(&k) { 1.0 + k as f64 } else { -1.0 };
+        let sign = |k: usize| if wrong.contains(&k) { 1.0 } else { -1.0 };
         let rows = 0..closed.len();
         Forces {
             multiplier: rows.clone().map(|k| if closed[k] { sign(k) } else { 0.0 }).collect(),
@@ -297,17 +276,7 @@ mod tests {
         let mut pivot = line(6, true);
         after(&mut pivot, "110000", &[2], 1);
         after(&mut pivot, "111010", &[1], 2);
-        assert_eq!(after(&mut pivot, "111111", &[3, 5], 3), "111110");
+        assert_eq!(after(&mut pivot, "111111", &[3, 5], 3), "111011");
         assert_eq!(pivot.cycles, [Cycle { first: 2, second: 4, rows: vec![3, 5] }]);
-        // the worst row leads back: the one of least index
-        assert_eq!(after(&mut pivot, "111110", &[0, 5], 4), "011110");
-        assert_eq!(after(&mut pivot, "011110", &[2, 3], 5), "010110");
-        assert_eq!(pivot.cycles.len(), 1);
-        // fewer wrong rows than ever: all at once again
-        let mut pivot = line(6, true);
-        after(&mut pivot, "110000", &[2, 3, 4, 5], 1);
-        after(&mut pivot, "111000", &[1, 3, 4, 5], 2);
-        assert_eq!(after(&mut pivot, "111111", &[3, 4, 5], 3), "111110");
-        assert_eq!(after(&mut pivot, "111110", &[3, 4], 4), "110000");
     }
 }
