@@ -140,7 +140,7 @@ impl Problem {
             assert_eq!(problem.cone, "values", "{}", problem.text);
             problem.cone = "weights";
         }
-        if number % 4 == 0 {
+        if number.is_multiple_of(4) {
             let found = problem.from("\"auto\"");
             let last = rows(&found).iter().filter(|r| r.active).fold(0.0, |m: f64, r| m.max(r.x[0]));
             (problem.toward, problem.ratio) = (last, problem.ratio.min(0.03));
