@@ -133,8 +133,9 @@ impl Variant<'_> {
                 }
             }
             let squares: Vec<f64> = (0..LEVELS).map(|level| loads.clone().map(|l| (of(level, l) - 1.0).powi(2)).sum()).collect();
-            // what is given by balance has no order; a maximum has errors of both signs, overshoots and points that miss it
-            if first.name.ends_with(".max") {
+            // what is given by balance has no order; a maximum has errors of both signs, overshoots and points that miss it, and so has the
+            // end of a zone that is found within an element: errors of 0.5 % on the coarsest level that are there by chance
+            if first.name.ends_with(".max") || first.name.ends_with(".half_width") {
                 continue;
             }
             // and all else is seen through a reference that is finer than the coarsest level
