@@ -211,6 +211,9 @@ impl ConstraintSolver<f64> for Direct {
             Some(contact) => self.interface.solve(&s, &contact, system.stiffness.places(), again),
             None => Ok(None),
         };
+        if s.reaction.is_some() {
+            self.interface.forget();
+        }
         let solved = match shared {
             Ok(Some((u, l, size, condition))) => Ok(solution(&of_set, &s, DIRECT, (u, l, size), Some(condition))),
             Ok(None) => self.solve_alone(&of_set, &s),
@@ -218,6 +221,16 @@ impl ConstraintSolver<f64> for Direct {
         };
         self.kept = Some(s.into());
         solved
+    }
+
+    fn shares_factor(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<bool, SolveError> {
+        check_shape(system)?;
+        let kind = kinds_of_set(system.kind, &vec![true; system.kind.len()]);
+        let s = Scaled::of(&ConstrainedSystem { kind: &kind, ..*system })?;
+        match s.interface(system.kind) {
+            Some(contact) => Ok(self.interface.shares(&s, &contact, system.stiffness.places())?),
+            None => Ok(false),
+        }
     }
 }
 

@@ -27,7 +27,7 @@ const SETS: f64 = 8.0;
 const FACTORS: f64 = 7.0;
 /// S may have this share of the numbers of the factor; so many are always allowed.
 const SHARE: f64 = 0.1;
-const FEW: usize = 1 << 18;
+const FEW: usize = 1 << 21;
 /// Corrections of a motion that may be without resistance: S has fewer digits than it takes to tell.
 pub(super) const CORRECTIONS: usize = 2;
 
@@ -149,6 +149,18 @@ impl Interface {
             self.give_up();
         }
         answer
+    }
+
+    /// Whether the sets of `s` share one factor, from the analysis alone.
+    pub fn shares(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]]) -> Result<bool, LinearError> {
+        self.plan(s, contact, places)?;
+        Ok(self.plan.as_ref().is_some_and(|plan| plan.border.is_some()))
+    }
+
+    /// Lets go of everything: systems without symmetry need the room.
+    pub fn forget(&mut self) {
+        (self.plan, self.held, self.layout) = (None, None, None);
+        self.give_up();
     }
 
     /// Lets go of the factor, and of these numbers for good.

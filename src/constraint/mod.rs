@@ -95,6 +95,11 @@ pub enum ActiveSetEvent {
         /// Rows that were to change.
         wanted: usize,
     },
+    /// The start was the set of the system with C in place of B, whose sets share one factor.
+    Symmetric {
+        /// Its sets; they are no part of the iterations.
+        sets: usize,
+    },
     /// Every step left a body free: it was put on weak springs, and what was closed there is where the iteration began again without them.
     Springs {
         /// The iteration whose system was singular.
@@ -109,6 +114,7 @@ impl ActiveSetEvent {
     pub(crate) fn after(self, before: usize) -> Self {
         match self {
             Self::AllClosed { iteration } => Self::AllClosed { iteration: before + iteration },
+            Self::Symmetric { sets } => Self::Symmetric { sets },
             Self::Springs { iteration } => Self::Springs { iteration: before + iteration },
             Self::Part { iteration, changed, wanted } => Self::Part { iteration: before + iteration, changed, wanted },
             Self::Cycle(c) => Self::Cycle(Cycle { first: before + c.first, second: before + c.second, rows: c.rows }),
@@ -312,6 +318,14 @@ pub trait ConstraintSolver<T: Real = f64>: Debug + Send {
     ) -> Result<ConstrainedSolution<T>, SolveError> {
         self.solve(&ConstrainedSystem { kind: &kinds_of_set(system.kind, closed), ..*system })
     }
+
+    /// Whether all sets of the contact rows of `system` share one factor in [`ConstraintSolver::solve_set`].
+    ///
+    /// # Errors
+    /// [`SolveError`] where the system itself is at fault.
+    fn shares_factor(&mut self, _system: &ConstrainedSystem<'_, T>) -> Result<bool, SolveError> {
+        Ok(false)
+    }
 }
 
 /// Kinds of rows with a set of the contact rows closed, the others open.
@@ -331,5 +345,9 @@ impl<T: Real, X: ConstraintSolver<T> + ?Sized> ConstraintSolver<T> for Box<X> {
 
     fn solve_set(&mut self, system: &ConstrainedSystem<'_, T>, closed: &[bool], again: bool) -> Result<ConstrainedSolution<T>, SolveError> {
         (**self).solve_set(system, closed, again)
+    }
+
+    fn shares_factor(&mut self, system: &ConstrainedSystem<'_, T>) -> Result<bool, SolveError> {
+        (**self).shares_factor(system)
     }
 }

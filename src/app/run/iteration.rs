@@ -20,6 +20,8 @@ pub fn summary(report: &ActiveSetReport) -> ActiveSetSummary {
 /// What happened beside nominal steps.
 fn note(event: &ActiveSetEvent) -> String {
     match event {
+        ActiveSetEvent::Symmetric { sets: 1 } => "start: the set of the symmetric system, found in one set of one factor".into(),
+        ActiveSetEvent::Symmetric { sets } => format!("start: the set of the symmetric system, found in {sets} sets of one factor"),
         ActiveSetEvent::AllClosed { iteration: 1 } => "iteration 1: the start left a body free; all rows were closed".into(),
         ActiveSetEvent::AllClosed { iteration } => format!("iteration {iteration}: the step left a body free; all rows were closed"),
         ActiveSetEvent::Part { iteration, changed, wanted } => {

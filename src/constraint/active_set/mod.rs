@@ -6,6 +6,7 @@
 //! keeps its state: all nine combinations of signs are decided, none by rounding. In a linear system the second term of an active row
 //! and the first of an open one are zero by construction and taken as such: the result does not depend on c.
 //!
+//! - Where every set takes a factor of its own, the set of a symmetric system beside it is the first guess (`first_guess`).
 //! - Rows whose functions share an element with an opening one open, too, while that leads on (`pivot`).
 //! - A state that comes back is a cycle; single exchanges of least index lead out of it (`pivot`).
 //! - A singular system leaves a body free: part of the rows that were to open stay closed. A singular start gives way to all rows closed.
@@ -15,6 +16,7 @@
 //! Sources: Hintermueller, Ito, Kunisch, SIAM J. Optim. 13 (2002) 865-888 (active sets as Newton's method); Alart, Curnier, Comput.
 //! Methods Appl. Mech. Eng. 92 (1991) 353-375 (c); the nine cases: Brivadis, defence slides, Pavia 2017.
 
+mod first_guess;
 mod forces;
 mod pivot;
 mod springs;
@@ -145,6 +147,27 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
     /// # Errors
     /// [`SolveError::Stopped`] where `goes_on` says no, and all others of [`ConstraintSolver::solve`].
     pub fn solve_watched(
+        &mut self,
+        system: &ConstrainedSystem<'_, f64>,
+        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+    ) -> Result<ConstrainedSolution<f64>, SolveError> {
+        let Some(guess) = self.guess(system, goes_on)? else { return self.from_start(system, goes_on) };
+        let start = std::mem::replace(&mut self.start, guess.closed.clone());
+        let near = std::mem::replace(&mut self.near, true);
+        let ended = self.iterate(system, goes_on);
+        (self.start, self.near) = (start, near);
+        match ended {
+            Ok(mut solution) => {
+                solution.active_set.iter_mut().for_each(|report| guess.told(report));
+                Ok(solution)
+            }
+            Err(SolveError::Stopped { iterations, best }) => Err(SolveError::Stopped { iterations, best }),
+            Err(_) => self.from_start(system, goes_on),
+        }
+    }
+
+    /// Solves `system` from the start, on springs where that leaves a body free.
+    fn from_start(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
         goes_on: &mut dyn FnMut(IterationNews) -> bool,

@@ -9,9 +9,9 @@
 //!
 //! Wide steps come first, plain ones where the start is near the answer; [`PATIENCE`] systems without a new least number of wrong rows
 //! change from one to the other. A wide state that was there before gives way to the plain one. Where that was there, too, single wrong
-//! rows change, the one of least index first, until fewer rows are wrong than ever before; then all change at once again. With a positive
-//! definite matrix of the rows all phases end: the number of wrong rows falls with every cycle, and single exchanges of least index never
-//! repeat a state.
+//! rows change, the one of least index first, until fewer rows are wrong than ever before, or [`EXCHANGES`] rows have changed, twice as
+//! many after every cycle; then all change at once again. With a positive definite matrix of the rows that ends: single exchanges of least
+//! index never repeat a state, so that they end where there are enough of them.
 //!
 //! Sources: Murty, Linear Algebra Appl. 9 (1974) 65-108 (least index); Judice, Pires, Comput. Oper. Res. 21 (1994) 587-596;
 //! Portugal, Judice, Vicente, Math. Comp. 63 (1994) 625-643 (blocks with exchanges of least index between them).
@@ -49,6 +49,9 @@ pub(super) enum Next {
 /// Systems without a new least number of wrong rows after which wide and plain steps take turns.
 const PATIENCE: usize = 4;
 
+/// Single exchanges after the first cycle. All of them take long where the state that came back is far from the answer.
+const EXCHANGES: usize = 4;
+
 /// The memory of an iteration.
 #[derive(Debug)]
 pub(super) struct Pivot {
@@ -58,8 +61,10 @@ pub(super) struct Pivot {
     elements: Vec<Vec<usize>>,
     /// Whether the next step is wide.
     wide: bool,
-    /// Whether one row changes at a time.
-    single: bool,
+    /// How often one row will change before all change at once again.
+    single: usize,
+    /// Single exchanges after the next cycle.
+    exchanges: usize,
     /// States since the last change between blocks and single exchanges, and when.
     visited: HashMap<Vec<bool>, usize>,
     /// All states so far.
@@ -81,7 +86,8 @@ impl Pivot {
             all,
             elements,
             wide,
-            single: false,
+            single: 0,
+            exchanges: EXCHANGES,
             visited: HashMap::new(),
             states: Vec::new(),
             fewest: usize::MAX,
@@ -100,24 +106,29 @@ impl Pivot {
         if wrong.is_empty() {
             return Next::Settled;
         }
-        if wrong.len() < self.fewest {
-            (self.fewest, self.waited) = (wrong.len(), 0);
-            if self.single {
-                self.begin(false, state, iteration);
+        let fewer = wrong.len() < self.fewest;
+        if self.single > 0 {
+            self.single = if fewer { 0 } else { self.single - 1 };
+            if self.single == 0 {
+                self.begin(state, iteration);
             }
-        } else if !self.single {
+        } else {
             self.waited += 1;
+        }
+        if fewer {
+            (self.fewest, self.waited) = (wrong.len(), 0);
         }
         if self.waited == PATIENCE {
             (self.wide, self.waited) = (!self.wide, 0);
         }
-        let mut tries = if self.single { exchanges(state, &wrong) } else { blocks(state, &wrong, forces) };
-        let wide = if self.wide && !self.single { self.widened(state, &wrong) } else { None };
+        let mut tries = if self.single > 0 { exchanges(state, &wrong) } else { blocks(state, &wrong, forces) };
+        let wide = if self.wide && self.single == 0 { self.widened(state, &wrong) } else { None };
         match wide.filter(|t| !self.visited.contains_key(&t.state)) {
             Some(wide) => tries.insert(0, wide),
-            None if !self.single && self.visited.contains_key(&tries[0].state) => {
+            None if self.single == 0 && self.visited.contains_key(&tries[0].state) => {
                 self.note(&tries[0].state, iteration, rows);
-                self.begin(true, state, iteration);
+                self.begin(state, iteration);
+                (self.single, self.exchanges) = (self.exchanges, 2 * self.exchanges);
                 tries = exchanges(state, &wrong);
             }
             None => {}
@@ -153,9 +164,8 @@ impl Pivot {
         (rows.len() > wrong.len() && next.state.contains(&true)).then_some(next)
     }
 
-    /// Begins to change single rows, or all again.
-    fn begin(&mut self, single: bool, state: &[bool], iteration: usize) {
-        self.single = single;
+    /// Forgets the states that were there.
+    fn begin(&mut self, state: &[bool], iteration: usize) {
         self.visited.clear();
         self.visited.insert(state.to_vec(), iteration);
     }
