@@ -182,6 +182,41 @@ fn where_all_is_covered_nothing_changes() {
     }
 }
 
+#[test]
+fn points_of_an_element_that_several_masters_share_cover_it() {
+    // as slave integration has them: a Gauss rule per element, its points shared out
+    let space = side(Kind::Spline, 3, false);
+    let whole = cover(&*space, &[[0.0, 1.0]; 4], 6);
+    for shares in [[1, 5], [2, 4], [3, 3], [5, 1]] {
+        let mut shared = Segments::new();
+        for piece in 0..whole.num_pieces() {
+            let points = whole.points(piece);
+            let mut from = points.start;
+            for (master, count) in shares.into_iter().enumerate() {
+                let own = (from..from + count).map(|q| (whole.slave_xi[q], whole.slave_xi[q], whole.ds[q]));
+                shared.push_piece(whole.slave[piece], master, own);
+                from += count;
+            }
+        }
+        let of = |segments: &Segments<1>| build_covered(&space, &[], segments);
+        let (a, b) = (of(&shared).unwrap(), of(&whole).unwrap());
+        let (mut one, mut other) = (ShapeTable::new(), ShapeTable::new());
+        for element in 0..4 {
+            let xi = [Vector::<1>::new(0.37)];
+            a.functions.tabulate(element, &xi, Order::Values, &mut one);
+            b.functions.tabulate(element, &xi, Order::Values, &mut other);
+            assert_eq!(one.values(0), other.values(0), "{shares:?}");
+        }
+    }
+    // a point that is missing is a part that is not covered
+    let mut lost = Segments::new();
+    for piece in 0..whole.num_pieces() {
+        let points = if piece == 1 { whole.points(piece).start + 1..whole.points(piece).end } else { whole.points(piece) };
+        lost.push_piece(whole.slave[piece], 0, points.map(|q| (whole.slave_xi[q], whole.slave_xi[q], whole.ds[q])));
+    }
+    assert!(matches!(build_covered(&space, &[], &lost), Err(MultiplierError::NoDual { .. })));
+}
+
 /// A block on another that ends at x = 1 + `share` / 5, within an element of its own, the rest hanging over.
 fn overhang(backend: &str, degree: usize, share: f64, multiplier: &str) -> String {
     format!(

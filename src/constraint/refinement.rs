@@ -10,7 +10,7 @@ use crate::linalg::{Limits, LinearError};
 /// Corrections of an iterative method: each gains several digits.
 const MAX_CORRECTIONS: usize = 20;
 
-/// Gaps below this part of the largest unknown, both in scaled rows, are its rounding.
+/// Gaps below this part of the largest unknown, or of the largest force over its stiffness, all in scaled rows, are rounding.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// A solution and what it leaves over.
@@ -112,8 +112,8 @@ impl Scaled<'_> {
             sum.add_product(self.compliance[a], l[a]);
             (sum.value(), [sum.value().abs() / self.k[a], sum.size / self.k[a]])
         });
-        // rows that hold their unknowns at zero have no terms but rounding: that of the unknowns is no residual
-        let unknown = u.iter().fold(0.0, |m, &v| max(m, v.abs()));
+        // rows that hold their unknowns at zero have no terms but rounding: that of the unknowns, or of what the forces would move, is no residual
+        let unknown = u.iter().fold(bottom1, |m, &v| max(m, v.abs()));
         let second = if top2 <= ROUNDING * unknown { 0.0 } else { relative(top2, bottom2) };
         max(relative(top1, bottom1), second)
     }

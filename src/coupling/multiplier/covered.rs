@@ -104,8 +104,16 @@ fn drop_unused<T: Real>(functions: usize, pieces: &mut [Piece<T>], elements: &mu
     used
 }
 
-/// Whether the points of these pieces span an element: Gauss points tell where their piece begins and ends.
+/// Whether the points of these pieces span an element. They are the Gauss points of the element, shared out among the masters, or each
+/// piece has its own, which tell where it begins and ends.
 fn is_whole<T: Real>(segments: &Segments<1, T>, pieces: &[Range<usize>]) -> bool {
+    let mut all: Vec<f64> = pieces.iter().flat_map(|p| &segments.slave_xi[p.clone()]).map(|xi| to_f64(xi[0])).collect();
+    all.sort_by(f64::total_cmp);
+    let mut rule: Vec<f64> = gauss_legendre::<f64>(all.len()).points.iter().map(|x| x[0]).collect();
+    rule.sort_by(f64::total_cmp);
+    if all.iter().zip(&rule).all(|(a, b)| (a - b).abs() < WHOLE) {
+        return true;
+    }
     let width = |points: &Range<usize>| {
         let xi = segments.slave_xi[points.clone()].iter().map(|xi| xi[0]);
         let spread = xi.clone().fold(T::zero(), |m, x| m.max(x)) - xi.fold(T::one(), |m, x| m.min(x));
