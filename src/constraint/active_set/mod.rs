@@ -151,7 +151,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
         system: &ConstrainedSystem<'_, f64>,
         goes_on: &mut dyn FnMut(IterationNews) -> bool,
     ) -> Result<ConstrainedSolution<f64>, SolveError> {
-        let Some(guess) = self.guess(system, goes_on)? else { return self.from_start(system, goes_on) };
+        let Some(guess) = self.guess(system, goes_on)? else { return self.without_guess(system, goes_on) };
         let start = std::mem::replace(&mut self.start, guess.closed.clone());
         let near = std::mem::replace(&mut self.near, true);
         let ended = self.iterate(system, goes_on);
@@ -162,12 +162,12 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
                 Ok(solution)
             }
             Err(SolveError::Stopped { iterations, best }) => Err(SolveError::Stopped { iterations, best }),
-            Err(_) => self.from_start(system, goes_on),
+            Err(_) => self.without_guess(system, goes_on),
         }
     }
 
     /// Solves `system` from the start, on springs where that leaves a body free.
-    fn from_start(
+    fn without_guess(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
         goes_on: &mut dyn FnMut(IterationNews) -> bool,
