@@ -3,8 +3,8 @@
 //! Run by `cargo bench --bench gmsh_reader`. Files are made in memory and for meshio written to a temporary folder.
 #![allow(clippy::unwrap_used)]
 
-use faying::io::files::gmsh::{parse, write};
-use faying::io::files::{CellShape, Format, Group, Limits, MeshBlock, MeshFile};
+use faying_files::gmsh::{parse, write};
+use faying_files::{CellShape, Format, Group, Limits, MeshBlock, MeshFile};
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;

@@ -25,7 +25,7 @@
 //! A folder is a floor, imports point down only, and a test enforces it:
 //!
 //! ```text
-//! linalg < quadrature < basis < geometry < space < assembly < physics < coupling < constraint < contact < io < app < bin
+//! linalg < quadrature < basis < geometry < space < assembly < physics < coupling < constraint < contact
 //!                                         check (public contract tests) may use everything up to contact
 //! ```
 //!
@@ -42,13 +42,9 @@
 //! | [`constraint`] | saddle points, condensation, Schur complements, Uzawa, the active set |
 //! | [`contact`] | obstacles, gaps, pressures, cones, Nitsche's method |
 //! | [`check`] | contract tests for everything above: run them on your own types |
-#![cfg_attr(feature = "cli", doc = "| [`io`] | case files, formulas, errors with places, geometry and mesh files, VTU, SVG, tables |")]
-#![cfg_attr(feature = "cli", doc = "| [`app`] | names, models, runs, the command line |")]
 //!
-#![cfg_attr(
-    feature = "cli",
-    doc = "The theory of tying and of contact, with an example of every choice: [`guide::mortar_theory`], [`guide::contact`]."
-)]
+//! Readers and writers of files are the crate `faying-files`, the program and its case files `faying-cli`; its guide has the theory of
+//! tying and of contact, with an example of every choice.
 //!
 //! # What the traits learnt from their first implementors
 //!
@@ -85,10 +81,7 @@
 //! - One loop in the plain order of elements serves every space and is what the quick ones are tested against; which of them a space takes
 //!   shows in no signature.
 //!
-//! # Features
-//!
-//! `cli` (default) adds the program, its case files and its reports; with `default-features = false` the numerics build
-//! alone. The crate needs Rust 1.90.
+//! The crate needs Rust 1.90.
 
 pub mod assembly;
 pub mod basis;
@@ -101,10 +94,3 @@ pub mod linalg;
 pub mod physics;
 pub mod quadrature;
 pub mod space;
-
-#[cfg(feature = "cli")]
-pub mod app;
-#[cfg(feature = "cli")]
-pub mod guide;
-#[cfg(feature = "cli")]
-pub mod io;

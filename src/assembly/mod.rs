@@ -36,7 +36,7 @@ pub use places::places;
 pub(crate) use plain::element_stiffness;
 pub use reduce::{Equation, Reduced, ReductionError};
 pub use rim::{Pinned, Rim};
-pub(crate) use rules::element_rule;
+pub use rules::element_rule;
 pub use rules::{gauss_rules, gauss_rules_along, points_of_curved_cells};
 pub(crate) use scratch::{Scratch, inverse_or_nan};
 

@@ -36,7 +36,7 @@ pub fn gauss_rules_along<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(basis
 }
 
 /// The rule of [`gauss_rules`] of one element, its only one.
-pub(crate) fn element_rule<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(
+pub fn element_rule<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(
     basis: &B,
     element: usize,
     extra: usize,

@@ -39,7 +39,6 @@ pub(crate) use unstructured::corner_places;
 
 /// The reference cell of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
 pub enum Cell {
     /// Unit interval, square, cube.
     Tensor,

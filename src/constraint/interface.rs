@@ -573,7 +573,7 @@ mod tests {
         assert_eq!(found, negative.alone(&closed).unwrap_err());
         assert!(matches!(found, SolveError::Linear(LinearError::Indefinite { .. })), "{found}");
         // as many rows as unknowns of a chain
-        let n = 900;
+        let n = 1600;
         let (mut k, mut rows) = (Triplets::new(n, n), Triplets::new(n, n));
         for i in 0..n {
             k.push(i, i, 2.0);

@@ -192,7 +192,7 @@ pub struct ConstrainedSolution<T: Real = f64> {
 
 impl<T: Real> ConstrainedSolution<T> {
     /// The same with what was done before it in its report.
-    pub(crate) fn done_after(mut self, before: &ActiveSetReport) -> Self {
+    pub fn done_after(mut self, before: &ActiveSetReport) -> Self {
         self.active_set = Some(self.active_set.take().unwrap_or_default().after(before));
         self
     }

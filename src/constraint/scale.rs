@@ -7,7 +7,7 @@
 
 use super::{ConstrainedSystem, RowKind, SolveError};
 use crate::coupling::Rows;
-use crate::linalg::solver::NO_SYMMETRY;
+use crate::linalg::NO_SYMMETRY;
 use crate::linalg::{Csr, LinearError, Operator, Real, Triplets};
 
 /// What a constraint row weighs.

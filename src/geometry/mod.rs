@@ -32,7 +32,7 @@ pub use hull::hull;
 pub use net::{ControlNet, NetError};
 pub use net_moves::{turn, turn_about};
 pub use sag::Sag;
-pub(crate) use sampler::Sampler;
+pub use sampler::Sampler;
 
 /// Positions and derivatives of a map at a batch of points; caller-owned, keeps its memory between calls.
 #[derive(Clone, Debug)]

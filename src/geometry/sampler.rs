@@ -9,7 +9,7 @@ const KEPT: usize = 64;
 
 /// A geometry with the tables of its map at sets of points, one per reference cell and set.
 #[derive(Debug)]
-pub(crate) struct Sampler<'a, const D: usize, const N: usize, T: Real, G: ?Sized> {
+pub struct Sampler<'a, const D: usize, const N: usize, T: Real, G: ?Sized> {
     geometry: &'a G,
     control: Option<Control<'a, D, N, T>>,
     order: Order,

@@ -58,7 +58,7 @@ pub enum LinearError {
 }
 
 /// Defects of symmetry up to this share of the entries beside them are rounding.
-pub(crate) const NO_SYMMETRY: f64 = 1e-9;
+pub const NO_SYMMETRY: f64 = 1e-9;
 
 /// A method for A x = b.
 pub trait LinearSolver<T: Real = f64>: Debug + Send {

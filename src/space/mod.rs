@@ -43,9 +43,7 @@ pub use mesh_from_cells::MAX_ORDER;
 pub use multipatch::{JoinedSide, MultiPatch, MultiPatchError, Seam};
 pub use patch::Patch;
 pub use quality::{InvertedElement, Quality, measure, quality};
-pub use refine_cells::refine_cells;
-#[cfg(feature = "cli")]
-pub(crate) use refine_cells::{corner_places, facet_key, facets, nodes_per_cell};
+pub use refine_cells::{corner_places, facet_key, facets, nodes_per_cell, refine_cells};
 pub use spec::{BasisKind, MAX_DEGREE_SIMPLEX, MAX_DEGREE_SPLINE, MAX_DEGREE_TENSOR, Mapping, PatchSpec, SpecError};
 pub use trace::Trace;
 

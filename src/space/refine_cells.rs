@@ -35,7 +35,7 @@ pub(crate) fn lattice(cell: Cell, n: usize, m: usize) -> Vec<Steps> {
 }
 
 /// Number of points of a cell of dimension `n`.
-pub(crate) fn nodes_per_cell(cell: Cell, n: usize, order: usize) -> usize {
+pub fn nodes_per_cell(cell: Cell, n: usize, order: usize) -> usize {
     match cell {
         Cell::Tensor => (order + 1).pow(n as u32),
         Cell::Simplex => (1..=n).fold(1, |m, k| m * (order + k) / k),
@@ -47,8 +47,8 @@ pub(crate) fn corners(cell: Cell, n: usize) -> Vec<Steps> {
     lattice(cell, n, 1)
 }
 
-/// Corners of every facet of the reference cell as places in [`corners`].
-pub(crate) fn facets(cell: Cell, n: usize) -> Vec<Vec<usize>> {
+/// Corners of every facet of the reference cell as numbers of its corners, which follow the lattice, first axis fastest.
+pub fn facets(cell: Cell, n: usize) -> Vec<Vec<usize>> {
     let all = corners(cell, n);
     let on = |keep: &dyn Fn(&Steps) -> bool| -> Vec<usize> { (0..all.len()).filter(|c| keep(&all[*c])).collect() };
     let mut out = Vec::new();
@@ -65,7 +65,7 @@ pub(crate) fn facets(cell: Cell, n: usize) -> Vec<Vec<usize>> {
 }
 
 /// The same facet whatever the order of its corners.
-pub(crate) fn facet_key(corners: impl Iterator<Item = usize>) -> [usize; 4] {
+pub fn facet_key(corners: impl Iterator<Item = usize>) -> [usize; 4] {
     let mut key = [usize::MAX; 4];
     for (place, corner) in key.iter_mut().zip(corners) {
         *place = corner;
@@ -208,7 +208,7 @@ fn register(block: &CellBlock, n: usize, known: &mut HashMap<Key, usize>) {
 }
 
 /// Places of the corners among the nodes of a cell.
-pub(crate) fn corner_places(cell: Cell, n: usize, order: usize) -> Vec<usize> {
+pub fn corner_places(cell: Cell, n: usize, order: usize) -> Vec<usize> {
     let nodes = lattice(cell, n, order);
     let place = |c: &Steps| nodes.iter().position(|x| (0..3).all(|k| x[k] == c[k] * order)).expect("a corner is a node");
     corners(cell, n).iter().map(place).collect()

@@ -1,10 +1,8 @@
 //! Patches whose functions are products, of every kind, and their copies that hide it: what the suites of `assembly::tensor` share.
 #![allow(dead_code, clippy::unwrap_used)]
 
-#[path = "plain.rs"]
-mod plain;
 #[allow(unused_imports)]
-pub use plain::{Plain, apart, largest};
+pub use super::plain::{Plain, apart, largest};
 
 use faying::assembly::{Coefficient, Form, Tangent};
 use faying::basis::{BSpline, Basis, Elements, LagrangeLine, Order, Rational, Refined, TensorProduct};

@@ -1,7 +1,5 @@
 //! Maps, spaces and bodies of both backends, of traces of any body and of deformed spaces.
 
-#![allow(clippy::unwrap_used)]
-
 use faying::basis::{BSpline, Basis, Cell, Elements, LagrangeLine, Order, Polynomials, Rational, ShapeTable, TensorProduct};
 use faying::check;
 use faying::geometry::{Bounds, ControlNet, ControlPoints, Embedded, Embedding, Geometry, MapTable, shapes};

@@ -6,7 +6,9 @@
 mod allocation;
 mod basis;
 mod bodies;
+mod floors;
 mod forwarding;
+mod geometry;
 mod net;
 mod quadrature;
 mod splines;

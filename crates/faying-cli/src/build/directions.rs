@@ -1,0 +1,79 @@
+//! Along which directions the functions of a contact side are pressed, and along which they cannot move.
+
+use super::model::{Against, Model, SideModel};
+use faying::basis::{Order, ShapeTable};
+use faying::geometry::{ClosestPoint, MapTable, cell};
+use faying::linalg::Vector;
+use std::collections::HashMap;
+
+/// Functions with less than this value at a point do not live there.
+const NO_VALUE: f64 = 1e-10;
+
+/// Directions along which the functions of a side cannot move by conditions between components: inclined sliding.
+pub(super) fn slides<const S: usize, const N: usize>(model: &Model<S, N>, side: &SideModel<S, N>) -> Vec<(usize, Vector<N>)> {
+    let field = model.patches[side.patch].field;
+    let range = model.patches[side.patch].range();
+    let mut out = Vec::new();
+    for e in &model.equations {
+        let place = |i: usize| range.contains(&i).then(|| ((i - field.first) / field.components, (i - field.first) % field.components));
+        let Some((function, _)) = e.terms.first().and_then(|t| place(t.0)) else { continue };
+        let mut d = Vector::<N>::zeros();
+        let mut own = true;
+        for &(i, value) in &e.terms {
+            match place(i) {
+                Some((f, c)) if f == function => d[c] += value,
+                _ => own = false,
+            }
+        }
+        if own && d.norm() > 0.0 {
+            out.push((function, d / d.norm()));
+        }
+    }
+    out
+}
+
+/// The direction of contact of every function, where it is largest among `n` points per direction of each element that
+/// it does not vanish at: the normal of what is faced, the slave's own where nothing is. Two points are the corners.
+pub(super) fn directions<const S: usize, const N: usize>(
+    side: &SideModel<S, N>,
+    against: &Against<S, N>,
+    t: f64,
+    n: usize,
+) -> HashMap<usize, Vector<N>> {
+    let (space, trace) = (&*side.trace.space, &side.trace);
+    let mut other = MapTable::new();
+    let (closest, target) = match against {
+        Against::Side(master, _) => (Some(ClosestPoint::new(master.trace.space.clone())), None),
+        Against::Rigid(obstacle, _) => (None, Some(obstacle.target(t, None))),
+    };
+    let mut facing = |x: &Vector<N>| match against {
+        Against::Rigid(..) => target.as_ref()?.project(x).map(|hit| hit.normal),
+        Against::Side(master, _) => {
+            let foot = closest.as_ref()?.project(x)?;
+            master.trace.space.map(foot.element, &[foot.xi], Order::Gradients, &mut other);
+            Some(master.trace.normal(foot.element, &other.jacobian[0]))
+        }
+    };
+    let (mut shapes, mut map, mut ids) = (ShapeTable::new(), MapTable::new(), Vec::new());
+    let mut out: HashMap<usize, (f64, Vector<N>)> = HashMap::new();
+    for e in 0..space.num_elements() {
+        let points = cell::grid::<S, f64>(space.cell(e), n);
+        space.active(e, &mut ids);
+        space.evaluate(e, &points, Order::Gradients, &mut shapes, &mut map);
+        for q in 0..points.len() {
+            let normal = facing(&map.x[q]).unwrap_or_else(|| trace.normal(e, &map.jacobian[q]));
+            if !normal.iter().all(|v| v.is_finite()) {
+                continue;
+            }
+            for (&i, value) in ids.iter().zip(shapes.values(q)) {
+                if value.abs() > NO_VALUE {
+                    let best = out.entry(trace.dofs[i]).or_insert((0.0, normal));
+                    if value.abs() > best.0 {
+                        *best = (value.abs(), normal);
+                    }
+                }
+            }
+        }
+    }
+    out.into_iter().map(|(f, (_, normal))| (f, normal)).collect()
+}

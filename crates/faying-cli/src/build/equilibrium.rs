@@ -1,0 +1,92 @@
+//! Whether contact that only presses can hold the loads at all.
+//!
+//! With the rigid motions R that supports and ties leave, equilibrium asks for lambda <= 0 with Rᵀ Cᵀ lambda = Rᵀ f. By Farkas' lemma
+//! there is one, or a motion of R on which the load works and against which no contact presses: the residual of the least squares
+//! problem min |Rᵀ f - Rᵀ Cᵀ lambda| over lambda <= 0 is that motion, and what it lacks is the force that is missing.
+//!
+//! Source: Farkas, J. Reine Angew. Math. 124 (1902) 1-27; conditions of this kind for contact: Kikuchi, Oden, Contact Problems in
+//! Elasticity, SIAM 1988, chapter 6.
+
+use super::functions::contact_forms;
+use super::model::Model;
+use super::short;
+use super::supports::{RigidBodies, held};
+use faying::contact::{Cone, Contact};
+use nalgebra::{DMatrix, DVector};
+
+/// A missing force below this share of the sum of all nodal loads is rounding.
+const BALANCED: f64 = 1e-9;
+/// Bodies that move less than this share of the whole motion are not named.
+const STILL: f64 = 1e-3;
+
+/// What pushes a patch: a force and its moment about the origin.
+type Push = ([f64; 3], [f64; 3]);
+
+/// Why no contact pressure balances the loads: "nothing holds body "upper" against its load in translation y: ..."; none where one does.
+///
+/// `contacts` at a time, per contact and part; `loads` per patch, then on the obstacle of every contact; `size`: sum of the sizes of all nodal loads.
+pub(crate) fn unheld<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    contacts: &[Vec<Contact<S, N>>],
+    loads: &[Push],
+    size: f64,
+) -> Option<String> {
+    let bodies = RigidBodies::of(model);
+    let (modes, forms) = held(model, &bodies);
+    let null = modes.null(&forms);
+    // the cones W and E hold tension in places: what the functions push says too little there
+    if null.ncols() == 0 || model.contacts.iter().flat_map(|c| &c.parts).any(|part| part.cone != Cone::Coefficients) {
+        return None;
+    }
+    let m = modes.modes();
+    let mut load = DVector::<f64>::zeros(null.nrows());
+    for (patch, (force, moment)) in loads.iter().enumerate() {
+        let body = match patch.checked_sub(model.patches.len()) {
+            None => bodies.of_patch(model, patch),
+            Some(contact) => match bodies.of_obstacle(contact) {
+                Some(body) => body,
+                None => continue,
+            },
+        };
+        let first = m * body;
+        modes.work(body, force, moment).into_iter().enumerate().for_each(|(k, w)| load[first + k] += w);
+    }
+    // what is no number is told as such where the system is solved
+    if load.iter().any(|l| !l.is_finite()) {
+        return None;
+    }
+    let mut columns = Vec::new();
+    for (k, (contact, built)) in model.contacts.iter().zip(contacts).enumerate() {
+        for (part, built) in contact.parts.iter().zip(built) {
+            let forms = contact_forms(model, &modes, &bodies, k, part, built);
+            columns.extend(forms.iter().map(|(form, _)| -(null.transpose() * modes.dense(form))));
+        }
+    }
+    let (_, rest) = faying::linalg::nonnegative_least_squares(&columns, &(null.transpose() * load));
+    if rest.norm() <= BALANCED * size {
+        return None;
+    }
+    let motion = &null * &rest;
+    let sentence = |body: usize| {
+        let own = motion.rows(m * body, m).into_owned();
+        let named = modes.name(body, &DMatrix::from_column_slice(m, 1, (&own / own.norm()).as_slice()));
+        let mut lacks = Vec::new();
+        let list: Vec<String> = own.iter().take(N).map(|f| if f.abs() > STILL * own.norm() { short(-f) } else { "0".into() }).collect();
+        if own.rows(0, N).norm() > STILL * own.norm() {
+            lacks.push(format!("a force ({})", list.join(", ")));
+        }
+        if own.rows(N, m - N).norm() > STILL * own.norm() {
+            let (center, size) = modes.frames[body];
+            let about: Vec<String> = center.iter().map(|&x| short(x)).collect();
+            lacks.push(format!("a moment {} about ({})", short(-own[N] * size), about.join(", ")));
+        }
+        let number = bodies.number(model, body);
+        let who = match model.patches.get(number) {
+            Some(patch) => format!("body \"{}\"", patch.name),
+            None => format!("the obstacle of contact \"{}\"", model.contacts[number - model.patches.len()].name),
+        };
+        format!("nothing holds {who} against its load in {}: {} is missing", named.join(", "), lacks.join(" and "))
+    };
+    let moving = (0..modes.num_bodies()).filter(|&b| motion.rows(m * b, m).norm() > STILL * motion.norm());
+    Some(moving.map(sentence).collect::<Vec<_>>().join("; "))
+}

@@ -1,0 +1,112 @@
+//! What is joined already, facet by facet: sides may overlap, so that names of sides do not tell.
+
+use super::couples::{Couple, Pair, pair};
+use super::model::SideModel;
+use faying::geometry::cell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Patch, element, and middle of a facet in units of the element over [`UNITS`].
+type FacetKey = (usize, usize, [i64; 3]);
+
+/// Middles of facets of one element are farther apart than one of so many parts of it.
+const UNITS: f64 = 1048576.0;
+/// Shares that differ by less than this are equal.
+const SAME: f64 = 1e-9;
+
+fn facet_keys<const S: usize, const N: usize>(side: &SideModel<S, N>) -> impl Iterator<Item = FacetKey> + '_ {
+    side.trace.facets.iter().enumerate().map(|(f, facet)| {
+        let middle = facet.lift(&cell::center(side.trace.space.cell(f)));
+        let part = std::array::from_fn(|k| if k < N { (middle[k] * UNITS).round() as i64 } else { 0 });
+        (side.patch, facet.element, part)
+    })
+}
+
+/// The couples that a side is part of, and whether as slave.
+pub(super) type Marks = BTreeSet<(usize, bool)>;
+
+/// Pairs of sides that are not looked for: they are named elsewhere, or joined.
+#[derive(Debug, Default)]
+pub(super) struct Known {
+    named: BTreeSet<Pair>,
+    /// Patches of one of these sets are not joined by their file.
+    lists: Vec<BTreeSet<usize>>,
+    /// The couples that a facet is part of, and whether as slave.
+    of_facet: BTreeMap<FacetKey, Vec<(usize, bool)>>,
+    couples: usize,
+}
+
+impl Known {
+    /// Pairs of named sides, and sets of patches that come apart.
+    pub fn new(named: BTreeSet<Pair>, lists: Vec<BTreeSet<usize>>) -> Self {
+        Self { named, lists, ..Self::default() }
+    }
+
+    /// Patches of one list may be joined from now on.
+    pub fn join_lists(&mut self) {
+        self.lists.clear();
+    }
+
+    /// The couple is joined.
+    pub fn add<const S: usize, const N: usize>(&mut self, couple: &Couple<S, N>) {
+        let sides = couple.masters.iter().map(|m| (m, false)).chain([(&couple.slave, true)]);
+        for (side, slave) in sides {
+            facet_keys(side).for_each(|f| self.of_facet.entry(f).or_default().push((self.couples, slave)));
+        }
+        self.couples += 1;
+    }
+
+    /// The couples that share a facet with a side.
+    pub fn marks<const S: usize, const N: usize>(&self, side: &SideModel<S, N>) -> Marks {
+        facet_keys(side).filter_map(|f| self.of_facet.get(&f)).flatten().copied().collect()
+    }
+
+    /// Whether two sides are known as a pair; each with its marks.
+    pub fn hold<const S: usize, const N: usize>(&self, a: (&SideModel<S, N>, &Marks), b: (&SideModel<S, N>, &Marks)) -> bool {
+        let key = |s: &SideModel<S, N>| (s.patch, s.side.clone());
+        self.lists.iter().any(|l| l.contains(&a.0.patch) && l.contains(&b.0.patch))
+            || self.named.contains(&pair(key(a.0), key(b.0)))
+            || a.1.iter().any(|&(couple, slave)| b.1.contains(&(couple, !slave)))
+    }
+}
+
+/// Keeps the shares of sides that have no facet in common: of those that overlap, first the largest that others cover (`touched` is
+/// the share of its facets on any other), then the smallest.
+///
+/// # Errors
+/// A side that is dropped and another that it touches with facets of no side that is kept.
+pub(super) fn disjoint<const S: usize, const N: usize>(
+    all: &[Arc<SideModel<S, N>>],
+    shares: &mut BTreeMap<(usize, usize), f64>,
+    touched: &[f64],
+) -> Result<(), [usize; 2]> {
+    let mut order: Vec<usize> = shares.keys().flat_map(|&(a, b)| [a, b]).collect::<BTreeSet<_>>().into_iter().collect();
+    order.sort_by_key(|&k| {
+        let (covered, facets) = (touched[k] >= 1.0 - SAME, all[k].trace.facets.len());
+        (!covered, if covered { usize::MAX - facets } else { facets })
+    });
+    let mut taken: BTreeSet<FacetKey> = BTreeSet::new();
+    let mut kept = vec![false; all.len()];
+    for &k in &order {
+        kept[k] = facet_keys(&all[k]).all(|f| !taken.contains(&f));
+        if kept[k] {
+            taken.extend(facet_keys(&all[k]));
+        }
+    }
+    // facets of a patch on a side that is kept, and on all such sides of a patch: those of a dropped side must be among them
+    let facets = |a: usize, share: f64| share * all[a].trace.facets.len() as f64;
+    let mut on_side: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+    let mut on_patch: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+    for (&(a, b), &share) in shares.iter().filter(|((a, b), _)| kept[*a] && kept[*b]) {
+        *on_side.entry((all[a].patch, b)).or_default() += facets(a, share);
+        *on_patch.entry((all[a].patch, all[b].patch)).or_default() += facets(a, share);
+    }
+    for (&(a, b), &share) in shares.iter().filter(|((a, b), _)| !kept[*a] || !kept[*b]) {
+        let found = if kept[b] { on_side.get(&(all[a].patch, b)) } else { on_patch.get(&(all[a].patch, all[b].patch)) };
+        if facets(a, share) > found.copied().unwrap_or(0.0) + 0.5 {
+            return Err([a, b]);
+        }
+    }
+    shares.retain(|(a, b), _| kept[*a] && kept[*b]);
+    Ok(())
+}

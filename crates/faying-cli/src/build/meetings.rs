@@ -1,0 +1,85 @@
+//! Points in which patches of one mesh meet without a common facet: they share the function of the point.
+
+use super::glue::Glued;
+use super::meshes::point_of;
+use super::model::PatchModel;
+use crate::case::Case;
+use faying::basis::{Order, ShapeTable};
+use faying::geometry::{Bounds, MapTable, Tree};
+use faying::linalg::Vector;
+use std::collections::BTreeMap;
+
+/// A corner of an element is a point of the file where it is nearer than this share of the element.
+const AT_THE_POINT: f64 = 1e-6;
+/// Functions with less than this value at a corner do not live there.
+const NO_VALUE: f64 = 1e-10;
+
+/// Two patches that move together in a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hinge<const N: usize> {
+    /// The patches.
+    pub patches: [usize; 2],
+    /// The point \[length\].
+    pub x: Vector<N>,
+}
+
+/// Makes the functions of the meeting points one; returns where that holds two patches together.
+pub(super) fn join<const S: usize, const N: usize>(
+    case: &Case,
+    patches: &[PatchModel<S, N>],
+    components: usize,
+    glued: &mut Glued,
+) -> Vec<Hinge<N>> {
+    let mut wanted: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (m, meeting) in case.meetings.iter().enumerate() {
+        meeting.patches.iter().for_each(|k| wanted.entry(*k).or_default().push(m));
+    }
+    let mut found: Vec<Vec<(usize, usize, Vector<N>)>> = vec![Vec::new(); case.meetings.len()];
+    for (&k, meetings) in &wanted {
+        let places: Vec<(usize, Vector<N>)> =
+            meetings.iter().filter_map(|&m| Some((m, point_of::<N>(&case.patches[k], case.meetings[m].point)?))).collect();
+        let first = patches[k].field.first / components.max(1);
+        for (m, function, x) in functions_at(&patches[k], &places) {
+            found[m].push((k, first + function, x));
+        }
+    }
+    let mut hinges = Vec::new();
+    for list in &found {
+        for pair in list.windows(2) {
+            glued.same(pair[0].1, pair[1].1);
+            hinges.push(Hinge { patches: [pair[0].0, pair[1].0], x: pair[0].2 });
+        }
+    }
+    hinges
+}
+
+/// (key, function, place) of the functions whose node is one of `places`; one pass over the elements.
+fn functions_at<const S: usize, const N: usize>(patch: &PatchModel<S, N>, places: &[(usize, Vector<N>)]) -> Vec<(usize, usize, Vector<N>)> {
+    let space = &**patch.body.space();
+    let tree = Tree::new(places.iter().map(|(_, x)| Bounds { lo: *x, hi: *x }).collect());
+    let corners: Vec<Vector<N>> = (0..1usize << N).map(|k| Vector::from_fn(|d, _| f64::from(u8::from(k >> d & 1 == 1)))).collect();
+    let (mut map, mut table, mut ids) = (MapTable::new(), ShapeTable::new(), Vec::new());
+    let mut function: BTreeMap<usize, usize> = BTreeMap::new();
+    for element in 0..space.num_elements() {
+        let simplex = space.cell(element) == faying::basis::Cell::Simplex;
+        let own = corners.iter().filter(|c| !simplex || c.sum() <= 1.0);
+        let near = space.bounds(element);
+        let reach = near.diagonal() * AT_THE_POINT;
+        if tree.meeting(&near.inflated(reach)).is_empty() {
+            continue;
+        }
+        for corner in own {
+            let at = std::slice::from_ref(corner);
+            space.map(element, at, Order::Values, &mut map);
+            for place in tree.meeting(&Bounds { lo: map.x[0], hi: map.x[0] }.inflated(reach)) {
+                space.active(element, &mut ids);
+                space.tabulate(element, at, Order::Values, &mut table);
+                let mut there = ids.iter().zip(table.values(0)).filter(|(_, v)| v.abs() > NO_VALUE).map(|(i, _)| *i);
+                if let (Some(i), None) = (there.next(), there.next()) {
+                    function.entry(place).or_insert(i);
+                }
+            }
+        }
+    }
+    function.into_iter().map(|(place, i)| (places[place].0, i, places[place].1)).collect()
+}

@@ -1,0 +1,138 @@
+//! Bodies of patches that are read from meshes: the cells moved, halved, and made a Lagrange mesh.
+
+use super::Builder;
+use crate::case::{FilePart, Geometry, Mapping, Patch};
+use crate::errors::Diagnostic;
+use faying::geometry::{turn, turn_about};
+use faying::linalg::Vector;
+use faying::space::{self, Body, Mesh, MeshError, refine_cells};
+
+/// The body of a patch that is read from a mesh, one of backend `fe`.
+pub(super) fn body<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    patch: &Patch,
+) -> Result<Box<dyn Body<S, N>>, Box<Diagnostic>> {
+    let geometry = &patch.geometry;
+    let name = &patch.name.value;
+    let part = geometry.shape.part();
+    let Some(mut cells) = part.and_then(|p| p.cells::<N>()) else {
+        let text = format!("geometry of patch \"{name}\": the cells are not of dimension {N}");
+        return Err(Box::new(builder.error("E044", text, geometry.at)));
+    };
+    cells.points = placed_points(&cells.points, geometry)
+        .map_err(|text| builder.error("E015", format!("geometry of patch \"{name}\": {text}"), geometry.at))?;
+    for _ in 0..patch.refine.value {
+        cells = refine_cells(&cells);
+    }
+    let d = &patch.discretization;
+    let degree = d.degree.value.first().copied().unwrap_or(1);
+    let mapping = match d.mapping.value {
+        Mapping::Isoparametric => space::Mapping::Isoparametric,
+        Mapping::Exact => space::Mapping::Exact,
+    };
+    let mesh = Mesh::<S, N>::from_cells(&cells, degree, mapping).map_err(|error| {
+        let at = if matches!(error, MeshError::Degree { .. }) { d.degree.at } else { geometry.at };
+        let error = match part {
+            Some(part) => in_numbers_of(part, error, N * patch.refine.value),
+            None => error,
+        };
+        builder.error(mesh_code(&error), format!("patch \"{name}\": {error}"), at)
+    })?;
+    Ok(Box::new(mesh))
+}
+
+/// The mesh of a patch as its file has it, in place, where it is halved for the patch: its facets have parts that do not turn.
+pub(super) fn unrefined<const S: usize, const N: usize>(patch: &Patch) -> Option<Box<dyn Body<S, N>>> {
+    let part = patch.geometry.shape.part().filter(|p| p.is_mesh() && patch.refine.value > 0)?;
+    let mut cells = part.cells::<N>()?;
+    cells.points = placed_points(&cells.points, &patch.geometry).ok()?;
+    Some(Box::new(Mesh::<S, N>::from_cells(&cells, 1, space::Mapping::Exact).ok()?))
+}
+
+/// Points of a mesh scaled, rotated, moved as their geometry says.
+pub(super) fn placed_points<const N: usize>(points: &[Vector<N>], geometry: &Geometry) -> Result<Vec<Vector<N>>, String> {
+    let turn = turn_of(geometry)?;
+    Ok(points.iter().map(|x| moved(x, geometry, &turn)).collect())
+}
+
+/// The code of an unusable mesh.
+pub(super) fn mesh_code(error: &MeshError) -> &'static str {
+    match error {
+        MeshError::Inverted(_) | MeshError::Folded { .. } | MeshError::Collapsed { .. } => "E041",
+        MeshError::Degree { .. } => "E015",
+        _ => "E043",
+    }
+}
+
+/// The same error with cells and points as the file of `part` numbers them; 2 to the `shift` children of a cell follow each other.
+pub(super) fn in_numbers_of(part: &FilePart, error: MeshError, shift: usize) -> MeshError {
+    let cell = |k: usize| part.cell_ids().get(k >> shift).map_or(k, |id| *id as usize);
+    let point = |k: usize| part.point_ids().get(k).map_or(k, |id| *id as usize);
+    in_numbers_of_the_file(error, cell, point)
+}
+
+fn in_numbers_of_the_file(error: MeshError, id: impl Fn(usize) -> usize, node: impl Fn(usize) -> usize) -> MeshError {
+    let mut error = error;
+    match &mut error {
+        MeshError::Inverted(inverted) => inverted.element = id(inverted.element),
+        MeshError::Collapsed { cell, point } => (*cell, *point) = (id(*cell), node(*point)),
+        MeshError::Folded { cells, .. } | MeshError::Branched { cells, .. } | MeshError::Mismatch { cells, .. } => *cells = cells.map(id),
+        MeshError::Torn { cell, .. } => *cell = id(*cell),
+        MeshError::NotFinite { point } => *point = node(*point),
+        _ => {}
+    }
+    error
+}
+
+/// Rows of the rotation of a geometry; the third axis is that of the plane's normal.
+fn turn_of(geometry: &Geometry) -> Result<Option<[[f64; 3]; 3]>, String> {
+    let Some(degrees) = geometry.rotate_deg.as_ref().map(|d| d.value) else { return Ok(None) };
+    let rows = match &geometry.axis {
+        None => {
+            let q = turn(degrees);
+            [[q[(0, 0)], q[(0, 1)], 0.0], [q[(1, 0)], q[(1, 1)], 0.0], [0.0, 0.0, 1.0]]
+        }
+        Some(axis) => {
+            let axis = Vector::<3>::from_fn(|k, _| axis.get(k).copied().unwrap_or(0.0));
+            let q = turn_about(&axis, degrees).ok_or("`axis` of a rotation must not be zero")?;
+            std::array::from_fn(|i| std::array::from_fn(|k| q[(i, k)]))
+        }
+    };
+    Ok(Some(rows))
+}
+
+/// A point scaled, rotated, moved.
+fn moved<const N: usize>(x: &Vector<N>, geometry: &Geometry, turn: &Option<[[f64; 3]; 3]>) -> Vector<N> {
+    let mut x = *x;
+    if let Some(factor) = &geometry.scale {
+        x *= factor.value;
+    }
+    if let Some(rows) = turn {
+        x = Vector::from_fn(|i, _| (0..N).map(|k| rows[i][k] * x[k]).sum());
+    }
+    if let Some(by) = &geometry.translate {
+        x += Vector::from_fn(|k, _| by.get(k).copied().unwrap_or(0.0));
+    }
+    x
+}
+
+/// The place of a named point of the mesh that a patch is read from.
+pub(crate) fn named_point<const N: usize>(patch: &Patch, name: &str) -> Option<Vector<N>> {
+    let geometry = &patch.geometry;
+    let x = geometry.shape.part()?.point(name)?;
+    Some(moved(&Vector::<N>::from_fn(|k, _| x[k]), geometry, &turn_of(geometry).ok()?))
+}
+
+/// The place of a point of the mesh that a patch is read from, by its place in the file.
+pub(super) fn point_of<const N: usize>(patch: &Patch, point: usize) -> Option<Vector<N>> {
+    let geometry = &patch.geometry;
+    let x = geometry.shape.part()?.place_of::<N>(point)?;
+    Some(moved(&x, geometry, &turn_of(geometry).ok()?))
+}
+
+/// Cells of a mesh by shape: how many there are after halving, and how many of them are simplices.
+pub(crate) fn counts<const N: usize>(patch: &Patch) -> Option<[f64; 2]> {
+    let part = patch.geometry.shape.part().filter(|p| p.is_mesh())?;
+    let factor = f64::exp2((N * patch.refine.value) as f64);
+    Some(part.counts().map(|n| n as f64 * factor))
+}

@@ -1,0 +1,183 @@
+//! From a typed case to a model: bodies, supports, loads, interfaces, contacts; what is wrong is found before solving.
+
+mod boundary;
+mod contacts;
+mod corners;
+mod couples;
+mod directions;
+mod divisions;
+mod equilibrium;
+mod exact;
+mod fixed;
+mod functions;
+mod glue;
+mod glued_sides;
+mod joined;
+mod meant;
+mod meetings;
+mod meshes;
+mod model;
+mod multipliers;
+mod obstacles;
+mod outline;
+mod parameters;
+mod patches;
+mod physics;
+mod plane;
+mod points;
+mod reference;
+mod rigid;
+mod rims;
+mod sides;
+mod soft;
+mod stored;
+mod supports;
+mod ties;
+mod touch;
+mod traces;
+mod values;
+mod volume;
+mod weak;
+
+use super::registry::Names;
+use crate::case::{Case, Shape};
+use crate::errors::{Diagnostic, Diagnostics};
+use crate::place::Place;
+use faying::geometry::ControlNet;
+
+pub use corners::SharedCorner;
+pub(crate) use divisions::elements_along;
+pub(crate) use equilibrium::unheld;
+pub use exact::{Exact, FieldJet};
+pub use functions::FunctionSums;
+pub use glue::Glued;
+pub(crate) use meshes::{counts as mesh_counts, named_point};
+pub use model::{
+    Action, Against, Changing, Condition, ContactModel, ContactPart, Formulation, Model, Pairing, PatchModel, Pin, RigidSides, RimModel,
+    SideLoad, SideModel, SideSpring, TieModel, TiePart, Value,
+};
+pub(crate) use obstacles::PLANE as PLANE_OBSTACLES;
+pub use obstacles::{ObstacleModel, Pressed};
+pub use patches::patch_fault;
+pub use physics::{Physics, PlaceFn, PointState, SideFn};
+pub use plane::plane_net;
+pub use points::ContactFluxes;
+pub use reference::{OnSide, Reference, ReferenceLambda, ReferencePatch};
+pub use rigid::{FreeBody, RigidModes, RigidRow};
+pub(crate) use sides::canonical as canonical_side;
+pub use soft::{Fluxes, between};
+pub(crate) use stored::stored_run;
+pub use supports::free_motions;
+pub(crate) use supports::{floating, sentences};
+pub(crate) use ties::short;
+pub use touch::sag;
+pub use traces::{SlaveEnds, SlaveSpaces, slave_spaces};
+pub use volume::volume_net;
+pub(crate) use weak::weakly_held;
+
+/// Makes the net of a shape, its transformations included, in N dimensions.
+pub type MakeNet<const N: usize> = fn(&crate::case::Geometry) -> Result<ControlNet<N, N>, (&'static str, String)>;
+
+/// What every step of building needs.
+#[derive(Debug)]
+pub(crate) struct Builder<'a, const S: usize, const N: usize> {
+    pub case: &'a Case,
+    pub names: &'a Names<S, N>,
+    pub faults: Diagnostics,
+}
+
+/// What to do about elements that fold over.
+const INVERTED: &str = "move the points around it apart; `faying inspect` lists such elements and draws them with --svg";
+
+impl<const S: usize, const N: usize> Builder<'_, S, N> {
+    /// An error at a place of the case.
+    pub fn error(&self, code: &'static str, message: impl Into<String>, at: Place) -> Diagnostic {
+        let error = Diagnostic::error(code, message).at(&self.case.source, at);
+        if code == "E041" { error.with_help(INVERTED) } else { error }
+    }
+
+    /// A warning at a place of the case.
+    pub fn warning(&self, code: &'static str, message: impl Into<String>, at: Place) -> Diagnostic {
+        Diagnostic::warning(code, message).at(&self.case.source, at)
+    }
+
+    /// The errors so far, if there are any.
+    fn stop(&mut self) -> Result<(), Diagnostics> {
+        if self.faults.has_errors() { Err(std::mem::take(&mut self.faults)) } else { Ok(()) }
+    }
+}
+
+/// Builds the model of `case` with the bodies, multipliers and couplings of `names`.
+///
+/// # Errors
+/// Everything that is wrong with the case, with its places.
+pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, net: MakeNet<N>) -> Result<Model<S, N>, Diagnostics> {
+    let mut builder = Builder { case, names, faults: Diagnostics::new() };
+    let (mut model, mut sides, couples) = supported(&mut builder, net)?;
+    let fixed = fixed::Fixed::of(&builder, &model).map_err(|fault| Diagnostics::from(*fault))?;
+    model.glued_sides = glued_sides::of(case, &couples);
+    ties::build(&mut builder, &mut model, &couples, &fixed);
+    builder.stop()?;
+    corners::jumps(&mut builder, &model);
+    contacts::build(&mut builder, &mut model, &mut sides, &couples, &fixed);
+    builder.stop()?;
+    supports::check(&mut builder, &model);
+    builder.stop()?;
+    model.reference = reference::build(&builder, &model, net).map_err(|fault| Diagnostics::from(*fault))?;
+    model.warnings.extend(std::mem::take(&mut builder.faults));
+    Ok(model)
+}
+
+/// A model without ties and contacts, the sides made for it, and which sides are coupled.
+type Supported<const S: usize, const N: usize> = (Model<S, N>, sides::Sides<S, N>, couples::Couples<S, N>);
+
+/// Bodies, what is glued, boundary conditions and loads.
+fn supported<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, net: MakeNet<N>) -> Result<Supported<S, N>, Diagnostics> {
+    let case = builder.case;
+    let patches = patches::build(builder, net);
+    builder.stop()?;
+    values::materials(builder, &patches);
+    let (center, size) = patches::extent(&patches);
+    let mut sides = sides::Sides::default();
+    // patches of files with several patches: their touching sides are glued
+    let couples = couples::find(builder, &patches, &mut sides, &case.glued_files());
+    let (glued, hinges) = Glued::of(builder, &patches, &couples);
+    builder.stop()?;
+    let mut model = Model {
+        glued,
+        glued_sides: Vec::new(),
+        hinges,
+        components: case.model.components(),
+        unknowns: patches.last().map_or(0, |p| p.range().end) + obstacles::num_pressed(case),
+        patches,
+        conditions: Vec::new(),
+        corners: Vec::new(),
+        pins: Vec::new(),
+        supports: Vec::new(),
+        equations: Vec::new(),
+        held: Vec::new(),
+        rigid_sides: Vec::new(),
+        loads: Vec::new(),
+        springs: Vec::new(),
+        exact: case.model.exact.as_ref().map(|e| Exact::of(&e.value)),
+        reference: None,
+        ties: Vec::new(),
+        contacts: Vec::new(),
+        rows: 0,
+        max_iterations: case.contacts.iter().map(|c| c.active_set.max_iterations.value).max().unwrap_or(1),
+        c: case.contacts.first().map_or(1.0, |c| c.active_set.c.value),
+        center,
+        size,
+        warnings: Diagnostics::new(),
+    };
+    boundary::build(builder, &mut model, &mut sides, &couples);
+    model.find_corners();
+    values::in_bodies(builder, &model);
+    builder.stop()?;
+    Ok((model, sides, couples))
+}
+
+/// Whether `elements` counts in total for this shape.
+fn counts_in_total(shape: &Shape) -> bool {
+    shape.is_built_in()
+}

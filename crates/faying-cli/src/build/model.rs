@@ -1,0 +1,435 @@
+//! A case as bodies, conditions, loads, interfaces and contacts, ready to be assembled.
+
+use super::corners::SharedCorner;
+use super::exact::Exact;
+use super::functions::FunctionSums;
+use super::glue::Glued;
+use super::meetings::Hinge;
+use super::obstacles::ObstacleModel;
+use super::physics::Physics;
+use super::reference::Reference;
+use crate::case;
+use crate::errors::Diagnostics;
+use crate::formula::Formula;
+use crate::place::Place;
+use crate::result::GluedSides;
+use faying::assembly::{Equation, Rim};
+use faying::basis::Basis;
+use faying::contact::{Cone, Contact};
+use faying::coupling::consistency::Finer;
+use faying::coupling::{Coupling, Nitsche, Rows, Segments};
+use faying::geometry::Bounds;
+use faying::linalg::{Triplets, Vector};
+use faying::quadrature::PerElement;
+use faying::space::{Body, Field, Trace};
+use std::sync::Arc;
+
+/// A body with its unknowns and its material.
+#[derive(Debug)]
+pub struct PatchModel<const S: usize, const N: usize> {
+    /// Its name.
+    pub name: String,
+    /// The backend that made it.
+    pub backend: String,
+    /// The body.
+    pub body: Box<dyn Body<S, N>>,
+    /// Where its unknowns are.
+    pub field: Field,
+    /// Its material at the first time; [`PatchModel::physics_at`] at any other.
+    pub physics: Physics<N>,
+    /// The formulas of a material that changes with the time.
+    pub changing: Option<Box<Changing>>,
+    /// Rules of the bulk integrals.
+    pub rules: PerElement<N>,
+    /// Gauss points per direction of its sides beyond degree + 1.
+    pub extra_points: usize,
+    /// Whether its sides lie exactly on those of the geometry.
+    pub exact_map: bool,
+    /// The box around it; none of a body without elements.
+    pub extent: Option<Bounds<N>>,
+    /// Body force or source of the patch, one formula per component.
+    pub source: Vec<Formula>,
+    /// Density and gravity, where both are given.
+    pub weight: Option<(Formula, Vec<f64>)>,
+}
+
+/// A material that changes with the time.
+#[derive(Clone, Debug)]
+pub struct Changing {
+    /// Its formulas.
+    pub material: case::Material,
+    /// Plane strain or plane stress.
+    pub assumption: case::Assumption,
+}
+
+impl<const S: usize, const N: usize> PatchModel<S, N> {
+    /// Its material at time `t`.
+    pub fn physics_at(&self, t: f64) -> Physics<N> {
+        match &self.changing {
+            None => self.physics.clone(),
+            Some(c) => Physics::of(&c.material, c.assumption, t).expect("constants were checked when the first one was made"),
+        }
+    }
+
+    /// Number of unknowns.
+    pub fn num_unknowns(&self) -> usize {
+        self.field.components * self.body.space().num_functions()
+    }
+
+    /// Its unknowns within those of the model.
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.field.first..self.field.first + self.num_unknowns()
+    }
+}
+
+/// A side of a body.
+#[derive(Debug)]
+pub struct SideModel<const S: usize, const N: usize> {
+    /// The patch.
+    pub patch: usize,
+    /// Canonical name of the side: u0, v1, ...
+    pub side: String,
+    /// Name as the case has it: "lower.bottom".
+    pub label: String,
+    /// Functions, map and facets.
+    pub trace: Trace<S, N>,
+    /// Where the unknowns of the trace's functions are.
+    pub field: Field,
+    /// (first element, patch) of every run of elements; one unless several sides are seen as one.
+    pub runs: Vec<(usize, usize)>,
+    /// Rules of integrals over the side.
+    pub rules: PerElement<S>,
+}
+
+impl<const S: usize, const N: usize> SideModel<S, N> {
+    /// The patch behind an element of the side.
+    pub fn patch_of(&self, element: usize) -> usize {
+        self.runs[self.runs.partition_point(|r| r.0 <= element) - 1].1
+    }
+}
+
+/// A prescribed value.
+#[derive(Clone, Debug)]
+pub enum Value {
+    /// Zero.
+    Zero,
+    /// The exact solution.
+    Exact,
+    /// A formula.
+    Formula(Formula),
+}
+
+/// A component prescribed on a side.
+#[derive(Debug)]
+pub struct Condition<const S: usize, const N: usize> {
+    /// The side.
+    pub side: Arc<SideModel<S, N>>,
+    /// The component.
+    pub component: usize,
+    /// Its value.
+    pub value: Value,
+    /// Where the case says so.
+    pub at: Place,
+}
+
+/// An edge or a corner of a body.
+#[derive(Debug)]
+pub struct RimModel<const N: usize> {
+    /// The patch.
+    pub patch: usize,
+    /// Canonical name: u0w1, u0v0w0, ...
+    pub name: String,
+    /// Name in results: "lower.u0w1".
+    pub label: String,
+    /// Its points and functions.
+    pub rim: Rim<N>,
+}
+
+/// A component prescribed on an edge or in a corner.
+#[derive(Debug)]
+pub struct Pin<const N: usize> {
+    /// The edge or the corner.
+    pub rim: Arc<RimModel<N>>,
+    /// The component.
+    pub component: usize,
+    /// Its value.
+    pub value: Value,
+    /// Where the case says so.
+    pub at: Place,
+}
+
+/// What acts on a side.
+#[derive(Clone, Debug)]
+pub enum Action {
+    /// Component of the traction [force/area], or k du/dn.
+    Traction(usize, Formula),
+    /// Component of the traction of the exact solution.
+    Exact(usize),
+    /// Pressure along minus the outward normal.
+    Pressure(Formula),
+    /// Component of a resultant, spread evenly \[force\].
+    Force(usize, Formula, f64),
+}
+
+/// A load on a side.
+#[derive(Debug)]
+pub struct SideLoad<const S: usize, const N: usize> {
+    /// The side.
+    pub side: Arc<SideModel<S, N>>,
+    /// What acts.
+    pub action: Action,
+}
+
+/// Sides that a resultant moves as one.
+#[derive(Debug)]
+pub struct RigidSides<const S: usize, const N: usize> {
+    /// The sides.
+    pub sides: Vec<Arc<SideModel<S, N>>>,
+    /// The component that all their points have in common.
+    pub component: usize,
+}
+
+/// Springs between a side and the ground.
+#[derive(Debug)]
+pub struct SideSpring<const S: usize, const N: usize> {
+    /// The side.
+    pub side: Arc<SideModel<S, N>>,
+    /// The component.
+    pub component: usize,
+    /// Force/area per length.
+    pub stiffness: Formula,
+}
+
+/// A slave side seen together with one master side.
+#[derive(Debug)]
+pub struct Pairing<const S: usize, const N: usize> {
+    /// The master side.
+    pub master: Arc<SideModel<S, N>>,
+    /// Where both are seen together.
+    pub segments: Segments<S>,
+    /// The second list of mixed integration.
+    pub second: Option<Segments<S>>,
+}
+
+/// A slave side of a tied interface.
+#[derive(Debug)]
+pub struct TiePart<const S: usize, const N: usize> {
+    /// The side that carries the multiplier.
+    pub slave: Arc<SideModel<S, N>>,
+    /// One multiplier space per component; none where the coupling makes no rows.
+    pub multipliers: Vec<Box<dyn Basis<S>>>,
+    /// What ties the sides.
+    pub coupling: Box<dyn Coupling<S, N>>,
+    /// The master sides.
+    pub pairings: Vec<Pairing<S, N>>,
+    /// C in unknowns of the model.
+    pub rows: Rows,
+    /// B where it differs from C.
+    pub reaction: Option<Rows>,
+    /// Per master, the sums of every row's multiplier function over what faces it; empty where the coupling makes other rows than mortar.
+    pub function_sums: Vec<Vec<FunctionSums<N>>>,
+    /// Entries that are added to the stiffness in unknowns of the model, at the first time.
+    pub stiffness: Triplets,
+    /// Softness of the rows: penalty stiffness over the stiffness of their slave unknowns; none: exact.
+    pub penalty: Option<f64>,
+    /// Rows of a finer integration, for the consistency error; none where the coupling makes other rows than mortar.
+    pub finer: Option<Finer>,
+    /// First row in the system.
+    pub first_row: usize,
+    /// Number of rows.
+    pub num_rows: usize,
+}
+
+/// A tied interface.
+#[derive(Debug)]
+pub struct TieModel<const S: usize, const N: usize> {
+    /// Its name.
+    pub name: String,
+    /// One part per slave side.
+    pub parts: Vec<TiePart<S, N>>,
+    /// Exact multiplier, one formula per component; none: from the model's exact solution, if any.
+    pub exact: Option<Vec<Formula>>,
+}
+
+/// What a contact side is pressed against.
+pub enum Against<const S: usize, const N: usize> {
+    /// A deformable side.
+    Side(Arc<SideModel<S, N>>, Segments<S>),
+    /// A rigid obstacle.
+    Rigid(Arc<ObstacleModel<S, N>>, Segments<S>),
+}
+
+impl<const S: usize, const N: usize> std::fmt::Debug for Against<S, N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Side(side, _) => f.debug_tuple("Side").field(&side.label).finish(),
+            Self::Rigid(obstacle, _) => f.debug_tuple("Rigid").field(obstacle).finish(),
+        }
+    }
+}
+
+/// A slave side of a contact.
+#[derive(Debug)]
+pub struct ContactPart<const S: usize, const N: usize> {
+    /// The side that carries the multiplier.
+    pub slave: Arc<SideModel<S, N>>,
+    /// The multiplier; none of Nitsche's method, whose rows belong to points.
+    pub multiplier: Option<Box<dyn Basis<S>>>,
+    /// The functions that its pressure is read through; none: its own.
+    pub reading: Option<Box<dyn Basis<S>>>,
+    /// The cone it lies in.
+    pub cone: Cone,
+    /// What it faces.
+    pub against: Against<S, N>,
+    /// The master's points of mixed integration.
+    pub second: Option<Segments<S>>,
+    /// Rows of a finer integration, for the consistency error; none against an obstacle and of Nitsche's method.
+    pub finer: Option<Finer>,
+    /// The deformable sides that `against` sees as one.
+    pub masters: Vec<Arc<SideModel<S, N>>>,
+    /// Rows, offsets and weights at the first time at which it faces something.
+    pub first: Contact<S, N>,
+    /// Whether they change with the time.
+    pub changes: bool,
+    /// First row in the system.
+    pub first_row: usize,
+    /// Number of rows.
+    pub num_rows: usize,
+}
+
+impl<const S: usize, const N: usize> ContactPart<S, N> {
+    /// What lambda is read through at points: one function per multiplier; none of Nitsche's method.
+    pub fn read_through(&self) -> Option<&dyn Basis<S>> {
+        self.reading.as_deref().or(self.multiplier.as_deref())
+    }
+
+    /// Its rows in the system.
+    pub fn rows(&self) -> std::ops::Range<usize> {
+        self.first_row..self.first_row + self.num_rows
+    }
+}
+
+/// How a contact keeps bodies apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Formulation {
+    /// Rows that hold exactly.
+    Lagrange,
+    /// The same rows, softened by the stiffness of their slave unknowns times a factor.
+    Penalty {
+        /// Penalty stiffness over that of the slave's elements, a pure number.
+        factor: f64,
+    },
+    /// The same rows, softened as by a penalty and made exact by an iteration of the multipliers.
+    Augmented {
+        /// As of a penalty.
+        factor: f64,
+        /// Error of the multipliers at which the iteration ends, relative to the largest.
+        tolerance: f64,
+    },
+    /// Rows at points, and fluxes of the bodies, instead of multipliers.
+    Nitsche(Nitsche),
+}
+
+/// A contact.
+#[derive(Debug)]
+pub struct ContactModel<const S: usize, const N: usize> {
+    /// Its name.
+    pub name: String,
+    /// One part per slave side.
+    pub parts: Vec<ContactPart<S, N>>,
+    /// The rigid obstacle that it faces, if it is one.
+    pub obstacle: Option<Arc<ObstacleModel<S, N>>>,
+    /// The gap formula.
+    pub gap: Formula,
+    /// Largest distance of partners of rigid obstacles.
+    pub reach: Option<f64>,
+    /// Exact multiplier; none: from the model's exact solution, if any.
+    pub exact: Option<Formula>,
+    /// Whether a zone that ends at the end of a side goes on beyond it: half models.
+    pub symmetry: bool,
+    /// First guess of the active set.
+    pub start: case::Start,
+    /// How it is enforced.
+    pub formulation: Formulation,
+}
+
+/// A whole case, ready to be assembled.
+#[derive(Debug)]
+pub struct Model<const S: usize, const N: usize> {
+    /// Components of the unknown.
+    pub components: usize,
+    /// Number of unknowns, prescribed ones included.
+    pub unknowns: usize,
+    /// Bodies in the order of the case.
+    pub patches: Vec<PatchModel<S, N>>,
+    /// Functions that glued patches share.
+    pub glued: Glued,
+    /// Sides that interfaces of the case glue.
+    pub glued_sides: Vec<GluedSides>,
+    /// Points in which patches of one mesh hold together beside their common facets.
+    pub hinges: Vec<Hinge<N>>,
+    /// Prescribed components.
+    pub conditions: Vec<Condition<S, N>>,
+    /// Corners in which prescribed sides of several bodies meet.
+    pub corners: Vec<SharedCorner<N>>,
+    /// Components prescribed on edges and in corners.
+    pub pins: Vec<Pin<N>>,
+    /// Sides with at least one prescribed component, in the order of the case.
+    pub supports: Vec<Arc<SideModel<S, N>>>,
+    /// Conditions between unknowns: sliding along inclined sides, sides that move as one.
+    pub equations: Vec<Equation>,
+    /// The directions in which equations hold a side: its normal, its tangents, axes along which it moves as one.
+    pub held: Vec<(Arc<SideModel<S, N>>, Vector<N>)>,
+    /// Sides that move as one along an axis; their equations are among those above.
+    pub rigid_sides: Vec<RigidSides<S, N>>,
+    /// Loads on sides.
+    pub loads: Vec<SideLoad<S, N>>,
+    /// Springs on sides.
+    pub springs: Vec<SideSpring<S, N>>,
+    /// Manufactured solution.
+    pub exact: Option<Exact>,
+    /// A stored run that stands for it where there is none.
+    pub reference: Option<Reference<S, N>>,
+    /// Tied interfaces.
+    pub ties: Vec<TieModel<S, N>>,
+    /// Contacts.
+    pub contacts: Vec<ContactModel<S, N>>,
+    /// Rows of all interfaces and contacts.
+    pub rows: usize,
+    /// Most iterations of the active set.
+    pub max_iterations: usize,
+    /// Weight of the gap in the active set.
+    pub c: f64,
+    /// Middle of the model.
+    pub center: Vector<N>,
+    /// Diagonal of the box around the model \[length\].
+    pub size: f64,
+    /// Warnings found while building.
+    pub warnings: Diagnostics,
+}
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// The number unknown / components of the function that stands for `function` of `patch`.
+    pub fn function(&self, patch: usize, function: usize) -> usize {
+        self.glued.root(self.patches[patch].field.first / self.components + function)
+    }
+
+    /// Number of multipliers: rows of all interfaces and contacts, but for those that belong to points.
+    pub fn num_multipliers(&self) -> usize {
+        let at_points = self.contacts.iter().flat_map(|c| &c.parts).filter(|part| part.multiplier.is_none());
+        self.rows - at_points.map(|part| part.num_rows).sum::<usize>()
+    }
+
+    /// Number of unknowns, those of glued functions counted once.
+    pub fn num_primal(&self) -> usize {
+        self.unknowns - self.glued.num_bound()
+    }
+
+    /// All conditions between unknowns: glued functions first.
+    pub fn all_equations(&self) -> Vec<Equation> {
+        let mut all = self.glued.equations();
+        all.extend(self.equations.iter().cloned());
+        all
+    }
+}

@@ -1,0 +1,172 @@
+//! Bodies: the net of a patch, its elements, its space, its material.
+
+use super::divisions::{breakpoints, grade_of};
+use super::model::{Changing, PatchModel};
+use super::physics::Physics;
+use super::{Builder, MakeNet};
+use crate::case::{self, Cells, Patch};
+use crate::errors::Diagnostic;
+use crate::place::Located;
+use crate::registry::{Fault, carries_geometry};
+use faying::assembly::{gauss_rules_along, points_of_curved_cells};
+use faying::basis::Cell;
+use faying::geometry::{Bounds, ControlNet, Geometry};
+use faying::linalg::Vector;
+use faying::space::{Body, Field, PatchSpec, SpecError};
+
+/// The code and the text of what a built-in backend refuses.
+pub fn patch_fault(error: &SpecError) -> Fault {
+    let code = match error {
+        SpecError::Inverted(_) | SpecError::FlatCell { .. } => "E041",
+        SpecError::ExactCollapsed { .. } => "E019",
+        SpecError::Weights(_) => "E034",
+        _ => "E015",
+    };
+    Fault::new(code, error.to_string())
+}
+
+/// All bodies of the case; what is wrong goes to the builder's faults.
+pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, net: MakeNet<N>) -> Vec<PatchModel<S, N>> {
+    let mut patches = Vec::new();
+    let mut first = 0;
+    for k in 0..builder.case.patches.len() {
+        match one(builder, k, first, net) {
+            Ok(patch) => {
+                first += patch.num_unknowns();
+                patches.push(patch);
+            }
+            Err(fault) => builder.faults.push(*fault),
+        }
+    }
+    patches
+}
+
+fn one<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    number: usize,
+    first: usize,
+    net: MakeNet<N>,
+) -> Result<PatchModel<S, N>, Box<Diagnostic>> {
+    let case = builder.case;
+    let patch = &case.patches[number];
+    let name = &patch.name.value;
+    let backend = &patch.discretization.backend;
+    let is_mesh = patch.geometry.shape.part().is_some_and(case::FilePart::is_mesh);
+    // curves are known from a mesh only as far as its cells follow them
+    let (body, exact_map) = if is_mesh { (super::meshes::body(builder, patch)?, false) } else { of_net(builder, patch, net, backend)? };
+    let material = &case.materials[patch.material.value];
+    let assumption = case.model.assumption.value;
+    let first_time = case.steps.value.first().copied().unwrap_or(1.0);
+    let physics = Physics::of(material, assumption, first_time)
+        .map_err(|e| builder.error("E053", format!("material \"{}\": {e}", material.name.value), super::values::key(material, &e)))?;
+    let curved = points_of_curved_cells(&**body.space());
+    let rules = gauss_rules_along(&**body.space(), curved.map(|k| k + patch.discretization.extra_points.value));
+    // the normals of its sides are products of two derivatives of the map as well
+    let extra_points = patch.discretization.extra_points.value + curved.into_iter().max().unwrap_or(0);
+    let source = [&case.model.source, &patch.source].into_iter().flatten().flat_map(|s| s.value.iter().map(|f| f.value.clone())).collect();
+    let accelerations = [&case.model.gravity, &patch.gravity].into_iter().flatten();
+    let gravity = accelerations.fold(None, |sum: Option<Vec<f64>>, g| {
+        Some(sum.map_or_else(|| g.value.clone(), |s| s.iter().zip(g.iter()).map(|(a, b)| a + b).collect()))
+    });
+    let weight = material.density.as_ref().map(|d| d.value.clone()).zip(gravity);
+    Ok(PatchModel {
+        name: name.clone(),
+        backend: backend.value.clone(),
+        field: Field { first, components: case.model.components() },
+        exact_map,
+        extent: body.space().extent(),
+        body,
+        physics,
+        changing: super::values::constants(material)
+            .iter()
+            .any(|f| f.depends_on_time())
+            .then(|| Box::new(Changing { material: material.clone(), assumption })),
+        rules,
+        extra_points,
+        source,
+        weight,
+    })
+}
+
+/// The body of a net, and whether its sides lie exactly on those of the net.
+fn of_net<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    patch: &Patch,
+    net: MakeNet<N>,
+    backend: &Located<String>,
+) -> Result<(Box<dyn Body<S, N>>, bool), Box<Diagnostic>> {
+    let name = &patch.name.value;
+    let net = net(&patch.geometry.value)
+        .map_err(|(code, text)| builder.error(code, format!("geometry of patch \"{name}\": {text}"), patch.geometry.at))?;
+    let spec = specification(builder, patch, net)?;
+    let make = builder.names.backends.get(&backend.value).map_err(|e| builder.error("E015", e.to_string(), backend.at))?;
+    let body = make(&spec).map_err(|fault| {
+        let at = match fault.code {
+            "E041" => patch.geometry.at,
+            _ if fault.message.contains("breakpoint") => patch.elements.at,
+            _ => patch.discretization.degree.at,
+        };
+        builder.error(fault.code, format!("patch \"{name}\": {}", fault.message), at)
+    })?;
+    Ok((body, carries_geometry(&backend.value, &spec)))
+}
+
+/// The patch as data for a backend.
+pub(super) fn specification<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    patch: &Patch,
+    net: ControlNet<N, N>,
+) -> Result<PatchSpec<N>, Box<Diagnostic>> {
+    let d = &patch.discretization;
+    let total = super::counts_in_total(&patch.geometry.value.shape.value);
+    let mut lists: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
+    for (k, list) in lists.iter_mut().enumerate() {
+        let own = net.axes[k].breakpoints();
+        let (toward, ratio) = grade_of(patch.grade.as_ref().map(|g| &g.value), k);
+        let divisions = &patch.elements.value[k];
+        *list = breakpoints(own, &divisions.value, total, toward, ratio, patch.refine.value)
+            .map_err(|e| builder.error("E015", format!("elements of patch \"{}\": {e}", patch.name.value), divisions.at))?;
+    }
+    let mut spec = PatchSpec::new(net).with_breakpoints(lists);
+    spec.degree = std::array::from_fn(|k| d.degree.value[k.min(d.degree.value.len() - 1)]);
+    spec.continuity = d.continuity.value;
+    spec.basis = match d.basis.value {
+        case::BasisKind::Auto => faying::space::BasisKind::Auto,
+        case::BasisKind::Nurbs => faying::space::BasisKind::Nurbs,
+        case::BasisKind::BSpline => faying::space::BasisKind::BSpline,
+    };
+    spec.cells = match d.cells.value {
+        Cells::Tensor => Cell::Tensor,
+        Cells::Simplex => Cell::Simplex,
+    };
+    spec.mapping = match d.mapping.value {
+        case::Mapping::Isoparametric => faying::space::Mapping::Isoparametric,
+        case::Mapping::Exact => faying::space::Mapping::Exact,
+    };
+    Ok(spec)
+}
+
+/// Shares of the elements of a side of a net in its parameter, in their order; none for meshes, which have no parameter.
+pub(super) fn shares<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    patch: usize,
+    side: &str,
+    net: MakeNet<N>,
+) -> Option<Vec<f64>> {
+    let patch = &builder.case.patches[patch];
+    if patch.geometry.shape.part().is_some_and(case::FilePart::is_mesh) {
+        return None;
+    }
+    let spec = specification(builder, patch, net(&patch.geometry.value).ok()?).ok()?;
+    let across = ["u0", "u1", "v0", "v1"].iter().position(|name| *name == side)? / 2;
+    let points = &spec.breakpoints[1 - across];
+    let length = points.last()? - points.first()?;
+    Some(points.windows(2).map(|p| (p[1] - p[0]) / length).collect())
+}
+
+/// Middle and diagonal of the box around all bodies.
+pub(super) fn extent<const S: usize, const N: usize>(patches: &[PatchModel<S, N>]) -> (Vector<N>, f64) {
+    let boxes = patches.iter().filter_map(|p| p.extent);
+    let whole: Option<Bounds<N>> = boxes.reduce(|a, b| a.union(&b));
+    whole.map_or((Vector::zeros(), 1.0), |b| (b.center(), b.diagonal().max(f64::MIN_POSITIVE)))
+}

@@ -1,0 +1,172 @@
+//! Sides of bodies by their references in the case, made once each.
+
+use super::Builder;
+use super::model::{Model, PatchModel, SideModel};
+use crate::case::{SideRef, quoted};
+use crate::errors::Diagnostic;
+use crate::formula::{Formula, Point};
+use crate::place::{Located, Origin};
+use faying::assembly::gauss_rules;
+use faying::basis::{Cell, Order};
+use faying::geometry::{Embedding, MapTable};
+use faying::linalg::{Vector, lit, num};
+use faying::space::{Field, JoinedSide, SideError, Trace};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Sides made so far, by patch and canonical name.
+#[derive(Debug)]
+pub(super) struct Sides<const S: usize, const N: usize> {
+    known: HashMap<(usize, String), Arc<SideModel<S, N>>>,
+}
+
+impl<const S: usize, const N: usize> Default for Sides<S, N> {
+    fn default() -> Self {
+        Self { known: HashMap::new() }
+    }
+}
+
+/// The short name of a side of a box: left, right, bottom, top, front, back.
+pub(crate) fn alias(side: &str, dimension: usize) -> &str {
+    match (side, dimension) {
+        ("u0", _) => "left",
+        ("u1", _) => "right",
+        ("v0", 2) | ("w0", 3) => "bottom",
+        ("v1", 2) | ("w1", 3) => "top",
+        ("v0", 3) => "front",
+        ("v1", 3) => "back",
+        _ => side,
+    }
+}
+
+/// The canonical name behind an alias.
+pub(crate) fn canonical(side: &str, dimension: usize) -> &str {
+    ["u0", "u1", "v0", "v1", "w0", "w1"].into_iter().find(|s| alias(s, dimension) == side).unwrap_or(side)
+}
+
+impl<const S: usize, const N: usize> Sides<S, N> {
+    /// The side of a reference.
+    pub fn get(
+        &mut self,
+        builder: &Builder<'_, S, N>,
+        patches: &[PatchModel<S, N>],
+        wanted: &Located<SideRef>,
+    ) -> Result<Arc<SideModel<S, N>>, Box<Diagnostic>> {
+        let key = (wanted.value.patch, wanted.value.side.clone());
+        if let Some(side) = self.known.get(&key) {
+            return Ok(side.clone());
+        }
+        let patch = &patches[wanted.value.patch];
+        let trace = patch.body.trace(&wanted.value.side).map_err(|e| side_fault(builder, patch, &e, wanted))?;
+        let side = Arc::new(make(label(builder, patch, wanted), wanted, trace, patch));
+        self.known.insert(key, side.clone());
+        Ok(side)
+    }
+
+    /// The part of a side whose facets have their centre where `filter` holds, none where there are none; not kept.
+    pub fn filtered(
+        &mut self,
+        builder: &Builder<'_, S, N>,
+        patches: &[PatchModel<S, N>],
+        wanted: &Located<SideRef>,
+        filter: &Located<Formula>,
+    ) -> Result<Option<Arc<SideModel<S, N>>>, Box<Diagnostic>> {
+        let whole = self.get(builder, patches, wanted)?;
+        let patch = &patches[wanted.value.patch];
+        let space = &*whole.trace.space;
+        let mut table = MapTable::new();
+        // facets of both shapes come together in meshes of both
+        let mut facets: [Vec<Embedding<S, N>>; 2] = [Vec::new(), Vec::new()];
+        for e in 0..space.num_elements() {
+            let simplex = space.cell(e) == Cell::Simplex;
+            let middle = if simplex { lit::<f64>(1.0) / num::<f64>(S + 1) } else { 0.5 };
+            space.map(e, &[Vector::repeat(middle)], Order::Values, &mut table);
+            if filter.value.value(&Point::new(table.x[0].as_slice())) != 0.0 {
+                facets[usize::from(simplex)].push(whole.trace.facets[e]);
+            }
+        }
+        let label = format!("{} where {}", whole.label, filter.value.text());
+        let (kind, facets) = match facets {
+            [a, b] if a.is_empty() && b.is_empty() => return Ok(None),
+            [a, b] if b.is_empty() => (Cell::Tensor, a),
+            [a, b] if a.is_empty() => (Cell::Simplex, b),
+            _ => {
+                let text = format!("`where` on `{}`, a side of triangles and quadrilaterals, is not in this version", whole.label);
+                return Err(Box::new(builder.error("E019", text, filter.at).with_help("give the part a tag of its own in the mesh")));
+            }
+        };
+        let trace = Trace::from_facets(patch.body.space(), facets, kind).map_err(|e| side_fault(builder, patch, &e, wanted))?;
+        Ok(Some(Arc::new(make(label, wanted, trace, patch))))
+    }
+}
+
+fn make<const S: usize, const N: usize>(label: String, wanted: &SideRef, trace: Trace<S, N>, patch: &PatchModel<S, N>) -> SideModel<S, N> {
+    let rules = gauss_rules(&*trace.space, patch.extra_points);
+    SideModel { patch: wanted.patch, side: wanted.side.clone(), label, field: patch.field, runs: vec![(0, wanted.patch)], trace, rules }
+}
+
+/// Several sides as one surface, in functions of the model: what is glued is one function.
+pub(super) fn as_one<const S: usize, const N: usize>(model: &Model<S, N>, sides: &[Arc<SideModel<S, N>>]) -> Option<Arc<SideModel<S, N>>> {
+    let (first, others) = sides.split_first()?;
+    if others.is_empty() {
+        return Some(first.clone());
+    }
+    let parts: Vec<JoinedSide<'_, S, N>> = sides
+        .iter()
+        .map(|s| JoinedSide {
+            trace: &s.trace,
+            dofs: s.trace.dofs.iter().map(|&dof| model.function(s.patch, dof)).collect(),
+            first_element: 0,
+        })
+        .collect();
+    let trace = Trace::joined(&parts);
+    let mut next = 0;
+    let run = |s: &Arc<SideModel<S, N>>| {
+        let start = next;
+        next += s.trace.facets.len();
+        (start, s.patch)
+    };
+    let runs = sides.iter().map(run).collect();
+    let rules = gauss_rules(&*trace.space, sides.iter().map(|s| model.patches[s.patch].extra_points).max().unwrap_or(0));
+    let label = sides.iter().map(|s| s.label.as_str()).collect::<Vec<_>>().join(", ");
+    let field = Field { first: 0, components: model.components };
+    Some(Arc::new(SideModel { patch: first.patch, side: first.side.clone(), label, field, runs, trace, rules }))
+}
+
+/// The name as the case file has it where it stands there in full, else by alias on boxes and by direction or tag elsewhere.
+fn label<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patch: &PatchModel<S, N>, wanted: &Located<SideRef>) -> String {
+    let at = wanted.at;
+    let case = builder.case;
+    if at.origin == Origin::File && at.line > 0 {
+        let text: String = case.source.lines.line(at.line).unwrap_or("").chars().skip(at.column.max(1) - 1).take(at.length).collect();
+        let inside = |mark: char| text.strip_prefix(mark).and_then(|t| t.strip_suffix(mark));
+        let text = inside('\'').map(str::to_owned).or_else(|| inside('"').map(|t| t.replace("\\\"", "\""))).unwrap_or(text.clone());
+        if case.find_sides(&text) == [wanted.value.clone()] {
+            return text;
+        }
+    }
+    let is_box = case.patches[wanted.value.patch].geometry.value.shape.value.kind() == "box";
+    if is_box { format!("{}.{}", patch.name, alias(&wanted.value.side, N)) } else { case.side_name(&wanted.value) }
+}
+
+fn side_fault<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    patch: &PatchModel<S, N>,
+    error: &SideError,
+    wanted: &Located<SideRef>,
+) -> Diagnostic {
+    let part = builder.case.patches[wanted.value.patch].geometry.shape.part().filter(|p| p.is_mesh());
+    let sides = part.map_or_else(|| patch.body.sides(), |p| p.outer_tags().into_iter().map(quoted).collect());
+    let patch = &patch.name;
+    let known = match (part.is_some(), sides.is_empty()) {
+        (true, true) => format!("no tag of \"{patch}\" is a side; \"all-outer\" is its whole boundary"),
+        (true, false) => {
+            format!("sides of \"{patch}\" are {}; \"all-outer\" is every side that stands in no other block", sides.join(", "))
+        }
+        _ => format!("sides of \"{patch}\" are {}", sides.join(", ")),
+    };
+    match error {
+        SideError::Unknown { .. } => builder.error("E021", format!("there is no side `{patch}.{}`; {known}", wanted.value.side), wanted.at),
+        other => builder.error("E021", format!("`{patch}.{}`: {other}", wanted.value.side), wanted.at).with_help(known),
+    }
+}

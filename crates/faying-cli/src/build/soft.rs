@@ -1,0 +1,103 @@
+//! What a tie takes from the bodies at its sides: their fluxes, for couplings that add stiffness.
+
+use super::model::{Model, TiePart};
+use faying::basis::Basis;
+use faying::coupling::{Coupling, CouplingBlocks, CouplingError, Interface, Segments, Side};
+use faying::linalg::{Csr, Triplets};
+use faying::physics::Flux;
+
+/// The fluxes through both sides of a tied part at a time.
+#[derive(Debug)]
+pub struct Fluxes<const S: usize, const N: usize> {
+    slave: Box<dyn Flux<S, N>>,
+    masters: Vec<Box<dyn Flux<S, N>>>,
+}
+
+impl<const S: usize, const N: usize> TiePart<S, N> {
+    /// The fluxes of the bodies at time `t`.
+    pub fn fluxes(&self, model: &Model<S, N>, t: f64) -> Fluxes<S, N> {
+        let of = |side: &super::SideModel<S, N>| {
+            let patch = &model.patches[side.patch];
+            patch.physics_at(t).flux(patch.body.space(), &side.trace, patch.field)
+        };
+        Fluxes { slave: of(&self.slave), masters: self.pairings.iter().map(|p| of(&p.master)).collect() }
+    }
+
+    /// The interface with master `k` as couplings see it, on its own segments or on others.
+    fn interface<'a>(
+        &'a self,
+        model: &Model<S, N>,
+        k: usize,
+        fluxes: &'a Fluxes<S, N>,
+        multiplier: &'a [&'a dyn Basis<S>],
+        segments: Option<&'a Segments<S>>,
+    ) -> Interface<'a, S, N> {
+        let pairing = &self.pairings[k];
+        let side =
+            |side: &'a super::SideModel<S, N>, flux| Side { trace: &side.trace, field: model.patches[side.patch].field, flux: Some(flux) };
+        Interface {
+            slave: side(&self.slave, &*fluxes.slave),
+            master: Some(side(&pairing.master, &*fluxes.masters[k])),
+            multiplier,
+            segments: segments.unwrap_or(&pairing.segments),
+            master_segments: pairing.second.as_ref().filter(|_| segments.is_none()),
+            direction: None,
+        }
+    }
+
+    /// What the coupling makes of the slave and master `k`.
+    pub(super) fn blocks(
+        &self,
+        coupling: &dyn Coupling<S, N>,
+        model: &Model<S, N>,
+        k: usize,
+        fluxes: &Fluxes<S, N>,
+    ) -> Result<CouplingBlocks, CouplingError> {
+        let multiplier: Vec<&dyn Basis<S>> = self.multipliers.iter().map(|m| &**m).collect();
+        coupling.assemble(&self.interface(model, k, fluxes, &multiplier, None), model.unknowns)
+    }
+
+    /// lambda at points of `segments` (those of the tie where none are given) against master `k`, where there is no multiplier:
+    /// `[component][point]`. Not a number where the coupling cannot say.
+    pub fn numerical_flux(
+        &self,
+        model: &Model<S, N>,
+        k: usize,
+        fluxes: &Fluxes<S, N>,
+        segments: Option<&Segments<S>>,
+        u: &[f64],
+    ) -> Vec<Vec<f64>> {
+        let interface = self.interface(model, k, fluxes, &[], segments);
+        let points = interface.segments.ds.len();
+        self.coupling.lambda(&interface, u).unwrap_or_else(|_| vec![vec![f64::NAN; points]; model.components])
+    }
+
+    /// Whether the stiffness follows materials that change with the time.
+    pub fn changes(&self, model: &Model<S, N>) -> bool {
+        let sides = self.pairings.iter().map(|p| &p.master).chain([&self.slave]);
+        !self.stiffness.entries.is_empty() && sides.map(|s| s.patch).any(|k| model.patches[k].changing.is_some())
+    }
+
+    /// The stiffness between the bodies at time `t`.
+    ///
+    /// # Errors
+    /// [`CouplingError`] where the coupling has none at that time.
+    pub fn stiffness_at(&self, model: &Model<S, N>, t: f64) -> Result<Triplets, CouplingError> {
+        let mut sum = Triplets::new(model.unknowns, model.unknowns);
+        let fluxes = self.fluxes(model, t);
+        for k in 0..self.pairings.len() {
+            sum.append_below(&self.blocks(&*self.coupling, model, k, &fluxes)?.stiffness, 0);
+        }
+        Ok(sum)
+    }
+}
+
+/// The sum of the stiffness of all ties as one matrix in all unknowns; none where no tie adds any. Entries are in the order of the
+/// ties, so the pattern is the same at every time.
+pub fn between<'a, const S: usize, const N: usize>(model: &Model<S, N>, parts: impl Iterator<Item = &'a Triplets>) -> Option<Csr> {
+    let mut all = Triplets::new(model.unknowns, model.unknowns);
+    for part in parts {
+        all.append_below(part, 0);
+    }
+    (!all.entries.is_empty()).then(|| all.to_csr())
+}

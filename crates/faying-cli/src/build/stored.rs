@@ -1,0 +1,239 @@
+//! A solved model as a stored run, and the fingerprint of a geometry.
+
+use super::model::{Model, PatchModel, SideModel};
+use super::patches::specification;
+use super::{Builder, MakeNet};
+use crate::case::{self, Case, FilePart};
+use crate::errors::Diagnostics;
+use crate::reference::{Fingerprint, StoredPatch, StoredRun, StoredSide, nodes};
+use faying::basis::{Basis, Cell, Order, ShapeTable};
+use faying::geometry::Embedding;
+use faying::linalg::Vector;
+use faying::space::{MeshCells, PatchSpec};
+
+/// Words of the case file for functions of splines.
+pub(super) const BASES: [(&str, faying::space::BasisKind); 3] =
+    [("auto", faying::space::BasisKind::Auto), ("nurbs", faying::space::BasisKind::Nurbs), ("b-spline", faying::space::BasisKind::BSpline)];
+/// Words for shapes of cells.
+pub(super) const CELLS: [(&str, Cell); 2] = [("tensor", Cell::Tensor), ("simplex", Cell::Simplex)];
+/// Words for maps of cells.
+pub(super) const MAPPINGS: [(&str, faying::space::Mapping); 2] =
+    [("isoparametric", faying::space::Mapping::Isoparametric), ("exact", faying::space::Mapping::Exact)];
+
+/// The word of the case's physics.
+pub(super) fn physics_word(case: &Case) -> &'static str {
+    match case.model.physics.value {
+        case::Physics::Poisson => "poisson",
+        case::Physics::Elasticity => "elasticity",
+    }
+}
+
+fn word<T: PartialEq>(words: &[(&str, T)], value: &T) -> String {
+    words.iter().find(|(_, v)| v == value).expect("every value has a word").0.to_owned()
+}
+
+/// The model of `case` with the unknowns `u` and multipliers `lambda` at time `t`, as data for a file.
+///
+/// # Errors
+/// What was wrong with the geometry, which a model that is built does not have.
+pub(crate) fn stored_run<const S: usize, const N: usize>(
+    case: &Case,
+    names: &crate::registry::Names<S, N>,
+    net: MakeNet<N>,
+    model: &Model<S, N>,
+    (u, lambda, t): (&[f64], &[f64], f64),
+) -> Result<StoredRun, Diagnostics> {
+    let builder = Builder { case, names, faults: Diagnostics::new() };
+    let mut patches = Vec::with_capacity(model.patches.len());
+    for (patch, words) in model.patches.iter().zip(&case.patches) {
+        patches.push(stored_patch(&builder, patch, words, net, u).map_err(|fault| Diagnostics::from(*fault))?);
+    }
+    let mut run = StoredRun {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        physics: physics_word(case).to_owned(),
+        dimension: N,
+        components: model.components,
+        t,
+        patches,
+        sides: Vec::new(),
+    };
+    for tie in &model.ties {
+        for part in &tie.parts {
+            let mut first = part.first_row;
+            let fields: Vec<(&dyn Basis<S>, &[f64])> = part
+                .multipliers
+                .iter()
+                .map(|m| {
+                    let range = first..first + m.num_functions();
+                    first = range.end;
+                    (&**m, &lambda[range])
+                })
+                .collect();
+            run.sides.extend(stored_sides(model, &tie.name, &part.slave, &fields));
+        }
+    }
+    for contact in &model.contacts {
+        for part in &contact.parts {
+            let field = part.read_through().map(|read| (read, &lambda[part.rows()]));
+            run.sides.extend(stored_sides(model, &contact.name, &part.slave, field.as_slice()));
+        }
+    }
+    Ok(run)
+}
+
+fn stored_patch<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    patch: &PatchModel<S, N>,
+    words: &case::Patch,
+    net: MakeNet<N>,
+    u: &[f64],
+) -> Result<StoredPatch, Box<crate::errors::Diagnostic>> {
+    let space = patch.body.space();
+    let mut stored = StoredPatch {
+        name: patch.name.clone(),
+        backend: patch.backend.clone(),
+        functions: space.num_functions(),
+        row: row(patch),
+        coefficients: u[patch.range()].to_vec(),
+        ..StoredPatch::default()
+    };
+    let (bases, mappings) = (BASES, MAPPINGS);
+    match spec_of(builder, words, net)? {
+        Some(spec) => {
+            stored.geometry = of_net(&spec);
+            stored.degree = spec.degree.to_vec();
+            stored.continuity = spec.continuity;
+            stored.basis = word(&bases, &spec.basis);
+            stored.cells = word(&CELLS, &spec.cells);
+            stored.mapping = word(&mappings, &spec.mapping);
+            stored.breakpoints = spec.breakpoints.to_vec();
+        }
+        None => {
+            stored.geometry = of_cells::<N>(words);
+            stored.degree = vec![words.discretization.degree.value.first().copied().unwrap_or(1); N];
+            stored.basis = word(&bases, &faying::space::BasisKind::Auto);
+            stored.cells = word(&CELLS, &Cell::Tensor);
+            let exact = words.discretization.mapping.value == case::Mapping::Exact;
+            stored.mapping = word(&mappings, if exact { &faying::space::Mapping::Exact } else { &faying::space::Mapping::Isoparametric });
+            stored.refine = words.refine.value;
+        }
+    }
+    Ok(stored)
+}
+
+/// The patch as data for a backend; none for meshes that are read from files.
+pub(super) fn spec_of<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    patch: &case::Patch,
+    net: MakeNet<N>,
+) -> Result<Option<PatchSpec<N>>, Box<crate::errors::Diagnostic>> {
+    if patch.geometry.shape.part().is_some_and(FilePart::is_mesh) {
+        return Ok(None);
+    }
+    let made = net(&patch.geometry.value)
+        .map_err(|(code, text)| builder.error(code, format!("geometry of patch \"{}\": {text}", patch.name.value), patch.geometry.at))?;
+    specification(builder, patch, made).map(Some)
+}
+
+/// Functions in a row of a grid: the first side's functions, where they are the first of the body.
+fn row<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> usize {
+    let first = patch.body.sides().get(2).and_then(|side| patch.body.trace(side).ok());
+    first.filter(|trace| trace.dofs.iter().enumerate().all(|(k, &f)| k == f)).map_or(0, |trace| trace.dofs.len())
+}
+
+/// The parts of a slave side on single patches; none where there is no multiplier.
+fn stored_sides<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    name: &str,
+    slave: &SideModel<S, N>,
+    fields: &[(&dyn Basis<S>, &[f64])],
+) -> Vec<StoredSide> {
+    // curves only: there are no multipliers on surfaces yet
+    if fields.is_empty() || S != 1 {
+        return Vec::new();
+    }
+    let elements = slave.trace.space.num_elements();
+    let ends = slave.runs.iter().skip(1).map(|r| r.0).chain([elements]);
+    let degree = fields.iter().flat_map(|(m, _)| (0..elements).map(|e| m.degree(e).into_iter().max().unwrap_or(0))).max().unwrap_or(0);
+    let points: Vec<Vector<S>> = nodes(degree).into_iter().map(Vector::<S>::repeat).collect();
+    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
+    let mut all = Vec::new();
+    for (&(first, patch), end) in slave.runs.iter().zip(ends) {
+        let facets: Vec<&Embedding<S, N>> = slave.trace.facets[first..end].iter().collect();
+        let elements = facets.iter().map(|f| f.element as f64);
+        let origins = (0..N).flat_map(|k| facets.iter().map(move |f| f.origin[k]));
+        let axes = (0..S).flat_map(|s| (0..N).map(move |k| (k, s))).flat_map(|(k, s)| facets.iter().map(move |f| f.axes[(k, s)]));
+        let mut values = vec![0.0; (end - first) * points.len() * fields.len()];
+        for (c, (basis, lambda)) in fields.iter().enumerate() {
+            for e in first..end {
+                basis.active(e, &mut ids);
+                basis.tabulate(e, &points, Order::Values, &mut table);
+                for q in 0..points.len() {
+                    let value: f64 = ids.iter().zip(table.values(q)).map(|(&j, v)| lambda[j] * v).sum();
+                    values[fields.len() * ((e - first) * points.len() + q) + c] = value;
+                }
+            }
+        }
+        all.push(StoredSide {
+            name: name.to_owned(),
+            patch: model.patches[patch].name.clone(),
+            components: fields.len(),
+            degree,
+            facets: elements.chain(origins).chain(axes).collect(),
+            values,
+        });
+    }
+    all
+}
+
+/// The fingerprint of the net of a patch.
+pub(super) fn of_net<const N: usize>(spec: &PatchSpec<N>) -> Fingerprint {
+    let net = &spec.net;
+    let mut counts = vec![net.points.len(), usize::from(net.weights.is_some())];
+    counts.extend(net.axes.iter().flat_map(|a| [a.polynomial_degree(), a.num_functions()]));
+    let knots = net.axes.iter().flat_map(|a| a.knots().iter().copied());
+    let points = net.points.iter().flat_map(|x| x.iter().copied());
+    fingerprint(&counts, knots.chain(points).chain(net.weights.iter().flatten().copied()))
+}
+
+/// The fingerprint of the cells that a patch is read from, moved as the patch is.
+pub(super) fn of_cells<const N: usize>(patch: &case::Patch) -> Fingerprint {
+    let Some(cells) = patch.geometry.shape.part().and_then(|p| p.cells::<N>()) else { return Fingerprint::default() };
+    let MeshCells { points, blocks, .. } = &cells;
+    let mut counts = vec![points.len()];
+    for block in blocks {
+        counts.extend([usize::from(block.cell == Cell::Simplex), block.order, block.nodes.len()]);
+        counts.extend(&block.nodes);
+    }
+    let places = (0..points.len()).filter_map(|k| super::meshes::point_of::<N>(patch, k));
+    fingerprint(&counts, places.flat_map(|x| x.iter().copied().collect::<Vec<f64>>()))
+}
+
+/// Shares of the scale of a fingerprint's sums below which they are equal.
+const SAME: f64 = 1e-12;
+
+/// Whether two fingerprints are those of one geometry, whatever the machine rounded.
+pub(super) fn same_geometry(a: &Fingerprint, b: &Fingerprint) -> bool {
+    let near = |x: f64, y: f64| (x - y).abs() <= SAME * a.size.max(b.size);
+    a.counts == b.counts && a.sums.iter().zip(&b.sums).all(|(x, y)| near(*x, *y))
+}
+
+fn fingerprint(counts: &[usize], numbers: impl Iterator<Item = f64>) -> Fingerprint {
+    let bytes: Vec<u8> = counts.iter().flat_map(|&n| (n as u64).to_le_bytes()).collect();
+    let (mut sums, mut size) = ([0.0; 4], 0.0);
+    for (k, x) in numbers.enumerate() {
+        size += x.abs();
+        for (j, sum) in sums.iter_mut().enumerate() {
+            *sum += factor(4 * k + j) * x;
+        }
+    }
+    Fingerprint { counts: case::sha256(&bytes), sums, size }
+}
+
+/// A number in [-1, 1) that looks like chance: SplitMix64 of `k`.
+fn factor(k: usize) -> f64 {
+    let mut z = (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    (z ^ (z >> 31)) as f64 / 2f64.powi(63) - 1.0
+}

@@ -1,0 +1,166 @@
+//! Which sides touch: facets against the sides nearest to them, pairs of sides by all their distances.
+
+use super::meshes::unrefined;
+use super::model::{PatchModel, SideModel};
+use crate::case::Case;
+use faying::geometry::{Bounds, MapTable, Sag, Tree};
+use faying::space::{Clearance, Sight, Skin, raised, skin_points};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Distances below this share of the size of all sides are none.
+pub(super) const SAME_PLACE: f64 = 1e-8;
+/// Sides within this share of a facet may have been meant to touch; one hears of them.
+const CLOSE: f64 = 1e-3;
+/// Candidates within so many sags of a facet are looked at: three, and the bulge.
+const REACH: f64 = 4.0;
+
+/// What touches what.
+#[derive(Debug, Default)]
+pub(super) struct Touching {
+    /// The share of facets of side a that lie on side b, for all pairs (a, b) that touch.
+    pub shares: BTreeMap<(usize, usize), f64>,
+    /// The share of facets of every side that lie on any other.
+    pub touched: Vec<f64>,
+    /// Pairs (the lesser first) that are near each other and do not touch.
+    pub near: Vec<([usize; 2], Clearance)>,
+}
+
+/// What a facet sees: sides with whether its centre lies there, and its distances.
+type Seen = Vec<(usize, bool, Clearance)>;
+
+/// Finds the sides that touch; a facet may touch those that are nearest to its centre.
+///
+/// `tolerance`: largest distance of facets' centres, without any other condition; none: sides touch where the deviation of their facets
+/// explains their distance ([`Clearance::touches`]), which is `sags`; below `floor` is none. Pairs for which `left_out` holds are not
+/// looked at. One tree of boxes over all facets.
+pub(super) fn touching_sides<const S: usize, const N: usize>(
+    sides: &[Arc<SideModel<S, N>>],
+    tolerance: Option<f64>,
+    sags: &[Sag<S, N>],
+    floor: f64,
+    left_out: &dyn Fn(usize, usize) -> bool,
+) -> Touching {
+    // distances that are given are those of the facets themselves
+    let none: Vec<Sag<S, N>>;
+    let sags = match tolerance {
+        Some(_) => {
+            none = sides.iter().map(|s| Sag::none(s.trace.facets.len())).collect();
+            &none[..]
+        }
+        None => sags,
+    };
+    let facets: Vec<(usize, usize)> = sides.iter().enumerate().flat_map(|(k, s)| (0..s.trace.facets.len()).map(move |f| (k, f))).collect();
+    let boxes: Vec<Bounds<N>> = sides.iter().flat_map(|s| s.trace.space.all_bounds()).collect();
+    let reach: Vec<f64> = (facets.iter().zip(&boxes))
+        .map(|(&(a, f), b)| tolerance.unwrap_or((sags[a].of_facet(f) * REACH).max(b.diagonal() * CLOSE).max(floor)))
+        .collect();
+    let tree = Tree::new(boxes.iter().zip(&reach).map(|(b, r)| b.inflated(*r)).collect());
+    let center = |i: usize, table: &mut MapTable<S, N>| {
+        let (a, f) = facets[i];
+        let trace = &sides[a].trace;
+        raised(trace, &sags[a], f, &skin_points(trace.space.cell(f))[..1], table)[0]
+    };
+    // sides and the reach that each needs, by the boxes of their facets
+    let candidates: Vec<BTreeMap<usize, f64>> = (0..facets.len())
+        .into_par_iter()
+        .map_init(MapTable::new, |table, i| {
+            let x = center(i, table).x;
+            let mut found: BTreeMap<usize, f64> = BTreeMap::new();
+            for j in tree.meeting(&Bounds { lo: x, hi: x }.inflated(reach[i])).into_iter().filter(|&j| facets[j].0 != facets[i].0) {
+                let most = found.entry(facets[j].0).or_insert(reach[i]);
+                *most = most.max(reach[j]);
+            }
+            found
+        })
+        .collect();
+    let mut allowed: BTreeMap<(usize, usize), bool> = BTreeMap::new();
+    for ((a, _), found) in facets.iter().zip(&candidates) {
+        for &b in found.keys() {
+            allowed.entry((*a, b)).or_insert_with(|| !left_out(*a, b));
+        }
+    }
+    let used: BTreeSet<usize> = allowed.iter().filter(|(_, ok)| **ok).map(|(&(_, b), _)| b).collect();
+    let skins: BTreeMap<usize, Skin<'_, S, N>> = used.into_iter().map(|b| (b, Skin::new(&sides[b].trace, &sags[b]))).collect();
+    let seen: Vec<Seen> = (0..facets.len())
+        .into_par_iter()
+        .map_init(MapTable::new, |table, i| {
+            let near: Vec<(usize, f64)> =
+                candidates[i].iter().map(|(&b, &r)| (b, r)).filter(|(b, _)| allowed[&(facets[i].0, *b)]).collect();
+            if near.is_empty() {
+                return Seen::new();
+            }
+            let middle = center(i, table);
+            let close = boxes[i].diagonal() * CLOSE;
+            let sight =
+                |b: usize, reach: f64, table: &mut MapTable<S, N>| skins[&b].sight(&middle, reach * (1.0 + SAME_PLACE), floor, table);
+            let mut at: Vec<(usize, f64, Sight)> = near.iter().filter_map(|&(b, r)| Some((b, r, sight(b, r, table)?))).collect();
+            at.retain(|(_, _, s)| tolerance.map_or_else(|| s.nearly(close), |t| s.distance <= t));
+            let far = |s: &Sight| if tolerance.is_some() { s.distance } else { s.gap.abs() };
+            let nearest = at.iter().map(|(_, _, s)| far(s)).fold(f64::INFINITY, f64::min);
+            at.retain(|(_, _, s)| far(s) <= nearest + floor);
+            let (a, f) = facets[i];
+            let trace = &sides[a].trace;
+            let points = raised(trace, &sags[a], f, &skin_points(trace.space.cell(f)), table);
+            let weight = boxes[i].diagonal().powi(S as i32) / points.len() as f64;
+            at.iter()
+                .map(|(b, reach, first)| {
+                    let mut all = Clearance::new();
+                    for point in points.iter().filter(|_| tolerance.is_none()) {
+                        if let Some(s) = skins[b].sight(point, reach * (1.0 + SAME_PLACE), floor, table) {
+                            all.see(&s, weight, floor);
+                        }
+                    }
+                    (*b, tolerance.is_some() || first.touches(floor), all)
+                })
+                .collect()
+        })
+        .collect();
+    decided(sides, &facets, &seen, tolerance.is_some(), floor)
+}
+
+/// The pairs whose distances are explained, and those that are merely near; with `given` every pair is.
+fn decided<const S: usize, const N: usize>(
+    sides: &[Arc<SideModel<S, N>>],
+    facets: &[(usize, usize)],
+    seen: &[Seen],
+    given: bool,
+    floor: f64,
+) -> Touching {
+    let mut pairs: BTreeMap<[usize; 2], (Clearance, bool)> = BTreeMap::new();
+    for (&(a, _), list) in facets.iter().zip(seen) {
+        for (b, lies, found) in list {
+            let pair = pairs.entry([a.min(*b), a.max(*b)]).or_insert((Clearance::new(), false));
+            pair.0.join(found);
+            pair.1 |= lies;
+        }
+    }
+    let touches = |a: usize, b: usize| pairs.get(&[a.min(b), a.max(b)]).is_some_and(|(all, lies)| *lies && (given || all.touches(floor)));
+    let mut out = Touching { touched: vec![0.0; sides.len()], ..Touching::default() };
+    for (&(a, _), list) in facets.iter().zip(seen) {
+        let one = 1.0 / sides[a].trace.facets.len() as f64;
+        let mut lies = false;
+        for (b, _, _) in list.iter().filter(|(b, lies, _)| *lies && touches(a, *b)) {
+            *out.shares.entry((a, *b)).or_default() += one;
+            lies = true;
+        }
+        if lies {
+            out.touched[a] += one;
+        }
+    }
+    out.near = pairs.iter().filter(|(p, _)| !touches(p[0], p[1])).map(|(p, (all, _))| (*p, *all)).collect();
+    out
+}
+
+/// The sag of a side's facets, none where they are the surface itself; of halved meshes that of the facets of the file.
+pub fn sag<const S: usize, const N: usize>(case: &Case, patches: &[PatchModel<S, N>], side: &SideModel<S, N>) -> Sag<S, N> {
+    if patches[side.patch].exact_map {
+        return Sag::none(side.trace.facets.len());
+    }
+    let of_parts = || {
+        let whole = unrefined::<S, N>(&case.patches[side.patch])?.trace(&side.side).ok()?;
+        Sag::of(&*whole.space, &whole.outward).of_parts(&*whole.space, &*side.trace.space)
+    };
+    of_parts().unwrap_or_else(|| Sag::of(&*side.trace.space, &side.trace.outward))
+}

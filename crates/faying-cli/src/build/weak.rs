@@ -1,0 +1,112 @@
+//! Rigid motions that nothing but soft springs holds.
+//!
+//! Z: the rigid motions that supports, ties and closed contacts leave where springs are taken away. For a motion z = Z y the springs
+//! store yᵀ S y / 2, S = Zᵀ (∫ k (d . u)² ds) Z, and bodies that would bend as much as they move about yᵀ B y / 2 with
+//! B = Zᵀ diag(E_b V_b / L_b²) Z, E_b the modulus, V_b the volume, L_b the size of body b. The eigenvalues of S y = μ B y are the springs'
+//! share of the stiffness; one much smaller than 1 is a motion that the rounding of the bodies' stiffness, 1e-16 of it times the
+//! number of elements squared, makes up.
+
+use super::functions::closed_forms;
+use super::model::Model;
+use super::rigid::{RigidModes, RigidRow};
+use super::supports::{RigidBodies, Ties, held_by, unit};
+use super::ties::short;
+use crate::case::Case;
+use crate::errors::Diagnostic;
+use crate::formula::Point;
+use faying::basis::Order;
+use faying::geometry::MapTable;
+use faying::linalg::{Vector, measure};
+use faying::quadrature::Quadrature;
+use nalgebra::{DMatrix, DVector};
+
+/// Springs with less than this share of the stiffness of what they hold are soft.
+const SOFT: f64 = 1e-5;
+
+/// E051 as a warning for the motions that springs hold with too small a share of the bodies' stiffness.
+pub(crate) fn weakly_held<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
+    if model.springs.is_empty() {
+        return Vec::new();
+    }
+    let bodies = RigidBodies::of(model);
+    let (modes, mut forms) = held_by(model, &bodies, &[], Ties::Functions);
+    forms.extend(closed_forms(model, &modes, &bodies));
+    let left = modes.null(&forms);
+    if left.ncols() == 0 {
+        return Vec::new();
+    }
+    let n = left.nrows();
+    let t = case.steps.value.first().copied().unwrap_or(1.0);
+    let mut springs = DMatrix::<f64>::zeros(n, n);
+    let mut table = MapTable::new();
+    for spring in &model.springs {
+        let (space, body) = (&*spring.side.trace.space, bodies.of_patch(model, spring.side.patch));
+        for e in 0..space.num_elements() {
+            let rule = spring.side.rules.rule(e);
+            space.map(e, &rule.points, Order::Gradients, &mut table);
+            for ((x, j), w) in table.x.iter().zip(&table.jacobian).zip(&rule.weights) {
+                let k = spring.stiffness.value(&Point::new(x.as_slice()).at_time(t)) * w * measure(j);
+                let form = modes.form(&RigidRow { terms: vec![(body, 1.0, *x)], direction: unit(spring.component) });
+                modes.add_square(&form, k, &mut springs);
+            }
+        }
+    }
+    let stiffness = body_stiffness(model, &bodies, modes.num_bodies());
+    let weights = DMatrix::from_fn(n, n, |i, j| if i == j { stiffness[i / modes.modes()] } else { 0.0 });
+    let (soft, hard) = (left.transpose() * springs * &left, left.transpose() * weights * &left);
+    // B is positive definite: L⁻¹ S L⁻ᵀ has the same eigenvalues
+    let Some(factor) = hard.cholesky() else { return Vec::new() };
+    let inverse = factor.l().try_inverse().unwrap_or_else(|| DMatrix::identity(soft.nrows(), soft.nrows()));
+    let eigen = (&inverse * soft * inverse.transpose()).symmetric_eigen();
+    let mut found = Vec::new();
+    for (k, &share) in eigen.eigenvalues.iter().enumerate().filter(|(_, share)| **share < SOFT) {
+        let motion = &left * (inverse.transpose() * eigen.eigenvectors.column(k));
+        found.extend(sentence(case, model, &bodies, &modes, &motion, share));
+    }
+    found
+}
+
+/// The warning for a motion, by the body that moves most.
+fn sentence<const S: usize, const N: usize>(
+    case: &Case,
+    model: &Model<S, N>,
+    bodies: &RigidBodies,
+    rigid: &RigidModes<N>,
+    motion: &DVector<f64>,
+    share: f64,
+) -> Option<Diagnostic> {
+    let modes = rigid.modes();
+    let size = |body: usize| motion.rows(modes * body, modes).norm();
+    let most = (0..motion.len() / modes).max_by(|&a, &b| size(a).total_cmp(&size(b)).then(b.cmp(&a)))?;
+    let patch = model.patches.get(bodies.number(model, most))?;
+    let own = motion.rows(modes * most, modes).into_owned() / size(most);
+    let name = rigid.name(most, &DMatrix::from_column_slice(modes, 1, own.as_slice())).join(", ");
+    let text = format!(
+        "body \"{}\" is hardly held: springs hold its {name} with {} of its own stiffness; rounding is that much larger there",
+        patch.name,
+        short(share.max(0.0))
+    );
+    let help = "fix the motion, or make the springs stiffer where they stand for a support";
+    let block = case.boundaries.iter().find(|b| b.spring.iter().any(Option::is_some));
+    let at = block.map_or(case.patches[bodies.number(model, most)].head.at, |b| b.head.at);
+    Some(Diagnostic::warning("E051", text).at(&case.source, at).with_help(help))
+}
+
+/// E V / L² of every body: the modulus at the middle of its first element, its volume, its size; zero of obstacles.
+fn body_stiffness<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies, count: usize) -> Vec<f64> {
+    let mut sums = vec![0.0; count];
+    for (k, patch) in model.patches.iter().enumerate() {
+        let space = &**patch.body.space();
+        let bounds = space.all_bounds().into_iter().reduce(|a, b| a.union(&b));
+        let (Some(bounds), true) = (bounds, space.num_elements() > 0) else { continue };
+        let center = faying::geometry::cell::center::<N, f64>(space.cell(0));
+        let mut table = MapTable::new();
+        space.map(0, &[center], Order::Values, &mut table);
+        let x: Vector<N> = table.x[0];
+        let length = bounds.diagonal();
+        sums[bodies.of_patch(model, k)] += patch.physics.modulus(&x) * faying::space::measure::<N, N, f64, _>(space) / (length * length);
+    }
+    // an obstacle that a force presses has no stiffness of its own: the least of the bodies
+    let least = sums.iter().copied().filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
+    sums.iter().map(|&s| if s > 0.0 { s } else { least }).collect()
+}

@@ -1,0 +1,128 @@
+//! What a row of a study changes in a case after `--set`: backends, degrees, levels, multipliers, integration, quantities.
+
+use super::tree::{Node, Table, Value, parse_value};
+use crate::place::{Origin, Place};
+
+/// Changes of a case between its `--set` options and its reading; the default changes nothing.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Changes {
+    /// One backend for every patch.
+    pub backend: Option<String>,
+    /// Backend of single patches by name, after `backend`.
+    pub backends: Vec<(String, String)>,
+    /// One degree for every patch.
+    pub degree: Option<usize>,
+    /// Degree of single patches by name, after `degree`.
+    pub degrees: Vec<(String, usize)>,
+    /// Halvings of every element beyond those of the file.
+    pub level: usize,
+    /// Multiplier of every interface and contact: a name, or data such as `{ degree = 1 }`.
+    pub pairing: Option<String>,
+    /// Integration of every interface and contact.
+    pub integration: Option<String>,
+    /// Points of every interface and contact beyond the default.
+    pub extra_points: Option<usize>,
+    /// Quantities that are asked beside the probes of the file, as probes with these names.
+    pub quantities: Vec<(String, String)>,
+}
+
+const AT: Place = Place { origin: Origin::Option, ..Place::NONE };
+
+/// Lists of what meets along sides, the key that says how, and its words for what has no multiplier.
+const COUPLES: [(&str, &str, &[&str]); 2] = [("interface", "coupling", &["nitsche", "penalty"]), ("contact", "method", &["nitsche"])];
+
+/// Applies the changes.
+pub(super) fn apply(root: &mut Table, changes: &Changes) {
+    if let Some(backend) = &changes.backend {
+        everywhere(root, "backend", Value::Text(backend.clone()));
+    }
+    if let Some(degree) = changes.degree {
+        everywhere(root, "degree", whole(degree));
+    }
+    for (list, kind, without) in COUPLES {
+        for couple in tables(root, list) {
+            // what shares unknowns has neither a multiplier nor an integration; what has no multiplier is still integrated
+            let is = |word: &str| matches!(couple.get(kind).map(|e| &e.node.value), Some(Value::Text(w)) if w == word);
+            if is("glue") {
+                continue;
+            }
+            if let Some(pairing) = changes.pairing.as_ref().filter(|_| !without.iter().any(|w| is(w))) {
+                let value = if pairing.starts_with('{') { parse_value(pairing, AT).ok() } else { None };
+                couple.set("multiplier", AT, value.unwrap_or_else(|| Node::new(Value::Text(pairing.clone()), AT)));
+            }
+            if let Some(integration) = &changes.integration {
+                couple.set("integration", AT, Node::new(Value::Text(integration.clone()), AT));
+            }
+            if let Some(points) = changes.extra_points {
+                couple.set("extra_points", AT, Node::new(whole(points), AT));
+            }
+        }
+    }
+    for patch in tables(root, "patch") {
+        let name = match patch.get("name").map(|e| &e.node.value) {
+            Some(Value::Text(name)) => name.clone(),
+            _ => String::new(),
+        };
+        if let Some((_, backend)) = changes.backends.iter().find(|(n, _)| *n == name) {
+            patch.set("backend", AT, Node::new(Value::Text(backend.clone()), AT));
+        }
+        if let Some((_, degree)) = changes.degrees.iter().find(|(n, _)| *n == name) {
+            patch.set("degree", AT, Node::new(whole(*degree), AT));
+        }
+        if changes.level > 0 {
+            refine(patch, changes.level);
+        }
+    }
+    for (name, quantity) in &changes.quantities {
+        ask(root, name, quantity);
+    }
+}
+
+fn whole(n: usize) -> Value {
+    Value::Integer(i64::try_from(n).unwrap_or(i64::MAX))
+}
+
+/// The tables of a list of the case.
+fn tables<'a>(root: &'a mut Table, list: &str) -> impl Iterator<Item = &'a mut Table> + use<'a> {
+    let list = match root.get_mut(list).map(|e| &mut e.node.value) {
+        Some(Value::List(list)) => list.as_mut_slice(),
+        _ => &mut [],
+    };
+    list.iter_mut().filter_map(|node| match &mut node.value {
+        Value::Table(t) => Some(t),
+        _ => None,
+    })
+}
+
+// in [discretization], and in no patch
+fn everywhere(root: &mut Table, key: &str, value: Value) {
+    if root.get("discretization").is_none() {
+        root.set("discretization", AT, Node::new(Value::Table(Table::default()), AT));
+    }
+    if let Some(Value::Table(t)) = root.get_mut("discretization").map(|e| &mut e.node.value) {
+        t.set(key, AT, Node::new(value, AT));
+    }
+    tables(root, "patch").for_each(|patch| patch.entries.retain(|e| e.key != key));
+}
+
+// what is no whole number stays, for the reader to refuse
+fn refine(patch: &mut Table, level: usize) {
+    let more = i64::try_from(level).unwrap_or(i64::MAX);
+    match patch.get_mut("refine").map(|e| &mut e.node) {
+        None => patch.set("refine", AT, Node::new(Value::Integer(more), AT)),
+        Some(Node { value: Value::Integer(n), .. }) if *n >= 0 => *n = n.saturating_add(more),
+        Some(_) => {}
+    }
+}
+
+fn ask(root: &mut Table, name: &str, quantity: &str) {
+    if root.get("probe").is_none() {
+        root.set("probe", AT, Node::new(Value::List(Vec::new()), AT));
+    }
+    if let Some(Value::List(list)) = root.get_mut("probe").map(|e| &mut e.node.value) {
+        let mut table = Table::default();
+        table.set("name", AT, Node::new(Value::Text(name.to_owned()), AT));
+        table.set("quantity", AT, Node::new(Value::Text(quantity.to_owned()), AT));
+        list.push(Node::new(Value::Table(table), AT));
+    }
+}

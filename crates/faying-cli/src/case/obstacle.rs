@@ -1,0 +1,123 @@
+//! Reads `rigid = { kind = .. }`: an obstacle with its place and its motion.
+
+use super::keys;
+use super::reader::{Block, Reader, Sign, Uses};
+use super::tree::{Node, Table, Value};
+use super::types::*;
+use crate::place::Located;
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+impl Reader {
+    /// The obstacle and its table with all defaults.
+    pub(super) fn obstacle(&mut self, node: &Node) -> Option<(Obstacle, Table)> {
+        let kinds: Vec<(&'static str, &'static [&'static str])> =
+            keys::OBSTACLES.iter().chain(keys::OBSTACLE_GEOMETRIES).copied().collect();
+        let (mut b, kind) = self.kinded(node, "rigid", &kinds, keys::OBSTACLE)?;
+        let at = b.node("kind").map_or(node.at, |k| k.at);
+        let plane = self.dimension == 2;
+        if plane && matches!(kind, "cylinder" | "torus" | "sphere-octant") {
+            let message = format!("a {kind} is an obstacle of three dimensions, the model has two");
+            self.fault("E044", at, message, "its cross-section is a sphere (a circle), a half-plane, a level-set or a nurbs curve");
+            return None;
+        }
+        let shape = self.obstacle_shape(&mut b, kind, at, plane)?;
+        let n = self.dimension;
+        let mut motion = |key: &str| match b.node(key).cloned() {
+            Some(node) => self.formulas_of(&node, key, Uses::Time, n),
+            None => (0..n).map(|_| None).collect(),
+        };
+        let (translate, force) = (motion("move"), motion("force"));
+        for (k, f) in force.iter().enumerate() {
+            if let (Some(f), Some(Some(_))) = (f, translate.get(k)) {
+                let message = format!("the obstacle is moved and pressed in {}", AXES[k]);
+                self.fault("E052", f.at, message, "a component has `move` or `force`; one without either is held");
+            }
+        }
+        Some((Obstacle { shape: Located::new(shape, at), translate, force }, b.finish()))
+    }
+
+    fn obstacle_shape(&mut self, b: &mut Block, kind: &'static str, at: crate::place::Place, plane: bool) -> Option<ObstacleShape> {
+        let axis = |r: &mut Self, b: &Block| {
+            let v = r.required_vector(b, "axis", "axis = [0, 0, 1]");
+            r.unit(v, "axis")
+        };
+        let origin = if plane { "center = [0, 0]" } else { "center = [0, 0, 0]" };
+        Some(match kind {
+            "half-plane" => {
+                let point = self.required_vector(b, "point", if plane { "point = [0, 0]" } else { "point = [0, 0, 0]" });
+                let normal = self.required_vector(b, "normal", if plane { "normal = [0, 1]" } else { "normal = [0, 0, 1]" });
+                let normal = if b.has("normal") { self.unit(normal, "normal") } else { normal };
+                ObstacleShape::HalfPlane { point, normal }
+            }
+            "sphere" => ObstacleShape::Sphere {
+                center: self.required_vector(b, "center", origin),
+                radius: self.required_number(b, "radius", Sign::Positive, "radius = 1.0"),
+                inside: self.flag(b, "inside", false),
+            },
+            "cylinder" => ObstacleShape::Cylinder {
+                center: self.required_vector(b, "center", origin),
+                axis: axis(self, b),
+                radius: self.required_number(b, "radius", Sign::Positive, "radius = 1.0"),
+            },
+            "torus" => ObstacleShape::Torus {
+                center: self.required_vector(b, "center", origin),
+                axis: axis(self, b),
+                radius: {
+                    // [R, r]: the tube is thinner
+                    let node = self.required(b, "radius", "radius = [2.0, 0.5]")?;
+                    let r = self.numbers_of(&node, "radius")?;
+                    if r.len() != 2 || r.iter().any(|v| v.value <= 0.0) {
+                        self.fault("E015", node.at, "`radius` must be two positive numbers", "write radius = [2.0, 0.5]");
+                        return None;
+                    }
+                    Located::new([r[0].value, r[1].value], node.at)
+                },
+            },
+            "level-set" => {
+                let f = self.required(b, "f", "f = \"y - 0.1*x^2\"").and_then(|n| self.formula_of(&n, "f", Uses::Space));
+                let along = b.node("along").cloned().and_then(|n| self.vector_of(&n, "along", false));
+                let along = along.map(|v| self.unit(v, "along"));
+                ObstacleShape::LevelSet { f: f?, along }
+            }
+            _ => {
+                let curve = kind == "nurbs" && plane && b.node("knots").is_some_and(is_curve);
+                let shape = if curve { self.nurbs_of(b, 1) } else { self.shape(b, kind) };
+                let mut geometry = Geometry {
+                    shape: Located::new(shape, at),
+                    extrude: None,
+                    scale: self.number(b, "scale", Sign::Positive),
+                    rotate_deg: self.number(b, "rotate_deg", Sign::Any),
+                    axis: b.node("axis").cloned().and_then(|n| self.vector_of(&n, "axis", false)),
+                    translate: None,
+                };
+                if let (true, Some(a)) = (plane, &geometry.axis) {
+                    self.fault("E015", a.at, "`axis` is a key of 3D rotations", "");
+                }
+                self.obstacle_parts(&mut geometry)?;
+                ObstacleShape::Geometry(Box::new(geometry))
+            }
+        })
+    }
+
+    // a direction of length 1
+    fn unit(&mut self, v: Located<Vec<f64>>, what: &str) -> Located<Vec<f64>> {
+        let largest = v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        if largest == 0.0 {
+            self.fault("E015", v.at, format!("`{what}` must not be zero"), "");
+            return v;
+        }
+        // scaled first: squares of tiny or huge numbers leave the range
+        let scaled: Vec<f64> = v.iter().map(|x| x / largest).collect();
+        let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
+        Located::new(scaled.iter().map(|x| x / length).collect(), v.at)
+    }
+}
+
+/// Whether knots are those of a curve: one list of numbers, or a list of one list.
+fn is_curve(knots: &Node) -> bool {
+    match &knots.value {
+        Value::List(list) => list.len() == 1 || !list.iter().any(|item| matches!(item.value, Value::List(_))),
+        _ => true,
+    }
+}

@@ -1,0 +1,199 @@
+//! Files that a case names: opened once each, bounded, hashed, and told apart from what is no file.
+
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::Arc;
+
+use sha2::{Digest, Sha256};
+
+use super::reader::Reader;
+use crate::codes;
+use crate::errors::{Diagnostic, nearest};
+use crate::place::{Located, Place};
+use crate::reference::{self, StoredRun};
+use faying_files::{Contents, FileError, Limits};
+
+/// Longest refinement list that is read, in bytes.
+const LONGEST_LIST: u64 = 16 << 20;
+
+/// A file that a case was made of, beside the case itself.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FileRead {
+    /// Its name as the case has it.
+    pub name: String,
+    /// Its absolute path.
+    pub path: PathBuf,
+    /// Its size in bytes.
+    pub bytes: usize,
+    /// SHA-256 of its bytes, in hexadecimal digits.
+    pub sha256: String,
+}
+
+/// SHA-256 of `bytes` in hexadecimal digits.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// A geometry file and what came of it: nothing where it was reported.
+#[derive(Debug)]
+pub(super) struct Opened {
+    path: PathBuf,
+    contents: Option<Rc<Contents>>,
+}
+
+/// E003 for a file that a case names and that cannot be read, with similar names in its folder.
+fn cannot_open(name: &str, path: &Path, why: &str, missing: bool) -> Diagnostic {
+    if !missing {
+        return Diagnostic::error("E003", format!("cannot read {name}: {why}"))
+            .with_help("name a file of a mesh or a geometry that may be read");
+    }
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let d = Diagnostic::error("E003", format!("there is no file {name}"));
+    if !folder.is_dir() {
+        return d.with_help(format!("there is no folder {}", folder.display()));
+    }
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .map(|entries| entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect())
+        .unwrap_or_default();
+    names.sort();
+    let wanted = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
+    let stem = |n: &str| Path::new(n).file_stem().map_or(String::new(), |s| s.to_string_lossy().to_lowercase());
+    let mut similar: Vec<&str> = nearest(&wanted, names.iter().map(String::as_str)).into_iter().collect();
+    let own = stem(&wanted);
+    for n in &names {
+        let close = !own.is_empty() && (stem(n).contains(&own) || (stem(n).len() > 2 && own.contains(&stem(n))));
+        if close && !similar.contains(&n.as_str()) && similar.len() < 5 {
+            similar.push(n);
+        }
+    }
+    match similar.as_slice() {
+        [] => d.with_help("paths are relative to the case file"),
+        some => d.with_help(format!("similar names there: {}", some.join(", "))),
+    }
+}
+
+/// The bytes of a regular file of at most `most` bytes; pipes and devices are none, whose end may never come.
+///
+/// # Errors
+/// [`FileError::System`], or [`FileError::Memory`] where it is longer.
+pub(crate) fn bytes(path: &Path, most: Option<u64>) -> Result<Vec<u8>, FileError> {
+    let system = |e: std::io::Error| FileError::System { missing: e.kind() == std::io::ErrorKind::NotFound, message: e.to_string() };
+    let plain = |message: &str| FileError::System { missing: false, message: message.to_owned() };
+    // asked before it is opened: opening a pipe waits for somebody to write
+    let known = std::fs::metadata(path).map_err(system)?;
+    if known.is_dir() {
+        return Err(plain("it is a folder"));
+    }
+    if !known.is_file() {
+        return Err(plain("it is no regular file"));
+    }
+    let most = most.unwrap_or(u64::MAX - 1);
+    if known.len() > most {
+        return Err(FileError::Memory { needed: known.len(), allowed: most });
+    }
+    let mut bytes = Vec::new();
+    // it may grow meanwhile
+    std::fs::File::open(path).map_err(system)?.take(most + 1).read_to_end(&mut bytes).map_err(system)?;
+    if bytes.len() as u64 > most {
+        return Err(FileError::Memory { needed: bytes.len() as u64, allowed: most });
+    }
+    Ok(bytes)
+}
+
+impl Reader {
+    /// The path of a name in the case.
+    pub fn path_of(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// Bytes of a file that the case names, noted among its files; what is wrong is reported at `file`.
+    fn bytes_of(&mut self, file: &Located<String>, most: Option<u64>) -> Option<Vec<u8>> {
+        let path = self.path_of(&file.value);
+        match bytes(&path, most) {
+            Ok(bytes) => {
+                let absolute = std::fs::canonicalize(&path).unwrap_or(path);
+                if !self.files.iter().any(|f| f.path == absolute) {
+                    self.files.push(FileRead { name: file.value.clone(), path: absolute, bytes: bytes.len(), sha256: sha256(&bytes) });
+                }
+                Some(bytes)
+            }
+            Err(FileError::System { missing, message }) => {
+                self.push(file.at, cannot_open(&short(&file.value), &path, &message, missing));
+                None
+            }
+            Err(e) => {
+                self.file_fault(&file.value, file.at, &e);
+                None
+            }
+        }
+    }
+
+    /// What a geometry file holds; it is read once, and what is wrong with it is reported once.
+    pub fn open(&mut self, file: &Located<String>) -> Option<Rc<Contents>> {
+        let path = self.path_of(&file.value);
+        let path = std::fs::canonicalize(&path).unwrap_or(path);
+        if let Some(known) = self.opened.iter().find(|o| o.path == path) {
+            return known.contents.clone();
+        }
+        let memory = self.memory;
+        let contents = self.bytes_of(file, memory).and_then(|bytes| match faying_files::parse("the file", &bytes, &Limits { memory }) {
+            Ok(contents) => Some(Rc::new(contents)),
+            Err(e) => {
+                self.file_fault(&file.value, file.at, &e);
+                None
+            }
+        });
+        self.opened.push(Opened { path, contents: contents.clone() });
+        contents
+    }
+
+    /// The text of a small file beside the geometry.
+    pub fn open_list(&mut self, file: &Located<String>) -> Option<Vec<u8>> {
+        let mut bytes = self.bytes_of(file, Some(self.memory.map_or(LONGEST_LIST, |m| m.min(LONGEST_LIST))))?;
+        // a byte order mark is no text
+        if bytes.starts_with(faying_files::BYTE_ORDER_MARK) {
+            bytes.drain(..faying_files::BYTE_ORDER_MARK.len());
+        }
+        Some(bytes)
+    }
+
+    /// The stored run of a file.
+    pub fn open_reference(&mut self, file: &Located<String>) -> Option<Arc<StoredRun>> {
+        let memory = self.memory;
+        let bytes = self.bytes_of(file, memory)?;
+        match reference::read(&bytes, &Limits { memory }) {
+            Ok(run) => Some(Arc::new(run)),
+            Err(e) => {
+                let help = match e {
+                    FileError::Memory { .. } => "raise --max-memory, or store a coarser run",
+                    _ => "`faying run CASE --save-reference FILE` writes stored runs",
+                };
+                self.fault(codes::of_file(&e), file.at, format!("{}: {e}", short(&file.value)), help);
+                None
+            }
+        }
+    }
+
+    /// What is wrong with a file, at the place of the case that names it.
+    pub fn file_fault(&mut self, file: &str, at: Place, error: &FileError) {
+        let help = match error {
+            FileError::Memory { .. } => "raise --max-memory, or give a smaller file",
+            FileError::Unsupported { .. } => "read are: G+Smo XML, MFEM meshes, Gmsh 2.2 and 4.1; `faying inspect` shows what a file holds",
+            FileError::Broken { .. } => "`faying inspect` shows what a file holds",
+            FileError::Dimension { .. } => {
+                "`dimension` of the case and of what the file holds must be the same, and points of a plane case have z = 0; \
+                 `faying inspect` shows what a file holds"
+            }
+            _ => "",
+        };
+        self.fault(codes::of_file(error), at, format!("{}: {error}", short(file)), help);
+    }
+}
+
+fn short(text: &str) -> String {
+    match text.chars().count() {
+        n if n > 120 => format!("..{}", text.chars().skip(n - 120).collect::<String>()),
+        _ => text.to_owned(),
+    }
+}

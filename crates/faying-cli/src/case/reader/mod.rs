@@ -1,0 +1,76 @@
+//! Typed reading of values: every getter reports what is wrong at its place and lets reading go on.
+
+mod block;
+mod formulas;
+mod scalars;
+
+pub(in crate::case) use block::Block;
+pub(in crate::case) use formulas::Uses;
+pub(in crate::case) use scalars::Sign;
+
+use crate::case::from_file::FromFile;
+use crate::case::opened::{FileRead, Opened};
+use crate::case::sides::Family;
+use crate::case::tree::Node;
+use crate::case::types::{Joint, Meeting};
+use crate::errors::{Diagnostic, Diagnostics, Source};
+use crate::formula::Constants;
+use crate::place::Place;
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+/// Errors beyond this many are not kept.
+const KEPT: usize = 500;
+
+/// What reading needs everywhere.
+#[derive(Debug)]
+pub(in crate::case) struct Reader {
+    pub source: Source,
+    pub found: Diagnostics,
+    pub constants: Constants,
+    /// Names of blocks, which may hold `-` in formulas of checks.
+    pub names: Vec<String>,
+    pub dimension: usize,
+    pub components: usize,
+    /// What could not be read as a whole, `exact` or the names of a list such as `patch`: what refers to them shall not be reported again.
+    pub broken: BTreeSet<String>,
+    /// Whether a density is given but could not be read.
+    pub density_broken: bool,
+    /// The folder that paths are relative to.
+    pub folder: PathBuf,
+    /// Most bytes that reading a file may take.
+    pub memory: Option<u64>,
+    /// Files read so far.
+    pub files: Vec<FileRead>,
+    /// Geometry files opened so far.
+    pub opened: Vec<Opened>,
+    /// One entry per patch, until patches are expanded.
+    pub from_files: Vec<Option<FromFile>>,
+    /// Names that stand for all patches of a file.
+    pub families: Vec<Family>,
+    /// Sides that are one.
+    pub joints: Vec<Joint>,
+    /// Points that are one.
+    pub meetings: Vec<Meeting>,
+}
+
+impl Reader {
+    pub fn push(&mut self, at: Place, diagnostic: Diagnostic) {
+        if self.found.items.len() < KEPT {
+            let located = diagnostic.at(&self.source, at);
+            self.found.push(located);
+        }
+    }
+
+    pub fn fault(&mut self, code: &'static str, at: Place, message: impl Into<String>, help: impl Into<String>) {
+        let help = help.into();
+        let d = Diagnostic::error(code, message);
+        self.push(at, if help.is_empty() { d } else { d.with_help(help) });
+    }
+
+    pub fn wrong_type(&mut self, node: &Node, what: &str, expected: &str, help: impl Into<String>) {
+        // names of blocks are quoted already
+        let what = what.trim_matches('`');
+        self.fault("E014", node.at, format!("`{what}` must be {expected}, found {}", node.describe()), help);
+    }
+}

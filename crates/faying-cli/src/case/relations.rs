@@ -1,0 +1,230 @@
+//! What blocks say about each other: sides used twice, two conditions on one component, data marked "exact".
+
+use std::collections::{BTreeMap, HashSet};
+
+use super::boundary::{Read, component};
+use super::from_file::outer_of;
+use super::part::FilePart;
+use super::reader::Reader;
+use super::sides::{show, sides_of};
+use super::types::*;
+use crate::errors::Diagnostic;
+use crate::place::{Located, Place};
+
+fn line(at: Place) -> String {
+    at.in_file().map_or("in an option".to_owned(), |(l, _)| format!("on line {l}"))
+}
+
+// the sides that are not used; those of a mesh are tags and what no tag holds
+fn rest(patches: &mut [Patch], used: &HashSet<SideRef>, dimension: usize) -> Vec<SideRef> {
+    let mut out = Vec::new();
+    for (patch, p) in patches.iter_mut().enumerate() {
+        let sides: Vec<String> = if p.geometry.shape.part().is_some_and(FilePart::is_mesh) {
+            let own: Vec<&str> = used.iter().filter(|s| s.patch == patch).map(|s| s.side.as_str()).collect();
+            outer_of(p, &own)
+        } else {
+            sides_of(&p.geometry.shape, dimension).into_iter().map(str::to_owned).collect()
+        };
+        out.extend(sides.into_iter().map(|side| SideRef { patch, side }).filter(|s| !used.contains(s)));
+    }
+    out
+}
+
+impl Reader {
+    /// A side is slave once, and never its own master; two sides are coupled once, in one direction (E026).
+    pub fn slaves(&mut self, interfaces: &[Tie], contacts: &[Contact], patches: &[Patch]) {
+        let mut first: BTreeMap<(usize, &str), Place> = BTreeMap::new();
+        let none: &[Located<SideRef>] = &[];
+        let ties = interfaces.iter().map(|t| ("interface", &t.name.value, &t.slave[..], &t.master[..]));
+        let all: Vec<_> = ties
+            .chain(contacts.iter().map(|c| {
+                let master = match &c.master {
+                    Master::Sides(sides) => &sides[..],
+                    Master::Rigid(_) => none,
+                };
+                ("contact", &c.name.value, &c.slave[..], master)
+            }))
+            .collect();
+        for (k, &(kind, name, slave, master)) in all.iter().enumerate() {
+            for &(other_kind, other, other_slave, other_master) in &all[..k] {
+                let twice = slave.iter().find_map(|s| {
+                    let before = other_slave.iter().find(|o| master.contains(o) && other_master.contains(s))?;
+                    Some((s, before))
+                });
+                let Some((s, before)) = twice else { continue };
+                let message = format!(
+                    "`{}` and `{}` are coupled twice, with slave and master exchanged: {other_kind} {other:?} {} and {kind} {name:?} {}",
+                    show(before, patches),
+                    show(s, patches),
+                    line(before.at),
+                    line(s.at)
+                );
+                self.fault("E026", s.at, message, "two sides are coupled once: drop one of the two blocks");
+            }
+        }
+        for (_, _, slave, master) in all {
+            for s in slave {
+                let name = show(s, patches);
+                if master.contains(s) {
+                    self.fault("E026", s.at, format!("`{name}` is its own master"), "name the side on the other body as master");
+                }
+                match first.get(&(s.patch, s.side.as_str())) {
+                    Some(at) => {
+                        let message = format!("`{name}` is slave twice: {} and {}", line(*at), line(s.at));
+                        self.fault(
+                            "E026",
+                            s.at,
+                            message,
+                            "a side carries one multiplier; list all its masters in one block, or exchange slave and master",
+                        );
+                    }
+                    None => {
+                        first.insert((s.patch, &s.side), s.at);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Resolves "all-outer": the sides that stand in no other block and are not glued to another one.
+    pub fn outer(
+        &mut self,
+        read: Vec<Read>,
+        interfaces: &[Tie],
+        contacts: &[Contact],
+        joints: &[Joint],
+        patches: &mut [Patch],
+    ) -> Vec<Boundary> {
+        let mut used: HashSet<SideRef> = read.iter().flat_map(|r| r.boundary.on.iter().map(|s| s.value.clone())).collect();
+        used.extend(interfaces.iter().flat_map(|t| t.slave.iter().chain(&t.master)).map(|s| s.value.clone()));
+        for c in contacts {
+            used.extend(c.slave.iter().map(|s| s.value.clone()));
+            if let Master::Sides(sides) = &c.master {
+                used.extend(sides.iter().map(|s| s.value.clone()));
+            }
+        }
+        used.extend(joints.iter().flat_map(|j| j.sides.iter().cloned()));
+        let mut seen: Option<Place> = None;
+        let mut out = Vec::with_capacity(read.len());
+        for r in read {
+            let mut boundary = r.boundary;
+            if let Some(at) = r.all_outer {
+                match seen {
+                    None => boundary.on = rest(patches, &used, self.dimension).into_iter().map(|s| Located::new(s, at)).collect(),
+                    Some(before) => {
+                        let message = format!("\"all-outer\" stands in two blocks: {} and {}", line(before), line(at));
+                        self.fault("E052", at, message, "put both conditions into one block");
+                    }
+                }
+                if seen.is_none() && boundary.on.is_empty() && !patches.is_empty() {
+                    self.push(at, Diagnostic::warning("E021", "\"all-outer\" is no side: every side stands in another block"));
+                }
+                seen = Some(at);
+            }
+            out.push(boundary);
+        }
+        out
+    }
+
+    /// Each component of a side is prescribed once, or loaded (E052).
+    pub fn conditions(&mut self, boundaries: &[Boundary], patches: &[Patch], n: usize) {
+        // per side and component: prescribed first, and the first load
+        let mut prescribed: BTreeMap<(usize, &str, usize), Place> = BTreeMap::new();
+        let mut loaded: BTreeMap<(usize, &str, usize), Place> = BTreeMap::new();
+        let clash = |r: &mut Self, s: &SideRef, k: usize, at: Place, before: Place, what: [&str; 2]| {
+            let message = format!(
+                "`{}` has two conditions for component {}: {} {}, {} {}",
+                show(s, patches),
+                component(n, k),
+                what[0],
+                line(before),
+                what[1],
+                line(at)
+            );
+            r.fault("E052", at, message, "each component of a side is prescribed once, or loaded");
+        };
+        // a part of a side is compared when its facets are known
+        let whole: Vec<&Boundary> = boundaries.iter().filter(|b| b.filter.is_none()).collect();
+        for b in &whole {
+            for s in &b.on {
+                for (k, d) in b.dirichlet.iter().enumerate() {
+                    let Some(d) = d else { continue };
+                    let key = (s.patch, s.side.as_str(), k);
+                    match prescribed.get(&key) {
+                        Some(before) => clash(self, s, k, d.at, *before, ["prescribed", "and again"]),
+                        None => {
+                            prescribed.insert(key, d.at);
+                        }
+                    }
+                }
+            }
+        }
+        for b in &whole {
+            for s in &b.on {
+                for k in 0..n {
+                    // a load that is zero asks for nothing
+                    let traction =
+                        b.traction[k].as_ref().filter(|t| !matches!(&t.value, Datum::Formula(f) if f.as_constant() == Some(0.0)));
+                    let loads = [
+                        traction.map(|t| t.at),
+                        b.force[k].as_ref().map(|f| f.at),
+                        b.spring[k].as_ref().map(|f| f.at),
+                        b.rigid_force[k].as_ref().map(|f| f.at),
+                    ];
+                    let key = (s.patch, s.side.as_str(), k);
+                    for at in loads.into_iter().flatten() {
+                        loaded.insert(key, at);
+                        if let Some(before) = prescribed.get(&key) {
+                            clash(self, s, k, at, *before, ["prescribed", "loaded"]);
+                        }
+                    }
+                }
+                // pressure acts along the normal: a conflict where nothing is free
+                let all: Option<Vec<Place>> = (0..n).map(|k| prescribed.get(&(s.patch, s.side.as_str(), k)).copied()).collect();
+                if let (Some(p), Some(all)) = (&b.pressure, all) {
+                    clash(self, s, n - 1, p.at, all[n - 1], ["prescribed", "loaded"]);
+                }
+            }
+        }
+    }
+
+    /// Gravity needs densities, and follows from `exact` where there is one.
+    pub fn weight(&mut self, model: &Model, materials: &[Material], patches: &[Patch]) {
+        let all = model
+            .gravity
+            .iter()
+            .map(|g| (g, patches))
+            .chain(patches.iter().filter_map(|p| Some((p.gravity.as_ref()?, std::slice::from_ref(p)))));
+        for (gravity, patches) in all {
+            if model.exact.is_some() {
+                self.fault(
+                    "E015",
+                    gravity.at,
+                    "`gravity` does not stand beside `exact`",
+                    "the body force follows from `exact`; leave one of them out",
+                );
+            }
+            let bare = patches.iter().filter_map(|p| materials.get(p.material.value)).find(|m| m.density.is_none());
+            if let (Some(m), false) = (bare, self.density_broken) {
+                let message = format!("`gravity` needs a density, material {:?} has none", m.name.value);
+                self.fault("E013", gravity.at, message, "write density = 7.8e-9 in the material");
+            }
+        }
+    }
+
+    /// Data marked "exact" need `exact` (E062).
+    pub fn exact_data(&mut self, boundaries: &[Boundary], model: &Model) {
+        if model.exact.is_some() || self.broken.contains("exact") {
+            return;
+        }
+        for b in boundaries {
+            let data = b.dirichlet.iter().chain(&b.traction).flatten();
+            let first = data.filter(|d| d.value == Datum::Exact).map(|d| d.at).next();
+            if let Some(at) = first {
+                let n = model.components();
+                let example = if n == 1 { "exact = { u = \"x*y\" }" } else { "exact = { u = [\"x*y\", \"0\"] }" };
+                self.fault("E062", at, "data marked \"exact\" need `exact` in [model]", format!("write {example}"));
+            }
+        }
+    }
+}

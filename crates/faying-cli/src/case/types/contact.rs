@@ -1,0 +1,183 @@
+//! `[[contact]]`: who faces whom, and how contact is enforced.
+
+use super::{Components, Geometry, Head, Integration, Multiplier, SideRef, Variant};
+use crate::formula::Formula;
+use crate::place::Located;
+
+/// The rigid shape of an obstacle.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ObstacleShape {
+    /// Everything below the plane.
+    HalfPlane {
+        /// A point of the plane.
+        point: Located<Vec<f64>>,
+        /// Normal out of the obstacle, of length 1.
+        normal: Located<Vec<f64>>,
+    },
+    /// A circle in 2D.
+    Sphere {
+        /// Centre.
+        center: Located<Vec<f64>>,
+        /// Radius.
+        radius: Located<f64>,
+        /// Whether the body is inside.
+        inside: Located<bool>,
+    },
+    /// A cylinder (3D).
+    Cylinder {
+        /// A point of the axis.
+        center: Located<Vec<f64>>,
+        /// Direction of the axis.
+        axis: Located<Vec<f64>>,
+        /// Radius.
+        radius: Located<f64>,
+    },
+    /// A torus (3D).
+    Torus {
+        /// Centre.
+        center: Located<Vec<f64>>,
+        /// Direction of the axis.
+        axis: Located<Vec<f64>>,
+        /// Radius of the circle and of the tube.
+        radius: Located<[f64; 2]>,
+    },
+    /// f = 0, gap f/|grad f|, or f along a fixed direction.
+    LevelSet {
+        /// The function of x, y, z, t.
+        f: Located<Formula>,
+        /// The normal, of length 1, if the gap is f itself.
+        along: Option<Located<Vec<f64>>>,
+    },
+    /// The shape of a patch, placed; `nurbs` and files of curves may have one parameter: the obstacle lies to their right.
+    Geometry(Box<Geometry>),
+}
+
+impl ObstacleShape {
+    /// The word of its kind.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::HalfPlane { .. } => "half-plane",
+            Self::Sphere { .. } => "sphere",
+            Self::Cylinder { .. } => "cylinder",
+            Self::Torus { .. } => "torus",
+            Self::LevelSet { .. } => "level-set",
+            Self::Geometry(geometry) => geometry.shape.value.kind(),
+        }
+    }
+}
+
+/// `rigid = { ... }`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Obstacle {
+    /// Its shape.
+    pub shape: Located<ObstacleShape>,
+    /// Prescribed motion per coordinate (`move`), a formula of t.
+    pub translate: Components<Formula>,
+    /// Force that drives it, per coordinate.
+    pub force: Components<Formula>,
+}
+
+/// What the slave of a contact faces.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+// a case has few contacts: a box would save nothing
+#[allow(clippy::large_enum_variant)]
+pub enum Master {
+    /// Sides of bodies.
+    Sides(Vec<Located<SideRef>>),
+    /// A rigid obstacle.
+    Rigid(Located<Obstacle>),
+}
+
+/// How contact is enforced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Method {
+    /// Multipliers.
+    Lagrange,
+    /// Penalty.
+    Penalty,
+    /// Augmented Lagrangian.
+    Augmented,
+    /// Nitsche.
+    Nitsche,
+}
+
+/// The discrete cone of admissible multipliers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Cone {
+    /// P: coefficients.
+    Coefficients,
+    /// W: weights.
+    Weights,
+    /// E: values.
+    Values,
+}
+
+/// First guess of the active set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Start {
+    /// The quarter of the rows with the least gap at rest, at least one per body that contact alone holds.
+    Auto,
+    /// Every row closed.
+    All,
+    /// Every row open.
+    None,
+    /// Rows of initial gap <= 0 closed.
+    Gap,
+    /// Pseudo-random.
+    Seed(u64),
+}
+
+/// `active_set`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActiveSetSpec {
+    /// First guess.
+    pub start: Located<Start>,
+    /// Most iterations.
+    pub max_iterations: Located<usize>,
+    /// Weight of the gap against the multiplier, in units of the slave's stiffness.
+    pub c: Located<f64>,
+}
+
+/// `[[contact]]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// The block.
+    pub head: Head,
+    /// Its name, `contact-0`, ... by default.
+    pub name: Located<String>,
+    /// Slave sides.
+    pub slave: Vec<Located<SideRef>>,
+    /// What they face.
+    pub master: Master,
+    /// The gap as a formula of the geometric gap g and x, y, z, t; default g.
+    pub gap: Located<Formula>,
+    /// Method.
+    pub method: Located<Method>,
+    /// Multiplier.
+    pub multiplier: Located<Multiplier>,
+    /// Integration.
+    pub integration: Located<Integration>,
+    /// Gauss points per segment beyond max(p_slave, p_master) + 1.
+    pub extra_points: Located<usize>,
+    /// Cone.
+    pub cone: Located<Cone>,
+    /// Farther points face nothing (a length), `None`: auto.
+    pub reach: Located<Option<f64>>,
+    /// Exact multiplier, negative in compression (force per area).
+    pub exact: Option<Located<Formula>>,
+    /// Whether a zone that ends at the end of the side goes on beyond it: half models.
+    pub symmetry: Located<bool>,
+    /// Active set.
+    pub active_set: ActiveSetSpec,
+    /// Augmented: error of the multipliers at which the iteration ends, relative; none: auto.
+    pub tolerance: Located<Option<f64>>,
+    /// Multiplies modulus / h, `None`: auto.
+    pub factor: Located<Option<f64>>,
+    /// Variant of nitsche.
+    pub variant: Located<Variant>,
+}

@@ -1,0 +1,81 @@
+//! `[[probe]]`, `[[check]]` and `[study.NAME]`: what is asked of a solution.
+
+use super::Head;
+use crate::formula::Formula;
+use crate::place::Located;
+
+/// `[[probe]]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probe {
+    /// The block.
+    pub head: Head,
+    /// Its name, `probe-0`, ... by default.
+    pub name: Located<String>,
+    /// The quantity as text.
+    pub quantity: Located<String>,
+}
+
+/// What a check demands; the numbers may be formulas of constants and quantities.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Condition {
+    /// value < bound.
+    Below(Located<Formula>),
+    /// value > bound.
+    Above(Located<Formula>),
+    /// |value - expected| <= atol + rtol |expected|; one of them may be absent.
+    Equals {
+        /// Expected value.
+        value: Located<Formula>,
+        /// Relative tolerance.
+        rtol: Option<Located<Formula>>,
+        /// Absolute tolerance.
+        atol: Option<Located<Formula>>,
+    },
+}
+
+/// `[[check]]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    /// The block.
+    pub head: Head,
+    /// Its name, `check-0`, ... by default.
+    pub name: Located<String>,
+    /// The quantity as text.
+    pub quantity: Located<String>,
+    /// What is demanded.
+    pub condition: Condition,
+    /// Only for this backend.
+    pub backend: Option<Located<String>>,
+    /// `over = "all"`: both extremes.
+    pub over_all: Option<Located<()>>,
+}
+
+/// `[study.NAME]`: what a study varies where the command line is silent.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StudyValues {
+    /// The command: `compare`, `convergence`, ...
+    pub name: String,
+    /// Number of levels.
+    pub levels: Option<usize>,
+    /// As words of the command line: `1,2,3` or `iga:2,3,4`.
+    pub degrees: Vec<String>,
+    /// Names of backends, `SLAVE+MASTER` for one on slave patches.
+    pub backends: Vec<String>,
+    /// Multipliers, by name or as the text of their data.
+    pub pairings: Vec<String>,
+    /// Integrations of interfaces and contacts.
+    pub integration: Vec<String>,
+    /// Their points beyond the default.
+    pub extra_points: Vec<usize>,
+    /// As words of the command line: `KEY=v1,v2`.
+    pub vary: Vec<String>,
+    /// Probes or quantities.
+    pub quantities: Vec<String>,
+    /// Largest relative difference from the first row.
+    pub tol: Option<f64>,
+    /// Norms of the inf-sup test: `l2`, `h-half`.
+    pub norm: Option<String>,
+    /// Ends of slave sides in the inf-sup test: `case`, `zero`, `free`.
+    pub ends: Option<String>,
+}

@@ -1,0 +1,101 @@
+//! The typed case: what a case file says, every default filled in, every value with its place.
+//!
+//! Vectors have one entry per coordinate (2 or 3), fields one per component of the unknown: 1 for Poisson, the
+//! dimension for elasticity. Names of patches and sides are resolved; formulas are parsed.
+
+mod boundary;
+mod contact;
+mod demand;
+mod discretization;
+mod model;
+mod patch;
+mod solver;
+mod tie;
+
+pub use boundary::*;
+pub use contact::*;
+pub use demand::*;
+pub use discretization::*;
+pub use model::*;
+pub use patch::*;
+pub use solver::*;
+pub use tie::*;
+
+use crate::case::opened::FileRead;
+use crate::case::sides::Family;
+use crate::errors::{Diagnostics, Source};
+use crate::formula::Constants;
+use crate::place::Located;
+
+/// The head of a block, for errors that concern it as a whole.
+pub type Head = Located<()>;
+
+/// A whole case.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// The text that places refer to.
+    pub source: Source,
+    /// Warnings found while reading.
+    pub warnings: Diagnostics,
+    /// Version of the case file's grammar: 1.
+    pub schema: Located<usize>,
+    /// Title, empty by default.
+    pub title: Located<String>,
+    /// Constants of `[let]`.
+    pub constants: Constants,
+    /// `[model]`.
+    pub model: Model,
+    /// `[discretization]`: the defaults, already merged into every patch.
+    pub discretization: Discretization,
+    /// `[[material]]`; a Poisson case without any gets one named `default` of conductivity 1.
+    pub materials: Vec<Material>,
+    /// `[[patch]]`; a file of several patches gives NAME.0, NAME.1, ...
+    pub patches: Vec<Patch>,
+    /// Sides that are one because groups of one mesh share their facets.
+    pub joints: Vec<Joint>,
+    /// Points that patches of one mesh share beside their common facets.
+    pub meetings: Vec<Meeting>,
+    /// Files that were read beside the case.
+    pub files: Vec<FileRead>,
+    pub(super) families: Vec<Family>,
+    /// `[[boundary]]`.
+    pub boundaries: Vec<Boundary>,
+    /// `[[interface]]`.
+    pub interfaces: Vec<Tie>,
+    /// `[[contact]]`.
+    pub contacts: Vec<Contact>,
+    /// `[steps]`: times, `[1.0]` by default.
+    pub steps: Located<Vec<f64>>,
+    /// `[solver]`.
+    pub solver: Solver,
+    /// `[[probe]]`.
+    pub probes: Vec<Probe>,
+    /// `[[check]]`.
+    pub checks: Vec<Check>,
+    /// The `[study.NAME]` tables.
+    pub studies: Vec<Located<StudyValues>>,
+    pub(super) effective: String,
+}
+
+impl PartialEq for Case {
+    /// Equal content; names of files, places and options do not count.
+    fn eq(&self, other: &Self) -> bool {
+        self.schema == other.schema
+            && self.title == other.title
+            && self.constants == other.constants
+            && self.model == other.model
+            && self.discretization == other.discretization
+            && self.materials == other.materials
+            && self.patches == other.patches
+            && self.joints.iter().map(|j| &j.sides).eq(other.joints.iter().map(|j| &j.sides))
+            && self.meetings.iter().map(|m| (&m.patches, m.point)).eq(other.meetings.iter().map(|m| (&m.patches, m.point)))
+            && self.boundaries == other.boundaries
+            && self.interfaces == other.interfaces
+            && self.contacts == other.contacts
+            && self.steps == other.steps
+            && self.solver == other.solver
+            && self.probes == other.probes
+            && self.checks == other.checks
+            && self.studies == other.studies
+    }
+}

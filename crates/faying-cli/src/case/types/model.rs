@@ -1,0 +1,85 @@
+//! `[model]` and `[[material]]`: which equation, with which constants.
+
+use super::Head;
+use crate::formula::Formula;
+use crate::place::Located;
+use crate::reference::StoredRun;
+use std::sync::Arc;
+
+/// Which equation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Physics {
+    /// -div(k grad u) = f.
+    Poisson,
+    /// -div sigma(u) = f.
+    Elasticity,
+}
+
+/// How a plane body stands for a spatial one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Assumption {
+    /// No strain out of the plane.
+    PlaneStrain,
+    /// No stress out of the plane.
+    PlaneStress,
+}
+
+/// `[model]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// The block.
+    pub head: Head,
+    /// Which equation.
+    pub physics: Located<Physics>,
+    /// 2 or 3.
+    pub dimension: Located<usize>,
+    /// Elasticity in the plane.
+    pub assumption: Located<Assumption>,
+    /// Manufactured solution, one formula per component.
+    pub exact: Option<Located<Vec<Located<Formula>>>>,
+    /// Body force (elasticity) or source (Poisson), one formula per component.
+    pub source: Option<Located<Vec<Located<Formula>>>>,
+    /// Acceleration; needs a density.
+    pub gravity: Option<Located<Vec<f64>>>,
+    /// A stored run that stands for the exact solution.
+    pub reference: Option<Located<String>>,
+    /// What its file holds.
+    pub stored: Option<Arc<StoredRun>>,
+}
+
+impl Model {
+    /// Components of the unknown: 1 for Poisson, the dimension for elasticity.
+    pub fn components(&self) -> usize {
+        match self.physics.value {
+            Physics::Poisson => 1,
+            Physics::Elasticity => self.dimension.value,
+        }
+    }
+}
+
+/// `[[material]]`; constants may be formulas of x, y, z.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// The block.
+    pub head: Head,
+    /// Its name.
+    pub name: Located<String>,
+    /// Elastic constants, `None` for Poisson.
+    pub elastic: Option<Elastic>,
+    /// Conductivity, 1 by default; Poisson only.
+    pub conductivity: Located<Formula>,
+    /// Mass per volume.
+    pub density: Option<Located<Formula>>,
+}
+
+/// Elastic constants in one of two pairs.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Elastic {
+    /// Young's modulus (force per area) and Poisson's ratio.
+    YoungPoisson(Located<Formula>, Located<Formula>),
+    /// Lamé's constants lambda and mu (force per area).
+    Lame(Located<Formula>, Located<Formula>),
+}

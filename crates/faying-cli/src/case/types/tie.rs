@@ -1,0 +1,89 @@
+//! `[[interface]]`: how two sides are tied.
+
+use super::{Head, SideRef};
+use crate::formula::Formula;
+use crate::place::Located;
+
+/// The multiplier's words.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Multiplier {
+    /// A name: `auto`, `p/p`, `p/p-2`, `constant`, `dual`, or one of a registry.
+    Named(String),
+    /// Degree, continuity and ends as data.
+    Data {
+        /// Degree.
+        degree: usize,
+        /// Continuity at the breakpoints, -1 is discontinuous; `None`: degree - 1.
+        continuity: Option<isize>,
+        /// What happens at constrained ends.
+        ends: Ends,
+    },
+}
+
+/// What a multiplier does in the end elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Ends {
+    /// Lowered where a component is constrained or at cross points.
+    Auto,
+    /// Never lowered.
+    Full,
+    /// Always lowered.
+    Lowered,
+}
+
+/// Who makes the list of segments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Integration {
+    /// Segments of both sides (alias `segments`).
+    Merged,
+    /// The slave's elements.
+    Slave,
+    /// Slave for the constraint, master for the reaction.
+    Mixed,
+}
+
+/// Variant of Nitsche's method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Variant {
+    /// Symmetric.
+    Symmetric,
+    /// Unsymmetric.
+    Unsymmetric,
+    /// Incomplete.
+    Incomplete,
+}
+
+/// `[[interface]]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tie {
+    /// The block.
+    pub head: Head,
+    /// Its name, `interface-0`, ... by default.
+    pub name: Located<String>,
+    /// Slave sides.
+    pub slave: Vec<Located<SideRef>>,
+    /// Master sides.
+    pub master: Vec<Located<SideRef>>,
+    /// Patches whose touching sides are coupled, "all" for all: stands for slave and master.
+    pub between: Option<Located<Vec<String>>>,
+    /// Name of the coupling: `mortar`, `nitsche`, `penalty`, `glue`, or one of a registry.
+    pub coupling: Located<String>,
+    /// Multiplier.
+    pub multiplier: Located<Multiplier>,
+    /// Integration.
+    pub integration: Located<Integration>,
+    /// Gauss points per segment beyond max(p_slave, p_master) + 1.
+    pub extra_points: Located<usize>,
+    /// Largest distance of the sides (a length), `None`: auto.
+    pub tolerance: Located<Option<f64>>,
+    /// Multiplies modulus / h, `None`: auto.
+    pub factor: Located<Option<f64>>,
+    /// Variant of nitsche.
+    pub variant: Located<Variant>,
+    /// Exact multiplier, one formula per component.
+    pub exact: Option<Located<Vec<Located<Formula>>>>,
+}

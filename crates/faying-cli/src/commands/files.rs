@@ -1,0 +1,81 @@
+//! The files of a run: which there are, and what is in them.
+
+use crate::errors::{Diagnostic, Diagnostics};
+use crate::plot::{self, FieldPlot, IterationPlot, SidePlot};
+use crate::table;
+use crate::{Output, RunResult, SideOutput};
+use faying_files::vtu;
+
+/// A file to be written.
+#[derive(Clone, Debug)]
+pub struct Named {
+    /// Its name in the folder.
+    pub name: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
+}
+
+/// The names of the `.vtu` files of an output, without number and ending: the fields, then the sides.
+pub fn stems(output: &Output) -> Vec<String> {
+    let fields = (!output.parts.is_empty()).then(|| "fields".to_owned());
+    fields.into_iter().chain(output.sides.iter().map(|s| format!("interface_{}", s.name))).collect()
+}
+
+/// The contents of the `.vtu` files, in the order of [`stems`].
+pub fn vtus(output: &Output) -> impl Iterator<Item = Result<Vec<u8>, String>> {
+    let fields = (!output.parts.is_empty()).then(|| output.parts.vtu().map_err(|e| e.to_string()));
+    fields.into_iter().chain(output.sides.iter().map(|s| vtu::write(std::slice::from_ref(&s.part)).map_err(|e| e.to_string())))
+}
+
+/// The name of a file of a step.
+pub fn numbered(stem: &str, number: usize) -> String {
+    format!("{stem}_{number:04}.vtu")
+}
+
+/// The files of fields and sides; what cannot be drawn is reported as a warning.
+pub fn of(output: &Output, with_vtu: bool, trouble: &mut Diagnostics) -> Vec<Named> {
+    let mut files = Vec::new();
+    let mut add = |name: String, made: Result<Vec<u8>, String>| match made {
+        Ok(bytes) => files.push(Named { name, bytes }),
+        Err(why) => trouble.push(Diagnostic::warning("E091", format!("`{name}` was not written: {why}"))),
+    };
+    if with_vtu && !output.parts.is_empty() {
+        add("fields.vtu".to_owned(), output.parts.vtu().map_err(|e| e.to_string()));
+    }
+    if let Some(picture) = &output.picture {
+        let plot = FieldPlot { title: &output.title, label: &picture.label, field: &picture.field, component: picture.component };
+        add("fields.svg".to_owned(), output.parts.svg(&plot).map(String::into_bytes).map_err(|e| e.to_string()));
+    }
+    for side in &output.sides {
+        let name = |end: &str| format!("interface_{}.{end}", side.name);
+        if with_vtu {
+            add(name("vtu"), vtu::write(std::slice::from_ref(&side.part)).map_err(|e| e.to_string()));
+        }
+        add(name("csv"), Ok(table::interface_csv(&side.rows).into_bytes()));
+        add(name("svg"), picture(output, side).map(String::into_bytes).map_err(|e| e.to_string()));
+    }
+    files
+}
+
+fn picture(output: &Output, side: &SideOutput) -> Result<String, plot::PlotError> {
+    let title = match (output.title.is_empty(), side.contact) {
+        (true, _) => side.name.clone(),
+        (false, true) => format!("{}: pressure on {}", output.title, side.name),
+        (false, false) => format!("{}: multiplier on {}", output.title, side.name),
+    };
+    let exact = side.exact.as_ref().map(|f| &**f as plot::ExactCurve<'_>);
+    plot::side(&SidePlot { title: &title, contact: side.contact, rows: &side.rows, exact }, &side.part)
+}
+
+/// `active_set.svg`, where an active set solved anything.
+pub fn active_set(title: &str, result: &RunResult, trouble: &mut Diagnostics) -> Option<Named> {
+    let set = result.solve.as_ref()?.active_set.as_ref().filter(|set| !set.history.is_empty())?;
+    let title = if title.is_empty() { "active set".to_owned() } else { format!("{title}: active set") };
+    match plot::iteration(&IterationPlot { title: &title, active: &set.history, wrong: &set.wrong, best: set.best }) {
+        Ok(svg) => Some(Named { name: "active_set.svg".to_owned(), bytes: svg.into_bytes() }),
+        Err(why) => {
+            trouble.push(Diagnostic::warning("E091", format!("`active_set.svg` was not written: {why}")));
+            None
+        }
+    }
+}

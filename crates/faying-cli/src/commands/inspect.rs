@@ -1,0 +1,220 @@
+//! `faying inspect`: what is in a mesh, a geometry, a .vtu or a case.
+
+use super::arguments::{Common, InspectArguments};
+use super::ended::Ended;
+use super::folder::{write_new, write_whole};
+use super::{case, place};
+use crate::Registry;
+use crate::build::{plane_net, volume_net};
+use crate::case::{Case, Shape};
+use crate::errors::{Diagnostic, Diagnostics, nearest};
+use crate::inspect::{Inspection, add_fields, inspect as look, mesh_of, picture};
+use crate::plot::faces;
+use crate::run::{bytes, memory_for_files};
+use faying::geometry::ControlNet;
+use faying_files::{Contents, FileError, Format, Limits, SplineFile, SplinePatch, parse, read, read_bytes, vtu_read};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// The picture's place, where one is asked for.
+pub fn svg_file(arguments: &InspectArguments) -> Option<PathBuf> {
+    let given = arguments.svg.as_ref()?;
+    if !given.is_empty() {
+        return Some(PathBuf::from(given));
+    }
+    let stem = arguments.file.file_stem().map_or("stdin".to_owned(), |s| s.to_string_lossy().into_owned());
+    Some(PathBuf::from(format!("{stem}.svg")))
+}
+
+/// Similar names in the folder of a file that is not there.
+pub fn similar(path: &Path) -> Option<String> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
+    let mut names: Vec<String> = std::fs::read_dir(folder).ok()?.flatten().filter_map(|e| e.file_name().into_string().ok()).collect();
+    names.sort();
+    let wanted = path.file_name()?.to_str()?;
+    nearest(wanted, names.iter().map(String::as_str)).map(|n| format!("did you mean `{}`?", folder.join(n).display()))
+}
+
+/// A file that cannot be used, in the words and codes of the contract.
+pub fn fault(path: &Path, error: &FileError) -> Diagnostic {
+    let missing = matches!(error, FileError::System { missing: true, .. });
+    let message = if missing { "there is no such file".to_owned() } else { error.to_string() };
+    let mut diagnostic = Diagnostic::error(crate::codes::of_file(error), format!("`{}`: {message}", path.display()));
+    let help = match error {
+        FileError::System { missing: true, .. } => similar(path),
+        FileError::System { .. } => Some("give a file that may be read".to_owned()),
+        FileError::Memory { .. } => Some("raise --max-memory, or give a smaller file".to_owned()),
+        _ => None,
+    };
+    if let Some(help) = help {
+        diagnostic = diagnostic.with_help(help);
+    }
+    diagnostic.in_file(path.display().to_string())
+}
+
+/// Reads a file of any format.
+pub fn contents(path: &Path, common: &Common) -> Result<Contents, Ended> {
+    read(path, &Limits { memory: memory_for_files(common.max_memory) }).map_err(|e| fault(path, &e).into())
+}
+
+/// Whether `needed` bytes beside those of `contents`, as many as the file has at least, stay below `--max-memory`.
+pub fn room(path: &Path, needed: u64, common: &Common) -> Result<(), Ended> {
+    let Some(allowed) = memory_for_files(common.max_memory) else { return Ok(()) };
+    let held = std::fs::metadata(path).map_or(0, |about| about.len());
+    let needed = needed.saturating_add(held);
+    if needed <= allowed {
+        return Ok(());
+    }
+    let message = format!("`{}`: it takes about {} of memory; {} are allowed", path.display(), bytes(needed), bytes(allowed));
+    let fault = Diagnostic::error("E081", message).with_help("raise --max-memory, or give a smaller file");
+    Err(fault.in_file(path.display().to_string()).into())
+}
+
+/// The geometries of a case as patches, and notes on those that stand elsewhere.
+fn patches(case: &Case) -> Result<SplineFile, Diagnostics> {
+    let mut file = SplineFile { format: Format::Gismo, patches: Vec::new(), joints: Vec::new(), labels: Vec::new(), notes: Vec::new() };
+    for patch in &case.patches {
+        let name = &patch.name.value;
+        // cells of meshes are no splines; those of files are in place: scaled, turned, moved
+        if let Shape::File { file: path, .. } = &patch.geometry.value.shape.value
+            && patch.geometry.shape.part().is_some_and(|p| p.is_mesh())
+        {
+            file.notes.push(format!("patch \"{name}\" is of a mesh: faying inspect {}", path.value));
+            continue;
+        }
+        let made = match case.model.dimension.value {
+            3 => volume_net(&patch.geometry.value).map(|net| of_net(name, net)),
+            _ => plane_net(&patch.geometry.value).map(|net| of_net(name, net)),
+        };
+        match made {
+            Ok(patch) => file.patches.push(patch),
+            Err((code, text)) => {
+                let text = format!("geometry of patch \"{name}\": {text}");
+                return Err(Diagnostic::error(code, text).at(&case.source, patch.geometry.at).into());
+            }
+        }
+    }
+    Ok(file)
+}
+
+/// A net as a file holds it.
+fn of_net<const N: usize>(name: &str, net: ControlNet<N, N>) -> SplinePatch {
+    SplinePatch {
+        name: Some(name.to_owned()),
+        degree: net.axes.iter().map(|a| a.polynomial_degree()).collect(),
+        knots: net.axes.iter().map(|a| a.knots().to_vec()).collect(),
+        points: net.points.iter().map(|p| std::array::from_fn(|k| if k < N { p[k] } else { 0.0 })).collect(),
+        weights: net.weights,
+        world: N,
+        ..SplinePatch::default()
+    }
+}
+
+/// Says what is in a file.
+pub fn inspect(registry: &Registry, arguments: &InspectArguments, common: &Common) -> Ended {
+    inspected(registry, arguments, common).unwrap_or_else(|ended| ended)
+}
+
+fn inspected(registry: &Registry, arguments: &InspectArguments, common: &Common) -> Result<Ended, Ended> {
+    let path = &arguments.file;
+    let name = path.display().to_string();
+    let is_case = path.as_os_str() == "-" || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    let mut grid = None;
+    let (contents, case) = if is_case {
+        let loaded = case::load(path, None, common, registry)?;
+        (Contents::Patches(patches(&loaded.case).map_err(Ended::failed)?), Some(loaded.case))
+    } else {
+        let limits = Limits { memory: memory_for_files(common.max_memory) };
+        let failed = |e: FileError| Ended::from(fault(path, &e));
+        let bytes = read_bytes(path, &limits).map_err(failed)?;
+        if vtu_read::recognises(&bytes) {
+            let file = vtu_read::parse(&bytes, &limits).map_err(failed)?;
+            let mesh = mesh_of(&file).map_err(failed)?;
+            grid = Some(file);
+            (Contents::Mesh(mesh), None)
+        } else {
+            (parse("the file", &bytes, &limits).map_err(failed)?, None)
+        }
+    };
+    room(path, crate::inspect::memory(&contents), common)?;
+    let pool = case::pool(common)?;
+    let mut found: Inspection = pool.install(|| look(&contents)).map_err(|e| Ended::from(fault(path, &e)))?;
+    if let Some(file) = &grid {
+        add_fields(&mut found, file);
+    }
+    if case.is_some() {
+        found.format = "case".into();
+    }
+    let mut fields = json!({"file": name});
+    if let (Some(all), Ok(Value::Object(more))) = (fields.as_object_mut(), serde_json::to_value(&found)) {
+        all.extend(more);
+    }
+    let mut text = found.text(&name);
+    if let Some(case) = &case {
+        let (lines, more) = of_case(case);
+        text += &lines;
+        fields["case"] = more;
+    }
+    if let Some(file) = svg_file(arguments) {
+        let svg = faces::faces(&picture(&contents, &name)).ok_or_else(|| {
+            let message = format!("there is no picture of `{name}`: it has no faces, or more than {}", faces::MOST_FACES);
+            Ended::from(Diagnostic::error("E091", message))
+        })?;
+        write(&file, svg.as_bytes(), common.force)?;
+        fields["files"] = json!([file.display().to_string()]);
+        text += &format!("\npicture in {}\n", file.display());
+    }
+    crate::json::add_reasons(&mut fields);
+    Ok(Ended::done("inspect", text, fields))
+}
+
+/// Writes a file, over another one only where that is allowed.
+pub fn write(file: &Path, bytes: &[u8], force: bool) -> Result<(), Ended> {
+    let written = if force { write_whole(file, bytes) } else { write_new(file, bytes) };
+    written.map_err(|e| {
+        if e.kind() == std::io::ErrorKind::AlreadyExists {
+            let message = format!("`{}` exists", file.display());
+            return Diagnostic::error("E090", message).with_help("write over it with --force, or give another file").into();
+        }
+        Diagnostic::error("E091", format!("writing `{}` failed: {e}", file.display())).into()
+    })
+}
+
+/// Whether the picture may go where it is asked for.
+pub fn check_place(arguments: &InspectArguments, json: Option<&Path>) -> Result<(), Ended> {
+    let Some(file) = svg_file(arguments) else { return Ok(()) };
+    place::apart(&file, &arguments.file, "--svg")?;
+    place::not_over(json, &file)
+}
+
+/// What a case has beside its geometry.
+fn of_case(case: &Case) -> (String, Value) {
+    let mut table = crate::table::Table::new(["patch", "geometry", "backend", "degree", "material"]);
+    let mut list = Vec::new();
+    for p in &case.patches {
+        let d = &p.discretization;
+        let degree: Vec<String> = d.degree.value.iter().map(usize::to_string).collect();
+        let material = case.materials.get(p.material.value).map_or(String::new(), |m| m.name.value.clone());
+        let kind = p.geometry.value.shape.value.kind().to_owned();
+        table.row([p.name.value.clone(), kind.clone(), d.backend.value.clone(), degree.join(" x "), material.clone()]);
+        list.push(
+            json!({"name": p.name.value, "geometry": kind, "backend": d.backend.value, "degree": d.degree.value, "material": material}),
+        );
+    }
+    let names = |list: Vec<String>| if list.is_empty() { "none".to_owned() } else { list.join(", ") };
+    let interfaces: Vec<String> = case.interfaces.iter().map(|i| i.name.value.clone()).collect();
+    let contacts: Vec<String> = case.contacts.iter().map(|c| c.name.value.clone()).collect();
+    let probes: Vec<String> = case.probes.iter().map(|p| p.name.value.clone()).collect();
+    let text = format!(
+        "\n{table}\ninterfaces: {}; contacts: {}; probes: {}; {} boundary blocks, {} checks, {} steps\n",
+        names(interfaces.clone()),
+        names(contacts.clone()),
+        names(probes.clone()),
+        case.boundaries.len(),
+        case.checks.len(),
+        case.steps.value.len()
+    );
+    let fields = json!({"patches": list, "interfaces": interfaces, "contacts": contacts, "probes": probes,
+        "boundaries": case.boundaries.len(), "checks": case.checks.len(), "steps": case.steps.value});
+    (text, fields)
+}

@@ -1,0 +1,112 @@
+//! Where the document of `--json=FILE` may go: never over a file that the command reads or writes itself.
+
+use super::ended::Ended;
+use crate::errors::Diagnostic;
+use std::ffi::OsString;
+use std::path::{Component, Path, PathBuf};
+
+/// Whether the document at `file` is a fault: the words name the same file, or it cannot be written.
+///
+/// # Errors
+/// Exit 2 or E091, without a document: it has no place.
+pub fn document(file: Option<&Path>, words: &[OsString]) -> Result<(), Ended> {
+    let Some(file) = file.filter(|f| f.as_os_str() != "-") else { return Ok(()) };
+    if let Some(word) = words.iter().skip(1).find(|word| !is_option(word) && same(Path::new(word), file)) {
+        let message = format!("--json would write over `{}`", word.to_string_lossy());
+        return Err(super::usage(&message, Some("give the document a file of its own, such as --json=result.json")).without_document());
+    }
+    let folder = parent(file);
+    if folder.is_dir() && !file.is_dir() {
+        return Ok(());
+    }
+    let why = if file.is_dir() { "it is a folder".to_owned() } else { format!("there is no folder `{}`", folder.display()) };
+    let problem = Diagnostic::error("E091", format!("--json cannot write `{}`: {why}", file.display()));
+    Err(Ended::from(problem.with_help("make the folder, or give another file")).without_document())
+}
+
+/// Whether the document would be a file in the folder of results, which a run owns.
+///
+/// # Errors
+/// Exit 2, without a document.
+pub fn beside_results(file: Option<&Path>, out: &Path) -> Result<(), Ended> {
+    let Some(file) = file.filter(|f| f.as_os_str() != "-") else { return Ok(()) };
+    if absolute(parent(file)) != absolute(out) {
+        return Ok(());
+    }
+    let message = format!("--json cannot write `{}`: that folder is for the files of the run", file.display());
+    let help = format!("`{}` is the same document: leave --json out, or give a file elsewhere", out.join("result.json").display());
+    Err(super::usage(&message, Some(&help)).without_document())
+}
+
+/// Whether the document would be the file that the command writes.
+///
+/// # Errors
+/// Exit 2, without a document.
+pub fn not_over(file: Option<&Path>, written: &Path) -> Result<(), Ended> {
+    match file {
+        Some(file) if file.as_os_str() != "-" && absolute(file) == absolute(written) => {
+            let message = format!("--json would write over `{}`", written.display());
+            Err(super::usage(&message, Some("give the document a file of its own")).without_document())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Whether a file that is written is the one that is read.
+///
+/// # Errors
+/// Exit 2.
+pub fn apart(written: &Path, read: &Path, option: &str) -> Result<(), Ended> {
+    if absolute(written) != absolute(read) {
+        return Ok(());
+    }
+    Err(super::usage(&format!("{option} would write over `{}`", read.display()), Some("give another file")))
+}
+
+fn is_option(word: &OsString) -> bool {
+    word.to_string_lossy().starts_with('-')
+}
+
+fn parent(file: &Path) -> &Path {
+    file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
+}
+
+/// Whether two paths lead to one file that exists.
+fn same(a: &Path, b: &Path) -> bool {
+    matches!((std::fs::canonicalize(a), std::fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b && a.is_file())
+}
+
+/// The path from the root, links followed as far as it exists.
+fn absolute(path: &Path) -> PathBuf {
+    let start = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let mut out = PathBuf::new();
+    for part in start.components() {
+        match part {
+            Component::ParentDir => {
+                out.pop();
+            }
+            other => out.push(other),
+        }
+        if let Ok(found) = std::fs::canonicalize(&out) {
+            out = found;
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_are_compared_before_they_exist() {
+        let at = tempfile::tempdir().unwrap();
+        let out = at.path().join("a.out");
+        assert!(beside_results(Some(&at.path().join("b/../a.out/./r.json")), &out).is_err());
+        std::fs::create_dir(&out).unwrap();
+        assert!(beside_results(Some(&out.join("result.json")), &out).is_err());
+        assert!(beside_results(Some(&at.path().join("r.json")), &out).is_ok());
+        assert!(beside_results(None, &out).is_ok());
+    }
+}

@@ -1,0 +1,163 @@
+//! `faying run`: one case from its file to its folder.
+
+use super::arguments::{Common, RunArguments, VtuCells};
+use super::case;
+use super::clock::Clock;
+use super::ended::{Ended, failure, status};
+use super::files::{self, Named};
+use super::folder::Folder;
+use super::history;
+use super::results::Results;
+use super::streams::Streams;
+use super::summary;
+use crate::errors::{Diagnostic, Diagnostics};
+use crate::{Finished, Progress, Registry, RunOptions, RunResult, StepOutput, Watch};
+use faying_files::pvd;
+use faying_files::vtu::CellStyle;
+use std::ffi::OsString;
+use std::path::Path;
+
+/// Solves a case and writes its folder.
+pub fn run(registry: &Registry, arguments: &RunArguments, common: &Common, streams: &Streams, words: &[OsString]) -> Ended {
+    let clock = Clock::start(streams);
+    let ended = solved(registry, arguments, common, words, &clock).unwrap_or_else(|ended| ended);
+    clock.stop();
+    ended
+}
+
+fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words: &[OsString], clock: &Clock) -> Result<Ended, Ended> {
+    let hears = clock.clone();
+    let watch = Watch { listener: Some(Box::new(move |news| hears.hear(news))), ..case::watch(common) };
+    clock.note(&format!("faying {} {}", env!("CARGO_PKG_VERSION"), shown(words).join(" ")));
+    clock.hear(Progress::Phase("read"));
+    let path = case::out(&arguments.case, common);
+    let loaded = case::load(&arguments.case, arguments.backend.as_deref(), common, registry)?;
+    let folder = Folder::claim(&path, &loaded.path, &loaded.inputs[0].sha256, common.force).map_err(Ended::from)?;
+    let keep = arguments.save_reference.as_deref();
+    keep.map_or(Ok(()), |file| super::keep::claim(file, &loaded.inputs, common.force)).map_err(Ended::from)?;
+    let pool = case::pool(common)?;
+    let cells = match arguments.vtu {
+        Some(VtuCells::Bezier) => Some(CellStyle::Bezier),
+        Some(VtuCells::Lagrange) => Some(CellStyle::Lagrange),
+        Some(VtuCells::Linear) => Some(CellStyle::Linear),
+        Some(VtuCells::None) | None => None,
+    };
+    let threads = pool.current_num_threads();
+    let results = Results { command: "run", loaded: &loaded, folder: &folder, words, threads, clock };
+    let job = Job { results, vtu: arguments.vtu, keep, watch: &watch };
+    Ok(pool.install(|| {
+        let finished = crate::run::run(&loaded.case, registry, &RunOptions { cells, keep: keep.is_some() }, &watch);
+        job.write(finished)
+    }))
+}
+
+/// What stderr says of a result.
+fn messages(result: &RunResult) -> Diagnostics {
+    Diagnostics { items: result.diagnostics.iter().chain(&result.warnings).cloned().collect() }
+}
+
+/// The fields of all steps: one file per step and stem, made one after the other, and a collection per stem.
+struct Steps {
+    outputs: Vec<StepOutput>,
+    stems: Vec<String>,
+}
+
+impl Steps {
+    /// The names of all files.
+    fn names(&self) -> impl Iterator<Item = String> {
+        let numbered = self.outputs.iter().flat_map(|s| self.stems.iter().map(|stem| files::numbered(stem, s.number)));
+        let collections = self.stems.iter().filter(|_| !self.outputs.is_empty()).map(|stem| format!("{stem}.pvd"));
+        numbered.chain(collections)
+    }
+
+    /// Writes all files; what cannot be drawn is a warning, and missing from its collection.
+    fn write(&self, folder: &Folder, warnings: &mut Vec<Diagnostic>) -> Result<(), Diagnostic> {
+        let mut written: Vec<Vec<(f64, String)>> = vec![Vec::new(); self.stems.len()];
+        for step in &self.outputs {
+            for (k, made) in files::vtus(&(step.make)()).enumerate() {
+                let name = files::numbered(&self.stems[k], step.number);
+                match made {
+                    Ok(bytes) => {
+                        folder.write(&name, &bytes)?;
+                        written[k].push((step.t, name));
+                    }
+                    Err(why) => warnings.push(Diagnostic::warning("E091", format!("`{name}` was not written: {why}"))),
+                }
+            }
+        }
+        for (stem, list) in self.stems.iter().zip(&written).filter(|_| !self.outputs.is_empty()) {
+            let text = pvd::collection(list.iter().map(|(t, name)| (*t, name.as_str())));
+            folder.write(&format!("{stem}.pvd"), text.as_bytes())?;
+        }
+        Ok(())
+    }
+}
+
+/// The words after the program's name.
+pub(super) fn shown(words: &[OsString]) -> Vec<String> {
+    words.iter().skip(1).map(|w| w.to_string_lossy().into_owned()).collect()
+}
+
+/// What the files of a run need to know.
+struct Job<'a> {
+    results: Results<'a>,
+    vtu: Option<VtuCells>,
+    keep: Option<&'a Path>,
+    watch: &'a Watch,
+}
+
+impl Job<'_> {
+    fn write(&self, finished: Finished) -> Ended {
+        let Finished { mut result, output, steps, stored } = finished;
+        // refused before anything began: no folder
+        if result.exit == 3 || (matches!(result.exit, 4 | 6) && output.is_none() && result.solve.is_none()) {
+            return Ended::refused(result.exit, messages(&result));
+        }
+        self.results.clock.hear(Progress::Phase("draw"));
+        let mut trouble = Diagnostics::new();
+        let with_vtu = self.vtu != Some(VtuCells::None);
+        let stems = output.as_ref().map(files::stems).unwrap_or_default();
+        // steps have files of their own
+        let alone = with_vtu && !self.results.loaded.case.has_steps();
+        let history = output.as_ref().and_then(|output| files::active_set(&output.title, &result, &mut trouble));
+        let mut shown = output.map(|output| files::of(&output, alone, &mut trouble)).unwrap_or_default();
+        shown.extend(history);
+        if !result.steps.is_empty() {
+            shown.push(Named { name: "history.csv".to_owned(), bytes: history::csv(&result).into_bytes() });
+        }
+        let steps = Steps { outputs: if with_vtu { steps } else { Vec::new() }, stems };
+        result.warnings.extend(trouble.items);
+        let kept = self.keep.zip(stored.as_ref()).map_or(Ok(()), |(file, run)| super::keep::write(file, run));
+        match kept.and_then(|()| self.files(&mut result, &shown, &steps)) {
+            Ok(document) => {
+                let summary = summary::of(&result, Some(&self.results.folder.path().display().to_string()));
+                Ended { exit: result.exit, summary, document, diagnostics: messages(&result), message: None }
+            }
+            Err(problem) => {
+                let mut diagnostics = messages(&result);
+                diagnostics.push(problem);
+                // 130 and 70 come before 4
+                let exit = if matches!(result.exit, 70 | 130) { result.exit } else { 4 };
+                let document = failure(status(exit), exit, diagnostics.to_json());
+                Ended { exit, document, diagnostics, ..Ended::default() }
+            }
+        }
+    }
+
+    /// Writes everything, `result.json` last; returns its text.
+    fn files(&self, result: &mut RunResult, shown: &[Named], steps: &Steps) -> Result<String, Diagnostic> {
+        let folder = self.results.folder;
+        self.results.clock.hear(Progress::Phase("write"));
+        let names = self.results.open(shown.iter().map(|f| f.name.clone()).chain(steps.names()))?;
+        result.files.clone_from(&names);
+        steps.write(folder, &mut result.warnings)?;
+        // drawing takes its time, too
+        crate::run::end_early(result, self.watch);
+        for file in shown {
+            folder.write(&file.name, &file.bytes)?;
+        }
+        let document = result.to_json();
+        self.results.close(&names, &messages(result), &document)?;
+        Ok(document)
+    }
+}

@@ -1,0 +1,218 @@
+//! Every command on studies: its axes, its rows, its folder.
+
+use super::arguments::{Common, StudyCommand};
+use super::case;
+use super::clock::Clock;
+use super::ended::Ended;
+use super::folder::Folder;
+use super::results::Results;
+use super::run::shown;
+use super::streams::Streams;
+use super::study_axes;
+use crate::case::StudyValues;
+use crate::errors::{Diagnostic, Diagnostics};
+use crate::studies::{Base, Kept, MOST_ROWS, Method, Plan, Study, html, picture, split};
+use crate::{Progress, Registry, Watch};
+use std::ffi::OsString;
+
+/// What tells one command on studies from another: what it varies where nobody says so, and what it needs.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind {
+    /// Its word.
+    pub command: &'static str,
+    /// Backends; none: as written.
+    pub backends: &'static [&'static str],
+    /// Number of levels.
+    pub levels: usize,
+    /// Integrations of interfaces; none: as written.
+    pub integrations: &'static [&'static str],
+    /// Their points beyond the default; none: as written.
+    pub extra_points: &'static [usize],
+    /// Whether the case must have an interface or a contact (E063).
+    pub needs_interface: bool,
+    /// Whether a key must vary.
+    pub needs_vary: bool,
+    /// Whether rows are held against the first one.
+    pub compares: bool,
+}
+
+const PLAIN: Kind = Kind {
+    command: "",
+    backends: &[],
+    levels: 1,
+    integrations: &[],
+    extra_points: &[],
+    needs_interface: false,
+    needs_vary: false,
+    compares: false,
+};
+
+/// `faying compare`.
+pub const COMPARE: Kind = Kind { command: "compare", backends: &["iga", "fe"], compares: true, ..PLAIN };
+/// `faying convergence`.
+pub const CONVERGENCE: Kind = Kind { command: "convergence", levels: 5, ..PLAIN };
+/// `faying quadrature`.
+pub const QUADRATURE: Kind = Kind {
+    command: "quadrature",
+    levels: 3,
+    integrations: &["merged", "slave", "mixed"],
+    extra_points: &[0, 1, 2, 4, 8],
+    needs_interface: true,
+    ..PLAIN
+};
+/// `faying infsup`.
+pub const INFSUP: Kind = Kind { command: "infsup", levels: 5, needs_interface: true, ..PLAIN };
+/// `faying sweep`.
+pub const SWEEP: Kind = Kind { command: "sweep", needs_vary: true, ..PLAIN };
+
+/// What a user asks of a command on studies.
+#[derive(Clone, Copy, Debug)]
+pub struct Order<'a> {
+    /// The names of the case.
+    pub registry: &'a Registry,
+    /// The case and the axes.
+    pub command: &'a StudyCommand,
+    /// Largest relative difference from the first row.
+    pub tol: Option<f64>,
+    /// Options of every command.
+    pub common: &'a Common,
+    /// Where words go.
+    pub streams: &'a Streams,
+    /// The words of the command line.
+    pub words: &'a [OsString],
+}
+
+/// Makes the method of a study from the case's own table of it.
+pub type MakeMethod<'a> = dyn Fn(Option<&StudyValues>) -> Box<dyn Method + Sync + 'a> + 'a;
+
+/// Solves every row by the method that `make` makes and writes the folder.
+pub fn study<'a>(kind: &Kind, make: &MakeMethod<'a>, order: &Order<'_>) -> Ended {
+    let clock = Clock::start(order.streams);
+    let ended = studied(kind, make, order, &clock).unwrap_or_else(|ended| ended);
+    clock.stop();
+    ended
+}
+
+fn studied<'a>(kind: &Kind, make: &MakeMethod<'a>, order: &Order<'_>, clock: &Clock) -> Result<Ended, Ended> {
+    let hears = clock.clone();
+    // phases inside a row are no phases of the study: their seconds are the row's
+    let listener = move |news: Progress<'_>| match news {
+        Progress::Phase(name) => hears.note(&format!("  {name}")),
+        other => hears.hear(other),
+    };
+    let (arguments, common) = (order.command, order.common);
+    let watch = Watch { listener: Some(Box::new(listener)), ..case::watch(common) };
+    clock.note(&format!("faying {} {}", env!("CARGO_PKG_VERSION"), shown(order.words).join(" ")));
+    clock.hear(Progress::Phase("read"));
+    let path = case::folder(&arguments.case, common, kind.command);
+    let loaded = case::load(&arguments.case, None, common, order.registry)?;
+    let values = loaded.case.studies.iter().find(|s| s.value.name == kind.command);
+    let axes = study_axes::axes(kind, &arguments.axes, values, &loaded)?;
+    let values = values.map(|v| &v.value);
+    let made = make(values);
+    let method = &*made;
+    let quantities: Vec<String> = match arguments.quantity.is_empty() {
+        true => values.map_or(Vec::new(), |v| v.quantities.clone()),
+        false => arguments.quantity.iter().flat_map(|q| split(q)).filter(|q| !q.is_empty()).collect(),
+    };
+    let tol = order.tol.or(values.and_then(|v| v.tol)).filter(|_| kind.compares);
+    let folder = Folder::claim(&path, &loaded.path, &loaded.inputs[0].sha256, common.force).map_err(Ended::from)?;
+    let kept = arguments.axes.resume.then(|| earlier(&folder));
+    let plan = Plan {
+        command: kind.command,
+        written: &loaded.case,
+        base: Base { name: &loaded.name, text: &loaded.text, options: loaded.options.clone() },
+        registry: order.registry,
+        axes,
+        quantities: &quantities,
+        compares: kind.compares,
+        tol,
+        kept: kept.as_ref(),
+    };
+    let specs = plan.rows().map_err(|n| {
+        let many = if n == usize::MAX { "more rows than can be counted".to_owned() } else { format!("at least {n} rows") };
+        super::usage(&format!("the axes span {many}, a study has at most {MOST_ROWS}"), Some("name fewer values, or make several studies"))
+    })?;
+    let pool = case::pool(common)?;
+    let study = pool.install(|| {
+        plan.solve(&specs, method, &watch, |k, of, name| {
+            clock.hear(Progress::Phase(&format!("row {} of {of}: {name}", k + 1)));
+        })
+    });
+    for (k, row) in study.rows.iter().enumerate().filter(|(_, row)| row.kept) {
+        clock.add(&format!("row of an earlier study: {}", study.label(k)), row.seconds);
+    }
+    if let (Some(_), true) = (tol, study.rows.iter().all(|r| r.differences.is_empty()) && watch.stop().is_none()) {
+        return Err(super::usage("`--tol` compares rows, and there is one row", Some("name several backends, such as --backends iga,fe")));
+    }
+    let results =
+        Results { command: kind.command, loaded: &loaded, folder: &folder, words: order.words, threads: pool.current_num_threads(), clock };
+    Ok(written(&results, &study, kept.as_ref()))
+}
+
+/// The file that `--resume` reads.
+const ROWS: &str = "rows.json";
+
+/// Rows of the study that wrote the folder; none where there is no file of them that can be read.
+fn earlier(folder: &Folder) -> Kept {
+    std::fs::read_to_string(folder.path().join(ROWS)).ok().and_then(|text| Kept::read(&text)).unwrap_or_default()
+}
+
+/// Writes the folder of a study, unless nothing was begun.
+fn written(results: &Results<'_>, study: &Study, kept: Option<&Kept>) -> Ended {
+    let exit = study.exit();
+    let mut diagnostics = study.diagnostics();
+    // nothing was begun in any row: no folder
+    if study.rows.iter().all(|row| matches!(row.result.exit, 3 | 4 | 6) && row.result.solve.is_none() && !row.kept) {
+        return Ended::refused(exit, diagnostics);
+    }
+    let clock = results.clock;
+    clock.hear(Progress::Phase("write"));
+    let svg = picture(study);
+    let mut files = vec![
+        ("study.csv", study.csv()),
+        (ROWS, study.stored.clone()),
+        ("report.html", html(study, svg.as_deref().ok(), &shown(results.words))),
+    ];
+    match svg {
+        Ok(svg) => files.push(("study.svg", svg)),
+        Err(why) => diagnostics.push(Diagnostic::warning("E091", format!("`study.svg` was not written: {why}"))),
+    }
+    match write(results, study, &files, &diagnostics) {
+        Ok(document) => {
+            let mut summary = study.summary(Some(&results.folder.path().display().to_string()));
+            if let Some(kept) = kept {
+                summary.push_str(&resumed(study, kept));
+            }
+            Ended { exit, summary, document, diagnostics, message: None }
+        }
+        Err(problem) => {
+            diagnostics.push(problem);
+            let exit = if matches!(exit, 70 | 130) { exit } else { 4 };
+            Ended::refused(exit, diagnostics)
+        }
+    }
+}
+
+/// Writes everything, `result.json` last; returns its text.
+fn write(results: &Results<'_>, study: &Study, files: &[(&str, String)], messages: &Diagnostics) -> Result<String, Diagnostic> {
+    let names = results.open(files.iter().map(|(name, _)| (*name).to_owned()))?;
+    for (name, text) in files {
+        results.folder.write(name, text.as_bytes())?;
+    }
+    let document = study.to_json(&names);
+    results.close(&names, messages, &document)?;
+    Ok(document)
+}
+
+/// What became of the rows of the earlier study.
+fn resumed(study: &Study, kept: &Kept) -> String {
+    let taken = study.rows.iter().filter(|row| row.kept).count();
+    let solved = study.rows.len() - taken;
+    let others = match kept.len() - taken.min(kept.len()) {
+        0 => String::new(),
+        1 => "; 1 of them is of another case, option or place on the axes, or was not finished".to_owned(),
+        n => format!("; {n} of them are of another case, option or place on the axes, or were not finished"),
+    };
+    format!("{taken} rows kept of the {} of the earlier study, {solved} solved now{others}\n", kept.len())
+}

@@ -1,0 +1,259 @@
+//! Quoted formulas of case files: numbers, functions of x, y, z, t, and derivatives to second order.
+//!
+//! Operators from weak to strong: comparisons (1 or 0, no chains) · `+ -` · `* /` · signs · `^` (right
+//! associative). So `-x^2` is -(x^2), `2^3^2` is 2^9, `2^-1` is a half. Angles are in radians; r = sqrt(x^2 + y^2),
+//! theta = atan2(y, x). `min` and `max` take two or more arguments. `if(c, a, b)` is a where c is not zero, else b.
+//!
+//! # Example
+//! ```
+//! use faying_cli::formula::{Constants, Formula, Point, Scope};
+//! let constants = Constants::default();
+//! let f = Formula::parse("-x^2 * y", &Scope::space(&constants))?;
+//! let jet = f.jet(&Point::new(&[3.0, 2.0]));
+//! assert_eq!(jet.value, -18.0);
+//! assert_eq!(jet.gradient, [-12.0, -9.0, 0.0]);
+//! assert_eq!(jet.hessian[0][1], -6.0);
+//! # Ok::<(), faying_cli::formula::FormulaError>(())
+//! ```
+
+mod constants;
+mod jet;
+mod number;
+mod parse;
+mod program;
+mod taylor;
+
+use std::sync::Arc;
+
+pub use constants::{ConstantText, Constants};
+pub use jet::Jet;
+use program::{Op, Program};
+pub use program::{Point, Variable};
+
+/// What stopped the reading of a formula, and where in its text.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{message}")]
+pub struct FormulaError {
+    /// What is wrong.
+    pub message: String,
+    /// Characters before the place.
+    pub offset: usize,
+    /// Characters of the place.
+    pub length: usize,
+    /// What is allowed.
+    pub help: Option<String>,
+}
+
+impl FormulaError {
+    fn new(message: impl Into<String>, offset: usize, length: usize) -> Self {
+        Self { message: message.into(), offset, length: length.max(1), help: None }
+    }
+
+    fn with_help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+/// What a formula may name.
+#[derive(Clone, Copy, Debug)]
+pub struct Scope<'a> {
+    /// Variables that have a value.
+    pub variables: &'a [Variable],
+    /// Constants of `[let]`.
+    pub constants: &'a Constants,
+    /// `Some` where quantities may stand (checks): the names of the case that may hold a `-`.
+    pub quantities: Option<&'a [String]>,
+}
+
+const SPACE: &[Variable] = &[Variable::X, Variable::Y, Variable::Z, Variable::T, Variable::R, Variable::Theta];
+const GAP: &[Variable] = &[Variable::G, Variable::X, Variable::Y, Variable::Z, Variable::T, Variable::R, Variable::Theta];
+
+impl<'a> Scope<'a> {
+    /// Physical data: x, y, z, t, r, theta.
+    pub fn space(constants: &'a Constants) -> Self {
+        Self { variables: SPACE, constants, quantities: None }
+    }
+
+    /// Gap formulas: g and the variables of space.
+    pub fn gap(constants: &'a Constants) -> Self {
+        Self { variables: GAP, constants, quantities: None }
+    }
+
+    /// Prescribed motion: t.
+    pub fn time(constants: &'a Constants) -> Self {
+        Self { variables: &[Variable::T], constants, quantities: None }
+    }
+
+    /// One number.
+    pub fn number(constants: &'a Constants) -> Self {
+        Self { variables: &[], constants, quantities: None }
+    }
+
+    /// Values of checks: constants and quantities.
+    pub fn check(constants: &'a Constants, names: &'a [String]) -> Self {
+        Self { variables: &[], constants, quantities: Some(names) }
+    }
+
+    fn what(&self) -> &'static str {
+        match (self.variables, self.quantities) {
+            ([], Some(_)) => "only constants, and in checks quantities, are known",
+            ([], None) => "one number is expected, made of constants",
+            ([Variable::T], _) => "only t and constants are known",
+            _ => "x, y, z, t, r, theta and constants are known",
+        }
+    }
+}
+
+/// A quantity named in a check's formula.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct QuantityRef {
+    /// Its text, such as `contact.pad.force.y` or `u.x at [1, 0] in upper`.
+    pub text: String,
+    /// Characters before it in the formula.
+    pub offset: usize,
+    /// Characters of it.
+    pub length: usize,
+}
+
+/// A number or a quoted formula. Copies are cheap.
+#[derive(Clone, Debug)]
+pub struct Formula {
+    text: Option<Arc<str>>,
+    program: Arc<Program>,
+    quantities: Arc<[QuantityRef]>,
+}
+
+impl PartialEq for Formula {
+    /// Equal programs: the same number, or the same steps.
+    fn eq(&self, other: &Self) -> bool {
+        self.program == other.program && self.quantities == other.quantities
+    }
+}
+
+impl Formula {
+    /// A plain number.
+    pub fn constant(value: f64) -> Self {
+        Self { text: None, program: Arc::new(Program::constant(value)), quantities: Arc::new([]) }
+    }
+
+    /// Reads a text.
+    ///
+    /// # Errors
+    /// [`FormulaError`] with the position where reading stopped.
+    pub fn parse(text: &str, scope: &Scope<'_>) -> Result<Self, FormulaError> {
+        let (program, quantities) = parse::parse(text, scope)?;
+        Ok(Self { text: Some(text.into()), program: Arc::new(program), quantities: quantities.into() })
+    }
+
+    /// The number, if the formula depends on nothing.
+    pub fn as_constant(&self) -> Option<f64> {
+        self.program.as_constant()
+    }
+
+    /// Whether it depends on the time.
+    pub fn depends_on_time(&self) -> bool {
+        self.uses(Variable::T)
+    }
+
+    /// Whether it depends on a variable.
+    pub fn uses(&self, variable: Variable) -> bool {
+        self.program.any(|op| *op == Op::Variable(variable))
+    }
+
+    /// Whether it has pieces: `if`, comparisons, abs, sign, min or max, whose derivatives may jump.
+    pub fn is_piecewise(&self) -> bool {
+        self.program.any(Op::has_pieces)
+    }
+
+    /// The value at a point; not a number where the formula has none.
+    pub fn value(&self, at: &Point) -> f64 {
+        self.program.run(at, &[])
+    }
+
+    /// Value, gradient and Hessian at a point.
+    pub fn jet(&self, at: &Point) -> Jet {
+        self.program.jet(at)
+    }
+
+    /// Value and gradient at a point, the Hessian zero: for less than half the cost of [`Formula::jet`].
+    pub fn slope(&self, at: &Point) -> Jet {
+        self.program.slope(at)
+    }
+
+    /// The quantities it names, in the order of [`Formula::value_with`].
+    pub fn quantities(&self) -> &[QuantityRef] {
+        &self.quantities
+    }
+
+    /// The value with the quantities' values, one per entry of [`Formula::quantities`].
+    pub fn value_with(&self, quantities: &[f64]) -> f64 {
+        self.program.run(&Point::default(), quantities)
+    }
+
+    /// The text as written, or the number.
+    pub fn text(&self) -> String {
+        match (&self.text, self.as_constant()) {
+            (Some(text), _) => text.to_string(),
+            (None, Some(v)) => format!("{v:?}"),
+            (None, None) => String::new(),
+        }
+    }
+}
+
+impl From<f64> for Formula {
+    fn from(value: f64) -> Self {
+        Self::constant(value)
+    }
+}
+
+/// Whether a name is free to be a constant of `[let]`.
+pub fn is_free_name(name: &str) -> bool {
+    parse::is_name(name) && !parse::is_reserved(name)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn value(text: &str) -> f64 {
+        let c = Constants::default();
+        Formula::parse(text, &Scope::space(&c)).map(|f| f.value(&Point::new(&[0.5, 2.0, 3.0]))).unwrap_or_else(|e| panic!("{text}: {e}"))
+    }
+
+    #[test]
+    fn operators_bind_as_in_mathematics() {
+        assert_eq!(value("-x^2"), -0.25);
+        assert_eq!(value("2^3^2"), 512.0);
+        assert_eq!(value("2^-1"), 0.5);
+        assert_eq!(value("1 - 2 - 3"), -4.0);
+        assert_eq!(value("8/4/2"), 1.0);
+        assert_eq!(value("1 + 2*3 < 8"), 1.0);
+        assert_eq!(value("if(x > 1, 1, max(1, y, z))"), 3.0);
+        assert_eq!(value("2*e^0 + 2e0"), 4.0);
+        assert_eq!(value("--x"), 0.5);
+        assert_eq!(value("atan2(y, x) - theta"), 0.0);
+    }
+
+    #[test]
+    fn constants_of_let_come_in_any_order() {
+        let d = |n: &str, t: &str| (n.to_owned(), ConstantText::Formula(t.to_owned()));
+        let (c, e) = Constants::resolve(&[d("a", "sqrt(4*F/pi)"), d("F", "b/2"), ("b".to_owned(), ConstantText::Number(2.0))]);
+        assert!(e.is_empty(), "{e:?}");
+        assert_eq!(c.get("a"), Some((4.0 / std::f64::consts::PI).sqrt()));
+        let (_, e) = Constants::resolve(&[d("p", "q + 1"), d("q", "2*s"), d("s", "q")]);
+        assert_eq!(e.len(), 1);
+        assert!(e[0].1.message.contains("q -> s -> q"), "{}", e[0].1);
+    }
+
+    #[test]
+    fn quantities_stand_in_formulas_of_checks() {
+        let c = Constants::default();
+        let names = ["my-pad".to_owned()];
+        let f = Formula::parse("2*contact.my-pad.force.y-1 + u.x at [1.0, 0.5] in upper - energy", &Scope::check(&c, &names)).unwrap();
+        let texts: Vec<&str> = f.quantities().iter().map(|q| q.text.as_str()).collect();
+        assert_eq!(texts, ["contact.my-pad.force.y", "u.x at [1.0, 0.5] in upper", "energy"]);
+        assert_eq!(f.value_with(&[3.0, 10.0, 1.0]), 14.0);
+    }
+}

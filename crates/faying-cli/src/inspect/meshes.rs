@@ -1,0 +1,97 @@
+//! What is in a file of points and cells.
+
+use super::CellMap;
+use super::look::{Soundness, is_flat, look};
+use faying::space::measure;
+use faying_files::{MeshBlock, MeshFile};
+use serde::Serialize;
+
+/// Cells of one shape and order.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct CellsReport {
+    /// triangle, hexahedron, ...
+    pub shape: String,
+    /// Geometry order.
+    pub order: usize,
+    /// How many.
+    pub count: usize,
+}
+
+/// A physical group.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GroupReport {
+    /// Dimension of its cells.
+    pub dimension: usize,
+    /// Its number.
+    pub number: i64,
+    /// Its name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Its cells.
+    pub cells: usize,
+    /// Their length, area or volume; of points none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measure: Option<f64>,
+}
+
+/// Length, area or volume of the cells of a block; none for points, prisms and pyramids.
+pub fn size(block: &MeshBlock, points: &[[f64; 3]]) -> Option<f64> {
+    match block.shape.dimension() {
+        1 => CellMap::<1>::new(block, points).map(|m| measure::<1, 3, f64, _>(&m)),
+        2 => CellMap::<2>::new(block, points).map(|m| measure::<2, 3, f64, _>(&m)),
+        3 => CellMap::<3>::new(block, points).map(|m| measure::<3, 3, f64, _>(&m)),
+        _ => None,
+    }
+}
+
+fn of<const D: usize>(block: &MeshBlock, points: &[[f64; 3]], flat: bool) -> Option<Soundness> {
+    let map = CellMap::<D>::new(block, points)?;
+    let number = |e: usize| block.ids.get(e).copied().unwrap_or(e as u64);
+    Some(look::<D>(&format!("{:?}", block.shape).to_lowercase(), &map, block.order, flat, &number))
+}
+
+/// Quality of the cells of the highest dimension.
+pub fn soundness(mesh: &MeshFile) -> Soundness {
+    let (top, flat) = (mesh.dimension(), is_flat(&mesh.points, mesh.dimension()));
+    let blocks = mesh.blocks.iter().filter(|b| b.shape.dimension() == top);
+    let parts = blocks.filter_map(|b| match top {
+        1 => of::<1>(b, &mesh.points, flat),
+        2 => of::<2>(b, &mesh.points, flat),
+        3 => of::<3>(b, &mesh.points, flat),
+        _ => None,
+    });
+    parts.fold(Soundness::default(), Soundness::and)
+}
+
+/// Kinds of cells, those of the highest dimension last.
+pub fn cells(mesh: &MeshFile) -> Vec<CellsReport> {
+    let mut all: Vec<(faying_files::CellShape, usize, usize)> = Vec::new();
+    for block in &mesh.blocks {
+        match all.iter_mut().find(|(shape, order, _)| (*shape, *order) == (block.shape, block.order)) {
+            Some((_, _, count)) => *count += block.ids.len(),
+            None => all.push((block.shape, block.order, block.ids.len())),
+        }
+    }
+    all.sort_unstable();
+    all.into_iter().map(|(shape, order, count)| CellsReport { shape: format!("{shape:?}").to_lowercase(), order, count }).collect()
+}
+
+/// All groups; `sizes` holds the measure of every block.
+pub fn groups(mesh: &MeshFile, sizes: &[Option<f64>]) -> Vec<GroupReport> {
+    let mut all: Vec<GroupReport> = mesh
+        .groups
+        .iter()
+        .map(|g| GroupReport { dimension: g.dimension, number: g.number, name: g.name.clone(), cells: 0, measure: None })
+        .collect();
+    for (block, size) in mesh.blocks.iter().zip(sizes) {
+        for &g in &block.groups {
+            if let Some(group) = all.get_mut(g) {
+                group.cells += block.ids.len();
+                if let Some(size) = size {
+                    *group.measure.get_or_insert(0.0) += size;
+                }
+            }
+        }
+    }
+    all
+}

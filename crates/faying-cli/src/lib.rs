@@ -1,0 +1,55 @@
+//! The program `faying` as a library: case files, the registry of names, runs, studies, reports.
+//!
+//! | module | content |
+//! | --- | --- |
+//! | [`case`] | case files: grammar, reading, changes |
+//! | [`formula`] | formulas of x, y, z and t |
+//! | [`errors`], [`codes`], [`place`] | diagnostics with code, place and help |
+//! | [`registry`] | names of backends, couplings, multipliers, solvers |
+//! | [`build`] | cases become models |
+//! | [`run`], [`studies`], [`infsup`] | models become results |
+//! | [`quantities`] | the numbers that a case asks for |
+//! | [`mod@reference`] | stored runs, against which others are compared |
+//! | [`plot`], [`table`], [`output`], [`result`] | pictures, tables and `result.json` |
+//! | [`convert`], [`inspect`] | geometry and mesh files |
+//! | [`guide`] | the theory of tying and of contact, with an example of every choice |
+//!
+//! Your own names go into a [`Registry`] and that into [`main`]: then the program knows them.
+
+pub mod build;
+pub mod case;
+pub mod codes;
+mod commands;
+pub mod convert;
+pub mod errors;
+pub mod formula;
+pub mod guide;
+pub mod infsup;
+pub mod inspect;
+mod json;
+mod named;
+pub mod output;
+pub mod place;
+pub mod plot;
+pub mod quantities;
+pub mod reference;
+pub mod registry;
+pub mod result;
+mod result_schema;
+pub mod run;
+pub mod studies;
+pub mod table;
+mod unsolved;
+pub mod watch;
+
+pub use case::Case;
+pub use commands::main;
+pub use errors::{Diagnostic, Diagnostics, Severity};
+pub use formula::Formula;
+pub use named::Named;
+pub use output::{Finished, Output, Parts, Picture, RunOptions, SideOutput, StepOutput};
+pub use place::{Located, Place};
+pub use registry::{Family, Fault, MakeSolver, Names, Registry, SolverOptions, UnknownName};
+pub use result::{RunResult, Status};
+pub use result_schema::result_schema;
+pub use watch::{Progress, Stop, Watch};

@@ -1,0 +1,295 @@
+//! `fields.svg`: bodies with their curved element edges over a colour field, a small peak once more in detail.
+
+use super::fewer::{chained, few_lines, joined, straightened};
+use super::frame::{axes, bar, outline};
+use super::sample::{Drawn, boxes, division, divisions, sampled};
+use super::{GREY, INK, PlotError, Root, document, shortened, stroke, text, units};
+use crate::table::short;
+use faying::geometry::Bounds;
+use faying::linalg::Vector;
+use faying_files::vtu::Part;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, VPos};
+
+/// What the picture shows.
+#[derive(Clone, Copy, Debug)]
+pub struct FieldPlot<'a> {
+    /// Heading.
+    pub title: &'a str,
+    /// What the colour bar says.
+    pub label: &'a str,
+    /// Name of a field of every part.
+    pub field: &'a str,
+    /// Component of it.
+    pub component: usize,
+}
+
+/// A peak that is smaller than this share of the bodies is shown in detail.
+const SMALL: f64 = 0.15;
+/// Share of an element's size that it may bulge beyond its box.
+const BULGE: f64 = 0.1;
+/// Width and height of the detail in pixels.
+const DETAIL: f64 = 300.0;
+
+/// The picture of all `parts`.
+///
+/// # Errors
+/// [`PlotError`] where a part lacks the field or there is nothing to draw.
+pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, PlotError> {
+    let around: Vec<Vec<Bounds<2>>> = parts.iter().map(|p| boxes(&*p.space)).collect();
+    let all = drawn(plot, parts, &divisions(&around))?;
+    let points: Vec<Vector<2>> =
+        all.iter().flatten().flat_map(|d| d.edges.iter().flat_map(|(line, _)| line)).map(|p| Vector::<2>::from(*p)).collect();
+    let finite: Vec<Vector<2>> = points.into_iter().filter(|p| p.iter().all(|x| x.is_finite())).collect();
+    let bounds = Bounds::around(&finite).filter(|b| b.diagonal() > 0.0).ok_or_else(|| PlotError::Empty(plot.title.to_owned()))?;
+    let scale = Scale::of(&all);
+    let detail = match peak(&all, &scale, &bounds) {
+        None => None,
+        Some(window) => {
+            let near = |b: &Bounds<2>| b.inflated(BULGE * b.diagonal()).meets(&window);
+            let inside = |b: &Bounds<2>| near(b).then(|| division(b, window.hi[0] - window.lo[0], DETAIL).round() as usize);
+            let wanted: Vec<Vec<_>> = around.iter().map(|part| part.iter().map(inside).collect()).collect();
+            Some((window, drawn(plot, parts, &wanted)?))
+        }
+    };
+    let detail = detail.map(|(window, close)| (window, fewer(close)));
+    draw(plot, &fewer(all), &bounds, &scale, detail.as_ref())
+}
+
+/// The bodies with as many pieces and lines as a picture needs, after the scale has seen every value.
+fn fewer(mut bodies: Vec<Vec<Drawn>>) -> Vec<Drawn> {
+    let count = |body: &Vec<Drawn>| body.iter().map(|d| d.pieces.len()).sum::<usize>();
+    let total = bodies.iter().map(count).sum::<usize>().max(1) as f64;
+    for body in &mut bodies {
+        let share = count(body) as f64 / total;
+        let pieces = body.iter_mut().flat_map(|d| std::mem::take(&mut d.pieces)).collect();
+        if let Some(first) = body.first_mut() {
+            first.pieces = joined(pieces, share);
+        }
+    }
+    bodies.into_iter().flatten().collect()
+}
+
+fn drawn(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>], divisions: &[Vec<Option<usize>>]) -> Result<Vec<Vec<Drawn>>, PlotError> {
+    parts.iter().zip(divisions).map(|(part, divisions)| sampled(plot, part, divisions)).collect()
+}
+
+/// Values and their colours.
+pub(super) struct Scale {
+    pub least: f64,
+    pub most: f64,
+    /// Constant up to rounding: one colour.
+    pub uniform: bool,
+}
+
+impl Scale {
+    fn of(drawn: &[Vec<Drawn>]) -> Self {
+        Self::of_values(drawn.iter().flatten().flat_map(|d| d.pieces.iter().map(|(_, v)| *v)))
+    }
+
+    /// From the least to the largest finite value.
+    pub fn of_values(values: impl Iterator<Item = f64>) -> Self {
+        let (least, most) = values.filter(|v| v.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        let (least, most) = if least > most { (0.0, 0.0) } else { (least, most) };
+        Self { least, most, uniform: most - least <= 1e-9 * most.abs().max(least.abs()) }
+    }
+
+    /// The field's name and its range.
+    pub fn words(&self, label: &str) -> String {
+        if self.uniform {
+            format!("{label}: {} everywhere", short(0.5 * (self.least + self.most), 4))
+        } else {
+            format!("{label}: from {} to {}", short(self.least, 4), short(self.most, 4))
+        }
+    }
+
+    pub fn color(&self, v: f64) -> RGBColor {
+        match v.is_finite() {
+            false => RGBColor(190, 190, 190),
+            true if self.uniform => ViridisRGB.get_color(0.5),
+            true => ViridisRGB.get_color((v - self.least) / (self.most - self.least)),
+        }
+    }
+}
+
+/// A square around all that is above half of the range, where that is a small part of the bodies.
+fn peak(drawn: &[Vec<Drawn>], scale: &Scale, bounds: &Bounds<2>) -> Option<Bounds<2>> {
+    let high = |v: f64| v - scale.least > 0.5 * (scale.most - scale.least);
+    let corners = drawn.iter().flatten().flat_map(|d| &d.pieces).filter(|(_, v)| high(*v)).flat_map(|(corners, _)| corners);
+    let around = Bounds::around(&corners.map(|p| Vector::<2>::from(*p)).collect::<Vec<_>>())?;
+    let size = (bounds.hi - bounds.lo).amax();
+    let extent = (around.hi - around.lo).amax();
+    if scale.uniform || !(extent > 0.0 && extent < SMALL * size) {
+        return None;
+    }
+    let half = Vector::<2>::repeat((1.1 * extent).max(1e-4 * size));
+    Some(Bounds { lo: around.center() - half, hi: around.center() + half })
+}
+
+/// A window of the plane and the frame it fills: left, top, width, height in pixels.
+struct View {
+    window: Bounds<2>,
+    frame: [f64; 4],
+}
+
+impl View {
+    fn per_length(&self) -> f64 {
+        self.frame[2] / (self.window.hi[0] - self.window.lo[0])
+    }
+
+    fn pixel(&self, p: &[f64; 2]) -> (i32, i32) {
+        let k = self.per_length();
+        (units(self.frame[0] + k * (p[0] - self.window.lo[0])), units(self.frame[1] + k * (self.window.hi[1] - p[1])))
+    }
+}
+
+fn draw(
+    plot: &FieldPlot<'_>,
+    all: &[Drawn],
+    bounds: &Bounds<2>,
+    scale: &Scale,
+    detail: Option<&(Bounds<2>, Vec<Drawn>)>,
+) -> Result<String, PlotError> {
+    let padded = bounds.inflated(0.03 * (bounds.hi - bounds.lo).amax());
+    let extent = padded.hi - padded.lo;
+    let per_length = (720.0 / extent[0]).min(560.0 / extent[1]);
+    let (left, top, right, bottom) = (62.0, 80.0, 132.0, 46.0);
+    let (w, h) = ((extent[0] * per_length).max(260.0), (extent[1] * per_length).max(150.0));
+    // the frame may be wider or higher than the bodies; the scale is the same in both directions
+    let half = Vector::<2>::new(w, h) * (0.5 / per_length);
+    let view = View { window: Bounds { lo: padded.center() - half, hi: padded.center() + half }, frame: [left, top, w, h] };
+    let width = left + w + right + if detail.is_some() { left + DETAIL + 8.0 } else { 0.0 };
+    let height = top + if detail.is_some() { h.max(DETAIL) } else { h } + bottom;
+    document(width, height, |root| {
+        let title = shortened(plot.title, width - left - 20.0, 17.0);
+        root.draw(&Text::new(title, (units(left), units(16.0)), text(17.0, INK, HPos::Left, VPos::Top)))?;
+        root.draw(&Text::new(scale.words(plot.label), (units(left), units(42.0)), text(12.0, GREY, HPos::Left, VPos::Top)))?;
+        paint(root, &view, all, scale)?;
+        let ranges = |v: &View| [0, 1].map(|k| [v.window.lo[k], v.window.hi[k]]);
+        let [x, y] = ranges(&view);
+        axes(root, x, y, view.frame)?;
+        bar(root, [left + w + 26.0, top, 18.0, h], scale.least, scale.most, scale.uniform, &|v| scale.color(v))?;
+        let Some((window, close)) = detail else { return Ok(()) };
+        let detail = View { window: *window, frame: [left + w + right + left, top, DETAIL, DETAIL] };
+        outline(root, [window.lo, window.hi].map(|p| view.pixel(&p.into())), stroke(INK, 1.0))?;
+        let words = format!("detail, {} times as large", short(detail.per_length() / per_length, 2));
+        root.draw(&Text::new(words, (units(detail.frame[0]), units(42.0)), text(12.0, GREY, HPos::Left, VPos::Top)))?;
+        paint(root, &detail, close, scale)?;
+        let [x, y] = ranges(&detail);
+        axes(root, x, y, detail.frame)?;
+        outline(root, [window.lo, window.hi].map(|p| detail.pixel(&p.into())), stroke(INK, 1.0))
+    })
+}
+
+/// Pieces, then the lines between elements where they are few enough, then the outlines; what leaves the window is cut off.
+fn paint(root: &Root<'_, '_>, view: &View, drawn: &[Drawn], scale: &Scale) -> Result<(), PlotError> {
+    let by = 0.4 / view.per_length();
+    for (corners, v) in drawn.iter().flat_map(|d| &d.pieces) {
+        let inside = clipped(&overlapping(corners, by), &view.window);
+        if inside.len() > 2 {
+            root.draw(&Polygon::new(inside.iter().map(|p| view.pixel(p)).collect::<Vec<_>>(), scale.color(*v).filled()))?;
+        }
+    }
+    let lines = |d: &Drawn, outer: bool| -> Vec<Vec<(i32, i32)>> {
+        let of_kind = d.edges.iter().filter(|(_, o)| *o == outer);
+        of_kind.flat_map(|(line, _)| runs_inside(line, &view.window)).map(|run| run.iter().map(|p| view.pixel(p)).collect()).collect()
+    };
+    let trace = |line: &[(i32, i32)], style: ShapeStyle| -> Result<(), PlotError> {
+        let line = straightened(line, 1.0);
+        // what is shorter than a unit is a point
+        if line.len() > 2 || line.first() != line.last() {
+            root.draw(&PathElement::new(line, style))?;
+        }
+        Ok(())
+    };
+    if few_lines(drawn) {
+        for d in drawn {
+            let style = inner_edges(d, view.per_length());
+            lines(d, false).iter().try_for_each(|line| trace(line, style))?;
+        }
+    }
+    let outlines = chained(drawn.iter().flat_map(|d| lines(d, true)).collect());
+    outlines.iter().try_for_each(|line| trace(line, stroke(INK, 1.5)))?;
+    Ok(())
+}
+
+/// The part of a convex polygon inside a box, one side of the box after the other (Sutherland and Hodgman, CACM 17, 1974).
+fn clipped(polygon: &[[f64; 2]], window: &Bounds<2>) -> Vec<[f64; 2]> {
+    let mut points = polygon.to_vec();
+    for (k, sign, limit) in [(0, 1.0, window.lo[0]), (0, -1.0, -window.hi[0]), (1, 1.0, window.lo[1]), (1, -1.0, -window.hi[1])] {
+        let over = |p: &[f64; 2]| sign * p[k] - limit;
+        let mut kept = Vec::with_capacity(points.len() + 1);
+        for (i, p) in points.iter().enumerate() {
+            let before = points[(i + points.len() - 1) % points.len()];
+            let (a, b) = (over(&before), over(p));
+            if (a < 0.0) != (b < 0.0) {
+                let t = a / (a - b);
+                kept.push([before[0] + t * (p[0] - before[0]), before[1] + t * (p[1] - before[1])]);
+            }
+            if b >= 0.0 {
+                kept.push(*p);
+            }
+        }
+        points = kept;
+    }
+    points
+}
+
+/// The runs of a line inside a box.
+fn runs_inside(line: &[[f64; 2]], window: &Bounds<2>) -> Vec<Vec<[f64; 2]>> {
+    let mut runs: Vec<Vec<[f64; 2]>> = Vec::new();
+    for pair in line.windows(2) {
+        // a segment is a polygon of two corners
+        let inside = clipped(pair, window);
+        let along = |p: &[f64; 2]| (p[0] - pair[0][0]) * (pair[1][0] - pair[0][0]) + (p[1] - pair[0][1]) * (pair[1][1] - pair[0][1]);
+        let order = |p: &&[f64; 2], q: &&[f64; 2]| along(p).total_cmp(&along(q));
+        let (Some(&a), Some(&b)) = (inside.iter().min_by(order), inside.iter().max_by(order)) else { continue };
+        match runs.last_mut() {
+            Some(run) if run.last() == Some(&a) => run.push(b),
+            _ => runs.push(vec![a, b]),
+        }
+    }
+    runs
+}
+
+/// The polygon pushed out by about `by` along its edges, so that neighbours leave no seam.
+fn overlapping(corners: &[[f64; 2]], by: f64) -> Vec<[f64; 2]> {
+    let n = corners.len();
+    let unit = |from: [f64; 2], to: [f64; 2]| {
+        let d = [to[0] - from[0], to[1] - from[1]];
+        let length = d[0].hypot(d[1]);
+        if length > 0.0 { [d[0] / length, d[1] / length] } else { [0.0; 2] }
+    };
+    (0..n)
+        .map(|k| {
+            let (a, b) = (unit(corners[(k + n - 1) % n], corners[k]), unit(corners[(k + 1) % n], corners[k]));
+            [corners[k][0] + by * (a[0] + b[0]), corners[k][1] + by * (a[1] + b[1])]
+        })
+        .collect()
+}
+
+/// Lines between elements fade where the elements are only a few pixels wide.
+fn inner_edges(element: &Drawn, per_length: f64) -> ShapeStyle {
+    let length = |line: &[[f64; 2]]| line.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum::<f64>();
+    let width = element.edges.iter().map(|(line, _)| length(line)).fold(f64::INFINITY, f64::min) * per_length;
+    let share = (width / 12.0).clamp(0.0, 1.0);
+    stroke(BLACK.mix(0.06 + 0.22 * share), 0.25 + 0.35 * share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polygons_and_lines_are_cut_at_the_window() {
+        let window = Bounds { lo: Vector::<2>::new(0.0, 0.0), hi: Vector::<2>::new(1.0, 1.0) };
+        let area = |p: &[[f64; 2]]| {
+            (0..p.len()).map(|i| (p[i], p[(i + 1) % p.len()])).map(|(a, b)| 0.5 * (a[0] * b[1] - b[0] * a[1])).sum::<f64>()
+        };
+        let square = [[0.5, 0.5], [2.0, 0.5], [2.0, 2.0], [0.5, 2.0]];
+        assert_eq!(area(&clipped(&square, &window)), 0.25);
+        assert!(clipped(&[[2.0, 2.0], [3.0, 2.0], [2.0, 3.0]], &window).is_empty());
+        let runs = runs_inside(&[[-1.0, 0.5], [0.5, 0.5], [0.5, 2.0], [0.25, 2.0], [0.25, 0.5]], &window);
+        assert_eq!(runs, [vec![[0.0, 0.5], [0.5, 0.5], [0.5, 1.0]], vec![[0.25, 1.0], [0.25, 0.5]]]);
+    }
+}

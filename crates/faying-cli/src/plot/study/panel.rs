@@ -1,0 +1,84 @@
+//! One panel of a study: axes, grid, lines with their marks, slope triangles.
+
+use super::scale::{Axis, Scale};
+use super::triangle::{Triangle, triangles};
+use super::{MOST_LINES, StudyPanel, color, mark};
+use crate::plot::{GREY, INK, PALE, PlotError, Root, shortened, stroke, text, units};
+use crate::table::short;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, VPos};
+
+/// The vertical axis of a panel.
+fn vertical(panel: &StudyPanel) -> &'static Axis {
+    if panel.y_log { &Axis::Log } else { &Axis::Linear }
+}
+
+/// The points of every line that is drawn.
+fn lines(panel: &StudyPanel) -> impl Iterator<Item = Vec<(f64, f64)>> {
+    let known = |p: &(f64, f64)| Scale::knows(&panel.x_axis, p.0) && Scale::knows(vertical(panel), p.1);
+    panel.points.iter().take(MOST_LINES).map(move |line| line.iter().copied().filter(known).collect())
+}
+
+/// Both axes; none without points.
+pub fn scales(panel: &StudyPanel) -> Option<(Scale<'_>, Scale<'static>)> {
+    let points: Vec<(f64, f64)> = lines(panel).flatten().collect();
+    let x = Scale::of(&panel.x_axis, points.iter().map(|p| p.0), 0.12)?;
+    Some((x, Scale::of(vertical(panel), points.iter().map(|p| p.1), 0.2)?))
+}
+
+/// Draws a panel whose lines go into the area of `size` at `corner`, in pixels; without points there is an empty area.
+pub fn draw(root: &Root<'_, '_>, panel: &StudyPanel, corner: [f64; 2], size: [f64; 2]) -> Result<(), PlotError> {
+    let ([left, top], [w, h]) = (corner, size);
+    let base = units(top + h);
+    let heading = shortened(&panel.y, w, 12.5);
+    root.draw(&Text::new(heading, (units(left), units(top - 20.0)), text(12.5, INK, HPos::Left, VPos::Top)))?;
+    let all: Vec<Vec<(f64, f64)>> = lines(panel).collect();
+    let found = scales(panel).and_then(|(x, y)| {
+        let slopes = if panel.slopes && panel.x_axis == Axis::Log && panel.y_log {
+            triangles(all.iter().map(Vec::as_slice), y.span())
+        } else {
+            Vec::new()
+        };
+        // triangles need room, too
+        let heights = all.iter().flatten().map(|p| p.1).chain(slopes.iter().flat_map(|t| t.corners.map(|c| c.1)));
+        Some((x, Scale::of(vertical(panel), heights, 0.2)?, slopes))
+    });
+    if let Some((x, y, slopes)) = &found {
+        let px = |v: f64| units(left + w * x.at(v));
+        let py = |v: f64| units(top + h * (1.0 - y.at(v)));
+        for (v, word) in y.marks() {
+            root.draw(&PathElement::new(vec![(units(left), py(v)), (units(left + w), py(v))], stroke(PALE, 0.8)))?;
+            root.draw(&Text::new(word, (units(left - 8.0), py(v)), text(11.5, GREY, HPos::Right, VPos::Center)))?;
+        }
+        for (v, word) in x.marks() {
+            root.draw(&PathElement::new(vec![(px(v), units(top)), (px(v), base)], stroke(PALE, 0.8)))?;
+            root.draw(&Text::new(shortened(&word, 90.0, 11.5), (px(v), base + units(8.0)), text(11.5, GREY, HPos::Center, VPos::Top)))?;
+        }
+        for triangle in slopes {
+            slope(root, triangle, &px, &py)?;
+        }
+        for (k, line) in all.iter().enumerate() {
+            let at: Vec<(i32, i32)> = line.iter().map(|p| (px(p.0), py(p.1))).collect();
+            if at.len() > 1 {
+                root.draw(&PathElement::new(at.clone(), stroke(color(k), 2.0)))?;
+            }
+            for p in at {
+                mark(root, k, p)?;
+            }
+        }
+    }
+    root.draw(&PathElement::new(vec![(units(left), units(top)), (units(left), base), (units(left + w), base)], stroke(GREY, 1.0)))?;
+    root.draw(&Text::new(panel.x.clone(), (units(left + w), base + units(28.0)), text(12.0, GREY, HPos::Right, VPos::Top)))?;
+    Ok(())
+}
+
+/// A slope triangle with its two numbers.
+fn slope(root: &Root<'_, '_>, triangle: &Triangle, px: &dyn Fn(f64) -> i32, py: &dyn Fn(f64) -> i32) -> Result<(), PlotError> {
+    let [a, b, c] = triangle.corners.map(|(x, y)| (px(x), py(y)));
+    root.draw(&PathElement::new(vec![a, b, c, a], stroke(INK, 1.2)))?;
+    let beside = (b.0 + units(5.0), (b.1 + c.1) / 2);
+    root.draw(&Text::new(short(triangle.slope, 3), beside, text(11.5, INK, HPos::Left, VPos::Center)))?;
+    let below = ((a.0 + b.0) / 2, b.1 + units(3.0));
+    root.draw(&Text::new("1", below, text(11.5, INK, HPos::Center, VPos::Top)))?;
+    Ok(())
+}

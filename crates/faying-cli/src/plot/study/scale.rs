@@ -1,0 +1,117 @@
+//! Axes of a panel: where a value stands between its ends, and the marks with their words.
+
+use crate::plot::ticks;
+use crate::table::short;
+
+/// The scale of an axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Axis {
+    /// Logarithmic; values are positive.
+    #[default]
+    Log,
+    /// Linear.
+    Linear,
+    /// Places 0, 1, 2, ... with these words.
+    Places(Vec<String>),
+}
+
+/// An axis with its ends, logarithms of values on a logarithmic one.
+#[derive(Clone, Debug)]
+pub struct Scale<'a> {
+    axis: &'a Axis,
+    lo: f64,
+    hi: f64,
+}
+
+impl<'a> Scale<'a> {
+    /// The axis for `values` with room around them, at least `room` decades on a logarithmic one; none without values.
+    pub fn of(axis: &'a Axis, values: impl Iterator<Item = f64>, room: f64) -> Option<Self> {
+        if let Axis::Places(words) = axis {
+            return (values.count() > 0).then(|| Self { axis, lo: -0.5, hi: words.len() as f64 - 0.5 });
+        }
+        let log = *axis == Axis::Log;
+        let values = values.map(|v| if log { v.log10() } else { v });
+        let (lo, hi) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
+        let least = match (log, hi - lo) {
+            (true, _) => room,
+            // one value, or values that are the same: a range of their size
+            (false, 0.0) => {
+                if lo == 0.0 {
+                    0.5
+                } else {
+                    0.1 * lo.abs()
+                }
+            }
+            (false, span) => 0.08 * span,
+        };
+        (lo <= hi).then(|| Self { axis, lo: lo - least.max(0.05 * (hi - lo)), hi: hi + least.max(0.05 * (hi - lo)) })
+    }
+
+    /// Whether a value has a place.
+    pub fn knows(axis: &Axis, value: f64) -> bool {
+        value.is_finite() && (*axis != Axis::Log || value > 0.0)
+    }
+
+    /// Ends apart: in decades, or in units of the values.
+    pub fn span(&self) -> f64 {
+        self.hi - self.lo
+    }
+
+    /// Where `value` stands, 0 at the lower and 1 at the upper end.
+    pub fn at(&self, value: f64) -> f64 {
+        let v = if *self.axis == Axis::Log { value.log10() } else { value };
+        (v - self.lo) / (self.hi - self.lo)
+    }
+
+    /// Values with a mark and its words.
+    pub fn marks(&self) -> Vec<(f64, String)> {
+        match self.axis {
+            Axis::Log => logarithmic([self.lo, self.hi]).into_iter().map(|v| (v, short(v, 3))).collect(),
+            Axis::Linear => ticks(self.lo, self.hi, 6).into_iter().map(|v| (v, short(v, 6))).collect(),
+            Axis::Places(words) => {
+                // so many that their words do not meet
+                let every = words.len().div_ceil(12).max(1);
+                words.iter().enumerate().step_by(every).map(|(k, word)| (k as f64, word.clone())).collect()
+            }
+        }
+    }
+}
+
+/// Round numbers between 10^lo and 10^hi: powers of ten, few enough; with 2 and 5 where there are less than two decades, evenly spaced ones
+/// where that leaves less than two.
+fn logarithmic([lo, hi]: [f64; 2]) -> Vec<f64> {
+    let (first, last) = (lo.floor() as i32, hi.ceil() as i32);
+    let decades = hi - lo;
+    let every = ((decades / 8.0).ceil() as i32).max(1);
+    let steps: &[f64] = if decades < 2.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let all = (first..=last).filter(|d| d.rem_euclid(every) == 0).flat_map(|d| steps.iter().map(move |m| m * 10f64.powi(d)));
+    let found: Vec<f64> = all.filter(|v| (lo..=hi).contains(&v.log10())).collect();
+    if found.len() > 1 { found } else { ticks(10f64.powf(lo), 10f64.powf(hi), 4) }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_are_powers_of_ten_and_finer_on_short_axes() {
+        assert_eq!(logarithmic([0.0, 3.0]), [1.0, 10.0, 100.0, 1000.0]);
+        assert_eq!(logarithmic([-0.1, 1.1]), [1.0, 2.0, 5.0, 10.0]);
+        assert!(logarithmic([-17.0, 3.0]).len() <= 9);
+        assert!(logarithmic([0.41, 0.6]).len() > 1);
+    }
+
+    #[test]
+    fn values_stand_between_the_ends_of_their_axis() {
+        for (axis, values) in [(Axis::Log, [1e-3, 1.0]), (Axis::Linear, [-2.0, 5.0]), (Axis::Linear, [3.0, 3.0])] {
+            let scale = Scale::of(&axis, values.into_iter(), 0.2).unwrap();
+            assert!(values.iter().all(|v| (0.0..=1.0).contains(&scale.at(*v))) && scale.marks().len() > 1, "{axis:?}");
+        }
+        let words = Axis::Places(["a", "b"].map(String::from).to_vec());
+        let scale = Scale::of(&words, [0.0].into_iter(), 0.2).unwrap();
+        assert_eq!((scale.at(0.0), scale.at(1.0), scale.marks().len()), (0.25, 0.75, 2));
+        assert!(Scale::of(&Axis::Log, std::iter::empty(), 0.2).is_none());
+        assert!(!Scale::knows(&Axis::Log, 0.0) && Scale::knows(&Axis::Linear, 0.0) && !Scale::knows(&Axis::Linear, f64::NAN));
+    }
+}

@@ -1,0 +1,200 @@
+//! Probes and checks of a case: prepared before solving, answered after.
+
+use super::evaluate::{Answer, evaluate};
+use super::grammar::Reduce;
+use super::locate::Locators;
+use super::prepare::{Prepared, Preparer};
+use crate::build::Model;
+use crate::case::{Case, Condition};
+use crate::errors::{Diagnostic, Diagnostics};
+use crate::formula::Formula;
+use crate::place::Located;
+use crate::result::{CheckReport, ProbeReport, RunResult};
+use crate::run::StepState;
+use serde_json::{Value, json};
+
+/// The probes and checks of a case, understood.
+#[derive(Debug)]
+pub struct Questions<const S: usize, const N: usize> {
+    probes: Vec<Prepared<S, N>>,
+    checks: Vec<Prepared<S, N>>,
+    /// Quantities in the values of each check: value, rtol, atol.
+    values: Vec<[Vec<Prepared<S, N>>; 3]>,
+}
+
+/// Why a check on a rate has no value in a run.
+const NO_STUDY: &str = "a rate is known to studies alone: `faying convergence` or `faying compare` with levels decides this check";
+
+/// The formulas of a condition: bound or value, rtol, atol.
+fn formulas(condition: &Condition) -> [Option<&Located<Formula>>; 3] {
+    match condition {
+        Condition::Below(f) | Condition::Above(f) => [Some(f), None, None],
+        Condition::Equals { value, rtol, atol } => [Some(value), rtol.as_ref(), atol.as_ref()],
+    }
+}
+
+/// The answer from a state, where there is one.
+fn ask<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    state: Option<&StepState<S, N>>,
+    prepared: &Prepared<S, N>,
+    numbers: &Value,
+) -> Answer {
+    match (state, prepared) {
+        (Some(state), _) => evaluate(prepared, model, state, numbers),
+        (None, Prepared::Study) => Answer::Study,
+        (None, _) => Answer::None("nothing was solved".into()),
+    }
+}
+
+impl<const S: usize, const N: usize> Questions<S, N> {
+    /// Understands every probe and check of `case`.
+    ///
+    /// # Errors
+    /// E015, E018, E021, E022, E062 at their places.
+    pub fn of(case: &Case, model: &Model<S, N>, skeleton: &Value) -> Result<Self, Diagnostics> {
+        // probes are answered before checks: checks may name them, probes neither probes nor checks
+        let answered: Vec<Value> = case.probes.iter().map(|p| json!({ "name": p.name.value, "value": 0.0 })).collect();
+        let mut with_probes = skeleton.clone();
+        with_probes["probes"] = Value::Array(answered);
+        let locators = Locators::new(model);
+        let (of_probes, of_checks) = (Preparer::new(case, &locators, skeleton), Preparer::new(case, &locators, &with_probes));
+        let mut faults = Diagnostics::new();
+        let understand = |preparer: &Preparer<'_, S, N>, faults: &mut Diagnostics, text: &Located<String>, both: bool| {
+            preparer.prepare(&text.value, text.at, both).unwrap_or_else(|fault| {
+                faults.push(*fault);
+                Prepared::Study
+            })
+        };
+        let probes = case.probes.iter().map(|p| understand(&of_probes, &mut faults, &p.quantity, false)).collect();
+        let mut checks = Vec::with_capacity(case.checks.len());
+        for c in &case.checks {
+            let before = faults.items.len();
+            let prepared = understand(&of_checks, &mut faults, &c.quantity, c.over_all.is_some());
+            let field = matches!(prepared, Prepared::Over(_, _, Reduce::None));
+            if let (Some(over), false, true) = (&c.over_all, field, faults.items.len() == before) {
+                let message = format!("`over` holds both extremes of a field to a check, `{}` is one number", c.quantity.value);
+                let help = "leave it out, or name a field as a whole such as stress.yy";
+                faults.push(Diagnostic::error("E015", message).with_help(help).at(&case.source, over.at));
+            }
+            checks.push(prepared);
+        }
+        let mut take = |text: &Located<String>| understand(&of_checks, &mut faults, text, false);
+        let values = case
+            .checks
+            .iter()
+            .map(|c| {
+                formulas(&c.condition).map(|f| match f {
+                    Some(f) => f
+                        .value
+                        .quantities()
+                        .iter()
+                        .map(|q| take(&Located::new(q.text.clone(), f.at.inside(q.offset + 1, q.length))))
+                        .collect(),
+                    None => Vec::new(),
+                })
+            })
+            .collect();
+        if faults.has_errors() { Err(faults) } else { Ok(Self { probes, checks, values }) }
+    }
+
+    /// Answers all probes from a state into `result`.
+    pub fn probes(&self, case: &Case, model: &Model<S, N>, state: Option<&StepState<S, N>>, result: &mut RunResult) {
+        let value = result.numbers();
+        result.probes = case
+            .probes
+            .iter()
+            .zip(&self.probes)
+            .map(|(probe, prepared)| {
+                let (value, reason) = match ask(model, state, prepared, &value) {
+                    Answer::One(v) => (v, None),
+                    Answer::Range(low, _) => (low, None),
+                    Answer::None(reason) => (f64::NAN, Some(reason)),
+                    Answer::Study => (f64::NAN, Some("only studies answer this quantity".to_string())),
+                };
+                ProbeReport { name: probe.name.value.clone(), quantity: probe.quantity.value.clone(), value, reason }
+            })
+            .collect();
+    }
+
+    /// Answers all checks from a state into `result`; returns whether every check that was decided passed.
+    pub fn checks(&self, case: &Case, model: &Model<S, N>, state: Option<&StepState<S, N>>, result: &mut RunResult) -> bool {
+        // probes are numbers of the result: checks may name them
+        let value = result.numbers();
+        let mut reports = Vec::with_capacity(case.checks.len());
+        for (k, check) in case.checks.iter().enumerate() {
+            let [wanted, rtol, atol] = formulas(&check.condition);
+            let number = |f: Option<&Located<Formula>>, which: usize| -> Result<f64, String> {
+                let Some(f) = f else { return Ok(0.0) };
+                let values: Result<Vec<f64>, String> = self.values[k][which]
+                    .iter()
+                    .map(|p| match ask(model, state, p, &value) {
+                        Answer::One(v) => Ok(v),
+                        Answer::None(reason) => Err(reason),
+                        _ => Err("a value of a check is one number".to_string()),
+                    })
+                    .collect();
+                let v = f.value.value_with(&values?);
+                if v.is_finite() { Ok(v) } else { Err(format!("`{}` is not finite", f.value.text())) }
+            };
+            let mut report = CheckReport {
+                name: check.name.value.clone(),
+                quantity: check.quantity.value.clone(),
+                value: f64::NAN,
+                expected: f64::NAN,
+                ok: false,
+                relation: match check.condition {
+                    Condition::Below(_) => "below",
+                    Condition::Above(_) => "above",
+                    Condition::Equals { .. } => "equals",
+                }
+                .into(),
+                reason: None,
+                skipped: false,
+            };
+            let elsewhere = check.backend.as_ref().filter(|b| model.patches.iter().any(|p| p.backend != b.value));
+            let answer = ask(model, state, &self.checks[k], &value);
+            // a run has no study that could decide it later
+            let later = answer == Answer::Study && result.command != "run";
+            if later || elsewhere.is_some() {
+                report.skipped = true;
+                report.ok = true;
+                report.reason = Some(elsewhere.map_or("decided by studies".to_string(), |b| format!("only for backend \"{}\"", b.value)));
+            } else {
+                let found = match answer {
+                    Answer::One(v) => Ok(vec![v]),
+                    Answer::Range(low, high) => Ok(vec![low, high]),
+                    Answer::None(reason) => Err(reason),
+                    Answer::Study => Err(NO_STUDY.to_string()),
+                };
+                let all = found.and_then(|v| Ok((v, number(wanted, 0)?, number(rtol, 1)?, number(atol, 2)?)));
+                match all {
+                    Ok((values, expected, rtol, atol)) => {
+                        // how far a value is on the wrong side; the worst one is reported
+                        let excess = |v: f64| match check.condition {
+                            Condition::Below(_) => v - expected,
+                            Condition::Above(_) => expected - v,
+                            Condition::Equals { .. } => (v - expected).abs(),
+                        };
+                        let passes = |v: f64| match check.condition {
+                            Condition::Below(_) => v < expected,
+                            Condition::Above(_) => v > expected,
+                            Condition::Equals { .. } => (v - expected).abs() <= atol + rtol * expected.abs(),
+                        };
+                        report.value = values.iter().copied().fold(values[0], |worst, v| if excess(v) > excess(worst) { v } else { worst });
+                        report.expected = expected;
+                        report.ok = values.iter().all(|&v| passes(v));
+                    }
+                    Err(reason) => report.reason = Some(reason),
+                }
+            }
+            reports.push(report);
+        }
+        result.checks_expected = reports.len();
+        result.checks_skipped = reports.iter().filter(|r| r.skipped).count();
+        result.checks_performed = reports.len() - result.checks_skipped;
+        let passed = reports.iter().all(|r| r.ok);
+        result.checks = reports;
+        passed
+    }
+}

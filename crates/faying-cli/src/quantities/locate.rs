@@ -1,0 +1,68 @@
+//! Elements of a model's patches by points.
+
+use crate::build::Model;
+use faying::geometry::{Bounds, Embedded, Embedding, closest_point};
+use faying::linalg::{Matrix, Vector};
+use faying::space::{Locator, Space};
+use std::cell::OnceCell;
+use std::sync::Arc;
+
+/// A place in a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spot<const N: usize> {
+    /// The patch.
+    pub patch: usize,
+    /// Elements that hold the place, with local coordinates: several on common edges.
+    pub elements: Vec<(usize, Vector<N>)>,
+}
+
+/// Finds elements of the patches of a model by points; a patch that no point is looked for in costs nothing.
+#[derive(Debug)]
+pub struct Locators<'a, const S: usize, const N: usize> {
+    model: &'a Model<S, N>,
+    each: Vec<OnceCell<Locator<N, Arc<dyn Space<N, N>>>>>,
+}
+
+impl<'a, const S: usize, const N: usize> Locators<'a, S, N> {
+    /// For the patches of `model`.
+    pub fn new(model: &'a Model<S, N>) -> Self {
+        Self { model, each: model.patches.iter().map(|_| OnceCell::new()).collect() }
+    }
+
+    /// The model.
+    pub fn model(&self) -> &'a Model<S, N> {
+        self.model
+    }
+
+    /// That of a patch.
+    pub fn of(&self, patch: usize) -> &Locator<N, Arc<dyn Space<N, N>>> {
+        self.each[patch].get_or_init(|| Locator::new(self.model.patches[patch].body.space().clone()))
+    }
+
+    /// All elements of a patch that hold the point `x`, which was found in `element` at `xi`.
+    pub fn around(&self, patch: usize, element: usize, xi: Vector<N>, x: &Vector<N>) -> Vec<(usize, Vector<N>)> {
+        let space = self.model.patches[patch].body.space();
+        let tree = self.of(patch).closest().tree();
+        let mut all = vec![(element, xi)];
+        // no element is larger than the patch
+        let reach = 1e-9 * tree.bounds().map_or(0.0, |b| b.diagonal());
+        let mut candidates = tree.meeting(&Bounds { lo: *x, hi: *x }.inflated(2.0 * reach));
+        candidates.sort_unstable();
+        for e in candidates.into_iter().filter(|&e| e != element) {
+            let bounds = tree.item(e);
+            let near = 1e-9 * bounds.diagonal();
+            if bounds.distance(x) > near {
+                continue;
+            }
+            let whole = Embedding { element: e, origin: Vector::zeros(), axes: Matrix::<N, N>::identity() };
+            let alone = Embedded::new(space.clone(), vec![whole], space.cell(e));
+            if let Some(p) = closest_point(&alone, x)
+                && p.distance <= near
+            {
+                all.push((e, p.xi));
+            }
+        }
+        all.sort_by_key(|(e, _)| *e);
+        all
+    }
+}

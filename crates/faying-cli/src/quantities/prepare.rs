@@ -1,0 +1,443 @@
+//! Quantities of a case against its model, before anything is solved: names, components, places.
+
+use super::grammar::{At, FieldName, Kind, Quantity, Reduce};
+use super::locate::{Locators, Spot};
+use super::path::{known, look_up};
+use crate::build::{Model, canonical_side, named_point};
+use crate::case::{Case, Multiplier};
+use crate::errors::{Diagnostic, nearest};
+use crate::formula::{Formula, Scope};
+use crate::place::Place;
+use faying::geometry::ClosestPoint;
+use faying::linalg::Vector;
+use faying::space::measure;
+use serde_json::Value;
+
+/// A point off a body by less than this share of an element moves to the nearest point.
+const OFF: f64 = 0.25;
+/// How a point is written, in the plane and in space.
+const POINT: [&str; 2] = ["[x, y]", "[x, y, z]"];
+
+/// A place on a slave side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SideSpot<const S: usize> {
+    /// The interface or contact, by number.
+    pub number: usize,
+    /// The part of it.
+    pub part: usize,
+    /// The element.
+    pub element: usize,
+    /// Local coordinates.
+    pub xi: Vector<S>,
+}
+
+/// A quantity ready to be evaluated.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Prepared<const S: usize, const N: usize> {
+    /// A field at a place.
+    At(FieldName, Spot<N>),
+    /// The least or largest value of a field, or both; in one patch or all.
+    Over(FieldName, Vec<usize>, Reduce),
+    /// lambda of an interface at a place, one component.
+    Lambda(SideSpot<S>, usize),
+    /// Pressure (true) or lambda of a contact at a place.
+    Pressure(SideSpot<S>, bool),
+    /// A number known already.
+    Number(f64),
+    /// A number of the result.
+    Path(Vec<String>),
+    /// Left to studies.
+    Study,
+}
+
+/// Prepares quantities against one model.
+#[derive(Debug)]
+pub struct Preparer<'a, const S: usize, const N: usize> {
+    case: &'a Case,
+    model: &'a Model<S, N>,
+    locators: &'a Locators<'a, S, N>,
+    skeleton: &'a Value,
+}
+
+impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
+    /// `skeleton`: the JSON of a result before it is filled.
+    pub fn new(case: &'a Case, locators: &'a Locators<'a, S, N>, skeleton: &'a Value) -> Self {
+        Self { case, model: locators.model(), locators, skeleton }
+    }
+
+    fn fault(&self, code: &'static str, message: String, at: Place) -> Box<Diagnostic> {
+        Box::new(Diagnostic::error(code, message).at(&self.case.source, at))
+    }
+
+    /// Understands `text`, which stands at `at`. With `both`, a field without a place means both extremes.
+    ///
+    /// # Errors
+    /// E018 for what is no quantity here, E021 for unknown names, E022 for points outside, E017 for coordinates.
+    pub fn prepare(&self, text: &str, at: Place, both: bool) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        let quantity = Quantity::parse(text).map_err(|e| {
+            let fault = self.fault("E018", format!("`{text}` is no quantity: {e}"), at);
+            Box::new(self.suggest(*fault, text))
+        })?;
+        match quantity.kind {
+            Kind::Beta(pairing) => self.beta(text, &pairing, at),
+            Kind::Rate(inner) => self.rate(&inner, at),
+            Kind::Path(path) => self.path(text, path, at),
+            Kind::SideMeasure(side) => self.side_measure(text, &side, at),
+            Kind::Multiplier { pressure, name, component, at: place } => {
+                if self.model.ties.iter().any(|t| t.name == name) {
+                    self.lambda(text, &name, component, &place, at)
+                } else {
+                    self.pressure(text, &name, pressure, &place, at)
+                }
+            }
+            Kind::Field { field, at: place, patch, reduce } => {
+                self.field_exists(text, field, at)?;
+                let bodies = match &patch {
+                    Some(name) => self.bodies(name, at)?,
+                    None => (0..self.model.patches.len()).collect(),
+                };
+                match (&place, reduce, both) {
+                    (At::Everywhere, Reduce::None, false) => Err(Box::new(
+                        Diagnostic::error("E018", format!("`{text}` is a field; a quantity is one number"))
+                            .at(&self.case.source, at)
+                            .with_help(format!("add `at {}`, `.min` or `.max`; a check may say over = \"all\"", POINT[N - 2])),
+                    )),
+                    (At::Everywhere, ..) => Ok(Prepared::Over(field, bodies, reduce)),
+                    _ => Ok(Prepared::At(field, self.spot(text, &place, &bodies, at)?)),
+                }
+            }
+        }
+    }
+
+    fn field_exists(&self, text: &str, field: FieldName, at: Place) -> Result<(), Box<Diagnostic>> {
+        let scalar = self.model.components == 1;
+        let wrong = match field {
+            FieldName::U(Some(_)) if scalar => Some("u has no components in Poisson problems; write u"),
+            FieldName::U(None) if !scalar => Some("u has components in elasticity; write u.x or u.y"),
+            FieldName::U(Some(c)) | FieldName::Flux(c) if c >= N => Some("this component is not there in the plane"),
+            FieldName::Flux(_) if !scalar => Some("the flux belongs to Poisson problems; elasticity has stress.xx, stress.yy, stress.xy"),
+            FieldName::Stress(..) | FieldName::VonMises if scalar => {
+                Some("stresses belong to elasticity; Poisson problems have flux.x, flux.y")
+            }
+            _ => None,
+        };
+        wrong.map_or(Ok(()), |why| Err(self.fault("E018", format!("`{text}` is no quantity here: {why}"), at)))
+    }
+
+    /// The patches that a name stands for: one, or all those of a file.
+    fn bodies(&self, name: &str, at: Place) -> Result<Vec<usize>, Box<Diagnostic>> {
+        let found = self.case.find_patches(name);
+        if found.is_empty() { Ok(vec![self.patch(name, at)?]) } else { Ok(found) }
+    }
+
+    fn patch(&self, name: &str, at: Place) -> Result<usize, Box<Diagnostic>> {
+        let names: Vec<&str> = self.model.patches.iter().map(|p| p.name.as_str()).collect();
+        names.iter().position(|n| *n == name).ok_or_else(|| {
+            let near = nearest(name, names.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+            self.fault("E021", format!("there is no patch \"{name}\"; patches are {}{near}", names.join(", ")), at)
+        })
+    }
+
+    /// The place of a named point of a mesh, of whichever patch has it.
+    fn named_point(&self, text: &str, tag: &str, at: Place) -> Result<Vector<N>, Box<Diagnostic>> {
+        if let Some(x) = self.case.patches.iter().find_map(|p| named_point::<N>(p, tag)) {
+            return Ok(x);
+        }
+        let parts = self.case.patches.iter().filter_map(|p| p.geometry.shape.part());
+        let mut known: Vec<&str> = parts.flat_map(|p| p.points()).collect();
+        known.sort_unstable();
+        known.dedup();
+        let known =
+            if known.is_empty() { "no mesh of the case names points".to_owned() } else { format!("points are {}", known.join(", ")) };
+        let fault = *self.fault("E021", format!("`{text}`: there is no mesh point `{tag}`; {known}"), at);
+        Err(Box::new(fault.with_help(format!("or write at {}", POINT[N - 2]))))
+    }
+
+    fn point(&self, text: &str, place: &At, at: Place) -> Result<Vector<N>, Box<Diagnostic>> {
+        let list = match place {
+            At::Point(list) => list,
+            At::Tag(tag) => return self.named_point(text, tag, at),
+            At::Everywhere => return Err(self.fault("E018", format!("`{text}` needs a point; write at {}", POINT[N - 2]), at)),
+        };
+        let flat = list.len() == 3 && N == 2;
+        if list.len() != N && !flat {
+            return Err(self.fault("E018", format!("`{text}`: the point has {} coordinates, the model {N}", list.len()), at));
+        }
+        let mut x = Vector::<N>::zeros();
+        for (k, coordinate) in list.iter().enumerate() {
+            let value = Formula::parse(coordinate, &Scope::number(&self.case.constants))
+                .map_err(|e| self.fault("E017", format!("coordinate `{coordinate}` of `{text}`: {e}"), at))?
+                .as_constant()
+                .filter(|v| v.is_finite())
+                .ok_or_else(|| self.fault("E017", format!("coordinate `{coordinate}` of `{text}` is not finite"), at))?;
+            if k < N {
+                x[k] = value;
+            } else if value != 0.0 {
+                return Err(self.fault("E044", format!("`{text}`: z must be 0 in the plane"), at));
+            }
+        }
+        Ok(x)
+    }
+
+    fn spot(&self, text: &str, place: &At, bodies: &[usize], at: Place) -> Result<Spot<N>, Box<Diagnostic>> {
+        let x = self.point(text, place, at)?;
+        let (mut best, mut nearest_body): (Option<(f64, usize, usize, Vector<N>, Vector<N>)>, f64) = (None, f64::INFINITY);
+        for &k in bodies {
+            match self.locators.of(k).locate(&x) {
+                Ok(found) => {
+                    // patches that touch in the point: the first one
+                    let better = best.as_ref().is_none_or(|b| found.distance < b.0 - 1e-9 * self.model.size);
+                    if better {
+                        best = Some((found.distance, k, found.element, found.xi, found.x));
+                    }
+                }
+                Err(outside) => nearest_body = nearest_body.min(outside.distance),
+            }
+        }
+        let Some((_, patch, element, xi, x)) = best else {
+            let coordinates: Vec<String> = x.iter().map(|v| format!("{v}")).collect();
+            let whole = match bodies {
+                [one] if self.model.patches.len() > 1 => format!("patch \"{}\"", self.model.patches[*one].name),
+                _ => "every body".to_owned(),
+            };
+            let message = format!("the point ({}) is outside {whole}, {nearest_body:.3e} away", coordinates.join(", "));
+            return Err(Box::new(
+                Diagnostic::error("E022", message)
+                    .at(&self.case.source, at)
+                    .with_help("points off a body by less than a quarter of an element move to the nearest point"),
+            ));
+        };
+        Ok(Spot { patch, elements: self.locators.around(patch, element, xi, &x) })
+    }
+
+    fn side_measure(&self, text: &str, side: &str, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        let sides = self.case.find_sides(side);
+        if !sides.is_empty() {
+            let mut sum = 0.0;
+            for s in &sides {
+                let p = &self.model.patches[s.patch];
+                let trace = p.body.trace(&s.side).map_err(|e| self.fault("E021", format!("`{text}`: patch \"{}\": {e}", p.name), at))?;
+                sum += measure::<S, N, f64, _>(&*trace.space);
+            }
+            return Ok(Prepared::Number(sum));
+        }
+        if let Some(measured) = self.measure_of(side).filter(|_| !text.trim_start().starts_with("length")) {
+            return Ok(measured);
+        }
+        for p in &self.model.patches {
+            if let Some(rest) = side.strip_prefix(&format!("{}.", p.name)) {
+                return match p.body.trace(canonical_side(rest, N)) {
+                    Ok(trace) => Ok(Prepared::Number(measure::<S, N, f64, _>(&*trace.space))),
+                    Err(e) => Err(self.fault("E021", format!("`{text}`: patch \"{}\": {e}", p.name), at)),
+                };
+            }
+        }
+        let name = side.split('.').next().unwrap_or(side);
+        self.patch(name, at)?;
+        Err(self.fault("E018", format!("`{text}` is no quantity; write length.PATCH.SIDE"), at))
+    }
+
+    /// The area (volume in 3D) of the patches that a name stands for.
+    fn measure_of(&self, name: &str) -> Option<Prepared<S, N>> {
+        let patches = self.case.find_patches(name);
+        let of = |k: &usize| measure::<N, N, f64, _>(&**self.model.patches[*k].body.space());
+        (!patches.is_empty()).then(|| Prepared::Number(patches.iter().map(of).sum()))
+    }
+
+    fn path(&self, text: &str, mut path: Vec<String>, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        if path[0] == "reaction" || path[0] == "reactions" {
+            path = self.support(path);
+        }
+        if look_up(self.skeleton, &path).is_some() {
+            return Ok(Prepared::Path(path));
+        }
+        if let ("area" | "volume", Some(measured)) = (path[0].as_str(), self.measure_of(&path[1..].join("."))) {
+            return Ok(measured);
+        }
+        // results of probes and checks are numbers of the result, too
+        if let Some((place, help)) = self.lacks_exact(&path) {
+            let help = match &self.model.reference {
+                Some(_) => format!("the stored run has no multiplier there; {help}"),
+                None => help.to_owned(),
+            };
+            let fault = Diagnostic::error("E062", format!("`{text}` needs `exact` {place}, or `reference` in [model]"));
+            return Err(Box::new(fault.at(&self.case.source, at).with_help(help)));
+        }
+        let fields = self.fields().join(", ");
+        let fault = self.suggest(*self.fault("E018", format!("unknown quantity `{text}`"), at), text);
+        let heads: Vec<&str> = ["energy", "unknowns", "error", "reaction", "area", "length", "interface", "contact", "balance"].to_vec();
+        Err(Box::new(fault.with_help(format!("quantities: {fields} `at {}`; {} ...", POINT[N - 2], heads.join(", ")))))
+    }
+
+    fn fields(&self) -> &'static [&'static str] {
+        match self.model.components {
+            1 => &["u", "flux.x", "flux.y"],
+            _ => &["u.x", "u.y", "stress.xx", "stress.yy", "stress.xy", "von_mises"],
+        }
+    }
+
+    // where `exact` is missing for an error that would be known with it
+    fn lacks_exact(&self, path: &[String]) -> Option<(String, &'static str)> {
+        let words: Vec<&str> = path.iter().map(String::as_str).collect();
+        let words = words.strip_suffix(&["rel"]).unwrap_or(&words);
+        let manufactured = "give a manufactured solution";
+        match words {
+            ["error", "u", "L2" | "H1" | "energy"] if self.model.exact.is_none() => Some(("in [model]".into(), manufactured)),
+            ["error", name @ .., "lambda", "L2"] => {
+                let name = name.join(".");
+                let tie = self.model.ties.iter().any(|t| name.is_empty() || t.name == name);
+                let contact = self.model.contacts.iter().any(|c| name.is_empty() || c.name == name);
+                let block = match (tie, contact) {
+                    (true, true) => "[[interface]] or [[contact]]",
+                    (true, false) => "[[interface]]",
+                    (false, true) => "[[contact]]",
+                    (false, false) => return None,
+                };
+                let named = if name.is_empty() { String::new() } else { format!(" \"{name}\"") };
+                Some((format!("in {block}{named}, or in [model]"), "write exact = \"..\", the exact multiplier, in that block"))
+            }
+            _ => None,
+        }
+    }
+
+    /// The rate of anything that is known, a probe by its name included, is left to studies; what only `exact` lacks, too.
+    fn rate(&self, inner: &str, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        if inner.trim_start().starts_with("rate.") {
+            return Err(self.fault("E018", "a rate has no rate".to_owned(), at));
+        }
+        let probe = self.case.probes.iter().any(|p| p.name.value == inner || format!("probes.{}.value", p.name.value) == inner);
+        match if probe { Ok(Prepared::Study) } else { self.prepare(inner, at, false) } {
+            Err(fault) if fault.code != "E062" => Err(fault),
+            _ => Ok(Prepared::Study),
+        }
+    }
+
+    // multipliers of the contract, and those that the case uses
+    fn beta(&self, text: &str, pairing: &str, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        let lowered = pairing.strip_prefix("p/p-").is_some_and(|k| k.parse::<usize>().is_ok_and(|k| (1..=12).contains(&k)));
+        let ties = self.case.interfaces.iter().map(|t| &t.multiplier.value);
+        let mut used = ties.chain(self.case.contacts.iter().map(|c| &c.multiplier.value));
+        if lowered
+            || matches!(pairing, "auto" | "p/p" | "constant" | "dual")
+            || used.any(|m| matches!(m, Multiplier::Named(name) if name == pairing))
+        {
+            return Ok(Prepared::Study);
+        }
+        let fault = self.fault("E018", format!("`{text}`: there is no multiplier \"{pairing}\"; write infsup.PAIRING.beta"), at);
+        Err(Box::new(fault.with_help("pairings: p/p, p/p-1, p/p-2, p/p-2k, constant, dual")))
+    }
+
+    /// Adds the quantity that is nearest to what stands before `at` and `in`.
+    fn suggest(&self, fault: Diagnostic, text: &str) -> Diagnostic {
+        let head = [" at ", " at[", " in "].iter().fold(text.trim(), |t, word| t.split(word).next().unwrap_or(t)).trim();
+        let named = |list: &[&str], names: &[&str]| -> Vec<String> {
+            names.iter().flat_map(|n| list.iter().map(move |form| form.replace("NAME", n))).collect()
+        };
+        let patches: Vec<&str> = self.model.patches.iter().map(|p| p.name.as_str()).collect();
+        let ties: Vec<&str> = self.model.ties.iter().map(|t| t.name.as_str()).collect();
+        let contacts: Vec<&str> = self.model.contacts.iter().map(|c| c.name.as_str()).collect();
+        let lambda: &[&str] =
+            if self.model.components == 1 { &["interface.NAME.lambda"] } else { &["interface.NAME.lambda.x", "interface.NAME.lambda.y"] };
+        let mut candidates: Vec<String> = self.fields().iter().map(|f| (*f).to_owned()).collect();
+        candidates.extend(["energy", "unknowns"].map(String::from));
+        candidates.extend(known(self.skeleton));
+        candidates.extend(named(&["area.NAME"], &patches));
+        candidates.extend(named(lambda, &ties));
+        candidates.extend(named(&["interface.NAME.segments", "interface.NAME.measure"], &ties));
+        candidates.extend(named(&["contact.NAME.pressure", "contact.NAME.moment.z"], &contacts));
+        // a name that is far off, where all else agrees
+        let all_but_one = |c: &&String| {
+            let (a, b): (Vec<&str>, Vec<&str>) = (head.split('.').collect(), c.split('.').collect());
+            a.len() > 1 && a.len() == b.len() && a[0] == b[0] && a.iter().zip(&b).filter(|(x, y)| x != y).count() == 1
+        };
+        let near = nearest(head, candidates.iter().map(String::as_str)).filter(|n| *n != head);
+        match near.or_else(|| candidates.iter().find(all_but_one).map(String::as_str)) {
+            Some(near) => fault.with_label(format!("did you mean `{near}`?")),
+            None => fault,
+        }
+    }
+
+    /// `reaction.PATCH.SIDE.c` by the label the result has, whatever alias is used.
+    fn support(&self, path: Vec<String>) -> Vec<String> {
+        // the component may be left out in Poisson problems
+        for end in [path.len() - 1, path.len()] {
+            if end < 2 {
+                continue;
+            }
+            let [wanted] = &self.case.find_sides(&path[1..end].join("."))[..] else { continue };
+            let mut supports = self.model.supports.iter().filter(|s| s.patch == wanted.patch && s.side == wanted.side);
+            // of parts of one side only the labels tell
+            if let (Some(support), None) = (supports.next(), supports.next()) {
+                let mut out = vec!["reactions".to_string(), support.label.clone()];
+                out.extend_from_slice(&path[end..]);
+                if self.model.components == 1 && out.len() == 2 {
+                    out.push("0".into());
+                }
+                return out;
+            }
+        }
+        // edges and corners
+        for (k, p) in self.model.patches.iter().enumerate() {
+            let n = p.name.split('.').count();
+            if path.len() < n + 2 || path[1..=n].join(".") != p.name {
+                continue;
+            }
+            if let Some(pin) = self.model.pins.iter().find(|pin| pin.rim.patch == k && pin.rim.name == path[n + 1]) {
+                let mut out = vec!["reactions".to_string(), pin.rim.label.clone()];
+                out.extend_from_slice(&path[n + 2..]);
+                if self.model.components == 1 && out.len() == 2 {
+                    out.push("0".into());
+                }
+                return out;
+            }
+        }
+        path
+    }
+
+    fn lambda(&self, text: &str, name: &str, component: Option<usize>, place: &At, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        let number = self.model.ties.iter().position(|t| t.name == name).unwrap_or(0);
+        let component = match (component, self.model.components) {
+            (None, 1) => 0,
+            (Some(c), n) if n > 1 && c < n => c,
+            (None, _) => return Err(self.fault("E018", format!("`{text}`: lambda has components; write interface.{name}.lambda.x"), at)),
+            _ => return Err(self.fault("E018", format!("`{text}`: lambda has no such component"), at)),
+        };
+        let x = self.point(text, place, at)?;
+        let sides: Vec<_> = self.model.ties[number].parts.iter().map(|p| &p.slave).collect();
+        let (part, element, xi) = self.on_sides(text, &sides, &x, at)?;
+        Ok(Prepared::Lambda(SideSpot { number, part, element, xi }, component))
+    }
+
+    fn pressure(&self, text: &str, name: &str, pressure: bool, place: &At, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+        let Some(number) = self.model.contacts.iter().position(|c| c.name == name) else {
+            let names: Vec<&str> =
+                self.model.ties.iter().map(|t| t.name.as_str()).chain(self.model.contacts.iter().map(|c| c.name.as_str())).collect();
+            let near = nearest(name, names.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+            return Err(self.fault("E018", format!("`{text}`: there is no interface or contact \"{name}\"{near}"), at));
+        };
+        let x = self.point(text, place, at)?;
+        let sides: Vec<_> = self.model.contacts[number].parts.iter().map(|p| &p.slave).collect();
+        let (part, element, xi) = self.on_sides(text, &sides, &x, at)?;
+        Ok(Prepared::Pressure(SideSpot { number, part, element, xi }, pressure))
+    }
+
+    fn on_sides(
+        &self,
+        text: &str,
+        sides: &[&std::sync::Arc<crate::build::SideModel<S, N>>],
+        x: &Vector<N>,
+        at: Place,
+    ) -> Result<(usize, usize, Vector<S>), Box<Diagnostic>> {
+        let mut best: Option<(f64, usize, usize, Vector<S>)> = None;
+        for (part, side) in sides.iter().enumerate() {
+            let closest = ClosestPoint::new(side.trace.space.clone());
+            let Some(p) = closest.project(x) else { continue };
+            if p.distance <= OFF * side.trace.space.bounds(p.element).diagonal() && best.as_ref().is_none_or(|b| p.distance < b.0) {
+                best = Some((p.distance, part, p.element, p.xi));
+            }
+        }
+        best.map(|(_, part, element, xi)| (part, element, xi))
+            .ok_or_else(|| self.fault("E022", format!("`{text}`: the point is not on the slave side"), at))
+    }
+}

@@ -1,0 +1,387 @@
+//! Names of the case file become boxes; outsiders add to the same families.
+
+use crate::case;
+use crate::errors::nearest;
+use faying::basis::{Basis, Order, ShapeTable};
+use faying::constraint::{Augmented, Condensed, ConstraintSolver, Direct, Krylov, Schur};
+use faying::contact::Target;
+use faying::coupling::interface::{MasterSums, MergedCurve, Partners, SlaveRule};
+use faying::coupling::multiplier::{self, MultiplierError, MultiplierKind, side_ends};
+use faying::coupling::nitsche::Variant;
+use faying::coupling::{Coupling, InterfaceQuadrature, Mortar, Nitsche, Penalty, Segments};
+use faying::linalg::{Limits, Vector};
+use faying::space::{Body, Mapping, Mesh, Patch, PatchSpec, Trace};
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// A name that no entry has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown {family} `{name}`; known: {known}{}", .nearest.as_ref().map_or(String::new(), |n| format!("; did you mean `{n}`?")))]
+pub struct UnknownName {
+    /// What the family holds: "backend", "multiplier", ...
+    pub family: &'static str,
+    /// The name asked for.
+    pub name: String,
+    /// The names there are, separated by commas.
+    pub known: String,
+    /// The name that is nearest to it.
+    pub nearest: Option<String>,
+}
+
+/// Why a backend cannot make a body: a code of the program's errors and a sentence.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct Fault {
+    /// Code, "E015" unless said otherwise.
+    pub code: &'static str,
+    /// What happened, where, what is allowed.
+    pub message: String,
+}
+
+impl Fault {
+    /// A fault with a code.
+    pub fn new(code: &'static str, message: impl Into<String>) -> Self {
+        Self { code, message: message.into() }
+    }
+}
+
+/// Entries by name, in the order they were added.
+pub struct Family<F> {
+    what: &'static str,
+    entries: Vec<(String, F)>,
+}
+
+impl<F> Debug for Family<F> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Family").field("what", &self.what).field("names", &self.names()).finish()
+    }
+}
+
+impl<F> Family<F> {
+    /// A family without entries; `what` names one of them in messages.
+    pub fn new(what: &'static str) -> Self {
+        Self { what, entries: Vec::new() }
+    }
+
+    /// Adds an entry; one of the same name is replaced.
+    pub fn add(&mut self, name: &str, make: F) -> &mut Self {
+        match self.entries.iter_mut().find(|(known, _)| known == name) {
+            Some(entry) => entry.1 = make,
+            None => self.entries.push((name.into(), make)),
+        }
+        self
+    }
+
+    /// The entry called `name`.
+    ///
+    /// # Errors
+    /// [`UnknownName`] with the names there are and the nearest one.
+    pub fn get(&self, name: &str) -> Result<&F, UnknownName> {
+        self.entries.iter().find(|(known, _)| known == name).map(|(_, make)| make).ok_or_else(|| UnknownName {
+            family: self.what,
+            name: name.into(),
+            known: self.names().join(", "),
+            nearest: nearest(name, self.names()).map(str::to_owned),
+        })
+    }
+
+    /// All names.
+    pub fn names(&self) -> Vec<&str> {
+        self.entries.iter().map(|(name, _)| name.as_str()).collect()
+    }
+}
+
+/// Makes a body of a patch.
+pub type MakeBody<const S: usize, const N: usize> = Box<dyn Fn(&PatchSpec<N>) -> Result<Box<dyn Body<S, N>>, Fault> + Send + Sync>;
+/// Makes the multiplier of one component on a slave side; the closure says which functions of the body are constrained
+/// in that component.
+pub type MakeMultiplier<const S: usize, const N: usize> =
+    Box<dyn Fn(&Trace<S, N>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> + Send + Sync>;
+/// Makes a multiplier of a degree and a continuity, arguments after the first as in [`MakeMultiplier`].
+pub type MakePolynomial<const S: usize, const N: usize> =
+    Box<dyn Fn(MultiplierKind, &Trace<S, N>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> + Send + Sync>;
+/// What a case says about a soft coupling.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct CouplingOptions {
+    /// The factor, a pure number; none for auto.
+    pub factor: Option<f64>,
+    /// The variant of Nitsche's method.
+    pub variant: Variant,
+}
+
+/// Makes a coupling.
+pub type MakeCoupling<const S: usize, const N: usize> = Box<dyn Fn(CouplingOptions) -> Box<dyn Coupling<S, N>> + Send + Sync>;
+/// The integration of the master part of mixed contact: no word of a case file.
+pub const MASTER_SUMS: &str = "master";
+/// Makes an integration of interfaces with that many points per piece.
+pub type MakeIntegration<const S: usize, const N: usize> = Box<dyn Fn(usize, Partners) -> Box<dyn InterfaceQuadrature<S, N>> + Send + Sync>;
+/// What a case asks of its constraint solver beside the name.
+#[derive(Clone, Debug)]
+pub struct SolverOptions {
+    /// How linear systems are solved.
+    pub linear: case::Linear,
+    /// Where iterations end; the stop sign is that of the run.
+    pub limits: Limits,
+}
+
+impl SolverOptions {
+    /// Whether factors are to be avoided.
+    pub fn is_iterative(&self) -> bool {
+        self.linear == case::Linear::Iterative
+    }
+}
+
+/// Makes a solver of constrained systems, or says why its name and the options do not go together.
+pub type MakeSolver = Box<dyn Fn(&SolverOptions) -> Result<Box<dyn ConstraintSolver>, Fault> + Send + Sync>;
+
+/// The names for bodies in N dimensions with sides in S = N - 1.
+#[derive(Debug)]
+pub struct Names<const S: usize, const N: usize> {
+    /// Bodies of patches.
+    pub backends: Family<MakeBody<S, N>>,
+    /// Multiplier spaces.
+    pub multipliers: Family<MakeMultiplier<S, N>>,
+    /// Multiplier spaces given by degree and continuity; none: not there in this dimension.
+    pub polynomials: Polynomials<S, N>,
+    /// What `dual` means in contact, where elements may be covered in part; none: what it means in ties.
+    pub covered: Covered<S, N>,
+    /// Couplings of interfaces.
+    pub couplings: Family<MakeCoupling<S, N>>,
+    /// Integrations of interfaces and contacts.
+    pub integrations: Family<MakeIntegration<S, N>>,
+    /// Obstacles with the shape of a geometry; none: not there in this dimension.
+    pub obstacles: Obstacles<S, N>,
+}
+
+/// Makes the obstacle that has the shape of a geometry.
+pub type MakeObstacle<const S: usize, const N: usize> = fn(&case::Geometry) -> Result<Arc<dyn Target<S, N>>, Fault>;
+
+/// The maker of obstacles with the shape of a geometry, where there is one.
+#[derive(Debug)]
+pub struct Obstacles<const S: usize, const N: usize>(pub Option<MakeObstacle<S, N>>);
+
+/// Dual multipliers of a contact, and what their pressure is read through.
+pub type DualPair<const S: usize> = (Box<dyn Basis<S>>, Box<dyn Basis<S>>);
+/// Makes them over what the segments cover of a slave side; the closure as of [`MakeMultiplier`].
+pub type MakeCovered<const S: usize, const N: usize> =
+    fn(&Trace<S, N>, &dyn Fn(usize) -> bool, &Segments<S>) -> Result<DualPair<S>, MultiplierError>;
+
+/// The maker of dual multipliers over what is covered of a side, where there is one.
+#[derive(Debug)]
+pub struct Covered<const S: usize, const N: usize>(pub Option<MakeCovered<S, N>>);
+
+/// The maker of multipliers that are given by data, where there is one.
+pub struct Polynomials<const S: usize, const N: usize>(pub Option<MakePolynomial<S, N>>);
+
+impl<const S: usize, const N: usize> Debug for Polynomials<S, N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if self.0.is_some() { "Polynomials(Some)" } else { "Polynomials(None)" })
+    }
+}
+
+impl<const S: usize, const N: usize> Names<S, N> {
+    /// The built-in backends, and no other names.
+    fn bodies() -> Self {
+        let mut names = Self::empty();
+        names
+            .backends
+            .add("iga", Box::new(|spec| Ok(Box::new(Patch::<S, N>::try_new(spec).map_err(|e| super::build::patch_fault(&e))?))))
+            .add("fe", Box::new(|spec| Ok(Box::new(Mesh::<S, N>::from_patch(spec).map_err(|e| super::build::patch_fault(&e))?))));
+        names
+    }
+
+    /// No names at all.
+    pub fn empty() -> Self {
+        Self {
+            backends: Family::new("backend"),
+            multipliers: Family::new("multiplier"),
+            polynomials: Polynomials(None),
+            covered: Covered(None),
+            couplings: Family::new("coupling"),
+            integrations: Family::new("integration"),
+            obstacles: Obstacles(None),
+        }
+    }
+}
+
+/// Whether the sides of a body of this backend lie exactly on those of the geometry: splines do, Lagrange meshes on the
+/// exact map or of a polynomial geometry of their degree do, of others it is not known.
+pub(super) fn carries_geometry<const N: usize>(backend: &str, spec: &PatchSpec<N>) -> bool {
+    let polynomial = spec.net.weights.is_none() && (0..N).all(|k| spec.net.axes[k].degree(0)[0] <= spec.degree[k]);
+    match backend {
+        "iga" => true,
+        "fe" => spec.mapping == Mapping::Exact || polynomial,
+        _ => false,
+    }
+}
+
+/// Whether the functions of a backend are smooth across knots; of backends from outside it is not known.
+pub(super) fn is_spline(backend: &str) -> bool {
+    backend == "iga"
+}
+
+/// The constraint solver that a case's word means.
+pub(super) fn solver_name(word: &str) -> &str {
+    match word {
+        "auto" => "saddle-point",
+        other => other,
+    }
+}
+
+/// Whether a coupling shares functions instead of tying two sides by rows.
+pub(super) fn is_glue(coupling: &str) -> bool {
+    coupling == "glue"
+}
+
+/// Whether the rows of a coupling are those of the mortar method; of couplings from outside it is not known.
+pub(super) fn has_mortar_rows(coupling: &str) -> bool {
+    matches!(coupling, "mortar" | "penalty")
+}
+
+/// Highest k of the built-in pairings p/p-k: the highest degree of a patch.
+const HIGHEST_PAIRING: usize = 12;
+
+impl Names<1, 2> {
+    /// The built-in names of the plane.
+    pub fn plane() -> Self {
+        let mut names = Self::bodies();
+        let mut kinds = vec![MultiplierKind::Auto, MultiplierKind::Constant, MultiplierKind::Dual];
+        kinds.extend((0..=HIGHEST_PAIRING).map(MultiplierKind::Lowered));
+        for kind in kinds {
+            names.multipliers.add(&kind.to_string(), Box::new(move |trace, constrained| curve_multiplier(kind, trace, constrained)));
+        }
+        names.polynomials = Polynomials(Some(Box::new(curve_multiplier)));
+        names.covered = Covered(Some(covered_dual));
+        names.obstacles = Obstacles(Some(super::build::PLANE_OBSTACLES));
+        names
+            .couplings
+            .add("mortar", Box::new(|_| Box::new(Mortar)))
+            .add("nitsche", Box::new(|o| Box::new(Nitsche { factor: o.factor.unwrap_or(Nitsche::AUTO), variant: o.variant })))
+            .add("penalty", Box::new(|o| Box::new(Penalty { factor: o.factor.unwrap_or(Penalty::AUTO) })));
+        names
+            .integrations
+            .add("merged", Box::new(|points, partners| Box::new(MergedCurve { points, partners })))
+            .add("slave", Box::new(|points, partners| Box::new(SlaveRule { points, partners })))
+            .add(MASTER_SUMS, Box::new(|points, partners| Box::new(MasterSums { points, partners })));
+        names
+    }
+}
+
+impl Names<2, 3> {
+    /// The built-in names of space: bodies; couplings of surfaces are not in this version.
+    pub fn volume() -> Self {
+        Self::bodies()
+    }
+}
+
+/// Functions with less than this value at an end do not live there.
+const NO_VALUE: f64 = 1e-10;
+
+/// A multiplier on a curve; an end is constrained where a function that does not vanish there is.
+fn curve_multiplier<const N: usize>(
+    kind: MultiplierKind,
+    trace: &Trace<1, N>,
+    constrained: &dyn Fn(usize) -> bool,
+) -> Result<Box<dyn Basis<1>>, MultiplierError> {
+    multiplier::build(&trace.space, kind, &constrained_ends(trace, constrained))
+}
+
+/// Dual multipliers of a contact on a curve.
+fn covered_dual<const N: usize>(
+    trace: &Trace<1, N>,
+    constrained: &dyn Fn(usize) -> bool,
+    segments: &Segments<1>,
+) -> Result<DualPair<1>, MultiplierError> {
+    let made = multiplier::build_covered(&trace.space, &constrained_ends(trace, constrained), segments)?;
+    Ok((Box::new(made.functions), Box::new(made.reading)))
+}
+
+/// Which ends of a curve have a constrained function.
+fn constrained_ends<const N: usize>(trace: &Trace<1, N>, constrained: &dyn Fn(usize) -> bool) -> Vec<bool> {
+    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
+    side_ends(&*trace.space)
+        .iter()
+        .map(|end| {
+            trace.space.active(end.element, &mut ids);
+            trace.space.tabulate(end.element, &[Vector::<1>::new(end.at as f64)], Order::Values, &mut table);
+            ids.iter().zip(table.values(0)).any(|(&i, value)| value.abs() > NO_VALUE && constrained(trace.dofs[i]))
+        })
+        .collect()
+}
+
+/// All names a case file may use.
+#[derive(Debug)]
+pub struct Registry {
+    /// Names of cases in the plane.
+    pub plane: Names<1, 2>,
+    /// Names of cases in space.
+    pub volume: Names<2, 3>,
+    /// Solvers of constrained systems.
+    pub solvers: Family<MakeSolver>,
+}
+
+impl Registry {
+    /// The names a case may use: those of the contract and all entries; for
+    /// [`ReadOptions::names`](crate::case::ReadOptions::names).
+    pub fn case_names(&self) -> case::Names {
+        let mut names = case::Names::default();
+        for backends in [self.plane.backends.names(), self.volume.backends.names()] {
+            case::Names::add(&mut names.backends, backends);
+        }
+        for couplings in [self.plane.couplings.names(), self.volume.couplings.names()] {
+            case::Names::add(&mut names.couplings, couplings);
+        }
+        for multipliers in [self.plane.multipliers.names(), self.volume.multipliers.names()] {
+            case::Names::add(&mut names.multipliers, multipliers);
+        }
+        case::Names::add(&mut names.constraints, self.solvers.names());
+        names
+    }
+}
+
+impl Default for Registry {
+    /// The built-in names.
+    fn default() -> Self {
+        Self { plane: Names::plane(), volume: Names::volume(), solvers: solvers() }
+    }
+}
+
+/// The built-in solvers:
+///
+/// | name | `linear = "direct"` | `linear = "iterative"` |
+/// | --- | --- | --- |
+/// | saddle-point | LDLᵀ, one for all sets of contact where its rows are few; LU without symmetry | MINRES without a factor; without symmetry GMRES with the symmetric factor |
+/// | condensed | LDLᵀ of Tᵀ K T | conjugate gradients on it |
+/// | schur | conjugate gradients on C K⁻¹ Cᵀ over a factor of K, as numbers where rows are few | refused: it needs the factor |
+/// | uzawa | augmented Lagrangian over a factor of K + Cᵀ W C | the same over conjugate gradients |
+fn solvers() -> Family<MakeSolver> {
+    let mut solvers: Family<MakeSolver> = Family::new("constraint solver");
+    solvers.add(
+        "saddle-point",
+        Box::new(|o| Ok(if o.is_iterative() { Box::new(Krylov::new(o.limits.clone())) } else { Box::new(Direct::new()) })),
+    );
+    solvers.add(
+        "condensed",
+        Box::new(|o| Ok(Box::new(if o.is_iterative() { Condensed::iterative(o.limits.clone()) } else { Condensed::new() }))),
+    );
+    solvers.add(
+        "schur",
+        Box::new(|o| {
+            if o.is_iterative() {
+                let text =
+                    "constraint = \"schur\" iterates over a factor of the stiffness: write linear = \"direct\", or constraint = \"uzawa\"";
+                return Err(Fault::new("E015", text));
+            }
+            Ok(Box::new(Schur::new(o.limits.clone())))
+        }),
+    );
+    solvers.add(
+        "uzawa",
+        Box::new(|o| {
+            let limits = o.limits.clone();
+            Ok(if o.is_iterative() { Box::new(Augmented::uzawa_iterative(limits)) } else { Box::new(Augmented::uzawa(limits)) })
+        }),
+    );
+    solvers
+}

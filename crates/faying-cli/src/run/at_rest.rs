@@ -1,0 +1,108 @@
+//! Obstacles that forces press: their unknowns in the system, and where they come to rest.
+//!
+//! The rows of a contact are those of a place of its obstacle; what the system answers is another place. The contact is
+//! built again there until neither rows nor gaps change. Half-planes have one set of rows: they are solved once.
+
+use super::matrices::Matrices;
+use super::solve::{StepError, StepState, Unsolved, once};
+use super::solver::Solver;
+use crate::build::Model;
+use crate::watch::Watch;
+use faying::constraint::ActiveSetReport;
+use faying::contact::Contact;
+use faying::linalg::{Csr, Triplets, Vector};
+
+/// Most places at which a contact is built.
+const MOST_PLACES: usize = 40;
+/// Rows and gaps that change by less than this share are those of the same place.
+const SAME_PLACE: f64 = 1e-12;
+/// Gaps are differences of coordinates: they are known to this share of the model's size.
+const GAP_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// Whether a force presses an obstacle.
+    pub(super) fn has_pressed(&self) -> bool {
+        self.contacts.iter().any(super::super::build::ContactModel::is_pressed)
+    }
+
+    /// The matrix of the obstacles' unknowns: nothing resists them but contact.
+    pub(super) fn pressed_block(&self) -> Csr {
+        let places: Vec<[f64; 3]> = self
+            .contacts
+            .iter()
+            .flat_map(|c| {
+                // amid the points that it may touch
+                let x = || c.parts.iter().flat_map(|p| &p.first.frames.x);
+                let middle = x().fold(Vector::<N>::zeros(), |s, x| s + x) / x().count().max(1) as f64;
+                let place: [f64; 3] = std::array::from_fn(|k| if k < N { middle[k] } else { 0.0 });
+                c.obstacle.iter().flat_map(|o| &o.pressed).map(move |_| place)
+            })
+            .collect();
+        let n = places.len();
+        let cols = (0..n).map(|k| u32::try_from(k).expect("a few unknowns")).collect();
+        Csr::from_parts(n, (0..=n).collect(), cols, vec![0.0; n]).with_places(places)
+    }
+}
+
+/// [`once`], and again where obstacles have gone, until they stay.
+///
+/// # Errors
+/// As [`once`]; [`StepError::Obstacle`] where they do not come to rest.
+pub(super) fn at_rest<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    matrices: &Matrices,
+    solver: &mut Solver,
+    t: f64,
+    before: Option<&StepState<S, N>>,
+    watch: &Watch,
+) -> Result<StepState<S, N>, Unsolved<S, N>> {
+    let mut state = once(model, matrices, solver, t, before, before.map(|b| b.u.as_slice()), watch)?;
+    if !model.has_pressed() {
+        return Ok(state);
+    }
+    for _ in 0..MOST_PLACES {
+        let mut there = Vec::with_capacity(model.contacts.len());
+        for contact in &model.contacts {
+            let parts = contact.parts.iter().map(|part| contact.at_place(model, part, t, Some(&state.u)));
+            there.push(parts.collect::<Result<Vec<_>, _>>()?);
+        }
+        let moved = state.u.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let tolerance = SAME_PLACE * moved + GAP_ROUNDING * (model.size + model.center.norm());
+        let same = state.contacts.iter().flatten().zip(there.iter().flatten()).all(|(a, b)| agree(a, b, &state.u, tolerance));
+        if same {
+            state.contacts = there;
+            return Ok(state);
+        }
+        let mut next = once(model, matrices, solver, t, Some(&state), Some(&state.u), watch)?;
+        // one history over all places
+        if let (Some(known), Some(new)) = (state.active_set.take(), &mut next.active_set) {
+            *new = together(known, new);
+        }
+        next.iterations += state.iterations;
+        state = next;
+    }
+    Err(Unsolved { error: StepError::Obstacle { places: MOST_PLACES }, last: Some(Box::new(state)) })
+}
+
+fn together(mut known: ActiveSetReport, new: &ActiveSetReport) -> ActiveSetReport {
+    known.iterations += new.iterations;
+    known.history.extend(&new.history);
+    known.sign_cases.extend(&new.sign_cases);
+    known
+}
+
+/// Whether the contact at another place has the same rows, and the same gaps up to `tolerance` for the unknowns `u`.
+fn agree<const S: usize, const N: usize>(a: &Contact<S, N>, b: &Contact<S, N>, u: &[f64], tolerance: f64) -> bool {
+    let rows = |a: &Triplets, b: &Triplets| {
+        let largest = a.entries.iter().fold(0.0_f64, |m, e| m.max(e.2.abs()));
+        a.entries.len() == b.entries.len()
+            && a.entries.iter().zip(&b.entries).all(|(x, y)| (x.0, x.1) == (y.0, y.1) && (x.2 - y.2).abs() <= SAME_PLACE * largest)
+    };
+    let gaps = || {
+        a.lumped_gap(u).into_iter().zip(b.lumped_gap(u)).all(|pair| match pair {
+            (Some(x), Some(y)) => (x - y).abs() <= tolerance,
+            (x, y) => x.is_none() && y.is_none(),
+        })
+    };
+    a.facing == b.facing && rows(&a.rows.slave, &b.rows.slave) && rows(&a.rows.master, &b.rows.master) && gaps()
+}

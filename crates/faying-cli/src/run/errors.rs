@@ -1,0 +1,220 @@
+//! Errors of a solved model against exact solutions and multipliers, or against a stored run where there are none.
+
+use super::pressed::ContactField;
+use super::solve::StepState;
+use super::tied::TieField;
+use crate::build::{Model, OnSide, ReferenceLambda, SideModel, TieModel};
+use crate::formula::Point;
+use crate::named::Named;
+use faying::assembly::Errors;
+use faying::basis::Order;
+use faying::coupling::Segments;
+use faying::geometry::MapTable;
+use faying::linalg::Vector;
+
+/// Errors that can be measured.
+pub fn error_names<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<String> {
+    let mut names = Vec::new();
+    let mut add = |name: String| {
+        names.push(name.clone());
+        names.push(format!("{name}.rel"));
+    };
+    if model.exact.is_some() || model.reference.is_some() {
+        for norm in ["L2", "H1", "energy"] {
+            add(format!("error.u.{norm}"));
+        }
+    }
+    let ties = model.ties.iter().filter(|t| t.exact.is_some() || is_known(model, &t.name)).map(|t| &t.name);
+    let contacts = model.contacts.iter().filter(|c| c.exact.is_some() || is_known(model, &c.name)).map(|c| &c.name);
+    let interfaces: Vec<&String> = ties.chain(contacts).collect();
+    for name in &interfaces {
+        add(format!("error.{name}.lambda.L2"));
+    }
+    if !interfaces.is_empty() {
+        add("error.lambda.L2".into());
+    }
+    names
+}
+
+/// Whether the exact solution or the stored run has lambda of an interface or contact.
+fn is_known<const S: usize, const N: usize>(model: &Model<S, N>, name: &str) -> bool {
+    model.exact.is_some() || model.reference.as_ref().is_some_and(|r| r.lambda_of(name).is_some())
+}
+
+/// Calls `visit(piece, x, outward normal of the slave, points)` for the pieces of a slave side.
+fn each_piece<const S: usize, const N: usize>(
+    slave: &SideModel<S, N>,
+    segments: &Segments<S>,
+    mut visit: impl FnMut(usize, &[Vector<N>], &[Vector<N>]),
+) {
+    let (mut map, mut normals) = (MapTable::new(), Vec::new());
+    for piece in 0..segments.num_pieces() {
+        let element = segments.slave[piece];
+        slave.trace.space.map(element, &segments.slave_xi[segments.points(piece)], Order::Gradients, &mut map);
+        normals.clear();
+        normals.extend(map.jacobian.iter().map(|j| slave.trace.normal(element, j)));
+        visit(piece, &map.x, &normals);
+    }
+}
+
+/// Squares of an error and of the exact size.
+#[derive(Clone, Copy, Debug, Default)]
+struct Squares {
+    error: f64,
+    exact: f64,
+}
+
+/// Every error that can be measured, by its quantity.
+pub fn errors<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Named<f64> {
+    let mut all = Named::default();
+    let mut add = |name: String, error: f64, exact: f64| {
+        all.push(name.clone(), error);
+        all.push(format!("{name}.rel"), error / exact);
+    };
+    let of_body = |k: usize| {
+        let p = &model.patches[k];
+        let (physics, space, u) = (p.physics_at(state.t), &**p.body.space(), &state.u[p.range()]);
+        let stored = || Some(physics.difference(space, u, &model.reference.as_ref()?.patches[k]));
+        model.exact.as_ref().map(|exact| physics.errors(space, &p.rules, u, exact, state.t)).or_else(stored)
+    };
+    let bodies: Option<Vec<Errors>> = (0..model.patches.len()).map(of_body).collect();
+    if let Some(bodies) = bodies {
+        let sum = bodies.into_iter().fold(Errors::default(), Errors::hypot);
+        add("error.u.L2".into(), sum.error.l2, sum.exact.l2);
+        add("error.u.H1".into(), sum.error.h1, sum.exact.h1);
+        add("error.u.energy".into(), sum.error.energy, sum.exact.energy);
+    }
+    let mut total = Squares::default();
+    let mut any = false;
+    for tie in model.ties.iter().filter(|t| t.exact.is_some() || is_known(model, &t.name)) {
+        let s = match stored_lambda(model, &tie.name, tie.exact.is_some()) {
+            Some(stored) => tie_difference(model, state, tie, stored),
+            None => tie_error(model, state, tie),
+        };
+        total = Squares { error: total.error + s.error, exact: total.exact + s.exact };
+        add(format!("error.{}.lambda.L2", tie.name), s.error.sqrt(), s.exact.sqrt());
+        any = true;
+    }
+    for (k, contact) in model.contacts.iter().enumerate().filter(|(_, c)| c.exact.is_some() || is_known(model, &c.name)) {
+        let s = match stored_lambda(model, &contact.name, contact.exact.is_some()) {
+            Some(stored) => contact_difference(model, state, k, stored),
+            None => contact_error(model, state, k),
+        };
+        total = Squares { error: total.error + s.error, exact: total.exact + s.exact };
+        add(format!("error.{}.lambda.L2", contact.name), s.error.sqrt(), s.exact.sqrt());
+        any = true;
+    }
+    if any {
+        add("error.lambda.L2".into(), total.error.sqrt(), total.exact.sqrt());
+    }
+    all
+}
+
+fn tie_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, tie: &TieModel<S, N>) -> Squares {
+    let mut sum = Squares::default();
+    for part in &tie.parts {
+        let physics = model.patches[part.slave.patch].physics_at(state.t);
+        let lambda = TieField::of(model, part, state.t);
+        for (pairing, s) in part.pairings.iter().map(|p| &p.segments).enumerate() {
+            let found = lambda.on_segments(model, part, state, pairing);
+            each_piece(&part.slave, s, |piece, x, normals| {
+                let points = s.points(piece);
+                let mut wanted = vec![0.0; model.components];
+                for (k, q) in points.enumerate() {
+                    let at = Point::new(x[k].as_slice()).at_time(state.t);
+                    match (&tie.exact, &model.exact) {
+                        (Some(list), _) => wanted.iter_mut().zip(list).for_each(|(w, f)| *w = f.value(&at)),
+                        (None, Some(exact)) => {
+                            physics.exact_traction(exact, &at, &x[k], &normals[k], &mut wanted);
+                            wanted.iter_mut().for_each(|w| *w = -*w);
+                        }
+                        (None, None) => {}
+                    }
+                    for (c, w) in wanted.iter().enumerate() {
+                        sum.error += s.ds[q] * (found[c][q] - w).powi(2);
+                        sum.exact += s.ds[q] * w.powi(2);
+                    }
+                }
+            });
+        }
+    }
+    sum
+}
+
+fn contact_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, number: usize) -> Squares {
+    let contact = &model.contacts[number];
+    let mut sum = Squares::default();
+    for (part, built) in contact.parts.iter().zip(&state.contacts[number]) {
+        let s = &built.segments;
+        let pressure = part.transmitted(built, &state.lambda[part.rows()]).pressure;
+        let physics = model.patches[part.slave.patch].physics_at(state.t);
+        each_piece(&part.slave, s, |piece, x, normals| {
+            let points = s.points(piece);
+            for (k, q) in points.enumerate() {
+                let at = Point::new(x[k].as_slice()).at_time(state.t);
+                let wanted = match (&contact.exact, &model.exact) {
+                    (Some(f), _) => f.value(&at),
+                    (None, Some(exact)) => {
+                        let mut traction = vec![0.0; model.components];
+                        physics.exact_traction(exact, &at, &x[k], &normals[k], &mut traction);
+                        traction.iter().zip(normals[k].iter()).map(|(t, n)| t * n).sum()
+                    }
+                    (None, None) => 0.0,
+                };
+                sum.error += s.ds[q] * (-pressure[q] - wanted).powi(2);
+                sum.exact += s.ds[q] * wanted.powi(2);
+            }
+        });
+    }
+    sum
+}
+
+/// lambda of the stored run, where nothing exact stands before it.
+fn stored_lambda<'a, const S: usize, const N: usize>(model: &'a Model<S, N>, name: &str, exact: bool) -> Option<&'a ReferenceLambda<S>> {
+    model.reference.as_ref().filter(|_| !exact && model.exact.is_none())?.lambda_of(name)
+}
+
+/// Adds what the pieces of a part say: `found(element, points)` is lambda there, `[component][point]`.
+fn add_difference<const S: usize>(sum: &mut Squares, on: &OnSide<S>, found: impl Fn(usize, &[Vector<S>]) -> Vec<Vec<f64>>) {
+    let s = &on.segments;
+    for piece in 0..s.num_pieces() {
+        let points = s.points(piece);
+        let found = found(s.slave[piece], &s.slave_xi[points.clone()]);
+        for (k, q) in points.enumerate() {
+            for (c, wanted) in on.at(piece, q).into_iter().enumerate() {
+                sum.error += s.ds[q] * (found[c][k] - wanted).powi(2);
+                sum.exact += s.ds[q] * wanted.powi(2);
+            }
+        }
+    }
+}
+
+fn tie_difference<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    state: &StepState<S, N>,
+    tie: &TieModel<S, N>,
+    stored: &ReferenceLambda<S>,
+) -> Squares {
+    let mut sum = Squares::default();
+    for (part, sides) in tie.parts.iter().zip(&stored.parts) {
+        let lambda = TieField::of(model, part, state.t);
+        sides.iter().for_each(|on| add_difference(&mut sum, on, |e, xi| lambda.at(model, part, state, e, xi)));
+    }
+    sum
+}
+
+fn contact_difference<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    state: &StepState<S, N>,
+    number: usize,
+    stored: &ReferenceLambda<S>,
+) -> Squares {
+    let mut sum = Squares::default();
+    let contact = &model.contacts[number];
+    for (part, sides) in contact.parts.iter().zip(&stored.parts) {
+        let lambda = ContactField::of(model, part, state.t);
+        let of = |e: usize, xi: &[Vector<S>]| lambda.at(model, contact, part, state, e, xi).into_iter().map(|found| found[0]).collect();
+        sides.iter().for_each(|on| add_difference(&mut sum, on, |e, xi| vec![of(e, xi)]));
+    }
+    sum
+}

@@ -1,0 +1,88 @@
+//! How large a case will be, from its numbers alone: said before any body is built.
+//!
+//! Counts are `f64`: a product of large counts grows, it never wraps around.
+
+use super::need::Need;
+use super::predict::{Prediction, bytes};
+use super::room::Room;
+use crate::build::{MakeNet, elements_along, mesh_counts};
+use crate::case::{Case, Linear, Patch};
+use crate::errors::Diagnostic;
+use crate::registry::is_spline;
+
+/// Most unknowns in this version: columns are 32 bits wide.
+const MOST_UNKNOWNS: f64 = u32::MAX as f64;
+
+/// The need of a case, as far as its numbers say.
+#[derive(Clone, Copy, Debug, Default)]
+struct Forecast {
+    need: Need,
+    /// The patch with the most unknowns.
+    largest: usize,
+}
+
+/// Unknowns, entries and factor of a patch; none where its geometry is wrong, which building says better.
+fn of_patch<const N: usize>(case: &Case, patch: &Patch, net: MakeNet<N>) -> Option<Need> {
+    let d = &patch.discretization;
+    if let Some(cells) = mesh_counts::<N>(patch) {
+        return Some(Need::of_mesh(cells, N, d.degree.value.first().copied()?, case.model.components()));
+    }
+    let net = net(&patch.geometry.value).ok()?;
+    let spline = is_spline(&d.backend.value);
+    let mut sizes = [(0.0, 0usize, 0usize); N];
+    for (k, size) in sizes.iter_mut().enumerate() {
+        let p = *d.degree.value.get(k).or(d.degree.value.last())?;
+        let smooth = if spline { d.continuity.value.unwrap_or(p.saturating_sub(1)).min(p.saturating_sub(1)) } else { 0 };
+        *size = (elements_along(patch, net.axes[k].breakpoints(), k)?, p, smooth);
+    }
+    Some(Need::of_patch(&sizes, case.model.components()))
+}
+
+impl Forecast {
+    fn of<const N: usize>(case: &Case, net: MakeNet<N>) -> Self {
+        let mut all = Self::default();
+        let mut most = 0.0;
+        for (k, patch) in case.patches.iter().enumerate() {
+            let Some(need) = of_patch(case, patch, net) else { continue };
+            if need.unknowns > most {
+                (most, all.largest) = (need.unknowns, k);
+            }
+            all.need = all.need.and(&need);
+        }
+        all
+    }
+}
+
+/// Whether the linear systems of `case` are solved without a factor, as far as its words say: one that is not symmetric takes one still.
+pub fn avoids_factors(case: &Case) -> bool {
+    case.solver.linear.value == Linear::Iterative
+}
+
+/// E081 where `case`, solved by a `factor` or without, is larger than there is `room` or than this version can hold.
+pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, room: Option<Room>, factor: bool) -> Option<Diagnostic> {
+    let mut forecast = Forecast::of(case, net);
+    if !factor {
+        forecast.need = forecast.need.without_factor();
+    }
+    let need = &forecast.need;
+    let Prediction { memory, .. } = need.prediction();
+    // what this version holds is asked first: no limit on memory can be raised above it
+    let fixed = need.unknowns > MOST_UNKNOWNS;
+    let short = room.filter(|room| memory > room.bytes && !fixed);
+    let why = match short {
+        _ if fixed => format!("this version holds up to {MOST_UNKNOWNS:.1e} unknowns"),
+        Some(room) => room.why(),
+        None => return None,
+    };
+    let patch = case.patches.get(forecast.largest)?;
+    let unknowns = if need.unknowns < 1e15 { format!("{:.0}", need.unknowns) } else { format!("{:.1e}", need.unknowns) };
+    let text = format!("about {unknowns} unknowns need about {} of memory; {why}", bytes(memory));
+    let mut help = format!("give patch \"{}\" fewer elements", patch.name.value);
+    if patch.refine.value > 0 {
+        help += &format!(" or a smaller refine (it is {})", patch.refine.value);
+    }
+    if let Some(room) = short {
+        help += &format!("; or {}", room.raise());
+    }
+    Some(Diagnostic::error("E081", text).at(&case.source, patch.elements.at).with_help(help))
+}

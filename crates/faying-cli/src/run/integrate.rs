@@ -1,0 +1,58 @@
+//! Sums over points of bodies and sides, and fields on sides.
+
+use crate::build::SideModel;
+use faying::basis::{Order, ShapeTable};
+use faying::geometry::MapTable;
+use faying::linalg::{Vector, measure};
+use faying::quadrature::Quadrature;
+use faying::space::{Field, Trace};
+
+/// Calls `visit(element, xi, x, outward normal, ds)` at every point of a side, elements ascending.
+pub fn over_side<const S: usize, const N: usize>(
+    side: &SideModel<S, N>,
+    mut visit: impl FnMut(usize, &Vector<S>, &Vector<N>, &Vector<N>, f64),
+) {
+    let (space, mut map) = (&*side.trace.space, MapTable::new());
+    for e in 0..space.num_elements() {
+        let rule = side.rules.rule(e);
+        space.map(e, &rule.points, Order::Gradients, &mut map);
+        for (q, &w) in rule.weights.iter().enumerate() {
+            let normal = side.trace.normal(e, &map.jacobian[q]);
+            visit(e, &rule.points[q], &map.x[q], &normal, w * measure(&map.jacobian[q]));
+        }
+    }
+}
+
+/// The field `u` on a trace at local points of an element; components beyond the field's are zero.
+pub fn on_trace<const S: usize, const N: usize>(
+    trace: &Trace<S, N>,
+    field: Field,
+    u: &[f64],
+    element: usize,
+    xi: &[Vector<S>],
+) -> Vec<[f64; 3]> {
+    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
+    trace.space.active(element, &mut ids);
+    trace.space.tabulate(element, xi, Order::Values, &mut table);
+    (0..xi.len())
+        .map(|q| {
+            let mut value = [0.0; 3];
+            for (&i, n) in ids.iter().zip(table.values(q)) {
+                for (c, v) in value.iter_mut().enumerate().take(field.components) {
+                    *v += n * u[field.unknown(trace.dofs[i], c)];
+                }
+            }
+            value
+        })
+        .collect()
+}
+
+/// x cross f: (0, 0, m) in the plane.
+pub fn cross<const N: usize>(x: &Vector<N>, f: &[f64]) -> [f64; 3] {
+    let at = |v: &[f64], k: usize| v.get(k).copied().filter(|_| k < N).unwrap_or(0.0);
+    let x = x.as_slice();
+    std::array::from_fn(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        at(x, i) * at(f, j) - at(x, j) * at(f, i)
+    })
+}

@@ -1,0 +1,51 @@
+//! How an active set went, in numbers and in words.
+
+use crate::result::ActiveSetSummary;
+use faying::constraint::{ActiveSetEvent, ActiveSetReport};
+
+/// What `result.json` says of it.
+pub fn summary(report: &ActiveSetReport) -> ActiveSetSummary {
+    ActiveSetSummary {
+        iterations: report.iterations,
+        history: report.history.clone(),
+        wrong: report.wrong().collect(),
+        sign_cases: report.sign_cases.clone(),
+        cycles: report.cycles().count(),
+        best: report.best,
+        notes: report.events.iter().map(note).collect(),
+        updates: Some(report.updates).filter(|&n| n > 0),
+    }
+}
+
+/// What happened beside nominal steps.
+fn note(event: &ActiveSetEvent) -> String {
+    match event {
+        ActiveSetEvent::Symmetric { sets: 1 } => "start: the set of the symmetric system, found in one set of one factor".into(),
+        ActiveSetEvent::Symmetric { sets } => format!("start: the set of the symmetric system, found in {sets} sets of one factor"),
+        ActiveSetEvent::AllClosed { iteration: 1 } => "iteration 1: the start left a body free; all rows were closed".into(),
+        ActiveSetEvent::AllClosed { iteration } => format!("iteration {iteration}: the step left a body free; all rows were closed"),
+        ActiveSetEvent::Part { iteration, changed, wanted } => {
+            format!("iteration {iteration}: the step left a body free; {changed} of {wanted} rows changed")
+        }
+        ActiveSetEvent::Springs { iteration } => {
+            format!("iteration {iteration}: every step left a body free; weak springs found the rows that hold it, and were taken away")
+        }
+        ActiveSetEvent::Cycle(c) => {
+            let (first, second) = (c.first, c.second);
+            format!("iteration {second}: the state of iteration {first} came back, {} rows flip; single exchanges follow", c.rows.len())
+        }
+        other => format!("{other:?}"),
+    }
+}
+
+/// Lines for the log: every iteration with its sign cases, and what happened between.
+pub fn lines(report: &ActiveSetReport) -> Vec<String> {
+    let mut lines = vec!["active set: iteration, active and wrong rows; rows lambda < 0, = 0, > 0 by gap = 0, > 0, < 0".to_owned()];
+    let wrong = report.wrong();
+    for (k, ((active, wrong), cases)) in report.history.iter().zip(wrong).zip(&report.sign_cases).enumerate() {
+        let row = |r: usize| cases[3 * r..3 * r + 3].iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
+        lines.push(format!("  {:3} {active:6} {wrong:6}   {} | {} | {}", k + 1, row(0), row(1), row(2)));
+    }
+    lines.extend(report.events.iter().map(|event| format!("  {}", note(event))));
+    lines
+}

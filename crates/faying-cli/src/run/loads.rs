@@ -1,0 +1,134 @@
+//! Loads of a model at a time, and their resultant.
+
+use super::integrate::{cross, over_side};
+use crate::build::{Action, Model, PatchModel};
+use crate::formula::Point;
+use faying::assembly::Moments;
+use faying::linalg::Vector;
+
+/// A force and its moment about the origin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Resultant {
+    /// Sum of the forces.
+    pub force: [f64; 3],
+    /// Sum of the moments.
+    pub moment: [f64; 3],
+}
+
+impl Resultant {
+    /// That of a force field with these moments; what is missing of its components and of space is zero.
+    pub fn of<const C: usize, const N: usize>(moments: &Moments<C, N>) -> Self {
+        // ∫ x_i f_j dx
+        let first = |i: usize, j: usize| if i < N && j < C.min(N) { moments.first[(j, i)] } else { 0.0 };
+        Self {
+            force: std::array::from_fn(|k| if k < C { moments.total[k] } else { 0.0 }),
+            moment: std::array::from_fn(|k| {
+                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+                first(i, j) - first(j, i)
+            }),
+        }
+    }
+
+    /// Adds a force times `weight` at `x`.
+    pub fn add<const N: usize>(&mut self, x: &Vector<N>, force: &[f64], weight: f64) {
+        let moment = cross(x, force);
+        for k in 0..3 {
+            self.force[k] += weight * force.get(k).copied().unwrap_or(0.0);
+            self.moment[k] += weight * moment[k];
+        }
+    }
+
+    /// Adds another resultant.
+    pub fn sum(&mut self, other: &Self) {
+        for k in 0..3 {
+            self.force[k] += other.force[k];
+            self.moment[k] += other.moment[k];
+        }
+    }
+}
+
+fn place<const N: usize>(x: &Vector<N>, t: f64) -> Point {
+    Point::new(x.as_slice()).at_time(t)
+}
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// The force per volume of a patch at a point; false where there is none at all.
+    fn volume_force(&self, patch: &PatchModel<S, N>, t: f64) -> Option<Box<dyn Fn(&Vector<N>, &mut [f64]) + Sync + '_>> {
+        if let Some(exact) = &self.exact {
+            let physics = patch.physics_at(t);
+            return Some(Box::new(move |x: &Vector<N>, out: &mut [f64]| physics.exact_source(exact, &place(x, t), x, out)));
+        }
+        if patch.source.is_empty() && patch.weight.is_none() {
+            return None;
+        }
+        let (source, weight) = (patch.source.clone(), patch.weight.clone());
+        Some(Box::new(move |x: &Vector<N>, out: &mut [f64]| {
+            let at = place(x, t);
+            out.fill(0.0);
+            let components = out.len();
+            // model and patch list one formula per component each
+            for (k, f) in source.iter().enumerate() {
+                out[k % components] += f.value(&at);
+            }
+            if let Some((density, gravity)) = &weight {
+                let rho = density.value(&at);
+                for (o, g) in out.iter_mut().zip(gravity) {
+                    *o += rho * g;
+                }
+            }
+        }))
+    }
+
+    /// f in all unknowns at time `t`, and the resultants of the loads on each patch, then on the obstacle of each contact.
+    pub(crate) fn loads(&self, t: f64) -> (Vec<f64>, Vec<Resultant>) {
+        let mut load = vec![0.0; self.unknowns];
+        let mut totals = vec![Resultant::default(); self.patches.len() + self.contacts.len()];
+        let c = self.components;
+        for (patch, total) in self.patches.iter().zip(&mut totals) {
+            let Some(force) = self.volume_force(patch, t) else { continue };
+            let space = &**patch.body.space();
+            let (own, resultant) = patch.physics.load(space, &patch.rules, &*force);
+            load[patch.range()].copy_from_slice(&own);
+            total.sum(&resultant);
+        }
+        for side_load in &self.loads {
+            let (side, patch) = (&side_load.side, &self.patches[side_load.side.patch]);
+            let physics = patch.physics_at(t);
+            let act = |x: &Vector<N>, n: &Vector<N>, out: &mut [f64]| {
+                out.fill(0.0);
+                match &side_load.action {
+                    Action::Traction(component, f) => out[*component] = f.value(&place(x, t)),
+                    Action::Exact(component) => {
+                        let exact = self.exact.as_ref().expect("exact data were refused without an exact solution");
+                        let mut traction = vec![0.0; out.len()];
+                        physics.exact_traction(exact, &place(x, t), x, n, &mut traction);
+                        out[*component] = traction[*component];
+                    }
+                    Action::Pressure(p) => {
+                        let p = p.value(&place(x, t));
+                        for (o, n) in out.iter_mut().zip(n.iter()) {
+                            *o = -p * n;
+                        }
+                    }
+                    Action::Force(component, f, area) => out[*component] = f.value(&place(x, t)) / area,
+                }
+            };
+            physics.side_load(&side.trace, &side.rules, &act, &mut load[patch.range()]);
+            let mut value = vec![0.0; c];
+            let total = &mut totals[side.patch];
+            over_side(side, |_, _, x, n, ds| {
+                act(x, n, &mut value);
+                total.add(x, &value, ds);
+            });
+        }
+        // forces on obstacles: guides carry their moments
+        for (contact, total) in self.contacts.iter().zip(&mut totals[self.patches.len()..]) {
+            for p in contact.obstacle.iter().flat_map(|o| &o.pressed) {
+                let force = p.force.value(&Point::default().at_time(t));
+                load[p.unknown] += force;
+                total.force[p.component] += force;
+            }
+        }
+        (load, totals)
+    }
+}

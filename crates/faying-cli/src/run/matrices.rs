@@ -1,0 +1,85 @@
+//! The matrices of a model at a time: one per body, and what ties and contacts add between them.
+
+use super::solve::StepError;
+use crate::build::{Model, between};
+use crate::formula::Point;
+use faying::linalg::{Csr, Vector};
+use std::borrow::Cow;
+
+/// The stiffness of every body at a time, springs included.
+#[derive(Clone, Debug)]
+pub struct Stiffness {
+    matrices: Matrices,
+    changes: Vec<bool>,
+    t: f64,
+}
+
+/// The matrices of a model at a time.
+#[derive(Clone, Debug)]
+pub struct Matrices {
+    /// One per body, springs included.
+    pub bodies: Vec<Csr>,
+    /// What ties and contacts add between the bodies, in all unknowns.
+    pub between: Option<Csr>,
+    /// Why a tie or a contact has no stiffness at this time.
+    pub(super) fault: Option<StepError>,
+}
+
+impl Stiffness {
+    /// Assembles all bodies at time `t`.
+    pub fn new<const S: usize, const N: usize>(model: &Model<S, N>, t: f64) -> Self {
+        let springs = |k: usize| model.springs.iter().any(|s| s.side.patch == k && s.stiffness.depends_on_time());
+        let (between, fault) = added(model, t, true);
+        Self {
+            matrices: Matrices { bodies: (0..model.patches.len()).map(|k| assembled(model, k, t)).collect(), between, fault },
+            changes: (0..model.patches.len()).map(|k| model.patches[k].changing.is_some() || springs(k)).collect(),
+            t,
+        }
+    }
+
+    /// The matrices at time `t`: bodies whose material and springs do not change keep theirs.
+    pub fn at<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, t: f64) -> &Matrices {
+        if t != self.t {
+            for k in (0..self.changes.len()).filter(|&k| self.changes[k]) {
+                self.matrices.bodies[k] = assembled(model, k, t);
+            }
+            let contacts = model.contacts.iter().flat_map(|c| &c.parts).any(|part| part.changes && part.first.points.is_some());
+            if contacts || model.ties.iter().flat_map(|tie| &tie.parts).any(|part| part.changes(model)) {
+                (self.matrices.between, self.matrices.fault) = added(model, t, false);
+            }
+            self.t = t;
+        }
+        &self.matrices
+    }
+}
+
+/// What ties and contacts add at time `t`; `first`: of ties as it was found when the model was built.
+fn added<const S: usize, const N: usize>(model: &Model<S, N>, t: f64, first: bool) -> (Option<Csr>, Option<StepError>) {
+    let mut parts = Vec::new();
+    for part in model.ties.iter().flat_map(|tie| &tie.parts) {
+        match if first || !part.changes(model) { Ok(Cow::Borrowed(&part.stiffness)) } else { part.stiffness_at(model, t).map(Cow::Owned) } {
+            Ok(entries) => parts.push(entries),
+            Err(fault) => return (None, Some(fault.into())),
+        }
+    }
+    for contact in &model.contacts {
+        for part in contact.parts.iter().filter(|part| part.first.points.is_some()) {
+            match contact.at(model, part, t) {
+                Ok(built) => parts.extend(built.points.map(|points| Cow::Owned(points.stiffness))),
+                Err(fault) => return (None, Some(fault.into())),
+            }
+        }
+    }
+    (between(model, parts.iter().map(|p| &**p)), None)
+}
+
+/// The stiffness of body `k` at time `t`.
+fn assembled<const S: usize, const N: usize>(model: &Model<S, N>, k: usize, t: f64) -> Csr {
+    let (patch, physics) = (&model.patches[k], model.patches[k].physics_at(t));
+    let mut matrix = physics.stiffness(&**patch.body.space(), &patch.rules);
+    for spring in model.springs.iter().filter(|s| s.side.patch == k) {
+        let value = |x: &Vector<N>| spring.stiffness.value(&Point::new(x.as_slice()).at_time(t));
+        physics.springs(&spring.side.trace, &spring.side.rules, spring.component, &value, &mut matrix);
+    }
+    matrix
+}

@@ -1,0 +1,429 @@
+//! Running a case: build, predict, assemble, solve, measure.
+
+mod arc_length;
+mod at_rest;
+mod errors;
+mod faults;
+mod fields;
+mod forecast;
+mod integrate;
+mod iteration;
+mod loads;
+mod matrices;
+mod multipliers;
+mod need;
+mod poor;
+mod predict;
+mod pressed;
+mod reactions;
+mod report;
+mod room;
+mod soften;
+mod solve;
+mod solver;
+mod start;
+mod system;
+mod tied;
+
+use faults::{floating, memory_limit, step_fault, stopped};
+use forecast::avoids_factors;
+
+use super::build::{self, MakeNet, Model, plane_net, volume_net};
+use super::output::{Finished, Output, RunOptions, StepOutput};
+use super::quantities::Questions;
+use super::registry::{Names, Registry};
+use super::result::{RunResult, Status, StepReport};
+use super::watch::{Progress, Watch};
+use crate::case::Case;
+use crate::errors::{Diagnostic, Diagnostics, Severity};
+use faying::constraint::SolveError;
+use faying::contact::{ClosedSide, half_width};
+use std::sync::Arc;
+
+pub(crate) use forecast::too_large;
+pub use loads::Resultant;
+pub use matrices::{Matrices, Stiffness};
+pub use predict::{Prediction, bytes, predict};
+pub use pressed::ContactField;
+pub use report::{HalfWidth, Zone, component_rows, multiplier_at};
+pub(crate) use room::{Room, memory_for_files, most_threads};
+pub use solve::{StepError, StepState, Unsolved};
+pub use solver::Solver;
+pub use tied::TieField;
+
+/// A model with its solution.
+#[derive(Debug)]
+pub struct Solved<const S: usize, const N: usize> {
+    /// The model.
+    pub model: Arc<Model<S, N>>,
+    /// The state at the end of a step.
+    pub state: StepState<S, N>,
+    /// The number of the step, from 1.
+    pub step: usize,
+}
+
+/// What belongs to a dimension.
+struct Dimension<'a, const S: usize, const N: usize> {
+    names: &'a Names<S, N>,
+    net: MakeNet<N>,
+    half_width: Option<HalfWidth<S, N>>,
+    multipliers: Option<multipliers::Describe<S, N>>,
+    output: MakeOutput<S, N>,
+}
+
+fn plane(registry: &Registry) -> Dimension<'_, 1, 2> {
+    Dimension {
+        names: &registry.plane,
+        net: plane_net,
+        half_width: Some(zone),
+        multipliers: Some(multipliers::on_curves),
+        output: fields::plane_output,
+    }
+}
+
+fn volume(registry: &Registry) -> Dimension<'_, 2, 3> {
+    Dimension { names: &registry.volume, net: volume_net, half_width: None, multipliers: None, output: fields::volume_output }
+}
+
+/// Whether a case is one of space; every other is one of the plane.
+fn in_space(case: &Case) -> bool {
+    case.model.dimension.value == 3
+}
+
+fn zone(sides: &[report::Zone<'_, 1, 2>], symmetry: bool) -> f64 {
+    let sides: Vec<_> = sides
+        .iter()
+        .map(|(slave, contact, sent)| ClosedSide { slave: *slave, contact, closed: &sent.closed, pressure: &sent.pressure })
+        .collect();
+    half_width(&sides, symmetry)
+}
+
+impl Case {
+    /// Solves the case with the built-in or added names of `registry`.
+    ///
+    /// The result has a status: a check that fails or an iteration that does not settle is a result, too.
+    /// # Errors
+    /// What is wrong with the case, with its places.
+    ///
+    /// # Example
+    /// ```
+    /// use faying_cli::{Case, Registry};
+    /// # let text = "schema = 1\n[model]\nphysics = \"poisson\"\ndimension = 2\n[[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [2, 2]\n[[boundary]]\non = \"all-outer\"\ndirichlet = \"x\"\n";
+    /// let case = Case::parse("demo.toml", text, &Default::default())?; // or Case::read("demo.toml")?
+    /// let result = case.run(&Registry::default())?;
+    /// assert_eq!(result.exit, 0);
+    /// # Ok::<(), faying_cli::Diagnostics>(())
+    /// ```
+    pub fn run(&self, registry: &Registry) -> Result<RunResult, Diagnostics> {
+        let watch = Watch::default();
+        if in_space(self) {
+            solve_case("run", self, registry, &volume(registry), &watch).map(|(result, _)| result)
+        } else {
+            solve_case("run", self, registry, &plane(registry), &watch).map(|(result, _)| result)
+        }
+    }
+}
+
+/// Runs a case and keeps its fields for the files. What is wrong with the case stands in the result's diagnostics, with
+/// status `Invalid` (exit 3), or `Limit` (exit 6) where the predicted memory is too large.
+pub fn run(case: &Case, registry: &Registry, options: &RunOptions, watch: &Watch) -> Finished {
+    if in_space(case) {
+        run_in(case, registry, &volume(registry), options, watch)
+    } else {
+        run_in(case, registry, &plane(registry), options, watch)
+    }
+}
+
+fn run_in<const S: usize, const N: usize>(
+    case: &Case,
+    registry: &Registry,
+    dimension: &Dimension<'_, S, N>,
+    options: &RunOptions,
+    watch: &Watch,
+) -> Finished {
+    match solve_case("run", case, registry, dimension, watch) {
+        Ok((mut result, solved)) => {
+            let output = solved.last().map(|last| {
+                watch.phase("fields");
+                (dimension.output)(case, last, options)
+            });
+            end_early(&mut result, watch);
+            let good = matches!(result.status, Status::Ok | Status::CheckFailed);
+            let stored = solved.last().filter(|_| options.keep && good).and_then(|last| {
+                let state = (last.state.u.as_slice(), last.state.lambda.as_slice(), last.state.t);
+                build::stored_run(case, dimension.names, dimension.net, &last.model, state).ok()
+            });
+            let steps = if case.has_steps() {
+                solved.into_iter().map(|s| step_output(case, s, dimension.output, *options)).collect()
+            } else {
+                Vec::new()
+            };
+            Finished { result, output, steps, stored }
+        }
+        Err(faults) => Finished { result: refused("run", case, faults), output: None, steps: Vec::new(), stored: None },
+    }
+}
+
+/// The numbers of a run without its fields, as `command` reports them: a row of a study. Faults as in [`run`].
+pub fn numbers(command: &str, case: &Case, registry: &Registry, watch: &Watch) -> RunResult {
+    let solved = if in_space(case) {
+        solve_case(command, case, registry, &volume(registry), watch).map(|(result, _)| result)
+    } else {
+        solve_case(command, case, registry, &plane(registry), watch).map(|(result, _)| result)
+    };
+    match solved {
+        Ok(mut result) => {
+            end_early(&mut result, watch);
+            result
+        }
+        Err(faults) => refused(command, case, faults),
+    }
+}
+
+/// Which patches have a slave side once slave and master are chosen.
+///
+/// # Errors
+/// What is wrong with the bodies or their sides, located.
+pub fn slave_patches(case: &Case, registry: &Registry) -> Result<Vec<bool>, Diagnostics> {
+    if in_space(case) { slaves_in(case, registry, &volume(registry)) } else { slaves_in(case, registry, &plane(registry)) }
+}
+
+fn slaves_in<const S: usize, const N: usize>(
+    case: &Case,
+    registry: &Registry,
+    dimension: &Dimension<'_, S, N>,
+) -> Result<Vec<bool>, Diagnostics> {
+    let model = built(case, registry, dimension, &Watch::default(), Room::least(None))?;
+    let ties = model.ties.iter().flat_map(|t| &t.parts).map(|part| part.slave.patch);
+    let contacts = model.contacts.iter().flat_map(|c| &c.parts).map(|part| part.slave.patch);
+    let mut slave = vec![false; case.patches.len()];
+    ties.chain(contacts).for_each(|patch| slave[patch] = true);
+    Ok(slave)
+}
+
+/// Everything but the solve: the result has the names, the counts and the prediction.
+pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &Watch) -> Finished {
+    if in_space(case) { check_in(case, registry, &volume(registry), watch) } else { check_in(case, registry, &plane(registry), watch) }
+}
+
+fn check_in<const S: usize, const N: usize>(case: &Case, registry: &Registry, dimension: &Dimension<'_, S, N>, watch: &Watch) -> Finished {
+    let outcome = || -> Result<RunResult, Diagnostics> {
+        watch.phase("build");
+        let room = Room::least(watch.max_memory);
+        let model = built(case, registry, dimension, watch, room)?;
+        let mut result = report::skeleton("check", case, &model);
+        Questions::of(case, &model, &result.numbers())?;
+        result.solve = None;
+        let prediction = fitting(case, &model, room)?;
+        result.predicted = Some(prediction);
+        end_early(&mut result, watch);
+        Ok(result)
+    };
+    let result = outcome().unwrap_or_else(|faults| refused("check", case, faults));
+    Finished { result, output: None, steps: Vec::new(), stored: None }
+}
+
+/// Makes what there is to show of a solution.
+type MakeOutput<const S: usize, const N: usize> = fn(&Case, &Arc<Solved<S, N>>, &RunOptions) -> Output;
+
+/// What there is to show of a step, made when it is written.
+fn step_output<const S: usize, const N: usize>(
+    case: &Case,
+    solved: Arc<Solved<S, N>>,
+    output: MakeOutput<S, N>,
+    options: RunOptions,
+) -> StepOutput {
+    let (case, number, t) = (case.clone(), solved.step, solved.state.t);
+    StepOutput { number, t, make: Box::new(move || output(&case, &solved, &options)) }
+}
+
+/// Marks a result that is good so far as ended early where `watch` says so; returns whether it did.
+pub(super) fn end_early(result: &mut RunResult, watch: &Watch) -> bool {
+    let stop = watch.stop().filter(|_| matches!(result.status, Status::Ok | Status::CheckFailed));
+    if let Some(stop) = stop {
+        stopped(result, stop);
+    }
+    stop.is_some()
+}
+
+/// The result of a case that cannot be run.
+fn refused(command: &str, case: &Case, faults: Diagnostics) -> RunResult {
+    let mut result = RunResult::new(command, &case.source.name);
+    result.status = match faults.exit() {
+        4 => Status::IoFailed,
+        6 => Status::Limit,
+        5 => Status::Singular,
+        _ => Status::Invalid,
+    };
+    result.exit = result.status.exit();
+    result.checks_expected = case.checks.len();
+    for d in case.warnings.items.iter().chain(&faults.items) {
+        let list = if d.severity == Severity::Error { &mut result.diagnostics } else { &mut result.warnings };
+        list.push(d.clone());
+    }
+    result
+}
+
+fn built<const S: usize, const N: usize>(
+    case: &Case,
+    registry: &Registry,
+    dimension: &Dimension<'_, S, N>,
+    watch: &Watch,
+    room: Option<Room>,
+) -> Result<Model<S, N>, Diagnostics> {
+    let word = &case.solver.constraint;
+    let mut solver = Solver::new(registry, &case.solver, watch)
+        .map_err(|fault| Diagnostic::error(fault.code, fault.message).at(&case.source, word.at))?;
+    if let Some(fault) = too_large(case, dimension.net, room, !avoids_factors(case)) {
+        return Err(fault.into());
+    }
+    let model = build::build(case, dimension.names, dimension.net)?;
+    let mixed = |part: &build::TiePart<S, N>| part.reaction.is_some();
+    let (tie, contact) = leaning(&model);
+    if let Some(tie) = tie.filter(|_| solver.needs_symmetry()) {
+        return Err(faults::not_symmetric(case, &format!("interface \"{}\"", tie.name), tie.parts.iter().any(mixed)).into());
+    }
+    if let Some(contact) = contact.filter(|_| solver.needs_symmetry()) {
+        return Err(match contact.parts.iter().any(|part| part.second.is_some()) {
+            true => faults::not_symmetric(case, &format!("contact \"{}\"", contact.name), true),
+            false => faults::contact_not_symmetric(case, &contact.name),
+        }
+        .into());
+    }
+    let contact = model.contacts.iter().find(|c| c.parts.iter().any(|part| part.first.points.is_some()));
+    if let Some(contact) = contact.filter(|_| solver.needs_independent_rows()) {
+        return Err(faults::rows_at_points(case, &contact.name).into());
+    }
+    Ok(model)
+}
+
+/// The first tie and the first contact that make the system one without symmetry.
+fn leaning<const S: usize, const N: usize>(model: &Model<S, N>) -> (Option<&build::TieModel<S, N>>, Option<&build::ContactModel<S, N>>) {
+    let leans = |part: &build::TiePart<S, N>| part.reaction.is_some() || !part.stiffness.to_csr().is_symmetric(faying::linalg::NO_SYMMETRY);
+    let tie = model.ties.iter().find(|tie| tie.parts.iter().any(leans));
+    let contact = model.contacts.iter().find(|c| c.parts.iter().any(|part| part.first.reaction.is_some()));
+    (tie, contact)
+}
+
+/// What a model will need.
+///
+/// # Errors
+/// E081 where that is more than there is `room`.
+fn fitting<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, room: Option<Room>) -> Result<Prediction, Diagnostics> {
+    let factor = !avoids_factors(case) || !matches!(leaning(model), (None, None));
+    let prediction = predict(model, case.steps.value.len(), factor);
+    match room.filter(|room| prediction.memory > room.bytes) {
+        Some(room) => Err(memory_limit(case, model, &prediction, &room).into()),
+        None => Ok(prediction),
+    }
+}
+
+/// A result and its solutions: of all steps that have one, the last where the case has no steps.
+type Outcome<const S: usize, const N: usize> = (RunResult, Vec<Arc<Solved<S, N>>>);
+
+fn solve_case<const S: usize, const N: usize>(
+    command: &str,
+    case: &Case,
+    registry: &Registry,
+    dimension: &Dimension<'_, S, N>,
+    watch: &Watch,
+) -> Result<Outcome<S, N>, Diagnostics> {
+    watch.phase("build");
+    // asked before the model takes its part
+    let room = Room::least(watch.max_memory);
+    let model = built(case, registry, dimension, watch, room)?;
+    let mut result = report::skeleton(command, case, &model);
+    if let Some(one) = dimension.multipliers {
+        multipliers::describe(case, &model, one, &mut result);
+    }
+    let questions = Questions::of(case, &model, &result.numbers())?;
+    fitting(case, &model, room)?;
+    if let Some(stop) = watch.stop() {
+        stopped(&mut result, stop);
+        return Ok((result, Vec::new()));
+    }
+    let times = &case.steps.value;
+    watch.phase("assemble");
+    let mut stiffness = Stiffness::new(&model, times.first().copied().unwrap_or(1.0));
+    let mut solver = Solver::new(registry, &case.solver, watch).expect("made once before the model was built");
+    let (model, mut solved) = (Arc::new(model), Vec::<Arc<Solved<S, N>>>::new());
+    let mut finished = false;
+    for (k, &t) in times.iter().enumerate() {
+        if let Some(stop) = watch.stop() {
+            stopped(&mut result, stop);
+            break;
+        }
+        if case.has_steps() {
+            watch.report(Progress::Step { step: k + 1, of: times.len() });
+        }
+        watch.phase("assemble");
+        let matrices = stiffness.at(&model, t);
+        watch.phase("solve");
+        let before = solved.last().map(|s| &s.state);
+        let (state, failure) = match solve::step(&model, matrices, &mut solver, t, before, watch) {
+            Ok(state) => (Some(state), None),
+            Err(unsolved) => (unsolved.last.map(|b| *b), Some(unsolved.error)),
+        };
+        let unfinished = matches!(failure, Some(StepError::Solve(SolveError::Stopped { .. })));
+        watch.phase("measure");
+        let (mut status, mut reason, fault) = match &failure {
+            None => (Status::Ok, "converged", None),
+            Some(_) if unfinished => (Status::Ok, "stopped", None),
+            Some(error) => {
+                let (status, reason, fault) = step_fault(case, &model, error, t);
+                (status, reason, Some(fault))
+            }
+        };
+        let when = |d: Diagnostic| if case.has_steps() { at_step(d, k, t) } else { d };
+        if let Some(state) = &state {
+            report::fill(&mut result, &model, state, &matrices.bodies, dimension.half_width, reason);
+            poor::of_state(case, &model, state, &mut result);
+            result.t = case.has_steps().then_some(t);
+            if status == Status::Ok && !state.u.iter().chain(&state.lambda).all(|v| v.is_finite()) {
+                (status, reason) = (Status::NotFinite, "not-finite");
+                result.diagnostics.push(when(Diagnostic::error("E073", "the solution is not finite")));
+            } else if let Some(left) = floating(&model, state).filter(|_| status == Status::Ok) {
+                (status, reason) = (Status::Singular, "singular");
+                result.diagnostics.push(when(left));
+            }
+        }
+        if let Some(solve) = &mut result.solve {
+            solve.reason = reason.into();
+        }
+        result.diagnostics.extend(fault.map(when));
+        questions.probes(case, &model, state.as_ref(), &mut result);
+        // checks speak of the end: of the last step, or of the one that ended the run
+        finished = k + 1 == times.len();
+        if finished && !questions.checks(case, &model, state.as_ref(), &mut result) && status == Status::Ok {
+            status = Status::CheckFailed;
+        }
+        result.status = status;
+        result.exit = status.exit();
+        if let Some(stop) = watch.stop().filter(|_| matches!(status, Status::Ok | Status::CheckFailed)) {
+            stopped(&mut result, stop);
+            status = result.status;
+        }
+        if case.has_steps() {
+            let contact = state.as_ref().map(|_| result.contact.clone()).unwrap_or_default();
+            result.steps.push(StepReport { t, status, probes: result.probes.clone(), contact });
+        }
+        if let Some(state) = state {
+            if !case.has_steps() {
+                solved.clear();
+            }
+            solved.push(Arc::new(Solved { model: Arc::clone(&model), state, step: k + 1 }));
+        }
+        if !matches!(status, Status::Ok | Status::CheckFailed) {
+            break;
+        }
+    }
+    if !finished {
+        questions.checks(case, &model, None, &mut result);
+    }
+    Ok((result, solved))
+}
+
+/// The same fault, with the step that it ended.
+fn at_step(fault: Diagnostic, step: usize, t: f64) -> Diagnostic {
+    Diagnostic { message: format!("step {}, t = {}: {}", step + 1, build::short(t), fault.message), ..fault }
+}

@@ -1,0 +1,59 @@
+//! What a result says about the multiplier spaces of interfaces and contacts.
+
+use crate::build::{Model, SideModel};
+use crate::case::{self, Case};
+use crate::result::{MultiplierReport, RunResult};
+use faying::basis::Basis;
+use faying::coupling::multiplier::{MultiplierKind, reproduction};
+
+/// Describes the multipliers of one slave side, one space per component, that the case calls by a name.
+pub type Describe<const S: usize, const N: usize> = fn(&SideModel<S, N>, &case::Multiplier, &[&dyn Basis<S>]) -> MultiplierReport;
+
+/// Fills in the multipliers of every interface and contact that has some.
+pub fn describe<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, one: Describe<S, N>, result: &mut RunResult) {
+    for (tie, words) in model.ties.iter().filter_map(|t| Some((t, case.interfaces.iter().find(|c| c.name.value == t.name)?))) {
+        let parts = tie.parts.iter().map(|p| {
+            let all: Vec<&dyn Basis<S>> = p.multipliers.iter().map(|m| &**m).collect();
+            one(&p.slave, &words.multiplier.value, &all)
+        });
+        if let Some((_, report)) = result.interface.0.iter_mut().find(|(name, _)| *name == tie.name) {
+            report.multiplier = together(parts);
+        }
+    }
+    for (contact, words) in model.contacts.iter().filter_map(|c| Some((c, case.contacts.iter().find(|k| k.name.value == c.name)?))) {
+        let parts = contact.parts.iter().filter_map(|p| Some(one(&p.slave, &words.multiplier.value, &[&**p.multiplier.as_ref()?])));
+        if let Some((_, report)) = result.contact.0.iter_mut().find(|(name, _)| *name == contact.name) {
+            report.multiplier = together(parts);
+        }
+    }
+}
+
+/// All slave sides of an interface as one; none without any functions.
+fn together(parts: impl Iterator<Item = MultiplierReport>) -> Option<MultiplierReport> {
+    parts.filter(|p| p.functions > 0).reduce(|a, b| MultiplierReport {
+        name: a.name,
+        degree: a.degree.max(b.degree),
+        functions: a.functions + b.functions,
+        reproduction: a.reproduction.zip(b.reproduction).map(|(a, b)| a.min(b)),
+    })
+}
+
+/// The description of multipliers on a curve.
+pub fn on_curves(slave: &SideModel<1, 2>, words: &case::Multiplier, spaces: &[&dyn Basis<1>]) -> MultiplierReport {
+    let space = &*slave.trace.space;
+    let name = match words {
+        case::Multiplier::Named(word) => match word.parse::<MultiplierKind>() {
+            Ok(kind @ MultiplierKind::Auto) => kind.resolved(space as &dyn Basis<1>).to_string(),
+            _ => word.clone(),
+        },
+        _ => "data".into(),
+    };
+    let degrees = spaces.iter().flat_map(|psi| (0..psi.num_elements()).map(|e| psi.degree(e)[0]));
+    let held: Option<Vec<usize>> = spaces.iter().map(|psi| reproduction(space, *psi)).collect();
+    MultiplierReport {
+        name,
+        degree: degrees.max().unwrap_or(0),
+        functions: spaces.iter().map(|psi| psi.num_functions()).sum(),
+        reproduction: held.and_then(|all| all.into_iter().min()),
+    }
+}

@@ -1,0 +1,228 @@
+//! Sizes of a system from its numbers of elements: unknowns, entries, bytes of its matrices, numbers of its factor.
+//!
+//! Counts are `f64`: a product of large counts grows, it never wraps around.
+
+use faying::space::Space;
+
+/// Numbers of the factor per unknown and component in the plane: 5.8 w^1.6 (log2 n - 4.5) for n functions with overlap w, at or above the
+/// factors of 14 matrices of splines, quadrilaterals and triangles of degree 1 to 4, by at most 35 %.
+const FILL_PLANE: f64 = 5.8;
+const GROWTH_PLANE: f64 = 1.6;
+const SMALL_PLANE: f64 = 4.5;
+/// The same in space: 13.3 (w^1.7 (n^1/3 - 3 w^1/2) + 0.1 p^3), the last for cells with functions inside; 20 matrices, by at most 24 %.
+const FILL_SOLID: f64 = 13.3;
+const GROWTH_SOLID: f64 = 1.7;
+const SMALL_SOLID: f64 = 3.0;
+const INSIDE_SOLID: f64 = 0.1;
+
+/// Factors of thin bodies in space, beside that of the plane for as many functions across the plate, beside the band of a beam.
+const THIN_PLATE: f64 = 0.8;
+const THIN_BEAM: f64 = 1.6;
+
+/// Bytes per pair of functions for graphs that orders are made of.
+const BYTES_PER_PAIR: f64 = 16.0;
+/// Bytes per unknown for vectors.
+const BYTES_PER_UNKNOWN: f64 = 50.0;
+/// Bytes per unknown for the vectors of an iterative method.
+const BYTES_OF_ITERATION: f64 = 100.0;
+/// Bytes per element of a spline patch, per product cell and per simplex: connectivity, faces, bounds, results on them.
+const BYTES_PER_ELEMENT: f64 = 50.0;
+const BYTES_PER_CELL: f64 = 800.0;
+const BYTES_PER_SIMPLEX: f64 = 1200.0;
+
+/// Bytes of an index, of a number.
+const INDEX: f64 = 4.0;
+const NUMBER: f64 = 8.0;
+
+/// Numbers that the Schur complement of contact rows may have, and its share of the factor's numbers: as the solver decides.
+const FEW_SQUARE: f64 = (1 << 21) as f64;
+const SHARE_OF_FACTOR: f64 = 0.1;
+
+/// Sizes that a prediction is made of.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Need {
+    pub unknowns: f64,
+    pub entries: f64,
+    /// Bytes of the matrices of the bodies, of the reduced one and of the triangle that is factorised.
+    pub matrices: f64,
+    pub factor: f64,
+    /// Bytes that finding the factor takes beside it: graphs that orders are made of, what waits on a stack.
+    pub beside: f64,
+    /// Bytes of all else.
+    pub other: f64,
+}
+
+/// What decides how many entries a function has and how they fill.
+#[derive(Clone, Copy, Debug)]
+struct Kind {
+    components: f64,
+    dimension: usize,
+    degree: f64,
+    /// How many functions of an element its neighbour shares, per direction: the degree for the smoothest splines, 1 for Lagrange.
+    overlap: f64,
+    /// Bytes of all elements.
+    elements: f64,
+    /// Share of the unknowns that are free.
+    free: f64,
+}
+
+/// Bytes per number of the factor that wait on the stack of a factorisation by fronts, which plane bodies take: a fifth of the factor for
+/// separators three functions wide, a sixteenth for one, beyond what the factor's own bytes include.
+const BYTES_WAITING: f64 = 1.0;
+
+impl Need {
+    /// A patch of `sizes`: elements, degree and continuity of each direction.
+    pub fn of_patch(sizes: &[(f64, usize, usize)], components: usize) -> Self {
+        // a knot of continuity k carries p - k functions
+        let lines: Vec<(f64, f64, f64)> = sizes
+            .iter()
+            .map(|&(n, p, smooth)| (n, p as f64 + 1.0, (p + 1) as f64 + (n - 1.0).max(0.0) * (p - smooth.min(p)) as f64))
+            .collect();
+        Self::of_lines(&lines, components, 1.0)
+    }
+
+    /// A product of directions: elements, functions of an element, functions of each.
+    fn of_lines(lines: &[(f64, f64, f64)], components: usize, free: f64) -> Self {
+        let (mut functions, mut elements, mut pairs, mut own, mut overlap) = (1.0, 1.0, 1.0, 1.0f64, 1.0f64);
+        for &(n, active, line) in lines {
+            // neighbours share what an element does not add
+            let shared = active - (line - active) / (n - 1.0).max(1.0);
+            functions *= line;
+            elements *= n;
+            pairs *= n * active * active - (n - 1.0).max(0.0) * shared * shared;
+            own = own.max(active);
+            overlap = overlap.max(shared);
+        }
+        // of degree 1 splines and cells are the same functions
+        let bytes = elements * if overlap < own - 1.0 || own <= 2.0 { BYTES_PER_CELL } else { BYTES_PER_ELEMENT };
+        let kind = Kind { components: components as f64, dimension: lines.len(), degree: own - 1.0, overlap, elements: bytes, free };
+        let mut need = Self::of(functions, pairs, kind);
+        let mut sides: Vec<f64> = lines.iter().map(|l| l.2).collect();
+        sides.sort_by(f64::total_cmp);
+        let across: f64 = sides[..sides.len() - 1].iter().product();
+        // no more than the band of the narrowest numbering, in space than that of a plate
+        let each = need.unknowns * free * components as f64;
+        let most = if let [thin, a, b] = sides[..] {
+            let plate = THIN_PLATE * thin * fill(a * b, Kind { components: 1.0, dimension: 2, ..kind });
+            each * plate.min(THIN_BEAM * own * (across + 1.0))
+        } else {
+            need.unknowns * components as f64 * own * (across + 1.0)
+        };
+        need.factor = need.factor.min(most);
+        need
+    }
+
+    /// A mesh of as many product and simplex cells of `dimension`, Lagrange functions of degree `p`.
+    pub fn of_mesh(cells: [f64; 2], dimension: usize, p: usize, components: usize) -> Self {
+        // simplices are as many as fill a product cell: two, or about six
+        let filled = cells[0] + cells[1] / if dimension == 3 { 6.0 } else { 2.0 };
+        let degree = p as f64;
+        let functions = (filled.powf(1.0 / dimension as f64) * degree + 1.0).powi(dimension as i32);
+        let elements = BYTES_PER_CELL * cells[0] + BYTES_PER_SIMPLEX * cells[1];
+        let kind = Kind { components: components as f64, dimension, degree, overlap: 1.0, elements, free: 1.0 };
+        Self::of(functions, mesh_pairs(cells, dimension, degree), kind)
+    }
+
+    /// A space that is built, with a share of its unknowns free.
+    pub fn of_space<const N: usize>(space: &dyn Space<N, N>, components: usize, free: f64) -> Self {
+        let (elements, functions) = (space.num_elements() as f64, space.num_functions() as f64);
+        if elements == 0.0 {
+            return Self { unknowns: components as f64 * functions, ..Self::default() };
+        }
+        let block = space
+            .block(0)
+            .filter(|b| b.first == 0)
+            .map(|b| b.axes.map(|a| (a.num_elements() as f64, a.degree(0)[0] as f64 + 1.0, a.num_functions() as f64)));
+        if let Some(lines) = block.filter(|l| l.iter().map(|l| l.2).product::<f64>() == functions) {
+            return Self::of_lines(&lines, components, free);
+        }
+        let p = space.degree(0).into_iter().max().unwrap_or(1);
+        let (mut ids, degree, root) = (Vec::new(), p as f64, 1.0 / N as f64);
+        space.active(0, &mut ids);
+        // functions that an element adds per direction: 1 for the smoothest splines, p for Lagrange
+        let added = (functions / elements).powf(root).round().clamp(1.0, degree.max(1.0));
+        let product = (p + 1).pow(N as u32) == ids.len();
+        let overlap = if product { degree + 1.0 - added } else { 1.0 };
+        let pairs = if product && added < degree {
+            let n = elements.powf(root);
+            (n * (degree + 1.0).powi(2) - (n - 1.0) * overlap * overlap).powi(N as i32)
+        } else {
+            mesh_pairs(if product { [elements, 0.0] } else { [0.0, elements] }, N, degree)
+        };
+        let bytes = elements * if product { BYTES_PER_CELL } else { BYTES_PER_SIMPLEX };
+        Self::of(functions, pairs, Kind { components: components as f64, dimension: N, degree, overlap, elements: bytes, free })
+    }
+
+    fn of(functions: f64, pairs: f64, kind: Kind) -> Self {
+        let (c, free) = (kind.components, kind.free);
+        let (unknowns, entries) = (c * functions, c * c * pairs);
+        // in blocks; of the free unknowns entry by entry where supports hold components, a triangle, and the solver's copy in its order
+        let matrices = entries * ((NUMBER + INDEX / (c * c)) + free * ((NUMBER + INDEX) + 2.0 * NUMBER));
+        let factor = free * unknowns * fill(free * functions, kind);
+        let waiting = if kind.dimension == 2 { BYTES_WAITING * factor } else { 0.0 };
+        let other = kind.elements + BYTES_PER_UNKNOWN * unknowns;
+        Self { unknowns, entries, matrices, factor, beside: BYTES_PER_PAIR * pairs + waiting, other }
+    }
+
+    /// `count` entries between bodies, stored one by one.
+    pub fn add_entries(&mut self, count: f64) {
+        self.entries += count;
+        self.matrices += count * (2.0 * (NUMBER + INDEX) + 2.0 * NUMBER);
+    }
+
+    /// The Schur complement of `rows` contact rows beside one factor of all bodies: it and its dense factor, and the rows of separators that wait
+    /// while it is made, no more than the square root of the factor's numbers at a time. Many rows have a factor for every set instead.
+    pub fn add_interface(&mut self, rows: f64) {
+        let square = rows * rows;
+        if square <= FEW_SQUARE.max(SHARE_OF_FACTOR * self.factor) {
+            self.beside += NUMBER * (3.0 * square + rows * self.factor.sqrt());
+        }
+    }
+
+    /// The same system solved by iterations: vectors of the method in place of the factor.
+    pub fn without_factor(self) -> Self {
+        Self { factor: 0.0, beside: 0.0, other: self.other + BYTES_OF_ITERATION * self.unknowns, ..self }
+    }
+
+    /// Both together.
+    pub fn and(&self, other: &Self) -> Self {
+        Self {
+            unknowns: self.unknowns + other.unknowns,
+            entries: self.entries + other.entries,
+            matrices: self.matrices + other.matrices,
+            factor: self.factor + other.factor,
+            beside: self.beside + other.beside,
+            other: self.other + other.other,
+        }
+    }
+}
+
+/// Pairs of functions that share a cell: those of the cells, less what neighbours count twice (inclusion and exclusion over faces, edges
+/// and corners).
+fn mesh_pairs(cells: [f64; 2], dimension: usize, p: f64) -> f64 {
+    let [product, simplex] = cells;
+    let n = product.powf(1.0 / dimension as f64);
+    let line = if n > 0.0 { (n * (p + 1.0).powi(2) - (n - 1.0)).powi(dimension as i32) } else { 0.0 };
+    let (side, face) = (p + 1.0, 0.5 * (p + 1.0) * (p + 2.0));
+    let own = if dimension == 3 { face * (p + 3.0) / 3.0 } else { face };
+    // in a large mesh a triangle has 3/2 edges and 1/2 corner, a tetrahedron 2 faces, 7/6 edges and 1/6 corner; sides of the body add some
+    let (each, n) = if dimension == 3 {
+        (own * own - 2.0 * face * face + 7.0 / 6.0 * side * side - 1.0 / 6.0, (simplex / 6.0).cbrt())
+    } else {
+        (own * own - 1.5 * side * side + 0.5, (0.5 * simplex).sqrt())
+    };
+    line + if simplex > 0.0 { simplex * each * (1.0 + 1.0 / n).powi(dimension as i32 - 1) } else { 0.0 }
+}
+
+/// Numbers of the factor per unknown under nested dissection: separators are as wide as functions of neighbouring elements overlap.
+fn fill(functions: f64, kind: Kind) -> f64 {
+    let Kind { components, dimension, degree, overlap, .. } = kind;
+    let each = if dimension == 3 {
+        // separators of a volume grow with n^(2/3)
+        let separators = overlap.powf(GROWTH_SOLID) * (functions.cbrt() - SMALL_SOLID * overlap.sqrt()).max(0.5);
+        FILL_SOLID * (separators + if overlap < degree { INSIDE_SOLID * degree.powi(3) } else { 0.0 })
+    } else {
+        FILL_PLANE * overlap.powf(GROWTH_PLANE) * (functions.max(2.0).log2() - SMALL_PLANE).max(1.0)
+    };
+    components * each
+}

@@ -1,0 +1,87 @@
+//! E041 as a warning where cells are so thin that rounding enters the digits of a result.
+//!
+//! The aspect of a cell: its longest edge over its least height, by the Jacobian at its centre. Entries of its stiffness differ by
+//! the square of the aspect, so that 1e8 leaves no digit of the small ones beside the large ones.
+
+use crate::build::{Model, PatchModel, short};
+use crate::case::Case;
+use crate::errors::Diagnostic;
+use faying::basis::{Cell, Order};
+use faying::geometry::{MapTable, cell};
+use faying::linalg::{Matrix, Vector, determinant};
+use rayon::prelude::*;
+
+/// The square of the inverse is the rounding of a double.
+const MOST: f64 = 1e8;
+
+/// One warning per patch with such cells.
+pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    for (patch, block) in model.patches.iter().zip(&case.patches) {
+        let (aspect, element, at) = worst(patch);
+        if aspect > MOST {
+            let place: Vec<String> = ["x", "y", "z"].iter().zip(at.iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
+            let text = format!(
+                "cells of patch \"{}\" are very thin: element {element} (at {}) has an aspect of {aspect:.1e}; beyond {MOST:.0e} rounding spoils the result",
+                patch.name,
+                place.join(", ")
+            );
+            let help = "give the patch more elements along its length, or fewer across; a larger `ratio` of `grade` makes its least cells less thin";
+            found.push(Diagnostic::warning("E041", text).at(&case.source, block.head.at).with_help(help));
+        }
+    }
+    found
+}
+
+/// The largest aspect, of several the first element, and where.
+fn worst<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> (f64, usize, Vector<N>) {
+    let space = &**patch.body.space();
+    let centers = [Cell::Tensor, Cell::Simplex].map(cell::center::<N, f64>);
+    let of = |table: &mut MapTable<N, N>, e: usize| {
+        let center = &centers[usize::from(space.cell(e) == Cell::Simplex)];
+        space.map(e, std::slice::from_ref(center), Order::Gradients, table);
+        (aspect(&table.jacobian[0]), e, table.x[0])
+    };
+    (0..space.num_elements())
+        .into_par_iter()
+        .map_init(MapTable::new, of)
+        .reduce(|| (0.0, usize::MAX, Vector::zeros()), |a, b| if b.0 > a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a })
+}
+
+/// The longest column over the least height of the parallelepiped; zero of degenerate ones, which are found elsewhere.
+fn aspect<const N: usize>(j: &Matrix<N, N>) -> f64 {
+    let lengths: [f64; N] = std::array::from_fn(|k| j.column(k).norm());
+    let longest = lengths.iter().copied().fold(0.0, f64::max);
+    let volume = determinant(j).abs();
+    // the largest face: of two columns in space the length of their product
+    let face = (0..N).map(|k| {
+        let others: Vec<usize> = (0..N).filter(|&i| i != k).collect();
+        match others[..] {
+            [a, b] => {
+                let (a, b) = (j.column(a), j.column(b));
+                let part = |r: usize, s: usize| a[r] * b[s] - a[s] * b[r];
+                (part(0, 1).powi(2) + part(1, 2).powi(2) + part(2, 0).powi(2)).sqrt()
+            }
+            [a] => lengths[a],
+            _ => 1.0,
+        }
+    });
+    let height = volume / face.fold(0.0, f64::max);
+    if height > 0.0 { longest / height } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn aspects_of_boxes_and_slanted_cells() {
+        let j = Matrix::<2, 2>::new(2.0, 0.0, 0.0, 1e-3);
+        assert!((aspect(&j) - 2e3).abs() < 1e-9);
+        // a parallelogram of height 1e-3 on a base of sqrt(2)
+        let j = Matrix::<2, 2>::new(1.0, 1.0, 1.0, 1.0 + 2e-3);
+        assert!((aspect(&j) / (1.0 + 1.0020f64.powi(2)) * 2e-3 - 1.0).abs() < 2e-3, "{}", aspect(&j));
+        let j = Matrix::<3, 3>::new(1.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 1e-2);
+        assert!((aspect(&j) - 300.0).abs() < 1e-9);
+    }
+}

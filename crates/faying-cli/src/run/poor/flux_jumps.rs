@@ -1,0 +1,212 @@
+//! E017 as a warning where the flux of the exact solution jumps.
+//!
+//! The source that follows from `exact` is -div sigma(u) at points. Where the flux sigma n jumps across a line, inside of a body or
+//! between two that are tied, that is not the load of u: the jump on the line is missing, and u is not what the case solves.
+//! Jumps are looked for where the formulas have pieces, on lines from the middle of every element to its neighbours, by bisection
+//! towards the largest change of the gradient. Where u is continuous, [grad u] = a m with m normal to the line of the jump, which gives
+//! the flux to compare: in one material it jumps whenever the gradient does, between two it need not.
+
+use super::percent;
+use crate::build::{Exact, Model, PatchModel, TiePart, short};
+use crate::case::Case;
+use crate::errors::Diagnostic;
+use crate::formula::Point;
+use faying::basis::{Cell, Order};
+use faying::geometry::{MapTable, cell};
+use faying::linalg::{Matrix, Vector};
+use std::collections::HashMap;
+
+/// Jumps below this share of the largest flux are left to rounding.
+const JUMP: f64 = 1e-3;
+/// Elements that are looked at.
+const ELEMENTS: usize = 20_000;
+/// Pieces of a line before it is bisected, and bisections: jumps are kept, slopes fall to 1e-9 of the line's change.
+const PIECES: usize = 8;
+const BISECTIONS: usize = 27;
+/// Distance from a tied side at which its own body is looked at, over the size of the model.
+const INSIDE: f64 = 1e-9;
+
+/// A jump, the largest flux that it is measured by, and where.
+struct Jump<const N: usize> {
+    size: f64,
+    largest: f64,
+    at: Vector<N>,
+}
+
+/// One warning for the largest jump inside each patch and one for that across each tie.
+pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
+    let (Some(exact), Some(given)) = (&model.exact, &case.model.exact) else { return Vec::new() };
+    let t = case.steps.value.first().copied().unwrap_or(1.0);
+    let mut found = Vec::new();
+    let mut tell = |jump: Jump<N>, where_: String| {
+        if jump.size > JUMP * jump.largest {
+            let at: Vec<String> = ["x", "y", "z"].iter().zip(jump.at.iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
+            let text = format!(
+                "the flux of `exact` jumps {where_}: at {} by {} % of its largest; the source that follows from it lacks the jump",
+                at.join(", "),
+                percent(jump.size / jump.largest)
+            );
+            let help = "a solution has a continuous flux (sigma n, k du/dn) across every line inside and every tie; choose the pieces so that it is, \
+                        or give source and data instead of `exact`";
+            found.push(Diagnostic::warning("E017", text).at(&case.source, given.at).with_help(help));
+        }
+    };
+    if exact.is_piecewise() {
+        for patch in &model.patches {
+            tell(inside(patch, exact, t), format!("inside patch \"{}\"", patch.name));
+        }
+    }
+    for tie in &model.ties {
+        for part in &tie.parts {
+            let material = case.patches[part.slave.patch].material.value;
+            let smooth = part
+                .pairings
+                .iter()
+                .map(|p| p.master.patch)
+                .chain([part.slave.patch])
+                .all(|k| model.patches[k].physics.is_homogeneous() && case.patches[k].material.value == material);
+            if exact.is_piecewise() || !smooth {
+                tell(across(model, part, exact, t), format!("across interface \"{}\"", tie.name));
+            }
+        }
+    }
+    found
+}
+
+/// sigma n of the exact solution.
+fn traction<const S: usize, const N: usize>(
+    patch: &PatchModel<S, N>,
+    exact: &Exact,
+    t: f64,
+    x: &Vector<N>,
+    normal: &Vector<N>,
+) -> [f64; 3] {
+    let mut out = [0.0; 3];
+    let components = patch.field.components;
+    patch.physics_at(t).exact_traction(exact, &Point::new(x.as_slice()).at_time(t), x, normal, &mut out[..components]);
+    out
+}
+
+fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+/// grad u, rows beyond the components zero.
+fn gradient<const N: usize>(exact: &Exact, components: usize, t: f64, x: &Vector<N>) -> Matrix<3, N> {
+    let at = Point::new(x.as_slice()).at_time(t);
+    let mut all = Matrix::<3, N>::zeros();
+    if components == 1 {
+        all.row_mut(0).copy_from(&exact.slope::<1, N>(&at).1.row(0));
+    } else {
+        let slope = exact.slope::<N, N>(&at).1;
+        (0..N).for_each(|c| all.row_mut(c).copy_from(&slope.row(c)));
+    }
+    all
+}
+
+/// The largest jump of the flux inside a patch.
+fn inside<const S: usize, const N: usize>(patch: &PatchModel<S, N>, exact: &Exact, t: f64) -> Jump<N> {
+    let components = patch.field.components;
+    let grad = |x: &Vector<N>| gradient(exact, components, t, x);
+    let mut worst = Jump { size: 0.0, largest: 0.0, at: Vector::zeros() };
+    for [a, b] in lines(patch) {
+        let point = |s: f64| a + (b - a) * s;
+        let values: Vec<Matrix<3, N>> = (0..=PIECES).map(|k| grad(&point(k as f64 / PIECES as f64))).collect();
+        for axis in 0..N {
+            let normal = Vector::<N>::from_fn(|k, _| f64::from(u8::from(k == axis)));
+            worst.largest = worst.largest.max(distance(&traction(patch, exact, t, &a, &normal), &[0.0; 3]));
+        }
+        let change = |k: usize| (values[k + 1] - values[k]).norm();
+        let Some(k) = (0..PIECES).max_by(|&i, &j| change(i).total_cmp(&change(j))) else { continue };
+        let size = values.iter().map(|v| v.norm()).fold(0.0, f64::max);
+        if change(k) <= JUMP * size {
+            continue;
+        }
+        let (mut left, mut right) = (k as f64 / PIECES as f64, (k + 1) as f64 / PIECES as f64);
+        let (mut before, mut after) = (values[k], values[k + 1]);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (left + right);
+            let value = grad(&point(middle));
+            if (value - before).norm() > (after - value).norm() {
+                (right, after) = (middle, value);
+            } else {
+                (left, before) = (middle, value);
+            }
+        }
+        let Some(normal) = direction(&(after - before)).filter(|_| (after - before).norm() > JUMP * size) else { continue };
+        let (here, there) = (point(left), point(right));
+        let jump = distance(&traction(patch, exact, t, &here, &normal), &traction(patch, exact, t, &there, &normal));
+        if jump > worst.size {
+            (worst.size, worst.at) = (jump, here);
+        }
+    }
+    worst
+}
+
+/// m of a matrix a mᵀ: its longest row, of length one.
+fn direction<const N: usize>(jump: &Matrix<3, N>) -> Option<Vector<N>> {
+    let row = (0..3).map(|c| jump.row(c).transpose()).max_by(|a, b| a.norm().total_cmp(&b.norm()))?;
+    (row.norm() > 0.0).then(|| row / row.norm())
+}
+
+/// From the middle of every element to the middle of each neighbour; at the rim of the patch to just before the face.
+fn lines<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> Vec<[Vector<N>; 2]> {
+    let space = &**patch.body.space();
+    let step = space.num_elements().div_ceil(ELEMENTS).max(1);
+    let (mut table, mut ids) = (MapTable::new(), Vec::new());
+    let mut first: HashMap<Vec<usize>, Vector<N>> = HashMap::new();
+    let mut lines = Vec::new();
+    for e in (0..space.num_elements()).step_by(step) {
+        let kind = space.cell(e);
+        let (center, corners) = (cell::center::<N, f64>(kind), cell::corners::<N, f64>(kind));
+        let on_face: Vec<Vec<usize>> = match kind {
+            Cell::Simplex => (0..corners.len()).map(|k| (0..corners.len()).filter(|&i| i != k).collect()).collect(),
+            Cell::Tensor => (0..2 * N).map(|f| (0..corners.len()).filter(|&i| i >> (f / 2) & 1 == f % 2).collect()).collect(),
+        };
+        let middle = |face: &Vec<usize>| face.iter().map(|&i| corners[i]).sum::<Vector<N>>() / face.len() as f64;
+        let mut points = vec![center];
+        // inside by 1e-6: faces are where pieces of formulas meet
+        points.extend(on_face.iter().map(|face| center + (middle(face) - center) * (1.0 - 1e-6)));
+        space.map(e, &points, Order::Values, &mut table);
+        space.corners(e, &mut ids);
+        for (face, &x) in on_face.iter().zip(&table.x[1..]) {
+            lines.push([table.x[0], x]);
+            if ids.is_empty() {
+                continue;
+            }
+            let mut key: Vec<usize> = face.iter().map(|&i| ids[i]).collect();
+            key.sort_unstable();
+            // over the face, from the one side to the other
+            match first.remove(&key) {
+                Some(other) => lines.push([other, x]),
+                None => drop(first.insert(key, x)),
+            }
+        }
+    }
+    lines
+}
+
+/// The largest jump of the flux across a tie.
+fn across<const S: usize, const N: usize>(model: &Model<S, N>, part: &TiePart<S, N>, exact: &Exact, t: f64) -> Jump<N> {
+    let mut worst = Jump { size: 0.0, largest: 0.0, at: Vector::zeros() };
+    let (slave, mut table) = (&model.patches[part.slave.patch], MapTable::new());
+    for pairing in &part.pairings {
+        let (s, master) = (&pairing.segments, &model.patches[pairing.master.patch]);
+        for piece in 0..s.num_pieces() {
+            let element = s.slave[piece];
+            part.slave.trace.space.map(element, &s.slave_xi[s.points(piece)], Order::Gradients, &mut table);
+            for (x, j) in table.x.iter().zip(&table.jacobian) {
+                let normal = part.slave.trace.normal(element, j);
+                let off = normal * (INSIDE * model.size);
+                let own = traction(slave, exact, t, &(x - off), &normal);
+                let other = traction(master, exact, t, &(x + off), &normal);
+                let jump = distance(&own, &other);
+                worst.largest = worst.largest.max(distance(&own, &[0.0; 3])).max(distance(&other, &[0.0; 3]));
+                if jump > worst.size {
+                    (worst.size, worst.at) = (jump, *x);
+                }
+            }
+        }
+    }
+    worst
+}

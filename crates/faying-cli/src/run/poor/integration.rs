@@ -1,0 +1,41 @@
+//! E065 where the rule of an interface misses what it should integrate, by [`faying::coupling::consistency`].
+
+use super::percent;
+use crate::case::{Case, Integration};
+use crate::errors::Diagnostic;
+use crate::place::Located;
+use crate::result::RunResult;
+
+/// From this error of consistency on an integration is said to be inexact.
+const INEXACT: f64 = 1e-2;
+
+/// One warning for every tie and every contact whose integration spoils the result.
+pub fn warnings(case: &Case, result: &RunResult) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    for (name, report) in result.interface.iter().filter(|(_, report)| report.consistency > INEXACT) {
+        if let Some(tie) = case.interfaces.iter().find(|t| t.name.value == *name) {
+            found.push(warning(case, "interface", name, report.consistency, &tie.integration));
+        }
+    }
+    for (name, report) in result.contact.iter().filter(|(_, report)| report.consistency > INEXACT) {
+        if let Some(contact) = case.contacts.iter().find(|c| c.name.value == *name) {
+            found.push(warning(case, "contact", name, report.consistency, &contact.integration));
+        }
+    }
+    found
+}
+
+fn warning(case: &Case, kind: &str, name: &str, error: f64, rule: &Located<Integration>) -> Diagnostic {
+    let text = format!(
+        "the integration of {kind} \"{name}\" is inexact: its consistency error is {} % of what it integrates, forces may be off by as much",
+        percent(error)
+    );
+    let help = match rule.value {
+        Integration::Slave => {
+            "write integration = \"merged\"; or raise `extra_points`, or exchange slave and master: the finer side as slave"
+        }
+        Integration::Mixed => "write integration = \"merged\"; or raise `extra_points`; mixed integration goes with p/p",
+        _ => "raise `extra_points`, or refine the sides: they are curved",
+    };
+    Diagnostic::warning("E065", text).at(&case.source, rule.at).with_help(help)
+}

@@ -1,0 +1,133 @@
+//! E065 where the Gauss points of a patch do not integrate linear fields on its rational cells.
+//!
+//! A linear field u = a . x has the forces F_i a with F_i = ∫ ∇N_i dx = ∫ cof(J) ∇̂N_i dξ. Maps of polynomials make polynomials, which
+//! the rules integrate exactly ([`faying::assembly::points_of_curved_cells`]); rational maps do not. Per element, with F by the rule and F*
+//! by one of many more points,
+//!
+//!   e = sqrt( Σ_i |F_i - F*_i|² / K_ii ) / sqrt(V),   K_ii = ∫ |∇N_i|² dx,  V the volume:
+//!
+//! the size of the stress that answers the defect, relative to that of the field. Cells that are hardly bent are not looked at: the
+//! defect falls with the angle they span to the power 2p + 2.
+
+use super::percent;
+use crate::build::{Model, PatchModel, short};
+use crate::case::Case;
+use crate::errors::Diagnostic;
+use faying::assembly::element_rule;
+use faying::basis::{Cell, Order, ShapeTable};
+use faying::geometry::{MapTable, cell};
+use faying::linalg::{Vector, determinant, inverse};
+use faying::quadrature::{Quadrature, Rule};
+use faying::space::Space;
+use rayon::prelude::*;
+
+/// From this share of a linear field's stress on the defect is said.
+const MISSED: f64 = 1e-3;
+/// What the points that are advised reach.
+const GOOD: f64 = 1e-4;
+/// Distance of a cell's centre from the mean of its corners over its size, below which it is nearly straight: thin rings in arcs of 2 degrees.
+const STRAIGHT: f64 = 4e-3;
+/// Points per direction of the reference beyond those of the rule.
+const BEYOND: usize = 10;
+/// Bent elements looked at, the most bent ones.
+const LOOKED_AT: usize = 128;
+
+/// One warning per patch.
+pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    // other maps are polynomials
+    for (patch, block) in model.patches.iter().zip(&case.patches).filter(|(p, _)| p.exact_map) {
+        let space = &**patch.body.space();
+        let bent = most_bent(space);
+        let Some((e, missed)) = worst(space, &bent, &|e| patch.rules.rule(e).clone()).filter(|w| w.1 > MISSED) else { continue };
+        let own = block.discretization.extra_points.value;
+        let mut help = "give the patch more elements along its bend".to_string();
+        if let Some((extra, left)) = enough(patch, &bent, own) {
+            help = format!("write extra_points = {extra} in the patch: {} % then; or give it more elements along its bend", percent(left));
+        }
+        let center = cell::center::<N, f64>(space.cell(e));
+        let mut table = MapTable::new();
+        space.map(e, &[center], Order::Values, &mut table);
+        let at: Vec<String> = ["x", "y", "z"].iter().zip(table.x[0].iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
+        let text = format!(
+            "the integration of patch \"{}\" is inexact: on element {e} (at {}) its Gauss points miss {} % of the stress of linear fields",
+            patch.name,
+            at.join(", "),
+            percent(missed)
+        );
+        found.push(Diagnostic::warning("E065", text).at(&case.source, block.head.at).with_help(help));
+    }
+    found
+}
+
+/// The least number of extra points, more than `own`, with which the defect is small, and what is left.
+fn enough<const S: usize, const N: usize>(patch: &PatchModel<S, N>, bent: &[usize], own: usize) -> Option<(usize, f64)> {
+    let space = &**patch.body.space();
+    // beyond those of the case: what curved cells take by themselves stays
+    let more = |e: usize, k: usize| element_rule(space, e, patch.extra_points + k).rule(0).clone();
+    (1..BEYOND).find_map(|k| worst(space, bent, &|e| more(e, k)).filter(|w| w.1 <= GOOD).map(|w| (own + k, w.1)))
+}
+
+/// Elements whose map is bent, at most [`LOOKED_AT`], ascending.
+fn most_bent<const N: usize>(space: &dyn Space<N, N>) -> Vec<usize> {
+    let grids = [Cell::Tensor, Cell::Simplex].map(|kind| {
+        let mut points = cell::corners::<N, f64>(kind);
+        points.push(cell::center::<N, f64>(kind));
+        points
+    });
+    let bend = |table: &mut MapTable<N, N>, e: usize| {
+        if space.is_affine(e) {
+            return (0.0, e);
+        }
+        let points = &grids[usize::from(space.cell(e) == Cell::Simplex)];
+        space.map(e, points, Order::Values, table);
+        let (center, corners) = table.x.split_last().expect("a cell has corners and a centre");
+        let mean: Vector<N> = corners.iter().sum::<Vector<N>>() / corners.len() as f64;
+        let size = corners.iter().map(|x| (x - mean).norm()).fold(0.0, f64::max);
+        ((center - mean).norm() / (2.0 * size), e)
+    };
+    let mut bent: Vec<(f64, usize)> = (0..space.num_elements()).into_par_iter().map_init(MapTable::new, bend).collect();
+    bent.retain(|b| b.0 > STRAIGHT);
+    bent.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    bent.truncate(LOOKED_AT);
+    let mut elements: Vec<usize> = bent.into_iter().map(|b| b.1).collect();
+    elements.sort_unstable();
+    elements
+}
+
+/// The largest e of `elements`, and the first element that has it.
+fn worst<const N: usize>(space: &dyn Space<N, N>, elements: &[usize], rule: &(dyn Fn(usize) -> Rule<N> + Sync)) -> Option<(usize, f64)> {
+    let all: Vec<(usize, f64)> = elements.par_iter().map(|&e| (e, defect(space, e, &rule(e)))).collect();
+    all.into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a })
+}
+
+/// e of the head of this file.
+fn defect<const N: usize>(space: &dyn Space<N, N>, element: usize, rule: &Rule<N>) -> f64 {
+    let per_direction = (rule.points.len() as f64).powf(1.0 / N as f64).round() as usize;
+    let least = space.degree(element).into_iter().max().unwrap_or(1) + 1;
+    let reference = element_rule(space, element, per_direction.saturating_sub(least) + BEYOND);
+    let (forces, _, _) = integrals(space, element, rule);
+    let (exact, stiffness, volume) = integrals(space, element, reference.rule(0));
+    let squares = forces.iter().zip(&exact).zip(&stiffness).filter(|(_, k)| **k > 0.0).map(|((f, g), k)| (f - g).norm_squared() / k);
+    (squares.sum::<f64>() / volume).sqrt()
+}
+
+/// F_i, K_ii and V by a rule.
+fn integrals<const N: usize>(space: &dyn Space<N, N>, element: usize, rule: &Rule<N>) -> (Vec<Vector<N>>, Vec<f64>, f64) {
+    let (mut shapes, mut map) = (ShapeTable::new(), MapTable::new());
+    space.evaluate(element, &rule.points, Order::Gradients, &mut shapes, &mut map);
+    let count = shapes.grads(0).len();
+    let (mut forces, mut stiffness, mut volume) = (vec![Vector::<N>::zeros(); count], vec![0.0; count], 0.0);
+    for (q, &w) in rule.weights.iter().enumerate() {
+        let det = determinant(&map.jacobian[q]).abs();
+        // no point of a Gauss rule lies on a collapsed edge
+        let Some(inverse) = inverse(&map.jacobian[q]) else { continue };
+        volume += w * det;
+        for (i, gradient) in shapes.grads(q).iter().enumerate() {
+            let gradient = inverse.transpose() * gradient;
+            forces[i] += gradient * (w * det);
+            stiffness[i] += gradient.norm_squared() * w * det;
+        }
+    }
+    (forces, stiffness, volume)
+}

@@ -1,0 +1,143 @@
+//! E065 where a contact slides so far along a curved surface that its gap at rest decides wrongly.
+//!
+//! Small kinematics take the gap along the normal at rest, g + (u_slave - u_master) . n. A point that moves by u_t along a surface of
+//! radius R is |u_t|² / 2R farther from it (nearer, inside of a hole). With d the distance that this first order leaves out,
+//! measured at the points that are closed by the closest point of the surface at rest to where u_slave - u_master takes them,
+//!
+//!   e = mean |d| / ( mean |g| + mean |u_master . n - its mean| ),
+//!
+//! the error of the gap over what closes it: gaps that the bodies bridge, and what the master gives way. The area and the half width
+//! of the zone are wrong by about as much. A turn of the master itself is not seen.
+
+use super::percent;
+use crate::build::{Against, ContactModel, ContactPart, Model};
+use crate::case::Case;
+use crate::errors::Diagnostic;
+use crate::formula::Point;
+use crate::run::integrate::on_trace;
+use crate::run::solve::StepState;
+use faying::basis::Order;
+use faying::contact::Contact;
+use faying::geometry::{ClosestPoint, MapTable};
+use faying::linalg::Vector;
+use faying::space::Space;
+use std::sync::Arc;
+
+/// From this error of the gap on it is said.
+const POOR: f64 = 0.1;
+/// Points that are looked at per side.
+const SAMPLES: usize = 200;
+/// Normals that differ by less belong to a plane.
+const PLANE: f64 = 1e-10;
+
+/// A point that is closed.
+struct Closed<const N: usize> {
+    x: Vector<N>,
+    normal: Vector<N>,
+    /// The gap by the gap formula.
+    gap: f64,
+    /// u_slave - u_master.
+    shift: Vector<N>,
+    /// u_master . n.
+    gives_way: f64,
+    ds: f64,
+}
+
+/// One warning per contact.
+pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    for ((contact, built), block) in model.contacts.iter().zip(&state.contacts).zip(&case.contacts) {
+        let (mut left_out, mut scale) = (0.0, 0.0);
+        for (part, rows) in contact.parts.iter().zip(built) {
+            let points = closed(model, contact, part, rows, state);
+            let Some(first) = points.first() else { continue };
+            if points.iter().all(|p| (p.normal - first.normal).norm() < PLANE) {
+                continue;
+            }
+            let size: f64 = points.iter().map(|p| p.ds).sum();
+            let level = points.iter().map(|p| p.ds * p.gives_way).sum::<f64>() / size;
+            scale += points.iter().map(|p| p.ds * (p.gap.abs() + (p.gives_way - level).abs())).sum::<f64>();
+            left_out += second_order(part, state, &points);
+        }
+        if left_out > POOR * scale && scale > 0.0 {
+            let text = format!(
+                "contact \"{}\" slides too far for small kinematics: along the normals at rest its gaps are wrong by {} % of what is closed; \
+                 so are the area of the zone and its pressure",
+                contact.name,
+                percent(left_out / scale)
+            );
+            let help = "let the bodies begin nearer to their places in contact, hold them against sliding, or load them less";
+            found.push(Diagnostic::warning("E065", text).at(&case.source, block.head.at).with_help(help));
+        }
+    }
+    found
+}
+
+/// Some of the points that carry pressure; of every piece of segments some.
+fn closed<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    contact: &ContactModel<S, N>,
+    part: &ContactPart<S, N>,
+    rows: &Contact<S, N>,
+    state: &StepState<S, N>,
+) -> Vec<Closed<N>> {
+    let (s, frames) = (&rows.segments, &rows.frames);
+    let active: Vec<bool> = match &part.multiplier {
+        // a piece carries pressure where a function that lives on it is closed
+        Some(psi) => {
+            let mut ids = Vec::new();
+            (0..s.num_pieces())
+                .map(|piece| {
+                    psi.active(s.slave[piece], &mut ids);
+                    ids.iter().all(|&j| state.active[part.first_row + j])
+                })
+                .collect()
+        }
+        None => return Vec::new(),
+    };
+    let pieces: Vec<usize> = (0..s.num_pieces()).filter(|&piece| active[piece]).collect();
+    let mut found = Vec::new();
+    for &piece in pieces.iter().step_by(pieces.len().div_ceil(SAMPLES).max(1)) {
+        let points = s.points(piece);
+        let field = model.patches[part.slave.patch].field;
+        let own = on_trace(&part.slave.trace, field, &state.u, s.slave[piece], &s.slave_xi[points.clone()]);
+        let other = match &part.against {
+            Against::Side(master, _) => on_trace(&master.trace, master.field, &state.u, s.master[piece], &s.master_xi[points.clone()]),
+            // the gap is measured from where it is
+            Against::Rigid(..) => vec![[0.0; 3]; points.len()],
+        };
+        for (k, q) in points.enumerate() {
+            let (x, normal) = (frames.x[q], frames.normal[q]);
+            let vector = |v: &[f64; 3]| Vector::<N>::from_fn(|c, _| v[c]);
+            let wanted = contact.gap.value(&Point::new(x.as_slice()).at_time(state.t).with_gap(frames.gap[q]));
+            let (shift, gives_way) = (vector(&own[k]) - vector(&other[k]), vector(&other[k]).dot(&normal));
+            found.push(Closed { x, normal, gap: wanted, shift, gives_way, ds: s.ds[q] });
+        }
+    }
+    found
+}
+
+/// ∫ |d| ds over points; points that slide beyond the rim count nothing.
+fn second_order<const S: usize, const N: usize>(part: &ContactPart<S, N>, state: &StepState<S, N>, points: &[Closed<N>]) -> f64 {
+    match &part.against {
+        Against::Side(master, _) => {
+            let space: Arc<dyn Space<S, N>> = Arc::clone(&master.trace.space);
+            let surface = ClosestPoint::new(space);
+            let mut table = MapTable::new();
+            let mut gap = |x: &Vector<N>| {
+                let foot = surface.project(x).filter(|f| !f.rim)?;
+                master.trace.space.map(foot.element, &[foot.xi], Order::Gradients, &mut table);
+                Some((x - foot.x).dot(&master.trace.normal(foot.element, &table.jacobian[0])))
+            };
+            // the gap along a normal of the slave is not that of the closest point: only the change by the shift counts
+            points.iter().filter_map(|p| Some(p.ds * (gap(&(p.x + p.shift))? - gap(&p.x)? - p.shift.dot(&p.normal)).abs())).sum()
+        }
+        Against::Rigid(obstacle, _) => {
+            let target = obstacle.target(state.t, Some(&state.u));
+            let gap = |x: &Vector<N>| target.project(x).map(|hit| hit.gap);
+            let moved = |p: &Closed<N>| Some(p.ds * (gap(&(p.x + p.shift))? - gap(&p.x)? - p.shift.dot(&p.normal)).abs());
+            // obstacles of a case's own functions may have no number there
+            points.iter().filter_map(moved).filter(|d| d.is_finite()).sum()
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! What presses at any point of a contact's slave side: of its multiplier, or where it has none, what Nitsche's method makes of the fluxes.
+
+use super::report::multiplier_at;
+use super::solve::StepState;
+use crate::build::{Against, ContactFluxes, ContactModel, ContactPart, Model};
+use faying::basis::Order;
+use faying::contact::{Contact, Transmitted};
+use faying::coupling::evaluate::jumps;
+use faying::coupling::{Interface, Segments, Side};
+use faying::geometry::{ClosestPoint, Geometry, MapTable};
+use faying::linalg::Vector;
+use faying::space::Space;
+use std::sync::Arc;
+
+/// Feet farther than this part of their distance beside the normal lie on the rim of the master: the point faces nothing.
+const BESIDE: f64 = 1e-6;
+
+/// What is needed beside the state to evaluate lambda of a contact part at a time.
+#[derive(Debug)]
+pub struct ContactField<const S: usize, const N: usize>(Option<WithoutRows<S, N>>);
+
+/// The fluxes at the time, and the master to find partners on.
+#[derive(Debug)]
+struct WithoutRows<const S: usize, const N: usize> {
+    fluxes: ContactFluxes<S, N>,
+    master: Option<ClosestPoint<S, N, Arc<dyn Space<S, N>>>>,
+}
+
+impl<const S: usize, const N: usize> ContactField<S, N> {
+    /// lambda of `part` at time `t`.
+    pub fn of(model: &Model<S, N>, part: &ContactPart<S, N>, t: f64) -> Self {
+        let master = match &part.against {
+            Against::Side(master, _) => Some(ClosestPoint::new(Arc::clone(&master.trace.space))),
+            Against::Rigid(..) => None,
+        };
+        Self(part.multiplier.is_none().then(|| WithoutRows { fluxes: part.fluxes(model, t), master }))
+    }
+
+    /// (lambda, gap) at local points of a slave element. The gap is that of Nitsche's method; not a number of multipliers, and zero with
+    /// lambda where nothing is faced.
+    pub fn at(
+        &self,
+        model: &Model<S, N>,
+        contact: &ContactModel<S, N>,
+        part: &ContactPart<S, N>,
+        state: &StepState<S, N>,
+        element: usize,
+        xi: &[Vector<S>],
+    ) -> Vec<[f64; 2]> {
+        if let Some(read) = part.read_through() {
+            return multiplier_at(read, &state.lambda[part.rows()], element, xi).into_iter().map(|l| [l, f64::NAN]).collect();
+        }
+        let mut all = vec![[0.0; 2]; xi.len()];
+        let Some(own) = &self.0 else { return all };
+        let (mut segments, mut asked) = (Segments::new(), Vec::new());
+        let (mut map, mut there) = (MapTable::new(), MapTable::new());
+        part.slave.trace.space.map(element, xi, Order::Values, &mut map);
+        for (q, x) in map.x.iter().enumerate() {
+            let (other, eta) = match (&own.master, &part.against) {
+                (Some(closest), Against::Side(master, _)) => {
+                    let Some(foot) = closest.project(x).filter(|foot| contact.reach.is_none_or(|r| foot.distance <= r)) else { continue };
+                    master.trace.space.map(foot.element, &[foot.xi], Order::Gradients, &mut there);
+                    let (apart, normal) = (x - there.x[0], master.trace.normal(foot.element, &there.jacobian[0]));
+                    if (apart - normal * apart.dot(&normal)).norm() > BESIDE * apart.norm().max(model.size * BESIDE) {
+                        continue;
+                    }
+                    (foot.element, foot.xi)
+                }
+                _ => (0, Vector::<S>::zeros()),
+            };
+            segments.push_piece(element, other, [(xi[q], eta, 1.0)]);
+            asked.push(q);
+        }
+        if let Some((kept, values)) = contact.at_points(model, part, &own.fluxes, &segments, &state.u, state.t) {
+            for (k, &point) in kept.iter().enumerate() {
+                all[asked[point]] = [values.lambda[k], values.gap[k]];
+            }
+        }
+        all
+    }
+}
+
+impl<const S: usize, const N: usize> ContactPart<S, N> {
+    /// What the part transmits by the multipliers `lambda` of its rows.
+    pub fn transmitted(&self, built: &Contact<S, N>, lambda: &[f64]) -> Transmitted<N> {
+        match (&self.multiplier, &built.points) {
+            (Some(psi), _) => built.transmitted_as_read(&**psi, self.read_through().unwrap_or(&**psi), lambda),
+            (None, points) => built.transmitted_at_points(&points.as_ref().map_or_else(Vec::new, |p| p.of_points(lambda))),
+        }
+    }
+
+    /// The gap of every row \[length\]: lumped over a multiplier function, or at the point it belongs to. None where nothing is faced.
+    pub fn gaps(&self, model: &Model<S, N>, built: &Contact<S, N>, u: &[f64]) -> Vec<Option<f64>> {
+        let Some(points) = &built.points else { return built.lumped_gap(u) };
+        let mut gaps = vec![None; built.offset.len()];
+        for (&j, gap) in points.row.iter().zip(self.point_gaps(model, built, u)) {
+            gaps[j] = Some(gap);
+        }
+        gaps
+    }
+
+    /// The gap at every point of the segments \[length\].
+    pub fn point_gaps(&self, model: &Model<S, N>, built: &Contact<S, N>, u: &[f64]) -> Vec<f64> {
+        let side = |trace, field| Side { trace, field, flux: None };
+        let interface = Interface {
+            slave: side(&self.slave.trace, model.patches[self.slave.patch].field),
+            master: match &self.against {
+                Against::Side(master, _) => Some(side(&master.trace, master.field)),
+                Against::Rigid(..) => None,
+            },
+            multiplier: &[],
+            segments: &built.segments,
+            master_segments: None,
+            direction: None,
+        };
+        built.point_gaps(&jumps(&interface, u), u)
+    }
+}

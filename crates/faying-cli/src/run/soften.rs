@@ -1,0 +1,169 @@
+//! Softness of the rows of a model, and the contact solver that goes with it.
+
+use crate::build::{Formulation, Model};
+use crate::watch::{Progress, Watch};
+use faying::assembly::Blocks;
+use faying::constraint::{
+    ActiveSet, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, IterationNews, Proximal, SolveError, penalty,
+};
+use faying::contact::Contact;
+use faying::coupling::Rows;
+
+/// What is soft in a model: gap / lambda per row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Softness {
+    /// Of penalties; empty: all rows are exact.
+    pub compliance: Vec<f64>,
+    /// Of the rows that an augmented Lagrangian makes exact; empty: there are none.
+    augmented: Vec<f64>,
+    /// Error of the multipliers at which its iteration ends.
+    tolerance: f64,
+}
+
+impl Softness {
+    /// Of all ties and contacts, by the stiffness of the bodies, which supports do not change.
+    pub fn of<const S: usize, const N: usize>(
+        model: &Model<S, N>,
+        matrices: &Blocks<'_>,
+        rows: &Rows,
+        built: &[Vec<Contact<S, N>>],
+    ) -> Self {
+        let mut soft = Self { tolerance: f64::INFINITY, ..Self::default() };
+        let ties = model.ties.iter().flat_map(|tie| &tie.parts);
+        let penalties = ties.filter_map(|part| Some((part.first_row..part.first_row + part.num_rows, part.penalty?)));
+        let contacts = model.contacts.iter().flat_map(|c| c.parts.iter().map(move |part| (c.formulation, part.rows())));
+        let mut unit = None;
+        let mut unit = |row: usize| unit.get_or_insert_with(|| penalty(&matrices.bodies_diagonal(), rows, model.rows, 1.0))[row];
+        let mut soften = |list: &mut Vec<f64>, range: std::ops::Range<usize>, factor: f64| {
+            list.resize(model.rows, 0.0);
+            range.for_each(|row| list[row] = unit(row) / factor);
+        };
+        for (range, factor) in penalties {
+            soften(&mut soft.compliance, range, factor);
+        }
+        for (formulation, range) in contacts {
+            match formulation {
+                Formulation::Penalty { factor } => soften(&mut soft.compliance, range, factor),
+                Formulation::Augmented { factor, tolerance } => {
+                    soft.tolerance = soft.tolerance.min(tolerance);
+                    soften(&mut soft.augmented, range, factor);
+                }
+                // rows at points bring their own
+                Formulation::Lagrange | Formulation::Nitsche(_) => {}
+            }
+        }
+        for (part, built) in model.contacts.iter().flat_map(|c| &c.parts).zip(built.iter().flatten()) {
+            if let Some(points) = &built.points {
+                soft.compliance.resize(model.rows, 0.0);
+                soft.compliance[part.rows()].copy_from_slice(&points.compliance);
+            }
+        }
+        soft
+    }
+
+    /// Whether no row is made exact by an augmented Lagrangian.
+    pub fn is_exact(&self) -> bool {
+        self.augmented.is_empty()
+    }
+
+    /// Solves a system with contact rows by `set`, made exact where the model asks for an augmented Lagrangian. `eased`: contact rows of
+    /// points whose first state says nothing about the answer.
+    ///
+    /// # Errors
+    /// Those of the active set and of [`Proximal`].
+    pub fn solve(
+        &self,
+        set: &mut ActiveSet<Box<dyn ConstraintSolver>>,
+        system: &ConstrainedSystem<'_>,
+        eased: Vec<bool>,
+        watch: &Watch,
+    ) -> Result<ConstrainedSolution, SolveError> {
+        let mut inner = Watched { set, watch, eased, done: 0 };
+        if self.augmented.is_empty() {
+            return inner.solve(system);
+        }
+        // rows that have no weight cannot be softened, and face nothing
+        Proximal { tolerance: self.tolerance, ..Proximal::new(inner, self.augmented.clone()) }.solve(system)
+    }
+}
+
+/// Iterations after which a first state with points is taken for a bad one.
+const PATIENCE: usize = 10;
+/// How much softer than they are rows of points are made on the way to a good first state.
+const SOFTER: [f64; 4] = [1e4, 1e3, 1e2, 1e1];
+
+/// An active set that tells of its iterations; solved again it starts from where it ended.
+///
+/// A set of points that is far too large, such as all of them, is peeled a few points per iteration: where bodies part, the fields
+/// of the too large zone oscillate. Softer rows do not: each is open or closed by its own gap. Where points do not settle soon, they
+/// settle on softer rows first, from each softness to the next.
+#[derive(Debug)]
+struct Watched<'a> {
+    set: &'a mut ActiveSet<Box<dyn ConstraintSolver>>,
+    watch: &'a Watch,
+    /// Rows that are made softer on the way; empty: none.
+    eased: Vec<bool>,
+    /// Linear systems so far.
+    done: usize,
+}
+
+impl Watched<'_> {
+    /// The active set from where it stands, at most `most` iterations of it.
+    fn run(&mut self, system: &ConstrainedSystem<'_>, most: usize) -> Result<ConstrainedSolution, SolveError> {
+        let (watch, done, limit) = (self.watch, self.done, self.set.max_iterations);
+        let mut last = 0;
+        self.set.max_iterations = most;
+        let solved = self.set.solve_watched(system, &mut |news: IterationNews| {
+            last = news.iteration;
+            if watch.stop().is_some() {
+                return false;
+            }
+            watch.report(Progress::Iteration { iteration: done + news.iteration, active: news.active, rows: news.rows });
+            true
+        });
+        self.set.max_iterations = limit;
+        self.done += last;
+        if let Ok(solution) = &solved {
+            self.set.start.clone_from(&solution.active);
+            self.set.near = true;
+        }
+        solved
+    }
+}
+
+/// The last state of an iteration that did not settle; of others the error itself.
+fn unsettled(error: SolveError) -> Result<Option<Box<ConstrainedSolution>>, SolveError> {
+    match error {
+        SolveError::TooManyIterations { best, .. } | SolveError::Cycling { best, .. } => Ok(Some(best)),
+        SolveError::RigidMotion { best, .. } => Ok(best),
+        other => Err(other),
+    }
+}
+
+impl ConstraintSolver<f64> for Watched<'_> {
+    fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
+        let (eased, most) = (std::mem::take(&mut self.eased), self.set.max_iterations);
+        let mut before = ActiveSetReport::default();
+        if eased.contains(&true) && most > PATIENCE {
+            let first = self.set.start.clone();
+            match self.run(system, PATIENCE) {
+                Ok(solution) => return Ok(solution),
+                Err(error) => before = unsettled(error)?.and_then(|last| last.active_set).unwrap_or_default(),
+            }
+            self.set.start = first;
+            for softer in SOFTER {
+                let soft = |j: usize| system.compliance.get(j).copied().unwrap_or(0.0) * if eased[j] { softer } else { 1.0 };
+                let compliance: Vec<f64> = (0..eased.len()).map(soft).collect();
+                let solved = self.run(&ConstrainedSystem { compliance: &compliance, ..*system }, PATIENCE);
+                match solved.map_or_else(unsettled, |solution| Ok(Some(Box::new(solution))))? {
+                    Some(solution) => {
+                        self.set.start.clone_from(&solution.active);
+                        before = solution.active_set.unwrap_or_default().after(&before);
+                    }
+                    None => break,
+                }
+            }
+        }
+        self.run(system, most).map(|solution| solution.done_after(&before))
+    }
+}

@@ -1,0 +1,281 @@
+//! Assembling and solving the system of a model at a time.
+
+use super::at_rest::at_rest;
+use super::integrate::on_trace;
+use super::iteration;
+use super::loads::Resultant;
+use super::matrices::Matrices;
+use super::soften::Softness;
+use super::solver::Solver;
+use super::system::System;
+use crate::build::{Model, unheld};
+use crate::formula::Point;
+use crate::watch::{Progress, Watch};
+use faying::assembly::{Blocks, DirichletError, Reduced, ReductionError};
+use faying::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, sign_case_of_rows};
+use faying::contact::{Contact, ContactError};
+use faying::coupling::{CouplingError, Rows};
+use faying::linalg::{Csr, LinearError};
+
+/// Sign case of rows without one: ties, and contact rows that face nothing.
+pub(super) const NO_CONTACT: u8 = 9;
+
+/// The solution of a step.
+#[derive(Debug)]
+pub struct StepState<const S: usize, const N: usize> {
+    /// Its time.
+    pub t: f64,
+    /// All unknowns.
+    pub u: Vec<f64>,
+    /// One multiplier per row: coefficients of lambda.
+    pub lambda: Vec<f64>,
+    /// What the solver found for every row: of contacts the variables of their cone, lambda = T mu; of ties lambda.
+    pub mu: Vec<f64>,
+    /// Whether each row is enforced.
+    pub active: Vec<bool>,
+    /// Rows, weights and points of every contact part at this time.
+    pub contacts: Vec<Vec<Contact<S, N>>>,
+    /// What supports do to the bodies, per unknown.
+    pub support: Vec<f64>,
+    /// Sum of all loads, springs included.
+    pub load: Resultant,
+    /// Number of unknowns that are free.
+    pub free: usize,
+    /// Relative residual.
+    pub residual: f64,
+    /// Condition of the scaled system, where a factor tells it.
+    pub condition: Option<f64>,
+    /// What was done, in words.
+    pub method: String,
+    /// Iterations of the linear algebra, 0 where all was done by factors.
+    pub iterations: usize,
+    /// The active set, where there is contact.
+    pub active_set: Option<faying::constraint::ActiveSetReport>,
+    /// Sign case 0 to 8 of every row; 9 for rows of ties.
+    pub sign_case: Vec<u8>,
+}
+
+/// Why a step has no solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// Prescribed values could not be projected.
+    #[error(transparent)]
+    Dirichlet(#[from] DirichletError),
+    /// Conditions contradict each other.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
+    /// A tie has no stiffness at this time.
+    #[error(transparent)]
+    Coupling(#[from] CouplingError),
+    /// A contact could not be set up at this time.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// No contact pressure balances the loads.
+    #[error("infeasible load: {what}")]
+    Infeasible {
+        /// Which body moves which way, and what force is missing.
+        what: String,
+    },
+    /// The system was not solved.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// Obstacles that forces press did not come to rest.
+    #[error("an obstacle that a force presses does not come to rest: contact was built at {places} places")]
+    Obstacle {
+        /// At how many places.
+        places: usize,
+    },
+}
+
+/// A step that was not solved, with the last state, where there is one.
+#[derive(Debug)]
+pub struct Unsolved<const S: usize, const N: usize> {
+    /// Why.
+    pub error: StepError,
+    /// The last state computed.
+    pub last: Option<Box<StepState<S, N>>>,
+}
+
+impl<const S: usize, const N: usize, E: Into<StepError>> From<E> for Unsolved<S, N> {
+    fn from(error: E) -> Self {
+        Self { error: error.into(), last: None }
+    }
+}
+
+/// Solves the model at time `t` with the matrices of its bodies at that time.
+///
+/// The active set starts as it ended in `before`. Where that leads nowhere it starts again as the case says: a set that holds a
+/// body in one step may leave it free in the next.
+///
+/// # Errors
+/// [`Unsolved`], with the last state of an active set that did not settle or that `watch` stopped.
+pub fn step<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    matrices: &Matrices,
+    solver: &mut Solver,
+    t: f64,
+    before: Option<&StepState<S, N>>,
+    watch: &Watch,
+) -> Result<StepState<S, N>, Unsolved<S, N>> {
+    let before = before.filter(|_| !model.contacts.is_empty());
+    let solved = at_rest(model, matrices, solver, t, before, watch);
+    match &solved {
+        Err(Unsolved { error: StepError::Solve(e), .. }) if before.is_some() && !matches!(e, SolveError::Stopped { .. }) => {
+            at_rest(model, matrices, solver, t, None, watch)
+        }
+        _ => solved,
+    }
+}
+
+/// Solves the system with obstacles where `place` says, the active set started as it ended in `before`.
+pub(super) fn once<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    matrices: &Matrices,
+    solver: &mut Solver,
+    t: f64,
+    before: Option<&StepState<S, N>>,
+    place: Option<&[f64]>,
+    watch: &Watch,
+) -> Result<StepState<S, N>, Unsolved<S, N>> {
+    let goes_on = || match watch.stop() {
+        None => Ok(()),
+        Some(_) => Err(SolveError::Stopped { iterations: 0, best: None }),
+    };
+    if let Some(fault) = &matrices.fault {
+        return Err(fault.clone().into());
+    }
+    let obstacles = model.has_pressed().then(|| model.pressed_block());
+    let bodies: Vec<&Csr> = matrices.bodies.iter().chain(&obstacles).collect();
+    let matrices = Blocks { bodies: &bodies, between: matrices.between.as_ref() };
+    let prescribed = model.prescribed(t).map_err(|e| Unsolved::<S, N>::from(e.0))?;
+    let (load, totals) = model.loads(t);
+    let mut total = Resultant::default();
+    totals.iter().for_each(|own| total.sum(own));
+    let system = System::of(model, t, before, place)?;
+    let reduced = Reduced::try_new(matrices, &load, &prescribed, &model.all_equations())?;
+    let (slave, shift) = reduced.rows(&system.rows.slave);
+    let (master, shift_master) = reduced.rows(&system.rows.master);
+    let offset: Vec<f64> = (0..model.rows).map(|i| system.offset[i] + shift[i] + shift_master[i]).collect();
+    let rows = Rows { slave, master };
+    let softness = Softness::of(model, &matrices, &system.rows, &system.contacts);
+    let reaction = system.reaction.as_ref().map(|b| Rows { slave: reduced.rows(&b.slave).0, master: reduced.rows(&b.master).0 });
+    let constrained = ConstrainedSystem {
+        stiffness: &reduced.stiffness,
+        load: &reduced.load,
+        constraint: &rows,
+        reaction: reaction.as_ref(),
+        offset: &offset,
+        kind: &system.kind,
+        compliance: &softness.compliance,
+    };
+    goes_on()?;
+    let has_contact = system.kind.iter().any(|k| *k != RowKind::Equal);
+    let missing = if has_contact { unheld_load(model, &system, &load, &totals) } else { None };
+    let solved = if reduced.num_free() == 0 && model.rows == 0 {
+        Ok(ConstrainedSolution { method: "nothing to solve".into(), ..ConstrainedSolution::default() })
+    } else if has_contact && !(solver.decides && softness.is_exact()) {
+        let active_set = &mut solver.set;
+        active_set.start.clone_from(&system.start);
+        active_set.near = before.is_some();
+        active_set.elements.clone_from(&system.elements);
+        active_set.max_iterations = model.max_iterations;
+        active_set.c = model.c;
+        // where no pressure balances the loads, no step back leads anywhere
+        active_set.retreat = missing.is_none();
+        softness.solve(active_set, &constrained, system.eased.clone(), watch)
+    } else {
+        solver.set.inner.solve(&constrained).map_err(|error| match error {
+            SolveError::Linear(LinearError::Stopped { .. }) => SolveError::Stopped { iterations: 0, best: None },
+            other => other,
+        })
+    };
+    let finish = |solution: ConstrainedSolution| {
+        if let Some(report) = &solution.active_set {
+            iteration::lines(report).iter().for_each(|line| watch.report(Progress::Note(line)));
+        }
+        let sign_case = sign_case_of_rows(&constrained, &solution).into_iter().map(|case| case.unwrap_or(NO_CONTACT)).collect();
+        finished(model, matrices, &load, total, &reduced, &system, solution, sign_case, t)
+    };
+    match solved {
+        Ok(solution) => Ok(finish(solution)),
+        Err(error) => {
+            let last = match &error {
+                SolveError::Cycling { best: last, .. }
+                | SolveError::TooManyIterations { best: last, .. }
+                | SolveError::Multipliers { last, .. } => Some(last.clone()),
+                SolveError::RigidMotion { best, .. } | SolveError::Stopped { best, .. } => best.clone(),
+                _ => None,
+            };
+            let error = match (missing, StepError::from(error)) {
+                (Some(what), StepError::Solve(e)) if !matches!(e, SolveError::Stopped { .. }) => StepError::Infeasible { what },
+                (_, error) => error,
+            };
+            let usable = last.filter(|l| l.unknowns.len() == reduced.num_free() && l.multipliers.len() == model.rows);
+            Err(Unsolved { error, last: usable.map(|l| Box::new(finish(*l))) })
+        }
+    }
+}
+
+/// Why no contact pressure balances the loads, where that is so.
+fn unheld_load<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    system: &System<S, N>,
+    load: &[f64],
+    totals: &[Resultant],
+) -> Option<String> {
+    let pushes: Vec<_> = totals.iter().map(|r| (r.force, r.moment)).collect();
+    unheld(model, &system.contacts, &pushes, load.iter().map(|f| f.abs()).sum())
+}
+
+fn finished<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    matrices: Blocks<'_>,
+    load: &[f64],
+    mut total: Resultant,
+    reduced: &Reduced,
+    system: &System<S, N>,
+    solution: ConstrainedSolution,
+    sign_case: Vec<u8>,
+    t: f64,
+) -> StepState<S, N> {
+    let u = reduced.expand(&solution.unknowns);
+    let b = system.reaction.as_ref().unwrap_or(&system.rows);
+    let mut support = reduced.residual(matrices, load, &[&b.slave, &b.master], &solution.multipliers, &u);
+    model.glued.gather(&mut support);
+    // springs pull back
+    for spring in &model.springs {
+        let field = model.patches[spring.side.patch].field;
+        super::integrate::over_side(&spring.side, |e, xi, x, _, ds| {
+            let value = on_trace(&spring.side.trace, field, &u, e, &[*xi])[0];
+            let mut force = [0.0; 3];
+            force[spring.component] = -spring.stiffness.value(&Point::new(x.as_slice()).at_time(t)) * value[spring.component];
+            total.add(x, &force, ds);
+        });
+    }
+    let mut lambda = solution.multipliers.clone();
+    for (contact, built) in model.contacts.iter().zip(&system.contacts) {
+        for (part, rows) in contact.parts.iter().zip(built) {
+            let range = part.rows();
+            let turned = rows.multipliers(&lambda[range.clone()]);
+            lambda[range].copy_from_slice(&turned);
+        }
+    }
+    StepState {
+        t,
+        u,
+        lambda,
+        mu: solution.multipliers,
+        active: solution.active,
+        contacts: system.contacts.clone(),
+        support,
+        load: total,
+        free: reduced.num_free(),
+        residual: solution.residual,
+        condition: solution.condition,
+        method: solution.method,
+        iterations: solution.iterations,
+        active_set: solution.active_set,
+        sign_case,
+    }
+}

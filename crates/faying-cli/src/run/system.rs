@@ -1,0 +1,83 @@
+//! The rows of all ties and contacts as one system, and the first guess of which contacts are closed.
+
+use super::solve::{StepError, StepState};
+use super::start::Guess;
+use crate::build::Model;
+use crate::case::Start;
+use faying::constraint::RowKind;
+use faying::contact::Contact;
+use faying::coupling::Rows;
+use faying::linalg::Triplets;
+
+/// C, B, g and kinds of all rows in all unknowns.
+pub(super) struct System<const S: usize, const N: usize> {
+    pub(super) rows: Rows,
+    pub(super) reaction: Option<Rows>,
+    pub(super) offset: Vec<f64>,
+    pub(super) kind: Vec<RowKind>,
+    pub(super) start: Vec<bool>,
+    /// Rows whose multiplier functions share an element of the slave side, one list per element.
+    pub(super) elements: Vec<Vec<usize>>,
+    /// Rows of points that start closed whatever their gap is.
+    pub(super) eased: Vec<bool>,
+    pub(super) contacts: Vec<Vec<Contact<S, N>>>,
+}
+
+pub(super) fn empty(rows: usize, unknowns: usize) -> Rows {
+    Rows { slave: Triplets::new(rows, unknowns), master: Triplets::new(rows, unknowns) }
+}
+
+fn append(sum: &mut Rows, part: &Rows, first: usize) {
+    sum.slave.append_below(&part.slave, first);
+    sum.master.append_below(&part.master, first);
+}
+
+impl<const S: usize, const N: usize> System<S, N> {
+    /// `before`: the step whose active rows are the first guess.
+    ///
+    /// `place`: unknowns that say where obstacles are that forces press; none: at rest.
+    pub(super) fn of(model: &Model<S, N>, t: f64, before: Option<&StepState<S, N>>, place: Option<&[f64]>) -> Result<Self, StepError> {
+        let m = model.rows;
+        let mut rows = empty(m, model.unknowns);
+        let (mut reaction, mut differs) = (empty(m, model.unknowns), false);
+        let (mut offset, mut kind) = (vec![0.0; m], vec![RowKind::Equal; m]);
+        let (mut guess, mut elements) = (Guess::new(model, before), Vec::new());
+        for part in model.ties.iter().flat_map(|tie| &tie.parts) {
+            append(&mut rows, &part.rows, part.first_row);
+            append(&mut reaction, part.reaction.as_ref().unwrap_or(&part.rows), part.first_row);
+            differs |= part.reaction.is_some();
+        }
+        let mut eased = vec![false; m];
+        let mut contacts = Vec::with_capacity(model.contacts.len());
+        for contact in &model.contacts {
+            let mut parts = Vec::with_capacity(contact.parts.len());
+            for part in &contact.parts {
+                let built = contact.at_place(model, part, t, place)?;
+                let turned = built.turned(&built.rows);
+                append(&mut rows, &turned, part.first_row);
+                let pulls = built.reaction.as_ref().map(|b| built.turned(b));
+                append(&mut reaction, pulls.as_ref().unwrap_or(&turned), part.first_row);
+                differs |= built.reaction.is_some();
+                let (own, weights) = (built.turned_offset(), built.turned_weights());
+                for (j, (&g, k)) in own.iter().zip(built.kinds()).enumerate() {
+                    let row = part.first_row + j;
+                    (offset[row], kind[row]) = (g, k);
+                    guess.take(contact, row, k, g, weights[j]);
+                }
+                if let Some(psi) = &part.multiplier {
+                    elements.extend((0..psi.num_elements()).map(|e| {
+                        let mut functions = Vec::new();
+                        psi.active(e, &mut functions);
+                        functions.iter().map(|j| part.first_row + j).collect()
+                    }));
+                }
+                eased[part.rows()].fill(built.points.is_some() && matches!(contact.start, Start::Auto | Start::All) && before.is_none());
+                parts.push(built);
+            }
+            contacts.push(parts);
+        }
+        guess.close_nearest(&rows);
+        let (start, reaction) = (guess.closed, differs.then_some(reaction));
+        Ok(Self { rows, reaction, offset, kind, start, elements, eased, contacts })
+    }
+}

@@ -1,0 +1,78 @@
+//! lambda of a tie at any point of its slave side: of its multiplier, or where it has none, what its coupling makes of the fluxes.
+
+use super::report::{component_rows, multiplier_at};
+use super::solve::StepState;
+use crate::build::{Fluxes, Model, TiePart};
+use faying::basis::Order;
+use faying::coupling::Segments;
+use faying::geometry::{ClosestPoint, Geometry, MapTable};
+use faying::linalg::Vector;
+use faying::space::Space;
+use std::sync::Arc;
+
+/// What is needed beside the state to evaluate lambda of a tied part at a time.
+#[derive(Debug)]
+pub struct TieField<const S: usize, const N: usize>(Option<WithoutRows<S, N>>);
+
+/// The fluxes at the time, and the masters to find partners on.
+#[derive(Debug)]
+struct WithoutRows<const S: usize, const N: usize> {
+    fluxes: Fluxes<S, N>,
+    masters: Vec<ClosestPoint<S, N, Arc<dyn Space<S, N>>>>,
+}
+
+impl<const S: usize, const N: usize> TieField<S, N> {
+    /// lambda of `part` at time `t`.
+    pub fn of(model: &Model<S, N>, part: &TiePart<S, N>, t: f64) -> Self {
+        let closest = |p: &crate::build::Pairing<S, N>| ClosestPoint::new(Arc::clone(&p.master.trace.space));
+        let without = || WithoutRows { fluxes: part.fluxes(model, t), masters: part.pairings.iter().map(closest).collect() };
+        Self(part.multipliers.is_empty().then(without))
+    }
+
+    /// At the points of the segments with master `k`: `[component][point]`.
+    pub fn on_segments(&self, model: &Model<S, N>, part: &TiePart<S, N>, state: &StepState<S, N>, k: usize) -> Vec<Vec<f64>> {
+        if let Some(own) = &self.0 {
+            return part.numerical_flux(model, k, &own.fluxes, None, &state.u);
+        }
+        let (s, rows) = (&part.pairings[k].segments, component_rows(part));
+        let on_piece = |c: usize, piece: usize| {
+            let xi = &s.slave_xi[s.points(piece)];
+            multiplier_at(&*part.multipliers[c], &state.lambda[rows[c].clone()], s.slave[piece], xi)
+        };
+        (0..rows.len()).map(|c| (0..s.num_pieces()).flat_map(|piece| on_piece(c, piece)).collect()).collect()
+    }
+
+    /// At local points of a slave element: `[component][point]`.
+    pub fn at(
+        &self,
+        model: &Model<S, N>,
+        part: &TiePart<S, N>,
+        state: &StepState<S, N>,
+        element: usize,
+        xi: &[Vector<S>],
+    ) -> Vec<Vec<f64>> {
+        let Some(own) = &self.0 else {
+            let rows = component_rows(part);
+            let of = |c: usize| multiplier_at(&*part.multipliers[c], &state.lambda[rows[c].clone()], element, xi);
+            return (0..rows.len()).map(of).collect();
+        };
+        let mut map = MapTable::new();
+        part.slave.trace.space.map(element, xi, Order::Values, &mut map);
+        // the partner of a point is the nearest point of the nearest master
+        let mut all = vec![vec![f64::NAN; xi.len()]; model.components];
+        let mut asked: Vec<(Segments<S>, Vec<usize>)> = part.pairings.iter().map(|_| (Segments::new(), Vec::new())).collect();
+        for (q, x) in map.x.iter().enumerate() {
+            let feet = own.masters.iter().enumerate().filter_map(|(k, m)| Some((k, m.project(x)?)));
+            let Some((k, foot)) = feet.min_by(|a, b| a.1.distance.total_cmp(&b.1.distance)) else { continue };
+            asked[k].0.push_piece(element, foot.element, [(xi[q], foot.xi, 1.0)]);
+            asked[k].1.push(q);
+        }
+        for (k, (segments, points)) in asked.iter().enumerate().filter(|(_, (_, points))| !points.is_empty()) {
+            let found = part.numerical_flux(model, k, &own.fluxes, Some(segments), &state.u);
+            for (all, found) in all.iter_mut().zip(&found) {
+                points.iter().zip(found).for_each(|(&q, &v)| all[q] = v);
+            }
+        }
+        all
+    }
+}

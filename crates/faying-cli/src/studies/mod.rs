@@ -1,0 +1,32 @@
+//! Studies: one case solved several times, a row each, in one table.
+//!
+//! A row is the case read again with [`Changes`](crate::case::Changes) and solved by a [`Method`]: the code of `run`, or another look at
+//! the case. A study is the list of rows that its [`Axes`] span, and what is asked of them; every command on studies shares the rows,
+//! the table, the files.
+
+mod axes;
+mod choice;
+mod constants;
+mod csv;
+mod document;
+mod kept;
+mod method;
+mod picture;
+mod quantities;
+mod rates;
+mod reading;
+mod report;
+mod rows;
+mod study;
+mod table;
+
+pub use axes::{Axes, MOST_ROWS};
+pub use choice::{Degrees, Vary, repeated, split};
+pub use kept::Kept;
+pub use method::{Method, Runs};
+pub use picture::picture;
+pub use quantities::{Asked, asked};
+pub(crate) use rates::decided;
+pub use report::html;
+pub use rows::{Base, Row, Spec, slaves};
+pub use study::{Plan, Study, Tolerance};

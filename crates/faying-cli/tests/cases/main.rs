@@ -1,0 +1,12 @@
+//! Case files as a whole: reading, running, stored references, families of mutants, the lessons.
+#![allow(clippy::unwrap_used)]
+
+mod battery;
+mod case_files;
+mod lessons;
+mod mutated_files;
+mod mutated_runs;
+mod reference;
+mod run;
+mod twins;
+mod volume;

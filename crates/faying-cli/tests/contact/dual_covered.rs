@@ -1,0 +1,263 @@
+//! Dual multipliers of contact where the master ends within an element: weights, sum, diagonality, bounds, pressure.
+
+use crate::common::coupled;
+use crate::common::pressed;
+use coupled::{KINDS, Kind, weighted};
+use faying::basis::{BSpline, Basis, Order, ShapeTable};
+use faying::check;
+use faying::coupling::Segments;
+use faying::coupling::multiplier::{MOST, MultiplierError, MultiplierKind, build, build_covered};
+use faying::geometry::MapTable;
+use faying::geometry::shapes::{annulus_sector, rectangle};
+use faying::linalg::{Vector, measure};
+use faying::quadrature::gauss_legendre;
+use faying::space::{PatchSpec, Space};
+use faying_cli::Registry;
+use pressed::{contact, read, solve};
+use std::sync::Arc;
+
+type Curve = Arc<dyn Space<1, 2>>;
+
+/// A side of four elements, straight or an arc.
+fn side(kind: Kind, degree: usize, curved: bool) -> Curve {
+    let mut net =
+        if curved { annulus_sector([0.0, 0.0], [1.0, 2.0], [0.0, 90.0]).unwrap() } else { rectangle([0.0, 0.0], [1.0, 1.0]).unwrap() };
+    if kind == Kind::Nurbs && !curved {
+        net = weighted(&net, degree.min(2));
+    }
+    let spec = PatchSpec::new(net).with_degree([degree; 2]).with_elements([4, 1]);
+    kind.body(&spec).trace(if curved { "v1" } else { "v0" }).unwrap().space
+}
+
+/// Gauss points of a piece [from, to] of every element; none where both are equal.
+fn cover(space: &dyn Space<1, 2>, pieces: &[[f64; 2]], points: usize) -> Segments<1> {
+    let (rule, mut segments, mut map) = (gauss_legendre::<f64>(points), Segments::new(), MapTable::new());
+    for (e, &[from, to]) in pieces.iter().enumerate().filter(|(_, p)| p[0] < p[1]) {
+        let xi: Vec<Vector<1>> = rule.points.iter().map(|x| Vector::<1>::new(from + (to - from) * x[0])).collect();
+        space.map(e, &xi, Order::Gradients, &mut map);
+        let ds: Vec<f64> = map.jacobian.iter().zip(&rule.weights).map(|(j, w)| w * (to - from) * measure(j)).collect();
+        segments.push_piece(e, 0, xi.iter().zip(ds).map(|(&x, ds)| (x, x, ds)));
+    }
+    segments
+}
+
+/// What the functions of an element are read as: Bernstein polynomials where the trace's have both signs.
+fn values(space: &dyn Space<1, 2>, element: usize, xi: &[Vector<1>]) -> ShapeTable<1> {
+    let (mut table, mut all) = (ShapeTable::new(), ShapeTable::new());
+    let grid: Vec<Vector<1>> = (0..=40).map(|k| Vector::<1>::new(f64::from(k) / 40.0)).collect();
+    space.tabulate(element, &grid, Order::Values, &mut all);
+    if (0..grid.len()).any(|q| all.values(q).iter().any(|v| *v < -1e-9)) {
+        BSpline::bernstein(all.num_functions() - 1, &[0.0, 1.0]).tabulate(0, xi, Order::Values, &mut table);
+    } else {
+        space.tabulate(element, xi, Order::Values, &mut table);
+    }
+    table
+}
+
+const SHARES: [f64; 7] = [0.9, 0.5, 0.3, 0.1, 0.01, 1e-3, 1e-6];
+
+#[test]
+fn over_a_part_of_an_element_weights_are_positive_sums_are_one_and_d_is_diagonal() {
+    let (mut tested, mut diagonal, mut worst, mut largest) = (0, 0, 0.0f64, 0.0f64);
+    for kind in KINDS {
+        for degree in 1..=4 {
+            for curved in [false, true] {
+                if curved && kind == Kind::Nurbs && degree < 2 {
+                    continue; // an arc has degree two
+                }
+                let space = side(kind, degree, curved);
+                for share in SHARES {
+                    // the master ends in the third element, begins in the second, or is shorter than an element
+                    for pieces in [
+                        [[0.0, 1.0], [0.0, 1.0], [0.0, share], [0.0, 0.0]],
+                        [[0.0, 0.0], [1.0 - share, 1.0], [0.0, 1.0], [0.0, 1.0]],
+                        [[0.0, 0.0], [0.5 - 0.5 * share, 0.5 + 0.5 * share], [0.0, 0.0], [0.0, 0.0]],
+                        [[1.0 - share, 1.0], [0.0, 1.0], [0.0, 1.0], [0.0, share]],
+                    ] {
+                        for ends in [[false, false], [true, false], [true, true]] {
+                            let what = format!("{kind:?} of degree {degree}, curved {curved}, {pieces:?}, ends {ends:?}");
+                            let segments = cover(&*space, &pieces, degree + 10);
+                            let made = build_covered(&space, &ends, &segments);
+                            let smooth = degree >= 3 && matches!(kind, Kind::Spline | Kind::Nurbs);
+                            if smooth {
+                                let Err(MultiplierError::NoDual { reason, known }) = made else { panic!("{what}: no bound") };
+                                assert!(reason.contains("covered in part") && known.contains("p/p-2"), "{what}: {reason}, {known}");
+                                continue;
+                            }
+                            let made = made.unwrap_or_else(|e| panic!("{what}: {e}"));
+                            let (psi, reading) = (&made.functions, &made.reading);
+                            check::basis(reading).unwrap_or_else(|e| panic!("{what}: {e}"));
+                            check::partition_of_unity(reading).unwrap_or_else(|e| panic!("{what}: {e}"));
+                            // on slivers the functions that live there alone give all they have to a neighbour: at most those of both elements covered in part
+                            let n = space.num_functions() - ends.iter().filter(|e| **e).count();
+                            let lost = n - psi.num_functions();
+                            assert_eq!(psi.num_functions(), reading.num_functions(), "{what}");
+                            assert!(lost <= if share < 0.3 { 2 * degree } else { 0 }, "{what}: {lost} functions are lost");
+                            let mut weights = vec![0.0; psi.num_functions()];
+                            let mut read = weights.clone();
+                            let (mut own, mut ids, mut all) = (ShapeTable::new(), Vec::new(), Vec::new());
+                            let mut other = ShapeTable::new();
+                            for piece in 0..segments.num_pieces() {
+                                let (e, points) = (segments.slave[piece], segments.points(piece));
+                                let xi = &segments.slave_xi[points.clone()];
+                                psi.active(e, &mut ids);
+                                psi.tabulate(e, xi, Order::Values, &mut own);
+                                reading.active(e, &mut all);
+                                reading.tabulate(e, xi, Order::Values, &mut other);
+                                let in_part = pieces[e][1] - pieces[e][0] < 1.0;
+                                for (k, q) in points.clone().enumerate() {
+                                    let sum: f64 = own.values(k).iter().sum();
+                                    let size = own.values(k).iter().fold(0.0f64, |m, v| m.max(v.abs()));
+                                    worst = worst.max((sum - 1.0).abs() / size.max(1.0));
+                                    ids.iter().zip(own.values(k)).for_each(|(&j, v)| weights[j] += segments.ds[q] * v);
+                                    all.iter().zip(other.values(k)).for_each(|(&j, v)| read[j] += segments.ds[q] * v);
+                                    if in_part {
+                                        largest = largest.max(size);
+                                        assert!(size <= MOST, "{what}: {size}");
+                                        assert!(other.values(k).iter().all(|v| *v >= -1e-12), "{what}");
+                                    }
+                                }
+                                // D, in the form that the element is read in
+                                if in_part && ids.len() == degree + 1 {
+                                    let table = values(&*space, e, xi);
+                                    let d = |j: usize, i: usize| -> f64 {
+                                        points
+                                            .clone()
+                                            .enumerate()
+                                            .map(|(k, q)| segments.ds[q] * own.values(k)[j] * table.values(k)[i])
+                                            .sum()
+                                    };
+                                    let all: Vec<Vec<f64>> = (0..=degree).map(|j| (0..=degree).map(|i| d(j, i)).collect()).collect();
+                                    let most = all.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
+                                    for row in &all {
+                                        let mut sizes: Vec<f64> = row.iter().map(|v| v.abs()).collect();
+                                        sizes.sort_by(f64::total_cmp);
+                                        assert!(sizes[degree - 1] <= 1e-8 * most, "{what}: {all:?}");
+                                    }
+                                    diagonal += 1;
+                                }
+                            }
+                            // functions of constrained ends of elements that are covered as a whole keep what they have in ties
+                            let free = ends == [false, false];
+                            let scale = weights.iter().fold(0.0f64, |m, w| m.max(*w));
+                            let whole_end = (ends[0] && pieces[0] == [0.0, 1.0]) || (ends[1] && pieces[3] == [0.0, 1.0]);
+                            if !whole_end {
+                                assert!(weights.iter().all(|&w| w >= -1e-14 * scale), "{what}: {weights:?}");
+                            }
+                            if free {
+                                for (w, r) in weights.iter().zip(&read) {
+                                    assert!((w - r).abs() <= 1e-9 * scale, "{what}: the same force per function: {w} {r}");
+                                }
+                            }
+                            let whole: f64 = segments.measure();
+                            assert!((weights.iter().sum::<f64>() / whole - 1.0).abs() < 1e-9, "{what}");
+                            tested += 1;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    println!("{tested} sides, {diagonal} elements with a diagonal of their own; sums to {worst:.1e}, greatest |psi| {largest:.1}");
+    assert!(tested > 1000 && diagonal > 300 && worst < 1e-8, "{tested} {diagonal} {worst:e}");
+}
+
+#[test]
+fn where_all_is_covered_nothing_changes() {
+    for kind in KINDS {
+        for degree in 1..=4 {
+            let space = side(kind, degree, false);
+            let made = build_covered(&space, &[true, false], &cover(&*space, &[[0.0, 1.0]; 4], degree + 1)).unwrap();
+            let plain = build(&space, MultiplierKind::Dual, &[true, false]).unwrap();
+            let (mut a, mut b, xi) = (ShapeTable::new(), ShapeTable::new(), [Vector::<1>::new(0.0), Vector::<1>::new(0.3)]);
+            for e in 0..4 {
+                made.functions.tabulate(e, &xi, Order::Values, &mut a);
+                plain.tabulate(e, &xi, Order::Values, &mut b);
+                assert_eq!(a.values(1), b.values(1));
+            }
+        }
+    }
+}
+
+#[test]
+fn points_of_an_element_that_several_masters_share_cover_it() {
+    // as slave integration has them: a Gauss rule per element, its points shared out
+    let space = side(Kind::Spline, 3, false);
+    let whole = cover(&*space, &[[0.0, 1.0]; 4], 6);
+    for shares in [[1, 5], [2, 4], [3, 3], [5, 1]] {
+        let mut shared = Segments::new();
+        for piece in 0..whole.num_pieces() {
+            let points = whole.points(piece);
+            let mut from = points.start;
+            for (master, count) in shares.into_iter().enumerate() {
+                let own = (from..from + count).map(|q| (whole.slave_xi[q], whole.slave_xi[q], whole.ds[q]));
+                shared.push_piece(whole.slave[piece], master, own);
+                from += count;
+            }
+        }
+        let of = |segments: &Segments<1>| build_covered(&space, &[], segments);
+        let (a, b) = (of(&shared).unwrap(), of(&whole).unwrap());
+        let (mut one, mut other) = (ShapeTable::new(), ShapeTable::new());
+        for element in 0..4 {
+            let xi = [Vector::<1>::new(0.37)];
+            a.functions.tabulate(element, &xi, Order::Values, &mut one);
+            b.functions.tabulate(element, &xi, Order::Values, &mut other);
+            assert_eq!(one.values(0), other.values(0), "{shares:?}");
+        }
+    }
+    // a point that is missing is a part that is not covered
+    let mut lost = Segments::new();
+    for piece in 0..whole.num_pieces() {
+        let points = if piece == 1 { whole.points(piece).start + 1..whole.points(piece).end } else { whole.points(piece) };
+        lost.push_piece(whole.slave[piece], 0, points.map(|q| (whole.slave_xi[q], whole.slave_xi[q], whole.ds[q])));
+    }
+    assert!(matches!(build_covered(&space, &[], &lost), Err(MultiplierError::NoDual { .. })));
+}
+
+/// A block on another that ends at x = 1 + `share` / 5, within an element of its own, the rest hanging over.
+fn overhang(backend: &str, degree: usize, share: f64, multiplier: &str) -> String {
+    format!(
+        "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\nbackend = \"{backend}\"\ndegree = {degree}\n\
+         [[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+         [[patch]]\nname = \"lower\"\ngeometry = {{ kind = \"box\", min = [0, -1], max = [{}, 0] }}\nelements = [6, 5]\n\
+         [[patch]]\nname = \"upper\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [2, 1] }}\nelements = [10, 5]\n\
+         [[boundary]]\non = \"lower.bottom\"\nfix = [\"y\"]\n[[boundary]]\non = [\"lower.left\", \"upper.left\"]\nfix = [\"x\"]\n\
+         [[boundary]]\non = \"upper.top\"\ndirichlet = {{ y = -0.01 }}\n\
+         [[contact]]\nname = \"c\"\nslave = \"upper.bottom\"\nmaster = \"lower.top\"\nmultiplier = \"{multiplier}\"\n",
+        1.0 + 0.2 * share
+    )
+}
+
+#[test]
+fn a_master_that_ends_within_an_element_presses_without_tension_and_without_oscillation() {
+    for backend in ["iga", "fe"] {
+        for degree in [1, 2, 3] {
+            for share in [0.1, 0.5, 0.9] {
+                let what = format!("{backend} {degree} {share}");
+                let text = overhang(backend, degree, share, "dual");
+                if backend == "iga" && degree >= 3 {
+                    let fault = read(&text, &[]).run(&Registry::default()).unwrap_err();
+                    let first = &fault.items[0];
+                    assert_eq!(first.code, "E064", "{what}: {fault}");
+                    assert_eq!(first.help.as_deref(), Some("write multiplier = \"p/p-2\""), "{what}");
+                    // what the help says can be done
+                    solve(&overhang(backend, degree, share, "p/p-2"), &[]);
+                    continue;
+                }
+                let result = solve(&text, &[]);
+                let c = contact(&result, "c");
+                let other = solve(&overhang(backend, degree, share, "p/p"), &[]);
+                let o = contact(&other, "c");
+                println!("{what}: force {} {}, pressure {:?} {:?}", c.force[1], o.force[1], c.pressure, o.pressure);
+                assert!(c.balance < 1e-12 && result.balance.force.iter().all(|f| f.abs() < 1e-12), "{what}");
+                assert!((c.force[1] / o.force[1] - 1.0).abs() < 0.02, "{what}: {} {}", c.force[1], o.force[1]);
+                assert!(
+                    c.pressure.min >= if backend == "iga" || degree == 1 { -1e-15 } else { -0.2 * c.pressure.max },
+                    "{what}: {:?}",
+                    c.pressure
+                );
+                assert!(c.pressure.max < 2.0 * o.pressure.max, "{what}: {:?} {:?}", c.pressure, o.pressure);
+            }
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! Contact from case files: states, iterations, measures.
+#![allow(clippy::unwrap_used)]
+
+mod active_set;
+mod common;
+mod cones;
+mod contact_benchmarks;
+mod contact_invariance;
+mod contact_methods;
+mod contact_models;
+mod dual_covered;
+mod graded_contact;
+mod half_width;
+mod obstacles;
+mod one_factor;
+mod thin;

@@ -1,0 +1,18 @@
+//! The program itself: commands, files, exits, streams.
+#![allow(clippy::unwrap_used)]
+
+mod brivadis;
+mod common;
+mod compare;
+mod engineer;
+mod files_cases;
+mod files_solid;
+mod foreign;
+mod hostile;
+mod infsup_command;
+mod inspect_convert;
+mod program;
+mod schema;
+mod stored_reference;
+mod studies;
+mod vtk;

@@ -1,0 +1,18 @@
+//! Ties, glue and supports from case files: states, orders, refusals.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+mod corner_values;
+mod cross_product;
+mod direct;
+mod glue;
+mod held;
+mod integration;
+mod iterative;
+mod mortar_balance;
+mod mortar_rates;
+mod multipliers;
+mod poor_numbers;
+mod skeletons;
+mod soft_coupling;
+mod touching;

@@ -1,0 +1,245 @@
+//! Warnings where numbers are poor: each appears where its number is, and not on sound cases beside it.
+
+use faying_cli::Case;
+use faying_cli::case::ReadOptions;
+use faying_cli::errors::Diagnostic;
+use faying_cli::{Registry, RunResult, Status};
+
+fn run(text: &str) -> RunResult {
+    let case = Case::parse("case.toml", text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let result = case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    assert!(matches!(result.status, Status::Ok), "{:?}\n{text}", result.diagnostics);
+    result
+}
+
+/// The only warning of a result.
+fn only<'a>(result: &'a RunResult, code: &str, words: &[&str]) -> &'a Diagnostic {
+    let [warning] = &result.warnings[..] else { panic!("{:?}", result.warnings) };
+    assert_eq!(warning.code, code, "{warning:?}");
+    assert!(words.iter().all(|w| warning.message.contains(w)), "{words:?}: {warning:?}");
+    assert!(warning.help.is_some() && warning.line.is_some(), "{warning:?}");
+    warning
+}
+
+fn none(result: &RunResult, what: &str) {
+    assert!(result.warnings.is_empty(), "{what}: {:?}", result.warnings);
+}
+
+fn error(result: &RunResult, name: &str) -> f64 {
+    *result.errors.get(name).unwrap()
+}
+
+const ELASTIC: &str = "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n";
+
+fn block(name: &str, [x0, y0]: [f64; 2], [x1, y1]: [f64; 2], [nx, ny]: [usize; 2], rest: &str) -> String {
+    format!(
+        "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = [{x0:?}, {y0:?}], max = [{x1:?}, {y1:?}] }}\nelements = [{nx}, {ny}]\n{rest}\n"
+    )
+}
+
+fn on(sides: &str, what: &str) -> String {
+    format!("[[boundary]]\non = {sides}\n{what}\n")
+}
+
+/// A linear field on a spline solid of one span per direction, of these degrees, its control points off the lattice by up to `bend`.
+fn solid(degrees: [usize; 3], bend: f64, degree: usize) -> String {
+    let (mut points, mut knots) = (Vec::new(), Vec::new());
+    for q in degrees {
+        knots.push([vec!["0"; q + 1], vec!["1"; q + 1]].concat().join(", "));
+    }
+    for k in 0..=degrees[2] {
+        for j in 0..=degrees[1] {
+            for i in 0..=degrees[0] {
+                let at = |i: usize, q: usize| i as f64 / q as f64;
+                let (u, v, w) = (at(i, degrees[0]), at(j, degrees[1]), at(k, degrees[2]));
+                // no symmetry that would make coefficients of the highest degrees vanish
+                let (i, j, k) = (1.0 + i as f64, 1.0 + j as f64, 1.0 + k as f64);
+                let off = |a: f64| bend * (a * i + 2.3 * a * a * j + 0.7 * (a + 1.0) * i * j * k).sin();
+                let (x, y, z) = (u + off(1.1), v + off(1.7), w + off(2.9));
+                points.push(format!("[{x:?}, {y:?}, {z:?}]"));
+            }
+        }
+    }
+    format!(
+        "[model]\nphysics = \"poisson\"\ndimension = 3\nexact = {{ u = \"1 + 2*x - y + 3*z\" }}\n[[patch]]\nname = \"a\"\ndegree = {degree}\n\
+         geometry = {{ kind = \"nurbs\", degree = {degrees:?}, knots = [[{}]], points = [{}] }}\nelements = [2, 2, 1]\n\
+         [[boundary]]\non = [\"a.left\", \"a.right\", \"a.front\", \"a.back\"]\ndirichlet = \"exact\"\n\
+         [[boundary]]\non = [\"a.bottom\", \"a.top\"]\nneumann = \"exact\"\n",
+        knots.join("], ["),
+        points.join(", ")
+    )
+}
+
+// Degrees of the integrand: 2q + p - 1 along each direction, so 5 points for q = p = 3 and 4 where q = 1.
+#[test]
+fn curved_splines_in_space_take_the_points_that_linear_fields_ask_for_and_say_how_many() {
+    for (degrees, bend, degree, points) in [
+        ([3, 3, 3], 0.06, 3, [5, 5, 5]),
+        ([3, 3, 1], 0.06, 3, [5, 5, 4]),
+        ([3, 3, 3], 0.06, 4, [5, 5, 5]),
+        ([3, 3, 3], 0.0, 3, [4, 4, 4]),
+        ([1, 1, 1], 0.06, 3, [4, 4, 4]),
+    ] {
+        let result = run(&solid(degrees, bend, degree));
+        let what = format!("{degrees:?} {bend} {degree}");
+        assert_eq!(result.geometry.points.get("a").unwrap(), &points.to_vec(), "{what}");
+        assert!(error(&result, "error.u.H1.rel") < 1e-12, "{what}: {:e}", error(&result, "error.u.H1.rel"));
+        none(&result, &what);
+    }
+    // plane patches keep degree + 1
+    let plane =
+        ELASTIC.to_owned() + &block("a", [0.0, 0.0], [1.0, 1.0], [2, 2], "degree = 3") + &on("\"a.bottom\"", "fix = [\"x\", \"y\"]");
+    assert_eq!(run(&plane).geometry.points.get("a").unwrap(), &vec![4, 4]);
+}
+
+/// Two blocks, the upper one coarse, pressed together or tied; the load varies along the interface.
+fn pair(kind: &str, multiplier: &str, integration: &str, degree: usize, [coarse, fine]: [usize; 2]) -> String {
+    ELASTIC.replace("[[material]]", "[[material]]\nname = \"hard\"\nyoung = 1e3\npoisson = 0.3\n[[material]]")
+        + &block("lower", [0.0, 0.0], [1.0, 0.5], [fine, 8], &format!("degree = {degree}\nmaterial = \"m\""))
+        + &block("upper", [0.0, 0.5], [1.0, 1.0], [coarse, 2], &format!("degree = {degree}\nmaterial = \"hard\""))
+        + &on("\"lower.bottom\"", "fix = [\"x\", \"y\"]")
+        + &on("\"upper.top\"", "dirichlet = [\"0\", \"-0.01*(1 + x)\"]")
+        + &format!(
+            "[[{kind}]]\nname = \"i\"\nslave = \"upper.bottom\"\nmaster = \"lower.top\"\nmultiplier = \"{multiplier}\"\nintegration = \"{integration}\"\n"
+        )
+}
+
+#[test]
+fn a_coarse_slave_that_does_not_see_a_finer_softer_master_is_told_with_its_estimate() {
+    for kind in ["contact", "interface"] {
+        for degree in [1, 2] {
+            let (poor, sound) = (run(&pair(kind, "auto", "slave", degree, [2, 32])), run(&pair(kind, "auto", "merged", degree, [2, 32])));
+            let force = |r: &RunResult| r.reactions.get("lower.bottom").unwrap()[1];
+            let off = 1.0 - force(&poor) / force(&sound);
+            assert!((0.15..0.35).contains(&off), "{kind}, degree {degree}: {off}");
+            let warning = only(&poor, "E065", &["\"i\"", "%"]);
+            assert!(warning.help.as_ref().unwrap().contains("merged"), "{warning:?}");
+            none(&sound, kind);
+            // matching grids are integrated exactly by the slave's points
+            none(&run(&pair(kind, "auto", "slave", degree, [8, 8])), kind);
+        }
+    }
+}
+
+#[test]
+fn constants_on_sides_of_degree_1_are_the_unstable_pair_under_another_name() {
+    for kind in ["contact", "interface"] {
+        let warning = run(&pair(kind, "constant", "merged", 1, [8, 8]));
+        only(&warning, "E061", &["constant", "p/p-1", "degree 1"]);
+        for (multiplier, degree) in [("constant", 2), ("p/p", 1), ("auto", 1), ("auto", 2), ("p/p-2", 2)] {
+            none(&run(&pair(kind, multiplier, "merged", degree, [8, 8])), &format!("{kind} {multiplier} {degree}"));
+        }
+    }
+    // as data: linear functions on a side of degree 2 are p/p-1, constants p/p-2
+    let data = |degree: usize| pair("contact", "X", "merged", 2, [8, 8]).replace("\"X\"", &format!("{{ degree = {degree} }}"));
+    only(&run(&data(1)), "E061", &["p/p-1", "degree 2"]);
+    none(&run(&data(0)), "constants on degree 2");
+    // constants on cubic splines, one function per element: p/p-3; continuous cubics have bubbles
+    only(&run(&pair("contact", "constant", "merged", 3, [8, 8])), "E061", &["p/p-3"]);
+    none(&run(&pair("contact", "constant", "merged", 3, [8, 8]).replace("[model]", "discretization.backend = \"fe\"\n[model]")), "bubbles");
+}
+
+/// A linear field on a ring of `elements` per quarter.
+fn ring(elements: usize, extra: &str) -> String {
+    format!(
+        "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = {{ u = \"1 + 2*x - y\" }}\n[[patch]]\nname = \"a\"\n\
+         geometry = {{ kind = \"annulus-sector\", radius = [0.2, 2.0], angle_deg = [0, 90] }}\nelements = [{elements}, 1]\n{extra}\n\
+         [[boundary]]\non = [\"a.u0\", \"a.u1\", \"a.v0\"]\nneumann = \"exact\"\n[[boundary]]\non = \"a.v1\"\ndirichlet = \"exact\"\n"
+    )
+}
+
+#[test]
+fn coarse_rational_cells_that_miss_linear_fields_say_how_many_points_do_not() {
+    let poor = run(&ring(1, ""));
+    let missed = error(&poor, "error.u.H1.rel");
+    assert!(missed > 1e-3, "{missed:e}");
+    let warning = only(&poor, "E065", &["\"a\"", "linear fields"]);
+    let help = warning.help.as_ref().unwrap();
+    let extra: usize = help.split("extra_points = ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let better = run(&ring(1, &format!("extra_points = {extra}")));
+    none(&better, help);
+    assert!(error(&better, "error.u.H1.rel") < 2e-4, "{extra}: {:e}", error(&better, "error.u.H1.rel"));
+    let fine = run(&ring(6, ""));
+    none(&fine, "fine cells");
+    assert!(error(&fine, "error.u.H1.rel") < 1e-3);
+}
+
+#[test]
+fn cells_thinner_than_1e_8_of_their_length_are_told() {
+    let strip = |height: f64| {
+        ELASTIC.to_owned()
+            + &block("a", [0.0, 0.0], [1.0, height], [1, 1], "")
+            + &on("\"a.bottom\"", "fix = [\"x\", \"y\"]")
+            + &on("\"a.top\"", "pressure = 1.0")
+    };
+    only(&run(&strip(1e-9)), "E041", &["\"a\"", "aspect", "1.0e9"]);
+    none(&run(&strip(1e-7)), "1e-7");
+}
+
+#[test]
+fn springs_too_soft_for_the_rotation_or_translation_that_they_hold_are_told() {
+    // fixed in a corner: only the spring on top holds the rotation
+    let hinged = |k: f64| {
+        ELASTIC.to_owned()
+            + &block("a", [0.0, 0.0], [1.0, 1.0], [2, 2], "")
+            + &on("\"a.u0v0\"", "fix = [\"x\", \"y\"]")
+            + &on("\"a.top\"", &format!("spring = {{ x = {k:?} }}\npressure = 1e-9"))
+    };
+    only(&run(&hinged(1e-6)), "E051", &["\"a\"", "rotation", "springs"]);
+    none(&run(&hinged(1e-3)), "a spring of 1e-3");
+    let sliding = |k: f64| {
+        ELASTIC.to_owned()
+            + &block("a", [0.0, 0.0], [1.0, 1.0], [2, 2], "")
+            + &on("\"a.bottom\"", &format!("fix = [\"y\"]\nspring = {{ x = {k:?} }}"))
+            + &on("\"a.top\"", "pressure = 1e-9")
+    };
+    only(&run(&sliding(1e-6)), "E051", &["\"a\"", "translation x"]);
+    none(&run(&sliding(1e-2)), "a spring of 1e-2");
+    // what a side holds needs no spring, however soft that is
+    none(&run(&(hinged(1e-9) + &on("\"a.left\"", "fix = [\"x\"]"))), "held besides");
+}
+
+/// Poisson on two squares, tied at x = 1/2 or one body, with an exact solution.
+fn kinked(exact: &str, conductivities: [f64; 2], tied: bool, elements: usize) -> String {
+    let mut text = format!("[model]\nphysics = \"poisson\"\ndimension = 2\nexact = {{ u = \"{exact}\" }}\n");
+    for (name, k) in ["p", "q"].iter().zip(conductivities) {
+        text += &format!("[[material]]\nname = \"{name}\"\nconductivity = {k:?}\n");
+    }
+    if tied {
+        text += &block("a", [0.0, 0.0], [0.5, 1.0], [elements, 2], "material = \"p\"");
+        text += &block("b", [0.5, 0.0], [1.0, 1.0], [elements, 3], "material = \"q\"");
+        text += "[[interface]]\nname = \"i\"\nslave = \"b.left\"\nmaster = \"a.right\"\n";
+    } else {
+        text += &block("a", [0.0, 0.0], [1.0, 1.0], [elements, 2], "material = \"p\"");
+    }
+    text + &on("\"all-outer\"", "dirichlet = \"exact\"")
+}
+
+#[test]
+fn an_exact_solution_whose_flux_jumps_is_told_inside_of_elements_between_them_and_across_ties() {
+    // inside of elements (3 of them), between elements (4), across a tie of one material and of two
+    for elements in [3, 4] {
+        only(&run(&kinked("if(x < 0.5, x, 2*x - 0.5)", [1.0; 2], false, elements)), "E017", &["\"a\"", "x = 0.5", "jumps"]);
+    }
+    only(&run(&kinked("if(x < 0.5, x, 2*x - 0.5)", [1.0; 2], true, 2)), "E017", &["interface \"i\""]);
+    only(&run(&kinked("x + y", [1.0, 2.0], true, 2)), "E017", &["interface \"i\""]);
+    // conductivities that go with the kink, pieces that join smoothly, no pieces
+    none(&run(&kinked("if(x < 0.5, x, 2*x - 0.5)", [2.0, 1.0], true, 2)), "continuous flux");
+    none(&run(&kinked("if(x < 0.5, 0, (x - 0.5)^3)", [1.0; 2], false, 3)), "smooth pieces");
+    none(&run(&kinked("sin(3*x)*y", [1.0; 2], true, 4)), "no pieces");
+}
+
+/// An arch laid on a rigid disc with hardly less curvature, its feet pulled down: it stretches along the disc.
+fn arch(load: f64) -> String {
+    ELASTIC.to_owned()
+        + "[[patch]]\nname = \"arch\"\ngeometry = { kind = \"annulus-sector\", radius = [1.01, 1.11], angle_deg = [30, 150], move = [0, -0.01] }\nelements = [40, 2]\n"
+        + &on("[\"arch.u0\", \"arch.u1\"]", &format!("traction = {{ y = {:?} }}", -load))
+        + &on("\"arch.v1\"", "spring = { x = 1e-3 }")
+        + "[[contact]]\nname = \"disc\"\nslave = \"arch.v0\"\nrigid = { kind = \"sphere\", center = [0, 0], radius = 1.0 }\n"
+}
+
+#[test]
+fn a_contact_that_slides_along_a_curve_farther_than_its_gap_allows_is_told() {
+    only(&run(&arch(5e-2)), "E065", &["\"disc\"", "small kinematics"]);
+    none(&run(&arch(1e-3)), "a light load");
+}

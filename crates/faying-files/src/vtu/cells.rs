@@ -1,0 +1,447 @@
+//! Cell types, node orders and interpolation operators of high-order VTK cells.
+//!
+//! Lagrange and Bezier cells share one node order. A node is a multi-index a with xi_k = a_k / p_k on equispaced
+//! Lagrange cells, and the index of a Bernstein polynomial on Bezier cells. On simplices the indices sum to at most p.
+//! Source: VTK 9.7 (vtkHigherOrderQuadrilateral, vtkHigherOrderTetra and relatives), each order tested against VTK.
+
+use faying::basis::Cell;
+use faying::linalg::Vector;
+use nalgebra::DMatrix;
+use std::collections::BTreeMap;
+
+/// Largest degree VTK evaluates (vtkHigherOrderInterpolation::MaxDegree).
+pub const MAX_DEGREE: usize = 10;
+
+/// Shape functions of a cell in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Shape {
+    Linear,
+    Lagrange,
+    Bezier,
+}
+
+/// VTK's number of the cell type.
+pub(crate) fn cell_type(dimension: usize, cell: Cell, shape: Shape) -> u8 {
+    let simplex = cell == Cell::Simplex;
+    let (linear, lagrange) = match (dimension, simplex) {
+        (1, _) => (3, 68),
+        (2, true) => (5, 69),
+        (2, false) => (9, 70),
+        (_, true) => (10, 71),
+        (_, false) => (12, 72),
+    };
+    match shape {
+        Shape::Linear => linear,
+        Shape::Lagrange => lagrange,
+        Shape::Bezier => lagrange + 7,
+    }
+}
+
+/// Multi-indices of the nodes in VTK's order.
+pub(crate) fn nodes<const D: usize>(cell: Cell, degree: [usize; D]) -> Vec<[usize; D]> {
+    let list: Vec<[usize; 3]> = match (D, cell) {
+        (1, _) => curve(degree[0]),
+        (2, Cell::Simplex) => triangle(degree[0]).iter().map(|&[i, j]| [i, j, 0]).collect(),
+        (_, Cell::Simplex) => tetrahedron(degree[0]),
+        (2, _) => quadrilateral(degree[0], degree[1]).iter().map(|&[i, j]| [i, j, 0]).collect(),
+        (_, _) => hexahedron(degree[0], degree[1], degree[2]),
+    };
+    list.iter().map(|a| std::array::from_fn(|k| a[k])).collect()
+}
+
+fn curve(p: usize) -> Vec<[usize; 3]> {
+    [0, p].into_iter().chain(1..p).map(|i| [i, 0, 0]).collect()
+}
+
+/// Edges (i,0), (p,j), (i,q), (0,j), each with rising index.
+fn quadrilateral_edges(p: usize, q: usize) -> impl Iterator<Item = [usize; 2]> {
+    let along_u = move |j: usize| (1..p).map(move |i| [i, j]);
+    let along_v = move |i: usize| (1..q).map(move |j| [i, j]);
+    along_u(0).chain(along_v(p)).chain(along_u(q)).chain(along_v(0))
+}
+
+fn quadrilateral(p: usize, q: usize) -> Vec<[usize; 2]> {
+    let mut list = vec![[0, 0], [p, 0], [p, q], [0, q]];
+    list.extend(quadrilateral_edges(p, q));
+    list.extend((1..q).flat_map(|j| (1..p).map(move |i| [i, j])));
+    list
+}
+
+fn hexahedron(p: usize, q: usize, r: usize) -> Vec<[usize; 3]> {
+    let corners = [[0, 0], [p, 0], [p, q], [0, q]];
+    let mut list: Vec<[usize; 3]> = Vec::new();
+    for k in [0, r] {
+        list.extend(corners.iter().map(|c| [c[0], c[1], k]));
+    }
+    for k in [0, r] {
+        list.extend(quadrilateral_edges(p, q).map(|c| [c[0], c[1], k]));
+    }
+    for c in corners {
+        list.extend((1..r).map(|k| [c[0], c[1], k]));
+    }
+    for i in [0, p] {
+        list.extend((1..r).flat_map(|k| (1..q).map(move |j| [i, j, k])));
+    }
+    for j in [0, q] {
+        list.extend((1..r).flat_map(|k| (1..p).map(move |i| [i, j, k])));
+    }
+    for k in [0, r] {
+        list.extend((1..q).flat_map(|j| (1..p).map(move |i| [i, j, k])));
+    }
+    list.extend((1..r).flat_map(|k| (1..q).flat_map(move |j| (1..p).map(move |i| [i, j, k]))));
+    list
+}
+
+/// Corners, edges 01, 12, 20, then the same rule at degree p - 3.
+fn triangle(p: usize) -> Vec<[usize; 2]> {
+    if p == 0 {
+        return vec![[0, 0]];
+    }
+    let mut list = vec![[0, 0], [p, 0], [0, p]];
+    list.extend((1..p).map(|i| [i, 0]));
+    list.extend((1..p).map(|i| [p - i, i]));
+    list.extend((1..p).map(|i| [0, p - i]));
+    if p >= 3 {
+        list.extend(triangle(p - 3).iter().map(|&[i, j]| [i + 1, j + 1]));
+    }
+    list
+}
+
+fn tetrahedron(p: usize) -> Vec<[usize; 3]> {
+    if p == 0 {
+        return vec![[0, 0, 0]];
+    }
+    // barycentric multiplicities of vertices 0..4; the multi-index drops vertex 0
+    let place = |on: &[(usize, usize)]| {
+        let mut b = [0; 4];
+        on.iter().for_each(|&(vertex, n)| b[vertex] += n);
+        [b[1], b[2], b[3]]
+    };
+    let mut list: Vec<[usize; 3]> = (0..4).map(|v| place(&[(v, p)])).collect();
+    for (a, b) in [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)] {
+        list.extend((1..p).map(|i| place(&[(a, p - i), (b, i)])));
+    }
+    if p >= 3 {
+        for (a, b, c) in [(0, 1, 3), (2, 3, 1), (0, 3, 2), (0, 2, 1)] {
+            list.extend(triangle(p - 3).iter().map(|&[i, j]| place(&[(a, p - 2 - i - j), (b, i + 1), (c, j + 1)])));
+        }
+    }
+    if p >= 4 {
+        list.extend(tetrahedron(p - 4).iter().map(|&[i, j, k]| [i + 1, j + 1, k + 1]));
+    }
+    list
+}
+
+/// Corner nodes of the linear cells that fill one cell of the given degree, as places in the list of [`nodes`].
+pub(crate) fn linear_pieces<const D: usize>(cell: Cell, degree: [usize; D], nodes: &[[usize; D]]) -> Vec<Vec<usize>> {
+    let place = |a: [usize; D]| nodes.iter().position(|b| *b == a).expect("a node of the cell");
+    let moved = |a: [usize; D], by: &[usize]| place(std::array::from_fn(|k| a[k] + by[k]));
+    let mut pieces = Vec::new();
+    let simplex = cell == Cell::Simplex && D > 1;
+    for a in boxes(degree) {
+        match (D, simplex) {
+            (1, _) => pieces.push(vec![moved(a, &[0]), moved(a, &[1])]),
+            (2, false) => pieces.push([[0, 0], [1, 0], [1, 1], [0, 1]].iter().map(|by| moved(a, by)).collect()),
+            (_, false) => {
+                let ring = [[0, 0], [1, 0], [1, 1], [0, 1]];
+                pieces.push([0, 1].iter().flat_map(|&k| ring.map(|c| [c[0], c[1], k])).map(|by| moved(a, &by)).collect());
+            }
+            (2, true) => {
+                let room = degree[0] - a.iter().sum::<usize>().min(degree[0]);
+                if room >= 1 {
+                    pieces.push([[0, 0], [1, 0], [0, 1]].iter().map(|by| moved(a, by)).collect());
+                }
+                if room >= 2 {
+                    pieces.push([[1, 0], [1, 1], [0, 1]].iter().map(|by| moved(a, by)).collect());
+                }
+            }
+            (_, true) => {
+                // Kuhn's six tetrahedra around the diagonal; those inside the large one
+                let room = degree[0] - a.iter().sum::<usize>().min(degree[0]);
+                for (order, odd) in
+                    [([0, 1, 2], false), ([1, 2, 0], false), ([2, 0, 1], false), ([1, 0, 2], true), ([0, 2, 1], true), ([2, 1, 0], true)]
+                {
+                    let mut by = [0; 3];
+                    let mut corners = vec![by];
+                    for k in order {
+                        by[k] += 1;
+                        corners.push(by);
+                    }
+                    if odd {
+                        corners.swap(1, 2);
+                    }
+                    // a sheared lattice: index differences keep the sum within the degree
+                    if room >= 3 {
+                        pieces.push(corners.iter().map(|by| moved(a, by)).collect());
+                    }
+                }
+                if room == 1 || room == 2 {
+                    pieces.push([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]].iter().map(|by| moved(a, by)).collect());
+                }
+                if room == 2 {
+                    for by in [
+                        [[1, 0, 0], [1, 1, 0], [0, 1, 0], [1, 0, 1]],
+                        [[0, 1, 0], [1, 1, 0], [0, 1, 1], [1, 0, 1]],
+                        [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1]],
+                        [[0, 1, 0], [0, 1, 1], [0, 0, 1], [1, 0, 1]],
+                    ] {
+                        pieces.push(by.iter().map(|by| moved(a, by)).collect());
+                    }
+                }
+            }
+        }
+    }
+    pieces
+}
+
+/// The same linear cell with the other handedness.
+fn mirrored<const D: usize>(piece: &[usize]) -> Vec<usize> {
+    let order: &[usize] = match (D, piece.len()) {
+        (2, 3) => &[0, 2, 1],
+        (2, _) => &[0, 3, 2, 1],
+        (3, 4) => &[0, 2, 1, 3],
+        (3, _) => &[0, 3, 2, 1, 4, 7, 6, 5],
+        _ => &[0, 1],
+    };
+    order.iter().map(|&k| piece[k]).collect()
+}
+
+/// Places in `nodes` of the nodes of the cell with its first two axes exchanged, in VTK's order: it has the other handedness.
+fn exchanged<const D: usize>(cell: Cell, degree: [usize; D], nodes: &[[usize; D]]) -> Vec<usize> {
+    let swapped = |mut a: [usize; D]| {
+        if D > 1 {
+            a.swap(0, 1);
+        }
+        a
+    };
+    let place: BTreeMap<[usize; D], usize> = nodes.iter().copied().zip(0..).collect();
+    self::nodes(cell, swapped(degree)).into_iter().map(|a| place[&swapped(a)]).collect()
+}
+
+/// Local corners (first axis fastest) around a node with its whole-numbered weights at them, without common factors: equal for all
+/// cells that have the vertex, edge or face in common. None inside the cell.
+fn around<const D: usize>(cell: Cell, degree: [usize; D], node: [usize; D]) -> Option<Vec<(usize, u64)>> {
+    let weights: Vec<usize> = if cell == Cell::Simplex && D > 1 {
+        std::iter::once(degree[0] - node.iter().sum::<usize>()).chain(node).collect()
+    } else {
+        (0..1usize << D).map(|c| (0..D).map(|k| if c >> k & 1 == 1 { node[k] } else { degree[k] - node[k] }).product()).collect()
+    };
+    let common = weights.iter().fold(0, |a, &b| gcd(a, b));
+    let list: Vec<(usize, u64)> = weights.iter().enumerate().filter(|(_, w)| **w > 0).map(|(c, w)| (c, (w / common) as u64)).collect();
+    (list.len() < weights.len()).then_some(list)
+}
+
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+/// Multi-indices below `size`, first index fastest.
+fn boxes<const D: usize>(size: [usize; D]) -> Vec<[usize; D]> {
+    let total: usize = size.iter().product();
+    (0..total)
+        .map(|mut n| {
+            std::array::from_fn(|k| {
+                let i = n % size[k];
+                n /= size[k];
+                i
+            })
+        })
+        .collect()
+}
+
+/// Local points of equispaced Lagrange nodes.
+pub(crate) fn equispaced<const D: usize>(nodes: &[[usize; D]], degree: [usize; D]) -> Vec<Vector<D>> {
+    nodes.iter().map(|a| Vector::<D>::from_fn(|k, _| a[k] as f64 / degree[k] as f64)).collect()
+}
+
+/// Points inside the cell, one per node, that determine a polynomial of the given degree.
+///
+/// Chebyshev points on cubes, a shrunk lattice on simplices: none lies on an edge, where a map may collapse.
+pub(crate) fn inner_points<const D: usize>(cell: Cell, nodes: &[[usize; D]], degree: [usize; D]) -> Vec<Vector<D>> {
+    let chebyshev = |i: usize, p: usize| 0.5 - 0.5 * (std::f64::consts::PI * (i as f64 + 0.5) / (p as f64 + 1.0)).cos();
+    let shrunk = |i: usize, p: usize| (i as f64 + 1.0 / (D as f64 + 1.0)) / (p as f64 + 1.0);
+    let simplex = cell == Cell::Simplex && D > 1;
+    nodes.iter().map(|a| Vector::<D>::from_fn(|k, _| if simplex { shrunk(a[k], degree[k]) } else { chebyshev(a[k], degree[k]) })).collect()
+}
+
+/// Values of the Bernstein polynomials at `xi`, one per node.
+pub(crate) fn bernstein<const D: usize>(cell: Cell, nodes: &[[usize; D]], degree: [usize; D], xi: &Vector<D>) -> Vec<f64> {
+    if cell == Cell::Simplex && D > 1 {
+        let p = degree[0];
+        let rest = 1.0 - xi.iter().sum::<f64>();
+        return nodes
+            .iter()
+            .map(|a| {
+                let (mut value, mut left) = (1.0, p);
+                for k in 0..D {
+                    value *= binomial(left, a[k]) * power(xi[k], a[k]);
+                    left -= a[k];
+                }
+                value * power(rest, left)
+            })
+            .collect();
+    }
+    let line = |k: usize| -> Vec<f64> {
+        (0..=degree[k]).map(|i| binomial(degree[k], i) * power(xi[k], i) * power(1.0 - xi[k], degree[k] - i)).collect()
+    };
+    let lines: [Vec<f64>; D] = std::array::from_fn(line);
+    nodes.iter().map(|a| (0..D).map(|k| lines[k][a[k]]).product()).collect()
+}
+
+fn binomial(n: usize, k: usize) -> f64 {
+    (0..k).fold(1.0, |b, i| b * (n - i) as f64 / (i + 1) as f64)
+}
+
+fn power(x: f64, n: usize) -> f64 {
+    (0..n).fold(1.0, |y, _| y * x)
+}
+
+/// Nodes of one cell kind and degree, with the operators from values at inner points to coefficients and nodal values.
+#[derive(Clone, Debug)]
+pub(crate) struct Interpolant<const D: usize> {
+    /// Multi-indices in VTK's order.
+    pub nodes: Vec<[usize; D]>,
+    /// Where values are taken.
+    pub points: Vec<Vector<D>>,
+    /// Equispaced nodes.
+    pub lattice: Vec<Vector<D>>,
+    /// Bernstein coefficients = `to_bezier` * values at `points`.
+    pub to_bezier: DMatrix<f64>,
+    /// Values at `lattice` = `to_lattice` * values at `points`.
+    pub to_lattice: DMatrix<f64>,
+    /// The nodes of the cell in the file: of a right-handed element, and of a left-handed one, whose first two axes are exchanged.
+    pub whole: [Vec<Vec<usize>>; 2],
+    /// The same of the linear cells that fill it.
+    pub linear: [Vec<Vec<usize>>; 2],
+    /// Per node the corners around it, as [`around`] says.
+    pub around: Vec<Option<Vec<(usize, u64)>>>,
+}
+
+impl<const D: usize> Interpolant<D> {
+    pub fn new(cell: Cell, degree: [usize; D]) -> Self {
+        let nodes = nodes(cell, degree);
+        let points = inner_points(cell, &nodes, degree);
+        let lattice = equispaced(&nodes, degree);
+        let n = nodes.len();
+        let values = |at: &[Vector<D>]| {
+            let rows: Vec<Vec<f64>> = at.iter().map(|xi| bernstein(cell, &nodes, degree, xi)).collect();
+            DMatrix::from_fn(n, n, |i, j| rows[i][j])
+        };
+        let to_bezier = values(&points).try_inverse().expect("inner points determine the polynomial");
+        let to_lattice = values(&lattice) * &to_bezier;
+        let whole = [vec![(0..n).collect()], vec![exchanged(cell, degree, &nodes)]];
+        let pieces = linear_pieces(cell, degree, &nodes);
+        let linear = [pieces.clone(), pieces.iter().map(|piece| mirrored::<D>(piece)).collect()];
+        let around = nodes.iter().map(|&node| around(cell, degree, node)).collect();
+        Self { nodes, points, lattice, to_bezier, to_lattice, whole, linear, around }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn node_lists_hold_every_index_once() {
+        for p in 1..6 {
+            let mut quads = nodes(Cell::Tensor, [p, p + 1]);
+            quads.sort_unstable();
+            quads.dedup();
+            assert_eq!(quads.len(), (p + 1) * (p + 2));
+            let mut hexes = nodes(Cell::Tensor, [p, 2, 3]);
+            hexes.sort_unstable();
+            hexes.dedup();
+            assert_eq!(hexes.len(), (p + 1) * 12);
+            let mut triangles = nodes(Cell::Simplex, [p, p]);
+            triangles.sort_unstable();
+            triangles.dedup();
+            assert_eq!(triangles.len(), (p + 1) * (p + 2) / 2);
+            let mut tetrahedra = nodes(Cell::Simplex, [p, p, p]);
+            tetrahedra.sort_unstable();
+            tetrahedra.dedup();
+            assert_eq!(tetrahedra.len(), (p + 1) * (p + 2) * (p + 3) / 6);
+        }
+    }
+
+    #[test]
+    fn linear_pieces_fill_the_cell() {
+        for p in 1..5 {
+            let triangle = nodes(Cell::Simplex, [p, p]);
+            assert_eq!(linear_pieces(Cell::Simplex, [p, p], &triangle).len(), p * p);
+            let tetrahedron = nodes(Cell::Simplex, [p, p, p]);
+            let pieces = linear_pieces(Cell::Simplex, [p, p, p], &tetrahedron);
+            assert_eq!(pieces.len(), p * p * p);
+            let volume: f64 = pieces
+                .iter()
+                .map(|piece| {
+                    let x = |i: usize| nalgebra::Vector3::from_fn(|k, _| tetrahedron[piece[i]][k] as f64);
+                    let v = (x(1) - x(0)).cross(&(x(2) - x(0))).dot(&(x(3) - x(0)));
+                    assert!(v > 0.0, "piece {piece:?} of degree {p} is inverted");
+                    v
+                })
+                .sum();
+            assert_eq!(volume, (p * p * p) as f64);
+            let quad = nodes(Cell::Tensor, [p, 2]);
+            assert_eq!(linear_pieces(Cell::Tensor, [p, 2], &quad).len(), 2 * p);
+        }
+    }
+
+    /// Volume of a hexahedron or tetrahedron, area of a quadrilateral or triangle with straight edges, times a positive number.
+    fn signed<const D: usize>(nodes: &[[usize; D]], corners: &[usize]) -> f64 {
+        let x = |i: usize| nalgebra::Vector3::from_fn(|k, _| if k < D { nodes[corners[i]][k] as f64 } else { 0.0 });
+        let third = if D == 2 { nalgebra::Vector3::z() } else { x(if corners.len() == 8 { 4 } else { 3 }) - x(0) };
+        let second = if corners.len() == 3 || corners.len() == 4 && D == 3 { 2 } else { 3 };
+        (x(1) - x(0)).cross(&(x(second) - x(0))).dot(&third)
+    }
+
+    #[test]
+    fn cells_of_left_handed_elements_are_mirrored() {
+        fn check<const D: usize>(cell: Cell, degree: [usize; D]) {
+            let of = Interpolant::<D>::new(cell, degree);
+            let corners = if cell == Cell::Simplex { D + 1 } else { 1 << D };
+            for (list, count) in [(&of.whole, of.nodes.len()), (&of.linear, corners)] {
+                assert_eq!(list[0].len(), list[1].len());
+                for (right, left) in list[0].iter().zip(&list[1]) {
+                    let (a, b) = (signed(&of.nodes, &right[..corners]), signed(&of.nodes, &left[..corners]));
+                    assert!(a > 0.0 && b < 0.0, "{cell:?} {degree:?}: {a} {b}");
+                    let sorted = |list: &[usize]| {
+                        let mut list = list.to_vec();
+                        list.sort_unstable();
+                        list
+                    };
+                    assert_eq!((sorted(right), right.len()), (sorted(left), count));
+                }
+            }
+        }
+        for p in 1..=4 {
+            check(Cell::Tensor, [p, 2]);
+            check(Cell::Tensor, [p, 2, 3]);
+            check(Cell::Simplex, [p, p]);
+            check(Cell::Simplex, [p, p, p]);
+        }
+    }
+
+    #[test]
+    fn neighbours_of_any_shape_see_a_common_node_alike() {
+        // the point at 1/3 of an edge: degree 3 on a triangle, 6 along the edge of a quadrilateral
+        assert_eq!(around(Cell::Simplex, [3, 3], [1, 0]), Some(vec![(0, 2), (1, 1)]));
+        assert_eq!(around(Cell::Tensor, [6, 4], [2, 0]), Some(vec![(0, 2), (1, 1)]));
+        assert_eq!(around(Cell::Tensor, [6, 4], [6, 4]), Some(vec![(3, 1)]));
+        assert_eq!(around(Cell::Tensor, [2, 2, 2], [1, 2, 1]).map(|list| list.len()), Some(4));
+        assert_eq!(around(Cell::Tensor, [2, 2], [1, 1]), None);
+        assert_eq!(around(Cell::Simplex, [3, 3], [1, 1]), None);
+    }
+
+    #[test]
+    fn bernstein_interpolation_of_high_degree_keeps_twelve_digits() {
+        let of = Interpolant::<2>::new(Cell::Tensor, [10, 10]);
+        let f = |xi: &Vector<2>| xi[0].powi(10) - 3.0 * xi[0] * xi[1].powi(9) + 0.5;
+        let values = nalgebra::DVector::from_iterator(of.points.len(), of.points.iter().map(f));
+        let coefficients = &of.to_bezier * values;
+        for xi in [Vector::<2>::new(0.1, 0.9), Vector::<2>::new(1.0, 1.0), Vector::<2>::new(0.0, 0.37)] {
+            let b = bernstein(Cell::Tensor, &of.nodes, [10, 10], &xi);
+            let value: f64 = b.iter().zip(coefficients.iter()).map(|(b, c)| b * c).sum();
+            assert!((value - f(&xi)).abs() < 1e-11, "{value} {}", f(&xi));
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! What an element adds to the file: the nodes of its cell with their positions, weights and fields.
+
+use super::cells::{Interpolant, Shape, bernstein, cell_type};
+use super::plan::{Plan, denominator, plan};
+use super::{CellStyle, Part, VtuError, padded};
+use faying::basis::{Cell, Order};
+use faying::geometry::MapTable;
+use faying::linalg::Vector;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Numbers of a node ahead of its fields: the position and the weight.
+pub(super) const AHEAD: usize = 4;
+
+/// Place of the weight among the numbers of a node.
+pub(super) const WEIGHT: usize = 3;
+
+/// What an element adds to the file.
+#[derive(Clone, Debug)]
+pub(super) struct Piece<'a> {
+    /// Node after node: position, weight, and the fields, those of two components padded to three.
+    pub values: Vec<f64>,
+    /// Whether the weights are those of a rational cell.
+    pub rational: bool,
+    pub kind: u8,
+    pub degrees: [f64; 3],
+    /// Local nodes of every cell.
+    pub cells: &'a [Vec<usize>],
+    /// Ids of the element's corners; none where unknown.
+    pub corners: Vec<usize>,
+    /// Per node the local corners around it with its weights at them; none inside.
+    pub around: &'a [Option<Vec<(usize, u64)>>],
+}
+
+/// Elements whose pieces are held at once.
+const AT_ONCE: usize = 4096;
+
+/// Numbers per node.
+pub(super) fn width<const D: usize, const N: usize>(part: &Part<'_, D, N>) -> usize {
+    AHEAD + part.fields.iter().map(|f| padded(f.components)).sum::<usize>()
+}
+
+/// Hands the pieces of all elements of a part to `take`, in their order.
+pub(super) fn each_piece<const D: usize, const N: usize>(
+    part: &Part<'_, D, N>,
+    mut take: impl FnMut(usize, &Piece<'_>),
+) -> Result<(), VtuError> {
+    let plans: Vec<Plan<D>> =
+        (0..part.space.num_elements()).into_par_iter().map_init(MapTable::new, |table, e| plan(part, e, table)).collect();
+    let mut known: BTreeMap<(bool, [usize; D]), Interpolant<D>> = BTreeMap::new();
+    for p in &plans {
+        for degree in [p.degree, p.lagrange] {
+            known.entry((p.cell == Cell::Simplex, degree)).or_insert_with(|| Interpolant::new(p.cell, degree));
+        }
+    }
+    let of = |cell: Cell, degree: [usize; D]| &known[&(cell == Cell::Simplex, degree)];
+    let piece = |e: usize, plan: &Plan<D>| {
+        let found = match plan.shape {
+            Shape::Bezier => bezier_piece(part, e, plan, of(plan.cell, plan.degree))?,
+            _ => None,
+        };
+        let mut piece = match found {
+            Some(piece) => piece,
+            None => lagrange_piece(part, e, plan, of(plan.cell, plan.lagrange))?,
+        };
+        part.space.corners(e, &mut piece.corners);
+        Ok::<_, VtuError>(piece)
+    };
+    for first in (0..plans.len()).step_by(AT_ONCE) {
+        let some = &plans[first..plans.len().min(first + AT_ONCE)];
+        let pieces: Vec<Piece<'_>> = some.par_iter().enumerate().map(|(k, plan)| piece(first + k, plan)).collect::<Result<_, _>>()?;
+        pieces.iter().enumerate().for_each(|(k, piece)| take(first + k, piece));
+    }
+    Ok(())
+}
+
+/// The numbers of nodes at local points, point after point as in [`Piece::values`], with the weight one.
+fn sampled<const D: usize, const N: usize>(part: &Part<'_, D, N>, element: usize, xi: &[Vector<D>]) -> Result<Vec<f64>, VtuError> {
+    let width = width(part);
+    let mut rows = vec![0.0; xi.len() * width];
+    let mut table = MapTable::new();
+    part.space.map(element, xi, Order::Values, &mut table);
+    for (row, x) in rows.chunks_exact_mut(width).zip(&table.x) {
+        row[..N].copy_from_slice(x.as_slice());
+        row[WEIGHT] = 1.0;
+    }
+    let checked = |values: &[f64], name: &str, components: usize| {
+        let (found, expected) = (values.len(), xi.len() * components);
+        let fault = || VtuError::Values { field: name.to_owned(), part: part.name.clone(), element, found, expected };
+        if found == expected { Ok(()) } else { Err(fault()) }
+    };
+    let together = match &part.together {
+        Some(together) => {
+            let (values, all) = (together(element, xi), part.fields.iter().map(|f| f.components).sum());
+            checked(&values, "all", all)?;
+            Some((values, all))
+        }
+        None => None,
+    };
+    let (mut to, mut from) = (AHEAD, 0);
+    for field in &part.fields {
+        let c = field.components;
+        let own;
+        let (values, stride, first) = match &together {
+            Some((values, all)) => (values, *all, from),
+            None => {
+                own = (field.sample)(element, xi);
+                checked(&own, &field.name, c)?;
+                (&own, c, 0)
+            }
+        };
+        for (row, point) in rows.chunks_exact_mut(width).zip(values.chunks_exact(stride.max(1))) {
+            row[to..to + c].copy_from_slice(&point[first..first + c]);
+        }
+        (to, from) = (to + padded(c), from + c);
+    }
+    Ok(rows)
+}
+
+/// Points between those of the interpolation.
+fn check_points<const D: usize>(cell: Cell) -> [Vector<D>; 2] {
+    let share = if cell == Cell::Simplex && D > 1 { 1.0 / D as f64 } else { 1.0 };
+    [Vector::from_fn(|k, _| share * [0.31, 0.73, 0.58][k]), Vector::from_fn(|k, _| share * [0.87, 0.12, 0.44][k])]
+}
+
+/// The Bezier cell of an element; none where it does not hold map and exact fields.
+fn bezier_piece<'a, const D: usize, const N: usize>(
+    part: &Part<'_, D, N>,
+    element: usize,
+    plan: &Plan<D>,
+    of: &'a Interpolant<D>,
+) -> Result<Option<Piece<'a>>, VtuError> {
+    let n = of.points.len();
+    let d = denominator(part, element, plan, &of.points);
+    let w = &of.to_bezier * DMatrix::from_column_slice(d.len(), 1, &d);
+    if w.iter().any(|w| !(w.is_finite() && *w > 0.0)) {
+        return Ok(None);
+    }
+    let at = check_points::<D>(plan.cell);
+    let shapes: Vec<Vec<f64>> = at
+        .iter()
+        .map(|xi| {
+            let b: Vec<f64> = bernstein(plan.cell, &of.nodes, plan.degree, xi).iter().zip(w.iter()).map(|(b, w)| b * w).collect();
+            let sum: f64 = b.iter().sum();
+            b.iter().map(|b| b / sum).collect()
+        })
+        .collect();
+    // the points between stand behind those of the interpolation
+    let all: Vec<Vector<D>> = of.points.iter().chain(&at).copied().collect();
+    let values = DMatrix::from_row_slice(all.len(), width(part), &sampled(part, element, &all)?);
+    let mut c = &of.to_bezier * DMatrix::from_fn(n, values.ncols(), |q, i| d[q] * values[(q, i)]);
+    (0..n).for_each(|a| c.row_mut(a).unscale_mut(w[a]));
+    let holds = |columns: std::ops::Range<usize>, tolerance: f64| {
+        (0..at.len()).all(|q| {
+            columns.clone().all(|i| {
+                let value: f64 = shapes[q].iter().enumerate().map(|(a, b)| b * c[(a, i)]).sum();
+                (value - values[(n + q, i)]).abs() <= tolerance
+            })
+        })
+    };
+    let size = (0..3).map(|i| c.column(i).max() - c.column(i).min()).fold(0.0, f64::max);
+    if !holds(0..3, 1e-10 * size + 1e-13 * c.columns(0, 3).amax()) {
+        return Ok(None);
+    }
+    let mut first = AHEAD;
+    for field in &part.fields {
+        let count = padded(field.components);
+        if field.exact && !holds(first..first + count, 1e-9 * values.view((0, first), (n, count)).amax()) {
+            return Ok(None);
+        }
+        first += count;
+    }
+    c.column_mut(WEIGHT).copy_from(&w);
+    Ok(Some(Piece {
+        values: c.transpose().as_slice().to_vec(),
+        rational: plan.map_weights || plan.basis_weights,
+        kind: cell_type(D, plan.cell, Shape::Bezier),
+        degrees: degrees(plan.degree, plan.left),
+        cells: &of.whole[usize::from(plan.left)],
+        corners: Vec::new(),
+        around: &of.around,
+    }))
+}
+
+/// Degrees along the axes of the cell, the first two of which are exchanged where the element is left-handed.
+fn degrees<const D: usize>(degree: [usize; D], left: bool) -> [f64; 3] {
+    let mut all = std::array::from_fn(|k| if k < D { degree[k] as f64 } else { 0.0 });
+    if left {
+        all.swap(0, 1);
+    }
+    all
+}
+
+fn lagrange_piece<'a, const D: usize, const N: usize>(
+    part: &Part<'_, D, N>,
+    element: usize,
+    plan: &Plan<D>,
+    of: &'a Interpolant<D>,
+) -> Result<Piece<'a>, VtuError> {
+    let mut values = sampled(part, element, &of.lattice)?;
+    if values.iter().any(|v| !v.is_finite()) {
+        continue_inwards(part, element, of, &mut values)?;
+    }
+    let (linear, left) = (part.style == CellStyle::Linear, usize::from(plan.left));
+    Ok(Piece {
+        values,
+        rational: false,
+        kind: cell_type(D, plan.cell, if linear { Shape::Linear } else { Shape::Lagrange }),
+        degrees: degrees(if linear { [1; D] } else { plan.lagrange }, plan.left),
+        cells: if linear { &of.linear[left] } else { &of.whole[left] },
+        corners: Vec::new(),
+        around: &of.around,
+    })
+}
+
+/// Fields that are not finite at some node (a gradient has no value where the map collapses) are continued from inside.
+fn continue_inwards<const D: usize, const N: usize>(
+    part: &Part<'_, D, N>,
+    element: usize,
+    of: &Interpolant<D>,
+    values: &mut [f64],
+) -> Result<(), VtuError> {
+    let width = width(part);
+    let inside = &of.to_lattice * DMatrix::from_row_slice(of.points.len(), width, &sampled(part, element, &of.points)?);
+    let mut first = AHEAD;
+    for field in &part.fields {
+        let own = first..first + padded(field.components);
+        if values.chunks_exact(width).any(|row| row[own.clone()].iter().any(|v| !v.is_finite())) {
+            for (q, row) in values.chunks_exact_mut(width).enumerate() {
+                own.clone().for_each(|i| row[i] = inside[(q, i)]);
+            }
+        }
+        first = own.end;
+    }
+    Ok(())
+}

@@ -1,0 +1,4 @@
+//! Modules that several test programs share.
+
+#[path = "../../../../tests/common/peer.rs"]
+pub mod peer;
