@@ -74,9 +74,12 @@
 //! - A matrix's columns are a thing of their own ([`Sparsity`](linalg::Sparsity)): one number per block of a field's components, shared by all
 //!   matrices of the field, so that a row gives its columns as an iterator and not as a slice.
 //! - Elements without product structure still have tables in common: a basis names the reference cell of an element
-//!   ([`Basis::reference`](basis::Basis::reference)), a map gives its functions and points ([`Geometry::control`](geometry::Geometry::control)), and a basis that
-//!   keeps the functions of all elements as one list says so ([`Basis::listed`](basis::Basis::listed)). Boxes of all elements are asked for at
-//!   once ([`Geometry::all_bounds`](geometry::Geometry::all_bounds), provided), so that those of a mesh look at its reference cells alone.
+//!   ([`BasisStructure::reference`](basis::BasisStructure::reference)), a map gives its functions and points
+//!   ([`MapStructure::control`](geometry::MapStructure::control)), and a basis that keeps the functions of all elements as one list says so
+//!   ([`BasisStructure::listed`](basis::BasisStructure::listed)). Each trait asks for all of this in one method, provided
+//!   ([`Basis::structure`](basis::Basis::structure), [`Geometry::map_structure`](geometry::Geometry::map_structure)): a new basis
+//!   implements evaluation alone. Boxes of all elements are asked for at once ([`Geometry::all_bounds`](geometry::Geometry::all_bounds),
+//!   provided), so that those of a mesh look at its reference cells alone.
 //! - What assembly knows of a space between two matrices is an [`Assembler`](assembly::Assembler): refilling costs values only.
 //! - One loop in the plain order of elements serves every space and is what the quick ones are tested against; which of them a space takes
 //!   shows in no signature.

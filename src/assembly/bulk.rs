@@ -45,9 +45,9 @@ where
     Q: Quadrature<N, T> + ?Sized,
 {
     let asks = || ask::<N, N, T, S>(space);
-    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
+    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
         let two = TensorRule::gauss([2; N]);
-        let coarse = Patches::with_glue(space, &two, &|e| space.map_block(e), &asks, patches.glue());
+        let coarse = Patches::with_glue(space, &two, &|e| space.map_structure().map_block(e), &asks, patches.glue());
         let mut matrix = patches.csr(C).with_places(coarse.map(|p| p.mean_places(C)).unwrap_or_default());
         patches.stiffness(form, false, &mut matrix);
         return matrix;
@@ -104,7 +104,7 @@ pub fn add_stiffness<const C: usize, const N: usize, T, S, Q>(
     Q: Quadrature<N, T> + ?Sized,
 {
     let asks = || ask::<N, N, T, S>(space);
-    match Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
+    match Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
         Some(patches) => patches.stiffness(form, true, matrix),
         None => elements(Cells::new(pattern, space, quadrature), pattern, space, quadrature, form, true, matrix),
     }
@@ -124,7 +124,7 @@ where
     Q: Quadrature<N, T> + ?Sized,
 {
     let asks = || ask::<N, N, T, S>(space);
-    match Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
+    match Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
         Some(patches) => patches.stiffness(form, false, matrix),
         None => {
             let pattern = Pattern::new(space);
@@ -156,7 +156,7 @@ impl Assembler {
         Q: Quadrature<N, T> + ?Sized,
     {
         let asks = || ask::<N, N, T, S>(space);
-        match Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
+        match Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
             Some(patches) => Self { pattern: None, glue: patches.glue().cloned() },
             None => Self { pattern: Some(Pattern::new(space)), glue: None },
         }
@@ -182,7 +182,7 @@ impl Assembler {
             return;
         }
         let asks = || ask::<N, N, T, S>(space);
-        match Patches::with_glue(space, quadrature, &|e| space.map_block(e), &asks, self.glue.as_ref()) {
+        match Patches::with_glue(space, quadrature, &|e| space.map_structure().map_block(e), &asks, self.glue.as_ref()) {
             Some(patches) => patches.stiffness(form, false, matrix),
             // another rule than the one the graph was made for
             None => refill_stiffness(space, quadrature, form, matrix),
@@ -201,9 +201,9 @@ where
     Q: Quadrature<D, T> + ?Sized,
 {
     let asks = || ask::<D, N, T, S>(space);
-    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
+    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
         let two = TensorRule::gauss([2; D]);
-        let coarse = Patches::with_glue(space, &two, &|e| space.map_block(e), &asks, patches.glue());
+        let coarse = Patches::with_glue(space, &two, &|e| space.map_structure().map_block(e), &asks, patches.glue());
         let mut matrix = patches.csr(1).with_places(coarse.map(|p| p.mean_places(1)).unwrap_or_default());
         patches.mass(&mut matrix);
         return matrix;

@@ -49,7 +49,7 @@ where
 {
     assert!(u.is_empty() || u.len() >= C * space.num_functions(), "a field of {C} components needs an unknown per component and function");
     let asks = || ask::<N, N, T, S>(space);
-    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
+    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
         return patches.states(u, visit);
     }
     if let Some(cells) = Sums::new(space, quadrature) {

@@ -54,7 +54,7 @@ pub(super) fn parts<'a, X>(mut data: &'a mut [X], ranges: &[Range<usize>], begin
 impl Graph {
     /// The functions of the elements of `basis`, and the elements of its functions.
     pub fn new<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(basis: &B) -> Self {
-        let (element_start, element_ids) = match basis.listed() {
+        let (element_start, element_ids) = match basis.structure().listed() {
             Some(Listed { first, ids }) => (first.to_vec(), ids.par_iter().with_min_len(IDS_PER_TASK).map(|&i| i as u32).collect()),
             None => asked(basis),
         };

@@ -61,7 +61,7 @@ where
         total: Vector::from_fn(|c, _| lit(sums[c * (N + 1) + N])),
         first: Matrix::from_fn(|c, k| lit(sums[c * (N + 1) + k])),
     };
-    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
+    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
         let (load, sums) = patches.load(C, space.num_functions(), &answer);
         return (load, moments(&sums));
     }

@@ -62,7 +62,7 @@ where
 
     fn with(space: &'a S, quadrature: &'a Q, form: &'a Form<'a, C, N, T>, keeps: bool) -> Self {
         let asks = || ask::<N, N, T, S>(space);
-        let map = |e| space.map_block(e);
+        let map = |e| space.map_structure().map_block(e);
         let grid = Patches::new(space, quadrature, &map, &asks).and_then(|patches| Free::new(patches, form, keeps));
         let places = match Patches::new(space, &TensorRule::gauss([2; N]), &map, &asks) {
             Some(patches) => patches.mean_places(C),

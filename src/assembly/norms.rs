@@ -99,7 +99,7 @@ where
             }
         }
     };
-    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_block(e), &asks) {
+    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
         return roots(patches.deviation(form, u, &answer).map(lit));
     }
     if let Some(cells) = Sums::new(space, quadrature) {

@@ -40,7 +40,8 @@ impl Pattern {
             return pattern;
         }
         pattern.ptr = pattern.graph.lengths();
-        match (0..elements).map(|e| basis.reference(e)).collect::<Option<Vec<usize>>>() {
+        let structure = basis.structure();
+        match (0..elements).map(|e| structure.reference(e)).collect::<Option<Vec<usize>>>() {
             None => pattern.cols = pattern.graph.columns(&pattern.ptr),
             Some(references) => {
                 let slots;

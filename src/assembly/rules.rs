@@ -61,7 +61,7 @@ pub fn points_of_curved_cells<const N: usize, T: Real, X: Space<N, N, T> + ?Size
     for e in (0..space.num_elements()).filter(|&e| space.cell(e) == Cell::Tensor) {
         let (p, written) = (space.degree(e), written_degree(space, e));
         let beyond = |q: [usize; N], k: usize| (2 * q[k] + p[k]).div_ceil(2).saturating_sub(p[k] + 1);
-        if (0..N).all(|k| beyond(written, k) <= more[k]) || space.is_affine(e) {
+        if (0..N).all(|k| beyond(written, k) <= more[k]) || space.map_structure().is_affine(e) {
             continue;
         }
         let q = true_degree(space, e, written, &mut table);
@@ -72,11 +72,11 @@ pub fn points_of_curved_cells<const N: usize, T: Real, X: Space<N, N, T> + ?Size
 
 /// The degree per direction in which the map of an element is written; that of the functions where it does not tell.
 fn written_degree<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X, element: usize) -> [usize; N] {
-    if let Some(map) = space.map_block(element) {
+    if let Some(map) = space.map_structure().map_block(element) {
         // the elements of an axis need not have one degree
         return map.basis.axes.map(|axis| (0..axis.num_elements()).map(|e| axis.degree(e)[0]).max().unwrap_or(1));
     }
-    space.control().map_or_else(|| space.degree(element), |c| c.basis.degree(element))
+    space.map_structure().control().map_or_else(|| space.degree(element), |c| c.basis.degree(element))
 }
 
 /// The highest order per direction of a difference of places on a regular grid that is not round-off, at most `written`.

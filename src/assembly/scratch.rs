@@ -84,8 +84,8 @@ impl<const D: usize, const N: usize, T: Real> Scratch<D, N, T> {
         element: usize,
         rule: &Rule<D, T>,
     ) -> Option<(&'a [Vector<N, T>], usize)> {
-        let control = space.control()?;
-        let references = (space.reference(element)?, control.basis.reference(element)?);
+        let control = space.map_structure().control()?;
+        let references = (space.structure().reference(element)?, control.basis.structure().reference(element)?);
         let known = self.kept.iter().position(|k| k.references == references && k.rule == *rule);
         let kept = match known {
             Some(k) => k,

@@ -1,6 +1,6 @@
 //! Univariate B-splines of any degree on any open knot vector.
 
-use super::{Basis, Block, Elements, KnotError, Order, Polynomials, ShapeTable, knots};
+use super::{Basis, BasisStructure, Block, Elements, KnotError, Order, Polynomials, ShapeTable, knots};
 use crate::linalg::{Real, Vector, num};
 
 /// The B-splines of one degree on an open knot vector.
@@ -233,10 +233,16 @@ impl<T: Real> Basis<1, T> for BSpline<T> {
         }
         table.numbers = scratch;
     }
-    fn block(&self, _element: usize) -> Option<Block<'_, 1, T>> {
-        Some(Block { first: 0, axes: [self], weights: None })
+    fn structure(&self) -> &dyn BasisStructure<1, T> {
+        self
     }
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<1, T>>> {
         Some(Box::new(self.made_of(wanted)?))
+    }
+}
+
+impl<T: Real> BasisStructure<1, T> for BSpline<T> {
+    fn block(&self, _element: usize) -> Option<Block<'_, 1, T>> {
+        Some(Block { first: 0, axes: [self], weights: None })
     }
 }

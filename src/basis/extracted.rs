@@ -1,6 +1,6 @@
 //! Linear combinations of the functions of another basis.
 
-use super::{Basis, Cell, Elements, Order, ShapeTable, TensorPatch};
+use super::{Basis, BasisStructure, Cell, Elements, Order, ShapeTable, TensorPatch};
 use crate::linalg::{Real, Vector};
 
 /// N_k = sum_i c_ik B_i: end-lowered, dual and truncated bases, Bezier extraction.
@@ -95,8 +95,14 @@ impl<const D: usize, B: Basis<D, T>, T: Real> Basis<D, T> for Extracted<B, T> {
         table.inner = Some(inner);
         table.ids = ids;
     }
+    fn structure(&self) -> &dyn BasisStructure<D, T> {
+        self
+    }
+}
+
+impl<const D: usize, B: Basis<D, T>, T: Real> BasisStructure<D, T> for Extracted<B, T> {
     fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
-        let mut patches = self.inner.patches()?;
+        let mut patches = self.inner.structure().patches()?;
         for patch in &mut patches {
             let number = |&i: &usize| match self.rows[i][..] {
                 [(k, c)] if c == T::one() => Some(k),

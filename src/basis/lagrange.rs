@@ -1,6 +1,6 @@
 //! Lagrange polynomials on the intervals of a line, continuous across them.
 
-use super::{BSpline, Basis, Block, Elements, Order, Polynomials, ShapeTable};
+use super::{BSpline, Basis, BasisStructure, Block, Elements, Order, Polynomials, ShapeTable};
 use crate::linalg::{Real, Vector, lit, num};
 use crate::quadrature::gauss_lobatto_nodes;
 
@@ -104,15 +104,21 @@ impl<T: Real> Basis<1, T> for LagrangeLine<T> {
             }
         }
     }
+    fn structure(&self) -> &dyn BasisStructure<1, T> {
+        self
+    }
+    /// The spline space of regularity 0 answers, in Bernstein form.
+    fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<1, T>>> {
+        BSpline::from_breakpoints(self.degree, &self.breakpoints, &vec![0; self.num_elements() - 1]).polynomials(wanted)
+    }
+}
+
+impl<T: Real> BasisStructure<1, T> for LagrangeLine<T> {
     /// One: the nodes of all elements lie alike.
     fn reference(&self, _element: usize) -> Option<usize> {
         Some(0)
     }
     fn block(&self, _element: usize) -> Option<Block<'_, 1, T>> {
         Some(Block { first: 0, axes: [self], weights: None })
-    }
-    /// The spline space of regularity 0 answers, in Bernstein form.
-    fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<1, T>>> {
-        BSpline::from_breakpoints(self.degree, &self.breakpoints, &vec![0; self.num_elements() - 1]).polynomials(wanted)
     }
 }

@@ -1,6 +1,6 @@
 //! Rational bases: NURBS, and the quotient of any basis by a weight function.
 
-use super::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable, TensorPatch};
+use super::{Basis, BasisStructure, Block, Cell, Elements, Order, Polynomials, ShapeTable, TensorPatch};
 use crate::linalg::{Matrix, Real, Vector, to_f64};
 
 /// Why numbers are no weights.
@@ -141,14 +141,23 @@ impl<const D: usize, B: Basis<D, T>, T: Real> Basis<D, T> for Rational<B, T> {
         table.inner = Some(inner);
         table.ids = ids;
     }
+    fn structure(&self) -> &dyn BasisStructure<D, T> {
+        self
+    }
+    fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
+        self.basis.polynomials(wanted)
+    }
+}
+
+impl<const D: usize, B: Basis<D, T>, T: Real> BasisStructure<D, T> for Rational<B, T> {
     fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
-        let block = self.basis.block(element)?;
+        let block = self.basis.structure().block(element)?;
         let functions: usize = block.axes.iter().map(|axis| axis.num_functions()).product();
         // a run that is only part of the functions has numbers of its own, which the weights do not follow
         (block.weights.is_none() && functions == self.weights.len()).then_some(Block { weights: Some(&self.weights), ..block })
     }
     fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
-        let mut patches = self.basis.patches()?;
+        let mut patches = self.basis.structure().patches()?;
         for patch in &mut patches {
             // weights follow the numbers of the basis
             let follow = patch.ids.len() == self.weights.len() && patch.ids.iter().enumerate().all(|(i, &id)| i == id);
@@ -158,8 +167,5 @@ impl<const D: usize, B: Basis<D, T>, T: Real> Basis<D, T> for Rational<B, T> {
             patch.block.weights = Some(&self.weights);
         }
         Some(patches)
-    }
-    fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
-        self.basis.polynomials(wanted)
     }
 }

@@ -1,6 +1,6 @@
 //! A univariate basis seen on smaller elements.
 
-use super::{Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable};
+use super::{Basis, BasisStructure, Block, Cell, Elements, Order, Polynomials, ShapeTable};
 use crate::linalg::{Real, Vector, lit};
 
 /// The functions of `inner` on cells cut from its elements: a coarse basis on a fine grid.
@@ -101,12 +101,18 @@ impl<B: Basis<1, T>, T: Real> Basis<1, T> for Refined<B, T> {
         table.inner_points = points;
         table.inner = Some(inner);
     }
-    fn block(&self, _element: usize) -> Option<Block<'_, 1, T>> {
-        let whole = super::tensor::is_one_block(&self.inner);
-        (whole && self.ordered).then_some(Block { first: 0, axes: [self], weights: None })
+    fn structure(&self) -> &dyn BasisStructure<1, T> {
+        self
     }
     /// The polynomials of the inner basis on the smaller elements.
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<1, T>>> {
         Some(Box::new(Refined::new(self.inner.polynomials(wanted)?, self.cells.clone())))
+    }
+}
+
+impl<B: Basis<1, T>, T: Real> BasisStructure<1, T> for Refined<B, T> {
+    fn block(&self, _element: usize) -> Option<Block<'_, 1, T>> {
+        let whole = super::tensor::is_one_block(&self.inner);
+        (whole && self.ordered).then_some(Block { first: 0, axes: [self], weights: None })
     }
 }

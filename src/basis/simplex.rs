@@ -1,7 +1,7 @@
 //! Lagrange polynomials on triangles and tetrahedra: lattice, nodes, numbering, basis.
 
 use super::bernstein::Cells;
-use super::{Basis, BernsteinSimplex, Cell, Elements, Order, Polynomials, ShapeTable, lagrange_nodes};
+use super::{Basis, BasisStructure, BernsteinSimplex, Cell, Elements, Order, Polynomials, ShapeTable, lagrange_nodes};
 use crate::linalg::{Real, Vector, num};
 use std::collections::BTreeMap;
 
@@ -168,10 +168,6 @@ impl<const D: usize, T: Real> Basis<D, T> for LagrangeSimplex<D, T> {
     fn active(&self, element: usize, ids: &mut Vec<usize>) {
         self.bernstein.active(element, ids);
     }
-    /// One for all.
-    fn reference(&self, _element: usize) -> Option<usize> {
-        Some(0)
-    }
     fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
         let n = self.nodes.len();
         let mut inner = table.inner.take().unwrap_or_default();
@@ -194,8 +190,18 @@ impl<const D: usize, T: Real> Basis<D, T> for LagrangeSimplex<D, T> {
         }
         table.inner = Some(inner);
     }
+    fn structure(&self) -> &dyn BasisStructure<D, T> {
+        self
+    }
     /// Bernstein polynomials on the same cells.
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
         self.bernstein.polynomials(wanted)
+    }
+}
+
+impl<const D: usize, T: Real> BasisStructure<D, T> for LagrangeSimplex<D, T> {
+    /// One for all.
+    fn reference(&self, _element: usize) -> Option<usize> {
+        Some(0)
     }
 }

@@ -1,6 +1,6 @@
 //! Products of univariate bases.
 
-use super::{Basis, Block, Elements, Order, Polynomials, ShapeTable, TensorPatch};
+use super::{Basis, BasisStructure, Block, Elements, Order, Polynomials, ShapeTable, TensorPatch};
 use crate::linalg::{Real, Vector};
 use std::marker::PhantomData;
 
@@ -27,7 +27,7 @@ const ON_STACK: usize = 20;
 /// Whether all elements of a univariate basis are one block of polynomials, the basis itself.
 pub(super) fn is_one_block<T: Real, A: Basis<1, T> + ?Sized>(axis: &A) -> bool {
     axis.num_elements() > 0
-        && axis.block(0).is_some_and(|b| b.first == 0 && b.weights.is_none() && b.axes[0].num_elements() == axis.num_elements())
+        && axis.structure().block(0).is_some_and(|b| b.first == 0 && b.weights.is_none() && b.axes[0].num_elements() == axis.num_elements())
 }
 
 impl<const D: usize, A: Basis<1, T>, T: Real> TensorProduct<D, A, T> {
@@ -178,11 +178,23 @@ impl<const D: usize, A: Basis<1, T>, T: Real> Basis<D, T> for TensorProduct<D, A
         table.ids = places;
         table.line_points = points;
     }
+    fn structure(&self) -> &dyn BasisStructure<D, T> {
+        self
+    }
+    /// The product of the axes' polynomials.
+    fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
+        let axes: Vec<Box<dyn Basis<1, T>>> = self.axes.iter().map(|axis| axis.polynomials(wanted)).collect::<Option<_>>()?;
+        let axes: [Box<dyn Basis<1, T>>; D] = axes.try_into().ok()?;
+        Some(Box::new(TensorProduct::new(axes)))
+    }
+}
+
+impl<const D: usize, A: Basis<1, T>, T: Real> BasisStructure<D, T> for TensorProduct<D, A, T> {
     /// A number for every tuple of the axes' numbers, where these are small.
     fn reference(&self, element: usize) -> Option<usize> {
         let at = self.split(element);
         (0..D).try_fold(0, |number, k| {
-            let own = self.axes[k].reference(at[k])?;
+            let own = self.axes[k].structure().reference(at[k])?;
             (own < REFERENCES).then_some(number * REFERENCES + own)
         })
     }
@@ -193,12 +205,6 @@ impl<const D: usize, A: Basis<1, T>, T: Real> Basis<D, T> for TensorProduct<D, A
     fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
         let ids = (0..self.num_functions()).collect();
         self.block(0).map(|block| vec![TensorPatch { block, ids }])
-    }
-    /// The product of the axes' polynomials.
-    fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
-        let axes: Vec<Box<dyn Basis<1, T>>> = self.axes.iter().map(|axis| axis.polynomials(wanted)).collect::<Option<_>>()?;
-        let axes: [Box<dyn Basis<1, T>>; D] = axes.try_into().ok()?;
-        Some(Box::new(TensorProduct::new(axes)))
     }
 }
 

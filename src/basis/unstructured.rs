@@ -2,7 +2,9 @@
 
 use super::numbering::lattice;
 use super::topology::corner_count;
-use super::{BSpline, Basis, BernsteinSimplex, Cell, Elements, LagrangeLine, LagrangeSimplex, Listed, Order, Polynomials, ShapeTable};
+use super::{
+    BSpline, Basis, BasisStructure, BernsteinSimplex, Cell, Elements, LagrangeLine, LagrangeSimplex, Listed, Order, Polynomials, ShapeTable,
+};
 use super::{TensorProduct, Topology};
 use crate::linalg::{Real, Vector, num};
 use std::sync::Arc;
@@ -167,9 +169,6 @@ impl<const D: usize, T: Real> Basis<D, T> for Unstructured<D, T> {
     fn degree(&self, _element: usize) -> [usize; D] {
         [self.degree; D]
     }
-    fn is_linear(&self, element: usize) -> bool {
-        self.degree == 1 && self.cell(element) == Cell::Simplex
-    }
     fn active(&self, element: usize, ids: &mut Vec<usize>) {
         ids.clear();
         ids.extend_from_slice(self.functions(element));
@@ -177,12 +176,8 @@ impl<const D: usize, T: Real> Basis<D, T> for Unstructured<D, T> {
     fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
         self.kernel(element).tabulate(0, xi, order, table);
     }
-    /// One for the tensor cells, one for the simplices.
-    fn reference(&self, element: usize) -> Option<usize> {
-        Some(usize::from(self.cell(element) == Cell::Simplex))
-    }
-    fn listed(&self) -> Option<Listed<'_>> {
-        Some(Listed { first: &self.first, ids: &self.ids })
+    fn structure(&self) -> &dyn BasisStructure<D, T> {
+        self
     }
     /// Bernstein polynomials on the same cells: continuous at no reduction of the degree, discontinuous at any.
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
@@ -193,5 +188,18 @@ impl<const D: usize, T: Real> Basis<D, T> for Unstructured<D, T> {
             Polynomials::Uniform { .. } => return None,
         };
         Some(Box::new(Self::bernstein(degree, continuous, self.topology.clone())))
+    }
+}
+
+impl<const D: usize, T: Real> BasisStructure<D, T> for Unstructured<D, T> {
+    fn is_linear(&self, element: usize) -> bool {
+        self.degree == 1 && self.cell(element) == Cell::Simplex
+    }
+    /// One for the tensor cells, one for the simplices.
+    fn reference(&self, element: usize) -> Option<usize> {
+        Some(usize::from(self.cell(element) == Cell::Simplex))
+    }
+    fn listed(&self) -> Option<Listed<'_>> {
+        Some(Listed { first: &self.first, ids: &self.ids })
     }
 }

@@ -12,7 +12,7 @@ const SAME: f64 = 1e4;
 pub(super) fn blocks<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Result<(), String> {
     let mut seen = BTreeSet::new();
     for e in 0..basis.num_elements() {
-        if let Some(block) = basis.block(e)
+        if let Some(block) = basis.structure().block(e)
             && seen.insert(block.first)
         {
             one(basis, &block).map_err(|what| format!("the block of element {e}: {what}"))?;
@@ -42,7 +42,7 @@ fn one<const D: usize, T: Real>(basis: &dyn Basis<D, T>, block: &Block<'_, D, T>
     for run in 0..count {
         let e = block.first + run;
         let at: [usize; D] = std::array::from_fn(|k| run / elements[..k].iter().product::<usize>() % elements[k]);
-        let same = basis.block(e).is_some_and(|b| b.first == block.first && b.axes.map(|a| a.num_elements()) == elements);
+        let same = basis.structure().block(e).is_some_and(|b| b.first == block.first && b.axes.map(|a| a.num_elements()) == elements);
         if !same {
             return Err(format!("element {e} of its run answers another block"));
         }
@@ -82,9 +82,10 @@ fn one<const D: usize, T: Real>(basis: &dyn Basis<D, T>, block: &Block<'_, D, T>
     Ok(())
 }
 
-/// Checks what [`Basis::patches`] answers: blocks that cover all elements, whose functions sum up to those of the basis.
+/// Checks what [`BasisStructure::patches`](crate::basis::BasisStructure::patches) answers: blocks that cover all elements, whose
+/// functions sum up to those of the basis.
 pub(super) fn patches<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Result<(), String> {
-    let Some(parts) = basis.patches() else { return Ok(()) };
+    let Some(parts) = basis.structure().patches() else { return Ok(()) };
     let mut next = 0;
     for (k, part) in parts.iter().enumerate() {
         let at = |what: String| format!("patch {k}: {what}");

@@ -25,8 +25,9 @@ pub(super) fn sample_points<const D: usize, T: Real>(kind: crate::basis::Cell) -
 ///
 /// Rules: x, Jacobian and second derivatives are finite, derivatives are those of x, also outside the cell; they do not
 /// depend on the batch or on the order asked for; [`Geometry::bounds`] hold the element, and [`Geometry::all_bounds`] are the same,
-/// [`Geometry::extent`] is around them; corner ids shared by elements
-/// are at one place; [`Geometry::map_block`] and [`Geometry::control`], where there are any, repeat the map.
+/// [`Geometry::extent`] is around them; corner ids shared by elements are at one place;
+/// [`MapStructure::map_block`](crate::geometry::MapStructure::map_block) and
+/// [`MapStructure::control`](crate::geometry::MapStructure::control), where there are any, repeat the map.
 ///
 /// # Errors
 /// A sentence that says which rule is broken and where.
@@ -99,7 +100,7 @@ pub fn geometry<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + 
         if let Some(x) = other.x.iter().find(|x| bounds.distance(x) > T::zero()) {
             return Err(format!("element {e}: its box does not hold the point {x:?}"));
         }
-        if let Some(block) = geometry.map_block(e) {
+        if let Some(block) = geometry.map_structure().map_block(e) {
             let x = block_sum(&block.basis, e, &points[..points.len() - 1], &block.control)?;
             if let Some(q) = (0..x.len()).find(|&q| (x[q] - full.x[q]).amax() > scale * eps * num(200)) {
                 return Err(format!("element {e}: map_block gives {:?} for the point {:?}", x[q], full.x[q]));

@@ -54,7 +54,7 @@ fn integrates<const D: usize, T: Real>(quadrature: &dyn Quadrature<D, T>, e: usi
 }
 
 fn factors<const D: usize, T: Real>(quadrature: &dyn Quadrature<D, T>, basis: &dyn Basis<D, T>, e: usize) -> Result<(), String> {
-    let (Some(axes), Some(block)) = (quadrature.axes(e), basis.block(e)) else { return Ok(()) };
+    let (Some(axes), Some(block)) = (quadrature.axes(e), basis.structure().block(e)) else { return Ok(()) };
     let rule = quadrature.rule(e);
     let mut rest = e - block.first;
     let lines: [_; D] = std::array::from_fn(|k| {

@@ -8,7 +8,7 @@ use crate::linalg::{Matrix, Real, Vector, num};
 
 /// The list of the functions of all elements repeats them.
 pub(super) fn listed<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Result<(), String> {
-    let Some(listed) = basis.listed() else { return Ok(()) };
+    let Some(listed) = basis.structure().listed() else { return Ok(()) };
     if listed.first.len() != basis.num_elements() + 1 || listed.first.last() != Some(&listed.ids.len()) {
         return Err("the list of functions is not of all elements".into());
     }
@@ -27,7 +27,7 @@ pub(super) fn references<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Re
     let mut known: Vec<(usize, usize)> = Vec::new();
     let (mut table, mut first_table) = (ShapeTable::new(), ShapeTable::new());
     for e in chosen(basis.num_elements()) {
-        let Some(reference) = basis.reference(e) else { continue };
+        let Some(reference) = basis.structure().reference(e) else { continue };
         let Some(&(_, first)) = known.iter().find(|(r, _)| *r == reference) else {
             known.push((reference, e));
             continue;
@@ -49,7 +49,7 @@ pub(super) fn references<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Re
 
 /// The functions and points of a map repeat it.
 pub(super) fn control<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>(geometry: &G) -> Result<(), String> {
-    let Some(control) = geometry.control() else { return Ok(()) };
+    let Some(control) = geometry.map_structure().control() else { return Ok(()) };
     if control.basis.num_elements() != geometry.num_elements() || control.basis.num_functions() != control.points.len() {
         return Err("the functions of the map are not on its elements, or not as many as its points".into());
     }

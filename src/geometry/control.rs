@@ -1,8 +1,8 @@
 //! Maps made of basis functions and control points.
 
 use super::hull::Boxes;
-use super::{Bounds, Control, Geometry, MapBlock, MapTable};
-use crate::basis::{Basis, Block, Cell, Elements, Listed, Order, Polynomials, ShapeTable, TensorPatch};
+use super::{Bounds, Control, Geometry, MapBlock, MapStructure, MapTable};
+use crate::basis::{Basis, BasisStructure, Cell, Elements, Order, Polynomials, ShapeTable};
 use crate::linalg::{Real, Vector};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -90,26 +90,14 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Basis<D, T> for Co
     fn degree(&self, element: usize) -> [usize; D] {
         self.basis.degree(element)
     }
-    fn is_linear(&self, element: usize) -> bool {
-        self.basis.is_linear(element)
-    }
     fn active(&self, element: usize, ids: &mut Vec<usize>) {
         self.basis.active(element, ids);
     }
     fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
         self.basis.tabulate(element, xi, order, table);
     }
-    fn reference(&self, element: usize) -> Option<usize> {
-        self.basis.reference(element)
-    }
-    fn listed(&self) -> Option<Listed<'_>> {
-        self.basis.listed()
-    }
-    fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
-        self.basis.block(element)
-    }
-    fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
-        self.basis.patches()
+    fn structure(&self) -> &dyn BasisStructure<D, T> {
+        self.basis.structure()
     }
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
         self.basis.polynomials(wanted)
@@ -142,8 +130,14 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Geometry<D, N, T> 
         boxes().around(&hulls)
     }
 
+    fn map_structure(&self) -> &dyn MapStructure<D, N, T> {
+        self
+    }
+}
+
+impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> MapStructure<D, N, T> for ControlPoints<B, N, T> {
     fn is_affine(&self, element: usize) -> bool {
-        self.basis.is_linear(element)
+        self.basis.structure().is_linear(element)
     }
 
     fn control(&self) -> Option<Control<'_, D, N, T>> {
@@ -151,7 +145,7 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Geometry<D, N, T> 
     }
 
     fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> {
-        let basis = self.basis.block(element)?;
+        let basis = self.basis.structure().block(element)?;
         let functions: usize = basis.axes.iter().map(|a| a.num_functions()).product();
         // a block of part of the basis numbers its functions by itself; only whole ones are known to number them alike
         (functions == self.points.len()).then(|| MapBlock { basis, control: Cow::Borrowed(&self.points) })

@@ -118,7 +118,7 @@ impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>
         basis.active(element, &mut self.ids);
         self.values.clear();
         self.values.extend(self.ids.iter().map(|&i| self.control.points[i]));
-        let known = basis.reference(element).and_then(|own| {
+        let known = basis.structure().reference(element).and_then(|own| {
             let place = self.kept.iter().position(|(kept, _)| *kept == own);
             if place.is_none() && self.kept.len() < KEPT {
                 self.kept.push((own, Bernstein::of(basis, element)));

@@ -14,11 +14,11 @@ mod net_moves;
 mod sag;
 mod sampler;
 pub mod shapes;
+mod structure;
 
-use crate::basis::{Basis, Block, Elements, Order, ShapeTable};
+use crate::basis::{Elements, NoStructure, Order, ShapeTable};
 use crate::linalg::{Matrix, Real, Vector};
 use rayon::prelude::*;
-use std::borrow::Cow;
 
 pub use bounds::Bounds;
 pub use bvh::Tree;
@@ -33,6 +33,7 @@ pub use net::{ControlNet, NetError};
 pub use net_moves::{turn, turn_about};
 pub use sag::Sag;
 pub use sampler::Sampler;
+pub use structure::{Control, MapBlock, MapStructure};
 
 /// Positions and derivatives of a map at a batch of points; caller-owned, keeps its memory between calls.
 #[derive(Clone, Debug)]
@@ -78,25 +79,9 @@ impl<const D: usize, const N: usize, T: Real> MapTable<D, N, T> {
     }
 }
 
-/// Univariate factors of a map: x = sum_i N_i control_i over the functions of `basis`.
-#[derive(Clone, Debug)]
-pub struct MapBlock<'a, const D: usize, const N: usize, T: Real = f64> {
-    /// The basis of the map, answering on the elements of the geometry.
-    pub basis: Block<'a, D, T>,
-    /// One control point per function of the run.
-    pub control: Cow<'a, [Vector<N, T>]>,
-}
-
-/// A map as functions and points: x = sum_i M_i points_i on every element.
-#[derive(Clone, Copy, Debug)]
-pub struct Control<'a, const D: usize, const N: usize, T: Real = f64> {
-    /// The functions M_i, answering on the elements of the geometry.
-    pub basis: &'a dyn Basis<D, T>,
-    /// One point per function \[length\].
-    pub points: &'a [Vector<N, T>],
-}
-
 /// A map x(xi) per element.
+///
+/// A new map implements evaluation and a box; [`map_structure`](Geometry::map_structure) is for those that have more to tell.
 pub trait Geometry<const D: usize, const N: usize, T: Real = f64>: Elements {
     /// Positions and derivatives at the local points `xi`; continues the element's own functions outside its cell.
     fn map(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut MapTable<D, N, T>);
@@ -110,17 +95,9 @@ pub trait Geometry<const D: usize, const N: usize, T: Real = f64>: Elements {
     fn extent(&self) -> Option<Bounds<N, T>> {
         self.all_bounds().into_iter().reduce(|a, b| a.union(&b))
     }
-    /// Whether the map of `element` is known to be affine: its Jacobian is constant, the images of segments are straight.
-    fn is_affine(&self, _element: usize) -> bool {
-        false
-    }
-    /// The map as functions and points, where it is that everywhere: tables of a reference cell, see [`Basis::reference`].
-    fn control(&self) -> Option<Control<'_, D, N, T>> {
-        None
-    }
-    /// Product structure of the map around `element`, where there is one.
-    fn map_block(&self, _element: usize) -> Option<MapBlock<'_, D, N, T>> {
-        None
+    /// Structure that assembly can use; nothing by default.
+    fn map_structure(&self) -> &dyn MapStructure<D, N, T> {
+        &NoStructure
     }
 }
 
@@ -133,9 +110,7 @@ macro_rules! forward_geometry {
             fn bounds(&self, element: usize) -> Bounds<N, T> { (**self).bounds(element) }
             fn all_bounds(&self) -> Vec<Bounds<N, T>> { (**self).all_bounds() }
             fn extent(&self) -> Option<Bounds<N, T>> { (**self).extent() }
-            fn is_affine(&self, element: usize) -> bool { (**self).is_affine(element) }
-            fn control(&self) -> Option<Control<'_, D, N, T>> { (**self).control() }
-            fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> { (**self).map_block(element) }
+            fn map_structure(&self) -> &dyn MapStructure<D, N, T> { (**self).map_structure() }
         }
     )*};
 }

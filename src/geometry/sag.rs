@@ -235,7 +235,7 @@ fn facet<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>
 ) -> Facet<D, N, T> {
     let kind = side.cell(element);
     let corners = cell::corners::<D, T>(kind);
-    let (inside, affine) = (cell::grid::<D, T>(kind, 3), side.is_affine(element));
+    let (inside, affine) = (cell::grid::<D, T>(kind, 3), side.map_structure().is_affine(element));
     let points: Vec<Vector<D, T>> = if affine { corners.clone() } else { corners.iter().chain(&inside).copied().collect() };
     side.map(element, &points, Order::Hessians, table);
     let x = table.x[..corners.len()].to_vec();

@@ -23,7 +23,7 @@ type Key = (usize, usize);
 impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized> Sampler<'a, D, N, T, G> {
     /// Maps of `geometry` up to `order`.
     pub fn new(geometry: &'a G, order: Order) -> Self {
-        Self { geometry, control: geometry.control(), order, kept: Vec::new(), ids: Vec::new() }
+        Self { geometry, control: geometry.map_structure().control(), order, kept: Vec::new(), ids: Vec::new() }
     }
 
     /// What [`Geometry::map`] says at `xi`, the points that the caller numbers `set`: the same for all calls with that number.
@@ -40,7 +40,7 @@ impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>
     /// Functions and points of the map, and which of the tables is that of `element`; `None` where tables differ from element to element.
     fn known(&mut self, element: usize, set: usize, xi: &[Vector<D, T>]) -> Option<(Control<'a, D, N, T>, usize)> {
         let control = self.control?;
-        let key = (control.basis.reference(element)?, set);
+        let key = (control.basis.structure().reference(element)?, set);
         if let Some(k) = self.kept.iter().position(|(known, _)| *known == key) {
             return Some((control, k));
         }

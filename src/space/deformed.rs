@@ -1,7 +1,7 @@
 //! A space in its deformed configuration.
 
 use super::Space;
-use crate::basis::{Basis, Block, Cell, Elements, Listed, Order, Polynomials, ShapeTable, TensorPatch};
+use crate::basis::{Basis, BasisStructure, Cell, Elements, Order, Polynomials, ShapeTable};
 use crate::geometry::{Bounds, Geometry, MapTable, hull};
 use crate::linalg::{Real, Vector};
 
@@ -39,17 +39,8 @@ impl<X: Basis<D, T>, const D: usize, const N: usize, T: Real> Basis<D, T> for De
     fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
         self.space.tabulate(element, xi, order, table);
     }
-    fn reference(&self, element: usize) -> Option<usize> {
-        self.space.reference(element)
-    }
-    fn listed(&self) -> Option<Listed<'_>> {
-        self.space.listed()
-    }
-    fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
-        self.space.block(element)
-    }
-    fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
-        self.space.patches()
+    fn structure(&self) -> &dyn BasisStructure<D, T> {
+        self.space.structure()
     }
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
         self.space.polynomials(wanted)

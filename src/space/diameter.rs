@@ -13,7 +13,7 @@ const POINTS: usize = 3;
 pub fn diameter<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -> T {
     let points = [Cell::Tensor, Cell::Simplex].map(|c| [cell::grid::<N, T>(c, POINTS), cell::corners::<N, T>(c)]);
     let of = |(map, table): &mut (Sampler<'_, N, N, T, X>, MapTable<N, N, T>), e: usize| {
-        let (kind, affine) = (usize::from(space.cell(e) == Cell::Simplex), usize::from(space.is_affine(e)));
+        let (kind, affine) = (usize::from(space.cell(e) == Cell::Simplex), usize::from(space.map_structure().is_affine(e)));
         map.map(e, 2 * kind + affine, &points[kind][affine], table);
         let pairs = table.x.iter().enumerate().flat_map(|(k, a)| table.x[..k].iter().map(move |b| (a - b).norm_squared()));
         pairs.fold(T::zero(), |most, d| most.max(d))

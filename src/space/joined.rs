@@ -1,8 +1,8 @@
 //! Several bases or spaces as one: their elements in a row, their functions under common numbers.
 
 use super::Space;
-use crate::basis::{Basis, Block, Cell, Elements, Extracted, Order, Polynomials, ShapeTable, TensorPatch};
-use crate::geometry::{Bounds, Geometry, MapBlock, MapTable};
+use crate::basis::{Basis, BasisStructure, Block, Cell, Elements, Extracted, Order, Polynomials, ShapeTable, TensorPatch};
+use crate::geometry::{Bounds, Geometry, MapBlock, MapStructure, MapTable};
 use crate::linalg::{Real, Vector};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -99,20 +99,8 @@ impl<const D: usize, T: Real, X: Basis<D, T>> Basis<D, T> for Joined<X> {
         let (part, e) = self.at(element);
         part.inner.tabulate(e, xi, order, table);
     }
-    fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
-        let (part, e) = self.at(element);
-        part.inner.block(e).map(|block| Block { first: block.first + part.first, ..block })
-    }
-    fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
-        let mut all = Vec::with_capacity(self.parts.len());
-        for part in &self.parts {
-            for mut patch in part.inner.patches()? {
-                patch.block.first += part.first;
-                patch.ids = patch.ids.iter().map(|&i| part.ids[i]).collect();
-                all.push(patch);
-            }
-        }
-        Some(all)
+    fn structure(&self) -> &dyn BasisStructure<D, T> {
+        self
     }
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
         let mut functions = 0;
@@ -125,6 +113,24 @@ impl<const D: usize, T: Real, X: Basis<D, T>> Basis<D, T> for Joined<X> {
             parts.push((own, ids, corners));
         }
         Some(Box::new(Joined::new(parts, functions)))
+    }
+}
+
+impl<const D: usize, T: Real, X: Basis<D, T>> BasisStructure<D, T> for Joined<X> {
+    fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
+        let (part, e) = self.at(element);
+        part.inner.structure().block(e).map(|block| Block { first: block.first + part.first, ..block })
+    }
+    fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
+        let mut all = Vec::with_capacity(self.parts.len());
+        for part in &self.parts {
+            for mut patch in part.inner.structure().patches()? {
+                patch.block.first += part.first;
+                patch.ids = patch.ids.iter().map(|&i| part.ids[i]).collect();
+                all.push(patch);
+            }
+        }
+        Some(all)
     }
 }
 
@@ -156,13 +162,19 @@ impl<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T>> Geometry<D, 
     fn extent(&self) -> Option<Bounds<N, T>> {
         self.parts.iter().filter_map(|part| part.inner.extent()).reduce(|a, b| a.union(&b))
     }
+    fn map_structure(&self) -> &dyn MapStructure<D, N, T> {
+        self
+    }
+}
+
+impl<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T>> MapStructure<D, N, T> for Joined<X> {
     fn is_affine(&self, element: usize) -> bool {
         let (part, e) = self.at(element);
-        part.inner.is_affine(e)
+        part.inner.map_structure().is_affine(e)
     }
     fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> {
         let (part, e) = self.at(element);
-        part.inner.map_block(e).map(|m| MapBlock { basis: Block { first: m.basis.first + part.first, ..m.basis }, ..m })
+        part.inner.map_structure().map_block(e).map(|m| MapBlock { basis: Block { first: m.basis.first + part.first, ..m.basis }, ..m })
     }
 }
 

@@ -24,8 +24,8 @@ mod refine_cells;
 mod spec;
 mod trace;
 
-use crate::basis::{Basis, Block, Cell, Elements, Listed, Order, Polynomials, ShapeTable, TensorPatch};
-use crate::geometry::{Bounds, Control, ControlPoints, Embedded, Geometry, MapBlock, MapTable};
+use crate::basis::{Basis, BasisStructure, Cell, Elements, Order, Polynomials, ShapeTable};
+use crate::geometry::{Bounds, ControlPoints, Embedded, Geometry, MapStructure, MapTable};
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -95,26 +95,14 @@ impl<const D: usize, T: Real, B: Basis<D, T>, G: Elements> Basis<D, T> for Over<
     fn degree(&self, element: usize) -> [usize; D] {
         self.basis.degree(element)
     }
-    fn is_linear(&self, element: usize) -> bool {
-        self.basis.is_linear(element)
-    }
     fn active(&self, element: usize, ids: &mut Vec<usize>) {
         self.basis.active(element, ids);
     }
     fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
         self.basis.tabulate(element, xi, order, table);
     }
-    fn reference(&self, element: usize) -> Option<usize> {
-        self.basis.reference(element)
-    }
-    fn listed(&self) -> Option<Listed<'_>> {
-        self.basis.listed()
-    }
-    fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
-        self.basis.block(element)
-    }
-    fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
-        self.basis.patches()
+    fn structure(&self) -> &dyn BasisStructure<D, T> {
+        self.basis.structure()
     }
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
         self.basis.polynomials(wanted)
@@ -134,14 +122,8 @@ impl<const D: usize, const N: usize, T: Real, B: Elements, G: Geometry<D, N, T>>
     fn extent(&self) -> Option<Bounds<N, T>> {
         self.geometry.extent()
     }
-    fn is_affine(&self, element: usize) -> bool {
-        self.geometry.is_affine(element)
-    }
-    fn control(&self) -> Option<Control<'_, D, N, T>> {
-        self.geometry.control()
-    }
-    fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> {
-        self.geometry.map_block(element)
+    fn map_structure(&self) -> &dyn MapStructure<D, N, T> {
+        self.geometry.map_structure()
     }
 }
 

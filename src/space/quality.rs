@@ -64,7 +64,7 @@ pub fn quality<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -
             let degree = space.degree(e).into_iter().max().unwrap_or(1).clamp(DEGREES[0], DEGREES[1]);
             let kind = usize::from(space.cell(e) == Cell::Simplex);
             // sets of points by their degree, the centre before them
-            let (set, points) = match space.is_affine(e) {
+            let (set, points) = match space.map_structure().is_affine(e) {
                 true => (0, std::slice::from_ref(&centers[kind])),
                 false => (degree, &grids[kind][degree - DEGREES[0]][..]),
             };
@@ -124,8 +124,8 @@ pub fn measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?
         }
     };
     // the large rules of a kind of cells cost more than many elements: none where nothing is curved
-    let curved =
-        [Cell::Tensor, Cell::Simplex].map(|kind| (0..geometry.num_elements()).any(|e| geometry.cell(e) == kind && !geometry.is_affine(e)));
+    let curved = [Cell::Tensor, Cell::Simplex]
+        .map(|kind| (0..geometry.num_elements()).any(|e| geometry.cell(e) == kind && !geometry.map_structure().is_affine(e)));
     let rules_of = |kind: Cell, wanted: bool| COUNTS.iter().filter(|_| wanted).map(|&n| rule_of(kind, n)).collect::<Vec<_>>();
     let rules = [rules_of(Cell::Tensor, curved[0]), rules_of(Cell::Simplex, curved[1])];
     let affine = [Cell::Tensor, Cell::Simplex].map(|kind| match kind {
@@ -138,7 +138,7 @@ pub fn measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?
         .into_par_iter()
         .map_init(maps, |(map, table), e| {
             let kind = usize::from(geometry.cell(e) == Cell::Simplex);
-            if geometry.is_affine(e) {
+            if geometry.map_structure().is_affine(e) {
                 let (point, size) = &affine[kind];
                 map.map(e, kind, std::slice::from_ref(point), table);
                 return scale(&table.jacobian[0]) * *size;

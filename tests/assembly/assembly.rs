@@ -4,7 +4,7 @@ use faying::assembly::{
     Coefficient, Equation, Fixed, Form, Pattern, Reduced, ReductionError, add_stiffness, dirichlet, errors, gauss_rules, load, mass,
     measure, stiffness, trace_load, trace_springs,
 };
-use faying::basis::{BSpline, Basis, Block, Cell, Elements, LagrangeLine, Order, Polynomials, ShapeTable, TensorProduct};
+use faying::basis::{BSpline, Basis, Cell, Elements, LagrangeLine, Order, Polynomials, ShapeTable, TensorProduct};
 use faying::check;
 use faying::geometry::{Bounds, Embedding, Geometry, MapTable};
 use faying::linalg::{LinearError, LinearSolver, Matrix, Operator, Triplets, Vector};
@@ -165,9 +165,6 @@ impl<const D: usize, X: Basis<D>> Basis<D> for Plain<X> {
     fn tabulate(&self, element: usize, xi: &[Vector<D>], order: Order, table: &mut ShapeTable<D>) {
         self.0.tabulate(element, xi, order, table);
     }
-    fn block(&self, _element: usize) -> Option<Block<'_, D>> {
-        None
-    }
     fn polynomials(&self, _wanted: Polynomials) -> Option<Box<dyn Basis<D>>> {
         None
     }
@@ -177,7 +174,7 @@ impl<const D: usize, X: Basis<D>> Basis<D> for Plain<X> {
 fn the_closed_pattern_of_a_block_equals_the_pattern_of_its_neighbours() {
     let repeated = BSpline::<f64>::try_new(2, vec![0.0, 0.0, 0.0, 0.2, 0.5, 0.5, 0.9, 0.9, 0.9, 1.0, 1.0, 1.0]).unwrap();
     let basis = TensorProduct::new([repeated, BSpline::uniform(2, 3, 0)]);
-    assert!(basis.block(0).is_some(), "the closed form is what is tested");
+    assert!(basis.structure().block(0).is_some(), "the closed form is what is tested");
     let (product, plain) = (Pattern::new(&basis), Pattern::new(&Plain(&basis)));
     for i in 0..basis.num_functions() {
         assert_eq!(product.row(i), plain.row(i));

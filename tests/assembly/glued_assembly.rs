@@ -259,11 +259,14 @@ fn a_patch_closed_on_itself_has_pairs_of_functions_that_meet_twice() {
 fn collapsed_edges_in_the_plane_and_in_space() {
     for kind in [Kind::Nurbs, Kind::Lagrange] {
         let disc = body::<1, 2>(shapes::disc_sector([0.0, 0.0], 1.0, [0.0, 90.0]).unwrap(), [2, 3], [3, 2], kind);
-        assert!(disc.space().block(0).is_none() && disc.space().patches().is_some(), "sums of products are what is tested");
+        assert!(
+            disc.space().structure().block(0).is_none() && disc.space().structure().patches().is_some(),
+            "sums of products are what is tested"
+        );
         let most = check(&**disc.space(), false, &plane());
         println!("disc, {kind:?}: apart by {most:.1e} at most");
         let ball = body::<2, 3>(shapes::sphere_octant([0.0; 3], [1.0, 2.0]).unwrap(), [2, 2, 2], [2, 2, 2], kind);
-        assert!(ball.space().patches().is_some());
+        assert!(ball.space().structure().patches().is_some());
         let most = check(&**ball.space(), false, &solid());
         println!("octant, {kind:?}: apart by {most:.1e} at most");
     }

@@ -7,9 +7,9 @@ use cells::{Random, Shapes, bent, boxes, shaken};
 use faying::assembly::{
     Assembler, Coefficient, Form, Pattern, Tangent, add_stiffness, fields, gauss_rules, load, mass, refill_stiffness, stiffness,
 };
-use faying::basis::{Basis, Cell, Elements, Order, ShapeTable};
+use faying::basis::{Basis, BasisStructure, Cell, Elements, Order, ShapeTable};
 use faying::check;
-use faying::geometry::{Bounds, Control, Geometry, MapTable, shapes};
+use faying::geometry::{Bounds, Control, Geometry, MapStructure, MapTable, shapes};
 use faying::linalg::{Csr, Ldlt, LinearSolver, Matrix, Operator, Vector};
 use faying::quadrature::{PerElement, Quadrature, Rule};
 use faying::space::{Body, CellBlock, FieldAt, Mapping, Mesh, MeshCells, PatchSpec, Space};
@@ -243,8 +243,13 @@ fn collapsed_cells_give_what_is_not_finite() {
         fn tabulate(&self, element: usize, xi: &[Vector<2>], order: Order, table: &mut ShapeTable<2>) {
             self.0.tabulate(element, xi, order, table);
         }
+        fn structure(&self) -> &dyn BasisStructure<2> {
+            self
+        }
+    }
+    impl BasisStructure<2> for Flat<'_> {
         fn reference(&self, element: usize) -> Option<usize> {
-            self.0.reference(element)
+            self.0.structure().reference(element)
         }
     }
     impl Geometry<2, 2> for Flat<'_> {
@@ -254,14 +259,19 @@ fn collapsed_cells_give_what_is_not_finite() {
         fn bounds(&self, element: usize) -> Bounds<2> {
             self.0.bounds(element)
         }
+        fn map_structure(&self) -> &dyn MapStructure<2, 2> {
+            self
+        }
+    }
+    impl MapStructure<2, 2> for Flat<'_> {
         fn control(&self) -> Option<Control<'_, 2, 2>> {
-            self.0.control().map(|c| Control { points: &self.1, ..c })
+            self.0.map_structure().control().map(|c| Control { points: &self.1, ..c })
         }
     }
     impl Space<2, 2> for Flat<'_> {}
     let body = plane([2, 2], Shapes::Simplex, 1, 1, Mapping::Exact);
     let space = &**body.space();
-    let points: Vec<Vector<2>> = space.control().unwrap().points.iter().map(|x| Vector::<2>::new(x[0], 0.0)).collect();
+    let points: Vec<Vector<2>> = space.map_structure().control().unwrap().points.iter().map(|x| Vector::<2>::new(x[0], 0.0)).collect();
     let k = stiffness(&Flat(space, points.clone()), &gauss_rules(space, 0), &Form::<1, 2>::laplace());
     assert!(k.vals().iter().any(|v| !v.is_finite()));
     let flat =
@@ -392,8 +402,13 @@ fn tables_and_maps_that_differ_from_what_is_promised_are_found() {
         fn tabulate(&self, element: usize, xi: &[Vector<2>], order: Order, table: &mut ShapeTable<2>) {
             self.0.tabulate(element, xi, order, table);
         }
+        fn structure(&self) -> &dyn BasisStructure<2> {
+            self
+        }
+    }
+    impl<X: Basis<2>> BasisStructure<2> for Lies<X> {
         fn reference(&self, element: usize) -> Option<usize> {
-            if self.1 { Some(0) } else { self.0.reference(element) }
+            if self.1 { Some(0) } else { self.0.structure().reference(element) }
         }
     }
     impl<X: Geometry<2, 2>> Geometry<2, 2> for Lies<X> {
@@ -405,8 +420,13 @@ fn tables_and_maps_that_differ_from_what_is_promised_are_found() {
             let own = self.0.bounds(element);
             Bounds { lo: own.lo + Vector::<2>::new(1.0, 0.0), hi: own.hi + Vector::<2>::new(1.0, 0.0) }
         }
+        fn map_structure(&self) -> &dyn MapStructure<2, 2> {
+            self
+        }
+    }
+    impl<X: Geometry<2, 2>> MapStructure<2, 2> for Lies<X> {
         fn control(&self) -> Option<Control<'_, 2, 2>> {
-            if self.1 { self.0.control() } else { None }
+            if self.1 { self.0.map_structure().control() } else { None }
         }
     }
     let body = plane([3, 3], Shapes::Mixed, 1, 1, Mapping::Exact);

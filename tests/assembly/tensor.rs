@@ -3,7 +3,7 @@
 use crate::common::products;
 use crate::common::states;
 use faying::assembly::{Form, Pattern, add_stiffness, fields, gauss_rules, mass, refill_stiffness, stiffness};
-use faying::basis::{BSpline, Basis, Block, Elements, Order, Rational, ShapeTable, TensorProduct};
+use faying::basis::{BSpline, Basis, BasisStructure, Block, Elements, Order, Rational, ShapeTable, TensorProduct};
 use faying::geometry::ControlPoints;
 use faying::linalg::{Csr, Vector};
 use faying::physics::{Hooke, form};
@@ -264,8 +264,13 @@ fn degrees_beyond_the_kernels_and_permuted_blocks_take_the_plain_loop() {
         fn tabulate(&self, element: usize, xi: &[Vector<2>], order: Order, table: &mut ShapeTable<2>) {
             self.0.tabulate(element, xi, order, table);
         }
+        fn structure(&self) -> &dyn BasisStructure<2> {
+            self
+        }
+    }
+    impl<B: Basis<2>> BasisStructure<2> for Turned<B> {
         fn block(&self, element: usize) -> Option<Block<'_, 2>> {
-            self.0.block(element)
+            self.0.structure().block(element)
         }
     }
     let axes = || [smooth(2, 3), smooth(2, 4)];

@@ -1,8 +1,8 @@
 //! Spaces without some of their structure, and how far two matrices are apart.
 #![allow(dead_code)]
 
-use faying::basis::{Basis, Cell, Elements, Order, ShapeTable};
-use faying::geometry::{Bounds, Control, Geometry, MapTable};
+use faying::basis::{Basis, BasisStructure, Cell, Elements, Order, ShapeTable};
+use faying::geometry::{Bounds, Control, Geometry, MapStructure, MapTable};
 use faying::linalg::{Csr, Vector};
 use faying::space::Space;
 
@@ -75,8 +75,13 @@ impl<const N: usize> Basis<N> for Renumbered<'_, N> {
     fn tabulate(&self, element: usize, xi: &[Vector<N>], order: Order, table: &mut ShapeTable<N>) {
         self.space.tabulate(element, xi, order, table);
     }
+    fn structure(&self) -> &dyn BasisStructure<N> {
+        self
+    }
+}
+impl<const N: usize> BasisStructure<N> for Renumbered<'_, N> {
     fn reference(&self, element: usize) -> Option<usize> {
-        self.space.0.reference(element)
+        self.space.0.structure().reference(element)
     }
 }
 impl<const N: usize> Geometry<N, N> for Renumbered<'_, N> {
@@ -86,8 +91,13 @@ impl<const N: usize> Geometry<N, N> for Renumbered<'_, N> {
     fn bounds(&self, element: usize) -> Bounds<N> {
         self.space.bounds(element)
     }
+    fn map_structure(&self) -> &dyn MapStructure<N, N> {
+        self
+    }
+}
+impl<const N: usize> MapStructure<N, N> for Renumbered<'_, N> {
     fn control(&self) -> Option<Control<'_, N, N>> {
-        self.space.0.control()
+        self.space.0.map_structure().control()
     }
 }
 impl<const N: usize> Space<N, N> for Renumbered<'_, N> {}

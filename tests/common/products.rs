@@ -6,7 +6,7 @@ pub use super::plain::{Plain, apart, largest};
 
 use faying::assembly::{Coefficient, Form, Tangent};
 use faying::basis::{BSpline, Basis, Elements, LagrangeLine, Order, Rational, Refined, TensorProduct};
-use faying::geometry::{Bounds, ControlPoints, Geometry, MapBlock, MapTable};
+use faying::geometry::{Bounds, ControlPoints, Geometry, MapTable};
 use faying::linalg::{Matrix, Vector};
 
 pub type Line = Box<dyn Basis<1>>;
@@ -25,9 +25,6 @@ impl<const N: usize, G: Geometry<N, N>> Geometry<N, N> for Anyhow<G> {
     }
     fn bounds(&self, element: usize) -> Bounds<N> {
         self.0.bounds(element)
-    }
-    fn map_block(&self, _: usize) -> Option<MapBlock<'_, N, N>> {
-        None
     }
 }
 

@@ -1,8 +1,8 @@
 //! Bases pass their checkers, and bases with an error in them do not.
 
 use faying::basis::{
-    BSpline, Basis, BernsteinSimplex, Block, Cell, Elements, Extracted, LagrangeLine, LagrangeSimplex, Order, Polynomials, Rational,
-    Refined, ShapeTable, TensorProduct, simplex_nodes, simplex_numbering,
+    BSpline, Basis, BasisStructure, BernsteinSimplex, Block, Cell, Elements, Extracted, LagrangeLine, LagrangeSimplex, Order, Polynomials,
+    Rational, Refined, ShapeTable, TensorProduct, simplex_nodes, simplex_numbering,
 };
 use faying::check;
 use faying::linalg::{Real, Vector, lit};
@@ -125,13 +125,13 @@ fn refined_and_extracted_bases_keep_the_contract() {
     let cells = vec![(0, 0.0, 0.5), (0, 0.5, 0.5), (1, 0.0, 0.3), (1, 0.3, 0.7)];
     let fine = Refined::new(coarse.clone(), cells.clone());
     passes(&fine);
-    assert!(fine.block(0).is_some());
+    assert!(fine.structure().block(0).is_some());
     let twice = Refined::new(fine.clone(), (0..4).flat_map(|e| [(e, 0.0, 0.25), (e, 0.25, 0.75)]).collect());
     passes(&twice);
     passes(&TensorProduct::<2, _>::new([twice.clone(), twice]));
     let (mut ids, backwards) = (vec![7], Refined::new(coarse.clone(), cells.into_iter().rev().collect()));
     backwards.corners(0, &mut ids);
-    assert!(ids.is_empty() && backwards.block(0).is_none());
+    assert!(ids.is_empty() && backwards.structure().block(0).is_none());
     passes(&backwards);
     // the hat functions of two elements, made of Bernstein polynomials; degree 1 stays of degree 1
     let bernstein = BSpline::<f64>::uniform(1, 2, -1);
@@ -148,11 +148,11 @@ fn refined_and_extracted_bases_keep_the_contract() {
 fn boxed_axes_keep_the_contract() {
     let axes: [Box<dyn Basis<1>>; 2] = [Box::new(BSpline::uniform(3, 2, 1)), Box::new(LagrangeLine::new(2, 3))];
     let mixed = TensorProduct::<2, _>::new(axes);
-    assert!(mixed.block(0).is_some());
+    assert!(mixed.structure().block(0).is_some());
     passes(&mixed);
     let rational = Rational::<_>::new(BSpline::<f64>::uniform(2, 2, 1), weights(4));
     let product = TensorProduct::<2, _>::new([rational.clone(), rational]);
-    assert!(product.block(0).is_none()); // a product of quotients is no block
+    assert!(product.structure().block(0).is_none()); // a product of quotients is no block
     passes(&product);
 }
 
@@ -251,11 +251,8 @@ impl Basis<1> for Broken {
             }
         }
     }
-    fn block(&self, _element: usize) -> Option<Block<'_, 1>> {
-        match self.error {
-            "block" => Some(Block { first: 1, axes: [self], weights: None }),
-            _ => Some(Block { first: 0, axes: [self], weights: None }),
-        }
+    fn structure(&self) -> &dyn BasisStructure<1> {
+        self
     }
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<1>>> {
         match self.error {
@@ -268,6 +265,14 @@ impl Basis<1> for Broken {
             "degree" => self.spline.polynomials(Polynomials::Lowered(1)),
             "sign" => Some(Box::new(LagrangeLine::new(3, self.num_elements()))),
             _ => self.spline.polynomials(wanted),
+        }
+    }
+}
+impl BasisStructure<1> for Broken {
+    fn block(&self, _element: usize) -> Option<Block<'_, 1>> {
+        match self.error {
+            "block" => Some(Block { first: 1, axes: [self], weights: None }),
+            _ => Some(Block { first: 0, axes: [self], weights: None }),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Pointers forward every method: a type that overrides all of them answers the same through `&`, `Box` and `Arc`.
 
-use faying::basis::{BSpline, Basis, Block, Cell, Elements, Order, Polynomials, ShapeTable};
+use faying::basis::{BSpline, Basis, BasisStructure, Block, Cell, Elements, Order, Polynomials, ShapeTable};
 use faying::linalg::Vector;
 use faying::quadrature::{Quadrature, Rule, TensorRule};
 use std::sync::Arc;
@@ -34,11 +34,16 @@ impl Basis<1> for Odd {
     fn tabulate(&self, element: usize, xi: &[Vector<1>], order: Order, table: &mut ShapeTable<1>) {
         self.0.tabulate(element, xi, order, table);
     }
-    fn block(&self, element: usize) -> Option<Block<'_, 1>> {
-        self.0.block(element)
+    fn structure(&self) -> &dyn BasisStructure<1> {
+        self
     }
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<1>>> {
         self.0.polynomials(wanted)
+    }
+}
+impl BasisStructure<1> for Odd {
+    fn block(&self, element: usize) -> Option<Block<'_, 1>> {
+        self.0.structure().block(element)
     }
 }
 
@@ -65,7 +70,7 @@ fn same<B: Basis<1> + Quadrature<1>>(pointer: B) {
     pointer.tabulate(1, &[Vector::<1>::new(0.3)], Order::Hessians, &mut s);
     direct.tabulate(1, &[Vector::<1>::new(0.3)], Order::Hessians, &mut t);
     assert_eq!((s.values(0), s.grads(0), s.hessians(0)), (t.values(0), t.grads(0), t.hessians(0)));
-    assert!(pointer.block(0).is_some());
+    assert!(pointer.structure().block(0).is_some());
     assert_eq!(pointer.polynomials(Polynomials::Lowered(1)).map(|p| p.num_functions()), Some(4));
     assert_eq!(pointer.rule(0).weights.len(), 3);
     assert!(pointer.axes(0).is_some());

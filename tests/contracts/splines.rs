@@ -119,7 +119,7 @@ proptest! {
     #[test]
     fn any_product_is_a_block(a in any_spline(0.7, 4, 4), b in any_spline(0.7, 3, 3)) {
         let plane = TensorProduct::<2, _>::new([a, b]);
-        prop_assert!(plane.block(0).is_some());
+        prop_assert!(plane.structure().block(0).is_some());
         prop_assert_eq!(check::basis(&plane), Ok(()));
     }
 

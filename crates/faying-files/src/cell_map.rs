@@ -2,7 +2,7 @@
 
 use super::{CellShape, MeshBlock};
 use faying::basis::{Cell, Elements, Order, simplex_lattice};
-use faying::geometry::{Bounds, Geometry, MapTable};
+use faying::geometry::{Bounds, Geometry, MapStructure, MapTable};
 use faying::linalg::Vector;
 
 /// Polynomials of order up to 4 leave the box of their nodes by less than this share of its diagonal: the Lebesgue constant of five
@@ -143,8 +143,8 @@ impl<const D: usize> Geometry<D, 3> for CellMap<'_, D> {
         }
     }
 
-    fn is_affine(&self, _element: usize) -> bool {
-        self.order == 1 && (D == 1 || self.cell == Cell::Simplex)
+    fn map_structure(&self) -> &dyn MapStructure<D, 3> {
+        self
     }
 
     fn bounds(&self, element: usize) -> Bounds<3> {
@@ -155,6 +155,12 @@ impl<const D: usize> Geometry<D, 3> for CellMap<'_, D> {
             return around;
         }
         around.inflated(OVERSHOOT * around.diagonal())
+    }
+}
+
+impl<const D: usize> MapStructure<D, 3> for CellMap<'_, D> {
+    fn is_affine(&self, _element: usize) -> bool {
+        self.order == 1 && (D == 1 || self.cell == Cell::Simplex)
     }
 }
 

@@ -52,7 +52,7 @@ pub(in crate::assembly) fn means<const D: usize, const N: usize, T: Real, S: Spa
     pattern: &Pattern,
     components: usize,
 ) -> Option<Vec<[f64; 3]>> {
-    let (slots, control) = (pattern.slots()?, space.control()?);
+    let (slots, control) = (pattern.slots()?, space.map_structure().control()?);
     if components == 0 {
         return Some(Vec::new());
     }
@@ -69,7 +69,7 @@ pub(in crate::assembly) fn means<const D: usize, const N: usize, T: Real, S: Spa
             for batch in slots.batches.iter().filter(reaches) {
                 for (&e, own) in batch.cells().iter().zip(slots.ids(batch)) {
                     let e = e as usize;
-                    let key = (batch.reference, control.basis.reference(e)?);
+                    let key = (batch.reference, control.basis.structure().reference(e)?);
                     let k = kinds.place(key, |_| Some(Weights::of_cell(space, control.basis, e)))?;
                     let kind = &kinds.of[k];
                     points.clear();

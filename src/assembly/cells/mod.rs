@@ -77,7 +77,7 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
         if !has_lanes::<D, N, T>() {
             return None;
         }
-        let (slots, control) = (pattern.slots()?, space.control()?);
+        let (slots, control) = (pattern.slots()?, space.map_structure().control()?);
         let keyed: Vec<Option<Vec<(Key, Member)>>> = slots
             .batches
             .par_chunks(BATCHES_PER_TASK)

@@ -13,7 +13,7 @@ pub(super) struct MapNodes<'a, const D: usize, const N: usize, T: Real> {
 
 impl<'a, const D: usize, const N: usize, T: Real> MapNodes<'a, D, N, T> {
     pub fn new(control: Control<'a, D, N, T>) -> Self {
-        Self { control, listed: control.basis.listed() }
+        Self { control, listed: control.basis.structure().listed() }
     }
 
     /// The numbers of the points of `element`, in `ids` where they are not listed.

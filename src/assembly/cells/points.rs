@@ -14,7 +14,7 @@ pub(super) type Key = (usize, usize, usize);
 
 /// The key of `element`, whose functions have the reference cell `reference`; `None` where its map has none.
 pub(super) fn key<const D: usize, T: Real>(reference: usize, map: &dyn Basis<D, T>, element: usize, rule: &Rule<D, T>) -> Option<Key> {
-    Some((reference, map.reference(element)?, std::ptr::from_ref(rule).addr()))
+    Some((reference, map.structure().reference(element)?, std::ptr::from_ref(rule).addr()))
 }
 
 /// Kinds of many things, by their keys, in the order in which they were met; mostly few.

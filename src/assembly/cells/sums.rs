@@ -43,11 +43,12 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
         if !super::has_lanes::<D, N, T>() {
             return None;
         }
-        let control = space.control()?;
+        let control = space.map_structure().control()?;
+        let structure = space.structure();
         let mut groups = Kinds::default();
         for e in 0..space.num_elements() {
             let rule = quadrature.rule(e);
-            let key = points::key(space.reference(e)?, control.basis, e, rule)?;
+            let key = points::key(structure.reference(e)?, control.basis, e, rule)?;
             groups.put(key, u32::try_from(e).ok()?, || PointTables::new(space, control.basis, e, rule))?;
         }
         Some(Self { groups: groups.of, nodes: MapNodes::new(control), space, arch: pulp::Arch::new() })

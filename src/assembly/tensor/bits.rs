@@ -35,7 +35,7 @@ fn elastic<const N: usize>() -> Form<'static, N, N> {
 fn matrix<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_, C, N>, arch: pulp::Arch) -> Csr {
     let rules = gauss_rules(space, 0);
     let asks = || -> Box<Ask<'_>> { unreachable!("the map is a net") };
-    let mut patches = Patches::new(space, &rules, &|e| space.map_block(e), &asks).expect("products of splines");
+    let mut patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks).expect("products of splines");
     patches.patches.iter_mut().for_each(|patch| patch.arch = arch);
     let mut matrix = patches.csr(C);
     patches.stiffness(form, false, &mut matrix);
@@ -56,7 +56,7 @@ fn sums<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_,
     let rules = gauss_rules(space, 0);
     let asks = || -> Box<Ask<'_>> { unreachable!("the map is a net") };
     let patches = || {
-        let mut patches = Patches::new(space, &rules, &|e| space.map_block(e), &asks).expect("products of splines");
+        let mut patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks).expect("products of splines");
         patches.patches.iter_mut().for_each(|patch| patch.arch = arch);
         patches
     };

@@ -81,7 +81,8 @@ fn differ(a: &Csr, b: &Csr) -> usize {
 fn check<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_, C, N>, asked: bool, merged: bool) {
     let rules = gauss_rules(space, 0);
     let asks = || bulk::ask::<N, N, f64, dyn Space<N, N>>(space);
-    let patches = Patches::new(space, &rules, &|e| if asked { None } else { space.map_block(e) }, &asks).expect("products of splines");
+    let patches = Patches::new(space, &rules, &|e| if asked { None } else { space.map_structure().map_block(e) }, &asks)
+        .expect("products of splines");
     let coefficient = Coefficient { components: C, symmetric: form.symmetric, source: Source::new(form) };
     let to = patches.patches[0].directions();
     let (f, m) = (to.fast.functions, to.middle.functions);
@@ -182,7 +183,7 @@ fn strips_of_glued_patches_and_of_merged_functions() {
     let octant = shapes::sphere_octant([0.0; 3], [1.0, 2.0]).expect("an octant");
     let spec = PatchSpec::new(octant).with_degree([2, 3, 2]).with_elements([4, 3, 2]).with_basis(BasisKind::Nurbs);
     let octant = Patch::<2, 3>::try_new(&spec).expect("a patch");
-    assert!(octant.space().patches().is_some(), "sums of products are what is tested");
+    assert!(octant.space().structure().patches().is_some(), "sums of products are what is tested");
     check::<1, 3>(&**octant.space(), &form(true, false), false, true);
     check::<3, 3>(&**octant.space(), &form(true, false), false, true);
 }
@@ -216,7 +217,7 @@ fn long_lines_of_the_plane_are_cut() {
         let space: &dyn Space<2, 2> = &ControlPoints { basis: TensorProduct::new(axes), points };
         let rules = gauss_rules(space, 0);
         let asks = || bulk::ask::<2, 2, f64, dyn Space<2, 2>>(space);
-        let patches = Patches::new(space, &rules, &|e| space.map_block(e), &asks).expect("products of splines");
+        let patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks).expect("products of splines");
         let form = Form::<1, 2>::laplace();
         let coefficient = Coefficient { components: 1, symmetric: true, source: Source::new(&form) };
         assert_eq!(Plan::new(&patches.patches[0], &coefficient).strips()[0].len(), strips, "{long} elements");
@@ -230,7 +231,7 @@ fn strips_are_cut_where_sums_are_large_and_not_too_narrow() {
         let space: &dyn Space<3, 3> = &ControlPoints { basis: TensorProduct::new(axes()), points: bent(&axes()) };
         let rules = gauss_rules(space, 0);
         let asks = || bulk::ask::<3, 3, f64, dyn Space<3, 3>>(space);
-        let patches = Patches::new(space, &rules, &|e| space.map_block(e), &asks).expect("products of splines");
+        let patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks).expect("products of splines");
         let form = Form::<1, 3>::laplace();
         let coefficient = Coefficient { components: 1, symmetric: true, source: Source::new(&form) };
         let (patch, functions, active) = (&patches.patches[0], long + p, p + 1);

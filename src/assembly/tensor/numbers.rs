@@ -12,10 +12,10 @@ pub(in crate::assembly) fn patches<const N: usize, T: Real, B: Basis<N, T> + ?Si
     if elements == 0 || u32::try_from(functions).is_err() {
         return None;
     }
-    let parts = match basis.patches() {
+    let parts = match basis.structure().patches() {
         Some(parts) => parts,
         None => {
-            let block = basis.block(0)?;
+            let block = basis.structure().block(0)?;
             let ids = (0..block.axes.iter().map(|a| a.num_functions()).product()).collect();
             vec![TensorPatch { block, ids }]
         }

@@ -93,7 +93,7 @@ fn by_another_name<const S: usize, const N: usize>(
     let lowered = degree.checked_sub((0..space.num_elements()).flat_map(|e| psi.degree(e)).max()?)?;
     let smooth = || {
         let grow = |axis: &dyn Basis<1>| axis.num_functions() == axis.num_elements() + axis.degree(0)[0];
-        space.block(0).is_some_and(|b| b.axes.iter().all(|axis| grow(*axis)))
+        space.structure().block(0).is_some_and(|b| b.axes.iter().all(|axis| grow(*axis)))
     };
     let unstable = lowered == 1 || (lowered % 2 == 1 && smooth());
     let same = space.polynomials(Polynomials::Lowered(lowered)).is_none_or(|named| named.num_functions() == psi.num_functions());

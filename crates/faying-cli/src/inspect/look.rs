@@ -148,7 +148,7 @@ fn look_at<const D: usize>(map: &dyn Geometry<D, 3>, element: usize, points: &Po
     let cell = map.cell(element);
     let [inside, all, corners] = &points[usize::from(cell == Cell::Simplex)];
     // one point says all of an affine map, which turns over nowhere
-    let affine = map.is_affine(element);
+    let affine = map.map_structure().is_affine(element);
     map.map(element, if affine { &inside[..1] } else { inside }, Order::Gradients, table);
     let left = table.jacobian.iter().map(|j| determinant(j, flat)).sum::<f64>() < 0.0;
     let sign = if left { -1.0 } else { 1.0 };

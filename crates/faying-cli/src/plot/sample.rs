@@ -40,7 +40,7 @@ pub(super) fn boxes(space: &dyn Space<2, 2>) -> Vec<Bounds<2>> {
     (0..space.num_elements())
         .into_par_iter()
         .map_init(maps, |(map, table), e| {
-            let (kind, bent) = (usize::from(space.cell(e) == Cell::Simplex), usize::from(!space.is_affine(e)));
+            let (kind, bent) = (usize::from(space.cell(e) == Cell::Simplex), usize::from(!space.map_structure().is_affine(e)));
             map.map(e, 2 * bent + kind, &grids[kind][bent], table);
             Bounds::around(&table.x).unwrap_or(Bounds { lo: Vector::zeros(), hi: Vector::zeros() })
         })

@@ -130,6 +130,7 @@ impl Need {
             return Self { unknowns: components as f64 * functions, ..Self::default() };
         }
         let block = space
+            .structure()
             .block(0)
             .filter(|b| b.first == 0)
             .map(|b| b.axes.map(|a| (a.num_elements() as f64, a.degree(0)[0] as f64 + 1.0, a.num_functions() as f64)));

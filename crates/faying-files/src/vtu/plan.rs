@@ -26,7 +26,7 @@ pub(super) fn plan<const D: usize, const N: usize>(part: &Part<'_, D, N>, elemen
     let space = &*part.space;
     let cell = space.cell(element);
     let p = space.degree(element);
-    let map = space.map_block(element);
+    let map = space.map_structure().map_block(element);
     let map_degree = map.as_ref().map_or(p, |m| block_degree(&m.basis, element));
     let highest: [usize; D] = std::array::from_fn(|k| p[k].max(map_degree[k]));
     // linear cells of a degree-p element are cut between the same nodes
@@ -45,7 +45,7 @@ pub(super) fn plan<const D: usize, const N: usize>(part: &Part<'_, D, N>, elemen
     }
     let at = inner_points(cell, &nodes(cell, highest), highest);
     let w = map.and_then(|m| denominators(&m.basis, element, &at)).filter(|w| varies(w));
-    let v = space.block(element).and_then(|b| denominators(&b, element, &at)).filter(|v| varies(v));
+    let v = space.structure().block(element).and_then(|b| denominators(&b, element, &at)).filter(|v| varies(v));
     let same = |w: &[f64], v: &[f64]| !varies(&w.iter().zip(v).map(|(w, v)| w / v).collect::<Vec<_>>());
     (plan.map_weights, plan.basis_weights) = match (&w, &v) {
         (Some(w), Some(v)) => (true, !same(w, v)),
@@ -140,10 +140,10 @@ pub(super) fn denominator<const D: usize, const N: usize>(
     let mut values = vec![1.0; xi.len()];
     let mut times = |w: Option<Vec<f64>>| values.iter_mut().zip(w.unwrap_or_default()).for_each(|(d, w)| *d *= w);
     if plan.map_weights {
-        times(part.space.map_block(element).and_then(|m| denominators(&m.basis, element, xi)));
+        times(part.space.map_structure().map_block(element).and_then(|m| denominators(&m.basis, element, xi)));
     }
     if plan.basis_weights {
-        times(part.space.block(element).and_then(|b| denominators(&b, element, xi)));
+        times(part.space.structure().block(element).and_then(|b| denominators(&b, element, xi)));
     }
     values
 }

@@ -76,7 +76,7 @@ fn most_bent<const N: usize>(space: &dyn Space<N, N>) -> Vec<usize> {
         points
     });
     let bend = |table: &mut MapTable<N, N>, e: usize| {
-        if space.is_affine(e) {
+        if space.map_structure().is_affine(e) {
             return (0.0, e);
         }
         let points = &grids[usize::from(space.cell(e) == Cell::Simplex)];
