@@ -1,4 +1,4 @@
-//! The matrix of several bodies: their own on the diagonal, and what soft couplings add between them.
+//! The matrix of several bodies: their own matrices on the diagonal, and the stiffness of couplings between them.
 
 use crate::linalg::{Columns, Csr, Operator, Real};
 
@@ -47,7 +47,7 @@ impl<T: Real> Blocks<'_, T> {
             .collect()
     }
 
-    /// Row `i` of the sum, `starts` as above.
+    /// Row `i` of the sum, with `starts` from [`Self::starts`].
     pub(super) fn row(&self, starts: &[usize], i: usize) -> Row<'_, T> {
         let block = starts.partition_point(|&s| s <= i) - 1;
         let own = Line::of(self.bodies[block].row(i - starts[block]));
@@ -69,7 +69,7 @@ impl<T: Real> Blocks<'_, T> {
         y
     }
 
-    /// The diagonal of the bodies alone: what penalties are measured by.
+    /// The diagonal of the bodies' matrices alone, the scale of penalties.
     pub fn bodies_diagonal(&self) -> Vec<T> {
         self.bodies.iter().flat_map(|k| k.diagonal()).collect()
     }
@@ -83,7 +83,7 @@ pub(super) struct Row<'a, T> {
     between: Option<Line<'a, T>>,
 }
 
-/// What is left of a row of one matrix.
+/// Unread rest of a row of one matrix.
 #[derive(Clone, Debug)]
 struct Line<'a, T> {
     first: Option<usize>,

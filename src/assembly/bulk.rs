@@ -1,4 +1,4 @@
-//! Bulk matrices: contraction direction by direction where a space is made of patches, the plain loop elsewhere.
+//! Bulk matrices: sum factorisation on spaces of tensor-product patches, loops over elements on others.
 
 use super::cells::Cells;
 use super::pattern::Pattern;
@@ -11,7 +11,7 @@ use crate::quadrature::{Quadrature, TensorRule};
 use crate::space::Space;
 use std::sync::Arc;
 
-/// Asks the map of `space`, in numbers.
+/// Returns the map of `space` as a closure on `f64`: x and the tangents at local points of an element.
 pub(super) fn ask<'a, const D: usize, const N: usize, T, S>(space: &'a S) -> Box<Ask<'a>>
 where
     T: Real,
@@ -31,7 +31,7 @@ where
     })
 }
 
-/// The matrix of `form` on `space`, unknown = C * function + component, with the places of its unknowns.
+/// The matrix of `form` on `space`, unknown = C * function + component, with the coordinates of its unknowns.
 ///
 /// Unit: that of the tangent times length^(N - 2). Symmetric to the last bit where the form is. Same bits for any number
 /// of threads.
@@ -57,13 +57,13 @@ where
     let cells = Cells::new(&pattern, space, quadrature);
     let new = if cells.is_some() { pattern.csr_once(C) } else { pattern.csr(C) };
     let mut matrix = new.with_places(places);
-    // cells write zeros before they add: a page of new memory that is read first costs two faults
+    // cells write zeros before they add: reading a new page of memory before writing it costs two page faults
     let add = cells.is_none();
     elements(cells, &pattern, space, quadrature, form, add, &mut matrix);
     matrix
 }
 
-/// The matrix of `form` to `matrix` element by element, in lanes where there are `cells`; `add`: on top of what is there.
+/// Assembles the matrix of `form` element by element, in SIMD lanes if there are `cells`; `add`: adds to the values of `matrix`.
 fn elements<const C: usize, const N: usize, T, S, Q>(
     cells: Option<Cells<'_, N, N, T>>,
     pattern: &Pattern,
@@ -113,7 +113,7 @@ pub fn add_stiffness<const C: usize, const N: usize, T, S, Q>(
 /// Writes the matrix of `form` over the values of `matrix`, which [`stiffness`] made for this space: pattern and memory
 /// stay. Same bits as a fresh matrix.
 ///
-/// Where the space is not one product of directions its graph is made for it: an [`Assembler`](super::Assembler) keeps it.
+/// Unless the space is one product of directions, its graph is rebuilt; an [`Assembler`](super::Assembler) stores it.
 ///
 /// # Panics
 /// If the shapes do not fit.
@@ -133,19 +133,19 @@ where
     }
 }
 
-/// The graph of a space, kept: matrices on the same functions are refilled for the price of their values.
+/// Stored graph of a space: refilling a matrix on the same functions costs only its values.
 ///
 /// The map and the rule may change from one matrix to the next.
 #[derive(Clone, Debug)]
 pub struct Assembler {
-    /// None where the space is made of products of directions: its graph is a formula.
+    /// `None` for spaces made of products of directions, whose graph is known in closed form.
     pattern: Option<Pattern>,
-    /// The numbers of patches that are glued.
+    /// Numbering of glued patches.
     glue: Option<Arc<Glue>>,
 }
 
 impl Assembler {
-    /// What assembling on `space` with `quadrature` needs to know beforehand.
+    /// Builds the graph for assembling on `space` with `quadrature`.
     ///
     /// # Panics
     /// If there are 2^32 functions or elements or more.
@@ -162,7 +162,7 @@ impl Assembler {
         }
     }
 
-    /// What [`refill_stiffness`] does.
+    /// Writes the matrix of `form` over the values of `matrix`, as [`refill_stiffness`] does.
     ///
     /// # Panics
     /// If the shapes do not fit.

@@ -1,4 +1,4 @@
-//! Prescribed values: one L2 projection over all sides of a body that have data, beside values that are known before.
+//! Prescribed values: one L2 projection over all sides of a body that have data, with values known beforehand held fixed.
 
 use super::gauss_rules;
 use super::rim::{self, Pinned};
@@ -17,7 +17,7 @@ pub struct Fixed<'a, const S: usize, const N: usize, T: Real = f64> {
     pub trace: &'a Trace<S, N, T>,
     /// The component.
     pub component: usize,
-    /// Its value at a physical point; none is zero, exactly and before any projection.
+    /// Its value at a physical point; `None` is exactly zero, imposed before any projection.
     pub value: Option<&'a (dyn Fn(&Vector<N, T>) -> T + Sync)>,
 }
 
@@ -27,11 +27,11 @@ impl<const S: usize, const N: usize, T: Real> Debug for Fixed<'_, S, N, T> {
     }
 }
 
-/// Why values could not be prescribed.
+/// Error of prescribing values.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DirichletError {
-    /// Two sides meet in a point and want different values there.
+    /// Two conditions prescribe different values at a common point.
     #[error(
         "component {component} is prescribed twice at {at:?}: {first_value:e} by condition {first} and {second_value:e} by condition {second}; \
          make the values equal or drop one"
@@ -43,26 +43,26 @@ pub enum DirichletError {
         first: usize,
         /// Position of the second condition in the list.
         second: usize,
-        /// Where.
+        /// Coordinates of the point \[length\], zero beyond the dimension.
         at: [f64; 3],
         /// Value of the first.
         first_value: f64,
         /// Value of the second.
         second_value: f64,
     },
-    /// The mass matrix of the sides could not be solved with.
+    /// Solving with the mass matrix of the sides failed.
     #[error("projecting the prescribed values of component {component} failed: {source}")]
     Projection {
         /// The component.
         component: usize,
-        /// Why.
+        /// Error of the linear solver.
         source: LinearError,
     },
 }
 
 /// Values that differ by less than this, relative to the largest of the field, are equal.
 pub(super) const EQUAL_VALUES: f64 = 1e-9;
-/// Points nearer than this, relative to the extent of the sides, are one.
+/// Points closer than this, relative to the extent of the sides, coincide.
 const SAME_PLACE: f64 = 1e-9;
 
 /// (unknown, value) of all `conditions` on sides of one body, ascending by unknown.
@@ -72,7 +72,7 @@ const SAME_PLACE: f64 = 1e-9;
 /// Rules have degree + 1 + `extra_points` points.
 ///
 /// # Errors
-/// [`DirichletError::Conflict`] where sides that share a function want different values in a common corner;
+/// [`DirichletError::Conflict`] if sides that share a function prescribe different values in a common corner;
 /// [`DirichletError::Projection`] if `solver` fails.
 pub fn dirichlet<const S: usize, const N: usize, T: Real>(
     conditions: &[Fixed<'_, S, N, T>],
@@ -83,8 +83,8 @@ pub fn dirichlet<const S: usize, const N: usize, T: Real>(
     dirichlet_with(conditions, &[], &[], field, extra_points, solver)
 }
 
-/// As [`dirichlet`], with data on edges and in corners: they take the functions that no side prescribes, edges first, each
-/// by one L2 projection along them. `held` lists (unknown, value) that are known before: the sides are projected beside them.
+/// Computes [`dirichlet`] with data on edges and in corners too: they determine the functions that no side prescribes, edges
+/// first, by one L2 projection each. `held` lists (unknown, value) known beforehand, which are held fixed in the projections.
 ///
 /// # Errors
 /// As [`dirichlet`]; positions in errors count on from the conditions through `pinned`.
@@ -128,7 +128,7 @@ fn project<const S: usize, const N: usize, T: Real>(
     solver: &mut dyn LinearSolver<T>,
 ) -> Result<Vec<(usize, T)>, LinearError> {
     let moments: Vec<Option<Moments<T>>> = conditions.iter().map(|(_, f)| f.value.map(|v| Moments::of(f.trace, v, extra_points))).collect();
-    // zero before all others
+    // zero values come before all others
     let mut known: BTreeMap<usize, T> = held.iter().copied().collect();
     for ((_, f), _) in conditions.iter().zip(&moments).filter(|(_, m)| m.is_none()) {
         known.extend(f.trace.dofs.iter().map(|&dof| (dof, T::zero())));
@@ -164,24 +164,24 @@ fn project<const S: usize, const N: usize, T: Real>(
     Ok(functions.into_iter().zip(solution).chain(known).collect())
 }
 
-/// A corner of a side: a point that one of its elements has alone, and where one function lives.
+/// A corner of a side: a corner of exactly one of its elements, at which exactly one function does not vanish.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideCorner<const N: usize, T: Real = f64> {
     /// The function of the body.
     pub function: usize,
     /// Its value there, 1 unless functions are scaled.
     pub value: T,
-    /// Where \[length\].
+    /// Position \[length\].
     pub x: Vector<N, T>,
     /// The longest distance to another corner of its element \[length\].
     pub extent: T,
 }
 
-/// Functions with less than this value at a corner do not live there.
+/// Functions with less than this value at a corner count as zero there.
 const NO_VALUE: f64 = 1e-10;
 
 /// The corners of a side, in the order of its elements: the two ends of a curve that does not close, the four vertices of a side of tensor
-/// cells. Points that several elements share are none.
+/// cells. Points shared by several elements do not count.
 pub fn side_corners<const S: usize, const N: usize, T: Real>(trace: &Trace<S, N, T>) -> Vec<SideCorner<N, T>> {
     let space = &*trace.space;
     let (mut ids, mut shapes, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
@@ -242,8 +242,8 @@ impl<T: Real> Moments<T> {
     }
 }
 
-/// The largest value of any component in the corners of elements and at the points of edges and corners: a component that is zero but for
-/// rounding, as of data along inclined directions, is measured by the others.
+/// The largest value of any component in the corners of elements and at the points of edges and corners: the scale of components that
+/// are zero up to rounding, as for data along inclined directions.
 fn largest_value<const S: usize, const N: usize, T: Real>(conditions: &[Fixed<'_, S, N, T>], pinned: &[Pinned<'_, N, T>]) -> T {
     let (mut largest, mut map) = (T::zero(), MapTable::new());
     for f in conditions {
@@ -267,7 +267,7 @@ fn conflicts<const S: usize, const N: usize, T: Real>(
         x: Vector<N, T>,
         value: T,
     }
-    // functions of several sides are the only place where data can meet
+    // data can conflict only at functions shared by several sides
     let mut sides_of: HashMap<usize, usize> = HashMap::new();
     for (_, f) in conditions {
         for &dof in &f.trace.dofs {
@@ -320,10 +320,10 @@ fn conflicts<const S: usize, const N: usize, T: Real>(
     Ok(())
 }
 
-/// Unit normals that differ by less than this are one.
+/// Unit normals that differ by less than this are equal.
 const SAME_NORMAL: f64 = 1e-9;
 
-/// The outward unit normal of a planar side; `None` where it turns.
+/// The outward unit normal of a planar side; `None` if it varies or is undefined at a point.
 pub fn planar_normal<const S: usize, const N: usize, T: Real>(trace: &Trace<S, N, T>) -> Option<Vector<N, T>> {
     let space = &*trace.space;
     let rules = gauss_rules(space, 0);
@@ -334,7 +334,7 @@ pub fn planar_normal<const S: usize, const N: usize, T: Real>(trace: &Trace<S, N
             let here = trace.normal(e, jacobian);
             let there = *normal.get_or_insert(here);
             let distance: T = (here - there).norm();
-            // a side that is a point somewhere has no normal there
+            // a side that degenerates to a point has no normal there
             if distance > lit(SAME_NORMAL) || here.norm() < lit(0.5) {
                 return None;
             }

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 /// `visit(element, states)` of every element, ascending: the field of the unknowns `u` at the points of its rule.
 ///
 /// `u` holds unknown = C * function + component; an empty `u` is zero. Patches of products are contracted direction by
-/// direction; what waits are some planes of points across the slowest direction. Cells with common tables go through lanes.
-/// Same results for any number of threads.
+/// direction, holding some planes of points across the slowest direction. Cells with common tables use SIMD lanes.
+/// The results do not depend on the number of threads.
 ///
 /// # Panics
 /// If `u` is shorter than C times the number of functions and not empty.
@@ -32,8 +32,8 @@ where
     fields_keeping::<C, N, T, S, Q, (), R>(space, quadrature, u, &|(), element, states| visit(element, states))
 }
 
-/// [`fields`] for a visitor with memory of its own, so that it need not ask for it per element. Which elements share a `W` is not defined:
-/// results must not depend on what is in it.
+/// [`fields`] for a visitor with memory of its own, which is not allocated per element. Elements share a `W` in an undefined way: results
+/// must not depend on its content.
 pub(crate) fn fields_keeping<const C: usize, const N: usize, T, S, Q, W, R>(
     space: &S,
     quadrature: &Q,

@@ -1,7 +1,7 @@
-//! Elements and functions both ways, and the rows that follow from them, made by owners of ranges of functions.
+//! Maps from elements to functions and back, and the matrix rows that follow from them, built in parallel.
 //!
-//! Every owner goes through what reaches its functions and writes what is its own, in an order that does not depend on how many owners
-//! there are. Everything is linear in the number of entries, and nothing is sorted.
+//! Every task owns a range of functions, visits the elements that reach them and writes only its own rows, in an order that does not
+//! depend on the number of owners. Everything is linear in the number of entries, and nothing is sorted.
 
 use super::cells::{BATCH, Place};
 use crate::basis::{Basis, Listed};
@@ -12,7 +12,7 @@ use std::ops::Range;
 /// Ids handed to one task at a time.
 const IDS_PER_TASK: usize = 1 << 14;
 
-/// Functions of elements, and elements of functions.
+/// Functions of every element, and elements of every function.
 #[derive(Clone, Debug)]
 pub(super) struct Graph {
     element_start: Vec<usize>,
@@ -21,25 +21,25 @@ pub(super) struct Graph {
     cells: Vec<(u32, u32)>,
 }
 
-/// Where the places of entries are kept that rows have for the matrices of elements.
+/// Storage for the positions of element-matrix entries in their rows.
 pub(super) struct Sites<'a, P> {
     pub places: &'a mut [P],
-    /// Of every element: that of its first entry, the others BATCH after one another in the order of `entries`.
+    /// Index in `places` of the first entry of every element; the others follow at steps of BATCH in the order of `entries`.
     pub first: &'a [usize],
-    /// For n functions per element at n: the entry of row a and column b at `b n + a`.
+    /// Order of the entries: `entries[n][b n + a]` is the number of entry (a, b) of an element with n functions.
     pub entries: &'a [Vec<usize>],
-    /// Where the places begin of elements whose greatest function is not below a given one.
+    /// Index in `places` from which on the greatest function of every element is at least the given one.
     pub begin: &'a (dyn Fn(usize) -> usize + Sync),
 }
 
-/// Ranges that share `weights` (sums up to each item, one more at the end) in equal parts.
+/// Ranges of items of about equal weight, one per owner; `sums`: weight before each item, with the total at the end.
 pub(super) fn shares(sums: &[usize], owners: usize) -> Vec<Range<usize>> {
     let (items, all) = (sums.len() - 1, sums[sums.len() - 1]);
     let cut = |k: usize| if k == owners { items } else { sums.partition_point(|&s| s * owners < k * all).min(items) };
     (0..owners).map(|k| cut(k)..cut(k + 1)).collect()
 }
 
-/// `data` cut at the ends of `ranges`, which follow one another from zero, `begin` telling where an item begins.
+/// Splits `data` into one slice per range; `ranges` follow one another from zero, and item i begins at `begin(i)`.
 pub(super) fn parts<'a, X>(mut data: &'a mut [X], ranges: &[Range<usize>], begin: impl Fn(usize) -> usize) -> Vec<&'a mut [X]> {
     ranges
         .iter()
@@ -67,7 +67,7 @@ impl Graph {
     fn transposed(&self, functions: usize) -> (Vec<usize>, Vec<(u32, u32)>) {
         let owners = rayon::current_num_threads();
         let ranges: Vec<_> = (0..owners).map(|k| functions * k / owners..functions * (k + 1) / owners).collect();
-        // counts two places behind, so that the starts can walk to the ends one place behind
+        // counts shifted by two, so that the starts, shifted by one, can serve as insertion positions
         let mut start = vec![0usize; functions + 2];
         let counts = parts(&mut start[2..], &ranges, |i| i);
         counts.into_par_iter().zip(&ranges).for_each(|(counts, range)| {
@@ -124,7 +124,7 @@ impl Graph {
         let ranges = shares(&self.cell_start, rayon::current_num_threads());
         let mut ptr = vec![0usize; functions + 1];
         parts(&mut ptr[1..], &ranges, |i| i).into_par_iter().zip(ranges).for_each(|(lengths, range)| {
-            // the last function that met this one, counted from one; memory that is not touched is not there
+            // the last row that counted this function, from one; zeroed pages that are never written take no memory
             let mut mark = vec![0u32; functions];
             for (length, i) in lengths.iter_mut().zip(range) {
                 let stamp = i as u32 + 1;
@@ -177,7 +177,7 @@ impl Graph {
         cols
     }
 
-    /// Columns of the rows of `range`, and the places of their entries; answers with those that others keep.
+    /// Writes columns and positions of the rows of `range`; returns (index, position) of entries stored in slices of other owners.
     fn own_rows<const SITES: bool, P: Place>(
         &self,
         ptr: &[usize],
@@ -189,7 +189,7 @@ impl Graph {
         let ptr = &ptr[range.clone()];
         let reached = (range.len() < functions).then(|| self.reached(&range));
         let mut foreign = Vec::new();
-        // the last column that a row got, counted from one, and how many it has
+        // last column of every row, counted from one, and number of its columns
         let mut rows = vec![(0u32, 0u32); range.len()];
         for i in 0..functions {
             if reached.as_ref().is_some_and(|reached| !reached[i]) {
@@ -221,7 +221,7 @@ impl Graph {
         foreign
     }
 
-    /// Which functions share an element with one of `range`.
+    /// Flags of the functions that share an element with one of `range`.
     fn reached(&self, range: &Range<usize>) -> Vec<bool> {
         let mut reached = vec![false; self.num_functions()];
         for e in 0..self.num_elements() {
@@ -233,7 +233,7 @@ impl Graph {
     }
 }
 
-/// The functions of every element, asked one by one.
+/// Starts and functions of all elements, by [`Basis::active`] element by element.
 fn asked<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(basis: &B) -> (Vec<usize>, Vec<u32>) {
     let elements = basis.num_elements();
     let (mut start, mut list, mut ids) = (Vec::with_capacity(elements + 1), Vec::new(), Vec::new());

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 /// Elements handed to one task at a time.
 const ELEMENTS_PER_TASK: usize = 64;
 
-/// The sum of a force over a body, and its first moments; that of f times length^D, and once more \[length\].
+/// The integral of a force over a body, and its first moments. Units: that of f times length^D, and length^(D + 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moments<const C: usize, const N: usize, T: Real = f64> {
     /// ∫ f dx.
@@ -39,7 +39,7 @@ where
     load_with_moments(space, quadrature, f).0
 }
 
-/// What [`load`] gives, with the sum and the first moments of the force by the same rule: f is asked once per point.
+/// Computes [`load`] with the integral and the first moments of the force by the same rule: one call of f per point.
 pub fn load_with_moments<const C: usize, const D: usize, const N: usize, T, S, Q>(
     space: &S,
     quadrature: &Q,
@@ -168,7 +168,7 @@ pub fn trace_springs<const C: usize, const S: usize, const N: usize, T, Q>(
 {
     let mut block: Vec<T> = Vec::new();
     each_element(trace, quadrature, |ids, points| {
-        // the matrix of the element first: its places are looked for once, not at every point
+        // the matrix of the element first: its places in the rows are searched once, not at every point
         let width = C * ids.len();
         block.clear();
         block.resize(width * width, T::zero());
@@ -233,7 +233,7 @@ fn each_element<const S: usize, const N: usize, T: Real, Q: Quadrature<S, T> + ?
     }
 }
 
-/// Length, area or volume of a space by a given rule: a resultant divided by it and applied by the same rule is met exactly.
+/// Length, area or volume of a space by a given rule: a resultant divided by it and applied by the same rule is exact.
 ///
 /// The exact value is [`space::measure`](crate::space::measure).
 pub fn measure<const D: usize, const N: usize, T, S, Q>(space: &S, quadrature: &Q) -> T

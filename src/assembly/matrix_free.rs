@@ -10,7 +10,7 @@ use crate::space::Space;
 use rayon::prelude::*;
 use std::fmt::Debug;
 
-/// Elements of one task, and tasks whose results wait at a time.
+/// Elements of one task, and tasks whose results are held at a time.
 const ELEMENTS_PER_TASK: usize = 64;
 const TASKS_AT_ONCE: usize = 64;
 
@@ -29,7 +29,7 @@ const TASKS_AT_ONCE: usize = 64;
 /// | product of directions | several components, constant | nothing |
 /// | any other | several components, constant | N² + N + 3 |
 ///
-/// [`lean`](Self::lean) keeps nothing, and asks map and tangent at every product.
+/// [`lean`](Self::lean) keeps nothing and evaluates map and tangent at every product.
 pub struct MatrixFree<'a, const C: usize, const N: usize, T: Real, S: ?Sized, Q: ?Sized> {
     space: &'a S,
     quadrature: &'a Q,
@@ -50,12 +50,13 @@ where
     S: Space<N, N, T> + ?Sized,
     Q: Quadrature<N, T> + ?Sized,
 {
-    /// The operator of `form` on `space`, unknown = C * function + component; what is dear at the points is kept.
+    /// Creates the operator of `form` on `space`, unknown = C * function + component, with data kept at the points as tabulated
+    /// in [`MatrixFree`].
     pub fn new(space: &'a S, quadrature: &'a Q, form: &'a Form<'a, C, N, T>) -> Self {
         Self::with(space, quadrature, form, true)
     }
 
-    /// The same; nothing is kept at the points.
+    /// Creates the operator of [`new`](Self::new) without keeping data at the points.
     pub fn lean(space: &'a S, quadrature: &'a Q, form: &'a Form<'a, C, N, T>) -> Self {
         Self::with(space, quadrature, form, false)
     }
@@ -71,17 +72,17 @@ where
         Self { space, quadrature, form, grid, places }
     }
 
-    /// Whether products contract the grid of points; otherwise they loop over elements.
+    /// Whether products use sum factorisation on the grid of points; otherwise they loop over elements.
     pub fn is_contracted(&self) -> bool {
         self.grid.is_some()
     }
 
-    /// Bytes kept between products, beside tables of one direction and places.
+    /// Bytes kept between products, without univariate tables and coordinates of unknowns.
     pub fn bytes(&self) -> usize {
         self.grid.as_ref().map_or(0, Free::bytes)
     }
 
-    /// Adds what `kernel` makes of every element, one vector of C numbers per function, elements ascending.
+    /// Assembles in `y` the element vectors of `kernel`, C numbers per function, elements ascending.
     fn add_elements(&self, kernel: impl Fn(&mut Scratch<N, N, T>, &mut [Vector<C, T>]) + Sync, y: &mut [T]) {
         y.fill(T::zero());
         let elements: Vec<usize> = (0..self.space.num_elements()).collect();

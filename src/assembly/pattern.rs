@@ -1,4 +1,4 @@
-//! Which entries a bulk matrix has: element to function, function to element, rows in ascending order.
+//! Sparsity pattern of a bulk matrix: elements to functions, functions to elements, rows with ascending columns.
 
 use super::cells::Slots;
 use super::graph::Graph;
@@ -12,13 +12,13 @@ use std::sync::Arc;
 ///
 /// Everything is linear in the number of entries and nothing is sorted: function i is appended to the row of every
 /// neighbour for ascending i, so each row comes out ascending. Where the basis is one product block the rows are
-/// products of index ranges and are written down directly. The same for any number of threads.
+/// products of index ranges and are written down directly. The result does not depend on the number of threads.
 #[derive(Clone, Debug)]
 pub struct Pattern {
     graph: Graph,
     ptr: Vec<usize>,
     cols: Buffer<u32>,
-    /// Where element matrices go, if all elements have reference cells.
+    /// Positions of element-matrix entries in the rows; `None` for one product block or without reference cells.
     slots: Option<Slots>,
 }
 
@@ -109,7 +109,7 @@ impl Pattern {
         Some((ptr, cols))
     }
 
-    /// Where element matrices go, if all elements have reference cells.
+    /// Positions of element-matrix entries in the rows; `None` for one product block or without reference cells.
     pub(super) fn slots(&self) -> Option<&Slots> {
         self.slots.as_ref()
     }
@@ -148,7 +148,7 @@ impl Pattern {
         &self.ptr
     }
 
-    /// What [`csr`](Self::csr) makes, with the columns taken along: rows are not known afterwards.
+    /// Returns the matrix of [`csr`](Self::csr) and moves the columns into it: [`row`](Self::row) must not be called afterwards.
     pub(super) fn csr_once<T: Real>(&mut self, components: usize) -> Csr<T> {
         let cols = std::mem::take(&mut self.cols);
         Csr::zeros(Arc::new(Sparsity::of(components, self.num_functions(), self.ptr.clone(), cols)))
@@ -168,7 +168,7 @@ const ROWS_PER_TASK: usize = 512;
 
 /// Calls `fill(i, row i of data)` for all rows, in parallel over runs of rows.
 pub(super) fn each_row<X: Send>(ptr: &[usize], data: &mut [X], fill: impl Fn(usize, &mut [X]) + Sync) {
-    // no memory: the second array has elements of no size
+    // takes no memory: the elements of the second array are zero-sized
     let mut nothing = vec![(); data.len()];
     each_row_pair(ptr, data, &mut nothing, |i, row, _| fill(i, row));
 }

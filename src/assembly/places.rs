@@ -1,4 +1,4 @@
-//! Where unknowns live: orderings, coarse grids and partitions ask for it.
+//! Representative coordinates of the unknowns, for orderings, coarse grids and partitions.
 
 use super::cells::means;
 use super::pattern::Pattern;
@@ -12,10 +12,10 @@ use rayon::prelude::*;
 /// Elements handed to one task at a time.
 const ELEMENTS_PER_TASK: usize = 64;
 
-/// A point per unknown: the mean of x over two Gauss points per direction, weighted by the squared function.
+/// One point per unknown: the mean of x over two Gauss points per direction, weighted by the squared function.
 ///
-/// Cheap, and near enough: inner Lagrange nodes are met to a fraction of the element, splines get the middle of their
-/// support.
+/// A cheap approximation: within a fraction of the element for inner Lagrange nodes, about the middle of the support for
+/// splines.
 pub fn places<const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized>(
     space: &S,
     pattern: &Pattern,

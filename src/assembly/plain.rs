@@ -3,8 +3,8 @@
 //!   K_(a,c)(b,e) = ∫ sum_lj d_l N_a  tangent[e][j][(c,l)]  d_j N_b dx
 //!
 //! Blocks of elements: kernels fill buffers, then owners of rows add them up in the order of the elements. Every entry
-//! is summed in that order whoever does it, so the result has the same bits for any number of threads and any block
-//! size. It asks no structure of the space and is the oracle of every faster path.
+//! is summed in that order, so the result has the same bits for any number of threads and any block
+//! size. It needs no structure of the space and is the reference of every faster path.
 
 use super::pattern::Pattern;
 use super::scratch::Scratch;
@@ -198,7 +198,7 @@ fn add_elements<const D: usize, const N: usize, T: Real>(
     let (c, functions) = (components, pattern.num_functions());
     let vals = matrix.vals_mut();
     assert_eq!(vals.len(), c * c * pattern.ptr()[functions], "the matrix has the pattern of the basis");
-    // one task per mark array; the number of tasks changes who adds, never in which order
+    // one task per mark array; the number of tasks changes the task that adds, never the order
     let tasks = 2 * rayon::current_num_threads();
     let mut marks = vec![Vec::<u32>::new(); tasks];
     let mut buffer: Vec<T> = Vec::new();

@@ -2,7 +2,7 @@
 //!
 //!   u = P v + u0,   Pᵀ K P v = Pᵀ (f - K u0),   C P v + (g + C u0)
 //!
-//! K has one block per body on the diagonal, in the order of their unknowns, and what soft couplings add between them.
+//! K has one block per body on the diagonal, in the order of their unknowns, and the stiffness of couplings between them.
 //! Free unknowns keep their order; prescribed ones have an empty row in P; an unknown bound by an equation (sliding along
 //! an inclined plane, a side that moves as one) has a row of coefficients of free ones.
 
@@ -20,7 +20,7 @@ pub struct Equation<T: Real = f64> {
     pub value: T,
 }
 
-/// Why unknowns could not be eliminated.
+/// Error of eliminating unknowns.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReductionError {
@@ -35,7 +35,7 @@ pub enum ReductionError {
     /// Sizes disagree.
     #[error("{what}: {found} given, {expected} expected")]
     Shape {
-        /// Which part.
+        /// Name of the quantity of the wrong size.
         what: &'static str,
         /// Its size.
         found: usize,
@@ -44,19 +44,19 @@ pub enum ReductionError {
     },
 }
 
-/// How an unknown follows from the free ones.
+/// Row of P: an unknown in terms of the free ones.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Bound<T: Real> {
-    /// It is free, with this number.
+    /// Free unknown, with its number among the free ones.
     Free(usize),
-    /// Coefficients of free unknowns; none where it is prescribed.
+    /// (free unknown, coefficient) of a bound unknown; empty if it is prescribed.
     Terms(Vec<(usize, T)>),
 }
 
 /// The system of the free unknowns.
 #[derive(Clone, Debug)]
 pub struct Reduced<T: Real = f64> {
-    /// Pᵀ K P, with places.
+    /// Pᵀ K P, with the coordinates of its unknowns.
     pub stiffness: Csr<T>,
     /// Pᵀ (f - K u0).
     pub load: Vec<T>,
@@ -73,8 +73,8 @@ const NO_DEFECT: f64 = 1e-9;
 impl<T: Real> Reduced<T> {
     /// Reduces the system of `matrices` (a list of the bodies' matrices, or [`Blocks`]) with the right-hand side `load`.
     ///
-    /// `prescribed` lists (unknown, value), the first of an unknown counts. Of every equation the unknown with the
-    /// largest coefficient that is still free is bound; equations that follow from the others are skipped.
+    /// `prescribed` lists (unknown, value); the first value of an unknown counts. Every equation eliminates the unknown with
+    /// the largest coefficient among those still free; redundant equations are skipped.
     ///
     /// # Errors
     /// [`ReductionError`] if sizes disagree or an equation contradicts the prescribed values.
@@ -167,7 +167,7 @@ impl<T: Real> Reduced<T> {
         reduced
     }
 
-    /// r = K u - f + Bᵀ lambda in all unknowns: what supports do to the bodies, zero where an unknown is free.
+    /// r = K u - f + Bᵀ lambda in all unknowns: support reactions on the bodies, zero at free unknowns.
     ///
     /// `reaction` lists parts of B in full unknowns (slave and master rows).
     pub fn residual<'m>(&self, matrices: impl Into<Blocks<'m, T>>, load: &[T], reaction: &[&Triplets<T>], lambda: &[T], u: &[T]) -> Vec<T> {
@@ -213,7 +213,7 @@ fn eliminate<T: Real>(
         });
     }
     let scale = prescribed.iter().fold(T::zero(), |m, v| m.max(v.1.abs()));
-    // who follows an unknown, so that binding it rewrites only those
+    // rows that depend on an unknown: binding it rewrites only those
     let mut users: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (number, equation) in equations.iter().enumerate() {
         let largest = equation.terms.iter().fold(T::zero(), |m, t| m.max(t.1.abs()));

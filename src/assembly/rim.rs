@@ -1,7 +1,7 @@
-//! Functions along edges and in corners of bodies: what is prescribed there.
+//! Values prescribed along edges and in corners of bodies.
 //!
-//! The functions of an edge or a corner are those that all its sides share. Data on an edge is one L2 projection along it,
-//! data in a corner one value; what sides prescribe comes first, then edges, then corners take the functions that are left.
+//! The functions of an edge or a corner are those that all its sides share. Data on an edge are projected (L2) along it, data
+//! in a corner are one value. Sides take precedence over edges; corners determine the functions that are left.
 
 use super::dirichlet::{DirichletError, EQUAL_VALUES, Fixed};
 use crate::basis::{Order, ShapeTable};
@@ -11,10 +11,10 @@ use crate::quadrature::gauss_legendre;
 use crate::space::Trace;
 use std::fmt::Debug;
 
-/// Functions with less than this value at a point do not live there.
+/// Functions with less than this value at a point count as zero there.
 const NO_VALUE: f64 = 1e-10;
 
-/// Points of an edge or a corner, with the functions of the body that live there.
+/// Points of an edge or a corner, with the functions of the body that do not vanish there.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rim<const N: usize, T: Real = f64> {
     /// 1 for an edge, 0 for a corner.
@@ -28,8 +28,8 @@ pub struct Rim<const N: usize, T: Real = f64> {
 }
 
 impl<const N: usize, T: Real> Rim<N, T> {
-    /// What `side` has in common with all of `others`: with one other side an edge of a body in space or a corner of one in
-    /// the plane, with two a corner in space. Empty where they share no functions along an edge or in a corner.
+    /// Builds the edge or corner common to `side` and all of `others`: with one other side an edge of a body in space or a corner
+    /// of one in the plane, with two a corner in space. Empty if they share no functions along an edge or in a corner.
     ///
     /// # Panics
     /// Unless the number of `others` is S or S - 1, at least 1.
@@ -88,7 +88,7 @@ impl<const N: usize, T: Real> Rim<N, T> {
         rim
     }
 
-    /// The functions of the body that live here, ascending.
+    /// The functions of the body that do not vanish here, ascending.
     pub fn functions(&self) -> Vec<usize> {
         let mut all: Vec<usize> = self.shapes.iter().flatten().map(|f| f.0).collect();
         all.sort_unstable();
@@ -104,7 +104,7 @@ pub struct Pinned<'a, const N: usize, T: Real = f64> {
     pub rim: &'a Rim<N, T>,
     /// The component.
     pub component: usize,
-    /// Its value at a physical point; none is zero, exactly and before any projection.
+    /// Its value at a physical point; `None` is exactly zero, imposed before any projection.
     pub value: Option<&'a (dyn Fn(&Vector<N, T>) -> T + Sync)>,
 }
 

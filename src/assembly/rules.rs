@@ -13,7 +13,7 @@ const ROUND_OFF: f64 = 1e-13;
 /// Rules for bulk integrals over the elements of `basis`.
 ///
 /// Tensor cells: degree + 1 + `extra` Gauss points per direction. Simplices: exact for polynomials of total degree
-/// max(2p, D (p - 1)) + 2 `extra`, which is what linear fields on isoparametric cells of degree p ask for.
+/// max(2p, D (p - 1)) + 2 `extra`, which linear fields on isoparametric cells of degree p need.
 pub fn gauss_rules<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(basis: &B, extra: usize) -> PerElement<D, T> {
     gauss_rules_along(basis, [extra; D])
 }
@@ -44,14 +44,14 @@ pub fn element_rule<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(
     rule(basis.cell(element), basis.degree(element), [extra; D])
 }
 
-/// Gauss points per direction beyond degree + 1 that linear fields ask for on the curved tensor cells of `space`.
+/// Gauss points per direction beyond degree + 1 that linear fields need on the curved tensor cells of `space`.
 ///
 /// A linear field has a constant stress, so that its forces are integrals of ∇N_i = cof(J) ∇̂N_i, J = dx/dξ. With a map of degree
 /// q_k and functions of degree p_k along direction k, a cofactor multiplies N - 1 derivatives of the map, of which all but the one
 /// along k itself keep the degree q_k: in space the integrand has the degree 2 q_k + p_k - 1 along k and n = ⌈q_k + p_k / 2⌉ points
 /// are exact. That is beyond p_k + 1 where q_k > p_k / 2 + 1. In the plane it is q_k + p_k - 1, for which p_k + 1 points suffice up
-/// to q_k = p_k + 2: zero there, and for simplices, whose rules know it. q_k is the degree that the map has in fact, not the one it
-/// is written in: straight cells have 1. Rational maps, which no rule integrates exactly, are counted by their numerators.
+/// to q_k = p_k + 2: zero there, and for simplices, whose rules account for it. q_k is the actual degree of the map, not that of its
+/// basis: straight cells have 1. Rational maps, which no rule integrates exactly, are counted by their numerators.
 pub fn points_of_curved_cells<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -> [usize; N] {
     let mut more = [0; N];
     if N < 3 {

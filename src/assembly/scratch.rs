@@ -1,4 +1,4 @@
-//! What one task needs per element: tables, physical gradients, weights; kept between elements.
+//! Scratch memory of element loops: tables, physical gradients and weights, kept between elements.
 
 use crate::basis::{Order, ShapeTable};
 use crate::geometry::{MapTable, combine};
@@ -37,7 +37,7 @@ pub(crate) struct Scratch<const D: usize, const N: usize, T: Real> {
     /// Planes of sums over points, `planes[(plane * functions + a) * functions + b]`.
     pub planes: Vec<T>,
     kept: Vec<Kept<D, T>>,
-    /// Which of the kept tables has changed places with `shapes`.
+    /// Index of the kept table that is swapped with `shapes`.
     current: Option<usize>,
 }
 
@@ -77,7 +77,8 @@ impl<const D: usize, const N: usize, T: Real> Scratch<D, N, T> {
         self.map.ids = ids;
     }
 
-    /// The points of the map, whose numbers for `element` are listed, and the number of its tables, where its reference cells have some.
+    /// Control points of the map and index of the kept tables of `element`, made on first use; writes its control ids to `map.ids`.
+    /// `None` without reference cells, or if [`KEPT`] others are kept.
     fn shared<'a, S: Space<D, N, T> + ?Sized>(
         &mut self,
         space: &'a S,
@@ -102,7 +103,7 @@ impl<const D: usize, const N: usize, T: Real> Scratch<D, N, T> {
         Some((control.points, kept))
     }
 
-    /// Kept tables go back to where they are kept.
+    /// Swaps the current table back to the kept ones.
     fn put_back(&mut self) {
         if let Some(k) = self.current.take() {
             std::mem::swap(&mut self.shapes, &mut self.kept[k].shapes);
@@ -111,7 +112,7 @@ impl<const D: usize, const N: usize, T: Real> Scratch<D, N, T> {
 
     /// Ids, values, positions and weights.
     pub fn values<S: Space<D, N, T> + ?Sized>(&mut self, space: &S, element: usize, rule: &Rule<D, T>) {
-        // the Jacobian is wanted for the weights; the functions' derivatives come with it
+        // the weights need the Jacobian; the functions' derivatives come with it
         self.evaluate(space, element, rule);
         self.dx.clear();
         self.dx.extend(rule.weights.iter().zip(&self.map.jacobian).map(|(&w, j)| w * measure(j)));
@@ -121,8 +122,8 @@ impl<const D: usize, const N: usize, T: Real> Scratch<D, N, T> {
 impl<const N: usize, T: Real> Scratch<N, N, T> {
     /// Ids, values, positions, weights and physical gradients.
     ///
-    /// At a point with a singular Jacobian the gradients are not finite, and so is all that is made of them: linear
-    /// solvers answer [`LinearError::NotFinite`](crate::linalg::LinearError::NotFinite).
+    /// At a point with a singular Jacobian the gradients, and all results from them, are not finite: linear solvers return
+    /// [`LinearError::NotFinite`](crate::linalg::LinearError::NotFinite).
     pub fn gradients<S: Space<N, N, T> + ?Sized>(&mut self, space: &S, element: usize, rule: &Rule<N, T>) {
         self.evaluate(space, element, rule);
         let (points, n) = (rule.points.len(), self.ids.len());
@@ -151,7 +152,7 @@ impl<const N: usize, T: Real> Scratch<N, N, T> {
     }
 }
 
-/// J^-1, or values that are not numbers where there is none.
+/// J^-1, or NaN if J is singular.
 pub(crate) fn inverse_or_nan<const N: usize, T: Real>(jacobian: &Matrix<N, N, T>) -> Matrix<N, N, T> {
     inverse(jacobian).unwrap_or_else(|| Matrix::repeat(T::zero() / T::zero()))
 }

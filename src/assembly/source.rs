@@ -1,25 +1,25 @@
-//! What the kernels integrate, in numbers: no type of a form reaches them, so that they are compiled once.
+//! Type-erased data of forms, so that the SIMD kernels are compiled once and not for every type of form.
 
 use super::{Coefficient, Form, Tangent};
 use crate::linalg::{Real, Vector, lit, to_f64};
 use std::fmt::Debug;
 
-/// Writes the tangents at a place, `((c * C + e) * N + i) * N + j`: what direction j of component e of the trial function
-/// gives direction i of component c of the test function.
+/// Writes the tangent at a point: entry `((c * C + e) * N + i) * N + j` couples direction i of component c of the test
+/// function with direction j of component e of the trial function.
 pub(super) type PointTangent<'a> = dyn Fn(&[f64], &mut [f64]) + Sync + 'a;
 
-/// What is integrated.
+/// Integrand of a bulk matrix.
 pub(super) enum Source<'a> {
-    /// Products of values.
+    /// Products of function values.
     Mass,
-    /// The same tangents everywhere.
+    /// One tangent everywhere, in the order of [`PointTangent`].
     Constant(Vec<f64>),
-    /// Tangents per physical point.
+    /// A tangent per physical point.
     PerPoint(Box<PointTangent<'a>>),
 }
 
 impl<'a> Source<'a> {
-    /// The numbers of `form`.
+    /// Type-erased coefficient of `form`.
     pub fn new<const C: usize, const N: usize, T: Real>(form: &'a Form<'_, C, N, T>) -> Self {
         match &form.coefficient {
             Coefficient::Constant(tangent) => {
@@ -42,7 +42,7 @@ impl Debug for Source<'_> {
     }
 }
 
-/// A tangent in the order of [`PointTangent`].
+/// Writes a tangent in the order of [`PointTangent`].
 fn numbers<const C: usize, const N: usize, T: Real>(tangent: &Tangent<C, N, T>, out: &mut [f64]) {
     for c in 0..C {
         for e in 0..C {

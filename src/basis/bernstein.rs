@@ -3,7 +3,7 @@
 use super::{Basis, Cell, Elements, Order, Polynomials, ShapeTable, simplex_lattice, simplex_numbering};
 use crate::linalg::{Matrix, Real, Vector, num};
 
-/// What the bases on simplices know of their cells.
+/// Cells of a basis on simplices: function and vertex ids.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Cells {
     pub(super) functions: usize,
@@ -33,14 +33,14 @@ pub struct BernsteinSimplex<const D: usize, T: Real = f64> {
     factors: Vec<T>,
 }
 
-/// Barycentric coordinates, of at most a tetrahedron.
+/// Maximum number of barycentric coordinates, that of a tetrahedron.
 const MOST: usize = 4;
 
 impl<const D: usize, T: Real> BernsteinSimplex<D, T> {
     /// Polynomials on the cells of `corners` (D + 1 vertex ids each).
     ///
     /// # Panics
-    /// If the number of ids is no multiple of D + 1, or degree 0 is asked to be continuous.
+    /// If the number of ids is no multiple of D + 1, or a continuous basis has degree 0.
     pub fn new(degree: usize, corners: Vec<usize>, continuous: bool) -> Self {
         assert_eq!(corners.len() % (D + 1), 0, "D + 1 corners per cell");
         assert!(degree > 0 || !continuous, "continuous polynomials have degree 1 or more");

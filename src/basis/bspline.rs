@@ -114,7 +114,7 @@ impl<T: Real> BSpline<T> {
         (0..self.num_functions()).map(|i| range(i).iter().fold(T::zero(), |s, &t| s + t) / num::<T>(range(i).len())).collect()
     }
 
-    /// How often the knot at `breakpoints()[breakpoint]` is repeated.
+    /// Multiplicity of the knot at `breakpoints()[breakpoint]`.
     pub fn multiplicity(&self, breakpoint: usize) -> usize {
         let end = |b: usize| self.spans.get(b).map_or(self.knots.len(), |&k| k + 1);
         end(breakpoint) - breakpoint.checked_sub(1).map_or(0, end)
@@ -126,7 +126,7 @@ impl<T: Real> BSpline<T> {
         self.degree as isize - self.multiplicity(breakpoint) as isize
     }
 
-    /// The first function that lives on `element`; the others follow.
+    /// The first active function on `element`; the others follow.
     pub fn first_active(&self, element: usize) -> usize {
         self.spans[element] - self.degree
     }
@@ -137,7 +137,7 @@ impl<T: Real> BSpline<T> {
         Self::from_breakpoints(degree, &self.breakpoints, &continuity)
     }
 
-    /// Splines made of `wanted`, see [`Basis::polynomials`]; `None` where the degree is too low for it.
+    /// Splines of the kind `wanted` on the same breakpoints, see [`Polynomials`]; `None` if the degree does not allow them.
     pub fn made_of(&self, wanted: Polynomials) -> Option<Self> {
         match wanted {
             Polynomials::Lowered(k) => {

@@ -9,7 +9,7 @@ use crate::linalg::{Real, Vector};
 /// any sign and any order. Plain sums, where every inner function is in one of them, keep the patches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extracted<B, T: Real = f64> {
-    /// The basis below.
+    /// The underlying basis.
     pub inner: B,
     /// Number of new functions.
     pub functions: usize,

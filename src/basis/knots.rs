@@ -1,8 +1,8 @@
-//! Knot vectors: what is allowed, and how spline coefficients move to finer knots and higher degrees.
+//! Validation of knot vectors, and the errors of knots and of conversions between spline spaces.
 
 use crate::linalg::{Real, to_f64};
 
-/// Why a list of numbers is no knot vector.
+/// Error of an invalid knot vector.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KnotError {
@@ -23,9 +23,9 @@ pub enum KnotError {
         index: usize,
         /// Their value.
         value: f64,
-        /// How many there are.
+        /// Their multiplicity.
         times: usize,
-        /// How many are allowed.
+        /// Maximum multiplicity, degree + 1.
         allowed: usize,
     },
     /// The first or the last knot is repeated too few times.
@@ -37,15 +37,15 @@ pub enum KnotError {
         index: usize,
         /// Their value.
         value: f64,
-        /// How many there are.
+        /// Their multiplicity.
         times: usize,
-        /// How many there must be.
+        /// Required multiplicity, degree + 1.
         needed: usize,
     },
     /// There are fewer knots than the degree needs.
     #[error("{found} knots are too few for degree {degree}; an open knot vector has at least {needed}")]
     Counts {
-        /// How many knots were given.
+        /// Number of knots given.
         found: usize,
         /// The degree.
         degree: usize,
@@ -60,7 +60,7 @@ pub enum KnotError {
     },
 }
 
-/// Why a spline cannot be written in another spline space.
+/// Error of expressing a spline in a space that does not contain it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContainError {

@@ -22,7 +22,7 @@ pub struct LagrangeLine<T: Real = f64> {
 }
 
 impl<T: Real> LagrangeLine<T> {
-    /// Degree 1 or more on `elements` intervals.
+    /// Creates the basis of degree 1 or more on `elements` intervals.
     ///
     /// # Panics
     /// If the degree or the number of elements is zero.
@@ -30,8 +30,8 @@ impl<T: Real> LagrangeLine<T> {
         Self::with_breakpoints(degree, (0..=elements).map(num::<T>).collect())
     }
 
-    /// The same with the parameters of the intervals' ends; only [`Basis::polynomials`] of continuity 1 and more see
-    /// their spacing.
+    /// Creates the basis with given parameters of the interval ends; their spacing only affects [`Basis::polynomials`] of
+    /// continuity 1 and more.
     ///
     /// # Panics
     /// If the degree is zero, or there are fewer than two breakpoints, or they do not rise.

@@ -1,4 +1,4 @@
-//! Floor 3: scalar bases, asked per element and batch of points in the element's own coordinates.
+//! Floor 3: scalar bases, evaluated per element at batches of points in the element's own coordinates.
 
 mod bernstein;
 mod bspline;
@@ -55,7 +55,7 @@ pub trait Elements: Debug + Send + Sync {
     fn cell(&self, _element: usize) -> Cell {
         Cell::Tensor
     }
-    /// Topological ids of the element's corners, shared by neighbours, first axis fastest; none where unknown.
+    /// Topological ids of the element's corners, shared by neighbours, first axis fastest; empty if unknown.
     fn corners(&self, _element: usize, ids: &mut Vec<usize>) {
         ids.clear();
     }
@@ -88,7 +88,7 @@ pub trait Basis<const D: usize, T: Real = f64>: Elements {
     fn num_functions(&self) -> usize;
     /// Degree per direction on `element`; on simplices the total degree in every entry.
     fn degree(&self, element: usize) -> [usize; D];
-    /// Ids of the functions that live on `element`.
+    /// Ids of the functions that are active on `element`.
     fn active(&self, element: usize, ids: &mut Vec<usize>);
     /// Values and derivatives of the active functions at the local points `xi`.
     fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>);
@@ -96,7 +96,7 @@ pub trait Basis<const D: usize, T: Real = f64>: Elements {
     fn structure(&self) -> &dyn BasisStructure<D, T> {
         &NoStructure
     }
-    /// Non-negative polynomials on the same elements that sum to one, never rational: what multipliers are made of.
+    /// Non-negative polynomials on the same elements that sum to one, never rational, for multipliers; `None` if there are none.
     fn polynomials(&self, _wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
         None
     }

@@ -1,4 +1,4 @@
-//! Numbers of the nodes of cells: shared on vertices, edges and faces, from whichever side they are seen.
+//! Numbering of the nodes of cells, shared on vertices, edges and faces for any orientation of the cells.
 
 use super::topology::{local_edges, local_faces, running};
 use super::{Cell, Topology, simplex_lattice};
@@ -8,7 +8,7 @@ impl<const D: usize> Topology<D> {
     /// the cells. Returns their number, the place of each cell's first node (one more at the end), and the numbers in the
     /// order of the cells' lattices.
     ///
-    /// Neighbours may see a common edge reversed and a common face turned or mirrored; the nodes must have the symmetries
+    /// A common edge may be reversed in a neighbour, a common face rotated or mirrored; the nodes must have the symmetries
     /// of the cells.
     pub fn number(&self, degree: usize) -> (usize, Vec<usize>, Vec<usize>) {
         let templates = [Cell::Tensor, Cell::Simplex].map(|c| places::<D>(c, degree));
@@ -79,7 +79,7 @@ impl<const D: usize> Topology<D> {
     }
 }
 
-/// Where a node lies in its cell.
+/// Position of a node in its cell.
 #[derive(Clone, Copy, Debug)]
 enum Place {
     Vertex(usize),
@@ -117,7 +117,7 @@ pub(crate) fn lattice<const D: usize>(cell: Cell, degree: usize) -> Vec<[usize; 
     }
 }
 
-/// Where the nodes of a cell of degree 1 or more lie.
+/// Positions of the nodes of a cell of degree 1 or more, in the order of [`lattice`].
 fn places<const D: usize>(cell: Cell, degree: usize) -> Vec<Place> {
     let (edges, faces) = (local_edges(cell, D), local_faces(cell, D));
     let edge_of = |a: usize, b: usize| edges.iter().position(|e| *e == [a.min(b), a.max(b)]).expect("two corners of an edge");

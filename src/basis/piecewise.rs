@@ -6,7 +6,7 @@ use crate::linalg::{Real, Vector, lit, num};
 /// The polynomials of one element.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Piece<T: Real = f64> {
-    /// The functions that live here, each once.
+    /// The functions active on the element, each once.
     pub ids: Vec<usize>,
     /// Highest degree.
     pub degree: usize,

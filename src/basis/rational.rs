@@ -3,7 +3,7 @@
 use super::{Basis, BasisStructure, Block, Cell, Elements, Order, Polynomials, ShapeTable, TensorPatch};
 use crate::linalg::{Matrix, Real, Vector, to_f64};
 
-/// Why numbers are no weights.
+/// Error of invalid weights.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WeightError {
@@ -18,9 +18,9 @@ pub enum WeightError {
     /// There is not one weight per function.
     #[error("there are {found} weights for {expected} functions; give one per function")]
     Counts {
-        /// How many weights there are.
+        /// Number of weights given.
         found: usize,
-        /// How many functions there are.
+        /// Number of functions.
         expected: usize,
     },
 }
@@ -28,7 +28,7 @@ pub enum WeightError {
 /// Checks that there are `expected` weights, all positive and finite.
 ///
 /// # Errors
-/// [`WeightError`] with the first offender.
+/// [`WeightError`] for a wrong number of weights, or with the first invalid weight.
 pub fn check_weights<T: Real>(weights: &[T], expected: usize) -> Result<(), WeightError> {
     if weights.len() != expected {
         return Err(WeightError::Counts { found: weights.len(), expected });
@@ -70,7 +70,7 @@ impl<B, T: Real> Rational<B, T> {
         Ok(Self { basis, weights })
     }
 
-    /// The basis below.
+    /// The underlying basis.
     pub fn basis(&self) -> &B {
         &self.basis
     }

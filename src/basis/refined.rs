@@ -41,7 +41,7 @@ impl<B: Basis<1, T>, T: Real> Refined<B, T> {
         Self { inner, cells, connected, ordered }
     }
 
-    /// The basis behind.
+    /// The underlying basis.
     pub fn inner(&self) -> &B {
         &self.inner
     }

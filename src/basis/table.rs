@@ -2,7 +2,7 @@
 
 use crate::linalg::{Matrix, Real, Vector};
 
-/// How many derivatives are wanted; each order includes those before it.
+/// Highest order of derivatives to tabulate; each includes those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Order {
     /// Values alone.
@@ -90,7 +90,7 @@ impl<const D: usize, T: Real> ShapeTable<D, T> {
         self.values.len().checked_div(self.functions).unwrap_or(0)
     }
 
-    /// The order that was filled.
+    /// Order of the table.
     pub fn order(&self) -> Order {
         self.order
     }

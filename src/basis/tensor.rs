@@ -11,7 +11,7 @@ use std::marker::PhantomData;
 pub struct TensorProduct<const D: usize, A, T: Real = f64> {
     /// The univariate factors.
     axes: [A; D],
-    /// Corner ids per axis, the stride of the next axis; zero where an axis knows no corners.
+    /// Corner ids per axis, the stride of the next axis; zero if an axis has no corner ids.
     corner_counts: [usize; D],
     scalar: PhantomData<T>,
 }
@@ -53,7 +53,7 @@ impl<const D: usize, A: Basis<1, T>, T: Real> TensorProduct<D, A, T> {
         &self.axes
     }
 
-    /// The element of each axis behind `element`.
+    /// The element of each axis whose product is `element`.
     pub fn split(&self, element: usize) -> [usize; D] {
         let mut rest = element;
         self.axes.each_ref().map(|axis| {

@@ -98,7 +98,7 @@ impl<const D: usize> Topology<D> {
     /// Cells with the ids of their corners, cell after cell, first axis fastest. n log n.
     ///
     /// # Panics
-    /// If the number of ids is not what the shapes ask for, or D is not 1 to 3.
+    /// If the number of ids does not match the shapes, or D is not 1 to 3.
     pub fn new(cells: Vec<Cell>, corners: Vec<usize>) -> Self {
         const { assert!(D >= 1 && D <= 3, "cells of dimension 1 to 3") }
         let first = running(cells.iter().map(|&c| corner_count(c, D)));

@@ -12,8 +12,8 @@ use std::sync::Arc;
 /// Polynomials of one degree on cells of dimension D: tensor cells have the products of the interval's functions, simplices those of
 /// [`LagrangeSimplex`], and neighbours share the functions of common vertices, edges and faces.
 ///
-/// Local functions are in the order of the cell's lattice, first axis fastest. Lagrange nodes are the interval's Gauss-Lobatto nodes on every
-/// edge, and on faces those of the square or of the triangle; all have the symmetries of their cell.
+/// Local functions are in the order of the cell's lattice, first axis fastest. Lagrange nodes are the interval's Gauss-Lobatto nodes on
+/// every edge, and on faces those of the square or of the triangle; all have the symmetries of their cell.
 #[derive(Clone, Debug)]
 pub struct Unstructured<const D: usize, T: Real = f64> {
     topology: Arc<Topology<D>>,
@@ -43,7 +43,7 @@ impl<const D: usize, T: Real> Unstructured<D, T> {
         Self::new(degree, Kind::Lagrange, topology)
     }
 
-    /// Continuous Lagrange polynomials, numbered by the first cell they live on, cells in the order `along`.
+    /// Continuous Lagrange polynomials, numbered by the first cell of their support, cells in the order `along`.
     ///
     /// Where cells that follow each other are near each other, so are numbers: matrices are read and written in pieces.
     ///
@@ -69,7 +69,7 @@ impl<const D: usize, T: Real> Unstructured<D, T> {
     /// Bernstein polynomials, continuous or not.
     ///
     /// # Panics
-    /// If degree zero is asked to be continuous.
+    /// If a continuous basis has degree zero.
     pub fn bernstein(degree: usize, continuous: bool, topology: Arc<Topology<D>>) -> Self {
         Self::new(degree, Kind::Bernstein { continuous }, topology)
     }

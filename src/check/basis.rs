@@ -9,26 +9,26 @@ use crate::basis::{Basis, Cell, Order, Polynomials, ShapeTable};
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
 use crate::quadrature::{Rule, TensorRule, simplex_rule};
 
-/// Values that must be equal may differ by this many roundings of the largest value.
+/// Tolerance of values that must be equal, in units of rounding of the largest value.
 const SAME: f64 = 1e3;
-/// Functions whose part that is independent of the others is shorter than this many roundings count as dependent.
+/// Size of the component orthogonal to the other functions, in units of rounding, below which a function counts as dependent.
 const DEPENDENT: f64 = 1e2;
 
 /// Checks every rule of [`Basis`] and [`Elements`](crate::basis::Elements) on `basis`:
 ///
-/// - active ids are unique and below `num_functions`, every function lives somewhere, tables have the right size;
-/// - values do not depend on the order asked for, on the batch, or on what the table held before;
+/// - active ids are unique and below `num_functions`, every function is active somewhere, tables have the right size;
+/// - values do not depend on the order requested, on the batch, or on previous contents of the table;
 /// - derivatives agree with differences, inside the cell and outside it, and second derivatives are symmetric;
 /// - outside the cell the element's own functions continue;
 /// - the active functions of an element are linearly independent on it;
 /// - corners are as many as the cell has, or none;
-/// - a list of all functions says what is active on every element;
+/// - a list of all functions agrees with the active ones of every element;
 /// - elements of one reference cell have the same tables;
 /// - blocks are products numbered with the first axis fastest;
 /// - patches are blocks that cover all elements, and their functions sum up to those with their numbers;
-/// - polynomials live on the same elements, are never negative, sum to one, are never rational.
+/// - polynomials have the same elements, are non-negative, sum to one, and are never rational.
 ///
-/// Of bases with many elements, tables are looked at on some elements, evenly spread; ids and blocks on all.
+/// For bases with many elements, tables are checked on some elements, evenly spread; ids and blocks on all.
 /// A partition of unity is no rule for every basis: see [`partition_of_unity`] and [`non_negative`].
 ///
 /// # Errors
@@ -93,7 +93,7 @@ fn each_table<const D: usize, T: Real>(
     Ok(())
 }
 
-/// Everything but blocks and polynomials.
+/// Checks everything but blocks and polynomials.
 fn functions<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Result<(), String> {
     let mut lives = vec![false; basis.num_functions()];
     let (mut ids, mut corner_ids, mut warm) = (Vec::new(), Vec::new(), ShapeTable::new());
@@ -134,7 +134,7 @@ pub(super) fn largest<const D: usize, T: Real>(table: &ShapeTable<D, T>) -> f64 
     (0..table.num_points()).flat_map(|q| table.values(q)).map(|&v| to_f64(v).abs()).fold(0.0, f64::max)
 }
 
-/// Tables have the right size, and values depend on nothing but the point.
+/// Checks that tables have the right size, and values depend on nothing but the point.
 fn tables<const D: usize, T: Real>(basis: &dyn Basis<D, T>, e: usize, functions: usize, warm: &mut ShapeTable<D, T>) -> Result<(), String> {
     let xi = points::inside::<D, T>(basis.cell(e), 5);
     basis.tabulate(e, &[], Order::Hessians, warm);
@@ -165,7 +165,7 @@ fn tables<const D: usize, T: Real>(basis: &dyn Basis<D, T>, e: usize, functions:
     Ok(())
 }
 
-/// Derivatives against fourth-order differences, inside and around the cell.
+/// Checks derivatives against fourth-order differences, inside and around the cell.
 fn derivatives<const D: usize, T: Real>(basis: &dyn Basis<D, T>, e: usize, table: &mut ShapeTable<D, T>) -> Result<(), String> {
     let step = lit::<T>(epsilon::<T>().powf(0.2));
     let (two, eight, twelve) = (lit::<T>(2.0), lit::<T>(8.0), lit::<T>(12.0));
@@ -201,7 +201,7 @@ fn derivatives<const D: usize, T: Real>(basis: &dyn Basis<D, T>, e: usize, table
     Ok(())
 }
 
-/// The active functions are linearly independent on the element: Gram-Schmidt on their values at quadrature points.
+/// Checks linear independence of the active functions on the element: Gram-Schmidt on their values at quadrature points.
 fn independent<const D: usize, T: Real>(
     basis: &dyn Basis<D, T>,
     e: usize,
@@ -241,7 +241,7 @@ fn independent<const D: usize, T: Real>(
     Ok(())
 }
 
-/// Rules of what [`Basis::polynomials`] answers, for all degrees up to the basis' own.
+/// Checks [`Basis::polynomials`] for all degrees up to the basis' own.
 fn polynomials<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Result<(), String> {
     let most = (0..basis.num_elements()).flat_map(|e| basis.degree(e)).max().unwrap_or(0);
     // the roughest, continuous, and the smoothest of every degree

@@ -5,7 +5,7 @@ use crate::basis::{Basis, Block, Order, ShapeTable, TensorPatch};
 use crate::linalg::{Real, Vector, to_f64};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A product may differ from the basis' own value by this many roundings of the largest value.
+/// Tolerance of products against the values of the basis, in units of rounding of the largest value.
 const SAME: f64 = 1e4;
 
 /// Checks every block of `basis`.
@@ -175,7 +175,7 @@ fn products<const D: usize, T: Real>(block: &Block<'_, D, T>, at: [usize; D], x:
     all
 }
 
-/// Whether local function `a` of a table of one point has this value and these derivatives; how far it is apart where not.
+/// Checks the value and the derivatives of local function `a` of a table of one point; the error states the difference.
 fn agrees<const D: usize, T: Real>(table: &ShapeTable<D, T>, a: usize, value: f64, slope: [f64; D]) -> Result<(), f64> {
     let scale = 1.0 + slope.iter().fold(0.0f64, |s, g| s.max(g.abs()));
     let apart = (to_f64(table.values(0)[a]) - value).abs();
@@ -183,7 +183,7 @@ fn agrees<const D: usize, T: Real>(table: &ShapeTable<D, T>, a: usize, value: f6
     if apart.is_nan() || apart > SAME * to_f64(T::default_epsilon()) { Err(apart) } else { Ok(()) }
 }
 
-/// Active ids of an axis are consecutive and never fall from one element to the next.
+/// Checks that active ids of an axis are consecutive and never decrease from one element to the next.
 fn consecutive<T: Real>(axis: &dyn Basis<1, T>) -> Result<(), String> {
     let (mut ids, mut last) = (Vec::new(), 0);
     for e in 0..axis.num_elements() {

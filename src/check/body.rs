@@ -1,4 +1,4 @@
-//! What every body keeps: sides whose traces are the body itself, seen from outside.
+//! Contract of [`Body`]: the traces of its sides agree with its space, and outward signs point out of it.
 
 use crate::basis::{Elements, Order, ShapeTable};
 use crate::geometry::{Geometry, MapTable, cell, cross};
@@ -14,7 +14,7 @@ use crate::space::{Body, SideError, Trace, measure};
 /// `outward` leaves it.
 ///
 /// # Errors
-/// A sentence that says which rule is broken and where.
+/// A sentence that names the broken rule and the place.
 pub fn body<const S: usize, const N: usize, T: Real, B: Body<S, N, T> + ?Sized>(body: &B) -> Result<(), String> {
     super::space::space(&**body.space()).map_err(|e| format!("the body's space: {e}"))?;
     let sides = body.sides();
@@ -37,7 +37,7 @@ pub fn body<const S: usize, const N: usize, T: Real, B: Body<S, N, T> + ?Sized>(
 ///   ∮ n ds = 0,   ∮ x . n ds = N |body|
 ///
 /// # Errors
-/// A sentence that says which rule is broken and where.
+/// A sentence that names the broken rule and the place.
 pub fn closed_body<const S: usize, const N: usize, T: Real, B: Body<S, N, T> + ?Sized>(body: &B) -> Result<(), String> {
     self::body(body)?;
     let rules = [TensorRule::<S, T>::gauss([20; S]).rule(0).clone(), simplex_rule::<S, T>(39)];
@@ -125,7 +125,7 @@ fn one_trace<const S: usize, const N: usize, T: Real, B: Body<S, N, T> + ?Sized>
     Ok(())
 }
 
-/// From the middle of the facet a step along the normal leaves the cell behind.
+/// Checks that a step along the normal from the middle of the facet leaves the cell.
 fn looks_out<const S: usize, const N: usize, T: Real>(
     trace: &Trace<S, N, T>,
     space: &dyn crate::space::Space<N, N, T>,

@@ -1,4 +1,4 @@
-//! Whether functions keep their own polynomial or quotient outside the cell.
+//! Check that functions continue their polynomial or rational form outside the cell.
 
 use super::basis::largest;
 use super::points;
@@ -6,12 +6,12 @@ use crate::basis::{Basis, Order, ShapeTable};
 use crate::linalg::{Real, lit, to_f64};
 use nalgebra::DMatrix;
 
-/// How far outside the unit segment the continuation of a function is tried.
+/// Parameters outside the unit segment at which the continuation of a function is tested.
 const BEYOND: [f64; 2] = [-0.1, 1.1];
-/// Smooth functions that are neither polynomials nor quotients are continued from this many nodes, where T is precise.
+/// Nodes from which smooth functions that are neither polynomial nor rational are continued; half of them for low precision of T.
 const NODES: usize = 18;
 
-/// Values beyond the cell lie on the smooth continuation of those inside, along every direction.
+/// Checks that values beyond the cell lie on the smooth continuation of those inside, along every direction.
 pub(super) fn continues<const D: usize, T: Real>(basis: &dyn Basis<D, T>, e: usize, table: &mut ShapeTable<D, T>) -> Result<(), String> {
     let epsilon = to_f64(T::default_epsilon());
     let allowed = epsilon.powf(0.3);
@@ -29,7 +29,7 @@ pub(super) fn continues<const D: usize, T: Real>(basis: &dyn Basis<D, T>, e: usi
     Ok(())
 }
 
-/// How far values beyond the cell are from the polynomial through `nodes` values inside, relative to the largest value.
+/// Largest distance of values beyond the cell from the polynomial through `nodes` values inside, relative to the largest value.
 pub(super) fn leaves_polynomial<const D: usize, T: Real>(
     basis: &dyn Basis<D, T>,
     e: usize,
@@ -103,8 +103,8 @@ impl Samples {
         })
     }
 
-    /// The same for quotients of polynomials of `degree` with one denominator W: W is the polynomial for which no
-    /// W N_a has a part of higher degree.
+    /// Largest distance from quotients of polynomials of `degree` with a common denominator W, relative to the largest value: W is
+    /// the polynomial for which no W N_a has a part of higher degree.
     fn leaves_quotient(&self, degree: usize) -> f64 {
         let n = self.inside.first().map_or(0, Vec::len);
         if n <= degree + 1 {

@@ -4,7 +4,7 @@ use crate::basis::{Basis, Order, ShapeTable};
 use crate::coupling::{Coupling, Interface, Rows};
 use crate::linalg::{Real, to_f64};
 
-/// Largest defect of force balance and column sums, as a share of the largest sum.
+/// Largest error of force balance and column sums, relative to the largest sum.
 const BALANCE: f64 = 1e-12;
 
 /// Checks the blocks that `coupling` makes of `interface` in a system of `unknowns` unknowns.
@@ -12,10 +12,10 @@ const BALANCE: f64 = 1e-12;
 /// Rows: entries lie in the unknowns of their side; where the functions of both sides sum to one, the slave and master
 /// entries of every row cancel (a translation opens no gap: force balance); where the multiplier sums to one, its rows
 /// add up to ∫ N_i ds.
-/// Stiffness: a translation of both sides makes no force.
+/// Stiffness: a translation of both sides gives no force.
 ///
 /// # Errors
-/// A sentence that says which rule is broken and where.
+/// A sentence that names the broken rule and the place.
 pub fn coupling<const S: usize, const N: usize, T: Real>(
     coupling: &dyn Coupling<S, N, T>,
     interface: &Interface<'_, S, N, T>,
@@ -47,7 +47,7 @@ pub fn coupling<const S: usize, const N: usize, T: Real>(
     }
 }
 
-/// Entries are unknowns of their side's functions, in a matrix of the right width.
+/// Checks that entries are unknowns of their side's functions, in a matrix of the right width.
 fn ownership<const S: usize, const N: usize, T: Real>(
     rows: &Rows<T>,
     interface: &Interface<'_, S, N, T>,
@@ -71,9 +71,9 @@ fn ownership<const S: usize, const N: usize, T: Real>(
     Ok(())
 }
 
-/// Slave and master entries of every row cancel; along a direction this holds for the sum over components too.
+/// Checks that slave and master entries of every row cancel; along a direction this holds for the sum over components too.
 fn balance<const S: usize, const N: usize, T: Real>(rows: &Rows<T>, interface: &Interface<'_, S, N, T>) -> Result<(), String> {
-    // the unknowns of a translation are only known where the functions of both sides sum to one
+    // the coefficients of a translation are known only if the functions of both sides sum to one
     let Some(master) = &interface.master else { return Ok(()) };
     if !sums_to_one(&*interface.slave.trace.space) || !sums_to_one(&*master.trace.space) {
         return Ok(());
@@ -92,7 +92,7 @@ fn balance<const S: usize, const N: usize, T: Real>(rows: &Rows<T>, interface: &
     }
 }
 
-/// Where the multiplier sums to one, its rows add up to the integrals of the slave's functions over the segments.
+/// Checks that the rows of a multiplier that sums to one add up to the integrals of the slave's functions over the segments.
 fn columns<const S: usize, const N: usize, T: Real>(rows: &Rows<T>, interface: &Interface<'_, S, N, T>) -> Result<(), String> {
     if interface.direction.is_some() || rows.slave.entries.is_empty() || !interface.multiplier.iter().all(|m| sums_to_one(*m)) {
         return Ok(());

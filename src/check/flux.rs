@@ -1,4 +1,4 @@
-//! What every flux keeps: it is the stress of the field behind the side times the outward normal, bounded by the energy.
+//! Contract of [`Flux`]: the stress of the field behind the side times the outward normal, bounded by the energy.
 
 use crate::assembly::{contract, gauss_rules};
 use crate::basis::Order;
@@ -10,11 +10,11 @@ use crate::space::{Field, Space, Trace, field_at};
 
 /// Checks `flux` on `trace` of the body with functions and map `space`, unknowns `field` and a linear `material`.
 ///
-/// Rules: the table has the shape it says and lists unknowns of the body once; for fields that oscillate from unknown to
+/// Rules: the table has the declared shape and lists unknowns of the body once; for fields that oscillate from unknown to
 /// unknown it gives sigma n; and ∫ |sigma n|² over a facet is at most the stabilisation times the energy of the element.
 ///
 /// # Errors
-/// A sentence that says which rule is broken and where.
+/// A sentence that names the broken rule and the place.
 pub fn flux<const C: usize, const S: usize, const N: usize, T: Real>(
     flux: &dyn Flux<S, N, T>,
     trace: &Trace<S, N, T>,

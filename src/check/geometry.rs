@@ -1,10 +1,10 @@
-//! What every map keeps: derivatives, boxes that hold, batches that do not matter, blocks that repeat the map.
+//! Contract of [`Geometry`]: derivatives, bounding boxes, independence of batches, and blocks that repeat the map.
 
 use crate::basis::{Block, Order, ShapeTable};
 use crate::geometry::{Geometry, MapTable, cell};
 use crate::linalg::{Real, Vector, lit, num};
 
-/// At most this many elements are looked at, evenly spread.
+/// Largest number of elements checked, evenly spread.
 const ELEMENTS: usize = 60;
 
 /// Up to [`ELEMENTS`] elements of `count`, first and last included.
@@ -30,7 +30,7 @@ pub(super) fn sample_points<const D: usize, T: Real>(kind: crate::basis::Cell) -
 /// [`MapStructure::control`](crate::geometry::MapStructure::control), where there are any, repeat the map.
 ///
 /// # Errors
-/// A sentence that says which rule is broken and where.
+/// A sentence that names the broken rule and the place.
 pub fn geometry<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>(geometry: &G) -> Result<(), String> {
     let eps = T::default_epsilon();
     let (mut full, mut other) = (MapTable::new(), MapTable::new());
@@ -57,7 +57,7 @@ pub fn geometry<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + 
                 "element {e}: all_bounds gives another box than bounds (or its functions are not those of the reference cell they name)"
             ));
         }
-        // places far from the origin carry larger rounding
+        // points far from the origin have larger rounding errors
         let scale = size + full.x.iter().fold(T::zero(), |m, x| m.max(x.amax()));
         for (q, xi) in points.iter().enumerate() {
             let at = format!("element {e}, xi = {xi:?}");
@@ -157,7 +157,7 @@ fn block_sum<const D: usize, const N: usize, T: Real>(
         .collect())
 }
 
-/// Corner ids that elements share are at one place.
+/// Checks that corner ids shared by elements have the same coordinates.
 fn corners<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>(geometry: &G) -> Result<(), String> {
     let mut places = std::collections::HashMap::new();
     let (mut ids, mut table) = (Vec::new(), MapTable::new());

@@ -7,22 +7,22 @@ use crate::linalg::{Real, Vector, measure, to_f64};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 
-/// What [`interface_quadrature`] allows.
+/// Tolerances of [`interface_quadrature`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentLimits {
-    /// Defect of the measure of each fully covered slave element, as a share of its measure.
+    /// Error of the measure of each fully covered slave element, relative to its measure.
     pub tiling: f64,
-    /// How far points may lie outside their cells, in local coordinates: 0 for exact sides, more where kinked sides
+    /// Largest distance of points outside their cells, in local coordinates: 0 for exact sides, more if kinked sides
     /// only approximate one curve.
     pub outside: f64,
     /// Distance of partners \[length\].
     pub distance: f64,
-    /// Defect of the column sums of the master, as a share of the largest column; none: not asked (slave rules miss it).
+    /// Error of the column sums of the master, relative to the largest column; `None`: not checked (slave rules are inexact).
     pub columns: Option<f64>,
 }
 
 impl Default for SegmentLimits {
-    /// Two sides on exactly one curve, merged: 1e-12 for measures, 1e-9 for places, 1e-11 for columns.
+    /// Tolerances of two sides on exactly one curve, merged: 1e-12 for measures, 1e-9 for local coordinates, 1e-11 for columns.
     fn default() -> Self {
         Self { tiling: 1e-12, outside: 1e-9, distance: 1e-12, columns: Some(1e-11) }
     }
@@ -34,7 +34,7 @@ impl Default for SegmentLimits {
 /// sum_j M_jk = ∫ N_k ds over the master are the test of a segmentation: row sums and force balance hold for any rule.
 ///
 /// # Errors
-/// A sentence that says which rule is broken and where.
+/// A sentence that names the broken rule and the place.
 pub fn interface_quadrature<const D: usize, const N: usize, T: Real>(
     rule: &dyn InterfaceQuadrature<D, N, T>,
     slave: &dyn Space<D, N, T>,
@@ -56,7 +56,7 @@ pub fn interface_quadrature<const D: usize, const N: usize, T: Real>(
     Ok(())
 }
 
-/// Lengths agree, elements exist, slave elements come in order.
+/// Checks that lengths agree, elements exist, and slave elements come in order.
 fn shapes<const D: usize, T: Real>(segments: &Segments<D, T>, slaves: usize, masters: usize) -> Result<(), String> {
     let (pieces, points) = (segments.num_pieces(), segments.ds.len());
     if segments.master.len() != pieces || segments.start.len() != pieces + 1 || segments.start.last() != Some(&points) {
@@ -85,7 +85,7 @@ fn shapes<const D: usize, T: Real>(segments: &Segments<D, T>, slaves: usize, mas
     Ok(())
 }
 
-/// Pieces of a fully covered slave element have its measure.
+/// Checks that pieces of a slave element have the measure of its covered part.
 fn tiling<const D: usize, const N: usize, T: Real>(
     segments: &Segments<D, T>,
     slave: &dyn Space<D, N, T>,
@@ -109,7 +109,7 @@ fn tiling<const D: usize, const N: usize, T: Real>(
     Ok(())
 }
 
-/// Points lie in their cells, partners lie together and no farther apart than reported.
+/// Checks that points lie in their cells, and partners coincide and are no farther apart than reported.
 fn places<const D: usize, const N: usize, T: Real>(
     segments: &Segments<D, T>,
     slave: &dyn Space<D, N, T>,
@@ -138,7 +138,7 @@ fn places<const D: usize, const N: usize, T: Real>(
     Ok(())
 }
 
-/// Sums over the points of the master's functions against the master's own rule, on elements that are met.
+/// Checks the sums of the master's functions over the points against the master's own rule.
 fn columns<const D: usize, const N: usize, T: Real>(
     segments: &Segments<D, T>,
     master: &dyn Space<D, N, T>,

@@ -1,16 +1,17 @@
-//! Contract of `LinearSolver`: right answers on positive definite systems, errors instead of wrong ones.
+//! Contract of `LinearSolver`: correct solutions of positive definite systems, errors for systems without one.
 
 use crate::linalg::{Csr, LinearError, LinearSolver, Operator, Triplets};
 
 /// Checks solvers made by `make` on chains and grids of springs in several units.
 ///
-/// Known answers, the same object on new values and new patterns, singular and contradictory systems, wrong lengths, numbers that are not finite.
+/// Covers known solutions, one object for new values and patterns, singular and contradictory systems, wrong lengths, and numbers that
+/// are not finite.
 ///
 /// # Errors
-/// A sentence that says which rule is broken and where.
+/// A sentence that names the broken rule and the place.
 pub fn linear_solver(make: impl Fn() -> Box<dyn LinearSolver>) -> Result<(), String> {
     let mut solver = make();
-    // one object sees all: new values of a pattern, new patterns, and sizes that grow and shrink
+    // one object for all systems: new values of a pattern, new patterns, and sizes that grow and shrink
     for (n, unit) in [(1, 1.0), (20, 1.0), (20, 1e12), (20, 1e-12), (300, 1.0), (7, 1e9)] {
         answers(&mut *solver, &chain(n, unit, 1.0), &format!("chain of {n} springs of stiffness {unit:.0e}"))?;
     }
@@ -40,7 +41,7 @@ pub fn linear_solver(make: impl Fn() -> Box<dyn LinearSolver>) -> Result<(), Str
     if solver.prepare(&broken).and_then(|()| solver.solve(&broken, &[1.0; 10], &mut [0.0; 10])).is_ok() {
         return Err("linear solver: an infinite entry of the matrix is accepted".into());
     }
-    // a chain without support, pulled at one end: no answer exists
+    // a chain without support, pulled at one end: no solution exists
     let free = chain(10, 1.0, 0.0);
     let mut pull = [0.0; 10];
     pull[9] = 1.0;

@@ -1,10 +1,10 @@
-//! What every material keeps: its tangent is its derivative, symmetric, and rigid motions cost nothing.
+//! Contract of [`Material`]: the tangent is the derivative of the stress and symmetric, and rigid motions need no energy.
 
 use crate::assembly::{Tangent, contract};
 use crate::linalg::{Matrix, Real, Vector, lit, num};
 use crate::physics::Material;
 
-/// Numbers between -1 and 1 that repeat from run to run.
+/// Reproducible pseudo-random numbers between -1 and 1.
 fn noise<T: Real>(seed: usize) -> T {
     let bits = (seed as u32).wrapping_mul(2_654_435_761).rotate_left(13).wrapping_mul(0x85eb_ca6b) >> 8;
     lit::<T>(f64::from(bits) / f64::from(1u32 << 23) - 1.0)
@@ -13,12 +13,12 @@ fn noise<T: Real>(seed: usize) -> T {
 /// Checks `material` at `places` with displacement gradients of the size `strain`.
 ///
 /// Rules: everything is finite and the modulus positive; no stress at rest; the tangent is the derivative of the stress
-/// and symmetric; a linear material has the stress tangent : grad u; a homogeneous one answers alike everywhere; with
+/// and symmetric; a linear material has the stress tangent : grad u; a homogeneous one responds alike everywhere; with
 /// as many components as dimensions rotations give no stress (small ones for linear materials) and the spatial stress
 /// repeats the stress of the model; the divergence is that of the stress of a quadratic field.
 ///
 /// # Errors
-/// A sentence that says which rule is broken and where.
+/// A sentence that names the broken rule and the place.
 pub fn material<const C: usize, const N: usize, T: Real, M: Material<C, N, T> + ?Sized>(
     material: &M,
     places: &[Vector<N, T>],
@@ -90,12 +90,12 @@ pub fn material<const C: usize, const N: usize, T: Real, M: Material<C, N, T> + 
     Ok(())
 }
 
-/// The largest entry of a tangent.
+/// Largest absolute entry of a tangent.
 fn largest<const C: usize, const N: usize, T: Real>(tangent: &Tangent<C, N, T>) -> T {
     tangent.iter().flatten().fold(T::zero(), |m, t| m.max(t.amax()))
 }
 
-/// Rotations give no stress: small ones for linear materials, finite ones for others.
+/// Checks that rotations give no stress: small ones for linear materials, finite ones for others.
 fn rotations<const C: usize, const N: usize, T: Real, M: Material<C, N, T> + ?Sized>(
     material: &M,
     x: &Vector<N, T>,

@@ -1,6 +1,6 @@
 //! Contract tests for the public traits: run them on your own implementors.
 //!
-//! Each checker returns `Err` with a sentence that says which rule is broken and where.
+//! Each checker returns `Err` with a sentence that names the broken rule and the place.
 
 mod basis;
 mod block;

@@ -1,11 +1,11 @@
-//! Contract of `Operator`: linear, of the size it says, its diagonal and matrix its own.
+//! Contract of `Operator`: linearity, declared size, consistent diagonal and matrix.
 
 use crate::linalg::Operator;
 
 /// Checks `a`: y is overwritten, y = A x is linear, `diagonal` and `csr` agree with `apply`, `places` has one point per unknown or none.
 ///
 /// # Errors
-/// A sentence that says which rule is broken and where.
+/// A sentence that names the broken rule and the place.
 pub fn operator(a: &dyn Operator) -> Result<(), String> {
     let n = a.size();
     let wave = |k: f64| -> Vec<f64> { (0..n).map(|i| (1.0 + k * i as f64).sin() + 0.1 * k).collect() };

@@ -4,7 +4,7 @@ use crate::basis::{Basis, Cell};
 use crate::linalg::{Real, to_f64};
 use crate::quadrature::Quadrature;
 
-/// Weights of a rule may miss an integral by this many roundings of the sum of their absolute values.
+/// Tolerance of integrals, in units of rounding of the sum of the absolute weights.
 const EXACT: f64 = 1e3;
 
 /// Checks `quadrature` on the elements of `basis`: rules integrate polynomials of degree `degree` exactly (per direction

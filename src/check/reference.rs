@@ -6,7 +6,7 @@ use crate::basis::{Basis, Order, ShapeTable};
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Matrix, Real, Vector, num};
 
-/// The list of the functions of all elements repeats them.
+/// Checks that the list of the functions of all elements repeats them.
 pub(super) fn listed<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Result<(), String> {
     let Some(listed) = basis.structure().listed() else { return Ok(()) };
     if listed.first.len() != basis.num_elements() + 1 || listed.first.last() != Some(&listed.ids.len()) {
@@ -22,7 +22,7 @@ pub(super) fn listed<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Result
     Ok(())
 }
 
-/// Elements that name one reference cell have the same table, to the last bit.
+/// Checks that elements with the same reference cell have the same table, to the last bit.
 pub(super) fn references<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Result<(), String> {
     let mut known: Vec<(usize, usize)> = Vec::new();
     let (mut table, mut first_table) = (ShapeTable::new(), ShapeTable::new());
@@ -47,7 +47,7 @@ pub(super) fn references<const D: usize, T: Real>(basis: &dyn Basis<D, T>) -> Re
     Ok(())
 }
 
-/// The functions and points of a map repeat it.
+/// Checks that the functions and control points of a map reproduce it.
 pub(super) fn control<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>(geometry: &G) -> Result<(), String> {
     let Some(control) = geometry.map_structure().control() else { return Ok(()) };
     if control.basis.num_elements() != geometry.num_elements() || control.basis.num_functions() != control.points.len() {

@@ -1,19 +1,19 @@
-//! Contract of `ConstraintSolver`: small systems with answers found by hand.
+//! Contract of `ConstraintSolver`: small systems with solutions found by hand.
 
 use crate::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError};
 use crate::coupling::Rows;
 use crate::linalg::{Csr, LinearError, Operator, Triplets};
 
 /// Checks solvers made by `make`: tied, shifted, soft and open rows, floating bodies, rows that share unknowns, extreme units, one object
-/// for many systems; contact where the solver knows it; errors instead of wrong answers.
+/// for many systems; contact if the solver supports it; errors for systems without solution.
 ///
 /// # Errors
-/// A sentence that says which rule is broken and where.
+/// A sentence that names the broken rule and the place.
 pub fn solver(make: impl Fn() -> Box<dyn ConstraintSolver>) -> Result<(), String> {
     let mut one = make();
     for problem in known() {
         problem.check(&mut *make())?;
-        // an object that has seen other systems forgets their values
+        // an object used for other systems must not keep their values
         problem.check(&mut *one)?;
     }
     for problem in contacts() {
@@ -41,11 +41,11 @@ pub fn solver(make: impl Fn() -> Box<dyn ConstraintSolver>) -> Result<(), String
     Ok(())
 }
 
-/// Checks contact algorithms made by `make`: all of [`solver`], and contact rows must be answered, with signs and complementarity;
-/// bodies held by contact alone, rows that only touch, a matrix on which the plain active set runs in a circle, loads that nothing holds.
+/// Checks contact algorithms made by `make`: all of [`solver`], and contact rows must be solved, with signs and complementarity;
+/// bodies held by contact alone, rows that only touch, a matrix on which the plain active set cycles, loads that nothing holds.
 ///
 /// # Errors
-/// A sentence that says which rule is broken and where.
+/// A sentence that names the broken rule and the place.
 pub fn contact_solver(make: impl Fn() -> Box<dyn ConstraintSolver>) -> Result<(), String> {
     solver(&make)?;
     let mut one = make();
@@ -111,7 +111,7 @@ fn coupled_contacts() -> Vec<Problem> {
 }
 
 impl Problem {
-    /// Contact rows press or are open, and not both.
+    /// Checks signs and complementarity: contact rows press or are open, and not both.
     fn signs(&self, solution: &ConstrainedSolution) -> Result<(), String> {
         let weight = self.rows.slave.entries.iter().fold(0.0, |m: f64, e| m.max(e.2.abs()));
         let length = weight * largest(&self.unknowns).max(largest(&self.offset) / weight.max(f64::MIN_POSITIVE));
@@ -126,7 +126,7 @@ impl Problem {
     }
 }
 
-/// A system and its answer.
+/// A system and its solution.
 struct Problem {
     name: String,
     stiffness: Csr,
@@ -190,7 +190,7 @@ impl Problem {
         self
     }
 
-    /// The same in other units: stiffness, length, and the weight of a row.
+    /// Converts the problem to other units of stiffness and length, and another weight of the rows.
     fn units(mut self, stiffness: f64, length: f64, weight: f64) -> Self {
         self.name = format!("{} (stiffness {stiffness:.0e}, length {length:.0e}, weight {weight:.0e})", self.name);
         let force = stiffness * length;
@@ -224,7 +224,7 @@ impl Problem {
 
     fn compare(&self, solution: &ConstrainedSolution) -> Result<(), String> {
         near(&self.name, "unknown", &solution.unknowns, &self.unknowns, 0.0)?;
-        // multipliers that are all zero are measured by what would move the bodies as far
+        // multipliers that are all zero are compared with the force that would give the same displacement
         let weight = self.rows.slave.entries.iter().fold(0.0, |m: f64, e| m.max(e.2.abs()));
         let force = largest(&self.stiffness.diagonal()) * largest(&self.unknowns) / if weight > 0.0 { weight } else { 1.0 };
         near(&self.name, "multiplier", &solution.multipliers, &self.multipliers, force)?;
@@ -265,12 +265,12 @@ fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
 }
 
-/// Above the bound, or not a number.
+/// Whether a value is above the bound, or NaN.
 fn above(x: f64, bound: f64) -> bool {
     x.is_nan() || x > bound
 }
 
-/// Equal to 1e-9 of the largest one expected, or of `size` where zeros are.
+/// Checks equality to 1e-9 of the largest expected value, or of `size` if zeros are expected.
 fn near(name: &str, what: &str, found: &[f64], expected: &[f64], size: f64) -> Result<(), String> {
     if found.len() != expected.len() {
         return Err(format!("solver: {name}: {} {what}s instead of {}", found.len(), expected.len()));
@@ -403,7 +403,7 @@ fn impossible() -> Vec<(Problem, &'static str)> {
     ]
 }
 
-/// C u = 1 on the first of two unknowns, reaction (1, 1/2): refused, or u = (1, 1/2), lambda = -1.
+/// Checks C u = 1 on the first of two unknowns, reaction (1, 1/2): an error, or u = (1, 1/2), lambda = -1.
 fn other_reaction(solver: &mut dyn ConstraintSolver) -> Result<(), String> {
     let mut problem = Problem::new("other reaction", &[&[1.0, 0.0], &[0.0, 1.0]], &[0.0, 0.0], &[(&[(0, 1.0)], &[])])
         .offset(&[-1.0])
@@ -429,7 +429,7 @@ fn other_reaction(solver: &mut dyn ConstraintSolver) -> Result<(), String> {
     }
 }
 
-/// K = [[2, 1], [0, 1]], f = (3, 1): refused, or u = (1, 1).
+/// Checks K = [[2, 1], [0, 1]], f = (3, 1): an error, or u = (1, 1).
 fn other_stiffness(solver: &mut dyn ConstraintSolver) -> Result<(), String> {
     let problem = Problem::new("stiffness that is not symmetric", &[&[2.0, 1.0], &[0.0, 1.0]], &[3.0, 1.0], &[]).answer(&[1.0, 1.0], &[]);
     let system = ConstrainedSystem {

@@ -1,4 +1,4 @@
-//! What every space keeps: a sound map, and both tables at once equal to both tables alone.
+//! Contract of [`Space`]: a sound map, and [`Space::evaluate`] equal to its separate tables.
 
 use super::geometry::{chosen, sample_points};
 use crate::basis::{Order, ShapeTable};
@@ -12,7 +12,7 @@ use crate::space::Space;
 /// each listed once and with an id below their number.
 ///
 /// # Errors
-/// A sentence that says which rule is broken and where.
+/// A sentence that names the broken rule and the place.
 pub fn space<const D: usize, const N: usize, T: Real, X: Space<D, N, T> + ?Sized>(space: &X) -> Result<(), String> {
     super::geometry::geometry(space)?;
     let near = T::default_epsilon() * num(1000);

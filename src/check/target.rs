@@ -9,7 +9,7 @@ use crate::linalg::{Real, Vector, to_f64};
 /// tolerance of the square of the distance over the radius of curvature.
 ///
 /// # Errors
-/// A sentence that says which rule is broken and where.
+/// A sentence that names the broken rule and the place.
 pub fn target<const D: usize, const N: usize, T: Real>(
     target: &dyn Target<D, N, T>,
     points: &[Vector<N, T>],

@@ -1,11 +1,12 @@
-//! The augmented Lagrangian: exact rows by a solver of soft ones, and Uzawa's iteration that it is.
+//! Augmented Lagrangian (Uzawa) iteration around a solver of penalised constraints.
 //!
 //!   (K + Bᵀ W C) u = f - Bᵀ lambda - Bᵀ W g,   lambda <- lambda + W (C u + g),   W = factor k_i / s_i²
 //!
 //! One iteration is a system of rows with the compliance 1 / W and the offset g + lambda / W; its multiplier is the next one. Here the
-//! iteration runs on residuals summed in twice the working precision, so what it converges to carries no trace of W.
+//! iteration runs on residuals summed in twice the working precision, so its limit does not depend on W.
 //! The error falls by 1 / (1 + factor mu) per iteration, mu the least eigenvalue of C K⁻¹ Cᵀ against the inverse of W at factor 1, which
-//! depends neither on the mesh nor on units and falls with the degree: 4 iterations at degree 1, 16 at degree 4. Bodies that only the rows hold need no care: K + Cᵀ W C is regular.
+//! depends neither on the mesh nor on units and falls with the degree: 4 iterations at degree 1, 16 at degree 4. Bodies held by the rows
+//! alone are no special case: K + Cᵀ W C is regular.
 //!
 //! Source: Fortin, Glowinski, Augmented Lagrangian Methods (1983), chapter 1; k_i and s_i: [`super::scale`].
 
@@ -14,26 +15,26 @@ use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Free, Solv
 use crate::linalg::residual::{RESIDUAL_LIMIT, max, ratio};
 use crate::linalg::{Cg, Ldlt, Limits, LinearError};
 
-/// Larger ones need fewer iterations and cost digits of each, or conjugate gradients inside: at degree 4 with p/p over the same mesh
-/// 10 takes 12617 of these in all, 1e2 2782, 1e3 675, 1e4 467.
+/// Default penalty factor: larger ones need fewer iterations, but each loses digits or needs more conjugate gradients. Total of these at
+/// degree 4 with p/p over the same mesh: 12617 for factor 10, 2782 for 1e2, 675 for 1e3, 467 for 1e4.
 const FACTOR: f64 = 1e3;
-/// Iterations allowed where nothing else is said.
+/// Default iteration limit.
 const MAX_ITERATIONS: usize = 200;
-/// A correction that is no smaller than this part of the one before it does not converge.
+/// Ratio of successive corrections above which the iteration does not converge.
 const STALLED: f64 = 0.999;
-/// Residual of an iterative method inside; what it leaves over is corrected by the next iteration.
+/// Residual tolerance of an inner iterative method; the next iteration corrects the rest.
 const INNER: f64 = 1e-4;
-/// Multipliers whose forces cancel to this part are no forces: rows contradict each other.
+/// Relative size of the forces below which multipliers cancel each other: the rows are contradictory.
 const NO_FORCE: f64 = 1e-6;
 
-/// Exact rows by iterating a solver `inner` that knows soft rows; soft rows stay soft.
+/// Solver of exact rows that iterates a solver `inner` of soft rows; soft rows stay soft.
 #[derive(Clone, Debug)]
 pub struct Augmented<C> {
     /// Solves systems of soft rows.
     pub inner: C,
     /// Penalty stiffness over the stiffness of the row's own slave unknowns, a pure number.
     pub factor: f64,
-    /// Exactly so many iterations, whatever gap is left (1: penalty); 0: until `limits` are met.
+    /// Fixed number of iterations, whatever the remaining gap (1: penalty method); 0: until `limits` are met.
     pub iterations: usize,
     /// Error of unknowns and multipliers wanted, relative to the largest of each, and residual wanted.
     pub limits: Limits,
@@ -57,7 +58,7 @@ impl Augmented<Free<Ldlt>> {
 }
 
 impl Augmented<Free<Cg>> {
-    /// Uzawa's iteration over conjugate gradients: no factor at all.
+    /// Uzawa's iteration over conjugate gradients, without a factor.
     pub fn uzawa_iterative(limits: Limits) -> Self {
         let inner = Limits { tolerance: INNER, max_iterations: limits.max_iterations, stop: limits.stop.clone() };
         Self { limits, ..Self::new(Free::iterative(&inner)) }

@@ -1,8 +1,8 @@
-//! The Schur complement of all rows over one factor, as numbers, for whatever rows are open.
+//! Explicit Schur complement of all constraint rows over one factor, reused for every set of open rows.
 //!
-//!   A = K + Cᵀ V C,   S = C A⁻¹ Cᵀ;   V = 0, or springs on all rows where bodies float
+//!   A = K + Cᵀ V C,   S = C A⁻¹ Cᵀ;   V = 0, or penalty springs on all rows if bodies float
 //!
-//! The springs of open rows have to give way: A' = A - Oᵀ V O with the open rows O, and
+//! The springs of the open rows O are removed: A' = A - Oᵀ V O, and
 //!
 //!   A'⁻¹ r = A⁻¹ (r - Oᵀ nu),   (S_oo - V⁻¹) nu = O A⁻¹ r,   S' = S_cc - S_co (S_oo - V⁻¹)⁻¹ S_oc
 //!
@@ -14,10 +14,10 @@ use super::scale::Scaled;
 use crate::linalg::residual::{InverseIteration, SAFE_GROWTH};
 use crate::linalg::{Border, Buffer, Csr, DenseLdlt, Ldlt, LinearError, product};
 
-/// Steps of inverse iteration that find a motion without resistance.
+/// Steps of inverse iteration used to find a zero-energy mode.
 const STEPS: usize = 2;
 
-/// S and what else the rows of one matrix have in common.
+/// S and other data shared by all sets of rows of one matrix.
 #[derive(Debug)]
 pub(super) struct Complement {
     border: Border,
@@ -27,7 +27,8 @@ pub(super) struct Complement {
     pub spread: Csr<f64>,
 }
 
-/// Which rows of `s` reach what of a factor; `None` where iterations with the factor are cheaper than S, or S is too large.
+/// Returns the border formed by the nonzero rows of `s` over a factor; `None` if iterations with the factor are cheaper than S, if S is
+/// too large, or if there are no such rows.
 pub(super) fn border(s: &Scaled<'_>, ldlt: &Ldlt) -> Option<Border> {
     let rows: Vec<usize> = (0..s.num_rows()).filter(|&a| s.rows.row(a).1.iter().any(|&v| v != 0.0)).collect();
     let (entries, factor) = ldlt.size();
@@ -52,10 +53,10 @@ impl Complement {
         Ok(Self { border, s: complement, spread: product(&left, &product(s.stiffness, &right)) })
     }
 
-    /// S' and A' of the rows that `s` leaves open, `springs` being V; `None` where there is negative energy in A'.
+    /// S' and A' for the rows that are open in `s`, with `springs` = V; `None` if A' is indefinite.
     ///
     /// # Errors
-    /// [`LinearError::Singular`] where A' lets a motion go.
+    /// [`LinearError::Singular`] if A' has a zero-energy mode.
     pub fn of_set<'a>(
         &'a self,
         s: &'a Scaled<'_>,
@@ -87,7 +88,7 @@ pub(super) struct OfSet<'a> {
     all: &'a Complement,
     ldlt: &'a Ldlt,
     dense: &'a DenseLdlt,
-    /// Places of rows in the border, the open ones that have springs first.
+    /// Positions of the rows in the border; open rows with springs come first.
     order: Vec<usize>,
     count: usize,
 }
@@ -117,7 +118,7 @@ impl OfSet<'_> {
         rows.iter().zip(y).for_each(|(&a, y)| q[a] = y);
     }
 
-    /// Refuses an A' that lets a motion go.
+    /// Returns [`LinearError::Singular`] if A' has a zero-energy mode.
     fn refuse_motions(&self) -> Result<(), LinearError> {
         let (s, factor) = (self.s, Factor::of(self.s));
         let mut motion = InverseIteration::begin(&factor.diagonal);

@@ -1,4 +1,4 @@
-//! Condensation: every row gives up one slave unknown, and an SPD system is left.
+//! Condensation: every row eliminates one slave unknown, and an SPD system is left.
 //!
 //!   C_P u_P = -g - C_R u_R + s l,   u = T y + u_0,   Tᵀ K T y = Tᵀ (f - K u_0),   lambda = -C_Pᵀ⁻¹ (K u - f)_P
 //!
@@ -14,12 +14,12 @@ use crate::linalg::{Csr, Ldlt, Limits, LinearError, LinearSolver, Lu, Operator, 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// A row whose slave entries have fallen below this part of its largest entry determines no slave unknown.
+/// Relative size of a row's slave entries after elimination below which it determines no slave unknown.
 const NO_PIVOT: f64 = 1e-10;
-/// Entries of a row below this part of its largest one are round-off where the elimination looks for what couples: they
-/// would tie every dual multiplier to all others. Refinement meets the rows as they are.
+/// Entries of a row below this fraction of its largest one are dropped as round-off in the elimination: they would couple
+/// every dual multiplier to all others. Refinement uses the unmodified rows.
 const ROUND_OFF: f64 = 1e-13;
-/// Residual to which the conjugate gradients of one correction go.
+/// Residual tolerance of the conjugate gradients of one correction.
 const INNER: f64 = 1e-7;
 /// Refinements allowed.
 const MAX_REFINEMENTS: usize = 10;
@@ -27,7 +27,7 @@ const MAX_REFINEMENTS: usize = 10;
 /// Solver that eliminates constraints; needs the reaction to be the transposed constraint.
 #[derive(Debug, Default)]
 pub struct Condensed {
-    /// Conjugate gradients in place of a factor, and when they end.
+    /// Limits of the conjugate gradients used in place of a factor; `None`: a factor.
     iterative: Option<Limits>,
     ldlt: Ldlt,
     pivots: Lu,
@@ -35,17 +35,17 @@ pub struct Condensed {
 }
 
 impl Condensed {
-    /// A solver that has seen no system yet.
+    /// Creates a solver without a factor.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// A solver whose condensed system is solved by conjugate gradients with symmetric Gauss-Seidel sweeps.
+    /// Creates a solver of the condensed system by conjugate gradients with symmetric Gauss-Seidel sweeps.
     pub fn iterative(limits: Limits) -> Self {
         Self { iterative: Some(limits), ..Self::default() }
     }
 
-    /// How often a new pattern was analysed.
+    /// Number of symbolic analyses so far.
     pub fn analyses(&self) -> usize {
         self.ldlt.analyses()
     }
@@ -132,7 +132,7 @@ impl Condensed {
         condensed: impl FnOnce(&[f64], &mut [f64]) -> Result<(), LinearError>,
     ) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
         let (n, m) = (s.num_unknowns(), s.num_rows());
-        // u_0: the pivots alone meet the rows
+        // u_0: particular solution with non-pivot unknowns zero; pivot unknowns satisfy C u = r2
         let wanted: Vec<f64> = enforced.iter().map(|&a| r2[a] / s.k[a]).collect();
         let mut pivots = vec![0.0; enforced.len()];
         self.pivots.solve(blocks.0, &wanted, &mut pivots)?;
@@ -184,7 +184,7 @@ struct Reduced {
 /// Gauss-Jordan elimination of the enforced rows; each takes its largest slave entry as pivot.
 fn eliminate(s: &Scaled<'_>, enforced: &[usize], slave: &[bool]) -> Result<Vec<Reduced>, SolveError> {
     let width = s.num_unknowns() + enforced.len();
-    let mut rank = vec![usize::MAX; width]; // which row has this column as its pivot
+    let mut rank = vec![usize::MAX; width]; // row with this column as its pivot
     let mut work = Work { value: vec![0.0; width], used: vec![false; width], columns: Vec::new() };
     let mut reduced: Vec<Reduced> = Vec::with_capacity(enforced.len());
     for (e, &a) in enforced.iter().enumerate() {
@@ -215,7 +215,7 @@ fn eliminate(s: &Scaled<'_>, enforced: &[usize], slave: &[bool]) -> Result<Vec<R
         rank[pivot] = e;
         reduced.push(work.take(pivot));
     }
-    // backward: no row keeps the pivot of another
+    // back substitution: no row keeps the pivot of another
     for e in (0..reduced.len()).rev() {
         if reduced[e].others.iter().all(|&(j, _)| rank[j] == usize::MAX) {
             continue;
@@ -239,7 +239,7 @@ fn eliminate(s: &Scaled<'_>, enforced: &[usize], slave: &[bool]) -> Result<Vec<R
     Ok(reduced)
 }
 
-/// A dense row that knows which of its columns are in use.
+/// Dense work row with a list of its used columns.
 struct Work {
     value: Vec<f64>,
     used: Vec<bool>,
@@ -247,7 +247,7 @@ struct Work {
 }
 
 impl Work {
-    /// Adds to a column; the row whose pivot it is joins the queue.
+    /// Adds v to column j; if that is a pivot column, its row is queued.
     fn add(&mut self, j: usize, v: f64, rank: &[usize], queue: &mut BinaryHeap<Reverse<usize>>) {
         if !self.used[j] {
             self.used[j] = true;
@@ -259,7 +259,7 @@ impl Work {
         self.value[j] += v;
     }
 
-    /// The row divided by its pivot; leaves the work space empty.
+    /// Returns the row divided by its pivot, and clears the work row.
     fn take(&mut self, pivot: usize) -> Reduced {
         let divisor = self.value[pivot];
         self.columns.sort_unstable();
@@ -276,7 +276,7 @@ impl Work {
     }
 }
 
-/// T, its transposed, and the stiffness over unknowns and the multipliers of soft rows.
+/// T, its transpose, and the stiffness over unknowns and the multipliers of soft rows.
 struct Map {
     t: Csr<f64>,
     transposed: Csr<f64>,

@@ -4,8 +4,8 @@
 //!   [ F C          -F s - e k ]     e = 1e-8; rows scaled as in [`super::scale`], s their compliance
 //!
 //! Strongly quasi-definite, so every symmetric permutation has an LDLᵀ without pivoting. Open rows keep their entries
-//! as zeros: pattern and analysis stay while contact opens and closes. The factor only corrects:
-//! the residual is that of the unmodified system, so the answer carries no trace of e.
+//! as zeros: pattern and analysis stay while contact opens and closes. The factor serves for refinement only:
+//! the residual is that of the unmodified system, so the solution does not depend on e.
 //!
 //! Source: Vanderbei, SIAM J. Optim. 5 (1995) 100-113 (quasi-definite matrices).
 
@@ -19,27 +19,28 @@ use crate::linalg::{Csr, Ldlt, LinearError, LinearSolver, Lu, Upper};
 
 /// Refinements allowed.
 pub(super) const MAX_REFINEMENTS: usize = 20;
-/// Systems up to this size fall back to LU where refinement does not reach the residual wanted.
+/// Systems up to this size fall back to LU if refinement does not reach the residual wanted.
 const LU_LIMIT: usize = 20_000;
 
 /// Saddle-point solver: LDLᵀ for symmetric systems, sparse LU where the reaction differs from the constraint or the stiffness is
-/// not symmetric. A symmetric stiffness with negative energy is refused: couplings may add some where their factor is too small.
+/// not symmetric. An indefinite symmetric stiffness is an error: couplings may cause one if their factor is too small.
 ///
 /// Redundant rows that agree share their multiplier; rows that contradict each other are an error.
 ///
-/// The sets of a contact ([`ConstraintSolver::solve_set`]) share one factor and the Schur complement of the contact rows where that is
-/// cheaper than the factors of eight sets and no large part of the factor's memory; else every set has a factor of its own under one analysis.
+/// The sets of a contact ([`ConstraintSolver::solve_set`]) share one factor and the Schur complement of the contact rows if that is
+/// cheaper than the factors of eight sets and takes little memory beside the factor; else every set has its own factor under one
+/// analysis.
 #[derive(Debug, Default)]
 pub struct Direct {
     ldlt: Ldlt,
     lu: Lu,
     layout: Option<Layout>,
     interface: Interface,
-    /// What all sets of a system have in common.
+    /// Scaled system kept for its next set of contact rows.
     kept: Option<Kept>,
 }
 
-/// What the factor was made with.
+/// Weights and scales of a factorised matrix, and its condition.
 #[derive(Debug)]
 pub(crate) struct Factor {
     /// W, zero on open rows.
@@ -55,7 +56,7 @@ pub(crate) struct Factor {
 }
 
 impl Direct {
-    /// A solver that has seen no system yet.
+    /// Creates a solver without a factor.
     pub fn new() -> Self {
         Self::default()
     }
@@ -65,33 +66,33 @@ impl Direct {
         Self { interface, ..Self::default() }
     }
 
-    /// How often a new pattern was analysed.
+    /// Number of symbolic analyses so far.
     pub fn analyses(&self) -> usize {
         self.ldlt.analyses() + self.interface.analyses()
     }
 
-    /// How often a symmetric matrix was factorised.
+    /// Number of factorisations of symmetric matrices so far.
     pub fn factorisations(&self) -> usize {
         self.ldlt.factorisations() + self.interface.factorisations()
     }
 
-    /// Numbers stored for the factors at hand: 8 bytes each.
+    /// Number of entries stored for the current factors, 8 bytes each.
     pub fn factor_entries(&self) -> usize {
         self.ldlt.factor_entries() + self.interface.factor_entries()
     }
 
-    /// What the Schur complement of the contact rows has cost so far; zeros where there is none.
+    /// Operation counts of the Schur complement of the contact rows so far; all zero if none was computed.
     pub fn interface_work(&self) -> InterfaceWork {
         self.interface.work
     }
 
-    /// Bytes that solving `system` needs beyond the system itself, found by the analysis alone: the factor and, where the sets of its contact
-    /// rows share one, their Schur complement; else contact rows count as closed.
+    /// Memory in bytes that solving `system` needs beyond the system itself, from the symbolic analysis alone: the factor and, if the sets
+    /// of its contact rows share one, their Schur complement; else contact rows count as closed.
     ///
     /// The analysis is kept for [`ConstraintSolver::solve`]. Not for systems whose reaction differs from the constraint.
     ///
     /// # Errors
-    /// [`SolveError`] where the system itself is at fault.
+    /// [`SolveError`] if the system itself is invalid.
     pub fn predicted_memory(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<usize, SolveError> {
         check_shape(system)?;
         let kind = kinds_of_set(system.kind, &vec![true; system.kind.len()]);
@@ -108,7 +109,7 @@ impl Direct {
         Ok(self.ldlt.predict(&layout.empty(), &layout.places(&s, places))?)
     }
 
-    /// Factorises the matrix at the file's head; refuses motions without resistance.
+    /// Factorises the matrix of the module docs; [`LinearError::Singular`] if it has a zero-energy mode.
     pub(crate) fn factorise(&mut self, s: &Scaled<'_>, places: &[[f64; 3]]) -> Result<Factor, LinearError> {
         let (mut factor, upper) = self.numbers(s, places)?;
         let whole = Whole { s, factor: &factor, ldlt: &self.ldlt };
@@ -122,7 +123,7 @@ impl Direct {
         Ok(factor)
     }
 
-    /// The factor's numbers without any check, and the upper triangle that was factorised.
+    /// Factorises without any check; returns the factor's data and the upper triangle that was factorised.
     fn numbers(&mut self, s: &Scaled<'_>, places: &[[f64; 3]]) -> Result<(Factor, Upper), LinearError> {
         let (w, f) = weights(s);
         let layout = Layout::of(&mut self.layout, s, &[]);
@@ -132,7 +133,7 @@ impl Direct {
         Ok((Factor::with(w, f, diagonal), upper))
     }
 
-    /// Every row has one negative pivot, the stiffness none.
+    /// Checks the inertia: one negative pivot per row, none of the stiffness.
     fn refuse_negative(&mut self, s: &Scaled<'_>, upper: &Upper, places: &[[f64; 3]]) -> Result<(), LinearError> {
         self.ldlt.refuse_negative(upper, s.num_unknowns(), &s.all_places(places))
     }
@@ -142,7 +143,7 @@ impl Direct {
         Whole { s, factor, ldlt: &self.ldlt }.correct(r1, r2)
     }
 
-    /// The solution, and the condition.
+    /// Solves by the quasi-definite factor; returns (u, l, residual) and the condition.
     fn quasi_definite(&mut self, s: &Scaled<'_>, places: &[[f64; 3]]) -> Result<((Vec<f64>, Vec<f64>, f64), f64), LinearError> {
         let (factor, upper) = self.numbers(s, places)?;
         let (answer, more, soft) = begin(s, &factor, &Whole { s, factor: &factor, ldlt: &self.ldlt })?;
@@ -152,7 +153,7 @@ impl Direct {
         Ok((answer, condition))
     }
 
-    /// [ K  Bᵀ ; C  -s ] by LU; open rows have -k on the diagonal.
+    /// Solves with [ K  Bᵀ ; C  -s ] by LU; open rows have -k on the diagonal. Returns (u, l, residual).
     fn general(&mut self, s: &Scaled<'_>) -> Result<(Vec<f64>, Vec<f64>, f64), LinearError> {
         let (n, m) = (s.num_unknowns(), s.num_rows());
         let index = |i: usize| u32::try_from(i).expect("fewer than 2^32 unknowns");
@@ -235,7 +236,7 @@ impl ConstraintSolver<f64> for Direct {
 }
 
 impl Direct {
-    /// Solves `system`, which is `s`, by a factor of its own.
+    /// Solves `system`, whose scaled form is `s`, with a factor of its own.
     fn solve_alone(&mut self, system: &ConstrainedSystem<'_, f64>, s: &Scaled<'_>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let small = s.num_unknowns() + s.num_rows() <= LU_LIMIT;
         let (method, answer, condition) = if s.reaction.is_some() || !s.symmetric {
@@ -243,7 +244,7 @@ impl Direct {
         } else {
             let (first, condition) = self.quasi_definite(s, system.stiffness.places())?;
             if first.2 > RESIDUAL_LIMIT && small {
-                // the residual reached says more than LU's own complaint
+                // the residual reached is more informative than the error of LU
                 let residual = first.2;
                 (LU, self.general(s).map_err(|_| LinearError::Singular { residual })?, Some(condition))
             } else {
@@ -258,11 +259,11 @@ impl Direct {
     }
 }
 
-/// Methods in words.
+/// Names of the methods.
 const DIRECT: &str = "saddle-point, direct";
 const LU: &str = "saddle-point, LU";
 
-/// The answer in the caller's units.
+/// Converts the solution to the caller's units.
 fn solution(
     system: &ConstrainedSystem<'_, f64>,
     s: &Scaled<'_>,
@@ -283,19 +284,19 @@ fn solution(
     }
 }
 
-/// What a factor does to residuals.
+/// Inverse of the saddle-point system, applied by a factor.
 pub(super) trait Inverse {
-    /// The block of the unknowns of the inverse times `vector`: the load has no part in the rows.
+    /// Replaces `vector` by the block of the unknowns of the inverse times it; the right-hand side is zero in the rows.
     fn step(&self, vector: &mut [f64]) -> Result<(), LinearError>;
 
     /// (du, dl) with K du + Cᵀ dl = r1, C du - s dl = r2, up to the regularisation.
     fn correct(&self, r1: &[f64], r2: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError>;
 
-    /// [`Inverse::step`] and [`Inverse::correct`] in the time of little more than one: a solution takes the time of reading the factor.
+    /// [`Inverse::step`] and [`Inverse::correct`] in little more than the time of one, which is that of reading the factor.
     fn both(&self, vector: &mut [f64], r1: &[f64], r2: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError>;
 }
 
-/// The inverse by a factor of the matrix at the file's head.
+/// The inverse by a factor of the matrix of the module docs.
 struct Whole<'a, 'b> {
     s: &'a Scaled<'b>,
     factor: &'a Factor,
@@ -324,8 +325,8 @@ impl Inverse for Whole<'_, '_> {
     }
 }
 
-/// The first corrections together with the steps that look for motions without resistance: the state, whether more corrections may gain
-/// digits, and the softest motion found.
+/// Computes the first corrections together with the inverse iteration for zero-energy modes. Returns the state, whether more corrections
+/// may gain digits, and the softest mode found.
 pub(super) fn begin<'a, 'b>(
     s: &'a Scaled<'b>,
     factor: &'a Factor,
@@ -349,7 +350,7 @@ pub(super) fn begin<'a, 'b>(
     Ok((state, more, motion.end()))
 }
 
-/// W and F of the rows at the file's head; W is zero on open rows.
+/// W and F of the rows, see the module docs; W is zero on open rows.
 pub(super) fn weights(s: &Scaled<'_>) -> (Vec<f64>, Vec<f64>) {
     let m = s.num_rows();
     let w: Vec<f64> = (0..m).map(|a| if s.enforced[a] { (1.0 / s.k[a]).min(0.5 / s.compliance[a]) } else { 0.0 }).collect();
@@ -363,15 +364,15 @@ impl Factor {
         Self { w, f, diagonal, scale, condition: 1.0 }
     }
 
-    /// What the factor of `s` at the file's head would be made with.
+    /// Weights and scales of the matrix of the module docs for `s`, without factorising it; the condition is 1.
     pub(super) fn of(s: &Scaled<'_>) -> Self {
         let (w, f) = weights(s);
         let diagonal = s.diagonal_with(|a| w[a]);
         Self::with(w, f, diagonal)
     }
 
-    /// Corrects the softest motion v, v·Dv = 1, of a matrix M by the residual of M v = (v·M v) D v, which is at right angles to v: what is not
-    /// soft in v leaves it, however little resists v itself. `product`: M v; `inverse` solves with M, to few digits.
+    /// Corrects the softest mode v, v·Dv = 1, of a matrix M by the residual of M v = (v·M v) D v, which is orthogonal to v: this removes
+    /// stiff components even if v itself has almost no stiffness. `product`: M v, overwritten; `inverse` solves with M to few digits.
     pub(super) fn correct_motion(
         &self,
         v: &mut [f64],
@@ -388,12 +389,12 @@ impl Factor {
     }
 }
 
-/// Steps of inverse iteration that find a motion without resistance, if there is one.
+/// Steps of inverse iteration used to find a zero-energy mode; 0 without unknowns.
 fn motion_steps(s: &Scaled<'_>) -> usize {
     if s.num_unknowns() == 0 { 0 } else { 2 }
 }
 
-/// v with `rows` zeros behind it.
+/// v followed by `rows` zeros.
 fn extended(v: &[f64], rows: usize) -> Vec<f64> {
     let mut x = Vec::with_capacity(v.len() + rows);
     x.extend_from_slice(v);
@@ -401,7 +402,7 @@ fn extended(v: &[f64], rows: usize) -> Vec<f64> {
     x
 }
 
-/// The load of the matrix at the file's head for what is left over.
+/// Right-hand side of the matrix of the module docs for the residuals r1 and r2.
 fn right_side(s: &Scaled<'_>, factor: &Factor, r1: &[f64], r2: &[f64]) -> Vec<f64> {
     let Factor { w, f, .. } = factor;
     let mut x = extended(r1, r2.len());
@@ -415,7 +416,7 @@ fn right_side(s: &Scaled<'_>, factor: &Factor, r1: &[f64], r2: &[f64]) -> Vec<f6
     x
 }
 
-/// Unknowns and multipliers; open rows have none.
+/// Splits x into unknowns and multipliers; those of open rows are zero.
 fn parts(s: &Scaled<'_>, mut x: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
     let n = s.num_unknowns();
     let multipliers = (0..s.num_rows()).map(|a| if s.enforced[a] { x[n + a] } else { 0.0 }).collect();
@@ -423,8 +424,8 @@ fn parts(s: &Scaled<'_>, mut x: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
     (x, multipliers)
 }
 
-/// Refuses a system that leaves a motion without any resistance: K v + Cᵀ W C v is rounding for some v. Returns the condition
-/// among motions that keep the rows, as v does: the largest row sum of S = D^-1/2 (K + Cᵀ W C) D^-1/2 over its Rayleigh quotient at v.
+/// Returns [`LinearError::Singular`] if (K + Cᵀ W C) v is zero up to rounding. Otherwise returns the condition on the null space of the
+/// rows, in which v lies: the largest row sum of S = D^-1/2 (K + Cᵀ W C) D^-1/2 over its Rayleigh quotient at v.
 pub(super) fn refuse_kernel(s: &Scaled<'_>, factor: &Factor, v: &[f64]) -> Result<f64, LinearError> {
     let (n, m) = (s.num_unknowns(), s.num_rows());
     if n == 0 {

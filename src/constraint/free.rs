@@ -8,9 +8,9 @@ use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError
 use crate::linalg::residual::RESIDUAL_LIMIT;
 use crate::linalg::{Cg, Csr, Ldlt, Limits, LinearError, LinearSolver};
 
-/// Corrections where springs much stiffer than the bodies take digits.
+/// Limit of corrections, needed if springs much stiffer than the bodies cost digits.
 const MAX_CORRECTIONS: usize = 5;
-/// A residual at rounding.
+/// Residual at rounding level.
 const ENOUGH: f64 = 1e-14;
 
 /// Solver of systems without exact rows by any solver of symmetric positive definite matrices; needs B = C.
@@ -26,7 +26,7 @@ pub struct Free<L> {
 }
 
 impl Free<Ldlt> {
-    /// By a factor.
+    /// Creates a solver that uses a factor.
     pub fn new() -> Self {
         Self { linear: Ldlt::new(), krylov: false, matrix: None }
     }
@@ -39,7 +39,7 @@ impl Default for Free<Ldlt> {
 }
 
 impl Free<Cg> {
-    /// By conjugate gradients with symmetric Gauss-Seidel sweeps.
+    /// Creates a solver that uses conjugate gradients with symmetric Gauss-Seidel sweeps.
     pub fn iterative(limits: &Limits) -> Self {
         let mut linear = Cg::new(limits.tolerance).with_gauss_seidel();
         linear.max_iterations = limits.max_iterations;

@@ -8,8 +8,8 @@
 //!   closed rows: d = t / (1 - t W), b = r₂ / (1 - t W), lambda = (nu + W r₂) / (1 - t W),   t = compliance + e k
 //!   open rows:   d = -1 / W,        b = 0,              lambda = 0                          (the spring gives way)
 //!
-//! That is the system of the set, whatever W is. S + diag d is quasi-definite, and singular exactly where that system is. A is
-//! factorised once and S made by forward elimination alone; a set costs a dense factor and a few substitutions.
+//! This is the system of the set for every W. S + diag d is quasi-definite, and singular exactly if that system is. A is
+//! factorised once and S computed by forward elimination alone; a set costs a dense factor and a few substitutions.
 //!
 //! Source: the Schur complement of a factorised matrix under changes of low rank: Hager, SIAM Review 31 (1989) 221-239.
 
@@ -20,15 +20,15 @@ use crate::linalg::residual::{InverseIteration, RESIDUAL_LIMIT, SAFE_GROWTH};
 use crate::linalg::{Border, Buffer, Csr, DenseLdlt, Ldlt, LinearError, Sparsity};
 use std::sync::Arc;
 
-/// W |C|₁² / k: soft beside the bodies, far above rounding. Any other one gives the same answer.
+/// W |C|₁² / k: soft relative to the bodies, far above rounding. The solution does not depend on it.
 const SPRINGS: f64 = 1e-2;
-/// Sets that S has to pay for, and the factors that it may cost.
+/// S is used if S and the dense factors of `SETS` sets cost less than `FACTORS` factors of the whole system.
 const SETS: f64 = 8.0;
 const FACTORS: f64 = 7.0;
-/// S may have this share of the numbers of the factor; so many are always allowed.
+/// Size limit of S: this fraction of the entries of the factor, or `FEW` entries if that is more.
 const SHARE: f64 = 0.1;
 const FEW: usize = 1 << 21;
-/// Corrections of a motion that may be without resistance: S has fewer digits than it takes to tell.
+/// Corrections of a possible zero-energy mode, as S is not accurate enough to identify one.
 pub(super) const CORRECTIONS: usize = 2;
 
 /// Counted operations of a solver that keeps one factor for all sets of contact; a multiplication and an addition are two.
@@ -42,7 +42,7 @@ pub struct InterfaceWork {
     pub columns: f64,
     /// Operations of C A⁻¹ Cᵀ with it.
     pub complement: f64,
-    /// Times that both were made.
+    /// Number of times that both were computed.
     pub complements: usize,
     /// Sets that were solved.
     pub sets: usize,
@@ -50,7 +50,7 @@ pub struct InterfaceWork {
     pub dense: f64,
 }
 
-/// What is kept from set to set.
+/// Factor and Schur complement kept from set to set.
 #[derive(Debug)]
 pub(super) struct Interface {
     /// W |C|₁² / k of contact rows.
@@ -60,28 +60,28 @@ pub(super) struct Interface {
     plan: Option<Plan>,
     held: Option<Held>,
     dense: DenseLdlt,
-    /// Analyses and factors of solvers that were given up.
+    /// Numbers of analyses and factorisations of discarded factors.
     before: [usize; 2],
     pub work: InterfaceWork,
 }
 
-/// Whether a pattern is worth a Schur complement.
+/// Decision whether to use a Schur complement for a pattern.
 #[derive(Debug)]
 struct Plan {
     stiffness: Arc<Sparsity>,
     rows: Arc<Sparsity>,
     contact: Vec<usize>,
-    /// Which parts of the factor the contact rows reach; none where every set has a factor of its own.
+    /// Parts of the factor reached by the contact rows; `None` if every set has its own factor.
     border: Option<Border>,
 }
 
-/// The Schur complement of the numbers factorised last.
+/// Schur complement of the values factorised last.
 #[derive(Debug)]
 struct Held {
     rows: Csr<f64>,
     /// Spring of each contact row, weight of each equality.
     w: Vec<f64>,
-    /// None where these numbers are not for it.
+    /// `None` if these values do not permit it.
     complement: Option<Buffer<f64>>,
 }
 
@@ -104,22 +104,22 @@ impl Default for Interface {
 }
 
 impl Interface {
-    /// How often a pattern was analysed.
+    /// Number of symbolic analyses so far.
     pub fn analyses(&self) -> usize {
         self.before[0] + self.ldlt.analyses()
     }
 
-    /// How often numbers were factorised.
+    /// Number of numerical factorisations so far.
     pub fn factorisations(&self) -> usize {
         self.before[1] + self.ldlt.factorisations()
     }
 
-    /// Numbers of the factor at hand.
+    /// Number of entries of the current factor.
     pub fn factor_entries(&self) -> usize {
         self.ldlt.factor_entries()
     }
 
-    /// Bytes that the factor and the Schur complement take, from the analysis alone; `None` where every set has a factor of its own.
+    /// Memory in bytes of the factor and the Schur complement, from the analysis alone; `None` if every set has its own factor.
     pub fn predict(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]]) -> Result<Option<usize>, LinearError> {
         self.plan(s, contact, places)?;
         let Some(border) = self.plan.as_ref().and_then(|plan| plan.border.as_ref()) else { return Ok(None) };
@@ -128,11 +128,11 @@ impl Interface {
         Ok(Some(factor + border.bytes() + DenseLdlt::bytes(contact.len())))
     }
 
-    /// Solves `s`, whose contact rows are `contact`, ascending, each with entries; `None` where that is to be done by a factor of its own.
+    /// Solves `s`, whose contact rows are `contact`, ascending, each with entries; `None` if the set needs its own factor.
     /// `again`: as for [`super::ConstraintSolver::solve_set`].
     ///
     /// # Errors
-    /// [`LinearError::Singular`] where a motion is left.
+    /// [`LinearError::Singular`] if the set has a zero-energy mode.
     pub fn solve(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]], again: bool) -> Result<Option<Answer>, LinearError> {
         if !again {
             self.plan(s, contact, places)?;
@@ -145,7 +145,7 @@ impl Interface {
         }
         let answer = self.solve_set(s);
         if let Ok(None) = answer {
-            // what these numbers did to one set they may do to others
+            // what failed for one set may fail for others
             self.give_up();
         }
         answer
@@ -157,13 +157,13 @@ impl Interface {
         Ok(self.plan.as_ref().is_some_and(|plan| plan.border.is_some()))
     }
 
-    /// Lets go of everything: systems without symmetry need the room.
+    /// Drops everything, to free memory for non-symmetric systems.
     pub fn forget(&mut self) {
         (self.plan, self.held, self.layout) = (None, None, None);
         self.give_up();
     }
 
-    /// Lets go of the factor, and of these numbers for good.
+    /// Drops the factor, and rules out S for the current values.
     fn give_up(&mut self) {
         self.before = [self.analyses(), self.factorisations()];
         self.ldlt = Ldlt::new();
@@ -172,7 +172,7 @@ impl Interface {
         }
     }
 
-    /// Decides for a pattern, once.
+    /// Decides once per pattern whether to use S.
     fn plan(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]]) -> Result<(), LinearError> {
         let same = |p: &Plan| &p.stiffness == s.stiffness.pattern() && &p.rows == s.rows.pattern() && p.contact == contact;
         if self.plan.as_ref().is_some_and(same) {
@@ -182,7 +182,7 @@ impl Interface {
         let layout = Layout::of(&mut self.layout, s, contact);
         let (size, m) = (s.num_unknowns() + layout.multipliers(), contact.len());
         let mut border = None;
-        // no factor has more numbers than a triangle
+        // no factor has more entries than a full triangle
         if affordable(m, size * (size + 1) / 2) {
             self.ldlt.analyse_upper(&layout.empty(), &layout.places(s, places))?;
             let (entries, factor) = self.ldlt.size();
@@ -203,7 +203,7 @@ impl Interface {
         Ok(())
     }
 
-    /// Factor and Schur complement of the numbers of `s`; those at hand are kept.
+    /// Computes factor and Schur complement of `s`; those of the same values are kept.
     fn hold(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]]) -> Result<(), LinearError> {
         let layout = Layout::of(&mut self.layout, s, contact);
         let (mut w, f) = weights(s);
@@ -235,7 +235,7 @@ impl Interface {
         Ok(())
     }
 
-    /// Whether A lets no motion go: no trial vector grows as such a motion does.
+    /// Whether A has no zero-energy mode: inverse iteration on a trial vector does not grow as for such a mode.
     fn is_held(&self, s: &Scaled<'_>, contact: &[usize], w: &[f64]) -> Result<bool, LinearError> {
         let all = Scaled::diagonal_with(s, |a| if contact.binary_search(&a).is_ok() || s.enforced[a] { w[a] } else { 0.0 });
         let mut motion = InverseIteration::begin(&all);
@@ -275,7 +275,7 @@ impl Interface {
             }
         }
         let condition = refuse_kernel(s, &factor, &soft.vector)?;
-        // rows that are closed have positive pivots, open ones negative: else there is negative energy among the motions of the set
+        // closed rows must have positive pivots, open ones negative: else the stiffness is indefinite on the null space of the set
         let right = self.dense.pivots().zip(contact).all(|(pivot, &a)| (pivot > 0.0) == s.enforced[a]);
         let answer = if more { state.finished(MAX_REFINEMENTS, |r1, r2| set.correct(r1, r2))? } else { state.end() };
         let (u, l, size) = answer;
@@ -294,7 +294,7 @@ pub(super) fn pays(border: &Border, factor: f64) -> bool {
     columns + complement + SETS * dense(border.rows.len()) < FACTORS * factor
 }
 
-/// Whether m rows are few beside a factor of so many numbers.
+/// Whether S of m rows is within the size limit for a factor with `entries` entries.
 pub(super) fn affordable(m: usize, entries: usize) -> bool {
     m * m <= FEW || (m as f64).powi(2) <= SHARE * entries as f64
 }
@@ -323,7 +323,7 @@ impl Set<'_, '_> {
         1.0 - (self.s.compliance[a] + REGULARISATION * self.s.k[a]) * self.w[a]
     }
 
-    /// The load of A for what is left over.
+    /// Right-hand side of A for the residuals r1 and r2.
     fn right_side(&self, r1: &[f64], r2: &[f64]) -> Vec<f64> {
         let mut x = r1.to_vec();
         x.resize(x.len() + self.layout.multipliers(), 0.0);
@@ -335,7 +335,7 @@ impl Set<'_, '_> {
         x
     }
 
-    /// Replaces h by nu; `r2` of closed rows.
+    /// Replaces h by nu; `r2` is read on closed rows.
     fn nu(&self, r2: &[f64], h: &mut [f64]) {
         for (h, &a) in h.iter_mut().zip(self.contact).filter(|(_, a)| self.s.enforced[**a]) {
             *h -= r2[a] / self.share(a);

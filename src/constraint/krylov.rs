@@ -5,7 +5,7 @@
 //!   [ K_W   Cᵀ F ]              [ (D + L) D⁻¹ (D + Lᵀ) of K_W            ]
 //!   [ F C   -F s ]  against     [                             W⁻¹ F      ],   K_W = K + Cᵀ W C,  F = 1 - W s
 //!
-//! whose blocks are positive definite also where bodies float; without exact rows conjugate gradients on K_W, which then is all there is.
+//! whose blocks are positive definite even if bodies float. Without exact rows: conjugate gradients on K_W alone.
 //!
 //! Where the reaction differs from the constraint or the stiffness is not symmetric: GMRES on [ K Bᵀ ; C -s ], preconditioned from
 //! the right by the factor of the system with (K + Kᵀ) / 2 and B = C. B - C is an error of integration, so the eigenvalues gather at one.
@@ -16,11 +16,11 @@ use super::scale::{Scaled, gaps};
 use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 use crate::linalg::{Limits, LinearError, Operator, conjugate_gradients, gauss_seidel, gmres, minres, sum};
 
-/// Residual to which the iteration of one correction goes; the next correction takes on from there.
+/// Residual tolerance of the iteration of one correction; the next correction continues from there.
 const INNER: f64 = 1e-7;
-/// W times k of an exact row: larger ones help the rows and harm the stiffness.
+/// W times k of an exact row: larger ones improve the conditioning of the rows and harm that of the stiffness.
 const WEIGHT: f64 = 4.0;
-/// Vectors that GMRES keeps: with the symmetric factor a handful is used.
+/// Vectors kept by GMRES; with the symmetric factor few are used.
 const RESTART: usize = 60;
 
 /// Saddle-point solver by MINRES, or by GMRES with the factor of the symmetric system.
@@ -35,7 +35,7 @@ pub struct Krylov {
 type Answer = (Vec<f64>, Vec<f64>, f64, usize);
 
 impl Krylov {
-    /// A solver that has seen no system yet.
+    /// Creates a solver without a factor.
     pub fn new(limits: Limits) -> Self {
         Self { limits, symmetric: Direct::new() }
     }
@@ -124,7 +124,7 @@ impl Krylov {
                     reaction.add_transposed_mul(&l, q1);
                     s.rows.mul(&p[..n], q2);
                     for a in 0..m {
-                        // an open row says l = 0
+                        // open row: l = 0
                         q2[a] = if s.enforced[a] { q2[a] - s.compliance[a] * l[a] } else { -s.k[a] * p[n + a] };
                     }
                     for i in 0..n + m {

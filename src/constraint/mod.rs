@@ -1,6 +1,6 @@
-//! Floor 9: algorithms for constrained linear systems. They see matrices only.
+//! Floor 9: algorithms for constrained linear systems, given as matrices only.
 //!
-//!   K u + Bᵀ lambda = f,   rows C u + g: zero, soft, or a gap that stays open
+//!   K u + Bᵀ lambda = f,   rows C u + g: zero, compliant, or a non-negative gap
 
 mod active_set;
 mod augmented;
@@ -32,7 +32,7 @@ pub use proximal::Proximal;
 pub use scale::penalty;
 pub use schur::Schur;
 
-/// What a row of constraints asks.
+/// Kind of a constraint row: equality, contact inequality, or not enforced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum RowKind {
@@ -71,22 +71,22 @@ pub type SignCases = [usize; 9];
 pub struct Cycle {
     /// Iteration of the first visit.
     pub first: usize,
-    /// Iteration in which it would have come back.
+    /// Iteration that would have repeated it.
     pub second: usize,
     /// Rows that change between the states of the cycle.
     pub rows: Vec<usize>,
 }
 
-/// What happened in an active set beside its nominal steps.
+/// Deviation of an active-set iteration from its nominal steps.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ActiveSetEvent {
-    /// The state wanted left a body free; all rows were closed in its place.
+    /// The wanted state left a body free; all rows were closed instead.
     AllClosed {
         /// The iteration that began with all rows closed.
         iteration: usize,
     },
-    /// The state wanted left a body free; only some of the rows changed.
+    /// The wanted state left a body free; only some of its rows changed.
     Part {
         /// The iteration.
         iteration: usize,
@@ -95,22 +95,22 @@ pub enum ActiveSetEvent {
         /// Rows that were to change.
         wanted: usize,
     },
-    /// The start was the set of the system with C in place of B, whose sets share one factor.
+    /// The initial guess was the active set of the system with C in place of B, whose sets share one factor.
     Symmetric {
-        /// Its sets; they are no part of the iterations.
+        /// Number of its sets, which do not count as iterations.
         sets: usize,
     },
-    /// Every step left a body free: it was put on weak springs, and what was closed there is where the iteration began again without them.
+    /// Every step left a body free: the iteration restarted from the active set found with weak springs to the ground.
     Springs {
         /// The iteration whose system was singular.
         iteration: usize,
     },
-    /// A state came back; single exchanges followed.
+    /// A state was repeated; single exchanges followed.
     Cycle(Cycle),
 }
 
 impl ActiveSetEvent {
-    /// The same after `before` iterations of an earlier active set.
+    /// Shifts the iteration numbers by the `before` iterations of an earlier active set.
     pub(crate) fn after(self, before: usize) -> Self {
         match self {
             Self::AllClosed { iteration } => Self::AllClosed { iteration: before + iteration },
@@ -122,7 +122,7 @@ impl ActiveSetEvent {
     }
 }
 
-/// How an active set iteration went.
+/// Report of an active-set iteration.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ActiveSetReport {
     /// Number of linear systems solved.
@@ -131,11 +131,11 @@ pub struct ActiveSetReport {
     pub history: Vec<usize>,
     /// Sign cases after each of them.
     pub sign_cases: Vec<SignCases>,
-    /// Updates of the multipliers by an augmented Lagrangian around it; 0 without one.
+    /// Updates of the multipliers by an enclosing augmented Lagrangian; 0 without one.
     pub updates: usize,
-    /// The iteration of the best iterate, from 1: the last one where it settled. It is what errors carry.
+    /// Iteration of the best iterate, counted from 1; the last one on convergence. Errors carry this iterate.
     pub best: usize,
-    /// Cycles, and steps that were not taken whole.
+    /// Cycles and other deviations from nominal steps.
     pub events: Vec<ActiveSetEvent>,
 }
 
@@ -152,7 +152,7 @@ impl ActiveSetReport {
 }
 
 impl ActiveSetReport {
-    /// The report of both, this one after `before`.
+    /// Appends this report to `before`.
     pub fn after(self, before: &Self) -> Self {
         Self {
             iterations: before.iterations + self.iterations,
@@ -165,7 +165,7 @@ impl ActiveSetReport {
     }
 }
 
-/// The answer of a constraint solver.
+/// Solution of a constrained system.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ConstrainedSolution<T: Real = f64> {
     /// u.
@@ -178,67 +178,67 @@ pub struct ConstrainedSolution<T: Real = f64> {
     pub active: Vec<bool>,
     /// Relative residual of the true system.
     pub residual: f64,
-    /// An estimate, right to a factor of a few, of the condition of D^-1/2 K D^-1/2 in the spectral norm, D the diagonal, among motions that
-    /// keep the enforced rows: how many times errors of the load may grow. None where no factor tells it.
+    /// Estimate, within a small factor, of the spectral condition number of D^-1/2 K D^-1/2, D the diagonal, on the null space of the
+    /// enforced rows: the amplification of relative errors of the load. `None` if the method has no factor to compute it.
     pub condition: Option<f64>,
-    /// What was done, in words: "saddle-point, direct".
+    /// Name of the method used, e.g. "saddle-point, direct".
     pub method: String,
-    /// Iterations of the linear algebra, summed over all systems of an active set; 0 where all was done by factors. Of Uzawa's
-    /// iteration over a factor its own, over conjugate gradients theirs.
+    /// Linear iterations, summed over all systems of an active set; 0 for direct solvers. Uzawa's iteration counts its own iterations
+    /// over a factor, and the inner ones over conjugate gradients.
     pub iterations: usize,
-    /// The active set iteration, where there was one.
+    /// Report of the active-set iteration; `None` without one.
     pub active_set: Option<ActiveSetReport>,
 }
 
 impl<T: Real> ConstrainedSolution<T> {
-    /// The same with what was done before it in its report.
+    /// Prepends the report `before` to that of this solution.
     pub fn done_after(mut self, before: &ActiveSetReport) -> Self {
         self.active_set = Some(self.active_set.take().unwrap_or_default().after(before));
         self
     }
 }
 
-/// Why a constrained system was not solved.
+/// Error of a constraint solver.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SolveError {
-    /// The linear systems inside failed.
+    /// An inner linear solver failed.
     #[error(transparent)]
     Linear(#[from] LinearError),
-    /// This solver knows equalities only; wrap it in an active set.
+    /// The solver handles equalities only; wrap it in [`ActiveSet`].
     #[error("constraint row {row} is a contact row; use an active-set solver")]
     ContactRow {
         /// The row.
         row: usize,
     },
-    /// This solver needs B = C.
+    /// The solver needs a symmetric system, B = C.
     #[error("the reaction differs from the transposed constraint; use a solver for non-symmetric systems")]
     NotSymmetric,
-    /// This solver knows soft rows only; wrap it in `Augmented`.
+    /// The solver handles soft rows only; wrap it in [`Augmented`].
     #[error("constraint row {row} is exact; this solver knows soft rows only, an augmented Lagrangian around it knows exact ones")]
     ExactRow {
         /// The row.
         row: usize,
     },
-    /// More rows than slave unknowns that can carry them.
+    /// There are more rows than slave unknowns to eliminate.
     #[error("constraint row {row} has no slave unknown left that it could determine; {rows} rows are too many")]
     OverConstrained {
-        /// The row that found none.
+        /// The row without a slave unknown.
         row: usize,
         /// Number of rows.
         rows: usize,
     },
-    /// With some contact rows open nothing holds a body any more.
+    /// With the open contact rows a body has a rigid motion.
     #[error("a rigid motion is left: with {} contact rows open the system is singular (iteration {iteration})", open.len())]
     RigidMotion {
         /// The iteration, counted from 1, whose system is singular.
         iteration: usize,
         /// Contact rows that are open in it.
         open: Vec<usize>,
-        /// The best iterate, where there is one.
+        /// The best iterate, if any.
         best: Option<Box<ConstrainedSolution<f64>>>,
     },
-    /// The active set visited a state twice, and single exchanges did not lead to an end.
+    /// The active set visited a state twice, and single exchanges did not converge.
     #[error(
         "the active set visited the same state twice (iterations {first} and {second}) and did not settle within {iterations} iterations"
     )]
@@ -254,7 +254,7 @@ pub enum SolveError {
         /// The best iterate.
         best: Box<ConstrainedSolution<f64>>,
     },
-    /// The active set did not settle within the iterations allowed.
+    /// The active set did not converge within the iteration limit.
     #[error("the active set did not settle within {iterations} iterations")]
     TooManyIterations {
         /// The limit.
@@ -269,44 +269,44 @@ pub enum SolveError {
     Multipliers {
         /// Updates done.
         updates: usize,
-        /// Last change of the multipliers, as forces, relative to the largest.
+        /// Last change of the multipliers, as forces, relative to the largest one.
         error: f64,
-        /// The error that was wanted.
+        /// The tolerance.
         tolerance: f64,
         /// The last state computed.
         last: Box<ConstrainedSolution<f64>>,
     },
-    /// Who watches the iteration ended it.
+    /// Cancelled by the observer.
     #[error("the active set was stopped after {iterations} iterations")]
     Stopped {
         /// Linear systems solved.
         iterations: usize,
-        /// The best iterate, where there is one.
+        /// The best iterate, if any.
         best: Option<Box<ConstrainedSolution<f64>>>,
     },
     /// Shapes of the system disagree.
     #[error("{what}: {found} given, {expected} expected")]
     Shape {
-        /// Which part.
+        /// Name of the part.
         what: &'static str,
         /// Its size.
         found: usize,
-        /// The size that fits.
+        /// Expected size.
         expected: usize,
     },
 }
 
 /// An algorithm for constrained linear systems.
 pub trait ConstraintSolver<T: Real = f64>: Debug + Send {
-    /// Solves `system`. Called again with the same pattern, it may reuse what it kept.
+    /// Solves `system`. Data kept from an earlier call with the same pattern may be reused.
     ///
     /// # Errors
-    /// [`SolveError`] instead of a wrong answer.
+    /// [`SolveError`] if no accurate solution was found.
     fn solve(&mut self, system: &ConstrainedSystem<'_, T>) -> Result<ConstrainedSolution<T>, SolveError>;
 
     /// Solves `system` with a set of contact rows closed and all others open; `closed` has one entry per row, of which those of contact
-    /// rows are read. What one set teaches may serve the next: the rows that may close stay the same. `_again`: nothing of the system has
-    /// changed since the last call, which was this one with another set.
+    /// rows are read. Data may be shared between sets, as the contact rows stay the same. `_again`: the last call was this one with
+    /// another set, and the system has not changed since.
     ///
     /// # Errors
     /// As [`ConstraintSolver::solve`] of the system with closed rows as equalities.
@@ -322,7 +322,7 @@ pub trait ConstraintSolver<T: Real = f64>: Debug + Send {
     /// Whether all sets of the contact rows of `system` share one factor in [`ConstraintSolver::solve_set`].
     ///
     /// # Errors
-    /// [`SolveError`] where the system itself is at fault.
+    /// [`SolveError`] if the system itself is invalid.
     fn shares_factor(&mut self, _system: &ConstrainedSystem<'_, T>) -> Result<bool, SolveError> {
         Ok(false)
     }

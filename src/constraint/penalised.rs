@@ -1,15 +1,15 @@
-//! The stiffness with the rows as springs, K + Cᵀ W C, and a test for motions without resistance that needs no factor.
+//! The stiffness with the rows as springs, K + Cᵀ W C, and a test for zero-energy modes that needs no factor.
 
 use super::scale::Scaled;
 use crate::linalg::residual::trial_numbers;
 use crate::linalg::{Csr, Limits, LinearError, Operator, gauss_seidel, meets_kernel, product, sum};
 
-/// Residual to which a trial load is solved: a motion without resistance keeps a larger part of it.
+/// Residual tolerance for a trial load, below its component in a zero-energy mode.
 const TRIAL: f64 = 1e-4;
 /// Eigenvalues of the matrix over its Gauss-Seidel preconditioner, which lie in (0, 1\], below this one are rounding.
 const FREE: f64 = 1e-13;
 
-/// K + Cᵀ W C; rows of weight zero keep their places in the pattern. The places of the unknowns are those of the operator.
+/// K + Cᵀ W C; rows of weight zero stay in the pattern. `places`: coordinates of the unknowns.
 pub(crate) fn penalised(s: &Scaled<'_>, columns: &Csr<f64>, w: &[f64], places: &[[f64; 3]]) -> Csr<f64> {
     let mut weighted = s.rows.clone();
     for (a, &wa) in w.iter().enumerate() {
@@ -30,7 +30,7 @@ pub(crate) fn inverse_diagonal(a: &Csr<f64>) -> Result<Vec<f64>, LinearError> {
     Ok(diagonal.iter().map(|d| 1.0 / d).collect())
 }
 
-/// Refuses a symmetric matrix that lets some motion go without resistance.
+/// Returns [`LinearError::Singular`] if a symmetric matrix has a zero-energy mode.
 pub(crate) fn refuse_motions(a: &Csr<f64>, inverse_diagonal: &[f64], limits: &Limits) -> Result<(), LinearError> {
     let load: Vec<f64> = trial_numbers(a.num_rows()).iter().zip(inverse_diagonal).map(|(v, d)| v / d.sqrt()).collect();
     let found = meets_kernel(

@@ -3,8 +3,8 @@
 //!   lambda <- min(0, lambda + W (C u + g)),   (K + Bᵀ W C on closed rows) u = f - Bᵀ (lambda + W g)
 //!
 //! One update is a system of contact rows with the compliance 1 / W and the offset g + lambda / W; its multiplier is the next one, and the
-//! active set inside decides the projection. This is the proximal point method for the multipliers: it converges for every W > 0, the
-//! faster the larger W is. Rows without softness of their own stay what they are: exact contact, ties and penalties solve beside.
+//! inner active set decides the projection. This is the proximal point method for the multipliers: it converges for every W > 0, the
+//! faster the larger W is. Rows with zero `softness` stay unchanged: exact contact, ties and penalties may be in the same system.
 //!
 //! Sources: Rockafellar, Math. Oper. Res. 1 (1976) 97-116; Alart, Curnier, CMAME 92 (1991) 353-375; Simo, Laursen, Comput. Struct. 42
 //! (1992) 97-116.
@@ -12,19 +12,19 @@
 use super::scale::{RowScales, check_shape, combined, gaps, row_scales};
 use super::{ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 
-/// Updates of the multipliers allowed where nothing else is said.
+/// Default limit of the updates of the multipliers.
 const MAX_UPDATES: usize = 200;
-/// A change of the multipliers that is no smaller than this part of the one before it does not converge.
+/// Ratio of successive changes of the multipliers above which the iteration does not converge.
 const STALLED: f64 = 0.9;
-/// Units in the last place that the terms of a gap lose.
+/// Relative rounding error of a gap, against the sum of its terms.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Exact contact rows by iterating a solver `inner` of soft ones.
+/// Solver of exact contact rows that iterates a solver `inner` of soft ones.
 #[derive(Clone, Debug)]
 pub struct Proximal<C> {
     /// Solves systems with soft contact rows.
     pub inner: C,
-    /// 1 / W of every row \[gap / lambda\]; zero: the row stays as it is. See [`super::penalty()`].
+    /// 1 / W of every row \[gap / lambda\]; zero: the row is unchanged. See [`super::penalty()`].
     pub softness: Vec<f64>,
     /// Error of the multipliers wanted, as forces, relative to the largest.
     pub tolerance: f64,
@@ -75,7 +75,7 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Proximal<C> {
             report = solution.active_set.clone().unwrap_or_default();
             report.updates += 1;
             solution.active_set = Some(report.clone());
-            // forces: of the multipliers, their change, and what rounding of the gaps makes of them
+            // as forces: the multipliers, their change, and the effect of rounding of the gaps
             let (mut largest, mut step, mut noise) = (0.0f64, 0.0f64, 0.0f64);
             let mut rounding = vec![0.0; m];
             for j in (0..m).filter(|&j| own(j)) {
@@ -86,7 +86,7 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Proximal<C> {
                 rounding[j] = ROUNDING * (terms + system.offset[j].abs());
                 noise = noise.max(rounding[j] / self.softness[j] * weight[j]);
             }
-            // what the gaps that are left mean to the bodies: weak springs change little and leave much
+            // remaining gaps relative to the bodies: weak springs may leave large gaps at small changes of the multipliers
             let closed = (0..m).filter(|&j| own(j)).all(|j| {
                 let gap = self.softness[j] * (solution.multipliers[j] - lambda[j]).abs();
                 gap <= rounding[j].max(self.tolerance * largest * weight[j] / stiffness[j])
@@ -114,7 +114,7 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Proximal<C> {
     }
 }
 
-/// `error` of an update with its last state as one of the whole iteration; the state before it where the update has none.
+/// Converts the `error` of an update to one of the whole iteration, with its last iterate or, if it has none, that of `before`.
 fn with_last(
     error: SolveError,
     system: &ConstrainedSystem<'_, f64>,

@@ -20,13 +20,13 @@ pub(super) struct Layout {
     rows: Arc<Sparsity>,
     /// Rows that are springs alone, ascending; the others have a multiplier.
     springs: Vec<usize>,
-    /// Number of each row's multiplier; none for springs.
+    /// Number of each row's multiplier; `None` for springs.
     number: Vec<Option<usize>>,
     pattern: Arc<(Vec<usize>, Vec<usize>)>,
 }
 
 impl Layout {
-    /// The layout of `s` where the rows `springs` are springs alone; one that is known is kept in `layout`.
+    /// Layout of `s` with the rows `springs` as springs alone; `layout` is reused if it matches.
     pub fn of<'a>(layout: &'a mut Option<Self>, s: &Scaled<'_>, springs: &[usize]) -> &'a Self {
         debug_assert!(s.reaction.is_none(), "columns are those of the constraint");
         let same = |l: &Self| &l.stiffness == s.stiffness.pattern() && &l.rows == s.rows.pattern() && l.springs == springs;
@@ -51,7 +51,7 @@ impl Layout {
         self.number.iter().enumerate().filter_map(|(a, number)| number.map(|number| (a, number)))
     }
 
-    /// Places of unknowns, then multipliers; empty where the unknowns have none.
+    /// Coordinates of unknowns, then multipliers; empty if the unknowns have none.
     pub fn places(&self, s: &Scaled<'_>, unknowns: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let mut all = s.all_places(unknowns);
         if !all.is_empty() && !self.springs.is_empty() {
@@ -61,7 +61,7 @@ impl Layout {
         all
     }
 
-    /// Upper triangle of the matrix at the file's head; rows that are springs have W alone, whether they are enforced or not.
+    /// Upper triangle of the matrix of the module docs; rows that are springs have W alone, whether they are enforced or not.
     pub fn assemble(&self, s: &Scaled<'_>, w: &[f64], f: &[f64]) -> Upper {
         let (n, columns) = (s.num_unknowns(), &s.columns);
         let (ptr, cols) = &*self.pattern;
@@ -106,7 +106,7 @@ impl Layout {
     }
 }
 
-/// Upper triangle of K + Cᵀ C beside the columns of Cᵀ that have a number, with a diagonal below.
+/// Pattern (row pointers, columns) of the upper triangle [ K + Cᵀ C, Cᵀ ; 0, diagonal ], with the columns of Cᵀ that have a number.
 fn pattern(stiffness: &Csr<f64>, rows: &Csr<f64>, columns: &Csr<f64>, number: &[Option<usize>]) -> (Vec<usize>, Vec<usize>) {
     let (n, m) = (stiffness.num_rows(), number.iter().flatten().count());
     let (mut ptr, mut cols) = (vec![0usize], Vec::with_capacity(stiffness.num_entries() / 2 + n + 2 * rows.num_entries() + m));

@@ -1,4 +1,4 @@
-//! Corrections of a constrained solution, by a factor or by an iterative method, until its true residual says it is done.
+//! Iterative refinement of a constrained solution on its true residual, by a factor or by an iterative method.
 //!
 //!   r1 = f - K u - Bᵀ l,   r2 = -g - C u + s l   in the scaled rows of [`super::scale`], summed in twice the working precision
 
@@ -13,7 +13,7 @@ const MAX_CORRECTIONS: usize = 20;
 /// Gaps below this part of the largest unknown, or of the largest force over its stiffness, all in scaled rows, are rounding.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// A solution and what it leaves over.
+/// A solution and its residuals.
 #[derive(Debug)]
 pub(super) struct Refinement<'a, 'b> {
     system: &'a Scaled<'b>,
@@ -28,12 +28,12 @@ pub(super) struct Refinement<'a, 'b> {
     pub size: f64,
     /// Corrections so far.
     count: usize,
-    /// Size of the last one but the first.
+    /// Relative size of the last one; infinite up to the first.
     step: f64,
 }
 
 impl<'a, 'b> Refinement<'a, 'b> {
-    /// Zero, which leaves the load over: no product is needed to see that.
+    /// Initial guess zero; the residuals are the load and -g on enforced rows.
     pub fn begin(system: &'a Scaled<'b>, scale: &'a [f64]) -> Self {
         let (n, m) = (system.num_unknowns(), system.num_rows());
         let r1 = system.load.to_vec();
@@ -42,7 +42,7 @@ impl<'a, 'b> Refinement<'a, 'b> {
         Self { system, scale, u: vec![0.0; n], l: vec![0.0; m], r1, r2, size, count: 0, step: f64::INFINITY }
     }
 
-    /// Adds a correction by the factor, unless it is one that rounding stopped; says whether another may gain digits.
+    /// Adds a correction by the factor, unless corrections stall at rounding level; returns whether another may gain digits.
     pub fn improve(&mut self, du: &[f64], dl: &[f64]) -> bool {
         let first = self.count == 0;
         let next = self.share(du, dl);
@@ -57,7 +57,7 @@ impl<'a, 'b> Refinement<'a, 'b> {
         self.size > 0.0 && !lost
     }
 
-    /// u += du, l += dl, and what that leaves over.
+    /// u += du, l += dl, and updates the residuals.
     fn add(&mut self, du: &[f64], dl: &[f64]) {
         self.u.iter_mut().zip(du).for_each(|(u, du)| *u += du);
         self.l.iter_mut().zip(dl).for_each(|(l, dl)| *l += dl);
@@ -112,7 +112,7 @@ impl Scaled<'_> {
             sum.add_product(self.compliance[a], l[a]);
             (sum.value(), [sum.value().abs() / self.k[a], sum.size / self.k[a]])
         });
-        // rows that hold their unknowns at zero have no terms but rounding: that of the unknowns, or of what the forces would move, is no residual
+        // rows that fix their unknowns at zero have terms of rounding size only: rounding of the unknowns or of K⁻¹ f is no residual
         let unknown = u.iter().fold(bottom1, |m, &v| max(m, v.abs()));
         let second = if top2 <= ROUNDING * unknown { 0.0 } else { relative(top2, bottom2) };
         max(relative(top1, bottom1), second)
@@ -132,8 +132,8 @@ impl Scaled<'_> {
     /// Adds corrections of an iterative method until error and residual are below the tolerance: u += du, l += dl with
     /// (du, dl, iterations) = `correct`(r1, r2, its own limits). Returns (u, l, residual, iterations).
     ///
-    /// Every correction goes to the residual `inner` (the tolerance, where that is larger); what it leaves over is what the next one begins
-    /// with, so the end is decided by the true residual. The error left is estimated from the last two corrections.
+    /// Every correction is solved to the residual `inner` (or the tolerance, if larger); the next one starts from the true residual, which
+    /// decides convergence. The remaining error is estimated from the last two corrections.
     ///
     /// # Errors
     /// [`LinearError::NotConverged`] with the tolerance of `limits` and the true residual, and those of `correct`.
@@ -175,7 +175,7 @@ impl Scaled<'_> {
                 break;
             }
             if rate > 0.5 && round > 0 {
-                // rounding stands in the way of more
+                // stalled by rounding
                 break;
             }
         }

@@ -3,31 +3,31 @@
 //!   k_i = sum_j |C_ij| K_jj / sum_j |C_ij|   over the slave: the stiffness a row acts on
 //!   r_i = k_i / max_j |C_ij|                 factor of row i; lambda_i = r_i l_i
 //!
-//! In scaled rows a constraint weighs as much as the stiffness beside it, whatever the units and the contrast.
+//! The largest entry of a scaled row equals the stiffness k_i, whatever the units and the stiffness contrast.
 
 use super::{ConstrainedSystem, RowKind, SolveError};
 use crate::coupling::Rows;
 use crate::linalg::NO_SYMMETRY;
 use crate::linalg::{Csr, LinearError, Operator, Real, Triplets};
 
-/// What a constraint row weighs.
+/// Scales of the constraint rows: stiffness k_i and weight s_i.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RowScales<T: Real = f64> {
     /// k_i: mean diagonal stiffness of the row's slave unknowns [force / length].
     pub stiffness: Vec<T>,
-    /// s_i = sum_j |C_ij| over the slave: makes forces of multipliers, lengths of weighted gaps [length^D].
+    /// s_i = sum_j |C_ij| over the slave [length^D]: lambda_i s_i is a force, gap_i / s_i a length.
     pub weight: Vec<T>,
 }
 
-/// Scales of all rows; a row without slave entries is weighed by all its entries, an empty row has weight zero.
+/// Computes the scales of all rows; sums run over all entries of a row without slave entries, and an empty row has weight zero.
 ///
-/// `diagonal` is that of the stiffness; where it is zero the largest one stands in, so that k_i > 0.
+/// `diagonal` is that of the stiffness; if its mean in a row is zero, its largest entry is used, so that k_i > 0.
 pub fn row_scales<T: Real>(diagonal: &[T], constraint: &Rows<T>, num_rows: usize) -> RowScales<T> {
     let largest = diagonal.iter().fold(T::zero(), |m, d| m.max(d.abs()));
     let fallback = if largest > T::zero() { largest } else { T::one() };
     let mut sums = vec![[T::zero(); 4]; num_rows]; // slave: sum of |C|, of |C| K; all: the same
     for (triplets, first) in [(&constraint.slave, true), (&constraint.master, false)] {
-        // repeated places are summed first: parts of one entry may cancel
+        // duplicate entries are summed first: they may cancel
         let csr = triplets.to_csr();
         for i in 0..csr.num_rows().min(num_rows) {
             let (cols, vals) = csr.row(i);
@@ -52,7 +52,7 @@ pub fn row_scales<T: Real>(diagonal: &[T], constraint: &Rows<T>, num_rows: usize
     scales
 }
 
-/// The compliance that makes a penalty of every row: s_i² / (factor k_i) [gap / lambda].
+/// Compliance of every row in a penalty method: s_i² / (factor k_i) [gap / lambda].
 ///
 /// `factor` is a pure number: penalty stiffness over the stiffness of the row's own slave unknowns.
 pub fn penalty<T: Real>(diagonal: &[T], constraint: &Rows<T>, num_rows: usize, factor: T) -> Vec<T> {
@@ -60,7 +60,7 @@ pub fn penalty<T: Real>(diagonal: &[T], constraint: &Rows<T>, num_rows: usize, f
     (0..num_rows).map(|i| scales.weight[i] * scales.weight[i] / (factor * scales.stiffness[i])).collect()
 }
 
-/// The system with scaled rows, checked for shape: what both direct methods start from.
+/// The constrained system in scaled rows, with its sizes checked: common input of the equality solvers.
 #[derive(Debug)]
 pub(crate) struct Scaled<'a> {
     pub stiffness: &'a Csr<f64>,
@@ -84,7 +84,7 @@ pub(crate) struct Scaled<'a> {
     pub factor: Vec<f64>,
     /// Rows that are enforced; the multiplier of the others is zero.
     pub enforced: Vec<bool>,
-    /// Where the rows live: the place of the slave unknown with the largest entry; empty without places.
+    /// Coordinates of every row: those of its slave unknown with the largest entry; empty if the unknowns have none.
     pub places: Vec<[f64; 3]>,
 }
 
@@ -127,7 +127,7 @@ impl<'a> Scaled<'a> {
         Ok(Self { stiffness, diagonal, load, rows, symmetric, reaction, columns, offset, compliance, k, factor, enforced, places })
     }
 
-    /// Refuses a system that is not symmetric.
+    /// Returns an error if the system is not symmetric.
     pub(crate) fn need_symmetry(&self) -> Result<(), SolveError> {
         if self.reaction.is_some() {
             return Err(SolveError::NotSymmetric);
@@ -135,7 +135,7 @@ impl<'a> Scaled<'a> {
         if self.symmetric { Ok(()) } else { Err(LinearError::NotSymmetric.into()) }
     }
 
-    /// Places of unknowns, then rows; empty where the unknowns have none.
+    /// Coordinates of the unknowns, then of the rows; empty if the unknowns have none.
     pub(crate) fn all_places(&self, unknowns: &[[f64; 3]]) -> Vec<[f64; 3]> {
         if unknowns.len() == self.num_unknowns() && self.places.len() == self.num_rows() {
             unknowns.iter().chain(&self.places).copied().collect()
@@ -155,8 +155,8 @@ impl<'a> Scaled<'a> {
         diagonal
     }
 
-    /// The rows that `kind` calls contact, where they can share the factor of a symmetric system; those without entries feel nothing. None
-    /// where there are none, where the system is not symmetric, and where a row without entries is soft.
+    /// Nonzero contact rows of `kind` if they can share the factor of a symmetric system. `None` if there are none, if the system is not
+    /// symmetric, or if a contact row without entries is soft.
     pub(crate) fn interface(&self, kind: &[RowKind]) -> Option<Vec<usize>> {
         let empty = |a: usize| self.rows.row(a).1.iter().all(|&v| v == 0.0);
         let mut contact: Vec<usize> = (0..self.num_rows()).filter(|&a| kind[a] == RowKind::Contact).collect();
@@ -174,7 +174,7 @@ impl<'a> Scaled<'a> {
     }
 }
 
-/// Which rows are enforced; those without entries are not, unless they are soft.
+/// Returns the enforced rows: rows without entries are enforced only if they are soft.
 fn enforced(system: &ConstrainedSystem<'_, f64>, rows: &Csr<f64>) -> Result<Vec<bool>, SolveError> {
     let m = system.offset.len();
     let far = system.offset.iter().fold(0.0, |a: f64, g| a.max(g.abs()));
@@ -182,7 +182,7 @@ fn enforced(system: &ConstrainedSystem<'_, f64>, rows: &Csr<f64>) -> Result<Vec<
     for i in 0..m {
         let soft = system.compliance.get(i).is_some_and(|&s| s != 0.0);
         if enforced[i] && !soft && rows.row(i).1.iter().all(|&v| v == 0.0) {
-            // 0 u + g = 0 says nothing, or cannot be met
+            // 0 u + g = 0 is trivial or has no solution
             if system.offset[i].abs() > 1e-12 * far || (m == 1 && system.offset[i] != 0.0) {
                 return Err(SolveError::OverConstrained { row: i, rows: m });
             }
@@ -192,7 +192,7 @@ fn enforced(system: &ConstrainedSystem<'_, f64>, rows: &Csr<f64>) -> Result<Vec<
     Ok(enforced)
 }
 
-/// What [`Scaled`] has beside the caller's stiffness and load.
+/// Parts of [`Scaled`] reused for another active set: all but stiffness, load and `enforced`.
 #[derive(Debug)]
 pub(crate) struct Kept {
     diagonal: Vec<f64>,
@@ -208,7 +208,7 @@ pub(crate) struct Kept {
 }
 
 impl Kept {
-    /// Another set of the system that this was kept from.
+    /// Restores the scaled system for another set of rows; `system` is otherwise the one that was kept.
     pub(crate) fn with<'a>(self, system: &ConstrainedSystem<'a, f64>) -> Result<Scaled<'a>, SolveError> {
         check_shape(system)?;
         let Self { diagonal, rows, symmetric, reaction, columns, offset, compliance, k, factor, places } = self;
@@ -236,7 +236,7 @@ pub(crate) fn gaps<T: Real>(system: &ConstrainedSystem<'_, T>, u: &[T]) -> Vec<T
     gap
 }
 
-/// Sizes and indices of the parts fit together.
+/// Checks that sizes and indices of the parts of `system` agree.
 pub(crate) fn check_shape<T: Real>(system: &ConstrainedSystem<'_, T>) -> Result<(), SolveError> {
     let (n, m) = (system.stiffness.size(), system.offset.len());
     let shape = |what, found, expected| if found == expected { Ok(()) } else { Err(SolveError::Shape { what, found, expected }) };
@@ -257,7 +257,7 @@ pub(crate) fn check_shape<T: Real>(system: &ConstrainedSystem<'_, T>) -> Result<
     Ok(())
 }
 
-/// C = slave + master as m rows of n columns.
+/// C = slave + master as an m x n matrix.
 pub(crate) fn combined<T: Real>(rows: &Rows<T>, m: usize, n: usize) -> Csr<T> {
     let mut all = Triplets::new(m, n);
     all.entries = rows.slave.entries.iter().chain(&rows.master.entries).copied().collect();
@@ -278,7 +278,7 @@ fn row_places(system: &ConstrainedSystem<'_, f64>, m: usize, n: usize) -> Vec<[f
     let mut best = vec![(0.0, usize::MAX); m];
     for part in [&system.constraint.slave, &system.constraint.master] {
         for &(i, j, v) in &part.entries {
-            // master entries stand in only for rows without slave entries
+            // master entries are used only for rows without slave entries
             if best[i].1 == usize::MAX || (std::ptr::eq(part, &system.constraint.slave) && v.abs() > best[i].0) {
                 best[i] = (v.abs(), j);
             }

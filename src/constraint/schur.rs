@@ -3,20 +3,21 @@
 //!   S lambda = C K⁻¹ f + g,   S = C K⁻¹ Cᵀ + s,   u = K⁻¹ (f - Cᵀ lambda)
 //!   M⁻¹ = N⁻¹ (C Q⁻¹ K Q⁻¹ Cᵀ + s) N⁻¹,   N = C Q⁻¹ Cᵀ + s,   Q = diag K
 //!
-//! M⁻¹ is what S⁻¹ is when Q⁻¹ Cᵀ N⁻¹ stands for the right inverse K⁻¹ Cᵀ S⁻¹ of C: the lumped preconditioner of FETI, weighted for
-//! rows that are no signed Booleans. K is factorised once however many rows open and close.
+//! M⁻¹ equals S⁻¹ with the right inverse K⁻¹ Cᵀ S⁻¹ of C replaced by Q⁻¹ Cᵀ N⁻¹: the lumped preconditioner of FETI, weighted for rows
+//! that are not signed Boolean. K is factorised once, however many rows open and close.
 //!
 //! A stiffness that leaves bodies floating is singular; then K_W = K + Cᵀ W C is factorised in its place. With W = min(1/k, 1/2s) and
 //! F = 1 - W s the same system reads
 //!
 //!   S_W lambda = F C K_W⁻¹ (f - Cᵀ W g) + F g,   S_W = F C K_W⁻¹ Cᵀ F + F s,   S_W⁻¹ = S⁻¹ + W F⁻¹
 //!
-//! so that M⁻¹ + W F⁻¹ preconditions it: the count grows by about ten with every halving of the elements.
+//! so that M⁻¹ + W F⁻¹ preconditions it: the iteration count grows by about ten with every halving of the element size.
 //!
-//! Where rows are few beside the factor S is made as numbers, once for all sets of contact ([`super::complement`]): the iterations are the
-//! same, and none of them takes a solution with the factor.
+//! If the rows are few relative to the size of the factor, S is computed explicitly, once for all contact sets ([`super::complement`]):
+//! the iterations are the same without solves by the factor.
 //!
-//! Source: Klawonn, Widlund, Comm. Pure Appl. Math. 54 (2001) 57-90 (weights); Stefanica, SIAM J. Sci. Comput. 23 (2001) 1135-1160 (mortars).
+//! Sources: Klawonn, Widlund, Comm. Pure Appl. Math. 54 (2001) 57-90 (weights); Stefanica, SIAM J. Sci. Comput. 23 (2001) 1135-1160
+//! (mortars).
 
 use super::complement::{Complement, border};
 use super::penalised::penalised;
@@ -27,9 +28,9 @@ use crate::linalg::{
 };
 use std::sync::Arc;
 
-/// Residual to which the conjugate gradients of one correction go; the next correction takes on from there.
+/// Residual tolerance of the conjugate gradients of one correction; the next correction continues from there.
 const INNER: f64 = 1e-8;
-/// Added to N relative to its diagonal: rows may repeat each other.
+/// Regularisation of N relative to its diagonal, as rows may be redundant.
 const REGULARISATION: f64 = 1e-8;
 
 /// Schur complement solver; needs the reaction to be the transposed constraint.
@@ -42,39 +43,39 @@ pub struct Schur {
     stiffness: Ldlt,
     penalised: Ldlt,
     rows: Ldlt,
-    /// The pattern of a stiffness that is singular.
+    /// Pattern of the last stiffness found singular.
     floating: Option<Arc<Sparsity>>,
     shared: Option<Shared>,
     dense: DenseLdlt,
-    /// What all sets of a system have in common.
+    /// Scaled system kept for its next set of contact rows.
     kept: Option<Kept>,
 }
 
-/// What the sets of a system share.
+/// Schur complement shared by the sets of a system.
 #[derive(Debug)]
 struct Shared {
-    /// Springs inside the factor, on all rows; none where it is that of the stiffness itself.
+    /// Springs on all rows added to the factorised matrix; `None` if that is the stiffness itself.
     springs: Option<Vec<f64>>,
     complement: Complement,
 }
 
 impl Schur {
-    /// A solver that has seen no system yet.
+    /// Creates a solver without a factor.
     pub fn new(limits: Limits) -> Self {
         Self { limits, ..Self::default() }
     }
 
-    /// How often a new pattern of the stiffness was analysed.
+    /// Number of symbolic analyses of the stiffness so far.
     pub fn analyses(&self) -> usize {
         self.stiffness.analyses() + self.penalised.analyses()
     }
 
-    /// How often the stiffness was factorised.
+    /// Number of factorisations of the stiffness so far.
     pub fn factorisations(&self) -> usize {
         self.stiffness.factorisations() + self.penalised.factorisations()
     }
 
-    /// Factorises K where that is regular, K_W elsewhere, and makes S where that pays; says whether it is K_W.
+    /// Factorises K, or K_W if K is singular, and computes S if that is cheaper; returns whether K_W was factorised.
     fn prepare(&mut self, s: &Scaled<'_>, part: &Parts, places: &[[f64; 3]]) -> Result<bool, LinearError> {
         self.shared = None;
         if self.floating.as_ref() != Some(s.stiffness.pattern()) {
@@ -109,7 +110,7 @@ impl Schur {
         definite(&mut self.penalised, &matrix).map(|()| true)
     }
 
-    /// (u, l, residual, iterations) with the factor of K or, where the bodies float, of K_W; none where the factor is not for this set.
+    /// Returns (u, l, residual, iterations) with the factor of K or, if `floats`, of K_W; `None` if the factor is unsuitable for this set.
     fn solved(&mut self, s: &Scaled<'_>, part: &Parts, floats: bool) -> Result<Option<(Vec<f64>, Vec<f64>, f64, usize)>, LinearError> {
         let m = s.num_rows();
         let factor = if floats { &self.penalised } else { &self.stiffness };
@@ -188,12 +189,12 @@ fn spring(s: &Scaled<'_>, a: usize) -> f64 {
     (1.0 / s.k[a]).min(0.5 / s.compliance[a])
 }
 
-/// Refuses a stiffness with negative energy.
+/// Returns an error if the stiffness is indefinite.
 fn definite(factor: &mut Ldlt, matrix: &Csr<f64>) -> Result<(), LinearError> {
     factor.refuse_negative(&Upper::of(matrix), matrix.num_rows(), matrix.places())
 }
 
-/// What does not depend on the factor that is taken.
+/// Weights, scales and matrices that are the same for the factors of K and K_W.
 struct Parts {
     w: Vec<f64>,
     f: Vec<f64>,
@@ -235,7 +236,7 @@ impl Parts {
     }
 
     /// z = N⁻¹ (C Q⁻¹ K Q⁻¹ Cᵀ + s) N⁻¹ r over the enforced rows.
-    /// `spread`: C Q⁻¹ K Q⁻¹ Cᵀ over all rows, where it is known.
+    /// `spread`: C Q⁻¹ K Q⁻¹ Cᵀ over all rows, if computed.
     fn precondition(&self, s: &Scaled<'_>, n: &Ldlt, spread: Option<&Csr<f64>>, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         let m = r.len();
         let mut t: Vec<f64> = (0..m).map(|a| self.enforced[a] * r[a]).collect();
@@ -285,7 +286,7 @@ impl ConstraintSolver<f64> for Schur {
 }
 
 impl Schur {
-    /// Solves `system`, which is `s`; `again`: the matrices are those of the last call.
+    /// Solves `system`, whose scaled form is `s`; `again`: the matrices are those of the last call.
     fn solve_scaled(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
@@ -302,7 +303,7 @@ impl Schur {
         };
         let mut answer = self.solved(s, &part, floats);
         if matches!(answer, Ok(None)) || !floats && matches!(answer, Err(LinearError::Singular { .. })) {
-            // negative energy, or a stiffness on the brink of being singular
+            // indefinite, or a nearly singular stiffness
             floats = self.prepare_springs(s, &part, places)?;
             answer = self.solved(s, &part, floats);
         }

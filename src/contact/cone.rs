@@ -1,33 +1,34 @@
-//! Discrete cones of admissible multipliers, and contact rows turned into their variables.
+//! Discrete cones of admissible multipliers, and contact rows transformed to their variables.
 //!
 //! The cone of normal stresses lambda <= 0 has three discrete forms (seed: M_P, M_W, M_E), each lambda = T mu with mu <= 0:
 //!
-//! | cone | asks | mu | T |
+//! | cone | condition | mu | T |
 //! | --- | --- | --- | --- |
 //! | P, `coefficients` | lambda_j <= 0 | coefficients | identity |
 //! | W, `weights` | ∫ lambda ψ_j ds <= 0 | integrals \[force\] | inverse Gram matrix G_jk = ∫ ψ_j ψ_k ds |
 //! | E, `values` | lambda(x_j) <= 0 | values at the Greville points x_j | inverse collocation matrix ψ_k(x_j) |
 //!
 //! With the gap in weak form r = C u + g the conditions are mu <= 0, Tᵀ r >= 0, product zero in every row: the system of the cone P with
-//! rows Tᵀ C, offset Tᵀ g and weights Tᵀ w. So a constraint solver needs to know nothing: rows are turned before it, multipliers after it.
-//! Everything that is told of lambda (pressure, force, error) is told of its coefficients lambda = T mu; `active`, the sign cases and
-//! the Karush-Kuhn-Tucker numbers belong to mu and to the cone's own gap (Tᵀ r)_j / (Tᵀ w)_j \[length\]: lumped (P), the coefficients of the
-//! L2 projection of the gap (W, weights one), the gap against the function that is dual to the values (E).
+//! rows Tᵀ C, offset Tᵀ g and weights Tᵀ w. So a constraint solver is independent of the cone: rows are transformed before the solve,
+//! multipliers after it. Results for lambda (pressure, force, error) refer to the coefficients lambda = T mu; `active`, the sign cases and
+//! the Karush-Kuhn-Tucker residuals to mu and the gap of the cone (Tᵀ r)_j / (Tᵀ w)_j \[length\]: lumped (P), the coefficients of the
+//! L2 projection of the gap (W, weights one), the gap weighted with the function dual to the values (E).
 //!
-//! **What each guarantees.** Non-penetration holds in the mean only, against each function of T:
-//! - P: the pressure is non-negative everywhere, for the ψ_j are. The mean of the gap with every ψ_j is non-negative.
-//! - E: the pressure is non-negative at the Greville points, between them it may change sign. P lies in E, for non-negative coefficients have
-//!   non-negative values; for degree 0 and 1 both are one. Gap conditions are fewer: the functions of T have both signs from degree 2 on.
-//! - W: the mean of the pressure with every ψ_j is non-negative, its values are not: beside the zone it changes sign with the decay of
-//!   the inverse Gram matrix. P lies in W too. The L2 projection of the gap has non-negative coefficients, so *it* is
-//!   non-negative everywhere. Pressure reaches past the active functions: all functions have a part in it.
-//! - All three have the same total force where all is closed, and are one for multipliers constant on elements.
-//! - `dual` multipliers: P asks for the mean gap in each function, which is the coefficient of the slave's own motion; W is their L2
-//!   projection in the dual space itself; they have no Greville points and so no E.
+//! **Properties.** Non-penetration holds in the mean only, against each function of T:
+//! - P: the pressure is non-negative everywhere, as the ψ_j are. The mean of the gap with every ψ_j is non-negative.
+//! - E: the pressure is non-negative at the Greville points, between them it may change sign. P is a subset of E, as non-negative
+//!   coefficients have non-negative values; for degree 0 and 1 they are equal. Gap conditions are weaker: the functions of T have both
+//!   signs from degree 2 on.
+//! - W: the mean of the pressure with every ψ_j is non-negative, its values need not be: beside the zone it changes sign with the decay
+//!   of the inverse Gram matrix. P is a subset of W as well. The L2 projection of the gap has non-negative coefficients, so *it* is
+//!   non-negative everywhere. The pressure extends past the active functions: all functions contribute to it.
+//! - All three have the same total force if all is closed, and are equal for multipliers constant on elements.
+//! - `dual` multipliers: P constrains the mean gap in each function, which is the coefficient of the slave's own displacement; W is
+//!   their L2 projection in the dual space itself; they have no Greville points and so no E.
 //!
-//! A study: half cylinder on a rigid plane after Hertz (half width 0.05 of the radius, greatest pressure 0.02747), degree 4 with
-//! p/p-2 (degree 2), graded elements, level 0 with 12 along the arc; error of lambda in L2 relative to Hertz' pressure, least pressure as a share of the
-//! greatest:
+//! Example: half cylinder on a rigid plane after Hertz (half width 0.05 of the radius, largest pressure 0.02747), degree 4 with p/p-2
+//! (degree 2), graded elements, level 0 with 12 along the arc; error of lambda in L2 relative to Hertz' pressure, least pressure relative
+//! to the largest:
 //!
 //! | level | P error | least | W error | least | E error | least |
 //! | --- | --- | --- | --- | --- | --- | --- |
@@ -35,13 +36,13 @@
 //! | 1 | 0.076 | 0 | 0.049 | -0.062 | 0.059 | -0.062 |
 //! | 2 | 0.021 | 0 | 0.022 | -0.010 | 0.034 | -0.059 |
 //!
-//! All converge as far as a pressure that ends like a square root lets them; the larger cones come nearer on coarse elements and pay with
-//! tension beside the zone. The zone of the active functions is widest for W (half of it 0.048, 0.055 and 0.048 at level 2).
+//! All converge at the rate limited by the square-root end of the pressure; the larger cones are more accurate on coarse elements, at the
+//! cost of tension beside the zone. The zone of the active functions is widest for W (half of it 0.048, 0.055 and 0.048 at level 2).
 //!
-//! **Sides that face something in part.** G is integrated where the sides face each other, and only functions that face something have
-//! a part in T; the others stay open. E asks more: an interpolatory rule cut at the rim gives functions whose point lies outside a negative
-//! weight, and a body that lifts off would be pulled back there. Such functions stay open as well; on a whole support a
-//! negative weight (Newton-Cotes rules from degree 8 on) is refused.
+//! **Partly facing sides.** G is integrated where the sides face each other, and only functions that face the opponent belong to T; the
+//! others stay open. E needs more: an interpolatory rule cut at the edge of the facing part gives functions whose point lies outside it a
+//! negative weight, and a body that lifts off would be pulled back there. Such functions stay open as well; a negative weight on a whole
+//! support (Newton-Cotes rules from degree 8 on) is an error.
 //!
 //! Cost: a solve per unknown of both sides, entries of decayed columns dropped at round-off; at most [`MOST_FUNCTIONS`] functions.
 //! Source: Brivadis, defence slides, Pavia 2017.
@@ -52,15 +53,15 @@ use crate::coupling::Rows;
 use crate::linalg::{Csr, ProfileFault, ProfileLu, Real, Triplets, lit, to_f64};
 use std::borrow::Cow;
 
-/// Functions of a side that a cone other than P can turn: the time is quadratic in it.
+/// Largest number of multipliers of a side for the cones W and E; the setup time is quadratic in it.
 pub const MOST_FUNCTIONS: usize = 10_000;
-/// Entries of a triangle of T⁻¹: 800 per function at most, and small sides may be full.
+/// Limit of the entries of a triangle of T⁻¹: 800 per function at [`MOST_FUNCTIONS`]; small sides may be full.
 const MOST_ENTRIES: usize = 8_000_000;
-/// Entries of turned rows below this share of the largest of their column are round-off of round-off.
+/// Relative size, against the largest of their column, below which entries of transformed rows are dropped as round-off.
 const DROPPED: f64 = 1e-22;
-/// Weights below this share of the largest are not positive.
+/// Relative size, against the largest, below which weights are not positive.
 const NO_WEIGHT: f64 = 1e-12;
-/// An element that faces its partner with less than all but this share of its measure faces it in part.
+/// Uncovered fraction of an element's measure above which the element faces its partner only in part.
 const WHOLE: f64 = 1e-9;
 /// Values below this at a Greville point are zero.
 const NO_VALUE: f64 = 1e-15;
@@ -78,7 +79,7 @@ pub enum Cone {
     Values,
 }
 
-/// T of the functions that have a part in it; none: the identity.
+/// T of the cone over its functions; the identity if `inverse` is `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Turn<T: Real> {
     functions: Vec<usize>,
@@ -87,11 +88,11 @@ pub(super) struct Turn<T: Real> {
 }
 
 impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
-    /// The same contact with the multipliers of another cone; `multiplier`: those of the rows.
+    /// Sets the cone of the multipliers; `multiplier`: the multiplier functions of the rows.
     ///
     /// # Errors
-    /// [`ContactError::NoGreville`] where E has no points, [`ContactError::ConeWeight`] where a function has a weight in the cone that is
-    /// not positive, [`ContactError::ConeSize`] above [`MOST_FUNCTIONS`].
+    /// [`ContactError::NoGreville`] if E has no points, [`ContactError::ConeWeight`] if a function has a non-positive weight in the cone,
+    /// [`ContactError::ConeSize`] above [`MOST_FUNCTIONS`].
     pub fn with_cone(mut self, cone: Cone, multiplier: &dyn Basis<S, T>) -> Result<Self, ContactError> {
         self.turn = Turn::identity();
         if cone == Cone::Coefficients {
@@ -172,7 +173,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         gram.to_csr()
     }
 
-    /// Whether the whole support of every function faces something.
+    /// Whether the whole support of each function faces the opponent.
     fn whole_supports(&self, multiplier: &dyn Basis<S, T>) -> Vec<bool> {
         let (mut whole, mut ids) = (vec![true; self.weights.len()], Vec::new());
         for (element, &share) in self.segments.report.share.iter().enumerate() {
@@ -184,7 +185,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         whole
     }
 
-    /// Tᵀ C for rows C in the functions of the multiplier: what a constraint solver gets.
+    /// Tᵀ C for rows C in the functions of the multiplier: the rows for a constraint solver.
     pub fn turned<'a>(&self, rows: &'a Rows<T>) -> Cow<'a, Rows<T>> {
         match &self.turn.inverse {
             None => Cow::Borrowed(rows),
@@ -200,7 +201,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         self.turn.transposed(self.offset.clone())
     }
 
-    /// Tᵀ w: the lengths that make lengths of the cone's gaps; zero where a function has no part in the cone.
+    /// Tᵀ w: weights that convert the gaps of the cone to lengths; zero for functions outside the cone.
     pub fn turned_weights(&self) -> Vec<T> {
         match self.turn.inverse {
             None => self.weights.clone(),
@@ -216,7 +217,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         self.turn.scattered(&own, mu.len())
     }
 
-    /// mu = T⁻¹ lambda: what has to be non-positive.
+    /// mu = T⁻¹ lambda, the variables that must be non-positive.
     pub fn in_cone(&self, lambda: &[T]) -> Vec<T> {
         let Some((inverse, _)) = &self.turn.inverse else { return lambda.to_vec() };
         let own = self.turn.gathered(lambda);
@@ -290,7 +291,7 @@ fn turned<T: Real>(rows: &Triplets<T>, functions: &[usize], lu: &ProfileLu<T>) -
     functions.iter().enumerate().for_each(|(k, &j)| number[j] = k);
     let mut columns: Vec<(usize, usize, T)> =
         rows.entries.iter().filter(|e| number[e.0] != usize::MAX).map(|&(i, j, v)| (j, number[i], v)).collect();
-    // stable: repeated places are summed in the order they were pushed
+    // stable: duplicate entries are summed in the order they were pushed
     columns.sort_by_key(|e| (e.0, e.1));
     let mut out = Triplets::new(rows.rows, rows.cols);
     let mut column = vec![T::zero(); functions.len()];

@@ -6,7 +6,7 @@ use crate::linalg::{Real, Vector};
 
 /// Elements one after another, each with its curve (a reference, a box or an `Arc`) and its number there.
 ///
-/// How they follow one another is found by the places of their ends.
+/// Their connectivity follows from the coordinates of their ends.
 #[derive(Clone, Debug)]
 pub(super) struct Curves<G> {
     pub elements: Vec<(G, usize)>,

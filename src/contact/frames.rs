@@ -1,11 +1,11 @@
-//! Normals and gaps beside the points of a list of segments.
+//! Contact kinematics at the points of a list of segments: normals and gaps.
 //!
 //! The normal n points out of the master (or the obstacle) at the slave point's partner, and
 //!
 //!   g = (x_slave - x_master) . n          \[length\], positive when open
 //!
 //! On a master with kinks the normal is that of the facet of the assigned element: it jumps with the master element, in
-//! the rows and in the gap alike, so both speak of the same plane.
+//! the rows and in the gap alike, so both refer to the same plane.
 
 use super::{Hit, Target};
 use crate::basis::Order;
@@ -14,12 +14,12 @@ use crate::geometry::{MapTable, unit_normal};
 use crate::linalg::{Real, Vector, lit};
 use crate::space::Trace;
 
-/// Normals that face each other have a product below minus this; those at right angles do not.
+/// Bound of -n_slave . n_master above which normals oppose each other; orthogonal ones do not.
 const OPPOSITE: f64 = 1e-6;
-/// Cosine of normals from which on an obstacle is seen from behind: beside a corner they may stand at right angles.
+/// Cosine of the normals from which on an obstacle is seen from behind; near a corner they may be orthogonal.
 const FROM_BEHIND: f64 = 0.5;
 
-/// One entry per point of the segments.
+/// Positions, normals and gaps, one per point of the segments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frames<const N: usize, T: Real = f64> {
     /// The slave point.
@@ -37,12 +37,12 @@ impl<const N: usize, T: Real> Default for Frames<N, T> {
 }
 
 impl<const N: usize, T: Real> Frames<N, T> {
-    /// The points of `segments` at which `slave` and `master` face each other, and their frames.
+    /// Returns the points of `segments` at which `slave` and `master` face each other, and their frames.
     ///
-    /// Outward normals oppose there; other points see the master from behind, face nothing, and are missing from the report's covered measure.
+    /// Outward normals oppose there; points that see the master from behind are dropped, also from the report's covered measure.
     ///
     /// # Errors
-    /// [`CouplingError::Missing`] where the master has no tangent.
+    /// [`CouplingError::Missing`] if the master has no tangent.
     pub fn against_master<const S: usize>(
         slave: &Trace<S, N, T>,
         master: &Trace<S, N, T>,
@@ -74,7 +74,7 @@ impl<const N: usize, T: Real> Frames<N, T> {
         Ok((kept, frames))
     }
 
-    /// The points of `segments` that face `target` within `reach`, and their frames.
+    /// Returns the points of `segments` that face `target` within `reach`, and their frames.
     ///
     /// Points that face nothing, or see the target from behind, are dropped and missing from the report's covered measure.
     pub fn against_target<const S: usize>(
@@ -97,7 +97,7 @@ impl<const N: usize, T: Real> Frames<N, T> {
                 let near = |hit: &Hit<S, N, T>| {
                     let within = reach.is_none_or(|r| (x - hit.x).norm() <= r)
                         && slave.normal(element, jacobian).dot(&hit.normal) < lit(FROM_BEHIND);
-                    // what is no number is kept: the gap there is reported
+                    // a gap that is not finite is kept, to be reported
                     within || !hit.gap.is_finite()
                 };
                 let Some(hit) = target.project(x).filter(near) else { continue };
@@ -124,7 +124,7 @@ fn oppose<const N: usize, T: Real>(slave: &Vector<N, T>, opponent: &Vector<N, T>
     slave.dot(opponent) < lit(-OPPOSITE)
 }
 
-/// The points of `segments` that are to be kept.
+/// Restricts `segments` to the points marked in `keep`.
 fn only<const S: usize, T: Real>(segments: &Segments<S, T>, keep: &[bool]) -> Segments<S, T> {
     let mut kept = Segments::new();
     let mut report = segments.report.clone();

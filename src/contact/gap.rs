@@ -19,17 +19,17 @@ use crate::coupling::mortar::{multiplier_weights, weighted_sums};
 use crate::coupling::{Coupling, CouplingError, Interface, Mortar, Rows, Segments, Side};
 use crate::linalg::{Real, Vector, lit, to_f64};
 
-/// Functions with less than this share of the largest weight face nothing.
+/// Relative weight, against the largest one, below which a function faces nothing.
 const FACES_NOTHING: f64 = 1e-10;
 
-/// Why a contact could not be set up.
+/// Error in setting up a contact.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContactError {
-    /// The rows could not be made.
+    /// The rows could not be assembled.
     #[error(transparent)]
     Coupling(#[from] CouplingError),
-    /// A multiplier function has a negative mean: its sign says nothing about compression.
+    /// A multiplier function has a negative mean, so that its sign does not indicate compression.
     #[error("multiplier function {function} has the weight {weight:.3e}; contact needs multipliers with positive means")]
     Weight {
         /// The function.
@@ -37,18 +37,18 @@ pub enum ContactError {
         /// Its integral over the contact side.
         weight: f64,
     },
-    /// No multiplier has a facing point.
+    /// No multiplier has a point that faces the opponent.
     #[error("no part of the slave side faces the master within reach")]
     NoTarget,
-    /// Cone E without points.
+    /// The multiplier has no Greville points for cone E.
     #[error("the multiplier has no Greville points, at which cone = \"values\" asks for the sign of the pressure")]
     NoGreville,
-    /// A function has a weight in its cone that is not positive: open bodies would attract each other.
+    /// A function has a non-positive weight in its cone: open bodies would attract each other.
     #[error("multiplier function {function} has the weight {weight:.3e} in this cone; contact needs positive ones")]
     ConeWeight {
         /// The function.
         function: usize,
-        /// What the function of the cone integrates to, \[length^S\] for E, a pure number for W.
+        /// Integral of the function of the cone, \[length^S\] for E, a pure number for W.
         weight: f64,
     },
     /// Too many functions for a cone that couples all of them.
@@ -59,15 +59,15 @@ pub enum ContactError {
         /// The limit.
         most: usize,
     },
-    /// The gap formula, or the obstacle, gave no number.
+    /// The gap formula, or the obstacle, gave no finite number.
     #[error("the gap, by its formula or its obstacle, is no number at {at:?}")]
     Gap {
-        /// Where.
+        /// Coordinates of the point.
         at: [f64; 3],
     },
 }
 
-/// What a contact side is pressed against.
+/// Opponent of a contact side: a deformable master or a rigid obstacle.
 #[derive(Clone, Copy, Debug)]
 pub enum Opponent<'a, const S: usize, const N: usize, T: Real = f64> {
     /// A deformable body; the segments pair both sides.
@@ -79,13 +79,13 @@ pub enum Opponent<'a, const S: usize, const N: usize, T: Real = f64> {
 /// A contact side ready for a constraint solver.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contact<const S: usize, const N: usize, T: Real = f64> {
-    /// Where slave and master are seen together; points that face nothing are left out.
+    /// Segments of slave and master; points that face nothing are left out.
     pub segments: Segments<S, T>,
-    /// Place, normal and geometric gap per point.
+    /// Position, normal and geometric gap per point.
     pub frames: Frames<N, T>,
     /// C, one row per multiplier function.
     pub rows: Rows<T>,
-    /// B where it differs from C: mixed integration, Nitsche's method.
+    /// B if it differs from C: mixed integration, Nitsche's method.
     pub reaction: Option<Rows<T>>,
     /// ∫ g' ψ_j ds.
     pub offset: Vec<T>,
@@ -93,25 +93,25 @@ pub struct Contact<const S: usize, const N: usize, T: Real = f64> {
     pub weights: Vec<T>,
     /// g' at every point of the segments.
     pub at_rest: Vec<T>,
-    /// Translations of an obstacle that a force presses: direction, unknown, and its value at which the gaps were found.
+    /// Translations of a force-driven obstacle: direction, unknown, and its value at which the gaps were computed.
     pub translations: Vec<(Vector<N, T>, usize, T)>,
-    /// Whether the support of ψ_j faces something and has a part in the cone.
+    /// Whether the support of ψ_j faces the opponent and ψ_j belongs to the cone.
     pub facing: Vec<bool>,
-    /// Rows that belong to points instead of multiplier functions, and what goes with them.
+    /// Data of rows that belong to points instead of multiplier functions (Nitsche's method).
     pub points: Option<AtPoints<T>>,
-    /// T of the cone; rows, offset and weights are those of lambda whatever it is.
+    /// T of the cone; rows, offset and weights are those of lambda for every T.
     pub(super) turn: Turn<T>,
 }
 
 impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
-    /// Rows, offsets and weights of `slave` against `opponent` in a system of `unknowns` unknowns.
+    /// Assembles rows, offsets and weights of `slave` against `opponent` in a system of `unknowns` unknowns.
     ///
     /// `segments`: of both sides ([`crate::coupling::interface::MergedCurve`]) or of the slave alone
     /// ([`crate::coupling::interface::slave_segments`]); `gap(x, g)`: the gap formula at the slave point x with the
     /// geometric gap g.
     ///
     /// # Errors
-    /// [`ContactError`] where rows cannot be made, or a multiplier has no sign.
+    /// [`ContactError`] if rows cannot be assembled, or a multiplier has no sign.
     pub fn new(
         slave: Side<'_, S, N, T>,
         opponent: Opponent<'_, S, N, T>,
@@ -156,13 +156,13 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         Ok(Self { segments, frames, rows, reaction: None, offset, weights, at_rest, translations, facing, points: None, turn })
     }
 
-    /// The same contact with the master part of the reaction by other points: B = [D, -M'] beside C = [D, -M] (mixed integration).
+    /// Integrates the master part of the reaction by other points: B = [D, -M'] with C = [D, -M] (mixed integration).
     ///
     /// `second`: the master's own points ([`crate::coupling::interface::MasterSums`]); rows are along the master's normal there. `slave`,
     /// `master` and `multiplier` are those of the rows.
     ///
     /// # Errors
-    /// [`ContactError::Coupling`] where the master has no tangent.
+    /// [`ContactError::Coupling`] if the master has no tangent.
     pub fn with_master_sums(
         mut self,
         slave: Side<'_, S, N, T>,
@@ -185,15 +185,15 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         Ok(self)
     }
 
-    /// The kind of every row: contact, or open where it faces nothing.
+    /// Kind of every row: contact, or open if it faces nothing.
     pub fn kinds(&self) -> Vec<RowKind> {
         self.facing.iter().map(|&f| if f { RowKind::Contact } else { RowKind::Open }).collect()
     }
 
-    /// The cone's gap (Tᵀ(C u + g))_j / (Tᵀ w)_j, one per multiplier function \[length\]; none where the function faces nothing.
+    /// Gap of the cone (Tᵀ(C u + g))_j / (Tᵀ w)_j, one per multiplier function \[length\]; `None` if the function faces nothing.
     ///
-    /// The lumped gap (C u + g)_j / w_j for the cone of coefficients. Of rows at points this is P / γ, what their status follows from, and
-    /// no distance.
+    /// For the cone of coefficients this is the lumped gap (C u + g)_j / w_j. For rows at points it is P / γ, which decides their status
+    /// and is no distance.
     pub fn lumped_gap(&self, unknowns: &[T]) -> Vec<Option<T>> {
         let mut gap = self.offset.clone();
         for part in [&self.rows.slave, &self.rows.master] {

@@ -1,19 +1,19 @@
-//! Greville points of a multiplier on a curve: one point per function, found from the basis alone.
+//! Greville points of a multiplier on a curve: one point per function, computed from the basis alone.
 //!
 //! The Greville abscissa of a B-spline is its coefficient in the identity, xi = sum_i c_i B_i(xi): the mean of its inner knots. The
-//! functions that live on an element reproduce the identity there by themselves, so c_i follows from a small system per element, in
-//! the local coordinate of that element, without knots. Every element of a support gives the same point seen from itself; the one
-//! with 0 <= c_i <= 1 owns it. Where one function lives alone on an element (constants) it is the element's middle.
+//! active functions of an element reproduce the identity there, so c_i follows from a small system per element, in the local
+//! coordinate of that element, without knots. Every element of a support gives the same point in its own coordinate; the point belongs
+//! to the one with 0 <= c_i <= 1. For a single function on an element (constants) it is the element's midpoint.
 
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::linalg::{Real, Vector, lit, num};
 use nalgebra::{DMatrix, DVector};
 
-/// Defects of the identity and overhangs over an element's ends below this are round-off.
+/// Tolerance for errors of the identity, and for points outside the ends of an element.
 const ROUND_OFF: f64 = 1e-7;
 
-/// The point (element, xi) of every function; none where the basis is not made of functions with such points: where they do not sum to
-/// one, do not reproduce the identity, or have several points (dual functions).
+/// Returns the point (element, xi) of every function; `None` if the functions have no such points: if they do not sum to one, do not
+/// reproduce the identity, or have several points (dual functions).
 pub fn greville_points<const S: usize, T: Real>(basis: &dyn Basis<S, T>) -> Option<Vec<(usize, Vector<S, T>)>> {
     if S != 1 {
         return None;
@@ -25,7 +25,7 @@ pub fn greville_points<const S: usize, T: Real>(basis: &dyn Basis<S, T>) -> Opti
     for element in 0..basis.num_elements() {
         basis.active(element, &mut ids);
         let own = ids.len();
-        // one point more than functions: the last equation is the test
+        // one point more than functions: the additional equation is the test
         let points: Vec<Vector<S, T>> = (0..=own).map(|q| Vector::from_element(num::<T>(q) / num::<T>(own))).collect();
         basis.tabulate(element, &points, Order::Values, &mut table);
         let off = |sum: T, wanted: T| (sum - wanted).abs() > lit(ROUND_OFF);
@@ -50,7 +50,7 @@ pub fn greville_points<const S: usize, T: Real>(basis: &dyn Basis<S, T>) -> Opti
                 continue;
             }
             match found[i] {
-                // two points inside of two elements: no point of the function
+                // points inside two elements: the function has no unique point
                 Some((_, other, true)) if inside(xi, lit(ROUND_OFF)) || inside(other, lit(ROUND_OFF)) => return None,
                 Some((_, _, true)) => {}
                 _ => found[i] = Some((element, xi.max(T::zero()).min(T::one()), true)),

@@ -1,4 +1,4 @@
-//! Floor 10: gaps, normals, targets and the loop that presses bodies together. Names no basis type.
+//! Floor 10: contact kinematics (gaps, normals, rigid obstacles, half-width) and multiplier cones. Names no basis type.
 
 mod cone;
 mod curves;
@@ -25,7 +25,7 @@ pub use surface::{OutlinePiece, Surface, pieces};
 pub use targets::{HalfPlane, LevelSet, Moved, Sphere};
 pub use width::{ClosedSide, half_width};
 
-/// Where a point lies on a surface.
+/// Position of a point on a surface: element and local coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Location<const D: usize, T: Real = f64> {
     /// The element.
@@ -43,13 +43,13 @@ pub struct Hit<const D: usize, const N: usize, T: Real = f64> {
     pub normal: Vector<N, T>,
     /// (point - x) . normal \[length\], positive when open.
     pub gap: T,
-    /// Where on a meshed obstacle; none on an analytic one.
+    /// Position on a meshed obstacle; `None` on an analytic one.
     pub at: Option<Location<D, T>>,
 }
 
 /// An obstacle. (D, N) stands for (N - 1, N).
 pub trait Target<const D: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
-    /// The closest point to `x`; none where the target does not face it.
+    /// Closest point to `x`; `None` if the target does not face it.
     fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>>;
 }
 

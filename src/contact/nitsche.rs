@@ -6,12 +6,13 @@
 //!   sigma = -{t} . n,   g = g' + \[u\] . n,   \[u\] = u_slave - u_master,   n out of the master
 //!
 //! {t}, its weights, γ and θ are those of [`crate::coupling::nitsche`]: symmetric, unsymmetric, incomplete. With every point closed this is
-//! the coupling's normal part. A point q of weight w is one contact row, soft by w / γ:
+//! the coupling's normal part. A point q of weight w is one contact row with the compliance w / γ:
 //!
-//!   C_q = w (\[.\] . n + sigma / γ),   offset w g',   B_q = w (\[.\] . n + θ sigma / γ),   (C u + g)_q = w/γ P = compliance lambda where closed
+//!   C_q = w (\[.\] . n + sigma / γ),   offset w g',   B_q = w (\[.\] . n + θ sigma / γ)
+//!   (C u + g)_q = w/γ P = compliance lambda   where closed,
 //!
 //! and open where (C u + g)_q >= 0. So the active set over these rows is the semismooth Newton iteration of the equation above, and the
-//! rows solve beside exact, soft and tied ones. Only the symmetric variant has B = C; K is symmetric for all three.
+//! rows may be combined with exact, soft and tied ones. Only the symmetric variant has B = C; K is symmetric for all three.
 //!
 //! Sources: Chouly, Hild, SIAM J. Numer. Anal. 51 (2013) 1295-1307; Chouly, Hild, Renard, Math. Comp. 84 (2015) 1089-1112 (θ); Chouly,
 //! Mlika, Renard, Numer. Math. 139 (2018) 593-631 (two bodies).
@@ -22,14 +23,14 @@ use crate::coupling::nitsche::{Entries, Weights, Work, summed};
 use crate::coupling::{CouplingError, Interface, Nitsche, Rows, Segments, Side};
 use crate::linalg::{Real, Triplets, Vector, lit, to_f64};
 
-/// What Nitsche's method adds to the rows of a contact, which are one per point.
+/// Data of Nitsche's method beside the rows of a contact, which are one per point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AtPoints<T: Real = f64> {
-    /// w / γ of every row \[gap integral / (force/area)\]; zero where the point faces nothing.
+    /// w / γ of every row \[gap integral / (force/area)\]; zero if the point faces nothing.
     pub compliance: Vec<T>,
     /// -∫ θ/γ sigma(u) sigma(v) ds, added to the stiffness.
     pub stiffness: Triplets<T>,
-    /// The row of every point of the segments: points that face nothing have one, too.
+    /// Row of every point of the segments; points that face nothing have a row as well.
     pub row: Vec<usize>,
 }
 
@@ -49,7 +50,7 @@ pub struct PointValues<T: Real = f64> {
     pub gap: Vec<T>,
 }
 
-/// Segments of the points that face the opponent, their frames, and the opponent if it has a body.
+/// The opponent if it has a body, the segments of the points that face it, and their frames.
 type Faced<'a, const S: usize, const N: usize, T> = (Option<Side<'a, S, N, T>>, Segments<S, T>, Frames<N, T>);
 
 fn faced<'a, const S: usize, const N: usize, T: Real>(
@@ -78,7 +79,7 @@ fn wanted<const N: usize, T: Real>(frames: &Frames<N, T>, gap: &dyn Fn(&Vector<N
     }
 }
 
-/// The numbers, in `all`, of the points that `kept` has left: their order is the same.
+/// Numbers in `all` of the points in `kept`, which have the same order.
 fn numbers<const S: usize, T: Real>(all: &Segments<S, T>, kept: &Segments<S, T>) -> Vec<usize> {
     let mut of_all = (0..all.num_pieces()).flat_map(|piece| all.points(piece).map(move |q| (all.slave[piece], q)));
     (0..kept.num_pieces())
@@ -93,8 +94,8 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
     /// Arguments as of [`Contact::new`]. There is one row per point of `segments`; those of points that face nothing are open and empty.
     ///
     /// # Errors
-    /// [`ContactError::Coupling`] where a flux is missing or has no bound, or the factor is too small for the variant;
-    /// [`ContactError::Gap`] where the gap formula has no value.
+    /// [`ContactError::Coupling`] if a flux is missing or has no bound, or the factor is too small for the variant;
+    /// [`ContactError::Gap`] if the gap formula has no value.
     pub fn nitsche(
         nitsche: &Nitsche,
         slave: Side<'_, S, N, T>,
@@ -134,7 +135,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
                 }
                 if theta != T::zero() {
                     let sigma = points.sigma(k);
-                    // functions behind the side have no flux through it
+                    // some functions behind the side have no flux through it
                     let some = |i: &usize| sigma[*i] != T::zero();
                     for a in (0..sigma.len()).filter(some) {
                         let scaled = -theta * w / gamma * sigma[a];
@@ -152,12 +153,12 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
     }
 }
 
-/// lambda and gap of Nitsche's method at the points of `segments` that face `opponent`, and their numbers there.
+/// Returns lambda and gap of Nitsche's method at the points of `segments` that face `opponent`, with the numbers of these points.
 ///
 /// Arguments as of [`Contact::nitsche`].
 ///
 /// # Errors
-/// Those of [`Contact::nitsche`].
+/// As for [`Contact::nitsche`].
 pub fn point_values<const S: usize, const N: usize, T: Real>(
     nitsche: &Nitsche,
     slave: Side<'_, S, N, T>,

@@ -1,4 +1,4 @@
-//! Obstacles that a force presses: their translation is an unknown of the system.
+//! Force-driven rigid obstacles, whose translation is an unknown of the system.
 //!
 //!   gap_j = C_j u + g_j,   C_jd = -∫ ψ_j n . e ds   for the translation d along e
 //!
@@ -10,10 +10,10 @@ use crate::coupling::mortar::weighted_sums;
 use crate::linalg::{Real, Vector};
 
 impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
-    /// Lets the obstacle translate along `direction` by the value of `unknown`, found where that value is `at` \[length\].
+    /// Lets the obstacle translate along `direction` by the value of `unknown`, whose present value is `at` \[length\].
     ///
-    /// Normals and gaps stay those of the place `at`: exact for half-planes; for others build the contact again where the
-    /// obstacle has gone.
+    /// Normals and gaps stay those of the position `at`: exact for half-planes; for others build the contact again at the new
+    /// position.
     ///
     /// # Panics
     /// If the rows have no such unknown.

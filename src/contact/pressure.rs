@@ -1,12 +1,12 @@
-//! What a contact transmits: pressure, force, moment, and the zone where it is closed.
+//! Contact resultants: pressure, force, moment, and the closed zone.
 //!
 //! lambda = sum_j lambda_j ψ_j is the normal stress sigma_N <= 0, pressure = -lambda \[force/area\]. With n out of the
-//! master the traction on the slave is -lambda n: what the master does to the slave. Dual multipliers oscillate: their pressure is read
-//! through other functions with the same integrals ([`crate::coupling::multiplier::Reading`]), forces and moments are theirs.
+//! master the traction on the slave is -lambda n. Dual multipliers oscillate: their pressure is evaluated with other functions of the same
+//! integrals ([`crate::coupling::multiplier::Reading`]), forces and moments with their own.
 //!
-//! The closed zone is read from the functions that carry pressure: χ = sum of ψ_j over mu_j < 0 (the multipliers of the cone, lambda_j for
-//! P) is one inside, zero outside, and falls over the overlap of the outermost functions. Its integral is the area; it ends where χ = 1/2. Taking
-//! the whole support of those functions would add up to half their width at either end.
+//! The closed zone follows from the functions that carry pressure: χ = sum of ψ_j over mu_j < 0 (the multipliers of the cone, lambda_j for
+//! P) is one inside, zero outside, and falls over the overlap of the outermost functions. Its integral is the area; the zone ends where
+//! χ = 1/2. The whole support of those functions would add up to half their width at either end.
 
 use super::Contact;
 use crate::basis::{Basis, Order, ShapeTable};
@@ -20,10 +20,10 @@ fn threshold<T: Real>(lambda: &[T]) -> T {
 /// Multipliers below this share of the largest are round-off.
 const NO_PRESSURE: f64 = 1e-12;
 
-/// Sums and extremes over a contact side.
+/// Resultants, pressures and closed zone of a contact side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transmitted<const N: usize, T: Real = f64> {
-    /// What the master does to the slave \[force; 2D: per thickness\].
+    /// Force of the master on the slave \[force; 2D: per thickness\].
     pub force: Vector<N, T>,
     /// Its moment about the origin: (0, 0, m) in 2D.
     pub moment: [T; 3],
@@ -63,7 +63,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         self.transmitted_as_read(multiplier, multiplier, lambda)
     }
 
-    /// The same with pressures and zone read through the functions `reading`, as many as there are multipliers.
+    /// [`Contact::transmitted`] with pressures and zone evaluated with the functions `reading`, as many as there are multipliers.
     pub fn transmitted_as_read(&self, multiplier: &dyn Basis<S, T>, reading: &dyn Basis<S, T>, lambda: &[T]) -> Transmitted<N, T> {
         let mu = self.in_cone(lambda);
         let threshold = threshold(&mu);
@@ -79,7 +79,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         self.summed(pressure.clone(), &zone, &pressure)
     }
 
-    /// Sums over the points of χ and of what pushes there, extremes of the pressure that is read.
+    /// Integrates χ (`zone`) and the pressure `pushes` over the points; extremes are those of `pressure`.
     fn summed(&self, pressure: Vec<T>, zone: &[T], pushes: &[T]) -> Transmitted<N, T> {
         let mut out = Transmitted {
             force: Vector::zeros(),

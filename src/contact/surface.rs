@@ -19,7 +19,7 @@ pub struct OutlinePiece<T: Real = f64> {
     pub curve: Arc<dyn Geometry<1, 2, T>>,
     /// Its element there.
     pub element: usize,
-    /// +1 or -1: the factor of the tangent turned clockwise that makes a normal out of the obstacle.
+    /// +1 or -1: sign that makes the tangent turned clockwise a normal out of the obstacle.
     pub outward: T,
 }
 
@@ -59,7 +59,7 @@ impl<T: Real> Surface<T> {
         Self::of_pieces(pieces, reach)
     }
 
-    /// The obstacle with an outline of `pieces` in any order; pieces whose ends are at one place follow one another.
+    /// The obstacle with an outline of `pieces` in any order; pieces with coincident ends are joined.
     pub fn of_pieces(pieces: Vec<OutlinePiece<T>>, reach: Option<T>) -> Self {
         let outward = pieces.iter().map(|p| p.outward).collect();
         let elements = pieces.into_iter().map(|p| (p.curve, p.element)).collect();

@@ -1,4 +1,4 @@
-//! Rigid obstacles: half-plane, sphere, level set, any of them moved.
+//! Rigid obstacles: half-plane, sphere, level set, and translations of them.
 
 use super::{Hit, Target};
 use crate::linalg::{Real, Vector, lit};
@@ -12,7 +12,7 @@ pub struct HalfPlane<const N: usize, T: Real = f64> {
 }
 
 impl<const N: usize, T: Real> HalfPlane<N, T> {
-    /// Through `point`, with `normal` out of the obstacle (any length); none where the normal is zero.
+    /// Half-plane through `point`, with `normal` out of the obstacle (any length); `None` if the normal is zero.
     pub fn try_new(point: Vector<N, T>, normal: Vector<N, T>) -> Option<Self> {
         Some(Self { point, normal: unit(normal)? })
     }
@@ -32,7 +32,7 @@ pub struct Sphere<const N: usize, T: Real = f64> {
     pub center: Vector<N, T>,
     /// Its radius \[length\].
     pub radius: T,
-    /// Whether bodies are inside and the obstacle is what lies around.
+    /// Whether the bodies are inside and the obstacle is the space around.
     pub inside: bool,
 }
 
@@ -63,7 +63,7 @@ impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send +
         Self { function, along: None }
     }
 
-    /// The gap f along `direction` (any length); none where it is zero.
+    /// The gap f along `direction` (any length); `None` if it is zero.
     pub fn try_along(function: F, direction: Vector<N, T>) -> Option<Self> {
         Some(Self { function, along: Some(unit(direction)?) })
     }
@@ -81,7 +81,7 @@ impl<const D: usize, const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector
     fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
         let (value, gradient) = (self.function)(x);
         if !(value.is_finite() && gradient.iter().all(|g| g.is_finite())) {
-            // no number is no distance: whoever asks must hear of it
+            // the gap is NaN, so that the caller can report it
             let none = lit::<T>(f64::NAN);
             return Some(Hit { x: Vector::repeat(none), normal: Vector::repeat(none), gap: none, at: None });
         }
@@ -93,7 +93,7 @@ impl<const D: usize, const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector
     }
 }
 
-/// A target moved as a whole.
+/// A translated target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moved<X, const N: usize, T: Real = f64> {
     /// The target at rest.
@@ -109,7 +109,7 @@ impl<X: Target<D, N, T>, const D: usize, const N: usize, T: Real> Target<D, N, T
     }
 }
 
-/// `v` with length one; none where it has no direction.
+/// `v` normalised; `None` if it is zero or not finite.
 pub(super) fn unit<const N: usize, T: Real>(v: Vector<N, T>) -> Option<Vector<N, T>> {
     let norm = v.norm();
     (norm > T::zero() && norm.is_finite()).then(|| v / norm)

@@ -1,14 +1,15 @@
-//! Half the width of a contact zone along one side, or along several sides that follow one another.
+//! Contact half-width along one side, or along several consecutive sides.
 //!
-//! Functions carry pressure or do not, so their zone ends between elements. Its true end a follows from the moments of the
-//! pressure's tail, which equilibrium keeps right where single values are not. With s_0 the element boundary nearest to 3.5 sqrt(n)
-//! elements before the end, n of them between the middle of the zone and its end, and never before the middle, a and g are such that
+//! Each function carries pressure or not, so the zone of the active functions ends between elements. The true end a follows from the
+//! moments of the pressure's tail, which equilibrium keeps accurate even if single values are not. With s_0 the element boundary nearest
+//! to 3.5 sqrt(n) elements before the end, n of them between the middle of the zone and its end, and never before the middle, a and g are
+//! such that
 //!
 //!   ∫ p (s - s_0)^k ds / ∫ p ds over s > s_0   =   the same of sqrt(1 - x²) (1 + g x),   k = 1, 2
 //!
-//! where x runs from -1 at the other end b to 1 at a: smooth bodies touch with a pressure that ends like a root; Hertz has g = 0, and so has
-//! what is found where no such pressure is positive. Where the zone ends at a corner or at a rim, of the slave or of what it faces, the end
-//! is that place, and b its mirror image there. What is found lies within one element of the end of the functions' zone.
+//! where x runs from -1 at the other end b to 1 at a: between smooth bodies the pressure ends like a square root; Hertz has g = 0, which is
+//! also used if no such pressure is positive. If the zone ends at a corner or an edge of the slave or of its opponent, a is that point, and
+//! b its mirror image there. The result lies within one element of the end of the functions' zone.
 //!
 //! A half cylinder on a plane (a/R from 0.008 to 0.020, degrees 2 and 3, p/p and p/p-2): errors of a below 1 %, of the functions' zone
 //! from -9.1 to 7.2 %.
@@ -21,23 +22,23 @@ use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Real, Vector, lit, measure, num};
 use crate::quadrature::{Rule, gauss_legendre};
 
-/// Pressures up to this share of the largest one are none: round-off, of Nitsche's method and of soft rows.
+/// Relative size of the pressure up to which it is zero: round-off of Nitsche's method and of soft rows.
 const NO_PRESSURE: f64 = 1e-6;
-/// Elements of a tail over the root of their number from the middle of the zone to its end: shorter tails know less of other pressures
-/// than those of the model, longer ones carry less of the noise of single elements.
+/// Elements of a tail over the square root of their number from the middle of the zone to its end: shorter tails deviate less from the
+/// pressure of the model, longer ones average out more of the noise of single elements.
 const TAIL: f64 = 3.5;
-/// Places closer than this share of an element are one.
+/// Points closer than this fraction of an element coincide.
 const SAME_PLACE: f64 = 1e-6;
-/// Gauss points of a length.
+/// Gauss points of an arc length.
 const POINTS: usize = 8;
-/// Rounds in which both ends are found from each other; each gains more than a digit.
+/// Fixed-point iterations for both ends, which depend on each other; each gains more than a digit.
 const ROUNDS: usize = 12;
 /// Bisections of an end.
 const BISECTIONS: usize = 60;
-/// The end is looked for among tails that are up to so much shorter and longer than that of an ellipse, in so many steps.
+/// Search interval of the tail's length relative to that of an ellipse, and its number of subintervals.
 const AROUND: [f64; 2] = [0.75, 1.35];
 const STEPS: usize = 48;
-/// Second moments, over the square of the half width, that differ by less are one.
+/// Difference of second moments, over the square of the half width, below which they are equal.
 const NO_MISS: f64 = 1e-6;
 
 /// A slave side with its contact, the points of it that are closed, and the pressure there.
@@ -53,11 +54,11 @@ pub struct ClosedSide<'a, const N: usize, T: Real = f64> {
     pub pressure: &'a [T],
 }
 
-/// Half the extent of the contact zone along the slave sides, an arc length \[length\]. Zero where nothing is pressed.
+/// Returns half the extent of the contact zone along the slave sides, an arc length \[length\]; zero if nothing is in contact.
 ///
-/// Sides that meet are one curve: a joint between them is no end. Of curves that do not meet the widest zone counts; stretches that
-/// are pressed on one curve are one zone, on a closed curve what the widest open stretch leaves. With `symmetry` a zone that ends at
-/// an end of the curve goes on beyond it as in a mirror, so that all of its extent is half of the whole.
+/// Sides that meet are one curve: a joint between them is no end. Of curves that do not meet the widest zone counts. All pressed
+/// stretches of one curve are one zone; on a closed curve it is the complement of the widest open stretch. With `symmetry` a zone that
+/// ends at an end of the curve is mirrored there, so that its extent is half of the whole.
 pub fn half_width<const N: usize, T: Real>(sides: &[ClosedSide<'_, N, T>], symmetry: bool) -> T {
     let joined = Curves { elements: sides.iter().flat_map(|s| (0..s.slave.num_elements()).map(|e| (s.slave, e))).collect() };
     let chain = Chain::of(&joined);
@@ -82,7 +83,7 @@ pub fn half_width<const N: usize, T: Real>(sides: &[ClosedSide<'_, N, T>], symme
     widest
 }
 
-/// The place in the walk along a closed curve in the middle of its widest stretch of elements that are not pressed.
+/// Position in the walk along a closed curve in the middle of its widest stretch of elements that are not pressed.
 fn amid_widest_open<T: Real>(sections: &[Section<T>], curve: &[(usize, bool)]) -> usize {
     let n = curve.len();
     let of = |k: usize| &sections[curve[k % n].0];
@@ -120,7 +121,7 @@ struct Piece<T: Real> {
     points: Vec<Point<T>>,
 }
 
-/// An element: its length, and the pieces of it that face something, in order.
+/// An element: its length, and the pieces of it that face the opponent, in order.
 #[derive(Clone, Debug)]
 struct Section<T: Real> {
     length: T,
@@ -128,7 +129,7 @@ struct Section<T: Real> {
 }
 
 impl<T: Real> Section<T> {
-    /// All elements from their local starts on; of those that carry nothing, beside others that do not either, the length alone.
+    /// All elements, with arc lengths from their local starts; elements without pressure whose neighbours have none either get no pieces.
     fn all<const N: usize>(sides: &[ClosedSide<'_, N, T>], curve: &dyn Geometry<1, N, T>, chain: &Chain<N, T>) -> Vec<Self> {
         let none = sides.iter().flat_map(|s| s.pressure).fold(T::zero(), |m, p| m.max(*p)) * lit(NO_PRESSURE);
         let mut arc = Arc { curve, rule: gauss_legendre(POINTS), map: MapTable::new() };
@@ -157,7 +158,7 @@ impl<T: Real> Section<T> {
             }
             if whole > T::zero() {
                 points.sort_by(|a, b| order(a.s, b.s));
-                // a rule that integrates arc lengths has its centre in the middle
+                // the centroid of a rule that integrates arc lengths exactly is the midpoint
                 let (middle, half) = (moment / whole, whole * lit(0.5));
                 all[element].pieces.push(Piece { from: middle - half, to: middle + half, points });
             }
@@ -170,7 +171,7 @@ impl<T: Real> Section<T> {
         self.pieces.iter().flat_map(|p| &p.points).any(|p| p.pressed)
     }
 
-    /// The same at `start + s`, or where it is walked backwards at `start - s`.
+    /// Returns the section shifted to `start + s`, or to `start - s` if it is walked backwards.
     fn placed(&self, start: T, backwards: bool) -> Self {
         let at = |s: T| if backwards { start - s } else { start + s };
         let mut pieces: Vec<Piece<T>> = self.pieces.clone();
@@ -201,7 +202,7 @@ struct Arc<'a, const N: usize, T: Real> {
 }
 
 impl<const N: usize, T: Real> Arc<'_, N, T> {
-    /// From the local start of `element` to `xi`.
+    /// Arc length from the local start of `element` to `xi`.
     fn to(&mut self, element: usize, xi: T) -> T {
         let points: [Vector<1, T>; POINTS] = std::array::from_fn(|q| self.rule.points[q] * xi);
         self.curve.map(element, &points, Order::Gradients, &mut self.map);
@@ -211,23 +212,23 @@ impl<const N: usize, T: Real> Arc<'_, N, T> {
 
 /// A curve from end to end.
 struct Unrolled<T: Real> {
-    /// Where every element begins, and the end of the last.
+    /// Start of every element, and the end of the last.
     starts: Vec<T>,
     sections: Vec<Section<T>>,
 }
 
-/// The end of the zone towards the end of the curve, as far as the functions tell.
+/// End of the zone of the active functions towards the end of the curve.
 struct End<T: Real> {
-    /// The last pressed element, and the first of those that follow one another up to it.
+    /// Last pressed element, and the first of the consecutive pressed elements up to it.
     last: usize,
     first: usize,
-    /// Where their pieces end.
+    /// Arc length at which their pieces end.
     at: T,
-    /// Whether it is an end of what faces something.
+    /// Whether the part of the slave that faces the opponent ends there.
     is_corner: bool,
     /// Whether it is the end of the curve.
     of_curve: bool,
-    /// An element to either side.
+    /// Bounds of the true end: one element to either side.
     between: [T; 2],
 }
 
@@ -253,13 +254,13 @@ impl<T: Real> Unrolled<T> {
         Self { starts, sections: placed }
     }
 
-    /// The same seen from the other end: s is -s.
+    /// Returns the curve seen from the other end: s becomes -s.
     fn mirrored(&self) -> Self {
         let starts = self.starts.iter().rev().map(|&s| -s).collect();
         Self { starts, sections: self.sections.iter().rev().map(|s| s.placed(T::zero(), true)).collect() }
     }
 
-    /// The end of the zone; none where nothing is pressed.
+    /// End of the zone; `None` if nothing is pressed.
     fn end(&self) -> Option<End<T>> {
         let last = (0..self.sections.len()).rev().find(|&k| self.sections[k].is_pressed())?;
         let first = (0..last).rev().find(|&k| !self.sections[k].is_pressed()).map_or(0, |k| k + 1);
@@ -275,13 +276,13 @@ impl<T: Real> Unrolled<T> {
         Some(End { last, first, at, is_corner, of_curve: is_corner && at >= end - same, between })
     }
 
-    /// The pressure behind the boundary where the tail begins; none where it is none.
+    /// Moments of the pressure beyond the element boundary at which the tail begins; `None` unless force and moment are positive.
     fn tail(&self, end: &End<T>, middle: T) -> Option<Tail<T>> {
         let half = (end.first..=end.last).filter(|&k| self.starts[k + 1] > middle).count();
         let wanted = middle + (end.at - middle) * lit((1.0 - TAIL / (half as f64).sqrt()).max(0.0));
         let same = (end.at - middle).abs() * lit(SAME_PLACE);
         let mut k = end.first;
-        // of two as near the first; a single element says nothing of what lies within it
+        // the first of two at equal distance; a single element has no information about the end within it
         while k + 1 < end.last && (self.starts[k + 1] - wanted).abs() + same < (self.starts[k] - wanted).abs() {
             k += 1;
         }
@@ -294,12 +295,12 @@ impl<T: Real> Unrolled<T> {
         (force > T::zero() && moment > T::zero()).then(|| Tail { begin, mean: moment / force, square: square / force })
     }
 
-    /// Half the extent of the zone, all of it where the zone ends at an end of the curve and `symmetry` says that it goes on there.
+    /// Half the extent of the zone, or all of it if it ends at an end of the curve and `symmetry` continues it there.
     fn half_width(&self, symmetry: bool) -> T {
         let mirrored = self.mirrored();
         let (Some(right), Some(left)) = (self.end(), mirrored.end()) else { return T::zero() };
         let (mut a, mut b) = (right.at, -left.at);
-        // one stretch, whose ends are each other's; or several
+        // one stretch, whose two ends depend on each other; or several
         let is_one = right.first + left.last + 1 == self.sections.len();
         let middle = |corner: bool, end: T, other: T| if corner { other } else { (end + other) * lit(0.5) };
         let [from_left, from_right] = if is_one { [b, -a] } else { [self.starts[right.first], mirrored.starts[left.first]] };
@@ -324,7 +325,7 @@ impl<T: Real> Unrolled<T> {
 }
 
 impl<T: Real> Tail<T> {
-    /// The end a of the pressure of the file's head with these moments and the other end b, within bounds.
+    /// End a of the pressure of the module docs with these moments and the other end b, clamped to the bounds.
     fn end(&self, b: T, [least, most]: [T; 2]) -> T {
         let ellipse = self.ellipse(b);
         let length = ellipse - self.begin;
@@ -334,10 +335,10 @@ impl<T: Real> Tail<T> {
         nearest.unwrap_or(ellipse).max(least).min(most)
     }
 
-    /// The end of sqrt((a - s)(s - b)) with this mean.
+    /// End a of sqrt((a - s)(s - b)) with this mean.
     fn ellipse(&self, b: T) -> T {
         if b >= self.begin {
-            // all of it: its mean is its middle
+            // the whole zone: its mean is the middle
             return (self.begin + self.mean) * lit(2.0) - b;
         }
         // the mean lies between 2/5 and 1/2 of what is left
@@ -349,7 +350,7 @@ impl<T: Real> Tail<T> {
         (low + high) * lit(0.5)
     }
 
-    /// An end between `low` and `high` with both moments, where the pressure is positive.
+    /// End between `low` and `high` with both moments and a positive pressure; `None` if there is none.
     fn root(&self, b: T, mut low: T, mut high: T) -> Option<T> {
         let sign = |a: T| self.misses(b, a).map(|(missed, _)| missed > T::zero());
         let first = sign(low)?;
@@ -365,7 +366,7 @@ impl<T: Real> Tail<T> {
         self.misses(b, a).filter(|(missed, _)| missed.abs() < lit(NO_MISS)).map(|_| a)
     }
 
-    /// By how much the second moment is missed where the end is `a` and the first one is met, and g; none where 1 + g x has both signs.
+    /// Error of the second moment for the end `a` if the first one is met, and g; `None` if 1 + g x has both signs.
     fn misses(&self, b: T, a: T) -> Option<(T, T)> {
         let (middle, half) = ((a + b) * lit(0.5), (a - b) * lit(0.5));
         let from = (self.begin - middle) / half;

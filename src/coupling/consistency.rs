@@ -1,11 +1,11 @@
-//! How far the rows of an integration are from exact ones, measured on a solution.
+//! Consistency error of an integration, estimated from a finer one on a solution.
 //!
 //! With C and B the rows of an integration (B = C unless it is mixed), F the rows of a finer one, and the diagonals
 //! W_j = ∫ |ψ_j| ds of the multipliers, M_i = ∫ |N_i| ds of both sides, M_s of the slave's unknowns alone:
 //!
 //!   e = max( |W^-1/2 (C - F) u| / |M_s^1/2 u| ,  |M^-1/2 (B - F)ᵀ lambda| / |W^1/2 lambda| )
 //!
-//! The first part is what the constraint misses, the second what the equilibrium misses: the two consistency errors of
+//! The first part is the error of the constraint, the second that of the equilibrium: the two consistency errors of
 //! Strang's lemma, in lumped norms (|W^-1/2 r| is the norm of a functional r on multipliers, |M_s^1/2 u| that of u on the
 //! slave side). e is free of units, zero up to round-off where the integration is exact, and falls with its points.
 //! An estimate: F is exact only up to its own quadrature. Source of the splitting: Brivadis, Buffa, Wohlmuth, Wunderlich,
@@ -15,7 +15,7 @@ use super::{Coupling, CouplingError, Interface, Mortar, Rows, Segments, Side};
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::linalg::{Real, Triplets, Vector};
 
-/// Finer mortar rows of one slave side, and the weights of the norms. Cost: that of the rows.
+/// Finer mortar rows of one slave side, and the weights of the norms. As expensive as assembling the rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finer<T: Real = f64> {
     rows: Rows<T>,
@@ -26,7 +26,7 @@ pub struct Finer<T: Real = f64> {
 }
 
 impl<T: Real> Finer<T> {
-    /// From the interfaces of one slave side with all its masters, each with segments of the finer integration.
+    /// Assembles the finer rows from the interfaces of one slave side with all its masters, each with finer segments.
     ///
     /// # Errors
     /// [`CouplingError`] where an interface has no mortar rows.
@@ -61,7 +61,8 @@ impl<T: Real> Finer<T> {
         Ok(all)
     }
 
-    /// e of the head of this file for the rows C and B (none: C) on a solution u, lambda. Zero where both vanish.
+    /// Returns the consistency error e (module docs) of constraint rows C and reaction rows B (`None`: C) on a solution u, lambda.
+    /// A part with zero denominator counts as zero.
     pub fn estimate(&self, constraint: &Rows<T>, reaction: Option<&Rows<T>>, u: &[T], lambda: &[T]) -> T {
         let zero = T::zero();
         let mut gap = vec![zero; self.multiplier.len()];
@@ -103,7 +104,7 @@ fn row_weights<const S: usize, const N: usize, T: Real>(interface: &Interface<'_
     }
 }
 
-/// ∫ |N_i| ds of the unknowns of a side that are not zero.
+/// (unknown, ∫ |N_i| ds, `is_slave`) for the unknowns of a side with nonzero weight.
 fn unknown_weights<const S: usize, const N: usize, T: Real>(
     side: &Side<'_, S, N, T>,
     segments: &Segments<S, T>,
@@ -116,7 +117,7 @@ fn unknown_weights<const S: usize, const N: usize, T: Real>(
     sums.into_iter().enumerate().filter(|s| s.1 > T::zero()).flat_map(of).collect()
 }
 
-/// ∫ |function| ds over the segments, one per function; `elements` per piece and `xi` per point say where it is evaluated.
+/// ∫ |function| ds over the segments, one per function of `basis`, evaluated on `elements` (per piece) at `xi` (per point).
 fn sums<const S: usize, T: Real, B: Basis<S, T> + ?Sized>(
     basis: &B,
     segments: &Segments<S, T>,

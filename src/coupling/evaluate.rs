@@ -1,4 +1,4 @@
-//! Multiplier fields and jumps at the points of segments: what reports and error norms are made of.
+//! Multiplier fields, jumps and tractions at the points of segments, for reports and error norms.
 
 use super::{CouplingError, Interface, Segments, Side};
 use crate::basis::{Basis, Order, ShapeTable};
@@ -6,7 +6,7 @@ use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Real, Vector};
 use crate::physics::FluxTable;
 
-/// lambda at a local point of a slave element, one value per component.
+/// Evaluates lambda at a local point of a slave element, one value per component.
 ///
 /// `multiplier` and `lambda` as in the rows of [`super::Mortar`]: one space for all components, or one each; component
 /// after component.
@@ -30,7 +30,7 @@ pub fn multiplier_at<const S: usize, T: Real>(
         .collect()
 }
 
-/// lambda at the points of `segments`: `values[component][point]`.
+/// Evaluates lambda at the points of `segments`: `values[component][point]`.
 pub fn multiplier_values<const S: usize, T: Real>(
     multiplier: &[&dyn Basis<S, T>],
     components: usize,
@@ -120,7 +120,7 @@ pub fn slave_flux<const S: usize, const N: usize, T: Real>(
     Ok(values)
 }
 
-/// (∫ sum_c v_c² ds)^1/2 of values at the points of `segments`, as [`jumps`] and [`multiplier_values`] give them.
+/// (∫ sum_c v_c² ds)^1/2 of values at the points of `segments`, as returned by [`jumps`] and [`multiplier_values`].
 pub fn norm<const S: usize, T: Real>(values: &[Vec<T>], segments: &Segments<S, T>) -> T {
     let square = |q: usize| values.iter().fold(T::zero(), |s, v| s + v[q] * v[q]);
     segments.ds.iter().enumerate().fold(T::zero(), |s, (q, &ds)| s + square(q) * ds).sqrt()

@@ -1,4 +1,4 @@
-//! Floor 8: two sides, their segments and multipliers become rows or stiffness. Decides nothing.
+//! Floor 8: constraint rows or stiffness of two coupled sides, from their segments and multipliers.
 
 pub mod consistency;
 pub mod evaluate;
@@ -20,7 +20,7 @@ pub use mortar::Mortar;
 pub use nitsche::Nitsche;
 pub use penalty::Penalty;
 
-/// Why sides could not be coupled.
+/// Error when sides cannot be coupled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CouplingError {
@@ -29,7 +29,7 @@ pub enum CouplingError {
     Apart {
         /// Largest distance found.
         distance: f64,
-        /// Where.
+        /// Position of that point; coordinates beyond the dimension are zero.
         at: [f64; 3],
         /// Largest distance allowed.
         allowed: f64,
@@ -37,13 +37,13 @@ pub enum CouplingError {
     /// No point of the slave side has a partner on the master side.
     #[error("no part of the slave side faces the master side")]
     NothingFaces,
-    /// A point of the slave side, or what it faces, is not finite.
+    /// A point of the slave side, or its partner, is not finite.
     #[error("a point of the slave side's element {element}, or what it faces, is not finite")]
     NotFinite {
         /// The element of the slave side.
         element: usize,
     },
-    /// A multiplier space lives on other elements than the slave side.
+    /// A multiplier space has other elements than the slave side.
     #[error("the multiplier has {found} elements, the slave side {expected}")]
     Elements {
         /// Elements of the slave side.
@@ -67,20 +67,20 @@ pub struct Side<'a, const S: usize, const N: usize, T: Real = f64> {
     pub flux: Option<&'a dyn Flux<S, N, T>>,
 }
 
-/// All that a coupling sees of an interface.
+/// Input of a coupling: sides, multipliers and segments of an interface.
 #[derive(Clone, Copy, Debug)]
 pub struct Interface<'a, const S: usize, const N: usize, T: Real = f64> {
     /// The side that carries the multiplier.
     pub slave: Side<'a, S, N, T>,
-    /// The other side; none where it is rigid.
+    /// The other side; `None` if it is rigid.
     pub master: Option<Side<'a, S, N, T>>,
     /// One multiplier space, or one per component.
     pub multiplier: &'a [&'a dyn Basis<S, T>],
-    /// Where both sides are seen together.
+    /// Quadrature points shared by both sides, in local coordinates of each.
     pub segments: &'a Segments<S, T>,
-    /// A second list for the master part of the reaction: mixed integration.
+    /// Second list for the master part of the reaction (mixed integration).
     pub master_segments: Option<&'a Segments<S, T>>,
-    /// A direction per point of `segments`; then each function makes one scalar row along it: contact.
+    /// Direction per point of `segments`; each function then makes one scalar row along it (contact).
     pub direction: Option<&'a [Vector<N, T>]>,
 }
 
@@ -93,16 +93,16 @@ pub struct Rows<T: Real = f64> {
     pub master: Triplets<T>,
 }
 
-/// What a coupling adds to the system.
+/// Contributions of a coupling to the system.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CouplingBlocks<T: Real = f64> {
     /// C u = -offset for tied rows.
     pub constraint: Rows<T>,
-    /// B whose transpose carries the multiplier to the equilibrium; equal to C where absent.
+    /// B, whose transpose applies the multiplier to the equilibrium; `None` if equal to C.
     pub reaction: Option<Rows<T>>,
     /// Entries added to the stiffness.
     pub stiffness: Triplets<T>,
-    /// Softens the rows: penalty stiffness over the stiffness of their slave unknowns; none: exact rows.
+    /// Penalty stiffness of soft rows over the stiffness of their slave unknowns; `None` for exact rows.
     pub penalty: Option<T>,
 }
 
@@ -119,9 +119,9 @@ impl<T: Real> CouplingBlocks<T> {
     }
 }
 
-/// Turns sides, multipliers and segments into rows, stiffness or both. (S, N) stands for (N - 1, N).
+/// Assembles rows, stiffness or both from sides, multipliers and segments. (S, N) stands for (N - 1, N).
 pub trait Coupling<const S: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
-    /// The blocks of `interface` in a system with `unknowns` unknowns.
+    /// Assembles the blocks of `interface` in a system with `unknowns` unknowns.
     ///
     /// Rows of a vector multiplier: component after component, row = offset of the component + function.
     ///
@@ -129,14 +129,13 @@ pub trait Coupling<const S: usize, const N: usize, T: Real = f64>: Debug + Send 
     /// [`CouplingError`] where the interface lacks what the coupling needs.
     fn assemble(&self, interface: &Interface<'_, S, N, T>, unknowns: usize) -> Result<CouplingBlocks<T>, CouplingError>;
 
-    /// Whether it makes rows, and so needs a multiplier; one that only adds stiffness says no.
+    /// Whether the coupling makes rows, and so needs a multiplier; `false` if it only adds stiffness.
     fn has_rows(&self) -> bool {
         true
     }
 
-    /// What takes the place of the multiplier where there are no rows: lambda at the points of the segments for the solution
-    /// `unknowns`, `[component][point]`, in the sign of a multiplier \[force/area\]. Unless it says otherwise,
-    /// minus the slave's traction.
+    /// Multiplier field of a coupling without rows: lambda at the points of the segments for the solution `unknowns`,
+    /// `[component][point]`, in the sign of a multiplier \[force/area\]. By default minus the slave's traction.
     ///
     /// # Errors
     /// [`CouplingError`] where the interface lacks what is needed.

@@ -15,7 +15,7 @@ use crate::linalg::{Real, Triplets, Vector};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Mortar rows by the segments of an interface. With `master_segments` the reaction keeps D and takes its master part
+/// Mortar rows from the segments of an interface. With `master_segments` the reaction keeps D and takes its master part
 /// from the second list (mixed integration); then B differs from C.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Mortar;
@@ -40,7 +40,7 @@ impl<const S: usize, const N: usize, T: Real> Coupling<S, N, T> for Mortar {
     }
 }
 
-/// Where the rows of each component begin.
+/// First row of each component, and the number of rows.
 struct RowNumbers {
     first: Vec<usize>,
     total: usize,
@@ -95,7 +95,7 @@ impl RowNumbers {
     }
 }
 
-/// Tables and ids of one worker; they keep their memory from element to element.
+/// Work arrays of one thread, reused from element to element.
 struct Work<const S: usize, T: Real> {
     psi: ShapeTable<S, T>,
     shapes: ShapeTable<S, T>,
@@ -155,7 +155,7 @@ fn element_rows<const S: usize, const N: usize, T: Real>(
     let (mut slave_entries, mut master_entries) = (Vec::new(), Vec::new());
     let element = segments.slave[pieces.start];
     for (m, &multiplier) in interface.multiplier.iter().enumerate() {
-        // one multiplier serves all components, else each serves its own
+        // one multiplier serves all components, or there is one per component
         let components = if interface.multiplier.len() == 1 { 0..interface.slave.field.components } else { m..m + 1 };
         multiplier.active(element, &mut work.psi_ids);
         work.slave.clear();

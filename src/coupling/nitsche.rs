@@ -6,13 +6,13 @@
 //!   w_s = d_m / (d_s + d_m),   w_m = d_s / (d_s + d_m),   γ = factor d_s d_m / (d_s + d_m)
 //!
 //! θ = 1 symmetric, -1 unsymmetric, 0 incomplete. d \[modulus/length\] is the bound of the flux by the energy of the element
-//! behind the facet, ∫ |t|² ds <= d a(u, u), from a local eigenvalue ([`Flux::stabilisation`](crate::physics::Flux)). The weights put the flux on the
-//! softer or larger side, and γ is half the harmonic mean of both bounds: a jump of the modulus by any factor changes neither
-//! the coercivity nor the condition that the softer side has by itself.
+//! behind the facet, ∫ |t|² ds <= d a(u, u), from a local eigenvalue ([`Flux::stabilisation`](crate::physics::Flux)). The
+//! weights put the flux on the softer or larger side, and γ is half the harmonic mean of both bounds: a jump of the modulus by
+//! any factor changes neither the coercivity nor the condition that the softer side has by itself.
 //!
 //! Coercive by Young's inequality, piece by piece, where no element has more than m facets on tied sides: symmetric for
 //! factor > m, incomplete for factor > m / 4, unsymmetric for factor > 0. The default [`Nitsche::AUTO`] = 4 holds for m <= 3. Factors
-//! below 1 are refused for the first two; between 1 and m the solver refuses a symmetric matrix with negative energy.
+//! below 1 are an error for the first two; between 1 and m the solver rejects a symmetric matrix with negative energy.
 //!
 //! lambda = -{t} + γ \[u\] is the flux that crosses numerically, in the sign of a multiplier: minus the slave's traction. It is in
 //! balance with the loads of both bodies, whatever γ is.
@@ -28,7 +28,7 @@ use crate::physics::{Flux, FluxTable};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// How the consistency term is completed.
+/// Completion of the consistency term: the value of θ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Variant {
@@ -57,8 +57,8 @@ impl Default for Nitsche {
 }
 
 /// The smallest factor of the symmetric and the incomplete variant. Below it the symmetric form has next to no energy in some
-/// directions, or less than none: answers would lose accuracy before a factorisation tells. The incomplete form is coercive from
-/// there on where elements have up to four facets on tied sides; its matrix is not symmetric, so no factorisation would tell at all.
+/// directions, or less than none: answers would lose accuracy before a factorisation fails. The incomplete form is coercive from
+/// there on if elements have up to four facets on tied sides; its matrix is not symmetric, so no factorisation would detect a loss.
 const LEAST: f64 = 1.0;
 
 impl Nitsche {
@@ -83,7 +83,7 @@ impl Nitsche {
         self.check_factor()
     }
 
-    /// Refuses factors that the variant is not stable for.
+    /// Checks that the variant is stable for the factor.
     ///
     /// # Errors
     /// [`CouplingError::Missing`] where the factor is not positive, or too small for the symmetric and the incomplete variant.
@@ -100,7 +100,7 @@ impl Nitsche {
         Ok(())
     }
 
-    /// θ of the file's head.
+    /// θ of the variant (module docs).
     pub(crate) fn theta(&self) -> f64 {
         match self.variant {
             Variant::Symmetric => 1.0,
@@ -115,7 +115,7 @@ fn flux<'a, const S: usize, const N: usize, T: Real>(side: &Side<'a, S, N, T>) -
     side.flux.ok_or_else(|| CouplingError::Missing("Nitsche's coupling needs the fluxes of both bodies".into()))
 }
 
-/// d per element of a side, only of those that `elements` names.
+/// d per element of a side, zero for elements that are not in `elements`.
 fn bounds<const S: usize, const N: usize, T: Real>(side: &Side<'_, S, N, T>, elements: &[usize]) -> Result<Vec<T>, CouplingError> {
     let flux = flux(side)?;
     let mut wanted = elements.to_vec();
@@ -151,7 +151,7 @@ impl<T: Real> Weights<T> {
         let mut weights = Self { slave: Vec::new(), master: Vec::new(), stabilisation: Vec::new() };
         for (&s, &m) in segments.slave.iter().zip(&segments.master) {
             let a = on_slave[s];
-            // a rigid master has no flux and gives nothing
+            // a rigid master has no flux: all weight is on the slave
             let share = on_master.as_ref().map_or(T::one(), |d| d[m] / (a + d[m]));
             weights.slave.push(share);
             weights.master.push(on_master.as_ref().map_or(T::zero(), |d| a / (a + d[m])));
@@ -161,7 +161,7 @@ impl<T: Real> Weights<T> {
     }
 }
 
-/// Jump and mean flux at the points of a piece; what one worker keeps between pieces.
+/// Jump and mean flux at the points of a piece; work arrays of one thread, reused from piece to piece.
 pub(crate) struct Work<const S: usize, T: Real> {
     shapes: ShapeTable<S, T>,
     table: FluxTable<T>,
@@ -174,7 +174,7 @@ pub(crate) struct Work<const S: usize, T: Real> {
     pub flux: Vec<usize>,
     /// Mean flux, `mean[(q * components + c) * flux + f]`.
     pub mean: Vec<T>,
-    /// How many of the first unknowns of jump and flux are those of the slave.
+    /// Number of unknowns of the slave in `jump` and `flux`, where they come first.
     pub of_slave: [usize; 2],
     /// Consistency block, `block[j * flux + f]`.
     block: Vec<T>,
@@ -275,7 +275,7 @@ impl<const S: usize, T: Real> Work<S, T> {
             }
         }
         for (f, &unknown) in self.flux.iter().enumerate() {
-            // splines have functions behind the side without any flux through it
+            // functions of splines may be active on the element without any flux through the side
             if (0..nj * components).all(|j| self.block[j * nf + f] == T::zero()) {
                 continue;
             }
@@ -347,7 +347,7 @@ impl<const S: usize, const N: usize, T: Real> Coupling<S, N, T> for Nitsche {
     }
 }
 
-/// The same sum with one entry per place: the pieces of an element share most of theirs.
+/// Sums entries of equal row and column: the pieces of an element share most of theirs.
 pub(crate) fn summed<T: Real>(mut entries: Entries<T>) -> Entries<T> {
     entries.sort_by_key(|e| (e.0, e.1)); // stable: equal places keep their order
     entries.dedup_by(|next, kept| {

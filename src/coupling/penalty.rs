@@ -3,16 +3,17 @@
 //!   C u = S lambda,   S diagonal,   s_i = w_i² / (factor k_i)
 //!
 //! w_i = sum_j |C_ij| is the weight of row i, k_i the mean stiffness of its slave unknowns
-//! ([`constraint::penalty`](crate::constraint::penalty)). With elements of size h and a modulus E the jump is about h lambda / (factor E): the penalty
-//! is factor * E / h and `factor` is free of units. The error falls like 1 / factor down to that of the mortar coupling, and lambda is
-//! a multiplier like any other; the system keeps its form and its condition, however large the factor is.
+//! ([`constraint::penalty`](crate::constraint::penalty)). With elements of size h and a modulus E the jump is about
+//! h lambda / (factor E): the penalty is factor * E / h and `factor` is free of units. The error falls like 1 / factor down to that
+//! of the mortar coupling, and lambda is a multiplier like any other; the system keeps its form and its condition, however large
+//! the factor is.
 //!
 //! Source: Babuška, Math. Comp. 27 (1973) 221-228.
 
 use super::{Coupling, CouplingBlocks, CouplingError, Interface, Mortar};
 use crate::linalg::{Real, lit};
 
-/// Mortar rows that give way in proportion to their multiplier.
+/// Mortar rows with a diagonal compliance: C u = S lambda.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penalty {
     /// Stiffness of the penalty against that of the slave's elements, a pure number.

@@ -1,4 +1,4 @@
-//! A tree of boxes: which boxes meet a box, and which lie nearest to a point.
+//! Bounding volume hierarchy: boxes that meet a box, and boxes nearest to a point.
 
 use super::Bounds;
 use crate::linalg::{Real, Vector, to_f64};
@@ -23,7 +23,7 @@ struct Node<const N: usize, T: Real> {
     bounds: Bounds<N, T>,
     /// Range in `items`.
     range: (usize, usize),
-    /// Numbers of the two halves; none in a leaf.
+    /// Numbers of the two halves; `None` in a leaf.
     halves: Option<(usize, usize)>,
 }
 
@@ -43,13 +43,13 @@ impl PartialOrd for Entry {
 }
 impl Ord for Entry {
     fn cmp(&self, other: &Self) -> Ordering {
-        // a heap gives its largest entry, the nearest is wanted
+        // a heap pops its largest entry: the order is reversed to pop the nearest
         other.distance.total_cmp(&self.distance).then(other.is_item.cmp(&self.is_item)).then(other.number.cmp(&self.number))
     }
 }
 
 impl<const N: usize, T: Real> Tree<N, T> {
-    /// The tree over `boxes`; item i is `boxes[i]`.
+    /// Builds the tree over `boxes`; item i is `boxes[i]`.
     pub fn new(boxes: Vec<Bounds<N, T>>) -> Self {
         let mut tree = Self { nodes: Vec::new(), items: (0..boxes.len()).collect(), boxes };
         if !tree.boxes.is_empty() {
@@ -97,7 +97,7 @@ impl<const N: usize, T: Real> Tree<N, T> {
         number
     }
 
-    /// The items whose boxes meet `query`, in increasing order.
+    /// Items whose boxes meet `query`, in increasing order.
     pub fn meeting(&self, query: &Bounds<N, T>) -> Vec<usize> {
         let mut found = Vec::new();
         let mut stack = if self.nodes.is_empty() { Vec::new() } else { vec![0] };
@@ -117,7 +117,7 @@ impl<const N: usize, T: Real> Tree<N, T> {
 
     /// Visits items by growing distance of their boxes to `x`, as long as that distance is below `reach`.
     ///
-    /// `visit(item)` returns the reach that is left: the distance of the best found so far.
+    /// `visit(item)` returns the new reach: the distance of the best item so far.
     pub fn nearest(&self, x: &Vector<N, T>, reach: T, mut visit: impl FnMut(usize) -> T) {
         let mut reach = to_f64(reach);
         let mut queue = BinaryHeap::new();

@@ -42,7 +42,7 @@ pub fn faces<const D: usize, T: Real>(cell: Cell) -> Vec<Face<D, T>> {
     }
 }
 
-/// The face on which all of `points` lie to within `tolerance`, if there is one.
+/// The face on which all of `points` lie to within `tolerance`; `None` if there is none.
 pub fn face_of<const D: usize, T: Real>(cell: Cell, points: &[Vector<D, T>], tolerance: T) -> Option<usize> {
     let on = |value: &dyn Fn(&Vector<D, T>) -> T| points.iter().all(|p| value(p).abs() <= tolerance);
     match cell {

@@ -13,13 +13,13 @@ use rayon::prelude::*;
 const PIECES: usize = 8;
 /// Bisections of a piece of a curve that a bound cannot rule out.
 const DEPTH: usize = 5;
-/// Sampled second derivatives may miss their peak: they are trusted up to this factor.
+/// Safety factor of the sampled bound of second derivatives, which may miss their peak.
 const BEND_SAFETY: f64 = 2.0;
-/// Candidates that are farther than the best by less than this share of the size are not worth a search.
+/// Elements are skipped unless they may be nearer than the best point by this share of the size.
 const WORTH: f64 = 1e-11;
 /// Faces whose centres are this share of the size apart are the same face.
 const SAME_FACE: f64 = 1e-9;
-/// A foot is beyond the rim if the line to it leaves the right angle by more than this share of the size.
+/// A foot is beyond the rim if the line to it deviates from the right angle by more than this share of the size.
 const BEYOND: f64 = 1e-9;
 /// Steps of Newton's method; it converges in three to six.
 const STEPS: usize = 60;
@@ -40,7 +40,7 @@ pub struct Projection<const D: usize, const N: usize, T: Real = f64> {
     pub rim: bool,
 }
 
-/// Closest points of one map, for many queries.
+/// Closest-point search on one map, for many queries.
 ///
 /// # Example
 /// The point of a straight line nearest to (0.3, 2):
@@ -57,11 +57,11 @@ pub struct ClosestPoint<const D: usize, const N: usize, G, T: Real = f64> {
     geometry: G,
     tree: Tree<N, T>,
     size: T,
-    /// Per element and face of its cell: no other element has that face.
+    /// Per element and face of its cell: whether no other element has that face.
     loose: Vec<Vec<bool>>,
     /// Per element: bound of the sum of second derivatives.
     bend: Vec<T>,
-    /// Ends of the pieces of every element of a curve: no query evaluates them again.
+    /// Ends of the pieces of every element of a curve, evaluated once for all queries.
     nodes: Vec<[Node<N, T>; PIECES + 1]>,
 }
 
@@ -106,7 +106,7 @@ impl<const N: usize, T: Real> Node<N, T> {
         Self { x: table.x[q], d: table.jacobian[q].column(0).into_owned(), dd }
     }
 
-    /// The same at `t`, as it is seen from `p`.
+    /// Position and derivatives of f(t) = |x - p|² / 2 at this point, which has the parameter `t`.
     fn seen(&self, t: T, p: &Vector<N, T>) -> Sample<N, T> {
         let away = self.x - p;
         Sample { t, x: self.x, slope: away.dot(&self.d), curvature: self.d.norm_squared() + away.dot(&self.dd) }
@@ -126,7 +126,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
                 geometry.map(e, &cell::grid::<D, T>(geometry.cell(e), 2 * PIECES + 1), Order::Hessians, table);
                 let norm = |h: &[Matrix<D, D, T>; N]| h.iter().fold(T::zero(), |s, m| s + m[(0, 0)] * m[(0, 0)]).sqrt();
                 let bend = table.hessian.iter().fold(T::zero(), |m, h| m.max(norm(h))) * lit(BEND_SAFETY);
-                // every other point of the grid ends a piece
+                // pieces end at every other point of the grid
                 (bend, std::array::from_fn(|i| Node::of(table, 2 * i)))
             })
             .unzip();
@@ -148,13 +148,13 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         self.size
     }
 
-    /// The closest point to `x`; `None` where there are no elements or `x` is not finite.
+    /// The closest point to `x`; `None` if there are no elements or `x` is not finite.
     pub fn project(&self, x: &Vector<N, T>) -> Option<Projection<D, N, T>> {
         let far = x.iter().all(|v| v.is_finite()).then(|| self.tree.bounds()).flatten()?;
         self.project_within(x, (far.distance(x) + far.diagonal()) * lit(2.0) + T::one())
     }
 
-    /// The closest point to `x` nearer than `reach`; `None` where there is none.
+    /// The closest point to `x` nearer than `reach`; `None` if there is none.
     pub fn project_within(&self, x: &Vector<N, T>, reach: T) -> Option<Projection<D, N, T>> {
         if !x.iter().all(|v| v.is_finite()) {
             return None;
@@ -208,7 +208,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         into.extend(t.iter().enumerate().map(|(q, &t)| Node::of(table, q).seen(t, p)));
     }
 
-    /// D = 1: every piece of the element that may hold a closer point.
+    /// Searches every piece of an element of a curve (D = 1) that may hold a closer point.
     fn search_curve(&self, element: usize, p: &Vector<N, T>, best: &mut Best<D, N, T>, table: &mut MapTable<D, N, T>) {
         let samples: [Sample<N, T>; PIECES + 1] = std::array::from_fn(|i| self.nodes[element][i].seen(num::<T>(i) / num(PIECES), p));
         for s in &samples {
@@ -216,7 +216,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         }
         let mut pieces: Vec<(T, Sample<N, T>, Sample<N, T>, usize)> =
             samples.windows(2).map(|w| (self.below(element, p, &w[0], &w[1]), w[0], w[1], 0)).collect();
-        // nearest piece first: a good best rules out the others
+        // nearest piece first: a close point rules out the others
         pieces.sort_by(|a, b| b.0.partial_cmp(&a.0).unwrap_or(std::cmp::Ordering::Equal));
         let worth = self.size * lit(WORTH);
         let mut one = Vec::with_capacity(1);
@@ -241,7 +241,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         }
     }
 
-    /// No point of the piece is nearer to `p`: distance to the chord less |x''| h² / 8.
+    /// Lower bound of the distance of `p` to the piece: distance to the chord less |x''| h² / 8.
     fn below(&self, element: usize, p: &Vector<N, T>, a: &Sample<N, T>, b: &Sample<N, T>) -> T {
         let chord = b.x - a.x;
         let square = chord.norm_squared();
@@ -250,7 +250,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         (a.x + chord * s - p).norm() - self.bend[element] * h * h * lit(0.125)
     }
 
-    /// The zero of f' between `a` (f' < 0) and `b` (f' > 0) by Newton's method, bisection where it leaves the bracket.
+    /// Finds the zero of f' between `a` (f' < 0) and `b` (f' > 0) by Newton's method, bisection where it leaves the bracket.
     fn newton(
         &self,
         element: usize,
@@ -283,9 +283,9 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         }
     }
 
-    /// D = 1: from a point whose distance is right to rounding to one that is right itself.
+    /// Polishes the best point of a curve (D = 1): its distance is accurate to rounding, its parameter only to the root of that.
     ///
-    /// Near the foot the distance changes with the square of the way, so pieces that cannot be nearer may hold it.
+    /// Near the foot the distance varies quadratically, so the foot may lie in a piece that was ruled out.
     fn polish(&self, p: &Vector<N, T>, best: &mut Best<D, N, T>, table: &mut MapTable<D, N, T>) {
         let mut one = Vec::with_capacity(1);
         self.sample(best.element, &[best.xi[0]], p, table, &mut one);
@@ -306,7 +306,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         }
     }
 
-    /// D > 1: Newton with active faces from the best points of a grid.
+    /// Searches an element with D > 1: Newton's method with active faces from the best points of a grid.
     fn search_cell(&self, element: usize, p: &Vector<N, T>, best: &mut Best<D, N, T>, table: &mut MapTable<D, N, T>) {
         const STARTS: usize = 3;
         let kind = self.geometry.cell(element);
@@ -353,7 +353,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
             for c in 0..N {
                 full += table.hessian[0][c] * away[c];
             }
-            // the full matrix is quadratic where it descends, Gauss-Newton descends where the map is regular, damped everywhere
+            // in turn: full Hessian (quadratic), Gauss-Newton (descends where the map is regular), damped (descends everywhere)
             let mut moved = false;
             let mut damped = gauss;
             for k in 0..D {
@@ -390,8 +390,8 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
     }
 }
 
-/// The Newton step -H⁻¹ slope in the directions that no active face blocks, cut at the first face it meets; `None` where
-/// nothing is left or the step does not descend.
+/// Newton step -H⁻¹ slope in the directions that no active face blocks, cut at the first face it meets; `None` if no direction
+/// is left or the step does not descend.
 fn feasible_step<const D: usize, T: Real>(
     kind: Cell,
     xi: &Vector<D, T>,
@@ -462,7 +462,7 @@ fn feasible_step<const D: usize, T: Real>(
     None
 }
 
-/// `xi` moved into the closed cell; only rounding is left to move.
+/// Clamps `xi` to the closed cell, which it leaves by rounding only.
 fn into_cell<const D: usize, T: Real>(kind: Cell, xi: Vector<D, T>) -> Vector<D, T> {
     match kind {
         Cell::Tensor => xi.map(|v| v.clamp(T::zero(), T::one())),

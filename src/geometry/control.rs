@@ -9,7 +9,7 @@ use std::borrow::Cow;
 
 /// x(xi) = sum_i N_i(xi) P_i with one point per function of `basis`.
 ///
-/// It is a basis, too, so that it serves as an isoparametric space.
+/// It is also a basis, and so serves as an isoparametric space.
 #[derive(Clone, Debug)]
 pub struct ControlPoints<B, const N: usize, T: Real = f64> {
     /// The functions N_i.
@@ -147,7 +147,7 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> MapStructure<D, N,
     fn map_block(&self, element: usize) -> Option<MapBlock<'_, D, N, T>> {
         let basis = self.basis.structure().block(element)?;
         let functions: usize = basis.axes.iter().map(|a| a.num_functions()).product();
-        // a block of part of the basis numbers its functions by itself; only whole ones are known to number them alike
+        // a block of part of the basis has its own numbering; only whole ones are known to number functions alike
         (functions == self.points.len()).then(|| MapBlock { basis, control: Cow::Borrowed(&self.points) })
     }
 }

@@ -1,19 +1,19 @@
-//! A basis or a map seen from affine cells inside its elements: refined cells, simplices cut from cells, facets.
+//! A basis or a map on affine cells inside its elements: refined cells, simplices cut from cells, facets.
 
 use super::{Bounds, Embedding, Geometry, MapTable, cell, hull};
 use crate::basis::{Basis, Cell, Elements, Order, ShapeTable};
 use crate::linalg::{Real, Vector, lit, num};
 
-/// Values below this share of one count as zero when functions are looked for on a cell.
+/// A function vanishes on a cell if its absolute value is at most this at all sample points.
 const VANISHES: f64 = 1e-10;
 
-/// A basis or a geometry of dimension D seen from cells of dimension S <= D.
+/// A basis or a geometry of dimension D on cells of dimension S <= D inside its elements.
 ///
-/// The derivatives follow from the chain rule: d/dxi_S = axesᵀ d/dxi_D. A call makes the tables of the inner dimension
-/// anew, so bulk loops are better served by maps of their own where there is one.
+/// The derivatives follow from the chain rule: d/dxi_S = axesᵀ d/dxi_D. Every call allocates the tables of the inner dimension,
+/// so bulk loops are better served by specialised maps where they exist.
 #[derive(Clone, Debug)]
 pub struct Embedded<const S: usize, const D: usize, X, T: Real = f64> {
-    /// What is seen.
+    /// The inner basis or geometry.
     pub inner: X,
     /// One cell per element.
     pub cells: Vec<Embedding<S, D, T>>,
@@ -26,17 +26,17 @@ pub struct Embedded<const S: usize, const D: usize, X, T: Real = f64> {
 #[derive(Clone, Debug)]
 struct Kept {
     functions: usize,
-    /// Per cell: place in the table of the parent element, id.
+    /// Per cell: index in the table of the parent element, id.
     local: Vec<Vec<(usize, usize)>>,
 }
 
 impl<const S: usize, const D: usize, X, T: Real> Embedded<S, D, X, T> {
-    /// `inner` seen from `cells`, all of the shape `kind`, with the ids of its functions.
+    /// Restricts `inner` to `cells`, all of the shape `kind`; functions keep their ids.
     pub fn new(inner: X, cells: Vec<Embedding<S, D, T>>, kind: Cell) -> Self {
         Self { inner, cells, kind, corners: Vec::new(), kept: None }
     }
 
-    /// The same with topological corner ids per cell.
+    /// Sets topological corner ids per cell.
     ///
     /// # Panics
     /// If there is not one list per cell.
@@ -46,7 +46,7 @@ impl<const S: usize, const D: usize, X, T: Real> Embedded<S, D, X, T> {
         self
     }
 
-    /// The same without the functions that vanish on all cells, and the ids they had before.
+    /// Removes the functions that vanish on all cells; also returns the former ids of the others.
     pub fn restricted(mut self) -> (Self, Vec<usize>)
     where
         X: Basis<D, T>,
@@ -56,7 +56,7 @@ impl<const S: usize, const D: usize, X, T: Real> Embedded<S, D, X, T> {
         let mut kept: Vec<Vec<(usize, usize)>> = Vec::with_capacity(self.cells.len());
         for embedding in &self.cells {
             let degree: usize = self.inner.degree(embedding.element).into_iter().sum();
-            // inner points of an odd grid, off the nodes of any usual basis
+            // interior points of an unusual grid, off the nodes of any common basis
             let line: Vec<T> = (0..degree + 2).map(|j| (num::<T>(j) + lit(0.37)) / num(degree + 2)).collect();
             let points: Vec<Vector<D, T>> = cell::spread::<S, T>(self.kind, &line).iter().map(|xi| embedding.lift(xi)).collect();
             self.inner.active(embedding.element, &mut ids);

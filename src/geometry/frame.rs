@@ -39,7 +39,7 @@ pub fn unit_normal<const S: usize, const N: usize, T: Real>(jacobian: &Matrix<N,
     if length > T::zero() { normal * (outward / length) } else { Vector::zeros() }
 }
 
-/// The unit tangent of a curve, zero where it stands still.
+/// The unit tangent of a curve, zero where the derivative vanishes.
 #[inline]
 pub fn unit_tangent<const N: usize, T: Real>(jacobian: &Matrix<N, 1, T>) -> Vector<N, T> {
     let t: Vector<N, T> = jacobian.column(0).into_owned();

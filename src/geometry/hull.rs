@@ -1,13 +1,13 @@
-//! Boxes that surely hold a combination of basis functions on an element, and tighter ones for maps.
+//! Guaranteed boxes of combinations of basis functions on an element, and tighter ones for maps.
 
 use super::{Bounds, Control, Geometry, MapTable, Sampler, cell};
 use crate::basis::{Basis, Cell, Order, ShapeTable};
 use crate::linalg::{Real, Vector, lit, num};
 
-/// A box that holds sum_i N_i(xi) v_i for all xi in the cell of `element`; `value(i)` gives v_i. `None` without functions.
+/// A box that contains sum_i N_i(xi) v_i for all xi in the cell of `element`; `value(i)` gives v_i. `None` without functions.
 ///
-/// Where no function is negative the values themselves are a hull. Else (Lagrange) the functions are polynomials of the
-/// basis' degree, and the Bernstein coefficients of the sum are.
+/// Where no function is negative the values themselves are a hull. Otherwise (Lagrange) the functions are polynomials of the
+/// basis' degree, and the Bernstein coefficients of the sum are a hull.
 pub fn hull<const D: usize, const N: usize, T: Real, B: Basis<D, T> + ?Sized>(
     basis: &B,
     element: usize,
@@ -19,7 +19,7 @@ pub fn hull<const D: usize, const N: usize, T: Real, B: Basis<D, T> + ?Sized>(
     around_functions(Bernstein::of(basis, element).as_ref(), &values)
 }
 
-/// A box around coefficients of functions that are not negative, or that are changed to such by `change`.
+/// A box around coefficients of non-negative functions, or of functions that `change` converts to such.
 fn around_functions<const D: usize, const N: usize, T: Real>(
     change: Option<&Bernstein<D, T>>,
     values: &[Vector<N, T>],
@@ -27,7 +27,7 @@ fn around_functions<const D: usize, const N: usize, T: Real>(
     change.map_or_else(|| Bounds::around(values), |change| change.hull(values))
 }
 
-/// From coefficients to those of Bernstein polynomials: by the functions at points of a product of lines, line by line.
+/// Conversion of coefficients to those of Bernstein polynomials: values at a tensor grid of points, then line by line.
 #[derive(Debug)]
 struct Bernstein<const D: usize, T: Real> {
     /// Number of points, and of those on a line.
@@ -40,7 +40,7 @@ struct Bernstein<const D: usize, T: Real> {
 }
 
 impl<const D: usize, T: Real> Bernstein<D, T> {
-    /// `None` where the functions of `element` are not negative.
+    /// Builds the conversion; `None` if the functions of `element` are non-negative.
     fn of<B: Basis<D, T> + ?Sized>(basis: &B, element: usize) -> Option<Self> {
         let degree = basis.degree(element).into_iter().max().unwrap_or(0);
         let cell = basis.cell(element);
@@ -77,15 +77,15 @@ impl<const D: usize, T: Real> Bernstein<D, T> {
     }
 }
 
-/// Functions above the negative of this are taken for positive.
+/// Values above minus this count as non-negative.
 fn noise<T: Real>() -> T {
     T::default_epsilon() * lit(64.0)
 }
 
-/// Kinds of elements whose tables are kept at most.
+/// Largest number of reference cells with cached tables.
 const KEPT: usize = 64;
 
-/// Boxes of the elements of a map of control points, one after the other: reference cells are looked at once.
+/// Bounding boxes of the elements of a map of control points; the tables of reference cells are cached.
 #[derive(Debug)]
 pub(super) struct Boxes<'a, const D: usize, const N: usize, T: Real, G: ?Sized> {
     geometry: &'a G,
@@ -98,13 +98,13 @@ pub(super) struct Boxes<'a, const D: usize, const N: usize, T: Real, G: ?Sized> 
 }
 
 impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized> Boxes<'a, D, N, T, G> {
-    /// Those of `geometry`, whose functions and points are `control`.
+    /// Creates the boxes of `geometry`, whose functions and points are `control`.
     pub fn new(geometry: &'a G, control: Control<'a, D, N, T>) -> Self {
         let sampler = Sampler::new(geometry, Order::Hessians);
         Self { geometry, control, sampler, kept: Vec::new(), table: MapTable::new(), ids: Vec::new(), values: Vec::new() }
     }
 
-    /// The box of `element`: that around its hull, tightened.
+    /// Bounding box of `element`: the box around its hull, tightened by samples.
     pub fn of(&mut self, element: usize) -> Bounds<N, T> {
         let held = self.hull(element);
         let points = samples(self.geometry.cell(element));
@@ -112,7 +112,7 @@ impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>
         around::<D, N, T>(&self.table, held)
     }
 
-    /// The box around the hull of `element`, which holds that of the element.
+    /// The box around the hull of `element`; it contains the element.
     pub fn hull(&mut self, element: usize) -> Bounds<N, T> {
         let basis = self.control.basis;
         basis.active(element, &mut self.ids);
@@ -133,9 +133,9 @@ impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>
         held.unwrap_or(Bounds { lo: Vector::zeros(), hi: Vector::zeros() })
     }
 
-    /// The box around the boxes of all elements, whose hulls are `hulls`: elements whose hull lies within what is there are not asked.
+    /// The box around the boxes of all elements, whose hulls are `hulls`; elements with hulls inside the box so far are skipped.
     pub fn around(&mut self, hulls: &[Bounds<N, T>]) -> Option<Bounds<N, T>> {
-        // those that reach furthest come first: they leave few others to ask
+        // elements that reach furthest first: few others remain to be evaluated
         let furthest = |k: usize, sign: T| {
             let reach = |e: &usize| if sign > T::zero() { hulls[*e].hi[k] } else { -hulls[*e].lo[k] };
             (0..hulls.len()).reduce(|a, b| if reach(&b) > reach(&a) { b } else { a })
@@ -154,7 +154,7 @@ impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>
 
 /// The box `outer` of an element cut to one around samples, grown by four times the sampled deviation from straight pieces.
 ///
-/// The control points of a coarse map surround all of its cells; this box is near to the one asked for.
+/// The control points of a coarse map surround all of its cells; this box is close to the element.
 pub(super) fn tightened<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>(
     geometry: &G,
     element: usize,
@@ -165,17 +165,17 @@ pub(super) fn tightened<const D: usize, const N: usize, T: Real, G: Geometry<D, 
     around(&table, outer)
 }
 
-/// Pieces of a cell per direction, between whose ends a map is sampled.
+/// Number of intervals per direction of the sampling grid of a cell.
 const fn pieces(d: usize) -> usize {
     if d < 3 { 4 } else { 2 }
 }
 
-/// Where a map is sampled.
+/// Sample points of a map in its cell.
 fn samples<const D: usize, T: Real>(cell: Cell) -> Vec<Vector<D, T>> {
     cell::grid::<D, T>(cell, pieces(D) + 1)
 }
 
-/// [`tightened`] from the samples.
+/// The box of [`tightened`] from a table of samples.
 fn around<const D: usize, const N: usize, T: Real>(table: &MapTable<D, N, T>, outer: Bounds<N, T>) -> Bounds<N, T> {
     let Some(samples) = Bounds::around(&table.x) else { return outer };
     let bend = table.hessian.iter().flatten().fold(T::zero(), |m, h| m.max(h.iter().fold(T::zero(), |s, v| s + v.abs())));

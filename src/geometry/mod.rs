@@ -1,4 +1,4 @@
-//! Floor 4: maps from elements to space. Knows no unknowns.
+//! Floor 4: maps from elements to space; independent of unknowns.
 
 mod bounds;
 mod bvh;
@@ -85,13 +85,13 @@ impl<const D: usize, const N: usize, T: Real> MapTable<D, N, T> {
 pub trait Geometry<const D: usize, const N: usize, T: Real = f64>: Elements {
     /// Positions and derivatives at the local points `xi`; continues the element's own functions outside its cell.
     fn map(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut MapTable<D, N, T>);
-    /// A box that holds the element, for trees.
+    /// A box that contains the element, for search trees.
     fn bounds(&self, element: usize) -> Bounds<N, T>;
-    /// [`bounds`](Self::bounds) of every element. Where elements share reference cells this may look at those alone.
+    /// [`bounds`](Self::bounds) of every element; implementations may share the work between elements of one reference cell.
     fn all_bounds(&self) -> Vec<Bounds<N, T>> {
         (0..self.num_elements()).into_par_iter().map(|e| self.bounds(e)).collect()
     }
-    /// The box around [`all_bounds`](Self::all_bounds); `None` without elements. This may leave out elements that surely lie within others.
+    /// The box around [`all_bounds`](Self::all_bounds); `None` without elements. Elements known to lie within others may be left out.
     fn extent(&self) -> Option<Bounds<N, T>> {
         self.all_bounds().into_iter().reduce(|a, b| a.union(&b))
     }

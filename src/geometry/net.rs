@@ -3,7 +3,7 @@
 use crate::basis::{BSpline, Basis, ContainError, Elements, KnotError, WeightError, check_weights};
 use crate::linalg::{Real, Vector, num};
 
-/// Why numbers make no control net, or a net cannot be written in other splines.
+/// Error when data do not form a control net, or a net cannot be written in other splines.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NetError {
@@ -12,15 +12,15 @@ pub enum NetError {
     Knots {
         /// The direction, from 0.
         axis: usize,
-        /// What is wrong.
+        /// Cause.
         source: KnotError,
     },
     /// There is not one control point per function.
     #[error("there are {found} control points for {expected} functions ({per_axis:?} per direction); give one per function")]
     Counts {
-        /// How many points there are.
+        /// Number of points.
         found: usize,
-        /// How many functions there are.
+        /// Number of functions.
         expected: usize,
         /// Functions per direction.
         per_axis: Vec<usize>,
@@ -34,12 +34,12 @@ pub enum NetError {
     /// A weight is not positive, or there is not one per point.
     #[error(transparent)]
     Weights(#[from] WeightError),
-    /// The splines asked for do not contain the net's.
+    /// The target splines do not contain the net's.
     #[error("direction {axis}: {source}")]
     Contain {
         /// The direction, from 0.
         axis: usize,
-        /// What is missing.
+        /// Cause.
         source: ContainError,
     },
 }
@@ -58,7 +58,7 @@ pub struct ControlNet<const D: usize, const N: usize, T: Real = f64> {
 }
 
 impl<const D: usize, const N: usize, T: Real> ControlNet<D, N, T> {
-    /// A net of its parts.
+    /// Builds a net from splines, points and weights.
     ///
     /// # Errors
     /// [`NetError`] unless there is one finite point, and one positive weight if any, per function.
@@ -77,10 +77,10 @@ impl<const D: usize, const N: usize, T: Real> ControlNet<D, N, T> {
         Ok(Self { axes, points, weights })
     }
 
-    /// A net of degrees and knot vectors.
+    /// Builds a net from degrees and knot vectors.
     ///
     /// # Errors
-    /// [`NetError`], also for knots.
+    /// [`NetError`] as for [`try_new`](Self::try_new), and for invalid knots.
     pub fn from_knots(
         degree: [usize; D],
         knots: [Vec<T>; D],
@@ -95,7 +95,7 @@ impl<const D: usize, const N: usize, T: Real> ControlNet<D, N, T> {
         Self::try_new(axes, points, weights)
     }
 
-    /// The same map with `knots` added in direction `axis`; repeat a knot to add it several times.
+    /// Inserts `knots` in direction `axis`, keeping the map; repeat a knot to insert it several times.
     ///
     /// # Errors
     /// [`NetError::Knots`] if a knot lies outside or would be repeated more than degree + 1 times.
@@ -113,7 +113,7 @@ impl<const D: usize, const N: usize, T: Real> ControlNet<D, N, T> {
         self.with_axis(axis, finer)
     }
 
-    /// The same map with the degree of direction `axis` raised `times` times, regularity kept.
+    /// Elevates the degree of direction `axis` by `times`, keeping the map and its regularity.
     ///
     /// # Panics
     /// If there is no such direction.
@@ -130,9 +130,9 @@ impl<const D: usize, const N: usize, T: Real> ControlNet<D, N, T> {
         self.on_axes(&axes)
     }
 
-    /// The same map written in the splines `axes`: finer, of higher degree, less smooth.
+    /// Writes the map in the splines `axes`, which may be finer, of higher degree, less smooth.
     ///
-    /// Exact in exact arithmetic: homogeneous coordinates (w x, w) are carried over direction by direction.
+    /// Exact in exact arithmetic: homogeneous coordinates (w x, w) are transferred direction by direction.
     ///
     /// # Errors
     /// [`NetError::Contain`] if `axes` do not contain the net's splines.
@@ -162,7 +162,7 @@ impl<const D: usize, const N: usize, T: Real> ControlNet<D, N, T> {
         self.weights.as_ref().map(|w| carry(&self.axes, axes, 1, w.clone())).transpose()
     }
 
-    /// Breakpoints with at least `elements[k]` elements in direction k: every span is divided alike, so the number is
+    /// Breakpoints with at least `elements[k]` elements in direction k: every span is divided equally, so the number is
     /// rounded up to a multiple of the spans.
     pub fn breakpoints_total(&self, elements: [usize; D]) -> [Vec<T>; D] {
         self.breakpoints_per_span(std::array::from_fn(|k| elements[k].div_ceil(self.axes[k].num_elements())))

@@ -1,4 +1,4 @@
-//! Control nets moved, turned, scaled, mirrored and extruded.
+//! Transformations of control nets: scaling, rotation, translation, reversal, extrusion.
 
 use super::ControlNet;
 use crate::basis::{BSpline, Basis, Elements};
@@ -28,8 +28,7 @@ impl<const D: usize, const N: usize, T: Real> ControlNet<D, N, T> {
         self
     }
 
-    /// The same set of points with the parameter of direction `axis` running backwards: a right-handed net becomes
-    /// left-handed.
+    /// Reverses the parameter of direction `axis`, keeping the set of points: a right-handed net becomes left-handed.
     ///
     /// # Panics
     /// If there is no such direction.

@@ -1,22 +1,22 @@
-//! How far the facets of a curve or surface may deviate from the surface that they stand for.
+//! Deviation (sag) of the facets of a curve or surface from the smooth surface that they approximate.
 //!
-//! Facets that stand for one smooth surface turn at their common vertices. With n the normal of that surface at a vertex (mean of
+//! Facets that approximate one smooth surface turn at their common vertices. With n the normal of that surface at a vertex (mean of
 //! the facets' own normals m there: in the plane by the reciprocal of their lengths, on surfaces by their angles), an edge from x_i to x_j
 //! has its middle off by
 //!
 //!   w = c / 4,   c = (n_i - m_i) . (x_i - x_j), the larger of both ends         (h² κ / 8 on arcs; positive: the surface is outside)
 //!
-//! Facets that meet at more than 50 degrees are of different surfaces: a corner, and so a rim, has no curvature of its own. A facet that is
-//! curved itself follows its surface better; what turns its neighbours cancel shows as a jump of curvature, which adds h² |K - mean K| / 16.
+//! Facets that meet at more than 50 degrees belong to different surfaces: a corner, and so a rim, has no curvature of its own. A curved
+//! facet follows its surface better; turns that its neighbours cancel show as a jump of curvature, which adds h² |K - mean K| / 16.
 //!
-//! Sizes: true deviation over [`Sag::of`] is at most 1.05 on arcs graded 1:5, 0 on boxes, up to 2.4 on ellipses in few facets.
+//! Accuracy: true deviation over [`Sag::of`] is at most 1.05 on arcs graded 1:5, 0 on boxes, up to 2.4 on ellipses in few facets.
 
 use super::{Bounds, ClosestPoint, Geometry, MapTable, Tree, cell, unit_normal};
 use crate::basis::{Cell, Order};
 use crate::linalg::{Matrix, Real, Vector, lit};
 use rayon::prelude::*;
 
-/// Facets whose normals meet at more than 50 degrees are of different surfaces: the cosine.
+/// Facets whose normals meet at more than 50 degrees belong to different surfaces: the cosine.
 const SMOOTH: f64 = 0.642_787_609_686_539_4;
 /// Corners nearer than this share of a facet are one vertex.
 const SAME_VERTEX: f64 = 1e-7;
@@ -40,30 +40,31 @@ pub struct Sag<const D: usize, const N: usize, T: Real = f64> {
     greatest: Vec<T>,
     /// Per facet the height of the surface over the middle of every edge; zero where the facet is curved.
     edges: Vec<[T; 4]>,
-    /// Where the facets are parts of others whose heights these are: shape of the other, ξ = origin + axes · own coordinate.
+    /// Per facet the larger facet that it is part of and that `edges` describes; empty if facets are no parts.
     parts: Vec<Part<D, T>>,
 }
 
-/// A facet as a part of another: the other's shape, the image of the origin, the images of the axes.
+/// A facet as a part of another: the other's shape, origin and axes in ξ = origin + axes · own coordinate.
 type Part<const D: usize, T> = (Cell, Vector<D, T>, Matrix<D, D, T>);
 
 /// A facet at its corners.
 struct Facet<const D: usize, const N: usize, T: Real> {
     x: Vec<Vector<N, T>>,
     normal: Vec<Vector<N, T>>,
-    /// Curvature tensor at every corner; none where the facet is straight.
+    /// Curvature tensor at every corner; empty if the facet is straight.
     bend: Vec<Matrix<N, N, T>>,
     size: T,
     cell: Cell,
 }
 
 impl<const D: usize, const N: usize, T: Real> Sag<D, N, T> {
-    /// No deviation: facets that are the surface itself.
+    /// Zero deviation, for facets that are the surface itself.
     pub fn none(facets: usize) -> Self {
         Self { greatest: vec![T::zero(); facets], edges: vec![[T::zero(); 4]; facets], parts: Vec::new() }
     }
 
-    /// The deviation of all facets of `side`; `outward` as of a [trace](crate::space::Trace): +1 or -1 times the cross product of the tangents.
+    /// Estimates the deviation of all facets of `side`; `outward` as of a [trace](crate::space::Trace): +1 or -1 times the cross product
+    /// of the tangents.
     pub fn of<G: Geometry<D, N, T> + ?Sized>(side: &G, outward: &[T]) -> Self {
         let facets: Vec<Facet<D, N, T>> =
             (0..side.num_elements()).into_par_iter().map_init(MapTable::new, |table, e| facet(side, e, outward[e], table)).collect();
@@ -104,16 +105,16 @@ impl<const D: usize, const N: usize, T: Real> Sag<D, N, T> {
         }
     }
 
-    /// The same deviation of `parts`, affine parts of the facets `whole` that this is of: halvings turn at no vertex of their own.
+    /// Transfers the deviation to `parts`, affine parts of the facets `whole` of this estimate: parts do not turn at their new vertices.
     ///
-    /// None where a facet of `parts` is no part of any.
+    /// Returns `None` if a facet of `parts` is not part of one of `whole`.
     pub fn of_parts<G: Geometry<D, N, T> + ?Sized, H: Geometry<D, N, T> + ?Sized>(&self, whole: &G, parts: &H) -> Option<Self> {
         let closest = ClosestPoint::<D, N, &G, T>::new(whole);
         let all: Option<Vec<(usize, Part<D, T>)>> = (0..parts.num_elements())
             .into_par_iter()
             .map_init(MapTable::new, |table, e| {
                 let kind = parts.cell(e);
-                // inner points: those of a rim may be on a neighbour of the whole
+                // inner points: points on an edge may project to a neighbour of the whole
                 let center = cell::center::<D, T>(if D == 1 { Cell::Tensor } else { kind });
                 let steps: Vec<Vector<D, T>> =
                     (0..D).map(|k| center + Vector::<D, T>::from_fn(|i, _| if i == k { lit(STEP) } else { T::zero() })).collect();
@@ -138,7 +139,7 @@ impl<const D: usize, const N: usize, T: Real> Sag<D, N, T> {
     }
 }
 
-/// Distance in local coordinates of the points that say where a facet lies in another.
+/// Distance in local coordinates of the points that locate a facet in another.
 const STEP: f64 = 0.125;
 
 /// 4 u (1 - u) w along an edge, blended over quadrilaterals and triangles.

@@ -1,13 +1,13 @@
-//! A map asked at the same points of many elements: functions of a reference cell are tabulated once.
+//! Maps evaluated at the same points of many elements: functions of a reference cell are tabulated once.
 
 use super::{Control, Geometry, MapTable, combine};
 use crate::basis::{Order, ShapeTable};
 use crate::linalg::{Real, Vector};
 
-/// Tables kept at most: more reference cells have nothing in common.
+/// Largest number of cached tables; further reference cells are evaluated directly.
 const KEPT: usize = 64;
 
-/// A geometry with the tables of its map at sets of points, one per reference cell and set.
+/// A geometry with cached tables of its functions at sets of points, one per reference cell and set.
 #[derive(Debug)]
 pub struct Sampler<'a, const D: usize, const N: usize, T: Real, G: ?Sized> {
     geometry: &'a G,
@@ -21,12 +21,12 @@ pub struct Sampler<'a, const D: usize, const N: usize, T: Real, G: ?Sized> {
 type Key = (usize, usize);
 
 impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized> Sampler<'a, D, N, T, G> {
-    /// Maps of `geometry` up to `order`.
+    /// Creates a sampler of `geometry` that evaluates up to `order`.
     pub fn new(geometry: &'a G, order: Order) -> Self {
         Self { geometry, control: geometry.map_structure().control(), order, kept: Vec::new(), ids: Vec::new() }
     }
 
-    /// What [`Geometry::map`] says at `xi`, the points that the caller numbers `set`: the same for all calls with that number.
+    /// Evaluates [`Geometry::map`] at `xi`; `set` is the caller's number of these points, which must be the same in all calls with it.
     pub fn map(&mut self, element: usize, set: usize, xi: &[Vector<D, T>], table: &mut MapTable<D, N, T>) {
         match self.known(element, set, xi) {
             Some((control, k)) => {
@@ -37,7 +37,7 @@ impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>
         }
     }
 
-    /// Functions and points of the map, and which of the tables is that of `element`; `None` where tables differ from element to element.
+    /// Functions and points of the map, and the index of the table of `element`; `None` if the element has no cached table.
     fn known(&mut self, element: usize, set: usize, xi: &[Vector<D, T>]) -> Option<(Control<'a, D, N, T>, usize)> {
         let control = self.control?;
         let key = (control.basis.structure().reference(element)?, set);
@@ -65,7 +65,7 @@ mod tests {
         (0..3).map(|q| Vector::from([0.3 * q as f64, 0.01 * k as f64])).collect()
     }
 
-    /// Asks for every element at `sets` sets of points, twice, and compares with the map itself; returns how many tables are kept.
+    /// Evaluates every element at `sets` sets of points, twice, and compares with the map itself; returns the number of cached tables.
     fn compared(geometry: &dyn Geometry<2, 2, f64>, elements: usize, sets: usize, order: Order) -> usize {
         let (mut sampler, mut found, mut known) = (Sampler::new(geometry, order), MapTable::new(), MapTable::new());
         for _ in 0..2 {

@@ -7,14 +7,14 @@ use super::{ControlNet, NetError};
 use crate::basis::BSpline;
 use crate::linalg::Vector;
 
-/// Why there is no such shape.
+/// Error when a shape cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeError {
     /// A number is not finite.
     #[error("{name} = {value} is not a finite number")]
     NotFinite {
-        /// Which number.
+        /// Name of the argument.
         name: &'static str,
         /// Its value.
         value: f64,
@@ -32,11 +32,11 @@ pub enum ShapeError {
     /// A radius is out of range.
     #[error("{name} = {value} is out of range; {allowed}")]
     Radius {
-        /// Which radius or width.
+        /// Name of the radius or width.
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// Allowed range.
         allowed: &'static str,
     },
     /// An angle is out of range.
@@ -49,7 +49,7 @@ pub enum ShapeError {
         /// The difference.
         span: f64,
     },
-    /// The net of control points is refused.
+    /// The control net is invalid.
     #[error(transparent)]
     Net(#[from] NetError),
 }

@@ -1,11 +1,11 @@
-//! Memory of large arrays: mapped pages for which the system is asked to take huge ones, the heap for all else.
+//! Memory of large arrays: mapped pages with a request for huge pages; the heap for smaller ones.
 //!
 //! Touching new memory for the first time costs a fault per page; pages of 2 MB instead of 4 kB leave few of them.
 
 use std::fmt;
 use std::ops::{Deref, DerefMut};
 
-/// Arrays of fewer bytes stay on the heap, where freed memory is taken again.
+/// Arrays of fewer bytes stay on the heap, where freed memory is reused.
 const LEAST_BYTES: usize = 4 << 20;
 
 /// An array of fixed length.
@@ -27,7 +27,7 @@ impl<T: num_traits::Zero + Copy + 'static> Buffer<T> {
         pages.map_or_else(|| Self::Heap(vec![T::zero(); n]), Self::Pages)
     }
 
-    /// `n` zeros; `None` where there is no memory for them.
+    /// `n` zeros; `None` if out of memory.
     pub(crate) fn try_zeros(n: usize) -> Option<Self> {
         let pages = if n.checked_mul(size_of::<T>())? < LEAST_BYTES { None } else { mapped(n) };
         if let Some(pages) = pages {
@@ -96,7 +96,7 @@ impl<T: fmt::Debug> fmt::Debug for Buffer<T> {
     }
 }
 
-/// Pages for `n` numbers of a type that bytes may be read as; `None` for other types and where the system has no such memory.
+/// Pages for `n` numbers of a type that bytes may be read as; `None` for other types and if the system has no such memory.
 #[cfg(target_os = "linux")]
 fn mapped<T: 'static>(n: usize) -> Option<Box<dyn Pages<T>>> {
     use std::any::{Any, TypeId};
@@ -138,7 +138,7 @@ mod linux {
 
     pub(super) fn pages<T: bytemuck::Pod>(n: usize) -> Option<Box<dyn Pages<T>>> {
         let map = MmapMut::map_anon(n.checked_mul(size_of::<T>())?).ok()?;
-        // a system without huge pages refuses, and gives small ones
+        // a system without huge pages ignores this and uses small ones
         let _ = map.advise(Advice::HugePage);
         Some(Box::new(Mapped(map)))
     }

@@ -1,4 +1,4 @@
-//! Compressed sparse rows, in blocks where the field has components: pattern first, values refilled in place.
+//! Compressed sparse rows, in blocks if the field has components; the pattern is fixed, values are refilled in place.
 
 use super::{Buffer, Columns, Operator, Real, Sparsity};
 use std::ops::Range;
@@ -15,7 +15,7 @@ pub struct Csr<T: Real = f64> {
 }
 
 impl<T: Real> Csr<T> {
-    /// A matrix of its parts: `ptr` has one entry more than rows, columns ascend within each row.
+    /// Builds a matrix of its parts: `ptr` has one entry more than rows, columns ascend within each row.
     ///
     /// # Panics
     /// If the lengths do not fit or if there are 2^32 columns or more.
@@ -42,7 +42,7 @@ impl<T: Real> Csr<T> {
         Self::of(pattern, vals)
     }
 
-    /// Says where the unknowns live (one point per row), see [`Operator::places`].
+    /// Sets the coordinates of the unknowns (one point per row), see [`Operator::places`].
     pub fn with_places(mut self, places: Vec<[f64; 3]>) -> Self {
         self.places = places;
         self
@@ -63,12 +63,12 @@ impl<T: Real> Csr<T> {
         self.vals.len()
     }
 
-    /// Which entries are stored.
+    /// Sparsity pattern.
     pub fn pattern(&self) -> &Arc<Sparsity> {
         &self.pattern
     }
 
-    /// Bytes of values, pattern and places.
+    /// Bytes of values, pattern and coordinates.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.vals) + self.pattern.bytes() + size_of_val(&*self.places)
     }
@@ -83,7 +83,7 @@ impl<T: Real> Csr<T> {
         &mut self.vals
     }
 
-    /// Places of the values of row `i`.
+    /// Range of the values of row `i`.
     pub fn entries(&self, i: usize) -> Range<usize> {
         self.pattern.entries(i)
     }
@@ -100,7 +100,7 @@ impl<T: Real> Csr<T> {
         (self.pattern.row(i), &mut self.vals[self.pattern.entries(i)])
     }
 
-    /// Entry (i, j), zero where nothing is stored.
+    /// Entry (i, j), zero if not stored.
     pub fn get(&self, i: usize, j: usize) -> T {
         let (cols, vals) = self.row(i);
         cols.position_of(j).map_or_else(T::zero, |k| vals[k])
@@ -197,7 +197,7 @@ impl<T: Real> Operator<T> for Csr<T> {
     }
 }
 
-/// Largest size of a value, in four parts.
+/// Largest magnitude of the values, by four partial maxima.
 pub(crate) fn largest<T: Real>(vals: &[T]) -> T {
     let (parts, rest) = vals.as_chunks::<4>();
     let mut most = [T::zero(); 4];

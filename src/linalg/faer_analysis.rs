@@ -1,4 +1,4 @@
-//! The symbolic part of a factorisation: it depends on the pattern alone and is kept as long as that stays.
+//! Symbolic part of a factorisation, which depends on the pattern alone and is reused for matrices of the same pattern.
 
 use super::faer_border::{Border, Nodes};
 use super::faer_fronts::Fronts;
@@ -15,19 +15,19 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 use pulp::Arch;
 use std::sync::Arc;
 
-/// Pivots below this share of their diagonal entry are rounding.
+/// Relative size, against the diagonal entry, below which a pivot is rounding.
 const NO_PIVOT: f64 = 1e-12;
 
-/// An order of the unknowns and the places of the factor's numbers.
+/// Fill-reducing order of the unknowns and structure of the factor.
 pub(super) struct Analysis {
-    /// The pattern of both triangles, where the matrix came so.
+    /// Pattern of the full matrix, if the upper triangle was taken from one.
     pub source: Option<Arc<Sparsity>>,
     /// The pattern of the upper triangle.
     pub pattern: Arc<(Vec<usize>, Vec<usize>)>,
     pub symbolic: SymbolicCholesky<usize>,
-    /// The factorisation by fronts, where it is to be had.
+    /// Data of the multifrontal factorisation; `None` if it is not used.
     pub fronts: Option<Fronts>,
-    /// Whether places were used.
+    /// Whether the order is a nested dissection by the coordinates of the unknowns.
     pub dissected: bool,
 }
 
@@ -40,7 +40,7 @@ impl Analysis {
         }
     }
 
-    /// The factor of the matrix with this upper triangle; `work` is kept for the next one.
+    /// Computes the factor of the matrix with this upper triangle; `work` is kept for the next one.
     pub fn factorise(&self, upper: &Upper, factor: &mut [f64], work: &mut Option<[Buffer<f64>; 2]>) -> Result<(), LinearError> {
         if let SymbolicCholeskyRaw::Supernodal(_) = self.symbolic.raw() {
             faer_kernels::take()?;
@@ -57,7 +57,7 @@ impl Analysis {
         }
     }
 
-    /// The same by faer, a column of supernodes after the other, or of single unknowns where the factor has few entries.
+    /// Computes the factor by faer, by columns of supernodes or, if the factor has few entries, by single columns.
     pub fn by_columns(&self, upper: &Upper, factor: &mut [f64]) -> Result<(), LinearError> {
         let ((ptr, cols), symbolic) = (&*upper.pattern, &self.symbolic);
         let n = symbolic.nrows();
@@ -100,7 +100,7 @@ impl Analysis {
         x.into_iter().try_for_each(|x| self.solve_by_faer(factor, x))
     }
 
-    /// Which nodes of the factor the rows `chosen` of `c` reach.
+    /// Nodes of the factor reached by the rows `chosen` of `c`.
     pub fn border(&self, c: &Csr<f64>, chosen: &[usize]) -> Border {
         Border::of(Nodes(self.symbolic.raw()), self.orders()[1], c, chosen)
     }
@@ -135,7 +135,7 @@ impl Analysis {
         self.symbolic.perm().map_or([&[]; 2], |perm| [perm.arrays().0, perm.arrays().1])
     }
 
-    /// The same by faer: for factors of single unknowns.
+    /// x = A⁻¹ x by faer, for factors of single columns.
     pub fn solve_by_faer(&self, factor: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         let n = x.len();
         if n == 0 {

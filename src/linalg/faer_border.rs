@@ -3,10 +3,10 @@
 //!   P A Pᵀ = L D Lᵀ,   X = L⁻¹ P Cᵀ,   C A⁻¹ Cᵀ = Xᵀ D⁻¹ X
 //!
 //! X has entries only in the nodes of the factor (supernodes, or single columns) between those that a row touches and the root of the
-//! elimination tree. A node's part of X is dropped as soon as it is done with: what lives is what lower nodes have sent upwards.
-//! One thread does it all: results do not depend on how many there are.
+//! elimination tree. A node's part of X is dropped once processed; only the updates from lower nodes to higher ones are stored.
+//! Single-threaded: results do not depend on the number of threads.
 //!
-//! Source: Gilbert, Peierls, SIAM J. Sci. Stat. Comput. 9 (1988) 862-874 (sparse right-hand sides); Liu, SIAM Review 34 (1992) 82-109.
+//! Sources: Gilbert, Peierls, SIAM J. Sci. Stat. Comput. 9 (1988) 862-874 (sparse right-hand sides); Liu, SIAM Review 34 (1992) 82-109.
 
 use super::faer_fronts::lower_product;
 use super::{Buffer, Csr};
@@ -16,11 +16,11 @@ use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
 use faer::{Accum, MatMut, MatRef, Par};
 use std::ops::Range;
 
-/// The nodes of a factor: its supernodes, or its columns one by one. The numbers of a node lie column after column, D on the diagonal.
+/// The nodes of a factor: its supernodes, or its single columns. The values of a node are stored by columns, with D on the diagonal.
 #[derive(Clone, Copy)]
 pub(super) struct Nodes<'a>(pub &'a SymbolicCholeskyRaw<usize>);
 
-/// A node: its columns, the rows below them, and where its numbers are.
+/// A node: its columns, the rows below them, and the range of its values.
 pub(super) struct Node<'a> {
     pub begin: usize,
     pub width: usize,
@@ -85,7 +85,7 @@ impl<'a> Nodes<'a> {
     }
 }
 
-/// Which rows of the border reach which nodes.
+/// Rows of the border and the nodes that each of them reaches.
 #[derive(Debug)]
 pub(crate) struct Border {
     /// The rows, as numbered by the caller.
@@ -94,16 +94,16 @@ pub(crate) struct Border {
     pub(super) nodes: Vec<usize>,
     /// Starts in `reaching` of the rows that reach each of `nodes`.
     first: Vec<usize>,
-    /// Places in `rows`, ascending in every node.
+    /// Indices into `rows`, ascending in every node.
     reaching: Vec<u32>,
     /// Operations for X, and for Xᵀ D⁻¹ X.
     pub(crate) operations: [f64; 2],
-    /// Numbers that live at once beside the Schur complement.
+    /// Largest number of values stored at once beside the Schur complement.
     scratch: usize,
 }
 
 impl Border {
-    /// The rows `chosen` of `c`, unknown j of which is column `new[j]` of the factor.
+    /// Border of the rows `chosen` of `c`, whose unknown j is column `new[j]` of the factor.
     pub(super) fn of(nodes: Nodes<'_>, new: &[usize], c: &Csr<f64>, chosen: &[usize]) -> Self {
         let node = nodes.of_columns(new.len());
         let mut waiting: Vec<Vec<u32>> = vec![Vec::new(); nodes.len()];
@@ -140,12 +140,12 @@ impl Border {
         &self.reaching[self.first[at]..self.first[at + 1]]
     }
 
-    /// Place in `nodes` of a node that is among them.
+    /// Index in `nodes` of a node that is among them.
     fn place(&self, node: usize) -> usize {
         self.nodes.partition_point(|&k| k < node)
     }
 
-    /// Numbers that [`Border::complement`] holds at most beside what it returns.
+    /// Largest number of values that [`Border::complement`] stores beside its result.
     fn most_alive(&self, nodes: Nodes<'_>, node: &[usize]) -> usize {
         let mut begun = vec![false; self.nodes.len()];
         let (mut alive, mut most) = (0, 0);
@@ -169,12 +169,12 @@ impl Border {
         most
     }
 
-    /// Bytes that the Schur complement takes, that finding it takes beside, and that the lists here take.
+    /// Memory in bytes of the Schur complement, its computation and these lists.
     pub(crate) fn bytes(&self) -> usize {
         8 * (self.rows.len() * self.rows.len() + self.scratch + self.nodes.len() + self.first.len()) + 4 * self.reaching.len()
     }
 
-    /// C A⁻¹ Cᵀ, column after column, of which only the lower triangle is set. `None` where there is no memory.
+    /// C A⁻¹ Cᵀ, column after column, of which only the lower triangle is set. `None` if out of memory.
     pub(super) fn complement(&self, nodes: Nodes<'_>, factor: &[f64], new: &[usize], c: &Csr<f64>) -> Option<Buffer<f64>> {
         let m = self.rows.len();
         let node = nodes.of_columns(new.len());
@@ -211,7 +211,7 @@ impl Border {
                 let target = &mut sum[reaching[j] as usize * m..][..m];
                 reaching[j..].iter().zip(&column[j..]).for_each(|(&a, v)| target[a as usize] -= v);
             }
-            // what the rows below the node have to give up
+            // update of the rows below the node
             let below = own.below.len();
             if below == 0 {
                 continue;
@@ -259,7 +259,7 @@ impl Border {
     }
 }
 
-/// Makes room for `n` numbers.
+/// Makes room for `n` values.
 fn enough(v: &mut Vec<f64>, n: usize) -> Option<()> {
     if v.len() < n {
         v.try_reserve_exact(n - v.len()).ok()?;

@@ -6,13 +6,13 @@ use super::{Buffer, LinearError};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
-/// A matrix whose first rows are eliminated; memory is kept from one to the next.
+/// Dense matrix with its first rows eliminated; memory is kept for the next one.
 #[derive(Debug, Default)]
 pub(crate) struct DenseLdlt {
     n: usize,
     /// Rows that are eliminated.
     count: usize,
-    /// L below the diagonal, D on it, column after column; behind the eliminated rows what they leave of the others, lower triangle.
+    /// L below the diagonal, D on it, column after column; then the Schur complement of the eliminated rows, lower triangle.
     factor: Buffer<f64>,
     scaled: Buffer<f64>,
 }
@@ -26,7 +26,7 @@ impl DenseLdlt {
     /// Eliminates the first `count` rows of the matrix of `n` rows whose lower triangle is `entry`(row, column).
     ///
     /// # Errors
-    /// [`LinearError::Singular`] where a pivot is zero or infinite, [`LinearError::Memory`].
+    /// [`LinearError::Singular`] if a pivot is zero or infinite, [`LinearError::Memory`].
     pub fn eliminate(&mut self, n: usize, count: usize, entry: impl Fn(usize, usize) -> f64) -> Result<(), LinearError> {
         faer_kernels::take()?;
         for memory in [&mut self.factor, &mut self.scaled] {
@@ -73,7 +73,7 @@ impl DenseLdlt {
         }
     }
 
-    /// y = B x, B what the eliminated rows leave of the others: one number per other row.
+    /// y = B x with the Schur complement B of the eliminated rows; one value per remaining row.
     pub fn multiply_rest(&self, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for (j, &own) in x.iter().enumerate() {
@@ -106,7 +106,7 @@ mod tests {
             for count in [n, n / 2, 0] {
                 dense.eliminate(n, count, whole).unwrap();
                 assert_eq!(dense.pivots().filter(|&d| d < 0.0).count(), (0..count).filter(|i| i % 3 == 1).count());
-                // with what solves the first rows the others feel what is left of them
+                // if y solves the first rows, the product of the other rows is that of the Schur complement
                 let mut y = x.clone();
                 y[..count].fill(0.0);
                 let mut first = product(&y);

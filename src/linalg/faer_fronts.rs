@@ -1,11 +1,11 @@
-//! The numbers of a supernodal LDLᵀ by fronts.
+//! Numerical supernodal LDLᵀ factorisation by the multifrontal method.
 //!
-//! A supernode gets its entries of the matrix and what its children leave to its columns, is factorised, and leaves
-//! -L D Lᵀ of its rows below, with the rest of its children's, to its parent. What is left waits on a stack: children
-//! come right before their parent. One dense product per supernode instead of one per pair of supernodes.
-//! The factor lies as faer's supernodal factor does; nothing depends on the number of threads.
+//! The front of a supernode assembles its entries of the matrix and the update matrices of its children, is factorised, and
+//! passes its own update matrix, -L D Lᵀ of the rows below plus the rest of its children's, to its parent. Update matrices
+//! wait on a stack: children come right before their parent. One dense product per supernode instead of one per pair.
+//! The factor has the layout of faer's supernodal factor; nothing depends on the number of threads.
 //!
-//! Source: Duff, Reid, ACM Trans. Math. Softw. 9 (1983) 302-325; Liu, SIAM Review 34 (1992) 82-109.
+//! Sources: Duff, Reid, ACM Trans. Math. Softw. 9 (1983) 302-325; Liu, SIAM Review 34 (1992) 82-109.
 
 use super::Buffer;
 use super::faer_panel::eliminate;
@@ -14,25 +14,25 @@ use faer::linalg::matmul::matmul;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::{Accum, MatMut, MatRef, Par};
 
-/// Columns of a front below which its lower triangle is made as a square.
+/// Columns of a front below which its lower triangle is computed as a full square.
 const SQUARE: usize = 64;
 
-/// The factor has this many times the numbers of the fronts at least.
+/// Least size of the factor, as a multiple of the working memory of the fronts.
 const SHARE: usize = 5;
 
-/// What a factorisation by fronts needs to know of the pattern.
+/// Symbolic data of a multifrontal factorisation.
 pub(super) struct Fronts {
     /// First entry of each supernode.
     first: Vec<usize>,
-    /// Where the value of an entry is, and where it goes in the columns of its supernode.
+    /// Position of each entry in the values of the matrix, and its target in the columns of its supernode.
     entries: Vec<(u32, u32)>,
     /// Number of children of each supernode.
     children: Vec<u32>,
     /// Position of each row below a supernode in its parent's front, in the order of faer's row indices.
     position: Vec<u32>,
-    /// Numbers on the stack at most, the front at work included.
+    /// Largest number of values on the stack, including the current front.
     stack: usize,
-    /// Numbers of the largest supernode's columns.
+    /// Number of values in the columns of the largest supernode.
     largest: usize,
 }
 
@@ -59,8 +59,8 @@ impl<'a> Node<'a> {
 }
 
 impl Fronts {
-    /// The fronts of the upper triangle with rows `ptr`, `cols` under `new[old]`; `None` where children do not come right before their
-    /// parents or a number does not fit 32 bits.
+    /// Fronts of the upper triangle with rows `ptr`, `cols` in the order `new[old]`; `None` if children do not come right before their
+    /// parents or an index does not fit 32 bits.
     pub fn of(s: &SymbolicSupernodalCholesky<usize>, ptr: &[usize], cols: &[usize], new: &[usize]) -> Option<Self> {
         let (n, count) = (s.nrows(), s.n_supernodes());
         u32::try_from(cols.len().max(n)).ok()?;
@@ -108,7 +108,7 @@ impl Fronts {
         waiting.is_empty().then_some(Self { first, entries, children, position, stack, largest })
     }
 
-    /// Bytes of the arrays here.
+    /// Bytes of these arrays.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.first) + size_of_val(&*self.entries) + 4 * (self.children.len() + self.position.len())
     }
@@ -118,18 +118,18 @@ impl Fronts {
         8 * (self.stack + self.largest)
     }
 
-    /// Memory of a factorisation; `None` where there is none.
+    /// Allocates the working memory of a factorisation; `None` if out of memory.
     pub fn work(&self) -> Option<[Buffer<f64>; 2]> {
         Some([Buffer::try_zeros(self.stack)?, Buffer::try_zeros(self.largest)?])
     }
 
-    /// Whether fronts are worth their memory beside a factor of so many numbers. In the plane they are quicker than columns;
-    /// in space dense products take most of the time either way, and what waits is a third of the factor.
+    /// Whether the memory of the fronts is small enough beside a factor of `factor` values. In 2D fronts are faster than columns;
+    /// in 3D dense products take most of the time either way, and the stack is a third of the factor.
     pub fn pay(&self, factor: usize) -> bool {
         SHARE * (self.stack + self.largest) <= factor
     }
 
-    /// L and D of the matrix with these values of its upper triangle; `None` where a pivot is zero or not finite.
+    /// Computes L and D of the matrix with the values `vals` of its upper triangle; `None` if a pivot is zero or not finite.
     pub fn factorise(
         &self,
         s: &SymbolicSupernodalCholesky<usize>,

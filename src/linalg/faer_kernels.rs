@@ -1,7 +1,7 @@
-//! Memory that dense products take beside their operands, found out before they take it.
+//! Check that the scratch memory of dense products is available before the library allocates it.
 //!
-//! On x86-64 the first product of a thread maps twice the caches of the last level, those of all cores together, and touches as much as
-//! its operands fill. Where the address space is limited that may be all of it, and the library ends the program.
+//! On x86-64 the first product of a thread maps twice the size of all last-level caches together, and touches as much of it as its
+//! operands fill. In a limited address space this allocation may fail, and the library aborts the program.
 
 use super::LinearError;
 use faer::linalg::matmul::matmul;
@@ -11,23 +11,23 @@ use std::hint::black_box;
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// Bytes that have to be left beside: vectors, results, files.
+/// Bytes that have to stay free besides: vectors, results, files.
 const BESIDE: usize = 16 << 20;
-/// Least caches of the last level that are counted with, and what they are taken for where the system does not say them \[bytes\].
+/// Least assumed size of the last-level caches, and the size assumed if the system does not report them \[bytes\].
 const LEAST: usize = 2 << 20;
 const UNKNOWN: usize = 128 << 20;
-/// Rows and columns of a product that takes the memory.
+/// Rows and columns of a product that triggers the allocation.
 const SMALL: usize = 64;
 
 thread_local! {
-    /// Whether this thread has the memory.
+    /// Whether this thread has allocated the memory.
     static HELD: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Takes the memory of dense products for this thread, unless it has it.
+/// Allocates the scratch memory of dense products for this thread, unless done before.
 ///
 /// # Errors
-/// [`LinearError::Memory`] where there is none.
+/// [`LinearError::Memory`] if there is not enough.
 pub(super) fn take() -> Result<(), LinearError> {
     if HELD.get() {
         return Ok(());
@@ -43,7 +43,7 @@ pub(super) fn take() -> Result<(), LinearError> {
     Ok(())
 }
 
-/// Bytes that the first product of a thread maps, at most.
+/// Largest number of bytes that the first product of a thread maps.
 fn scratch() -> usize {
     static BYTES: OnceLock<usize> = OnceLock::new();
     *BYTES.get_or_init(|| {
@@ -55,7 +55,7 @@ fn scratch() -> usize {
     })
 }
 
-/// Bytes of the caches of the last level of all processors below `folder`; four times the inner ones where these are larger.
+/// Bytes of the last-level caches of all processors below `folder`, or four times the inner ones if that is larger.
 fn caches(folder: &Path) -> Option<usize> {
     let (mut processors, mut shares, mut inner) = (0, 0, 0);
     for processor in std::fs::read_dir(folder).ok()?.flatten() {
@@ -109,7 +109,7 @@ mod tests {
         assert_eq!([count("0-1\n"), count("0-3,8,10-11"), count("")], [2, 7, 0]);
     }
 
-    /// Address space of this process in bytes, where the system says it.
+    /// Address space of this process in bytes, if the system reports it.
     #[cfg(target_os = "linux")]
     fn mapped() -> usize {
         let status = std::fs::read_to_string("/proc/self/status").unwrap();

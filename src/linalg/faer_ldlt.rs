@@ -1,6 +1,6 @@
-//! Sparse LDLᵀ of symmetric positive definite and quasi-definite matrices: analysis and solves by faer, the numbers by fronts.
+//! Sparse LDLᵀ of symmetric positive definite and quasi-definite matrices: analysis by faer, numerical factorisation by fronts.
 //!
-//! P A Pᵀ = L D Lᵀ without pivoting. P is a geometric nested dissection where the operator knows the places of its unknowns, else
+//! P A Pᵀ = L D Lᵀ without pivoting. P is a geometric nested dissection if the operator has coordinates of its unknowns, else
 //! approximate minimum degree. A pattern seen before keeps its analysis.
 
 use super::csr::all_finite;
@@ -13,14 +13,14 @@ use faer::dyn_stack::MemBuffer;
 use std::fmt;
 use std::sync::{Arc, Mutex};
 
-/// What this share of the diagonal lifts is rounding, too: a body on soft springs may have pivots of either sign. A coupling that
-/// takes energy away does so in proportion to the stiffness.
+/// Relative increase of the diagonal that removes negative pivots due to rounding, as of a body on soft springs. A coupling that makes
+/// the matrix indefinite does so in proportion to the stiffness.
 const LIFT: f64 = 1e-7;
 
 /// LDLᵀ factorisation with refinement and a check of the residual.
 ///
 /// For positive definite and quasi-definite matrices of which both triangles are stored and only one is read.
-/// A matrix that maps some vector to rounding errors is refused as singular.
+/// A matrix that maps some vector to rounding errors is an error: it is singular.
 #[derive(Default)]
 pub struct Ldlt {
     analysis: Option<Analysis>,
@@ -47,36 +47,36 @@ impl fmt::Debug for Ldlt {
 }
 
 impl Ldlt {
-    /// A solver that has seen no matrix yet.
+    /// Creates a solver without a factor.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// How often a new pattern was analysed.
+    /// Number of symbolic analyses so far.
     pub fn analyses(&self) -> usize {
         self.analyses
     }
 
-    /// How often numbers were factorised; the same matrix again keeps its factor.
+    /// Number of numerical factorisations so far; repeating the last matrix does not count.
     pub fn factorisations(&self) -> usize {
         self.factorisations
     }
 
-    /// Numbers stored for the factor of the last matrix: 8 bytes each.
+    /// Number of entries stored for the last factor, 8 bytes each.
     pub fn factor_entries(&self) -> usize {
         self.factor.len()
     }
 
-    /// Whether the last analysis used the places of the unknowns.
+    /// Whether the last analysis used the coordinates of the unknowns.
     pub fn dissected(&self) -> bool {
         self.analysis.as_ref().is_some_and(|a| a.dissected)
     }
 
-    /// First part of [`LinearSolver::prepare`]: an order of the unknowns and the places of the factor's numbers. A pattern seen before
-    /// keeps its analysis.
+    /// First part of [`LinearSolver::prepare`]: the order of the unknowns and the structure of the factor. A pattern seen before keeps its
+    /// analysis.
     ///
     /// # Errors
-    /// [`LinearError`] where `a` has no matrix, is not symmetric, or is too large.
+    /// [`LinearError`] if `a` has no matrix, is not symmetric, or is too large.
     pub fn analyse(&mut self, a: &dyn Operator<f64>) -> Result<(), LinearError> {
         let upper = self.upper(a)?;
         self.analyse_upper(&upper, a.places())?;
@@ -84,10 +84,10 @@ impl Ldlt {
         Ok(())
     }
 
-    /// Second part of [`LinearSolver::prepare`], the first included where it is wanting: the numbers of the factor.
+    /// Second part of [`LinearSolver::prepare`], with the first if needed: the values of the factor.
     ///
     /// # Errors
-    /// [`LinearError`] as from [`Ldlt::analyse`], and where a pivot is zero or infinite.
+    /// [`LinearError`] as from [`Ldlt::analyse`], and if a pivot is zero or infinite.
     pub fn factorise(&mut self, a: &dyn Operator<f64>) -> Result<(), LinearError> {
         let upper = self.upper(a)?;
         self.factorise_upper(&upper, a.places())?;
@@ -95,7 +95,7 @@ impl Ldlt {
         Ok(())
     }
 
-    /// Last part of [`LinearSolver::prepare`]: refuses a matrix that maps some vector to rounding errors.
+    /// Last part of [`LinearSolver::prepare`]: checks that the matrix maps no vector to rounding errors.
     ///
     /// # Errors
     /// [`LinearError::Singular`], also before [`Ldlt::factorise`].
@@ -105,7 +105,7 @@ impl Ldlt {
         if matrix.num_rows() == 0 {
             return Ok(());
         }
-        // a vector of the kernel grows so much in one step that no other matrix needs a second look
+        // a kernel vector grows so much in one step that a regular matrix needs no second one
         let soft = self.soft(1)?;
         if soft.growth < SAFE_GROWTH {
             return Ok(());
@@ -118,14 +118,14 @@ impl Ldlt {
         Ok(())
     }
 
-    /// An estimate of the condition of D^-1/2 A D^-1/2 in the spectral norm, D = |diag A|: how many times errors of the load may grow, and
-    /// what a solver by iterations would see. Costs two solves with the factor.
+    /// Estimates the spectral condition number of D^-1/2 A D^-1/2, D = |diag A|: the amplification of errors of the load, and the condition
+    /// that governs an iterative solver. Costs two solves with the factor.
     ///
-    /// Largest sum of a row's sizes, not below the largest eigenvalue, over the Rayleigh quotient after two steps of inverse iteration, not
-    /// below the least one: right to a factor of a few.
+    /// Largest absolute row sum, an upper bound of the largest eigenvalue, over the Rayleigh quotient after two steps of inverse iteration,
+    /// an upper bound of the least one: accurate to a factor of a few.
     ///
     /// # Errors
-    /// [`LinearError`] where `a` has no matrix or is not the one factorised.
+    /// [`LinearError`] if `a` has no matrix or is not the one factorised.
     pub fn condition(&mut self, a: &dyn Operator<f64>) -> Result<f64, LinearError> {
         let matrix = self.factorised(a)?;
         if matrix.num_rows() == 0 {
@@ -135,7 +135,7 @@ impl Ldlt {
         Ok(scaled_condition(matrix, &self.diagonal, &soft.vector))
     }
 
-    /// The matrix of `a`, which has as many rows as the one factorised.
+    /// Returns the matrix of `a`; [`LinearError::Shape`] unless it has as many rows as the one factorised.
     fn factorised<'a>(&self, a: &'a dyn Operator<f64>) -> Result<&'a Csr<f64>, LinearError> {
         let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
         let (expected, found) = (self.diagonal.len(), matrix.num_rows());
@@ -145,7 +145,7 @@ impl Ldlt {
         Ok(matrix)
     }
 
-    /// Inverse iteration with the factor; one that overflows has no factor worth keeping.
+    /// Runs inverse iteration with the factor; if it overflows, the factor is discarded.
     fn soft(&mut self, steps: usize) -> Result<Soft, LinearError> {
         let mut fault = None;
         let soft = softest(&self.diagonal, steps, |v| {
@@ -161,7 +161,7 @@ impl Ldlt {
         soft
     }
 
-    /// The upper triangle of `a`, which has to be symmetric.
+    /// Returns the upper triangle of `a`, which has to be symmetric.
     fn upper(&mut self, a: &dyn Operator<f64>) -> Result<Upper, LinearError> {
         let matrix = a.csr().ok_or(LinearError::NoMatrix)?;
         let fault = if !matrix.is_finite() {
@@ -178,15 +178,15 @@ impl Ldlt {
         Ok(known.map_or_else(|| Upper::of(matrix), |a| Upper::refilled(&a.pattern, matrix)))
     }
 
-    /// Remembers what the upper triangle was taken from.
+    /// Stores the pattern that the upper triangle was taken from.
     fn learn(&mut self, a: &dyn Operator<f64>) {
         if let (Some(analysis), Some(matrix)) = (&mut self.analysis, a.csr()) {
             analysis.source = Some(matrix.pattern().clone());
         }
     }
 
-    /// Bytes that a factorisation of this pattern needs beyond the matrix itself: factor, pattern, fronts, the numbers that a
-    /// second matrix of the pattern is compared with, and two vectors that solutions keep. The analysis is kept.
+    /// Memory in bytes of a factorisation of this pattern beyond the matrix itself: factor, pattern, fronts, the values that a
+    /// second matrix of the pattern is compared with, and two vectors for solves. The analysis is kept.
     pub(crate) fn predict(&mut self, upper: &Upper, places: &[[f64; 3]]) -> Result<usize, LinearError> {
         self.analyse_upper(upper, places)?;
         let analysis = self.analysis.as_ref().expect("analysed above");
@@ -249,8 +249,8 @@ impl Ldlt {
         self.ready && self.values == upper.vals
     }
 
-    /// [`Ldlt::factorise_upper`] for a matrix that will be asked for again: its values are kept to compare from the first one on. Says
-    /// whether the factor is new.
+    /// [`Ldlt::factorise_upper`] for a matrix that will be factorised again: its values are kept for comparison from the first one on.
+    /// Returns whether the factor is new.
     pub(crate) fn factorise_kept(&mut self, upper: Upper, places: &[[f64; 3]]) -> Result<bool, LinearError> {
         if self.analysis.as_ref().is_some_and(|a| Arc::ptr_eq(&a.pattern, &upper.pattern)) && self.holds(&upper) {
             return Ok(false);
@@ -261,7 +261,7 @@ impl Ldlt {
         Ok(true)
     }
 
-    /// The factor and what it was made by.
+    /// Analysis of the current factor; [`LinearError::Singular`] if there is none.
     fn at_hand(&self) -> Result<&Analysis, LinearError> {
         self.analysis.as_ref().filter(|_| self.ready).ok_or(LinearError::Singular { residual: 1.0 })
     }
@@ -271,7 +271,7 @@ impl Ldlt {
         self.negative
     }
 
-    /// Numbers that a factor of the pattern analysed last has, and operations that it takes, a multiplication and an addition being two.
+    /// Number of entries of a factor of the last pattern, and operations to compute it; a multiplication and an addition are two.
     pub(crate) fn size(&self) -> (usize, f64) {
         self.analysis.as_ref().map_or((0, 0.0), |a| (a.symbolic.len_val(), a.operations()))
     }
@@ -281,7 +281,7 @@ impl Ldlt {
         self.analysis.as_ref().unwrap().symbolic.raw()
     }
 
-    /// Which parts of the factor the rows `chosen` of `c` reach; needs an analysis only.
+    /// Parts of the factor reached by the rows `chosen` of `c`; needs an analysis only.
     pub(crate) fn border(&self, c: &Csr<f64>, chosen: &[usize]) -> Border {
         self.analysis.as_ref().expect("the pattern was analysed").border(c, chosen)
     }
@@ -303,8 +303,8 @@ impl Ldlt {
         self.at_hand()?.solve_bordered(&self.factor, border, c, x, kept.as_deref_mut().unwrap_or(&mut own), inner)
     }
 
-    /// Refuses negative energy among the first `unknowns` of the matrix factorised last, which is `upper`; every row behind them counts
-    /// for one negative pivot.
+    /// Returns [`LinearError::Indefinite`] if `upper`, the matrix factorised last, has more negative pivots than rows after the first
+    /// `unknowns`.
     pub(crate) fn refuse_negative(&mut self, upper: &Upper, unknowns: usize, places: &[[f64; 3]]) -> Result<(), LinearError> {
         let rows = upper.pattern.0.len() - 1 - unknowns;
         if self.negative <= rows {
@@ -325,7 +325,7 @@ impl Ldlt {
         self.apply_inverse_each([x])
     }
 
-    /// The same for each of R vectors, in the time of little more than one.
+    /// x = A⁻¹ x by the factor for each of R vectors, in little more than the time of one.
     pub(crate) fn apply_inverse_each<const R: usize>(&self, x: [&mut [f64]; R]) -> Result<(), LinearError> {
         let Some(analysis) = self.analysis.as_ref().filter(|_| self.ready) else {
             return Err(LinearError::Singular { residual: 1.0 });
@@ -334,7 +334,7 @@ impl Ldlt {
         if let Some(x) = x.iter().find(|x| x.len() != n) {
             return Err(LinearError::Shape { expected: n, found: x.len() });
         }
-        // another thread may have it
+        // another thread may hold it
         let (mut kept, mut own) = (self.vectors.try_lock().ok(), Buffer::default());
         analysis.solve(&self.factor, x, kept.as_deref_mut().unwrap_or(&mut own))
     }
@@ -351,7 +351,7 @@ impl LinearSolver<f64> for Ldlt {
     }
 }
 
-/// Scratch memory; an error where the system has none left.
+/// Scratch memory; [`LinearError::Memory`] if the system has none left.
 pub(crate) fn buffer(size: faer::dyn_stack::StackReq) -> Result<MemBuffer, LinearError> {
     MemBuffer::try_new(size).map_err(|_| LinearError::Memory)
 }

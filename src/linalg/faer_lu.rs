@@ -17,7 +17,7 @@ const FEW: usize = 16;
 
 /// LU factorisation with refinement and a check of the residual; the order is COLAMD.
 ///
-/// faer answers with infinite or huge numbers for singular matrices; here they become [`LinearError::Singular`].
+/// faer returns infinite or huge numbers for singular matrices; here they become [`LinearError::Singular`].
 #[derive(Default)]
 pub struct Lu {
     analysis: Option<Analysis>,
@@ -39,7 +39,7 @@ impl fmt::Debug for Lu {
 }
 
 impl Lu {
-    /// A solver that has seen no matrix yet.
+    /// Creates a solver without a factor.
     pub fn new() -> Self {
         Self::default()
     }

@@ -4,14 +4,14 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Columns that are eliminated one by one; more of them by halves and a product.
+/// Columns up to which they are eliminated one by one; more are split into halves with a dense product.
 const FEW: usize = 16;
 
-/// Replaces the `height` x `width` columns [A11; A21] by L, its diagonal by D: L D Lᵀ = A11 and L21 D L11ᵀ = A21. `scaled` becomes L D where
-/// it is below the diagonal. `None` where a pivot is zero or not finite.
+/// Replaces the `height` x `width` columns [A11; A21] by L, its diagonal by D: L D Lᵀ = A11 and L21 D L11ᵀ = A21. `scaled` becomes L D
+/// below the diagonal. `None` if a pivot is zero or not finite.
 pub(super) fn eliminate(columns: &mut [f64], height: usize, width: usize, scaled: &mut [f64]) -> Option<()> {
     halves(Arch::new(), columns, height, [0, width], scaled)?;
-    // products of halves are squares on the diagonal
+    // products of halves fill whole squares on the diagonal
     if width > FEW {
         columns.chunks_exact_mut(height).enumerate().for_each(|(j, column)| column[..j].fill(0.0));
     }
@@ -32,7 +32,7 @@ fn halves(arch: Arch, columns: &mut [f64], height: usize, [from, to]: [usize; 2]
     halves(arch, columns, height, [middle, to], scaled)
 }
 
-/// Columns `from..to`, of which those before `from` are done with.
+/// Elimination of the columns `from..to`, with the contributions of earlier columns already applied.
 struct Few<'a> {
     columns: &'a mut [f64],
     height: usize,
@@ -79,7 +79,7 @@ fn subtract<S: Simd, const K: usize>(simd: S, y: &mut [f64], x: [&[f64]; K], fac
     subtract_each(simd, [y], x, [factor]);
 }
 
-/// The same for each of several y with factors of its own: every x is read once.
+/// y_r += sum_k factor_rk x_k for R vectors y_r; every x is read once.
 #[inline(always)]
 pub(super) fn subtract_each<S: Simd, const K: usize, const R: usize>(simd: S, y: [&mut [f64]; R], x: [&[f64]; K], factor: [[f64; K]; R]) {
     let n = x[0].len();

@@ -1,17 +1,17 @@
-//! Solutions with an L D Lᵀ: a node of columns after the other, four columns at a time.
+//! Solves with an L D Lᵀ factor, node by node and four columns at a time.
 
 use super::faer_border::{Border, Node, Nodes};
 use super::faer_panel::subtract_each;
 use super::{Buffer, Csr};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Columns that are taken together.
+/// Columns processed together.
 const FEW: usize = 4;
-/// Partial sums of a dot product: as many whatever the lanes, so that all instruction sets give the same bits from one factor.
+/// Partial sums of a dot product, the same number for all SIMD widths, so that all instruction sets give the same bits from one factor.
 const SUMS: usize = 8;
 
-/// x = (L D Lᵀ)⁻¹ x for each of R vectors, unknown `order[i]` of the vector being unknown i of the factor. The factor is read once for all,
-/// and each solution has the bits that it has alone. `None` where there is no memory.
+/// x = (L D Lᵀ)⁻¹ x for each of R vectors, unknown `order[i]` of the vector being unknown i of the factor. The factor is read once, and
+/// each solution is bitwise that of a solve for it alone. `None` if out of memory.
 pub(super) fn solve<const R: usize>(
     arch: Arch,
     nodes: Nodes<'_>,
@@ -37,7 +37,7 @@ pub(super) fn solve<const R: usize>(
 
 /// x = A⁻¹ (x - Cᵀ nu) for each of R vectors, where `inner`(r, h) replaces h = C A⁻¹ x, one number per row of the border, by nu.
 ///
-/// h takes the way back over the nodes of the border alone, and so does Cᵀ nu on the way forward.
+/// The backward substitution for h and the forward one for Cᵀ nu visit the nodes of the border only.
 pub(super) fn solve_bordered<const R: usize>(
     arch: Arch,
     nodes: Nodes<'_>,
@@ -88,7 +88,7 @@ pub(super) fn solve_bordered<const R: usize>(
     Some(())
 }
 
-/// At least `n` numbers of `memory`; `None` where there are none.
+/// Returns at least `n` values of `memory`, enlarged if needed; `None` if out of memory.
 fn reserved(memory: &mut Buffer<f64>, n: usize) -> Option<&mut [f64]> {
     if memory.len() < n {
         *memory = Buffer::default();
@@ -101,12 +101,12 @@ fn reserved(memory: &mut Buffer<f64>, n: usize) -> Option<&mut [f64]> {
 struct Vector<'a> {
     /// In the order of the factor.
     own: &'a mut [f64],
-    /// What a node acts on.
+    /// Entries of the current node: its columns and the rows below.
     part: &'a mut [f64],
 }
 
 impl<'a> Vector<'a> {
-    /// A vector in the first numbers of `rest`, which loses them.
+    /// Takes a vector from the front of `rest`.
     fn taken(rest: &mut &'a mut [f64], n: usize, highest: usize) -> Self {
         let (own, others) = std::mem::take(rest).split_at_mut(n);
         let (part, others) = others.split_at_mut(highest);
@@ -115,14 +115,14 @@ impl<'a> Vector<'a> {
     }
 }
 
-/// Which half of a solution: L⁻¹, or L⁻ᵀ D⁻¹.
+/// Half of a solve: L⁻¹ (forward) or L⁻ᵀ D⁻¹ (backward).
 #[derive(Clone, Copy)]
 enum Half {
     Forward,
     Backward,
 }
 
-/// Half a solution on the nodes `chosen` (ascending), on all where there are none; with a node all those above it have to be among them.
+/// Runs half a solve on the nodes `chosen` (ascending, with all ancestors of each), or on all if `None`.
 fn half<const R: usize>(arch: Arch, half: Half, nodes: Nodes<'_>, chosen: Option<&[usize]>, factor: &[f64], vectors: &mut [Vector<'_>; R]) {
     arch.dispatch(Sweep { half, nodes, chosen, factor, vectors });
 }
@@ -190,7 +190,7 @@ impl<const R: usize> WithSimd for Sweep<'_, '_, R> {
     }
 }
 
-/// The first `width` of each t by the unit triangle, the others less their products with the rows below.
+/// Solves for the first `width` entries of each t with the unit triangle and subtracts their products with the rows below from the others.
 #[inline(always)]
 fn forward<S: Simd, const R: usize>(simd: S, panel: &[f64], width: usize, mut t: [&mut [f64]; R]) {
     let height = t[0].len();
@@ -216,7 +216,7 @@ fn forward<S: Simd, const R: usize>(simd: S, panel: &[f64], width: usize, mut t:
     }
 }
 
-/// The first `width` of each t by the transposed unit triangle, less the products of the others with their columns.
+/// Solves for the first `width` entries of each t with the transposed unit triangle, less the products of the others with their columns.
 #[inline(always)]
 fn backward<const R: usize>(panel: &[f64], width: usize, mut t: [&mut [f64]; R]) {
     let height = t[0].len();
@@ -232,7 +232,7 @@ fn backward<const R: usize>(panel: &[f64], width: usize, mut t: [&mut [f64]; R])
         } else if R == 1 {
             sums = dots([line(j), line(j + 1), line(j + 2), line(j + 3)], rest);
         } else {
-            // more sums than that leave the registers
+            // more sums do not fit the registers
             for (k, products) in [(0, dots([line(j), line(j + 1)], rest)), (2, dots([line(j + 2), line(j + 3)], rest))] {
                 (0..R).for_each(|r| sums[r][k..k + 2].copy_from_slice(&products[r]));
             }

@@ -2,8 +2,8 @@
 //!
 //!   x_k = x_0 + M⁻¹ y,  y in span{r, A M⁻¹ r, (A M⁻¹)² r, ..},  |b - A x_k| least
 //!
-//! The preconditioner stands on the right, so the residual is the true one. Dot products are summed from first to last: the same bits on
-//! any number of threads. Orthogonalised twice by modified Gram-Schmidt.
+//! Right preconditioning, so the residual is the true one. Dot products are summed from first to last: the same bits on any number of
+//! threads. Orthogonalised twice by modified Gram-Schmidt.
 //!
 //! Source: Saad, Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856-869; "twice is enough": Giraud, Langou, Rozloznik, van den Eshof,
 //! Numer. Math. 101 (2005) 87-100.
@@ -21,23 +21,23 @@ pub struct Gmres<T: Real = f64> {
     pub tolerance: f64,
     /// Iterations allowed; 0: ten times the number of unknowns, at least 100.
     pub max_iterations: usize,
-    /// Vectors kept before the iteration starts again from where it is.
+    /// Vectors kept before a restart.
     pub restart: usize,
-    /// Asked before every iteration.
+    /// Cancellation callback, polled before every iteration.
     pub stop: StopSign,
     inverse_diagonal: Vec<T>,
 }
 
-/// Vectors kept where nothing else is said.
+/// Default number of vectors kept.
 const RESTART: usize = 100;
 
 impl<T: Real> Gmres<T> {
-    /// Stops at the relative residual `tolerance`, keeps 100 vectors.
+    /// Creates a solver that stops at the relative residual `tolerance` and keeps 100 vectors.
     pub fn new(tolerance: f64) -> Self {
         Self { tolerance, max_iterations: 0, restart: RESTART, stop: StopSign::default(), inverse_diagonal: Vec::new() }
     }
 
-    /// The same with another number of vectors kept.
+    /// Sets the number of vectors kept before a restart.
     pub fn with_restart(mut self, restart: usize) -> Self {
         self.restart = restart;
         self
@@ -56,7 +56,7 @@ impl<T: Real> LinearSolver<T> for Gmres<T> {
         if diagonal.iter().any(|d| !to_f64(*d).is_finite()) {
             return Err(LinearError::NotFinite);
         }
-        // a missing diagonal, as in saddle points, is no scale
+        // zero diagonal entries, as in saddle points, are not used as scale
         self.inverse_diagonal = diagonal.iter().map(|&d| if d == T::zero() { T::one() } else { T::one() / d }).collect();
         Ok(())
     }
@@ -104,7 +104,7 @@ pub(crate) fn gmres<T: Real>(
         }
         r.iter_mut().for_each(|v| *v /= beta);
         let mut basis = vec![r];
-        // columns of the triangular factor of the Hessenberg matrix, its rotations, and the turned right-hand side
+        // columns of the triangular factor of the Hessenberg matrix, its rotations, and the rotated right-hand side
         let mut columns: Vec<Vec<T>> = Vec::new();
         let mut rotations: Vec<(T, T)> = Vec::new();
         let mut turned = vec![beta];
@@ -129,7 +129,7 @@ pub(crate) fn gmres<T: Real>(
             if !to_f64(below).is_finite() {
                 return Err(LinearError::NotFinite);
             }
-            // the space is exhausted: what is left is rounding
+            // the Krylov space is exhausted: the rest is rounding
             let exhausted = below <= size * lit::<T>(10.0) * T::default_epsilon();
             if exhausted {
                 below = T::zero();
@@ -140,7 +140,7 @@ pub(crate) fn gmres<T: Real>(
             let length = (column[k] * column[k] + below * below).sqrt();
             iterations += 1;
             if length <= size * T::default_epsilon() {
-                // A M⁻¹ maps a direction of the space to nothing new and nothing at all
+                // the triangular factor is singular: A M⁻¹ has a kernel in the Krylov space
                 return Err(LinearError::Singular { residual: relative });
             }
             let (c, s) = (column[k] / length, below / length);

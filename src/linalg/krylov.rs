@@ -12,28 +12,28 @@ use super::{Limits, LinearError, LinearSolver, Operator, Real, StopSign, lit, to
 /// Conjugate gradients.
 ///
 /// Starts from the given x and stops where the preconditioned residual sqrt(rᵀ M⁻¹ r) has fallen to `tolerance` times that of x = 0;
-/// then the residual of the operator itself is looked at.
+/// then the true residual b - A x is checked.
 #[derive(Clone, Debug)]
 pub struct Cg<T: Real = f64> {
     /// Relative residual wanted.
     pub tolerance: f64,
     /// Iterations allowed; 0: ten times the number of unknowns, at least 100.
     pub max_iterations: usize,
-    /// M; without a matrix it is the diagonal.
+    /// M; the diagonal if the operator has no matrix.
     pub preconditioner: Preconditioner,
-    /// Asked before every iteration.
+    /// Cancellation callback, polled before every iteration.
     pub stop: StopSign,
     inverse_diagonal: Vec<T>,
 }
 
 impl<T: Real> Cg<T> {
-    /// Stops at the relative residual `tolerance`; M is the diagonal.
+    /// Creates a solver that stops at the relative residual `tolerance`; M is the diagonal.
     pub fn new(tolerance: f64) -> Self {
         let preconditioner = Preconditioner::Diagonal;
         Self { tolerance, max_iterations: 0, preconditioner, stop: StopSign::default(), inverse_diagonal: Vec::new() }
     }
 
-    /// The same with symmetric Gauss-Seidel sweeps as M.
+    /// Uses symmetric Gauss-Seidel sweeps as M.
     pub fn with_gauss_seidel(mut self) -> Self {
         self.preconditioner = Preconditioner::GaussSeidel;
         self
@@ -88,8 +88,8 @@ pub(crate) fn diagonal<T: Real>(d: &[T]) -> impl FnMut(&[T], &mut [T]) -> Result
     }
 }
 
-/// What every iterative solver does around its `method`: sizes are compared with those it was `prepared` for, and the residual of the
-/// answer is asked of the operator itself, because the one that a method carries along drifts.
+/// Runs an iterative `method` with checks: sizes must agree with the size it was `prepared` for, and the true residual of the solution is
+/// computed with the operator, because the recurrence for the residual inside a method drifts.
 pub(crate) fn framed<T: Real>(
     a: &dyn Operator<T>,
     prepared: usize,
@@ -109,7 +109,7 @@ pub(crate) fn framed<T: Real>(
         Ok(())
     };
     let iterations = method(&mut apply, b, x)?;
-    // rows of small entries count as much as others
+    // rows are scaled, so that rows of small entries count as much as others
     let size = residual(a, &row_scale(a), b, x, &mut vec![T::zero(); n]);
     let allowed = (100.0 * limits.tolerance).max(1e3 * to_f64(T::default_epsilon()));
     if size.is_nan() || size > allowed {
@@ -125,7 +125,7 @@ pub(crate) fn dot<T: Real>(x: &[T], y: &[T]) -> T {
 
 /// Conjugate gradients for A = `apply` and M⁻¹ = `precondition`, both symmetric positive definite; returns the iterations.
 ///
-/// Starts from x; ends where rᵀ M⁻¹ r <= tolerance² bᵀ M⁻¹ b for the residual r that the iteration carries along.
+/// Starts from x; ends at rᵀ M⁻¹ r <= tolerance² bᵀ M⁻¹ b for the recursively updated residual r.
 pub(crate) fn conjugate_gradients<T: Real>(
     apply: &mut Map<'_, T>,
     precondition: &mut Map<'_, T>,
@@ -136,7 +136,8 @@ pub(crate) fn conjugate_gradients<T: Real>(
     watched(apply, precondition, b, x, limits, &mut |_, _| {})
 }
 
-/// The same; `hears` is told the two numbers of every iteration, step lengths alpha_k and turns beta_k, which hold the spectrum of M⁻¹ A.
+/// Conjugate gradients that pass the coefficients of every iteration to `hears`: step lengths alpha_k and direction updates beta_k, which
+/// define the Lanczos matrix of M⁻¹ A.
 fn watched<T: Real>(
     apply: &mut Map<'_, T>,
     precondition: &mut Map<'_, T>,
@@ -195,10 +196,10 @@ fn watched<T: Real>(
     Ok(iterations)
 }
 
-/// Whether conjugate gradients on a trial load `b` meet an eigenvalue of M⁻¹ A that is not above `least`.
+/// Whether conjugate gradients on a trial load `b` find an eigenvalue of M⁻¹ A that is not above `least`.
 ///
-/// The eigenvalues of the tridiagonal matrix of step lengths and turns lie within the spectrum; a Sturm count looks for one below `least`.
-/// The trial ends at the tolerance of `limits`; the load must have a larger part than that in the motions looked for.
+/// The eigenvalues of the Lanczos matrix of alpha_k and beta_k lie within the spectrum; a Sturm sequence detects one below `least`.
+/// The trial ends at the tolerance of `limits`; the relative component of the load in the sought modes must be larger.
 ///
 /// # Errors
 /// [`LinearError::Stopped`] and [`LinearError::NotFinite`].

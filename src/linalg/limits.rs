@@ -1,15 +1,15 @@
-//! When an iterative method ends: its tolerance, its patience, and a question from outside.
+//! Stopping criteria of iterative methods: tolerance, iteration limit, cancellation.
 
 use super::LinearError;
 use std::fmt;
 use std::sync::Arc;
 
-/// A question asked once per iteration: whether to stop. The default one never stops.
+/// Cancellation callback, polled once per iteration. The default one never stops.
 #[derive(Clone, Default)]
 pub struct StopSign(Option<Arc<dyn Fn() -> bool + Send + Sync>>);
 
 impl StopSign {
-    /// Stops where `asked` answers yes.
+    /// Stops as soon as `asked` returns true.
     pub fn new(asked: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(asked)))
     }
@@ -26,35 +26,35 @@ impl fmt::Debug for StopSign {
     }
 }
 
-/// When an iteration ends.
+/// Stopping criteria of an iterative method.
 #[derive(Clone, Debug)]
 pub struct Limits {
     /// Relative residual wanted, a pure number.
     pub tolerance: f64,
-    /// Iterations allowed; 0: as many as the method usually needs at most.
+    /// Iterations allowed; 0: the default of the method.
     pub max_iterations: usize,
-    /// Asked before every iteration.
+    /// Cancellation callback, polled before every iteration.
     pub stop: StopSign,
 }
 
 impl Limits {
-    /// Ends at the relative residual `tolerance`.
+    /// Creates limits with the relative residual `tolerance` and the default number of iterations.
     pub fn new(tolerance: f64) -> Self {
         Self { tolerance, max_iterations: 0, stop: StopSign::default() }
     }
 
-    /// The same with at most `max_iterations`.
+    /// Sets the iteration limit.
     pub fn within(mut self, max_iterations: usize) -> Self {
         self.max_iterations = max_iterations;
         self
     }
 
-    /// The iterations allowed, `usual` where none are given.
+    /// Iterations allowed; `usual` if no limit is set.
     pub fn most(&self, usual: usize) -> usize {
         if self.max_iterations == 0 { usual } else { self.max_iterations }
     }
 
-    /// Whether another iteration may begin after `done` of `most` that reached `residual`.
+    /// Checks whether another iteration may begin after `done` of `most` that reached `residual`.
     pub(crate) fn allow(&self, done: usize, most: usize, residual: f64) -> Result<(), LinearError> {
         if done >= most || residual.is_nan() {
             return Err(LinearError::NotConverged { iterations: done, residual, tolerance: self.tolerance });

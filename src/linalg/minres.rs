@@ -12,21 +12,21 @@ use super::{Limits, LinearError, LinearSolver, Operator, Real, StopSign, lit, to
 
 /// MINRES, preconditioned by the sizes of the diagonal.
 ///
-/// Starts from the given x and stops where sqrt(rᵀ M⁻¹ r) has fallen to `tolerance` times that of x = 0; then the residual of the operator
-/// itself is looked at.
+/// Starts from the given x and stops when sqrt(rᵀ M⁻¹ r) has fallen to `tolerance` times that of x = 0; then the true residual b - A x is
+/// checked.
 #[derive(Clone, Debug)]
 pub struct Minres<T: Real = f64> {
     /// Relative residual wanted.
     pub tolerance: f64,
     /// Iterations allowed; 0: ten times the number of unknowns, at least 100.
     pub max_iterations: usize,
-    /// Asked before every iteration.
+    /// Cancellation callback, polled before every iteration.
     pub stop: StopSign,
     inverse_diagonal: Vec<T>,
 }
 
 impl<T: Real> Minres<T> {
-    /// Stops at the relative residual `tolerance`.
+    /// Creates a solver that stops at the relative residual `tolerance`.
     pub fn new(tolerance: f64) -> Self {
         Self { tolerance, max_iterations: 0, stop: StopSign::default(), inverse_diagonal: Vec::new() }
     }
@@ -128,7 +128,7 @@ pub(crate) fn minres<T: Real>(
         eta = -s * eta;
         (gamma_before, gamma) = (gamma, next);
         if gamma == T::zero() && eta.abs() > goal {
-            // the space is exhausted and does not hold a solution
+            // the Krylov space is exhausted and contains no solution
             return Err(LinearError::Singular { residual: relative });
         }
     }

@@ -1,4 +1,4 @@
-//! Floor 1: scalars, small and sparse matrices, linear solvers. Knows no module above it.
+//! Floor 1: scalars, small and sparse matrices, linear solvers. Depends on no module above it.
 
 mod buffer;
 mod csr;

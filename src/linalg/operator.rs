@@ -1,11 +1,11 @@
-//! Linear operators: what solvers and constraint algorithms may ask of a stiffness.
+//! Linear operators: the interface of a stiffness to solvers and constraint algorithms.
 
 use super::{Csr, Real};
 use std::fmt::Debug;
 
 /// A square linear operator y = A x.
 ///
-/// A matrix is asked for ([`Operator::csr`]), not assumed, so that matrix-free forms fit.
+/// A matrix is optional ([`Operator::csr`]), so that matrix-free forms fit.
 pub trait Operator<T: Real = f64>: Debug + Send + Sync {
     /// Number of unknowns n; A is n x n.
     fn size(&self) -> usize;
@@ -13,11 +13,11 @@ pub trait Operator<T: Real = f64>: Debug + Send + Sync {
     fn apply(&self, x: &[T], y: &mut [T]);
     /// The n diagonal entries: row scales and Jacobi need them of any operator.
     fn diagonal(&self) -> Vec<T>;
-    /// The matrix, where there is one.
+    /// The matrix; `None` if the operator is matrix-free.
     fn csr(&self) -> Option<&Csr<T>> {
         None
     }
-    /// Where the unknowns live, one point each, or empty: orderings, coarse grids, partitions.
+    /// Coordinates of the unknowns, one point each, or empty; used for orderings, coarse grids and partitions.
     fn places(&self) -> &[[f64; 3]] {
         &[]
     }

@@ -2,14 +2,14 @@
 
 use super::{Csr, Operator, Real};
 
-/// What stands in for the inverse of a symmetric matrix A = L + D + Lᵀ.
+/// Approximate inverse M⁻¹ of a symmetric matrix A = L + D + Lᵀ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Preconditioner {
     /// D⁻¹.
     #[default]
     Diagonal,
-    /// (D + Lᵀ)⁻¹ D (D + L)⁻¹, a sweep forth and one back; the diagonal where the operator has no matrix.
+    /// (D + Lᵀ)⁻¹ D (D + L)⁻¹, a forward and a backward sweep; D⁻¹ if the operator has no matrix.
     ///
     /// Positive definite for every D > 0, so it never breaks down (Axelsson, Iterative Solution Methods, 1994, section 7.2).
     GaussSeidel,

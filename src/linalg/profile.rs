@@ -1,12 +1,12 @@
-//! L U of a sparse matrix within its profile, without pivoting: for matrices of one-dimensional neighbourhoods.
+//! L U of a sparse matrix within its profile (skyline), without pivoting: for matrices whose graph is a curve.
 //!
-//! Rows and columns are renumbered by breadth first search, so curves have a band and rings one of twice the width. Without pivoting
-//! it is stable for positive definite and for totally positive matrices: Gram and collocation matrices of splines.
-//! Source of the second: de Boor, Pinkus, Numer. Math. 27 (1977) 485-490.
+//! Rows and columns are renumbered by breadth first search, so open curves have a band and closed ones a band of twice the width. Without
+//! pivoting it is stable for positive definite and for totally positive matrices: Gram and collocation matrices of splines.
+//! Source for totally positive matrices: de Boor, Pinkus, Numer. Math. 27 (1977) 485-490.
 
 use super::{Csr, Real, lit};
 
-/// A pivot below this share of the largest entry of its row is zero.
+/// Relative size, against the largest entry of its row, below which a pivot is zero.
 const NO_PIVOT: f64 = 1e-13;
 
 /// P A Pᵀ = L U with a unit lower triangle, in the symmetric profile of A.
@@ -22,7 +22,7 @@ pub struct ProfileLu<T: Real = f64> {
     upper: Vec<T>,
 }
 
-/// Why a matrix has no factors.
+/// Reason why a matrix has no factors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProfileFault {
     /// Its profile has more entries than allowed.
@@ -30,18 +30,18 @@ pub enum ProfileFault {
         /// Entries of one triangle.
         entries: usize,
     },
-    /// The pivot of this row and column vanishes: it depends on others.
+    /// The pivot of this row and column vanishes: the row depends on others.
     Pivot {
-        /// Its number in the matrix.
+        /// Number of the row in the matrix.
         row: usize,
     },
 }
 
 impl<T: Real> ProfileLu<T> {
-    /// Factors of the square matrix `a`, whose profile may have `most` entries per triangle.
+    /// Factorises the square matrix `a`, whose profile may have at most `most` entries per triangle.
     ///
     /// # Errors
-    /// [`ProfileFault`] where the profile is too large or a pivot vanishes.
+    /// [`ProfileFault`] if the profile is too large or a pivot vanishes.
     pub fn try_new(a: &Csr<T>, most: usize) -> Result<Self, ProfileFault> {
         let order = breadth_first(a);
         let n = order.len();
@@ -88,7 +88,7 @@ impl<T: Real> ProfileLu<T> {
         self.upper[self.start[i + 1] - 1]
     }
 
-    /// Row i of L and column i of U from those before.
+    /// Computes row i of L and column i of U from the previous ones.
     fn eliminate(&mut self, i: usize) {
         let at = self.start[i];
         for j in self.first[i]..i {
@@ -107,12 +107,12 @@ impl<T: Real> ProfileLu<T> {
         self.upper[at + before] -= sum;
     }
 
-    /// A x = b in place.
+    /// Solves A x = b in place.
     pub fn solve(&self, b: &mut [T]) {
         self.triangles(b, &self.lower, &self.upper, |x, _| x, |x, pivot| x / pivot);
     }
 
-    /// Aᵀ x = b in place.
+    /// Solves Aᵀ x = b in place.
     pub fn solve_transposed(&self, b: &mut [T]) {
         self.triangles(b, &self.upper, &self.lower, |x, pivot| x / pivot, |x, _| x);
     }

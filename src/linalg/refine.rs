@@ -1,10 +1,10 @@
-//! Solutions by a factor, refined on the matrix itself with residuals in twice the working precision.
+//! Solves by a factor with iterative refinement on the matrix itself, with residuals in twice the working precision.
 
 use super::residual::{RESIDUAL_LIMIT, max, ratio, relative, residual};
 use super::twice::residual_rows;
 use super::{Buffer, LinearError, Operator};
 
-/// Refinements after which a residual that still falls is taken as it is.
+/// Limit of refinements, even if the residual still falls.
 const MAX_REFINEMENTS: usize = 10;
 
 /// Solves by `inverse` and refines on `a` until the correction stalls; returns the number of refinements.
@@ -53,7 +53,7 @@ pub(crate) fn refine(
     Ok(steps)
 }
 
-/// [`residual`] in twice the working precision where there is a matrix.
+/// [`residual`] in twice the working precision if the operator has a matrix.
 fn accurate_residual(a: &dyn Operator<f64>, scale: &[f64], b: &[f64], x: &[f64], r: &mut [f64]) -> f64 {
     let Some(matrix) = a.csr() else {
         return residual(a, scale, b, x, r);

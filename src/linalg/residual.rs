@@ -1,20 +1,20 @@
-//! Residuals that do not depend on units, and vectors that a matrix maps to rounding errors.
+//! Residuals that do not depend on units, and numerical kernel vectors of a matrix.
 
 use super::csr::largest;
 use super::{Csr, Operator, Real, to_f64};
 
-/// A direct solve with a larger relative residual than this is an error.
+/// Largest relative residual accepted from a direct solve.
 pub(crate) const RESIDUAL_LIMIT: f64 = 1e-10;
-/// A vector v with |A v| below this part of |A| |v| belongs to the kernel: 50 units of rounding.
+/// Bound of |A v| / (|A| |v|) below which v belongs to the kernel: 50 units of rounding.
 pub(crate) const KERNEL: f64 = 1e-14;
 
-/// A vector of the kernel with a share of 1e-5 in the trial vector grows more than this in one step of inverse iteration: its own factor
-/// is the reciprocal of [`KERNEL`] and of a row's number of entries.
+/// Growth in one step of inverse iteration that a kernel vector with a share of 1e-5 in the trial vector exceeds: the kernel vector itself
+/// grows by the reciprocal of [`KERNEL`] and of a row's number of entries.
 pub(crate) const SAFE_GROWTH: f64 = 1e7;
 
 /// r = b - A x and its size relative to |A| |x| + |b|; every row is measured by its largest entry.
 ///
-/// Where the operator has no matrix, |A| |x| is taken as |A x| + |diag A| |x|.
+/// Without a matrix, |A| |x| is taken as |A x| + |diag A| |x|.
 pub(crate) fn residual<T: Real>(a: &dyn Operator<T>, scale: &[f64], b: &[T], x: &[T], r: &mut [T]) -> f64 {
     a.apply(x, r);
     let diagonal = if a.csr().is_none() { a.diagonal() } else { Vec::new() };
@@ -35,7 +35,7 @@ pub(crate) fn residual<T: Real>(a: &dyn Operator<T>, scale: &[f64], b: &[T], x: 
     relative(top, bottom)
 }
 
-/// Reciprocal of the largest entry of every row (of the diagonal, where there is no matrix); one for empty rows.
+/// Reciprocal of the largest entry of every row (of the diagonal, without a matrix); one for empty rows.
 pub(crate) fn row_scale<T: Real>(a: &dyn Operator<T>) -> Vec<f64> {
     let largest: Vec<f64> = match a.csr() {
         Some(matrix) => (0..matrix.num_rows()).map(|i| to_f64(largest(matrix.row(i).1))).collect(),
@@ -44,22 +44,22 @@ pub(crate) fn row_scale<T: Real>(a: &dyn Operator<T>) -> Vec<f64> {
     largest.iter().map(|&m| if m > 0.0 && m.is_finite() { 1.0 / m } else { 1.0 }).collect()
 }
 
-/// The larger of two numbers; not a number if one is not.
+/// Larger of two numbers; NaN if either is NaN.
 pub(crate) fn max(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }
 
-/// The size `top` of a residual beside that of its terms; not a number where the terms overflow, for then nothing is known.
+/// Size `top` of a residual relative to the size `bottom` of its terms; NaN if the terms overflow.
 pub(crate) fn relative(top: f64, bottom: f64) -> f64 {
     if bottom.is_infinite() { f64::NAN } else { ratio(top, bottom) }
 }
 
-/// top / bottom with 0 / 0 = 0; not a number stays one.
+/// top / bottom with 0 / 0 = 0; NaN stays NaN.
 pub(crate) fn ratio(top: f64, bottom: f64) -> f64 {
     if top == 0.0 { 0.0 } else { top / bottom }
 }
 
-/// A fixed sequence of numbers in (-0.5, 1.5): all translations and rotations have a part in it.
+/// A fixed sequence of numbers in (-0.5, 1.5), with a component in all translations and rotations.
 pub(crate) fn trial_numbers(n: usize) -> Vec<f64> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     (0..n)
@@ -70,17 +70,17 @@ pub(crate) fn trial_numbers(n: usize) -> Vec<f64> {
         .collect()
 }
 
-/// A vector that a matrix maps to little.
+/// Softest vector of a matrix found by inverse iteration.
 #[derive(Clone, Debug)]
 pub(crate) struct Soft {
     pub vector: Vec<f64>,
-    /// How much the last step of inverse iteration made of a vector of size one.
+    /// Growth of a vector of size one in the last step of inverse iteration.
     pub growth: f64,
 }
 
 /// Inverse iteration with a matrix M, scaled by |diagonal|, one solution at a time.
 ///
-/// Rigid motions grow by the reciprocal of rounding errors in one step, all else by at most the condition.
+/// Rigid motions grow by the reciprocal of rounding errors in one step, all others by at most the condition.
 #[derive(Debug)]
 pub(crate) struct InverseIteration<'a> {
     diagonal: &'a [f64],
@@ -126,7 +126,7 @@ fn weight(diagonal: f64) -> f64 {
     if diagonal > 0.0 { diagonal } else { 1.0 }
 }
 
-/// Steps of inverse iteration with M; `None` if `solve` overflows.
+/// Runs `steps` steps of inverse iteration with M; `None` if `solve` overflows.
 pub(crate) fn softest(diagonal: &[f64], steps: usize, mut solve: impl FnMut(&mut [f64])) -> Option<Soft> {
     let mut iteration = InverseIteration::begin(diagonal);
     for _ in 0..steps {
@@ -136,7 +136,7 @@ pub(crate) fn softest(diagonal: &[f64], steps: usize, mut solve: impl FnMut(&mut
     Some(iteration.end())
 }
 
-/// Condition of D^-1/2 A D^-1/2, D = |diagonal|: the largest row sum of its sizes over its Rayleigh quotient at the soft vector v.
+/// Condition of D^-1/2 A D^-1/2, D = |diagonal|: its largest absolute row sum over its Rayleigh quotient at the soft vector v.
 pub(crate) fn scaled_condition(a: &Csr<f64>, diagonal: &[f64], v: &[f64]) -> f64 {
     let n = a.num_rows();
     let weight: Vec<f64> = diagonal.iter().map(|&d| weight(d)).collect();
@@ -156,7 +156,7 @@ pub(crate) fn scaled_condition(a: &Csr<f64>, diagonal: &[f64], v: &[f64]) -> f64
     largest * size / energy.abs()
 }
 
-/// Size of A v relative to |A| |v|, rows measured by `scale`: at rounding for a vector of the kernel.
+/// Size of A v relative to |A| |v|, with rows scaled by `scale`: rounding level for a kernel vector.
 pub(crate) fn kernel_ratio(a: &Csr<f64>, scale: &[f64], v: &[f64]) -> f64 {
     let (mut top, mut bottom) = (0.0f64, 0.0f64);
     for i in 0..a.num_rows() {

@@ -17,7 +17,7 @@ pub fn determinant<const D: usize, T: Real>(a: &Matrix<D, D, T>) -> T {
     }
 }
 
-/// A⁻¹ for D = 1..3, by cofactors; `None` where det A is zero or not finite.
+/// A⁻¹ for D = 1..3, by cofactors; `None` if det A is zero or not finite.
 ///
 /// # Panics
 /// If D > 3.
@@ -50,7 +50,7 @@ pub fn inverse<const D: usize, T: Real>(a: &Matrix<D, D, T>) -> Option<Matrix<D,
     Some(b)
 }
 
-/// How a map with Jacobian J (N x D, D <= N) scales lengths, areas or volumes: sqrt(det JᵀJ) >= 0.
+/// Measure sqrt(det JᵀJ) >= 0 of a Jacobian J (N x D, D <= N): the scale of lengths, areas or volumes.
 ///
 /// # Panics
 /// If D > 3.

@@ -3,7 +3,7 @@
 use super::{Operator, Real};
 use std::fmt::Debug;
 
-/// Why a linear system was not solved.
+/// Error of a linear solver.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinearError {
@@ -29,10 +29,10 @@ pub enum LinearError {
     /// A direct solver was given an operator without a matrix.
     #[error("this solver needs a matrix, the operator has none; take an iterative solver")]
     NoMatrix,
-    /// The machine has not enough memory for the factor, or an index overflows.
+    /// There is not enough memory for the factor, or an index overflows.
     #[error("the factorisation does not fit into memory; take a coarser mesh or an iterative solver")]
     Memory,
-    /// A method for symmetric matrices was given another one.
+    /// A method for symmetric matrices was given a non-symmetric one.
     #[error("the matrix is not symmetric and this solver needs one that is; take a solver for non-symmetric systems")]
     NotSymmetric,
     /// A method for positive definite matrices was given an indefinite one.
@@ -41,7 +41,7 @@ pub enum LinearError {
         /// Number of negative eigenvalues.
         negative: usize,
     },
-    /// Who was asked ended the iteration.
+    /// Cancelled by the callback.
     #[error("the iterative solver was stopped after {iterations} iterations")]
     Stopped {
         /// Iterations done.
@@ -57,21 +57,21 @@ pub enum LinearError {
     },
 }
 
-/// Defects of symmetry up to this share of the entries beside them are rounding.
+/// Relative asymmetry, against the largest entries of the rows, that counts as rounding.
 pub const NO_SYMMETRY: f64 = 1e-9;
 
 /// A method for A x = b.
 pub trait LinearSolver<T: Real = f64>: Debug + Send {
-    /// Looks at `a`: a direct solver factorises; a pattern seen before keeps its symbolic analysis.
+    /// Prepares for solves with `a`: a direct solver factorises; a pattern seen before keeps its symbolic analysis.
     ///
     /// # Errors
-    /// [`LinearError`] where `a` cannot be prepared.
+    /// [`LinearError`] if `a` cannot be prepared.
     fn prepare(&mut self, a: &dyn Operator<T>) -> Result<(), LinearError>;
     /// Solves for `x` (its content is the start value of iterative methods) and checks the residual on `a` itself.
     /// Returns the number of iterations or refinements.
     ///
     /// # Errors
-    /// [`LinearError`] instead of a wrong answer.
+    /// [`LinearError`] if no accurate solution was found.
     fn solve(&self, a: &dyn Operator<T>, b: &[T], x: &mut [T]) -> Result<usize, LinearError>;
 }
 

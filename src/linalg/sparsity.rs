@@ -1,9 +1,9 @@
-//! Which entries a sparse matrix has: one 4-byte column per square block of them.
+//! Sparsity pattern of a matrix, with one 4-byte column index per square block of entries.
 
 use super::Buffer;
 use std::ops::Range;
 
-/// The places of the entries of a sparse matrix, rows and columns in groups of `block`.
+/// Positions of the entries of a sparse matrix, with rows and columns in groups of `block`.
 ///
 /// Rows of a group have the same columns, and a group of columns is stored whole or not at all: a field of c components
 /// needs one column number per c x c entries. Block 1 is any matrix. Entries are numbered row by row, columns ascending,
@@ -17,7 +17,7 @@ pub struct Sparsity {
 }
 
 impl Default for Sparsity {
-    /// No rows, no columns.
+    /// Pattern without rows and columns.
     fn default() -> Self {
         Self { num_cols: 0, block: 1, ptr: vec![0], cols: Buffer::default() }
     }
@@ -105,7 +105,7 @@ impl Sparsity {
         self.block * (self.block * self.ptr[i] + k * (self.ptr[i + 1] - self.ptr[i]) + at) + l
     }
 
-    /// The pattern of the transposed matrix, and where every block goes.
+    /// Pattern of the transposed matrix, and the new position of every block.
     pub(crate) fn transposed(&self) -> (Self, Vec<usize>) {
         let (groups, columns) = (self.ptr.len() - 1, self.num_cols / self.block);
         let mut ptr = vec![0usize; columns + 1];
@@ -138,22 +138,22 @@ impl Sparsity {
 pub struct Columns<'a> {
     blocks: &'a [u32],
     block: usize,
-    /// Columns of the first block that are gone.
+    /// Columns of the first block already consumed.
     front: usize,
-    /// Columns of the last block that are gone.
+    /// Columns of the last block already consumed.
     back: usize,
     len: usize,
 }
 
 impl Columns<'_> {
-    /// Column number `k` of those that are left.
+    /// Column number `k` of the remaining ones; `None` beyond the last.
     #[inline]
     pub fn get(&self, k: usize) -> Option<usize> {
         let at = self.front + k;
         (k < self.len).then(|| self.block * self.blocks[at / self.block] as usize + at % self.block)
     }
 
-    /// How many of the columns that are left are below `j`; a binary search.
+    /// Number of remaining columns below `j`, by binary search.
     #[inline]
     pub fn below(&self, j: usize) -> usize {
         let (group, k) = (j / self.block, j % self.block);
@@ -162,7 +162,7 @@ impl Columns<'_> {
         (self.block * before + part).saturating_sub(self.front).min(self.len)
     }
 
-    /// The number of column `j` among those that are left.
+    /// Position of column `j` among the remaining ones; `None` if it is not among them.
     #[inline]
     pub fn position_of(&self, j: usize) -> Option<usize> {
         let k = self.below(j);

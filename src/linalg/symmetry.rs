@@ -1,4 +1,4 @@
-//! Whether a sparse matrix is symmetric: every entry beside its partner, in one pass without searches.
+//! Symmetry test of a sparse matrix: compares every entry with its transposed partner in one pass without searches.
 
 use super::csr::largest;
 use super::{Csr, Real, Sparsity, lit};
@@ -18,11 +18,11 @@ impl<T: Real> Csr<T> {
         }
     }
 
-    /// Whether |a_ij - a_ji| <= `limit[i]` `limit[j]` everywhere, in blocks of C, of any size where C = 0.
+    /// Whether |a_ij - a_ji| <= `limit[i]` `limit[j]` everywhere, for blocks of C rows (C = 0: of any size).
     fn agrees<const C: usize>(&self, limit: &[T]) -> bool {
         let (pattern, vals) = (&**self.pattern(), self.vals());
         let agree = |i: usize, at: usize, j: usize, opposite: Option<usize>| agree::<C, T>(pattern, vals, limit, [i, at, j], opposite);
-        // rows ascend: the next block of group j left of its diagonal is the one that group i asks for, or has no partner
+        // rows ascend: the next block of group j left of its diagonal is the partner of the block of group i, or has none
         let groups = pattern.ptr().len() - 1;
         let mut next = vec![0u32; groups];
         for i in 0..groups {
@@ -48,7 +48,7 @@ impl<T: Real> Csr<T> {
                 next[j] += u32::from(partner);
             }
         }
-        // what is left of the diagonal and was never asked for
+        // remaining blocks left of the diagonal, without partner
         (0..groups).all(|j| {
             let row = pattern.group(j);
             (next[j] as usize..row.len()).take_while(|&at| (row[at] as usize) < j).all(|at| agree(j, at, row[at] as usize, None))
@@ -56,7 +56,7 @@ impl<T: Real> Csr<T> {
     }
 }
 
-/// Whether block `at` of group `i` of rows, in column group `j`, agrees with the block `opposite` of group `j`, or is nothing without one.
+/// Whether block `at` of group `i` of rows, in column group `j`, agrees with the block `opposite` of group `j`, or with zero without one.
 #[inline(always)]
 fn agree<const C: usize, T: Real>(pattern: &Sparsity, vals: &[T], limit: &[T], [i, at, j]: [usize; 3], opposite: Option<usize>) -> bool {
     let (c, ptr) = (if C == 0 { pattern.block() } else { C }, pattern.ptr());

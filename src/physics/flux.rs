@@ -9,7 +9,7 @@ use crate::space::{Field, Space, Trace};
 use nalgebra::{DMatrix, SymmetricEigen};
 use std::sync::Arc;
 
-/// sigma n of a body with C components, seen from a trace: its points are lifted through the facets.
+/// sigma n of a body with C components on a trace, whose points are lifted through the facets into the body.
 #[derive(Clone, Debug)]
 pub struct BodyFlux<const C: usize, const S: usize, const N: usize, T: Real = f64> {
     space: Arc<dyn Space<N, N, T>>,
@@ -33,8 +33,7 @@ impl<const C: usize, const S: usize, const N: usize, T: Real> BodyFlux<C, S, N, 
         Ok(Self { space, trace, field, material })
     }
 
-    /// Gradients of the functions behind the facet, positions and normals at lifted points, then `visit(q, x, normal,
-    /// grads)` for every point.
+    /// Calls `visit(q, x, normal, measure, grads)` for every lifted point, `grads` those of the functions of the body's element.
     fn each_point(
         &self,
         element: usize,
@@ -59,7 +58,7 @@ impl<const C: usize, const S: usize, const N: usize, T: Real> BodyFlux<C, S, N, 
     }
 }
 
-/// How much of the trace of the element matrix is added before it is inverted: rigid motions have no energy and no flux.
+/// Shift of the element matrix before its factorisation, relative to its trace: rigid motions have no energy and no flux.
 const RIGID_SHIFT: f64 = 1e-10;
 
 impl<const C: usize, const S: usize, const N: usize, T: Real> Flux<S, N, T> for BodyFlux<C, S, N, T> {

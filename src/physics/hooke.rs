@@ -10,7 +10,7 @@ use crate::linalg::{Matrix, Real, Vector, lit, num, to_f64};
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// What is assumed of the direction a model leaves out.
+/// Assumption about the out-of-plane direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Assumption {
@@ -18,7 +18,7 @@ pub enum Assumption {
     PlaneStrain,
     /// No stress out of the plane.
     PlaneStress,
-    /// Nothing is left out: three dimensions.
+    /// Three dimensions, no assumption.
     Solid,
 }
 
@@ -52,26 +52,26 @@ pub enum Elastic<X> {
     },
 }
 
-/// Why constants make no material.
+/// Error of invalid material constants.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MaterialError {
     /// A constant must be positive.
     #[error("{name} = {value} is not allowed; it must be positive")]
     NotPositive {
-        /// Which.
+        /// Name of the constant.
         name: &'static str,
         /// Its value.
         value: f64,
     },
-    /// Poisson's ratio makes the stiffness singular or worse.
+    /// Poisson's ratio makes the stiffness singular.
     #[error("poisson = {value} makes {model} singular; allowed are {allowed}")]
     Singular {
         /// The ratio.
         value: f64,
         /// The model.
         model: &'static str,
-        /// What is allowed.
+        /// Allowed range.
         allowed: &'static str,
     },
     /// Poisson's ratio is outside the range of stable materials.
@@ -79,7 +79,7 @@ pub enum MaterialError {
     Ratio {
         /// The ratio.
         value: f64,
-        /// What is allowed.
+        /// Allowed range.
         allowed: &'static str,
     },
     /// lambda is too small for mu.
@@ -98,7 +98,7 @@ impl<T: Real> Elastic<T> {
     /// Whether the constants make a stable material under `assumption`.
     ///
     /// # Errors
-    /// [`MaterialError`] with the constant, its value and what is allowed.
+    /// [`MaterialError`] with the constant, its value and the allowed range.
     pub fn check(&self, assumption: Assumption) -> Result<(), MaterialError> {
         let positive = |name, value: T| {
             if value > T::zero() && value.is_finite() { Ok(()) } else { Err(MaterialError::NotPositive { name, value: to_f64(value) }) }
@@ -201,7 +201,7 @@ impl<T: Real> Hooke<3, T> {
 }
 
 impl<const N: usize, T: Real> Hooke<N, T> {
-    /// The same constants everywhere.
+    /// Creates the homogeneous material of `constants` under `assumption`.
     ///
     /// # Errors
     /// [`MaterialError`] for constants that make no stable material.
@@ -220,7 +220,7 @@ impl<const N: usize, T: Real> Hooke<N, T> {
         Self { assumption, law: Law::Varying(Arc::new(constants)) }
     }
 
-    /// What is assumed of the direction left out.
+    /// Assumption about the out-of-plane direction.
     pub fn assumption(&self) -> Assumption {
         self.assumption
     }

@@ -3,7 +3,7 @@
 use crate::linalg::{Real, Vector};
 use std::ops::{Add, Div, Mul, Sub};
 
-/// A value and its gradient: what a constant that varies in space hands over.
+/// Value and gradient of a material constant that varies in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet<const N: usize, T: Real = f64> {
     /// The value.
@@ -18,7 +18,7 @@ impl<const N: usize, T: Real> Jet<N, T> {
         Self { value, gradient }
     }
 
-    /// The same value everywhere.
+    /// Constant `value`, gradient zero.
     pub fn constant(value: T) -> Self {
         Self { value, gradient: Vector::zeros() }
     }

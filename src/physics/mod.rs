@@ -33,7 +33,7 @@ pub trait Material<const C: usize, const N: usize, T: Real = f64>: Debug + Send 
     fn respond(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> Response<C, N, T>;
     /// A modulus [force/area] at `x` that scales penalty and Nitsche terms.
     fn modulus(&self, x: &Vector<N, T>) -> T;
-    /// Whether the tangent does not depend on `grad_u`, so that the stress is tangent : grad u; [`form`] takes no other.
+    /// Whether the tangent does not depend on `grad_u`, so that the stress is tangent : grad u; [`form`] requires it.
     fn is_linear(&self) -> bool {
         false
     }
@@ -49,7 +49,7 @@ pub trait Material<const C: usize, const N: usize, T: Real = f64>: Debug + Send 
     }
     /// div sigma [force/volume], component i the sum of d sigma_ij/dx_j, for `hessian[i][(j, k)]` = d2u_i/dx_j dx_k.
     ///
-    /// A material that depends on `x` adds the derivative of its constants; without an own implementation it is left out.
+    /// A material that depends on `x` adds the derivative of its constants, which this default implementation omits.
     fn divergence(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>, hessian: &[Matrix<N, N, T>; C]) -> Vector<C, T> {
         let tangent = self.respond(x, grad_u).tangent;
         Vector::from_fn(|k, _| {
@@ -82,7 +82,7 @@ macro_rules! forward_material {
 }
 forward_material!(&X, Box<X>, std::sync::Arc<X>);
 
-/// A law whose tangent changes with the gradient, where only a linear one has a meaning.
+/// Error of a nonlinear material where a linear one is required.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{material} is not linear: its tangent at rest is another law; a linear material says so by `Material::is_linear`")]
 #[non_exhaustive]
@@ -91,7 +91,7 @@ pub struct NotLinear {
     pub material: String,
 }
 
-/// Passes on a linear `material`.
+/// Returns `material` if it is linear.
 ///
 /// # Errors
 /// [`NotLinear`] for any other.
@@ -102,7 +102,7 @@ pub(crate) fn linear<const C: usize, const N: usize, T: Real, M: Material<C, N, 
 /// The form ∫ sigma(grad u) : grad v of a linear `material`.
 ///
 /// # Errors
-/// [`NotLinear`] for a material that does not say that it is linear: its form changes with the state.
+/// [`NotLinear`] if [`Material::is_linear`] is false: the form would change with the state.
 pub fn form<const C: usize, const N: usize, T: Real, M: Material<C, N, T> + ?Sized>(material: &M) -> Result<Form<'_, C, N, T>, NotLinear> {
     let material = linear(material)?;
     let coefficient = if material.is_homogeneous() {
@@ -134,7 +134,7 @@ impl<T: Real> Default for FluxTable<T> {
 pub trait Flux<const S: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
     /// sigma n at local points `xi` of the trace's `element`.
     fn tabulate(&self, element: usize, xi: &[Vector<S, T>], table: &mut FluxTable<T>);
-    /// A bound of the flux by the energy on the element behind [modulus / length]:
+    /// A bound of the flux by the energy of the body's element at the facet [modulus / length]:
     /// ∫ |sigma n|² over the facet <= stabilisation ∫ sigma : grad u over the element.
     fn stabilisation(&self, element: usize) -> T;
 }

@@ -27,7 +27,7 @@ impl<const N: usize, T: Real> Debug for Conductor<N, T> {
 }
 
 impl<const N: usize, T: Real> Conductor<N, T> {
-    /// The same conductivity everywhere.
+    /// Creates a conductor of constant `conductivity`.
     ///
     /// # Errors
     /// [`MaterialError::NotPositive`] unless `conductivity` is positive.

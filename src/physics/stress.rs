@@ -9,7 +9,7 @@ use crate::space::{Field, FieldAt, Space, field_at};
 /// A field and its stress at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stress<const C: usize, const N: usize, T: Real = f64> {
-    /// Where.
+    /// Position \[length\].
     pub x: Vector<N, T>,
     /// u.
     pub value: Vector<C, T>,
@@ -17,7 +17,7 @@ pub struct Stress<const C: usize, const N: usize, T: Real = f64> {
     pub gradient: Matrix<C, N, T>,
     /// sigma of the model; for Poisson the row k grad u.
     pub stress: Matrix<C, N, T>,
-    /// xx yy zz xy yz xz [force/area] with what a plane model leaves out.
+    /// Components xx yy zz xy yz xz [force/area], including those out of the plane.
     pub spatial: [T; 6],
 }
 
@@ -43,7 +43,7 @@ where
 
 /// `visit(element, stresses)` of every element, ascending: the field `u` and its stress at the points of its rule.
 ///
-/// [`stress_at`] of every element, for less: see [`crate::assembly::fields`].
+/// Cheaper than [`stress_at`] element by element: see [`crate::assembly::fields`].
 ///
 /// # Panics
 /// If `u` is shorter than C times the number of functions and not empty.
@@ -68,7 +68,7 @@ where
     })
 }
 
-/// The stress that `material` has where the field is `state`.
+/// Stress of `material` for the field and gradient `state` at a point.
 fn stressed<const C: usize, const N: usize, T, M>(material: &M, state: &FieldAt<C, N, T>) -> Stress<C, N, T>
 where
     T: Real,

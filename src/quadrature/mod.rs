@@ -22,14 +22,14 @@ pub struct Rule<const D: usize, T: Real = f64> {
     pub weights: Vec<T>,
 }
 
-/// Which rule an element uses.
+/// Quadrature rule of every element.
 pub trait Quadrature<const D: usize, T: Real = f64>: Debug + Send + Sync {
     /// The rule of `element`, in its local coordinates.
     fn rule(&self, element: usize) -> &Rule<D, T>;
-    /// The rules per direction of the element's block, where the rule is their product (first axis fastest).
+    /// The rules per direction of the element's block if the rule is their product (first axis fastest).
     ///
-    /// Elements of a block that share these rules return the same objects: a block whose elements differ in them is not
-    /// taken for one product.
+    /// Elements of a block that share these rules return the same objects; otherwise the block is not treated as one
+    /// product.
     fn axes(&self, _element: usize) -> Option<[&dyn Quadrature<1, T>; D]> {
         None
     }

@@ -1,4 +1,4 @@
-//! A mesh as data: points, cells with their nodes, named facets.
+//! Data of a mesh: points, cells with their nodes, named facets.
 
 use crate::basis::Cell;
 use crate::linalg::Vector;
@@ -26,12 +26,12 @@ pub struct FacetTag {
     pub corners: Vec<[usize; 4]>,
 }
 
-/// A mesh of cells of dimension N in N dimensions, as files hold it.
+/// A mesh of cells of dimension N in N dimensions, as stored in mesh files.
 ///
 /// Cells may be left-handed, shapes and orders may be mixed where neighbours agree on their common facet.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshCells<const N: usize> {
-    /// Points \[length\]; those of no cell are ignored.
+    /// Points \[length\]; points of no cell are ignored.
     pub points: Vec<Vector<N>>,
     /// The cells; elements of a mesh made of them are numbered in this order.
     pub blocks: Vec<CellBlock>,

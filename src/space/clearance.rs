@@ -1,8 +1,8 @@
-//! Whether two sides touch: their distance against how far their facets may deviate from the surface they stand for.
+//! Test whether two sides touch: their distance against the deviation of their facets from the surface they approximate.
 //!
 //! A point of a facet is moved out to that surface ([`Sag::bulge`]) and so is its closest point on the other side; g is their distance
-//! along the other side's normal. Points whose normals do not oppose, or that lie beyond the other's rim, see nothing.
-//! Sides touch if |mean g| <= 0.25 mean sag and |g| <= 2 sag everywhere; distances below a floor are none.
+//! along the other side's normal. Points whose normals do not oppose, or that lie beyond the edge of the other side, are skipped.
+//! Sides touch if |mean g| <= 0.25 mean sag and |g| <= 2 sag everywhere; distances below a floor count as zero.
 
 use super::{Space, Trace};
 use crate::basis::{Cell, Order};
@@ -16,10 +16,10 @@ const OPPOSITE: f64 = -0.5;
 const MEAN: f64 = 0.25;
 /// Largest distance of touching sides, as a share of the sag.
 const GREATEST: f64 = 2.0;
-/// Sides within so many sags may have been meant to touch.
+/// Largest distance of sides that may have been meant to touch, as a multiple of the sag.
 const NEARLY: f64 = 3.0;
 
-/// A side as others see it.
+/// A side prepared for distance queries from other sides.
 #[derive(Debug)]
 pub struct Skin<'a, const S: usize, const N: usize, T: Real = f64> {
     trace: &'a Trace<S, N, T>,
@@ -30,7 +30,7 @@ pub struct Skin<'a, const S: usize, const N: usize, T: Real = f64> {
 /// A point of a skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinPoint<const N: usize, T: Real = f64> {
-    /// Its place on the surface that the facet stands for.
+    /// Position on the surface that the facet approximates \[length\].
     pub x: Vector<N, T>,
     /// Outward unit normal of the facet.
     pub normal: Vector<N, T>,
@@ -38,7 +38,7 @@ pub struct SkinPoint<const N: usize, T: Real = f64> {
     pub sag: T,
 }
 
-/// How far a point is from a skin.
+/// Distance of a point from a skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight<T: Real = f64> {
     /// Distance along the skin's normal \[length\], negative where the sides overlap.
@@ -50,12 +50,12 @@ pub struct Sight<T: Real = f64> {
 }
 
 impl<'a, const S: usize, const N: usize, T: Real> Skin<'a, S, N, T> {
-    /// The skin of `trace`, whose facets deviate by `sag`.
+    /// Builds the skin of `trace`, whose facets deviate by `sag`.
     pub fn new(trace: &'a Trace<S, N, T>, sag: &'a Sag<S, N, T>) -> Self {
         Self { trace, sag, closest: ClosestPoint::new(Arc::clone(&trace.space)) }
     }
 
-    /// What `point` of another side sees of this one within `reach`.
+    /// Measures the distance of `point` on another side; `None` beyond `reach` or the rim of this side, or if the normals do not oppose.
     pub fn sight(&self, point: &SkinPoint<N, T>, reach: T, floor: T, table: &mut MapTable<S, N, T>) -> Option<Sight<T>> {
         let foot = self.closest.project_within(&point.x, reach)?;
         if foot.rim && foot.distance > floor {
@@ -79,7 +79,7 @@ pub fn skin_points<const S: usize, T: Real>(kind: Cell) -> Vec<Vector<S, T>> {
     points
 }
 
-/// The points `xi` of a facet on the surface that it stands for.
+/// Moves the points `xi` of a facet onto the surface that it approximates.
 pub fn raised<const S: usize, const N: usize, T: Real>(
     trace: &Trace<S, N, T>,
     sag: &Sag<S, N, T>,
@@ -96,7 +96,7 @@ pub fn raised<const S: usize, const N: usize, T: Real>(
     xi.iter().enumerate().map(point).collect()
 }
 
-/// Distances of two sides, gathered.
+/// Accumulated distances of two sides: weighted mean and maximum.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clearance<T: Real = f64> {
     gap: T,
@@ -109,12 +109,12 @@ pub struct Clearance<T: Real = f64> {
 }
 
 impl<T: Real> Clearance<T> {
-    /// Nothing seen yet.
+    /// Creates an empty accumulator.
     pub fn new() -> Self {
         Self { gap: T::zero(), sag: T::zero(), weight: T::zero(), greatest: T::zero(), ratio: T::zero() }
     }
 
-    /// Takes note of a distance with its weight \[length^S\].
+    /// Adds a distance with its weight \[length^S\]; the ratio to the sag counts above `floor` only.
     pub fn see(&mut self, sight: &Sight<T>, weight: T, floor: T) {
         let size = sight.gap.abs();
         self.gap += sight.gap * weight;
@@ -127,7 +127,7 @@ impl<T: Real> Clearance<T> {
         }
     }
 
-    /// Takes note of all that `other` saw.
+    /// Adds the distances of `other`.
     pub fn join(&mut self, other: &Self) {
         self.gap += other.gap;
         self.sag += other.sag;
@@ -136,7 +136,7 @@ impl<T: Real> Clearance<T> {
         self.ratio = self.ratio.max(other.ratio);
     }
 
-    /// Whether nothing was seen.
+    /// Whether no distance was added.
     pub fn is_empty(&self) -> bool {
         self.weight <= T::zero()
     }
@@ -146,32 +146,32 @@ impl<T: Real> Clearance<T> {
         if self.is_empty() { T::zero() } else { (self.gap / self.weight).abs() }
     }
 
-    /// The mean distance that facets explain \[length\].
+    /// Largest mean distance of touching sides, 0.25 mean sag \[length\].
     pub fn allowed(&self) -> T {
         if self.is_empty() { T::zero() } else { self.sag / self.weight * lit(MEAN) }
     }
 
-    /// Whether the facets explain the distance; below `floor` is none.
+    /// Whether the sides touch: |mean g| <= 0.25 mean sag (or `floor`), and |g| <= 2 sag wherever |g| > `floor`.
     pub fn touches(&self, floor: T) -> bool {
         !self.is_empty() && self.mean() <= self.allowed().max(floor) && self.ratio <= lit(GREATEST)
     }
 }
 
 impl<T: Real> Sight<T> {
-    /// Whether this point lies on the other side; distances below `floor` are none.
+    /// Whether this point lies on the other side: |g| <= 2 sag, or `floor` if that is larger.
     pub fn touches(&self, floor: T) -> bool {
         self.gap.abs() <= (self.sag * lit(GREATEST)).max(floor)
     }
 
-    /// Whether the sides may have been meant to touch here: within three sags, or `share` of the facet of this size.
+    /// Whether the sides may have been meant to touch here: |g| <= 3 sag, or `close` if that is larger.
     pub fn nearly(&self, close: T) -> bool {
         self.gap.abs() <= (self.sag * lit(NEARLY)).max(close)
     }
 }
 
-/// The distances of `slave` to the nearest of `masters` and back, at the points that see the other within `share` of their facets.
+/// Measures the distances of `slave` to the nearest of `masters` and back, at points within `share` times the size of their facets.
 ///
-/// Each side comes with the sag of its facets, and whether it counts as approximate is in that sag.
+/// Each side comes with the sag of its facets, zero ([`Sag::none`]) if it counts as exact.
 pub fn clearance<const S: usize, const N: usize, T: Real>(
     slave: (&Trace<S, N, T>, &Sag<S, N, T>),
     masters: &[(&Trace<S, N, T>, &Sag<S, N, T>)],

@@ -1,15 +1,15 @@
-//! A curve that fills space: what is near on it is near in space.
+//! Hilbert's space-filling curve: points near on it are near in space.
 //!
 //! Source: J. Skilling, Programming the Hilbert curve, AIP Conf. Proc. 707 (2004) 381.
 
 use crate::linalg::Vector;
 use rayon::prelude::*;
 
-/// Steps of the curve per direction, as a power of two.
+/// Base-2 logarithm of the steps of the curve per direction.
 const BITS: u32 = 20;
 
-/// The numbers of `points` in the order in which Hilbert's curve through their box meets them; n log n. Points in one cell of the curve
-/// keep their order.
+/// Indices of `points` in the order along Hilbert's curve through their box; n log n. Points in one cell of the curve keep
+/// their order.
 pub(super) fn along<const N: usize>(points: &[Vector<N>]) -> Vec<u32> {
     const { assert!(N == 2 || N == 3, "curves in the plane and in space") }
     let lo = points.iter().fold(Vector::<N>::repeat(f64::INFINITY), |m, x| m.inf(x));
@@ -23,7 +23,7 @@ pub(super) fn along<const N: usize>(points: &[Vector<N>]) -> Vec<u32> {
     keyed.into_iter().map(|(_, i)| i).collect()
 }
 
-/// How far along the curve a cell is.
+/// Position along the curve of the cell with the integer coordinates `x`.
 fn hilbert<const N: usize>(mut x: [u32; N]) -> u64 {
     let top = 1u32 << (BITS - 1);
     let mut bit = top;

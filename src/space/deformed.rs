@@ -5,10 +5,10 @@ use crate::basis::{Basis, BasisStructure, Cell, Elements, Order, Polynomials, Sh
 use crate::geometry::{Bounds, Geometry, MapTable, hull};
 use crate::linalg::{Real, Vector};
 
-/// The same functions over the map x + u, u = sum_i N_i u_i.
+/// The functions of a space over the deformed map x + u, u = sum_i N_i u_i.
 #[derive(Clone, Debug)]
 pub struct Deformed<X, const N: usize, T: Real = f64> {
-    /// The space.
+    /// The undeformed space.
     pub space: X,
     /// One displacement per function \[length\].
     pub u: Vec<Vector<N, T>>,

@@ -1,4 +1,4 @@
-//! The size of elements: the largest distance of two points of one.
+//! Element size: the largest distance between two points of an element.
 
 use super::Space;
 use crate::basis::{Cell, Order};
@@ -6,10 +6,10 @@ use crate::geometry::{MapTable, Sampler, cell};
 use crate::linalg::Real;
 use rayon::prelude::*;
 
-/// Points per direction among which distances are taken: corners and middles, so that bent edges count.
+/// Points per direction between which distances are taken: corners and midpoints, so that curved edges count.
 const POINTS: usize = 3;
 
-/// The largest diameter of the elements of `space` \[length\], taken among corners and middles of edges, faces and cells.
+/// Returns the largest diameter of the elements of `space` \[length\], over corners and midpoints of edges, faces and cells.
 pub fn diameter<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -> T {
     let points = [Cell::Tensor, Cell::Simplex].map(|c| [cell::grid::<N, T>(c, POINTS), cell::corners::<N, T>(c)]);
     let of = |(map, table): &mut (Sampler<'_, N, N, T, X>, MapTable<N, N, T>), e: usize| {

@@ -1,4 +1,4 @@
-//! Fields at points: values and gradients on an element, and which element a physical point is in.
+//! Fields at points: values and gradients on an element, and the element that contains a physical point.
 
 use super::{Field, Space};
 use crate::basis::{Order, ShapeTable};
@@ -11,15 +11,15 @@ const OFF: f64 = 0.25;
 /// A field of C components at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldAt<const C: usize, const N: usize, T: Real = f64> {
-    /// Where.
+    /// Position of the point \[length\].
     pub x: Vector<N, T>,
-    /// u.
+    /// Value u.
     pub value: Vector<C, T>,
     /// du_i/dx_j at (i, j); not finite where the map is singular (a collapsed edge).
     pub gradient: Matrix<C, N, T>,
 }
 
-/// The field with the unknowns `u` at the local points `xi` of `element`.
+/// Evaluates the field with the unknowns `u` at the local points `xi` of `element`.
 ///
 /// # Panics
 /// If `field` has not C components.
@@ -49,16 +49,16 @@ pub fn field_at<const C: usize, const N: usize, T: Real, X: Space<N, N, T> + ?Si
         .collect()
 }
 
-/// Where a physical point is in a body.
+/// Location of a physical point in a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Located<const N: usize, T: Real = f64> {
     /// The element.
     pub element: usize,
     /// Local coordinates.
     pub xi: Vector<N, T>,
-    /// The point there.
+    /// Image of `xi` \[length\].
     pub x: Vector<N, T>,
-    /// How far the point asked for is from it: zero inside, to rounding \[length\].
+    /// Distance of the given point from `x`: zero inside, to rounding \[length\].
     pub distance: T,
 }
 
@@ -68,7 +68,7 @@ pub struct Located<const N: usize, T: Real = f64> {
 pub struct OutsideBody {
     /// Distance to the nearest point of the body \[length\].
     pub distance: f64,
-    /// What would have been allowed \[length\].
+    /// Largest distance allowed \[length\].
     pub allowed: f64,
 }
 
@@ -89,7 +89,7 @@ impl<const N: usize, G: Geometry<N, N, T>, T: Real> Locator<N, G, T> {
         &self.closest
     }
 
-    /// The element of the point `x`; a point off the body by less than a quarter of the nearest element's size moves to
+    /// Finds the element of the point `x`; a point off the body by less than a quarter of the nearest element's size moves to
     /// the nearest point. A point shared by elements belongs to the first that is found, always the same one.
     ///
     /// # Errors
@@ -104,8 +104,8 @@ impl<const N: usize, G: Geometry<N, N, T>, T: Real> Locator<N, G, T> {
     }
 }
 
-/// The element and local coordinates of the point `x`; for many points, and for the distance of points outside, keep a
-/// [`Locator`].
+/// Finds the element and local coordinates of the point `x`; `None` if [`Locator::locate`] fails. For many points, and for the
+/// distance of points outside, keep a [`Locator`].
 pub fn locate<const N: usize, T: Real, G: Geometry<N, N, T> + ?Sized>(space: &G, x: &Vector<N, T>) -> Option<(usize, Vector<N, T>)> {
     Locator::new(space).locate(x).ok().map(|l| (l.element, l.xi))
 }

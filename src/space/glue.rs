@@ -1,8 +1,8 @@
-//! Gluing: which functions of two sides that touch element by element are the same functions.
+//! Gluing: equal functions of two sides that touch element by element.
 //!
 //!   u = sum_i a_i A_i = sum_j b_j B_j on the common side,   so   a_i = sum_j c_ij b_j
 //!
-//! Elements are paired by the places of their centres, their axes by the places of sample points, functions by their
+//! Elements are paired by the positions of their centres, their axes by the positions of sample points, functions by their
 //! values there: functions of any sign, order and orientation are found, in n log n. Where both bases span the same
 //! polynomials with other functions (Bernstein against Lagrange) a row has several terms.
 
@@ -15,38 +15,38 @@ use std::collections::BTreeMap;
 
 /// Values of functions that differ by less than this are equal; functions are of size one.
 const SAME_VALUE: f64 = 1e-8;
-/// Places nearer than this share of the sides' size are one.
+/// Points nearer than this share of the sides' size coincide.
 const SAME_PLACE: f64 = 1e-8;
-/// Largest distance of curved sides between corners that coincide, as a share of the element's size: of sides that are named.
+/// Largest distance under [`Near::Corners`] between coinciding corners, as a share of the element's size.
 const CURVED: f64 = 0.25;
-/// The same, as a multiple of what facets may deviate from the surface they stand for.
+/// Largest distance under [`Near::Facets`] between coinciding corners, as a multiple of the facets' sag.
 const DEVIATIONS: f64 = 2.0;
 
-/// How far apart two glued sides may be.
+/// Largest distance allowed between glued sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Near<T: Real = f64> {
     /// 1e-8 of the size of the sides everywhere.
     Exact,
-    /// 1e-8 of the size in the corners of elements, a quarter of the element between them: one side or both approximate
-    /// a curve, and are known to be meant.
+    /// 1e-8 of the size in the corners of elements, a quarter of the element between them: for sides meant to coincide of
+    /// which one or both approximate a curve.
     Corners,
     /// 1e-8 of the size in the corners of elements, twice the deviation of their facets ([`Sag`]) between them.
     Facets,
-    /// A distance \[length\].
+    /// This distance everywhere \[length\].
     Given(T),
 }
 
-/// Why sides cannot be glued.
+/// Error when sides cannot be glued.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GlueError {
-    /// The sides are not at the same place.
+    /// The sides do not coincide.
     #[error("the sides are up to {distance:e} apart (at {at:?}); allowed {allowed:e}")]
     Apart {
         /// Largest distance of a point of the slave side to the master sides \[length\].
         distance: f64,
-        /// Where.
+        /// Position of that point; coordinates beyond the dimension are zero.
         at: [f64; 3],
         /// Largest distance allowed \[length\].
         allowed: f64,
@@ -66,36 +66,36 @@ pub enum GlueError {
         element: usize,
         /// Its centre.
         at: [f64; 3],
-        /// What differs: degrees, or continuity or weights.
+        /// Description of the difference: degrees, number of functions, continuity or weights.
         difference: String,
     },
 }
 
-/// Two facets at one place.
+/// Two coinciding facets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GluedFacet<const S: usize, T: Real = f64> {
     /// The slave's element.
     pub slave: usize,
-    /// Position of the master side in the list.
+    /// Index of the master side in the list.
     pub master: usize,
     /// The master's element.
     pub element: usize,
-    /// Corners of both at one place, in local coordinates.
+    /// Pairs of coinciding corners (slave, master), in local coordinates.
     pub corners: Vec<(Vector<S, T>, Vector<S, T>)>,
 }
 
-/// A coefficient of the slave side by those of a master side: a = sum of terms.
+/// Coefficient of a slave function in terms of those of a master side: a = sum of coefficient times b over `terms`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GlueRow<T: Real = f64> {
     /// The slave's function in its body.
     pub function: usize,
-    /// Position of the master side in the list.
+    /// Index of the master side in the list.
     pub master: usize,
     /// (function in the master's body, coefficient).
     pub terms: Vec<(usize, T)>,
 }
 
-/// The rows that make the functions of `slave` equal to those of the `masters` it touches.
+/// Builds the rows that equate the functions of `slave` with those of the `masters` it touches.
 ///
 /// Every element of the slave side must be an element of one of the master sides, which may be longer.
 /// A function that touches several masters has a row for each.
@@ -124,7 +124,7 @@ pub fn glue<const S: usize, const N: usize, T: Real>(
 /// Rows and pairs of facets.
 type Found<const S: usize, T> = (Vec<GlueRow<T>>, Vec<GluedFacet<S, T>>);
 
-/// [`glue`], and which facets lie on one another.
+/// Builds the rows of [`glue`] and lists the pairs of coinciding facets.
 ///
 /// # Errors
 /// As [`glue`].
@@ -142,7 +142,7 @@ pub fn glue_facets<const S: usize, const N: usize, T: Real>(
             let shares: Vec<T> = slave.space.all_bounds().iter().map(|b| b.diagonal() * lit(CURVED)).collect();
             glue_within(slave, masters, exact, &shares)
         }
-        // most sides are equal point by point: their facets need no look
+        // most sides coincide point by point: the sag is computed only if they do not
         Near::Facets => glue_within(slave, masters, exact, &none).or_else(|_| {
             let most = |trace: &Trace<S, N, T>| {
                 let sag = Sag::of(&*trace.space, &trace.outward);
@@ -155,7 +155,7 @@ pub fn glue_facets<const S: usize, const N: usize, T: Real>(
     }
 }
 
-/// [`glue_facets`] of sides that are within `tight` in the corners of elements, and `wide` between those of each slave element.
+/// Glues facets that are within `tight` in the corners of elements, and within `wide` between those of each slave element.
 fn glue_within<const S: usize, const N: usize, T: Real>(
     slave: &Trace<S, N, T>,
     masters: &[&Trace<S, N, T>],
@@ -203,7 +203,7 @@ fn glue_within<const S: usize, const N: usize, T: Real>(
     Ok((rows, facets))
 }
 
-/// A function that reaches over two masters must be one function of each: else it is smoother than they are.
+/// Checks that a function with rows for two masters is one function of each; otherwise it is smoother than they are.
 fn several_masters<const S: usize, const N: usize, T: Real>(
     slave: &Trace<S, N, T>,
     rows: &BTreeMap<(usize, usize), Vec<(usize, T)>>,
@@ -222,13 +222,13 @@ fn several_masters<const S: usize, const N: usize, T: Real>(
     Err(GlueError::Functions { element, at: place(&center_of(slave, element)), difference })
 }
 
-/// What two facets are to each other.
+/// Result of comparing two facets.
 enum Outcome<const S: usize, T: Real> {
-    /// The same functions: (slave function of the body, terms of functions of the master's body); corners at one place.
+    /// Equal functions: (slave function of the body, terms of functions of the master's body); pairs of coinciding corners.
     Rows(Vec<(usize, Vec<(usize, T)>)>, Vec<(Vector<S, T>, Vector<S, T>)>),
-    /// The same element with other functions.
+    /// One element with different functions: description of the difference.
     Differs(String),
-    /// Another element.
+    /// Different elements.
     NoPartner,
 }
 
@@ -264,7 +264,7 @@ impl<const N: usize, T: Real> Partners<N, T> {
     }
 }
 
-/// Scratch of a pair of facets.
+/// Work arrays for comparing two facets.
 struct Facet<const S: usize, const N: usize, T: Real> {
     maps: [MapTable<S, N, T>; 2],
     shapes: [ShapeTable<S, T>; 2],
@@ -278,10 +278,10 @@ impl<const S: usize, const N: usize, T: Real> Default for Facet<S, N, T> {
 }
 
 impl<const S: usize, const N: usize, T: Real> Facet<S, N, T> {
-    /// Element `e` of `a` against element `f` of `b`.
+    /// Compares element `e` of `a` with element `f` of `b`.
     fn compare(&mut self, a: &Trace<S, N, T>, e: usize, b: &Trace<S, N, T>, f: usize, tight: T, allowed: T) -> Outcome<S, T> {
         let kind = a.space.cell(e);
-        // a line is a line
+        // the kind of a cell does not matter on curves
         if S > 1 && b.space.cell(f) != kind {
             return Outcome::NoPartner;
         }
@@ -367,7 +367,7 @@ impl<const S: usize, const N: usize, T: Real> Facet<S, N, T> {
     }
 }
 
-/// Factors that are one or minus one to within the tolerance are it exactly.
+/// Rounds factors that are one or minus one to within the tolerance.
 fn snapped<T: Real>(c: T) -> T {
     [T::one(), -T::one()].into_iter().find(|one| (c - *one).abs() <= lit(SAME_VALUE)).unwrap_or(c)
 }
@@ -376,7 +376,7 @@ fn same_terms<T: Real>(a: &[(usize, T)], b: &[(usize, T)]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(x, y)| x.0 == y.0 && (x.1 - y.1).abs() <= lit::<T>(SAME_VALUE) * lit(10.0))
 }
 
-/// A symmetry of a cell: the order of its axes (or barycentric coordinates) and which are turned round.
+/// A symmetry of a cell: the order of its axes (or barycentric coordinates) and a bit mask of the reversed ones.
 struct Turn {
     order: Vec<usize>,
     flip: usize,
@@ -413,19 +413,19 @@ fn apply<const S: usize, T: Real>(kind: Cell, turn: &Turn, xi: &Vector<S, T>) ->
 
 fn center_of<const S: usize, const N: usize, T: Real>(trace: &Trace<S, N, T>, element: usize) -> Vector<N, T> {
     let mut table = MapTable::new();
-    // the centre of a line is its middle, whatever its kind is called
+    // centre of a curve's element: its midpoint, for any kind of cell
     let kind = if S == 1 { Cell::Tensor } else { trace.space.cell(element) };
     trace.space.map(element, &[cell::center(kind)], Order::Values, &mut table);
     table.x[0]
 }
 
-/// Diagonal of the box around the slave side, that of all sides where it is a point.
+/// Largest diagonal of the boxes around the slave and master sides.
 fn sides_size<const S: usize, const N: usize, T: Real>(slave: &Trace<S, N, T>, masters: &[&Trace<S, N, T>]) -> T {
     let around = |t: &Trace<S, N, T>| t.space.extent();
     masters.iter().filter_map(|m| around(m)).chain(around(slave)).map(|b| b.diagonal()).fold(T::zero(), |a, b| a.max(b))
 }
 
-/// Why element `e` has no partner: the sides are apart, or their grids differ.
+/// Returns the error for element `e` without a partner: the sides are apart, or their grids differ.
 fn no_partner<const S: usize, const N: usize, T: Real>(
     slave: &Trace<S, N, T>,
     masters: &[&Trace<S, N, T>],

@@ -1,4 +1,4 @@
-//! What splines and Lagrange meshes of a patch have in common: elements, exact map, collapsed edges, sides.
+//! Common parts of splines and Lagrange meshes of a patch: elements, exact map, collapsed edges, sides.
 
 use super::refine::{self, SAME_KNOT};
 use super::{SideError, SpecError};
@@ -30,7 +30,7 @@ impl SideOf {
         (0..2 * n).map(|f| Self { axis: f / 2, end: f % 2 }).collect()
     }
 
-    /// The face of a name or alias in dimension `n`.
+    /// Finds the face of a name or alias in dimension `n`.
     ///
     /// Aliases: left, right = u0, u1; in the plane bottom, top = v0, v1; in space front, back = v0, v1 and bottom, top = w0, w1.
     pub fn find(name: &str, n: usize) -> Option<Self> {
@@ -52,7 +52,7 @@ impl SideOf {
     }
 }
 
-/// The face whose lines along `along` are points.
+/// A collapsed face: its lines along axis `along` are points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Collapse {
     pub side: SideOf,
@@ -70,7 +70,7 @@ pub(crate) struct Grid<const N: usize> {
 }
 
 impl<const N: usize> Grid<N> {
-    /// The grid of `breakpoints`, to which the knots of the net are added.
+    /// Builds the grid of `breakpoints`, to which the knots of the net are added.
     pub fn new(net: &ControlNet<N, N>, breakpoints: &[Vec<f64>; N]) -> Result<Self, SpecError> {
         let mut all: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
         for k in 0..N {
@@ -99,7 +99,7 @@ impl<const N: usize> Grid<N> {
         std::array::from_fn(|k| self.breakpoints[k].len() - 1)
     }
 
-    /// The names of the sides that are no points or edges.
+    /// Names of the faces that are neither points nor edges.
     pub fn sides(&self) -> Vec<String> {
         SideOf::all(N).into_iter().filter(|s| !self.is_collapsed(*s)).map(SideOf::name).collect()
     }
@@ -113,7 +113,7 @@ impl<const N: usize> Grid<N> {
         self.collapsed.iter().any(|c| c.side == side)
     }
 
-    /// The face of a name or alias.
+    /// Returns the face of a name or alias.
     pub fn side(&self, name: &str) -> Result<SideOf, SideError> {
         let unknown = || SideError::Unknown { side: name.to_string(), known: self.sides().join(", ") };
         let side = SideOf::find(name, N).ok_or_else(unknown)?;
@@ -123,7 +123,7 @@ impl<const N: usize> Grid<N> {
         Ok(side)
     }
 
-    /// Where the elements of a side lie, first axis fastest.
+    /// Embeddings of the elements of a side in the cells of the grid, first axis fastest.
     pub fn facets<const S: usize>(&self, side: SideOf) -> Vec<Embedding<S, N>> {
         let along = side.along(N);
         let axes = Matrix::<N, S>::from_fn(|k, s| if along[s] == k { 1.0 } else { 0.0 });
@@ -152,10 +152,10 @@ pub(crate) fn join<const N: usize>(counts: &[usize; N], at: &[usize; N]) -> usiz
     (0..N).rev().fold(0, |i, k| i * counts[k] + at[k])
 }
 
-/// Functions of a tensor grid that are one function because their edge is a point.
+/// Numbering of the functions of a tensor grid in which functions on a collapsed edge are one.
 #[derive(Clone, Debug)]
 pub(crate) struct Merged {
-    /// The merged function behind each function of the grid.
+    /// The merged function of each function of the grid.
     pub id: Vec<usize>,
     pub functions: usize,
 }
@@ -201,8 +201,8 @@ impl Merged {
     }
 }
 
-/// `basis` with its functions merged: function `ids[i]` is the sum of all functions i with that id. The second value lists
-/// the ids in the order of the functions.
+/// Merges functions of `basis`: function `ids[i]` is the sum of all functions i with that id. The second value lists the
+/// ids in the order of the functions.
 pub(crate) fn merge<const D: usize>(basis: impl Basis<D> + 'static, ids: &[usize]) -> (Box<dyn Basis<D>>, Vec<usize>) {
     let mut dofs: Vec<usize> = Vec::new();
     let mut place = std::collections::HashMap::new();
@@ -222,7 +222,7 @@ pub(crate) fn merge<const D: usize>(basis: impl Basis<D> + 'static, ids: &[usize
     (Box::new(Extracted::new::<D>(basis, dofs.len(), rows)), dofs)
 }
 
-/// The breakpoints of a direction with the knots of the geometry.
+/// Merges the breakpoints of a direction with the knots of the geometry, after checking their range and order.
 fn joined(direction: usize, knots: &[f64], wanted: &[f64]) -> Result<Vec<f64>, SpecError> {
     let (a, b) = (knots[0], knots[knots.len() - 1]);
     let near = SAME_KNOT * (b - a);
@@ -237,7 +237,7 @@ fn joined(direction: usize, knots: &[f64], wanted: &[f64]) -> Result<Vec<f64>, S
     Ok(refine::joined(knots, wanted))
 }
 
-/// The faces of a net whose lines along a direction are points.
+/// Finds the collapsed faces of a net: all lines along one direction are points.
 fn collapses<const N: usize>(net: &ControlNet<N, N>) -> Vec<Collapse> {
     let counts: [usize; N] = std::array::from_fn(|k| net.axes[k].num_functions());
     let points = &net.points;

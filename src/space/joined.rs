@@ -1,4 +1,4 @@
-//! Several bases or spaces as one: their elements in a row, their functions under common numbers.
+//! Concatenation of several bases or spaces: elements one part after the other, functions under common numbers.
 
 use super::Space;
 use crate::basis::{Basis, BasisStructure, Block, Cell, Elements, Extracted, Order, Polynomials, ShapeTable, TensorPatch};
@@ -7,7 +7,7 @@ use crate::linalg::{Real, Vector};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Elements of all parts in a row; functions and corners of each part under the numbers of the whole.
+/// The elements of all parts, one part after the other; functions and corners of each part in the numbering of the whole.
 ///
 /// A part keeps its blocks, shifted: one block per patch for sum factorisation. Multipliers of the whole are those of
 /// the parts, discontinuous between them.
@@ -22,14 +22,14 @@ struct Part<X> {
     inner: X,
     /// First element of the whole.
     first: usize,
-    /// The whole's function behind each function.
+    /// Function of the whole for each function of the part.
     ids: Vec<usize>,
-    /// The whole's corner behind each corner id of the part.
+    /// Corner of the whole for each corner id of the part.
     corners: HashMap<usize, usize>,
 }
 
 impl<X: Elements> Joined<X> {
-    /// The parts with the numbers of their functions and corners in the whole.
+    /// Joins parts, given with the numbers of their functions and corners in the whole.
     ///
     /// No two functions of one element may have the same number; see [`one_each`].
     pub(super) fn new(parts: Vec<(X, Vec<usize>, HashMap<usize, usize>)>, functions: usize) -> Self {
@@ -45,7 +45,7 @@ impl<X: Elements> Joined<X> {
         Self { parts, functions }
     }
 
-    /// The part of an element, and its number there.
+    /// Part of an element, and the element's number there.
     #[inline]
     fn at(&self, element: usize) -> (&Part<X>, usize) {
         let part = &self.parts[self.parts.partition_point(|p| p.first <= element) - 1];
@@ -185,8 +185,8 @@ impl<const D: usize, const N: usize, T: Real, X: Space<D, N, T>> Space<D, N, T> 
     }
 }
 
-/// `space` with numbers `ids` for its functions, so that no element has a number twice: where it would, functions of one
-/// number become their sum.
+/// Numbers the functions of `space` by `ids` so that no element has a number twice: where it would, functions of one number
+/// become their sum. Returns the space and the numbers of its functions.
 pub(super) fn one_each<const D: usize, const N: usize, T: Real>(
     space: &Arc<dyn Space<D, N, T>>,
     ids: Vec<usize>,

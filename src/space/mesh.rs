@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Made by [`Mesh::from_patch`] and [`Mesh::from_cells`].
 #[derive(Clone, Debug)]
 pub struct Mesh<const S: usize, const N: usize> {
-    /// The grid of the patch, where it is the mesh of one.
+    /// Element grid of the patch; `None` for a mesh of cells.
     pub(super) grid: Option<Grid<N>>,
     pub(super) space: Arc<dyn Space<N, N>>,
     /// The map of the mesh's elements.
@@ -24,7 +24,7 @@ pub struct Mesh<const S: usize, const N: usize> {
     pub(super) named: Named<N>,
 }
 
-/// What the traces of a mesh are made of.
+/// Data from which the traces of a mesh are built.
 #[derive(Clone, Debug)]
 pub(super) enum Sides<const S: usize, const N: usize> {
     /// Products of lines along the sides of a patch.
@@ -33,12 +33,12 @@ pub(super) enum Sides<const S: usize, const N: usize> {
     Facets(FacetSides<N>),
 }
 
-/// What the trace of a side is made of.
+/// Data of one side of a patch mesh: Lagrange lines, functions, facets.
 #[derive(Clone, Debug)]
 pub(super) struct MeshSide<const S: usize, const N: usize> {
     /// Lagrange lines along the side.
     pub lines: [LagrangeLine<f64>; S],
-    /// The mesh's function behind each product of theirs; several are one at a collapsed edge.
+    /// Function of the mesh for each product of the lines; products at a collapsed edge share one.
     pub ids: Vec<usize>,
     pub facets: Vec<Embedding<S, N>>,
 }
@@ -52,12 +52,12 @@ pub(super) struct Named<const N: usize> {
 }
 
 impl<const S: usize, const N: usize> Mesh<S, N> {
-    /// Elements per direction of the patch; a simplex mesh cuts each in two or six. None for a mesh of cells.
+    /// Elements per direction of the patch; a simplex mesh cuts each in two or six. `None` for a mesh of cells.
     pub fn elements(&self) -> Option<[usize; N]> {
         self.grid.as_ref().map(Grid::counts)
     }
 
-    /// Faces of the patch that are points or edges; none for a mesh of cells.
+    /// Names of the faces of the patch that are points or edges; empty for a mesh of cells.
     pub fn collapsed_sides(&self) -> Vec<String> {
         self.grid.as_ref().map(Grid::collapsed_sides).unwrap_or_default()
     }
@@ -67,8 +67,8 @@ impl<const S: usize, const N: usize> Mesh<S, N> {
         &self.quality
     }
 
-    /// The side of a mesh of cells that holds the boundary facets of no tag, where there are any: `untagged`, with as many
-    /// underscores behind it as keep it apart from the tags.
+    /// Name of the side of a mesh of cells that holds the boundary facets without a tag: `untagged`, with underscores appended
+    /// until it differs from all tags; `None` if every boundary facet has a tag.
     pub fn untagged(&self) -> Option<&str> {
         match &self.sides {
             Sides::Lines(_) => None,
@@ -76,14 +76,14 @@ impl<const S: usize, const N: usize> Mesh<S, N> {
         }
     }
 
-    /// The place of a point that is a vertex of a mesh of cells, or another node of its space \[length\].
+    /// Coordinates of a point that is a vertex of a mesh of cells or another node of its space \[length\]; `None` for other points.
     ///
-    /// `point` counts the points that [`Mesh::from_cells`] was given.
+    /// `point` is an index into the points given to [`Mesh::from_cells`].
     pub fn vertex(&self, point: usize) -> Option<Vector<N>> {
         self.function_at(point).map(|_| self.named.points[point])
     }
 
-    /// The function whose node is a point of a mesh of cells: a field has its coefficient as value there.
+    /// Function whose node is a point of a mesh of cells; its coefficient is the field's value there. `None` if there is none.
     ///
     /// All corners of cells are nodes; of the points between them those that the nodes of the space coincide with.
     pub fn function_at(&self, point: usize) -> Option<usize> {

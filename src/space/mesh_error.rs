@@ -1,8 +1,8 @@
-//! Why no body can be made of a mesh.
+//! Errors of meshes from which no body can be built.
 
 use super::InvertedElement;
 
-/// Why no body can be made of a mesh. Cells and points are counted from zero, cells through all blocks.
+/// Error when no body can be built from a mesh. Cells and points are counted from zero, cells through all blocks.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -15,11 +15,11 @@ pub enum MeshError {
     /// The degree of the space is out of range.
     #[error("degree {degree} is out of range; {kind} take 1 to {max}")]
     Degree {
-        /// The degree asked for.
+        /// The degree given.
         degree: usize,
-        /// The largest one.
+        /// The largest degree allowed.
         max: usize,
-        /// Which kind of cells.
+        /// Name of the kind of cells.
         kind: &'static str,
     },
     /// The geometry order is out of range.
@@ -27,7 +27,7 @@ pub enum MeshError {
     Order {
         /// The order found.
         order: usize,
-        /// The largest one.
+        /// The largest order allowed.
         max: usize,
     },
     /// The number of nodes of a block is no multiple of the nodes per cell.
@@ -40,12 +40,12 @@ pub enum MeshError {
         /// Nodes per cell.
         each: usize,
     },
-    /// A cell names a point that is not there.
+    /// A cell refers to a point that does not exist.
     #[error("cell {cell} names point {point}, but there are {points} points")]
     NoPoint {
         /// The cell.
         cell: usize,
-        /// The point named.
+        /// The point's index.
         point: usize,
         /// Number of points.
         points: usize,
@@ -97,7 +97,7 @@ pub enum MeshError {
         cell: usize,
         /// Distance \[length\].
         distance: f64,
-        /// Where; coordinates beyond the dimension are zero.
+        /// Position; coordinates beyond the dimension are zero.
         at: [f64; 3],
     },
     /// A facet of a side belongs to no cell.
@@ -105,7 +105,7 @@ pub enum MeshError {
     NoFacet {
         /// The side.
         tag: String,
-        /// Its place in the tag's list.
+        /// Its index in the tag's list.
         facet: usize,
     },
     /// A side has no facets.

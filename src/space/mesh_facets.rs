@@ -1,4 +1,4 @@
-//! Facets of a mesh of cells: which lie on the boundary, which fold over, which a side is made of.
+//! Facets of a mesh of cells: boundary, check for folds, named sides.
 
 use super::mesh_from_cells::place;
 use super::{FacetTag, MeshError};
@@ -23,7 +23,7 @@ pub(super) fn outward_corners(cell: Cell, dimension: usize, face: usize) -> &'st
 /// A facet by its cell and the number of its face there.
 pub(super) type FaceOf = (usize, usize);
 
-/// The vertices of a face in the order of [`outward_corners`].
+/// Vertices of a face in the order of [`outward_corners`].
 pub(super) fn vertices_of<const N: usize>(topology: &Topology<N>, (cell, face): FaceOf) -> impl Iterator<Item = usize> + Clone + '_ {
     outward_corners(topology.cell(cell), N, face).iter().map(move |&c| topology.vertices(cell)[c])
 }
@@ -40,14 +40,14 @@ pub(super) struct Facets<'a, const N: usize> {
 pub(super) struct NamedFacets {
     /// Sides on the boundary.
     pub sides: Vec<(String, Vec<FaceOf>)>,
-    /// Tags that are no sides, with the first facet that is inside.
+    /// Tags that are no sides, with the index of their first facet inside the mesh.
     pub interior: Vec<(String, usize)>,
-    /// The name of the side of all facets without tag.
+    /// Name of the side that holds all boundary facets without a tag.
     pub untagged: Option<String>,
 }
 
 impl<'a, const N: usize> Facets<'a, N> {
-    /// The facets of cells that are known to fit.
+    /// Collects the facets of cells that are known to fit, without checks.
     pub fn of(topology: &'a Topology<N>) -> Self {
         let mut at: Vec<Option<(FaceOf, bool)>> = vec![None; topology.num_facets()];
         for cell in 0..topology.num_cells() {
@@ -58,12 +58,12 @@ impl<'a, const N: usize> Facets<'a, N> {
         Self { topology, at: at.into_iter().map(|a| a.expect("every facet has a cell")).collect() }
     }
 
-    /// The facets of one cell only.
+    /// Facets that belong to one cell only.
     pub fn boundary(&self) -> impl Iterator<Item = FaceOf> + '_ {
         self.at.iter().filter(|a| !a.1).map(|a| a.0)
     }
 
-    /// Finds the facets and checks that cells fit; `places` of the vertices are for errors.
+    /// Collects the facets and checks that cells fit; `places` of the vertices are for errors.
     pub fn new(topology: &'a Topology<N>, places: &[Vector<N>]) -> Result<Self, MeshError> {
         let mut at: Vec<Option<(FaceOf, bool)>> = vec![None; topology.num_facets()];
         let middle = |of: FaceOf| {
@@ -77,7 +77,7 @@ impl<'a, const N: usize> Facets<'a, N> {
                     None => at[f] = Some((here, false)),
                     Some((first, true)) => return Err(MeshError::Branched { cells: [first.0, cell], at: middle(here) }),
                     Some((first, second)) => {
-                        // neighbours on both sides of a facet go around it in opposite directions
+                        // neighbours on both sides of a facet have opposite orientations of it
                         if turns_up(vertices_of(topology, *first)) == turns_up(vertices_of(topology, here)) {
                             return Err(MeshError::Folded { cells: [first.0, cell], at: middle(here) });
                         }
@@ -93,7 +93,7 @@ impl<'a, const N: usize> Facets<'a, N> {
         Ok(facets)
     }
 
-    /// No triangle on the boundary has its corners on one quadrilateral of the boundary.
+    /// Checks that no triangle on the boundary has its corners on one quadrilateral of the boundary.
     fn check_shapes(&self, middle: &dyn Fn(FaceOf) -> [f64; 3]) -> Result<(), MeshError> {
         let of_shape = |wanted: Cell| self.at.iter().filter(move |(of, inside)| !inside && self.topology.cell(of.0) == wanted).map(|a| a.0);
         if of_shape(Cell::Simplex).next().is_none() {
@@ -114,7 +114,7 @@ impl<'a, const N: usize> Facets<'a, N> {
         Ok(())
     }
 
-    /// The sides of `tags` and of what they leave; `vertex` gives the vertex at a point.
+    /// Builds the sides of `tags` and that of the remaining boundary facets; `vertex` gives the vertex at a point.
     pub fn named(&self, tags: &[FacetTag], vertex: &[usize]) -> Result<NamedFacets, MeshError> {
         let mut found = NamedFacets::default();
         let mut keys: Vec<([usize; 4], usize)> =
@@ -163,7 +163,7 @@ impl<'a, const N: usize> Facets<'a, N> {
         key_of(vertices_of(self.topology, of))
     }
 
-    /// Facets once each: in the plane one behind the other, in space as they come.
+    /// Lists facets once each: in the plane in order along the curve, in space as given.
     fn ordered(&self, mut list: Vec<usize>) -> Vec<FaceOf> {
         let mut seen = std::collections::HashSet::new();
         list.retain(|f| seen.insert(*f));
@@ -180,9 +180,9 @@ impl<'a, const N: usize> Facets<'a, N> {
     }
 }
 
-/// Directed edges in the order of walking: open pieces first, each from its start, then closed ones; pieces end where the curve forks.
+/// Order of directed edges along their curves: open curves first, each from its start, then closed ones; curves end at forks.
 fn chained(ends: &[[usize; 2]]) -> Vec<usize> {
-    // per vertex: edges that start and stop there, and one that starts
+    // per vertex: number of edges that start and that stop there, and one that starts
     let mut at: HashMap<usize, (usize, usize, usize)> = HashMap::new();
     for (k, &[a, b]) in ends.iter().enumerate() {
         let start = at.entry(a).or_default();
@@ -204,7 +204,7 @@ fn chained(ends: &[[usize; 2]]) -> Vec<usize> {
     order
 }
 
-/// Whether the way around a facet leaves its least vertex towards the lesser of the two beside it.
+/// Orientation of a facet: whether its cycle leads from the least vertex to the lesser of the two adjacent ones.
 fn turns_up(around: impl Iterator<Item = usize> + Clone) -> bool {
     let all: Vec<usize> = around.collect();
     let n = all.len();

@@ -1,4 +1,4 @@
-//! The Lagrange mesh of cells as files hold them.
+//! Lagrange meshes of cells as stored in mesh files.
 
 use super::curve;
 use super::mesh::{Named, Sides};
@@ -15,17 +15,17 @@ use std::sync::Arc;
 pub const MAX_ORDER: usize = 4;
 /// Nodes of neighbours on a common facet are one point if they are this near, as a share of the cell.
 const SAME_NODE: f64 = 1e-8;
-/// Nodes this near in the reference cell are one.
+/// Nodes this near in the reference cell coincide.
 const SAME_PLACE: f64 = 1e-12;
 
 impl<const S: usize, const N: usize> Mesh<S, N> {
-    /// The body of an unstructured mesh, with a space of `degree` on every cell: 1 to 8, with simplices 1 to 4.
+    /// Builds the body of an unstructured mesh, with a space of `degree` on every cell: 1 to 8, with simplices 1 to 4.
     ///
     /// [`Mapping::Exact`] keeps the cells' own map. [`Mapping::Isoparametric`] interpolates it in `degree` at the nodes of the space: the
     /// same map where `degree` is not below the geometry order, else one of lower degree with its nodes on the cells.
     ///
-    /// Elements are the cells in the order of the blocks; those listed left-handed are seen mirrored, first axis for second. Functions are
-    /// numbered along a curve that fills the mesh, whatever the order of cells and points is: [`Mesh::function_at`] finds them. Sides
+    /// Elements are the cells in the order of the blocks; left-handed ones are mirrored by exchanging their first two axes. Functions are
+    /// numbered along a space-filling curve, whatever the order of cells and points is: [`Mesh::function_at`] finds them. Sides
     /// are the tags whose facets all lie on the boundary, and [`Mesh::untagged`]; a tag inside the mesh is no side, and its
     /// trace is [`SideError::Interior`](super::SideError::Interior). Tags of one name are one side. In the plane the facets of a side
     /// follow one another with the body on their left. n log n in the number of cells.
@@ -71,7 +71,7 @@ struct RawCells<'a, const N: usize> {
     kinds: Vec<(Cell, usize)>,
     /// Per cell: its kind, and its block and first node there.
     list: Vec<(usize, usize, usize)>,
-    /// Per kind: nodes per cell, places of the corners, places of the nodes of the mirrored cell.
+    /// Per kind: nodes per cell, positions of the corners, positions of the nodes of the mirrored cell.
     local: Vec<(usize, Vec<usize>, Vec<usize>)>,
 }
 
@@ -125,7 +125,7 @@ impl<'a, const N: usize> RawCells<'a, N> {
         &self.cells.blocks[block].nodes[first..first + self.local[kind].0]
     }
 
-    /// The point at place `a` of the lattice of cell `e`, seen mirrored where `flip` is set.
+    /// The point at position `a` of the lattice of cell `e`, mirrored if `flip` is set.
     fn node(&self, e: usize, flip: bool, a: usize) -> usize {
         self.nodes(e)[if flip { self.local[self.list[e].0].2[a] } else { a }]
     }
@@ -140,7 +140,7 @@ impl<'a, const N: usize> RawCells<'a, N> {
         (0..self.list.len()).map(sum).map(|(s, n)| s / n).collect()
     }
 
-    /// Vertices are numbered from zero, in the order of their first cells.
+    /// Builds the topology; vertices are numbered from zero, in the order of their first cells.
     fn topology(&self, flipped: &[bool]) -> Topology<N> {
         let kinds: Vec<Cell> = self.list.iter().map(|l| self.kinds[l.0].0).collect();
         let points: Vec<usize> = (0..self.list.len()).flat_map(|e| self.corners(e, flipped[e])).collect();
@@ -196,7 +196,7 @@ pub(super) fn nodes<const N: usize>(cell: Cell, degree: usize) -> Vec<Vector<N>>
     }
 }
 
-/// The place of every index with its first two entries exchanged.
+/// Position in `list` of every index with its first two entries exchanged.
 fn mirrored<const N: usize>(list: &[[usize; N]]) -> Vec<usize> {
     let swapped = |mut i: [usize; N]| {
         i.swap(0, 1);
@@ -218,11 +218,11 @@ fn equispaced<const N: usize>(cell: Cell, order: usize, xi: &Vector<N>) -> Vec<f
     lattice::<N>(cell, order).into_iter().map(value).collect()
 }
 
-/// How the nodes of a space follow from those of the cells, per kind of cell.
+/// Interpolation of the nodes of a space from those of the cells, per kind of cell.
 struct NodesOfKinds<const N: usize> {
-    /// Per kind: shares of the cell's points in every node of the space.
+    /// Per kind: weights of the cell's points in every node of the space.
     shares: Vec<Vec<Vec<f64>>>,
-    /// Per kind: derivatives of the map at the centre by the cell's nodes of the space.
+    /// Per kind: gradients at the cell's centre of the functions of the space's nodes.
     slopes: Vec<Vec<Vector<N>>>,
 }
 
@@ -234,13 +234,13 @@ impl<const N: usize> NodesOfKinds<N> {
             let one = Unstructured::<N>::lagrange(degree, Arc::new(Topology::new(vec![kind], corners)));
             let mut table = ShapeTable::new();
             one.tabulate(0, &[cell::center(kind)], Order::Gradients, &mut table);
-            // the functions of one cell are not numbered along its lattice, their table is
+            // the functions of one cell are not numbered along its lattice, but their table is
             table.grads(0).to_vec()
         };
         Self { shares: kinds.iter().map(shares).collect(), slopes: kinds.iter().map(slopes).collect() }
     }
 
-    /// The nodes of a cell in the order of its lattice.
+    /// Computes the nodes of a cell in the order of its lattice.
     fn of(&self, raw: &RawCells<'_, N>, e: usize, flip: bool, x: &mut Vec<Vector<N>>) {
         x.clear();
         x.extend(self.shares[raw.list[e].0].iter().map(|shares| {
@@ -249,19 +249,19 @@ impl<const N: usize> NodesOfKinds<N> {
         }));
     }
 
-    /// The determinant at the centre of a cell as it is listed.
+    /// Jacobian determinant at the centre of a cell as it is listed.
     fn jacobian(&self, raw: &RawCells<'_, N>, e: usize, x: &mut Vec<Vector<N>>) -> f64 {
         self.of(raw, e, false, x);
         let slopes = &self.slopes[raw.list[e].0];
         determinant(&x.iter().zip(slopes).fold(Matrix::<N, N>::zeros(), |j, (x, g)| j + x * g.transpose()))
     }
 
-    /// Which cells are left-handed at their centre.
+    /// Flags the cells that are left-handed at their centre.
     fn flipped(&self, raw: &RawCells<'_, N>) -> Vec<bool> {
         (0..raw.list.len()).into_par_iter().map_init(Vec::new, |x, e| self.jacobian(raw, e, x) < 0.0).collect()
     }
 
-    /// Of two cells that overlap, the one listed unlike most others is inverted.
+    /// Turns [`MeshError::Folded`] of cells of different handedness into an inverted element: the one unlike most cells.
     fn blamed(&self, error: MeshError, raw: &RawCells<'_, N>, flipped: &[bool]) -> MeshError {
         let MeshError::Folded { cells, at } = error else { return error };
         if flipped[cells[0]] == flipped[cells[1]] {
@@ -273,7 +273,7 @@ impl<const N: usize> NodesOfKinds<N> {
         InvertedElement { element, least_jacobian, at }.into()
     }
 
-    /// The nodes of all functions; neighbours must agree.
+    /// Gathers the nodes of all functions; an error if neighbours do not agree.
     fn gathered(&self, raw: &RawCells<'_, N>, flipped: &[bool], map: &Unstructured<N>) -> Result<Vec<Vector<N>>, MeshError> {
         let mut points: Vec<Option<Vector<N>>> = vec![None; map.num_functions()];
         let mut x = Vec::new();
@@ -292,7 +292,7 @@ impl<const N: usize> NodesOfKinds<N> {
     }
 }
 
-/// Three coordinates for errors.
+/// Coordinates of a point for errors, padded with zeros to three.
 pub(super) fn place<const N: usize>(x: &Vector<N>) -> [f64; 3] {
     std::array::from_fn(|k| if k < N { x[k] } else { 0.0 })
 }

@@ -17,7 +17,7 @@ use std::sync::Arc;
 const ON_EDGE: f64 = 1e-12;
 
 impl<const S: usize, const N: usize> Mesh<S, N> {
-    /// The mesh that `spec` describes; its continuity and basis are not read.
+    /// Builds the mesh of `spec`, whose continuity and basis are ignored.
     ///
     /// Simplex cells cut every quadrilateral by the diagonal from its (u0, v0) corner to its (u1, v1) corner, and every
     /// hexahedron into six tetrahedra around the diagonal from (u0, v0, w0) to (u1, v1, w1).
@@ -100,11 +100,11 @@ struct Triangle<const N: usize> {
     vertices: [Vector<N>; 3],
     /// Ids of its vertices; those of a collapsed edge are one in an isoparametric mesh.
     ids: [usize; 3],
-    /// The vertex at a collapsed edge whose other triangle was dropped: the nodes fan out from it over the whole cell.
+    /// Set if the other triangle of the cell was dropped at a collapsed edge: the nodes fan out over the whole cell.
     apex: Option<Fan>,
 }
 
-/// How a triangle covers a cell with a collapsed edge: corner `apex` of the triangle, and the ends of the edge opposite.
+/// Map of a triangle onto a whole cell with a collapsed edge: vertex `apex` lies on that edge, the two others opposite.
 struct Fan {
     apex: usize,
     collapsed: SideOf,
@@ -127,7 +127,7 @@ fn simplex<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S
     let nodes = simplex_nodes::<N, f64>(degree);
     let local = nodes.len();
 
-    // where the nodes are: in the cell, and on the exact map
+    // positions of the nodes: in the cell, and on the exact map
     let mut points = vec![Vector::<N>::zeros(); functions];
     let mut on_edge: Vec<Option<usize>> = vec![None; functions];
     let mut map = MapTable::new();
@@ -172,7 +172,7 @@ fn simplex<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S
 }
 
 impl<const N: usize> Triangle<N> {
-    /// The point of the cell behind a point of the reference triangle.
+    /// Maps a point of the reference triangle to the cell.
     fn place(&self, xi: &Vector<N>) -> Vector<N> {
         let weight = [1.0 - xi.sum(), xi[0], xi[1]];
         let Some(fan) = &self.apex else {
@@ -197,8 +197,8 @@ fn vertices<const N: usize>(grid: &Grid<N>, merge: bool) -> ([usize; N], Vec<usi
     (counts, id)
 }
 
-/// Two triangles per cell, split along the diagonal (u0, v0)-(u1, v1); in an isoparametric mesh those whose edge is a point
-/// are dropped.
+/// Cuts every cell into two triangles along the diagonal (u0, v0)-(u1, v1); in an isoparametric mesh those whose edge is a
+/// point are dropped.
 fn cut<const N: usize>(grid: &Grid<N>, exact: bool) -> Vec<Triangle<N>> {
     const CORNERS: [[[usize; 2]; 3]; 2] = [[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]];
     let (counts, id) = vertices(grid, !exact);
@@ -223,7 +223,7 @@ fn cut<const N: usize>(grid: &Grid<N>, exact: bool) -> Vec<Triangle<N>> {
     triangles
 }
 
-/// How the triangle that is left covers its cell.
+/// Returns the fan of the triangle that remains in a cell; `None` if no collapsed edge of the cell holds exactly one of its vertices.
 fn fan<const N: usize>(grid: &Grid<N>, at: &[usize; N], vertices: &[Vector<N>; 3]) -> Option<Fan> {
     grid.collapsed.iter().find_map(|c| {
         let side = c.side;

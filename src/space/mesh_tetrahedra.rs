@@ -1,4 +1,4 @@
-//! The mesh of a solid patch in tetrahedra.
+//! Tetrahedral meshes of a solid patch.
 
 use super::grid::{Grid, Merged, SideOf, join, on_side, split};
 use super::mesh::{Named, Sides};
@@ -10,7 +10,7 @@ use crate::geometry::{ControlPoints, Embedded, Embedding, Geometry, MapTable};
 use crate::linalg::{Matrix, Vector};
 use std::sync::Arc;
 
-/// Corners of a hexahedron, as bits per axis, on the six ways along its edges from (0, 0, 0) to (1, 1, 1): right-handed tetrahedra.
+/// Corners of a hexahedron, as bits per axis, on the six paths along its edges from (0, 0, 0) to (1, 1, 1): right-handed tetrahedra.
 const CORNERS: [[usize; 4]; 6] = [[0, 1, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 3, 2, 7], [0, 6, 4, 7], [0, 5, 1, 7]];
 
 /// A tetrahedron cut from a cell of the grid.
@@ -21,8 +21,8 @@ struct Tetrahedron {
     ids: [usize; 4],
 }
 
-/// Six tetrahedra per cell around its diagonal; those that a collapsed edge leaves without volume are dropped, and the others
-/// take their part of the cell.
+/// Builds the mesh of six tetrahedra per cell around its diagonal; those that a collapsed edge leaves without volume are dropped,
+/// and the others are spread over the cell.
 pub(super) fn tetrahedra<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S, N>, SpecError> {
     spec.check_degree(MAX_DEGREE_SIMPLEX, "simplices")?;
     let degree = spec.degree[0];
@@ -60,7 +60,7 @@ pub(super) fn tetrahedra<const S: usize, const N: usize>(spec: &PatchSpec<N>) ->
     Ok(Mesh { grid: Some(grid), space, geometry, sides, quality, named: Named::default() })
 }
 
-/// The tetrahedra of all cells with their merged vertices.
+/// Cuts all cells into tetrahedra with merged vertices.
 fn cut<const N: usize>(grid: &Grid<N>, counts: &[usize; N], id: &[usize]) -> Result<Vec<Tetrahedron>, SpecError> {
     let cells = grid.counts();
     let mut all = Vec::new();
@@ -99,7 +99,7 @@ fn nodes_of<const N: usize>(grid: &Grid<N>, cut: &[Tetrahedron], basis: &Unstruc
     points
 }
 
-/// A face of a cell whose lines along an axis are points.
+/// A collapsed face of a cell: its lines along axis `along` are points.
 struct Fan {
     side: SideOf,
     along: usize,
@@ -115,12 +115,11 @@ fn fans<const N: usize>(grid: &Grid<N>, cell: usize) -> Vec<Fan> {
     fans
 }
 
-/// The tetrahedra that are left at a collapsed face fill half of the cell; this carries that half to the whole cell, on rays
-/// from the face.
+/// Maps the half of a cell that is filled by the tetrahedra at a collapsed face to the whole cell, along rays from the face.
 fn spread<const N: usize>(mut place: Vector<N>, fan: &Fan) -> Vector<N> {
     let away = place[fan.side.axis];
     let (part, whole) = if fan.side.end == 0 { (place[fan.along], away) } else { (place[fan.along] - away, 1.0 - away) };
-    // on the face itself all places are one
+    // on the face itself all points coincide
     place[fan.along] = if whole > 0.0 { (part / whole).clamp(0.0, 1.0) } else { 0.0 };
     place
 }
@@ -128,7 +127,7 @@ fn spread<const N: usize>(mut place: Vector<N>, fan: &Fan) -> Vector<N> {
 /// The boundary facets of every face of the patch, by their vertices.
 fn sides<const N: usize>(grid: &Grid<N>, counts: &[usize; N], id: &[usize], topology: &Topology<N>) -> NamedFacets {
     let all: Vec<SideOf> = SideOf::all(N).into_iter().filter(|s| !grid.is_collapsed(*s)).collect();
-    // per merged vertex: the faces it is on, as bits; the topology numbers vertices anew
+    // per merged vertex: its faces, as bits; the topology has its own numbers of vertices
     let mut faces = vec![0u8; id.len()];
     for (k, &side) in all.iter().enumerate() {
         on_side(counts, side).into_iter().for_each(|v| faces[id[v]] |= 1 << k);

@@ -16,7 +16,7 @@ pub(super) struct FacetSides<const N: usize> {
     pub named: NamedFacets,
 }
 
-/// Where the map of the facets comes from.
+/// Source of the facets' map.
 #[derive(Clone, Debug)]
 pub(super) enum FacetMap<const N: usize> {
     /// Nodes of Lagrange cells.
@@ -97,7 +97,7 @@ fn run(corners: &[usize], dimension: usize) -> bool {
     starts.len() == n
 }
 
-/// Parameters of the ends of the edges: their chords, one behind the other; whole numbers where a chord has no length.
+/// Parameters of the ends of the edges: cumulated chord lengths; integers if a chord has no length.
 fn breakpoints<const N: usize>(topology: &Topology<N>, map: &ControlPoints<Unstructured<N>, N>, list: &[FaceOf]) -> Vec<f64> {
     let mut sums = vec![0.0];
     for &of in list {
@@ -108,7 +108,7 @@ fn breakpoints<const N: usize>(topology: &Topology<N>, map: &ControlPoints<Unstr
     if sums.windows(2).all(|w| w[0] < w[1]) { sums } else { (0..sums.len()).map(|k| k as f64).collect() }
 }
 
-/// The functions of a side and the body's function behind each: a line where `breakpoints` of one are given.
+/// Builds the functions of a side and lists the body's function of each; a [`LagrangeLine`] if `breakpoints` are given.
 fn functions<const S: usize, const N: usize>(
     body: &Unstructured<N>,
     facets: &[Embedding<S, N>],
@@ -121,7 +121,7 @@ fn functions<const S: usize, const N: usize>(
         None => Box::new(Unstructured::<S>::lagrange(degree, side.clone())),
     };
     let mut dofs = vec![usize::MAX; basis.num_functions()];
-    // place of an index in the lattice of a cell, by its entries as digits
+    // position of an index in the lattice of a cell, by its entries as digits
     let base = degree + 1;
     let digits = |i: &[usize; N]| i.iter().rev().fold(0, |n, k| n * base + k);
     let places = [Cell::Tensor, Cell::Simplex].map(|c| {

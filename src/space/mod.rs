@@ -142,7 +142,7 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Space<D, N, T> for
 
 impl<const S: usize, const D: usize, const N: usize, T: Real, X: Space<D, N, T>> Space<S, N, T> for Embedded<S, D, X, T> {}
 
-/// How the unknowns of a vector field are numbered: unknown = first + components * function + component.
+/// Numbering of the unknowns of a vector field: unknown = first + components * function + component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Field {
     /// First unknown of the body.
@@ -152,23 +152,23 @@ pub struct Field {
 }
 
 impl Field {
-    /// The unknown of `component` of `function`.
+    /// Index of the unknown of `component` of `function`.
     #[inline]
     pub fn unknown(&self, function: usize, component: usize) -> usize {
         self.first + self.components * function + component
     }
 }
 
-/// Why a side has no trace.
+/// Error when a side has no trace.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SideError {
     /// The body has no side of that name.
     #[error("there is no side `{side}`; sides are {known}")]
     Unknown {
-        /// The name asked for.
+        /// The name given.
         side: String,
-        /// The names there are, separated by commas.
+        /// The names of all sides, separated by commas.
         known: String,
     },
     /// A facet lies inside the body.
@@ -180,23 +180,23 @@ pub enum SideError {
     /// The side is collapsed to a point or an edge.
     #[error("side `{side}` is collapsed to a point and is no side")]
     Collapsed {
-        /// The name asked for.
+        /// The name given.
         side: String,
     },
 }
 
 /// A space with named sides. (S, N) stands for (N - 1, N).
 pub trait Body<const S: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
-    /// The functions and the map of the inside.
+    /// The space on the interior of the body: its functions and map.
     fn space(&self) -> &Arc<dyn Space<N, N, T>>;
     /// Names of the sides, aliases left out.
     fn sides(&self) -> Vec<String>;
-    /// The space on a side, with the facets behind it.
+    /// Returns the space on a side, with its facets in the body.
     ///
     /// # Errors
     /// [`SideError`] for an unknown name, a collapsed side, or a facet inside the body.
     fn trace(&self, side: &str) -> Result<Trace<S, N, T>, SideError>;
-    /// How sound the map is, where the body has looked at it already: what [`quality()`] says of its space.
+    /// Quality of the map, as [`quality()`] returns it for the space; `None` if the body has not computed it.
     fn known_quality(&self) -> Option<&Quality<N>> {
         None
     }

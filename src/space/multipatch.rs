@@ -29,37 +29,37 @@ impl Seam {
     }
 }
 
-/// Why bodies could not be glued.
+/// Error when bodies cannot be glued.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MultiPatchError {
-    /// A side is none.
+    /// A side has no trace.
     #[error("side `{side}` of body {body}: {source}")]
     Side {
         /// The body.
         body: usize,
         /// The side.
         side: String,
-        /// Why.
+        /// Cause.
         source: SideError,
     },
-    /// The sides do not fit.
+    /// The two sides of a seam do not match.
     #[error("seam {seam}: {source}")]
     Glue {
-        /// Position in the list of seams.
+        /// Index in the list of seams.
         seam: usize,
-        /// Why.
+        /// Cause.
         source: GlueError,
     },
-    /// Functions that are combinations of others have no common number.
+    /// The functions of the sides span the same space but are not equal one by one, so they cannot be merged.
     #[error("seam {seam}: the sides span the same functions in different bases; tie them by equations, or take one basis for both")]
     Combined {
-        /// Position in the list of seams.
+        /// Index in the list of seams.
         seam: usize,
     },
 }
 
-/// Bodies glued along seams. Sides are called NAME.SIDE, those inside are none. (S, N) stands for (N - 1, N).
+/// Bodies glued along seams. Sides are called NAME.SIDE; those glued entirely are not listed. (S, N) stands for (N - 1, N).
 ///
 /// Functions that agree on a seam are one function, found by a union over all seams: a point where any number of bodies
 /// meet is no special case. Every body stays a run of elements with its own blocks.
@@ -69,14 +69,14 @@ pub struct MultiPatch<const S: usize, const N: usize, T: Real = f64> {
     first: Vec<usize>,
     names: Vec<String>,
     bodies: Vec<Arc<dyn Body<S, N, T>>>,
-    /// The function of the whole behind each function of a body.
+    /// Per body: function of the whole for each of its functions.
     ids: Vec<Vec<usize>>,
-    /// Facets inside: (body, side) to the elements of its trace.
+    /// Glued facets: (body, side) to the elements of its trace.
     inside: BTreeMap<(usize, String), BTreeSet<usize>>,
 }
 
 impl<const S: usize, const N: usize, T: Real> MultiPatch<S, N, T> {
-    /// The named `bodies` glued along `seams`.
+    /// Glues the named `bodies` along `seams`.
     ///
     /// # Errors
     /// [`MultiPatchError`] if a side is unknown, or the sides of a seam are apart or differ.
@@ -150,7 +150,7 @@ impl<const S: usize, const N: usize, T: Real> MultiPatch<S, N, T> {
         Ok(Self { space, first, names, bodies, ids, inside })
     }
 
-    /// The function of the whole behind `function` of `body`.
+    /// Function of the whole for `function` of `body`.
     pub fn function(&self, body: usize, function: usize) -> usize {
         self.ids[body][function]
     }
@@ -160,7 +160,7 @@ impl<const S: usize, const N: usize, T: Real> MultiPatch<S, N, T> {
         &self.first
     }
 
-    /// The trace of a list of sides as one: its functions are those of the whole, its multipliers are discontinuous
+    /// Joins the traces of a list of sides: functions are those of the whole, multipliers are discontinuous
     /// between the sides.
     ///
     /// # Errors
@@ -193,7 +193,7 @@ impl<const S: usize, const N: usize, T: Real> MultiPatch<S, N, T> {
         Ok(Trace::joined(&list))
     }
 
-    /// Body and side behind NAME.SIDE.
+    /// Splits NAME.SIDE into the body's index and the name of its side.
     fn find(&self, side: &str) -> Result<(usize, String), SideError> {
         let unknown = || SideError::Unknown { side: side.into(), known: self.sides().join(", ") };
         let (name, own) = side.rsplit_once('.').ok_or_else(unknown)?;
@@ -226,14 +226,14 @@ impl<const S: usize, const N: usize, T: Real> Body<S, N, T> for MultiPatch<S, N,
 pub struct JoinedSide<'a, const S: usize, const N: usize, T: Real = f64> {
     /// The side.
     pub trace: &'a Trace<S, N, T>,
-    /// The function of the whole behind each function of the side.
+    /// Function of the whole for each function of the side.
     pub dofs: Vec<usize>,
     /// First element of its body in the whole.
     pub first_element: usize,
 }
 
 impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
-    /// Several sides as one, in their order: functions with equal dofs are one function.
+    /// Joins several sides to one, in their order: functions with equal dofs are one function.
     pub fn joined(sides: &[JoinedSide<'_, S, N, T>]) -> Self {
         let (mut place, mut dofs) = (HashMap::new(), Vec::new());
         let mut parts = Vec::with_capacity(sides.len());
@@ -260,7 +260,7 @@ impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
     }
 }
 
-/// Numbers for the corner ids of several sides: corners of different sides at one place are one.
+/// Common numbers for the corner ids of several sides: coinciding corners of different sides are one.
 fn common_corners<const S: usize, const N: usize, T: Real>(sides: &[JoinedSide<'_, S, N, T>]) -> Vec<HashMap<usize, usize>> {
     let (mut ids, mut table) = (Vec::new(), MapTable::new());
     let mut known: Vec<HashMap<usize, usize>> = Vec::with_capacity(sides.len());
@@ -325,7 +325,7 @@ impl Corners {
         Self { known, count }
     }
 
-    /// The number of the body's corner at a corner of a facet; none where the body names no corners.
+    /// Number of the body's corner at a corner of a facet; `None` if the body has no corner ids.
     fn id<const S: usize, const N: usize, T: Real>(
         &self,
         bodies: &[Arc<dyn Body<S, N, T>>],
@@ -361,7 +361,7 @@ impl Union {
         let (a, b) = (self.find(a), self.find(b));
         self.0[a.max(b)] = a.min(b);
     }
-    /// Consecutive numbers of the trees in the order of their roots, and how many there are.
+    /// Consecutive numbers of the trees in the order of their roots, and the number of trees.
     fn numbers(mut self) -> (Vec<usize>, usize) {
         let mut count = 0;
         let mut number = vec![0; self.0.len()];

@@ -22,7 +22,7 @@ pub struct Patch<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> Patch<S, N> {
-    /// The patch that `spec` describes; its cells and mapping are not read.
+    /// Builds the patch of `spec`, whose cells and mapping are ignored.
     ///
     /// Knots are the element ends, with continuity min(degree - 1, `continuity`), at the net's own knots at most what the
     /// net has. Functions that meet in a collapsed edge are one function.
@@ -57,7 +57,7 @@ impl<const S: usize, const N: usize> Patch<S, N> {
         &self.axes
     }
 
-    /// One weight per product of univariate splines; none for B-splines.
+    /// Weights, one per product of univariate splines; `None` for B-splines.
     pub fn weights(&self) -> Option<&[f64]> {
         self.weights.as_deref()
     }
@@ -72,12 +72,12 @@ impl<const S: usize, const N: usize> Patch<S, N> {
         &self.grid.breakpoints
     }
 
-    /// The function of a product of univariate splines; several are one at a collapsed edge.
+    /// Function for a product of univariate splines; products at a collapsed edge share one.
     pub fn function(&self, product: usize) -> usize {
         self.merged.id[product]
     }
 
-    /// Faces that are points or edges.
+    /// Names of the faces that are points or edges.
     pub fn collapsed_sides(&self) -> Vec<String> {
         self.grid.collapsed_sides()
     }
@@ -139,7 +139,7 @@ fn axis<const N: usize>(spec: &PatchSpec<N>, direction: usize, breakpoints: &[f6
     BSpline::from_breakpoints(degree, breakpoints, &continuity)
 }
 
-/// The weights of the refined weight function, where the spline space carries it and it varies.
+/// Weights of the refined weight function; `None` for B-splines: as given, if it is constant, or (`Auto`) if not in the spline space.
 fn weights<const N: usize>(spec: &PatchSpec<N>, axes: &[BSpline<f64>; N]) -> Result<Option<Vec<f64>>, SpecError> {
     let Some(own) = &spec.net.weights else { return Ok(None) };
     let (least, most) = own.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), &w| (l.min(to_f64(w)), m.max(to_f64(w))));

@@ -1,4 +1,4 @@
-//! Is the map of a body sound, and how large is it.
+//! Quality and measure of the map of a body.
 
 use super::Space;
 use crate::basis::{Cell, Order};
@@ -10,17 +10,17 @@ use rayon::prelude::*;
 /// Jacobians below this share of the element's largest are zero: a collapsed edge, not an inversion.
 const ZERO: f64 = 1e-10;
 
-/// Degrees below and above which no fewer and no more points are looked at.
+/// Range of degrees that sets the number of sample points: lower and higher ones are clamped to it.
 const DEGREES: [usize; 2] = [2, 4];
 
-/// How sound the map of a body is.
+/// Quality of the map of a body: least Jacobian, orientation, degenerate elements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quality<const N: usize> {
     /// Least |det dx/dxi| over sampled points that are not degenerate, in local coordinates \[length^N\].
     pub least_jacobian: f64,
     /// The element that has it.
     pub element: usize,
-    /// Where.
+    /// Position of the least Jacobian \[length\].
     pub at: Vector<N>,
     /// Whether the determinant is negative throughout.
     pub left_handed: bool,
@@ -36,11 +36,11 @@ pub struct InvertedElement {
     pub element: usize,
     /// Least determinant, in local coordinates, counted positive where the body as a whole is.
     pub least_jacobian: f64,
-    /// Where; coordinates beyond the dimension are zero.
+    /// Position; coordinates beyond the dimension are zero.
     pub at: [f64; 3],
 }
 
-/// One element: points with their determinants.
+/// Mean and extreme determinants of one element, with their points.
 struct Sampled<const N: usize> {
     mean: f64,
     least: (f64, Vector<N>),
@@ -49,7 +49,7 @@ struct Sampled<const N: usize> {
 
 /// Samples the Jacobian of every element on a grid of its cell, corners included; where the map is affine, once.
 ///
-/// Of several elements with the least value the first is named.
+/// Of several elements with the least value the first is returned.
 ///
 /// # Errors
 /// [`InvertedElement`] where the determinant has two signs, or vanishes on a whole element; of several the worst.
@@ -90,7 +90,7 @@ pub fn quality<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -
     for (element, s) in sampled.iter().enumerate() {
         let (least, most) = if left_handed { ((-s.most.0, s.most.1), (-s.least.0, s.least.1)) } else { (s.least, s.most) };
         let zero = ZERO * least.0.abs().max(most.0.abs());
-        // not a number fails this, too
+        // NaN fails this test, too
         let sound = least.0 >= -zero && most.0 > 0.0;
         if !sound {
             if worst.as_ref().is_none_or(|w| least.0 < w.least_jacobian) {
@@ -159,8 +159,8 @@ pub fn measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?
     parts.into_iter().fold(T::zero(), |s, p| s + p)
 }
 
-/// Relative rounding of a Jacobian: positions as large as x cancel in cells as thin as its least singular value, which is not less than
-/// the measure over the other columns. Thin cells far from the origin, say.
+/// Relative rounding error of a Jacobian: positions as large as x cancel in cells as thin as its least singular value, which is not
+/// less than the measure over the other columns; large for thin cells far from the origin.
 fn rounding<const D: usize, const N: usize, T: Real>(table: &MapTable<D, N, T>) -> T {
     let square = |v: T, x: &T| v + *x * *x;
     let size = table.x.iter().map(|x| x.iter().fold(T::zero(), square)).fold(T::zero(), |m, s| m.max(s)).sqrt();

@@ -1,6 +1,6 @@
-//! Element ends, refined.
+//! Refinement of breakpoints.
 
-/// Breakpoints with every interval halved `times` times.
+/// Halves every interval of `breakpoints` `times` times.
 ///
 /// # Panics
 /// If more than 2^32 intervals would come out.
@@ -17,7 +17,7 @@ pub fn halved(breakpoints: &[f64], times: usize) -> Vec<f64> {
     all
 }
 
-/// The increasing union of `knots` and `breakpoints`; a breakpoint nearer than 1e-10 of the range to a knot is the knot.
+/// Increasing union of `knots` and `breakpoints`; a breakpoint nearer than 1e-10 of the range to a knot is the knot.
 pub fn joined(knots: &[f64], breakpoints: &[f64]) -> Vec<f64> {
     let mut all = knots.to_vec();
     if let (Some(a), Some(b)) = (knots.first(), knots.last()) {

@@ -11,8 +11,8 @@ use super::cells::{CellBlock, FacetTag, MeshCells};
 use crate::basis::Cell;
 use crate::linalg::Vector;
 
-/// A node on the boundary of a cell: corners of the smallest facet, edge or corner that holds it, and its whole-numbered share of each,
-/// sorted; the same in every cell around. Unused places are `usize::MAX`.
+/// Key of a node on the boundary of a cell, equal in all cells that share it: corners of the smallest facet, edge or corner that holds
+/// it, and its integer share of each, sorted. Unused entries are `usize::MAX`.
 type Key = [(usize, usize); 4];
 
 /// A point of a reference cell in steps of its lattice.
@@ -64,7 +64,7 @@ pub fn facets(cell: Cell, n: usize) -> Vec<Vec<usize>> {
     out
 }
 
-/// The same facet whatever the order of its corners.
+/// Key of a facet, independent of the order of its corners: sorted, padded with `usize::MAX`.
 pub fn facet_key(corners: impl Iterator<Item = usize>) -> [usize; 4] {
     let mut key = [usize::MAX; 4];
     for (place, corner) in key.iter_mut().zip(corners) {
@@ -92,7 +92,7 @@ fn gcd(a: usize, b: usize) -> usize {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// The key of a lattice point: none inside the cell, where more corners than those of a facet have a share.
+/// Key of a lattice point; `None` inside the cell, where more corners than those of a facet have a share.
 fn key(shares: &[usize], corners: &[usize]) -> Option<Key> {
     let mut key = [(usize::MAX, 0); 4];
     let mut count = 0;
@@ -155,7 +155,7 @@ fn children(cell: Cell, n: usize, diagonal: usize) -> Vec<Vec<Steps>> {
 /// Diagonals of the octahedron between the midpoints of opposite edges.
 const DIAGONALS: [[Steps; 2]; 3] = [[[1, 0, 0], [0, 1, 1]], [[0, 1, 0], [1, 0, 1]], [[0, 0, 1], [1, 1, 0]]];
 
-// the four other corners of the octahedron in a ring: opposite ones are the ends of the other diagonals
+// the four other corners of the octahedron in cyclic order: opposite ones are the ends of the other diagonals
 fn around(diagonal: usize) -> Vec<Steps> {
     let [p, q] = [DIAGONALS[(diagonal + 1) % 3], DIAGONALS[(diagonal + 2) % 3]];
     vec![p[0], q[0], p[1], q[1]]
@@ -167,7 +167,7 @@ fn determinant(child: &[Steps]) -> i64 {
     a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
 }
 
-/// The mesh with every cell halved in every direction; the 2^N children of a cell follow each other in its place.
+/// Halves every cell of the mesh in every direction; the 2^N children of a cell follow each other in its place.
 ///
 /// Points of the mesh keep their numbers, new ones follow. Facets of a tag are halved with the cells; those of no cell are left out.
 /// Linear in the number of cells.
@@ -187,7 +187,7 @@ pub fn refine_cells<const N: usize>(cells: &MeshCells<N>) -> MeshCells<N> {
     MeshCells { points, blocks, tags: cells.tags.iter().map(tag).collect() }
 }
 
-// nodes of the file on facets and edges: those of a neighbour of another order are new in between
+// registers the nodes given on facets and edges; a neighbour of another order has further nodes in between
 fn register(block: &CellBlock, n: usize, known: &mut HashMap<Key, usize>) {
     if block.order == 1 {
         return;
@@ -207,7 +207,7 @@ fn register(block: &CellBlock, n: usize, known: &mut HashMap<Key, usize>) {
     }
 }
 
-/// Places of the corners among the nodes of a cell.
+/// Positions of the corners among the nodes of a cell.
 pub fn corner_places(cell: Cell, n: usize, order: usize) -> Vec<usize> {
     let nodes = lattice(cell, n, order);
     let place = |c: &Steps| nodes.iter().position(|x| (0..3).all(|k| x[k] == c[k] * order)).expect("a corner is a node");
@@ -256,7 +256,7 @@ fn refined<const N: usize>(
         let diagonal = if kinds == 3 { shortest(points, &ids, &place, order) } else { 0 };
         out.extend(nodes[diagonal].iter().map(|k| ids[*k]));
         for (facet, halves) in facets.iter().zip(&halves) {
-            // the first of two cells that share a facet says how it is cut; the other cuts it the same way
+            // the first of two cells that share a facet determines the cuts of the facet; the other cuts it in the same way
             if let Some(list) = wanted.get_mut(&facet_key(facet.iter().map(|c| corners[*c])))
                 && list.is_empty()
             {
@@ -267,7 +267,7 @@ fn refined<const N: usize>(
     CellBlock { cell, order, nodes: out }
 }
 
-// nodes of all children as places in the fine lattice
+// nodes of all children as indices in the fine lattice
 fn child_nodes(cell: Cell, n: usize, order: usize, diagonal: usize, coarse: &[Steps], place: &HashMap<Steps, usize>) -> Vec<usize> {
     let mut out = Vec::new();
     for child in children(cell, n, diagonal) {
@@ -286,7 +286,7 @@ fn child_nodes(cell: Cell, n: usize, order: usize, diagonal: usize, coarse: &[St
     out
 }
 
-// corners of the children of every facet as places in the fine lattice
+// corners of the children of every facet as indices in the fine lattice
 fn facet_halves(cell: Cell, n: usize, order: usize, place: &HashMap<Steps, usize>) -> Vec<Vec<[usize; 4]>> {
     let all = corners(cell, n);
     let node = |x: Steps| place[&x.map(|v| v * order)];

@@ -1,4 +1,4 @@
-//! What a patch is made of, as data, and why it cannot be made.
+//! Specification of a patch as data, and its errors.
 
 use crate::basis::{Basis, Cell, WeightError};
 use crate::geometry::ControlNet;
@@ -36,7 +36,7 @@ pub const MAX_DEGREE_TENSOR: usize = 8;
 /// Largest degree of a Lagrange mesh of simplices.
 pub const MAX_DEGREE_SIMPLEX: usize = 4;
 
-/// A geometry and the discretisation wanted on it; both backends read what concerns them.
+/// A geometry and its discretisation; [`Patch`](super::Patch) and [`Mesh`](super::Mesh) each read the parts that apply to them.
 ///
 /// # Example
 /// ```
@@ -57,16 +57,16 @@ pub struct PatchSpec<const N: usize> {
     pub breakpoints: [Vec<f64>; N],
     /// Splines: continuity at knots, `None` for degree - 1; at the net's own knots at most what the net has.
     pub continuity: Option<usize>,
-    /// Splines: which functions.
+    /// Splines: kind of functions.
     pub basis: BasisKind,
     /// Lagrange: shape of the cells.
     pub cells: Cell,
-    /// Lagrange: which map.
+    /// Lagrange: kind of map.
     pub mapping: Mapping,
 }
 
 impl<const N: usize> PatchSpec<N> {
-    /// Degree 2 on the elements of the net, all else by default.
+    /// Creates a specification of degree 2 on the elements of the net, all else by default.
     pub fn new(net: ControlNet<N, N>) -> Self {
         let breakpoints = std::array::from_fn(|k| net.axes[k].breakpoints().to_vec());
         Self {
@@ -80,49 +80,49 @@ impl<const N: usize> PatchSpec<N> {
         }
     }
 
-    /// The same with another degree.
+    /// Sets the degree per direction.
     pub fn with_degree(mut self, degree: [usize; N]) -> Self {
         self.degree = degree;
         self
     }
 
-    /// The same with `elements` equal elements per direction in total, rounded up to a multiple of the net's spans.
+    /// Sets `elements` equal elements per direction in total, rounded up to a multiple of the net's spans.
     pub fn with_elements(mut self, elements: [usize; N]) -> Self {
         self.breakpoints = self.net.breakpoints_total(elements);
         self
     }
 
-    /// The same with other breakpoints.
+    /// Sets the breakpoints per direction.
     pub fn with_breakpoints(mut self, breakpoints: [Vec<f64>; N]) -> Self {
         self.breakpoints = breakpoints;
         self
     }
 
-    /// The same with another continuity.
+    /// Sets the continuity at knots.
     pub fn with_continuity(mut self, continuity: usize) -> Self {
         self.continuity = Some(continuity);
         self
     }
 
-    /// The same with other functions.
+    /// Sets the kind of spline functions.
     pub fn with_basis(mut self, basis: BasisKind) -> Self {
         self.basis = basis;
         self
     }
 
-    /// The same with other cells.
+    /// Sets the shape of the cells.
     pub fn with_cells(mut self, cells: Cell) -> Self {
         self.cells = cells;
         self
     }
 
-    /// The same with another map.
+    /// Sets the map of a Lagrange mesh.
     pub fn with_mapping(mut self, mapping: Mapping) -> Self {
         self.mapping = mapping;
         self
     }
 
-    /// The same with every element halved `times` times in every direction.
+    /// Halves every element `times` times in every direction.
     ///
     /// # Panics
     /// If more than 2^32 elements would come out in one direction.
@@ -148,7 +148,7 @@ impl<const N: usize> PatchSpec<N> {
     }
 }
 
-/// Why a patch cannot be made.
+/// Error when a patch cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SpecError {
@@ -157,11 +157,11 @@ pub enum SpecError {
     Degree {
         /// The direction, 0 for u.
         direction: usize,
-        /// The degree asked for.
+        /// The degree given.
         degree: usize,
-        /// The largest one.
+        /// The largest degree allowed.
         max: usize,
-        /// Which kind of space.
+        /// Name of the kind of space.
         kind: &'static str,
     },
     /// NURBS of this degree cannot carry the weights of the geometry.
@@ -172,9 +172,9 @@ pub enum SpecError {
     DegreeTooLow {
         /// The direction, 0 for u.
         direction: usize,
-        /// The degree asked for.
+        /// The degree given.
         degree: usize,
-        /// The least one that works.
+        /// The least degree that works.
         needed: usize,
     },
     /// The continuity is higher than the degree allows.
@@ -182,7 +182,7 @@ pub enum SpecError {
     Continuity {
         /// The direction, 0 for u.
         direction: usize,
-        /// The continuity asked for.
+        /// The continuity given.
         continuity: usize,
         /// The degree there.
         degree: usize,
@@ -192,7 +192,7 @@ pub enum SpecError {
     BreakpointOutside {
         /// The direction, 0 for u.
         direction: usize,
-        /// Its place in the list.
+        /// Its index in the list.
         index: usize,
         /// Its value.
         value: f64,
@@ -206,7 +206,7 @@ pub enum SpecError {
     BreakpointsFall {
         /// The direction, 0 for u.
         direction: usize,
-        /// Its place in the list.
+        /// Its index in the list.
         index: usize,
         /// Its value.
         value: f64,
@@ -214,7 +214,7 @@ pub enum SpecError {
     /// Simplices have one degree.
     #[error("simplex cells need the same degree in every direction, found {degree:?}")]
     MixedDegree {
-        /// The degrees asked for.
+        /// The degrees given.
         degree: Vec<usize>,
     },
     /// Tetrahedra on the exact map at a collapsed edge are not built.

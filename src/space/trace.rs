@@ -1,4 +1,4 @@
-//! The space on a side of a body, and where each of its elements lies in the body.
+//! The space on a side of a body, with the embedding of each of its elements in the body.
 
 use super::{Over, SideError, Space};
 use crate::basis::{Cell, Order};
@@ -19,9 +19,9 @@ const PUSH: f64 = 1e-3;
 pub struct Trace<const S: usize, const N: usize, T: Real = f64> {
     /// Functions and map of the side, on its own elements.
     pub space: Arc<dyn Space<S, N, T>>,
-    /// The body's function behind each function of the side.
+    /// Function of the body for each function of the side.
     pub dofs: Vec<usize>,
-    /// Where each element of the side lies in the body.
+    /// Embedding of each element of the side in the body's element.
     pub facets: Vec<Embedding<S, N, T>>,
     /// Per element: +1 or -1 times the cross product of the tangents points out of the body (curves: the tangent
     /// turned clockwise, (t_y, -t_x)).
@@ -29,7 +29,7 @@ pub struct Trace<const S: usize, const N: usize, T: Real = f64> {
 }
 
 impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
-    /// A side with a space of its own on the elements `facets`; finds `outward` by looking away from the cell's centre.
+    /// Builds a side with its own space on the elements `facets`; computes `outward` as pointing away from the cell's centre.
     ///
     /// # Errors
     /// [`SideError::Interior`] where a facet is not on the boundary of the body.
@@ -47,7 +47,7 @@ impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
         Ok(Self::on_boundary(body, space, dofs, facets))
     }
 
-    /// [`Trace::new`] where the facets are known to be on the boundary.
+    /// Builds a side as [`Trace::new`] does, from facets known to be on the boundary.
     pub(super) fn on_boundary(
         body: &Arc<dyn Space<N, N, T>>,
         space: Arc<dyn Space<S, N, T>>,
@@ -60,9 +60,9 @@ impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
         Self { space, dofs, facets, outward }
     }
 
-    /// The body's functions and map on `facets` of the shape `kind`: the side of any body.
+    /// Restricts the body's functions and map to `facets` of the shape `kind`: the side of any body.
     ///
-    /// Corner ids of the facets follow from where their corners are.
+    /// Corner ids of the facets are found from the positions of their corners.
     /// # Errors
     /// [`SideError::Interior`] where a facet is not on the boundary of the body.
     pub fn from_facets(body: &Arc<dyn Space<N, N, T>>, facets: Vec<Embedding<S, N, T>>, kind: Cell) -> Result<Self, SideError> {
@@ -75,7 +75,7 @@ impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
         Ok(Self { space: Arc::new(Over { basis, geometry }), dofs, facets, outward })
     }
 
-    /// The same side with another space on its elements, as [`Deformed`](super::Deformed).
+    /// Replaces the space on the elements of the side, for instance by a [`Deformed`](super::Deformed) one.
     ///
     /// # Panics
     /// If the number of elements or functions differs.
@@ -85,7 +85,7 @@ impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
         Self { space, dofs: self.dofs.clone(), facets: self.facets.clone(), outward: self.outward.clone() }
     }
 
-    /// The body's element and local coordinates of a local point of the side.
+    /// Maps a local point of the side to the body's element and its local coordinates there.
     #[inline]
     pub fn lift(&self, element: usize, xi: &Vector<S, T>) -> (usize, Vector<N, T>) {
         let facet = &self.facets[element];
@@ -104,7 +104,7 @@ fn lifted<const S: usize, const N: usize, T: Real>(facet: &Embedding<S, N, T>, k
     cell::corners::<S, T>(kind).iter().map(|c| facet.lift(c)).collect()
 }
 
-/// The sign of every facet: the cross product of its tangents against the way from the parent's centre.
+/// Computes the sign of every facet: the cross product of its tangents against the vector from the parent's centre.
 fn look_out<const S: usize, const N: usize, T: Real>(body: &dyn Space<N, N, T>, facets: &[Embedding<S, N, T>], kinds: &[Cell]) -> Vec<T> {
     let mut table = MapTable::new();
     facets
@@ -121,7 +121,7 @@ fn look_out<const S: usize, const N: usize, T: Real>(body: &dyn Space<N, N, T>, 
         .collect()
 }
 
-/// Every facet must lie on a face of its cell that no other element has.
+/// Checks that every facet lies on a face of its cell that no other element has.
 fn check_boundary<const S: usize, const N: usize, T: Real>(
     body: &dyn Space<N, N, T>,
     facets: &[Embedding<S, N, T>],
@@ -169,7 +169,7 @@ fn sorted(ids: impl Iterator<Item = usize>) -> Vec<usize> {
     ids
 }
 
-/// Where no corner ids are known: a point pushed out through the facet must not be in the body.
+/// Checks facets of cells without corner ids: a point pushed out through the facet must not be in the body.
 fn check_by_leaving<const S: usize, const N: usize, T: Real>(
     body: &dyn Space<N, N, T>,
     facets: &[Embedding<S, N, T>],
@@ -197,7 +197,7 @@ fn check_by_leaving<const S: usize, const N: usize, T: Real>(
     Ok(())
 }
 
-/// Corner ids of facets: corners at the same place have the same id.
+/// Corner ids of facets: coinciding corners have the same id.
 fn corner_ids<const S: usize, const N: usize, T: Real>(
     body: &dyn Space<N, N, T>,
     facets: &[Embedding<S, N, T>],

@@ -7,15 +7,15 @@ use faying_files::FileError;
 pub struct Code {
     /// The code itself, `E012`.
     pub code: &'static str,
-    /// What the program exits with when an error of this code ends it.
+    /// Exit code of the program when an error of this code ends it.
     pub exit: i32,
     /// The mistake in a few words.
     pub title: &'static str,
-    /// What it means, a few sentences.
+    /// Meaning, a few sentences.
     pub text: &'static str,
-    /// Lines that lead to it.
+    /// Example lines that cause it.
     pub example: &'static str,
-    /// What to do.
+    /// Advice.
     pub remedy: &'static str,
 }
 
@@ -381,7 +381,7 @@ pub fn find(code: &str) -> Option<&'static Code> {
     CODES.iter().find(|c| c.code.eq_ignore_ascii_case(code))
 }
 
-/// Code of what is wrong with a geometry or mesh file.
+/// Code of an error in a geometry or mesh file.
 pub fn of_file(error: &FileError) -> &'static str {
     match error {
         FileError::Dimension { .. } => "E044",

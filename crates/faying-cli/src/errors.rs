@@ -17,7 +17,7 @@ use serde::ser::SerializeStruct;
 use super::codes;
 use super::place::{Lines, Origin, Place};
 
-/// How bad it is.
+/// Severity of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
@@ -44,9 +44,9 @@ pub struct Diagnostic {
     pub code: &'static str,
     /// Error or warning.
     pub severity: Severity,
-    /// What happened, one line.
+    /// Message, one line.
     pub message: String,
-    /// The file, or the option `--set a.b=v`, where it happened.
+    /// The file, or the option `--set a.b=v`, that it concerns.
     pub file: Option<String>,
     /// Line in the file, from 1.
     pub line: Option<usize>,
@@ -54,9 +54,9 @@ pub struct Diagnostic {
     pub column: Option<usize>,
     /// Characters under the caret.
     pub length: usize,
-    /// What stands beside the caret, such as the nearest known name.
+    /// Text beside the caret, such as the nearest known name.
     pub label: Option<String>,
-    /// What is allowed, what to do.
+    /// Allowed values, or advice.
     pub help: Option<String>,
     /// The text of the line.
     pub snippet: Option<String>,
@@ -84,13 +84,13 @@ impl Diagnostic {
         Self { severity: Severity::Warning, ..Self::error(code, message) }
     }
 
-    /// Adds what is allowed or what to do.
+    /// Adds the allowed values or advice.
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
     }
 
-    /// Adds what stands beside the caret.
+    /// Adds the text beside the caret.
     pub fn with_label(mut self, label: impl Into<String>) -> Self {
         self.label = Some(label.into());
         self
@@ -124,7 +124,7 @@ impl Diagnostic {
         self
     }
 
-    /// What the program exits with because of this: 0 for a warning.
+    /// Exit code of the program for this diagnostic: 0 for a warning.
     pub fn exit(&self) -> i32 {
         match self.severity {
             Severity::Warning => 0,
@@ -132,7 +132,7 @@ impl Diagnostic {
         }
     }
 
-    /// The text as of the contract, several lines, ended by a line break.
+    /// The text of the diagnostic: several lines, ended by a line break.
     pub fn render(&self) -> String {
         let mut out = String::new();
         // writing to a String cannot fail
@@ -173,7 +173,7 @@ impl Diagnostic {
         }
     }
 
-    /// `{code, severity, message, file, line, column, help}` of the contract.
+    /// The JSON object `{code, severity, message, file, line, column, help}`.
     pub fn to_json(&self) -> serde_json::Value {
         serde_json::json!({
             "code": self.code, "severity": self.severity.word(), "message": self.message,
@@ -196,7 +196,7 @@ impl Serialize for Diagnostic {
     }
 }
 
-/// The text of a case with its name and the options that changed it: what places refer to.
+/// The text of a case with its name and its `--set` options: the source of all places.
 #[derive(Clone, Debug, Default)]
 pub struct Source {
     /// Name of the file as the user wrote it.
@@ -218,7 +218,7 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// Nothing yet.
+    /// An empty collection.
     pub fn new() -> Self {
         Self::default()
     }
@@ -242,19 +242,19 @@ impl Diagnostics {
         self.items.iter().any(|d| d.severity == Severity::Error)
     }
 
-    /// Whether there is nothing.
+    /// Whether the collection is empty.
     pub fn is_empty(&self) -> bool {
         self.items.is_empty()
     }
 
-    /// In the order of the file; what has no place comes last.
+    /// Sorts by line and column; diagnostics without a place come last.
     pub fn sort(&mut self) {
         self.items.sort_by_key(|d| (d.line.unwrap_or(usize::MAX), d.column.unwrap_or(0)));
     }
 
-    /// The exit code: of the errors the first that applies of 4, 6, 5, 3, else 0.
+    /// The exit code: the first of 4, 6, 5, 3 among those of the errors, else 0.
     ///
-    /// The order of the contract is 130, 70, 4, 6, 5, 3, 1, 0.
+    /// The precedence of all exit codes is 130, 70, 4, 6, 5, 3, 1, 0.
     pub fn exit(&self) -> i32 {
         let codes: Vec<i32> = self.items.iter().map(Diagnostic::exit).collect();
         [4, 6, 5, 3].into_iter().find(|c| codes.contains(c)).unwrap_or(0)
@@ -271,7 +271,7 @@ impl Diagnostics {
         out
     }
 
-    /// The JSON list of the contract: the first [`LISTED`] diagnostics.
+    /// The JSON list of the first [`LISTED`] diagnostics.
     pub fn to_json(&self) -> serde_json::Value {
         self.items.iter().take(LISTED).map(Diagnostic::to_json).collect()
     }
@@ -332,7 +332,7 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .into_iter()
         .map(|c| (strsim::damerau_levenshtein(&lower, &c.to_lowercase()), c))
         .filter(|(d, c)| {
-            // something in common, and not much else
+            // edit distance below the length, and at most about a third of it
             let longest = word.chars().count().max(c.chars().count());
             *d < longest.max(1) && *d <= 1 + longest / 3
         })

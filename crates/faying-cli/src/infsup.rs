@@ -14,16 +14,16 @@ use crate::table::short;
 use faying::coupling::inf_sup::{InfSup, InfSupError, Measure, Norm, Question, ZERO, degree_exponent, inf_sup, slope, verdict};
 use faying::linalg::LinearError;
 
-/// How the constants are measured.
+/// Options of the inf-sup test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InfSupOptions {
     /// The norms of both spaces.
     pub norm: Norm,
-    /// What happens at the ends of the slave sides.
+    /// Constraints at the ends of the slave sides.
     pub ends: SlaveEnds,
 }
 
-/// The constant of one component on one slave side.
+/// Inf-sup constant of one component on one slave side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constant {
     /// The interface or contact.
@@ -32,22 +32,22 @@ pub struct Constant {
     pub side: String,
     /// Its patch.
     pub patch: usize,
-    /// "x", "y", "u"; "normal" of contacts.
+    /// Component: "x", "y", "u"; "normal" for contacts.
     pub component: &'static str,
-    /// The multiplier by name, what `auto` means here; none where it is given by data.
+    /// Name of the multiplier, with `auto` resolved; `None` if it is given by data.
     pub pairing: Option<String>,
-    /// Elements of the side.
+    /// Number of elements of the side.
     pub elements: usize,
-    /// The constant by the length of the side, with sizes of the spaces.
+    /// Constant measured by the length of the side, with sizes of the spaces.
     pub found: InfSup,
-    /// The constant in the parameter of the side.
+    /// Constant measured in the parameter of the side.
     pub parametric: f64,
 }
 
-/// The constants of every slave side and component of `case`, in its order; nothing of the bulk is integrated or solved.
+/// Computes the constants of every slave side and component of `case`, in its order; nothing of the bulk is integrated or solved.
 ///
 /// # Errors
-/// What is wrong with the case, with its places; E063 where no side carries a multiplier.
+/// All errors of the case, with their source locations; E063 if no side carries a multiplier.
 ///
 /// # Example
 /// ```
@@ -112,7 +112,7 @@ fn fault(case: &Case, s: &SlaveSpaces, error: &InfSupError) -> Diagnostic {
 pub struct Constants<'a> {
     /// The names of the case.
     pub registry: &'a Registry,
-    /// How constants are measured.
+    /// Options of the inf-sup test.
     pub options: InfSupOptions,
 }
 
@@ -188,12 +188,12 @@ fn word(row: &Row) -> &str {
     row.verdict.as_deref().unwrap_or_default()
 }
 
-/// Two decimals, without the sign of a zero.
+/// Formats with two decimals, without the sign of a zero.
 pub(super) fn hundredths(x: f64) -> String {
     format!("{:.2}", (100.0 * x).round() / 100.0 + 0.0)
 }
 
-/// What to call the line of a row.
+/// Label of a line of rows: case, degree (if `with_degree`), pairing, interface, varied keys.
 fn label(row: &Row, with_degree: bool) -> String {
     let mut parts = vec![row.spec.name().to_owned()];
     if with_degree && !row.degree.is_empty() {
@@ -206,7 +206,7 @@ fn label(row: &Row, with_degree: bool) -> String {
     parts.join(", ")
 }
 
-/// Positions of rows that differ in the level alone, per interface, from coarse to fine.
+/// Returns the positions of rows that differ in the level alone, per interface, from coarse to fine.
 fn lines(rows: &[Row]) -> Vec<Vec<usize>> {
     let mut lines: Vec<Vec<usize>> = Vec::new();
     for (k, row) in rows.iter().enumerate() {
@@ -225,7 +225,7 @@ fn point(row: &Row) -> Option<(f64, f64)> {
     row.beta.map(|beta| (row.result.geometry.h, beta))
 }
 
-/// "beta ~ p^-0.4 (degrees 2 to 4)" for everything that differs in the degree alone, by its finest levels.
+/// Notes such as "beta ~ p^-0.4 (degrees 2 to 4)" for rows that differ in the degree alone, by their finest levels.
 fn exponents(rows: &[Row], lines: &[Vec<usize>]) -> Vec<String> {
     let mut groups: Vec<(&Row, Vec<(f64, f64)>)> = Vec::new();
     for line in lines {

@@ -34,7 +34,7 @@ fn holds_null(value: &Value) -> bool {
 /// `x` with 17 significant digits, zeros at the end left out; reads back to the same number.
 pub fn number(x: f64) -> String {
     if x == 0.0 {
-        return "0".into(); // no sign: -0 says nothing and differs between ways of summing
+        return "0".into(); // no sign: that of a zero depends on the order of summation
     }
     let scientific = format!("{x:.16e}");
     let (mantissa, exponent) = scientific.split_once('e').expect("scientific notation has an exponent");

@@ -6,15 +6,15 @@
 //! | [`formula`] | formulas of x, y, z and t |
 //! | [`errors`], [`codes`], [`place`] | diagnostics with code, place and help |
 //! | [`registry`] | names of backends, couplings, multipliers, solvers |
-//! | [`build`] | cases become models |
-//! | [`run`], [`studies`], [`infsup`] | models become results |
-//! | [`quantities`] | the numbers that a case asks for |
+//! | [`build`] | models built from cases |
+//! | [`run`], [`studies`], [`infsup`] | solution of models, studies, inf-sup tests |
+//! | [`quantities`] | quantities of probes and checks |
 //! | [`mod@reference`] | stored runs, against which others are compared |
 //! | [`plot`], [`table`], [`output`], [`result`] | pictures, tables and `result.json` |
 //! | [`convert`], [`inspect`] | geometry and mesh files |
 //! | [`guide`] | the theory of tying and of contact, with an example of every choice |
 //!
-//! Your own names go into a [`Registry`] and that into [`main`]: then the program knows them.
+//! To add names of your own, put them into a [`Registry`] and pass it to [`main`].
 
 pub mod build;
 pub mod case;

@@ -1,4 +1,4 @@
-//! What a run hands to the files beside its numbers: bodies with fields, sides with multipliers.
+//! Output of a run beside its numbers: bodies with fields, slave sides with multipliers.
 
 use crate::RunResult;
 use crate::plot::{self, FieldPlot, PlotError};
@@ -7,16 +7,16 @@ use crate::table::InterfaceRow;
 use faying::linalg::Vector;
 use faying_files::vtu::{self, CellStyle, Part, VtuError};
 
-/// What decides about a run beside its case.
+/// Options of a run that are not part of its case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RunOptions {
-    /// Cells of every part; none: Lagrange.
+    /// Cells of every part; `None`: Lagrange.
     pub cells: Option<CellStyle>,
-    /// Whether the last state is wanted as a stored run.
+    /// Whether to return the last state as a stored run.
     pub keep: bool,
 }
 
-/// A run that came to an end, a good one or not: its numbers, and what its files show.
+/// Outcome of a run, successful or not: its numbers and the data of its files.
 ///
 /// The command line calls `run::run(&Case, &Registry, &RunOptions, &Watch) -> Finished` for `faying run` and
 /// `run::check(..) -> Finished` (same arguments) for `faying check`; all errors are in `result.diagnostics`, all warnings,
@@ -25,21 +25,21 @@ pub struct RunOptions {
 pub struct Finished {
     /// Status, exit code and numbers.
     pub result: RunResult,
-    /// What there is to show of the last step; none where nothing was solved (exits 3 and a foreseen 6): then no folder is made.
+    /// Output of the last step; `None` if nothing was solved (exit 3, or a predicted exit 6), and then no folder is made.
     pub output: Option<Output>,
-    /// Every step with a state, where the case has `[steps]`.
+    /// Every step with a state; empty without `[steps]`.
     pub steps: Vec<StepOutput>,
-    /// The last state, where it was asked for and the run came to its end.
+    /// The last state, if [`RunOptions::keep`] is set and the run finished.
     pub stored: Option<StoredRun>,
 }
 
-/// What there is to show of one step, made when it is asked for.
+/// Output of one step, created on demand.
 pub struct StepOutput {
     /// Its number, from 1.
     pub number: usize,
     /// Its time.
     pub t: f64,
-    /// Makes it.
+    /// Creates the output of the step.
     pub make: Box<dyn Fn() -> Output + Send + Sync>,
 }
 
@@ -49,14 +49,14 @@ impl std::fmt::Debug for StepOutput {
     }
 }
 
-/// The fields of a run, kept until the files are written; closures own what they need (`Arc` of the solution).
+/// The fields of a run, kept until the files are written; closures own their data (`Arc` of the solution).
 #[derive(Debug, Default)]
 pub struct Output {
     /// Heading of the pictures: the case's title, else its name.
     pub title: String,
     /// The bodies.
     pub parts: Parts,
-    /// The field of the picture; none: no picture.
+    /// The field of the picture; `None`: no picture.
     pub picture: Option<Picture>,
     /// Interfaces and contacts, in the order of the case.
     pub sides: Vec<SideOutput>,
@@ -118,14 +118,14 @@ impl Parts {
     }
 }
 
-/// Which field `fields.svg` shows.
+/// Field shown in `fields.svg`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
     /// Name of a field of every part.
     pub field: String,
     /// Component of it.
     pub component: usize,
-    /// What the colour bar says.
+    /// Label of the colour bar.
     pub label: String,
 }
 
@@ -138,9 +138,9 @@ pub struct SideOutput {
     pub name: String,
     /// Whether it is a contact: its picture shows the pressure -lambda, else lambda itself.
     pub contact: bool,
-    /// The slave side, [`Lagrange`](faying_files::vtu::CellStyle::Lagrange) or straight, `least_degree` that of the multiplier, with the fields
-    /// `lambda` (1, or 2 where tied in elasticity), `gap` (1; where tied the jump along the normal), `active` (1: 0 or 1), `traction` (1 or 2),
-    /// `normal` (2, of the master). Files of different sides may have different fields.
+    /// The slave side, [`Lagrange`](faying_files::vtu::CellStyle::Lagrange) or straight, `least_degree` that of the multiplier, with the
+    /// fields `lambda` (1, or 2 for ties in elasticity), `gap` (1; for ties the jump along the normal), `active` (1: 0 or 1), `traction`
+    /// (1 or 2), `normal` (2, of the master). Files of different sides may have different fields.
     pub part: Part<'static, 1, 2>,
     /// One per multiplier function: the table `interface_NAME.csv`.
     pub rows: Vec<InterfaceRow>,

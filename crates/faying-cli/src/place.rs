@@ -1,9 +1,9 @@
-//! Where something stands in a case file: line, column, length, and values that remember it.
+//! Places in a case file (line, column, length), and values with their place.
 
 use std::fmt;
 use std::ops::Deref;
 
-/// Who wrote a value.
+/// Origin of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Origin {
     /// The case file itself.
@@ -12,12 +12,12 @@ pub enum Origin {
     Set(usize),
     /// Another option of the command line, such as `--backend`.
     Option,
-    /// Nobody: the value is a default. The line and column, if any, are those of the block.
+    /// A default. The line and column, if any, are those of the block.
     #[default]
     Default,
 }
 
-/// A stretch of one line of the case file.
+/// A range of characters in one line of the case file.
 ///
 /// Lines and columns count from 1, columns in characters; line 0 means that there is no place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -28,7 +28,7 @@ pub struct Place {
     pub column: usize,
     /// Characters under the caret, within the line.
     pub length: usize,
-    /// Who wrote it.
+    /// Origin of the value.
     pub origin: Origin,
 }
 
@@ -36,7 +36,7 @@ impl Place {
     /// No place at all.
     pub const NONE: Self = Self { line: 0, column: 0, length: 0, origin: Origin::Default };
 
-    /// The place in the file, `None` where the value came from an option or from nowhere.
+    /// Line and column in the file; `None` for values of options and other values without a line.
     pub fn in_file(&self) -> Option<(usize, usize)> {
         (self.line > 0).then_some((self.line, self.column))
     }
@@ -47,14 +47,14 @@ impl Place {
     }
 }
 
-/// A value and where the case file says it.
+/// A value with its place in the case file.
 ///
-/// Two located values are equal if their values are: the place is a remark.
+/// Located values are equal if their values are equal; places are ignored.
 #[derive(Clone, Copy, Default)]
 pub struct Located<T> {
     /// The value.
     pub value: T,
-    /// Where it stands.
+    /// Place of the value.
     pub at: Place,
 }
 
@@ -64,7 +64,7 @@ impl<T> Located<T> {
         Self { value, at }
     }
 
-    /// The same place with another value.
+    /// Applies `f` to the value; the place stays.
     pub fn map<U>(self, f: impl FnOnce(T) -> U) -> Located<U> {
         Located { value: f(self.value), at: self.at }
     }

@@ -1,4 +1,4 @@
-//! Names of the case file become boxes; outsiders add to the same families.
+//! Registry of the names that a case file may use (backends, multipliers, couplings, ...); other crates can add entries.
 
 use crate::case;
 use crate::errors::nearest;
@@ -14,27 +14,27 @@ use faying::space::{Body, Mapping, Mesh, Patch, PatchSpec, Trace};
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// A name that no entry has.
+/// Error for a name that no entry has.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown {family} `{name}`; known: {known}{}", .nearest.as_ref().map_or(String::new(), |n| format!("; did you mean `{n}`?")))]
 pub struct UnknownName {
-    /// What the family holds: "backend", "multiplier", ...
+    /// Kind of the entries: "backend", "multiplier", ...
     pub family: &'static str,
-    /// The name asked for.
+    /// The unknown name.
     pub name: String,
-    /// The names there are, separated by commas.
+    /// The known names, separated by commas.
     pub known: String,
-    /// The name that is nearest to it.
+    /// The known name that is nearest to it.
     pub nearest: Option<String>,
 }
 
-/// Why a backend cannot make a body: a code of the program's errors and a sentence.
+/// Error of a registered function, such as a backend that cannot build a body: a code of the program's errors and a message.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct Fault {
     /// Code, "E015" unless said otherwise.
     pub code: &'static str,
-    /// What happened, where, what is allowed.
+    /// Message: the problem, its place, the allowed values.
     pub message: String,
 }
 
@@ -93,18 +93,18 @@ impl<F> Family<F> {
 
 /// Makes a body of a patch.
 pub type MakeBody<const S: usize, const N: usize> = Box<dyn Fn(&PatchSpec<N>) -> Result<Box<dyn Body<S, N>>, Fault> + Send + Sync>;
-/// Makes the multiplier of one component on a slave side; the closure says which functions of the body are constrained
-/// in that component.
+/// Makes the multiplier of one component on a slave side; the closure returns whether a function of the body is constrained in that
+/// component.
 pub type MakeMultiplier<const S: usize, const N: usize> =
     Box<dyn Fn(&Trace<S, N>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> + Send + Sync>;
 /// Makes a multiplier of a degree and a continuity, arguments after the first as in [`MakeMultiplier`].
 pub type MakePolynomial<const S: usize, const N: usize> =
     Box<dyn Fn(MultiplierKind, &Trace<S, N>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> + Send + Sync>;
-/// What a case says about a soft coupling.
+/// Options of a coupling with a factor: penalty, Nitsche's method.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct CouplingOptions {
-    /// The factor, a pure number; none for auto.
+    /// The factor, a pure number; `None` for the automatic one.
     pub factor: Option<f64>,
     /// The variant of Nitsche's method.
     pub variant: Variant,
@@ -112,27 +112,27 @@ pub struct CouplingOptions {
 
 /// Makes a coupling.
 pub type MakeCoupling<const S: usize, const N: usize> = Box<dyn Fn(CouplingOptions) -> Box<dyn Coupling<S, N>> + Send + Sync>;
-/// The integration of the master part of mixed contact: no word of a case file.
+/// Name of the integration over the master in mixed contact; not a keyword of case files.
 pub const MASTER_SUMS: &str = "master";
 /// Makes an integration of interfaces with that many points per piece.
 pub type MakeIntegration<const S: usize, const N: usize> = Box<dyn Fn(usize, Partners) -> Box<dyn InterfaceQuadrature<S, N>> + Send + Sync>;
-/// What a case asks of its constraint solver beside the name.
+/// Options of a constraint solver.
 #[derive(Clone, Debug)]
 pub struct SolverOptions {
-    /// How linear systems are solved.
+    /// Solver of linear systems: direct or iterative.
     pub linear: case::Linear,
-    /// Where iterations end; the stop sign is that of the run.
+    /// Stopping criteria of iterations; cancellation is that of the run.
     pub limits: Limits,
 }
 
 impl SolverOptions {
-    /// Whether factors are to be avoided.
+    /// Whether linear systems are solved by iterations.
     pub fn is_iterative(&self) -> bool {
         self.linear == case::Linear::Iterative
     }
 }
 
-/// Makes a solver of constrained systems, or says why its name and the options do not go together.
+/// Makes a solver of constrained systems, or returns a [`Fault`] if the options do not go together.
 pub type MakeSolver = Box<dyn Fn(&SolverOptions) -> Result<Box<dyn ConstraintSolver>, Fault> + Send + Sync>;
 
 /// The names for bodies in N dimensions with sides in S = N - 1.
@@ -142,36 +142,36 @@ pub struct Names<const S: usize, const N: usize> {
     pub backends: Family<MakeBody<S, N>>,
     /// Multiplier spaces.
     pub multipliers: Family<MakeMultiplier<S, N>>,
-    /// Multiplier spaces given by degree and continuity; none: not there in this dimension.
+    /// Multiplier spaces given by degree and continuity, if available in this dimension.
     pub polynomials: Polynomials<S, N>,
-    /// What `dual` means in contact, where elements may be covered in part; none: what it means in ties.
+    /// Multiplier `dual` of contacts, whose elements may be covered in part; if not available, `dual` is that of ties.
     pub covered: Covered<S, N>,
     /// Couplings of interfaces.
     pub couplings: Family<MakeCoupling<S, N>>,
     /// Integrations of interfaces and contacts.
     pub integrations: Family<MakeIntegration<S, N>>,
-    /// Obstacles with the shape of a geometry; none: not there in this dimension.
+    /// Obstacles with the shape of a geometry, if available in this dimension.
     pub obstacles: Obstacles<S, N>,
 }
 
 /// Makes the obstacle that has the shape of a geometry.
 pub type MakeObstacle<const S: usize, const N: usize> = fn(&case::Geometry) -> Result<Arc<dyn Target<S, N>>, Fault>;
 
-/// The maker of obstacles with the shape of a geometry, where there is one.
+/// Function that makes obstacles with the shape of a geometry, if available.
 #[derive(Debug)]
 pub struct Obstacles<const S: usize, const N: usize>(pub Option<MakeObstacle<S, N>>);
 
-/// Dual multipliers of a contact, and what their pressure is read through.
+/// Dual multipliers of a contact, and the functions by which their pressure is evaluated.
 pub type DualPair<const S: usize> = (Box<dyn Basis<S>>, Box<dyn Basis<S>>);
-/// Makes them over what the segments cover of a slave side; the closure as of [`MakeMultiplier`].
+/// Makes dual multipliers over the part of a slave side that the segments cover; the closure is that of [`MakeMultiplier`].
 pub type MakeCovered<const S: usize, const N: usize> =
     fn(&Trace<S, N>, &dyn Fn(usize) -> bool, &Segments<S>) -> Result<DualPair<S>, MultiplierError>;
 
-/// The maker of dual multipliers over what is covered of a side, where there is one.
+/// Function that makes dual multipliers over the covered part of a side, if available.
 #[derive(Debug)]
 pub struct Covered<const S: usize, const N: usize>(pub Option<MakeCovered<S, N>>);
 
-/// The maker of multipliers that are given by data, where there is one.
+/// Function that makes multipliers given by data, if available.
 pub struct Polynomials<const S: usize, const N: usize>(pub Option<MakePolynomial<S, N>>);
 
 impl<const S: usize, const N: usize> Debug for Polynomials<S, N> {
@@ -181,7 +181,7 @@ impl<const S: usize, const N: usize> Debug for Polynomials<S, N> {
 }
 
 impl<const S: usize, const N: usize> Names<S, N> {
-    /// The built-in backends, and no other names.
+    /// Creates the built-in backends, without other names.
     fn bodies() -> Self {
         let mut names = Self::empty();
         names
@@ -191,7 +191,7 @@ impl<const S: usize, const N: usize> Names<S, N> {
         names
     }
 
-    /// No names at all.
+    /// Creates empty families.
     pub fn empty() -> Self {
         Self {
             backends: Family::new("backend"),
@@ -205,8 +205,8 @@ impl<const S: usize, const N: usize> Names<S, N> {
     }
 }
 
-/// Whether the sides of a body of this backend lie exactly on those of the geometry: splines do, Lagrange meshes on the
-/// exact map or of a polynomial geometry of their degree do, of others it is not known.
+/// Whether the sides of a body of this backend lie exactly on those of the geometry: those of splines, and of Lagrange meshes on the exact
+/// map or of a polynomial geometry of at most their degree. `false` for other backends.
 pub(super) fn carries_geometry<const N: usize>(backend: &str, spec: &PatchSpec<N>) -> bool {
     let polynomial = spec.net.weights.is_none() && (0..N).all(|k| spec.net.axes[k].degree(0)[0] <= spec.degree[k]);
     match backend {
@@ -216,12 +216,12 @@ pub(super) fn carries_geometry<const N: usize>(backend: &str, spec: &PatchSpec<N
     }
 }
 
-/// Whether the functions of a backend are smooth across knots; of backends from outside it is not known.
+/// Whether the functions of a backend are smooth across knots; `false` for added backends.
 pub(super) fn is_spline(backend: &str) -> bool {
     backend == "iga"
 }
 
-/// The constraint solver that a case's word means.
+/// Name of the constraint solver for a keyword of the case: "auto" is "saddle-point".
 pub(super) fn solver_name(word: &str) -> &str {
     match word {
         "auto" => "saddle-point",
@@ -234,7 +234,7 @@ pub(super) fn is_glue(coupling: &str) -> bool {
     coupling == "glue"
 }
 
-/// Whether the rows of a coupling are those of the mortar method; of couplings from outside it is not known.
+/// Whether the rows of a coupling are those of the mortar method; `false` for added couplings.
 pub(super) fn has_mortar_rows(coupling: &str) -> bool {
     matches!(coupling, "mortar" | "penalty")
 }
@@ -275,10 +275,10 @@ impl Names<2, 3> {
     }
 }
 
-/// Functions with less than this value at an end do not live there.
+/// Function values below this at an end count as zero.
 const NO_VALUE: f64 = 1e-10;
 
-/// A multiplier on a curve; an end is constrained where a function that does not vanish there is.
+/// Makes a multiplier on a curve; an end is constrained if a function that does not vanish there is.
 fn curve_multiplier<const N: usize>(
     kind: MultiplierKind,
     trace: &Trace<1, N>,
@@ -287,7 +287,7 @@ fn curve_multiplier<const N: usize>(
     multiplier::build(&trace.space, kind, &constrained_ends(trace, constrained))
 }
 
-/// Dual multipliers of a contact on a curve.
+/// Makes dual multipliers of a contact on a curve.
 fn covered_dual<const N: usize>(
     trace: &Trace<1, N>,
     constrained: &dyn Fn(usize) -> bool,
@@ -297,7 +297,7 @@ fn covered_dual<const N: usize>(
     Ok((Box::new(made.functions), Box::new(made.reading)))
 }
 
-/// Which ends of a curve have a constrained function.
+/// Returns, per end of a curve, whether a function that does not vanish there is constrained.
 fn constrained_ends<const N: usize>(trace: &Trace<1, N>, constrained: &dyn Fn(usize) -> bool) -> Vec<bool> {
     let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
     side_ends(&*trace.space)

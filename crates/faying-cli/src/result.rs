@@ -1,11 +1,11 @@
-//! What a run reports: the public, serialisable content of `result.json`.
+//! Results of a run: the public, serialisable content of `result.json`.
 
 use super::named::Named;
 use super::run::Prediction;
 use crate::errors::Diagnostic;
 use serde::Serialize;
 
-/// How a command ended.
+/// Status of a finished command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -103,9 +103,9 @@ pub struct ActiveSetSummary {
     /// The iteration whose state the numbers and the files show, from 1: the last one where it settled, else the one that violates
     /// the contact conditions least; 0 where no system was solved.
     pub best: usize,
-    /// What happened beside nominal steps: cycles, steps that were not taken whole.
+    /// Events beside regular steps: cycles, steps that were not taken in full.
     pub notes: Vec<String>,
-    /// Updates of the multipliers by an augmented Lagrangian around it, where there is one.
+    /// Multiplier updates of the surrounding augmented Lagrangian iteration, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub updates: Option<usize>,
 }
@@ -113,16 +113,17 @@ pub struct ActiveSetSummary {
 /// The linear algebra of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SolveReport {
-    /// Why the iteration ended: converged, cycling, iterations, rigid motion left, infeasible load, stopped, singular, not-finite.
+    /// Reason why the iteration ended: converged, cycling, iterations, rigid motion left, infeasible load, stopped, singular, not-finite.
     pub reason: String,
-    /// What was done: "saddle-point, direct".
+    /// Solution method: "saddle-point, direct".
     pub linear: String,
     /// Relative residual of the true system.
     pub residual: f64,
-    /// Condition of the scaled system, right to a factor of a few: how many times errors of the load may grow; where a factor tells it.
+    /// Condition number of the scaled system to a factor of a few: bound on the growth of relative errors of the load; `None` if no
+    /// factorisation provides it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub condition: Option<f64>,
-    /// Iterations of the linear algebra, summed over the active set; 0 where all was done by factors.
+    /// Iterations of the linear algebra, summed over the active set; 0 for factorisations alone.
     pub iterations: usize,
     /// The active set iteration, where there is contact.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -138,10 +139,10 @@ pub struct Extremes {
     pub max: f64,
 }
 
-/// How far apart the sides of a contact are \[length\], negative where they overlap.
+/// Gaps between the sides of a contact \[length\], negative where they overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Gaps {
-    /// Least gap of the cone, a mean: lumped for coefficients. At the points for Nitsche's method.
+    /// Least gap in the variables of the cone, an average (lumped for coefficients); at the points for Nitsche's method.
     pub min: f64,
     /// Least gap at the points of integration.
     pub least: f64,
@@ -186,14 +187,14 @@ impl Default for Moment {
 /// The multiplier space of an interface or a contact, all its slave sides and components together.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct MultiplierReport {
-    /// Its name, what `auto` chose on the first slave side; "data" where the case gives a degree.
+    /// Its name, for `auto` that chosen on the first slave side; "data" if the case gives a degree.
     pub name: String,
     /// Highest degree of an element.
     pub degree: usize,
     /// Number of functions.
     pub functions: usize,
     /// Highest degree of which all polynomials along every slave side lie in the space of every component; see
-    /// [`reproduction`](faying::coupling::multiplier::reproduction()). None where not even the constants do.
+    /// [`reproduction`](faying::coupling::multiplier::reproduction()); `None` if not even the constants do.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reproduction: Option<usize>,
 }
@@ -201,7 +202,7 @@ pub struct MultiplierReport {
 /// One contact.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ContactReport {
-    /// What the master does to the slave \[force\].
+    /// Resultant force of the master on the slave \[force\].
     pub force: Vec<f64>,
     /// Its moment about the origin [force length].
     pub moment: Moment,
@@ -229,8 +230,8 @@ pub struct ContactReport {
     pub iterations: usize,
     /// Estimate of the integration's consistency error on this solution, as of interfaces; zero against an obstacle.
     pub consistency: f64,
-    /// What is left of the forces on slave and master together, as a share of them: round-off unless the integration is mixed; zero
-    /// against an obstacle.
+    /// Sum of the forces on slave and master, relative to their size: round-off unless the integration is mixed; zero against an
+    /// obstacle.
     pub balance: f64,
     /// Its multiplier space.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -265,7 +266,7 @@ pub struct InterfaceReport {
     pub distance: f64,
     /// Share of the slave sides that is tied.
     pub share: f64,
-    /// What is tied to what.
+    /// Pairs of tied sides.
     pub sides: Vec<TiedSides>,
     /// Estimate of the integration's consistency error on this solution, free of units: what the constraint and the
     /// equilibrium miss of the integrals ([`faying::coupling::consistency`]); zero up to round-off where the integration is
@@ -301,7 +302,7 @@ pub struct Balance {
     pub moment: Option<Moment>,
 }
 
-/// A probe's answer.
+/// Result of a probe.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProbeReport {
     /// Its name.
@@ -310,30 +311,30 @@ pub struct ProbeReport {
     pub quantity: String,
     /// Its value; `null` in the file where it is not finite.
     pub value: f64,
-    /// Why there is no value.
+    /// Reason for a missing value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
 
-/// A check's answer.
+/// Result of a check.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CheckReport {
     /// Its name.
     pub name: String,
     /// Its quantity, as written.
     pub quantity: String,
-    /// The value found; the worst one where both extremes are held to the check.
+    /// The value found; the worse one if both extremes are checked.
     pub value: f64,
-    /// The value wanted, or the bound.
+    /// The expected value, or the bound.
     pub expected: f64,
     /// Whether it passed.
     pub ok: bool,
-    /// What was compared: "below", "above", "equals".
+    /// Relation that is checked: "below", "above", "equals".
     pub relation: String,
-    /// Why it has no value or was skipped.
+    /// Reason for a missing value or a skipped check.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// Whether it was left to another command or backend; then it decides nothing.
+    /// Whether it was left to another command or backend and does not count.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub skipped: bool,
 }
@@ -343,7 +344,7 @@ pub struct CheckReport {
 pub struct StepReport {
     /// Its time.
     pub t: f64,
-    /// How it ended; checks are decided by the last step alone.
+    /// Status of the step; checks are decided by the last step alone.
     pub status: Status,
     /// The probes at its end.
     pub probes: Vec<ProbeReport>,
@@ -363,7 +364,7 @@ pub struct RunResult {
     pub version: String,
     /// "run" or "check".
     pub command: String,
-    /// How it ended.
+    /// Status of the command.
     pub status: Status,
     /// Whether there is a solution; without one the numbers that need it are zero here, and `null` or absent in the file.
     #[serde(skip)]
@@ -383,17 +384,17 @@ pub struct RunResult {
     /// The linear algebra.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solve: Option<SolveReport>,
-    /// What a run will need: `check` alone.
+    /// Predicted size and memory of a run: `check` alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted: Option<Prediction>,
-    /// Time of the numbers below, where the case has steps: that of the last one that has a state.
+    /// Time of the numbers below: that of the last step with a state; `None` without steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub t: Option<f64>,
     /// Every contact by name.
     pub contact: Named<ContactReport>,
     /// Every tied interface by name.
     pub interface: Named<InterfaceReport>,
-    /// What the support of every side with Dirichlet data does to the body \[force\]; a corner's share is split equally
+    /// Reaction force on the body from the support of every side with Dirichlet data \[force\]; a corner's share is split equally
     /// among the sides that hold it.
     pub reactions: Named<Vec<f64>>,
     /// Sum of all forces.

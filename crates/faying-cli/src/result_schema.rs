@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-/// The schema: what every field means, which are always there. Fields may be added within `faying.result/1`, so others are allowed.
+/// Returns the schema: the meaning of every field and the required ones. Other fields are allowed: `faying.result/1` may be extended.
 pub fn result_schema() -> Value {
     serde_json::from_str(include_str!("result.schema.json")).expect("a test reads the schema")
 }

@@ -98,7 +98,7 @@ pub fn short(x: f64, digits: usize) -> String {
     }
 }
 
-/// A number for programs: 17 significant digits; what is not finite is empty.
+/// A number for programs: 17 significant digits; empty if it is not finite.
 pub fn exact(x: f64) -> String {
     if x.is_finite() { format!("{x:.16e}") } else { String::new() }
 }
@@ -113,11 +113,11 @@ pub fn csv_field(text: &str) -> String {
 pub struct InterfaceRow {
     /// Arc length along the slave side where the function is centred \[length\].
     pub s: f64,
-    /// That point.
+    /// Coordinates of that point \[length\].
     pub x: [f64; 3],
     /// The multiplier: one number in contact and for Poisson, else one per component.
     pub lambda: Vec<f64>,
-    /// The lumped gap in contact, u_slave - u_master along the master's normal where tied \[length\]; none where nothing faces.
+    /// The lumped gap in contact, u_slave - u_master along the master's normal where tied \[length\]; `None` without a master point.
     pub gap: Option<f64>,
     /// Whether the row is enforced.
     pub active: bool,

@@ -1,4 +1,4 @@
-//! What a result says about numbers that were never computed: nothing, or `null` with a reason; not zero.
+//! Numbers of a result that were not computed: left out, or `null` with a reason; never zero.
 
 use serde_json::{Map, Value};
 
@@ -7,7 +7,7 @@ const SOLVED: [&str; 6] = ["contact", "interface", "reactions", "balance", "ener
 /// Members that are known once the bodies are built.
 const BUILT: [&str; 4] = ["backend", "backends", "unknowns", "geometry"];
 
-/// Takes out (`check`) or blanks (`run`) what was not computed in the document of a result without a solution.
+/// Removes (`check`) or sets to `null` (`run`) the numbers that were not computed, in the document of a result without a solution.
 pub fn forget(document: &mut Value, command: &str, built: bool) {
     let Value::Object(map) = document else { return };
     if command == "check" {
@@ -30,7 +30,7 @@ pub fn forget(document: &mut Value, command: &str, built: bool) {
     }
 }
 
-/// Every number inside becomes `null`; objects that hold one say why.
+/// Replaces every number by `null` and adds `reason` to the objects that hold one.
 fn blank(value: &mut Value, reason: &str) {
     match value {
         Value::Number(_) => *value = Value::Null,

@@ -1,4 +1,4 @@
-//! The way from a running case to those who wait for it: progress out, requests to stop in.
+//! Progress callbacks and cancellation.
 
 use faying::linalg::StopSign;
 use std::fmt::Debug;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// News of a running case.
+/// Progress report of a running case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Progress<'a> {
@@ -16,10 +16,10 @@ pub enum Progress<'a> {
     Step {
         /// Its number, from 1.
         step: usize,
-        /// How many there are.
+        /// Number of load steps.
         of: usize,
     },
-    /// A line for those who read along.
+    /// A line for the log.
     Note(&'a str),
     /// An iteration of the active set begins.
     Iteration {
@@ -32,9 +32,10 @@ pub enum Progress<'a> {
     },
 }
 
-/// Why a run should end early.
+/// Reason to end a run early.
 ///
-/// Asked before every linear system, in every iteration of iterative solvers, and between phases; a factorisation, an assembly or a picture that has begun comes to its end.
+/// Checked before every linear system, in every iteration of iterative solvers, and between phases; a factorisation, an assembly or a
+/// picture that has begun is completed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Stop {
@@ -47,17 +48,17 @@ pub enum Stop {
     },
 }
 
-/// What a run reports to and asks while it works. The default one hears nothing and never stops.
+/// Progress listener, limits and cancellation flag of a run. The default has no listener and never stops a run.
 #[derive(Default)]
 pub struct Watch {
-    /// Set from outside to end the run.
+    /// Set by the caller to end the run.
     pub interrupted: Arc<AtomicBool>,
-    /// When the run must end, and the limit in seconds it came from.
+    /// Time at which the run must end, with the limit in seconds.
     pub deadline: Option<(Instant, f64)>,
-    /// Most bytes the run may use; it compares its prediction before it allocates (E081, exit 6). Limits of the process (address space, control
-    /// group) stand beside it, and hold without it.
+    /// Memory limit in bytes, compared with the prediction before anything is allocated (E081, exit 6). Limits of the process (address
+    /// space, control group) apply in addition, also without it.
     pub max_memory: Option<u64>,
-    /// Who hears the news.
+    /// Receiver of progress reports.
     pub listener: Option<Box<dyn Fn(Progress<'_>) + Send + Sync>>,
 }
 
@@ -68,25 +69,25 @@ impl Debug for Watch {
 }
 
 impl Watch {
-    /// Tells the listener.
+    /// Passes `news` to the listener, if there is one.
     pub fn report(&self, news: Progress<'_>) {
         if let Some(listener) = &self.listener {
             listener(news);
         }
     }
 
-    /// A phase begins.
+    /// Reports that a phase begins.
     pub fn phase(&self, name: &str) {
         self.report(Progress::Phase(name));
     }
 
-    /// The same question for iterative solvers, which ask it in every iteration.
+    /// Stopping criterion for iterative solvers, evaluated in every iteration.
     pub fn stop_sign(&self) -> StopSign {
         let (interrupted, deadline) = (Arc::clone(&self.interrupted), self.deadline);
         StopSign::new(move || interrupted.load(Ordering::Relaxed) || deadline.is_some_and(|(end, _)| Instant::now() >= end))
     }
 
-    /// Whether to end now; asked between phases, steps and iterations.
+    /// Returns the reason to stop now, if any; called between phases, steps and iterations.
     pub fn stop(&self) -> Option<Stop> {
         if self.interrupted.load(Ordering::Relaxed) {
             return Some(Stop::Interrupted);

@@ -1,4 +1,4 @@
-//! Memory of a reader, counted before it is taken.
+//! Memory of a reader, counted before it is allocated.
 
 use super::{FileError, Limits};
 

@@ -1,21 +1,21 @@
-//! The map of cells of one kind as files list them: equispaced nodes, first axis fastest.
+//! The map of cells of one kind in the node order of files: equispaced nodes, first axis fastest.
 
 use super::{CellShape, MeshBlock};
 use faying::basis::{Cell, Elements, Order, simplex_lattice};
 use faying::geometry::{Bounds, Geometry, MapStructure, MapTable};
 use faying::linalg::Vector;
 
-/// Polynomials of order up to 4 leave the box of their nodes by less than this share of its diagonal: the Lebesgue constant of five
-/// equispaced points is 2.2, its cube 10.8.
+/// Bound of the distance by which polynomials of order up to 4 leave the box of their nodes, relative to its diagonal: the Lebesgue
+/// constant of five equispaced points is 2.2, its cube 10.8.
 const OVERSHOOT: f64 = 11.0;
 
-/// Largest order of cells, as [`MeshBlock`] says.
+/// Largest order of cells, see [`MeshBlock`].
 const MOST: usize = 4;
 
 /// Values and derivatives of the factors along one axis; those beyond the order are zero.
 type Factors = [[f64; 2]; MOST + 1];
 
-/// The factor of an axis that is not there.
+/// The factor of a missing axis.
 const ONE: Factors = [[1.0, 0.0], [0.0; 2], [0.0; 2], [0.0; 2], [0.0; 2]];
 
 /// The cells of a block. Coordinates beyond those of the file are zero.
@@ -29,7 +29,7 @@ pub struct CellMap<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> CellMap<'a, D> {
-    /// The cells of `block`; none for points, prisms and pyramids, for cells of another dimension, and of an order above 4.
+    /// The cells of `block`; `None` for points, prisms and pyramids, for cells of another dimension, and of an order above 4.
     pub fn new(block: &'a MeshBlock, points: &'a [[f64; 3]]) -> Option<Self> {
         let cell = match block.shape {
             CellShape::Line | CellShape::Quadrilateral | CellShape::Hexahedron => Cell::Tensor,
@@ -45,7 +45,7 @@ impl<'a, const D: usize> CellMap<'a, D> {
         Some(Self { cell, order: block.order, nodes: &block.nodes, points, lattice })
     }
 
-    /// Place of a node among those of its cell, by its steps along the axes.
+    /// Index of a node among those of its cell, by its steps along the axes.
     ///
     /// # Panics
     /// If there is no such node.

@@ -1,7 +1,7 @@
 //! G+Smo XML: B-spline and NURBS geometries and their MultiPatch.
 //!
 //! Sides are numbered from 1 in the order u0, u1, v0, v1, w0, w1; an interface is `patch side patch side` with a map of the directions and
-//! their orientations, which the geometry tells as well. Control points are not multiplied by their weights.
+//! their orientations, which also follow from the geometry. Control points are not multiplied by their weights.
 //! Source: G+Smo, `src/gsIO/gsXmlUtils.hpp` and the files in `filedata`.
 
 use super::budget::Budget;
@@ -53,7 +53,7 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<SplineFile, FileError> {
     Ok(file)
 }
 
-/// Why a file has no geometry.
+/// Error for a file without geometry.
 fn nothing(root: &Node<'_>) -> FileError {
     match root.named("Basis").next() {
         Some(basis) => match basis.attribute("type") {

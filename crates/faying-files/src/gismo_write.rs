@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 /// Writes the patches, their joints and labels; numbers read back to the same bits.
 ///
-/// Patches keep their ids where every one has another; otherwise they are numbered from 0. Materials and shared knot vectors of an MFEM
+/// Patches keep their ids if these are unique; otherwise they are numbered from 0. Materials and shared knot vectors of an MFEM
 /// mesh are lost.
 pub fn write(file: &SplineFile) -> Written {
     let mut lost = Vec::new();
@@ -81,7 +81,7 @@ fn geometry(out: &mut String, patch: &SplinePatch, id: i64) {
     line(" </Geometry>".to_string());
 }
 
-/// Patch and side as G+Smo numbers them.
+/// Patch and side in the numbering of G+Smo.
 fn numbered(side: &PatchSide, ids: &[i64]) -> String {
     format!("{} {}", ids[side.patch], side_number(&side.side).map_or(0, |s| s + 1))
 }
@@ -124,7 +124,7 @@ fn multipatch(out: &mut String, file: &SplineFile, ids: &[i64]) {
     line(" </MultiPatch>".to_string());
 }
 
-/// The directions of the second patch that those of the first become, and whether they keep their sense.
+/// Directions of the second patch that correspond to those of the first, and whether they have the same sense.
 fn map(file: &SplineFile, one: &PatchSide, other: &PatchSide) -> String {
     let (a, b) = (&file.patches[one.patch], &file.patches[other.patch]);
     let d = a.dimension();

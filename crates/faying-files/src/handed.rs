@@ -1,7 +1,7 @@
-//! Cells and patches whose map turns space inside out, made right-handed for the file that is written.
+//! Conversion of left-handed cells and patches (negative Jacobian determinant) to right-handed ones before writing.
 //!
-//! The first two axes are exchanged, which keeps every number as it is; a line is walked the other way. Only what fills its space has a
-//! sign: solids, faces in one plane z = const, lines along x.
+//! The first two axes are exchanged, which keeps all values; a line is reversed. Only cells of full dimension have a sign: solids, faces
+//! in one plane z = const, lines along x.
 
 use super::gmsh::lexicographic;
 use super::{CellMap, CellShape, FileError, MeshBlock, MeshFile, SplineFile, SplinePatch};
@@ -24,7 +24,7 @@ fn middle<const D: usize>(map: &dyn Geometry<D, 3>, element: usize, table: &mut 
     determinant(&Matrix::<D, D>::from_fn(|i, k| table.jacobian[0][(i, k)]))
 }
 
-/// The same nodes of a cell with the other handedness, as places in its list.
+/// Node permutation that changes the handedness of a cell.
 fn mirrored(shape: CellShape, order: usize) -> Vec<usize> {
     match shape {
         CellShape::Point => vec![0],
@@ -39,7 +39,7 @@ fn mirrored(shape: CellShape, order: usize) -> Vec<usize> {
     }
 }
 
-/// Which cells of a block are left-handed.
+/// Returns for every cell of a block whether it is left-handed.
 fn left_handed(block: &MeshBlock, points: &[[f64; 3]]) -> Vec<bool> {
     fn of<const D: usize>(block: &MeshBlock, points: &[[f64; 3]]) -> Vec<bool> {
         let Some(map) = CellMap::<D>::new(block, points) else { return Vec::new() };
@@ -60,7 +60,7 @@ fn left_handed(block: &MeshBlock, points: &[[f64; 3]]) -> Vec<bool> {
     }
 }
 
-/// The mesh with its cells of the highest dimension right-handed.
+/// Returns the mesh with right-handed cells of the highest dimension.
 pub(super) fn right_handed(mesh: &MeshFile) -> Cow<'_, MeshFile> {
     let d = mesh.dimension();
     let mut all = Cow::Borrowed(mesh);
@@ -83,10 +83,10 @@ pub(super) fn right_handed(mesh: &MeshFile) -> Cow<'_, MeshFile> {
     all
 }
 
-/// The places of the left-handed patches of two and three parameters.
+/// Returns the indices of the left-handed patches of two and three parameters.
 ///
 /// # Errors
-/// [`FileError`] where knots, points and weights of a patch do not fit.
+/// [`FileError`] if knots, points and weights of a patch do not fit.
 pub(super) fn left_handed_patches(file: &SplineFile) -> Result<Vec<usize>, FileError> {
     fn is_left<const D: usize>(patch: &SplinePatch) -> Result<bool, FileError> {
         let (map, mut table) = (patch.map::<D>()?, MapTable::new());
@@ -107,7 +107,8 @@ pub(super) fn left_handed_patches(file: &SplineFile) -> Result<Vec<usize>, FileE
     Ok(all)
 }
 
-/// Exchanges the first two parameters of patches whose places rise; joints and labels name the same sides by their new names. Twice is once nothing.
+/// Exchanges the first two parameters of `patches` (ascending indices); joints and labels get the new names of the same sides. Applied
+/// twice, it restores the file.
 pub(super) fn exchange(file: &mut SplineFile, patches: &[usize]) {
     for &k in patches {
         let Some(patch) = file.patches.get_mut(k).filter(|p| p.dimension() > 1) else { continue };

@@ -1,7 +1,7 @@
-//! Geometry and mesh files: what they hold, whatever their format.
+//! Readers and writers of geometry and mesh files.
 //!
-//! Formats are told by content, never by the name of the file. Counts that a file declares are never trusted: memory grows with what
-//! was read, and the whole stays below [`Limits::memory`].
+//! Formats are detected by content, never by the name of the file. Counts that a file declares are never trusted: memory grows with the
+//! data read, and the total stays below [`Limits::memory`].
 
 mod budget;
 mod cell_map;
@@ -29,7 +29,7 @@ pub use read::{parse, read, read_bytes};
 pub use spline::{KnotUse, Label, PatchSide, SplineFile, SplinePatch};
 pub use vtu_mesh::write_vtu;
 
-/// What a file holds.
+/// Contents of a file: spline patches or a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Contents {
     /// Spline patches: G+Smo XML, MFEM NURBS meshes.
@@ -51,26 +51,26 @@ pub enum Format {
     Vtu,
 }
 
-/// The text of a file that was written, and what it does not carry.
+/// Text of a written file, and the information that the format cannot store.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
     /// The text.
     pub text: String,
-    /// What is lost, one phrase each.
+    /// Information that is lost, one phrase per item.
     pub lost: Vec<String>,
 }
 
-/// What reading may use.
+/// Limits of a reader.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Limits {
-    /// Most bytes of memory; none: no limit.
+    /// Largest number of bytes of memory; `None`: no limit.
     pub memory: Option<u64>,
 }
 
-/// What some editors write before UTF-8 text.
+/// UTF-8 byte order mark, which some editors write at the start of text.
 pub const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// Where in a file.
+/// Position in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spot {
     /// A line, from 1.
@@ -88,40 +88,40 @@ impl std::fmt::Display for Spot {
     }
 }
 
-/// Why a file cannot be used.
+/// Error of reading or using a file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
     /// The kind or version is not supported (E043).
     #[error("{what} is not supported{}", at(.spot))]
     Unsupported {
-        /// What: "MSH version 1.0", "THB-spline basis".
+        /// Name of the kind or version, e.g. "MSH version 1.0", "THB-spline basis".
         what: String,
-        /// Where it stands.
+        /// Position in the file, if known.
         spot: Option<Spot>,
     },
     /// The file contradicts itself or its format (E043).
     #[error("{what}{}", at(.spot))]
     Broken {
-        /// What was expected and found.
+        /// Description: expected and found.
         what: String,
-        /// Where.
+        /// Position in the file, if known.
         spot: Option<Spot>,
     },
-    /// It holds something of another dimension than asked for (E044).
+    /// It holds something of another dimension than requested (E044).
     #[error("{what}{}", at(.spot))]
     Dimension {
-        /// What there is and what was expected.
+        /// Description: the dimension found and the one expected.
         what: String,
-        /// Where.
+        /// Position in the file, if known.
         spot: Option<Spot>,
     },
     /// There is no such patch or group (E042).
     #[error("there is no {wanted}; there are {known}")]
     Missing {
-        /// Such as: group "steel".
+        /// Missing item, e.g. group "steel".
         wanted: String,
-        /// What there is, separated by commas.
+        /// Existing items, separated by commas.
         known: String,
     },
     /// Reading it would take more memory than allowed (E081).
@@ -132,12 +132,12 @@ pub enum FileError {
         /// Bytes allowed.
         allowed: u64,
     },
-    /// The system could not open or read it (E003 where it is not there, exit 4).
+    /// The system could not open or read it (E003 if it does not exist, exit 4).
     #[error("{message}")]
     System {
         /// Whether there is no such file.
         missing: bool,
-        /// What the system says.
+        /// Message of the system.
         message: String,
     },
 }

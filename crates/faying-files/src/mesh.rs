@@ -1,4 +1,4 @@
-//! Lagrange meshes as files hold them.
+//! Lagrange meshes as stored in files.
 
 use super::Format;
 
@@ -18,9 +18,9 @@ pub enum CellShape {
     Tetrahedron,
     /// A hexahedron.
     Hexahedron,
-    /// A wedge; read, but no body is made of it.
+    /// A wedge; read, but not supported in bodies.
     Prism,
-    /// A pyramid; read, but no body is made of it.
+    /// A pyramid; read, but not supported in bodies.
     Pyramid,
 }
 
@@ -59,7 +59,7 @@ pub struct Group {
     pub dimension: usize,
     /// Its number in the file.
     pub number: i64,
-    /// Its name, where it has one.
+    /// Its name, if any.
     pub name: Option<String>,
 }
 
@@ -83,7 +83,7 @@ pub struct MeshFile {
     pub blocks: Vec<MeshBlock>,
     /// Groups of all dimensions.
     pub groups: Vec<Group>,
-    /// What was in the file and is not read, one sentence each.
+    /// Contents of the file that are not read, one sentence each.
     pub notes: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! Any file: its format is told by what is in it.
+//! Reader of files of any format, which is detected from the contents.
 
 use super::text::shown;
 use super::{Contents, FileError, Limits, Spot, gismo, gmsh, mfem, vtu_read};
@@ -6,23 +6,23 @@ use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
-/// Most bytes of a file without another limit: endless files end here.
+/// Default limit of the bytes of a file, which also ends endless files.
 const MOST: u64 = 1 << 32;
 
 /// Reads a file of any format.
 ///
 /// # Errors
-/// [`FileError::System`] where it cannot be opened or read, and for devices; [`FileError::Memory`] for a file longer than the limit,
+/// [`FileError::System`] if it cannot be opened or read, and for devices; [`FileError::Memory`] for a file longer than the limit,
 /// before it is read; otherwise as [`parse`].
 pub fn read(path: &Path, limits: &Limits) -> Result<Contents, FileError> {
-    // who reads a file names it in front of what is wrong
+    // callers put the name of the file in front of the message
     parse("the file", &read_bytes(path, limits)?, limits)
 }
 
-/// The bytes of a file, within the limit.
+/// Reads the bytes of a file, within the limit.
 ///
 /// # Errors
-/// As [`read`], but for what is in the file.
+/// As [`read`], except errors of the contents.
 pub fn read_bytes(path: &Path, limits: &Limits) -> Result<Vec<u8>, FileError> {
     let system = |e: std::io::Error| FileError::System { missing: e.kind() == ErrorKind::NotFound, message: e.to_string() };
     let allowed = limits.memory.unwrap_or(MOST);
@@ -42,7 +42,7 @@ pub fn read_bytes(path: &Path, limits: &Limits) -> Result<Vec<u8>, FileError> {
     bytes
         .try_reserve_exact(usize::try_from(expected).unwrap_or(usize::MAX))
         .map_err(|_| FileError::Memory { needed: expected, allowed })?;
-    // One byte more than allowed tells a longer file, be it endless.
+    // One byte more than allowed detects a longer file, even an endless one.
     file.take(allowed.saturating_add(1)).read_to_end(&mut bytes).map_err(system)?;
     if bytes.len() as u64 > allowed {
         return Err(FileError::Memory { needed: bytes.len() as u64, allowed });
@@ -50,7 +50,7 @@ pub fn read_bytes(path: &Path, limits: &Limits) -> Result<Vec<u8>, FileError> {
     Ok(bytes)
 }
 
-/// Devices have no end, or none that is known; a pipe has one and is read up to the limit.
+/// Whether it is a device: these have no known end; a pipe has one and is read up to the limit.
 fn is_device(about: &std::fs::Metadata) -> bool {
     #[cfg(unix)]
     {
@@ -88,7 +88,7 @@ pub fn parse(name: &str, bytes: &[u8], limits: &Limits) -> Result<Contents, File
     Err(FileError::Broken { what, spot: Some(Spot::Line(1)) })
 }
 
-/// What a file looks like.
+/// Description of unrecognised contents, for a message.
 fn looks(bytes: &[u8]) -> String {
     let start = &bytes[..bytes.len().min(1 << 12)];
     let first = start.split(|b| *b == b'\n').find(|l| !l.trim_ascii().is_empty()).unwrap_or_default().trim_ascii();

@@ -1,14 +1,14 @@
-//! Cells of one dimension out of a mesh file, with named sides.
+//! Selection of the cells of one dimension of a mesh file, with named sides.
 
 use super::{CellShape, FileError, Group, MeshBlock, MeshFile};
 use faying::basis::Cell;
 use faying::linalg::Vector;
 use faying::space::{CellBlock, FacetTag, MeshCells};
 
-/// A point of a plane mesh may leave the plane z = 0 by this share of the size of the mesh.
+/// Largest distance of the points of a plane mesh from z = 0, relative to the size of the mesh.
 const FLAT: f64 = 1e-12;
 
-/// Corners of a facet, rising, filled up with [`NONE`].
+/// Corners of a facet, ascending, filled up with [`NONE`].
 type Key = [u32; 4];
 
 /// No corner.
@@ -17,14 +17,14 @@ const NONE: u32 = u32::MAX;
 impl MeshFile {
     /// The cells of dimension N (2 or 3), all of them or those of one group, by name or number.
     ///
-    /// Points keep their places in [`MeshFile::points`], so that two groups of a file still show which points they share. Sides are the
-    /// groups of dimension N - 1 by label, groups of one label together; of each the facets of the cells: those of cells that were not
-    /// chosen are left out. Facets between two of the cells are among them; a body refuses such a side where it is used.
+    /// Points keep their indices in [`MeshFile::points`], so that shared points of two groups of a file remain identifiable. Sides are the
+    /// groups of dimension N - 1 by label, groups of one label together; each has its facets of the selected cells, other facets are left
+    /// out. Facets between two of the cells are included; using such a side in a body is an error.
     ///
     /// # Errors
-    /// [`FileError::Dimension`] without cells of dimension N, with cells of a higher one unless a group is asked for, and in the plane for
+    /// [`FileError::Dimension`] without cells of dimension N, with cells of a higher one unless a group is requested, and in the plane for
     /// points off z = 0; [`FileError::Missing`] for an unknown group; [`FileError::Unsupported`] for prisms and pyramids;
-    /// [`FileError::Broken`] where all cells are asked for and a group is partly facets of them, partly not.
+    /// [`FileError::Broken`] if all cells are requested and only part of a group are facets of them.
     pub fn cells<const N: usize>(&self, group: Option<&str>) -> Result<MeshCells<N>, FileError> {
         let chosen = self.chosen(N, group)?;
         let mut blocks = Vec::new();
@@ -38,12 +38,12 @@ impl MeshFile {
         Ok(MeshCells { points, blocks, tags: self.sides(N, &chosen, group.is_none())? })
     }
 
-    /// The file's numbers of the cells that [`MeshFile::cells`] gives, in their order; none where it gives an error.
+    /// The file's numbers of the cells that [`MeshFile::cells`] returns, in their order; empty if it returns an error.
     pub fn cell_ids(&self, dimension: usize, group: Option<&str>) -> Vec<u64> {
         self.chosen(dimension, group).map_or(Vec::new(), |all| all.iter().flat_map(|b| b.ids.iter().copied()).collect())
     }
 
-    /// The point of a group of dimension zero, by name or number; none without the group or where it has several points.
+    /// The point of a group of dimension zero, by name or number; `None` without the group or if it has several points.
     pub fn point(&self, tag: &str) -> Option<[f64; 3]> {
         let group = find(&self.groups, 0, tag)?;
         let mut nodes: Vec<u32> = self
@@ -116,7 +116,7 @@ impl MeshFile {
 
     fn sides(&self, dimension: usize, chosen: &[&MeshBlock], whole: bool) -> Result<Vec<FacetTag>, FileError> {
         let facets: Vec<&MeshBlock> = self.blocks.iter().filter(|b| b.shape.dimension() + 1 == dimension && !b.groups.is_empty()).collect();
-        // only facets of groups are looked for, so the cost is one pass over the cells
+        // only facets of groups are searched, so the cost is one pass over the cells
         let mut wanted: Vec<(Key, bool)> = facets.iter().flat_map(|b| corners(b).map(|c| (key(&c), false))).collect();
         wanted.sort_unstable();
         wanted.dedup();
@@ -162,7 +162,7 @@ impl MeshFile {
     }
 }
 
-/// Place of a group by name, else by number.
+/// Index of a group by name, else by number.
 fn find(groups: &[Group], dimension: usize, name: &str) -> Option<usize> {
     let of = |f: &dyn Fn(&Group) -> bool| groups.iter().position(|g| g.dimension == dimension && f(g));
     of(&|g| g.name.as_deref() == Some(name)).or_else(|| of(&|g| g.number.to_string() == name))

@@ -1,4 +1,4 @@
-//! Sides and corners of spline patches, and how two common sides lie on each other.
+//! Sides and corners of spline patches, and the relative orientation of two common sides.
 
 use super::SplinePatch;
 
@@ -39,7 +39,7 @@ pub(super) fn side_corner(dimension: usize, side: usize, bits: usize) -> usize {
     along.fold((side & 1) << (side / 2), |all, (i, d)| all | (bits >> i & 1) << d)
 }
 
-/// How the directions along one side lie on those along another.
+/// Orientation of one side relative to another: permutation and signs of the directions along them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Lie {
     /// Whether the first direction of one is the second of the other.
@@ -49,7 +49,7 @@ pub(super) struct Lie {
 }
 
 impl Lie {
-    /// The direction along the second side that direction i along the first lies on.
+    /// Direction along the second side that corresponds to direction i along the first.
     pub(super) fn direction(self, i: usize) -> usize {
         if self.swap { 1 - i } else { i }
     }
@@ -60,7 +60,7 @@ impl Lie {
     }
 }
 
-/// How the side of one patch lies on that of another: so that the corners are nearest.
+/// Orientation of the side of one patch on that of another that brings the corners nearest together.
 pub(super) fn lie(one: (&SplinePatch, usize), other: (&SplinePatch, usize)) -> Lie {
     let dimension = one.0.dimension();
     let directions = dimension - 1;
@@ -78,7 +78,7 @@ pub(super) fn lie(one: (&SplinePatch, usize), other: (&SplinePatch, usize)) -> L
     all.filter(fits).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or_default()
 }
 
-/// Whether the corners of two sides that lie on each other are the same points, up to a millionth of the first patch's size.
+/// Whether the corners of two common sides are the same points, up to a millionth of the first patch's size.
 pub(super) fn touch(one: (&SplinePatch, usize), other: (&SplinePatch, usize), lie: Lie) -> bool {
     const TOLERANCE: f64 = 1e-6;
     let dimension = one.0.dimension();
@@ -92,7 +92,7 @@ pub(super) fn touch(one: (&SplinePatch, usize), other: (&SplinePatch, usize), li
     })
 }
 
-/// Whether the knots of two sides that lie on each other agree, up to the origin and the length of the parameters.
+/// Whether the knots of two common sides agree, up to the origin and the length of the parameters.
 pub(super) fn knots_agree(one: (&SplinePatch, usize), other: (&SplinePatch, usize), lie: Lie) -> bool {
     /// Largest difference of knots on the unit interval that counts as rounding.
     const TOLERANCE: f64 = 1e-12;

@@ -1,4 +1,4 @@
-//! Spline patches as files hold them.
+//! Spline patches as stored in files.
 
 use super::{FileError, Format};
 use faying::basis::{Rational, TensorProduct};
@@ -8,7 +8,7 @@ use faying::linalg::Vector;
 /// A side of a patch of a file.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct PatchSide {
-    /// Place of the patch in the file, from 0.
+    /// Index of the patch in the file, from 0.
     pub patch: usize,
     /// u0, u1, v0, v1, w0, w1.
     pub side: String,
@@ -35,9 +35,9 @@ pub struct KnotUse {
 /// A NURBS or B-spline patch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SplinePatch {
-    /// Its number in the file, where it has one.
+    /// Its number in the file, if any.
     pub id: Option<i64>,
-    /// Its name in the file, where it has one.
+    /// Its name in the file, if any.
     pub name: Option<String>,
     /// Degree per direction.
     pub degree: Vec<usize>,
@@ -49,9 +49,9 @@ pub struct SplinePatch {
     pub weights: Option<Vec<f64>>,
     /// Coordinates per point in the file: 1 to 3.
     pub world: usize,
-    /// The number of its material, where the file has one (the attribute of MFEM).
+    /// Number of its material, if the file has one (the attribute of MFEM).
     pub attribute: Option<i64>,
-    /// Per direction the knot vector of the file; empty where the file does not number them.
+    /// Knot vector of the file per direction; empty if the file does not number them.
     pub uses: Vec<KnotUse>,
 }
 
@@ -104,10 +104,10 @@ pub struct SplineFile {
     pub format: Format,
     /// The patches in the order of the file.
     pub patches: Vec<SplinePatch>,
-    /// Sides that the file says are common to two patches; what really touches is found from the geometry.
+    /// Sides that two patches share according to the file; actual contact is determined from the geometry.
     pub joints: Vec<[PatchSide; 2]>,
     /// Named or numbered sides.
     pub labels: Vec<Label>,
-    /// What was in the file and is not read, one sentence each.
+    /// Contents of the file that are not read, one sentence each.
     pub notes: Vec<String>,
 }

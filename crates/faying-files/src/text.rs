@@ -13,10 +13,10 @@ pub(super) fn unsupported(line: usize, what: impl Into<String>) -> FileError {
     FileError::Unsupported { what: what.into(), spot: Some(Spot::Line(line)) }
 }
 
-/// At most this many characters of a file's words are repeated in a message.
+/// Largest number of characters of a file's words quoted in a message.
 const SHOWN: usize = 40;
 
-/// The beginning of a word, fit for a message.
+/// Beginning of a word, with control characters replaced, for a message.
 pub(super) fn shown(word: &[u8]) -> String {
     let text = String::from_utf8_lossy(&word[..word.len().min(4 * SHOWN)]);
     let mut short: String = text.chars().take(SHOWN).map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -42,7 +42,7 @@ impl<'a> Words<'a> {
         Self { text, at: 0, line, comments: false }
     }
 
-    /// Skips what follows a `#`.
+    /// Skips comments, which begin with `#`.
     pub(super) fn with_comments(mut self) -> Self {
         self.comments = true;
         self
@@ -169,7 +169,7 @@ impl<'a> Words<'a> {
     /// A count of things that take at least `words` words each.
     ///
     /// # Errors
-    /// [`FileError::Broken`] for any other word, and where the rest of the text is too short for so many.
+    /// [`FileError::Broken`] for any other word, and if the rest of the text is too short for so many.
     pub(super) fn count(&mut self, what: &str, words: usize) -> Result<usize, FileError> {
         let line = self.line();
         let count = self.index(&format!("the number of {what}"))?;
@@ -177,12 +177,12 @@ impl<'a> Words<'a> {
         Ok(count)
     }
 
-    /// That `count` things of `words` words each may follow.
+    /// Checks that the rest of the text has room for `count` items of `words` words each.
     ///
     /// # Errors
-    /// [`FileError::Broken`] where the rest of the text is too short.
+    /// [`FileError::Broken`] if the rest of the text is too short.
     pub(super) fn room(&self, count: usize, words: usize, what: &str, line: usize) -> Result<(), FileError> {
-        // A word takes a byte and one of white space before it, which the first may have left behind.
+        // A word takes a byte and one of white space before it, which may have been read already before the first.
         if count.saturating_mul(words).saturating_mul(2) > self.left().saturating_add(1) {
             return Err(broken(line, format!("{count} {what} do not fit in the {} bytes that follow", self.left())));
         }
@@ -192,7 +192,7 @@ impl<'a> Words<'a> {
     /// `count` finite numbers, which are `what` in messages; the memory is taken from `budget`.
     ///
     /// # Errors
-    /// [`FileError::Broken`] where there are fewer; [`FileError::Memory`].
+    /// [`FileError::Broken`] if there are fewer; [`FileError::Memory`].
     pub(super) fn numbers(&mut self, count: usize, what: &str, budget: &mut Budget) -> Result<Vec<f64>, FileError> {
         let line = self.line();
         self.room(count, 1, what, line)?;
@@ -205,7 +205,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// Says how many numbers there were where the text ends too early.
+/// Adds the number of values found to an error at an early end of the text.
 fn few(error: FileError, found: usize, expected: usize, what: &str) -> FileError {
     match error {
         FileError::Broken { what: text, spot } if text.starts_with("the text ends") => {
@@ -218,7 +218,7 @@ fn few(error: FileError, found: usize, expected: usize, what: &str) -> FileError
 /// Checks an open knot vector.
 ///
 /// # Errors
-/// [`FileError::Broken`] for knots that decrease, do not stand degree + 1 times at the ends or are repeated too often.
+/// [`FileError::Broken`] for knots that decrease, do not have multiplicity degree + 1 at the ends or are repeated too often.
 pub(super) fn check_knots(degree: usize, knots: &[f64], line: usize) -> Result<(), FileError> {
     if degree >= knots.len() {
         return Err(broken(line, format!("{} knots are too few for degree {degree}", knots.len())));

@@ -1,7 +1,7 @@
-//! Bytes of the arrays of a `.vtu`: behind a header, in base64 or not, compressed by zlib or not.
+//! Decoding of the arrays of a `.vtu`: raw or base64, uncompressed or compressed by zlib, each with a header.
 //!
-//! An array as it is: its length, then its bytes. A compressed one: the number of blocks, the bytes of a block and of the last one unless
-//! that is full, the bytes of every block as it stands in the file, then the blocks. In base64 the header is a text of its own.
+//! An uncompressed array: its length, then its bytes. A compressed one: the number of blocks, the size of a block and of the last one
+//! unless that is full, the compressed size of every block, then the blocks. In base64 the header is encoded separately.
 //! Source: "VTK XML Formats", vtk.org.
 
 use super::FileError;
@@ -15,7 +15,7 @@ const STREAM: u64 = 1 << 16;
 /// Most bytes that a block grows by at once.
 const STEP: usize = 1 << 15;
 
-/// Why bytes were not read.
+/// Error of decoding an array.
 #[derive(Debug)]
 pub(super) enum Fault {
     /// The array contradicts itself.
@@ -53,7 +53,7 @@ impl Header {
         usize::try_from(u64::from_le_bytes(word)).map_err(|_| EARLY)
     }
 
-    /// The bytes of an array as it is; those that are owned are counted.
+    /// Bytes of an uncompressed array; owned ones are counted in `budget`.
     pub fn plain<'a>(self, source: &'a [u8], base64: bool, budget: &mut Budget) -> Result<Cow<'a, [u8]>, Fault> {
         if !base64 {
             let count = self.number(source, 0)?;
@@ -71,7 +71,7 @@ impl Header {
         Ok(Cow::Owned(data))
     }
 
-    /// The bytes of a compressed array, which are counted.
+    /// Bytes of a compressed array, which are counted in `budget`.
     pub fn unpacked<'a>(self, source: &[u8], base64: bool, budget: &mut Budget) -> Result<Cow<'a, [u8]>, Fault> {
         let part = |bytes: usize| if base64 { Cow::Owned(decode(source, bytes)) } else { Cow::Borrowed(source) };
         let blocks = self.number(&part(self.bytes), 0)?;

@@ -1,4 +1,4 @@
-//! Meshes out of VTK grids and back: linear cells and Lagrange cells with equispaced nodes.
+//! Conversion of meshes from and to VTK grids: linear cells and Lagrange cells with equispaced nodes.
 
 use super::gmsh::lexicographic;
 use super::handed::right_handed;
@@ -11,16 +11,16 @@ use std::collections::{BTreeMap, HashMap};
 /// Highest order of a mesh's cells.
 const MAX_ORDER: usize = 4;
 
-/// Points of elements that do not share points are one where they are closer than this share of the size of the grid.
+/// Distance, relative to the size of the grid, below which points of elements that do not share points are merged.
 const SAME: f64 = 1e-10;
 
-/// Most entries of the arrays that say which cell is in which group.
+/// Limit of the entries of the arrays that assign cells to groups.
 const MAX_MEMBERS: usize = 1 << 28;
 
 /// Version from which Lagrange hexahedra have the present order of nodes: 2.1.
 const HEXAHEDRA: u32 = 201;
 
-/// What arrays of cells that name a group begin with: `group DIMENSION NUMBER NAME`.
+/// Prefix of the names of cell arrays that mark a group: `group DIMENSION NUMBER NAME`.
 const GROUP: &str = "group ";
 
 /// Shape, VTK's linear type, its Lagrange type and the cell of the node order.
@@ -35,7 +35,7 @@ const SHAPES: [(CellShape, u8, Option<(u8, Cell)>); 8] = [
     (CellShape::Pyramid, 14, None),
 ];
 
-/// Place of VTK's a-th node in the list with the first axis fastest.
+/// Position of VTK's a-th node in the list with the first axis fastest.
 fn places(shape: CellShape, order: usize) -> Vec<usize> {
     let pad = |list: Vec<Vec<usize>>| -> Vec<[usize; 3]> {
         list.iter().map(|a| std::array::from_fn(|k| a.get(k).copied().unwrap_or(0))).collect()
@@ -57,7 +57,8 @@ impl VtuFile {
     /// The mesh of linear cells and Lagrange cells of order 1 to 4, one order in all directions of a cell.
     ///
     /// Groups are the arrays of [`write_vtu`], else the field `patch`: a group for each of its values, its number that value plus one. The
-    /// elements that this program writes share points only where all data agree; points of one patch at the same place become one. Fields are not kept.
+    /// elements that this program writes share points only if all data agree; coincident points of one patch are merged. Fields are not
+    /// kept.
     ///
     /// # Errors
     /// [`FileError::Unsupported`] for Bezier and other cells, and for Lagrange hexahedra of files older than version 2.1, whose nodes are
@@ -127,7 +128,7 @@ impl VtuFile {
         Ok(MeshFile { format: Format::Vtu, points, ids, blocks: blocks.into_values().collect(), groups, notes })
     }
 
-    /// Groups, and per group the field that names its cells by a value.
+    /// Groups, and for each group the field and the value that mark its cells.
     fn groups<'a>(&'a self, patch: Option<&'a VtuField>) -> (Vec<Group>, Vec<(usize, &'a VtuField, f64)>) {
         let mut found: Vec<(Group, &VtuField, f64)> = Vec::new();
         for field in self.cell_fields.iter().filter(|f| f.components == 1) {
@@ -150,7 +151,7 @@ impl VtuFile {
             }
             values.sort_unstable();
             values.dedup();
-            // many groups would be compared with every cell; a field of so many values is no patch
+            // every group is compared with every cell; a field of so many values is no patch number
             if values.len() <= 64 {
                 found = values
                     .iter()
@@ -163,7 +164,7 @@ impl VtuFile {
         (found.into_iter().map(|f| f.0).collect(), members)
     }
 
-    /// Points with those of one patch at the same place made one, and the new place of each.
+    /// Points with coincident ones of one patch merged, and the new index of each.
     fn welded(&self, patch: &VtuField) -> (Vec<[f64; 3]>, Vec<u32>) {
         let mut owner = vec![0i64; self.points.len()];
         for k in 0..self.types.len() {
@@ -172,7 +173,7 @@ impl VtuFile {
         let range = |i: usize| self.points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| [r[0].min(x[i]), r[1].max(x[i])]);
         let size = (0..3).map(range).map(|r| r[1] - r[0]).fold(0.0, f64::max);
         let close = SAME * size.max(f64::MIN_POSITIVE);
-        // boxes four times as wide as the distance: a point near a wall is looked for behind it, too
+        // boxes four times as wide as the distance: a point near a face is also searched in the next box
         let wide = 4.0 * close;
         let mut boxes: HashMap<(i64, [i64; 3]), Vec<u32>> = HashMap::new();
         let (mut points, mut place): (Vec<[f64; 3]>, Vec<u32>) = (Vec::new(), Vec::new());
@@ -206,9 +207,10 @@ fn lexicographic_count(shape: CellShape, p: usize) -> usize {
     }
 }
 
-/// The bytes of a `.vtu` file of a mesh: linear cells, Lagrange cells of order 2 to 4.
+/// Returns the bytes of a `.vtu` file of a mesh: linear cells, Lagrange cells of order 2 to 4.
 ///
-/// Cells of the highest dimension are right-handed. Cell data: `id`, the file's number of the cell, and for every group an array `group DIMENSION NUMBER NAME` that is one in its cells.
+/// Cells of the highest dimension are right-handed. Cell data: `id`, the file's number of the cell, and for every group an array
+/// `group DIMENSION NUMBER NAME` that is one in its cells.
 ///
 /// # Errors
 /// [`FileError::Unsupported`] for prisms and pyramids of order 2, orders above 4, and more groups times cells than 2^28.

@@ -1,7 +1,7 @@
-//! VTK unstructured grids (`.vtu`), read: points, cells, fields.
+//! Reader of VTK unstructured grids (`.vtu`): points, cells, fields.
 //!
-//! Arrays as text, in base64 inside the document, or appended raw or in base64, as they are or compressed by zlib; either order of bytes.
-//! Source: "VTK XML Formats", vtk.org; the facts this program's own writer keeps to are in [`crate::vtu`].
+//! Arrays as text, in base64 inside the document, or appended raw or in base64, uncompressed or compressed by zlib; either byte order.
+//! Source: "VTK XML Formats", vtk.org; the conventions of this program's own writer are in [`crate::vtu`].
 
 use super::budget::Budget;
 use super::vtu_bytes::{Fault, Header};
@@ -25,7 +25,7 @@ pub struct VtuField {
 }
 
 impl VtuField {
-    /// Least and largest finite value of every component; none where there is none.
+    /// Least and largest finite value of every component; `None` if a component has no finite value.
     pub fn ranges(&self) -> Vec<Option<[f64; 2]>> {
         let mut ranges: Vec<Option<[f64; 2]>> = vec![None; self.components];
         for point in self.values.chunks_exact(self.components.max(1)) {
@@ -47,7 +47,7 @@ pub struct VtuFile {
     pub points: Vec<[f64; 3]>,
     /// Points of all cells, cell after cell.
     pub connectivity: Vec<u32>,
-    /// Where in `connectivity` each cell ends.
+    /// End of each cell in `connectivity`.
     pub ends: Vec<usize>,
     /// VTK's number of each cell's type.
     pub types: Vec<u8>,
@@ -126,7 +126,7 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<VtuFile, FileError> {
                 state.store(&path, array, b"")?;
             }
             Event::Empty(tag) if tag.name().as_ref() == b"VTKFile" => {
-                // wrong kinds are told first
+                // wrong kinds are reported first
                 state.start(&tag, at)?;
                 return Err(FileError::Broken { what: "the VTKFile element is empty".into(), spot });
             }
@@ -166,7 +166,7 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<VtuFile, FileError> {
     Ok(state.file)
 }
 
-/// The document before the appended data, and these with their encoding.
+/// Splits the bytes into the document before the appended data, and these with their encoding (true: base64).
 fn appended(bytes: &[u8]) -> Result<(&[u8], Option<(&[u8], bool)>), FileError> {
     let mark = b"<AppendedData";
     let Some(at) = bytes.windows(mark.len()).position(|w| w == mark) else { return Ok((bytes, None)) };
@@ -178,7 +178,7 @@ fn appended(bytes: &[u8]) -> Result<(&[u8], Option<(&[u8], bool)>), FileError> {
     Ok((&bytes[..at], Some((&bytes[underscore + 1..], base64))))
 }
 
-/// How arrays stand in the file.
+/// Encoding of the arrays of the file.
 #[derive(Clone, Copy, Debug, Default)]
 struct Layout {
     kind: Option<()>,
@@ -442,7 +442,7 @@ impl State<'_> {
         Ok(())
     }
 
-    /// Counts and offsets of a piece fit together.
+    /// Checks that counts and offsets of a piece agree.
     fn end_piece(&mut self, at: usize) -> Result<(), FileError> {
         let Some(piece) = self.piece.take() else { return Ok(()) };
         let broken = |what: &str| Err(FileError::Broken { what: what.into(), spot: Some(Spot::Byte(at)) });

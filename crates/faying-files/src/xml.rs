@@ -8,7 +8,7 @@ use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 use std::borrow::Cow;
 
-/// Elements within elements at most.
+/// Largest depth of nested elements.
 const DEPTH: usize = 32;
 
 /// An element.
@@ -42,7 +42,7 @@ impl<'a> Node<'a> {
     /// The only element called `name` in it.
     ///
     /// # Errors
-    /// [`FileError::Broken`] where there is none, or several.
+    /// [`FileError::Broken`] if there is none, or several.
     pub(super) fn only(&self, name: &str) -> Result<&Node<'a>, FileError> {
         let mut all = self.children.iter().filter(|c| c.name == name);
         let first = all.next().ok_or_else(|| broken(self.line, format!("<{}> has no <{name}>", self.name)))?;
@@ -52,7 +52,7 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// The whole text; comments in it have become blank lines.
+    /// The whole text, with comments replaced by blank lines.
     ///
     /// # Errors
     /// [`FileError::Broken`] for an entity.
@@ -96,7 +96,7 @@ fn lines(text: &[u8]) -> usize {
     text.iter().filter(|b| **b == b'\n').count()
 }
 
-/// The line of a place that only moves forward.
+/// Line counter for positions that only move forward.
 struct Lines<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -112,7 +112,7 @@ impl Lines<'_> {
     }
 }
 
-/// Reads a document: its root element.
+/// Reads a document; returns its root element.
 ///
 /// # Errors
 /// [`FileError::Broken`] for what is not XML, [`FileError::Unsupported`] for document types and more than [`DEPTH`] levels,

@@ -15,12 +15,12 @@ pub(super) type Nodes<'a> = dyn Fn(&[u32], &mut Vec<usize>, &mut [f64]) + Sync +
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Member {
     pub batch: u32,
-    /// A bit for each.
+    /// Bit mask of the cells.
     pub lanes: u8,
 }
 
-/// The matrices of the cells of a batch: entry (a, c; b, e) of cell `k` is number `(((a * padded + b) * C + c) * C + e) * lanes + k % lanes` of
-/// part `k / lanes`, a part being `values.len() * lanes / BATCH` numbers.
+/// The matrices of the cells of a batch: entry (a, c; b, e) of cell `k` is in part `k / lanes` of `values.len() * lanes / BATCH` numbers,
+/// at `(((a * padded + b) * C + c) * C + e) * lanes + k % lanes`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Matrices<'a> {
     pub values: &'a [f64],
@@ -28,15 +28,15 @@ pub(super) struct Matrices<'a> {
     pub padded: usize,
 }
 
-/// Runs over the `members` that have a function in `functions`, all of which have the tables `tables`, and hands on their matrices.
+/// Computes the matrices of the `members` that have a function in `functions`, all with the same `tables`, and passes them to `sink`.
 pub(super) struct Run<'a, const N: usize> {
     pub tables: &'a Tables<N>,
     pub nodes: &'a Nodes<'a>,
     pub source: &'a Source<'a>,
-    /// Of the same tangents everywhere, per pair of components.
+    /// Non-zero entries of a constant tangent, per pair of components.
     pub constant: &'a [Entries],
     pub components: usize,
-    /// Only b >= a is wanted.
+    /// Whether only b >= a is computed.
     pub upper: bool,
     pub batches: &'a [Batch],
     pub members: &'a [Member],
@@ -54,7 +54,7 @@ impl<const N: usize> WithSimd for Run<'_, N> {
     }
 }
 
-/// What a run keeps between batches.
+/// Memory of a run, reused from batch to batch.
 struct Scratch<V, const N: usize> {
     jacobians: Jacobians<V, N>,
     d: Vec<[[V; N]; N]>,
@@ -99,7 +99,7 @@ fn run<S: Simd, const N: usize>(simd: S, run: Run<'_, N>) {
             }
         }
         let used = |part: usize| (usize::from(member.lanes) >> (part * lanes)) & ((1 << lanes) - 1);
-        // of the whole member: its matrices have the same bits however many lanes there are
+        // decided for the whole member, so that its matrices have the same bits for any number of lanes
         let mut straight = tables.bends.is_some();
         for (part, nodes) in nodes.chunks_exact_mut(tables.at.nodes).enumerate().filter(|(part, _)| used(*part) != 0) {
             (run.nodes)(&elements[part * lanes..][..lanes], &mut scratch.ids, bytemuck::cast_slice_mut(nodes.as_flattened_mut()));
@@ -113,7 +113,7 @@ fn run<S: Simd, const N: usize>(simd: S, run: Run<'_, N>) {
     }
 }
 
-/// Whether one Jacobian serves all points of each of as many cells as there are lanes.
+/// Check whether each cell of one vector of lanes has the same Jacobian at all points.
 struct Straight<'a, S: Simd, const N: usize> {
     simd: S,
     tables: &'a Tables<N>,
@@ -130,7 +130,7 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Straight<'_, S, N> {
     }
 }
 
-/// As many cells as there are lanes, compiled for the lanes chosen.
+/// The cells of one vector of lanes, compiled for the chosen instruction set.
 struct Part<'a, 'r, S: Simd, const N: usize> {
     simd: S,
     run: &'a Run<'r, N>,

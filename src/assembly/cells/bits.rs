@@ -1,4 +1,4 @@
-//! The same bits at every width of lanes: AVX2 against AVX-512, where the processor has both, with straight and bent cells in one batch.
+//! Tests for the same bits at every SIMD width: AVX2 against AVX-512 if the processor has both, straight and bent cells in one batch.
 
 use super::{Cells, Sums};
 use crate::assembly::tensor::Sites;

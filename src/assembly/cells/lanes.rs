@@ -1,7 +1,7 @@
-//! Kernels with cells in lanes: what every cell of a batch needs is one vector of numbers.
+//! Kernels with one cell per SIMD lane: every number of a cell is a vector over the cells of a batch.
 //!
-//! Lanes never mix and products are fused at every width, so that the matrices of a batch have the same bits however many lanes there
-//! are.
+//! Lanes never mix and products are fused at every width, so that the matrices of a batch have the same bits for any number of
+//! lanes.
 
 use super::tables::{Products, TILE, Tables};
 use pulp::Simd;
@@ -50,7 +50,7 @@ pub(super) fn jacobians<S: Simd, const N: usize>(
         } else {
             for k in 0..N {
                 for i in 0..N {
-                    // indices that turn round: the sign is in their order
+                    // cyclic indices carry the sign
                     let (a, b, c, d) = ((i + 1) % N, (i + 2) % N, (k + 1) % N, (k + 2) % N);
                     let minus = simd.mul_f64s(j[a][d], j[b][c]);
                     adjugate[k][i] = simd.mul_add_e_f64s(j[a][c], j[b][d], simd.neg_f64s(minus));
@@ -65,11 +65,11 @@ pub(super) fn jacobians<S: Simd, const N: usize>(
     }
 }
 
-/// Nodes that are this near to those of an affine map, as a share of their largest coordinate, are there up to the last bits:
-/// far from the origin the rounding of coordinates bends a cell more than this allows it to differ.
+/// Tolerance of the test for affine maps, relative to the largest coordinate of the nodes: smaller deviations are within the
+/// rounding of the coordinates.
 const STRAIGHT: f64 = 2.0 * f64::EPSILON;
 
-/// Not above zero in the lanes whose Jacobians are the same at all points: up to what the rounding of the nodes' coordinates does to them.
+/// Test for affine maps: not above zero in lanes whose Jacobian is the same at all points, up to rounding of the nodes' coordinates.
 #[inline(always)]
 pub(super) fn bent<S: Simd, const N: usize>(simd: S, bends: &[f64], nodes: &[[S::f64s; N]]) -> S::f64s {
     let zero = simd.splat_f64s(0.0);
@@ -105,7 +105,7 @@ pub(super) fn pulled_back<S: Simd, const N: usize>(
     entries: impl Iterator<Item = (usize, usize, S::f64s)>,
 ) -> [[S::f64s; N]; N] {
     let adjugate = &jacobians.adjugate[q];
-    // a map without an inverse gives what is not finite
+    // a singular map gives values that are not finite
     let scale = simd.div_f64s(simd.splat_f64s(weight), jacobians.det[q]);
     let mut d = [[simd.splat_f64s(0.0); N]; N];
     for (i, j, t) in entries {
@@ -120,12 +120,12 @@ pub(super) fn pulled_back<S: Simd, const N: usize>(
     d
 }
 
-/// Where a kernel writes: entry (a, b) at `(a * padded + b) * stride + offset`.
+/// Output layout of a kernel: entry (a, b) at `(a * padded + b) * stride + offset`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     pub stride: usize,
     pub offset: usize,
-    /// Only b >= a is wanted.
+    /// Whether only b >= a is computed.
     pub upper: bool,
 }
 

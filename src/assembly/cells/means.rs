@@ -1,4 +1,4 @@
-//! Where the unknowns of cells live: means of the map's points with weights of the reference cell.
+//! Coordinates of the unknowns of cells: means of the map's points with weights of the reference cell.
 
 use super::nodes::MapNodes;
 use super::points::Kinds;
@@ -13,12 +13,12 @@ use rayon::prelude::*;
 /// Weights of one pair of reference cells.
 struct Weights {
     nodes: usize,
-    /// Of the map's node b for function a at `[a * (nodes + 1) + b]`, then their sum.
+    /// sum_q N_a² M_b for function a and map node b at `[a * (nodes + 1) + b]`, sum_q N_a² at b = nodes.
     of: Vec<f64>,
 }
 
 impl Weights {
-    /// Those of the cell of `element`, with two Gauss points per direction.
+    /// Weights on the cell of `element`, with two Gauss points per direction.
     fn of_cell<const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized>(
         space: &S,
         map: &dyn Basis<D, T>,
@@ -30,7 +30,7 @@ impl Weights {
         }
     }
 
-    /// sum_q N_a² M_b, and sum_q N_a².
+    /// Weights at the points of `rule`.
     fn new<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(basis: &B, map: &dyn Basis<D, T>, element: usize, rule: &Rule<D, T>) -> Self {
         let (mut shapes, mut table) = (ShapeTable::new(), ShapeTable::new());
         basis.tabulate(element, &rule.points, Order::Values, &mut shapes);
@@ -46,7 +46,7 @@ impl Weights {
     }
 }
 
-/// What [`places`](super::super::places()) says, from tables of the reference cells; `None` where there are none.
+/// Computes [`places`](super::super::places()) from tables of the reference cells; `None` if there are none.
 pub(in crate::assembly) fn means<const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized>(
     space: &S,
     pattern: &Pattern,

@@ -5,20 +5,20 @@
 //! | file | does |
 //! |---|---|
 //! | `slots` | batches of cells, and places of the entries of their matrices within rows |
-//! | `points` | tables on the reference cell, and which elements share them |
-//! | `tables` | what matrices need beside them |
+//! | `points` | tables on the reference cell, and the elements that share them |
+//! | `tables` | further tables for matrices |
 //! | `lanes` | Jacobians, D, and the sums above, one cell per lane |
 //! | `batch` | the matrices of the cells of a batch |
 //! | `scatter` | adds them to rows |
 //! | `nodes` | the points of a cell's map |
-//! | `means` | where unknowns live |
+//! | `means` | coordinates of the unknowns |
 //! | `sums`, `states` | loads and norms; a field and its gradient at all points |
-//! | `visit` | what is made at the points of cells in lanes |
+//! | `visit` | evaluation at the points of cells in lanes |
 //!
-//! Batches of cells are fixed with the graph: cells follow one another by their greatest function. Threads own rows, and a batch whose rows have
-//! several owners is computed by each of them. So a sum has the same terms in the same order for any number of threads and of lanes.
-//! Where all cells of a part of a batch are straight up to the last bits of their nodes, one Jacobian and one table serve them. Kernels count
-//! in `f64`; other scalars, processors without lanes and spaces without reference cells take the plain loop.
+//! Batches of cells are fixed with the graph: cells follow one another by their greatest function. Threads own rows, and a batch whose
+//! rows have several owners is computed by each of them. So a sum has the same terms in the same order for any number of threads and
+//! of lanes. If all cells of a part of a batch are affine up to rounding of their nodes, one Jacobian and one table serve them. Kernels
+//! compute in `f64`; other scalars, processors without lanes and spaces without reference cells take the plain loop.
 
 mod batch;
 #[cfg(all(test, target_arch = "x86_64"))]
@@ -68,7 +68,7 @@ pub(super) struct Cells<'a, const D: usize, const N: usize, T: Real> {
 }
 
 impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
-    /// The cells of `space`; `None` where the plain loop has to do it.
+    /// The cells of `space`; `None` if the plain loop has to be used.
     pub fn new<S, Q>(pattern: &Pattern, space: &'a S, quadrature: &Q) -> Option<Self>
     where
         S: Space<D, N, T> + ?Sized,
@@ -125,7 +125,7 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
         });
     }
 
-    /// Adds everything to the rows of `functions`, or writes it where nothing is to be added to.
+    /// Adds all cells to the rows of `functions`, over zeros unless `add` is set.
     fn rows<const C: usize, P: Place>(
         &self,
         pattern: &Pattern,
@@ -165,12 +165,12 @@ impl<const N: usize, T: Real> Cells<'_, N, N, T> {
     }
 }
 
-/// Whether there are kernels for cells of D dimensions in N that count in `T`, and lanes for them.
+/// Whether there are kernels for cells of D dimensions in N that compute in `T`, and SIMD lanes for them.
 fn has_lanes<const D: usize, const N: usize, T: Real>() -> bool {
     TypeId::of::<T>() == TypeId::of::<f64>() && super::tensor::lanes_available() && D == N && (N == 2 || N == 3)
 }
 
-/// The tangents of N x N numbers in `all`, entries that are not zero.
+/// The non-zero entries of the tangents in `all`, N x N numbers each.
 fn entries<const N: usize>(all: &[f64]) -> Vec<Entries> {
     let of = |pair: &[f64]| pair.iter().enumerate().filter(|(_, t)| **t != 0.0).map(|(ij, &t)| (ij / N, ij % N, t)).collect();
     all.chunks_exact(N * N).map(of).collect()

@@ -1,4 +1,4 @@
-//! Tables at the points of a rule on a reference cell, and which elements share them.
+//! Tables at the points of a rule on a reference cell, and the elements that share them.
 
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::linalg::{Real, to_f64};
@@ -6,24 +6,24 @@ use crate::quadrature::Rule;
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// Kinds of elements with tables at most: more have nothing in common.
+/// Maximum number of kinds of elements with tables.
 const KINDS: usize = 32;
 
-/// What elements with common tables have in common: reference cells of functions and map, the address of the rule.
+/// Key of elements with common tables: reference cells of functions and map, the address of the rule.
 pub(super) type Key = (usize, usize, usize);
 
-/// The key of `element`, whose functions have the reference cell `reference`; `None` where its map has none.
+/// The key of `element`, whose functions have the reference cell `reference`; `None` if its map has none.
 pub(super) fn key<const D: usize, T: Real>(reference: usize, map: &dyn Basis<D, T>, element: usize, rule: &Rule<D, T>) -> Option<Key> {
     Some((reference, map.structure().reference(element)?, std::ptr::from_ref(rule).addr()))
 }
 
-/// Kinds of many things, by their keys, in the order in which they were met; mostly few.
+/// Map from a few keys to data, in order of insertion.
 #[derive(Debug)]
 pub(super) struct Kinds<K, X> {
     known: HashMap<K, usize>,
-    /// What is kept of each.
+    /// Data of each key, in order of insertion.
     pub of: Vec<X>,
-    /// The one asked for last: mostly the next, too.
+    /// Key and place of the last look-up, which the next mostly repeats.
     last: Option<(K, usize)>,
 }
 
@@ -34,7 +34,7 @@ impl<K, X> Default for Kinds<K, X> {
 }
 
 impl<K: Copy + Eq + Hash, X> Kinds<K, X> {
-    /// The place of `key`, `new` making what is kept of it where it is met for the first time; `None` where that has nothing.
+    /// The place of `key`, with data from `new` on its first look-up; `None` if `new` returns `None`.
     pub fn place(&mut self, key: K, new: impl FnOnce(usize) -> Option<X>) -> Option<usize> {
         if let Some((_, place)) = self.last.filter(|(last, _)| *last == key) {
             return Some(place);
@@ -61,7 +61,7 @@ pub(super) struct Group<X, M> {
 }
 
 impl<X, M> Kinds<Key, Group<X, M>> {
-    /// Puts `member` to those of `key`; `None` where there are too many kinds, or no tables.
+    /// Adds `member` to the group of `key`; `None` if there are too many kinds, or no tables.
     pub fn put(&mut self, key: Key, member: M, tables: impl FnOnce() -> Option<X>) -> Option<()> {
         let new = |k: usize| if k < KINDS { Some(Group { tables: tables()?, members: Vec::new() }) } else { None };
         let place = self.place(key, new)?;
@@ -87,7 +87,7 @@ pub(super) struct PointTables<const D: usize> {
 }
 
 impl<const D: usize> PointTables<D> {
-    /// The tables of `element` for all of its kind; `None` where they are empty.
+    /// The tables of `element` for all of its kind; `None` if they are empty.
     pub fn new<T: Real, B: Basis<D, T> + ?Sized>(basis: &B, map: &dyn Basis<D, T>, element: usize, rule: &Rule<D, T>) -> Option<Self> {
         let (mut shapes, mut nodes) = (ShapeTable::new(), ShapeTable::new());
         basis.tabulate(element, &rule.points, Order::Gradients, &mut shapes);

@@ -5,16 +5,16 @@ use super::slots::{BATCH, Batch, Place, Slots};
 use crate::linalg::{Real, lit};
 use std::ops::Range;
 
-/// Beyond all values: where numbers go that belong to others.
+/// Row start of functions of other owners: beyond all values.
 const ELSEWHERE: usize = usize::MAX / 2;
 
-/// The rows of some functions: whoever owns them adds every cell in the same order, so that sums have the same bits for any number of
+/// The rows of a range of functions: every owner adds the cells in the same order, so that sums have the same bits for any number of
 /// owners and of lanes.
 ///
 /// Of every batch the entries (a, b) and (b, a) of all its cells are added at once, and a sum has the terms of (i, j) and (j, i) in one
 /// order: symmetric matrices stay so to the last bit.
 pub(super) struct Rows<'a, P, T> {
-    /// Where the rows of the scalar matrix begin.
+    /// Row pointers of the scalar matrix.
     pub ptr: &'a [usize],
     pub slots: &'a Slots,
     pub places: &'a [P],
@@ -23,9 +23,9 @@ pub(super) struct Rows<'a, P, T> {
     pub upper: bool,
     /// The values of the rows.
     pub values: &'a mut [T],
-    /// How many of them may be added to; what lies behind holds anything and is set to zero first.
+    /// Number of initialised values; the values after them are set to zero before they are added to.
     pub ready: usize,
-    /// Where the rows of the functions of each cell begin, and the length of one.
+    /// Start of the rows and length of one row, per local function and cell of a batch.
     pub starts: Vec<([usize; BATCH], [usize; BATCH])>,
 }
 
@@ -94,7 +94,7 @@ impl<P: Place, T: Real> Rows<'_, P, T> {
                 let (right, left) = (next(), next());
                 let block = &numbers[(a * across + b) * C * C..];
                 let mirror = if upper { block } else { &numbers[(b * across + a) * C * C..] };
-                // what is left of the diagonal is the mirror image of what is above it
+                // blocks below the diagonal are the transposes of those above it
                 let turned = |c: usize, e: usize| if upper { e * C + c } else { c * C + e };
                 let (row, other) = (&starts[a], &starts[b]);
                 for lane in 0..BATCH {
@@ -109,8 +109,8 @@ impl<P: Place, T: Real> Rows<'_, P, T> {
     }
 }
 
-/// Adds the block of one pair of functions to the C rows of a function, which begin at `start` with `length` entries each; to none where they
-/// are others'.
+/// Adds the block of one pair of functions to the C rows of a function, which begin at `start` with `length` entries each; does nothing if
+/// the rows belong to another owner.
 #[inline(always)]
 fn add_block<const C: usize, T: Real>(values: &mut [T], start: usize, length: usize, place: usize, number: impl Fn(usize, usize) -> f64) {
     if C == 1 {

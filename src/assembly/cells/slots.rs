@@ -1,4 +1,4 @@
-//! Where the entries of element matrices go: places within the rows, found while the rows are made, batch after batch of cells.
+//! Positions of element-matrix entries within the rows, found while the rows are built, batch by batch of cells.
 
 use super::points::Kinds;
 use crate::assembly::graph::{Graph, Sites, shares};
@@ -7,18 +7,18 @@ use rayon::prelude::*;
 
 /// Cells of a batch, whatever the number of lanes is.
 pub(in crate::assembly) const BATCH: usize = 8;
-/// No cell.
+/// Marker for no cell.
 const NONE: u32 = u32::MAX;
 /// Cells handed to one task at a time.
 const CELLS_PER_TASK: usize = 1 << 12;
-/// Batches with functions of several owners, as a share of all, from which on one owner is quicker.
+/// One owner is faster if more than one in this many batches has functions of several owners.
 const SCATTERED: usize = 4;
 
 /// Up to BATCH cells of one reference cell.
 #[derive(Clone, Debug)]
 pub(in crate::assembly) struct Batch {
     cells: [u32; BATCH],
-    /// How many there are.
+    /// Number of cells.
     pub count: usize,
     /// The reference cell of the functions.
     pub reference: usize,
@@ -26,16 +26,16 @@ pub(in crate::assembly) struct Batch {
     pub functions: usize,
     /// The least function of all cells.
     pub least: u32,
-    /// One more than the greatest.
+    /// One more than the greatest function.
     pub end: u32,
-    /// Where its places begin.
+    /// Index of its first place.
     pub first: usize,
-    /// Where the functions of its cells begin.
+    /// Index in the ids of [`Slots`] of the first function of its cells.
     ids: usize,
 }
 
 impl Batch {
-    /// The cells that there are.
+    /// Elements of the batch.
     pub fn cells(&self) -> &[u32] {
         &self.cells[..self.count]
     }
@@ -55,7 +55,7 @@ pub(in crate::assembly) struct Slots {
     pub places: Places,
 }
 
-/// Places in rows, in two bytes where all rows are short.
+/// Places in rows, in two bytes if all rows are short enough.
 #[derive(Clone, Debug)]
 pub(in crate::assembly) enum Places {
     Short(Buffer<u16>),
@@ -130,7 +130,7 @@ impl Slots {
     }
 }
 
-/// How many make the rows: one where numbers are scattered.
+/// Number of owners that build the rows: one if too many batches have functions of several owners.
 fn owners(batches: &[Batch], ptr: &[usize]) -> usize {
     let owners = rayon::current_num_threads();
     let ranges = shares(ptr, owners);
@@ -153,8 +153,8 @@ fn ordered_entries(n: usize) -> Vec<usize> {
     entries
 }
 
-/// Cells by greatest function in batches, their functions, and of every element the place of its first entry, the number of all places behind
-/// them. Linear in the number of ids.
+/// Batches of cells by greatest function, their functions, and the index of the first entry of every element, followed by the number of all
+/// places. Linear in the number of ids.
 fn batched(graph: &Graph, references: &[usize]) -> (Vec<Batch>, Vec<u32>, Vec<usize>) {
     let (elements, functions) = (graph.num_elements(), graph.num_functions());
     let span = |e: usize| graph.ids(e).iter().fold((functions as u32, 0), |(lo, hi), &i| (lo.min(i), hi.max(i + 1)));

@@ -9,13 +9,13 @@ use crate::space::{FieldAt, Space};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Elements of one task: their numbers wait in the second cache.
+/// Elements of one task: their numbers stay in the L2 cache.
 const ELEMENTS_PER_TASK: usize = 64;
 
 /// Memory of one task.
 struct Task<const C: usize, const N: usize, T: Real> {
     numbers: Vec<f64>,
-    /// Where the numbers of every element are.
+    /// Range in `numbers` of every element.
     places: Vec<Range<usize>>,
     ids: Vec<usize>,
     states: Vec<FieldAt<C, N, T>>,
@@ -23,7 +23,7 @@ struct Task<const C: usize, const N: usize, T: Real> {
 
 impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
     /// `visit(kept, element, states)` of every element, ascending: the field of `u` at the points of its rule. An empty `u` is
-    /// zero; `kept` is memory of the visitor, whatever is in it.
+    /// zero; `kept` is memory of the visitor with arbitrary content.
     pub fn states<const C: usize, W: Default, R: Send>(
         &self,
         u: &[T],
@@ -46,7 +46,7 @@ impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
         tasks.into_iter().flatten().collect()
     }
 
-    /// The numbers of the elements of `range`, and where they are.
+    /// Computes the numbers of the elements of `range`, and their places.
     fn fill<const C: usize>(&self, u: &[T], range: Range<usize>, task: &mut Task<C, N, T>) {
         let Task { numbers, places, ids, .. } = task;
         numbers.clear();

@@ -1,4 +1,4 @@
-//! Loads and norms on cells in lanes: what is asked at the points of cells, summed over them. Fields at all points (`states`).
+//! Loads and norms on cells in lanes: values at the points of cells, summed over them. Fields at all points (`states`).
 //!
 //! Cells are added by groups with common tables, then by their numbers: same bits for any number of threads and of lanes.
 
@@ -28,7 +28,7 @@ pub(in crate::assembly) struct Sums<'a, const D: usize, const N: usize, T: Real,
     pub(super) arch: pulp::Arch,
 }
 
-/// Numbers of the elements of a task, and the ids of their functions where they are asked for.
+/// Numbers of the elements of a task, and the ids of their functions if they are needed.
 #[derive(Default)]
 struct Task {
     numbers: Vec<f64>,
@@ -38,7 +38,7 @@ struct Task {
 }
 
 impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Sums<'a, D, N, T, S> {
-    /// The cells of `space`; `None` where the plain loop has to do it.
+    /// The cells of `space`; `None` if the plain loop has to be used.
     pub fn new<Q: Quadrature<D, T> + ?Sized>(space: &'a S, quadrature: &Q) -> Option<Self> {
         if !super::has_lanes::<D, N, T>() {
             return None;
@@ -54,7 +54,7 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
         Some(Self { groups: groups.of, nodes: MapNodes::new(control), space, arch: pulp::Arch::new() })
     }
 
-    /// ∫ f . N dx for forces of `width` components, which `answer` gives, then their moments as
+    /// ∫ f . N dx for forces of `width` components, computed by `answer`, then their moments as
     /// [`Patches::load`](crate::assembly::tensor::Patches::load) has them.
     pub fn load(&self, width: usize, answer: &Answer<'_>) -> (Vec<T>, Vec<f64>) {
         let mut out = vec![T::zero(); width * self.space.num_functions()];
@@ -95,8 +95,8 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
 }
 
 impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
-    /// The sums of squares of the field `u` (an empty one is zero) against the one that `answer` gives, as
-    /// [`Patches::deviation`](crate::assembly::tensor::Patches::deviation) has them.
+    /// The sums of squares of the difference between the field `u` (empty: zero) and the one of `answer`, as in
+    /// [`Patches::deviation`](crate::assembly::tensor::Patches::deviation).
     pub fn deviation<const C: usize>(&self, form: &Form<'_, C, N, T>, u: &[T], answer: &Answer<'_>) -> [f64; SQUARES] {
         let mut total = [0.0; SQUARES];
         let source = Source::new(form);
@@ -109,7 +109,7 @@ impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
         });
         total
     }
-    /// Writes coefficient c of function a of the element of a lane at `(a * C + c) * lanes + lane`; nothing where `u` is empty.
+    /// Writes coefficient c of function a of the element of a lane at `(a * C + c) * lanes + lane`; nothing if `u` is empty.
     pub(super) fn coefficients<const C: usize>(&self, u: &[T], elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]) {
         let lanes = elements.len();
         for (lane, &e) in elements.iter().enumerate().filter(|_| !u.is_empty()) {

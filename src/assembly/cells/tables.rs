@@ -1,4 +1,4 @@
-//! What the kernels of matrices need beside the tables on a reference cell: products, sums over the points, bends of the map.
+//! Further tables for matrices on a reference cell: products of functions, sums over the points, test for affine maps.
 
 use super::points::PointTables;
 
@@ -10,7 +10,7 @@ pub(super) const TILE: usize = 4;
 pub(super) struct Products<const K: usize> {
     /// B_ak(q) at `test[a * points + q]`.
     pub test: Vec<[f64; K]>,
-    /// The same of TILE functions at once at `trial[tile * points + q]`, zero beyond the last.
+    /// B_bl(q) of TILE functions b at once at `trial[tile * points + q]`, zero beyond the last function.
     pub trial: Vec<[[f64; TILE]; K]>,
     pub points: usize,
     pub functions: usize,
@@ -34,18 +34,19 @@ impl<const K: usize> Products<K> {
         Self { test, trial, points, functions }
     }
 
-    /// Columns of an element matrix with those beyond the last.
+    /// Columns of an element matrix, padded to a multiple of TILE.
     pub fn padded(&self) -> usize {
         self.functions.next_multiple_of(TILE)
     }
 }
 
-/// Nodes of maps that are looked at for bends: more are not worth the search.
+/// Maximum number of map nodes for the test for affine maps.
 const BENT_NODES: usize = 32;
-/// Combinations of gradients shorter than this share of the longest are none.
+/// Combinations of gradients shorter than this, relative to the largest component of a gradient, count as zero.
 const NO_BEND: f64 = 1e-10;
 
-/// An orthonormal basis of the differences grad M(q) - grad M(0), as rows over the `nodes` functions M.
+/// An orthonormal basis of the differences grad M(q) - grad M(0), as rows over the `nodes` functions M; `None`
+/// for more than [`BENT_NODES`] nodes or functions that do not sum to one.
 fn bends<const N: usize>(grads: &[[f64; N]], nodes: usize) -> Option<Vec<f64>> {
     if nodes > BENT_NODES {
         return None;
@@ -69,7 +70,7 @@ fn bends<const N: usize>(grads: &[[f64; N]], nodes: usize) -> Option<Vec<f64>> {
             }
         }
     }
-    // functions that do not sum to one: their map moves with the origin
+    // the functions do not sum to one: the test would depend on the origin
     let moves = rows.chunks_exact(nodes).any(|row| row.iter().sum::<f64>().abs() > NO_BEND);
     (!moves).then_some(rows)
 }
@@ -77,14 +78,14 @@ fn bends<const N: usize>(grads: &[[f64; N]], nodes: usize) -> Option<Vec<f64>> {
 /// The tables of a group.
 #[derive(Debug)]
 pub(super) struct Tables<const N: usize> {
-    /// Those that follow from the reference cells alone.
+    /// Tables of functions, map and rule on the reference cell.
     pub at: PointTables<N>,
     /// Values of the functions.
     pub values: Products<1>,
     /// Their gradients.
     pub grads: Products<N>,
-    /// Combinations of the map's nodes that vanish where its Jacobian is the same at all points of the rule, `nodes` numbers of sum zero each;
-    /// none for maps of linear functions. `None` where that is not known.
+    /// Combinations of the map's nodes that vanish if its Jacobian is the same at all points of the rule, `nodes` numbers of sum zero
+    /// each; empty for maps of linear functions. `None` if they are not known.
     pub bends: Option<Vec<f64>>,
     /// sum_q w B_ak B_bl at `sums[a * functions + b][k][l]`: enough where D is constant.
     pub sums: Vec<[[f64; N]; N]>,

@@ -1,22 +1,22 @@
-//! What is made at the points of cells in lanes, batch after batch: loads, squares of differences, fields.
+//! Evaluation at the points of cells in lanes, batch by batch: loads, squares of differences, fields.
 
 use super::batch::Nodes;
 use super::points::PointTables;
 use crate::assembly::tensor::{Answer, Cell, Law, Sites, Squares, add_moments, finish, inverse, numbers_of_map, physical, state_size};
 use pulp::{NullaryFnOnce, Simd, WithSimd, bytemuck};
 
-/// What is made.
+/// Quantity to compute.
 #[derive(Clone, Copy)]
 pub(super) enum Kind<'a> {
     /// Forces times functions, then the moments of the forces.
     Load(&'a Answer<'a>),
-    /// Squares of a field against the answers; `field` gives its coefficients as [`Nodes`] gives nodes.
+    /// Squares of the difference between a field and the values of `answer`; `field` writes its coefficients as [`Nodes`] writes nodes.
     Squares { law: &'a Law<'a>, field: &'a Nodes<'a>, answer: &'a Answer<'a> },
-    /// Position, values and gradients of a field at every point; of the one that is zero, whatever the map, where there is none.
+    /// Position, values and gradients of a field at every point; `None` is the zero field, for any map.
     States(Option<&'a Nodes<'a>>),
 }
 
-/// Some elements, batch after batch; the numbers of each to `numbers`.
+/// Evaluates some elements batch by batch and appends the numbers of each to `numbers`.
 pub(super) struct Run<'a, const D: usize> {
     pub tables: &'a PointTables<D>,
     pub nodes: &'a Nodes<'a>,
@@ -186,7 +186,7 @@ impl<S: Simd, const D: usize> NullaryFnOnce for Spread<'_, S, D> {
     }
 }
 
-/// Squares of the field against the answers.
+/// Squares of the difference between the field and the given values `other`.
 struct Compare<'a, 'l, S: Simd, const D: usize> {
     simd: S,
     cell: Cell<'a, S::f64s>,
@@ -211,7 +211,7 @@ struct Show<'a, S: Simd, const D: usize> {
     simd: S,
     width: usize,
     map: &'a [S::f64s],
-    /// Of the field; it is zero where there are none.
+    /// Local derivatives and values of the field; `None` if it is zero.
     g: Option<&'a [S::f64s]>,
     out: &'a mut Vec<S::f64s>,
 }

@@ -1,4 +1,4 @@
-//! The same bits at every width of lanes: AVX2 against AVX-512, where the processor has both.
+//! Tests for the same bits at every SIMD width: AVX2 against AVX-512 if the processor has both.
 
 use super::map::Ask;
 use super::{Free, Patches, Sites};

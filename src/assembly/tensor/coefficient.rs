@@ -34,12 +34,12 @@ pub(super) struct Coefficient<'a> {
     pub components: usize,
     /// Whether the form is symmetric.
     pub symmetric: bool,
-    /// What is integrated.
+    /// Integrand.
     pub source: Source<'a>,
 }
 
 impl Coefficient<'_> {
-    /// What is contracted: all pairs of components, and their transposes where the form is not symmetric.
+    /// Pairs of components to contract: all, and their transposes if the form is not symmetric.
     pub fn pairs(&self) -> Vec<Pair> {
         let c = self.components;
         let pair = |k: usize, transposed| {

@@ -63,7 +63,7 @@ fn filled(
     pool.install(|| patches.fill_strips(&plans, add, matrix));
 }
 
-/// How far apart the values are, as a share of the largest.
+/// Largest difference of the values, relative to the largest of `b`.
 fn apart(a: &Csr, b: &Csr) -> f64 {
     let scale = b.vals().iter().fold(0.0f64, |m, v| m.max(v.abs()));
     assert!(a.vals().iter().all(|v| v.is_finite()));
@@ -75,7 +75,7 @@ fn differ(a: &Csr, b: &Csr) -> usize {
     a.vals().iter().zip(b.vals()).filter(|(a, b)| a.to_bits() != b.to_bits()).count()
 }
 
-/// Strips of every size against the plain loop and against one strip; `asked`: the map of every element is asked.
+/// Strips of every size against the plain loop and against one strip; `asked`: the map is evaluated element by element.
 ///
 /// Merged functions are summed strip by strip: their bits may depend on the sizes, but not on the threads.
 fn check<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_, C, N>, asked: bool, merged: bool) {
@@ -127,7 +127,7 @@ fn check<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_
     assert!(if exact { differ(&twice, &whole) == 0 } else { most <= SAME }, "added to itself: twice, apart by {most:e}");
 }
 
-/// [`check`] of one bent box, its map as a net and asked.
+/// [`check`] of one bent box, its map as a net and element by element.
 fn check_box<const C: usize, const N: usize>(axes: &dyn Fn() -> [BSpline<f64>; N], form: &Form<'_, C, N>) {
     let space = ControlPoints { basis: TensorProduct::new(axes()), points: bent(&axes()) };
     for asked in [false, true] {

@@ -135,7 +135,7 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, N> {
 }
 
 impl Patches<'_> {
-    /// The sums of squares of the field `u` (an empty one is zero) against the one that `answer` gives: C values, then
+    /// The sums of squares of the difference between the field `u` (empty: zero) and the one of `answer`: C values, then
     /// C N derivatives.
     pub fn deviation<const C: usize, const N: usize, T: Real>(
         &self,

@@ -12,12 +12,12 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Rows of the slowest direction that a march in the plane takes at least: every march starts some elements early.
+/// Minimum number of rows of the slowest direction per march in the plane: every march starts some elements early.
 const ROWS_AT_LEAST: usize = 16;
 /// Marches per thread in the plane; tasks per thread of a layer's rows.
 const TASKS_PER_THREAD: usize = 2;
-/// Functions of a strip per active function of the middle direction, below which strips are not made narrower to give every thread
-/// as many: what they contract twice is dearer than a march that threads share.
+/// Minimum width of a strip of the middle direction, per active function, when strips are narrowed to give every thread as many:
+/// the overlap of narrower ones costs more than a march shared by threads.
 const NARROW: usize = 3;
 
 impl Patches<'_> {
@@ -40,15 +40,15 @@ impl Patches<'_> {
         Csr::zeros(Arc::new(Sparsity::of(components, self.functions(), ptr, cols)))
     }
 
-    /// The matrix of `form` to the values of `matrix`; `add`: on top of what is there.
+    /// Writes the matrix of `form` to the values of `matrix`; `add`: adds to them.
     ///
     /// # Panics
-    /// If `matrix` has not the pattern of the basis.
+    /// If `matrix` does not have the pattern of the basis.
     pub fn stiffness<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, add: bool, matrix: &mut Csr<T>) {
         self.fill(&Coefficient { components: C, symmetric: form.symmetric, source: Source::new(form) }, add, matrix);
     }
 
-    /// The matrix of products of functions to the values of `matrix`.
+    /// Writes the matrix of products of functions to the values of `matrix`.
     pub fn mass<T: Real>(&self, matrix: &mut Csr<T>) {
         self.fill(&Coefficient { components: 1, symmetric: true, source: Source::Mass }, false, matrix);
     }
@@ -59,7 +59,7 @@ impl Patches<'_> {
         self.fill_strips(&plans, add, matrix);
     }
 
-    /// The matrix of `plans`, one per patch, to the values of `matrix`.
+    /// Writes the matrix of `plans`, one per patch, to the values of `matrix`.
     pub(super) fn fill_strips<T: Real>(&self, plans: &[Plan<'_, '_>], add: bool, matrix: &mut Csr<T>) {
         match &self.glue {
             None => self.patches[0].fill_strips(&plans[0], add, matrix.vals_mut()),
@@ -80,7 +80,7 @@ impl Patch<'_> {
         self.axes.iter().map(|a| a.functions).product()
     }
 
-    /// The matrix of `plan` to `values`, in strips of two directions, each on its own where threads can be kept busy.
+    /// Writes the matrix of `plan` to `values`, in strips of two directions, one thread per strip as far as all threads are busy.
     fn fill_strips<T: Real>(&self, plan: &Plan<'_, '_>, add: bool, values: &mut [T]) {
         let threads = rayon::current_num_threads();
         let write = Write { to: self.directions(), components: plan.coefficient.components, add };
@@ -107,7 +107,7 @@ impl Patch<'_> {
     }
 }
 
-/// Where complete sums go.
+/// Destination of complete sums: the rows of a matrix on a patch.
 #[derive(Clone, Copy)]
 struct Write<'a> {
     to: Directions<'a>,

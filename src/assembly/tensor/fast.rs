@@ -22,10 +22,10 @@ const SV_VV: u8 = SV | VV;
 const VS_VV: u8 = VS | VV;
 const ALL: u8 = VV | SV | VS | SS;
 
-/// Components of T that are contracted together, because they share what the trial function gives.
+/// Components of T that are contracted together, because they share the factors of the trial function.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Group {
-    /// Which of [`VV`], [`SV`], [`VS`], [`SS`] are summed.
+    /// Bit mask of the products summed: [`VV`], [`SV`], [`VS`], [`SS`].
     pub mask: u8,
     /// Number of components.
     pub count: usize,

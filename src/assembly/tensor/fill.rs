@@ -1,4 +1,4 @@
-//! The map at the points of a cell: from the line of a net, or asked element by element.
+//! The map at the points of a cell: from the line of a net, or evaluated element by element.
 
 use super::axis::Axis;
 use super::grid::Here;
@@ -54,7 +54,7 @@ pub(super) fn fill_asked<S: Simd, const N: usize>(simd: S, weights: &[f64], oute
     }
 }
 
-/// Positions and tangents of a cell from a map that is asked element by element.
+/// Positions and tangents of a cell from a map that is evaluated element by element.
 pub(super) fn ask_cell<const N: usize>(
     axes: &[Axis],
     here: Here<'_>,

@@ -124,7 +124,7 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, '_, N> {
 }
 
 impl Patches<'_> {
-    /// ∫ f . N dx for forces of `components` components, which `answer` gives; `functions` of the whole. Then the moments,
+    /// ∫ f . N dx for forces of `components` components, computed by `answer`; `functions` of the whole. Then the moments,
     /// see [`add_moments`].
     pub fn load<T: Real>(&self, components: usize, functions: usize, answer: &Answer<'_>) -> (Vec<T>, Vec<f64>) {
         let mut out = vec![T::zero(); components * functions];

@@ -67,7 +67,7 @@ impl Free {
         Part { ids: self.ids.as_ref().map(|ids| &ids[patch.functions.clone()]), weights: None, width }
     }
 
-    /// y = A x; `asks` gives the map of one element where nothing else is known of it.
+    /// y = A x; `asks` returns an evaluator of the map of one element, for maps that are no net and not stored.
     pub fn apply<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &Asks<'_>, x: &[T], y: &mut [T]) {
         y.fill(T::zero());
         for patch in &self.patches {
@@ -100,7 +100,7 @@ impl FreePatch {
         form: &Form<'_, C, N, T>,
         keeps: bool,
     ) -> Self {
-        // the map is dearer than all that is done with one component; of several it is the lesser part
+        // for one component the map costs more than the rest of a product, for several components less
         let tangents = C == 1 || matches!(form.coefficient, Coefficient::PerPoint(_));
         let kept = (keeps && (tangents || matches!(patch.map, Map::Elements(..)))).then(|| {
             let source = Source::new(form);

@@ -16,7 +16,7 @@ pub(in crate::assembly) struct Glue {
     pub ids: Vec<u32>,
     /// First function of every patch, and the number of all.
     pub first: Vec<usize>,
-    /// Where the numbers cease to be consecutive, for every function of the patches.
+    /// End of the run of consecutive numbers that starts at each function of the patches.
     pub run_end: Vec<usize>,
     /// Whether the rows of a function of the whole are those of one function of one patch, in the same order.
     pub direct: Vec<bool>,
@@ -24,7 +24,7 @@ pub(in crate::assembly) struct Glue {
     pub merged: Vec<usize>,
     /// First and last neighbour of every function of every direction of the patches.
     columns: Vec<(usize, usize)>,
-    /// The functions of the patches behind every function of the whole, ascending.
+    /// Functions of the patches that form every function of the whole, ascending.
     start: Vec<usize>,
     owners: Vec<usize>,
 }
@@ -69,7 +69,7 @@ impl Glue {
         same && columns(patches).eq(self.columns.iter().copied()) && ids.eq(self.ids.iter().copied())
     }
 
-    /// The functions of the patches behind function `k`.
+    /// Functions of the patches that form function `k` of the whole.
     fn owners(&self, k: usize) -> &[usize] {
         &self.owners[self.start[k]..self.start[k + 1]]
     }

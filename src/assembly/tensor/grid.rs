@@ -1,7 +1,7 @@
 //! The walk over the grid of points: tiles of points of the slowest direction in lanes, cell by cell of the others.
 //!
-//! Map, weight function and whatever is made of them live for one cell only; what grows with the patch is the result that
-//! a visitor has per point of the slowest direction.
+//! Map, weight function and values derived from them are held for one cell only; only the result of a visitor per point of
+//! the slowest direction grows with the patch.
 
 use super::Patch;
 use super::aligned::Aligned;
@@ -14,12 +14,12 @@ use pulp::{NullaryFnOnce, Simd, bytemuck};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Bytes of results of tiles that wait at a time.
+/// Bytes of results of tiles that are held at a time.
 const BATCH_BYTES: usize = 4 << 20;
 /// Tasks per thread of a batch.
 const TASKS_PER_THREAD: usize = 2;
 
-/// Where a cell is.
+/// Position of a cell in the grid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Here<'a> {
     /// First element of the grid.
@@ -39,22 +39,22 @@ pub(super) struct Here<'a> {
 pub(in crate::assembly) struct Cell<'a, V> {
     /// Number of points.
     pub points: usize,
-    /// The map, `[point * numbers(N) + k]`, see `map`; nothing where something else was kept.
+    /// The map, `[point * numbers(N) + k]`, see `map`; empty if other data were stored.
     pub map: &'a [V],
-    /// What was kept in place of the map, `[point * size + k]`.
+    /// Data stored in place of the map, `[point * size + k]`.
     pub kept: &'a [V],
     /// W and its derivatives, `[point * (N + 1) + k]`, of a rational basis.
     pub weight: Option<&'a [V]>,
 }
 
-/// What is done on the grid, with memory of its own.
+/// Visitor of the cells of the grid, with memory of its own.
 pub(super) trait Visit<S: Simd, const N: usize>: Send {
     /// A tile starts.
     fn start(&mut self, simd: S, lanes: &[(usize, usize)]);
     /// An element of the middle direction starts; in the plane there is one per tile.
     fn open(&mut self, simd: S, element: usize);
-    /// All cells of a line along the first direction at once, where that is quicker than one by one; answers whether it did.
-    /// `middle` as in [`Here`], `kept` of all its points.
+    /// All cells of a line along the first direction at once, if that is faster than one by one; returns whether it did so.
+    /// `middle` as in [`Here`], `kept` for all points of the line.
     fn line(&mut self, _simd: S, _middle: (usize, usize), _kept: &[S::f64s]) -> bool {
         false
     }
@@ -70,20 +70,20 @@ pub(super) trait Visit<S: Simd, const N: usize>: Send {
 /// too); points ascend.
 pub(super) type Sink<'a> = dyn FnMut(Range<usize>, &[f64]) + Send + 'a;
 
-/// Where the map comes from.
+/// Source of the map, or of data stored in its place.
 #[derive(Clone, Copy)]
 pub(super) enum Points<'a, 'p> {
     /// Control points, with weights as last number where it is rational.
     Net(&'a Net),
     /// Any map, element by element.
     Elements(&'a Asks<'p>),
-    /// The map as it was kept on this processor, `numbers(N)` vectors per point; tile by tile, the first direction fastest.
+    /// The map as stored on this processor, `numbers(N)` vectors per point; tile by tile, the first direction fastest.
     Map(&'a [f64]),
-    /// Something else that was kept likewise, so many vectors per point.
+    /// Other data stored in the same way, with the number of vectors per point.
     Other(&'a [f64], usize),
 }
 
-/// A grid of points and what is known there.
+/// A grid of points with its map and weight function.
 #[derive(Clone, Copy)]
 pub(super) struct Grid<'a, 'p> {
     /// The directions.
@@ -155,7 +155,7 @@ impl<'a, 'p> Grid<'a, 'p> {
         });
     }
 
-    /// What was kept of tile `k`.
+    /// Source of the map on tile `k` of `tiles`: its part of stored data.
     fn tile(&self, k: usize, tiles: usize) -> Points<'a, 'p> {
         let part = |all: &'a [f64]| &all[k * (all.len() / tiles)..(k + 1) * (all.len() / tiles)];
         match self.points {

@@ -1,7 +1,7 @@
-//! Which components of D meet in which component of the contraction along the fastest direction.
+//! Components of D that enter each component of the contraction along the fastest direction.
 //!
 //! Directions of local coordinates: 0 is the fastest; 1 in the plane, 2 and 1 in space are the outer ones; index N is
-//! the value itself. An outer direction keeps its component; the fastest one and the value meet in "neither".
+//! the value itself. An outer direction keeps its component; the fastest one and the value share "neither".
 
 use super::fast::{Group, SS, SV, VS, VV};
 use super::lanes::COMPONENTS_AT_ONCE;
@@ -59,7 +59,7 @@ pub(super) fn mass() -> Vec<Group> {
     vec![Group { mask: VV, count: 1, from: [[0; COMPONENTS_AT_ONCE]; 4], to: [0; COMPONENTS_AT_ONCE] }]
 }
 
-/// Where the middle contraction finds its components: (middle, slow) is (slow, middle) of a symmetric D.
+/// Places of the components for the middle contraction: for a symmetric D (middle, slow) is read at (slow, middle).
 pub(super) fn places(symmetric: bool) -> [usize; middle::COMPONENTS] {
     let mut places: [usize; middle::COMPONENTS] = std::array::from_fn(|k| k);
     if symmetric {

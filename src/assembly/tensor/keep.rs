@@ -1,4 +1,4 @@
-//! Numbers at the points that an operator keeps, because making them again is dear.
+//! Quadrature-point data stored by the matrix-free operator.
 
 use super::aligned::{NUMBERS, offset};
 use super::grid::{Cell, Grid, Here, Points, Visit};
@@ -7,17 +7,17 @@ use crate::linalg::Buffer;
 use pulp::{Simd, bytemuck};
 use std::ops::Range;
 
-/// What was kept, in lanes of this processor.
+/// Stored quadrature-point data, in SIMD lanes of this processor.
 #[derive(Debug)]
 pub(super) struct Kept {
     all: Buffer<f64>,
-    /// Where it is in `all`.
+    /// Range of the data in `all`.
     range: Range<usize>,
     /// The tangent in local coordinates in place of the map.
     pub tangent: Option<Tangent>,
 }
 
-/// A tangent in local coordinates: rows (component, direction), columns likewise.
+/// A tangent in local coordinates: rows and columns are (component, direction).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tangent {
     /// Numbers per point.
@@ -27,7 +27,7 @@ pub(super) struct Tangent {
 }
 
 impl Kept {
-    /// As points of a grid.
+    /// The data as points of a grid.
     pub fn points<'p>(&self) -> Points<'_, 'p> {
         let all = &self.all[self.range.clone()];
         self.tangent.map_or(Points::Map(all), |tangent| Points::Other(all, tangent.size))
@@ -39,7 +39,7 @@ impl Kept {
     }
 }
 
-/// Copies what is at the points; without a law the map.
+/// Visitor that stores the tangent of `law` in local coordinates at the points, or the map without a law.
 struct Keep<'a, V> {
     law: Option<&'a Law<'a>>,
     symmetric: bool,
@@ -75,7 +75,7 @@ impl<S: Simd, const N: usize> Visit<S, N> for Keep<'_, S::f64s> {
             let from = self.all.len();
             self.all.resize(from + size_of_tangent(rows, self.symmetric), zero);
             for column in 0..rows {
-                // the answer to one derivative of one component
+                // response to a unit derivative of one component
                 self.g.clear();
                 self.g.resize(self.components * (N + 1), zero);
                 self.g[column / N * (N + 1) + column % N] = one;
@@ -121,7 +121,7 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, N> {
         let mut all = Buffer::zeros(tiles * points * self.size * S::F64_LANES + NUMBERS);
         let first = offset(&all);
         let mut next = first;
-        // the weight function is no matter of the map
+        // map and tangent do not depend on the weight function
         let grid = Grid { weight: None, ..self.grid };
         grid.walk::<S, N, _>(simd, points * self.size, new, &mut |_: Range<usize>, numbers: &[f64]| {
             all[next..next + numbers.len()].copy_from_slice(numbers);
@@ -136,7 +136,7 @@ const fn size_of_tangent(rows: usize, symmetric: bool) -> usize {
     if symmetric { rows * (rows + 1) / 2 } else { rows * rows }
 }
 
-/// Keeps the map of `grid`, or the tangent `law` in local coordinates.
+/// Stores the map of `grid`, or the tangent `law` in local coordinates.
 pub(super) fn keep(grid: Grid<'_, '_>, law: Option<&Law<'_>>, symmetric: bool, components: usize) -> Kept {
     let n = grid.axes.len();
     let size = if law.is_some() { size_of_tangent(components * n, symmetric) } else { super::map::numbers(n) };

@@ -1,4 +1,4 @@
-//! Small things that all kernels use.
+//! Helpers of the SIMD kernels.
 
 /// Components that one contraction along the fastest direction sums at once.
 pub(super) const COMPONENTS_AT_ONCE: usize = 3;
@@ -9,7 +9,7 @@ pub(super) fn rows<const NP: usize>(table: &[f64]) -> &[[f64; NP]] {
     table.as_chunks::<NP>().0
 }
 
-/// Whether the processor has lanes: kernels are compiled for those that do.
+/// Whether the processor has SIMD lanes, which the kernels need.
 pub(in crate::assembly) fn available() -> bool {
     struct HasLanes;
     impl pulp::WithSimd for HasLanes {

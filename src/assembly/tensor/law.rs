@@ -1,4 +1,4 @@
-//! What is done to a gradient at a point: the tangent, in local coordinates on both sides.
+//! Pointwise action of the pulled-back tangent on a gradient (the D of Bᵀ D B), in local coordinates on both sides.
 //!
 //!   t_ca = weight |det J| sum_l (J^-1)_al sum_ej tangent[e][j][(c,l)] sum_b (J^-1)_bj g_eb
 
@@ -7,23 +7,23 @@ use super::map::numbers;
 use crate::assembly::source::{PointTangent, Source};
 use pulp::{Simd, bytemuck};
 
-/// A tangent, its structure found.
+/// A tangent, classified by its structure.
 pub(in crate::assembly) enum Law<'a> {
     /// A multiple of the gradient, component by component.
     Multiple(f64),
     /// Of N components: entries (cc, cc), (cc, ee), and the shear that (cl) and (lc) share.
     Aligned([f64; 3]),
-    /// Any numbers, `((c * C + e) * N + l) * N + j`.
+    /// A general tangent, `((c * C + e) * N + l) * N + j`.
     Full(&'a [f64]),
-    /// Numbers per physical point.
+    /// A tangent per physical point.
     PerPoint(&'a PointTangent<'a>),
-    /// Kept numbers in local coordinates with the weights in them, rows (component, a), columns (component, b); of
-    /// `symmetric` ones the columns from the row on.
+    /// Stored tangents in local coordinates with the weights included, rows (component, a), columns (component, b); if
+    /// `symmetric` the columns from the diagonal on.
     Kept { symmetric: bool },
 }
 
 impl<'a> Law<'a> {
-    /// The law of `source` for fields of `components` components in N dimensions; products of values are none.
+    /// The law of `source` for fields of `components` components in N dimensions; `None` for [`Source::Mass`].
     pub fn new<const N: usize>(source: &'a Source<'a>, components: usize) -> Option<Self> {
         let all = match source {
             Source::Mass => return None,
@@ -82,8 +82,8 @@ impl<'a> Law<'a> {
         }
     }
 
-    /// Replaces local gradients `g[component * (N + 1) + d]` (d = N: value, of a rational basis) by what meets the
-    /// derivatives of the test functions (d = N: their value); `scratch`: 2 N vectors per component.
+    /// Replaces local gradients `g[component * (N + 1) + d]` (d = N: value, of a rational basis) by the factors of the
+    /// derivatives of the test functions (d = N: of their value); `scratch`: 2 N vectors per component.
     #[inline(always)]
     pub fn respond<S: Simd, const N: usize>(
         &self,
@@ -159,7 +159,7 @@ impl<'a> Law<'a> {
 }
 
 impl Law<'_> {
-    /// The stress of the gradient `h[component * N + direction]`, likewise; nothing for numbers that were kept.
+    /// Writes the stress of the gradient `h[component * N + direction]` in the same layout; does nothing for [`Self::Kept`].
     #[inline(always)]
     pub fn stress<S: Simd, const N: usize>(&self, simd: S, tangent: &[S::f64s], h: &[S::f64s], stress: &mut [S::f64s]) {
         let zero = simd.splat_f64s(0.0);
@@ -234,7 +234,7 @@ fn local<S: Simd, const N: usize>(simd: S, r: &[[S::f64s; N]; N], f: S::f64s, s:
     }
 }
 
-/// t = D g of one component, D kept from the diagonal on.
+/// t = D g of one component, D stored from the diagonal on.
 #[inline(always)]
 pub(super) fn kept_scalar<S: Simd, const N: usize>(simd: S, d: &[S::f64s], g: &mut [S::f64s]) {
     let zero = simd.splat_f64s(0.0);

@@ -8,12 +8,12 @@ use pulp::{Simd, bytemuck};
 use std::fmt::Debug;
 use std::ops::Range;
 
-/// Asks the map of an element at local points, N numbers each: per point N numbers of x, then dx_c/dxi_d at `d * N + c`.
+/// Evaluates the map of an element at local points, N numbers each: per point N numbers of x, then dx_c/dxi_d at `d * N + c`.
 pub(in crate::assembly) type Ask<'a> = dyn FnMut(usize, &[f64], &mut Vec<f64>) + Send + 'a;
 /// Makes one [`Ask`] per task, so that each keeps its own tables.
 pub(in crate::assembly) type Asks<'a> = dyn Fn() -> Box<Ask<'a>> + Sync + 'a;
 
-/// Where the map comes from.
+/// Source of the map.
 pub(super) enum Map<'a> {
     /// Control points, with weights as last number where it is rational.
     Net(Net),
@@ -160,14 +160,14 @@ pub(super) struct ElementScratch<'a> {
 }
 
 impl<'a> ElementScratch<'a> {
-    /// Nothing is asked of a net.
+    /// Memory for `map`; a net needs no evaluator.
     pub fn new(map: &Map<'a>) -> Self {
         let ask = if let Map::Elements(asks, first) = map { Some((asks(), *first)) } else { None };
         Self { ask, points: Vec::new(), numbers: Vec::new() }
     }
 }
 
-/// As [`fill_net`] with any map, asked element by element at the points of the tile; a net is left alone.
+/// As [`fill_net`] for any map, evaluated element by element at the points of the tile; does nothing for a net.
 pub(super) fn fill_elements<S: Simd, const N: usize>(
     simd: S,
     axes: &[Axis],

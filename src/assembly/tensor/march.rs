@@ -3,7 +3,7 @@
 //! A march makes the rows of (a strip of the fast direction) x (a strip of the middle one) x (functions of the slowest), see
 //! `strip`: in space the sums that it holds do not grow with the patch. Marches share nothing and are made in any order.
 //!
-//! Every entry is summed over the elements of the slowest direction in ascending order, whoever does it: the bits depend
+//! Every entry is summed over the elements of the slowest direction in ascending order: the bits depend
 //! neither on threads nor on strips, windows or layers nor on where a march starts, but for functions of a patch that are one of the whole
 //! (`scatter`): they depend on the strips, and these on the patch alone.
 
@@ -52,7 +52,7 @@ fn sizes(to: Directions<'_>, bytes: usize) -> [usize; 2] {
     [fast.div_ceil(fasts), middle.div_ceil(middles)]
 }
 
-/// All that a march needs and does not change.
+/// Constant data of a march.
 pub(super) struct Plan<'a, 'p> {
     pub patch: &'a Patch<'p>,
     pub coefficient: &'a Coefficient<'a>,
@@ -95,7 +95,7 @@ impl<'a, 'p> Plan<'a, 'p> {
 /// Takes complete sums: of all functions whose number in the slowest direction is in the range, which follow each other.
 pub(super) type Sink<'a> = dyn FnMut(Sums<'_>, Range<usize>) + Send + 'a;
 
-/// What a march makes: the rows of functions of all directions.
+/// Rows made by a march, as a range of functions per direction.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     pub fast: Range<usize>,
@@ -103,7 +103,7 @@ pub(super) struct Part {
     pub slow: Range<usize>,
 }
 
-/// The march through `part`, `threads` of them sharing a layer.
+/// Runs the march through `part`, with `threads` threads sharing a layer.
 ///
 /// No type parameter reaches the kernels from outside, so that they are compiled once.
 pub(super) fn march(plan: &Plan<'_, '_>, part: Part, threads: usize, sink: &mut Sink<'_>) {

@@ -11,10 +11,10 @@ use std::ops::Range;
 /// Components on entry, (test, trial) with 0 slow, 1 middle, 2 neither.
 pub(super) const COMPONENTS: usize = 9;
 
-/// Where the points of the middle direction lie.
+/// Places of the points of the middle direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tiles<'a> {
-    /// What is added to every place.
+    /// Offset of all places.
     pub start: usize,
     /// First point that has a place.
     pub origin: usize,
@@ -24,7 +24,7 @@ pub(super) struct Tiles<'a> {
 
 /// All pairs (i, j) of function `i` on some of its elements: `out[((j - i + active - 1) * points + point) * 4 + type]`, which must be zero.
 ///
-/// `components` says where component (test, trial) lies.
+/// `components` holds the place of each component (test, trial).
 #[inline(always)]
 pub(super) fn contract<S: Simd, const NP: usize>(
     simd: S,

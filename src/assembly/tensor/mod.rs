@@ -16,16 +16,16 @@
 //! | `layer`, `sums`, `march` | loops and threads |
 //! | `write`, `row` | rows of the matrix |
 //! | `glue`, `scatter` | several patches as one body: numbers, pattern of the union, rows |
-//! | `pattern`, `places` | row pointers and columns in closed form; where the unknowns live |
+//! | `pattern`, `places` | row pointers and columns in closed form; coordinates of the unknowns |
 //! | `entry` | the matrix of a form |
-//! | `grid`, `fill`, `sites` | a walk over the points; closures that are asked there |
-//! | `spread`, `gather` | coefficients to points, and the transposed way |
+//! | `grid`, `fill`, `sites` | a walk over the points; closures that are called there |
+//! | `spread`, `gather` | interpolation of coefficients to the points, and its transpose |
 //! | `law`, `product`, `diagonal` | the tangent at a point; products without a matrix, and their diagonal |
 //! | `force`, `deviation`, `squares`, `states` | loads; norms of differences; a field and its gradient |
-//! | `free`, `keep`, `part`, `aligned` | what an operator holds and keeps; unknowns of a patch; vectors on cache lines |
+//! | `free`, `keep`, `part`, `aligned` | the operator and its stored data; unknowns of a patch; vectors on cache lines |
 //!
 //! Lanes are chosen at run time. They never mix and products are fused at every width, so that a sum has the same terms in
-//! the same order on AVX2 and AVX-512, and for any number of threads. Kernels count in `f64`; other scalars, degrees above
+//! the same order on AVX2 and AVX-512, and for any number of threads. Kernels compute in `f64`; other scalars, degrees above
 //! 5, processors without lanes and spaces without product structure take the plain loop.
 
 mod aligned;
@@ -96,7 +96,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub(super) struct Patches<'a> {
     patches: Vec<Patch<'a>>,
-    /// Numbers of the functions; none where the only patch is numbered like the whole.
+    /// Numbers of the functions; `None` if the only patch is numbered like the whole.
     glue: Option<Arc<Glue>>,
 }
 
@@ -106,7 +106,7 @@ struct Patch<'a> {
     axes: Vec<Axis>,
     /// First element.
     first_element: usize,
-    /// The direction that a patch in the plane lacks.
+    /// Placeholder for the middle direction of a patch in the plane.
     none: Axis,
     map: Map<'a>,
     /// The weight function of a rational basis, and its weights.
@@ -116,10 +116,10 @@ struct Patch<'a> {
 }
 
 impl<'a> Patches<'a> {
-    /// The patches that a space of functions `basis` is made of; `None` where the plain loop has to do it.
+    /// The patches that a space of functions `basis` is made of; `None` if the plain loop has to be used.
     ///
-    /// `map` gives the product structure of the map around an element, where there is one, with points of M coordinates;
-    /// `asks` gives the map of one element.
+    /// `map` returns the product structure of the map around an element, if there is one, with points of M coordinates;
+    /// `asks` returns an evaluator of the map of one element.
     pub fn new<'m, const N: usize, const M: usize, T, B, Q>(
         basis: &B,
         quadrature: &Q,
@@ -134,7 +134,8 @@ impl<'a> Patches<'a> {
         Self::with_glue(basis, quadrature, map, asks, None)
     }
 
-    /// The same with the numbers that [`Self::glue`] gave for the same functions, under whatever map and rules.
+    /// Creates the patches of [`Self::new`] and reuses the numbers `known` from [`Self::glue`] if they are of the same functions;
+    /// map and rules may differ.
     pub fn with_glue<'m, const N: usize, const M: usize, T, B, Q>(
         basis: &B,
         quadrature: &Q,
@@ -167,13 +168,13 @@ impl<'a> Patches<'a> {
         Some(Self { patches, glue })
     }
 
-    /// The numbers of patches that are glued, or not numbered like the whole.
+    /// The numbers of patches that are glued, or not numbered like the whole; `None` for others.
     pub fn glue(&self) -> Option<&Arc<Glue>> {
         self.glue.as_ref()
     }
 }
 
-/// The rules per direction of `elements`; `None` where they have none or not the same.
+/// The rules per direction of `elements`; `None` if they have none or different ones.
 fn rules_of<const N: usize, T: Real, Q: Quadrature<N, T> + ?Sized>(
     quadrature: &Q,
     elements: Range<usize>,

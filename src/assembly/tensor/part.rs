@@ -3,10 +3,10 @@
 use super::Patches;
 use crate::linalg::{Real, lit, to_f64};
 
-/// Which unknowns are those of a patch.
+/// Unknowns of a patch within the whole.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part<'a> {
-    /// Number in the whole of every function of the patch; none where they are the same.
+    /// Number in the whole of every function of the patch; `None` if they are the same.
     pub ids: Option<&'a [u32]>,
     /// One weight per function of a rational basis.
     pub weights: Option<&'a [f64]>,
@@ -15,7 +15,7 @@ pub(super) struct Part<'a> {
 }
 
 impl Part<'_> {
-    /// Coefficients of the products behind the functions, from number `from` of the patch on; an empty `u` is zero.
+    /// Reads the coefficients of the patch's functions times their weights, from number `from` of the patch on; an empty `u` is zero.
     pub fn read<T: Real>(&self, u: &[T], from: usize, to: &mut [f64]) {
         if u.is_empty() {
             to.fill(0.0);
@@ -37,8 +37,8 @@ impl Part<'_> {
         }
     }
 
-    /// Calls `sum` with the numbers of the patch, zero before, and adds what it leaves there to `out`, which is zero
-    /// before the first patch.
+    /// Calls `sum` with zeroed numbers of the patch and adds the result times the weights to `out`, which is zero before
+    /// the first patch.
     pub fn add<T: Real>(&self, functions: usize, out: &mut [T], sum: impl FnOnce(&mut [T])) {
         let Some(ids) = self.ids else {
             sum(out);

@@ -1,4 +1,4 @@
-//! Where the unknowns of a patch live: the mean of x over the points, weighted by the squared function.
+//! Coordinates of the unknowns of a patch: the mean of x over the points, weighted by the squared function.
 
 use super::axis::Axis;
 use super::map::{self, ElementScratch, Map, Place, numbers};

@@ -21,7 +21,7 @@ pub(super) struct Run {
     upper: usize,
     /// Place of the sums of pairs (j, i) of all directions.
     mirror: usize,
-    /// How the other function compares with the row's.
+    /// Order of the other function's (slow, middle) relative to the row's.
     order: Ordering,
     /// Number of the first function of the line of the other function.
     pub first: usize,
@@ -120,7 +120,7 @@ impl Lines {
                 _ => self.any(lines, axis.active, i, from..to, n, out),
             }
             if sums.symmetric && run.order != Ordering::Greater {
-                // on the diagonal the pair that comes first speaks for both
+                // on the diagonal the pair that comes first is used for both
                 let turned = if run.order == Ordering::Less { n } else { c };
                 for e in 0..turned {
                     out[(i - from) * n + e] = lit(lines[2 * e * self.width + i * axis.active - self.from]);

@@ -1,8 +1,8 @@
 //! Rows of the patches of a glued body to the rows of the whole.
 //!
-//! Patches follow each other. The rows of one stretch (a strip of the fast and of the middle direction, some functions of the slowest) are handed out by their numbers in the
-//! whole, each to the task of its patch; a second function of the stretch with the same number comes after all others.
-//! So every entry is summed in an order that does not depend on the threads.
+//! Patches follow each other. The rows of one stretch (a strip of the fast and of the middle direction, some functions of the
+//! slowest) are handed out by their numbers in the whole, each to the task of its patch; a second function of the stretch with the
+//! same number comes after all others. So every entry is summed in an order that does not depend on the threads.
 
 use super::glue::Glue;
 use super::march::{Part, Plan, march};

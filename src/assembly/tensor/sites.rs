@@ -1,4 +1,4 @@
-//! Points handed to closures one by one, and their answers put back in lanes.
+//! Points of a cell passed to a closure, and its values put back in lanes.
 
 use super::axis::Axis;
 use super::grid::{Cell, Here};
@@ -12,16 +12,16 @@ pub(in crate::assembly) struct Sites {
     pub x: Vec<f64>,
     /// Element per lane.
     pub elements: Vec<usize>,
-    /// Local points, N numbers each; only where they are asked for.
+    /// Local points, N numbers each; set by [`Self::locate`] or the caller.
     pub xi: Vec<f64>,
     answers: Vec<f64>,
 }
 
-/// Answers at all points of a cell, `size` numbers each.
+/// Closure that writes values at all points of a cell, `size` numbers each.
 pub(in crate::assembly) type Answer<'a> = dyn Fn(&Sites, &mut [f64]) + Sync + 'a;
 
 impl Sites {
-    /// Asks at all points of a cell: `out[point * size + number]`, zero in lanes beyond the last point.
+    /// Calls `answer` at all points of a cell: `out[point * size + number]`, zero in lanes beyond the last point.
     #[inline(always)]
     pub(in crate::assembly) fn ask<S: Simd, const N: usize>(
         &mut self,
@@ -57,7 +57,7 @@ impl Sites {
         self.answers = answers;
     }
 
-    /// Elements and local points of a cell, for answers that depend on them.
+    /// Sets elements and local points of a cell, for closures that depend on them.
     pub(super) fn locate<const N: usize>(&mut self, axes: &[Axis], here: Here<'_>) {
         let along = axes[0].start[here.first]..axes[0].start[here.first + 1];
         let counts = [axes[0].elements(), if N == 3 { axes[1].elements() } else { 1 }];

@@ -1,9 +1,9 @@
-//! Strips of the fast and of the middle direction, and windows of the latter: what a march holds at once, and the steps in
+//! Strips of the fast and of the middle direction, which a march holds at once, and windows of the latter, the steps in
 //! which a layer goes through it.
 //!
 //! A strip has functions whose rows it makes, and the elements under them. Rows need the pairs with their neighbours on
 //! both sides, so that sums of some functions beside the strip are held too: of the middle direction on both sides, for
-//! its pairs are held both ways; of the fast direction only before it, for there the pair (i, j > i) speaks for (j, i) too.
+//! its pairs are held both ways; of the fast direction only before it, for there the pair (i, j > i) is used for (j, i) too.
 //! A pair of which one function belongs to the strip has all its elements there; others are not complete, and not read.
 //!
 //! A layer goes through a strip of the middle direction in windows: the contracted tiles of a few functions at a time,
@@ -26,7 +26,7 @@ pub(super) struct Strip {
 }
 
 impl Strip {
-    /// The strip of `rows` with sums of pairs both ways; `None` where no row has an element.
+    /// The strip of `rows` with sums of pairs both ways; `None` if no row has an element.
     pub fn both_ways(axis: &Axis, rows: Range<usize>) -> Option<Self> {
         let mut reached = rows.clone().filter(|&i| axis.support[i].1 > 0);
         let first = reached.next()?;
@@ -92,7 +92,7 @@ impl Windows {
         windows
     }
 
-    /// Where the points of `strip` lie in the ring of tiles, `tile` vectors apart, `point` vectors per point.
+    /// Offsets of the points of `strip` in the ring of tiles, with `tile` vectors per tile and `point` vectors per point.
     pub fn places(&self, strip: &Strip, lanes: usize, tile: usize, point: usize) -> Vec<usize> {
         (0..strip.points.len()).map(|q| q / lanes % self.tiles * tile + q % lanes * point).collect()
     }

@@ -1,7 +1,7 @@
 //! Rows of the matrix from complete sums: every value is written once, front to back.
 //!
 //! Sums hold pairs j >= i of the fastest direction; the others are the mirror image, pair (j, i) of all directions. On
-//! the diagonal of the fastest direction the pair that comes first in the other directions speaks for both, so that the
+//! the diagonal of the fastest direction the pair that comes first in the other directions is used for both, so that the
 //! matrix is symmetric to the last bit. What belongs to one pair of the other directions lies scattered over the sums:
 //! it is copied to one line first, from which all rows take their entries.
 
@@ -12,7 +12,7 @@ use super::slow::Ring;
 use super::strip::Strip;
 use crate::linalg::Real;
 
-/// Where sums lie.
+/// Sums of a march and their layout.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sums<'a> {
     /// All sums.
@@ -70,7 +70,7 @@ impl Directions<'_> {
 }
 
 impl Sums<'_> {
-    /// The rows of functions (the strip's, middle, slow), `outer` are the last two, to `out`; `add`: on top of what is there.
+    /// The rows of functions (the strip's, middle, slow), `outer` are the last two, to `out`; `add`: adds to it.
     pub fn write<T: Real>(&self, to: Directions<'_>, outer: [usize; 2], add: bool, scratch: &mut RowScratch<T>, out: &mut [T]) {
         let (n, RowScratch { lines, row }) = (self.components, scratch);
         lines.start(self, to, outer);

@@ -1,31 +1,31 @@
-//! A first guess where every set takes a factor of its own, since B differs from C: the set of the system with C in place of B,
+//! Initial guess for systems with B != C, in which every set needs its own factor: the active set of the system with C in place of B,
 //! whose sets share one factor.
 //!
-//! C and B are the same rows in different measures, so their sets differ in few rows. The system without symmetry decides.
+//! C and B are the same rows integrated differently, so the sets differ in few rows. The non-symmetric system decides.
 
 use super::super::{ActiveSetEvent, ActiveSetReport, ConstrainedSystem, ConstraintSolver, SolveError};
 use super::{ActiveSet, IterationNews};
 
-/// What the symmetric system says.
+/// Active set of the symmetric system.
 pub(super) struct Guess {
     /// Whether each row is closed.
     pub closed: Vec<bool>,
-    /// Its sets, counted.
+    /// Number of sets solved to find it.
     pub sets: usize,
 }
 
 impl Guess {
-    /// The report of an iteration that began with this guess.
+    /// Records this guess in the `report` of the iteration that started from it.
     pub fn told(&self, report: &mut ActiveSetReport) {
         report.events.insert(0, ActiveSetEvent::Symmetric { sets: self.sets });
     }
 }
 
 impl<C: ConstraintSolver<f64>> ActiveSet<C> {
-    /// The guess; `None` where it is not needed, would take a factor for each set, or is not found.
+    /// Computes the guess; `None` if it is not needed, would take a factor for each set, or is not found.
     ///
     /// # Errors
-    /// [`SolveError::Stopped`] where `goes_on` says no.
+    /// [`SolveError::Stopped`] if `goes_on` returns false.
     pub(super) fn guess(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,

@@ -1,18 +1,18 @@
-//! Multipliers and gaps of contact rows as forces, and what of them counts as zero.
+//! Multipliers and gaps of contact rows as forces, and the tolerance below which they count as zero.
 //!
 //!   p_j = lambda_j s_j,   q_j = k_j (gap_j - compliance_j lambda_j) / s_j      k_j, s_j: [`row_scales`]
 //!
-//! In a linear system with equalities q_j of a closed row and p_j of an open one are zero by construction: their rounding is taken out
-//! here, so no factor between p and q can make it decide.
+//! In a linear system with equalities q_j of a closed row and p_j of an open one are zero by construction. They are set to zero here, so
+//! that rounding does not decide, whatever the factor between p and q.
 
 use super::super::scale::{RowScales, combined, row_scales};
 use super::super::{ConstrainedSolution, ConstrainedSystem, RowKind, SignCases};
 use crate::linalg::Csr;
 
-/// Forces below this part of their scale count as zero.
+/// Relative size below which forces count as zero.
 const ZERO: f64 = 1e-12;
 
-/// What the contact rows of a system are measured by.
+/// Scales and entries of the contact rows, which convert multipliers and gaps to forces.
 #[derive(Debug)]
 pub(super) struct Measure<'a> {
     /// The contact rows.
@@ -35,7 +35,7 @@ impl<'a> Measure<'a> {
         }
     }
 
-    /// Lists of rows of a system with `m` rows as lists of contact rows, by their place among these; without lists of less than two.
+    /// Maps lists of rows of a system with `m` rows to indices into `contact`; drops other rows, and lists of fewer than two contact rows.
     pub fn among_contact(&self, lists: &[Vec<usize>], m: usize) -> Vec<Vec<usize>> {
         let mut place = vec![None; m];
         self.contact.iter().enumerate().for_each(|(k, &j)| place[j] = Some(k));
@@ -43,13 +43,13 @@ impl<'a> Measure<'a> {
         lists.iter().map(list).filter(|l| l.len() > 1).collect()
     }
 
-    /// Whether contact row `k` feels anything at all.
+    /// Whether contact row `k` has nonzero entries.
     pub fn has_entries(&self, k: usize) -> bool {
         self.scales.weight[self.contact[k]] > 0.0
     }
 
     fn per_length(&self, j: usize) -> f64 {
-        // a row without entries feels nothing: its gap is only reported
+        // a row without entries has no scale: its gap is only reported
         if self.scales.weight[j] > 0.0 { self.scales.stiffness[j] / self.scales.weight[j] } else { 1.0 }
     }
 
@@ -82,14 +82,14 @@ pub(super) struct Forces {
     pub multiplier: Vec<f64>,
     /// q, negative in penetration.
     pub gap: Vec<f64>,
-    /// What of both counts as zero.
+    /// Tolerance below which both count as zero.
     pub zero: Vec<f64>,
     /// Whether the rows are closed.
     pub closed: Vec<bool>,
 }
 
 impl Forces {
-    /// Rows that leave their state: active next iff p + c q < 0. Where both are zero a row keeps its state.
+    /// Rows that leave their state: active next iff p + c q < 0. A row with p = q = 0 keeps its state.
     pub fn wrong(&self, c: f64) -> Vec<usize> {
         let changes = |k: &usize| {
             let (p, q, zero) = (self.multiplier[*k], self.gap[*k], self.zero[*k]);
@@ -114,7 +114,7 @@ impl Forces {
         3 * of(p, 0, 1, 2) + of(q, 2, 0, 1)
     }
 
-    /// How many rows are in each sign case.
+    /// Number of rows in each sign case.
     pub fn sign_cases(&self) -> SignCases {
         let mut cases = [0; 9];
         (0..self.zero.len()).for_each(|k| cases[self.sign_case(k)] += 1);
@@ -122,10 +122,10 @@ impl Forces {
     }
 }
 
-/// The sign case of every row of kind `Contact`, 0 to 8 = 3 * row + column; none for other rows.
+/// Returns the sign case of every row of kind `Contact`, 0 to 8 = 3 * row + column; `None` for other rows.
 ///
-/// Rows: lambda < 0, = 0, > 0; columns: gap = 0, > 0, < 0 (of soft rows what the gap is beyond compliance times lambda); zero within
-/// 1e-12 of the largest of both as forces. What an active set solved has gap 0 where it is active and lambda 0 elsewhere by construction.
+/// Rows: lambda < 0, = 0, > 0; columns: gap = 0, > 0, < 0 (of soft rows: gap minus compliance times lambda); zero within 1e-12 of the
+/// largest of both as forces. In the solution of an active set, active rows have gap 0 and the others lambda 0 by construction.
 pub fn sign_case_of_rows(system: &ConstrainedSystem<'_, f64>, solution: &ConstrainedSolution<f64>) -> Vec<Option<u8>> {
     let measure = Measure::of(system);
     let mut cases = vec![None; system.offset.len()];

@@ -6,11 +6,12 @@
 //! keeps its state: all nine combinations of signs are decided, none by rounding. In a linear system the second term of an active row
 //! and the first of an open one are zero by construction and taken as such: the result does not depend on c.
 //!
-//! - Where every set takes a factor of its own, the set of a symmetric system beside it is the first guess (`first_guess`).
-//! - Rows whose functions share an element with an opening one open, too, while that leads on (`pivot`).
-//! - A state that comes back is a cycle; single exchanges of least index lead out of it (`pivot`).
-//! - A singular system leaves a body free: part of the rows that were to open stay closed. A singular start gives way to all rows closed.
-//!   So does one whose condition exceeds 1 / ε: no digit of its answer is right. Where no part will do, the body is put on weak springs, and the set that is found on them is where the iteration begins again (`springs`).
+//! - If every set needs its own factor, the active set of a related symmetric system is the initial guess (`first_guess`).
+//! - Rows whose functions share an element with an opening row open as well, as long as this makes progress (`pivot`).
+//! - A repeated state is a cycle; single exchanges of least index break it (`pivot`).
+//! - A singular system, or one with a condition above 1 / ε, leaves a body free: part of the rows that were to open stay closed, and a
+//!   singular start is replaced by all rows closed. If no partial step helps, the iteration restarts from the set found with weak springs
+//!   (`springs`).
 //! - The best iterate is kept: least norm of the force lambda_j s_j - min(0, lambda_j s_j + k_j gap_j / s_j).
 //!
 //! Sources: Hintermueller, Ito, Kunisch, SIAM J. Optim. 13 (2002) 865-888 (active sets as Newton's method); Alart, Curnier, Comput.
@@ -34,14 +35,14 @@ pub use forces::sign_case_of_rows;
 ///   row j is active next iff lambda_j s_j + c k_j (gap_j - compliance_j lambda_j) / s_j < 0
 ///
 /// with the stiffness k_j and the weight s_j of [`row_scales`](super::scale::row_scales): both terms are forces, c is a pure number. One of
-/// them is zero by construction in every row, so c decides nothing but which term is called large.
+/// them is zero by construction in every row, so the result does not depend on c.
 ///
 /// It ends [converged](ConstrainedSolution), or with an error that carries the best iterate, the one of least
 /// |lambda_j s_j - min(0, lambda_j s_j + k_j gap_j / s_j)|:
 ///
 /// | outcome | error |
 /// | --- | --- |
-/// | cycling: a state came back, and single exchanges did not end either | [`SolveError::Cycling`] |
+/// | cycling: a state was repeated, and single exchanges did not converge either | [`SolveError::Cycling`] |
 /// | iterations: the limit was reached without a cycle | [`SolveError::TooManyIterations`] |
 /// | rigid motion left: every step leaves a body free | [`SolveError::RigidMotion`] |
 /// | stopped | [`SolveError::Stopped`] |
@@ -58,24 +59,24 @@ pub struct ActiveSet<C> {
     pub c: f64,
     /// First state, one per row (only contact rows are read); empty: all contact rows active.
     pub start: Vec<bool>,
-    /// Whether the start is near the answer, as the end of an earlier load step is: then plain steps come first, otherwise wide ones.
+    /// Whether the start is near the solution, as from the previous load step: then plain steps come first, otherwise wide ones.
     pub near: bool,
     /// Rows whose multiplier functions live on the same slave element, one list per element (rows of other kinds are not read); empty:
     /// plain steps only.
     ///
-    /// In a wide step every closed row that shares an element with an opening one opens, too.
+    /// In a wide step every closed row that shares an element with an opening one opens as well.
     pub elements: Vec<Vec<usize>>,
-    /// Whether steps that leave a body free are tried in part; without, the first one ends the iteration.
+    /// Whether steps that leave a body free are tried in part; if false, the first one ends the iteration.
     pub retreat: bool,
 }
 
 impl<C> ActiveSet<C> {
-    /// At most 100 iterations, c = 1, all contact rows active at first, plain steps.
+    /// Creates a solver with at most 100 iterations, c = 1, all contact rows active at first, and plain steps.
     pub fn new(inner: C) -> Self {
         Self { inner, max_iterations: 100, c: 1.0, start: Vec::new(), near: false, elements: Vec::new(), retreat: true }
     }
 
-    /// The same with another first state, one per row.
+    /// Sets the first state, one entry per row.
     pub fn starting_from(mut self, start: Vec<bool>) -> Self {
         self.start = start;
         self
@@ -86,7 +87,7 @@ impl<C> ActiveSet<C> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct IterationNews {
-    /// Its number, from 1; a system that follows a singular one has the same.
+    /// Number of the iteration, from 1; a system tried after a singular one has the same number.
     pub iteration: usize,
     /// Active contact rows in it.
     pub active: usize,
@@ -100,7 +101,7 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for ActiveSet<C> {
     }
 }
 
-/// What a run of the iteration has found so far.
+/// Report and best iterate of an iteration so far.
 #[derive(Default)]
 struct Found {
     report: ActiveSetReport,
@@ -123,7 +124,7 @@ impl Found {
         SolveError::Stopped { iterations: self.report.iterations, best: self.best() }
     }
 
-    /// The iteration did not settle: after a cycle that is why.
+    /// Error of an iteration that did not converge: [`SolveError::Cycling`] after a cycle, else [`SolveError::TooManyIterations`].
     fn unsettled(&mut self) -> SolveError {
         let cycle = self.report.cycles().next().cloned();
         let (iterations, best) = (self.report.iterations, self.best().unwrap_or_default());
@@ -134,7 +135,7 @@ impl Found {
     }
 }
 
-/// How a step that was tried ended.
+/// Outcome of the states tried in one step.
 enum Tried {
     Solved(usize, Box<ConstrainedSolution<f64>>),
     Singular,
@@ -142,10 +143,10 @@ enum Tried {
 }
 
 impl<C: ConstraintSolver<f64>> ActiveSet<C> {
-    /// Solves `system` and asks `goes_on` before every linear system; one that has begun is not interrupted.
+    /// Solves `system`; calls `goes_on` before every linear system and stops if it returns false.
     ///
     /// # Errors
-    /// [`SolveError::Stopped`] where `goes_on` says no, and all others of [`ConstraintSolver::solve`].
+    /// [`SolveError::Stopped`] if `goes_on` returns false, and all others of [`ConstraintSolver::solve`].
     pub fn solve_watched(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
@@ -166,7 +167,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
         }
     }
 
-    /// Solves `system` from the start, on springs where that leaves a body free.
+    /// Solves `system` from the start, with springs if that leaves a body free.
     fn without_guess(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
@@ -244,7 +245,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
         }
     }
 
-    /// Solves the first of `tries` that is regular.
+    /// Solves the first regular system among `tries`.
     fn first_regular(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
@@ -265,7 +266,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
                 closed[j] = attempt.state[k];
             }
             match self.inner.solve_set(system, &closed, iteration > 1 || number > 0) {
-                // with all rows closed nothing is left to try
+                // with all rows closed there is no other state to try
                 Ok(solution) if attempt.state == all || solution.condition.is_none_or(|c| c * f64::EPSILON < 1.0) => {
                     return Ok(Tried::Solved(number, Box::new(solution)));
                 }
@@ -274,7 +275,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
                 Err(error) if attempt.state == all || !matches!(error, SolveError::Linear(LinearError::Singular { .. })) => {
                     return Err(error);
                 }
-                // singular, or so nearly that its digits say nothing
+                // singular, or so ill-conditioned that no digit is correct
                 _ => {
                     *singular += 1;
                     if !self.retreat && iteration > 1 || *singular > self.max_iterations {

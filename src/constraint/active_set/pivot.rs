@@ -1,17 +1,17 @@
-//! Which state of the contact rows comes next, and what keeps an iteration from running in a circle.
+//! Choice of the next state of the contact rows, and prevention of cycling.
 //!
 //! - *Plain*: all wrong rows change at once: the primal-dual active set, which is block principal pivoting on the linear complementarity
 //!   problem of the rows.
-//! - *Wide*: where at least two rows open, and no fewer than close, every closed row whose function shares an element with that of an
-//!   opening one opens, too. Where too much is closed, the pressure of smooth multipliers ends in a root singularity of tension and its
-//!   coefficients alternate there: of the rows in tension only every other one is wrong, those between hide what is left, and plain steps
-//!   move the end of the zone by a row per system. Multipliers whose functions share no elements know plain steps only.
+//! - *Wide*: if at least two rows open, and no fewer than close, every closed row whose function shares an element with that of an
+//!   opening one opens as well. If too many rows are closed, the pressure of smooth multipliers ends in a root singularity of tension and
+//!   its coefficients alternate there: only every other row is wrong, and plain steps move the end of the zone by one row per system.
+//!   Multipliers whose functions share no elements use plain steps only.
 //!
-//! Wide steps come first, plain ones where the start is near the answer; [`PATIENCE`] systems without a new least number of wrong rows
-//! change from one to the other. A wide state that was there before gives way to the plain one. Where that was there, too, single wrong
-//! rows change, the one of least index first, until fewer rows are wrong than ever before, or [`EXCHANGES`] rows have changed, twice as
-//! many after every cycle; then all change at once again. With a positive definite matrix of the rows that ends: single exchanges of least
-//! index never repeat a state, so that they end where there are enough of them.
+//! Wide steps come first, or plain ones if the start is near the solution; after [`PATIENCE`] systems without a new least number of wrong
+//! rows they are swapped. A wide state visited before is replaced by the plain one. If that was visited, too, single wrong rows change,
+//! least index first, until fewer rows are wrong than ever before or [`EXCHANGES`] rows have changed (twice as many after every cycle);
+//! then all wrong rows change at once again. With a positive definite matrix of the rows this terminates: single exchanges of least index
+//! never repeat a state, and their number grows until they suffice.
 //!
 //! Sources: Murty, Linear Algebra Appl. 9 (1974) 65-108 (least index); Judice, Pires, Comput. Oper. Res. 21 (1994) 587-596;
 //! Portugal, Judice, Vicente, Math. Comp. 63 (1994) 625-643 (blocks with exchanges of least index between them).
@@ -25,7 +25,7 @@ use std::collections::HashMap;
 pub(super) struct Try {
     pub state: Vec<bool>,
     pub changed: usize,
-    /// All rows closed, as no other step was possible.
+    /// Whether this is the state with all rows closed, tried if no other step is possible.
     pub all: bool,
 }
 
@@ -35,45 +35,45 @@ impl Try {
     }
 }
 
-/// What follows a state.
+/// Outcome of [`Pivot::next`].
 #[derive(Debug)]
 pub(super) enum Next {
     /// No row is wrong.
     Settled,
-    /// States in the order in which to try them: the next where one is singular.
+    /// States to try in this order until one is regular.
     Tries(Vec<Try>),
-    /// Even single exchanges came back to a state: the matrix of the rows is not positive definite.
+    /// Even single exchanges repeat a state: the matrix of the rows is not positive definite.
     Circle,
 }
 
-/// Systems without a new least number of wrong rows after which wide and plain steps take turns.
+/// Systems without a new least number of wrong rows after which wide and plain steps are swapped.
 const PATIENCE: usize = 4;
 
-/// Single exchanges after the first cycle. All of them take long where the state that came back is far from the answer.
+/// Single exchanges after the first cycle; few, as they are slow if the repeated state is far from the solution.
 const EXCHANGES: usize = 4;
 
-/// The memory of an iteration.
+/// History of an iteration.
 #[derive(Debug)]
 pub(super) struct Pivot {
-    /// All rows that can be closed.
+    /// State with all rows closed that can be.
     pub all: Vec<bool>,
     /// Rows whose functions share an element, one list per element.
     elements: Vec<Vec<usize>>,
     /// Whether the next step is wide.
     wide: bool,
-    /// How often one row will change before all change at once again.
+    /// Single exchanges left before all wrong rows change at once again.
     single: usize,
     /// Single exchanges after the next cycle.
     exchanges: usize,
-    /// States since the last change between blocks and single exchanges, and when.
+    /// States visited since the last switch between blocks and single exchanges, and their iterations.
     visited: HashMap<Vec<bool>, usize>,
     /// All states so far.
     states: Vec<Vec<bool>>,
     /// Fewest wrong rows so far.
     fewest: usize,
-    /// Systems since then, or since the last change between wide and plain steps.
+    /// Systems since that minimum, or since the last switch between wide and plain steps.
     waited: usize,
-    /// Whether a state was ever all rows closed.
+    /// Whether the state with all rows closed was visited.
     seen_all: bool,
     /// The cycles found.
     pub cycles: Vec<Cycle>,
@@ -97,7 +97,7 @@ impl Pivot {
         }
     }
 
-    /// The states to try after `state`, the one of system `iteration`; `rows`: their numbers.
+    /// States to try after `state`, the one of system `iteration`; `rows`: numbers of the contact rows in the system.
     pub fn next(&mut self, state: &[bool], forces: &Forces, c: f64, iteration: usize, rows: &[usize]) -> Next {
         let wrong = forces.wrong(c);
         self.states.push(state.to_vec());
@@ -146,7 +146,7 @@ impl Pivot {
         Next::Tries(tries)
     }
 
-    /// The wide step; none where it is the plain one.
+    /// The wide step; `None` if it equals the plain one or must not be taken.
     fn widened(&self, state: &[bool], wrong: &[usize]) -> Option<Try> {
         let opening = wrong.iter().filter(|&&k| state[k]).count();
         if opening < 2 || 2 * opening < wrong.len() {
@@ -164,7 +164,7 @@ impl Pivot {
         (rows.len() > wrong.len() && next.state.contains(&true)).then_some(next)
     }
 
-    /// Forgets the states that were there.
+    /// Forgets the visited states but `state`.
     fn begin(&mut self, state: &[bool], iteration: usize) {
         self.visited.clear();
         self.visited.insert(state.to_vec(), iteration);
@@ -183,7 +183,7 @@ fn exchanges(state: &[bool], wrong: &[usize]) -> Vec<Try> {
     wrong.iter().map(|&k| changed(state, &[k])).collect()
 }
 
-/// All wrong rows; where that is singular, of those that open the half that pulls most, a quarter, and so on to the worst and to none.
+/// Tries all wrong rows, then, of those that open, only the half with the largest tension, a quarter, and so on down to one and none.
 fn blocks(state: &[bool], wrong: &[usize], forces: &Forces) -> Vec<Try> {
     let (mut open, close): (Vec<usize>, Vec<usize>) = wrong.iter().partition(|&&k| state[k]);
     open.sort_by(|&a, &b| forces.multiplier[b].total_cmp(&forces.multiplier[a]));

@@ -1,9 +1,9 @@
-//! Bodies that only contact holds, when no part of a step keeps them held: weak springs to the ground find the rows that do.
+//! Restart with weak springs to the ground, for bodies held by contact alone if even partial steps leave them free.
 //!
 //!   (K + δ diag K) u + Bᵀ lambda = f
 //!
-//! is regular whatever rows are closed. Its active set is that of K where δ is small against the stiffness of the bodies; it is the start
-//! of the iteration without springs, which decides. Springs never enter an answer.
+//! is regular for every set of closed rows. If δ is small against the stiffness of the bodies, its active set is that of K. It is the
+//! start of the iteration without springs, so that the solution contains none.
 
 use super::super::{ActiveSetEvent, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 use super::{ActiveSet, IterationNews};
@@ -13,7 +13,7 @@ use crate::linalg::{Csr, Operator, Triplets, sum};
 const WEAK: f64 = 1e-7;
 
 impl<C: ConstraintSolver<f64>> ActiveSet<C> {
-    /// Begins again on springs, and once more without; `lost`: the rigid motion that is left otherwise.
+    /// Restarts with springs, then without from the set found; `lost`: the error to return if this fails.
     pub(super) fn on_springs(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
@@ -46,7 +46,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
     }
 }
 
-/// K + δ diag K; unknowns without stiffness get the largest spring. None where there is no matrix.
+/// K + δ diag K; unknowns without stiffness get the largest spring. `None` if the operator has no matrix.
 fn held(stiffness: &dyn Operator<f64>) -> Option<Csr<f64>> {
     let matrix = stiffness.csr()?;
     let diagonal = stiffness.diagonal();

@@ -6,7 +6,7 @@ use super::{Grams, InfSupError};
 use crate::linalg::Csr;
 use nalgebra::DMatrix;
 
-/// beta; there are at least as many trace functions as multipliers.
+/// Computes beta; there must be at least as many trace functions as multipliers.
 pub(super) fn smallest(grams: &Grams) -> Result<f64, InfSupError> {
     let of_trace = factor(&grams.trace, "trace")?;
     let of_multiplier = factor(&grams.multiplier, "multiplier")?;
@@ -21,7 +21,7 @@ pub(super) fn smallest(grams: &Grams) -> Result<f64, InfSupError> {
     Ok(y.singular_values().iter().copied().fold(f64::INFINITY, f64::min).clamp(0.0, 1.0))
 }
 
-/// L of a symmetric positive definite matrix.
+/// Cholesky factor L of a symmetric positive definite matrix.
 fn factor(a: &Csr, space: &'static str) -> Result<DMatrix<f64>, InfSupError> {
     Ok(full(a).cholesky().ok_or(InfSupError::Dependent { space })?.unpack())
 }

@@ -19,30 +19,30 @@ use nalgebra::DMatrix;
 const FIRST_SHIFT: f64 = 1e-6;
 /// Lanczos vectors per shift.
 const STEPS: usize = 40;
-/// Shifts after which the iteration gives up.
+/// Largest number of shifts.
 const MAX_SHIFTS: usize = 40;
 /// Wanted relative accuracy of lambda = beta².
 const TOLERANCE: f64 = 1e-10;
-/// Shifts stay at least this part of lambda below it: nearer, the matrix is singular to working precision.
+/// Least distance of a shift below lambda, as a share of it: nearer, the matrix is singular to working precision.
 const NEAREST: f64 = 1e-7;
 /// Below this lambda the vector is polished by inverse iteration, so that its beta is that of an exact zero.
 const NEARLY_ZERO: f64 = 1e-7;
 /// Inverse iterations of the polish.
 const POLISH: usize = 4;
 
-/// What one shift found.
+/// Result of one shift.
 struct Found {
     /// The vector with the smallest Rayleigh quotient, of unit norm.
     phi: Vec<f64>,
-    /// beta of it.
+    /// beta of `phi`.
     beta: f64,
     /// Bound of the distance from beta² to an eigenvalue.
     error: f64,
-    /// Whether an eigenvalue below the shift shows.
+    /// Whether a negative Ritz value proves an eigenvalue below the shift.
     below: bool,
 }
 
-/// beta and the number of linear systems; there are at least as many trace functions as multipliers.
+/// Computes beta and the number of linear systems; there must be at least as many trace functions as multipliers.
 pub(super) fn smallest(grams: &Grams) -> Result<(f64, usize), InfSupError> {
     let mut pencil = Pencil::new(grams)?;
     let mut best = pencil.lanczos(-FIRST_SHIFT, None)?;
@@ -52,7 +52,7 @@ pub(super) fn smallest(grams: &Grams) -> Result<(f64, usize), InfSupError> {
         if lambda <= NEARLY_ZERO {
             return pencil.polished(best.phi).map(|beta| (beta, pencil.solves));
         }
-        // nothing lies below lambda - error where no shift above it has shown anything
+        // converged, and the last shift shows no eigenvalue below it
         if best.error <= TOLERANCE * lambda && !best.below {
             return Ok((best.beta, pencil.solves));
         }
@@ -117,7 +117,7 @@ impl<'a> Pencil<'a> {
         Ok(solver)
     }
 
-    /// (B G_W⁻¹ Bᵀ - sigma G_M)⁻¹ G_M v, where `weighted` = G_M v.
+    /// Computes (B G_W⁻¹ Bᵀ - sigma G_M)⁻¹ G_M v, where `weighted` = G_M v.
     fn inverse(&mut self, solver: &dyn LinearSolver, matrix: &Csr, weighted: &[f64]) -> Result<Vec<f64>, InfSupError> {
         let mut right = vec![0.0; self.n + self.m];
         right[self.n..].iter_mut().zip(weighted).for_each(|(r, v)| *r = -v);
@@ -150,7 +150,7 @@ impl<'a> Pencil<'a> {
         let solver = self.factor(shift, &matrix)?;
         let mut v = noise(self.m);
         if let Some(start) = start {
-            // noise keeps a part of everything that an earlier vector has lost
+            // noise keeps components that an earlier vector has lost
             let (a, b) = (norm(&self.weighted(start), start), norm(&self.weighted(&v), &v));
             v.iter_mut().zip(start).for_each(|(v, s)| *v = s / a + 0.1 * *v / b);
         }
@@ -166,7 +166,7 @@ impl<'a> Pencil<'a> {
             let before = norm(&self.weighted(&next), &next);
             vectors.push(v);
             weights.push(weighted);
-            // twice is enough
+            // two passes of Gram-Schmidt are enough
             for _ in 0..2 {
                 for (u, gu) in vectors.iter().zip(&weights) {
                     let part = dot(&next, gu);
@@ -174,7 +174,7 @@ impl<'a> Pencil<'a> {
                 }
             }
             left = norm(&self.weighted(&next), &next);
-            // an invariant space: nothing new to find from here
+            // an invariant subspace: the iteration ends
             size = if left > 1e-14 * before { left } else { 0.0 };
             left = size;
             beside.push(size);
@@ -230,7 +230,7 @@ fn norm(weighted: &[f64], v: &[f64]) -> f64 {
     dot(weighted, v).max(0.0).sqrt()
 }
 
-/// Numbers in -1..1 without any pattern, the same in every run (splitmix64).
+/// Deterministic pseudo-random numbers in -1..1 (splitmix64).
 fn noise(n: usize) -> Vec<f64> {
     let number = |k: usize| {
         let mut z = (k as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);

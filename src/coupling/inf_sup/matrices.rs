@@ -8,10 +8,10 @@ use crate::linalg::{Csr, Triplets, measure};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 
-/// Gauss points beyond degree + 1: speeds of curves and rational functions are no polynomials.
+/// Gauss points beyond degree + 1, since speeds of curves and rational functions are not polynomials.
 const EXTRA_POINTS: usize = 4;
 
-/// The matrices of the test.
+/// The matrices of the inf-sup test.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grams {
     /// G_W: (N_k, N_l) in the norm of W.
@@ -27,7 +27,7 @@ pub struct Grams {
 /// Integrates the matrices; arguments as in [`inf_sup`](super::inf_sup()).
 ///
 /// # Errors
-/// [`InfSupError::Elements`] where the multiplier lives on other elements.
+/// [`InfSupError::Elements`] where the multiplier has other elements than the side.
 ///
 /// # Panics
 /// If `functions` or the sizes of [`Measure::Parametric`] do not have one entry per function, per element.

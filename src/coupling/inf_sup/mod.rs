@@ -29,7 +29,7 @@ pub use sequence::{FALLING, FLAT, Verdict, ZERO, degree_exponent, slope, verdict
 /// Largest number of multipliers for which [`Method::Auto`] takes the dense method.
 pub const DENSE_LIMIT: usize = 400;
 
-/// How integrals over the side are measured.
+/// Measure of integrals over the side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Measure<'a> {
     /// By the length (area) of the side.
@@ -50,7 +50,7 @@ pub enum Norm {
     HHalf,
 }
 
-/// How the smallest singular value is found.
+/// Method for the smallest singular value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Method {
@@ -63,18 +63,18 @@ pub enum Method {
     Iterative,
 }
 
-/// What is asked.
+/// Options of the inf-sup test.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Question<'a> {
-    /// How integrals are measured.
+    /// The measure of integrals.
     pub measure: Measure<'a>,
     /// The norms.
     pub norm: Norm,
-    /// How the constant is found.
+    /// The method for the constant.
     pub method: Method,
 }
 
-/// The constant and what it was found with.
+/// The constant with the sizes and the cost of its computation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InfSup {
     /// The constant, in 0..1.
@@ -85,15 +85,15 @@ pub struct InfSup {
     pub multipliers: usize,
     /// Largest size of an element: its measure to the power 1/S \[length\].
     pub h: f64,
-    /// Linear systems solved; zero where the dense method or counting was enough.
+    /// Linear systems solved; zero for the dense method, and if there are more multipliers than functions.
     pub iterations: usize,
 }
 
-/// Why there is no constant.
+/// Error when there is no constant.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InfSupError {
-    /// The multiplier lives on other elements than the side.
+    /// The multiplier has other elements than the side.
     #[error("the multiplier has {found} elements, the side {expected}")]
     Elements {
         /// Elements of the side.
@@ -113,7 +113,7 @@ pub enum InfSupError {
     /// A sparse factorisation failed.
     #[error(transparent)]
     Linear(#[from] LinearError),
-    /// The iteration did not settle.
+    /// The iteration did not converge.
     #[error("the smallest eigenvalue did not settle in {iterations} linear systems; the last change was {change:.1e}")]
     NotSettled {
         /// Linear systems solved.
@@ -123,13 +123,13 @@ pub enum InfSupError {
     },
 }
 
-/// beta of `multiplier` on `space`.
+/// Computes beta of `multiplier` on `space`.
 ///
-/// `functions` says for every function of `space` which function of W it belongs to, none where it is constrained; two
-/// functions of one number are one function of W (sides that are closed).
+/// `functions` gives for every function of `space` its function of W, `None` if it is constrained; two functions of one
+/// number are one function of W (closed sides).
 ///
 /// # Errors
-/// [`InfSupError`] where a space is degenerate or the iteration does not settle.
+/// [`InfSupError`] where a space is degenerate or the iteration does not converge.
 ///
 /// # Panics
 /// If `functions` or the sizes of [`Measure::Parametric`] do not have one entry per function, per element.
@@ -165,7 +165,7 @@ impl Grams {
     /// The smallest generalised singular value, and the number of linear systems solved for it.
     ///
     /// # Errors
-    /// [`InfSupError`] where a space is degenerate or the iteration does not settle.
+    /// [`InfSupError`] where a space is degenerate or the iteration does not converge.
     pub fn smallest(&self, method: Method) -> Result<(f64, usize), InfSupError> {
         let (multipliers, functions) = (self.multiplier.num_rows(), self.trace.num_rows());
         if multipliers == 0 {

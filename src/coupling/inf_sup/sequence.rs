@@ -1,4 +1,4 @@
-//! What a sequence of constants says: slope against the mesh size, verdict, dependence on the degree.
+//! Evaluation of a sequence of constants: slope against the mesh size, verdict, dependence on the degree.
 
 use std::fmt::{self, Display};
 
@@ -6,9 +6,9 @@ use std::fmt::{self, Display};
 pub const ZERO: f64 = 1e-10;
 /// Up to this slope of log beta against log h a sequence is flat: the pair is stable.
 pub const FLAT: f64 = 0.05;
-/// From this slope on it falls: the pair is unstable. The weakest loss that is known on curves, h^1/2, is above it.
+/// From this slope on a sequence falls: the pair is unstable. The weakest loss that is known on curves, h^1/2, is above it.
 pub const FALLING: f64 = 0.25;
-/// The finest levels that decide.
+/// Number of finest levels that the verdict is based on.
 const DECIDING: usize = 3;
 
 /// Whether a pair of spaces is stable.
@@ -33,7 +33,7 @@ impl Display for Verdict {
 }
 
 /// Fitted slope of log beta against log h over the three finest levels, by least squares; `points` are (h, beta) from coarse
-/// to fine. None with fewer than three levels, or where one of these constants is zero.
+/// to fine. `None` with fewer than three levels, or if one of these constants is zero.
 pub fn slope(points: &[(f64, f64)]) -> Option<f64> {
     let finest = &points[points.len().checked_sub(DECIDING)?..];
     let logs: Option<Vec<(f64, f64)>> = finest.iter().map(|&(h, beta)| (beta > ZERO && h > 0.0).then(|| (h.ln(), beta.ln()))).collect();
@@ -42,8 +42,8 @@ pub fn slope(points: &[(f64, f64)]) -> Option<f64> {
 
 /// The verdict of the constants (h, beta) of one pair, from coarse to fine.
 ///
-/// Unstable: the finest beta is zero (below [`ZERO`]), or both the slope and the last rate are at least [`FALLING`]: a fall that ends is
-/// that of coarse grids. Stable: the slope is at most [`FLAT`] (a beta that rises is bounded below). Undecided: anything else.
+/// Unstable: the finest beta is zero (below [`ZERO`]), or both the slope and the last rate are at least [`FALLING`]; a fall that ends
+/// is an effect of coarse grids. Stable: the slope is at most [`FLAT`] (a beta that rises is bounded below). Undecided: anything else.
 pub fn verdict(points: &[(f64, f64)]) -> Verdict {
     let last = |points: &[(f64, f64)]| match points {
         [.., (coarse, before), (fine, beta)] => (before / beta).ln() / (coarse / fine).ln(),
@@ -57,13 +57,13 @@ pub fn verdict(points: &[(f64, f64)]) -> Verdict {
     }
 }
 
-/// a of beta ~ p^a, fitted to constants (p, beta) of several degrees; none with fewer than two, or where one is zero.
+/// Exponent a of beta ~ p^a, fitted to constants (p, beta) of several degrees; `None` with fewer than two, or if one is zero.
 pub fn degree_exponent(points: &[(f64, f64)]) -> Option<f64> {
     let logs: Option<Vec<(f64, f64)>> = points.iter().map(|&(p, beta)| (beta > ZERO && p > 0.0).then(|| (p.ln(), beta.ln()))).collect();
     fitted(&logs?)
 }
 
-/// Slope of the line through points by least squares.
+/// Slope of the line through points by least squares; `None` if it is not determined.
 fn fitted(points: &[(f64, f64)]) -> Option<f64> {
     let n = points.len() as f64;
     let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));

@@ -1,4 +1,4 @@
-//! How the elements of a curve follow one another, found by the places of their ends.
+//! Connectivity of the elements of a curve, found from the positions of their ends.
 
 use crate::basis::Order;
 use crate::geometry::{Bounds, Geometry, MapTable};
@@ -9,18 +9,18 @@ const SAME_VERTEX: f64 = 1e-7;
 /// Two tangents whose sum is shorter than this fold back on each other.
 const FOLD: f64 = 1e-3;
 
-/// A point where elements of a curve end.
+/// A point at which elements of a curve end.
 #[derive(Clone, Debug)]
 pub struct Vertex<const N: usize, T: Real = f64> {
-    /// Its place.
+    /// Its position.
     pub x: Vector<N, T>,
-    /// The (element, end) pairs that meet here; one on a rim.
+    /// The (element, end) pairs that meet here; a single one on a rim (an end of the curve).
     pub at: Vec<(usize, usize)>,
-    /// Mean unit tangent, from `at[0]` towards `at[1]`, on a rim out of the curve; none where the curve forks or folds.
+    /// Mean unit tangent, from `at[0]` towards `at[1]`, on a rim out of the curve; `None` where the curve forks or folds.
     pub tangent: Option<Vector<N, T>>,
 }
 
-/// The vertices of a curve and how its elements join.
+/// The vertices of a curve and the connectivity of its elements.
 #[derive(Clone, Debug)]
 pub struct Chain<const N: usize, T: Real = f64> {
     /// All vertices.
@@ -34,11 +34,11 @@ pub struct Chain<const N: usize, T: Real = f64> {
 }
 
 impl<const N: usize, T: Real> Chain<N, T> {
-    /// The chain of all elements of `curve`.
+    /// Builds the chain of all elements of `curve`.
     pub fn of(curve: &dyn Geometry<1, N, T>) -> Self {
         let n = curve.num_elements();
         let (mut table, mut lengths, mut box_) = (MapTable::new(), Vec::with_capacity(n), None::<Bounds<N, T>>);
-        // (place, outward unit tangent) of end 0 and end 1 of every element
+        // (position, outward unit tangent) of end 0 and end 1 of every element
         let mut ends: Vec<(Vector<N, T>, Vector<N, T>)> = Vec::with_capacity(2 * n);
         let points: Vec<Vector<1, T>> = (0..5).map(|k| Vector::<1, T>::new(num::<T>(k) / lit(4.0))).collect();
         for element in 0..n {
@@ -63,7 +63,7 @@ impl<const N: usize, T: Real> Chain<N, T> {
         Self { vertices, ends: (0..n).map(|e| [vertex_of[2 * e], vertex_of[2 * e + 1]]).collect(), size, lengths }
     }
 
-    /// The (element, end) joined to `end` of `element`; none on rims and forks.
+    /// The (element, end) joined to `end` of `element`; `None` on rims and forks.
     pub fn neighbour(&self, element: usize, end: usize) -> Option<(usize, usize)> {
         let at = &self.vertices[self.ends[element][end]].at;
         if at.len() != 2 {
@@ -72,9 +72,9 @@ impl<const N: usize, T: Real> Chain<N, T> {
         Some(if at[0] == (element, end) { at[1] } else { at[0] })
     }
 
-    /// Elements in the order of walking along the curve, and whether each is walked from xi = 1 to xi = 0.
+    /// Elements in order along the curve, and whether each is traversed from xi = 1 to xi = 0.
     ///
-    /// Starts at the rim of least element; pieces of the curve that do not join follow one another.
+    /// Starts at the rim of the element with the lowest number; disconnected parts of the curve follow one another.
     pub fn walk(&self) -> Vec<(usize, bool)> {
         let n = self.ends.len();
         let (mut seen, mut order) = (vec![false; n], Vec::with_capacity(n));
@@ -94,7 +94,7 @@ impl<const N: usize, T: Real> Chain<N, T> {
     }
 }
 
-/// The vertex number of every element end: ends at one place share it.
+/// The vertex number of every element end: coinciding ends share it.
 fn same_places<const N: usize, T: Real>(ends: &[(Vector<N, T>, Vector<N, T>)], lengths: &[T], size: T) -> Vec<usize> {
     let n = ends.len();
     let floor = size * lit(1e-14);

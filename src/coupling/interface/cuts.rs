@@ -1,4 +1,4 @@
-//! Where the elements of one curve are cut by the vertices of another.
+//! Cuts of the elements of one curve at the vertices of another.
 
 use super::chain::Vertex;
 use super::pairing::{MasterCurve, crossing};
@@ -18,14 +18,14 @@ pub(super) fn sliver<T: Real>() -> T {
     lit::<T>(SLIVER).max(T::default_epsilon() * lit(16.0))
 }
 
-/// The cuts of one element; it keeps its memory from element to element.
+/// The cuts of one element; arrays are reused from element to element.
 #[derive(Debug)]
 pub(super) struct Cuts<const N: usize, T: Real> {
     /// Local coordinates of the samples.
     pub samples: Vec<Vector<1, T>>,
-    /// The samples on the element looked at last.
+    /// Positions of the samples on the last element.
     pub x: Vec<Vector<N, T>>,
-    /// Where that element is cut, from 0 to 1.
+    /// Local coordinates of that element's cuts, ascending from 0 to 1.
     pub at: Vec<T>,
 }
 
@@ -35,7 +35,7 @@ impl<const N: usize, T: Real> Cuts<N, T> {
         Self { samples, x: Vec::new(), at: Vec::new() }
     }
 
-    /// Roots of (x(xi) - V) . t for all vertices V of `other` near the element, between 0 and 1, slivers left out.
+    /// Computes the roots of (x(xi) - V) . t for all vertices V of `other` near the element, between 0 and 1, slivers left out.
     pub fn at_vertices<G: Geometry<1, N, T>>(
         &mut self,
         curve: &dyn Geometry<1, N, T>,
@@ -47,7 +47,7 @@ impl<const N: usize, T: Real> Cuts<N, T> {
         self.finish();
     }
 
-    /// The cuts where `other` ends: the closest point stops there, and its functions with it.
+    /// Computes the cuts where `other`, and so its functions, end.
     pub fn at_rims<G: Geometry<1, N, T>>(
         &mut self,
         curve: &dyn Geometry<1, N, T>,
@@ -92,7 +92,7 @@ impl<const N: usize, T: Real> Cuts<N, T> {
         let stride = self.x.windows(2).fold(T::zero(), |m, w| m.max((w[1] - w[0]).norm()));
         let probed = [0, SAMPLES / 2, SAMPLES - 1].map(|s| other.place(&self.x[s]));
         let far = probed.iter().flatten().fold(T::zero(), |m, p| m.max(p.distance));
-        // a vertex that is a closest point is no farther than the closest point of the next probe, plus the way there
+        // a vertex that is a closest point is no farther than the closest point of the next probe plus the distance to that probe
         let margin = far + stride * lit(0.25 * SAMPLES as f64);
         for near in other.vertices_in(&curve.bounds(element).inflated(margin)) {
             let vertex = &other.chain().vertices[near];
@@ -107,7 +107,7 @@ impl<const N: usize, T: Real> Cuts<N, T> {
         }
     }
 
-    /// Cuts in order, slivers left out.
+    /// Sorts the cuts and removes slivers.
     fn finish(&mut self) {
         self.at.sort_by(|a, b| a.partial_cmp(b).expect("cuts are numbers"));
         let (sliver, mut kept) = (sliver::<T>(), T::zero());

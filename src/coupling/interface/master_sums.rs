@@ -9,9 +9,9 @@
 //!   ds = |x_s'| |dxi/deta| deta,   dxi/deta = (|t|² - (x_s - x_m) . x_m'') / (x_s' . t)
 //!
 //! so the sums tend to the same integrals over the slave as slave-side and merged ones. Elements are integrated from end to end, with no
-//! regard to the slave's knots: that is the error of this rule. Only where a side ends, or what a piece of the slave faces jumps, an
-//! element is cut; at a kink of the master its range ends where the fan of the vertex is halved, beyond its cell or before.
-//! What belongs to an element is found as for merged integration.
+//! regard to the slave's knots: that is the error of this rule. An element is cut only where a side ends, or where the closest point of
+//! the slave jumps; at a kink of the master its range ends where the fan of the vertex is halved, beyond its cell or before.
+//! Slave pieces are assigned to master elements as in merged integration.
 //! Source: Brivadis, defence slides, Pavia 2017: the master part of B for contact.
 
 use super::merged_curve::{Sides, Work};
@@ -26,7 +26,7 @@ use std::cmp::Ordering;
 
 /// Ranges on a master element closer than this share of it are one, and end at its end.
 const SAME: f64 = 1e-8;
-/// Arcs seen under less than this share of an element are points.
+/// Arcs whose range on the master is at most this share of an element are left out.
 const POINT: f64 = 1e-12;
 
 /// Gauss points on the master elements, for the master part of the reaction of contact.
@@ -34,12 +34,12 @@ const POINT: f64 = 1e-12;
 pub struct MasterSums<T: Real = f64> {
     /// Gauss points per master element.
     pub points: usize,
-    /// Which points are partners.
+    /// Pairing rule.
     pub partners: Partners<T>,
 }
 
 impl<T: Real> MasterSums<T> {
-    /// For sides in contact, possibly across a gap of at most `reach` (none: the size of the slave side).
+    /// Creates the rule for sides in contact, possibly across a gap of at most `reach` (`None`: the size of the slave side).
     pub fn facing(points: usize, reach: Option<T>) -> Self {
         Self { points, partners: Partners::Facing { reach } }
     }
@@ -51,7 +51,7 @@ struct Arc<T> {
     slave: usize,
     /// Range on the slave element.
     xi: [T; 2],
-    /// Feet of its ends on the master element, ascending.
+    /// Foot points of its ends on the master element, ascending.
     eta: [T; 2],
 }
 
@@ -63,7 +63,7 @@ impl<const N: usize, T: Real> InterfaceQuadrature<1, N, T> for MasterSums<T> {
         let sides = Sides::new(slave, master, self.partners, self.points);
         let found: Vec<Result<Vec<(usize, Arc<T>)>, CouplingError>> =
             (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| arcs(&sides, e, work)).collect();
-        // the first fault in the order of elements, at any number of threads
+        // the first error in the order of elements, at any number of threads
         let found = found.into_iter().collect::<Result<Vec<_>, _>>()?;
         let mut of_master: Vec<Vec<Arc<T>>> = vec![Vec::new(); master.num_elements()];
         for (owner, arc) in found.into_iter().flatten() {
@@ -86,7 +86,7 @@ struct Summed<T: Real> {
     farthest: (T, [f64; 3]),
 }
 
-/// The list in the order of slave elements, with its report.
+/// Collects the pieces into segments in the order of slave elements, with their coverage.
 fn listed<const N: usize, T: Real>(slave: &dyn Geometry<1, N, T>, pieces: Vec<(usize, Summed<T>)>) -> Segments<1, T> {
     let lengths = super::Chain::of(slave).lengths;
     let mut covered = vec![T::zero(); lengths.len()];
@@ -121,7 +121,7 @@ fn arcs<const N: usize, T: Real>(
             return Err(CouplingError::NotFinite { element });
         }
         let mut eta = x.map(|x| {
-            // the nearest of a few points begins Newton's iteration
+            // start of Newton's iteration: the nearest of a few points
             sides.master.geometry().map(owner, &work.cuts.samples, Order::Values, &mut work.master);
             let far = |s: usize| (work.master.x[s] - x).norm();
             work.cuts.samples[(1..work.cuts.samples.len()).fold(0, |best, s| if far(s) < far(best) { s } else { best })]
@@ -141,7 +141,7 @@ fn arcs<const N: usize, T: Real>(
 /// The points of a master element: Gauss points of every range that the slave faces without a break.
 fn sums<const N: usize, T: Real>(sides: &Sides<'_, N, T>, master: usize, arcs: &[Arc<T>], work: &mut Work<N, T>) -> Vec<Summed<T>> {
     let mut arcs = arcs.to_vec();
-    // finite numbers have an order
+    // the numbers are finite and so have an order
     arcs.sort_by(|a, b| a.eta[0].partial_cmp(&b.eta[0]).unwrap_or(Ordering::Equal).then(a.slave.cmp(&b.slave)));
     let snapped = |eta: T| {
         let near = |end: T| (eta - end).abs() <= lit(SAME);

@@ -1,13 +1,13 @@
-//! Merged integration on curves: cut every slave element where its closest point changes the master element.
+//! Merged integration on curves: cuts every slave element where its closest point changes the master element.
 //!
-//! A master vertex V with mean tangent t owns the plane (x - V) . t = 0. A slave element is cut at the roots of
+//! A master vertex V with mean tangent t defines the plane (x - V) . t = 0. A slave element is cut at the roots of
 //!
 //!   φ(xi) = (x_s(xi) - V) . t
 //!
 //! for the vertices near it. On smooth sides this is where the closest point passes V; at a kink it halves the fan of
-//! points whose closest point is V. Each piece goes to the element that owns its middle; where owners inside a piece are
-//! no neighbours (the closest point jumps), bisection finds the jump. Partners are foot points on the continued curve of
-//! the assigned element, never clamped, so a cut misplaced by δ costs O(δ²) even between kinked functions.
+//! points whose closest point is V. Each piece is assigned to the master element of its midpoint; where master elements inside
+//! a piece are no neighbours (the closest point jumps), bisection finds the jump. Partners are foot points on the continued
+//! curve of the assigned element, never clamped, so a cut misplaced by δ costs O(δ²) even between kinked functions.
 //! Neighbouring pieces share their cut, so they tile the slave element exactly. Cost: n log n.
 
 use super::cuts::{Cuts, sliver};
@@ -22,7 +22,7 @@ use rayon::prelude::*;
 
 /// Bisections of a jump of the closest point.
 const JUMP_STEPS: usize = 50;
-/// How often a piece may be cut at jumps.
+/// Largest recursion depth of cuts at jumps.
 const JUMP_DEPTH: usize = 6;
 
 /// Gauss points on the pieces that both sides share.
@@ -30,17 +30,17 @@ const JUMP_DEPTH: usize = 6;
 pub struct MergedCurve<T: Real = f64> {
     /// Gauss points per piece; max(p_slave, p_master) + 1 is exact for products of polynomials on straight sides.
     pub points: usize,
-    /// Which points are partners.
+    /// Pairing rule.
     pub partners: Partners<T>,
 }
 
 impl<T: Real> MergedCurve<T> {
-    /// For tied sides that carry the same curve, or approximate it within `tolerance`.
+    /// Creates the rule for tied sides that carry the same curve, or approximate it within `tolerance`.
     pub fn tied(points: usize, tolerance: Tolerance<T>) -> Self {
         Self { points, partners: Partners::Touching(tolerance) }
     }
 
-    /// For sides in contact, possibly across a gap of at most `reach` (none: the size of the slave side).
+    /// Creates the rule for sides in contact, possibly across a gap of at most `reach` (`None`: the size of the slave side).
     pub fn facing(points: usize, reach: Option<T>) -> Self {
         Self { points, partners: Partners::Facing { reach } }
     }
@@ -74,7 +74,7 @@ impl<T: Real> Part<T> {
         Self { element, pieces: Vec::new(), measure: T::zero(), covered: T::zero(), worst: Worst::none(), farthest: (T::zero(), [0.0; 3]) }
     }
 
-    /// Takes note of a pair of partners.
+    /// Records the distance of a pair of partners.
     pub fn see<const N: usize>(&mut self, x: &Vector<N, T>, distance: T, allowed: T) {
         let ratio = distance / allowed.max(T::default_epsilon());
         if distance > self.farthest.0 {
@@ -86,7 +86,7 @@ impl<T: Real> Part<T> {
     }
 }
 
-/// One list in the order of slave elements, with its report.
+/// Joins the parts into one list in the order of slave elements, with its coverage; checks distances of touching sides.
 pub(super) fn join<T: Real>(parts: Vec<Part<T>>, touching: bool) -> Result<Segments<1, T>, CouplingError> {
     let mut out = Segments::new();
     let (mut report, mut worst) = (Coverage::default(), Worst::none());
@@ -125,7 +125,7 @@ pub(super) struct Sides<'a, const N: usize, T: Real> {
     pub gauss: Rule<1, T>,
 }
 
-/// Tables of one worker.
+/// Work arrays of one thread.
 pub(super) struct Work<const N: usize, T: Real> {
     pub slave: MapTable<1, N, T>,
     pub master: MapTable<1, N, T>,
@@ -141,7 +141,7 @@ impl<const N: usize, T: Real> Work<N, T> {
     }
 }
 
-/// A piece of a slave element: from, to, and who owns it.
+/// A piece of a slave element: from, to, and its master element.
 pub(super) type Piece<T> = (T, T, Option<usize>);
 
 impl<'a, const N: usize, T: Real> Sides<'a, N, T> {
@@ -158,7 +158,7 @@ impl<'a, const N: usize, T: Real> Sides<'a, N, T> {
         for k in 1..work.cuts.at.len() {
             self.assign(element, work.cuts.at[k - 1], work.cuts.at[k], JUMP_DEPTH, &mut work.slave, &mut pieces);
         }
-        // false cuts vanish: neighbours with one owner are one piece
+        // neighbours with the same master element are one piece: this removes needless cuts
         let mut merged: Vec<Piece<T>> = Vec::with_capacity(pieces.len());
         for piece in pieces {
             match merged.last_mut() {
@@ -177,21 +177,21 @@ impl<'a, const N: usize, T: Real> Sides<'a, N, T> {
         part
     }
 
-    /// Who owns `xi`; none beyond a rim or out of reach.
+    /// Master element paired with `xi`; `None` past the end of the master or beyond the search radius.
     fn owner(&self, element: usize, xi: T, table: &mut MapTable<1, N, T>) -> Option<usize> {
         self.slave.map(element, &[Vector::<1, T>::new(xi)], Order::Values, table);
         let place = self.master.place(&table.x[0]).filter(|p| self.partners.face(p, self.master.size()))?;
         let (allowed, _) = self.partners.allowed(self.master.size(), self.slave_size, [T::zero(); 2]);
-        // tolerances of sides that touch are known with the points of a piece
+        // for touching sides the distance is checked later, with the lengths of the piece
         (self.partners.touch() || place.distance <= allowed).then_some(place.element)
     }
 
-    /// Appends the pieces of [from, to]: one, or several where the owner jumps inside.
+    /// Appends the pieces of [from, to]: one, or several if the master element jumps inside.
     fn assign(&self, element: usize, from: T, to: T, depth: usize, table: &mut MapTable<1, N, T>, pieces: &mut Vec<Piece<T>>) {
         let width = to - from;
         let probes = [0.5, 0.02, 0.98].map(|t| from + width * lit::<T>(t));
         let middle = self.owner(element, probes[0], table);
-        // the closest point of touching sides moves along with the slave: it cannot jump
+        // the closest point of touching sides moves along with the slave and cannot jump
         let touching = self.partners.touch();
         let mut at = |k: usize| if touching { middle } else { self.owner(element, probes[k], table) };
         let owners = [middle, at(1), at(2)];
@@ -229,7 +229,7 @@ impl<'a, const N: usize, T: Real> Sides<'a, N, T> {
         }
     }
 
-    /// Gauss points of a piece and their partners.
+    /// Computes the Gauss points of a piece and their partners.
     fn integrate(&self, (from, to, owner): Piece<T>, work: &mut Work<N, T>, part: &mut Part<T>) {
         let width = to - from;
         work.xi.clear();
@@ -240,7 +240,7 @@ impl<'a, const N: usize, T: Real> Sides<'a, N, T> {
         part.measure += measure;
         let Some(owner) = owner else { return };
         work.eta.clear();
-        // starts: the closest of a few points of the owner, found without a search
+        // starting points: the closest of a few points of the master element, found without a search
         self.master.geometry().map(owner, &work.cuts.samples, Order::Values, &mut work.master);
         work.near.clear();
         for x in &work.slave.x {
@@ -252,7 +252,7 @@ impl<'a, const N: usize, T: Real> Sides<'a, N, T> {
         self.master.feet(owner, &work.slave.x, &mut work.eta, &mut work.master);
         let lengths = [chords(&work.cuts.x), self.master.chain().lengths[owner]];
         let (allowed, _) = self.partners.allowed(self.master.size(), self.slave_size, lengths);
-        // on strongly curved elements few points are too few: Newton's method may leave, or end at another foot
+        // on strongly curved elements these are too few: Newton's method may diverge, or end at another foot
         let mut again = false;
         for (q, x) in work.slave.x.iter().enumerate() {
             let distance = (x - work.master.x[q]).norm();

@@ -1,4 +1,4 @@
-//! Segments: the same physical points seen from one slave and one master element, with weights.
+//! Segments: quadrature points of an interface in local coordinates of one slave and one master element, with weights.
 
 mod chain;
 mod cuts;
@@ -19,7 +19,7 @@ pub use merged_curve::MergedCurve;
 pub use pairing::{MasterCurve, Partners, Place, Tolerance, crossing};
 pub use slave::{SlaveRule, slave_segments};
 
-/// How well a list of segments covers the slave side.
+/// Coverage of the slave side by a list of segments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coverage<T: Real = f64> {
     /// Measure of the slave side \[length^D\].
@@ -28,7 +28,7 @@ pub struct Coverage<T: Real = f64> {
     pub covered: T,
     /// Largest distance between partner points \[length\].
     pub distance: T,
-    /// Where that distance was found.
+    /// Position of that pair; coordinates beyond the dimension are zero.
     pub at: [f64; 3],
     /// Covered share per slave element, 0 to 1.
     pub share: Vec<T>,
@@ -40,14 +40,14 @@ impl<T: Real> Default for Coverage<T> {
     }
 }
 
-/// Pairs of local points of the same physical points, with weights.
+/// Pairs of slave and master local points (partners) with weights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segments<const D: usize, T: Real = f64> {
     /// Slave element of each piece.
     pub slave: Vec<usize>,
     /// Master element of each piece.
     pub master: Vec<usize>,
-    /// Piece k owns the points `start[k]..start[k + 1]`.
+    /// Piece k has the points `start[k]..start[k + 1]`.
     pub start: Vec<usize>,
     /// Local coordinates on the slave element, per point.
     pub slave_xi: Vec<Vector<D, T>>,
@@ -55,7 +55,7 @@ pub struct Segments<const D: usize, T: Real = f64> {
     pub master_xi: Vec<Vector<D, T>>,
     /// Physical weight of the point \[length^D\].
     pub ds: Vec<T>,
-    /// How well the slave side is covered.
+    /// Coverage of the slave side.
     pub report: Coverage<T>,
 }
 
@@ -74,7 +74,7 @@ impl<const D: usize, T: Real> Default for Segments<D, T> {
 }
 
 impl<const D: usize, T: Real> Segments<D, T> {
-    /// No pieces yet, an empty report.
+    /// Creates an empty list with an empty report.
     pub fn new() -> Self {
         Self::default()
     }
@@ -101,7 +101,7 @@ impl<const D: usize, T: Real> Segments<D, T> {
         self.start.push(self.ds.len());
     }
 
-    /// Runs of pieces that share their slave element.
+    /// Runs of consecutive pieces that share their slave element.
     pub fn runs(&self) -> Vec<Range<usize>> {
         let mut runs: Vec<Range<usize>> = Vec::new();
         for piece in 0..self.num_pieces() {
@@ -113,7 +113,7 @@ impl<const D: usize, T: Real> Segments<D, T> {
         runs
     }
 
-    /// The same points seen from the other side: for mixed integration, segments made with the master's rule.
+    /// Exchanges slave and master: for mixed integration, with segments made by the master's rule.
     pub fn swapped(self) -> Self {
         Self { slave: self.master, master: self.slave, slave_xi: self.master_xi, master_xi: self.slave_xi, ..self }
     }
@@ -124,12 +124,12 @@ impl<const D: usize, T: Real> Segments<D, T> {
     }
 }
 
-/// Makes the list of segments of two sides. Slave, mixed and merged integration differ only here.
+/// Builds the list of segments of two sides. Slave, mixed and merged integration differ only here.
 pub trait InterfaceQuadrature<const D: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
-    /// The segments of `slave` against `master`, in order of slave elements.
+    /// Builds the segments of `slave` against `master`, in order of slave elements.
     ///
     /// # Errors
-    /// [`CouplingError`] where no segments can be made.
+    /// [`CouplingError`] where no segments can be built.
     fn segments(&self, slave: &dyn Geometry<D, N, T>, master: &dyn Geometry<D, N, T>) -> Result<Segments<D, T>, CouplingError>;
 }
 

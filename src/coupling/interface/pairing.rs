@@ -1,4 +1,4 @@
-//! Which master element a slave point belongs to, and where on its continued curve the partner lies.
+//! Pairing of slave points with master elements, and foot points on their continued curves.
 
 use super::chain::Chain;
 use crate::basis::Order;
@@ -17,7 +17,7 @@ const FOOT_STEPS: usize = 30;
 /// Steps of a crossing; bisection alone needs 53 for double precision.
 const CROSSING_STEPS: usize = 80;
 
-/// How far apart tied sides may be.
+/// Largest distance allowed between tied sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Tolerance<T: Real = f64> {
@@ -29,15 +29,15 @@ pub enum Tolerance<T: Real = f64> {
     Given(T),
 }
 
-/// Which points are partners.
+/// Pairing rule: which slave points have a partner on the master.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Partners<T: Real = f64> {
     /// Sides that touch: partners farther apart than the tolerance are an error.
     Touching(Tolerance<T>),
-    /// Sides of which only parts touch: what is farther from the other side than the tolerance, or beyond its ends, faces nothing.
+    /// Sides of which only parts touch: points farther from the other side than the tolerance, or beyond its ends, have no partner.
     Near(Tolerance<T>),
-    /// Sides that may be apart: points farther than `reach` face nothing; none: the diagonal of the box around the slave.
+    /// Sides that may be apart: points farther than `reach` have no partner; `None`: the diagonal of the box around the slave.
     Facing {
         /// Largest distance of partners \[length\].
         reach: Option<T>,
@@ -59,21 +59,21 @@ impl<T: Real> Partners<T> {
         }
     }
 
-    /// Whether a point at this place of a curve of this size faces it.
+    /// Whether a point with this place on a curve of this size can have a partner there.
     ///
-    /// A side may go on at right angles from where the other ends; its closest point is that end then, and no foot.
+    /// A side may continue at right angles to the end of the other; its closest point is then that end, but no foot point.
     pub(super) fn face(&self, place: &Place<T>, size: T) -> bool {
         let past = place.rim && place.distance > size * lit(EXACT) && matches!(self, Self::Near(_));
         !(place.beyond || past)
     }
 
-    /// Whether the closest point moves along with the point: sides that touch do not jump.
+    /// Whether the sides touch: their closest point then moves along with the point and does not jump.
     pub(super) fn touch(&self) -> bool {
         matches!(self, Self::Touching(_) | Self::Near(_))
     }
 }
 
-/// A master curve ready for many queries: closest point, owner at vertices, rims, foot points.
+/// A master curve for many queries: closest point, element at vertices, rims (ends), foot points.
 #[derive(Clone, Debug)]
 pub struct MasterCurve<G, const N: usize, T: Real = f64> {
     closest: ClosestPoint<1, N, G, T>,
@@ -83,10 +83,10 @@ pub struct MasterCurve<G, const N: usize, T: Real = f64> {
     has_rims: bool,
 }
 
-/// A point's place on a master curve.
+/// Closest point of a master curve and the element paired with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place<T: Real = f64> {
-    /// The element that owns the point.
+    /// The element paired with the point.
     pub element: usize,
     /// Local coordinate of the closest point on it.
     pub xi: T,
@@ -99,7 +99,7 @@ pub struct Place<T: Real = f64> {
 }
 
 impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
-    /// Trees over the elements and vertices of `geometry`; `other_size` is the size of what will be projected.
+    /// Builds trees over the elements and vertices of `geometry`; `other_size` is the size of the curve to be projected.
     pub fn new(geometry: G, other_size: T) -> Self {
         let chain = Chain::of(&geometry);
         let size = other_size.max(chain.size);
@@ -113,12 +113,12 @@ impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
         self.closest.geometry()
     }
 
-    /// How its elements follow one another.
+    /// Connectivity of its elements.
     pub fn chain(&self) -> &Chain<N, T> {
         &self.chain
     }
 
-    /// The larger of its size and the size of what is projected \[length\].
+    /// The larger of its size and the size of the other curve \[length\].
     pub fn size(&self) -> T {
         self.size
     }
@@ -128,7 +128,8 @@ impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
         self.has_rims
     }
 
-    /// The element that owns `x`: the closest one, and at a vertex the one on x's side of the vertex's normal plane.
+    /// Finds the place of `x`: its closest element, and at a vertex the one on x's side of the vertex's normal plane. `None` if the
+    /// curve has no elements or `x` is not finite.
     pub fn place(&self, x: &Vector<N, T>) -> Option<Place<T>> {
         let hit = self.closest.project(x)?;
         let mut place = Place { element: hit.element, xi: hit.xi[0], distance: hit.distance, beyond: false, rim: false };
@@ -166,7 +167,7 @@ impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
         a == b || (0..2).any(|end| self.chain.neighbour(a, end).is_some_and(|(e, _)| e == b))
     }
 
-    /// Foot points of `x` on the continued curve of `element`: (x - x_m(eta)) . x_m'(eta) = 0, started at `eta`.
+    /// Computes foot points of `x` on the continued curve of `element`: (x - x_m(eta)) . x_m'(eta) = 0, started at `eta`.
     ///
     /// Leaves the positions and derivatives at the feet in `table`.
     pub fn feet(&self, element: usize, x: &[Vector<N, T>], eta: &mut [Vector<1, T>], table: &mut MapTable<1, N, T>) {
@@ -197,8 +198,8 @@ impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
     }
 }
 
-/// Where the continued curve of `element` crosses the plane through `point` at right angles to `along`:
-/// (x(xi) - point) . along = 0 with xi in `bracket`, which may reach beyond the cell.
+/// Finds the point of the continued curve of `element` in the plane through `point` at right angles to `along`:
+/// (x(xi) - point) . along = 0 with xi in `bracket`, which may reach beyond the cell. Returns xi.
 ///
 /// Newton's method kept inside the bracket; without a change of sign, the best it finds there.
 pub fn crossing<const N: usize, T: Real>(
@@ -236,17 +237,17 @@ pub fn crossing<const N: usize, T: Real>(
     xi
 }
 
-/// A box diagonal around a curve \[length\].
+/// Diagonal of the box around a curve \[length\].
 pub(super) fn size_of<const N: usize, T: Real>(curve: &dyn Geometry<1, N, T>) -> T {
     curve.extent().map_or_else(T::zero, |b| b.diagonal())
 }
 
-/// Three coordinates for reports.
+/// Coordinates of a point for reports, padded with zeros to three.
 pub(super) fn place_of<const N: usize, T: Real>(x: &Vector<N, T>) -> [f64; 3] {
     std::array::from_fn(|k| if k < N { to_f64(x[k]) } else { 0.0 })
 }
 
-/// The worst pair found so far, for reports and errors.
+/// The pair of partners with the largest ratio of distance to allowed distance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Worst<T: Real> {
     pub distance: T,
@@ -260,7 +261,7 @@ impl<T: Real> Worst<T> {
         Self { distance: T::zero(), at: [0.0; 3], allowed: T::zero(), ratio: T::zero() }
     }
 
-    /// Keeps the larger distance for the report, and for the error the pair farthest beyond what is allowed.
+    /// Returns [`CouplingError::Apart`] if the distance exceeds the allowed one, otherwise `None`.
     pub fn error(&self) -> Option<CouplingError> {
         (self.ratio > T::one()).then(|| CouplingError::Apart {
             distance: to_f64(self.distance),

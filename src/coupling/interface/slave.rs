@@ -21,17 +21,17 @@ use rayon::prelude::*;
 pub struct SlaveRule<T: Real = f64> {
     /// Gauss points per slave element.
     pub points: usize,
-    /// Which points are partners.
+    /// Pairing rule.
     pub partners: Partners<T>,
 }
 
 impl<T: Real> SlaveRule<T> {
-    /// For tied sides that carry the same curve, or approximate it within `tolerance`.
+    /// Creates the rule for tied sides that carry the same curve, or approximate it within `tolerance`.
     pub fn tied(points: usize, tolerance: Tolerance<T>) -> Self {
         Self { points, partners: Partners::Touching(tolerance) }
     }
 
-    /// For sides in contact, possibly across a gap of at most `reach` (none: the size of the slave side).
+    /// Creates the rule for sides in contact, possibly across a gap of at most `reach` (`None`: the size of the slave side).
     pub fn facing(points: usize, reach: Option<T>) -> Self {
         Self { points, partners: Partners::Facing { reach } }
     }
@@ -77,7 +77,7 @@ impl<const N: usize, T: Real> Work<N, T> {
 }
 
 impl<const N: usize, T: Real> Sides<'_, N, T> {
-    /// The Gauss points of an element; where the master ends inside it, those of each of its parts.
+    /// Integrates an element at its Gauss points; if the master ends inside it, at those of each of its parts.
     fn element(&self, element: usize, work: &mut Work<N, T>) -> Part<T> {
         let mut part = Part::new(element);
         work.cuts.at_rims(self.slave, element, &self.master, &mut work.slave);
@@ -112,8 +112,8 @@ impl<const N: usize, T: Real> Sides<'_, N, T> {
     }
 }
 
-/// The points of `rule` on every element of `slave`, without a master: for rigid targets. Master ids and coordinates
-/// are zero and mean nothing.
+/// Segments with the points of `rule` on every element of `slave`, without a master: for rigid targets. Master ids and
+/// coordinates are zero and unused.
 pub fn slave_segments<const D: usize, const N: usize, T: Real>(
     slave: &dyn Geometry<D, N, T>,
     rule: &dyn Quadrature<D, T>,

@@ -1,4 +1,4 @@
-//! One constant per element of another basis.
+//! Piecewise constants on the elements of another basis.
 
 use crate::basis::{Basis, Cell, Elements, Order, ShapeTable};
 use crate::linalg::{Real, Vector};
@@ -11,7 +11,7 @@ pub struct PiecewiseConstant {
 }
 
 impl PiecewiseConstant {
-    /// Constants on the elements of `other`.
+    /// Creates the constants on the elements of `other`.
     pub fn of<E: Elements + ?Sized>(other: &E) -> Self {
         let corners = |element| {
             let mut ids = Vec::new();

@@ -1,24 +1,24 @@
-//! Dual multipliers of contact, where an element may be covered in part: the master ends beside it.
+//! Dual multipliers of contact, where an element may be covered in part because the master ends beside it.
 //!
 //! On such an element the functions of [`dual`](super::dual()) have weights ∫ psi_j ds over the covered part that may be negative. So
-//! duality is asked for over that part,
+//! duality is required over that part,
 //!
 //!   ∫ psi_j N_i ds = delta_ij d_i,   d_i = ∫ N_i ds > 0,   both over the covered part, by the points of the rows themselves:
 //!
-//! weights are those of the N_i, the psi_j sum to one, and D is diagonal. That asks for N_i >= 0: Lagrange functions of degree two and more
+//! weights are those of the N_i, the psi_j sum to one, and D is diagonal. This requires N_i >= 0: Lagrange functions of degree two and more
 //! are replaced by the Bernstein polynomials of the same numbers on such elements, in the order of the nodes, in which D is diagonal there.
 //!
 //! |psi| grows as the covered part shrinks: Bernstein polynomials of degree 1 to 4 stay at 4, 18, 80 and 350, since they scale like
-//! monomials; functions of smooth splines reach 904 at 1 % (degree 2) and 5e5 (degree 3). Where |psi| exceeds [`MOST`] the function of least
-//! weight gives its share to its neighbour,
+//! monomials; functions of smooth splines reach 904 at 1 % (degree 2) and 5e5 (degree 3). Where |psi| exceeds [`MOST`] the function of
+//! least weight is merged into its neighbour,
 //!
 //!   N_j' = N_j + N_i,   one function and one degree less,   down to psi = 1 for a sliver;
 //!
-//! so does, on an element that is covered in part, the function of a constrained end. Smooth splines of degree three and more are refused.
+//! and so is, on an element covered in part, the function of a constrained end. Smooth splines of degree three and more are an error.
 //!
-//! **The pressure** is read through the functions of the side, sum lambda_j N_j: the same force per function, between the least and
-//! the greatest coefficient where N >= 0, while sum lambda_j psi_j oscillates far beyond them. Functions without a multiplier give
-//! their share to their neighbour there, so that a constant is read as one.
+//! **The pressure** is evaluated with the functions of the side, sum lambda_j N_j: the same force per function, between the least and
+//! the greatest coefficient where N >= 0, while sum lambda_j psi_j oscillates far beyond them. Functions without a multiplier are
+//! merged into their neighbour there, so that a constant is evaluated as one.
 
 use super::dual::Work;
 use super::{MultiplierError, SideEnd};
@@ -37,14 +37,14 @@ pub const MOST: f64 = 1e3;
 const WHOLE: f64 = 1e-9;
 /// Values below minus this are negative, others below it are zero.
 const NO_VALUE: f64 = 1e-9;
-/// Duality that fails by more than this share of the largest weight, at the points, is none.
+/// Largest error of duality at the points, as a share of the largest weight.
 const NOT_DUAL: f64 = 1e-9;
-/// Points of an element at which the signs of its functions are looked at.
+/// Number of points of an element at which the signs of its functions are checked.
 const SIGNS: usize = 17;
 /// Smooth splines of this degree and more have no dual functions on elements covered in part.
 const SMOOTH: usize = 3;
 
-/// Dual multipliers of a side that is covered in part, and the functions that its pressure is read through.
+/// Dual multipliers of a side that is covered in part, and the functions for evaluating its pressure.
 #[derive(Clone, Debug)]
 pub struct CoveredDual<const N: usize, T: Real = f64> {
     /// psi_j.
@@ -53,10 +53,10 @@ pub struct CoveredDual<const N: usize, T: Real = f64> {
     pub reading: Reading<N, T>,
 }
 
-/// The dual multipliers of the side `space` over what `segments` cover of it; `constrained` ends have no free unknown.
+/// Builds the dual multipliers of the side `space` over the part covered by `segments`; `constrained` ends have no free unknown.
 ///
-/// Functions are numbered as those of the side; the ones at constrained ends, and those that gave all their shares away, are left out. On elements that are covered as a whole, or not at all,
-/// they are those of [`dual`](super::dual()); where functions face nothing they have no weight.
+/// Functions are numbered as those of the side, without the ones at constrained ends and those merged on all elements. On elements that
+/// are covered as a whole, or not at all, they are those of [`dual`](super::dual()); on uncovered elements they have no weight.
 ///
 /// # Errors
 /// [`MultiplierError::NoDual`] on a smooth spline of degree three or more that is covered in part, and where an element has no dual
@@ -90,8 +90,8 @@ pub fn dual_covered<const N: usize, T: Real>(
     Ok(CoveredDual { functions, reading })
 }
 
-/// Numbers the functions that live on any element one after the other; returns how many they are. A function that gave all its shares away
-/// lives on none.
+/// Renumbers the functions used on any element consecutively; returns their number. A function merged into others everywhere
+/// is used on none.
 fn drop_unused<T: Real>(functions: usize, pieces: &mut [Piece<T>], elements: &mut [Read]) -> usize {
     let mut number = vec![0; functions];
     pieces.iter().flat_map(|p| &p.ids).for_each(|&i| number[i] = 1);
@@ -104,8 +104,8 @@ fn drop_unused<T: Real>(functions: usize, pieces: &mut [Piece<T>], elements: &mu
     used
 }
 
-/// Whether the points of these pieces span an element. They are the Gauss points of the element, shared out among the masters, or each
-/// piece has its own, which tell where it begins and ends.
+/// Whether the points of these pieces span an element. They are the Gauss points of the element, divided among the masters, or each
+/// piece has its own, which give its beginning and end.
 fn is_whole<T: Real>(segments: &Segments<1, T>, pieces: &[Range<usize>]) -> bool {
     let mut all: Vec<f64> = pieces.iter().flat_map(|p| &segments.slave_xi[p.clone()]).map(|xi| to_f64(xi[0])).collect();
     all.sort_by(f64::total_cmp);
@@ -123,11 +123,11 @@ fn is_whole<T: Real>(segments: &Segments<1, T>, pieces: &[Range<usize>]) -> bool
     pieces.iter().fold(T::zero(), |sum, p| sum + width(p)) >= T::one() - lit(WHOLE)
 }
 
-/// The functions of an element in the order in which they follow one another.
+/// Functions of an element, ordered by their centroids.
 struct Ordered {
-    /// Their numbers on the side, and their places in its table.
+    /// Their numbers on the side, and their indices in its table.
     functions: Vec<(usize, usize)>,
-    /// Which of them have no multiplier.
+    /// Flags of those without a multiplier.
     gone: Vec<bool>,
 }
 
@@ -144,7 +144,7 @@ impl Ordered {
         Self { functions, gone }
     }
 
-    /// The function that every one gives its share to: itself, or the nearest that has a multiplier.
+    /// For every function the one it is merged into: itself, or the nearest that has a multiplier.
     fn owners(&self) -> Vec<usize> {
         let n = self.functions.len();
         let nearest = |k: usize| (0..n).filter(|&j| !self.gone[j]).min_by_key(|&j| j.abs_diff(k)).unwrap_or(k);
@@ -152,8 +152,8 @@ impl Ordered {
     }
 }
 
-/// The piece of an element that is covered in part (ids of the side), whom its functions give their share to, and whether they are
-/// Bernstein polynomials.
+/// Builds the piece of an element that is covered in part (ids of the side); also returns the function that each one is merged into
+/// and whether they are Bernstein polynomials.
 fn over_part<const N: usize, T: Real>(
     space: &dyn Space<1, N, T>,
     element: usize,
@@ -201,7 +201,7 @@ fn over_part<const N: usize, T: Real>(
             let piece = Piece { ids: kept.iter().map(|&k| own.functions[k].0).collect(), degree: m - 1, coefficients };
             return Ok((piece, owner, is_bernstein));
         }
-        // the one of least weight gives its share to the heavier of its neighbours
+        // merge the one of least weight into the heavier of its neighbours
         let share = |r: usize| owner.iter().enumerate().filter(|(_, o)| **o == kept[r]).fold(0.0, |s, (k, _)| s + to_f64(weight(k)));
         let least = (0..m).min_by(|&a, &b| share(a).total_cmp(&share(b))).expect("some are kept");
         let beside = [least.checked_sub(1), Some(least + 1).filter(|&r| r < m)];
@@ -213,8 +213,8 @@ fn over_part<const N: usize, T: Real>(
     }
 }
 
-/// Legendre coefficients of the dual functions of as many functions, given by their values at points with weights ds; none where they do not
-/// exist or exceed [`MOST`] there.
+/// Legendre coefficients of the dual functions of as many functions, given by their values at points with weights ds; `None` if they do
+/// not exist or exceed [`MOST`] there.
 fn dual_at_points<T: Real>(values: &DMatrix<T>, xi: &[Vector<1, T>], ds: &[T]) -> Option<Vec<T>> {
     let (m, points) = values.shape();
     if m == 1 {
@@ -231,7 +231,7 @@ fn dual_at_points<T: Real>(values: &DMatrix<T>, xi: &[Vector<1, T>], ds: &[T]) -
     if d.iter().any(|&d| to_f64(d).is_nan() || d <= T::zero()) {
         return None;
     }
-    // G_ik / d_i, so that every line is of one size
+    // G_ik / d_i, so that all rows have the same size
     let g = DMatrix::<T>::from_fn(m, m, |i, k| weighted.row(i).dot(&legendre.row(k)) / d[i]);
     let lu: LU<T, Dyn, Dyn> = g.clone().lu();
     let first = lu.solve(&DMatrix::identity(m, m))?;
@@ -247,7 +247,7 @@ fn dual_at_points<T: Real>(values: &DMatrix<T>, xi: &[Vector<1, T>], ds: &[T]) -
     good.then(|| transposed.as_slice().to_vec())
 }
 
-/// The functions that the pressure of dual multipliers is read through.
+/// Functions of the side for evaluating the pressure of dual multipliers.
 #[derive(Clone, Debug)]
 pub struct Reading<const N: usize, T: Real = f64> {
     space: Arc<dyn Space<1, N, T>>,
@@ -255,11 +255,11 @@ pub struct Reading<const N: usize, T: Real = f64> {
     elements: Vec<Read>,
 }
 
-/// An element of them: whose shares its functions are.
+/// The functions of [`Reading`] on one element, as sums of those of the table.
 #[derive(Clone, Debug)]
 struct Read {
     ids: Vec<usize>,
-    /// The place in `ids` of every function of the table.
+    /// The index in `ids` for every function of the table.
     place: Vec<usize>,
     is_bernstein: bool,
 }
@@ -310,7 +310,7 @@ impl<const N: usize, T: Real> Basis<1, T> for Reading<N, T> {
         }
         table.reset(xi.len(), read.ids.len(), order);
         if read.ids.len() == 1 {
-            // all shares are one's: their sum is one, without the rounding of its derivatives
+            // a single function is one, without the rounding of its derivatives
             (0..xi.len()).for_each(|q| table.values_mut(q)[0] = T::one());
             return;
         }

@@ -14,11 +14,11 @@
 //! orthogonal to xi q times that denominator is zero. The sum stays one: sum psi_j - 1 lies in P_(p-1) and is orthogonal
 //! to N_1 .. N_p, since ∫ sum_j psi_j N_i ds = d_i = ∫ 1 N_i ds.
 //!
-//! What a dual space holds follows from c_j = ∫ f N_j ds / d_j on each element: f lies in it where these agree between
+//! The polynomials in a dual space follow from c_j = ∫ f N_j ds / d_j on each element: f lies in it where these agree between
 //! the elements of a function. They do for constants. On straight Lagrange traces they do up to degree p - 1, because
 //! Gauss-Lobatto nodes make c_j the nodal value f(x_j) as long as f N_j has degree 2p - 1, and on equal elements up to an
 //! even degree p by symmetry; splines and curved sides hold constants only, so lambda converges in L2 with order one
-//! at most. [`reproduction`](super::reproduction()) says what a space holds.
+//! at most. [`reproduction`](super::reproduction()) computes the degree that a space reproduces.
 //! Source: Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989-1012; Lamichhane, Wohlmuth, Math. Comp. 76 (2007) 233-249
 //! (Gauss-Lobatto nodes).
 
@@ -30,14 +30,14 @@ use crate::quadrature::{Rule, gauss_legendre};
 use crate::space::Space;
 use nalgebra::{DMatrix, Dyn, LU};
 
-/// Gauss points per element beyond three per degree: arc lengths of curved elements are no polynomials.
+/// Gauss points per element beyond three per degree, since arc lengths of curved elements are not polynomials.
 const POINTS: usize = 16;
 /// A lumped weight below this share of the length of its function's elements is not positive.
 const NO_WEIGHT: f64 = 1e-12;
-/// Duality that fails by more than this share of the largest weight has no dual functions.
+/// Largest error of duality, as a share of the largest weight.
 const NOT_DUAL: f64 = 1e-9;
 
-/// The dual multipliers of the side `space` whose ends in `constrained` have no free unknown.
+/// Builds the dual multipliers of the side `space` whose ends in `constrained` have no free unknown.
 ///
 /// Functions are numbered as those of the side, the ones at constrained ends left out.
 ///
@@ -61,7 +61,7 @@ pub fn dual<const N: usize, T: Real>(space: &dyn Space<1, N, T>, constrained: &[
         pieces.push(piece);
     }
     for i in (0..n).filter(|&i| !gone[i]) {
-        // not a number is not positive either
+        // NaN is not positive either
         if to_f64(weight[i]).is_nan() || to_f64(weight[i]) <= NO_WEIGHT * to_f64(length[i]) {
             let reason = format!("the lumped weight of function {i} on element {} is {:.3e}, not positive", home[i], to_f64(weight[i]));
             return Err(MultiplierError::NoDual { reason, known: String::new() });
@@ -70,7 +70,7 @@ pub fn dual<const N: usize, T: Real>(space: &dyn Space<1, N, T>, constrained: &[
     Ok(Piecewise::new(space, functions, pieces))
 }
 
-/// Which functions have no multiplier, the numbers of the others, which move up, and how many there are.
+/// Returns flags of the functions without a multiplier, consecutive numbers of the others, and how many there are.
 pub(super) fn numbering<const N: usize, T: Real>(space: &dyn Space<1, N, T>, constrained: &[SideEnd]) -> (Vec<bool>, Vec<usize>, usize) {
     let mut gone = vec![false; space.num_functions()];
     for end in constrained {
@@ -94,14 +94,14 @@ fn function_at<const N: usize, T: Real>(space: &dyn Space<1, N, T>, end: &SideEn
     ids[(0..ids.len()).max_by(|&a, &b| size(a).total_cmp(&size(b))).expect("an element has functions")]
 }
 
-/// Integrals of one element; memory is kept from element to element.
+/// Integrals of one element; work arrays are reused from element to element.
 pub(super) struct Work<T: Real> {
     ids: Vec<usize>,
     /// Functions of the element that have a multiplier.
     pub kept: Vec<usize>,
     /// d_i of the kept functions.
     pub weights: Vec<T>,
-    /// G_ki, a line per kept function i.
+    /// G_ki, a row per kept function i.
     pub products: Vec<T>,
     shapes: ShapeTable<1, T>,
     legendre: Vec<T>,
@@ -156,7 +156,7 @@ impl<T: Real> Work<T> {
         length
     }
 
-    /// A of the element, from Gᵀ Aᵀ = diag(d) with lines scaled to one and one correction.
+    /// Computes A of the element from Gᵀ Aᵀ = diag(d), with rows scaled to one and one correction.
     pub fn piece(&self, element: usize, degree: usize) -> Result<Piece<T>, MultiplierError> {
         let m = self.kept.len();
         if m == 0 {

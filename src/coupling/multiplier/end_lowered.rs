@@ -15,10 +15,10 @@ use super::{MultiplierError, SideEnd};
 use crate::basis::{Basis, Extracted, Order, ShapeTable};
 use crate::linalg::{Real, Vector, num, to_f64};
 
-/// Below this share of the largest coefficient a top coefficient counts as zero.
+/// Top coefficients below this share of the largest coefficient count as zero.
 const NO_TOP_COEFFICIENT: f64 = 1e-10;
 
-/// `inner` with its degree lowered by one at each of `ends`; an element listed twice loses two degrees.
+/// Lowers the degree of `inner` by one at each of `ends`; an element listed twice loses two degrees.
 ///
 /// # Errors
 /// [`MultiplierError::NothingLeft`] where an end element has no degree left to lose.
@@ -50,7 +50,7 @@ fn lowered_once<T: Real>(basis: Box<dyn Basis<1, T>>, end: &SideEnd, degree: usi
     basis.tabulate(end.element, &[at_end], Order::Values, &mut table);
     let values: Vec<f64> = table.values(0).iter().map(|&v| to_f64(v).abs()).collect();
     let largest = top.iter().map(|&c| to_f64(c).abs()).fold(0.0, f64::max);
-    // the function of the end goes; where it has no term of that degree (modal bases), the one with most of it
+    // removes the function of the end; if it has no term of that degree (modal bases), the one with the largest
     let has_top = |a: usize| to_f64(top[a]).abs() > NO_TOP_COEFFICIENT * largest;
     let by_value = (0..ids.len()).filter(|&a| has_top(a)).max_by(|&a, &b| values[a].total_cmp(&values[b]));
     let by_top = || (0..ids.len()).max_by(|&a, &b| to_f64(top[a]).abs().total_cmp(&to_f64(top[b]).abs()));
@@ -65,10 +65,10 @@ fn lowered_once<T: Real>(basis: Box<dyn Basis<1, T>>, end: &SideEnd, degree: usi
     Box::new(Extracted::new::<1>(basis, functions - 1, rows))
 }
 
-/// Shares below minus this are negative.
+/// Values below this are negative; above one minus this they exceed one.
 const NEGATIVE: f64 = -1e-12;
 
-/// Rows of the two-term combinations, where they are non-negative; `ids` run along the element, `at` is its lowered end.
+/// Rows of the two-term combinations, `None` unless non-negative; `ids` run along the element, `at` is its lowered end.
 fn positive_rows<T: Real>(ids: &[usize], top: &[T], at: usize, functions: usize) -> Option<Vec<Vec<(usize, T)>>> {
     let last = ids.len() - 1;
     // functions from the lowered end inwards

@@ -1,12 +1,12 @@
-//! Multiplier spaces as data: the words of a case file become a basis on the slave's elements.
+//! Multiplier spaces: names and data of a case file, and the bases on the slave's elements built from them.
 //!
-//! | word | space |
+//! | name | space |
 //! | --- | --- |
 //! | `p/p` | the trace's own spline space, degree lowered by one at constrained ends |
 //! | `p/p-k` | degree p - k on the same breakpoints, knots kept with their multiplicity: regularity max(r - k, -1) |
 //! | `constant` | one constant per element |
-//! | `dual` | biorthogonal to the functions of the trace, one multiplier each; without the ones at constrained ends; in contact over what is covered of an element |
-//! | data | a degree, a continuity, and what happens at the ends |
+//! | `dual` | biorthogonal to the functions of the trace, one each, none at constrained ends; in contact over the covered part |
+//! | data | a degree, a continuity, and the treatment of the ends |
 //!
 //! A basis that offers no polynomials has `p/p` on its own functions and `constant`.
 
@@ -30,37 +30,37 @@ pub use dual::dual;
 pub use end_lowered::end_lowered;
 pub use reproduction::reproduction;
 
-/// Why there is no such multiplier space.
+/// Error when a multiplier space does not exist or cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MultiplierError {
-    /// The word is not known.
+    /// The name is not known.
     #[error("unknown multiplier \"{name}\"; known: {known}")]
     Unknown {
-        /// The word.
+        /// The name.
         name: String,
-        /// The words there are.
+        /// The known names.
         known: &'static str,
     },
     /// The slave side has no such space.
     #[error("there is no multiplier \"{wanted}\" with degree {degree}; this side has {known}")]
     NotHere {
-        /// The word or the data asked for.
+        /// The name or the data given.
         wanted: String,
         /// Degree of the slave side.
         degree: usize,
-        /// What exists on this side.
+        /// Multipliers available on this side.
         known: String,
     },
     /// The functions of the slave side have no dual ones.
     #[error("there is no multiplier \"dual\" here: {reason}; this side has {known}")]
     NoDual {
-        /// What is in the way, and where.
+        /// Cause and position.
         reason: String,
-        /// What exists on this side.
+        /// Multipliers available on this side.
         known: String,
     },
-    /// The ends cannot be lowered.
+    /// The degree cannot be lowered at an end.
     #[error(
         "the multiplier has degree {degree} on element {element} at the end of the side, too little to be lowered there; refine the side"
     )]
@@ -84,7 +84,7 @@ pub enum MultiplierError {
     },
 }
 
-/// What happens to a multiplier at the ends of the side.
+/// Treatment of a multiplier at the ends of the side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Ends {
     /// Lowered where the end is constrained and the degree is that of the trace.
@@ -96,7 +96,7 @@ pub enum Ends {
     Lowered,
 }
 
-/// Which multiplier space is wanted.
+/// Kind of a multiplier space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MultiplierKind {
@@ -113,14 +113,14 @@ pub enum MultiplierKind {
     Uniform {
         /// Degree of the polynomials.
         degree: usize,
-        /// Continuity between elements; none: the most the side allows.
+        /// Continuity between elements; `None`: the highest that the side allows.
         continuity: Option<isize>,
-        /// What happens at the ends.
+        /// Treatment of the ends.
         ends: Ends,
     },
 }
 
-/// Words that [`MultiplierKind::from_str`] understands.
+/// Names that [`MultiplierKind::from_str`] accepts.
 pub const KNOWN: &str = "auto, p/p, p/p-1, p/p-2, p/p-4, ..., constant, dual";
 
 impl FromStr for MultiplierKind {
@@ -170,7 +170,7 @@ impl MultiplierKind {
         matches!(self, Self::Lowered(k) if k % 2 == 1)
     }
 
-    /// What `auto` means on this basis; every other kind is itself.
+    /// Resolves `auto` on this basis: `p/p-2` if available, else `p/p`; every other kind is returned unchanged.
     pub fn resolved<T: Real>(&self, basis: &dyn Basis<1, T>) -> Self {
         if *self != Self::Auto {
             return *self;
@@ -178,7 +178,7 @@ impl MultiplierKind {
         if least_degree(basis) >= 2 && basis.polynomials(Polynomials::Lowered(2)).is_some() { Self::Lowered(2) } else { Self::Lowered(0) }
     }
 
-    /// Whether [`build`] leaves out a function and a degree at constrained ends of this kind on a trace of least degree `degree`.
+    /// Whether [`build`] removes a function and a degree at constrained ends for this kind on a trace of least degree `degree`.
     pub fn lowers_ends(&self, degree: usize) -> bool {
         match self {
             Self::Auto => degree < 2,
@@ -203,7 +203,7 @@ pub struct SideEnd {
     pub at: usize,
 }
 
-/// The ends of a curve by its corner ids, in order of elements; none on a closed curve. Where ids are unknown the
+/// Ends of a curve by its corner ids, in order of elements; empty on a closed curve. Without corner ids the
 /// elements are taken as one run: start of the first, end of the last.
 pub fn side_ends<E: Elements + ?Sized>(elements: &E) -> Vec<SideEnd> {
     let n = elements.num_elements();
@@ -223,9 +223,9 @@ pub fn side_ends<E: Elements + ?Sized>(elements: &E) -> Vec<SideEnd> {
     ends
 }
 
-/// The multiplier space of `kind` on the slave side `space`, for one component.
+/// Builds the multiplier space of `kind` on the slave side `space`, for one component.
 ///
-/// `ends` says for each of [`side_ends`] whether it is constrained in this component (prescribed, or a cross point);
+/// `ends` gives for each of [`side_ends`] whether it is constrained in this component (prescribed, or a cross point);
 /// missing entries count as free.
 ///
 /// # Errors
@@ -253,7 +253,7 @@ pub fn build<const N: usize, T: Real>(
             let highest = if continuity.is_none() && wanted <= degree && uniform_degree(basis) { Some(degree - wanted) } else { None };
             match (highest, continuity) {
                 (_, Some(c)) if c > most || c < -1 => None,
-                // without a word on continuity: what the trace itself has, lowered along with the degree
+                // continuity not given: that of the trace, lowered along with the degree
                 (Some(k), _) => basis.polynomials(Polynomials::Lowered(k)),
                 (None, c) => basis.polynomials(Polynomials::Uniform { degree: wanted, continuity: c.unwrap_or(most) }),
             }
@@ -271,12 +271,12 @@ pub fn build<const N: usize, T: Real>(
     if lowered.is_empty() { Ok(found) } else { end_lowered(found, &lowered) }
 }
 
-/// The ends of the side whose number is `wanted`.
+/// Ends of the side whose index satisfies `wanted`.
 fn chosen_ends<T: Real>(basis: &dyn Basis<1, T>, wanted: impl Fn(usize) -> bool) -> Vec<SideEnd> {
     side_ends(basis).into_iter().enumerate().filter(|(k, _)| wanted(*k)).map(|(_, end)| end).collect()
 }
 
-/// The dual space, or what exists instead.
+/// Builds the dual space; its error lists the multipliers available instead.
 fn dual_here<const N: usize, T: Real>(
     space: &Arc<dyn Space<1, N, T>>,
     degree: usize,
@@ -286,10 +286,10 @@ fn dual_here<const N: usize, T: Real>(
     dual(&**space, &constrained).map(|psi| Box::new(psi) as Box<dyn Basis<1, T>>).map_err(|e| instead(e, degree))
 }
 
-/// The dual multipliers of a contact: [`dual_covered`] with `ends` as of [`build`].
+/// Builds the dual multipliers of a contact: [`dual_covered`] with `ends` as of [`build`].
 ///
 /// # Errors
-/// Those of [`dual_covered`]; [`MultiplierError::NoDual`] names what exists on this side.
+/// Those of [`dual_covered`]; [`MultiplierError::NoDual`] lists the multipliers available on this side.
 pub fn build_covered<const N: usize, T: Real>(
     space: &Arc<dyn Space<1, N, T>>,
     ends: &[bool],
@@ -300,14 +300,14 @@ pub fn build_covered<const N: usize, T: Real>(
     dual_covered(space, &constrained, segments).map_err(|e| instead(e, least_degree(basis)))
 }
 
-/// The same error with what exists on a side of `degree` where dual functions do not.
+/// Adds to [`MultiplierError::NoDual`] the multipliers available instead on a side of `degree`; other errors are unchanged.
 fn instead(error: MultiplierError, degree: usize) -> MultiplierError {
     let MultiplierError::NoDual { reason, .. } = error else { return error };
     let known = known_here(degree, true).into_iter().filter(|name| name != "dual").collect::<Vec<_>>().join(", ");
     MultiplierError::NoDual { reason, known }
 }
 
-/// Fails where a component has more multipliers than unknowns of the slave side that are not prescribed.
+/// Checks that no component has more multipliers than unknowns of the slave side that are not prescribed.
 ///
 /// `multiplier`: one for all components, or one per component; `is_fixed(function of the body, component)`.
 ///
@@ -339,7 +339,7 @@ fn uniform_degree<T: Real>(basis: &dyn Basis<1, T>) -> bool {
     (1..basis.num_elements()).all(|e| basis.degree(e) == basis.degree(0))
 }
 
-/// Names of what a side of `degree` has.
+/// Names of the multipliers available on a side of `degree`.
 fn known_here(degree: usize, offers_polynomials: bool) -> Vec<String> {
     let mut names = vec!["p/p".to_string()];
     if offers_polynomials {

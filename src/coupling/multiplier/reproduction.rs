@@ -1,12 +1,12 @@
-//! Which polynomials of a side a multiplier space holds, found from its values alone.
+//! Polynomial reproduction: degree of the polynomials that a multiplier space contains, found from its values alone.
 //!
 //! The coordinate t of a side is affine on every element, and its speed dt/ds is continuous across vertices: on a spline
 //! side the parameter of the knots up to a factor (a smooth map has a continuous speed), on straight elements of equal
 //! map the arc length. A speed of zero gives no ratio; then elements count by their chords.
 //!
 //! All functions of an element are independent there, so a polynomial has one set of coefficients per element: it lies in
-//! the space where these leave nothing over, and where every function gets the same coefficient on all its elements. On
-//! closed sides t runs on through the first element.
+//! the space if these have no residual, and if every function gets the same coefficient on all its elements. On
+//! closed sides t continues through the first element.
 
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::coupling::interface::Chain;
@@ -15,7 +15,7 @@ use crate::linalg::{Real, Vector, lit, num, to_f64};
 use crate::quadrature::gauss_legendre;
 use nalgebra::DMatrix;
 
-/// Polynomials of size one that leave more than this over are not in the space.
+/// Largest residual of a polynomial in the space, relative to its size.
 const LEFT_OVER: f64 = 1e-8;
 /// Speeds below this share of the element's length count as zero.
 const NO_SPEED: f64 = 1e-9;
@@ -28,16 +28,16 @@ struct Stretch<T> {
     half_width: T,
 }
 
-/// The highest q such that all polynomials of degree q of the side's coordinate lie in the span of `multiplier`; none
-/// where not even the constants do.
+/// Returns the highest q such that all polynomials of degree q of the side's coordinate lie in the span of `multiplier`;
+/// `None` if not even constants do.
 ///
-/// `curve` is the map of the slave side, on whose elements `multiplier` lives. Splines of degree p give p, with lowered
+/// `curve` is the map of the slave side, on whose elements `multiplier` is defined. Splines of degree p give p, with lowered
 /// ends p - 1; discontinuous spaces their degree; dual ones of splines 0, of straight Lagrange
 /// traces p - 1 at least.
 pub fn reproduction<const N: usize, T: Real>(curve: &dyn Geometry<1, N, T>, multiplier: &dyn Basis<1, T>) -> Option<usize> {
     let highest = (0..multiplier.num_elements()).map(|e| multiplier.degree(e)[0]).max()?;
     let side = Coordinate::of(curve);
-    // per function the place of its first element, and its coefficients of x^0 .. x^highest there
+    // per function the index of its first element, and its coefficients of x^0 .. x^highest there
     let mut first: Vec<Option<(usize, Vec<T>)>> = vec![None; multiplier.num_functions()];
     let mut last_place = vec![0usize; multiplier.num_functions()];
     let (mut order, mut ids, mut table) = (highest as isize, Vec::new(), ShapeTable::new());
@@ -50,7 +50,7 @@ pub fn reproduction<const N: usize, T: Real>(curve: &dyn Geometry<1, N, T>, mult
             match &first[j] {
                 None => first[j] = Some((place, own)),
                 Some((start, known)) => {
-                    // a function that comes back after a gap goes through the closed end
+                    // a function that recurs after a gap is continued through the closed end
                     let through = side.period.filter(|_| place > last_place[j] + 1);
                     let from = through.map_or(side.stretches[*start], |(length, growth)| Stretch {
                         middle: length + growth * side.stretches[*start].middle,
@@ -72,7 +72,7 @@ pub fn reproduction<const N: usize, T: Real>(curve: &dyn Geometry<1, N, T>, mult
 struct Coordinate<T> {
     elements: Vec<usize>,
     stretches: Vec<Stretch<T>>,
-    /// Length of a closed side, and the widths of a second round over those of the first.
+    /// Length of a closed side, and the ratio of widths of a second round to the first.
     period: Option<(T, T)>,
 }
 

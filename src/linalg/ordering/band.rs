@@ -8,7 +8,7 @@ use super::index;
 
 /// Half width, as part of all vertices, of the band in which the smallest separator is sought.
 const BAND: f64 = 0.1;
-/// The same half width in separators of the straight cut, for large sets.
+/// Half width of the band in separators of the straight cut, for large sets.
 const LAYERS: usize = 2;
 
 /// The smallest separator between the lowest and the highest coordinates, by maximum flow through the band between them.
@@ -38,7 +38,7 @@ pub(super) fn band_cut(piece: &Piece, coordinate: &Coordinate, separator: usize)
         _ => false,
     };
     let far: Vec<usize> = (0..n).filter(|&v| across(v)).collect();
-    // places that say so little about the edges make the flow dear and win nothing
+    // coordinates so unrelated to the edges make the flow expensive without gain
     if far.len() > n / 2 {
         return None;
     }
@@ -48,7 +48,7 @@ pub(super) fn band_cut(piece: &Piece, coordinate: &Coordinate, separator: usize)
     for (k, &v) in band.iter().enumerate() {
         local[v] = index(k);
     }
-    // vertex k enters at 2 k and leaves at 2 k + 1, its weight is what it lets through
+    // vertex k is an arc from node 2 k to 2 k + 1, with its weight as capacity
     let (source, sink) = (2 * band.len(), 2 * band.len() + 1);
     let touches = |v: usize, side| piece.neighbours(v).iter().any(|&u| label[u as usize] == side);
     let ends: Vec<[bool; 2]> = band.iter().map(|&v| [touches(v, LEFT), touches(v, RIGHT)]).collect();
@@ -63,7 +63,7 @@ pub(super) fn band_cut(piece: &Piece, coordinate: &Coordinate, separator: usize)
             arc(2 * k + 1, sink, u32::MAX);
             continue;
         }
-        // no way needs to come back to the source's neighbours, nor to go on from the sink's
+        // no path needs to return to the source's neighbours, nor to continue from the sink's
         for &u in piece.neighbours(v) {
             let to = local[u as usize];
             if to != u32::MAX && !ends[to as usize][0] {

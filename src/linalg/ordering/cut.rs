@@ -5,11 +5,11 @@ use super::graph::Piece;
 use super::halving::{Coordinate, Cut, Halving};
 use super::level::Levels;
 
-/// Edges along the directions of a grid to this part need no others.
+/// Alignment of the edges with the directions of a grid above which no other directions are tried.
 const ALIGNED: f64 = 0.85;
-/// Separators so many times wider than they should be say that places mislead.
+/// Ratio of a separator's width to the expected one above which coordinates are considered misleading.
 const WIDE: f64 = 2.0;
-/// A separator among the levels is taken where it is smaller than this part of the plane's: its halves are less compact.
+/// A separator among the levels is taken if it is smaller than this fraction of the plane's: its halves are less compact.
 const CLEARLY: f64 = 0.6;
 
 /// Labels of a cut.
@@ -17,16 +17,16 @@ pub(super) const LEFT: u8 = 0;
 pub(super) const RIGHT: u8 = 1;
 pub(super) const SEPARATOR: u8 = 2;
 
-/// The labels of the best cut, and the width of the body that the halves belong to; `None` where no cut leaves two halves.
+/// Labels of the best cut, and the width of the body that the halves belong to; `None` if no cut leaves two halves.
 ///
 /// The cheapest plane, unless its separator is wider than twice the mean level of a body of this `width`, or than twice the side of a
-/// square or cube of as many vertices. Then parts without edges between them are told apart, or the levels of the graph are tried.
+/// square or cube of as many vertices. Then disconnected parts are separated, or the levels of the graph are tried.
 pub(super) fn best_cut(piece: &Piece, width: f64) -> Option<(Vec<u8>, f64)> {
     let plane = plane_cut(piece);
     if plane.as_ref().is_some_and(|cut| cut.cost <= WIDE * width.min(side(piece))) {
         return plane.map(|cut| (cut.label, width));
     }
-    // places say little about the edges: thin cells along a bend, say
+    // coordinates say little about the edges, as for thin cells along a bend
     let levels = Levels::of(piece, plane.as_ref().map_or(0, Cut::end));
     let width = levels.width;
     if let Some(label) = levels.parted() {
@@ -41,11 +41,11 @@ pub(super) fn best_cut(piece: &Piece, width: f64) -> Option<(Vec<u8>, f64)> {
     cut.or(plane).map(|cut| (cut.label, width))
 }
 
-/// Weight of a separator along the side of a square, or a cube where places leave a plane, of as many vertices with as many neighbours.
+/// Weight of a separator along the side of a square (planar coordinates) or cube of as many vertices with as many neighbours.
 fn side(piece: &Piece) -> f64 {
     let n = piece.ids.len() as f64;
     let dim = if piece.at.iter().all(|x| x[2] == piece.at[0][2]) { 2.0 } else { 3.0 };
-    // a vertex sees as far to both sides
+    // the neighbours of a vertex lie on both sides
     let layers = 0.5 * (piece.degrees() as f64 / n + 1.0).powf(1.0 / dim);
     piece.total_weight() as f64 * (layers / n.powf(1.0 / dim)).min(1.0)
 }
@@ -74,7 +74,7 @@ fn plane_cut(piece: &Piece) -> Option<Cut> {
     Some(if best.straight { best } else { best.smoothed(piece) })
 }
 
-/// The direction in which the points spread most, where it is clearly longest and no axis.
+/// Direction of the largest spread of the points; `None` unless it is clearly the largest and no axis.
 fn oblique_direction(points: &[[f64; 3]]) -> Option<[f64; 3]> {
     let n = points.len() as f64;
     let mut mean = [0.0; 3];

@@ -7,7 +7,7 @@ pub(super) struct Network {
     /// Arcs of node a: `first[a]..first[a + 1]`.
     first: Vec<u32>,
     to: Vec<u32>,
-    /// What each arc still lets through.
+    /// Residual capacity of each arc.
     room: Vec<u32>,
     /// The reverse of each arc.
     back: Vec<u32>,
@@ -15,7 +15,7 @@ pub(super) struct Network {
     queue: Vec<u32>,
 }
 
-/// An arc: from, to, what it lets through.
+/// An arc: from, to, capacity.
 pub(super) type Arc = (u32, u32, u32);
 
 impl Network {
@@ -45,7 +45,7 @@ impl Network {
         self.first[a] as usize..self.first[a + 1] as usize
     }
 
-    /// Levels of the nodes that `source` still reaches; those behind the level of `sink` are left out.
+    /// Computes the levels of the nodes that `source` still reaches, up to the level of `sink`.
     fn search(&mut self, source: usize, sink: Option<usize>) {
         self.level.fill(u32::MAX);
         self.level[source] = 0;

@@ -2,12 +2,12 @@
 
 use super::graph::Piece;
 
-/// Vertices looked at: this many, and one of so many more.
+/// Number of sampled vertices: `SAMPLES` + n / `SHARE` of n.
 const SAMPLES: usize = 8;
 const SHARE: usize = 256;
 /// Iterations; three orthogonal directions are met to a few degrees after as many.
 const STEPS: usize = 6;
-/// Directions this near to an axis are the axis.
+/// Tolerance within which a direction is snapped to an axis.
 const SNAP: f64 = 1e-6;
 
 /// Three orthogonal unit vectors along which short edges lie, and how well: the mean of sum_k (a_k . d)⁴ over unit edges d, one on a grid
@@ -89,7 +89,7 @@ fn completed(first: [f64; 3]) -> [[f64; 3]; 3] {
     [first, second, cross(&first, &second)]
 }
 
-/// Orthonormal rows near those of `g`, the longest first; those of `before` where `g` says nothing.
+/// Orthonormal rows near those of `g`, the longest first; those of `before` if `g` has rank zero.
 fn orthonormal(g: [[f64; 3]; 3], before: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let mut rows = [0, 1, 2];
     rows.sort_by(|&i, &j| dot(&g[j], &g[j]).total_cmp(&dot(&g[i], &g[i])));

@@ -1,4 +1,4 @@
-//! Graphs of vertices with places, and their parts.
+//! Graphs of vertices with coordinates, and their parts.
 
 use super::cut::{LEFT, SEPARATOR};
 use super::index;
@@ -51,7 +51,7 @@ fn symmetric(first: &[usize], to: &[u32]) -> Graph {
     for a in 0..n {
         ptr[a + 1] += ptr[a];
     }
-    // both directions of every edge, then the same turned over: what is visited in ascending order arrives so
+    // both directions of every edge, then their transpose: visiting rows in ascending order sorts the columns
     let (mut place, mut both) = (ptr.clone(), vec![0u32; ptr[n]]);
     for a in 0..n {
         for &b in &to[first[a]..first[a + 1]] {
@@ -85,13 +85,13 @@ fn symmetric(first: &[usize], to: &[u32]) -> Graph {
     Graph { ptr, adjacency }
 }
 
-/// A part of the graph with places; `ids` are the vertices' numbers in the whole graph.
+/// A part of the graph with coordinates; `ids` are the vertices' numbers in the whole graph.
 pub(super) struct Piece {
     pub ids: Vec<u32>,
     graph: Graph,
     pub weight: Vec<u32>,
     pub at: Vec<[f64; 3]>,
-    /// Length of the longest edge of each vertex in the whole graph, not less: no projection of one is longer.
+    /// Upper bound of the length of each vertex's edges in the whole graph, and so of their projections.
     pub reach: Vec<f64>,
 }
 

@@ -7,11 +7,11 @@ use super::graph::Piece;
 /// Coordinates closer than this part of the extent count as equal, so that a cut follows a line of the grid.
 const EQUAL: f64 = 1e-9;
 
-/// A number per vertex along which a set is cut.
+/// A coordinate of every vertex along which a set is cut.
 pub(super) enum Coordinate {
     /// Projections on a direction.
     Projections(Vec<f64>),
-    /// Steps along edges.
+    /// Levels: numbers of steps along edges.
     Levels(Vec<f64>),
 }
 
@@ -27,7 +27,7 @@ impl Coordinate {
         }
     }
 
-    /// No edge of `v` makes a larger step.
+    /// Upper bound of the step of the coordinate along any edge of `v`.
     pub(super) fn reach(&self, piece: &Piece, v: usize) -> f64 {
         match self {
             Self::Projections(_) => piece.reach[v],
@@ -38,10 +38,10 @@ impl Coordinate {
 
 /// A set halved at the median of a coordinate.
 pub(super) struct Halving {
-    /// What its separator costs about: the weight of the smaller rim, more where the halves differ.
+    /// Estimated cost of its separator: the weight of the smaller rim, more if the halves differ.
     pub cost: f64,
     coordinate: Coordinate,
-    /// What is below goes left.
+    /// Vertices with a coordinate below this one go left.
     bound: f64,
     extent: f64,
 }
@@ -73,7 +73,7 @@ impl Halving {
         Some(Self { cost: rim[0].min(rim[1]) as f64 * (1.0 + difference * difference), coordinate, bound, extent })
     }
 
-    /// The separator is the rim of one half, of the other where it is all of the first.
+    /// Cuts the set; the separator is the rim of one half, or of the other if the rim is all of the first.
     pub(super) fn cut(self, piece: &Piece) -> Option<Cut> {
         let Self { coordinate, bound, extent, .. } = self;
         let (n, t) = (piece.ids.len(), coordinate.values());
@@ -125,7 +125,7 @@ impl Cut {
     }
 }
 
-/// The weight of a separator, more where the halves differ; `None` where a half is empty.
+/// Weight of a separator, more if the halves differ; `None` if a half is empty.
 pub(super) fn cost(piece: &Piece, label: &[u8]) -> Option<f64> {
     let mut weight = [0u64; 3];
     for v in 0..label.len() {

@@ -1,4 +1,4 @@
-//! Levels of a graph: steps along edges from one end of it, part after part.
+//! Level structure of a graph: steps along edges from one end, one connected part after the other.
 
 use super::cut::{LEFT, RIGHT};
 use super::graph::Piece;
@@ -6,7 +6,7 @@ use super::index;
 
 /// Levels of the vertices of a set.
 pub(super) struct Levels {
-    /// The level of every vertex: those of a part without edges to the others lie behind them, and one is left out in between.
+    /// Level of every vertex: the levels of each connected part follow those of the previous one, with one left out in between.
     pub level: Vec<f64>,
     /// Mean weight of the levels of the heaviest part.
     pub width: f64,
@@ -20,12 +20,12 @@ impl Levels {
         search(piece, search(piece, start).1).0
     }
 
-    /// The mean weight of the levels from the first vertex, of the heaviest part.
+    /// Mean weight of the levels of the heaviest part, counted from the first vertex.
     pub(super) fn width(piece: &Piece) -> f64 {
         search(piece, 0).0.width
     }
 
-    /// Labels of two halves made of whole parts, where there are several.
+    /// Labels of two halves made of whole parts; `None` if there is only one.
     pub(super) fn parted(&self) -> Option<Vec<u8>> {
         let (&(_, all), others) = self.parts.split_last()?;
         let fits = others.partition_point(|&(_, weight)| 2 * weight < all);

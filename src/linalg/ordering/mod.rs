@@ -1,13 +1,13 @@
 //! Fill-reducing orders of symmetric matrices: geometric nested dissection and the postorder of an elimination tree.
 //!
 //! A set of vertices is cut in two near the plane through its median; the separator comes last, both halves are cut again.
-//! Planes are tried across the directions that its short edges have, those of a grid wherever it lies, turned or bent.
-//! The separator is the rim of one half where a line of the grid runs along the plane, else the smallest set that parts a band around it.
-//! Vertices at one place are cut as one. Edges are looked at near a plane only: none is longer than its vertices reach.
-//! Where planes meet far more edges than a level of the graph has vertices, levels are tried too: thin cells along a bend, say.
-//! The order depends on the pattern and the places only, not on the number of threads.
+//! Planes normal to the directions of short edges are tried: the directions of a grid, also if it is rotated or curved.
+//! The separator is the rim of one half if a line of the grid runs along the plane, else the smallest vertex cut of a band around it.
+//! Vertices at one point are cut as one. Only edges near a plane are examined, as their lengths are bounded.
+//! If planes cut far more edges than a level of the graph has vertices, levels are tried too, as for thin cells along a bend.
+//! The order depends on the pattern and the coordinates only, not on the number of threads.
 //!
-//! Source: George, SIAM J. Numer. Anal. 10 (1973) 345-363; Liu, SIAM J. Matrix Anal. 11 (1990) 134-172.
+//! Sources: George, SIAM J. Numer. Anal. 10 (1973) 345-363; Liu, SIAM J. Matrix Anal. 11 (1990) 134-172.
 
 mod band;
 mod cut;
@@ -28,17 +28,17 @@ pub use tree::{factor_entries, postordered};
 
 /// Sets of at most this many vertices are ordered by minimum degree.
 const LEAF: usize = 100;
-/// No vertex with fewer neighbours than this counts as tied to a large part of all.
+/// Least number of neighbours of a vertex that may count as connected to a large part of all.
 const FEW: usize = 64;
 /// Halves of more vertices than this are ordered in parallel.
 const PARALLEL: usize = 4096;
-/// A place shared by more unknowns than this tells nothing about the pattern.
+/// Number of unknowns at one point above which coordinates say nothing about the pattern.
 const CROWD: u32 = 256;
 
-/// Nested dissection of the graph of a symmetric matrix by the places of its unknowns.
+/// Nested dissection of the graph of a symmetric matrix by the coordinates of its unknowns.
 ///
-/// `ptr`, `cols`: rows of the pattern, one triangle or both. Returns `order[new] = old`, or `None` where the places do
-/// not tell the unknowns apart (absent, not finite, too many at one point): take a minimum degree order there.
+/// `ptr`, `cols`: rows of the pattern, one triangle or both. Returns `order[new] = old`, or `None` if the coordinates do
+/// not separate the unknowns (absent, not finite, too many at one point): use a minimum degree order then.
 ///
 /// # Panics
 /// If `ptr` is empty, a column lies beyond the rows, or there are 2^32 unknowns or more.
@@ -47,7 +47,7 @@ pub fn nested_dissection(ptr: &[usize], cols: &[usize], places: &[[f64; 3]]) -> 
     if places.len() != n || n == 0 || places.iter().flatten().any(|x| !x.is_finite()) {
         return None;
     }
-    // unknowns of one node, and the multiplier that acts on it, share a place: one vertex with a weight
+    // unknowns of one node, and the multiplier that acts on it, share a point: one vertex with a weight
     let mut sorted: Vec<([u64; 3], u32)> = places.iter().zip(0..).map(|(x, i)| (x.map(ascending), i)).collect();
     sorted.sort_unstable();
     let mut start = vec![0u32];
@@ -66,14 +66,14 @@ pub fn nested_dissection(ptr: &[usize], cols: &[usize], places: &[[f64; 3]]) -> 
     let graph = Graph::between(ptr, cols, &group, &sorted, &start);
     drop(group);
 
-    // a vertex tied to a large part of all others (the unknown of a rigid body, say) would be in every separator
+    // a vertex connected to a large part of all others (e.g. the unknown of a rigid body) would be in every separator
     let bound = (10.0 * (groups as f64).sqrt()).max(FEW as f64) as usize;
     let dense: Vec<bool> = (0..groups).map(|g| graph.neighbours(g).len() > bound).collect();
     let num_dense = dense.iter().filter(|&&d| d).count();
     let keep_dense = num_dense == 0 || 10 * num_dense > groups;
     let weight = start.windows(2).map(|w| w[1] - w[0]).collect();
     let whole = Piece::whole(graph, weight, scaled((0..groups).map(|g| places[members(g)[0] as usize]).collect()));
-    // groups ascend by their places: the first lies at one end
+    // groups ascend by their coordinates: the first lies at one end
     let mut order = if keep_dense {
         dissect(&whole, &whole, Levels::width(&whole))
     } else {
@@ -112,8 +112,8 @@ fn dissect(piece: &Piece, whole: &Piece, width: f64) -> Vec<u32> {
     order
 }
 
-/// Places times the power of two that brings the largest coordinate near 1: the same cuts, and squares of distances that
-/// neither vanish nor overflow.
+/// Coordinates times the power of two that brings the largest near 1: the same cuts, and squares of distances that
+/// neither underflow nor overflow.
 fn scaled(mut places: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
     let size = places.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
     if size > 0.0 {
@@ -125,7 +125,7 @@ fn scaled(mut places: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
     places
 }
 
-/// Bits that ascend as the finite number does; zero without a sign.
+/// Order-preserving bits of a finite number; zero without a sign.
 fn ascending(x: f64) -> u64 {
     let bits = (x + 0.0).to_bits();
     if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }

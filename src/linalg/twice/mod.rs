@@ -12,15 +12,15 @@ use sum::{SUMS, dot};
 
 pub(crate) use sum::Sum;
 
-/// Groups of rows whose numbers of the vector are gathered at once: a wide load has to wait for narrow stores just made.
+/// Groups of rows whose values of the vector are gathered at once: a wide load has to wait for narrow stores just made.
 const TOGETHER: usize = 32;
 /// Groups of rows that a thread takes at once.
 const SHARE: usize = 64 * TOGETHER;
 
-/// `r[i]` and two measures by `row(i, sum)` of every row i, `sum` being -(A x)_i; returns the largest of each measure.
+/// Computes `r[i]` and two measures by `row(i, sum)` for every row i, with `sum` = -(A x)_i; returns the largest of each measure.
 ///
-/// Rows are summed by themselves: the result does not depend on the number of threads. Many rows go over the threads of the pool, so a caller
-/// must not hold a lock that other tasks of the pool wait for.
+/// Rows are summed independently: the result does not depend on the number of threads. Many rows are shared among the threads of the
+/// pool, so a caller must not hold a lock that other tasks of the pool wait for.
 ///
 /// # Panics
 /// If the lengths do not fit.

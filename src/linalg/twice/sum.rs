@@ -1,11 +1,11 @@
 //! Sums of products in twice the working precision: term by term, and in lanes.
 //!
-//! The part of a product that rounding cuts off comes from one fused multiply-add in lanes; from Veltkamp's halves term by term, and where the
-//! processor has none: the same number, as long as nothing overflows or underflows on the way.
+//! The rounding error of a product is computed by a fused multiply-add in SIMD lanes, and by Veltkamp splitting term by term or if the
+//! processor has none: the same number, as long as nothing overflows or underflows.
 
 use pulp::Simd;
 
-/// Partial sums of a row: as many whatever the lanes, so that all instruction sets give the same bits.
+/// Partial sums of a row, the same number for all SIMD widths, so that all instruction sets give the same bits.
 pub(super) const SUMS: usize = 8;
 /// Splits a number in two of 26 bits: 2^27 + 1.
 const SPLIT: f64 = 134_217_729.0;
@@ -18,7 +18,7 @@ const SPLIT: f64 = 134_217_729.0;
 pub(crate) struct Sum {
     pub(super) high: f64,
     pub(super) low: f64,
-    /// Sum of the sizes of all terms.
+    /// Sum of the magnitudes of all terms.
     pub size: f64,
 }
 

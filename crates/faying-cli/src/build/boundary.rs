@@ -14,7 +14,7 @@ use faying::assembly::{Equation, measure, planar_normal};
 use faying::linalg::Vector;
 use std::sync::Arc;
 
-/// Normals with less than this along an axis are perpendicular to it.
+/// Components of a unit normal below this count as zero.
 const PERPENDICULAR: f64 = 1e-9;
 
 /// Names of components in messages.
@@ -22,7 +22,7 @@ pub(crate) fn component_name(component: usize, components: usize) -> &'static st
     if components == 1 { "u" } else { ["x", "y", "z"][component.min(2)] }
 }
 
-/// Conditions, loads, springs and equations of all boundary blocks.
+/// Adds the conditions, loads, springs and equations of all boundary blocks to `model`; errors go to the builder's faults.
 pub(super) fn build<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
     model: &mut Model<S, N>,
@@ -33,7 +33,7 @@ pub(super) fn build<const S: usize, const N: usize>(
         let block = &builder.case.boundaries[k];
         let mut on = Vec::with_capacity(block.on.len());
         for wanted in &block.on {
-            // sides that were found to touch others are no outer ones
+            // sides coupled to another side are not outer sides
             if block.all_outer && couples.hold(wanted.value.patch, &wanted.value.side) {
                 continue;
             }
@@ -122,14 +122,14 @@ fn one<const S: usize, const N: usize>(
     Ok(())
 }
 
-/// Counts a side among the supports, once.
+/// Adds a side to the supports unless it is already there.
 fn supported<const S: usize, const N: usize>(model: &mut Model<S, N>, side: &Arc<SideModel<S, N>>) {
     if !model.supports.iter().any(|s| Arc::ptr_eq(s, side)) {
         model.supports.push(side.clone());
     }
 }
 
-/// Resultants, spread over all sides of the block, and sides that move as one.
+/// Adds the resultants, spread evenly over all sides of the block, and the sides that move as one.
 fn resultants<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     model: &mut Model<S, N>,
@@ -183,7 +183,7 @@ pub(super) fn needs_exact<const S: usize, const N: usize>(
     }
 }
 
-/// n . u = 0, or u - (n . u) n = 0, on a planar side.
+/// Adds n . u = 0, or u - (n . u) n = 0, on a planar side: as conditions along an axis, else as equations.
 fn sliding<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     model: &mut Model<S, N>,
@@ -232,7 +232,7 @@ fn tangents<const N: usize>(normal: &Vector<N>) -> Vec<Vector<N>> {
     basis.split_off(1)
 }
 
-/// A component of a side is prescribed once, and has no traction then.
+/// Reports components of a side that are prescribed twice (E052).
 fn duplicates<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>) {
     for (k, b) in model.conditions.iter().enumerate() {
         let twin = model.conditions[..k].iter().find(|a| Arc::ptr_eq(&a.side, &b.side) && a.component == b.component);

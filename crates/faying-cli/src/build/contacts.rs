@@ -1,4 +1,4 @@
-//! Contacts: multipliers, what each slave side faces, and its rows.
+//! Contacts: multiplier space, opponent and constraint rows of each slave side.
 
 use super::Builder;
 use super::couples::Couples;
@@ -30,10 +30,10 @@ use faying::linalg::Vector;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// Directions with less than this along an axis do not need it.
+/// Components of a unit vector below this count as zero.
 const PERPENDICULAR: f64 = 1e-9;
 
-/// All contacts of the case.
+/// Builds all contacts of the case; errors go to the builder's faults.
 pub(super) fn build<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
     model: &mut Model<S, N>,
@@ -92,7 +92,7 @@ pub(super) fn build<const S: usize, const N: usize>(
                         builder.faults.push(warning);
                     }
                 }
-                // sides of a list may look elsewhere, as long as one faces the opponent
+                // a slave side that faces nothing is only a warning if another side of the list faces the opponent
                 Err(Missed::Nothing(fault)) => behind.push(*fault),
                 Err(Missed::Fault(fault)) => builder.faults.push(*fault),
             }
@@ -111,7 +111,7 @@ pub(super) fn build<const S: usize, const N: usize>(
     }
 }
 
-/// Functions of the model that slave sides of different patches share.
+/// Returns the functions of the model that slave sides of different patches share.
 fn seams<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>, sides: &mut Sides<S, N>) -> HashSet<usize> {
     let (mut first, mut shared) = (HashMap::new(), HashSet::new());
     if model.glued.is_empty() {
@@ -119,7 +119,7 @@ fn seams<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model:
     }
     let case = builder.case;
     for slave in case.contacts.iter().flat_map(|c| &c.slave) {
-        // what is wrong with a side is reported where its contact is built
+        // errors of a side are reported when its contact is built
         let Ok(side) = sides.get(builder, &model.patches, slave) else { continue };
         for &dof in &side.trace.dofs {
             let function = model.function(side.patch, dof);
@@ -131,7 +131,7 @@ fn seams<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model:
     shared
 }
 
-/// How the case wants the contact enforced.
+/// Returns the enforcement method of the contact, with automatic factors where the case gives none.
 fn formulation(contact: &case::Contact) -> Formulation {
     let factor = contact.factor.value;
     match contact.method.value {
@@ -147,7 +147,7 @@ fn formulation(contact: &case::Contact) -> Formulation {
     }
 }
 
-/// What contact needs of the model.
+/// Checks that the model is one of elasticity and that the contact has the same `c` as all others (E015).
 fn known<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     contact: &case::Contact,
@@ -163,11 +163,11 @@ fn known<const S: usize, const N: usize>(
     Ok(())
 }
 
-/// Why a slave side has no part.
+/// Error of building the part of a slave side.
 enum Missed {
     /// No point of it faces the opponent.
     Nothing(Box<Diagnostic>),
-    /// Something else is wrong.
+    /// Any other error.
     Fault(Box<Diagnostic>),
 }
 
@@ -193,7 +193,7 @@ fn part<const S: usize, const N: usize>(
     let moves = built.obstacle.as_ref().is_some_and(|o| o.changes);
     let (mut second, mut finer) = (None, None);
     let against = match &built.obstacle {
-        // an obstacle has no points of its own: its mixed integration is that of the slave
+        // an obstacle has no quadrature points of its own: mixed integration uses those of the slave
         Some(obstacle) => {
             let rules = gauss_rules(&*slave.trace.space, contact.extra_points.value);
             Against::Rigid(Arc::clone(obstacle), slave_segments(&*slave.trace.space, &rules))
@@ -254,19 +254,19 @@ fn part<const S: usize, const N: usize>(
         }
         return Err(missed());
     }
-    // rows are along the normal of what is faced: an end is constrained where the body cannot move that way
+    // rows act along the opponent's normal: an end is constrained if the body cannot move in that direction
     let slides = slides(model, slave);
     let cannot_move = |function: usize, n: &Vector<N>| {
         (0..N).all(|c| n[c].abs() < PERPENDICULAR || taken(function, c))
             || slides.iter().any(|(f, d)| *f == function && (n - d * n.dot(d)).norm() < PERPENDICULAR)
     };
-    // an obstacle that moves turns its normals; what cannot move at one of the times is constrained
+    // the normals of a moving obstacle change; a function that cannot move at one of the times is constrained
     let turning = |n: usize| -> Vec<_> { times(builder.case, moves).iter().map(|&t| directions(slave, &against, t, n)).collect() };
     let normals = turning(2);
-    // two slave sides that share a function have one multiplier too many there
+    // a function shared by two slave sides would get two multipliers: it counts as constrained
     let stuck =
         |function: usize| on_seam(function) || normals.iter().filter_map(|list| list.get(&function)).any(|n| cannot_move(function, n));
-    // functions inside of elements vanish at corners: their direction is that where they are largest
+    // functions inside of elements vanish at corners: their direction is taken where they are largest
     let inner = turning(degree(slave) + 2);
     let held =
         |f: usize| stuck(f) || inner.iter().filter_map(|list| list.get(&f)).any(|n| cannot_move(f, n)) || (0..N).all(|c| taken(f, c));
@@ -284,7 +284,7 @@ fn part<const S: usize, const N: usize>(
     if let (Some(make), true) =
         (builder.names.covered.0, matches!(&contact.multiplier.value, case::Multiplier::Named(word) if word == "dual"))
     {
-        // what faces something at the first time at which anything does
+        // facing points at the first time at which there are any
         let faced = times(builder.case, moves).iter().map(|&t| faced(slave, &against, built.reach, t)).find(|s| !s.ds.is_empty());
         if let Some(segments) = faced {
             let (functions, read) = make(&slave.trace, &stuck, &segments)
@@ -325,10 +325,10 @@ fn part<const S: usize, const N: usize>(
     Err(missed())
 }
 
-/// The points of a slave side that face its opponent at time `t`.
+/// Returns the points of a slave side that face its opponent at time `t`.
 fn faced<const S: usize, const N: usize>(slave: &SideModel<S, N>, against: &Against<S, N>, reach: Option<f64>, t: f64) -> Segments<S> {
     match against {
-        // a master without tangent is reported where the rows are made
+        // a master without tangent is reported when the rows are built
         Against::Side(master, segments) => {
             Frames::against_master(&slave.trace, &master.trace, segments).map_or_else(|_| segments.clone(), |(segments, _)| segments)
         }
@@ -370,7 +370,7 @@ fn rows<const S: usize, const N: usize>(
     built.with_cone(cone, psi)
 }
 
-/// Rows on finer segments, against which the consistency error is estimated.
+/// Builds the rows on finer segments for the estimate of the consistency error; `None` against a rigid obstacle.
 fn finer_rows<const S: usize, const N: usize>(
     model: &Model<S, N>,
     slave: &SideModel<S, N>,
@@ -392,7 +392,7 @@ fn finer_rows<const S: usize, const N: usize>(
 }
 
 impl<const S: usize, const N: usize> ContactModel<S, N> {
-    /// Rows, offsets and weights of a part at time `t`, obstacles that forces press at rest.
+    /// Returns rows, offsets and weights of a part at time `t`, with force-driven obstacles not displaced by their forces.
     ///
     /// # Errors
     /// [`ContactError`] where the gap formula has no value.
@@ -400,7 +400,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
         self.at_place(model, part, t, None)
     }
 
-    /// The same with obstacles that forces press where `unknowns` of the model say.
+    /// Returns rows, offsets and weights of a part at time `t`, with force-driven obstacles displaced by their entries of `unknowns`.
     ///
     /// # Errors
     /// [`ContactError`] where the gap formula has no value.
@@ -425,7 +425,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
         }
     }
 
-    /// Whether a force presses its obstacle.
+    /// Whether its obstacle is force-driven: its translation is an unknown of the model.
     pub fn is_pressed(&self) -> bool {
         self.obstacle.as_ref().is_some_and(|o| !o.pressed.is_empty())
     }

@@ -1,9 +1,9 @@
 //! Corners in which prescribed sides of several bodies meet.
 //!
-//! Two bodies that are tied side by side, both prescribed beside the interface, meet in its end. Projecting the data body by body gives
-//! two values there that differ by the error of the projections, O(h^(p+1)), and the multiplier, which carries that jump, loses accuracy: at p = 4
-//! its error is ten times as large as with one value. So corners come first: both bodies take the value of the data in the point, and each
-//! side is projected with its ends held.
+//! Two bodies that are tied side by side, both prescribed beside the interface, meet in its end. Projecting the data body by body gives two
+//! values there that differ by the error of the projections, O(h^(p+1)), and the multiplier, which carries that jump, loses accuracy: at
+//! degree 4 its error is ten times as large as with one value. Therefore corners come first: both bodies take the value of the data in
+//! the point, and each side is projected with its ends held.
 
 use super::Builder;
 use super::boundary::component_name;
@@ -17,27 +17,27 @@ use faying::geometry::{MapTable, cell};
 use faying::linalg::Vector;
 use faying::space::Trace;
 
-/// Corners nearer than this share of their elements are one.
+/// Corners closer than this fraction of their element sizes coincide.
 const SAME_PLACE: f64 = 1e-3;
-/// Values that differ by less than this share of the largest are equal.
+/// Relative difference below which prescribed values are equal.
 const EQUAL_VALUES: f64 = 1e-9;
 
-/// A corner of a prescribed side in which a side of another body is prescribed, too.
+/// Corner of a prescribed side that it shares with a prescribed side of another body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SharedCorner<const N: usize> {
-    /// The condition, by its place in the list of the model.
+    /// Index of the condition in the list of the model.
     pub condition: usize,
-    /// The function of the model that lives there.
+    /// Function of the model that is not zero at the corner.
     pub function: usize,
-    /// Its value there.
+    /// Value of the function at the corner.
     pub value: f64,
-    /// Where \[length\].
+    /// Position \[length\].
     pub x: Vector<N>,
-    /// The corners of other bodies there, by their places in this list.
+    /// Indices in this list of the corners of other bodies at the same point.
     pub others: Vec<usize>,
 }
 
-/// The shared corners of all conditions, in their order; `in_model` gives the trace of a condition in functions of the model.
+/// Returns the shared corners of all conditions, in their order; `in_model` gives the trace of a condition in functions of the model.
 pub(super) fn shared<const S: usize, const N: usize>(model: &Model<S, N>, in_model: &dyn Fn(usize) -> Trace<S, N>) -> Vec<SharedCorner<N>> {
     let body = |condition: usize| model.glued.body(model.conditions[condition].side.patch);
     let Some(first) = (!model.conditions.is_empty()).then(|| body(0)) else { return Vec::new() };
@@ -49,7 +49,7 @@ pub(super) fn shared<const S: usize, const N: usize>(model: &Model<S, N>, in_mod
         let of = side_corners(&in_model(k)).into_iter();
         all.extend(of.map(|c| (c.extent, SharedCorner { condition: k, function: c.function, value: c.value, x: c.x, others: Vec::new() })));
     }
-    // neighbours along the first axis are looked at, no others
+    // sweep along the first axis: only neighbours are compared
     let mut order: Vec<usize> = (0..all.len()).collect();
     order.sort_by(|&a, &b| all[a].1.x[0].total_cmp(&all[b].1.x[0]).then(a.cmp(&b)));
     let longest = all.iter().map(|c| c.0).fold(0.0, f64::max) * SAME_PLACE;
@@ -74,7 +74,7 @@ pub(super) fn shared<const S: usize, const N: usize>(model: &Model<S, N>, in_mod
     kept.iter().map(with_others).collect()
 }
 
-/// E052 as a warning where the data of two bodies that are tied differ in a common corner, at a time of the case.
+/// Warns (E052) if the data of two tied bodies differ at a common corner, at one of the times of the case.
 pub(super) fn jumps<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>) {
     let tied = |a: usize, b: usize| {
         let parts = model.ties.iter().flat_map(|t| &t.parts);
@@ -94,7 +94,7 @@ pub(super) fn jumps<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
         let largest = (0..model.conditions.len()).map(|k| largest(model, k, &|x| value(k, x))).fold(0.0, f64::max);
         for (&(a, b), told) in pairs.iter().zip(&mut told).filter(|(_, told)| !**told) {
             let (a, b) = (&model.corners[a], &model.corners[b]);
-            // in one point, so that bodies that are a little apart are not taken for a jump
+            // both values at one point, so that a small distance of the bodies is not taken for a jump
             let (of_a, of_b) = (value(a.condition, &a.x), value(b.condition, &a.x));
             if (of_a - of_b).abs() <= EQUAL_VALUES * largest.max(of_a.abs()) || !(of_a - of_b).is_finite() {
                 continue;
@@ -119,7 +119,7 @@ pub(super) fn jumps<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
     }
 }
 
-/// The largest value of a condition in the corners of its elements.
+/// Returns the largest absolute value of a condition at the corners of its elements.
 fn largest<const S: usize, const N: usize>(model: &Model<S, N>, condition: usize, value: &dyn Fn(&Vector<N>) -> f64) -> f64 {
     let space = &*model.conditions[condition].side.trace.space;
     let (mut largest, mut map) = (0.0_f64, MapTable::new());
@@ -135,7 +135,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         self.conditions[self.corners[corner].condition].side.patch
     }
 
-    /// What a condition prescribes in a point at time `t`.
+    /// Value that a condition prescribes at the point `x` and time `t`.
     fn value_of(&self, condition: usize, x: &Vector<N>, t: f64) -> f64 {
         let (condition, at) = (&self.conditions[condition], Point::new(x.as_slice()).at_time(t));
         match &condition.value {

@@ -1,4 +1,4 @@
-//! Which sides the interfaces of the case couple: slaves with their masters, named or found by where they touch.
+//! Side pairs of the interfaces: slaves with their masters, given by name or found by a search for touching sides.
 
 use super::Builder;
 use super::joined::{Known, disjoint};
@@ -21,24 +21,24 @@ use std::sync::Arc;
 pub(super) struct Couple<const S: usize, const N: usize> {
     pub slave: Arc<SideModel<S, N>>,
     pub masters: Vec<Arc<SideModel<S, N>>>,
-    /// Where the case says so.
+    /// Source location in the case.
     pub at: Place,
-    /// Largest distance of the sides, where it is given \[length\].
+    /// Largest admissible distance of the sides, if given \[length\].
     pub tolerance: Option<f64>,
-    /// Whether the case names both, so that they are meant to be tied.
+    /// Whether the case names slave and masters, so that they are meant to be tied.
     pub is_named: bool,
-    /// Where their facets explain how far they are apart: the largest distance that points of them may have \[length\].
+    /// Largest admissible distance of points, if faceting explains the distance of the sides \[length\].
     pub explained: Option<f64>,
 }
 
-/// The couples of every interface of the case, in its order; closed patches and touching patches of files come apart.
+/// Side pairs of every interface in the order of the case; those of closed patches and multi-patch files are listed separately.
 #[derive(Debug)]
 pub(super) struct Couples<const S: usize, const N: usize> {
-    /// Per interface.
+    /// Side pairs of each interface.
     pub ties: Vec<Vec<Couple<S, N>>>,
-    /// Sides that are glued without an interface: closed rings, files of several patches.
+    /// Side pairs glued without an interface: closed patches, files of several patches, groups of one mesh.
     pub seams: Vec<Couple<S, N>>,
-    /// All sides of both.
+    /// All sides (patch, name) of both lists.
     sides: BTreeSet<(usize, String)>,
 }
 
@@ -48,19 +48,19 @@ impl<const S: usize, const N: usize> Couples<S, N> {
         self.sides.contains(&(patch, side.to_owned()))
     }
 
-    /// The couples whose functions are shared: `coupling = "glue"`, rings, files.
+    /// Side pairs with shared functions: `coupling = "glue"`, closed patches, files.
     pub fn glued<'a>(&'a self, builder: &'a Builder<'_, S, N>) -> impl Iterator<Item = &'a Couple<S, N>> {
         let ties = self.ties.iter().zip(&builder.case.interfaces).filter(|(_, tie)| is_glue(&tie.coupling.value));
         ties.flat_map(|(couples, _)| couples).chain(&self.seams)
     }
 }
 
-/// Named sides are tied across this share of the local element.
+/// Search radius of named sides, as a fraction of the facet size.
 const NAMED: f64 = 0.25;
 
-/// Finds the couples of all interfaces; what is wrong goes to the builder's faults.
+/// Finds the side pairs of all interfaces; errors go to the builder's faults.
 ///
-/// `files` lists the patches that came from one file, with the place of its name: their touching sides are glued.
+/// `files` lists the patches that came from one file, with the source location of its name: their touching sides are glued.
 pub(super) fn find<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
     patches: &[PatchModel<S, N>],
@@ -93,11 +93,11 @@ pub(super) fn find<const S: usize, const N: usize>(
             Err(fault) => builder.faults.push(*fault),
         }
     }
-    // lists of patches part what a file or a mesh joins; from here on what is joined stays so
+    // patches listed by an interface are not glued by their file; from here on they may be paired, but glued sides stay glued
     known.join_lists();
     couples.seams.iter().for_each(|c| known.add(c));
     couples.ties.resize_with(case.interfaces.len(), Vec::new);
-    // what is named goes before what is looked for, and lists of patches before all
+    // order: interfaces with named sides, then lists of patches, then "all"
     let rank = |tie: &Tie| tie.between.as_ref().map_or(0, |b| if is_all(b) { 2 } else { 1 });
     let mut order: Vec<usize> = (0..case.interfaces.len()).collect();
     order.sort_by_key(|&k| rank(&case.interfaces[k]));
@@ -132,7 +132,7 @@ pub(super) fn find<const S: usize, const N: usize>(
     couples
 }
 
-/// E026 where a side that was found to touch others is slave already.
+/// Reports E026 if a side found by the search is slave already.
 fn slave_twice<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, couples: &Couples<S, N>) {
     let mut first: BTreeMap<(usize, &str), usize> = BTreeMap::new();
     let case = builder.case;
@@ -149,7 +149,7 @@ fn slave_twice<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, 
     }
 }
 
-/// Slave and master as the case names them.
+/// Returns the side pairs of an interface whose slaves and masters are named.
 fn named<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
     patches: &[PatchModel<S, N>],
@@ -180,10 +180,11 @@ fn named<const S: usize, const N: usize>(
     couples
 }
 
-/// The largest distance of points of named sides, where their facets explain how far they are apart; none where nothing tells.
+/// Returns the largest admissible distance of points of named sides if faceting explains their distance; `None` if the maps are exact or
+/// the sides are out of reach.
 ///
 /// # Errors
-/// A warning where they do not, and the sides are tied because they are named.
+/// A warning if faceting does not explain the distance; the sides are tied nevertheless, because they are named.
 fn explained<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patches: &[PatchModel<S, N>],
@@ -191,7 +192,7 @@ fn explained<const S: usize, const N: usize>(
 ) -> Result<Option<f64>, Box<Diagnostic>> {
     let exact = |s: &SideModel<S, N>| patches[s.patch].exact_map;
     if exact(&couple.slave) && couple.masters.iter().all(|m| exact(m)) {
-        // 1e-8 of the size is all they may be apart: more is an error where they are tied
+        // exact sides may be 1e-8 of their size apart; more is reported as an error when they are tied
         return Ok(None);
     }
     let all: Vec<&Arc<SideModel<S, N>>> = std::iter::once(&couple.slave).chain(&couple.masters).collect();
@@ -218,12 +219,12 @@ fn explained<const S: usize, const N: usize>(
     Err(Box::new(builder.warning("E023", text, couple.at).with_help(help)))
 }
 
-/// The largest distance of points of sides whose facets deviate by `sags`: both deviations, and twice the larger that they miss.
+/// Largest admissible distance of points of faceted sides: four times the largest of the `sags`, at least twice `floor`.
 fn widest<const S: usize, const N: usize>(sags: &[Sag<S, N>], floor: f64) -> f64 {
     (4.0 * sags.iter().map(Sag::greatest).fold(0.0, f64::max)).max(2.0 * floor)
 }
 
-/// u0 with u1 of one patch for `closed = "u"`, and so on.
+/// Side pair of a closed patch: for `closed = "u"` the slave u1 with the master u0, and so on.
 fn ring<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patches: &[PatchModel<S, N>],
@@ -246,13 +247,13 @@ fn is_all(between: &Located<Vec<String>>) -> bool {
     between.value.iter().any(|name| name == "all")
 }
 
-/// The patches of every list of `between`.
+/// Returns the patches of every `between` that is a list, not "all".
 fn listed<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patches: &[PatchModel<S, N>]) -> Vec<BTreeSet<usize>> {
     let lists = builder.case.interfaces.iter().filter_map(|t| t.between.as_ref()).filter(|b| !is_all(b));
     lists.filter_map(|b| Some(wanted(builder, patches, b).ok()?.into_iter().collect())).collect()
 }
 
-/// The patches that `between` names.
+/// Returns the patches that `between` names.
 fn wanted<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patches: &[PatchModel<S, N>],
@@ -277,7 +278,7 @@ pub(super) fn pair(a: (usize, String), b: (usize, String)) -> Pair {
     if a <= b { [a, b] } else { [b, a] }
 }
 
-/// Pairs of sides that blocks of the case couple by name.
+/// Side pairs that interfaces and contacts of the case name.
 fn explicit<const S: usize, const N: usize>(builder: &Builder<'_, S, N>) -> BTreeSet<Pair> {
     let case = builder.case;
     let ties = case.interfaces.iter().map(|t| (&t.slave, t.master.as_slice()));
@@ -290,8 +291,8 @@ fn explicit<const S: usize, const N: usize>(builder: &Builder<'_, S, N>) -> BTre
     pairs.flat_map(|(slaves, masters)| slaves.iter().flat_map(move |s| masters.iter().map(move |m| pair(key(s), key(m))))).collect()
 }
 
-/// The touching sides of `bodies` as couples, without the pairs that are `known`, every facet once: of sides that touch one another, those are
-/// slaves that are covered, of two covered ones the finer.
+/// Finds the touching sides of `bodies` and returns them as slaves with masters, without the pairs in `known`, every facet once. Among
+/// sides that touch one another the slaves are those that are fully covered, or else the finer ones.
 ///
 /// Touching facets are found by a tree of boxes. To glue the patches of a file, call it with their numbers and push the
 /// couples to [`Couples::seams`]; [`find`] does so for its `files`.
@@ -348,10 +349,10 @@ pub(super) fn touching<const S: usize, const N: usize>(
         .collect())
 }
 
-/// Shares of facets covered within this of one are all of the side.
+/// Tolerance of the covered share of a side's facets: a side is fully covered from 1 - `ALL` on.
 const ALL: f64 = 1e-9;
 
-/// Slaves with their masters, from the share of a side's facets that another covers.
+/// Chooses slaves and masters from `shares`, the share of facets of one side that another covers.
 fn oriented<const S: usize, const N: usize>(
     all: &[Arc<SideModel<S, N>>],
     shares: &BTreeMap<(usize, usize), f64>,
@@ -371,7 +372,7 @@ fn oriented<const S: usize, const N: usize>(
         if class.contains_key(&start) {
             continue;
         }
-        // sides that touch one another, in two classes
+        // connected group of touching sides, divided into two classes
         let mut members = vec![start];
         class.insert(start, 0);
         let mut next = 0;

@@ -1,4 +1,4 @@
-//! Along which directions the functions of a contact side are pressed, and along which they cannot move.
+//! Contact directions of the functions of a slave side, and directions in which they cannot move.
 
 use super::model::{Against, Model, SideModel};
 use faying::basis::{Order, ShapeTable};
@@ -6,10 +6,10 @@ use faying::geometry::{ClosestPoint, MapTable, cell};
 use faying::linalg::Vector;
 use std::collections::HashMap;
 
-/// Functions with less than this value at a point do not live there.
+/// Function values below this count as zero.
 const NO_VALUE: f64 = 1e-10;
 
-/// Directions along which the functions of a side cannot move by conditions between components: inclined sliding.
+/// Returns (function, direction) of a side's functions held by equations between their components: inclined sliding.
 pub(super) fn slides<const S: usize, const N: usize>(model: &Model<S, N>, side: &SideModel<S, N>) -> Vec<(usize, Vector<N>)> {
     let field = model.patches[side.patch].field;
     let range = model.patches[side.patch].range();
@@ -32,8 +32,8 @@ pub(super) fn slides<const S: usize, const N: usize>(model: &Model<S, N>, side: 
     out
 }
 
-/// The direction of contact of every function, where it is largest among `n` points per direction of each element that
-/// it does not vanish at: the normal of what is faced, the slave's own where nothing is. Two points are the corners.
+/// Returns the contact direction of every function: the opponent's normal, or the slave's own where nothing is faced, at the point where
+/// the function is largest among `n` points per direction of each element. Two points are the corners.
 pub(super) fn directions<const S: usize, const N: usize>(
     side: &SideModel<S, N>,
     against: &Against<S, N>,

@@ -2,12 +2,12 @@
 
 use crate::case::{Divisions, Grade, Patch};
 
-/// Why breakpoints could not be made, in words.
+/// Error message for breakpoints that cannot be built.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct DivisionError(pub String);
 
-/// Points nearer than this share of the direction's length are one.
+/// Points closer than this fraction of the direction's length coincide.
 const SAME: f64 = 1e-10;
 
 /// Breakpoints of one direction whose geometry has the breakpoints `own` (its ends included).
@@ -46,7 +46,7 @@ pub fn breakpoints(
             all.sort_by(f64::total_cmp);
             let mut points = vec![first];
             for t in all {
-                // the geometry's own value wins over a rounded copy of it
+                // the geometry's own value is used instead of a rounded copy of it
                 let exact = own.iter().copied().find(|&o| (o - t).abs() <= SAME * length).unwrap_or(t);
                 if exact - points[points.len() - 1] > SAME * length {
                     points.push(exact);
@@ -64,8 +64,8 @@ pub fn breakpoints(
     Ok(points)
 }
 
-/// Number of elements of `patch` in direction `axis` whose geometry has the breakpoints `own`: what [`breakpoints`] makes,
-/// a list at most. `f64`, because halving many times leaves the whole numbers.
+/// Returns the number of elements of `patch` in direction `axis` that [`breakpoints`] makes of the geometry's breakpoints `own`; for a list
+/// an upper bound. `f64`, because repeated halving can exceed the range of integers.
 pub fn elements_along(patch: &Patch, own: &[f64], axis: usize) -> Option<f64> {
     let pieces = own.len().checked_sub(1).filter(|&n| n > 0)?;
     let base = match &patch.elements.value.get(axis)?.value {
@@ -78,7 +78,7 @@ pub fn elements_along(patch: &Patch, own: &[f64], axis: usize) -> Option<f64> {
     Some(base * f64::exp2(patch.refine.value as f64))
 }
 
-/// Where a grade stands in the direction, and how strong it is.
+/// Returns position (`None` for a direction without grading) and size ratio of a grading in direction `axis`.
 pub fn grade_of(grade: Option<&Grade>, axis: usize) -> (Option<f64>, f64) {
     grade.map_or((None, 1.0), |g| (g.toward.get(axis).copied().flatten(), g.ratio))
 }
@@ -136,7 +136,7 @@ fn graded(own: &[f64], count: usize, at: f64, ratio: f64) -> Vec<f64> {
     points
 }
 
-/// Distances 0 < d_1 < ... < d_n = length whose differences grow geometrically from `smallest`; even where they would shrink.
+/// Distances 0 < d_1 < ... < d_n = length whose differences grow geometrically from `smallest`; uniform if they would have to shrink.
 fn growing(n: usize, length: f64, smallest: f64) -> Vec<f64> {
     if n == 0 {
         return Vec::new();

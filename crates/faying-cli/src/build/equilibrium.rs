@@ -1,8 +1,8 @@
-//! Whether contact that only presses can hold the loads at all.
+//! Feasibility of the loads: whether contact pressure alone can balance them.
 //!
-//! With the rigid motions R that supports and ties leave, equilibrium asks for lambda <= 0 with Rᵀ Cᵀ lambda = Rᵀ f. By Farkas' lemma
-//! there is one, or a motion of R on which the load works and against which no contact presses: the residual of the least squares
-//! problem min |Rᵀ f - Rᵀ Cᵀ lambda| over lambda <= 0 is that motion, and what it lacks is the force that is missing.
+//! With the rigid motions R left by supports and ties, equilibrium requires lambda <= 0 with Rᵀ Cᵀ lambda = Rᵀ f. By Farkas' lemma either
+//! such a lambda exists, or a rigid motion on which the load does work and which no contact resists: the residual of the least squares
+//! problem min |Rᵀ f - Rᵀ Cᵀ lambda| over lambda <= 0 is that motion, and its negative the missing force.
 //!
 //! Source: Farkas, J. Reine Angew. Math. 124 (1902) 1-27; conditions of this kind for contact: Kikuchi, Oden, Contact Problems in
 //! Elasticity, SIAM 1988, chapter 6.
@@ -14,17 +14,19 @@ use super::supports::{RigidBodies, held};
 use faying::contact::{Cone, Contact};
 use nalgebra::{DMatrix, DVector};
 
-/// A missing force below this share of the sum of all nodal loads is rounding.
+/// A missing force below this fraction of the sum of all nodal loads is round-off.
 const BALANCED: f64 = 1e-9;
-/// Bodies that move less than this share of the whole motion are not named.
+/// Bodies that move less than this fraction of the whole motion are not named.
 const STILL: f64 = 1e-3;
 
-/// What pushes a patch: a force and its moment about the origin.
+/// Load on a patch: force and moment about the origin.
 type Push = ([f64; 3], [f64; 3]);
 
-/// Why no contact pressure balances the loads: "nothing holds body "upper" against its load in translation y: ..."; none where one does.
+/// Returns the message of an infeasible load: "nothing holds body "upper" against its load in translation y: ..."; `None` if contact
+/// pressure balances the loads or the test does not apply.
 ///
-/// `contacts` at a time, per contact and part; `loads` per patch, then on the obstacle of every contact; `size`: sum of the sizes of all nodal loads.
+/// `contacts`: rows at the current time, per contact and part; `loads`: per patch, then on the obstacle of every contact; `size`: sum of
+/// the absolute nodal loads.
 pub(crate) fn unheld<const S: usize, const N: usize>(
     model: &Model<S, N>,
     contacts: &[Vec<Contact<S, N>>],
@@ -34,7 +36,7 @@ pub(crate) fn unheld<const S: usize, const N: usize>(
     let bodies = RigidBodies::of(model);
     let (modes, forms) = held(model, &bodies);
     let null = modes.null(&forms);
-    // the cones W and E hold tension in places: what the functions push says too little there
+    // the cones W and E allow tension locally: a test per function does not apply
     if null.ncols() == 0 || model.contacts.iter().flat_map(|c| &c.parts).any(|part| part.cone != Cone::Coefficients) {
         return None;
     }
@@ -51,7 +53,7 @@ pub(crate) fn unheld<const S: usize, const N: usize>(
         let first = m * body;
         modes.work(body, force, moment).into_iter().enumerate().for_each(|(k, w)| load[first + k] += w);
     }
-    // what is no number is told as such where the system is solved
+    // loads that are not finite are reported when the system is solved
     if load.iter().any(|l| !l.is_finite()) {
         return None;
     }

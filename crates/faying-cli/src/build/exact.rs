@@ -13,7 +13,7 @@ pub struct Exact {
 /// Value and derivatives of a field of C components at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct FieldJet<const C: usize, const N: usize> {
-    /// u.
+    /// u, one entry per component.
     pub value: Vector<C>,
     /// `gradient[(i, j)]` = du_i/dx_j.
     pub gradient: Matrix<C, N>,
@@ -22,17 +22,17 @@ pub struct FieldJet<const C: usize, const N: usize> {
 }
 
 impl Exact {
-    /// The solution of the case.
+    /// Creates the solution from the formulas of the case.
     pub fn of(formulas: &[Located<Formula>]) -> Self {
         Self { components: formulas.iter().map(|f| f.value.clone()).collect() }
     }
 
-    /// Whether a component is made of pieces, whose derivatives may jump.
+    /// Whether a component is defined piecewise, so that its derivatives may jump.
     pub fn is_piecewise(&self) -> bool {
         self.components.iter().any(Formula::is_piecewise)
     }
 
-    /// u_c.
+    /// Value of the component, u_c.
     pub fn value(&self, component: usize, at: &Point) -> f64 {
         self.components[component].value(at)
     }

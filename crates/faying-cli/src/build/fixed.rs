@@ -1,4 +1,4 @@
-//! Prescribed values at a time, and which unknowns they take.
+//! Prescribed values at a given time, and the unknowns that supports eliminate.
 
 use super::Builder;
 use super::boundary::component_name;
@@ -15,14 +15,14 @@ use faying::space::{Field, Over, Trace};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-/// Unknowns that supports take from the system.
+/// Unknowns eliminated by supports.
 #[derive(Clone, Debug)]
 pub(super) struct Fixed {
     taken: Vec<bool>,
 }
 
 impl Fixed {
-    /// The unknowns of `model` that are prescribed or bound by an equation.
+    /// Finds the unknowns of `model` that are prescribed or bound by an equation.
     pub fn of<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>) -> Result<Self, Box<Diagnostic>> {
         let mut taken = vec![false; model.unknowns];
         let changes = model.conditions.iter().any(|c| match &c.value {
@@ -30,7 +30,7 @@ impl Fixed {
             Value::Exact => builder.case.model.exact.iter().flat_map(|e| &e.value).any(|f| f.depends_on_time()),
             Value::Formula(f) => f.depends_on_time(),
         });
-        // values that contradict each other at a later time are found now, too
+        // values that contradict each other at a later time are reported now, too
         for &t in times(builder.case, changes) {
             for (unknown, _) in model.prescribed(t).map_err(|e| conflict(builder, model, &e.0, e.1, &time_text(changes, t)))? {
                 taken[unknown] = true;
@@ -43,7 +43,7 @@ impl Fixed {
                 taken[i] = true;
             }
         }
-        // what is glued to a held function is held
+        // a function glued to a held function is held
         for i in 0..model.unknowns {
             taken[i] = taken[model.glued.unknown(i)];
         }
@@ -55,17 +55,17 @@ impl Fixed {
         Ok(Self { taken })
     }
 
-    /// Whether an unknown is taken.
+    /// Whether `unknown` is eliminated.
     pub fn is(&self, unknown: usize) -> bool {
         self.taken[unknown]
     }
 }
 
-/// The two conditions an error speaks of.
+/// Source locations of the two conditions of an error.
 pub(crate) type Places = Option<(Place, Place)>;
 
 impl<const S: usize, const N: usize> Model<S, N> {
-    /// (unknown, value) of all prescribed components at time `t`, ascending; an error comes with the places of the
+    /// Returns (unknown, value) of all prescribed components at time `t`, ascending; an error comes with the source locations of the
     /// conditions that disagree.
     pub(crate) fn prescribed(&self, t: f64) -> Result<Vec<(usize, f64)>, Box<(DirichletError, Places)>> {
         self.projected(|value, component| match value {
@@ -78,8 +78,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
         })
     }
 
-    /// Corners that bodies have in common, then one L2 projection per glued body and component of values given per condition; of glued unknowns only the one that
-    /// stands for all is listed.
+    /// Computes (unknown, value) of all prescribed components: corners shared by several bodies first, then one L2 projection per glued
+    /// body and component of the values given per condition. Of glued unknowns only the representative is listed.
     pub(crate) fn projected<'a>(
         &'a self,
         value: impl Fn(&'a Value, usize) -> Option<Box<dyn Fn(&Vector<N>) -> f64 + Sync + 'a>>,
@@ -110,12 +110,12 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 .map(|((c, v), trace)| Prescribed { trace, component: c.component, value: v.as_deref() })
                 .collect();
             let field = Field { first: 0, components: self.components };
-            // corners that other bodies have, too, before all sides
+            // corners shared with other bodies, before all sides
             let mut corners = Vec::new();
             for corner in self.corners.iter().filter(|c| self.glued.body(self.conditions[c.condition].side.patch) == *body) {
                 let condition = &self.conditions[corner.condition];
                 let prescribed = value(&condition.value, condition.component).map_or(0.0, |v| v(&corner.x)) / corner.value;
-                // data without a value in the corner itself are projected there
+                // data that are not finite at the corner itself are projected there
                 if prescribed.is_finite() {
                     corners.push((field.unknown(corner.function, condition.component), prescribed));
                 }
@@ -137,7 +137,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         Ok(all)
     }
 
-    /// Functions that are combinations of prescribed ones are prescribed, too, with the value of the combination.
+    /// Adds functions that are combinations of prescribed ones, with the combined value.
     fn combine(&self, values: &mut Vec<(usize, f64)>) {
         let n = self.components;
         for (a, terms) in self.glued.combined() {
@@ -153,8 +153,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
         }
     }
 
-    /// (function, coefficient) of `value` on everything that is held by conditions, equations or pins, whatever the
-    /// component: one L2 projection per glued body; functions as [`Self::function`] numbers them.
+    /// Returns (function, coefficient) of the L2 projection of `value` on all functions held by conditions, equations or pins, in any
+    /// component: one projection per glued body; functions are numbered as in [`Self::function`].
     pub(crate) fn coefficients(&self, value: &(dyn Fn(&Vector<N>) -> f64 + Sync)) -> Vec<(usize, f64)> {
         let mut by_body: BTreeMap<usize, (Vec<Trace<S, N>>, Vec<Rim<N>>, usize)> = BTreeMap::new();
         for side in &self.supports {
@@ -172,7 +172,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             let pinned: Vec<_> = rims.iter().map(|rim| Pinned { rim, component: 0, value: Some(value) }).collect();
             match dirichlet_with(&fixed, &pinned, &[], field, *extra, &mut Ldlt::new()) {
                 Ok(found) => all.extend(found),
-                // sides glued with a gap place their common corners differently: each side by itself
+                // sides glued across a gap have different corner positions: each side by itself
                 Err(_) => {
                     let sides = fixed.iter().map(|f| dirichlet_with(&[*f], &[], &[], field, *extra, &mut Ldlt::new()));
                     let rims = pinned.iter().map(|p| dirichlet_with::<S, N, f64>(&[], &[*p], &[], field, *extra, &mut Ldlt::new()));
@@ -188,8 +188,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
         self.corners = corners::shared(self, &|k| self.in_model(&self.conditions[k].side));
     }
 
-    /// The trace of a side in functions of the model: unknown / components, glued ones by the one that stands for all, those
-    /// that are combinations by the functions they are made of.
+    /// Returns the trace of a side in functions of the model (unknown / components): glued functions by their representative, dependent
+    /// ones by the functions they combine.
     fn in_model(&self, side: &SideModel<S, N>) -> Trace<S, N> {
         let own: Vec<usize> = side.trace.dofs.iter().map(|&dof| self.function(side.patch, dof)).collect();
         let combined = self.glued.combined();
@@ -218,7 +218,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
-    /// An edge or a corner in functions of the model, as [`Self::in_model`].
+    /// Returns an edge or a corner in functions of the model, as [`Self::in_model`].
     fn rim_in_model(&self, rim: &RimModel<N>) -> Rim<N> {
         let mut out = rim.rim.clone();
         for f in out.shapes.iter_mut().flatten() {
@@ -228,7 +228,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 }
 
-/// E052 for values that disagree, E017 for values that are not finite.
+/// Builds the diagnostic of an error in prescribed values: E052 if they disagree, E017 if they are not finite, else E072.
 fn conflict<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     model: &Model<S, N>,

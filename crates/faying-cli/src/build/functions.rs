@@ -1,12 +1,12 @@
-//! What the functions of multipliers ask of rigid motions: C R, one form per function.
+//! Multiplier functions applied to rigid motions: C R, one linear form per function.
 //!
-//! R: the rigid motions of the bodies. They lie in the bodies' spaces, so that row j of a tie is on them
+//! R: the rigid motions of the bodies. They lie in the bodies' spaces, so that on them row j of a tie is
 //!
 //!   ∫ ψ_j d . (u_slave - u_master) ds = d . (t_s - t_m) ∫ ψ_j ds + ...  ∫ ψ_j (x - c) ds,
 //!
-//! whatever the functions of the sides are: both bodies are looked at in the place of the slave, so that sides that are a little apart hold
-//! no more than sides that touch. Counting rows or points says too little: one constant per component has a row for each translation and
-//! lets the body turn about the middle of the side.
+//! whatever the functions of the sides are: both bodies are evaluated at the points of the slave, so that sides that are slightly apart
+//! hold no more than sides that touch. Counting rows or points is not enough: one constant per component has a row for each translation and
+//! lets the body rotate about the middle of the side.
 
 use super::Builder;
 use super::model::{ContactPart, Model, TiePart};
@@ -20,10 +20,10 @@ use faying::geometry::MapTable;
 use faying::linalg::Vector;
 use nalgebra::DMatrix;
 
-/// Parts that move against each other by less than this share of the most are not named.
+/// Parts whose relative motion is below this fraction of the largest are not named.
 const STILL: f64 = 1e-3;
 
-/// Sums of a multiplier function against one master.
+/// Integrals of a multiplier function over the part of its slave side paired with one master.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FunctionSums<const N: usize> {
     /// ∫ ψ ds.
@@ -34,12 +34,12 @@ pub struct FunctionSums<const N: usize> {
     pub size: f64,
 }
 
-/// A point from which levers of a patch are measured: its middle.
+/// Reference point for levers of a patch: the centre of its bounding box.
 fn origin<const S: usize, const N: usize>(model: &Model<S, N>, patch: usize) -> Vector<N> {
     model.patches[patch].extent.map_or(model.center, |b| b.center())
 }
 
-/// The sums of the functions of a tie: per master, component after component, in the order of its rows.
+/// Integrates the multiplier functions of a tie: per master, component after component, in the order of its rows.
 pub(super) fn function_sums<const S: usize, const N: usize>(model: &Model<S, N>, part: &TiePart<S, N>) -> Vec<Vec<FunctionSums<N>>> {
     let (space, origin) = (&*part.slave.trace.space, origin(model, part.slave.patch));
     let (mut ids, mut table, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
@@ -71,7 +71,7 @@ pub(super) fn function_sums<const S: usize, const N: usize>(model: &Model<S, N>,
     all
 }
 
-/// The rows of a tie on rigid motions, as means over each function; none where the coupling makes other rows than mortar.
+/// Returns the rows of a tie on rigid motions, as means over each function; empty if the rows are not mortar rows.
 pub(super) fn tie_forms<const S: usize, const N: usize>(
     model: &Model<S, N>,
     modes: &RigidModes<N>,
@@ -101,7 +101,7 @@ pub(super) fn tie_forms<const S: usize, const N: usize>(
     forms
 }
 
-/// Every row of a contact on rigid motions, and ∫ |ψ| ds; of a contact by points one per point, with 1.
+/// Returns every row of a contact on rigid motions with ∫ |ψ| ds; for Nitsche's method one per point, with 1.
 pub(super) fn contact_forms<const S: usize, const N: usize>(
     model: &Model<S, N>,
     modes: &RigidModes<N>,
@@ -115,7 +115,7 @@ pub(super) fn contact_forms<const S: usize, const N: usize>(
         modes.form(&RigidRow { terms: contact_terms(model, bodies, contact_number, part, contact, q), direction: contact.frames.normal[q] })
     };
     let Some(multiplier) = &part.multiplier else {
-        // rows at points push there
+        // rows of Nitsche's method act at their points
         return (0..contact.frames.x.len()).map(|q| (push(q), 1.0)).collect();
     };
     let mut forms = vec![(RigidForm::new(), 0.0); multiplier.num_functions()];
@@ -145,7 +145,7 @@ fn add(sum: &mut RigidForm, body: usize, own: &[f64; MOST], weight: f64) {
     sum[place].1.iter_mut().zip(own).for_each(|(s, v)| *s += weight * v);
 }
 
-/// The rows of all contacts, closed, on rigid motions: as means over each function.
+/// Returns the rows of all contacts, closed, on rigid motions: as means over each function.
 pub(super) fn closed_forms<const S: usize, const N: usize>(
     model: &Model<S, N>,
     modes: &RigidModes<N>,
@@ -154,7 +154,7 @@ pub(super) fn closed_forms<const S: usize, const N: usize>(
     let mut all = Vec::new();
     for (k, contact) in model.contacts.iter().enumerate() {
         for part in &contact.parts {
-            // functions that face nothing have no row; those of other cones are mixed
+            // functions that face nothing have no row; rows of other cones mix functions
             let has_row = |j: usize| part.cone != Cone::Coefficients || part.multiplier.is_none() || part.first.facing[j];
             let forms = contact_forms(model, modes, bodies, k, part, &part.first).into_iter().enumerate();
             for (mut form, size) in forms.filter(|(j, (_, size))| *size > 0.0 && has_row(*j)).map(|f| f.1) {
@@ -166,9 +166,9 @@ pub(super) fn closed_forms<const S: usize, const N: usize>(
     all
 }
 
-/// E024 for every interface whose points would hold what its functions do not.
+/// Reports E024 for every interface whose multiplier functions allow a rigid motion that its points would prevent.
 ///
-/// To be asked where the points of ties and closed contacts leave no motion.
+/// Precondition: the points of ties and closed contacts leave no rigid motion.
 pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>, bodies: &RigidBodies) {
     if model.rows == 0 {
         return;
@@ -181,7 +181,7 @@ pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
     }
     let free = modes.names(&left);
     let case = builder.case;
-    // by how much the points of an interface come apart
+    // largest separation of the points of an interface
     let most = |forms: Vec<RigidForm>| forms.iter().map(|f| moved(&modes, f, &left)).fold(0.0, f64::max);
     let mut loose = Vec::new();
     for (tie, read) in model.ties.iter().zip(case.interfaces.iter().filter(|t| !is_glue(&t.coupling.value))) {
@@ -238,20 +238,20 @@ pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
     }
 }
 
-/// A slave side and how far it comes off what it faces by the motions that are left.
+/// Slave side, and its largest separation from the masters by the remaining rigid motions.
 struct Loose<'a> {
     name: &'a str,
     slave: &'a str,
-    /// Of the slave, and of its masters.
+    /// Patch of the slave, and those of its masters.
     patches: (usize, Vec<usize>),
     functions: usize,
-    /// What each set of functions acts on.
+    /// End of the function count in messages: " per component", " along the normal".
     along: &'static str,
     apart: f64,
     at: Place,
 }
 
-/// The size of a form on some motions.
+/// Norm of a form applied to the motions in the columns of `motions`.
 fn moved<const N: usize>(modes: &RigidModes<N>, form: &RigidForm, motions: &DMatrix<f64>) -> f64 {
     let m = modes.modes();
     let of =

@@ -1,4 +1,4 @@
-//! Functions that glued sides share: every patch keeps its unknowns, equal ones have one root.
+//! Functions that glued sides share: every patch keeps its unknowns, identical ones have a common representative (root).
 //!
 //! A glued function is bound by u_i - u_root = 0, one equation per component and function: a union-find over all seams,
 //! so that a cross point of any number of patches is no special case.
@@ -12,11 +12,11 @@ use crate::errors::Diagnostic;
 use faying::assembly::Equation;
 use faying::space::{GlueError, Near, glue};
 
-/// Which functions of the model are one function, in numbers unknown / components.
+/// Sets of functions of the model identified by gluing, numbered unknown / components.
 #[derive(Clone, Debug, Default)]
 pub struct Glued {
     components: usize,
-    /// The least function that is the same; empty where nothing is glued.
+    /// Representative of each function, the least number of its set; empty if nothing is glued.
     root: Vec<usize>,
     /// Functions that are combinations of others: a = sum of terms.
     combined: Vec<(usize, Vec<(usize, f64)>)>,
@@ -25,12 +25,12 @@ pub struct Glued {
 }
 
 impl Glued {
-    /// Nothing glued yet: `functions` of `patches` bodies in total.
+    /// Creates the state before gluing: `functions` in total, `patches` bodies.
     pub(super) fn new(components: usize, functions: usize, patches: usize) -> Self {
         Self { components, root: (0..functions).collect(), combined: Vec::new(), body: (0..patches).collect() }
     }
 
-    /// Glues the couples of the case, and the points in which patches of one mesh meet; returns these beside it.
+    /// Glues the side pairs of the case, and the points in which patches of one mesh meet; also returns the latter.
     pub(super) fn of<const S: usize, const N: usize>(
         builder: &mut Builder<'_, S, N>,
         patches: &[PatchModel<S, N>],
@@ -85,12 +85,12 @@ impl Glued {
         Ok(())
     }
 
-    /// Makes two functions one. Numbers are unknown / components; call before [`Glued::finish`].
+    /// Identifies two functions, numbered unknown / components; call before [`Glued::finish`].
     pub(super) fn same(&mut self, a: usize, b: usize) {
         unite(&mut self.root, a, b);
     }
 
-    /// Makes two patches one rigid body: they share functions in more than a point.
+    /// Merges two patches into one rigid body: they share functions in more than a point.
     pub(super) fn join(&mut self, a: usize, b: usize) {
         unite(&mut self.body, a, b);
     }
@@ -99,7 +99,7 @@ impl Glued {
     pub(super) fn finish(&mut self) {
         for list in [&mut self.root, &mut self.body] {
             for i in 0..list.len() {
-                // a root is never above its members
+                // a root is the least number of its tree
                 list[i] = list[list[i]];
             }
         }
@@ -113,12 +113,12 @@ impl Glued {
         self.root.is_empty()
     }
 
-    /// The function that stands for `function`; numbers are unknown / components.
+    /// Representative of `function` after merging glued functions; numbers are unknown / components.
     pub fn root(&self, function: usize) -> usize {
         self.root.get(function).copied().unwrap_or(function)
     }
 
-    /// The unknown that stands for `unknown`.
+    /// Representative of `unknown` after merging glued unknowns.
     pub fn unknown(&self, unknown: usize) -> usize {
         if self.is_empty() { unknown } else { self.components * self.root(unknown / self.components) + unknown % self.components }
     }
@@ -128,7 +128,7 @@ impl Glued {
         self.body.get(patch).copied().unwrap_or(patch)
     }
 
-    /// Number of unknowns that follow from others.
+    /// Number of dependent unknowns: those with another representative, and combinations of others.
     pub fn num_bound(&self) -> usize {
         let equal = self.root.iter().enumerate().filter(|(i, r)| i != *r).count();
         let mut bound: Vec<usize> = self.combined.iter().map(|(a, _)| self.root(*a)).collect();
@@ -142,7 +142,7 @@ impl Glued {
         &self.combined
     }
 
-    /// The conditions between unknowns.
+    /// Equations of the dependent unknowns.
     pub fn equations(&self) -> Vec<Equation> {
         let equal = self.root.iter().enumerate().filter(|(i, r)| i != *r).map(|(i, &r)| vec![(i, 1.0), (r, -1.0)]);
         let combined = self
@@ -157,7 +157,7 @@ impl Glued {
         functions.iter().flat_map(|terms| (0..self.components).map(move |c| of(terms, c))).collect()
     }
 
-    /// Moves what acts on a glued function to the one that stands for it, so that forces across seams cancel.
+    /// Moves forces on dependent functions to their representatives, so that forces across seams cancel.
     pub fn gather(&self, forces: &mut [f64]) {
         if self.is_empty() {
             return;

@@ -9,10 +9,10 @@ use faying::geometry::{ClosestPoint, MapTable};
 use faying::space::skin_points;
 use std::sync::Arc;
 
-/// Points of glued sides look for their partner within this share of their facet.
+/// Search radius of points on glued sides, as a fraction of their facet's size.
 const REACH: f64 = 0.25;
 
-/// Every pair of sides that an interface of the case glues; closed rings and the seams of files are none.
+/// Returns distance and share of every pair of sides glued by an interface of the case; closed patches and seams of files are left out.
 pub(super) fn of<const S: usize, const N: usize>(case: &Case, couples: &Couples<S, N>) -> Vec<GluedSides> {
     let interfaces = case.interfaces.iter().zip(&couples.ties).filter(|(tie, _)| is_glue(&tie.coupling.value));
     let pairs = interfaces.flat_map(|(tie, list)| list.iter().map(|couple| (tie.name.value.clone(), couple)));
@@ -21,7 +21,7 @@ pub(super) fn of<const S: usize, const N: usize>(case: &Case, couples: &Couples<
         .collect()
 }
 
-/// The slave with each of its masters: greatest distance of its points to the nearest master, and the share of points that have it.
+/// Computes, per master of a slave, the greatest distance of the points that are nearest to this master, and their share of the slave.
 fn pairs_of<const S: usize, const N: usize>(couple: &Couple<S, N>) -> Vec<TiedSides> {
     let slave = &couple.slave.trace.space;
     let closest: Vec<_> = couple.masters.iter().map(|m| ClosestPoint::new(Arc::clone(&m.trace.space))).collect();

@@ -1,4 +1,4 @@
-//! What is joined already, facet by facet: sides may overlap, so that names of sides do not tell.
+//! Facets that are paired already: sides may overlap, so that names of sides do not identify them.
 
 use super::couples::{Couple, Pair, pair};
 use super::model::SideModel;
@@ -6,10 +6,10 @@ use faying::geometry::cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Patch, element, and middle of a facet in units of the element over [`UNITS`].
+/// Key of a facet: patch, element, and midpoint in units of the element over [`UNITS`].
 type FacetKey = (usize, usize, [i64; 3]);
 
-/// Middles of facets of one element are farther apart than one of so many parts of it.
+/// Resolution of facet midpoints: those of one element differ by more than 1 / `UNITS` of it.
 const UNITS: f64 = 1048576.0;
 /// Shares that differ by less than this are equal.
 const SAME: f64 = 1e-9;
@@ -22,32 +22,32 @@ fn facet_keys<const S: usize, const N: usize>(side: &SideModel<S, N>) -> impl It
     })
 }
 
-/// The couples that a side is part of, and whether as slave.
+/// (couple, whether as slave) for every couple that a side is part of.
 pub(super) type Marks = BTreeSet<(usize, bool)>;
 
-/// Pairs of sides that are not looked for: they are named elsewhere, or joined.
+/// Side pairs excluded from the search: named elsewhere, or joined already.
 #[derive(Debug, Default)]
 pub(super) struct Known {
     named: BTreeSet<Pair>,
-    /// Patches of one of these sets are not joined by their file.
+    /// Sets of patches that are not joined by their file.
     lists: Vec<BTreeSet<usize>>,
-    /// The couples that a facet is part of, and whether as slave.
+    /// (couple, whether as slave) for every couple that a facet is part of.
     of_facet: BTreeMap<FacetKey, Vec<(usize, bool)>>,
     couples: usize,
 }
 
 impl Known {
-    /// Pairs of named sides, and sets of patches that come apart.
+    /// Creates the list of excluded pairs from pairs of named sides and sets of patches that stay apart.
     pub fn new(named: BTreeSet<Pair>, lists: Vec<BTreeSet<usize>>) -> Self {
         Self { named, lists, ..Self::default() }
     }
 
-    /// Patches of one list may be joined from now on.
+    /// Allows patches of one list to be joined from now on.
     pub fn join_lists(&mut self) {
         self.lists.clear();
     }
 
-    /// The couple is joined.
+    /// Marks the facets of a couple as joined.
     pub fn add<const S: usize, const N: usize>(&mut self, couple: &Couple<S, N>) {
         let sides = couple.masters.iter().map(|m| (m, false)).chain([(&couple.slave, true)]);
         for (side, slave) in sides {
@@ -56,12 +56,12 @@ impl Known {
         self.couples += 1;
     }
 
-    /// The couples that share a facet with a side.
+    /// Returns the couples that share a facet with a side.
     pub fn marks<const S: usize, const N: usize>(&self, side: &SideModel<S, N>) -> Marks {
         facet_keys(side).filter_map(|f| self.of_facet.get(&f)).flatten().copied().collect()
     }
 
-    /// Whether two sides are known as a pair; each with its marks.
+    /// Whether a pair of sides, each with its marks, is excluded.
     pub fn hold<const S: usize, const N: usize>(&self, a: (&SideModel<S, N>, &Marks), b: (&SideModel<S, N>, &Marks)) -> bool {
         let key = |s: &SideModel<S, N>| (s.patch, s.side.clone());
         self.lists.iter().any(|l| l.contains(&a.0.patch) && l.contains(&b.0.patch))
@@ -70,11 +70,11 @@ impl Known {
     }
 }
 
-/// Keeps the shares of sides that have no facet in common: of those that overlap, first the largest that others cover (`touched` is
-/// the share of its facets on any other), then the smallest.
+/// Restricts `shares` to sides without common facets: of overlapping sides the largest of the fully covered ones is kept, else the smallest
+/// (`touched`: share of a side's facets on any other).
 ///
 /// # Errors
-/// A side that is dropped and another that it touches with facets of no side that is kept.
+/// Indices of a dropped side and of one it touches with facets that lie on no kept side.
 pub(super) fn disjoint<const S: usize, const N: usize>(
     all: &[Arc<SideModel<S, N>>],
     shares: &mut BTreeMap<(usize, usize), f64>,
@@ -93,7 +93,7 @@ pub(super) fn disjoint<const S: usize, const N: usize>(
             taken.extend(facet_keys(&all[k]));
         }
     }
-    // facets of a patch on a side that is kept, and on all such sides of a patch: those of a dropped side must be among them
+    // facets of a patch on a kept side, and on all kept sides of a patch: they must include those of a dropped side
     let facets = |a: usize, share: f64| share * all[a].trace.facets.len() as f64;
     let mut on_side: BTreeMap<(usize, usize), f64> = BTreeMap::new();
     let mut on_patch: BTreeMap<(usize, usize), f64> = BTreeMap::new();

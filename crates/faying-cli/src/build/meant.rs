@@ -1,4 +1,4 @@
-//! Contacts whose sides cannot meet: which were probably meant, and bodies that lie in each other deeper than a press fit.
+//! Contacts between wrong sides: suggestions for better ones, and overlaps deeper than a press fit.
 
 use super::Builder;
 use super::model::{Against, ContactPart, Model, PatchModel, SideModel};
@@ -13,21 +13,21 @@ use faying::space::{Skin, Space, Trace, raised, skin_points};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// A side that sees less than this share of another was not meant to press on it.
+/// Least share of a side that must face another one for a suggestion.
 const SEEN: f64 = 0.25;
-/// Sides nearer than this share of the named ones' distance were rather meant.
+/// Sides are suggested if they are closer than this fraction of the distance of the named ones.
 const NEARER: f64 = 0.5;
-/// A point of a body is within this share of the depth.
+/// Tolerance of the point-in-body test, as a fraction of the depth.
 const INSIDE: f64 = 1e-3;
-/// The depths, in overlaps, at which a body must still be there.
+/// Depths, in multiples of the overlap, at which the body is tested.
 const DEPTHS: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
-/// The sides mismatch where more than this share of what overlaps does so by more than half the thickness.
+/// Share of the overlapping area beyond which an overlap deeper than half the thickness is an error.
 const TOO_DEEP: f64 = 0.5;
 
-/// The patches of a body, to ask whether a point is in it.
+/// Closest-point searches on the patches of a body, to test whether a point is inside.
 type Body<const N: usize> = Vec<ClosestPoint<N, N, Arc<dyn Space<N, N>>>>;
 
-/// `plain` with the sides of both bodies that face each other best, where the named ones do not.
+/// Returns `plain`, with a hint to the sides of both bodies that face each other best if they are much closer than the named ones.
 pub(super) fn meant<const S: usize, const N: usize>(
     model: &Model<S, N>,
     slave: &SideModel<S, N>,
@@ -48,7 +48,7 @@ pub(super) fn meant<const S: usize, const N: usize>(
             }
         }
     }
-    // the named ones may be right and too far apart
+    // the named sides may be right but too far apart
     let named = masters.iter().filter_map(|m| mean_distance(&slave.trace, &m.trace, model.size)).fold(f64::INFINITY, f64::min);
     match best.filter(|b| b.0 < NEARER * named) {
         Some((_, help)) => Box::new((*plain).with_help(help)),
@@ -60,7 +60,7 @@ fn skins<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> Vec<(Strin
     patch.body.sides().into_iter().filter_map(|name| Some((name.clone(), patch.body.trace(&name).ok()?))).collect()
 }
 
-/// The mean |gap| of the facets of a side that see another; none where few do.
+/// Returns the mean |gap| of the facets of a side that face another; `None` if too few do.
 fn mean_distance<const S: usize, const N: usize>(side: &Trace<S, N>, other: &Trace<S, N>, reach: f64) -> Option<f64> {
     let [own, far] = [side, other].map(|t| Sag::none(t.facets.len()));
     let (skin, mut table) = (Skin::new(other, &far), MapTable::new());
@@ -77,7 +77,8 @@ fn mean_distance<const S: usize, const N: usize>(side: &Trace<S, N>, other: &Tra
     (seen > SEEN * all).then(|| sum / seen)
 }
 
-/// E023 where both sides overlap at rest by more than half the thickness of a body along the normal, at most of the points that overlap.
+/// Returns E023 if the sides overlap at rest by more than half the thickness of a body along the normal, on more than half of the
+/// overlapping area.
 pub(super) fn overlap<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     model: &Model<S, N>,
@@ -97,7 +98,7 @@ pub(super) fn overlap<const S: usize, const N: usize>(
                 continue;
             }
             overlapping += segments.ds[q];
-            // most fits are less deep than the element behind the side
+            // most overlaps are less deep than half the element behind the side
             let owner = [part.slave.patch_of(e), master.patch_of(f)];
             let behind = [(0, e), (1, f)].map(|(k, element)| element_depth(model, traces[k], owner[k], element, &frames.normal[q]));
             if behind.iter().all(|b| 2.0 * depth <= *b) {
@@ -141,7 +142,7 @@ pub(super) fn overlap<const S: usize, const N: usize>(
     Some(*meant(model, &part.slave, &part.masters, plain))
 }
 
-/// Twice the way from a facet's centre to the centre of its cell along `normal`.
+/// Depth of the element behind a facet: twice the distance between the centres of facet and cell along `normal`.
 fn element_depth<const S: usize, const N: usize>(
     model: &Model<S, N>,
     trace: &Trace<S, N>,
@@ -157,7 +158,7 @@ fn element_depth<const S: usize, const N: usize>(
     2.0 * (table.x[0] - table.x[1]).dot(normal).abs()
 }
 
-/// The patches that are one body with `patches`: glued to them, or tied.
+/// Returns the patches that form one body with `patches`: glued to them, or tied.
 fn body<const S: usize, const N: usize>(model: &Model<S, N>, patches: &[usize]) -> Body<N> {
     let mut members: BTreeSet<usize> = patches.iter().copied().collect();
     loop {

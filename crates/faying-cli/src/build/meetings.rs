@@ -1,4 +1,4 @@
-//! Points in which patches of one mesh meet without a common facet: they share the function of the point.
+//! Points in which patches of one mesh meet without a common facet: they share the function of that point.
 
 use super::glue::Glued;
 use super::meshes::point_of;
@@ -9,12 +9,12 @@ use faying::geometry::{Bounds, MapTable, Tree};
 use faying::linalg::Vector;
 use std::collections::BTreeMap;
 
-/// A corner of an element is a point of the file where it is nearer than this share of the element.
+/// Distance within which a corner of an element is a point of the file, as a fraction of the element size.
 const AT_THE_POINT: f64 = 1e-6;
-/// Functions with less than this value at a corner do not live there.
+/// Function values below this count as zero.
 const NO_VALUE: f64 = 1e-10;
 
-/// Two patches that move together in a point.
+/// Point in which two patches are connected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hinge<const N: usize> {
     /// The patches.
@@ -23,7 +23,7 @@ pub struct Hinge<const N: usize> {
     pub x: Vector<N>,
 }
 
-/// Makes the functions of the meeting points one; returns where that holds two patches together.
+/// Identifies the functions at the meeting points; returns one hinge per connected pair of patches.
 pub(super) fn join<const S: usize, const N: usize>(
     case: &Case,
     patches: &[PatchModel<S, N>],
@@ -53,7 +53,7 @@ pub(super) fn join<const S: usize, const N: usize>(
     hinges
 }
 
-/// (key, function, place) of the functions whose node is one of `places`; one pass over the elements.
+/// Returns (key, function, position) of the functions whose node is one of `places`; one pass over the elements.
 fn functions_at<const S: usize, const N: usize>(patch: &PatchModel<S, N>, places: &[(usize, Vector<N>)]) -> Vec<(usize, usize, Vector<N>)> {
     let space = &**patch.body.space();
     let tree = Tree::new(places.iter().map(|(_, x)| Bounds { lo: *x, hi: *x }).collect());

@@ -1,4 +1,4 @@
-//! Bodies of patches that are read from meshes: the cells moved, halved, and made a Lagrange mesh.
+//! Bodies of patches that are read from meshes: the cells are transformed, refined, and made a Lagrange mesh.
 
 use super::Builder;
 use crate::case::{FilePart, Geometry, Mapping, Patch};
@@ -7,7 +7,7 @@ use faying::geometry::{turn, turn_about};
 use faying::linalg::Vector;
 use faying::space::{self, Body, Mesh, MeshError, refine_cells};
 
-/// The body of a patch that is read from a mesh, one of backend `fe`.
+/// Builds the body of a patch that is read from a mesh (backend `fe`).
 pub(super) fn body<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: &Patch,
@@ -41,7 +41,7 @@ pub(super) fn body<const S: usize, const N: usize>(
     Ok(Box::new(mesh))
 }
 
-/// The mesh of a patch as its file has it, in place, where it is halved for the patch: its facets have parts that do not turn.
+/// Returns the mesh of a patch, transformed but not refined: its facets determine the sag. `None` if the patch is no refined mesh.
 pub(super) fn unrefined<const S: usize, const N: usize>(patch: &Patch) -> Option<Box<dyn Body<S, N>>> {
     let part = patch.geometry.shape.part().filter(|p| p.is_mesh() && patch.refine.value > 0)?;
     let mut cells = part.cells::<N>()?;
@@ -49,13 +49,13 @@ pub(super) fn unrefined<const S: usize, const N: usize>(patch: &Patch) -> Option
     Some(Box::new(Mesh::<S, N>::from_cells(&cells, 1, space::Mapping::Exact).ok()?))
 }
 
-/// Points of a mesh scaled, rotated, moved as their geometry says.
+/// Scales, rotates and translates the points of a mesh as `geometry` says.
 pub(super) fn placed_points<const N: usize>(points: &[Vector<N>], geometry: &Geometry) -> Result<Vec<Vector<N>>, String> {
     let turn = turn_of(geometry)?;
     Ok(points.iter().map(|x| moved(x, geometry, &turn)).collect())
 }
 
-/// The code of an unusable mesh.
+/// Error code of an unusable mesh.
 pub(super) fn mesh_code(error: &MeshError) -> &'static str {
     match error {
         MeshError::Inverted(_) | MeshError::Folded { .. } | MeshError::Collapsed { .. } => "E041",
@@ -64,7 +64,7 @@ pub(super) fn mesh_code(error: &MeshError) -> &'static str {
     }
 }
 
-/// The same error with cells and points as the file of `part` numbers them; 2 to the `shift` children of a cell follow each other.
+/// Converts cells and points of `error` to the numbers in the file of `part`; cell k is a child of cell k >> `shift`.
 pub(super) fn in_numbers_of(part: &FilePart, error: MeshError, shift: usize) -> MeshError {
     let cell = |k: usize| part.cell_ids().get(k >> shift).map_or(k, |id| *id as usize);
     let point = |k: usize| part.point_ids().get(k).map_or(k, |id| *id as usize);
@@ -84,7 +84,7 @@ fn in_numbers_of_the_file(error: MeshError, id: impl Fn(usize) -> usize, node: i
     error
 }
 
-/// Rows of the rotation of a geometry; the third axis is that of the plane's normal.
+/// Rows of the rotation matrix of a geometry, `None` without rotation; in the plane the axis is z.
 fn turn_of(geometry: &Geometry) -> Result<Option<[[f64; 3]; 3]>, String> {
     let Some(degrees) = geometry.rotate_deg.as_ref().map(|d| d.value) else { return Ok(None) };
     let rows = match &geometry.axis {
@@ -101,7 +101,7 @@ fn turn_of(geometry: &Geometry) -> Result<Option<[[f64; 3]; 3]>, String> {
     Ok(Some(rows))
 }
 
-/// A point scaled, rotated, moved.
+/// Scales, rotates and translates a point.
 fn moved<const N: usize>(x: &Vector<N>, geometry: &Geometry, turn: &Option<[[f64; 3]; 3]>) -> Vector<N> {
     let mut x = *x;
     if let Some(factor) = &geometry.scale {
@@ -116,21 +116,21 @@ fn moved<const N: usize>(x: &Vector<N>, geometry: &Geometry, turn: &Option<[[f64
     x
 }
 
-/// The place of a named point of the mesh that a patch is read from.
+/// Position of a named point of the mesh that a patch is read from.
 pub(crate) fn named_point<const N: usize>(patch: &Patch, name: &str) -> Option<Vector<N>> {
     let geometry = &patch.geometry;
     let x = geometry.shape.part()?.point(name)?;
     Some(moved(&Vector::<N>::from_fn(|k, _| x[k]), geometry, &turn_of(geometry).ok()?))
 }
 
-/// The place of a point of the mesh that a patch is read from, by its place in the file.
+/// Position of a point of the mesh that a patch is read from, by its index in the file.
 pub(super) fn point_of<const N: usize>(patch: &Patch, point: usize) -> Option<Vector<N>> {
     let geometry = &patch.geometry;
     let x = geometry.shape.part()?.place_of::<N>(point)?;
     Some(moved(&x, geometry, &turn_of(geometry).ok()?))
 }
 
-/// Cells of a mesh by shape: how many there are after halving, and how many of them are simplices.
+/// Numbers of product cells and simplices of a mesh after refinement; `None` for other geometries.
 pub(crate) fn counts<const N: usize>(patch: &Patch) -> Option<[f64; 2]> {
     let part = patch.geometry.shape.part().filter(|p| p.is_mesh())?;
     let factor = f64::exp2((N * patch.refine.value) as f64);

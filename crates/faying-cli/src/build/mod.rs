@@ -1,4 +1,4 @@
-//! From a typed case to a model: bodies, supports, loads, interfaces, contacts; what is wrong is found before solving.
+//! Construction of a model from a case: bodies, supports, loads, interfaces, contacts; errors of the input are found before solving.
 
 mod boundary;
 mod contacts;
@@ -75,10 +75,10 @@ pub use traces::{SlaveEnds, SlaveSpaces, slave_spaces};
 pub use volume::volume_net;
 pub(crate) use weak::weakly_held;
 
-/// Makes the net of a shape, its transformations included, in N dimensions.
+/// Builds the net of a shape with its transformations in N dimensions; an error is a code and a message.
 pub type MakeNet<const N: usize> = fn(&crate::case::Geometry) -> Result<ControlNet<N, N>, (&'static str, String)>;
 
-/// What every step of building needs.
+/// Common data of all build steps: the case, the registered names, and the diagnostics found so far.
 #[derive(Debug)]
 pub(crate) struct Builder<'a, const S: usize, const N: usize> {
     pub case: &'a Case,
@@ -86,22 +86,22 @@ pub(crate) struct Builder<'a, const S: usize, const N: usize> {
     pub faults: Diagnostics,
 }
 
-/// What to do about elements that fold over.
+/// Help text for elements that fold over (E041).
 const INVERTED: &str = "move the points around it apart; `faying inspect` lists such elements and draws them with --svg";
 
 impl<const S: usize, const N: usize> Builder<'_, S, N> {
-    /// An error at a place of the case.
+    /// Creates an error at a source location of the case.
     pub fn error(&self, code: &'static str, message: impl Into<String>, at: Place) -> Diagnostic {
         let error = Diagnostic::error(code, message).at(&self.case.source, at);
         if code == "E041" { error.with_help(INVERTED) } else { error }
     }
 
-    /// A warning at a place of the case.
+    /// Creates a warning at a source location of the case.
     pub fn warning(&self, code: &'static str, message: impl Into<String>, at: Place) -> Diagnostic {
         Diagnostic::warning(code, message).at(&self.case.source, at)
     }
 
-    /// The errors so far, if there are any.
+    /// Returns the diagnostics so far as `Err` if there is an error among them.
     fn stop(&mut self) -> Result<(), Diagnostics> {
         if self.faults.has_errors() { Err(std::mem::take(&mut self.faults)) } else { Ok(()) }
     }
@@ -110,7 +110,7 @@ impl<const S: usize, const N: usize> Builder<'_, S, N> {
 /// Builds the model of `case` with the bodies, multipliers and couplings of `names`.
 ///
 /// # Errors
-/// Everything that is wrong with the case, with its places.
+/// All errors of the case, with their source locations.
 pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, net: MakeNet<N>) -> Result<Model<S, N>, Diagnostics> {
     let mut builder = Builder { case, names, faults: Diagnostics::new() };
     let (mut model, mut sides, couples) = supported(&mut builder, net)?;
@@ -128,10 +128,10 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
     Ok(model)
 }
 
-/// A model without ties and contacts, the sides made for it, and which sides are coupled.
+/// Model without ties and contacts, the sides built for it, and the side pairs of the interfaces.
 type Supported<const S: usize, const N: usize> = (Model<S, N>, sides::Sides<S, N>, couples::Couples<S, N>);
 
-/// Bodies, what is glued, boundary conditions and loads.
+/// Builds bodies, gluing, boundary conditions and loads.
 fn supported<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, net: MakeNet<N>) -> Result<Supported<S, N>, Diagnostics> {
     let case = builder.case;
     let patches = patches::build(builder, net);
@@ -177,7 +177,7 @@ fn supported<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, ne
     Ok((model, sides, couples))
 }
 
-/// Whether `elements` counts in total for this shape.
+/// Whether `elements` is a total count for this shape, not one per piece.
 fn counts_in_total(shape: &Shape) -> bool {
     shape.is_built_in()
 }

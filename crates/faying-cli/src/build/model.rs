@@ -1,4 +1,4 @@
-//! A case as bodies, conditions, loads, interfaces and contacts, ready to be assembled.
+//! Model of a case: bodies, conditions, loads, interfaces and contacts, ready to be assembled.
 
 use super::corners::SharedCorner;
 use super::exact::Exact;
@@ -33,7 +33,7 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub backend: String,
     /// The body.
     pub body: Box<dyn Body<S, N>>,
-    /// Where its unknowns are.
+    /// Numbering of its unknowns.
     pub field: Field,
     /// Its material at the first time; [`PatchModel::physics_at`] at any other.
     pub physics: Physics<N>,
@@ -45,7 +45,7 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub extra_points: usize,
     /// Whether its sides lie exactly on those of the geometry.
     pub exact_map: bool,
-    /// The box around it; none of a body without elements.
+    /// Bounding box; `None` for a body without elements.
     pub extent: Option<Bounds<N>>,
     /// Body force or source of the patch, one formula per component.
     pub source: Vec<Formula>,
@@ -93,9 +93,9 @@ pub struct SideModel<const S: usize, const N: usize> {
     pub label: String,
     /// Functions, map and facets.
     pub trace: Trace<S, N>,
-    /// Where the unknowns of the trace's functions are.
+    /// Numbering of the unknowns of the trace's functions.
     pub field: Field,
-    /// (first element, patch) of every run of elements; one unless several sides are seen as one.
+    /// (first element, patch) of every run of elements; one run, unless several sides are joined.
     pub runs: Vec<(usize, usize)>,
     /// Rules of integrals over the side.
     pub rules: PerElement<S>,
@@ -128,7 +128,7 @@ pub struct Condition<const S: usize, const N: usize> {
     pub component: usize,
     /// Its value.
     pub value: Value,
-    /// Where the case says so.
+    /// Source location in the case.
     pub at: Place,
 }
 
@@ -154,11 +154,11 @@ pub struct Pin<const N: usize> {
     pub component: usize,
     /// Its value.
     pub value: Value,
-    /// Where the case says so.
+    /// Source location in the case.
     pub at: Place,
 }
 
-/// What acts on a side.
+/// Load on a side.
 #[derive(Clone, Debug)]
 pub enum Action {
     /// Component of the traction [force/area], or k du/dn.
@@ -167,7 +167,7 @@ pub enum Action {
     Exact(usize),
     /// Pressure along minus the outward normal.
     Pressure(Formula),
-    /// Component of a resultant, spread evenly \[force\].
+    /// Component of a resultant, spread evenly over the given area \[force\].
     Force(usize, Formula, f64),
 }
 
@@ -176,11 +176,11 @@ pub enum Action {
 pub struct SideLoad<const S: usize, const N: usize> {
     /// The side.
     pub side: Arc<SideModel<S, N>>,
-    /// What acts.
+    /// Kind and value of the load.
     pub action: Action,
 }
 
-/// Sides that a resultant moves as one.
+/// Sides that move as one in a component, driven by a resultant.
 #[derive(Debug)]
 pub struct RigidSides<const S: usize, const N: usize> {
     /// The sides.
@@ -200,14 +200,14 @@ pub struct SideSpring<const S: usize, const N: usize> {
     pub stiffness: Formula,
 }
 
-/// A slave side seen together with one master side.
+/// A slave side paired with one master side.
 #[derive(Debug)]
 pub struct Pairing<const S: usize, const N: usize> {
     /// The master side.
     pub master: Arc<SideModel<S, N>>,
-    /// Where both are seen together.
+    /// Integration segments on both sides.
     pub segments: Segments<S>,
-    /// The second list of mixed integration.
+    /// Second set of segments, for mixed integration.
     pub second: Option<Segments<S>>,
 }
 
@@ -216,23 +216,23 @@ pub struct Pairing<const S: usize, const N: usize> {
 pub struct TiePart<const S: usize, const N: usize> {
     /// The side that carries the multiplier.
     pub slave: Arc<SideModel<S, N>>,
-    /// One multiplier space per component; none where the coupling makes no rows.
+    /// One multiplier space per component; empty if the coupling has no rows.
     pub multipliers: Vec<Box<dyn Basis<S>>>,
-    /// What ties the sides.
+    /// Coupling method.
     pub coupling: Box<dyn Coupling<S, N>>,
     /// The master sides.
     pub pairings: Vec<Pairing<S, N>>,
     /// C in unknowns of the model.
     pub rows: Rows,
-    /// B where it differs from C.
+    /// B, if it differs from C.
     pub reaction: Option<Rows>,
-    /// Per master, the sums of every row's multiplier function over what faces it; empty where the coupling makes other rows than mortar.
+    /// Per master, the integrals of every row's multiplier function; empty if the rows are not mortar rows.
     pub function_sums: Vec<Vec<FunctionSums<N>>>,
-    /// Entries that are added to the stiffness in unknowns of the model, at the first time.
+    /// Stiffness that the coupling adds in unknowns of the model, at the first time.
     pub stiffness: Triplets,
-    /// Softness of the rows: penalty stiffness over the stiffness of their slave unknowns; none: exact.
+    /// Penalty stiffness over the stiffness of the slave unknowns; `None` for exact rows.
     pub penalty: Option<f64>,
-    /// Rows of a finer integration, for the consistency error; none where the coupling makes other rows than mortar.
+    /// Rows of a finer integration, for the consistency error; `None` if the rows are not mortar rows.
     pub finer: Option<Finer>,
     /// First row in the system.
     pub first_row: usize,
@@ -247,11 +247,11 @@ pub struct TieModel<const S: usize, const N: usize> {
     pub name: String,
     /// One part per slave side.
     pub parts: Vec<TiePart<S, N>>,
-    /// Exact multiplier, one formula per component; none: from the model's exact solution, if any.
+    /// Exact multiplier, one formula per component; `None`: that of the model's exact solution, if any.
     pub exact: Option<Vec<Formula>>,
 }
 
-/// What a contact side is pressed against.
+/// Opponent of a contact side, with the integration segments.
 pub enum Against<const S: usize, const N: usize> {
     /// A deformable side.
     Side(Arc<SideModel<S, N>>, Segments<S>),
@@ -273,21 +273,21 @@ impl<const S: usize, const N: usize> std::fmt::Debug for Against<S, N> {
 pub struct ContactPart<const S: usize, const N: usize> {
     /// The side that carries the multiplier.
     pub slave: Arc<SideModel<S, N>>,
-    /// The multiplier; none of Nitsche's method, whose rows belong to points.
+    /// Multiplier space; `None` for Nitsche's method, whose rows belong to points.
     pub multiplier: Option<Box<dyn Basis<S>>>,
-    /// The functions that its pressure is read through; none: its own.
+    /// Functions by which the pressure is evaluated; `None`: those of the multiplier.
     pub reading: Option<Box<dyn Basis<S>>>,
-    /// The cone it lies in.
+    /// Cone of admissible multipliers.
     pub cone: Cone,
-    /// What it faces.
+    /// Opponent: a deformable side or a rigid obstacle.
     pub against: Against<S, N>,
-    /// The master's points of mixed integration.
+    /// Segments for the integrals over the master, for mixed integration.
     pub second: Option<Segments<S>>,
-    /// Rows of a finer integration, for the consistency error; none against an obstacle and of Nitsche's method.
+    /// Rows of a finer integration, for the consistency error; `None` against an obstacle and for Nitsche's method.
     pub finer: Option<Finer>,
-    /// The deformable sides that `against` sees as one.
+    /// Deformable master sides, joined into one in `against`.
     pub masters: Vec<Arc<SideModel<S, N>>>,
-    /// Rows, offsets and weights at the first time at which it faces something.
+    /// Rows, offsets and weights at the first time at which a point of the side faces the opponent.
     pub first: Contact<S, N>,
     /// Whether they change with the time.
     pub changes: bool,
@@ -298,7 +298,7 @@ pub struct ContactPart<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> ContactPart<S, N> {
-    /// What lambda is read through at points: one function per multiplier; none of Nitsche's method.
+    /// Functions by which lambda is evaluated at points, one per multiplier; `None` for Nitsche's method.
     pub fn read_through(&self) -> Option<&dyn Basis<S>> {
         self.reading.as_deref().or(self.multiplier.as_deref())
     }
@@ -309,25 +309,25 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
     }
 }
 
-/// How a contact keeps bodies apart.
+/// Enforcement method of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Formulation {
-    /// Rows that hold exactly.
+    /// Lagrange multipliers: rows that hold exactly.
     Lagrange,
-    /// The same rows, softened by the stiffness of their slave unknowns times a factor.
+    /// Penalty: compliant rows, with the stiffness of their slave unknowns times a factor.
     Penalty {
         /// Penalty stiffness over that of the slave's elements, a pure number.
         factor: f64,
     },
-    /// The same rows, softened as by a penalty and made exact by an iteration of the multipliers.
+    /// Augmented Lagrangian: penalty rows made exact by an iteration of the multipliers.
     Augmented {
-        /// As of a penalty.
+        /// Penalty factor, as in [`Formulation::Penalty`].
         factor: f64,
         /// Error of the multipliers at which the iteration ends, relative to the largest.
         tolerance: f64,
     },
-    /// Rows at points, and fluxes of the bodies, instead of multipliers.
+    /// Nitsche's method: rows at points, and fluxes of the bodies, instead of multipliers.
     Nitsche(Nitsche),
 }
 
@@ -342,15 +342,15 @@ pub struct ContactModel<const S: usize, const N: usize> {
     pub obstacle: Option<Arc<ObstacleModel<S, N>>>,
     /// The gap formula.
     pub gap: Formula,
-    /// Largest distance of partners of rigid obstacles.
+    /// Search radius for contact partners, if limited \[length\].
     pub reach: Option<f64>,
-    /// Exact multiplier; none: from the model's exact solution, if any.
+    /// Exact multiplier; `None`: that of the model's exact solution, if any.
     pub exact: Option<Formula>,
-    /// Whether a zone that ends at the end of a side goes on beyond it: half models.
+    /// Whether a zone that reaches the end of a side continues beyond it by symmetry (half models).
     pub symmetry: bool,
     /// First guess of the active set.
     pub start: case::Start,
-    /// How it is enforced.
+    /// Enforcement method.
     pub formulation: Formulation,
 }
 
@@ -367,7 +367,7 @@ pub struct Model<const S: usize, const N: usize> {
     pub glued: Glued,
     /// Sides that interfaces of the case glue.
     pub glued_sides: Vec<GluedSides>,
-    /// Points in which patches of one mesh hold together beside their common facets.
+    /// Points in which patches of one mesh are connected without a common facet.
     pub hinges: Vec<Hinge<N>>,
     /// Prescribed components.
     pub conditions: Vec<Condition<S, N>>,
@@ -377,9 +377,9 @@ pub struct Model<const S: usize, const N: usize> {
     pub pins: Vec<Pin<N>>,
     /// Sides with at least one prescribed component, in the order of the case.
     pub supports: Vec<Arc<SideModel<S, N>>>,
-    /// Conditions between unknowns: sliding along inclined sides, sides that move as one.
+    /// Equations between unknowns: sliding along inclined sides, sides that move as one.
     pub equations: Vec<Equation>,
-    /// The directions in which equations hold a side: its normal, its tangents, axes along which it moves as one.
+    /// Sides held by equations, with the direction: the normal, a tangent, or the axis along which the side moves as one.
     pub held: Vec<(Arc<SideModel<S, N>>, Vector<N>)>,
     /// Sides that move as one along an axis; their equations are among those above.
     pub rigid_sides: Vec<RigidSides<S, N>>,
@@ -389,7 +389,7 @@ pub struct Model<const S: usize, const N: usize> {
     pub springs: Vec<SideSpring<S, N>>,
     /// Manufactured solution.
     pub exact: Option<Exact>,
-    /// A stored run that stands for it where there is none.
+    /// Stored run used as the reference, if the case names one.
     pub reference: Option<Reference<S, N>>,
     /// Tied interfaces.
     pub ties: Vec<TieModel<S, N>>,
@@ -397,11 +397,11 @@ pub struct Model<const S: usize, const N: usize> {
     pub contacts: Vec<ContactModel<S, N>>,
     /// Rows of all interfaces and contacts.
     pub rows: usize,
-    /// Most iterations of the active set.
+    /// Largest number of iterations of the active set.
     pub max_iterations: usize,
     /// Weight of the gap in the active set.
     pub c: f64,
-    /// Middle of the model.
+    /// Centre of the bounding box of all bodies.
     pub center: Vector<N>,
     /// Diagonal of the box around the model \[length\].
     pub size: f64,
@@ -410,23 +410,23 @@ pub struct Model<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
-    /// The number unknown / components of the function that stands for `function` of `patch`.
+    /// Number (unknown / components) of `function` of `patch`, of its representative if it is glued.
     pub fn function(&self, patch: usize, function: usize) -> usize {
         self.glued.root(self.patches[patch].field.first / self.components + function)
     }
 
-    /// Number of multipliers: rows of all interfaces and contacts, but for those that belong to points.
+    /// Number of multipliers: rows of all interfaces and contacts except those at points (Nitsche's method).
     pub fn num_multipliers(&self) -> usize {
         let at_points = self.contacts.iter().flat_map(|c| &c.parts).filter(|part| part.multiplier.is_none());
         self.rows - at_points.map(|part| part.num_rows).sum::<usize>()
     }
 
-    /// Number of unknowns, those of glued functions counted once.
+    /// Number of unknowns without those that gluing makes dependent.
     pub fn num_primal(&self) -> usize {
         self.unknowns - self.glued.num_bound()
     }
 
-    /// All conditions between unknowns: glued functions first.
+    /// All equations between unknowns: those of glued functions first.
     pub fn all_equations(&self) -> Vec<Equation> {
         let mut all = self.glued.equations();
         all.extend(self.equations.iter().cloned());

@@ -1,4 +1,4 @@
-//! Multipliers by the words of the case, and what is wrong with them.
+//! Multiplier spaces named or given by the case, and their diagnostics.
 
 use super::Builder;
 use super::boundary::component_name;
@@ -12,7 +12,7 @@ use faying::linalg::Vector;
 use faying::space::Space;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-/// A multiplier by its words, and the warning it deserves.
+/// Builds the multiplier space `wanted` by the case; also returns a warning (E061) if it is unstable.
 #[allow(clippy::type_complexity)]
 pub(super) fn multiplier<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
@@ -74,7 +74,7 @@ pub(super) fn multiplier<const S: usize, const N: usize>(
     })
 }
 
-/// Degree of the side and k, where `psi` is an unstable p/p-k of `space` by another name: constants, or a space given as data.
+/// Returns the degree of the side and k, if `psi` is an unstable p/p-k of `space` by another name: constants, or a space given as data.
 ///
 /// k = 1 is unstable on every side of tensor cells, k = 3, 5, ... on those of splines with one function per element: continuous
 /// functions of degree 3 have bubbles enough for constants. On triangles p/p-1 is another space.
@@ -100,12 +100,12 @@ fn by_another_name<const S: usize, const N: usize>(
     (unstable && same).then_some((degree, lowered))
 }
 
-/// Functions with less than this value at a corner do not live there.
+/// Function values below this count as zero.
 const NO_VALUE: f64 = 1e-10;
 
-/// `psi` on a side that is glued to itself: functions that are one function of the trace where the side closes are one
-/// multiplier. Multipliers of as many functions as the closed trace, or fewer, have no end there and stay as they are.
-/// Those numbered as the functions of the trace follow them; of others the ones that live alone at a corner are matched.
+/// Returns `psi` on a side that is glued to itself: its functions that belong to one function of the trace where the side closes become
+/// one. Multipliers with as many functions as the closed trace, or fewer, have no end there and stay as they are. A multiplier numbered
+/// like the trace follows the numbers of the trace; of any other, functions that are the only nonzero ones at a corner are matched.
 pub(super) fn wrapped<const S: usize, const N: usize>(
     model: &Model<S, N>,
     slave: &SideModel<S, N>,
@@ -130,7 +130,7 @@ pub(super) fn wrapped<const S: usize, const N: usize>(
         let mut there = ids.iter().zip(table.values(0)).filter(|(_, value)| value.abs() > NO_VALUE).map(|(&i, _)| i);
         there.next().filter(|_| there.next().is_none())
     };
-    // the multiplier of a function of the model, where both are the only ones at a corner
+    // the multiplier of a function of the model, if both are the only nonzero ones at a corner
     let mut first: HashMap<usize, usize> = HashMap::new();
     let mut twin: BTreeMap<usize, usize> = BTreeMap::new();
     for element in 0..space.num_elements() {
@@ -156,14 +156,14 @@ pub(super) fn wrapped<const S: usize, const N: usize>(
     if twin.is_empty() { psi } else { Box::new(Extracted::new::<S>(psi, next, rows)) }
 }
 
-/// A multiplier with positive functions that exists on this side.
+/// Help text that suggests a multiplier with positive functions that exists on this side.
 pub(super) fn positive_help<const S: usize, const N: usize>(slave: &SideModel<S, N>) -> &'static str {
     let space = &*slave.trace.space;
     let least = (0..space.num_elements()).flat_map(|e| space.degree(e)).min();
     if least >= Some(2) { "write multiplier = \"p/p-2\"" } else { "write multiplier = \"p/p\"" }
 }
 
-/// The diagnostic of a multiplier that cannot be.
+/// Builds the diagnostic of a multiplier that cannot be built.
 pub(super) fn multiplier_fault<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     name: &str,
@@ -195,7 +195,7 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
     }
 }
 
-/// What to do about a side that is held itself in one of `components`: names the conditions; none where there is none.
+/// Help text for a side prescribed in one of `components` itself, naming the conditions; `None` if there are none.
 pub(super) fn held_help<const S: usize, const N: usize>(
     model: &Model<S, N>,
     slave: &SideModel<S, N>,

@@ -1,4 +1,4 @@
-//! Rigid obstacles: what they are made of, where they are at a time, what presses them.
+//! Rigid obstacles: their shape, their position at a given time, and the forces that drive them.
 
 use super::Builder;
 use super::model::SideModel;
@@ -14,13 +14,13 @@ use faying::geometry::{MapTable, cell};
 use faying::linalg::Vector;
 use std::sync::Arc;
 
-/// Normals of a slave and of its obstacle whose product is above this look the same way.
+/// Normals of a slave and of its obstacle have the same direction if their product is above this.
 const SAME_WAY: f64 = 1e-6;
 
 /// The obstacle without its motion, as a function of time.
 type AtRest<const S: usize, const N: usize> = Box<dyn Fn(f64) -> Box<dyn Target<S, N>> + Send + Sync>;
 
-/// A component in which a force presses an obstacle: its translation is an unknown.
+/// Component in which a force drives an obstacle: its translation is an unknown.
 #[derive(Clone, Debug)]
 pub struct Pressed {
     /// The component.
@@ -31,13 +31,13 @@ pub struct Pressed {
     pub force: Formula,
 }
 
-/// A rigid obstacle: it translates, as prescribed or as forces want.
+/// Rigid obstacle; its translation is prescribed or driven by forces.
 pub struct ObstacleModel<const S: usize, const N: usize> {
     at_rest: AtRest<S, N>,
     motion: Vec<Option<Formula>>,
-    /// Components in which forces press it.
+    /// Force-driven components.
     pub pressed: Vec<Pressed>,
-    /// Whether it changes with the time, forces apart.
+    /// Whether shape or prescribed translation change with the time.
     pub changes: bool,
 }
 
@@ -48,7 +48,7 @@ impl<const S: usize, const N: usize> std::fmt::Debug for ObstacleModel<S, N> {
 }
 
 impl<const S: usize, const N: usize> ObstacleModel<S, N> {
-    /// Its translation at time `t` \[length\]: prescribed components, and those of `unknowns`; zero without any.
+    /// Translation at time `t` \[length\]: prescribed components, and the force-driven ones of `unknowns` (zero if `None`).
     pub fn displacement(&self, t: f64, unknowns: Option<&[f64]>) -> Vector<N> {
         let mut by =
             Vector::<N>::from_fn(|k, _| self.motion.get(k).and_then(Option::as_ref).map_or(0.0, |f| f.value(&Point::default().at_time(t))));
@@ -58,13 +58,13 @@ impl<const S: usize, const N: usize> ObstacleModel<S, N> {
         by
     }
 
-    /// The obstacle where it is at time `t`.
+    /// Returns the obstacle in its position at time `t`; `unknowns` as in [`Self::displacement`].
     pub fn target(&self, t: f64, unknowns: Option<&[f64]>) -> Box<dyn Target<S, N>> {
         Box::new(Moved { target: (self.at_rest)(t), by: self.displacement(t, unknowns) })
     }
 }
 
-/// Number of obstacles' components that forces press: each is an unknown.
+/// Number of force-driven components of all obstacles: each is an unknown.
 pub(super) fn num_pressed(case: &case::Case) -> usize {
     case.contacts.iter().map(|c| forces(c).count()).sum()
 }
@@ -77,7 +77,7 @@ fn forces(contact: &case::Contact) -> impl Iterator<Item = (usize, &Formula)> {
     force.iter().enumerate().filter_map(|(k, f)| Some((k, &f.as_ref()?.value)))
 }
 
-/// The obstacle of a contact; unknowns of its forces are numbered from `first`.
+/// Builds the obstacle of a contact, its force-driven unknowns numbered from `first`; `None` for a deformable master.
 pub(super) fn obstacle<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     contact: &case::Contact,
@@ -152,7 +152,7 @@ fn at_rest<const S: usize, const N: usize>(
     })
 }
 
-/// `plain`, or what is wrong where the slave's points have the obstacle behind them: it is turned the wrong way round.
+/// Returns `plain`, or E023 if all points of the slave that project on the obstacle lie behind it: the wrong side or orientation.
 pub(super) fn turned_away<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     contact: &case::Contact,
@@ -190,5 +190,5 @@ pub(super) fn turned_away<const S: usize, const N: usize>(
     Box::new(builder.error("E023", text, obstacle.at).with_help(help))
 }
 
-/// What makes obstacles of geometries in the plane.
+/// Builds obstacles from geometries in the plane.
 pub(crate) const PLANE: MakeObstacle<1, 2> = |geometry| Ok(Arc::new(surface(&plane_outline(geometry)?)));

@@ -16,16 +16,16 @@ use std::sync::Arc;
 const TOUCHING: f64 = 1e-8;
 /// Touching pieces of two areas have opposite normals: their product is below this.
 const OPPOSITE: f64 = -0.5;
-/// A tangent shorter than this share of the curve's size is none.
+/// Tangents shorter than this fraction of the curve's size count as zero.
 const STANDS_STILL: f64 = 1e-12;
-/// Points of an element at which its tangent is looked at.
+/// Points of an element at which its tangent is checked.
 const LOOKS: usize = 5;
 
-/// The outline of a geometry of a plane case.
+/// Returns the outline of a geometry of a plane case.
 ///
-/// A geometry of one parameter is a curve with the obstacle to its right: normals are the direction of travel turned by
-/// +90 degrees. Of areas (two parameters, cells of a mesh) it is the boundary with outward normals; what touches another
-/// area is inside and left out.
+/// A geometry of one parameter is a curve with the obstacle to its right: normals are the direction of travel turned by +90 degrees. For
+/// areas (two parameters, cells of a mesh) it is the boundary with outward normals; pieces that touch another area are interior and left
+/// out.
 ///
 /// # Errors
 /// [`Fault`] with the codes of patches: E015, E031 to E034, E041, E043, E044.
@@ -67,7 +67,7 @@ fn of_one_parameter(part: &FilePart) -> bool {
     part.spline().is_some_and(|p| p.dimension() == 1)
 }
 
-/// Whether a geometry is a curve: the obstacle lies to its right.
+/// Whether a geometry is a curve, with the obstacle to its right.
 pub(super) fn is_curve(geometry: &case::Geometry) -> bool {
     match &geometry.shape.value {
         Shape::Nurbs { knots, .. } => knots.len() == 1,
@@ -76,7 +76,7 @@ pub(super) fn is_curve(geometry: &case::Geometry) -> bool {
     }
 }
 
-/// The obstacle right of a curve.
+/// Outline of the obstacle to the right of a curve.
 fn curve(net: ControlNet<1, 2>) -> Result<Vec<OutlinePiece>, Fault> {
     let ControlNet { axes: [axis], points, weights } = net;
     let map: Arc<dyn Geometry<1, 2>> = match weights {
@@ -100,16 +100,16 @@ fn curve(net: ControlNet<1, 2>) -> Result<Vec<OutlinePiece>, Fault> {
     Ok((0..map.num_elements()).map(|element| OutlinePiece { curve: Arc::clone(&map), element, outward: -1.0 }).collect())
 }
 
-/// The boundary of an area.
+/// Outline of an area: its boundary.
 fn area(net: ControlNet<2, 2>) -> Result<Vec<OutlinePiece>, Fault> {
-    // only the map is wanted, which is that of the net in any functions
+    // only the map is needed, which is the same for all degrees
     let mut spec = PatchSpec::new(net).with_degree([1, 1]);
     spec.basis = BasisKind::BSpline;
     let patch = Patch::<1, 2>::try_new(&spec).map_err(|e| patch_fault(&e))?;
     outline_of(&patch, patch.sides())
 }
 
-/// The boundary of the cells of a mesh.
+/// Outline of the cells of a mesh: their boundary.
 fn cells(part: &FilePart, geometry: &case::Geometry) -> Result<Vec<OutlinePiece>, Fault> {
     let Some(found) = part.cells::<2>() else {
         return Err(Fault::new("E044", "the cells of the mesh are not of dimension 2"));
@@ -130,7 +130,7 @@ fn outline_of(body: &dyn Body<1, 2>, sides: impl IntoIterator<Item = String>) ->
     Ok(all)
 }
 
-/// The pieces that touch no other: seams of areas, and of an area with itself, are inside.
+/// Returns the pieces that touch no other; seams between areas, or of an area with itself, are interior.
 fn without_seams(all: Vec<OutlinePiece>) -> Vec<OutlinePiece> {
     let bounds: Vec<Bounds<2>> = all.iter().map(|p| p.curve.bounds(p.element)).collect();
     let tree = Tree::new(bounds);
@@ -180,7 +180,7 @@ impl Geometry<1, 2> for OneElement<'_> {
     }
 }
 
-/// The obstacle with this outline.
+/// Builds the obstacle with this outline.
 pub(crate) fn surface(outline: &[OutlinePiece]) -> Surface {
     Surface::of_pieces(outline.to_vec(), None)
 }

@@ -1,14 +1,14 @@
-//! Elements of a body by the parameters of its patch: the way from one grid of a patch to another without a search.
+//! Elements of a body by the parameters of its patch: lookup between two grids of a patch without a search.
 
 use faying::basis::Order;
 use faying::geometry::MapTable;
 use faying::linalg::Vector;
 use faying::space::Space;
 
-/// Points of two grids are the same if they are this share of an element apart at most: rounding of one map, nothing else.
+/// Equal points of two grids differ by at most this fraction of an element: the round-off of one map.
 const SAME: f64 = 1e-9;
 
-/// The ends of the elements of a grid per direction; elements are counted with the first direction fastest.
+/// Breakpoints of a grid per direction; elements are numbered with the first direction fastest.
 #[derive(Clone, Debug)]
 pub struct Parameters<const N: usize>(pub [Vec<f64>; N]);
 
@@ -41,8 +41,8 @@ impl<const N: usize> Parameters<N> {
         (element, xi)
     }
 
-    /// Whether equal parameters are equal points of two bodies of the same patch: their elements are numbered as their grids say, and their maps
-    /// are the same. Asked at two points of every element of `own`.
+    /// Whether equal parameters are equal points of two bodies of the same patch: their elements are numbered like their grids, and their
+    /// maps are the same. Checked at two points of every element of `own`.
     pub fn agree(own: (&Self, &dyn Space<N, N>), other: (&Self, &dyn Space<N, N>)) -> bool {
         let whole = |g: &Self, s: &dyn Space<N, N>| (0..N).map(|k| g.count(k)).product::<usize>() == s.num_elements();
         if !whole(own.0, own.1) || !whole(other.0, other.1) {

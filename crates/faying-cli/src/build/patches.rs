@@ -14,7 +14,7 @@ use faying::geometry::{Bounds, ControlNet, Geometry};
 use faying::linalg::Vector;
 use faying::space::{Body, Field, PatchSpec, SpecError};
 
-/// The code and the text of what a built-in backend refuses.
+/// Code and message of an error of a built-in backend.
 pub fn patch_fault(error: &SpecError) -> Fault {
     let code = match error {
         SpecError::Inverted(_) | SpecError::FlatCell { .. } => "E041",
@@ -25,7 +25,7 @@ pub fn patch_fault(error: &SpecError) -> Fault {
     Fault::new(code, error.to_string())
 }
 
-/// All bodies of the case; what is wrong goes to the builder's faults.
+/// Builds all bodies of the case; errors go to the builder's faults.
 pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, net: MakeNet<N>) -> Vec<PatchModel<S, N>> {
     let mut patches = Vec::new();
     let mut first = 0;
@@ -52,7 +52,7 @@ fn one<const S: usize, const N: usize>(
     let name = &patch.name.value;
     let backend = &patch.discretization.backend;
     let is_mesh = patch.geometry.shape.part().is_some_and(case::FilePart::is_mesh);
-    // curves are known from a mesh only as far as its cells follow them
+    // a mesh represents curves only as far as its cells follow them
     let (body, exact_map) = if is_mesh { (super::meshes::body(builder, patch)?, false) } else { of_net(builder, patch, net, backend)? };
     let material = &case.materials[patch.material.value];
     let assumption = case.model.assumption.value;
@@ -88,7 +88,7 @@ fn one<const S: usize, const N: usize>(
     })
 }
 
-/// The body of a net, and whether its sides lie exactly on those of the net.
+/// Builds the body of a net; also returns whether its sides lie exactly on those of the net.
 fn of_net<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: &Patch,
@@ -111,7 +111,7 @@ fn of_net<const S: usize, const N: usize>(
     Ok((body, carries_geometry(&backend.value, &spec)))
 }
 
-/// The patch as data for a backend.
+/// Returns the specification of a patch for a backend.
 pub(super) fn specification<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: &Patch,
@@ -146,7 +146,7 @@ pub(super) fn specification<const S: usize, const N: usize>(
     Ok(spec)
 }
 
-/// Shares of the elements of a side of a net in its parameter, in their order; none for meshes, which have no parameter.
+/// Lengths of the elements of a side in its parameter, as fractions of the whole, in their order; `None` for meshes.
 pub(super) fn shares<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: usize,
@@ -164,7 +164,7 @@ pub(super) fn shares<const S: usize, const N: usize>(
     Some(points.windows(2).map(|p| (p[1] - p[0]) / length).collect())
 }
 
-/// Middle and diagonal of the box around all bodies.
+/// Centre and diagonal of the bounding box of all bodies.
 pub(super) fn extent<const S: usize, const N: usize>(patches: &[PatchModel<S, N>]) -> (Vector<N>, f64) {
     let boxes = patches.iter().filter_map(|p| p.extent);
     let whole: Option<Bounds<N>> = boxes.reduce(|a, b| a.union(&b));

@@ -1,4 +1,4 @@
-//! The material of a patch behind one face, whatever the number of components of the unknown.
+//! Material of a patch, with one interface for scalar and vector unknowns.
 
 use super::exact::Exact;
 use super::reference::ReferencePatch;
@@ -24,29 +24,29 @@ pub enum Physics<const N: usize> {
 /// The solution at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointState<const N: usize> {
-    /// Where.
+    /// Position \[length\].
     pub x: Vector<N>,
-    /// u, components that are missing zero.
+    /// u; missing components are zero.
     pub u: [f64; 3],
     /// xx yy zz xy yz xz [force/area]; Poisson: k grad u in the first entries.
     pub stress: [f64; 6],
 }
 
-/// Values written by a function of place: one entry per component.
+/// Function of position that writes one value per component.
 pub type PlaceFn<'a, const N: usize> = dyn Fn(&Vector<N>, &mut [f64]) + Sync + 'a;
-/// Values written by a function of place and outward normal: one entry per component.
+/// Function of position and outward normal that writes one value per component.
 pub type SideFn<'a, const N: usize> = dyn Fn(&Vector<N>, &Vector<N>, &mut [f64]) + 'a;
 
-/// Value and gradient of a formula at a place and a time.
+/// Value and gradient of a formula at a point and a time.
 fn jet<const N: usize>(formula: &Formula, x: &Vector<N>, t: f64) -> Jet<N> {
     let jet = formula.slope(&Point::new(x.as_slice()).at_time(t));
     Jet::new(jet.value, Vector::from_fn(|k, _| jet.gradient[k]))
 }
 
-/// The laws of cases are linear.
+/// Panic message: the laws of cases are linear.
 const LINEAR: &str = "Hooke's and Fourier's laws are linear";
 
-/// The form of a law of a case.
+/// Bilinear form of a material law of a case.
 fn form<const C: usize, const N: usize>(material: &dyn Material<C, N>) -> Form<'_, C, N> {
     physics::form(material).expect(LINEAR)
 }
@@ -57,7 +57,7 @@ fn filled<const C: usize>(fill: impl FnOnce(&mut [f64])) -> Vector<C> {
     out
 }
 
-/// The word of the case in N dimensions.
+/// Kinematic assumption of the case in N dimensions; in space there is one only.
 pub(super) fn assumption<const N: usize>(word: case::Assumption) -> Assumption {
     match (N, word) {
         (3, _) => Assumption::Solid,
@@ -67,7 +67,7 @@ pub(super) fn assumption<const N: usize>(word: case::Assumption) -> Assumption {
 }
 
 impl<const N: usize> Physics<N> {
-    /// The material of the case at time `t`.
+    /// Creates the material of the case at time `t`.
     ///
     /// # Errors
     /// [`MaterialError`] for constants that make no stable material.
@@ -98,7 +98,7 @@ impl<const N: usize> Physics<N> {
         Ok(Self::Vector(Arc::new(hooke)))
     }
 
-    /// Components of the unknown.
+    /// Number of components of the unknown.
     pub fn components(&self) -> usize {
         match self {
             Self::Scalar(_) => 1,
@@ -122,7 +122,7 @@ impl<const N: usize> Physics<N> {
         }
     }
 
-    /// sigma n of the field numbered by `field` through a side of the body.
+    /// Flux sigma n of the field numbered by `field` through a side of the body.
     pub fn flux<const S: usize>(&self, space: &Arc<dyn Space<N, N>>, trace: &Trace<S, N>, field: Field) -> Box<dyn Flux<S, N>> {
         match self {
             Self::Scalar(m) => Box::new(BodyFlux::new(Arc::clone(space), trace.clone(), field, m.clone()).expect(LINEAR)),
@@ -130,7 +130,7 @@ impl<const N: usize> Physics<N> {
         }
     }
 
-    /// The stiffness of a body.
+    /// Assembles the stiffness of a body.
     pub fn stiffness(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>) -> Csr {
         match self {
             Self::Scalar(m) => assembly::stiffness(space, rules, &form(&**m)),
@@ -138,7 +138,7 @@ impl<const N: usize> Physics<N> {
         }
     }
 
-    /// ∫ f . N dx, and the resultant of f.
+    /// Assembles ∫ f . N dx; also returns the resultant of f.
     pub fn load(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, f: &PlaceFn<'_, N>) -> (Vec<f64>, Resultant) {
         match self {
             Self::Scalar(_) => {
@@ -197,7 +197,7 @@ impl<const N: usize> Physics<N> {
         }
     }
 
-    /// -div sigma(exact): the source that makes it a solution.
+    /// Writes -div sigma(exact), the source for which `exact` is a solution.
     pub fn exact_source(&self, exact: &Exact, at: &Point, x: &Vector<N>, out: &mut [f64]) {
         match self {
             Self::Scalar(m) => {
@@ -211,7 +211,7 @@ impl<const N: usize> Physics<N> {
         }
     }
 
-    /// sigma n (k du/dn) of the exact solution.
+    /// Writes sigma n (k du/dn) of the exact solution.
     pub fn exact_traction(&self, exact: &Exact, at: &Point, x: &Vector<N>, normal: &Vector<N>, out: &mut [f64]) {
         match self {
             Self::Scalar(m) => out.copy_from_slice((m.respond(x, &exact.slope::<1, N>(at).1).stress * normal).as_slice()),
@@ -219,7 +219,7 @@ impl<const N: usize> Physics<N> {
         }
     }
 
-    /// Norms of the error of `u` against the exact solution at time `t`.
+    /// Computes norms of the error of `u` against the exact solution at time `t`.
     pub fn errors(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, u: &[f64], exact: &Exact, t: f64) -> Errors {
         match self {
             Self::Scalar(m) => {
@@ -231,7 +231,7 @@ impl<const N: usize> Physics<N> {
         }
     }
 
-    /// Norms of the difference of `u` and a stored run, on the rules that come with it.
+    /// Computes norms of the difference of `u` and a stored run, with the rules of `other`.
     pub fn difference<const S: usize>(&self, space: &dyn Space<N, N>, u: &[f64], other: &ReferencePatch<S, N>) -> Errors {
         match self {
             Self::Scalar(m) => {
@@ -243,7 +243,7 @@ impl<const N: usize> Physics<N> {
         }
     }
 
-    /// The solution at local points of an element; `u` holds the unknowns of all bodies.
+    /// Evaluates the solution at local points of an element; `u` holds the unknowns of all bodies.
     pub fn at(&self, space: &dyn Space<N, N>, field: &Field, u: &[f64], element: usize, xi: &[Vector<N>]) -> Vec<PointState<N>> {
         match self {
             Self::Scalar(m) => physics::stress_at::<1, N, f64, _, _>(space, &**m, &u[field.first..], element, xi)

@@ -8,7 +8,7 @@ fn pair(list: &[f64]) -> [f64; 2] {
     std::array::from_fn(|k| list.get(k).copied().unwrap_or(0.0))
 }
 
-/// The code of an unusable net.
+/// Error code of an unusable net.
 fn code(error: &NetError) -> &'static str {
     match error {
         NetError::Weights(_) => "E034",
@@ -17,7 +17,7 @@ fn code(error: &NetError) -> &'static str {
     }
 }
 
-/// The code and the sentence of a shape that there is not.
+/// Error code and message of an invalid shape.
 pub(super) fn shape_fault(error: shapes::ShapeError) -> (&'static str, String) {
     match &error {
         shapes::ShapeError::Net(inner) => (code(inner), error.to_string()),
@@ -25,7 +25,7 @@ pub(super) fn shape_fault(error: shapes::ShapeError) -> (&'static str, String) {
     }
 }
 
-/// The code and the sentence of a net that there is not.
+/// Error code and message of an invalid net.
 pub(super) fn net_fault(error: NetError) -> (&'static str, String) {
     (code(&error), error.to_string())
 }
@@ -57,7 +57,7 @@ pub(super) fn plane_shape(shape: &Shape) -> Result<ControlNet<2, 2>, (&'static s
     }
 }
 
-/// The net of a plane shape with its transformations; an error is a code and a sentence.
+/// Builds the net of a plane shape with its transformations; an error is a code and a message.
 ///
 /// # Errors
 /// E015 for numbers out of range, E019 for shapes that are not in this version, E031 to E034 for nets, E044 for shapes of
@@ -70,7 +70,7 @@ pub fn plane_net(geometry: &Geometry) -> Result<ControlNet<2, 2>, (&'static str,
     Ok(placed(net, geometry))
 }
 
-/// A net scaled, rotated, moved as its geometry says.
+/// Scales, rotates and translates a net as `geometry` says.
 pub(super) fn placed<const D: usize>(mut net: ControlNet<D, 2>, geometry: &Geometry) -> ControlNet<D, 2> {
     if let Some(factor) = &geometry.scale {
         net = net.scale(factor.value);

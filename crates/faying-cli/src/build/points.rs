@@ -8,15 +8,15 @@ use faying::linalg::Vector;
 use faying::physics::{Flux, FluxTable};
 use std::sync::Arc;
 
-/// The flux through several sides that are seen as one.
+/// Flux through several sides that are joined into one.
 #[derive(Debug)]
 struct JoinedFlux<const S: usize, const N: usize> {
-    /// The first element of every side, and its flux.
+    /// First element of every side, and its flux.
     runs: Vec<(usize, Box<dyn Flux<S, N>>)>,
 }
 
 impl<const S: usize, const N: usize> JoinedFlux<S, N> {
-    /// The flux of the side with `element`, and the element's number there.
+    /// Returns the flux of the side with `element`, and the element's number there.
     fn of(&self, element: usize) -> (&dyn Flux<S, N>, usize) {
         let (first, flux) = &self.runs[self.runs.partition_point(|run| run.0 <= element) - 1];
         (&**flux, element - first)
@@ -35,12 +35,12 @@ impl<const S: usize, const N: usize> Flux<S, N> for JoinedFlux<S, N> {
     }
 }
 
-/// A side of a contact by Nitsche's method and what it faces.
+/// Slave side of a contact by Nitsche's method, and its opponent.
 #[derive(Debug)]
 pub(super) struct PointSides<'a, const S: usize, const N: usize> {
     pub slave: &'a SideModel<S, N>,
     pub against: &'a Against<S, N>,
-    /// The sides that `against` sees as one.
+    /// Master sides, joined into one in `against`.
     pub masters: &'a [Arc<SideModel<S, N>>],
 }
 
@@ -71,7 +71,7 @@ impl<const S: usize, const N: usize> PointSides<'_, S, N> {
         self.masters.iter().map(|m| &**m).chain([self.slave]).any(|side| model.patches[side.patch].changing.is_some())
     }
 
-    /// Rows at the points at time `t`.
+    /// Builds the rows at the points at time `t`.
     pub fn contact(
         &self,
         model: &Model<S, N>,
@@ -108,8 +108,8 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
 }
 
 impl<const S: usize, const N: usize> ContactModel<S, N> {
-    /// lambda and gap of Nitsche's method at the points of `segments` that face something, and their numbers there; none of other
-    /// methods, and where the method has no value.
+    /// lambda and gap of Nitsche's method at the points of `segments` that face something, and the numbers of these points; `None` for
+    /// other methods or if the method has no value.
     pub fn at_points(
         &self,
         model: &Model<S, N>,

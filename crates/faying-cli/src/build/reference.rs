@@ -1,4 +1,4 @@
-//! A stored run made a field again: its bodies on the geometry of the case, and where its sides are those of the case.
+//! Stored run as a reference solution: its bodies on the geometry of the case, and its multipliers on the slave sides of the case.
 
 use super::model::{Model, SideModel};
 use super::parameters::Parameters;
@@ -23,7 +23,7 @@ const UNCOVERED: f64 = 1e-6;
 const EXTRA_POINTS: usize = 1;
 /// Most parts per direction of an element on which a finer field is integrated.
 const MOST_PARTS: usize = 4;
-/// Two runs end at the same time if their times differ by less than this share of them.
+/// Relative difference below which the end times of two runs are the same.
 const SAME_TIME: f64 = 1e-9;
 
 /// A stored run on the model of a case.
@@ -31,7 +31,7 @@ const SAME_TIME: f64 = 1e-9;
 pub struct Reference<const S: usize, const N: usize> {
     /// One per body of the model, in its order.
     pub patches: Vec<ReferencePatch<S, N>>,
-    /// Multipliers, for the interfaces and contacts that the run has, too.
+    /// Multipliers of the interfaces and contacts that both have.
     pub lambda: Vec<ReferenceLambda<S>>,
 }
 
@@ -46,18 +46,18 @@ pub struct ReferencePatch<const S: usize, const N: usize> {
     pub rules: PerElement<N>,
 }
 
-/// How a point of the model's body is found.
+/// Method to find a point of the model's body in the stored body.
 #[derive(Debug)]
 enum Way<const N: usize> {
-    /// By its parameters: grids of the model and of the run, where both maps are the same.
+    /// By its parameters, if both maps are the same: grids of the model and of the run.
     Parameters(Box<[Parameters<N>; 2]>),
-    /// By its place.
+    /// By its position: closest-point projection.
     Closest(Box<ClosestPoint<N, N, Arc<dyn Space<N, N>>>>),
 }
 
 impl<const S: usize, const N: usize> ReferencePatch<S, N> {
-    /// Value and gradient at a point of the model's body: element, local point, place. Not finite where no point of the stored body
-    /// is the closest one: the place is not finite, or squares of distances are not.
+    /// Value and gradient at a point of the model's body: element, local point, position. NaN if the closest-point projection fails,
+    /// because the position or squares of distances are not finite.
     ///
     /// # Panics
     /// If u has not C components.
@@ -66,7 +66,7 @@ impl<const S: usize, const N: usize> ReferencePatch<S, N> {
             Way::Parameters(grids) => grids[1].find(&grids[0].at(element, xi)),
             Way::Closest(closest) => match closest.project(x) {
                 Some(foot) => (foot.element, foot.xi),
-                // errors that are not finite are told with a reason where they are reported
+                // errors that are not finite are reported later, with a reason
                 None => return (Vector::repeat(f64::NAN), Matrix::repeat(f64::NAN)),
             },
         };
@@ -80,7 +80,7 @@ impl<const S: usize, const N: usize> ReferencePatch<S, N> {
 pub struct ReferenceLambda<const S: usize> {
     /// The interface or contact.
     pub name: String,
-    /// Per part of it: the pieces of its slave side that lie on one side of the run.
+    /// Per part of it, the pieces that its slave side has in common with each side of the run.
     pub parts: Vec<Vec<OnSide<S>>>,
 }
 
@@ -112,7 +112,7 @@ impl<const S: usize> OnSide<S> {
     }
 }
 
-/// The stored run of the case on its model; none where it names none.
+/// Builds the stored run of the case on its model; `None` if the case names none.
 ///
 /// # Errors
 /// E044 for another dimension, E015 where the run is of another problem, of other bodies, or ends at another time.
@@ -147,7 +147,7 @@ pub(super) fn build<const S: usize, const N: usize>(
     Ok(Some(Reference { patches, lambda }))
 }
 
-/// Equation, dimension, time and names of patches.
+/// Checks equation, dimension, time and names of patches against the stored run.
 fn is_same_problem(case: &case::Case, run: &StoredRun) -> Result<(), (&'static str, String)> {
     let dimension = case.model.dimension.value;
     if run.dimension != dimension {
@@ -235,10 +235,10 @@ fn patch<const S: usize, const N: usize>(
     Ok(ReferencePatch { body, field, u: stored.coefficients.clone(), way, rules })
 }
 
-/// Most elements per function: tetrahedra of degree 1 have six.
+/// Largest number of elements per function: tetrahedra of degree 1 have six.
 const MOST_ELEMENTS: f64 = 8.0;
 
-/// Refuses elements that the coefficients do not suffice for, before anything of their number is made.
+/// Rejects more elements than the number of functions allows, before anything of that size is allocated.
 fn enough_for(elements: f64, stored: &StoredPatch) -> Result<(), String> {
     if elements > MOST_ELEMENTS * stored.functions as f64 {
         return Err(format!("has {} functions for {elements} elements", stored.functions));
@@ -246,7 +246,7 @@ fn enough_for(elements: f64, stored: &StoredPatch) -> Result<(), String> {
     Ok(())
 }
 
-/// Gauss rules for a field on `space` beside one of `degree`, on tensor cells in so many parts per direction.
+/// Gauss rules for a field on `space` and one of `degree`; tensor cells are divided into `parts` per direction.
 fn rules<const N: usize>(space: &dyn Space<N, N>, degree: usize, extra: usize, parts: [usize; N]) -> PerElement<N> {
     let own = (0..space.num_elements()).flat_map(|e| space.degree(e)).max().unwrap_or(1);
     let plain = gauss_rules(space, extra + degree.saturating_sub(own));
@@ -259,7 +259,7 @@ fn rules<const N: usize>(space: &dyn Space<N, N>, degree: usize, extra: usize, p
     PerElement::new(rules, which)
 }
 
-/// A rule on each of `n` equal parts of [0, 1].
+/// Composite rule on `n` equal parts of [0, 1].
 fn in_parts(rule: &Rule<1>, n: usize) -> Rule<1> {
     let mut cut = Rule { points: Vec::new(), weights: Vec::new() };
     for k in 0..n {

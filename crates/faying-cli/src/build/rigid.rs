@@ -1,9 +1,9 @@
-//! Which rigid motions the supports leave: rank of the constraints on the rigid modes of every body.
+//! Rigid motions left by the supports, from the rank of the constraints on the rigid modes of every body.
 //!
-//! Modes of a body: translations t, and in elasticity rotations w about its middle c, scaled by its size L:
-//! u(x) = t + w x (x - c) / L, so that neither where a body lies nor how large it is takes digits. A support is a row
-//! d . u_b(x) = 0, what joins two bodies in a point a row d . (u_b(x) - u_c(x)) = 0, and a multiplier function ψ the row
-//! ∫ ψ d . (u_b - u_c) ds = 0: on rigid motions it knows only ∫ ψ ds and ∫ ψ x ds.
+//! Modes of a body: translations t, and in elasticity rotations w about its middle c, scaled by its size L: u(x) = t + w x (x - c) / L, so
+//! that neither position nor size of a body costs digits. A support is a row d . u_b(x) = 0, a connection of two bodies in a point a row d
+//! . (u_b(x) - u_c(x)) = 0, and a multiplier function ψ the row ∫ ψ d . (u_b - u_c) ds = 0, which on rigid motions depends on ∫ ψ ds and ∫
+//! ψ x ds only.
 
 use faying::linalg::Vector;
 use nalgebra::{DMatrix, DVector};
@@ -12,22 +12,22 @@ use nalgebra::{DMatrix, DVector};
 const RANK: f64 = 1e-12;
 /// Entries of a motion below this are not named.
 const NEGLIGIBLE: f64 = 1e-5;
-/// Most modes of a body.
+/// Largest number of modes of a body.
 pub(super) const MOST: usize = 6;
 
-/// One condition d . (sum of sign u_b(x)) = 0; terms (body, sign, x).
+/// Condition d . (sum of sign u_b(x)) = 0.
 #[derive(Clone, Debug)]
 pub struct RigidRow<const N: usize> {
-    /// Bodies that take part.
+    /// (body, sign, x) per term.
     pub terms: Vec<(usize, f64, Vector<N>)>,
     /// Direction, of length 1; for a scalar unknown only its first entry is used and is 1.
     pub direction: Vector<N>,
 }
 
-/// A condition on the modes of the bodies: (body, coefficients of its modes), summed.
+/// Linear form of the modes of the bodies: a sum of terms (body, coefficients of its modes).
 pub(super) type RigidForm = Vec<(usize, [f64; MOST])>;
 
-/// The motions that are left to a body, in words.
+/// Rigid motions left to a body, in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FreeBody {
     /// Number of the body.
@@ -74,13 +74,13 @@ impl<const N: usize> RigidModes<N> {
         out
     }
 
-    /// A row as a linear form of the modes.
+    /// Returns a row as a linear form of the modes.
     pub(super) fn form(&self, row: &RigidRow<N>) -> RigidForm {
         let of = |&(body, sign, x): &(usize, f64, Vector<N>)| (body, self.sums(body, &row.direction, sign, &Vector::zeros(), &x));
         row.terms.iter().map(of).collect()
     }
 
-    /// A form as a vector of the modes of all bodies.
+    /// Returns a form as a vector of the modes of all bodies.
     pub(super) fn dense(&self, form: &RigidForm) -> DVector<f64> {
         let m = self.modes();
         let mut dense = DVector::zeros(m * self.num_bodies());
@@ -104,7 +104,7 @@ impl<const N: usize> RigidModes<N> {
         }
     }
 
-    /// The work of a force and its moment about the origin on the modes of `body`.
+    /// Work of a force and its moment about the origin on the modes of `body`.
     pub(super) fn work(&self, body: usize, force: &[f64; 3], moment: &[f64; 3]) -> Vec<f64> {
         if self.components == 1 {
             return vec![force[0]];
@@ -113,12 +113,12 @@ impl<const N: usize> RigidModes<N> {
         let center = Vector::<3>::from_fn(|k, _| if k < N { center[k] } else { 0.0 });
         let about = (Vector::<3>::from(*moment) - center.cross(&Vector::<3>::from(*force))) / size;
         let mut work = force[..N].to_vec();
-        // the plane (x, z) turns about -y
+        // in the plane (x, z) the positive sense is about -y
         work.extend(if N == 2 { vec![about[2]] } else { vec![about[2], -about[1], about[0]] });
         work
     }
 
-    /// The motions that `forms` leave, orthonormal columns in the modes of all bodies.
+    /// Null space of `forms`: orthonormal columns in the modes of all bodies.
     pub(super) fn null(&self, forms: &[RigidForm]) -> DMatrix<f64> {
         let n = self.modes() * self.num_bodies();
         let mut gram = DMatrix::<f64>::zeros(n, n);
@@ -129,12 +129,12 @@ impl<const N: usize> RigidModes<N> {
         DMatrix::from_fn(n, null.len(), |i, k| eigen.eigenvectors[(i, null[k])])
     }
 
-    /// The motions that `forms` leave, in words.
+    /// Describes the motions left by `forms`, in words.
     pub(super) fn free(&self, forms: &[RigidForm]) -> Vec<FreeBody> {
         self.names(&self.null(forms))
     }
 
-    /// Words for motions of all bodies, of those that move.
+    /// Describes `motions` of all bodies in words, for each body that moves.
     pub(super) fn names(&self, motions: &DMatrix<f64>) -> Vec<FreeBody> {
         let m = self.modes();
         (0..self.num_bodies())
@@ -145,7 +145,7 @@ impl<const N: usize> RigidModes<N> {
             .collect()
     }
 
-    /// Words for the span of `vectors`, motions of `body`.
+    /// Describes the span of `vectors`, motions of `body`, in words.
     pub(super) fn name(&self, body: usize, vectors: &DMatrix<f64>) -> Vec<String> {
         if vectors.ncols() == 0 {
             return Vec::new();
@@ -166,7 +166,7 @@ impl<const N: usize> RigidModes<N> {
         let mut rest = span.clone();
         for i in 0..m {
             let share: f64 = span.iter().map(|v| v[i] * v[i]).sum();
-            // a rotation alone is told with its centre
+            // a rotation alone is described with its centre
             if share > 1.0 - NEGLIGIBLE && (i < N || span.len() > 1 || self.components == 1) {
                 named.push(words[i].clone());
                 for v in &mut rest {
@@ -183,7 +183,7 @@ impl<const N: usize> RigidModes<N> {
         named
     }
 
-    /// A motion that is no single mode.
+    /// Describes a motion that is no single mode.
     fn oblique(&self, body: usize, v: &DVector<f64>) -> String {
         let (center, size) = self.frames[body];
         let turning = (N..v.len()).any(|k| v[k].abs() > NEGLIGIBLE * v.norm());
@@ -201,13 +201,13 @@ impl<const N: usize> RigidModes<N> {
 }
 
 impl<const N: usize> RigidModes<N> {
-    /// A motion of space that turns: about a line, or along it, too.
+    /// Describes a motion in space with a rotation: about a line, or a screw motion.
     ///
     /// With u = t + w x r, r from the middle of the body: the line runs along w through r = (w x t) / w.w if w.t = 0.
     fn turn(&self, body: usize, v: &DVector<f64>) -> String {
         let (center, size) = self.frames[body];
         let t = Vector::<3>::new(v[0], v[1], v[2]);
-        // planes (x, y), (x, z), (y, z): the second turns about -y
+        // planes (x, y), (x, z), (y, z): in the second the positive sense is about -y
         let w = Vector::<3>::new(v[5], -v[4], v[3]) / size;
         let list = |x: &Vector<3>, scale: f64| x.iter().map(|&c| short(c, scale)).collect::<Vec<_>>().join(", ");
         let along = w / w[w.iamax()];

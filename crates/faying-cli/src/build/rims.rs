@@ -10,14 +10,14 @@ use crate::place::Located;
 use faying::assembly::Rim;
 use std::sync::Arc;
 
-/// The sides that meet in an edge or a corner such as u0w1 or u0v0w0; none for names of sides.
+/// Sides that meet in an edge or a corner such as u0w1 or u0v0w0; `None` for other names.
 pub(super) fn sides(name: &str) -> Option<Vec<&str>> {
     let word = |k: usize| name.get(2 * k..2 * k + 2).filter(|w| ["u0", "u1", "v0", "v1", "w0", "w1"].contains(w));
     let all: Option<Vec<&str>> = (0..name.len() / 2).map(word).collect();
     all.filter(|list| list.len() > 1 && 2 * list.len() == name.len())
 }
 
-/// Prescribes what `block` says on the edge or in the corner where the sides `names` meet.
+/// Applies the conditions of `block` to the edge or corner where the sides `names` meet.
 pub(super) fn pin<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     model: &mut Model<S, N>,

@@ -1,4 +1,4 @@
-//! Sides of bodies by their references in the case, made once each.
+//! Sides of bodies by their references in the case, each built once.
 
 use super::Builder;
 use super::model::{Model, PatchModel, SideModel};
@@ -14,7 +14,7 @@ use faying::space::{Field, JoinedSide, SideError, Trace};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Sides made so far, by patch and canonical name.
+/// Sides built so far, by patch and canonical name.
 #[derive(Debug)]
 pub(super) struct Sides<const S: usize, const N: usize> {
     known: HashMap<(usize, String), Arc<SideModel<S, N>>>,
@@ -39,13 +39,13 @@ pub(crate) fn alias(side: &str, dimension: usize) -> &str {
     }
 }
 
-/// The canonical name behind an alias.
+/// Canonical name of an alias.
 pub(crate) fn canonical(side: &str, dimension: usize) -> &str {
     ["u0", "u1", "v0", "v1", "w0", "w1"].into_iter().find(|s| alias(s, dimension) == side).unwrap_or(side)
 }
 
 impl<const S: usize, const N: usize> Sides<S, N> {
-    /// The side of a reference.
+    /// Returns the side of a reference.
     pub fn get(
         &mut self,
         builder: &Builder<'_, S, N>,
@@ -63,7 +63,7 @@ impl<const S: usize, const N: usize> Sides<S, N> {
         Ok(side)
     }
 
-    /// The part of a side whose facets have their centre where `filter` holds, none where there are none; not kept.
+    /// Returns the part of a side whose facets have their centre where `filter` holds, `None` if there are none; not cached.
     pub fn filtered(
         &mut self,
         builder: &Builder<'_, S, N>,
@@ -75,7 +75,7 @@ impl<const S: usize, const N: usize> Sides<S, N> {
         let patch = &patches[wanted.value.patch];
         let space = &*whole.trace.space;
         let mut table = MapTable::new();
-        // facets of both shapes come together in meshes of both
+        // facets by shape of cell: meshes may have both
         let mut facets: [Vec<Embedding<S, N>>; 2] = [Vec::new(), Vec::new()];
         for e in 0..space.num_elements() {
             let simplex = space.cell(e) == Cell::Simplex;
@@ -105,7 +105,7 @@ fn make<const S: usize, const N: usize>(label: String, wanted: &SideRef, trace: 
     SideModel { patch: wanted.patch, side: wanted.side.clone(), label, field: patch.field, runs: vec![(0, wanted.patch)], trace, rules }
 }
 
-/// Several sides as one surface, in functions of the model: what is glued is one function.
+/// Joins several sides into one surface, in functions of the model: glued functions are one; `None` without sides.
 pub(super) fn as_one<const S: usize, const N: usize>(model: &Model<S, N>, sides: &[Arc<SideModel<S, N>>]) -> Option<Arc<SideModel<S, N>>> {
     let (first, others) = sides.split_first()?;
     if others.is_empty() {
@@ -133,7 +133,7 @@ pub(super) fn as_one<const S: usize, const N: usize>(model: &Model<S, N>, sides:
     Some(Arc::new(SideModel { patch: first.patch, side: first.side.clone(), label, field, runs, trace, rules }))
 }
 
-/// The name as the case file has it where it stands there in full, else by alias on boxes and by direction or tag elsewhere.
+/// Name of a side as written in the case file if given there in full, else by alias on boxes and by direction or tag elsewhere.
 fn label<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patch: &PatchModel<S, N>, wanted: &Located<SideRef>) -> String {
     let at = wanted.at;
     let case = builder.case;

@@ -1,4 +1,4 @@
-//! What a tie takes from the bodies at its sides: their fluxes, for couplings that add stiffness.
+//! Fluxes of the bodies at the sides of a tie, for couplings that add stiffness.
 
 use super::model::{Model, TiePart};
 use faying::basis::Basis;
@@ -23,7 +23,7 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
         Fluxes { slave: of(&self.slave), masters: self.pairings.iter().map(|p| of(&p.master)).collect() }
     }
 
-    /// The interface with master `k` as couplings see it, on its own segments or on others.
+    /// Returns the interface with master `k` for couplings, on its own segments or on others.
     fn interface<'a>(
         &'a self,
         model: &Model<S, N>,
@@ -45,7 +45,7 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
         }
     }
 
-    /// What the coupling makes of the slave and master `k`.
+    /// Assembles the coupling of the slave with master `k`.
     pub(super) fn blocks(
         &self,
         coupling: &dyn Coupling<S, N>,
@@ -57,8 +57,8 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
         coupling.assemble(&self.interface(model, k, fluxes, &multiplier, None), model.unknowns)
     }
 
-    /// lambda at points of `segments` (those of the tie where none are given) against master `k`, where there is no multiplier:
-    /// `[component][point]`. Not a number where the coupling cannot say.
+    /// lambda of a coupling without multiplier at points of `segments` (`None`: those of the tie) against master `k`: `[component][point]`.
+    /// NaN if the coupling has no value.
     pub fn numerical_flux(
         &self,
         model: &Model<S, N>,
@@ -72,13 +72,13 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
         self.coupling.lambda(&interface, u).unwrap_or_else(|_| vec![vec![f64::NAN; points]; model.components])
     }
 
-    /// Whether the stiffness follows materials that change with the time.
+    /// Whether the stiffness depends on materials that change with the time.
     pub fn changes(&self, model: &Model<S, N>) -> bool {
         let sides = self.pairings.iter().map(|p| &p.master).chain([&self.slave]);
         !self.stiffness.entries.is_empty() && sides.map(|s| s.patch).any(|k| model.patches[k].changing.is_some())
     }
 
-    /// The stiffness between the bodies at time `t`.
+    /// Assembles the stiffness between the bodies at time `t`.
     ///
     /// # Errors
     /// [`CouplingError`] where the coupling has none at that time.
@@ -92,8 +92,8 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
     }
 }
 
-/// The sum of the stiffness of all ties as one matrix in all unknowns; none where no tie adds any. Entries are in the order of the
-/// ties, so the pattern is the same at every time.
+/// Sums the stiffness of `parts` into one matrix in all unknowns; `None` if it has no entries. Entries are in the order of the parts, so
+/// the pattern is the same at every time.
 pub fn between<'a, const S: usize, const N: usize>(model: &Model<S, N>, parts: impl Iterator<Item = &'a Triplets>) -> Option<Csr> {
     let mut all = Triplets::new(model.unknowns, model.unknowns);
     for part in parts {

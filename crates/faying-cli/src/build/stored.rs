@@ -11,16 +11,16 @@ use faying::geometry::Embedding;
 use faying::linalg::Vector;
 use faying::space::{MeshCells, PatchSpec};
 
-/// Words of the case file for functions of splines.
+/// Keywords of the case file for spline bases.
 pub(super) const BASES: [(&str, faying::space::BasisKind); 3] =
     [("auto", faying::space::BasisKind::Auto), ("nurbs", faying::space::BasisKind::Nurbs), ("b-spline", faying::space::BasisKind::BSpline)];
-/// Words for shapes of cells.
+/// Keywords for shapes of cells.
 pub(super) const CELLS: [(&str, Cell); 2] = [("tensor", Cell::Tensor), ("simplex", Cell::Simplex)];
-/// Words for maps of cells.
+/// Keywords for maps of cells.
 pub(super) const MAPPINGS: [(&str, faying::space::Mapping); 2] =
     [("isoparametric", faying::space::Mapping::Isoparametric), ("exact", faying::space::Mapping::Exact)];
 
-/// The word of the case's physics.
+/// Keyword of the case's physics.
 pub(super) fn physics_word(case: &Case) -> &'static str {
     match case.model.physics.value {
         case::Physics::Poisson => "poisson",
@@ -32,10 +32,10 @@ fn word<T: PartialEq>(words: &[(&str, T)], value: &T) -> String {
     words.iter().find(|(_, v)| v == value).expect("every value has a word").0.to_owned()
 }
 
-/// The model of `case` with the unknowns `u` and multipliers `lambda` at time `t`, as data for a file.
+/// Returns the model of `case` with the unknowns `u` and multipliers `lambda` at time `t` as data for a file.
 ///
 /// # Errors
-/// What was wrong with the geometry, which a model that is built does not have.
+/// Errors of the geometry, which a model that is built does not have.
 pub(crate) fn stored_run<const S: usize, const N: usize>(
     case: &Case,
     names: &crate::registry::Names<S, N>,
@@ -121,7 +121,7 @@ fn stored_patch<const S: usize, const N: usize>(
     Ok(stored)
 }
 
-/// The patch as data for a backend; none for meshes that are read from files.
+/// Returns the specification of a patch for a backend; `None` for meshes that are read from files.
 pub(super) fn spec_of<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: &case::Patch,
@@ -135,13 +135,13 @@ pub(super) fn spec_of<const S: usize, const N: usize>(
     specification(builder, patch, made).map(Some)
 }
 
-/// Functions in a row of a grid: the first side's functions, where they are the first of the body.
+/// Number of functions in a row of a grid: those of the third side (v0), if they are the first of the body, else 0.
 fn row<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> usize {
     let first = patch.body.sides().get(2).and_then(|side| patch.body.trace(side).ok());
     first.filter(|trace| trace.dofs.iter().enumerate().all(|(k, &f)| k == f)).map_or(0, |trace| trace.dofs.len())
 }
 
-/// The parts of a slave side on single patches; none where there is no multiplier.
+/// Multiplier of a slave side, in parts on single patches; empty without multiplier.
 fn stored_sides<const S: usize, const N: usize>(
     model: &Model<S, N>,
     name: &str,
@@ -209,10 +209,10 @@ pub(super) fn of_cells<const N: usize>(patch: &case::Patch) -> Fingerprint {
     fingerprint(&counts, places.flat_map(|x| x.iter().copied().collect::<Vec<f64>>()))
 }
 
-/// Shares of the scale of a fingerprint's sums below which they are equal.
+/// Tolerance for the sums of a fingerprint, relative to their scale.
 const SAME: f64 = 1e-12;
 
-/// Whether two fingerprints are those of one geometry, whatever the machine rounded.
+/// Whether two fingerprints are those of one geometry, up to round-off.
 pub(super) fn same_geometry(a: &Fingerprint, b: &Fingerprint) -> bool {
     let near = |x: f64, y: f64| (x - y).abs() <= SAME * a.size.max(b.size);
     a.counts == b.counts && a.sums.iter().zip(&b.sums).all(|(x, y)| near(*x, *y))
@@ -230,7 +230,7 @@ fn fingerprint(counts: &[usize], numbers: impl Iterator<Item = f64>) -> Fingerpr
     Fingerprint { counts: case::sha256(&bytes), sums, size }
 }
 
-/// A number in [-1, 1) that looks like chance: SplitMix64 of `k`.
+/// Pseudo-random number in [-1, 1): SplitMix64 of `k`.
 fn factor(k: usize) -> f64 {
     let mut z = (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -11,7 +11,7 @@ use faying::linalg::Vector;
 use faying::quadrature::Quadrature;
 use std::ops::Range;
 
-/// Points looked at per side.
+/// Elements or segments sampled per side, at most.
 const SAMPLES: usize = 24;
 
 /// The unit vector of a component.
@@ -19,7 +19,7 @@ pub(super) fn unit<const N: usize>(component: usize) -> Vector<N> {
     Vector::from_fn(|k, _| f64::from(u8::from(k == component)))
 }
 
-/// Some points of a side.
+/// Quadrature points of a sample of a side's elements.
 fn points<const S: usize, const N: usize>(side: &SideModel<S, N>) -> Vec<Vector<N>> {
     let space = &*side.trace.space;
     let (elements, mut table, mut out) = (space.num_elements(), MapTable::new(), Vec::new());
@@ -27,7 +27,7 @@ fn points<const S: usize, const N: usize>(side: &SideModel<S, N>) -> Vec<Vector<
         space.map(e, &side.rules.rule(e).points, Order::Values, &mut table);
         out.extend(table.x.iter().copied());
     }
-    // the last element counts where the step jumped over it
+    // the last element is included in any case
     if elements > 1 {
         space.map(elements - 1, &side.rules.rule(elements - 1).points, Order::Values, &mut table);
         out.extend(table.x.iter().copied());
@@ -35,7 +35,7 @@ fn points<const S: usize, const N: usize>(side: &SideModel<S, N>) -> Vec<Vector<
     out
 }
 
-/// The bodies of a model: patches, glued ones as one, each by its first; behind them obstacles that forces press, by their contacts.
+/// Rigid bodies of a model: sets of glued patches, each by its first patch, then force-driven obstacles, each by its contact.
 #[derive(Debug)]
 pub(super) struct RigidBodies {
     first: Vec<usize>,
@@ -54,17 +54,17 @@ impl RigidBodies {
         self.first.binary_search(&model.glued.body(patch)).expect("every patch is part of a body")
     }
 
-    /// The obstacle of a contact, where forces press it.
+    /// Number of the obstacle of a contact among the bodies, if it is force-driven.
     pub fn of_obstacle(&self, contact: usize) -> Option<usize> {
         self.pressed.binary_search(&contact).ok().map(|k| self.first.len() + k)
     }
 
-    /// The first patch of a body; of an obstacle the number of patches and that of its contact.
+    /// First patch of a body; for an obstacle, the number of patches plus that of its contact.
     pub fn number<const S: usize, const N: usize>(&self, model: &Model<S, N>, body: usize) -> usize {
         self.first.get(body).copied().unwrap_or_else(|| model.patches.len() + self.pressed[body - self.first.len()])
     }
 
-    /// The modes of the bodies, each about its own middle; of obstacles about that of the model.
+    /// Returns the rigid modes of the bodies, each about its own middle; of obstacles about that of the model.
     pub fn modes<const S: usize, const N: usize>(&self, model: &Model<S, N>) -> RigidModes<N> {
         let mut boxes: Vec<Option<Bounds<N>>> = vec![None; self.first.len()];
         for (k, patch) in model.patches.iter().enumerate() {
@@ -78,7 +78,8 @@ impl RigidBodies {
     }
 }
 
-/// Where a contact point acts on its bodies: (body, sign, place); the partner is the foot point, rotations act on it.
+/// Returns (body, sign, point) for the bodies that contact point `q` acts on; the partner's point is the foot point, which matters for
+/// rotations.
 pub(super) fn contact_terms<const S: usize, const N: usize>(
     model: &Model<S, N>,
     bodies: &RigidBodies,
@@ -101,7 +102,7 @@ pub(super) fn contact_terms<const S: usize, const N: usize>(
     terms
 }
 
-/// The points of a contact for which `closed` holds, as rows along the normal.
+/// Returns the points of a contact for which `closed` holds, as rows along the normal.
 pub(super) fn contact_points<const S: usize, const N: usize>(
     model: &Model<S, N>,
     modes: &RigidModes<N>,
@@ -118,7 +119,7 @@ pub(super) fn contact_points<const S: usize, const N: usize>(
     (0..contact.frames.x.len()).filter(|&q| closed(q)).map(row).collect()
 }
 
-/// Some points of a tie, held in every component.
+/// Returns some points of a tie as rows, held in every component.
 pub(super) fn tie_points<const S: usize, const N: usize>(
     model: &Model<S, N>,
     modes: &RigidModes<N>,
@@ -140,7 +141,8 @@ pub(super) fn tie_points<const S: usize, const N: usize>(
     forms
 }
 
-/// Motions that supports, ties and contacts leave, of patches and, numbered behind them by contact, of obstacles that forces press: `contacts` at a time, per contact and part, of them the points in `closed`.
+/// Returns the rigid motions left by supports, ties and contacts, of patches and of force-driven obstacles (numbered behind the patches, by
+/// contact). `contacts`: at a given time, per contact and part; `closed(contact, part, point)`: whether a point counts as closed.
 pub fn free_motions<const S: usize, const N: usize>(
     model: &Model<S, N>,
     contacts: &[Vec<&Contact<S, N>>],
@@ -165,16 +167,17 @@ fn free_by<const S: usize, const N: usize>(
     modes.free(&forms).into_iter().map(|f| FreeBody { body: bodies.number(model, f.body), ..f }).collect()
 }
 
-/// How ties are looked at.
+/// Treatment of ties in the analysis of rigid motions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ties {
-    /// As if every point held.
+    /// Every point holds.
     Points,
-    /// By the functions of their multipliers, where there are any.
+    /// The multiplier functions hold, if there are any, else the points.
     Functions,
 }
 
-/// The unknowns of every body that supports and ties leave a rigid motion, patches and obstacles that forces press: what contact has to hold.
+/// Returns the unknowns of every body to which supports and ties leave a rigid motion, including force-driven obstacles: contact must hold
+/// these.
 pub(crate) fn floating<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<Vec<Range<usize>>> {
     let bodies = RigidBodies::of(model);
     let (modes, rows) = held(model, &bodies);
@@ -188,12 +191,12 @@ pub(crate) fn floating<const S: usize, const N: usize>(model: &Model<S, N>) -> V
     modes.free(&rows).iter().map(|f| unknowns(f.body)).collect()
 }
 
-/// The rigid motions of a model and what supports, springs and ties ask of them: both ways, without contacts.
+/// Returns the rigid modes of a model and the conditions of supports, springs and ties on them, in both directions, without contacts.
 pub(super) fn held<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies) -> (RigidModes<N>, Vec<RigidForm>) {
     held_by(model, bodies, &model.springs, Ties::Functions)
 }
 
-/// [`held`] with `springs` in the place of those of the model.
+/// [`held`] with the given `springs` and treatment of `ties`.
 pub(super) fn held_by<const S: usize, const N: usize>(
     model: &Model<S, N>,
     bodies: &RigidBodies,
@@ -265,7 +268,7 @@ pub(super) fn held_by<const S: usize, const N: usize>(
     (modes, forms)
 }
 
-/// What holds the obstacle of a contact, body `body`: all but the components in which forces press it.
+/// Rows that hold the obstacle of a contact, body `body`: all rotations, and the translations that no force drives.
 fn guides<const S: usize, const N: usize>(model: &Model<S, N>, body: usize, contact: usize) -> Vec<RigidRow<N>> {
     let free = |c: usize| model.contacts[contact].obstacle.iter().flat_map(|o| &o.pressed).any(|p| p.component == c);
     let mut rows: Vec<RigidRow<N>> =
@@ -279,7 +282,7 @@ fn guides<const S: usize, const N: usize>(model: &Model<S, N>, body: usize, cont
     rows
 }
 
-/// "body "upper" can still move: translation x, rotation" for every such body.
+/// Messages such as "body "upper" can still move: translation x, rotation", one per body.
 pub(crate) fn sentences<const S: usize, const N: usize>(model: &Model<S, N>, free: &[FreeBody]) -> Vec<String> {
     free.iter()
         .map(|f| {
@@ -297,7 +300,8 @@ pub(crate) fn sentences<const S: usize, const N: usize>(model: &Model<S, N>, fre
         .collect()
 }
 
-/// E051 for every body that can still move with all points of ties held and all contacts closed; E024 where multipliers hold less than points.
+/// Reports E051 for every body that can still move with all points of ties held and all contacts closed, or E024 where multipliers hold
+/// less than points.
 pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>) {
     let first: Vec<Vec<_>> = model.contacts.iter().map(|c| c.parts.iter().map(|p| &p.first).collect()).collect();
     let free = free_by(model, &first, &|_, _, _| true, Ties::Points);

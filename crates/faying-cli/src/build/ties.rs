@@ -24,10 +24,10 @@ use std::sync::Arc;
 
 /// Largest share of a slave side that may be uncovered.
 const UNCOVERED: f64 = 1e-6;
-/// Points per segment beyond those of the rule whose consistency error is estimated.
+/// Points per segment of the finer rule beyond those of the rule whose consistency error it estimates.
 pub(super) const FINER_POINTS: usize = 2;
 
-/// How many sides of tied interfaces a function of a body lies on.
+/// Number of sides of tied interfaces on which each function of a body lies.
 #[derive(Debug, Default)]
 pub(super) struct Memberships(HashMap<usize, usize>);
 
@@ -41,13 +41,13 @@ impl Memberships {
         }
     }
 
-    /// Sides that hold `function` of `patch`, or one that is glued to it.
+    /// Number of tied sides that contain `function` of `patch`, or one that is glued to it.
     pub fn count<const S: usize, const N: usize>(&self, model: &Model<S, N>, patch: usize, function: usize) -> usize {
         self.0.get(&model.function(patch, function)).copied().unwrap_or(0)
     }
 }
 
-/// Sides of a list of references.
+/// Returns the sides of a list of references; errors go to the builder's faults.
 pub(super) fn list<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
     model: &Model<S, N>,
@@ -64,7 +64,7 @@ pub(super) fn list<const S: usize, const N: usize>(
     out
 }
 
-/// All ties of the case.
+/// Builds all ties of the case; errors go to the builder's faults.
 pub(super) fn build<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
     model: &mut Model<S, N>,
@@ -95,14 +95,14 @@ pub(super) fn build<const S: usize, const N: usize>(
     }
 }
 
-/// Counts the sides of all ties; also says which functions contact must leave to ties.
+/// Counts the tied sides of every function; for contact, functions on tied sides are constrained.
 pub(super) fn memberships<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     model: &Model<S, N>,
     couples: &Couples<S, N>,
 ) -> Memberships {
     let mut members = Memberships::default();
-    // couplings without rows take no functions away
+    // couplings without rows constrain no functions
     let has_rows = |tie: &Tie| coupling_of(builder, tie).is_ok_and(|coupling| coupling.has_rows());
     for (_, list) in builder.case.interfaces.iter().zip(&couples.ties).filter(|(tie, _)| !is_glue(&tie.coupling.value) && has_rows(tie)) {
         // a side in two lists of one tie counts once
@@ -116,7 +116,7 @@ pub(super) fn memberships<const S: usize, const N: usize>(
     members
 }
 
-/// The variant of Nitsche's method by its word.
+/// Variant of Nitsche's method for a keyword of the case.
 pub(super) fn nitsche_variant(word: case::Variant) -> Variant {
     match word {
         case::Variant::Unsymmetric => Variant::Unsymmetric,
@@ -125,7 +125,7 @@ pub(super) fn nitsche_variant(word: case::Variant) -> Variant {
     }
 }
 
-/// The coupling that a tie names.
+/// Creates the coupling that a tie names.
 pub(super) fn coupling_of<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     tie: &Tie,
@@ -313,7 +313,7 @@ fn segments<const S: usize, const N: usize>(
     }))
 }
 
-/// Segments on which the rows are checked: merged ones with more points, on sides whose distance is known to be allowed.
+/// Segments for checking the rows: merged, with more points, without a limit on the distance, which has been checked.
 fn finer_segments<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     tie: &Tie,
@@ -355,12 +355,12 @@ fn apart<const S: usize, const N: usize>(
     }
 }
 
-/// A share in percent, rounded down to four decimals but for round-off.
+/// Formats a share in percent, rounded down to four decimals but for round-off.
 fn percent(share: f64) -> String {
     format!("{}", (share * 1e6 + 1e-3).floor() / 1e4)
 }
 
-/// Four digits of a number.
+/// Formats a number with four digits.
 pub(crate) fn short(x: f64) -> String {
     format!("{x:.3e}").parse::<f64>().map_or_else(|_| x.to_string(), |v| format!("{v}"))
 }

@@ -1,4 +1,4 @@
-//! Which sides touch: facets against the sides nearest to them, pairs of sides by all their distances.
+//! Detection of touching sides: facets against the sides nearest to them, pairs of sides by all their distances.
 
 use super::meshes::unrefined;
 use super::model::{PatchModel, SideModel};
@@ -9,14 +9,14 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Distances below this share of the size of all sides are none.
+/// Distances below this fraction of the size of all sides count as zero.
 pub(super) const SAME_PLACE: f64 = 1e-8;
-/// Sides within this share of a facet may have been meant to touch; one hears of them.
+/// Sides within this fraction of a facet that do not touch are reported as a warning.
 const CLOSE: f64 = 1e-3;
-/// Candidates within so many sags of a facet are looked at: three, and the bulge.
+/// Search radius of a facet in multiples of its sag: three, and the bulge.
 const REACH: f64 = 4.0;
 
-/// What touches what.
+/// Result of the search for touching sides.
 #[derive(Debug, Default)]
 pub(super) struct Touching {
     /// The share of facets of side a that lie on side b, for all pairs (a, b) that touch.
@@ -27,14 +27,14 @@ pub(super) struct Touching {
     pub near: Vec<([usize; 2], Clearance)>,
 }
 
-/// What a facet sees: sides with whether its centre lies there, and its distances.
+/// Sides near a facet: number, whether the facet's centre lies on it, and the distances of the facet.
 type Seen = Vec<(usize, bool, Clearance)>;
 
 /// Finds the sides that touch; a facet may touch those that are nearest to its centre.
 ///
-/// `tolerance`: largest distance of facets' centres, without any other condition; none: sides touch where the deviation of their facets
-/// explains their distance ([`Clearance::touches`]), which is `sags`; below `floor` is none. Pairs for which `left_out` holds are not
-/// looked at. One tree of boxes over all facets.
+/// `tolerance`: largest distance of facets' centres, without any other condition. `None`: sides touch if the deviation `sags` of their
+/// facets explains their distance ([`Clearance::touches`]); distances below `floor` count as zero. Pairs for which `left_out` holds are
+/// skipped. One tree of boxes over all facets.
 pub(super) fn touching_sides<const S: usize, const N: usize>(
     sides: &[Arc<SideModel<S, N>>],
     tolerance: Option<f64>,
@@ -42,7 +42,7 @@ pub(super) fn touching_sides<const S: usize, const N: usize>(
     floor: f64,
     left_out: &dyn Fn(usize, usize) -> bool,
 ) -> Touching {
-    // distances that are given are those of the facets themselves
+    // with a given tolerance, distances are those of the facets themselves
     let none: Vec<Sag<S, N>>;
     let sags = match tolerance {
         Some(_) => {
@@ -62,7 +62,7 @@ pub(super) fn touching_sides<const S: usize, const N: usize>(
         let trace = &sides[a].trace;
         raised(trace, &sags[a], f, &skin_points(trace.space.cell(f))[..1], table)[0]
     };
-    // sides and the reach that each needs, by the boxes of their facets
+    // candidate sides with the search radius each needs, by the boxes of their facets
     let candidates: Vec<BTreeMap<usize, f64>> = (0..facets.len())
         .into_par_iter()
         .map_init(MapTable::new, |table, i| {
@@ -120,7 +120,8 @@ pub(super) fn touching_sides<const S: usize, const N: usize>(
     decided(sides, &facets, &seen, tolerance.is_some(), floor)
 }
 
-/// The pairs whose distances are explained, and those that are merely near; with `given` every pair is.
+/// Separates pairs that touch, their distance explained by faceting, from those that are merely near; with `given` no explanation is
+/// needed.
 fn decided<const S: usize, const N: usize>(
     sides: &[Arc<SideModel<S, N>>],
     facets: &[(usize, usize)],
@@ -153,7 +154,7 @@ fn decided<const S: usize, const N: usize>(
     out
 }
 
-/// The sag of a side's facets, none where they are the surface itself; of halved meshes that of the facets of the file.
+/// Returns the sag of a side's facets: zero if they are the surface itself; for refined meshes that of the unrefined facets.
 pub fn sag<const S: usize, const N: usize>(case: &Case, patches: &[PatchModel<S, N>], side: &SideModel<S, N>) -> Sag<S, N> {
     if patches[side.patch].exact_map {
         return Sag::none(side.trace.facets.len());

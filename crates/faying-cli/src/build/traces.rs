@@ -1,4 +1,4 @@
-//! Trace and multiplier spaces of slave sides, one pair per scalar problem: what the inf-sup test looks at.
+//! Trace and multiplier spaces of slave sides, one pair per scalar problem, for the inf-sup test.
 
 use super::boundary::component_name;
 use super::fixed::Fixed;
@@ -17,16 +17,16 @@ use faying::linalg::Vector;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
-/// Functions with less than this value at a point do not live there.
+/// Function values below this count as zero.
 const NO_VALUE: f64 = 1e-10;
-/// Normals with less than this along an axis do not need it.
+/// Components of a unit normal below this count as zero.
 const PERPENDICULAR: f64 = 1e-9;
 
-/// What happens at the ends of slave sides.
+/// Constraints at the ends of slave sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SlaveEnds {
-    /// What the case says: supports and cross points.
+    /// As the case has them: supports and cross points.
     #[default]
     Case,
     /// Traces vanish at both ends, multipliers are lowered there.
@@ -42,22 +42,22 @@ pub struct SlaveSpaces {
     pub name: String,
     /// The slave side as the case has it.
     pub side: Arc<SideModel<1, 2>>,
-    /// "x", "y", "u"; "normal" of contacts.
+    /// Component: "x", "y", "u"; "normal" for contacts.
     pub component: &'static str,
-    /// The multiplier by name, what `auto` means here; none where it is given by data.
+    /// Name of the multiplier, with `auto` resolved; `None` if it is given by data.
     pub pairing: Option<String>,
-    /// For every function of the side its number in the trace space; none where it is constrained.
+    /// Number of every function of the side in the trace space; `None` if it is constrained.
     pub functions: Vec<Option<usize>>,
     /// The multiplier space.
     pub multiplier: Box<dyn Basis<1>>,
-    /// Shares of the elements in the parameter of the side; equal where it has none.
+    /// Lengths of the elements in the parameter of the side, as fractions of the whole; equal if it has no parameter.
     pub shares: Vec<f64>,
 }
 
-/// Every slave side of `case` with every component, in the order of the case. No segments, no rows, no bulk integrals.
+/// Builds the spaces of every slave side and component of `case`, in its order. No segments, no rows, no bulk integrals.
 ///
 /// # Errors
-/// Everything that is wrong with the bodies, sides and multipliers, with its places.
+/// All errors of the bodies, sides and multipliers, with their source locations.
 pub fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: SlaveEnds) -> Result<Vec<SlaveSpaces>, Diagnostics> {
     let mut builder = Builder { case, names, faults: Diagnostics::new() };
     let (model, mut sides, couples) = supported(&mut builder, net)?;
@@ -83,7 +83,7 @@ pub fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: Sla
                 let wanted = Wanted { name: &tie.name.value, multiplier: &tie.multiplier, component: component_name(c, model.components) };
                 match spaces(&builder, &model, slave, &wanted, ends, &held, net) {
                     Ok(spaces) => out.push(spaces),
-                    // both components may say the same
+                    // both components may have the same error
                     Err(fault) if faults.items.contains(&fault) => {}
                     Err(fault) => faults.push(*fault),
                 }
@@ -110,7 +110,7 @@ pub fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: Sla
     if faults.has_errors() { Err(faults) } else { Ok(out) }
 }
 
-/// What is asked of a side.
+/// Multiplier requested on a side: name of the interface, space, component.
 struct Wanted<'a> {
     name: &'a str,
     multiplier: &'a Located<Multiplier>,
@@ -134,11 +134,11 @@ fn spaces(
     };
     let make = |constrained: &dyn Fn(usize) -> bool| {
         let made = multiplier(builder, model, wanted.name, slave, wanted.multiplier, constrained, None);
-        // that a pair is not stable is what the test finds out
+        // the warning of an unstable pair is dropped: the test shows it
         made.map(|(psi, _)| psi)
     };
     let multiplier = match make(&constrained) {
-        // too few elements to be lowered: as it is, it has more functions than the trace
+        // too few elements to lower the multiplier: unlowered, it has more functions than the trace
         Err(fault) if fault.code == "E024" => make(&|_| false)?,
         made => made?,
     };
@@ -166,7 +166,7 @@ fn spaces(
     Ok(SlaveSpaces { name, side: slave.clone(), component, pairing, functions, multiplier, shares })
 }
 
-/// Functions of the body that do not vanish at an end of the side; where a side closes on itself there is no end.
+/// Functions of the body that do not vanish at an end of the side; a side that closes on itself has no end.
 fn end_functions(model: &Model<1, 2>, slave: &SideModel<1, 2>) -> HashSet<usize> {
     let (space, dofs) = (&*slave.trace.space, &slave.trace.dofs);
     let mut count: HashMap<usize, usize> = HashMap::new();
@@ -181,7 +181,7 @@ fn end_functions(model: &Model<1, 2>, slave: &SideModel<1, 2>) -> HashSet<usize>
     found
 }
 
-/// The unit normal of the side where each function of the body is largest, among some points of every element.
+/// Unit normal of the side at the point where each function of the body is largest, among some points of every element.
 fn normals(slave: &SideModel<1, 2>) -> HashMap<usize, Vector<2>> {
     let space = &*slave.trace.space;
     let (mut ids, mut shapes, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());

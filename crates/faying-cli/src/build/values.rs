@@ -1,4 +1,4 @@
-//! Formulas of materials and loads at the points where they are integrated: limits, and values that are not finite.
+//! Checks of material and load formulas at quadrature points: limits, and values that are not finite.
 
 use super::Builder;
 use super::model::{Model, PatchModel, SideModel};
@@ -15,7 +15,7 @@ use faying::physics::{Conductor, Elastic, MaterialError};
 use faying::quadrature::Quadrature;
 use rayon::prelude::*;
 
-/// The first quadrature point, elements ascending, where `wrong` says something.
+/// Returns the first quadrature point, elements ascending, at which `wrong` returns an error.
 fn first_wrong<const D: usize, const N: usize, E: Send>(
     space: &dyn Geometry<D, N>,
     rules: &dyn Quadrature<D>,
@@ -28,12 +28,12 @@ fn first_wrong<const D: usize, const N: usize, E: Send>(
     })
 }
 
-/// "x = 0.25, y = 1".
+/// Formats a point: "x = 0.25, y = 1".
 fn place_text<const N: usize>(x: &Vector<N>) -> String {
     ["x", "y", "z"].iter().zip(x.iter()).map(|(name, v)| format!("{name} = {}", short(*v))).collect::<Vec<_>>().join(", ")
 }
 
-/// The times at which something is looked at: all of the case where it changes, else the first.
+/// Times at which a formula is checked: all of the case if it changes, else the first.
 pub(super) fn times(case: &case::Case, changes: bool) -> &[f64] {
     match case.steps.value.as_slice() {
         [] => &[1.0],
@@ -42,12 +42,12 @@ pub(super) fn times(case: &case::Case, changes: bool) -> &[f64] {
     }
 }
 
-/// ", t = 0.5" where that matters.
+/// Text ", t = 0.5" if something changes with the time, else empty.
 pub(super) fn time_text(changes: bool, t: f64) -> String {
     if changes { format!(", t = {}", short(t)) } else { String::new() }
 }
 
-/// The key an error of a material speaks of.
+/// Source location of the key that an error of a material refers to.
 pub(super) fn key(material: &case::Material, error: &MaterialError) -> Place {
     match (&material.elastic, error) {
         (Some(Constants::YoungPoisson(_, nu)), MaterialError::Singular { .. } | MaterialError::Ratio { .. }) => nu.at,
@@ -66,7 +66,7 @@ pub(super) fn constants(material: &case::Material) -> Vec<&Formula> {
     }
 }
 
-/// E053 where constants that vary leave their limits at a quadrature point of a patch, at one of the times of the case.
+/// Reports E053 for varying constants outside their limits at a quadrature point of a patch, at one of the times of the case.
 pub(super) fn materials<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, patches: &[PatchModel<S, N>]) {
     let case = builder.case;
     for (patch, read) in patches.iter().zip(&case.patches) {
@@ -101,7 +101,7 @@ pub(super) fn materials<const S: usize, const N: usize>(builder: &mut Builder<'_
     }
 }
 
-/// E017 where a formula is not finite at a point that is integrated, at one of the times of the case.
+/// Returns E017 if a formula is not finite at a quadrature point, at one of the times of the case.
 fn finite<const S: usize, const N: usize, const D: usize>(
     builder: &Builder<'_, S, N>,
     space: &dyn Geometry<D, N>,
@@ -126,7 +126,7 @@ fn finite<const S: usize, const N: usize, const D: usize>(
     Ok(())
 }
 
-/// E017 where the formula of a load on a side is not finite at a quadrature point.
+/// Returns E017 if the formula of a load on a side is not finite at a quadrature point.
 pub(super) fn on_side<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     side: &SideModel<S, N>,
@@ -136,7 +136,7 @@ pub(super) fn on_side<const S: usize, const N: usize>(
     finite(builder, &*side.trace.space, &side.rules, formula, &format!("{what} of `{}`", side.label))
 }
 
-/// E017 where a source or a density that has weight is not finite at a quadrature point of a patch.
+/// Reports E017 for a source or a density under gravity that is not finite at a quadrature point of a patch.
 pub(super) fn in_bodies<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>) {
     let case = builder.case;
     if model.exact.is_some() {

@@ -9,7 +9,7 @@ fn triple(list: &[f64]) -> [f64; 3] {
     std::array::from_fn(|k| list.get(k).copied().unwrap_or(0.0))
 }
 
-/// The net of a solid, without transformations; none for plane shapes.
+/// Builds the net of a solid, without transformations; `None` for plane shapes.
 fn solid(shape: &Shape) -> Option<Result<ControlNet<3, 3>, (&'static str, String)>> {
     Some(match shape {
         Shape::Box { min, max } if min.value.len() == 3 => shapes::brick(triple(&min.value), triple(&max.value)).map_err(shape_fault),
@@ -28,8 +28,8 @@ fn solid(shape: &Shape) -> Option<Result<ControlNet<3, 3>, (&'static str, String
     })
 }
 
-/// The net of a shape in space with its transformations: extrude, scale, rotate, move in this order; an error is a code and
-/// a sentence.
+/// Builds the net of a shape in space with its transformations: extrude, scale, rotate, translate in this order; an error is a code and a
+/// message.
 ///
 /// # Errors
 /// E015 for numbers out of range, E019 for shapes that are not in this version, E031 to E034 for nets, E044 for a plane

@@ -1,10 +1,10 @@
-//! Rigid motions that nothing but soft springs holds.
+//! Rigid motions held by soft springs only.
 //!
-//! Z: the rigid motions that supports, ties and closed contacts leave where springs are taken away. For a motion z = Z y the springs
-//! store yᵀ S y / 2, S = Zᵀ (∫ k (d . u)² ds) Z, and bodies that would bend as much as they move about yᵀ B y / 2 with
-//! B = Zᵀ diag(E_b V_b / L_b²) Z, E_b the modulus, V_b the volume, L_b the size of body b. The eigenvalues of S y = μ B y are the springs'
-//! share of the stiffness; one much smaller than 1 is a motion that the rounding of the bodies' stiffness, 1e-16 of it times the
-//! number of elements squared, makes up.
+//! Z: the rigid motions that supports, ties and closed contacts leave without the springs. For a motion z = Z y the springs store yᵀ S y /
+//! 2, S = Zᵀ (∫ k (d . u)² ds) Z, and bodies deformed by as much as they move store about yᵀ B y / 2 with B = Zᵀ diag(E_b V_b / L_b²) Z,
+//! E_b the modulus, V_b the volume, L_b the size of body b. The eigenvalues of S y = μ B y are the springs' share of the stiffness; a
+//! motion with μ much smaller than 1 is dominated by the round-off of the bodies' stiffness, 1e-16 of it times the number of elements
+//! squared.
 
 use super::functions::closed_forms;
 use super::model::Model;
@@ -20,10 +20,10 @@ use faying::linalg::{Vector, measure};
 use faying::quadrature::Quadrature;
 use nalgebra::{DMatrix, DVector};
 
-/// Springs with less than this share of the stiffness of what they hold are soft.
+/// Springs with less than this fraction of the stiffness of the bodies they hold are soft.
 const SOFT: f64 = 1e-5;
 
-/// E051 as a warning for the motions that springs hold with too small a share of the bodies' stiffness.
+/// Returns warnings (E051) for motions that springs hold with too small a fraction of the bodies' stiffness.
 pub(crate) fn weakly_held<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
     if model.springs.is_empty() {
         return Vec::new();
@@ -66,7 +66,7 @@ pub(crate) fn weakly_held<const S: usize, const N: usize>(case: &Case, model: &M
     found
 }
 
-/// The warning for a motion, by the body that moves most.
+/// Warning for a motion, naming the body that moves most.
 fn sentence<const S: usize, const N: usize>(
     case: &Case,
     model: &Model<S, N>,
@@ -92,7 +92,7 @@ fn sentence<const S: usize, const N: usize>(
     Some(Diagnostic::warning("E051", text).at(&case.source, at).with_help(help))
 }
 
-/// E V / L² of every body: the modulus at the middle of its first element, its volume, its size; zero of obstacles.
+/// E V / L² of every body: modulus at the middle of its first element, volume, size; for obstacles the least of the bodies.
 fn body_stiffness<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies, count: usize) -> Vec<f64> {
     let mut sums = vec![0.0; count];
     for (k, patch) in model.patches.iter().enumerate() {
@@ -106,7 +106,7 @@ fn body_stiffness<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &
         let length = bounds.diagonal();
         sums[bodies.of_patch(model, k)] += patch.physics.modulus(&x) * faying::space::measure::<N, N, f64, _>(space) / (length * length);
     }
-    // an obstacle that a force presses has no stiffness of its own: the least of the bodies
+    // a force-driven obstacle has no stiffness of its own: it takes the least of the bodies
     let least = sums.iter().copied().filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
     sums.iter().map(|&s| if s > 0.0 { s } else { least }).collect()
 }

@@ -6,7 +6,7 @@ use super::types::*;
 use crate::formula::Formula;
 use crate::place::Located;
 
-/// A boundary whose sides are "all-outer" until every block is read.
+/// A boundary block; "all-outer" is resolved after all blocks are read.
 #[derive(Debug)]
 pub(super) struct Read {
     pub boundary: Boundary,
@@ -62,7 +62,7 @@ impl Reader {
             }
         };
         let (force, spring, rigid_force) = (resultant("force"), resultant("spring"), resultant("rigid_force"));
-        // a stiffness below zero pushes further what moves; of formulas the sign is not known here
+        // negative stiffness is unstable; the sign of formulas is not known here
         for k in spring.iter().flatten() {
             if let Some(value) = k.value.as_constant().filter(|v| *v < 0.0) {
                 let message = format!("`spring` must not be negative, found {value:?}");
@@ -124,7 +124,7 @@ impl Reader {
         }
     }
 
-    // `traction` and `neumann` say the same
+    // `traction` and `neumann` mean the same
     fn traction(&mut self, b: &Block, model: &Model) -> Components<Datum> {
         let n = model.components();
         if let (true, Physics::Poisson) = (b.has("traction"), model.physics.value) {

@@ -1,4 +1,4 @@
-//! What a row of a study changes in a case after `--set`: backends, degrees, levels, multipliers, integration, quantities.
+//! Changes of a case by a row of a study, after `--set`: backends, degrees, levels, multipliers, integration, quantities.
 
 use super::tree::{Node, Table, Value, parse_value};
 use crate::place::{Origin, Place};
@@ -22,13 +22,13 @@ pub struct Changes {
     pub integration: Option<String>,
     /// Points of every interface and contact beyond the default.
     pub extra_points: Option<usize>,
-    /// Quantities that are asked beside the probes of the file, as probes with these names.
+    /// Quantities to evaluate beside the probes of the file, as probes with these names.
     pub quantities: Vec<(String, String)>,
 }
 
 const AT: Place = Place { origin: Origin::Option, ..Place::NONE };
 
-/// Lists of what meets along sides, the key that says how, and its words for what has no multiplier.
+/// Lists of couplings along sides, their key for the method, and its values without a multiplier.
 const COUPLES: [(&str, &str, &[&str]); 2] = [("interface", "coupling", &["nitsche", "penalty"]), ("contact", "method", &["nitsche"])];
 
 /// Applies the changes.
@@ -41,7 +41,7 @@ pub(super) fn apply(root: &mut Table, changes: &Changes) {
     }
     for (list, kind, without) in COUPLES {
         for couple in tables(root, list) {
-            // what shares unknowns has neither a multiplier nor an integration; what has no multiplier is still integrated
+            // glued sides have neither a multiplier nor an integration; couplings without a multiplier are still integrated
             let is = |word: &str| matches!(couple.get(kind).map(|e| &e.node.value), Some(Value::Text(w)) if w == word);
             if is("glue") {
                 continue;
@@ -94,7 +94,7 @@ fn tables<'a>(root: &'a mut Table, list: &str) -> impl Iterator<Item = &'a mut T
     })
 }
 
-// in [discretization], and in no patch
+// sets `key` in [discretization] and removes it from every patch
 fn everywhere(root: &mut Table, key: &str, value: Value) {
     if root.get("discretization").is_none() {
         root.set("discretization", AT, Node::new(Value::Table(Table::default()), AT));
@@ -105,7 +105,7 @@ fn everywhere(root: &mut Table, key: &str, value: Value) {
     tables(root, "patch").for_each(|patch| patch.entries.retain(|e| e.key != key));
 }
 
-// what is no whole number stays, for the reader to refuse
+// a value that is not a whole number stays and is rejected by the reader
 fn refine(patch: &mut Table, level: usize) {
     let more = i64::try_from(level).unwrap_or(i64::MAX);
     match patch.get_mut("refine").map(|e| &mut e.node) {

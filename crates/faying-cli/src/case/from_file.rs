@@ -1,4 +1,4 @@
-//! `geometry = { kind = "file" }`: what of the file makes the patch, and patches of a file as patches of the case.
+//! `geometry = { kind = "file" }`: the parts of the file that make a patch, and the patches of a file as patches of the case.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,16 +14,16 @@ use crate::place::{Located, Origin, Place};
 use faying::basis::Cell;
 use faying_files::{self, Contents, FileError, MeshFile, SplineFile, SplinePatch};
 
-/// What a `[[patch]]` of a file knows beside its parts, until it is expanded.
+/// Data of a `[[patch]]` read from a file, beside its parts, until it is expanded.
 #[derive(Debug, Default)]
 pub(super) struct FromFile {
-    /// Where its cells are from, for meshes: two patches with equal ones share what they share there.
+    /// Source of its cells, for meshes: patches of equal sources share their common facets and points.
     mesh: Option<MeshSource>,
-    /// Sides under the names of the file, by places in the list of parts.
+    /// Sides by their names in the file, as indices into the list of parts.
     labels: Vec<(String, Vec<(usize, String)>)>,
 }
 
-/// A file and what is done with its points.
+/// A mesh file and the transformation of its points.
 #[derive(Clone, Debug, PartialEq)]
 struct MeshSource {
     path: PathBuf,
@@ -34,7 +34,7 @@ struct MeshSource {
 }
 
 impl Reader {
-    /// The keys of the kind `file`; what the file holds is looked at for patches only.
+    /// Reads the keys of the kind `file`; the file itself is not opened here.
     pub fn file_shape(&mut self, b: &mut Block) -> Shape {
         let file = self.required(b, "file", "file = \"part.xml\"").and_then(|n| self.text_of(&n, "file"));
         let mut word = |key: &str| -> Option<Located<String>> {
@@ -59,7 +59,7 @@ impl Reader {
         Shape::File { file: file.unwrap_or_default(), id, group, refinement, parts: Vec::new() }
     }
 
-    // the effective case lies elsewhere than the case
+    // absolute path: the effective case is stored in another folder
     pub(super) fn absolute(&mut self, b: &mut Block, key: &str) {
         let Some(Value::Text(name)) = b.node(key).map(|n| &n.value) else { return };
         let absolute = std::path::absolute(self.path_of(name)).ok().and_then(|p| p.to_str().map(str::to_owned));
@@ -68,7 +68,7 @@ impl Reader {
         }
     }
 
-    /// Looks into the file of a patch: fills in its parts. `curves`: spline patches of one parameter will do, too.
+    /// Reads the file of a patch and fills in its parts. `curves`: spline patches of one parameter are accepted.
     pub fn parts(&mut self, geometry: &mut Geometry, curves: bool) -> Option<FromFile> {
         let at = geometry.shape.at;
         let Shape::File { file, id, group, refinement, .. } = &geometry.shape.value else { return None };
@@ -121,7 +121,7 @@ impl Reader {
         Some(from)
     }
 
-    /// Looks into the file of an obstacle: areas, or curves in the plane; nothing where the file is at fault.
+    /// Reads the file of an obstacle: areas, or curves in the plane; `None` if the file has an error.
     pub(super) fn obstacle_parts(&mut self, geometry: &mut Geometry) -> Option<()> {
         let Shape::File { file, .. } = &geometry.shape.value else { return Some(()) };
         if file.value.is_empty() {
@@ -217,7 +217,7 @@ impl Reader {
         }
     }
 
-    /// What a patch of mesh cells says differently: its backend is fe, it has no parameters.
+    /// Adapts the discretization of a patch of mesh cells: the backend is fe, keys of parametrised patches are errors (E015).
     pub fn mesh_discretization(&mut self, b: &mut Block, geometry: &Geometry, d: &mut Discretization) {
         let Some(part) = geometry.shape.part().filter(|p| p.is_mesh()) else { return };
         for (key, help) in [
@@ -253,7 +253,7 @@ impl Reader {
         }
     }
 
-    /// Patches of files of several become patches NAME.0, NAME.1, ..; facets that groups of one mesh share are noted.
+    /// Expands a patch of a file with several patches into NAME.0, NAME.1, ..; records the facets that groups of one mesh share.
     pub fn expand(&mut self, patches: Vec<Patch>) -> Vec<Patch> {
         let all = std::mem::take(&mut self.from_files);
         let mut out: Vec<Patch> = Vec::with_capacity(patches.len());
@@ -311,7 +311,7 @@ impl Reader {
         }
     }
 
-    // a cell is in one patch
+    // reports a cell that is in two patches (E015)
     fn overlap(&mut self, patches: &[Patch], members: &[usize]) {
         let mut owner: std::collections::BTreeMap<u64, usize> = std::collections::BTreeMap::new();
         for &k in members {
@@ -355,7 +355,7 @@ impl Reader {
         }
     }
 
-    /// The joints of patches that no interface and no contact names together, and those that a list of `between` parts.
+    /// Joints of patches that no interface or contact names as a pair: those that are kept, and those separated by a list of `between`.
     pub fn kept_joints(&mut self, interfaces: &[Tie], contacts: &[Contact], patches: &[Patch]) -> [Vec<Joint>; 2] {
         let parted = Parted::of(interfaces, contacts, patches);
         let joints = std::mem::take(&mut self.joints);
@@ -364,7 +364,7 @@ impl Reader {
         [kept, parted]
     }
 
-    /// The points of patches of which no two are parted: an interface that meets others in a point keeps its ends.
+    /// Shared points of patches of which no two are separated: an interface that meets others in a point keeps its ends.
     pub fn kept_meetings(&mut self, interfaces: &[Tie], contacts: &[Contact], patches: &[Patch]) -> Vec<Meeting> {
         let parted = Parted::of(interfaces, contacts, patches);
         let mut meetings = std::mem::take(&mut self.meetings);
@@ -372,7 +372,7 @@ impl Reader {
             let pairs = m.patches.iter().enumerate().flat_map(|(k, a)| m.patches[..k].iter().map(move |b| [*a, *b]));
             !pairs.into_iter().any(|pair| parted.named(pair) || parted.listed(pair))
         });
-        // between the ends of an edge lie nodes that are no points of the file
+        // inner nodes of an edge are not points of the file
         let mut seen: std::collections::BTreeSet<&[usize]> = std::collections::BTreeSet::new();
         let inner = |k: &usize| patches[*k].refine.value > 0 || patches[*k].discretization.degree.value.iter().any(|p| *p > 1);
         let edge = meetings.iter().find(|m| self.dimension == 3 && !seen.insert(&m.patches) && m.patches.iter().any(inner)).cloned();
@@ -388,7 +388,7 @@ impl Reader {
     }
 }
 
-/// Pairs of patches that interfaces and contacts keep apart.
+/// Pairs of patches that interfaces and contacts separate.
 struct Parted {
     named: std::collections::BTreeSet<[usize; 2]>,
     lists: Vec<std::collections::BTreeSet<usize>>,
@@ -459,7 +459,7 @@ fn space_mut(patch: &mut Patch) -> Option<&mut MeshPart<3>> {
     }
 }
 
-/// The sides of a patch of mesh cells that hold its boundary but for `used` ones.
+/// The sides that cover the boundary of a patch of mesh cells, except `used` ones.
 pub(super) fn outer_of(patch: &mut Patch, used: &[&str]) -> Vec<String> {
     match patch.geometry.value.shape.value.part_mut() {
         Some(FilePart::Plane(p)) => p.outer(used),
@@ -468,7 +468,7 @@ pub(super) fn outer_of(patch: &mut Patch, used: &[&str]) -> Vec<String> {
     }
 }
 
-// by the number of the file where it gives numbers, by name, else by place
+// by its number in the file, or by its index if the file has no numbers, else by name
 fn patch_of(file: &SplineFile, wanted: &str) -> Result<usize, FileError> {
     let number = wanted.parse::<i64>().ok();
     let numbered = file.patches.iter().any(|p| p.id.is_some());

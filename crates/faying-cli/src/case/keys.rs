@@ -107,7 +107,7 @@ pub(super) const CONTACT: &[&str] = &[
 pub(super) const ALIASES: &[(&str, &str)] =
     &[("nonmortar", "slave"), ("secondary", "slave"), ("mortar", "master"), ("primary", "master"), ("quantity", "quantities")];
 
-/// Symbols that stand in textbooks for a key.
+/// Textbook symbols of a key.
 pub(super) const SYMBOLS: &[(&str, &str)] = &[("E", "young"), ("nu", "poisson"), ("rho", "density")];
 
 /// Keys of every obstacle.
@@ -122,10 +122,10 @@ pub(super) const OBSTACLES: &[(&str, &[&str])] = &[
     ("level-set", &["f", "along"]),
 ];
 
-/// How an obstacle with the shape of a patch is placed; `move` is its motion.
+/// Keys that place an obstacle with the shape of a patch; `move` is its motion.
 pub(super) const PLACING: &[&str] = &["scale", "rotate_deg", "axis"];
 
-/// Kinds of geometry as obstacles: their own keys, and those that place them.
+/// Kinds of geometry as obstacles: their own keys, and those of [`PLACING`].
 pub(super) const OBSTACLE_GEOMETRIES: &[(&str, &[&str])] = &[
     ("box", &["min", "max", "scale", "rotate_deg", "axis"]),
     ("annulus-sector", &["center", "radius", "angle_deg", "scale", "rotate_deg", "axis"]),
@@ -156,5 +156,5 @@ pub(super) const STUDIES: &[&str] = &["compare", "convergence", "quadrature", "i
 pub(super) const STUDY: &[&str] =
     &["levels", "degrees", "backends", "pairings", "integration", "extra_points", "vary", "quantities", "tol", "norm", "ends"];
 
-/// Keys and words that users may expect anywhere and that no block knows yet; those of single blocks stand in `not_yet`.
+/// Keys that users may expect in any block and that are not implemented; those of single blocks are in `not_yet`.
 pub(super) const LATER: &[&str] = &["friction", "axisymmetric", "dynamics", "thermal", "plasticity", "adhesion", "damping"];

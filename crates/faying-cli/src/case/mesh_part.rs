@@ -50,7 +50,7 @@ impl<const N: usize> MeshPart<N> {
         out.into_iter().map(|(_, key)| key).collect()
     }
 
-    /// Names of the file's tags that are sides: no facet of theirs lies inside.
+    /// Names of the file's tags that are sides: tags without inner facets.
     pub(super) fn outer_tags(&self) -> Vec<&str> {
         let mut sorted = self.boundary();
         sorted.sort_unstable();
@@ -58,8 +58,8 @@ impl<const N: usize> MeshPart<N> {
         self.cells.tags[..self.named].iter().filter(|t| t.corners.iter().all(outside)).map(|t| t.name.as_str()).collect()
     }
 
-    /// The sides that hold the whole boundary but for `used` ones: tags of the file that share no facet with those or with each other
-    /// and do not lie inside, and last, under a new name, what is in none of these.
+    /// The sides that cover the boundary except `used` ones: tags of the file that share no facet with those or with each other and
+    /// have no inner facets, and last, under a new name, the remaining facets.
     pub(super) fn outer(&mut self, used: &[&str]) -> Vec<String> {
         let boundary = self.boundary();
         let mut sorted = boundary.clone();
@@ -92,7 +92,7 @@ impl<const N: usize> MeshPart<N> {
     }
 }
 
-/// Facets that are common to two parts of one file; parts by their places in the list.
+/// Facets that are common to two parts of one file, with the indices of the parts.
 pub(super) fn shared<const N: usize>(parts: &[&MeshPart<N>]) -> Vec<([usize; 2], Vec<[usize; 4]>)> {
     let mut all: Vec<([usize; 4], usize)> = Vec::new();
     for (k, part) in parts.iter().enumerate() {
@@ -106,7 +106,7 @@ pub(super) fn shared<const N: usize>(parts: &[&MeshPart<N>]) -> Vec<([usize; 2],
     pairs.into_iter().collect()
 }
 
-/// Points of two parts or more that their common facets do not join there, with the parts by their places in the list.
+/// Points of two or more parts that are not all connected there by common facets, with the indices of the parts.
 pub(super) fn met<const N: usize>(parts: &[&MeshPart<N>], common: &[([usize; 2], Vec<[usize; 4]>)]) -> Vec<(usize, Vec<usize>)> {
     let mut owners: Vec<(usize, usize)> = Vec::new();
     for (k, part) in parts.iter().enumerate() {
@@ -125,7 +125,7 @@ pub(super) fn met<const N: usize>(parts: &[&MeshPart<N>], common: &[([usize; 2],
         let point = run[0].0;
         let first = joined.partition_point(|j| j.0 < point);
         let pairs = joined[first..].iter().take_while(|j| j.0 == point).map(|j| j.1);
-        // the parts around the point that a chain of facets joins have one name
+        // parts around the point that a chain of facets connects get the same label
         let mut name: BTreeMap<usize, usize> = run.iter().map(|(_, k)| (*k, *k)).collect();
         for [a, b] in pairs {
             let [low, high] = [name[&a].min(name[&b]), name[&a].max(name[&b])];

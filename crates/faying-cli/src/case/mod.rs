@@ -1,8 +1,8 @@
 //! Case files: TOML with places into a typed [`Case`], with every default filled in and every error listed.
 //!
-//! Reading goes: parse (E005), apply `--set`, type every block, compare the blocks with each other, refuse what is
-//! known but not built (E019). Whatever stage an error comes from, reading goes on where it can, so that several
-//! errors are reported together.
+//! Stages of reading: parse (E005), apply `--set`, type every block, compare the blocks with each other, reject features
+//! that are not implemented (E019). After an error of any stage reading continues if possible, so that several errors are
+//! reported together.
 
 mod boundary;
 mod changes;
@@ -50,20 +50,20 @@ pub use types::*;
 /// The schema that this version writes and reads.
 pub const SCHEMA: usize = 1;
 
-/// What beside the file decides about a case.
+/// Options of reading a case, beside its file.
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {
     /// Texts `a.b=v` of the options `--set`, in their order.
     pub sets: Vec<String>,
     /// `--backend`: replaces the backend of every patch.
     pub backend: Option<String>,
-    /// What a row of a study changes, after all other options.
+    /// Changes by a row of a study, applied after all other options.
     pub changes: Changes,
     /// Known names of backends, couplings, multipliers and constraint solvers.
     pub names: Names,
-    /// The folder that paths in the case are relative to; none: that of the case file, or the current one for a text.
+    /// The folder that paths in the case are relative to; `None`: that of the case file, or the current one for a text.
     pub folder: Option<PathBuf>,
-    /// Most bytes that reading a geometry file may take; none: no limit.
+    /// Most bytes that reading a geometry file may take; `None`: no limit.
     pub memory: Option<u64>,
 }
 
@@ -96,7 +96,7 @@ impl Case {
         Self::parse(&name, &text, &ReadOptions { folder, ..options.clone() })
     }
 
-    /// Reads the text of a case; `name` stands in messages.
+    /// Reads the text of a case; `name` is its name in messages.
     ///
     /// # Errors
     /// Every error that was found, located, in the order of the file.
@@ -166,18 +166,18 @@ impl Case {
         sides::show(side, &self.patches)
     }
 
-    /// The sides of a patch; collapsed edges are none.
+    /// The sides of a patch, without collapsed edges.
     pub fn sides(&self, patch: usize) -> Vec<&str> {
         self.patches.get(patch).map_or(Vec::new(), |p| sides::sides_of(&p.geometry.shape, self.model.dimension.value))
     }
 
-    /// The sides that a text names: `lower.top`, `bracket."top face"`, or a name that a file gives to several; none where there is no
+    /// The sides named by a text: `lower.top`, `bracket."top face"`, or a name that a file gives to several; empty if there is no
     /// such side.
     pub fn find_sides(&self, text: &str) -> Vec<SideRef> {
         sides::find(text, &self.patches, &self.families, self.model.dimension.value).unwrap_or_default()
     }
 
-    /// The patches that a name stands for: one, or all those of a file.
+    /// The patches of a name: one, or all patches of a file.
     pub fn find_patches(&self, name: &str) -> Vec<usize> {
         if let Some(k) = self.patch_index(name) {
             return vec![k];
@@ -185,7 +185,7 @@ impl Case {
         self.families.iter().find(|f| f.name == name).map_or(Vec::new(), |f| f.patches.clone().collect())
     }
 
-    /// The patches of every file whose touching sides are glued, with the place of the block that says so.
+    /// The patches of every file whose touching sides are glued, with the place of their block.
     pub fn glued_files(&self) -> Vec<(Range<usize>, Place)> {
         let glued = self.families.iter().filter(|f| f.patches.len() > 1 && self.patches[f.patches.start].glue.value);
         glued.map(|f| (f.patches.clone(), self.patches[f.patches.start].geometry.at)).collect()
@@ -291,7 +291,7 @@ impl Reader {
         self.unique("check", &checks.iter().map(|c| c.name.clone()).collect::<Vec<_>>());
         let [joints, parted] = self.kept_joints(&interfaces, &contacts, &patches);
         let meetings = self.kept_meetings(&interfaces, &contacts, &patches);
-        // what a list of patches parts is tied again and no outer side
+        // joints separated by a list of `between` are tied again and are no outer sides
         let inner: Vec<Joint> = joints.iter().chain(&parted).cloned().collect();
         let boundaries = self.outer(read, &interfaces, &contacts, &inner, &mut patches);
         self.slaves(&interfaces, &contacts, &patches);
@@ -439,7 +439,7 @@ fn name_list(root: &Block) -> Vec<String> {
 }
 
 impl Case {
-    // what stands where reading could not go on; never handed out
+    // placeholder for blocks that could not be read; never returned
     fn empty(schema: Located<usize>) -> Self {
         fn none<T>(value: T) -> Located<T> {
             Located::new(value, Place::NONE)

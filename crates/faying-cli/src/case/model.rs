@@ -45,7 +45,7 @@ impl Reader {
             self.push_formula_error(&nodes[k], &definitions[k].0, &e);
         }
         self.constants = constants;
-        // a constant in error is known already: formulas that use it shall not be reported again
+        // constants with an error get a value, so that formulas that use them are not reported again
         for name in &known {
             if self.constants.get(name).is_none() {
                 self.constants.insert(name, 1.0);
@@ -158,7 +158,7 @@ impl Reader {
         Discretization { backend, degree, continuity, basis, cells, mapping, extra_points }
     }
 
-    /// The ranges that hold between the keys of one patch.
+    /// Checks the ranges that depend on several keys of one patch.
     pub fn check_discretization(&mut self, d: &Discretization) {
         let (most, what) = match (d.backend.value.as_str(), d.cells.value) {
             ("fe", Cells::Tensor) => (8, " for backend fe"),

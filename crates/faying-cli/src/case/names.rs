@@ -14,7 +14,7 @@ pub struct Names {
 }
 
 impl Default for Names {
-    /// The names of the contract, built or not.
+    /// The names of the case file's language, implemented or not.
     fn default() -> Self {
         let list = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect();
         Self {

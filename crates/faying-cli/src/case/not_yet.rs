@@ -1,6 +1,6 @@
-//! What the case file's language knows and this version does not build: E019 at its place.
+//! Features of the case file's language that this version does not implement: E019 at their place.
 //!
-//! Every entry is already typed; building one means to delete its line here.
+//! Every entry is already typed; to implement one, delete its line here.
 
 use super::reader::Reader;
 use super::tree::{Node, Table, Value};
@@ -8,20 +8,20 @@ use super::types::*;
 use crate::formula::{Formula, Scope};
 use crate::place::Place;
 
-/// Values with which a key that is not built asks for nothing: they mean what this version does anyway.
+/// Accepted values of a key that is not implemented: those that state what this version does anyway.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Plain {
     /// No value.
     Never,
     /// Zero: a number, a formula of constants, or a list or table of them.
     Zero,
-    /// Some words; behind them the other words of the contract.
+    /// The accepted words, and the other words of the language.
     Words(&'static [&'static str], &'static [&'static str]),
 }
 
-/// Keys of the contract that are not built: (block, key, plain values, help).
+/// Keys of the language that are not implemented: (block, key, accepted values, help).
 ///
-/// A block is "" for the top level, else its name. A plain value is accepted and stays in the effective case.
+/// A block is "" for the top level, else its name. An accepted value stays in the effective case.
 pub(super) const LATER_KEYS: &[(&str, &str, Plain, &str)] = &[
     ("", "units", Plain::Never, "numbers are in any one consistent system of units; say which in `title`"),
     ("", "output", Plain::Never, "fields.vtu holds all fields, for pictures of another program"),
@@ -50,12 +50,12 @@ pub(super) const LATER_KEYS: &[(&str, &str, Plain, &str)] = &[
     ("solver", "precision", Plain::Words(&["double"], &["mixed"]), "everything is in double precision here: leave it out"),
 ];
 
-/// The keys of a block that are not built.
+/// The keys of a block that are not implemented.
 pub(super) fn later_of(block: &str) -> impl Iterator<Item = &'static (&'static str, &'static str, Plain, &'static str)> {
     LATER_KEYS.iter().filter(move |(of, ..)| *of == block)
 }
 
-/// Couplings of the contract that integrate over the surfaces of both sides.
+/// Couplings that integrate over the surfaces of both sides.
 const SURFACE_COUPLINGS: &[&str] = &["mortar", "nitsche", "penalty"];
 
 impl Reader {
@@ -63,7 +63,7 @@ impl Reader {
         self.fault("E019", at, format!("{what} is not in this version"), help);
     }
 
-    /// Sorts out the keys of a block that are not built: those with plain values, which may stay, and the others, each E019.
+    /// Splits the given keys of a block that are not implemented: those with accepted values, which stay, and the others, each E019.
     ///
     /// `what` names the block as messages do: `[model]`, `contact`, `patch 0`.
     pub(super) fn later_keys(&mut self, table: &Table, what: &str) -> (Vec<&'static str>, Vec<&'static str>) {
@@ -102,7 +102,7 @@ impl Reader {
         }
     }
 
-    /// Reports everything that is not built.
+    /// Reports all features of the case that are not implemented.
     pub fn not_in_this_version(&mut self, case: &Case) {
         let m = &case.model;
         if m.dimension.value == 3 {

@@ -13,7 +13,7 @@ impl Reader {
         self.nurbs_of(b, self.dimension)
     }
 
-    /// The same with `n` parameters: one for the curve of an obstacle in the plane.
+    /// Reads `nurbs` geometry with `n` parameters: one for the curve of an obstacle in the plane.
     pub fn nurbs_of(&mut self, b: &mut Block, n: usize) -> Shape {
         let world = self.dimension;
         let fallback = Shape::Nurbs {
@@ -125,7 +125,7 @@ impl Reader {
         Some(all.iter().map(|w| w.value).collect())
     }
 
-    /// Knots are open: they do not decrease, the ends stand degree + 1 times, inner ones at most degree times.
+    /// Checks that knots are open: non-decreasing, the ends degree + 1 times, inner ones at most degree times.
     fn check_knots(&mut self, knots: &Located<Vec<Located<f64>>>, degree: usize, direction: usize) -> bool {
         let d = DIRECTIONS[direction];
         if knots.len() < 2 * (degree + 1) {

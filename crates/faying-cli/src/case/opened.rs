@@ -1,4 +1,4 @@
-//! Files that a case names: opened once each, bounded, hashed, and told apart from what is no file.
+//! Files that a case names: opened once each, bounded in size, hashed; anything but a regular file is rejected.
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ use faying_files::{Contents, FileError, Limits};
 /// Longest refinement list that is read, in bytes.
 const LONGEST_LIST: u64 = 16 << 20;
 
-/// A file that a case was made of, beside the case itself.
+/// A file that was read for a case, beside the case file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FileRead {
     /// Its name as the case has it.
@@ -35,7 +35,7 @@ pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }
 
-/// A geometry file and what came of it: nothing where it was reported.
+/// A geometry file and its contents; `None` if it has an error, which was reported.
 #[derive(Debug)]
 pub(super) struct Opened {
     path: PathBuf,
@@ -73,14 +73,14 @@ fn cannot_open(name: &str, path: &Path, why: &str, missing: bool) -> Diagnostic 
     }
 }
 
-/// The bytes of a regular file of at most `most` bytes; pipes and devices are none, whose end may never come.
+/// The bytes of a regular file of at most `most` bytes; pipes and devices are rejected, as they may never end.
 ///
 /// # Errors
 /// [`FileError::System`], or [`FileError::Memory`] where it is longer.
 pub(crate) fn bytes(path: &Path, most: Option<u64>) -> Result<Vec<u8>, FileError> {
     let system = |e: std::io::Error| FileError::System { missing: e.kind() == std::io::ErrorKind::NotFound, message: e.to_string() };
     let plain = |message: &str| FileError::System { missing: false, message: message.to_owned() };
-    // asked before it is opened: opening a pipe waits for somebody to write
+    // checked before opening: opening a pipe waits for a writer
     let known = std::fs::metadata(path).map_err(system)?;
     if known.is_dir() {
         return Err(plain("it is a folder"));
@@ -107,7 +107,7 @@ impl Reader {
         self.folder.join(name)
     }
 
-    /// Bytes of a file that the case names, noted among its files; what is wrong is reported at `file`.
+    /// Bytes of a file that the case names, recorded among its files; errors are reported at `file`.
     fn bytes_of(&mut self, file: &Located<String>, most: Option<u64>) -> Option<Vec<u8>> {
         let path = self.path_of(&file.value);
         match bytes(&path, most) {
@@ -129,7 +129,7 @@ impl Reader {
         }
     }
 
-    /// What a geometry file holds; it is read once, and what is wrong with it is reported once.
+    /// Contents of a geometry file; it is read once, and its errors are reported once.
     pub fn open(&mut self, file: &Located<String>) -> Option<Rc<Contents>> {
         let path = self.path_of(&file.value);
         let path = std::fs::canonicalize(&path).unwrap_or(path);
@@ -151,7 +151,7 @@ impl Reader {
     /// The text of a small file beside the geometry.
     pub fn open_list(&mut self, file: &Located<String>) -> Option<Vec<u8>> {
         let mut bytes = self.bytes_of(file, Some(self.memory.map_or(LONGEST_LIST, |m| m.min(LONGEST_LIST))))?;
-        // a byte order mark is no text
+        // the byte order mark is not part of the text
         if bytes.starts_with(faying_files::BYTE_ORDER_MARK) {
             bytes.drain(..faying_files::BYTE_ORDER_MARK.len());
         }
@@ -175,7 +175,7 @@ impl Reader {
         }
     }
 
-    /// What is wrong with a file, at the place of the case that names it.
+    /// Reports an error in a file, at the place of the case that names it.
     pub fn file_fault(&mut self, file: &str, at: Place, error: &FileError) {
         let help = match error {
             FileError::Memory { .. } => "raise --max-memory, or give a smaller file",

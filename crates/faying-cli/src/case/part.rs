@@ -1,4 +1,4 @@
-//! What a patch takes from a file: a spline patch, or cells of a mesh with their named sides and points.
+//! Part of a file that makes a patch: a spline patch, or cells of a mesh with their named sides and points.
 
 use faying::basis::Cell;
 use faying::linalg::Vector;
@@ -17,18 +17,18 @@ pub enum FilePart {
     Space(MeshPart<3>),
 }
 
-/// Cells of a mesh file with what names them.
+/// Cells of a mesh file with their names and numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshPart<const N: usize> {
     /// The cells and their sides.
     pub cells: MeshCells<N>,
-    /// The first so many tags are those of the file; the others are made by the program and have no name for users.
+    /// Number of tags from the file, which come first; the others are made by the program and cannot be named by users.
     pub named: usize,
     /// The file's numbers of the cells, element after element.
     pub ids: Vec<u64>,
     /// Named points with their places \[length\].
     pub points: Vec<(String, Vector<N>)>,
-    /// The file's numbers of the points: all those of the file, so that parts of one file name equal points equally.
+    /// The file's numbers of all its points, so that equal points of parts of one file have equal numbers.
     pub point_ids: Vec<u64>,
 }
 
@@ -55,7 +55,7 @@ impl FilePart {
         }
     }
 
-    /// The cells of a mesh of dimension N; none of any other.
+    /// The cells of a mesh of dimension N; `None` for splines and other dimensions.
     pub fn cells<const N: usize>(&self) -> Option<MeshCells<N>> {
         fn of<const M: usize, const N: usize>(cells: &MeshCells<M>) -> Option<MeshCells<N>> {
             (M == N).then(|| MeshCells {
@@ -111,7 +111,7 @@ impl FilePart {
         }
     }
 
-    /// Cells of a mesh that are products and that are simplices.
+    /// Numbers of tensor cells and of simplices of a mesh.
     pub fn counts(&self) -> [usize; 2] {
         fn of<const N: usize>(part: &MeshPart<N>) -> [usize; 2] {
             let count = |cell: Cell| {
@@ -136,7 +136,7 @@ impl FilePart {
         }
     }
 
-    /// Names of its sides as the file has them; none for spline patches, whose sides are u0, u1, ...
+    /// Names of its sides as the file has them; empty for spline patches, whose sides are u0, u1, ...
     pub fn tags(&self) -> Vec<&str> {
         match self {
             Self::Spline(_) => Vec::new(),
@@ -164,7 +164,7 @@ impl<const N: usize> MeshPart<N> {
 
 const NAMES: [&str; 6] = ["u0", "u1", "v0", "v1", "w0", "w1"];
 
-/// Sides of the patch that are no lines (plane) or no surfaces (space): all points are one along some direction of the side.
+/// Collapsed sides, no lines (plane) or no surfaces (space): all points along some direction of the side coincide.
 pub(super) fn collapsed_sides(patch: &SplinePatch) -> Vec<&'static str> {
     let n: Vec<usize> = patch.degree.iter().zip(&patch.knots).map(|(p, u)| u.len().saturating_sub(p + 1)).collect();
     if n.contains(&0) || n.iter().product::<usize>() != patch.points.len() {

@@ -199,7 +199,7 @@ impl Reader {
         Some((b, kind))
     }
 
-    // `kind`, or the unknown key that stands for it
+    // `kind`, or the misspelt key nearest to it
     fn kind_of(&mut self, table: &Table, what: &str, all: &[&'static str]) -> Option<Node> {
         if let Some(e) = table.get("kind") {
             return Some(e.node.clone());

@@ -1,4 +1,4 @@
-//! What blocks say about each other: sides used twice, two conditions on one component, data marked "exact".
+//! Checks between blocks: sides used twice, two conditions on one component, data marked "exact".
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -15,7 +15,7 @@ fn line(at: Place) -> String {
     at.in_file().map_or("in an option".to_owned(), |(l, _)| format!("on line {l}"))
 }
 
-// the sides that are not used; those of a mesh are tags and what no tag holds
+// unused sides; of a mesh its tags and the facets without a tag
 fn rest(patches: &mut [Patch], used: &HashSet<SideRef>, dimension: usize) -> Vec<SideRef> {
     let mut out = Vec::new();
     for (patch, p) in patches.iter_mut().enumerate() {
@@ -31,7 +31,7 @@ fn rest(patches: &mut [Patch], used: &HashSet<SideRef>, dimension: usize) -> Vec
 }
 
 impl Reader {
-    /// A side is slave once, and never its own master; two sides are coupled once, in one direction (E026).
+    /// Checks that a side is slave once, and never its own master, and that two sides are coupled once, in one direction (E026).
     pub fn slaves(&mut self, interfaces: &[Tie], contacts: &[Contact], patches: &[Patch]) {
         let mut first: BTreeMap<(usize, &str), Place> = BTreeMap::new();
         let none: &[Located<SideRef>] = &[];
@@ -86,7 +86,7 @@ impl Reader {
         }
     }
 
-    /// Resolves "all-outer": the sides that stand in no other block and are not glued to another one.
+    /// Resolves "all-outer": the sides that are in no other block and are not glued to another one.
     pub fn outer(
         &mut self,
         read: Vec<Read>,
@@ -126,7 +126,7 @@ impl Reader {
         out
     }
 
-    /// Each component of a side is prescribed once, or loaded (E052).
+    /// Checks that each component of a side is prescribed once, or loaded (E052).
     pub fn conditions(&mut self, boundaries: &[Boundary], patches: &[Patch], n: usize) {
         // per side and component: prescribed first, and the first load
         let mut prescribed: BTreeMap<(usize, &str, usize), Place> = BTreeMap::new();
@@ -162,7 +162,7 @@ impl Reader {
         for b in &whole {
             for s in &b.on {
                 for k in 0..n {
-                    // a load that is zero asks for nothing
+                    // a zero load is no condition
                     let traction =
                         b.traction[k].as_ref().filter(|t| !matches!(&t.value, Datum::Formula(f) if f.as_constant() == Some(0.0)));
                     let loads = [
@@ -188,7 +188,7 @@ impl Reader {
         }
     }
 
-    /// Gravity needs densities, and follows from `exact` where there is one.
+    /// Checks gravity: it needs densities (E013) and must not be given beside `exact` (E015).
     pub fn weight(&mut self, model: &Model, materials: &[Material], patches: &[Patch]) {
         let all = model
             .gravity
@@ -212,7 +212,7 @@ impl Reader {
         }
     }
 
-    /// Data marked "exact" need `exact` (E062).
+    /// Checks that data marked "exact" have `exact` in the model (E062).
     pub fn exact_data(&mut self, boundaries: &[Boundary], model: &Model) {
         if model.exact.is_some() || self.broken.contains("exact") {
             return;

@@ -72,7 +72,7 @@ impl Reader {
         Some(f)
     }
 
-    /// `[study.NAME]`: what a study varies where the command line is silent; values of keys that no study of this version has are not read.
+    /// `[study.NAME]`: values of a study that the command line does not give; keys that no study of this version has are not read.
     pub fn studies(&mut self, node: Option<&Node>) -> Vec<Located<StudyValues>> {
         let Some(node) = node else { return Vec::new() };
         let Value::Table(table) = &node.value else {

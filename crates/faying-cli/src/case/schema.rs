@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 /// The schema of a case file, as the JSON that its TOML stands for; `names` are those of a registry.
 ///
 /// Every block has the keys of the reader and no others. What depends on other keys (numbers per dimension, conditions that
-/// exclude each other) is left to the reader.
+/// exclude each other) is checked by the reader alone.
 pub fn schema(names: &Names) -> Value {
     let mut root = block("", "", keys::ROOT, &["model", "patch"]);
     let all = properties(&mut root);
@@ -103,7 +103,7 @@ fn properties(block: &mut Value) -> &mut Map<String, Value> {
     block["properties"].as_object_mut().expect("a block has properties")
 }
 
-/// What a block needs beyond single keys.
+/// Adds the conditions of a block on combinations of keys.
 fn also(item: &mut Value, name: &str) {
     let one_of_names = |key: &str| {
         let names = std::iter::once(key).chain(keys::ALIASES.iter().filter(|(_, k)| *k == key).map(|(a, _)| *a));
@@ -143,7 +143,7 @@ fn kinded(kinds: &[(&'static str, &'static [&'static str])], common: &[(&str, &[
     json!({"type": "object", "oneOf": kinds.iter().map(|(kind, own)| one(kind, own)).collect::<Vec<_>>()})
 }
 
-/// Keys that a kind cannot be without.
+/// Required keys of a kind.
 fn required(kind: &str) -> &'static [&'static str] {
     match kind {
         "box" => &["min", "max"],

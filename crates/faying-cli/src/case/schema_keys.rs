@@ -9,7 +9,7 @@ pub(super) struct Entry {
     pub key: &'static str,
     /// Its type as JSON Schema, with its default.
     pub kind: &'static str,
-    /// What it means.
+    /// Its meaning.
     pub text: &'static str,
 }
 

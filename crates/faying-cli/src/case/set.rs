@@ -1,7 +1,7 @@
 //! `--set a.b=v`: changes of the tree before it is typed.
 //!
 //! Entries of `[[lists]]` are named by their `name` or by their position from 0: `patch.lower.degree=3`,
-//! `boundary.1.pressure=2`. What is no TOML value is taken as a text, so `patch.lower.backend=fe` needs no quotes.
+//! `boundary.1.pressure=2`. A value that is not TOML is taken as a text, so `patch.lower.backend=fe` needs no quotes.
 
 use super::keys;
 use super::tree::{Node, Table, Value, parse_value};

@@ -1,4 +1,4 @@
-//! Names of sides: which a patch has, their aliases, and references such as `lower.bottom`.
+//! Names of sides: the sides of a patch, their aliases, and references such as `lower.bottom`.
 
 use super::part::{FilePart, collapsed_sides};
 use super::reader::Reader;
@@ -28,14 +28,14 @@ pub(crate) struct Family {
     pub labels: Vec<Label>,
 }
 
-/// Control points nearer than this share of the size are one point.
+/// Control points closer than this share of the size coincide.
 const SAME_POINT: f64 = 1e-12;
 
 const ALL: [&str; 6] = ["u0", "u1", "v0", "v1", "w0", "w1"];
 const PLANE: [(&str, &str); 4] = [("left", "u0"), ("right", "u1"), ("bottom", "v0"), ("top", "v1")];
 const SPATIAL: [(&str, &str); 6] = [("left", "u0"), ("right", "u1"), ("front", "v0"), ("back", "v1"), ("bottom", "w0"), ("top", "w1")];
 
-/// The sides of a shape; collapsed edges are none. Those of a mesh are its tags.
+/// The sides of a shape, without collapsed edges; of a mesh its tags.
 pub(super) fn sides_of(shape: &Shape, dimension: usize) -> Vec<&str> {
     match shape.part() {
         Some(part) if part.is_mesh() => part.tags(),
@@ -61,7 +61,7 @@ fn is_collapsed(shape: &Shape, side: &str, dimension: usize) -> bool {
     }
 }
 
-/// Whether the lines along `along` of a face (axis, end) of a net are points; `counts` points per direction, the first fastest.
+/// Whether the lines along `along` of a face (axis, end) of a net collapse to points; `counts` points per direction, the first fastest.
 fn lines_are_points(points: &[Vec<f64>], counts: &[usize], (axis, end): (usize, usize), along: usize) -> bool {
     let stride = |k: usize| counts[..k].iter().product::<usize>();
     let index = |i: usize, k: usize| i / stride(k) % counts[k];
@@ -80,7 +80,7 @@ fn canonical(side: &str, dimension: usize) -> Option<&'static str> {
     all.or_else(|| aliases.iter().find(|(a, _)| *a == side).map(|(_, s)| *s))
 }
 
-/// The sides that meet in an edge or a corner such as u0w1, in the order u, v, w; none for other words.
+/// The sides that meet in an edge or a corner such as u0w1, in the order u, v, w; `None` for other words.
 fn rim_of(side: &str, dimension: usize) -> Option<Vec<&'static str>> {
     let word = |k: usize| side.get(2 * k..2 * k + 2).and_then(|w| ALL[..2 * dimension].iter().copied().find(|s| *s == w));
     let mut all: Vec<&'static str> = (0..side.len() / 2).map(word).collect::<Option<_>>()?;
@@ -89,7 +89,7 @@ fn rim_of(side: &str, dimension: usize) -> Option<Vec<&'static str>> {
     (2 * all.len() == side.len() && all.len() > 1 && apart).then_some(all)
 }
 
-/// What a text names where a side is meant.
+/// Patch or patches that the name of a side begins with.
 enum Named<'a> {
     /// A patch, and the rest of the text.
     Patch(usize, &'a str),
@@ -121,7 +121,7 @@ fn labelled(family: &Family, side: &str) -> Option<Vec<SideRef>> {
     family.labels.iter().find(|l| l.name == side).map(|l| l.sides.clone())
 }
 
-/// The sides that a text names; none where it names no side.
+/// The sides that a text names; `None` if it names no side.
 pub(super) fn find(text: &str, patches: &[Patch], families: &[Family], dimension: usize) -> Option<Vec<SideRef>> {
     match owner(text, patches, families)? {
         Named::Family(k, rest) => labelled(&families[k], unquoted(rest)),
@@ -133,7 +133,7 @@ pub(super) fn find(text: &str, patches: &[Patch], families: &[Family], dimension
     }
 }
 
-// names of the file go before left, right, .., which go after u0, u1, ..
+// precedence: u0, u1, .., then names of the file, then left, right, ..
 fn of_patch(k: usize, rest: &str, patches: &[Patch], families: &[Family], dimension: usize) -> Option<Vec<SideRef>> {
     let side = unquoted(rest);
     let known = sides_of(&patches[k].geometry.shape, dimension);
@@ -206,7 +206,7 @@ impl Reader {
                 let labels = family.labels.iter().map(|l| quoted(&l.name)).collect::<Vec<_>>().join(", ");
                 let (name, n) = (family.name.clone(), family.patches.len());
                 if n == 0 {
-                    // its file could not be read, and that was reported
+                    // its file could not be read, which was reported
                     return Vec::new();
                 }
                 let named =
@@ -244,7 +244,7 @@ impl Reader {
     fn no_side(&mut self, node: &Node, shown: &str, k: usize, rest: &str, patches: &[Patch]) {
         let (dimension, name, shape) = (self.dimension, &patches[k].name.value, &patches[k].geometry.shape.value);
         if matches!(shape, Shape::File { parts, .. } if parts.is_empty()) {
-            // its file could not be read, and that was reported
+            // its file could not be read, which was reported
             return;
         }
         let part = shape.part().filter(|p| p.is_mesh());
@@ -300,7 +300,7 @@ pub(crate) fn quoted(name: &str) -> String {
     if plain { name.to_owned() } else { format!("\"{name}\"") }
 }
 
-/// `lower.v0`.
+/// Returns the full name of a side, such as `lower.v0`.
 pub(super) fn show(side: &SideRef, patches: &[Patch]) -> String {
     format!("{}.{}", patches.get(side.patch).map_or("?", |p| p.name.as_str()), quoted(&side.side))
 }

@@ -143,7 +143,7 @@ impl Reader {
         }
     }
 
-    // a key that says nothing beside `kind` may stand there as it is by default
+    // a key without effect for `kind` is accepted with its default value alone
     fn only_default(&mut self, b: &Block, key: &str, default: &str, kind: &str, why: &str) {
         if b.node(key).is_some_and(|node| !matches!(&node.value, Value::Text(word) if word == default)) {
             let message = format!("`{key}` is not a key of {kind}");
@@ -174,7 +174,7 @@ impl Reader {
         Some(Located::new(names, node.at))
     }
 
-    // "auto" may stand anywhere, a number only where it is used
+    // "auto" is accepted everywhere, a number only if it is used
     fn factor(&mut self, b: &mut Block, used: bool, kind: &str, where_used: &str) -> Located<Option<f64>> {
         if !used && !b.has("factor") {
             return Located::new(None, b.at);

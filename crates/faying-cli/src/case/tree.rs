@@ -1,16 +1,16 @@
-//! The TOML tree with places: what the parser gives, `--set` changes, the reader types and the effective case shows.
+//! The TOML tree with places: made by the parser, changed by `--set`, typed by the reader, written as the effective case.
 
 use toml::de::{DeTable, DeValue};
 
 use crate::errors::{Diagnostic, Diagnostics, Source};
 use crate::place::{Lines, Place};
 
-/// A value of the file and where it stands.
+/// A value of the file with its place.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
     pub value: Value,
     pub at: Place,
-    /// Whether the text stands between single quote marks without escapes, so that positions in it are columns.
+    /// Whether the text is in single quote marks without escapes, so that positions in it are columns.
     pub literal: bool,
 }
 
@@ -50,7 +50,7 @@ impl Node {
         if self.literal && self.at.in_file().is_some() { self.at.inside(offset + 1, length) } else { self.at }
     }
 
-    /// What this is, for messages: "the text "2"".
+    /// Description for messages: "the text "2"".
     pub fn describe(&self) -> String {
         let cut = |s: &str| if s.chars().count() > 40 { format!("{}...", s.chars().take(40).collect::<String>()) } else { s.to_owned() };
         match &self.value {
@@ -86,7 +86,7 @@ impl Table {
         self.entries.iter_mut().find(|e| e.key == key)
     }
 
-    /// Adds or replaces.
+    /// Adds or replaces an entry.
     pub fn set(&mut self, key: &str, key_at: Place, node: Node) {
         match self.get_mut(key) {
             Some(entry) => *entry = Entry { key: key.to_owned(), key_at, node },
@@ -171,7 +171,7 @@ pub(super) fn parse(source: &Source) -> Result<Table, Diagnostics> {
         let mut last = 0;
         for e in &errors {
             let place = e.span().map_or(Place::NONE, |s| source.lines.place(s));
-            // what follows on the same line is usually an echo
+            // further errors on the same line are usually consequences of the first
             if place.line != 0 && place.line == last || out.items.len() == MOST {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! The words of the command line.
+//! Arguments of the command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
@@ -14,7 +14,7 @@ use std::path::PathBuf;
     propagate_version = true
 )]
 pub struct Arguments {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
     /// Options of every command.
@@ -53,7 +53,7 @@ pub enum Command {
 }
 
 impl Command {
-    /// The word for it.
+    /// Its name on the command line.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Run(_) => "run",
@@ -71,7 +71,7 @@ impl Command {
         }
     }
 
-    /// What every study has, where it is one.
+    /// Arguments of the study; `None` for other commands.
     pub fn study(&self) -> Option<&StudyCommand> {
         match self {
             Self::Compare(compare) => Some(&compare.study),
@@ -159,7 +159,7 @@ pub struct ExplainArguments {
 /// `schema [result]`.
 #[derive(Args, Clone, Debug)]
 pub struct SchemaArguments {
-    /// What the schema is of
+    /// Document to describe
     #[arg(value_enum, default_value = "case")]
     pub of: SchemaOf,
 }
@@ -176,7 +176,7 @@ pub enum SchemaOf {
 /// `compare CASE`.
 #[derive(Args, Clone, Debug)]
 pub struct CompareArguments {
-    /// What every study has.
+    /// Arguments of every study.
     #[command(flatten)]
     pub study: StudyCommand,
     /// Largest relative difference from the first row; beyond it the exit is 1 [default: only a table]
@@ -192,7 +192,7 @@ pub struct StudyCommand {
     /// Probes or quantities of the table, separated by commas (repeatable) [default: all probes]
     #[arg(long, value_name = "Q1,Q2")]
     pub quantity: Vec<String>,
-    /// What the rows vary.
+    /// Axes of the study.
     #[command(flatten)]
     pub axes: StudyArguments,
 }
@@ -200,7 +200,7 @@ pub struct StudyCommand {
 /// `infsup CASE`.
 #[derive(Args, Clone, Debug)]
 pub struct InfsupArguments {
-    /// What every study has.
+    /// Arguments of every study.
     #[command(flatten)]
     pub study: StudyCommand,
     /// Norms of traces and multipliers: l2 for both, or h^-1/2 for traces and h^1/2 for multipliers [default: l2]

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// A case with what is known of its file.
+/// A case with the data of its file.
 #[derive(Debug)]
 pub struct Loaded {
     /// The case.
@@ -23,18 +23,18 @@ pub struct Loaded {
     pub name: String,
     /// Its absolute path, "-" for stdin.
     pub path: String,
-    /// What was read: the case first, then the files it names.
+    /// Files that were read: the case first, then the files it names.
     pub inputs: Vec<Input>,
     /// The text of the case.
     pub text: String,
-    /// What it was read with, for reading it again.
+    /// Options of reading it, for reading it again.
     pub options: ReadOptions,
 }
 
 /// Longest case that is read, in bytes: thousands of times a long one.
 const LONGEST: u64 = 16 << 20;
 
-/// All bytes of a case; none where there are more than [`LONGEST`].
+/// All bytes of a case; `None` if there are more than [`LONGEST`].
 fn bounded(from: impl std::io::Read) -> std::io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
     from.take(LONGEST + 1).read_to_end(&mut bytes)?;
@@ -88,7 +88,7 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
         return Ok(Loaded { case, name: "stdin".to_owned(), path: "-".to_owned(), inputs, text: text.to_owned(), options });
     }
     let name = path.display().to_string();
-    // asked before it is opened: opening a pipe waits for somebody to write; those below /dev are open already, or are bounded below
+    // checked before opening: opening a pipe waits for a writer; files below /dev are open already, or are bounded below
     let special = std::fs::metadata(path).is_ok_and(|known| !known.is_file() && !known.is_dir());
     if special && !path.starts_with("/dev") {
         let message = format!("cannot read {name}: it is no regular file");
@@ -98,7 +98,7 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
     let bytes = read.map_err(|e| Ended::from(not_found(path, &e)))?.ok_or_else(|| too_long(&name))?;
     let case = match std::str::from_utf8(&bytes) {
         Ok(text) => Case::parse(&name, text, &options),
-        Err(_) => Case::read_with(path, &options), // says where the text stops being one
+        Err(_) => Case::read_with(path, &options), // reports where the text is not UTF-8
     };
     let case = case.map_err(Ended::failed)?;
     let absolute = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
@@ -130,7 +130,7 @@ pub fn watch(common: &Common) -> Watch {
 /// The threads of the options, as many of them as the limits of the process leave room for.
 ///
 /// # Errors
-/// E081 where not even one can be started.
+/// E081 if not even one can be started.
 pub fn pool(common: &Common) -> Result<rayon::ThreadPool, Ended> {
     let wanted = common.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     let mut threads = wanted.min(most_threads());

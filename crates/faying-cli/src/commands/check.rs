@@ -1,4 +1,4 @@
-//! `faying check`: what a run would do, without solving.
+//! `faying check`: validation and size of a case, without solving.
 
 use super::arguments::{CheckArguments, Common};
 use super::case;

@@ -1,4 +1,4 @@
-//! News of a run turned into a moving line on stderr, seconds per phase, and the log.
+//! Progress of a run: a progress line on stderr, seconds per phase, the log.
 
 use super::manifest::PhaseSeconds;
 use super::streams::Streams;
@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// Listens to a run.
+/// Listener of a run.
 #[derive(Clone, Debug)]
 pub struct Clock {
     state: Arc<Mutex<State>>,
@@ -21,12 +21,12 @@ struct State {
     seconds: Vec<PhaseSeconds>,
     log: String,
     bar: Option<ProgressBar>,
-    /// Messages go out while the run goes on.
+    /// Streams for messages during the run; `None` without `--verbose`.
     verbose: Option<Streams>,
 }
 
 impl Clock {
-    /// Starts now.
+    /// Starts the clock.
     pub fn start(streams: &Streams) -> Self {
         let bar = streams.progress.then(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
@@ -50,11 +50,11 @@ impl Clock {
     }
 
     fn with<R>(&self, act: impl FnOnce(&mut State) -> R) -> R {
-        // a listener that panicked has left nothing half done that matters here
+        // the state is usable even after a panic of a listener
         act(&mut self.state.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
     }
 
-    /// Takes news.
+    /// Records a progress report.
     pub fn hear(&self, news: Progress<'_>) {
         self.with(|s| match news {
             Progress::Phase(name) => {
@@ -80,7 +80,7 @@ impl Clock {
         self.with(|s| s.line(line));
     }
 
-    /// Ends the phase and the moving line.
+    /// Ends the phase and the progress line.
     pub fn stop(&self) {
         self.with(|s| {
             s.end_phase();
@@ -114,7 +114,7 @@ impl State {
         self.tell(line);
     }
 
-    /// A line that is no news of progress.
+    /// Writes a line to the log and, with `--verbose`, to stderr.
     fn tell(&mut self, line: &str) {
         self.line(line);
         if let Some(streams) = &self.verbose {

@@ -10,7 +10,7 @@ use crate::errors::{Diagnostic, Diagnostics};
 use serde_json::json;
 use std::path::Path;
 
-/// Whether the file may go where it is asked for.
+/// Checks that the output may be written to its file.
 pub fn check_place(arguments: &ConvertArguments, common: &Common, json: Option<&Path>) -> Result<(), Ended> {
     place::apart(&arguments.output, &arguments.input, "convert")?;
     place::not_over(json, &arguments.output)?;

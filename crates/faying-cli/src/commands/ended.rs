@@ -1,4 +1,4 @@
-//! How a command ended: its exit code, its document, its messages.
+//! End of a command: its exit code, its document, its messages.
 
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::json;
@@ -9,13 +9,13 @@ use serde_json::{Value, json};
 pub struct Ended {
     /// The exit code.
     pub exit: i32,
-    /// What stdout says where no document takes its place.
+    /// Summary on stdout, unless the document is written there.
     pub summary: String,
-    /// The JSON document; empty where it has no place.
+    /// The JSON document; empty if it cannot be written.
     pub document: String,
-    /// What stderr says.
+    /// Errors and warnings on stderr.
     pub diagnostics: Diagnostics,
-    /// What stderr says where no code fits: a message and advice.
+    /// Message and advice on stderr for an error without a code.
     pub message: Option<(String, Option<String>)>,
 }
 
@@ -39,7 +39,7 @@ impl Ended {
         Self::refused(diagnostics.exit(), diagnostics)
     }
 
-    /// Ended by `diagnostics` with this exit code; the document has no numbers, there are none.
+    /// Ended by `diagnostics` with this exit code; the document has no numbers.
     pub fn refused(exit: i32, diagnostics: Diagnostics) -> Self {
         let document = failure(status(exit), exit, diagnostics.to_json());
         Self { exit, document, diagnostics, ..Self::default() }
@@ -51,7 +51,7 @@ impl Ended {
         Self { exit, document: plain_failure(status, exit, message, help), message: message_and_help, ..Self::default() }
     }
 
-    /// The same end where the document has no place.
+    /// Returns this end without its document.
     #[must_use]
     pub fn without_document(self) -> Self {
         Self { document: String::new(), ..self }

@@ -1,4 +1,4 @@
-//! The files of a run: which there are, and what is in them.
+//! The files of a run: their names and contents.
 
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::plot::{self, FieldPlot, IterationPlot, SidePlot};
@@ -67,7 +67,7 @@ fn picture(output: &Output, side: &SideOutput) -> Result<String, plot::PlotError
     plot::side(&SidePlot { title: &title, contact: side.contact, rows: &side.rows, exact }, &side.part)
 }
 
-/// `active_set.svg`, where an active set solved anything.
+/// `active_set.svg`; `None` without an iteration of the active set.
 pub fn active_set(title: &str, result: &RunResult, trouble: &mut Diagnostics) -> Option<Named> {
     let set = result.solve.as_ref()?.active_set.as_ref().filter(|set| !set.history.is_empty())?;
     let title = if title.is_empty() { "active set".to_owned() } else { format!("{title}: active set") };

@@ -1,11 +1,11 @@
-//! The output folder: whose it is, what may be replaced, files that appear whole or not at all.
+//! The output folder: the case that owns it, files that may be replaced, atomic writes.
 
 use super::manifest::Manifest;
 use crate::errors::Diagnostic;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Name of the list of what faying wrote.
+/// Name of the list of files that faying wrote.
 pub const MANIFEST: &str = "manifest.json";
 
 /// A folder that may be written to.
@@ -17,12 +17,12 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Looks whether results of `case` with these bytes may go to `path`; makes nothing.
+    /// Checks whether results of `case` with this hash may be written to `path`; creates nothing.
     ///
-    /// The same case is the same file, whatever is in it now, or a file that was moved here; on stdin it is the same text.
+    /// The case is the same if its path is, whatever the contents, or if its text is and the old path is gone; on stdin the text decides.
     ///
     /// # Errors
-    /// E090 where the folder holds anything else than results of the same case and `force` is not given.
+    /// E090 if the folder holds anything but results of the same case and `force` is not given.
     pub fn claim(path: &Path, case: &str, sha256: &str, force: bool) -> Result<Self, Diagnostic> {
         let taken = |why: &str| {
             Diagnostic::error("E090", format!("output folder `{}` {why}", path.display()))
@@ -49,14 +49,14 @@ impl Folder {
                 Err(taken(&format!("holds the results of another case, {other}")))
             }
             Some(manifest) => {
-                // a list that was tampered with must not reach beyond the folder
+                // a manipulated list must not reach beyond the folder
                 folder.old = manifest.files.into_iter().filter(|name| is_plain(name)).collect();
                 Ok(folder)
             }
         }
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -64,7 +64,7 @@ impl Folder {
     /// Removes the files of the earlier run and makes the folder.
     ///
     /// # Errors
-    /// E091 where the folder cannot be made or an old file not removed.
+    /// E091 if the folder cannot be made or an old file cannot be removed.
     pub fn open(&self) -> Result<(), Diagnostic> {
         std::fs::create_dir_all(&self.path).map_err(|e| failed(&self.path, &e))?;
         for name in &self.old {
@@ -77,17 +77,17 @@ impl Folder {
         Ok(())
     }
 
-    /// Writes one file whole.
+    /// Writes one file atomically.
     ///
     /// # Errors
-    /// E091 where that fails; then there is no such file.
+    /// E091 if that fails; then there is no such file.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Diagnostic> {
         let file = self.path.join(name);
         write_whole(&file, bytes).map_err(|e| failed(&file, &e))
     }
 }
 
-/// Whether the results of `manifest` are those of `case` with these bytes.
+/// Whether the results of `manifest` are those of `case` with this hash.
 fn is_same(manifest: &Manifest, case: &str, sha256: &str) -> bool {
     let same_text = manifest.inputs.first().is_some_and(|input| input.sha256 == sha256);
     match manifest.case_path == case {
@@ -107,25 +107,25 @@ fn failed(file: &Path, error: &std::io::Error) -> Diagnostic {
         .with_help("make room or permissions, or choose another folder with --out")
 }
 
-/// Writes a file that appears whole or not at all: first beside its place, then moved.
+/// Writes a file atomically: a temporary file beside it is moved into its place.
 ///
 /// # Errors
-/// What the file system answers.
+/// The error of the file system.
 pub fn write_whole(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     if file.is_dir() {
         return Err(std::io::Error::new(std::io::ErrorKind::IsADirectory, "it is a folder"));
     }
     if std::fs::metadata(file).is_ok_and(|known| !known.is_file()) {
-        // a device or a pipe takes bytes and stays what it is
+        // a device or a pipe is written to, not replaced
         return std::fs::OpenOptions::new().write(true).open(file)?.write_all(bytes);
     }
     beside(file, bytes)?.persist(file).map(|_| ()).map_err(|e| e.error)
 }
 
-/// Writes a file that appears whole, never over another one; makes its folder.
+/// Writes a new file atomically, never over another one; makes its folder.
 ///
 /// # Errors
-/// `AlreadyExists`, or what the file system answers.
+/// `AlreadyExists`, or another error of the file system.
 pub fn write_new(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     if let Some(folder) = file.parent().filter(|p| !p.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder)?;
@@ -140,7 +140,7 @@ fn beside(file: &Path, bytes: &[u8]) -> std::io::Result<tempfile::NamedTempFile>
     builder.prefix(".faying-");
     #[cfg(unix)]
     {
-        // what any other new file would get, the user's mask applied by the system
+        // permissions of any new file; the system applies the user's mask
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
@@ -150,7 +150,7 @@ fn beside(file: &Path, bytes: &[u8]) -> std::io::Result<tempfile::NamedTempFile>
     Ok(temporary)
 }
 
-// some file systems know no sync
+// some file systems do not support sync
 fn ignore_unsupported(e: std::io::Error) -> std::io::Result<()> {
     if e.kind() == std::io::ErrorKind::InvalidInput || e.kind() == std::io::ErrorKind::Unsupported { Ok(()) } else { Err(e) }
 }

@@ -26,7 +26,7 @@ fn of_contact(c: &ContactReport) -> Vec<(String, f64)> {
     all
 }
 
-/// The text of the file: t, status, probes by name, then `contact.NAME.*`; what a step does not have is empty.
+/// The text of the file: t, status, probes by name, then `contact.NAME.*`; missing values are empty.
 pub fn csv(result: &RunResult) -> String {
     let contacts: Vec<(&str, Vec<String>)> =
         result.contact.iter().map(|(name, c)| (name, of_contact(c).into_iter().map(|(n, _)| n).collect())).collect();

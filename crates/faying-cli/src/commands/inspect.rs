@@ -1,4 +1,4 @@
-//! `faying inspect`: what is in a mesh, a geometry, a .vtu or a case.
+//! `faying inspect`: contents of a mesh, a geometry, a .vtu or a case.
 
 use super::arguments::{Common, InspectArguments};
 use super::ended::Ended;
@@ -16,7 +16,7 @@ use faying_files::{Contents, FileError, Format, Limits, SplineFile, SplinePatch,
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// The picture's place, where one is asked for.
+/// File of the picture; `None` if no picture is requested.
 pub fn svg_file(arguments: &InspectArguments) -> Option<PathBuf> {
     let given = arguments.svg.as_ref()?;
     if !given.is_empty() {
@@ -26,7 +26,7 @@ pub fn svg_file(arguments: &InspectArguments) -> Option<PathBuf> {
     Some(PathBuf::from(format!("{stem}.svg")))
 }
 
-/// Similar names in the folder of a file that is not there.
+/// Similar names in the folder of a missing file.
 pub fn similar(path: &Path) -> Option<String> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
     let mut names: Vec<String> = std::fs::read_dir(folder).ok()?.flatten().filter_map(|e| e.file_name().into_string().ok()).collect();
@@ -35,7 +35,7 @@ pub fn similar(path: &Path) -> Option<String> {
     nearest(wanted, names.iter().map(String::as_str)).map(|n| format!("did you mean `{}`?", folder.join(n).display()))
 }
 
-/// A file that cannot be used, in the words and codes of the contract.
+/// Diagnostic of a file that cannot be used.
 pub fn fault(path: &Path, error: &FileError) -> Diagnostic {
     let missing = matches!(error, FileError::System { missing: true, .. });
     let message = if missing { "there is no such file".to_owned() } else { error.to_string() };
@@ -57,7 +57,7 @@ pub fn contents(path: &Path, common: &Common) -> Result<Contents, Ended> {
     read(path, &Limits { memory: memory_for_files(common.max_memory) }).map_err(|e| fault(path, &e).into())
 }
 
-/// Whether `needed` bytes beside those of `contents`, as many as the file has at least, stay below `--max-memory`.
+/// Checks that `needed` bytes beside the contents, which take at least the size of the file, stay below `--max-memory`.
 pub fn room(path: &Path, needed: u64, common: &Common) -> Result<(), Ended> {
     let Some(allowed) = memory_for_files(common.max_memory) else { return Ok(()) };
     let held = std::fs::metadata(path).map_or(0, |about| about.len());
@@ -70,12 +70,12 @@ pub fn room(path: &Path, needed: u64, common: &Common) -> Result<(), Ended> {
     Err(fault.in_file(path.display().to_string()).into())
 }
 
-/// The geometries of a case as patches, and notes on those that stand elsewhere.
+/// The geometries of a case as patches, with notes on those that are read from a mesh.
 fn patches(case: &Case) -> Result<SplineFile, Diagnostics> {
     let mut file = SplineFile { format: Format::Gismo, patches: Vec::new(), joints: Vec::new(), labels: Vec::new(), notes: Vec::new() };
     for patch in &case.patches {
         let name = &patch.name.value;
-        // cells of meshes are no splines; those of files are in place: scaled, turned, moved
+        // mesh cells are no splines; splines of files are already scaled, rotated and moved
         if let Shape::File { file: path, .. } = &patch.geometry.value.shape.value
             && patch.geometry.shape.part().is_some_and(|p| p.is_mesh())
         {
@@ -97,7 +97,7 @@ fn patches(case: &Case) -> Result<SplineFile, Diagnostics> {
     Ok(file)
 }
 
-/// A net as a file holds it.
+/// A control net as a patch of a file.
 fn of_net<const N: usize>(name: &str, net: ControlNet<N, N>) -> SplinePatch {
     SplinePatch {
         name: Some(name.to_owned()),
@@ -110,7 +110,7 @@ fn of_net<const N: usize>(name: &str, net: ControlNet<N, N>) -> SplinePatch {
     }
 }
 
-/// Says what is in a file.
+/// Inspects a file.
 pub fn inspect(registry: &Registry, arguments: &InspectArguments, common: &Common) -> Ended {
     inspected(registry, arguments, common).unwrap_or_else(|ended| ended)
 }
@@ -168,7 +168,7 @@ fn inspected(registry: &Registry, arguments: &InspectArguments, common: &Common)
     Ok(Ended::done("inspect", text, fields))
 }
 
-/// Writes a file, over another one only where that is allowed.
+/// Writes a file, over another one only with `force`.
 pub fn write(file: &Path, bytes: &[u8], force: bool) -> Result<(), Ended> {
     let written = if force { write_whole(file, bytes) } else { write_new(file, bytes) };
     written.map_err(|e| {
@@ -180,14 +180,14 @@ pub fn write(file: &Path, bytes: &[u8], force: bool) -> Result<(), Ended> {
     })
 }
 
-/// Whether the picture may go where it is asked for.
+/// Checks that the picture may be written to its file.
 pub fn check_place(arguments: &InspectArguments, json: Option<&Path>) -> Result<(), Ended> {
     let Some(file) = svg_file(arguments) else { return Ok(()) };
     place::apart(&file, &arguments.file, "--svg")?;
     place::not_over(json, &file)
 }
 
-/// What a case has beside its geometry.
+/// Contents of a case beside its geometry, as text and as JSON.
 fn of_case(case: &Case) -> (String, Value) {
     let mut table = crate::table::Table::new(["patch", "geometry", "backend", "degree", "material"]);
     let mut list = Vec::new();

@@ -1,4 +1,4 @@
-//! `--save-reference FILE`: where the stored run goes.
+//! `--save-reference FILE`: the file of the stored run.
 
 use super::folder::write_whole;
 use super::manifest::Input;
@@ -8,11 +8,11 @@ use crate::reference::{self, MAGIC, StoredRun};
 use std::io::Read;
 use std::path::Path;
 
-/// Looks whether a stored run may go to `file`: it replaces nothing but another one that is none of the `inputs` of this run, unless
-/// `force` is given. Asked before solving.
+/// Checks, before solving, whether a stored run may be written to `file`: without `force` it replaces no file but another stored run
+/// that is none of the `inputs` of this run.
 ///
 /// # Errors
-/// E090 where another kind of file is there, E091 where there is no folder for it.
+/// E090 if `file` must not be replaced, E091 if its folder does not exist.
 pub fn claim(file: &Path, inputs: &[Input], force: bool) -> Result<(), Diagnostic> {
     let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
@@ -42,7 +42,7 @@ pub fn claim(file: &Path, inputs: &[Input], force: bool) -> Result<(), Diagnosti
 /// Writes the stored run, whole or not at all.
 ///
 /// # Errors
-/// E091 where that fails.
+/// E091 if that fails.
 pub fn write(file: &Path, run: &StoredRun) -> Result<(), Diagnostic> {
     write_whole(file, &reference::write(run)).map_err(|e| {
         Diagnostic::error("E091", format!("writing `{}` failed: {e}", file.display())).with_help("name another file for --save-reference")

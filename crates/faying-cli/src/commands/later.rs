@@ -1,14 +1,14 @@
-//! What the command line's language knows and this version does not build: exit 2.
+//! Commands and options that this version does not implement: exit 2.
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::ffi::OsString;
 
-/// Commands of the contract that are not built.
+/// Commands that are not implemented.
 const COMMANDS: &[&str] = &["completions", "man"];
-/// Options of the contract that are not built, each with its command.
+/// Options that are not implemented, each with its command.
 const OPTIONS: &[(&str, &str)] = &[("run", "--no-pictures"), ("run", "--dry"), ("run", "--watch"), ("run", "--resume")];
 
-/// "`--watch` is not in this version", where `error` is about a word that is known and not built.
+/// "`--watch` is not in this version", if `error` is about a command or an option that is not implemented.
 pub fn of(error: &clap::Error, words: &[OsString]) -> Option<String> {
     let context = |kind: ContextKind| match error.get(kind) {
         Some(ContextValue::String(text)) => Some(text.as_str()),

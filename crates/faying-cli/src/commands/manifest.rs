@@ -1,4 +1,4 @@
-//! `manifest.json`: what was run, on which input, how long it took, which files it wrote.
+//! `manifest.json`: command, inputs, times and files of a run.
 
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -15,7 +15,7 @@ pub struct Input {
 }
 
 impl Input {
-    /// Hashes what was read.
+    /// A file with its size and hash.
     pub fn new(file: impl Into<String>, bytes: &[u8]) -> Self {
         Self { file: file.into(), bytes: bytes.len(), sha256: crate::case::sha256(bytes) }
     }
@@ -41,7 +41,7 @@ pub struct Manifest {
     pub command: String,
     /// The case as the user wrote it.
     pub case: String,
-    /// The case as an absolute path, "-" for stdin: what makes a folder that of the same case.
+    /// The case as an absolute path, "-" for stdin: identifies the case that owns the folder.
     pub case_path: String,
     /// The words after the program's name.
     pub options: Vec<String>,
@@ -56,7 +56,7 @@ pub struct Manifest {
 }
 
 impl Manifest {
-    /// Reads one; none where there is none or it is not ours.
+    /// Reads a manifest; `None` if there is none or faying did not write it.
     pub fn read(file: &Path) -> Option<Self> {
         let text = std::fs::read_to_string(file).ok()?;
         serde_json::from_str(&text).ok().filter(|m: &Self| m.schema.starts_with("faying.manifest/"))

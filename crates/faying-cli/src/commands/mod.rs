@@ -1,6 +1,6 @@
-//! The command line: words in, one command, its summary, its document, its files, an exit code.
+//! The command line: parses the arguments, runs a command, writes its summary and document, returns the exit code.
 
-// what ends the program is moved once or twice
+// the error that ends the program is moved once or twice
 #![allow(clippy::result_large_err)]
 
 mod arguments;
@@ -47,8 +47,8 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// The whole command line of `faying` with the names of `registry`: parses the words of the process, does what they say, answers
-/// with the exit code. A program with names of its own is
+/// The whole command line of `faying` with the names of `registry`: parses the arguments of the process, runs the command, returns
+/// the exit code. A program with names of its own is
 ///
 /// ```no_run
 /// let mut registry = faying_cli::Registry::default();
@@ -77,7 +77,7 @@ fn obey(registry: &Registry, arguments: &Arguments, words: &[OsString]) -> i32 {
     tell(&streams, &ended)
 }
 
-/// Whether there is a place for the document, found before anything is done.
+/// Checks that the document can be written, before anything else is done.
 fn place_of_document(arguments: &Arguments, streams: &Streams, words: &[OsString]) -> Result<(), Ended> {
     let file = streams.json.as_deref();
     if let Some(study) = arguments.command.study() {
@@ -128,7 +128,7 @@ fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words:
     }
 }
 
-/// Says how a command ended; a stream that cannot be written makes it exit 4.
+/// Writes the messages, summary and document of a command; returns its exit code, 4 if a stream cannot be written.
 fn tell(streams: &Streams, ended: &Ended) -> i32 {
     streams.diagnostics(&ended.diagnostics);
     if let Some((message, help)) = &ended.message {
@@ -150,15 +150,15 @@ fn usage(message: &str, help: Option<&str>) -> Ended {
     Ended::plain("invalid", 2, message, help)
 }
 
-/// Help and version go to stdout; words that are not understood are exit 2, with a document where one is asked for.
+/// Help and version go to stdout; invalid arguments are exit 2, with a document if one is requested.
 fn refused(error: &clap::Error, words: &[OsString]) -> i32 {
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
-        let _ = error.print(); // a reader that left has read enough
+        let _ = error.print(); // a closed pipe is no error
         return 0;
     }
     let message = match later::of(error, words) {
         Some(message) => {
-            // stderr is the last resort: nobody is left to hear that it failed
+            // a failure of stderr cannot be reported anywhere
             let _ = writeln!(std::io::stderr(), "error: {message}\n  = help: `faying --help` lists what is");
             message
         }
@@ -179,7 +179,7 @@ fn refused(error: &clap::Error, words: &[OsString]) -> i32 {
     2
 }
 
-/// The place of the document, looked up in words that were not understood.
+/// The file of `--json`, found in arguments that could not be parsed.
 fn json_asked(words: &[OsString]) -> Option<PathBuf> {
     words.iter().take_while(|w| *w != "--").find_map(|w| match w.to_str()? {
         "--json" => Some(PathBuf::from("-")),

@@ -13,7 +13,7 @@ struct Sample {
     name: &'static str,
     about: &'static str,
     text: &'static str,
-    /// Meshes and geometries that the case reads, and what they were made of.
+    /// Meshes and geometries that the case reads, and their sources.
     files: &'static [(&'static str, &'static [u8])],
 }
 
@@ -48,7 +48,7 @@ const SAMPLES: [Sample; 11] = [
     sample!("solid", "a pipe in three dimensions: NURBS, hexahedra, tetrahedra"),
 ];
 
-/// The file of the sample, where one is written.
+/// The file to which the sample is written.
 pub fn file(arguments: &NewArguments, common: &Common) -> PathBuf {
     let name = arguments.name.as_deref().unwrap_or_default().trim_end_matches(".toml");
     let file = common.out.clone().unwrap_or_else(|| PathBuf::from(".")).join(format!("{name}.toml"));
@@ -80,7 +80,7 @@ pub fn new(arguments: &NewArguments, common: &Common) -> Ended {
     if let Some((there, _)) = parts().find(|(path, _)| path.exists()) {
         return exists(&there, sample.name);
     }
-    // the case last: what it needs is there when it appears
+    // the case last, after the files that it reads
     for (path, bytes) in parts() {
         match write_new(&path, bytes) {
             Ok(()) => {}

@@ -23,7 +23,7 @@ pub fn caught(streams: &Streams, act: impl FnOnce() -> Ended) -> Ended {
             eprintln!("{}", std::backtrace::Backtrace::force_capture());
         }
     }));
-    // what a panic may have left half done is not looked at again
+    // data that a panic may have left inconsistent are not used again
     let ended = catch_unwind(AssertUnwindSafe(act));
     drop(std::panic::take_hook());
     ended.unwrap_or_else(|_| {

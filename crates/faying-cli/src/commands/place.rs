@@ -1,14 +1,14 @@
-//! Where the document of `--json=FILE` may go: never over a file that the command reads or writes itself.
+//! Place of the document of `--json=FILE`: never over a file that the command reads or writes itself.
 
 use super::ended::Ended;
 use crate::errors::Diagnostic;
 use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
 
-/// Whether the document at `file` is a fault: the words name the same file, or it cannot be written.
+/// Checks that the document can be written to `file` and that no argument names the same file.
 ///
 /// # Errors
-/// Exit 2 or E091, without a document: it has no place.
+/// Exit 2 or E091, without a document.
 pub fn document(file: Option<&Path>, words: &[OsString]) -> Result<(), Ended> {
     let Some(file) = file.filter(|f| f.as_os_str() != "-") else { return Ok(()) };
     if let Some(word) = words.iter().skip(1).find(|word| !is_option(word) && same(Path::new(word), file)) {
@@ -24,7 +24,7 @@ pub fn document(file: Option<&Path>, words: &[OsString]) -> Result<(), Ended> {
     Err(Ended::from(problem.with_help("make the folder, or give another file")).without_document())
 }
 
-/// Whether the document would be a file in the folder of results, which a run owns.
+/// Checks that the document is no file in the folder of results, which the run owns.
 ///
 /// # Errors
 /// Exit 2, without a document.
@@ -38,7 +38,7 @@ pub fn beside_results(file: Option<&Path>, out: &Path) -> Result<(), Ended> {
     Err(super::usage(&message, Some(&help)).without_document())
 }
 
-/// Whether the document would be the file that the command writes.
+/// Checks that the document is not the file that the command writes.
 ///
 /// # Errors
 /// Exit 2, without a document.
@@ -52,7 +52,7 @@ pub fn not_over(file: Option<&Path>, written: &Path) -> Result<(), Ended> {
     }
 }
 
-/// Whether a file that is written is the one that is read.
+/// Checks that the written file is not the one that is read.
 ///
 /// # Errors
 /// Exit 2.

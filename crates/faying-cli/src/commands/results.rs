@@ -12,14 +12,14 @@ use std::ffi::OsString;
 /// Files that every such folder has before `result.json`.
 const ALWAYS: [&str; 3] = ["case.effective.toml", "log.txt", MANIFEST];
 
-/// What the files of a folder need to know.
+/// Common data of the files in a folder of results.
 #[derive(Debug)]
 pub struct Results<'a> {
     /// "run", "compare", ...
     pub command: &'a str,
     /// The case.
     pub loaded: &'a Loaded,
-    /// Where they go.
+    /// The folder.
     pub folder: &'a Folder,
     /// The words of the command line.
     pub words: &'a [OsString],
@@ -30,23 +30,23 @@ pub struct Results<'a> {
 }
 
 impl Results<'_> {
-    /// Makes the folder, empty of what an earlier command left there, and says whose it is; `own` are the command's own files. Returns the names of
-    /// all files but `result.json`, which names them.
+    /// Makes the folder, removes the files of an earlier command and writes the manifest; `own` are the command's own files. Returns the
+    /// names of all files but `result.json`, which lists them.
     ///
     /// # Errors
-    /// E091 where something cannot be written.
+    /// E091 if something cannot be written.
     pub fn open(&self, own: impl IntoIterator<Item = String>) -> Result<Vec<String>, Diagnostic> {
         self.folder.open()?;
         let names: Vec<String> = own.into_iter().chain(ALWAYS.map(str::to_owned)).collect();
-        // first of all: whatever stops this, the folder stays known as ours
+        // first of all: the manifest marks the folder as ours even if a later write fails
         self.manifest(&names)?;
         Ok(names)
     }
 
-    /// Writes what every folder has, after the command's own files; `result.json` last.
+    /// Writes the files that every folder has, after the command's own files; `result.json` last.
     ///
     /// # Errors
-    /// E091 where something cannot be written.
+    /// E091 if something cannot be written.
     pub fn close(&self, names: &[String], messages: &Diagnostics, document: &str) -> Result<(), Diagnostic> {
         self.folder.write("case.effective.toml", self.loaded.case.effective_toml().as_bytes())?;
         self.clock.hear(Progress::Phase("done"));

@@ -51,7 +51,7 @@ fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words:
     }))
 }
 
-/// What stderr says of a result.
+/// Messages of a result on stderr: errors, then warnings.
 fn messages(result: &RunResult) -> Diagnostics {
     Diagnostics { items: result.diagnostics.iter().chain(&result.warnings).cloned().collect() }
 }
@@ -98,7 +98,7 @@ pub(super) fn shown(words: &[OsString]) -> Vec<String> {
     words.iter().skip(1).map(|w| w.to_string_lossy().into_owned()).collect()
 }
 
-/// What the files of a run need to know.
+/// Data for writing the files of a run.
 struct Job<'a> {
     results: Results<'a>,
     vtu: Option<VtuCells>,

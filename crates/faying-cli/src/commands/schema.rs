@@ -1,4 +1,4 @@
-//! `faying schema`: what a case file and `result.json` look like, for editors and other programs.
+//! `faying schema`: JSON Schemas of the case file and of `result.json`, for editors and other programs.
 
 use super::arguments::{SchemaArguments, SchemaOf};
 use super::ended::Ended;

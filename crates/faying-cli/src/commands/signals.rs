@@ -4,7 +4,7 @@ use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Sets `flag` at every request to end, and says so. A second Ctrl-C ends at once; other requests come in pairs (a terminal and its
+/// Sets `flag` at every request to end, with a message. A second Ctrl-C ends at once; other requests come in pairs (a terminal and its
 /// shell both hang up), so that only the first of them counts.
 ///
 /// SIGHUP stays ignored where the process was started so, as under `nohup`.
@@ -24,7 +24,7 @@ pub fn listen(flag: &Arc<AtomicBool>) {
     });
 }
 
-/// What was asked.
+/// Request to end.
 enum Request {
     /// Ctrl-C.
     Interrupt,
@@ -65,7 +65,7 @@ mod platform {
     }
 }
 
-/// The signals that a process ignores, signal n in bit n - 1, by what Linux says of its status.
+/// The signals that a process ignores, signal n in bit n - 1, read from its status file on Linux.
 #[cfg(unix)]
 fn ignored(status: &str) -> u64 {
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

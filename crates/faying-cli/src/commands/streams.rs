@@ -5,21 +5,21 @@ use crate::errors::{Diagnostics, Severity};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
-/// Where the words of a command go.
+/// Output streams of a command.
 #[derive(Clone, Debug)]
 pub struct Streams {
     color: bool,
     quiet: bool,
-    /// Whether to say what happens.
+    /// Whether progress messages are written.
     pub verbose: bool,
-    /// Whether a bar may move on stderr.
+    /// Whether a progress bar is shown on stderr.
     pub progress: bool,
-    /// Where the document goes, "-" for stdout.
+    /// File of the document, "-" for stdout; `None`: no document.
     pub json: Option<PathBuf>,
 }
 
 impl Streams {
-    /// The streams that the options ask for.
+    /// The streams of the options.
     pub fn new(common: &Common) -> Self {
         let terminal = std::io::stderr().is_terminal();
         let color = match common.color {
@@ -35,18 +35,18 @@ impl Streams {
         self.json.as_ref().is_some_and(|file| file.as_os_str() == "-")
     }
 
-    /// The summary on stdout, unless the document takes its place.
+    /// Writes the summary to stdout, unless `--quiet` is given or the document is written there.
     ///
     /// # Errors
-    /// What writing to stdout answers; a reader that left is no error.
+    /// Errors of writing to stdout; a closed pipe is no error.
     pub fn summary(&self, text: &str) -> std::io::Result<()> {
         if self.quiet || self.json_on_stdout() { Ok(()) } else { to_stdout(text) }
     }
 
-    /// The JSON document, where one is asked for.
+    /// Writes the JSON document, if one is requested.
     ///
     /// # Errors
-    /// What writing answers.
+    /// Errors of writing.
     pub fn document(&self, text: &str) -> std::io::Result<()> {
         match &self.json {
             _ if text.is_empty() => Ok(()),
@@ -70,7 +70,7 @@ impl Streams {
     /// A message on stderr, its leading word coloured.
     pub fn message(&self, text: &str) {
         let text = if self.color { coloured(text) } else { text.to_owned() };
-        // stderr is the last resort: nobody is left to hear that it failed
+        // a failure of stderr cannot be reported anywhere
         let _ = std::io::stderr().lock().write_all(text.as_bytes());
     }
 }
@@ -83,7 +83,7 @@ fn coloured(text: &str) -> String {
     text.split_inclusive('\n').map(line).collect()
 }
 
-/// Writes to stdout; a reader that closed the pipe has read enough.
+/// Writes to stdout; a closed pipe is no error.
 pub fn to_stdout(text: &str) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

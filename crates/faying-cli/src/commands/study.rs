@@ -15,24 +15,24 @@ use crate::studies::{Base, Kept, MOST_ROWS, Method, Plan, Study, html, picture, 
 use crate::{Progress, Registry, Watch};
 use std::ffi::OsString;
 
-/// What tells one command on studies from another: what it varies where nobody says so, and what it needs.
+/// Kind of a study: its command, default axes and requirements.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// Its word.
+    /// Name of the command.
     pub command: &'static str,
-    /// Backends; none: as written.
+    /// Backends; empty: as written.
     pub backends: &'static [&'static str],
     /// Number of levels.
     pub levels: usize,
-    /// Integrations of interfaces; none: as written.
+    /// Integrations of interfaces; empty: as written.
     pub integrations: &'static [&'static str],
-    /// Their points beyond the default; none: as written.
+    /// Their points beyond the default; empty: as written.
     pub extra_points: &'static [usize],
     /// Whether the case must have an interface or a contact (E063).
     pub needs_interface: bool,
     /// Whether a key must vary.
     pub needs_vary: bool,
-    /// Whether rows are held against the first one.
+    /// Whether rows are compared with the first one.
     pub compares: bool,
 }
 
@@ -65,10 +65,10 @@ pub const INFSUP: Kind = Kind { command: "infsup", levels: 5, needs_interface: t
 /// `faying sweep`.
 pub const SWEEP: Kind = Kind { command: "sweep", needs_vary: true, ..PLAIN };
 
-/// What a user asks of a command on studies.
+/// Arguments of a command on studies.
 #[derive(Clone, Copy, Debug)]
 pub struct Order<'a> {
-    /// The names of the case.
+    /// The registry of names.
     pub registry: &'a Registry,
     /// The case and the axes.
     pub command: &'a StudyCommand,
@@ -76,7 +76,7 @@ pub struct Order<'a> {
     pub tol: Option<f64>,
     /// Options of every command.
     pub common: &'a Common,
-    /// Where words go.
+    /// Output streams.
     pub streams: &'a Streams,
     /// The words of the command line.
     pub words: &'a [OsString],
@@ -153,7 +153,7 @@ fn studied<'a>(kind: &Kind, make: &MakeMethod<'a>, order: &Order<'_>, clock: &Cl
 /// The file that `--resume` reads.
 const ROWS: &str = "rows.json";
 
-/// Rows of the study that wrote the folder; none where there is no file of them that can be read.
+/// Rows of the study that wrote the folder; empty if their file is missing or cannot be read.
 fn earlier(folder: &Folder) -> Kept {
     std::fs::read_to_string(folder.path().join(ROWS)).ok().and_then(|text| Kept::read(&text)).unwrap_or_default()
 }
@@ -205,7 +205,7 @@ fn write(results: &Results<'_>, study: &Study, files: &[(&str, String)], message
     Ok(document)
 }
 
-/// What became of the rows of the earlier study.
+/// Sentence on the rows of the earlier study: kept, solved now, not used.
 fn resumed(study: &Study, kept: &Kept) -> String {
     let taken = study.rows.iter().filter(|row| row.kept).count();
     let solved = study.rows.len() - taken;

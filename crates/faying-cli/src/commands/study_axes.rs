@@ -1,4 +1,4 @@
-//! The axes of a study: words of the command line, those of `[study.NAME]` where it is silent, else the defaults of the command.
+//! The axes of a study: from the command line, else from `[study.NAME]`, else the defaults of the command.
 
 use super::arguments::StudyArguments;
 use super::case::Loaded;
@@ -14,7 +14,7 @@ const INTEGRATIONS: [&str; 4] = ["merged", "segments", "slave", "mixed"];
 /// Most points beyond the default, as in the case file.
 const MOST_POINTS: usize = 60;
 
-/// Where the values of an axis come from, for what is said of them.
+/// Sources of the values of axes, for reading them and for messages.
 struct Reader<'a> {
     kind: &'a Kind,
     table: Option<&'a Located<StudyValues>>,
@@ -30,7 +30,7 @@ struct Values {
 /// The axes of `kind`.
 ///
 /// # Errors
-/// Usage (exit 2) for words of the command line, E015 for those of the case; E063 where an interface is missing.
+/// Usage (exit 2) for values of the command line, E015 for those of the case; E063 if an interface is missing.
 pub fn axes(kind: &Kind, options: &StudyArguments, table: Option<&Located<StudyValues>>, loaded: &Loaded) -> Result<Axes, Ended> {
     let r = Reader { kind, table, loaded };
     let none = StudyValues::default();
@@ -55,7 +55,7 @@ pub fn axes(kind: &Kind, options: &StudyArguments, table: Option<&Located<StudyV
     for name in pairings.list.iter().filter(|name| !name.starts_with('{') && !r.names().has_multiplier(name)) {
         r.known("pairings", &pairings, "multiplier", name, &r.names().multipliers)?;
     }
-    // the default leaves out what the case cannot have; what is named stays
+    // the default leaves out `mixed` if the case cannot have it; given values stay
     let no_mixed = loaded.case.interfaces.iter().any(|t| t.coupling.value == "nitsche");
     let usual: Vec<&str> = kind.integrations.iter().copied().filter(|w| *w != "mixed" || !no_mixed).collect();
     let integrations = r.list("integration", options.integration.as_deref(), &values.integration, words(&usual))?;
@@ -141,7 +141,7 @@ impl Reader<'_> {
         Ok(values)
     }
 
-    /// Whether `name` is one of `known`.
+    /// Checks that `name` is one of `known`.
     fn known(&self, axis: &str, values: &Values, what: &str, name: &str, known: &[String]) -> Result<(), Ended> {
         if known.iter().any(|k| k == name) {
             return Ok(());
@@ -151,7 +151,7 @@ impl Reader<'_> {
         Err(self.wrong(axis, values.of_case, &format!("unknown {what} `{name}`{near}"), &help))
     }
 
-    /// What is wrong with an axis: of the command line, or of the table of the case.
+    /// Error in an axis of the command line, or of the table of the case.
     fn wrong(&self, axis: &str, of_case: bool, why: &str, help: &str) -> Ended {
         match self.table.filter(|_| of_case) {
             Some(table) => {
@@ -163,7 +163,7 @@ impl Reader<'_> {
         }
     }
 
-    /// E063 where the axes speak of interfaces and the case has neither one nor a contact.
+    /// E063 if the axes need an interface and the case has neither an interface nor a contact.
     fn interface(&self, needed: bool) -> Result<(), Ended> {
         let case = &self.loaded.case;
         let missing = needed && case.interfaces.is_empty() && case.contacts.is_empty();

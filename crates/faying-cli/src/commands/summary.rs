@@ -42,7 +42,7 @@ pub fn of(result: &RunResult, folder: Option<&str>) -> String {
     text
 }
 
-/// What a check found: the case is valid, and this large.
+/// Summary of a check: the case is valid, with its patches, ties and sizes.
 pub fn of_check(result: &RunResult) -> String {
     let mut table = Table::new(["patch", "backend", "measure"]);
     for (patch, backend) in result.backends.iter() {

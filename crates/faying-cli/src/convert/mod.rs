@@ -1,4 +1,4 @@
-//! One file format into another, as far as the other can carry it; what is lost is said.
+//! Conversion between file formats, as far as the target can represent the data; losses are reported.
 
 mod sample;
 
@@ -8,13 +8,13 @@ use crate::table::short;
 use faying_files::{Contents, FileError, Format, gismo, gmsh, mfem, write_vtu};
 use std::path::Path;
 
-/// Cells are as the spline where they are nearer than this share of the size of everything.
+/// Cells equal the spline if they are closer to it than this share of the model size.
 const EXACT: f64 = 1e-12;
 
-/// How to convert.
+/// Options of a conversion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ConvertOptions {
-    /// Order of cells made of splines, 1 to 4; none: the highest degree of the file, at most 4.
+    /// Order of cells made of splines, 1 to 4; `None`: the highest degree of the file, at most 4.
     pub order: Option<usize>,
     /// Gmsh files in binary.
     pub binary: bool,
@@ -25,11 +25,11 @@ pub struct ConvertOptions {
 pub struct Converted {
     /// Its bytes.
     pub bytes: Vec<u8>,
-    /// What it does not carry, one sentence each.
+    /// Data that were lost, one sentence each.
     pub lost: Vec<String>,
 }
 
-/// The format that an extension stands for: .msh, .xml, .mesh, .vtu.
+/// The format of an extension: .msh, .xml, .mesh, .vtu.
 pub fn format_of(path: &Path) -> Option<Format> {
     match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
         "msh" => Some(Format::Gmsh),
@@ -49,7 +49,7 @@ const PER_POINT: u64 = 100;
 /// Bytes per node of a cell that is made of a spline.
 const PER_SAMPLE: u64 = 150;
 
-/// About how many bytes [`convert`] takes beside `contents`.
+/// Estimate of the bytes that [`convert`] takes beside `contents`.
 pub fn memory(contents: &Contents, to: Format, options: &ConvertOptions) -> u64 {
     match contents {
         Contents::Mesh(mesh) => {
@@ -77,7 +77,7 @@ pub fn memory(contents: &Contents, to: Format, options: &ConvertOptions) -> u64 
 /// Splines become Lagrange cells on their knot spans in Gmsh and VTU files; a mesh never becomes splines.
 ///
 /// # Errors
-/// [`FileError::Unsupported`] where the format cannot hold it.
+/// [`FileError::Unsupported`] if the format cannot hold it.
 pub fn convert(contents: &Contents, to: Format, options: &ConvertOptions) -> Result<Converted, FileError> {
     match contents {
         Contents::Patches(file) => {

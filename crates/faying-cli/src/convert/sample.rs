@@ -6,9 +6,9 @@ use faying::geometry::{Geometry, MapTable, cell};
 use faying::linalg::Vector;
 use faying_files::{CellShape, FileError, Format, Group, MeshBlock, MeshFile, SplineFile, SplinePatch};
 
-/// Points nearer than this share of the size of everything are one.
+/// Points closer than this share of the model size are merged.
 const SAME: f64 = 1e-10;
-/// Highest order of cells that files have here.
+/// Highest order of sampled cells.
 pub const MAX_ORDER: usize = 4;
 
 /// A mesh and how far its cells are from the splines \[length\].
@@ -20,7 +20,7 @@ pub struct Sampled {
     pub order: usize,
     /// Largest distance found.
     pub distance: f64,
-    /// Size of everything: the longest side of the box around it.
+    /// Model size: the longest side of the bounding box.
     pub size: f64,
 }
 
@@ -31,7 +31,7 @@ fn spans(patch: &SplinePatch) -> Result<Vec<usize>, FileError> {
     patch.degree.iter().zip(&patch.knots).map(one).collect()
 }
 
-/// Nodes of all cells of a grid of `spans` in order `p`, first axis fastest, as places in its lattice of points.
+/// Nodes of all cells of order `p` of a grid of `spans`, first axis fastest, as indices into its lattice of points.
 fn lattice_nodes(spans: &[usize], p: usize) -> Vec<Vec<usize>> {
     let cells: usize = spans.iter().product();
     let inside: usize = (p + 1).pow(spans.len() as u32);
@@ -81,7 +81,7 @@ fn distance<const D: usize>(patch: &SplinePatch, block: &MeshBlock, points: &[[f
     Ok(most)
 }
 
-/// Places of the lattice on a side.
+/// Indices of the lattice points on a side.
 fn on_side(spans: &[usize], p: usize, axis: usize, end: usize) -> Vec<usize> {
     let counts: Vec<usize> = spans.iter().map(|n| n * p + 1).collect();
     let before: usize = counts[..axis].iter().product();
@@ -95,7 +95,7 @@ fn shape(dimension: usize) -> CellShape {
 
 /// The cells of order `order` on all knot spans: a group per patch, per side (`PATCH.SIDE`) and per label of the file.
 ///
-/// Points that patches have in common are one, unless a cell would have them twice.
+/// Common points of patches are merged, unless a cell would contain one twice.
 ///
 /// # Errors
 /// [`FileError`] for patches whose knots, points and weights do not fit, or of more than three parameters.
@@ -177,11 +177,11 @@ fn extent(points: &[[f64; 3]]) -> f64 {
     (0..3).map(range).map(|[a, b]| b - a).fold(0.0, f64::max)
 }
 
-/// Makes those of the points `outer` one that are nearer than `near`, unless a cell would have one twice; drops the others.
+/// Merges the points of `outer` that are closer than `near`, unless a cell would contain one twice; drops the merged copies.
 fn join(mesh: &mut MeshFile, outer: &[u32], near: f64) {
     let x = |i: u32| mesh.points[i as usize];
     let cell_of = |v: f64| (v / near.max(f64::MIN_POSITIVE) / 4.0).round() as i64;
-    // points of one place fall into one cell of a grid or into neighbours; the first stands for all
+    // equal points fall into the same or neighbouring cells of a grid; the first represents all
     let mut places: std::collections::BTreeMap<[i64; 3], Vec<u32>> = std::collections::BTreeMap::new();
     let mut stands: Vec<u32> = (0..mesh.points.len() as u32).collect();
     for &i in outer {
@@ -198,7 +198,7 @@ fn join(mesh: &mut MeshFile, outer: &[u32], near: f64) {
             None => places.entry(c).or_default().push(i),
         }
     }
-    // collapsed edges keep their points apart
+    // points of collapsed edges are not merged
     let mut apart = vec![false; mesh.points.len()];
     for block in mesh.blocks.iter().filter(|b| !b.ids.is_empty()) {
         for nodes in block.nodes.chunks_exact(block.nodes.len() / block.ids.len()) {

@@ -11,7 +11,7 @@ pub struct Constants {
     index: BTreeMap<String, usize>,
 }
 
-/// What a constant is defined by.
+/// Definition of a constant.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ConstantText {
     /// A number.
@@ -47,7 +47,7 @@ impl Constants {
         self.values.iter().map(|(n, v)| (n.as_str(), *v))
     }
 
-    /// Values of all definitions, whatever their order, and the errors with the index of their definition.
+    /// Values of all definitions, in any order, and the errors with the index of their definition.
     ///
     /// A definition in error has no value, nor do those that use it; only the first is reported.
     pub fn resolve(definitions: &[(String, ConstantText)]) -> (Self, Vec<(usize, FormulaError)>) {
@@ -122,7 +122,7 @@ impl Constants {
     }
 }
 
-// follows what each waits for until one comes again
+// follows the dependencies from `start` until one repeats
 fn cycle_from(start: usize, waits: &[BTreeSet<usize>]) -> Vec<usize> {
     let mut path = vec![start];
     let mut seen = BTreeMap::from([(start, 0)]);

@@ -30,17 +30,17 @@ pub use jet::Jet;
 use program::{Op, Program};
 pub use program::{Point, Variable};
 
-/// What stopped the reading of a formula, and where in its text.
+/// Parse error of a formula, with its position in the text.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct FormulaError {
-    /// What is wrong.
+    /// Message.
     pub message: String,
-    /// Characters before the place.
+    /// Characters before the error.
     pub offset: usize,
-    /// Characters of the place.
+    /// Length of the error in characters.
     pub length: usize,
-    /// What is allowed.
+    /// Allowed values, or advice.
     pub help: Option<String>,
 }
 
@@ -55,14 +55,14 @@ impl FormulaError {
     }
 }
 
-/// What a formula may name.
+/// Names that a formula may use.
 #[derive(Clone, Copy, Debug)]
 pub struct Scope<'a> {
     /// Variables that have a value.
     pub variables: &'a [Variable],
     /// Constants of `[let]`.
     pub constants: &'a Constants,
-    /// `Some` where quantities may stand (checks): the names of the case that may hold a `-`.
+    /// `Some` if quantities are allowed (checks): the names of the case, which may contain `-`.
     pub quantities: Option<&'a [String]>,
 }
 
@@ -166,7 +166,7 @@ impl Formula {
         self.program.any(Op::has_pieces)
     }
 
-    /// The value at a point; not a number where the formula has none.
+    /// The value at a point; NaN where the formula is undefined.
     pub fn value(&self, at: &Point) -> f64 {
         self.program.run(at, &[])
     }

@@ -1,6 +1,6 @@
-//! The numbers that formulas run on, and their functions.
+//! Number types of formulas, and their functions.
 
-/// What a formula is evaluated over: plain numbers, or numbers with derivatives.
+/// Number type of an evaluation: plain numbers, or numbers with derivatives.
 pub(super) trait Number: Copy {
     fn constant(value: f64) -> Self;
     fn coordinate(value: f64, axis: usize) -> Self;
@@ -86,7 +86,7 @@ impl Number for f64 {
             Binary::Div => self / b,
             Binary::Pow => power(self, b),
             Binary::Atan2 => self.atan2(b),
-            // not f64::min: a number that is not one must be seen
+            // not f64::min: NaN must propagate
             Binary::Min => extreme(self, b, self <= b),
             Binary::Max => extreme(self, b, self >= b),
             Binary::Less => truth(self < b),
@@ -99,7 +99,7 @@ impl Number for f64 {
     }
 }
 
-// the first if it wins; where nothing wins one of them is not a number, and that one is the answer
+// a if `first` or if it is NaN, else b: NaN propagates
 pub(super) fn extreme<N: Number>(a: N, b: N, first: bool) -> N {
     if first || a.value().is_nan() { a } else { b }
 }

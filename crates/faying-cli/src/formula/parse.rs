@@ -40,7 +40,7 @@ const UNARY: [(&str, Unary); 14] = [
 // min and max take two or more arguments
 const BINARY: [(&str, Binary); 4] = [("min", Binary::Min), ("max", Binary::Max), ("pow", Binary::Pow), ("atan2", Binary::Atan2)];
 
-/// Whether a name has a meaning in formulas of its own.
+/// Whether a name is reserved in formulas.
 pub(super) fn is_reserved(name: &str) -> bool {
     matches!(name, "pi" | "e" | "if" | "at" | "in")
         || VARIABLES.iter().any(|(n, _)| *n == name)
@@ -102,7 +102,7 @@ impl Parser<'_> {
         }
     }
 
-    // takes the text if it stands here, and the blanks behind it
+    // consumes `text`, if it is next, and the blanks after it
     fn take(&mut self, text: &str) -> bool {
         let found = text.chars().enumerate().all(|(k, c)| self.chars.get(self.at + k) == Some(&c));
         if found {
@@ -416,7 +416,7 @@ impl Parser<'_> {
         self.close()
     }
 
-    // a name that a dot, `at` or `in` follows, or one that means nothing else
+    // a name followed by a dot, `at` or `in`, or one without another meaning
     fn is_quantity(&self, name: &str) -> bool {
         let mut k = self.at;
         if self.chars.get(k) == Some(&'.') {

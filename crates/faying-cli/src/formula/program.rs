@@ -4,7 +4,7 @@ use super::jet::Jet;
 use super::number::{Binary, Number, Unary};
 use super::taylor::Taylor;
 
-/// What a formula may depend on beside constants.
+/// Variables of a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Variable {
@@ -24,7 +24,7 @@ pub enum Variable {
     Theta,
 }
 
-/// Where a formula is evaluated.
+/// Evaluation point of a formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Coordinates, z = 0 in 2D.
@@ -51,12 +51,12 @@ impl Point {
         p
     }
 
-    /// The same place at another time.
+    /// Returns this point at time `t`.
     pub fn at_time(self, t: f64) -> Self {
         Self { t, ..self }
     }
 
-    /// The same place with a gap.
+    /// Returns this point with the gap `g`.
     pub fn with_gap(self, g: f64) -> Self {
         Self { g, ..self }
     }
@@ -75,12 +75,12 @@ pub(super) enum Op {
 }
 
 impl Op {
-    /// Whether it chooses between pieces.
+    /// Whether it is piecewise: `if`, abs, sign, comparisons, min, max.
     pub fn has_pieces(&self) -> bool {
         use Binary::{Add, Atan2, Div, Mul, Pow, Sub};
         match self {
             Self::If | Self::Unary(Unary::Abs | Unary::Sign) => true,
-            // the others compare, or take the smaller or the larger
+            // the others are comparisons, min and max
             Self::Binary(op) => !matches!(op, Add | Sub | Mul | Div | Pow | Atan2),
             _ => false,
         }
@@ -95,7 +95,7 @@ const SHALLOW: usize = 24;
 pub(super) struct Program {
     pub ops: Vec<Op>,
     pub depth: usize,
-    /// Whether z is among its variables: without it derivatives are carried in x and y only.
+    /// Whether it depends on z: otherwise derivatives are carried in x and y only.
     pub spatial: bool,
 }
 
@@ -131,7 +131,7 @@ impl Program {
                     top += 1;
                 }
                 Op::Variable(v) => {
-                    // those that cost something are made once
+                    // r and theta are computed once
                     stack[top] = match v {
                         Variable::R => *radius.get_or_insert_with(|| variable(v, at)),
                         Variable::Theta => *angle.get_or_insert_with(|| variable(v, at)),
@@ -140,7 +140,7 @@ impl Program {
                     top += 1;
                 }
                 Op::Quantity(k) => {
-                    // a quantity that nobody gave has no value
+                    // a missing quantity is NaN
                     stack[top] = N::constant(quantities.get(k).copied().unwrap_or(f64::NAN));
                     top += 1;
                 }

@@ -17,7 +17,7 @@ impl<const N: usize, const H: usize> Taylor<N, H> {
         self.gradient == [0.0; N] && self.hessian == [0.0; H]
     }
 
-    /// The same value and what `first` makes of every direction and `second` of every pair of directions.
+    /// A number with the derivatives `first(i)` and `second(k, i, j)`, i <= j, where k counts the pairs row by row.
     #[inline(always)]
     fn build(value: f64, first: impl Fn(usize) -> f64, second: impl Fn(usize, usize, usize) -> f64) -> Self {
         let mut out = Self::constant(value);
@@ -69,7 +69,7 @@ impl<const N: usize, const H: usize> Taylor<N, H> {
         )
     }
 
-    /// The derivatives in x, y, z; those that are not carried are zero.
+    /// The derivatives in x, y, z; derivatives that are not carried are zero.
     pub fn jet(&self) -> Jet {
         let mut out = Jet { value: self.value, gradient: [0.0; 3], hessian: [[0.0; 3]; 3] };
         out.gradient[..N].copy_from_slice(&self.gradient);

@@ -1,4 +1,4 @@
-//! Long texts: what the numerics rest on, with examples that run.
+//! Guides: theory of the numerical methods, with runnable examples.
 //!
 //! Formulas are MathML, which browsers draw without any script; `alttext` holds the TeX of each.
 

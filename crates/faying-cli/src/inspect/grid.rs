@@ -1,4 +1,4 @@
-//! What is in a VTU beside its mesh: fields with their ranges, and cells that no mesh of this program has.
+//! Contents of a VTU beside its mesh: fields with their ranges, and cells that meshes of this program cannot have.
 
 use super::meshes::CellsReport;
 use super::{FileError, Inspection};
@@ -14,18 +14,18 @@ pub struct FieldReport {
     pub name: String,
     /// "points" or "cells".
     pub on: String,
-    /// Per component the least and the largest finite value; none where there is none.
+    /// Per component the least and the largest finite value; `None` without finite values.
     pub ranges: Vec<Option<[f64; 2]>>,
 }
 
-/// The mesh of a VTU; an empty one, with a note, where its cells are of kinds that are only counted, such as Bezier cells.
+/// The mesh of a VTU; an empty one, with a note, if its cells are of kinds that are only counted, such as Bezier cells.
 ///
 /// # Errors
 /// [`FileError::Broken`]
 pub fn mesh_of(file: &VtuFile) -> Result<MeshFile, FileError> {
     match file.mesh() {
         Ok(mut mesh) => {
-            // the fields are shown
+            // the fields are listed by `add_fields`
             mesh.notes.retain(|note| !note.starts_with("fields at points"));
             Ok(mesh)
         }
@@ -37,7 +37,7 @@ pub fn mesh_of(file: &VtuFile) -> Result<MeshFile, FileError> {
     }
 }
 
-/// Adds the fields of a VTU to what was found in its mesh, and its cells where they make none.
+/// Adds the fields of a VTU to the inspection of its mesh, and its counted cells if there is no mesh.
 pub fn add_fields(found: &mut Inspection, file: &VtuFile) {
     let report = |on: &str, field: &VtuField| FieldReport { name: field.name.clone(), on: on.into(), ranges: field.ranges() };
     found.fields =

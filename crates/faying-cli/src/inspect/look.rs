@@ -1,4 +1,4 @@
-//! Size and quality of maps, whatever they come from; maps that fold over are reported, not refused.
+//! Size and quality of maps; maps that fold over are reported, not rejected.
 
 use faying::basis::{Cell, Order};
 use faying::geometry::{Geometry, MapTable, cell};
@@ -12,12 +12,12 @@ const ZERO: f64 = 1e-10;
 /// Edges below this share of the longest one of their element have collapsed.
 const COLLAPSED: f64 = 1e-12;
 
-/// Where a value was found.
+/// Location of a value.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Place {
     /// The patch, or the kind of cells.
     pub part: String,
-    /// Number of the element in it, from 0; of the cell in the file where that has numbers.
+    /// Number of the element in it, from 0; the number of the cell in the file if that has numbers.
     pub element: u64,
     /// Coordinates.
     pub at: [f64; 3],
@@ -30,7 +30,7 @@ pub struct Soundness {
     pub least_jacobian: f64,
     /// Least determinant over the product of the edges' lengths there: 1 for right angles, and for equilateral simplices.
     pub least_scaled_jacobian: f64,
-    /// Where the scaled one is.
+    /// Location of the least scaled Jacobian.
     pub worst: Place,
     /// Elements whose determinant changes its sign.
     pub inverted: usize,
@@ -70,7 +70,7 @@ impl Default for Soundness {
 }
 
 impl Soundness {
-    /// Both together.
+    /// Combines the quality of two parts.
     pub fn and(mut self, other: Self) -> Self {
         if other.least_scaled_jacobian < self.least_scaled_jacobian {
             (self.least_scaled_jacobian, self.worst) = (other.least_scaled_jacobian, other.worst);
@@ -97,7 +97,7 @@ impl Soundness {
     }
 }
 
-/// What one element says.
+/// Quality of one element.
 struct Looked {
     least: f64,
     scaled: f64,

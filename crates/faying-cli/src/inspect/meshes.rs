@@ -1,4 +1,4 @@
-//! What is in a file of points and cells.
+//! Contents of a file of points and cells.
 
 use super::CellMap;
 use super::look::{Soundness, is_flat, look};
@@ -13,7 +13,7 @@ pub struct CellsReport {
     pub shape: String,
     /// Geometry order.
     pub order: usize,
-    /// How many.
+    /// Number of cells.
     pub count: usize,
 }
 
@@ -29,12 +29,12 @@ pub struct GroupReport {
     pub name: Option<String>,
     /// Its cells.
     pub cells: usize,
-    /// Their length, area or volume; of points none.
+    /// Their length, area or volume; `None` if none of them has one: points, prisms, pyramids.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measure: Option<f64>,
 }
 
-/// Length, area or volume of the cells of a block; none for points, prisms and pyramids.
+/// Length, area or volume of the cells of a block; `None` for points, prisms and pyramids.
 pub fn size(block: &MeshBlock, points: &[[f64; 3]]) -> Option<f64> {
     match block.shape.dimension() {
         1 => CellMap::<1>::new(block, points).map(|m| measure::<1, 3, f64, _>(&m)),

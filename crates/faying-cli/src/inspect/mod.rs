@@ -1,4 +1,4 @@
-//! What is in a mesh or geometry file: parts, sides, sizes, quality.
+//! Contents of a mesh or geometry file: parts, sides, sizes, quality.
 
 mod grid;
 mod look;
@@ -18,7 +18,7 @@ use faying_files::{Contents, FileError, Format, MeshFile, SplineFile};
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// What was found in a file.
+/// Contents of a file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Inspection {
     /// The format, in words.
@@ -32,7 +32,7 @@ pub struct Inspection {
     /// Spline patches.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub patches: Vec<PatchReport>,
-    /// Pairs of sides that the file says are common.
+    /// Pairs of sides that the file declares as common.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<[String; 2]>,
     /// Named sides of patches.
@@ -52,7 +52,7 @@ pub struct Inspection {
     pub fields: Vec<FieldReport>,
     /// Quality of the elements.
     pub quality: Soundness,
-    /// What was not read, and what a user should know.
+    /// Remarks: data that were not read, and problems.
     pub notes: Vec<String>,
 }
 
@@ -69,7 +69,7 @@ fn word(format: Format) -> &'static str {
 /// Bytes per element while its quality is measured.
 const PER_ELEMENT: u64 = 250;
 
-/// About how many bytes [`inspect`] takes beside `contents`.
+/// Estimate of the bytes that [`inspect`] takes beside `contents`.
 pub fn memory(contents: &Contents) -> u64 {
     let elements: usize = match contents {
         Contents::Mesh(mesh) => mesh.blocks.iter().map(|b| b.ids.len()).sum(),
@@ -78,7 +78,7 @@ pub fn memory(contents: &Contents) -> u64 {
     PER_ELEMENT * elements as u64
 }
 
-/// Looks at what a file holds.
+/// Inspects the contents of a file.
 ///
 /// # Errors
 /// [`FileError`] where knots, points and weights do not fit.
@@ -169,7 +169,7 @@ impl Inspection {
         ["", "length", "area", "volume"][dimension.min(3)]
     }
 
-    /// The tables for people.
+    /// The inspection as text and tables.
     pub fn text(&self, name: &str) -> String {
         let mut text = String::new();
         let size = Self::size_word(self.dimension);

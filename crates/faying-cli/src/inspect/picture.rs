@@ -135,7 +135,7 @@ fn of_mesh(mesh: &MeshFile, plot: &mut FacePlot) {
     }
 }
 
-/// What the picture of a file shows.
+/// The picture of a file: its faces and the names of its parts and sides.
 pub fn picture(contents: &Contents, title: &str) -> FacePlot {
     let mut plot = FacePlot { title: title.to_owned(), ..FacePlot::default() };
     match contents {

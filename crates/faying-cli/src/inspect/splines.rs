@@ -1,4 +1,4 @@
-//! What is in a file of spline patches.
+//! Contents of a file of spline patches.
 
 use super::look::{Soundness, is_flat, look};
 use faying::basis::BSpline;
@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// One patch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PatchReport {
-    /// Its name in the file, else its place there.
+    /// Its name in the file, else its index there.
     pub name: String,
     /// Its number in the file.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -44,7 +44,7 @@ pub struct LabelReport {
     pub measure: f64,
 }
 
-/// The name of a patch: its own, else its place.
+/// The name of a patch: its own, else its index.
 pub fn name_of(file: &SplineFile, patch: usize) -> String {
     file.patches.get(patch).and_then(|p| p.name.clone()).unwrap_or_else(|| patch.to_string())
 }

@@ -9,11 +9,11 @@ pub struct Face {
     pub points: Vec<[f64; 3]>,
     /// The part it belongs to.
     pub part: usize,
-    /// Lines on it where they are not its whole outline.
+    /// Lines drawn on it; `None`: its whole outline.
     pub lines: Option<Vec<[[f64; 3]; 2]>>,
 }
 
-/// What a picture shows.
+/// Content of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FacePlot {
     /// Its heading.
@@ -22,7 +22,7 @@ pub struct FacePlot {
     pub parts: Vec<String>,
     /// The polygons.
     pub faces: Vec<Face>,
-    /// Words at places.
+    /// Labels and their positions.
     pub labels: Vec<([f64; 3], String)>,
 }
 
@@ -62,7 +62,7 @@ fn title_size(title: &str, room: f64) -> f64 {
     (room / (LETTER * title.chars().count().max(1) as f64)).clamp(SMALLEST, LARGEST)
 }
 
-/// The picture as SVG; none where there is nothing to draw, or more than [`MOST_FACES`] polygons.
+/// The picture as SVG; `None` if there is nothing to draw, or more than [`MOST_FACES`] polygons.
 pub fn faces(plot: &FacePlot) -> Option<String> {
     let all = || plot.faces.iter().flat_map(|f| &f.points);
     if plot.faces.is_empty() || plot.faces.len() > MOST_FACES || !all().all(|p| p.iter().all(|x| x.is_finite())) {

@@ -1,4 +1,4 @@
-//! Few enough shapes for any mesh: pieces joined where they are many, lines without the points that nobody sees.
+//! Fewer shapes for pictures of fine meshes: pieces are merged, invisible points of lines are removed.
 
 use super::sample::Drawn;
 
@@ -10,7 +10,7 @@ const PIECES: usize = 9000;
 /// Most lines between elements of a view; a mesh of more is too fine to be seen.
 const LINES: usize = 6000;
 
-/// The pieces of one body, at most its `share` of [`PIECES`]: those close together become their convex hull with their mean value.
+/// The pieces of one body, at most its `share` of [`PIECES`]: close ones are merged into their convex hull with their mean value.
 ///
 /// Groups are cut in the middle of the longer extent of their centres, the widest group first, so the area decides and not
 /// the number of pieces.
@@ -24,14 +24,14 @@ pub(super) fn joined(pieces: Vec<Piece>, share: f64) -> Vec<Piece> {
     while groups.len() < most {
         let Some(group) = groups.pop() else { break };
         if group.members.len() < 2 {
-            groups.push(group); // the widest is a single one: all are
+            groups.push(group); // the widest group is a single piece, so all are
             break;
         }
         let Group { mut members, axis, at, number, .. } = group;
         let mut upper: Vec<usize>;
         (members, upper) = members.into_iter().partition(|&m| centers[m][axis] <= at);
         if members.is_empty() || upper.is_empty() {
-            // all at one place, or nowhere
+            // all centres coincide, or are not finite
             members.append(&mut upper);
             upper = members.split_off(members.len() / 2);
         }
@@ -53,7 +53,7 @@ pub(super) fn joined(pieces: Vec<Piece>, share: f64) -> Vec<Piece> {
         .collect()
 }
 
-/// Pieces that may become one.
+/// Pieces that may be merged into one.
 struct Group {
     members: Vec<usize>,
     /// Longer extent of the centres; negative for a single piece.
@@ -150,7 +150,7 @@ pub(super) fn chained(lines: Vec<Vec<(i32, i32)>>) -> Vec<Vec<(i32, i32)>> {
     out
 }
 
-/// The line without points that are within `by` units of the straight line between those that stay.
+/// The line without points that are within `by` units of the straight line between the remaining ones.
 pub(super) fn straightened(line: &[(i32, i32)], by: f64) -> Vec<(i32, i32)> {
     let mut keep = vec![false; line.len()];
     let mut open = vec![(0, line.len().saturating_sub(1))];

@@ -1,4 +1,4 @@
-//! `fields.svg`: bodies with their curved element edges over a colour field, a small peak once more in detail.
+//! `fields.svg`: bodies with their curved element edges over a colour field, and a detail view of a small peak.
 
 use super::fewer::{chained, few_lines, joined, straightened};
 use super::frame::{axes, bar, outline};
@@ -11,12 +11,12 @@ use faying_files::vtu::Part;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-/// What the picture shows.
+/// Content of the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct FieldPlot<'a> {
     /// Heading.
     pub title: &'a str,
-    /// What the colour bar says.
+    /// Label of the colour bar.
     pub label: &'a str,
     /// Name of a field of every part.
     pub field: &'a str,
@@ -56,7 +56,7 @@ pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, 
     draw(plot, &fewer(all), &bounds, &scale, detail.as_ref())
 }
 
-/// The bodies with as many pieces and lines as a picture needs, after the scale has seen every value.
+/// The bodies with fewer pieces, merged after the scale is made of all values.
 fn fewer(mut bodies: Vec<Vec<Drawn>>) -> Vec<Drawn> {
     let count = |body: &Vec<Drawn>| body.iter().map(|d| d.pieces.len()).sum::<usize>();
     let total = bodies.iter().map(count).sum::<usize>().max(1) as f64;
@@ -94,7 +94,7 @@ impl Scale {
         Self { least, most, uniform: most - least <= 1e-9 * most.abs().max(least.abs()) }
     }
 
-    /// The field's name and its range.
+    /// The label and the range of the field in words.
     pub fn words(&self, label: &str) -> String {
         if self.uniform {
             format!("{label}: {} everywhere", short(0.5 * (self.least + self.most), 4))
@@ -181,7 +181,7 @@ fn draw(
     })
 }
 
-/// Pieces, then the lines between elements where they are few enough, then the outlines; what leaves the window is cut off.
+/// Draws the pieces, then the lines between elements if they are few enough, then the outlines, all clipped to the window.
 fn paint(root: &Root<'_, '_>, view: &View, drawn: &[Drawn], scale: &Scale) -> Result<(), PlotError> {
     let by = 0.4 / view.per_length();
     for (corners, v) in drawn.iter().flat_map(|d| &d.pieces) {
@@ -196,7 +196,7 @@ fn paint(root: &Root<'_, '_>, view: &View, drawn: &[Drawn], scale: &Scale) -> Re
     };
     let trace = |line: &[(i32, i32)], style: ShapeStyle| -> Result<(), PlotError> {
         let line = straightened(line, 1.0);
-        // what is shorter than a unit is a point
+        // a line shorter than a unit is not drawn
         if line.len() > 2 || line.first() != line.last() {
             root.draw(&PathElement::new(line, style))?;
         }

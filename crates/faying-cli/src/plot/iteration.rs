@@ -5,7 +5,7 @@ use crate::table::short;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-/// What the picture shows.
+/// Content of the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct IterationPlot<'a> {
     /// Heading.
@@ -14,7 +14,7 @@ pub struct IterationPlot<'a> {
     pub active: &'a [usize],
     /// Rows that violate the contact conditions after each.
     pub wrong: &'a [usize],
-    /// The iteration whose state is shown elsewhere, from 1.
+    /// The iteration whose state the other pictures show, from 1.
     pub best: usize,
 }
 

@@ -21,7 +21,7 @@ pub use side::{ExactCurve, SidePlot, side};
 pub use solids::solids;
 pub use study::{Axis, MOST_LINES, StudyGroup, StudyLine, StudyPanel, StudyPlot, study};
 
-/// Why there is no picture.
+/// Error of drawing a picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlotError {
@@ -49,7 +49,7 @@ impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for PlotE
     }
 }
 
-/// What is drawn on.
+/// Drawing area of a picture.
 type Root<'a, 'b> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 /// Units of the drawing per pixel of the picture: the backend rounds to whole units, so curves stay smooth.

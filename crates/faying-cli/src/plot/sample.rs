@@ -1,4 +1,4 @@
-//! What a picture shows of an element: coloured pieces and curved edges.
+//! Sampling of elements for a picture: coloured pieces and curved edges.
 
 use super::{FieldPlot, PlotError};
 use faying::basis::{Cell, Elements, Order};
@@ -29,11 +29,11 @@ pub(super) fn division(bounds: &Bounds<2>, shown: f64, pixels: f64) -> f64 {
     (bounds.diagonal() / shown * pixels / PIECE).clamp(1.0, FINEST)
 }
 
-/// Points per direction between which an element of a picture is taken for straight.
+/// Points per direction between which an element is assumed straight.
 const LOOKS: usize = 5;
 
-/// Boxes of all elements as a picture needs them: around some of their points. What bulges between these is small to the eye, and
-/// boxes that surely hold an element take second derivatives.
+/// Approximate bounding boxes of all elements: around some of their points. Bulges between these are small in a picture, and
+/// guaranteed bounds would take second derivatives.
 pub(super) fn boxes(space: &dyn Space<2, 2>) -> Vec<Bounds<2>> {
     let grids = [Cell::Tensor, Cell::Simplex].map(|kind| [2, LOOKS].map(|n| cell::grid::<2, f64>(kind, n)));
     let maps = || (Sampler::new(space, Order::Values), MapTable::<2, 2>::new());
@@ -108,10 +108,10 @@ fn element_edges(simplex: bool) -> &'static [[[f64; 2]; 2]] {
     }
 }
 
-/// What an edge of an element is to the picture.
+/// Role of an element edge in the picture.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Edge {
-    /// It belongs to no other element.
+    /// Edge of one element only.
     Outer,
     /// Drawn for this element.
     Inner,
@@ -119,7 +119,7 @@ enum Edge {
     Repeated,
 }
 
-/// What edge k of element e is; edges of elements without corner ids are left out.
+/// Role of edge k of element e by (e, k); edges of elements without corner ids are left out.
 fn edge_kinds(space: &dyn Space<2, 2>) -> BTreeMap<(usize, usize), Edge> {
     let mut owners: BTreeMap<[usize; 2], Vec<(usize, usize)>> = BTreeMap::new();
     let mut ids = Vec::new();

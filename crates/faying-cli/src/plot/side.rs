@@ -13,7 +13,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 /// An exact multiplier at a point of the side.
 pub type ExactCurve<'a> = &'a dyn Fn(&Vector<2>) -> f64;
 
-/// What the picture shows.
+/// Content of the picture.
 #[derive(Clone, Copy)]
 pub struct SidePlot<'a> {
     /// Heading.

@@ -1,4 +1,4 @@
-//! Probes and checks of a case: prepared before solving, answered after.
+//! Probes and checks of a case: prepared before the solve, evaluated after it.
 
 use super::evaluate::{Answer, evaluate};
 use super::grammar::Reduce;
@@ -13,7 +13,7 @@ use crate::result::{CheckReport, ProbeReport, RunResult};
 use crate::run::StepState;
 use serde_json::{Value, json};
 
-/// The probes and checks of a case, understood.
+/// Probes and checks of a case, prepared for evaluation.
 #[derive(Debug)]
 pub struct Questions<const S: usize, const N: usize> {
     probes: Vec<Prepared<S, N>>,
@@ -22,10 +22,10 @@ pub struct Questions<const S: usize, const N: usize> {
     values: Vec<[Vec<Prepared<S, N>>; 3]>,
 }
 
-/// Why a check on a rate has no value in a run.
+/// Reason given for a check on a rate, which has no value in a run.
 const NO_STUDY: &str = "a rate is known to studies alone: `faying convergence` or `faying compare` with levels decides this check";
 
-/// The formulas of a condition: bound or value, rtol, atol.
+/// Returns the formulas of a condition: bound or value, rtol, atol.
 fn formulas(condition: &Condition) -> [Option<&Located<Formula>>; 3] {
     match condition {
         Condition::Below(f) | Condition::Above(f) => [Some(f), None, None],
@@ -33,7 +33,7 @@ fn formulas(condition: &Condition) -> [Option<&Located<Formula>>; 3] {
     }
 }
 
-/// The answer from a state, where there is one.
+/// Evaluates a quantity on a state, if there is one.
 fn ask<const S: usize, const N: usize>(
     model: &Model<S, N>,
     state: Option<&StepState<S, N>>,
@@ -48,12 +48,12 @@ fn ask<const S: usize, const N: usize>(
 }
 
 impl<const S: usize, const N: usize> Questions<S, N> {
-    /// Understands every probe and check of `case`.
+    /// Prepares every probe and check of `case`.
     ///
     /// # Errors
-    /// E015, E018, E021, E022, E062 at their places.
+    /// E015, E018, E021, E022, E062 at their source locations.
     pub fn of(case: &Case, model: &Model<S, N>, skeleton: &Value) -> Result<Self, Diagnostics> {
-        // probes are answered before checks: checks may name them, probes neither probes nor checks
+        // probes are evaluated before checks: checks may name them, probes neither probes nor checks
         let answered: Vec<Value> = case.probes.iter().map(|p| json!({ "name": p.name.value, "value": 0.0 })).collect();
         let mut with_probes = skeleton.clone();
         with_probes["probes"] = Value::Array(answered);
@@ -98,7 +98,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
         if faults.has_errors() { Err(faults) } else { Ok(Self { probes, checks, values }) }
     }
 
-    /// Answers all probes from a state into `result`.
+    /// Evaluates all probes on a state into `result`.
     pub fn probes(&self, case: &Case, model: &Model<S, N>, state: Option<&StepState<S, N>>, result: &mut RunResult) {
         let value = result.numbers();
         result.probes = case
@@ -117,7 +117,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
             .collect();
     }
 
-    /// Answers all checks from a state into `result`; returns whether every check that was decided passed.
+    /// Evaluates all checks on a state into `result`; returns whether every check that was decided passed.
     pub fn checks(&self, case: &Case, model: &Model<S, N>, state: Option<&StepState<S, N>>, result: &mut RunResult) -> bool {
         // probes are numbers of the result: checks may name them
         let value = result.numbers();
@@ -154,7 +154,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
             };
             let elsewhere = check.backend.as_ref().filter(|b| model.patches.iter().any(|p| p.backend != b.value));
             let answer = ask(model, state, &self.checks[k], &value);
-            // a run has no study that could decide it later
+            // after a run there is no study that could decide it later
             let later = answer == Answer::Study && result.command != "run";
             if later || elsewhere.is_some() {
                 report.skipped = true;

@@ -14,9 +14,9 @@ use faying::space::Space;
 use rayon::prelude::*;
 use serde_json::Value;
 
-/// A map that shrinks volumes to less than this share of what it does in the middle of the element has collapsed.
+/// Volume change of a map, relative to that in the middle of the element, below which the map has collapsed.
 const COLLAPSED: f64 = 1e-12;
-/// Share of the element by which points leave a collapsed edge.
+/// Share of the element by which points are moved off a collapsed edge.
 const NUDGE: f64 = 1e-7;
 
 /// The value of a quantity.
@@ -27,9 +27,9 @@ pub enum Answer {
     One(f64),
     /// Least and largest value of a field.
     Range(f64, f64),
-    /// No number, and why.
+    /// No number, with the reason.
     None(String),
-    /// Left to studies.
+    /// Known to studies only.
     Study,
 }
 
@@ -43,7 +43,7 @@ fn component<const N: usize>(field: FieldName, p: &PointState<N>) -> f64 {
     }
 }
 
-/// Place of a component among xx yy zz xy yz xz.
+/// Index of a component among xx yy zz xy yz xz.
 fn voigt(i: usize, j: usize) -> usize {
     match (i.min(j), i.max(j)) {
         (a, b) if a == b => a,
@@ -57,9 +57,9 @@ fn finite(value: f64) -> Answer {
     if value.is_finite() { Answer::One(value) } else { Answer::None("the value is not finite".into()) }
 }
 
-/// The point, or where the map of the element collapses there, as at the centre of a disc, one a share of 1e-7 of the
-/// element nearer to its middle: gradients have a limit there and no value at the point itself. Nearer points lose more
-/// to round-off than this share changes the field.
+/// Returns the point; if the map of the element collapses there, as at the centre of a disc, a point nearer to the middle by 1e-7 of the
+/// element: gradients have a limit there and no value at the point itself. Nearer points lose more to round-off than this distance changes
+/// the field.
 fn off_collapsed<const N: usize>(space: &dyn Space<N, N>, element: usize, xi: &Vector<N>) -> Vector<N> {
     let middle = match space.cell(element) {
         Cell::Simplex => 1.0 / (N + 1) as f64,

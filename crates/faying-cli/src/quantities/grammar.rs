@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FieldName {
-    /// The unknown: a component of the displacement, or the scalar of Poisson's equation (none).
+    /// The unknown: a component of the displacement, or the scalar of Poisson's equation (`None`).
     U(Option<usize>),
     /// Component of k grad u (Poisson).
     Flux(usize),
@@ -14,11 +14,11 @@ pub enum FieldName {
     VonMises,
 }
 
-/// Where a field is asked for.
+/// Point at which a field is evaluated.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum At {
-    /// Nowhere in particular: the field as a whole.
+    /// No point: the field as a whole.
     Everywhere,
     /// A point, one formula per coordinate.
     Point(Vec<String>),
@@ -26,10 +26,10 @@ pub enum At {
     Tag(String),
 }
 
-/// What is made of a field as a whole.
+/// Reduction of a field to a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reduce {
-    /// Nothing: a single value at a point, or both extremes where a check holds over all.
+    /// No reduction: a single value at a point, or both extremes if a check holds over all.
     None,
     /// The least value at the points of integration.
     Min,
@@ -37,17 +37,17 @@ pub enum Reduce {
     Max,
 }
 
-/// A quantity understood.
+/// Kind of a quantity, with its data.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Kind {
     /// A field at a point, or its extreme.
     Field {
-        /// Which field.
+        /// The field.
         field: FieldName,
-        /// Where.
+        /// The point.
         at: At,
-        /// In which patch; none: the first that holds the point, or all.
+        /// The patch; `None`: the first that holds the point, or all.
         patch: Option<String>,
         /// Least or largest value.
         reduce: Reduce,
@@ -76,17 +76,17 @@ pub enum Kind {
 /// A quantity and its text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Quantity {
-    /// As written.
+    /// Text as written.
     pub text: String,
-    /// As understood.
+    /// Parsed quantity.
     pub kind: Kind,
 }
 
-/// Why a text is no quantity.
+/// Error of a text that is no quantity.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct GrammarError {
-    /// What is wrong, in words.
+    /// The error in words.
     pub message: String,
 }
 
@@ -99,7 +99,7 @@ pub fn axis(letter: &str) -> Option<usize> {
     ["x", "y", "z"].iter().position(|&a| a == letter)
 }
 
-/// Parts of a dotted path; a quoted part may hold dots and blanks.
+/// Splits a dotted path into parts; a quoted part may hold dots and blanks.
 pub fn parts(path: &str) -> Result<Vec<String>, GrammarError> {
     let (mut parts, mut part, mut quoted) = (Vec::new(), String::new(), false);
     for c in path.chars() {
@@ -116,7 +116,7 @@ pub fn parts(path: &str) -> Result<Vec<String>, GrammarError> {
     Ok(parts)
 }
 
-/// The first `word` that stands alone, outside brackets and quotes.
+/// Finds the first `word` that stands alone, outside brackets and quotes.
 fn keyword(text: &str, word: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let (mut depth, mut quoted) = (0i32, false);
@@ -190,16 +190,16 @@ fn field(head: &[String]) -> Result<Option<FieldName>, GrammarError> {
 }
 
 impl Quantity {
-    /// Reads a quantity.
+    /// Parses a quantity.
     ///
     /// # Errors
-    /// [`GrammarError`] in words; a path that leads nowhere is found later, against a result.
+    /// [`GrammarError`] in words; a path that does not exist is found later, against a result.
     pub fn parse(text: &str) -> Result<Self, GrammarError> {
         let trimmed = text.trim();
         if trimmed.is_empty() {
             return wrong("an empty text is no quantity");
         }
-        // the quantity itself is read when it is prepared
+        // the inner quantity is parsed when it is prepared
         if let Some(inner) = trimmed.strip_prefix("rate.").filter(|inner| !inner.is_empty()) {
             return Ok(Self { text: text.to_string(), kind: Kind::Rate(inner.to_string()) });
         }
@@ -288,7 +288,7 @@ impl Quantity {
         })
     }
 
-    /// Whether only a study can answer.
+    /// Whether the value is known to studies only.
     pub fn is_study(&self) -> bool {
         matches!(self.kind, Kind::Beta(_) | Kind::Rate(_))
     }

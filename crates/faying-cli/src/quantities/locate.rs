@@ -7,16 +7,16 @@ use faying::space::{Locator, Space};
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-/// A place in a body.
+/// Point in a body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spot<const N: usize> {
     /// The patch.
     pub patch: usize,
-    /// Elements that hold the place, with local coordinates: several on common edges.
+    /// Elements that contain the point, with local coordinates: several on common edges.
     pub elements: Vec<(usize, Vector<N>)>,
 }
 
-/// Finds elements of the patches of a model by points; a patch that no point is looked for in costs nothing.
+/// Finds elements of the patches of a model by points; the search structure of a patch is built when first used.
 #[derive(Debug)]
 pub struct Locators<'a, const S: usize, const N: usize> {
     model: &'a Model<S, N>,
@@ -24,7 +24,7 @@ pub struct Locators<'a, const S: usize, const N: usize> {
 }
 
 impl<'a, const S: usize, const N: usize> Locators<'a, S, N> {
-    /// For the patches of `model`.
+    /// Creates the locators for the patches of `model`.
     pub fn new(model: &'a Model<S, N>) -> Self {
         Self { model, each: model.patches.iter().map(|_| OnceCell::new()).collect() }
     }
@@ -34,12 +34,12 @@ impl<'a, const S: usize, const N: usize> Locators<'a, S, N> {
         self.model
     }
 
-    /// That of a patch.
+    /// Locator of a patch, built at the first call.
     pub fn of(&self, patch: usize) -> &Locator<N, Arc<dyn Space<N, N>>> {
         self.each[patch].get_or_init(|| Locator::new(self.model.patches[patch].body.space().clone()))
     }
 
-    /// All elements of a patch that hold the point `x`, which was found in `element` at `xi`.
+    /// Returns all elements of a patch that contain the point `x`, which was found in `element` at `xi`.
     pub fn around(&self, patch: usize, element: usize, xi: Vector<N>, x: &Vector<N>) -> Vec<(usize, Vector<N>)> {
         let space = self.model.patches[patch].body.space();
         let tree = self.of(patch).closest().tree();

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-/// The path in `result.json` behind a quantity's path.
+/// Resolves the path of a quantity to the path in `result.json`.
 ///
 /// Short names: `error.*` in `errors`, `reaction.SIDE.y` in `reactions`, `area.PATCH` and `volume.PATCH` in
 /// `geometry.measure`, `interface.NAME.segments` and `.measure` in `interface.NAME.segments`.
@@ -21,7 +21,7 @@ pub fn resolve(path: &[String]) -> Vec<String> {
     }
 }
 
-/// The number at the end of `path`; keys may hold dots, entries of lists are numbered or called x, y, z.
+/// Returns the number at the end of `path`; keys may hold dots, entries of lists are numbered or called x, y, z.
 ///
 /// `None`: no such path. `Some(Err(reason))`: the number is not finite.
 pub fn look_up(value: &Value, path: &[String]) -> Option<Result<f64, String>> {
@@ -52,7 +52,7 @@ fn find(value: &Value, path: &[String]) -> Option<Result<f64, String>> {
     }
 }
 
-/// Every path to a number in `value`, for suggestions.
+/// Returns every path to a number in `value`, for suggestions.
 pub fn known(value: &Value) -> Vec<String> {
     fn walk(value: &Value, prefix: &str, list: &mut Vec<String>) {
         match value {

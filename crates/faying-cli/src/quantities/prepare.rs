@@ -1,4 +1,4 @@
-//! Quantities of a case against its model, before anything is solved: names, components, places.
+//! Preparation of quantities with the model, before anything is solved: names, components, points.
 
 use super::grammar::{At, FieldName, Kind, Quantity, Reduce};
 use super::locate::{Locators, Spot};
@@ -13,17 +13,17 @@ use faying::linalg::Vector;
 use faying::space::measure;
 use serde_json::Value;
 
-/// A point off a body by less than this share of an element moves to the nearest point.
+/// Distance from a body, as a fraction of an element, within which a point moves to the nearest point of the body.
 const OFF: f64 = 0.25;
-/// How a point is written, in the plane and in space.
+/// Notation of a point, in the plane and in space.
 const POINT: [&str; 2] = ["[x, y]", "[x, y, z]"];
 
-/// A place on a slave side.
+/// Point on a slave side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideSpot<const S: usize> {
-    /// The interface or contact, by number.
+    /// Index of the interface or contact.
     pub number: usize,
-    /// The part of it.
+    /// Index of its part.
     pub part: usize,
     /// The element.
     pub element: usize,
@@ -47,11 +47,11 @@ pub enum Prepared<const S: usize, const N: usize> {
     Number(f64),
     /// A number of the result.
     Path(Vec<String>),
-    /// Left to studies.
+    /// Known to studies only.
     Study,
 }
 
-/// Prepares quantities against one model.
+/// Preparation of quantities for one model.
 #[derive(Debug)]
 pub struct Preparer<'a, const S: usize, const N: usize> {
     case: &'a Case,
@@ -61,7 +61,7 @@ pub struct Preparer<'a, const S: usize, const N: usize> {
 }
 
 impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
-    /// `skeleton`: the JSON of a result before it is filled.
+    /// Creates the preparer; `skeleton`: the JSON of a result before it is filled.
     pub fn new(case: &'a Case, locators: &'a Locators<'a, S, N>, skeleton: &'a Value) -> Self {
         Self { case, model: locators.model(), locators, skeleton }
     }
@@ -70,10 +70,10 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         Box::new(Diagnostic::error(code, message).at(&self.case.source, at))
     }
 
-    /// Understands `text`, which stands at `at`. With `both`, a field without a place means both extremes.
+    /// Prepares `text`, with source location `at`. With `both`, a field without a point means both extremes.
     ///
     /// # Errors
-    /// E018 for what is no quantity here, E021 for unknown names, E022 for points outside, E017 for coordinates.
+    /// E018 for texts that are no quantity here, E021 for unknown names, E022 for points outside, E017 for coordinates.
     pub fn prepare(&self, text: &str, at: Place, both: bool) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         let quantity = Quantity::parse(text).map_err(|e| {
             let fault = self.fault("E018", format!("`{text}` is no quantity: {e}"), at);
@@ -125,7 +125,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         wrong.map_or(Ok(()), |why| Err(self.fault("E018", format!("`{text}` is no quantity here: {why}"), at)))
     }
 
-    /// The patches that a name stands for: one, or all those of a file.
+    /// Returns the patches that a name stands for: one, or all those of a file.
     fn bodies(&self, name: &str, at: Place) -> Result<Vec<usize>, Box<Diagnostic>> {
         let found = self.case.find_patches(name);
         if found.is_empty() { Ok(vec![self.patch(name, at)?]) } else { Ok(found) }
@@ -139,7 +139,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         })
     }
 
-    /// The place of a named point of a mesh, of whichever patch has it.
+    /// Position of a named point of a mesh, in whichever patch has it.
     fn named_point(&self, text: &str, tag: &str, at: Place) -> Result<Vector<N>, Box<Diagnostic>> {
         if let Some(x) = self.case.patches.iter().find_map(|p| named_point::<N>(p, tag)) {
             return Ok(x);
@@ -186,7 +186,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         for &k in bodies {
             match self.locators.of(k).locate(&x) {
                 Ok(found) => {
-                    // patches that touch in the point: the first one
+                    // patches that touch in the point: the first one is taken
                     let better = best.as_ref().is_none_or(|b| found.distance < b.0 - 1e-9 * self.model.size);
                     if better {
                         best = Some((found.distance, k, found.element, found.xi, found.x));
@@ -277,7 +277,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         }
     }
 
-    // where `exact` is missing for an error that would be known with it
+    // block that lacks `exact` for an error that would be known with it, and a help text
     fn lacks_exact(&self, path: &[String]) -> Option<(String, &'static str)> {
         let words: Vec<&str> = path.iter().map(String::as_str).collect();
         let words = words.strip_suffix(&["rel"]).unwrap_or(&words);
@@ -301,7 +301,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         }
     }
 
-    /// The rate of anything that is known, a probe by its name included, is left to studies; what only `exact` lacks, too.
+    /// Leaves the rate of a known quantity, or of a probe by its name, to studies, also if only `exact` is missing for it.
     fn rate(&self, inner: &str, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         if inner.trim_start().starts_with("rate.") {
             return Err(self.fault("E018", "a rate has no rate".to_owned(), at));
@@ -313,7 +313,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         }
     }
 
-    // multipliers of the contract, and those that the case uses
+    // built-in multipliers, and those that the case uses
     fn beta(&self, text: &str, pairing: &str, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         let lowered = pairing.strip_prefix("p/p-").is_some_and(|k| k.parse::<usize>().is_ok_and(|k| (1..=12).contains(&k)));
         let ties = self.case.interfaces.iter().map(|t| &t.multiplier.value);
@@ -328,7 +328,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         Err(Box::new(fault.with_help("pairings: p/p, p/p-1, p/p-2, p/p-2k, constant, dual")))
     }
 
-    /// Adds the quantity that is nearest to what stands before `at` and `in`.
+    /// Adds the known quantity nearest to the text before `at` and `in` as a suggestion.
     fn suggest(&self, fault: Diagnostic, text: &str) -> Diagnostic {
         let head = [" at ", " at[", " in "].iter().fold(text.trim(), |t, word| t.split(word).next().unwrap_or(t)).trim();
         let named = |list: &[&str], names: &[&str]| -> Vec<String> {
@@ -346,7 +346,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         candidates.extend(named(lambda, &ties));
         candidates.extend(named(&["interface.NAME.segments", "interface.NAME.measure"], &ties));
         candidates.extend(named(&["contact.NAME.pressure", "contact.NAME.moment.z"], &contacts));
-        // a name that is far off, where all else agrees
+        // a name that is far off, if everything else agrees
         let all_but_one = |c: &&String| {
             let (a, b): (Vec<&str>, Vec<&str>) = (head.split('.').collect(), c.split('.').collect());
             a.len() > 1 && a.len() == b.len() && a[0] == b[0] && a.iter().zip(&b).filter(|(x, y)| x != y).count() == 1
@@ -358,7 +358,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         }
     }
 
-    /// `reaction.PATCH.SIDE.c` by the label the result has, whatever alias is used.
+    /// Converts `reaction.PATCH.SIDE.c` to the label used in the result, for any alias.
     fn support(&self, path: Vec<String>) -> Vec<String> {
         // the component may be left out in Poisson problems
         for end in [path.len() - 1, path.len()] {
@@ -367,7 +367,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
             }
             let [wanted] = &self.case.find_sides(&path[1..end].join("."))[..] else { continue };
             let mut supports = self.model.supports.iter().filter(|s| s.patch == wanted.patch && s.side == wanted.side);
-            // of parts of one side only the labels tell
+            // several parts of one side are distinguished by their labels only
             if let (Some(support), None) = (supports.next(), supports.next()) {
                 let mut out = vec!["reactions".to_string(), support.label.clone()];
                 out.extend_from_slice(&path[end..]);

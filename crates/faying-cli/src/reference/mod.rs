@@ -1,4 +1,4 @@
-//! Stored runs: what errors are measured against where no exact solution is known.
+//! Stored runs: reference solutions for errors where no exact solution is known.
 //!
 //! A file holds, per patch, its name, a fingerprint of its geometry, how it was cut into elements, and the coefficients of u; per slave
 //! side its facets and lambda as polynomials of its elements. Geometry itself is not stored: a case that names the file has the same.
@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 pub use read::read;
 pub use write::write;
 
-/// How every such file begins.
+/// First bytes of every file of a stored run.
 pub const MAGIC: &[u8] = b"faying.reference/2\n";
 
 /// A stored run: its last state.
@@ -43,10 +43,10 @@ pub struct StoredRun {
     pub sides: Vec<StoredSide>,
 }
 
-/// What tells whether two geometries are the same.
+/// Fingerprint of a geometry, to compare it with another one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fingerprint {
-    /// SHA-256 of everything that counts or names: degrees, numbers of points, cells.
+    /// SHA-256 of the integer data: degrees, numbers of points, cells.
     pub counts: String,
     /// Sums of all coordinates, knots and weights with fixed factors: equal up to rounding for equal geometries.
     pub sums: [f64; 4],
@@ -65,7 +65,7 @@ pub struct StoredPatch {
     pub backend: String,
     /// Degree per direction.
     pub degree: Vec<usize>,
-    /// Continuity of splines; none: the highest.
+    /// Continuity of splines; `None`: the highest.
     pub continuity: Option<usize>,
     /// Functions of splines, a word of the case file.
     pub basis: String,
@@ -79,7 +79,7 @@ pub struct StoredPatch {
     pub functions: usize,
     /// Functions per row of a grid, 0 where there are no rows: a hint for compression.
     pub row: usize,
-    /// Ends of the elements per direction; none for meshes that were read from a file.
+    /// Ends of the elements per direction; empty for meshes that were read from a file.
     #[serde(skip)]
     pub breakpoints: Vec<Vec<f64>>,
     /// u: coefficient = components * function + component.

@@ -37,7 +37,7 @@ pub fn whole(from: &mut impl Read) -> io::Result<u64> {
     }
 }
 
-/// What is wrong with the contents.
+/// Error of invalid contents.
 pub fn broken(what: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, what.into())
 }
@@ -59,7 +59,7 @@ pub fn put_exact(out: &mut Vec<u8>, list: &[f64]) {
     list.iter().for_each(|x| out.extend(x.to_le_bytes()));
 }
 
-/// A list of [`put_exact`]; `room` is asked before it grows.
+/// A list of [`put_exact`]; `room` is called before it grows.
 pub fn exact(from: &mut impl Read, room: &mut dyn FnMut(&mut Vec<f64>) -> io::Result<()>) -> io::Result<Vec<f64>> {
     let (count, mut list) = (whole(from)?, Vec::new());
     for _ in 0..count {
@@ -130,7 +130,7 @@ pub fn put_rounded(out: &mut Vec<u8>, list: &[f64], shift: usize, row: usize) {
     kept.iter().for_each(|&n| put_whole(out, zigzag(n)));
 }
 
-/// A list of [`put_rounded`]; `room` is asked before it grows.
+/// A list of [`put_rounded`]; `room` is called before it grows.
 pub fn rounded(from: &mut impl Read, room: &mut dyn FnMut(&mut Vec<i64>) -> io::Result<()>) -> io::Result<Vec<f64>> {
     let unzigzag = |n: u64| (n >> 1) as i64 ^ -((n & 1) as i64);
     let count = whole(from)?;

@@ -1,4 +1,4 @@
-//! Reading a stored run: memory grows with what was read, never with what is declared.
+//! Reading of a stored run: memory grows with the bytes read, never with declared sizes.
 
 use super::numbers::{broken, exact, rounded};
 use super::{MAGIC, StoredPatch, StoredRun, StoredSide};
@@ -15,7 +15,7 @@ const MOST_BYTES: u64 = 4 << 30;
 /// The run that a file holds.
 ///
 /// # Errors
-/// [`FileError::Unsupported`] for another kind of file, [`FileError::Broken`] with the byte where it stops making sense,
+/// [`FileError::Unsupported`] for another kind of file, [`FileError::Broken`] with the position of the error,
 /// [`FileError::Memory`] where its numbers take more than allowed.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<StoredRun, FileError> {
     let Some(rest) = bytes.strip_prefix(MAGIC) else {
@@ -35,7 +35,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<StoredRun, FileError> {
     })
 }
 
-/// Bytes of numbers so far.
+/// Memory of the numbers read so far, and its limit.
 struct Budget {
     used: Cell<u64>,
     allowed: u64,

@@ -10,12 +10,12 @@ use faying::quadrature::{Rule, gauss_legendre};
 const POINTS: usize = 8;
 /// Bisections of a point's local coordinate.
 const STEPS: usize = 50;
-/// Newton steps that come near it.
+/// Newton steps towards it.
 const GUESSES: usize = 4;
-/// Roundings of an arc length within which a comparison of two is not trusted.
+/// Uncertainty of an arc length, in units of round-off.
 const ROUNDINGS: f64 = 256.0;
 
-/// Where every element begins, and which way it runs.
+/// Arc length along a chain of elements: start, length and orientation of every element.
 #[derive(Debug)]
 pub struct ArcLength<'a, const N: usize> {
     curve: &'a dyn Geometry<1, N>,
@@ -27,7 +27,7 @@ pub struct ArcLength<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> ArcLength<'a, N> {
-    /// The chain of `curve`, from its first end.
+    /// Creates the chain of `curve`, from its first end.
     pub fn new(curve: &'a dyn Geometry<1, N>) -> Self {
         let n = curve.num_elements();
         let mut out = Self {
@@ -53,7 +53,7 @@ impl<'a, const N: usize> ArcLength<'a, N> {
         self.stretch_and_speed(e, xi, &mut MapTable::new())[0]
     }
 
-    /// The same with |dx/dxi| there.
+    /// Length of element `e` from its local start to `xi`, and |dx/dxi| at `xi`.
     fn stretch_and_speed(&self, e: usize, xi: f64, map: &mut MapTable<1, N>) -> [f64; 2] {
         let points: [Vector<1>; POINTS + 1] = std::array::from_fn(|q| Vector::<1>::new(self.rule.points.get(q).map_or(xi, |p| p[0] * xi)));
         self.curve.map(e, &points, Order::Gradients, map);
@@ -66,7 +66,7 @@ impl<'a, const N: usize> ArcLength<'a, N> {
         self.along(e, self.stretch(e, xi))
     }
 
-    /// Arc length of the point of element `e` that is `within` away from its local start.
+    /// Arc length of the point of element `e` at the distance `within` from its local start.
     fn along(&self, e: usize, within: f64) -> f64 {
         self.start[e] + if self.reversed[e] { self.length[e] - within } else { within }
     }
@@ -76,7 +76,7 @@ impl<'a, const N: usize> ArcLength<'a, N> {
         let Some(&e) = self.walk.iter().rev().find(|&&e| self.start[e] <= s).or(self.walk.first()) else { return Vector::zeros() };
         let mut map = MapTable::new();
         let mut before = |xi: f64| (self.along(e, self.stretch_and_speed(e, xi, &mut map)[0]) < s) != self.reversed[e];
-        // only between these is there a question
+        // bisection is needed between these bounds only
         let [mut least, mut most] = self.near(e, s);
         least = if before(least) { least } else { 0.0 };
         most = if before(most) { 1.0 } else { most };
@@ -89,7 +89,7 @@ impl<'a, const N: usize> ArcLength<'a, N> {
         map.x[0]
     }
 
-    /// Local coordinates of element `e` around the point at the arc length `s`, further apart than rounding reaches.
+    /// Local coordinates of element `e` on both sides of the point at the arc length `s`, further apart than round-off.
     fn near(&self, e: usize, s: f64) -> [f64; 2] {
         let wanted = if self.reversed[e] { self.length[e] - (s - self.start[e]) } else { s - self.start[e] };
         let (mut xi, mut slowest, mut map) = ((wanted / self.length[e]).clamp(0.0, 1.0), f64::INFINITY, MapTable::new());

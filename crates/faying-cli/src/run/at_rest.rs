@@ -1,7 +1,7 @@
-//! Obstacles that forces press: their unknowns in the system, and where they come to rest.
+//! Force-driven obstacles: their unknowns in the system, and the iteration for their position of equilibrium.
 //!
-//! The rows of a contact are those of a place of its obstacle; what the system answers is another place. The contact is
-//! built again there until neither rows nor gaps change. Half-planes have one set of rows: they are solved once.
+//! The rows of a contact depend on the position of its obstacle, which the solution changes. The contact is built again in the new position
+//! until neither rows nor gaps change. The rows of half-planes do not depend on it: they are solved once.
 
 use super::matrices::Matrices;
 use super::solve::{StepError, StepState, Unsolved, once};
@@ -12,26 +12,26 @@ use faying::constraint::ActiveSetReport;
 use faying::contact::Contact;
 use faying::linalg::{Csr, Triplets, Vector};
 
-/// Most places at which a contact is built.
+/// Largest number of positions at which a contact is built.
 const MOST_PLACES: usize = 40;
-/// Rows and gaps that change by less than this share are those of the same place.
+/// Relative change of rows and gaps below which the position is the same.
 const SAME_PLACE: f64 = 1e-12;
-/// Gaps are differences of coordinates: they are known to this share of the model's size.
+/// Round-off of gaps, which are differences of coordinates, as a fraction of the model's size.
 const GAP_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl<const S: usize, const N: usize> Model<S, N> {
-    /// Whether a force presses an obstacle.
+    /// Whether a contact has a force-driven obstacle.
     pub(super) fn has_pressed(&self) -> bool {
         self.contacts.iter().any(super::super::build::ContactModel::is_pressed)
     }
 
-    /// The matrix of the obstacles' unknowns: nothing resists them but contact.
+    /// Returns the matrix of the obstacles' unknowns, which is zero: only contact resists them.
     pub(super) fn pressed_block(&self) -> Csr {
         let places: Vec<[f64; 3]> = self
             .contacts
             .iter()
             .flat_map(|c| {
-                // amid the points that it may touch
+                // placed in the middle of the points that it may touch
                 let x = || c.parts.iter().flat_map(|p| &p.first.frames.x);
                 let middle = x().fold(Vector::<N>::zeros(), |s, x| s + x) / x().count().max(1) as f64;
                 let place: [f64; 3] = std::array::from_fn(|k| if k < N { middle[k] } else { 0.0 });
@@ -44,10 +44,10 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 }
 
-/// [`once`], and again where obstacles have gone, until they stay.
+/// Repeats [`once`] with the new positions of the obstacles until they do not change.
 ///
 /// # Errors
-/// As [`once`]; [`StepError::Obstacle`] where they do not come to rest.
+/// As [`once`]; [`StepError::Obstacle`] if the positions do not converge.
 pub(super) fn at_rest<const S: usize, const N: usize>(
     model: &Model<S, N>,
     matrices: &Matrices,
@@ -74,7 +74,7 @@ pub(super) fn at_rest<const S: usize, const N: usize>(
             return Ok(state);
         }
         let mut next = once(model, matrices, solver, t, Some(&state), Some(&state.u), watch)?;
-        // one history over all places
+        // one history over all positions
         if let (Some(known), Some(new)) = (state.active_set.take(), &mut next.active_set) {
             *new = together(known, new);
         }
@@ -91,7 +91,7 @@ fn together(mut known: ActiveSetReport, new: &ActiveSetReport) -> ActiveSetRepor
     known
 }
 
-/// Whether the contact at another place has the same rows, and the same gaps up to `tolerance` for the unknowns `u`.
+/// Whether the contact in another position has the same rows, and the same gaps up to `tolerance` for the unknowns `u`.
 fn agree<const S: usize, const N: usize>(a: &Contact<S, N>, b: &Contact<S, N>, u: &[f64], tolerance: f64) -> bool {
     let rows = |a: &Triplets, b: &Triplets| {
         let largest = a.entries.iter().fold(0.0_f64, |m, e| m.max(e.2.abs()));

@@ -1,4 +1,4 @@
-//! Errors of a solved model against exact solutions and multipliers, or against a stored run where there are none.
+//! Errors of a solved model against exact solutions and multipliers, or against a stored run if there are none.
 
 use super::pressed::ContactField;
 use super::solve::StepState;
@@ -12,7 +12,7 @@ use faying::coupling::Segments;
 use faying::geometry::MapTable;
 use faying::linalg::Vector;
 
-/// Errors that can be measured.
+/// Names of the errors that can be computed, such as `error.u.L2`, each also with `.rel`.
 pub fn error_names<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<String> {
     let mut names = Vec::new();
     let mut add = |name: String| {
@@ -36,12 +36,12 @@ pub fn error_names<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<S
     names
 }
 
-/// Whether the exact solution or the stored run has lambda of an interface or contact.
+/// Whether the exact solution or the stored run provides lambda of an interface or contact.
 fn is_known<const S: usize, const N: usize>(model: &Model<S, N>, name: &str) -> bool {
     model.exact.is_some() || model.reference.as_ref().is_some_and(|r| r.lambda_of(name).is_some())
 }
 
-/// Calls `visit(piece, x, outward normal of the slave, points)` for the pieces of a slave side.
+/// Calls `visit(piece, points, outward normals of the slave)` for the pieces of a slave side.
 fn each_piece<const S: usize, const N: usize>(
     slave: &SideModel<S, N>,
     segments: &Segments<S>,
@@ -64,7 +64,7 @@ struct Squares {
     exact: f64,
 }
 
-/// Every error that can be measured, by its quantity.
+/// Computes every error named by [`error_names`].
 pub fn errors<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Named<f64> {
     let mut all = Named::default();
     let mut add = |name: String, error: f64, exact: f64| {
@@ -169,12 +169,12 @@ fn contact_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &St
     sum
 }
 
-/// lambda of the stored run, where nothing exact stands before it.
+/// Returns lambda of the stored run; `None` if an exact multiplier (`exact`) or an exact solution takes precedence.
 fn stored_lambda<'a, const S: usize, const N: usize>(model: &'a Model<S, N>, name: &str, exact: bool) -> Option<&'a ReferenceLambda<S>> {
     model.reference.as_ref().filter(|_| !exact && model.exact.is_none())?.lambda_of(name)
 }
 
-/// Adds what the pieces of a part say: `found(element, points)` is lambda there, `[component][point]`.
+/// Adds squares of error and stored lambda over the pieces `on`; `found(element, points)` returns lambda, `[component][point]`.
 fn add_difference<const S: usize>(sum: &mut Squares, on: &OnSide<S>, found: impl Fn(usize, &[Vector<S>]) -> Vec<Vec<f64>>) {
     let s = &on.segments;
     for piece in 0..s.num_pieces() {

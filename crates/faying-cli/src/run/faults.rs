@@ -1,4 +1,4 @@
-//! What goes wrong in a run, in the words and codes of the contract.
+//! Errors of a run as diagnostics with codes and messages.
 
 use super::predict::{Prediction, bytes};
 use super::room::Room;
@@ -13,7 +13,7 @@ use faying::contact::{Contact, ContactError};
 use faying::linalg::LinearError;
 use std::collections::HashSet;
 
-/// E081 for a prediction beyond the room.
+/// Builds E081 for a prediction that exceeds the available memory.
 pub fn memory_limit<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, prediction: &Prediction, room: &Room) -> Diagnostic {
     let largest = (0..model.patches.len()).max_by_key(|&k| model.patches[k].num_unknowns()).unwrap_or(0);
     let at = case.patches.get(largest).map(|p| p.elements.at).unwrap_or_default();
@@ -22,7 +22,8 @@ pub fn memory_limit<const S: usize, const N: usize>(case: &Case, model: &Model<S
     Diagnostic::error("E081", text).at(&case.source, at).with_help(format!("{}, or give patch \"{name}\" fewer elements", room.raise()))
 }
 
-/// E015 for an interface or a contact (`who`) that is not symmetric, by mixed integration or by its coupling, and a constraint solver that needs symmetry.
+/// Builds E015 for a constraint solver that needs symmetry, with an interface or contact (`who`) that is not symmetric by mixed integration
+/// or by its coupling.
 pub fn not_symmetric(case: &Case, who: &str, mixed: bool) -> Diagnostic {
     let word = &case.solver.constraint;
     let (what, instead) = match mixed {
@@ -34,7 +35,7 @@ pub fn not_symmetric(case: &Case, who: &str, mixed: bool) -> Diagnostic {
     Diagnostic::error("E015", text).at(&case.source, word.at).with_help(help)
 }
 
-/// E015 for a contact whose system is not symmetric and a constraint solver that needs symmetry.
+/// Builds E015 for a constraint solver that needs symmetry, with a contact whose system is not symmetric.
 pub fn contact_not_symmetric(case: &Case, contact: &str) -> Diagnostic {
     let word = &case.solver.constraint;
     let variant = case.contacts.iter().find(|c| c.name.value == contact).map_or(Variant::Symmetric, |c| c.variant.value);
@@ -47,7 +48,7 @@ pub fn contact_not_symmetric(case: &Case, contact: &str) -> Diagnostic {
     Diagnostic::error("E015", text).at(&case.source, word.at).with_help(help)
 }
 
-/// E015 for a contact with a row per point and a constraint solver that needs as many slave unknowns as rows.
+/// Builds E015 for a constraint solver that needs as many slave unknowns as rows, with a contact that has a row per point.
 pub fn rows_at_points(case: &Case, contact: &str) -> Diagnostic {
     let word = &case.solver.constraint;
     let text = format!(
@@ -74,7 +75,7 @@ pub fn stopped(result: &mut RunResult, stop: Stop) {
     result.exit = status.exit();
 }
 
-/// What a failed step means to the user.
+/// Returns status, reason and diagnostic of a failed step.
 pub fn step_fault<const S: usize, const N: usize>(
     case: &Case,
     model: &Model<S, N>,
@@ -112,7 +113,7 @@ pub fn step_fault<const S: usize, const N: usize>(
             };
             let contacts: Vec<Vec<_>> = model.contacts.iter().map(at_time).collect();
             let contacts: Vec<Vec<_>> = contacts.iter().map(|c| c.iter().collect()).collect();
-            // a point counts as closed where an active function lives
+            // a point counts as closed if an enforced function is active there
             let open: HashSet<usize> = open.iter().copied().collect();
             let closed = closed_points(model, &contacts, &|row| !open.contains(&row));
             let free = free_motions(model, &contacts, &|k, p, q| closed[k][p][q]);
@@ -176,7 +177,7 @@ pub fn step_fault<const S: usize, const N: usize>(
     }
 }
 
-/// Which interface a row belongs to, and its number there.
+/// Describes a row: its number within an interface or contact, and the name of that.
 fn owner<const S: usize, const N: usize>(model: &Model<S, N>, row: usize) -> String {
     let ties = model.ties.iter().flat_map(|t| t.parts.iter().map(move |p| (&t.name, p.first_row, p.num_rows)));
     let contacts = model.contacts.iter().flat_map(|c| c.parts.iter().map(move |p| (&c.name, p.first_row, p.num_rows)));
@@ -204,7 +205,7 @@ fn flipping<const S: usize, const N: usize>(model: &Model<S, N>, rows: &[usize])
     lists.join("; ")
 }
 
-/// Where a multiplier function of a contact lives: its heaviest point.
+/// Describes the position of a multiplier function of a contact: the point at which its value is largest.
 fn place_of<const S: usize, const N: usize>(part: &build::ContactPart<S, N>, function: usize) -> Option<String> {
     let s = &part.first.segments;
     let (mut best, mut pieces): (Option<(f64, usize)>, _) = (None, 0..s.num_pieces());
@@ -231,7 +232,7 @@ fn place_of<const S: usize, const N: usize>(part: &build::ContactPart<S, N>, fun
     Some(list.join(", "))
 }
 
-/// A body that the final active set leaves free: nothing determines where it is.
+/// Returns E072 if the final active set leaves a body a rigid motion, so that its position is not determined.
 pub fn floating<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Option<Diagnostic> {
     if model.contacts.is_empty() {
         return None;
@@ -246,7 +247,7 @@ pub fn floating<const S: usize, const N: usize>(model: &Model<S, N>, state: &Ste
     Some(Diagnostic::error("E072", text).with_help("every contact that held it has opened"))
 }
 
-/// One flag per point of `contacts`: whether a function lives there whose row is closed.
+/// Returns one flag per point of `contacts`: whether a function active there has a closed row.
 fn closed_points<const S: usize, const N: usize>(
     model: &Model<S, N>,
     contacts: &[Vec<&Contact<S, N>>],

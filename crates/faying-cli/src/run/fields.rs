@@ -24,7 +24,7 @@ use std::sync::Arc;
 type Plane = Solved<1, 2>;
 type Side = SideModel<1, 2>;
 
-/// Everything the files of a plane case need.
+/// Collects the output of a plane case for its files.
 pub fn plane_output(case: &Case, solved: &Arc<Plane>, options: &RunOptions) -> Output {
     let mut sides: Vec<SideOutput> = Vec::new();
     for t in 0..solved.model.ties.len() {
@@ -36,7 +36,7 @@ pub fn plane_output(case: &Case, solved: &Arc<Plane>, options: &RunOptions) -> O
     assembled(case, solved, Parts::Plane(bodies(solved, options)), sides)
 }
 
-/// Everything the files of a case in space need.
+/// Collects the output of a case in space for its files.
 pub fn volume_output(case: &Case, solved: &Arc<Solved<2, 3>>, options: &RunOptions) -> Output {
     assembled(case, solved, Parts::Volume(bodies(solved, options)), Vec::new())
 }
@@ -74,7 +74,7 @@ fn body<const S: usize, const N: usize>(solved: &Arc<Solved<S, N>>, k: usize, op
         })
 }
 
-/// The part of a name: the name itself where it is the only one.
+/// Returns `name`, or `name.k` if the interface has several slave sides.
 fn part_name(name: &str, part: usize, parts: usize) -> String {
     if parts == 1 { name.into() } else { format!("{name}.{part}") }
 }
@@ -84,7 +84,7 @@ fn degree(psi: &dyn Basis<1>) -> usize {
     (0..psi.num_elements()).map(|e| psi.degree(e)[0]).max().unwrap_or(1).max(1)
 }
 
-/// Centre of every function along the side: arc length and point.
+/// Returns the centre of every function along the side: arc length and point.
 fn centres(side: &Side, psi: &dyn Basis<1>) -> Vec<(f64, [f64; 3])> {
     let space = &*side.trace.space;
     let arc = ArcLength::new(space);
@@ -122,7 +122,7 @@ fn normals(solved: &Arc<Plane>, slave: &Arc<Side>, target: Box<dyn Target<1, 2>>
         slave.trace.space.map(element, xi, Order::Gradients, &mut map);
         (0..xi.len())
             .flat_map(|q| {
-                // what faces nothing shows the slave's own direction
+                // points that face nothing show minus the slave's normal
                 let own = -slave.trace.normal(element, &map.jacobian[q]);
                 let n = target.project(&map.x[q]).map_or(own, |hit| hit.normal);
                 [n[0], n[1]]
@@ -131,13 +131,13 @@ fn normals(solved: &Arc<Plane>, slave: &Arc<Side>, target: Box<dyn Target<1, 2>>
     })
 }
 
-/// Cells of a side: straight where those of the bodies are, else curved.
+/// Style of cells of a side: linear if the bodies have linear cells, else curved.
 fn side_cells(options: &RunOptions) -> CellStyle {
     if options.cells == Some(CellStyle::Linear) { CellStyle::Linear } else { CellStyle::Lagrange }
 }
 
-/// What is left of the tie at points of a slave element: the jump u_slave - u_master, in elasticity its component along the
-/// master's outward normal, positive when open. Points that no master faces have none: zero.
+/// Returns the jump u_slave - u_master of a tie as a function of points of a slave element; in elasticity its component along the master's
+/// outward normal, positive when open. Zero at points that no master faces.
 fn jumps(solved: &Arc<Plane>, t: usize, p: usize) -> impl Fn(usize, &[Vector<1>]) -> Vec<f64> + Send + Sync + use<> {
     let solved = Arc::clone(solved);
     let surfaces: Vec<Surface> =
@@ -199,7 +199,7 @@ fn tied_side(solved: &Arc<Plane>, t: usize, p: usize, options: &RunOptions) -> S
         return SideOutput { name, contact: false, part: drawn, rows: without_rows(solved, t, p), exact };
     }
     let rows = component_rows(part);
-    // components may have different functions at the ends: one line per function of the richest
+    // components may have different functions at the ends: one line per function of the one with most
     let richest = (0..rows.len()).max_by_key(|&c| rows[c].len()).unwrap_or(0);
     let jump = jumps(solved, t, p);
     let slave = ClosestPoint::new(&*part.slave.trace.space);
@@ -223,7 +223,7 @@ fn tied_side(solved: &Arc<Plane>, t: usize, p: usize, options: &RunOptions) -> S
     SideOutput { name, contact: false, part: drawn, rows: table, exact }
 }
 
-/// The table of a tie without multiplier: one line per point of its segments, along the slave.
+/// Returns the table of a tie without multiplier: one line per point of its segments, along the slave.
 fn without_rows(solved: &Arc<Plane>, t: usize, p: usize) -> Vec<InterfaceRow> {
     let (model, state) = (&solved.model, &solved.state);
     let part = &model.ties[t].parts[p];
@@ -251,7 +251,7 @@ fn without_rows(solved: &Arc<Plane>, t: usize, p: usize) -> Vec<InterfaceRow> {
     rows
 }
 
-/// Values of all components at a point of the slave, where components have different functions.
+/// Returns the multipliers of all components at a point of the slave, for components with different functions.
 fn at_centre(solved: &Arc<Plane>, t: usize, p: usize, at: Option<Projection<1, 2>>) -> Vec<f64> {
     let part = &solved.model.ties[t].parts[p];
     let Some(found) = at else { return vec![0.0; part.multipliers.len()] };
@@ -304,7 +304,7 @@ fn contact_side(solved: &Arc<Plane>, c: usize, p: usize, options: &RunOptions) -
 /// A scalar field on a side.
 type SideField = Box<dyn Fn(usize, &[Vector<1>]) -> Vec<f64> + Send + Sync>;
 
-/// lambda, gap, status and lambda again of a contact with multiplier functions, and one line of its table per function.
+/// Returns lambda, gap, status and lambda again of a contact with multiplier functions, and one line of its table per function.
 fn by_functions(solved: &Arc<Plane>, c: usize, p: usize) -> ([SideField; 4], Vec<InterfaceRow>) {
     let part = &solved.model.contacts[c].parts[p];
     let rows: Range<usize> = part.rows();
@@ -331,7 +331,8 @@ fn by_functions(solved: &Arc<Plane>, c: usize, p: usize) -> ([SideField; 4], Vec
     (fields, centres.into_iter().enumerate().map(line).collect())
 }
 
-/// The same of a contact by Nitsche's method: one line of its table per point of the segments, along the slave.
+/// Returns lambda, gap, status and lambda again of a contact by Nitsche's method, and one line of its table per point of the segments,
+/// along the slave.
 fn by_points(solved: &Arc<Plane>, c: usize, p: usize) -> ([SideField; 4], Vec<InterfaceRow>) {
     let (state, part) = (&solved.state, &solved.model.contacts[c].parts[p]);
     let field = |of: fn([f64; 2]) -> f64| -> SideField {

@@ -1,6 +1,6 @@
-//! How large a case will be, from its numbers alone: said before any body is built.
+//! Size of a case estimated from its input alone, before any body is built.
 //!
-//! Counts are `f64`: a product of large counts grows, it never wraps around.
+//! Counts are `f64`, so that products of large counts do not overflow.
 
 use super::need::Need;
 use super::predict::{Prediction, bytes};
@@ -10,10 +10,10 @@ use crate::case::{Case, Linear, Patch};
 use crate::errors::Diagnostic;
 use crate::registry::is_spline;
 
-/// Most unknowns in this version: columns are 32 bits wide.
+/// Largest number of unknowns in this version: columns are 32 bits wide.
 const MOST_UNKNOWNS: f64 = u32::MAX as f64;
 
-/// The need of a case, as far as its numbers say.
+/// Estimated need of a case.
 #[derive(Clone, Copy, Debug, Default)]
 struct Forecast {
     need: Need,
@@ -21,7 +21,7 @@ struct Forecast {
     largest: usize,
 }
 
-/// Unknowns, entries and factor of a patch; none where its geometry is wrong, which building says better.
+/// Estimates unknowns, entries and factor of a patch; `None` if its geometry is invalid, which is reported when the body is built.
 fn of_patch<const N: usize>(case: &Case, patch: &Patch, net: MakeNet<N>) -> Option<Need> {
     let d = &patch.discretization;
     if let Some(cells) = mesh_counts::<N>(patch) {
@@ -53,12 +53,12 @@ impl Forecast {
     }
 }
 
-/// Whether the linear systems of `case` are solved without a factor, as far as its words say: one that is not symmetric takes one still.
+/// Whether `case` asks for linear systems without a factor; systems that are not symmetric take one still.
 pub fn avoids_factors(case: &Case) -> bool {
     case.solver.linear.value == Linear::Iterative
 }
 
-/// E081 where `case`, solved by a `factor` or without, is larger than there is `room` or than this version can hold.
+/// Returns E081 if `case`, solved with a factor or without, exceeds the memory `room` or the limits of this version.
 pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, room: Option<Room>, factor: bool) -> Option<Diagnostic> {
     let mut forecast = Forecast::of(case, net);
     if !factor {
@@ -66,7 +66,7 @@ pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, room: Option<Room
     }
     let need = &forecast.need;
     let Prediction { memory, .. } = need.prediction();
-    // what this version holds is asked first: no limit on memory can be raised above it
+    // the limit of this version comes first: it cannot be exceeded by raising the limit on memory
     let fixed = need.unknowns > MOST_UNKNOWNS;
     let short = room.filter(|room| memory > room.bytes && !fixed);
     let why = match short {

@@ -23,7 +23,7 @@ pub fn over_side<const S: usize, const N: usize>(
     }
 }
 
-/// The field `u` on a trace at local points of an element; components beyond the field's are zero.
+/// Evaluates the field `u` on a trace at local points of an element; components beyond the field's are zero.
 pub fn on_trace<const S: usize, const N: usize>(
     trace: &Trace<S, N>,
     field: Field,

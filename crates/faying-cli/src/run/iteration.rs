@@ -1,9 +1,9 @@
-//! How an active set went, in numbers and in words.
+//! Report of an active-set iteration, in numbers and in words.
 
 use crate::result::ActiveSetSummary;
 use faying::constraint::{ActiveSetEvent, ActiveSetReport};
 
-/// What `result.json` says of it.
+/// Returns the summary of a report for `result.json`.
 pub fn summary(report: &ActiveSetReport) -> ActiveSetSummary {
     ActiveSetSummary {
         iterations: report.iterations,
@@ -17,7 +17,7 @@ pub fn summary(report: &ActiveSetReport) -> ActiveSetSummary {
     }
 }
 
-/// What happened beside nominal steps.
+/// Describes an event other than a nominal step.
 fn note(event: &ActiveSetEvent) -> String {
     match event {
         ActiveSetEvent::Symmetric { sets: 1 } => "start: the set of the symmetric system, found in one set of one factor".into(),
@@ -38,7 +38,7 @@ fn note(event: &ActiveSetEvent) -> String {
     }
 }
 
-/// Lines for the log: every iteration with its sign cases, and what happened between.
+/// Lines for the log: every iteration with its sign cases, then the events.
 pub fn lines(report: &ActiveSetReport) -> Vec<String> {
     let mut lines = vec!["active set: iteration, active and wrong rows; rows lambda < 0, = 0, > 0 by gap = 0, > 0, < 0".to_owned()];
     let wrong = report.wrong();

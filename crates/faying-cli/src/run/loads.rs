@@ -16,7 +16,7 @@ pub struct Resultant {
 }
 
 impl Resultant {
-    /// That of a force field with these moments; what is missing of its components and of space is zero.
+    /// Returns the resultant of a force field with these moments; missing components and directions are zero.
     pub fn of<const C: usize, const N: usize>(moments: &Moments<C, N>) -> Self {
         // ∫ x_i f_j dx
         let first = |i: usize, j: usize| if i < N && j < C.min(N) { moments.first[(j, i)] } else { 0.0 };
@@ -52,7 +52,7 @@ fn place<const N: usize>(x: &Vector<N>, t: f64) -> Point {
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
-    /// The force per volume of a patch at a point; false where there is none at all.
+    /// Returns the force per volume of a patch as a function of position; `None` if there is none.
     fn volume_force(&self, patch: &PatchModel<S, N>, t: f64) -> Option<Box<dyn Fn(&Vector<N>, &mut [f64]) + Sync + '_>> {
         if let Some(exact) = &self.exact {
             let physics = patch.physics_at(t);
@@ -79,7 +79,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
         }))
     }
 
-    /// f in all unknowns at time `t`, and the resultants of the loads on each patch, then on the obstacle of each contact.
+    /// Assembles f in all unknowns at time `t`; also returns the resultants of the loads on each patch, then on the obstacle of each
+    /// contact.
     pub(crate) fn loads(&self, t: f64) -> (Vec<f64>, Vec<Resultant>) {
         let mut load = vec![0.0; self.unknowns];
         let mut totals = vec![Resultant::default(); self.patches.len() + self.contacts.len()];
@@ -121,7 +122,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 total.add(x, &value, ds);
             });
         }
-        // forces on obstacles: guides carry their moments
+        // forces on obstacles: their moments are carried by the guides, which prevent rotations
         for (contact, total) in self.contacts.iter().zip(&mut totals[self.patches.len()..]) {
             for p in contact.obstacle.iter().flat_map(|o| &o.pressed) {
                 let force = p.force.value(&Point::default().at_time(t));

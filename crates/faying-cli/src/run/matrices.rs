@@ -1,4 +1,4 @@
-//! The matrices of a model at a time: one per body, and what ties and contacts add between them.
+//! Matrices of a model at a given time: one per body, and the coupling matrix of ties and contacts.
 
 use super::solve::StepError;
 use crate::build::{Model, between};
@@ -6,7 +6,7 @@ use crate::formula::Point;
 use faying::linalg::{Csr, Vector};
 use std::borrow::Cow;
 
-/// The stiffness of every body at a time, springs included.
+/// Stiffness of every body at a given time, springs included.
 #[derive(Clone, Debug)]
 pub struct Stiffness {
     matrices: Matrices,
@@ -14,14 +14,14 @@ pub struct Stiffness {
     t: f64,
 }
 
-/// The matrices of a model at a time.
+/// Matrices of a model at a given time.
 #[derive(Clone, Debug)]
 pub struct Matrices {
     /// One per body, springs included.
     pub bodies: Vec<Csr>,
-    /// What ties and contacts add between the bodies, in all unknowns.
+    /// Stiffness that ties and contacts add between the bodies, in all unknowns; `None` if they add none.
     pub between: Option<Csr>,
-    /// Why a tie or a contact has no stiffness at this time.
+    /// Error of a tie or a contact that has no stiffness at this time.
     pub(super) fault: Option<StepError>,
 }
 
@@ -37,7 +37,7 @@ impl Stiffness {
         }
     }
 
-    /// The matrices at time `t`: bodies whose material and springs do not change keep theirs.
+    /// Returns the matrices at time `t`: those of bodies whose material and springs do not change are kept.
     pub fn at<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, t: f64) -> &Matrices {
         if t != self.t {
             for k in (0..self.changes.len()).filter(|&k| self.changes[k]) {
@@ -53,7 +53,7 @@ impl Stiffness {
     }
 }
 
-/// What ties and contacts add at time `t`; `first`: of ties as it was found when the model was built.
+/// Assembles the stiffness added by ties and contacts at time `t`, or returns the error; `first`: that of ties is taken from the model.
 fn added<const S: usize, const N: usize>(model: &Model<S, N>, t: f64, first: bool) -> (Option<Csr>, Option<StepError>) {
     let mut parts = Vec::new();
     for part in model.ties.iter().flat_map(|tie| &tie.parts) {
@@ -73,7 +73,7 @@ fn added<const S: usize, const N: usize>(model: &Model<S, N>, t: f64, first: boo
     (between(model, parts.iter().map(|p| &**p)), None)
 }
 
-/// The stiffness of body `k` at time `t`.
+/// Assembles the stiffness of body `k` at time `t`.
 fn assembled<const S: usize, const N: usize>(model: &Model<S, N>, k: usize, t: f64) -> Csr {
     let (patch, physics) = (&model.patches[k], model.patches[k].physics_at(t));
     let mut matrix = physics.stiffness(&**patch.body.space(), &patch.rules);

@@ -62,7 +62,7 @@ pub struct Solved<const S: usize, const N: usize> {
     pub step: usize,
 }
 
-/// What belongs to a dimension.
+/// Names and functions that depend on the dimension.
 struct Dimension<'a, const S: usize, const N: usize> {
     names: &'a Names<S, N>,
     net: MakeNet<N>,
@@ -101,9 +101,9 @@ fn zone(sides: &[report::Zone<'_, 1, 2>], symmetry: bool) -> f64 {
 impl Case {
     /// Solves the case with the built-in or added names of `registry`.
     ///
-    /// The result has a status: a check that fails or an iteration that does not settle is a result, too.
+    /// The result has a status: a check that fails or an iteration that does not converge is a result, too.
     /// # Errors
-    /// What is wrong with the case, with its places.
+    /// All errors of the case, with their source locations.
     ///
     /// # Example
     /// ```
@@ -124,8 +124,8 @@ impl Case {
     }
 }
 
-/// Runs a case and keeps its fields for the files. What is wrong with the case stands in the result's diagnostics, with
-/// status `Invalid` (exit 3), or `Limit` (exit 6) where the predicted memory is too large.
+/// Runs a case and keeps its fields for the files. Errors of the case are in the result's diagnostics, with status `Invalid` (exit 3), or
+/// `Limit` (exit 6) if the predicted memory is too large.
 pub fn run(case: &Case, registry: &Registry, options: &RunOptions, watch: &Watch) -> Finished {
     if in_space(case) {
         run_in(case, registry, &volume(registry), options, watch)
@@ -164,7 +164,7 @@ fn run_in<const S: usize, const N: usize>(
     }
 }
 
-/// The numbers of a run without its fields, as `command` reports them: a row of a study. Faults as in [`run`].
+/// Runs a case and returns its numbers without fields, as `command` reports them: a row of a study. Faults as in [`run`].
 pub fn numbers(command: &str, case: &Case, registry: &Registry, watch: &Watch) -> RunResult {
     let solved = if in_space(case) {
         solve_case(command, case, registry, &volume(registry), watch).map(|(result, _)| result)
@@ -180,10 +180,10 @@ pub fn numbers(command: &str, case: &Case, registry: &Registry, watch: &Watch) -
     }
 }
 
-/// Which patches have a slave side once slave and master are chosen.
+/// Returns, per patch, whether it has a slave side once slave and master are chosen.
 ///
 /// # Errors
-/// What is wrong with the bodies or their sides, located.
+/// Errors of the bodies or their sides, with their source locations.
 pub fn slave_patches(case: &Case, registry: &Registry) -> Result<Vec<bool>, Diagnostics> {
     if in_space(case) { slaves_in(case, registry, &volume(registry)) } else { slaves_in(case, registry, &plane(registry)) }
 }
@@ -201,7 +201,7 @@ fn slaves_in<const S: usize, const N: usize>(
     Ok(slave)
 }
 
-/// Everything but the solve: the result has the names, the counts and the prediction.
+/// Does everything but the solve: the result has the names, the counts and the prediction.
 pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &Watch) -> Finished {
     if in_space(case) { check_in(case, registry, &volume(registry), watch) } else { check_in(case, registry, &plane(registry), watch) }
 }
@@ -223,10 +223,10 @@ fn check_in<const S: usize, const N: usize>(case: &Case, registry: &Registry, di
     Finished { result, output: None, steps: Vec::new(), stored: None }
 }
 
-/// Makes what there is to show of a solution.
+/// Makes the output of a solution.
 type MakeOutput<const S: usize, const N: usize> = fn(&Case, &Arc<Solved<S, N>>, &RunOptions) -> Output;
 
-/// What there is to show of a step, made when it is written.
+/// Returns the output of a step, computed when it is written.
 fn step_output<const S: usize, const N: usize>(
     case: &Case,
     solved: Arc<Solved<S, N>>,
@@ -237,7 +237,7 @@ fn step_output<const S: usize, const N: usize>(
     StepOutput { number, t, make: Box::new(move || output(&case, &solved, &options)) }
 }
 
-/// Marks a result that is good so far as ended early where `watch` says so; returns whether it did.
+/// Marks a result without errors as ended early if `watch` requests it; returns whether it did.
 pub(super) fn end_early(result: &mut RunResult, watch: &Watch) -> bool {
     let stop = watch.stop().filter(|_| matches!(result.status, Status::Ok | Status::CheckFailed));
     if let Some(stop) = stop {
@@ -246,7 +246,7 @@ pub(super) fn end_early(result: &mut RunResult, watch: &Watch) -> bool {
     stop.is_some()
 }
 
-/// The result of a case that cannot be run.
+/// Returns the result of a case that cannot be run.
 fn refused(command: &str, case: &Case, faults: Diagnostics) -> RunResult {
     let mut result = RunResult::new(command, &case.source.name);
     result.status = match faults.exit() {
@@ -297,7 +297,7 @@ fn built<const S: usize, const N: usize>(
     Ok(model)
 }
 
-/// The first tie and the first contact that make the system one without symmetry.
+/// Returns the first tie and the first contact that make the system unsymmetric.
 fn leaning<const S: usize, const N: usize>(model: &Model<S, N>) -> (Option<&build::TieModel<S, N>>, Option<&build::ContactModel<S, N>>) {
     let leans = |part: &build::TiePart<S, N>| part.reaction.is_some() || !part.stiffness.to_csr().is_symmetric(faying::linalg::NO_SYMMETRY);
     let tie = model.ties.iter().find(|tie| tie.parts.iter().any(leans));
@@ -305,10 +305,10 @@ fn leaning<const S: usize, const N: usize>(model: &Model<S, N>) -> (Option<&buil
     (tie, contact)
 }
 
-/// What a model will need.
+/// Predicts the size of the system and checks its memory.
 ///
 /// # Errors
-/// E081 where that is more than there is `room`.
+/// E081 if the memory exceeds `room`.
 fn fitting<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, room: Option<Room>) -> Result<Prediction, Diagnostics> {
     let factor = !avoids_factors(case) || !matches!(leaning(model), (None, None));
     let prediction = predict(model, case.steps.value.len(), factor);
@@ -318,7 +318,7 @@ fn fitting<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, roo
     }
 }
 
-/// A result and its solutions: of all steps that have one, the last where the case has no steps.
+/// Result, and its solutions: of all steps that have one, or of the last if the case has no steps.
 type Outcome<const S: usize, const N: usize> = (RunResult, Vec<Arc<Solved<S, N>>>);
 
 fn solve_case<const S: usize, const N: usize>(
@@ -329,7 +329,7 @@ fn solve_case<const S: usize, const N: usize>(
     watch: &Watch,
 ) -> Result<Outcome<S, N>, Diagnostics> {
     watch.phase("build");
-    // asked before the model takes its part
+    // determined before the model takes memory
     let room = Room::least(watch.max_memory);
     let model = built(case, registry, dimension, watch, room)?;
     let mut result = report::skeleton(command, case, &model);
@@ -392,7 +392,7 @@ fn solve_case<const S: usize, const N: usize>(
         }
         result.diagnostics.extend(fault.map(when));
         questions.probes(case, &model, state.as_ref(), &mut result);
-        // checks speak of the end: of the last step, or of the one that ended the run
+        // checks refer to the end: the last step, or the one that ended the run
         finished = k + 1 == times.len();
         if finished && !questions.checks(case, &model, state.as_ref(), &mut result) && status == Status::Ok {
             status = Status::CheckFailed;
@@ -423,7 +423,7 @@ fn solve_case<const S: usize, const N: usize>(
     Ok((result, solved))
 }
 
-/// The same fault, with the step that it ended.
+/// Returns the diagnostic with the step at which it occurred.
 fn at_step(fault: Diagnostic, step: usize, t: f64) -> Diagnostic {
     Diagnostic { message: format!("step {}, t = {}: {}", step + 1, build::short(t), fault.message), ..fault }
 }

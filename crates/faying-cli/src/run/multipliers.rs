@@ -1,4 +1,4 @@
-//! What a result says about the multiplier spaces of interfaces and contacts.
+//! Report on the multiplier spaces of interfaces and contacts.
 
 use crate::build::{Model, SideModel};
 use crate::case::{self, Case};
@@ -28,7 +28,7 @@ pub fn describe<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
     }
 }
 
-/// All slave sides of an interface as one; none without any functions.
+/// Merges the reports of all slave sides of an interface; `None` without any functions.
 fn together(parts: impl Iterator<Item = MultiplierReport>) -> Option<MultiplierReport> {
     parts.filter(|p| p.functions > 0).reduce(|a, b| MultiplierReport {
         name: a.name,

@@ -1,25 +1,26 @@
-//! Sizes of a system from its numbers of elements: unknowns, entries, bytes of its matrices, numbers of its factor.
+//! Sizes of a system estimated from its numbers of elements: unknowns, entries, bytes of its matrices, entries of its factor.
 //!
-//! Counts are `f64`: a product of large counts grows, it never wraps around.
+//! Counts are `f64`, so that products of large counts do not overflow.
 
 use faying::space::Space;
 
-/// Numbers of the factor per unknown and component in the plane: 5.8 w^1.6 (log2 n - 4.5) for n functions with overlap w, at or above the
-/// factors of 14 matrices of splines, quadrilaterals and triangles of degree 1 to 4, by at most 35 %.
+/// Entries of the factor per unknown and component in the plane: 5.8 w^1.6 (log2 n - 4.5) for n functions with overlap w, fitted at or
+/// above the factors of 14 matrices of splines, quadrilaterals and triangles of degree 1 to 4, by at most 35 %.
 const FILL_PLANE: f64 = 5.8;
 const GROWTH_PLANE: f64 = 1.6;
 const SMALL_PLANE: f64 = 4.5;
-/// The same in space: 13.3 (w^1.7 (n^1/3 - 3 w^1/2) + 0.1 p^3), the last for cells with functions inside; 20 matrices, by at most 24 %.
+/// Entries of the factor per unknown and component in space: 13.3 (w^1.7 (n^1/3 - 3 w^1/2) + 0.1 p^3), the last term for cells with
+/// interior functions; fitted to 20 matrices, above them by at most 24 %.
 const FILL_SOLID: f64 = 13.3;
 const GROWTH_SOLID: f64 = 1.7;
 const SMALL_SOLID: f64 = 3.0;
 const INSIDE_SOLID: f64 = 0.1;
 
-/// Factors of thin bodies in space, beside that of the plane for as many functions across the plate, beside the band of a beam.
+/// Factors of thin bodies in space, relative to that of the plane for each layer of functions of a plate, and to the band of a beam.
 const THIN_PLATE: f64 = 0.8;
 const THIN_BEAM: f64 = 1.6;
 
-/// Bytes per pair of functions for graphs that orders are made of.
+/// Bytes per pair of functions for the graphs of orderings.
 const BYTES_PER_PAIR: f64 = 16.0;
 /// Bytes per unknown for vectors.
 const BYTES_PER_UNKNOWN: f64 = 50.0;
@@ -38,7 +39,7 @@ const NUMBER: f64 = 8.0;
 const FEW_SQUARE: f64 = (1 << 21) as f64;
 const SHARE_OF_FACTOR: f64 = 0.1;
 
-/// Sizes that a prediction is made of.
+/// Sizes that a prediction is computed from.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Need {
     pub unknowns: f64,
@@ -46,19 +47,19 @@ pub(super) struct Need {
     /// Bytes of the matrices of the bodies, of the reduced one and of the triangle that is factorised.
     pub matrices: f64,
     pub factor: f64,
-    /// Bytes that finding the factor takes beside it: graphs that orders are made of, what waits on a stack.
+    /// Bytes that the factorisation takes beside the factor: graphs of orderings, the stack of update matrices.
     pub beside: f64,
-    /// Bytes of all else.
+    /// Bytes of everything else.
     pub other: f64,
 }
 
-/// What decides how many entries a function has and how they fill.
+/// Properties of a space that determine its entries per function and their fill-in.
 #[derive(Clone, Copy, Debug)]
 struct Kind {
     components: f64,
     dimension: usize,
     degree: f64,
-    /// How many functions of an element its neighbour shares, per direction: the degree for the smoothest splines, 1 for Lagrange.
+    /// Number of functions of an element that its neighbour shares, per direction: the degree for the smoothest splines, 1 for Lagrange.
     overlap: f64,
     /// Bytes of all elements.
     elements: f64,
@@ -66,12 +67,12 @@ struct Kind {
     free: f64,
 }
 
-/// Bytes per number of the factor that wait on the stack of a factorisation by fronts, which plane bodies take: a fifth of the factor for
-/// separators three functions wide, a sixteenth for one, beyond what the factor's own bytes include.
+/// Bytes per entry of the factor on the stack of the multifrontal factorisation, which plane bodies take: a fifth of the factor for
+/// separators three functions wide, a sixteenth for one, beyond what the bytes of the factor itself include.
 const BYTES_WAITING: f64 = 1.0;
 
 impl Need {
-    /// A patch of `sizes`: elements, degree and continuity of each direction.
+    /// Need of a patch with `sizes`: elements, degree and continuity of each direction.
     pub fn of_patch(sizes: &[(f64, usize, usize)], components: usize) -> Self {
         // a knot of continuity k carries p - k functions
         let lines: Vec<(f64, f64, f64)> = sizes
@@ -81,11 +82,11 @@ impl Need {
         Self::of_lines(&lines, components, 1.0)
     }
 
-    /// A product of directions: elements, functions of an element, functions of each.
+    /// Need of a tensor product with `lines`: elements, functions of an element, functions of each direction.
     fn of_lines(lines: &[(f64, f64, f64)], components: usize, free: f64) -> Self {
         let (mut functions, mut elements, mut pairs, mut own, mut overlap) = (1.0, 1.0, 1.0, 1.0f64, 1.0f64);
         for &(n, active, line) in lines {
-            // neighbours share what an element does not add
+            // functions shared by neighbours: those that an element does not add
             let shared = active - (line - active) / (n - 1.0).max(1.0);
             functions *= line;
             elements *= n;
@@ -93,7 +94,7 @@ impl Need {
             own = own.max(active);
             overlap = overlap.max(shared);
         }
-        // of degree 1 splines and cells are the same functions
+        // at degree 1 splines and Lagrange cells have the same functions
         let bytes = elements * if overlap < own - 1.0 || own <= 2.0 { BYTES_PER_CELL } else { BYTES_PER_ELEMENT };
         let kind = Kind { components: components as f64, dimension: lines.len(), degree: own - 1.0, overlap, elements: bytes, free };
         let mut need = Self::of(functions, pairs, kind);
@@ -112,9 +113,9 @@ impl Need {
         need
     }
 
-    /// A mesh of as many product and simplex cells of `dimension`, Lagrange functions of degree `p`.
+    /// Need of a mesh with `cells` (product, simplex) of `dimension`, Lagrange functions of degree `p`.
     pub fn of_mesh(cells: [f64; 2], dimension: usize, p: usize, components: usize) -> Self {
-        // simplices are as many as fill a product cell: two, or about six
+        // number of product cells that the simplices fill: two simplices each, or about six
         let filled = cells[0] + cells[1] / if dimension == 3 { 6.0 } else { 2.0 };
         let degree = p as f64;
         let functions = (filled.powf(1.0 / dimension as f64) * degree + 1.0).powi(dimension as i32);
@@ -123,7 +124,7 @@ impl Need {
         Self::of(functions, mesh_pairs(cells, dimension, degree), kind)
     }
 
-    /// A space that is built, with a share of its unknowns free.
+    /// Need of a space that is built, with the share `free` of its unknowns free.
     pub fn of_space<const N: usize>(space: &dyn Space<N, N>, components: usize, free: f64) -> Self {
         let (elements, functions) = (space.num_elements() as f64, space.num_functions() as f64);
         if elements == 0.0 {
@@ -165,14 +166,15 @@ impl Need {
         Self { unknowns, entries, matrices, factor, beside: BYTES_PER_PAIR * pairs + waiting, other }
     }
 
-    /// `count` entries between bodies, stored one by one.
+    /// Adds `count` entries between bodies, stored one by one.
     pub fn add_entries(&mut self, count: f64) {
         self.entries += count;
         self.matrices += count * (2.0 * (NUMBER + INDEX) + 2.0 * NUMBER);
     }
 
-    /// The Schur complement of `rows` contact rows beside one factor of all bodies: it and its dense factor, and the rows of separators that wait
-    /// while it is made, no more than the square root of the factor's numbers at a time. Many rows have a factor for every set instead.
+    /// Adds the Schur complement of `rows` contact rows for one factor of all bodies: itself and its dense factor, and the rows of
+    /// separators kept while it is computed, no more than the square root of the factor's entries at a time. With many rows, every active
+    /// set has a factor instead.
     pub fn add_interface(&mut self, rows: f64) {
         let square = rows * rows;
         if square <= FEW_SQUARE.max(SHARE_OF_FACTOR * self.factor) {
@@ -180,12 +182,12 @@ impl Need {
         }
     }
 
-    /// The same system solved by iterations: vectors of the method in place of the factor.
+    /// Need of the same system solved by iterations: vectors of the method in place of the factor.
     pub fn without_factor(self) -> Self {
         Self { factor: 0.0, beside: 0.0, other: self.other + BYTES_OF_ITERATION * self.unknowns, ..self }
     }
 
-    /// Both together.
+    /// Sum of both needs.
     pub fn and(&self, other: &Self) -> Self {
         Self {
             unknowns: self.unknowns + other.unknowns,
@@ -198,8 +200,8 @@ impl Need {
     }
 }
 
-/// Pairs of functions that share a cell: those of the cells, less what neighbours count twice (inclusion and exclusion over faces, edges
-/// and corners).
+/// Number of pairs of functions that share a cell: those of the cells, less what neighbours count twice (inclusion and exclusion over
+/// faces, edges and corners).
 fn mesh_pairs(cells: [f64; 2], dimension: usize, p: f64) -> f64 {
     let [product, simplex] = cells;
     let n = product.powf(1.0 / dimension as f64);
@@ -215,7 +217,7 @@ fn mesh_pairs(cells: [f64; 2], dimension: usize, p: f64) -> f64 {
     line + if simplex > 0.0 { simplex * each * (1.0 + 1.0 / n).powi(dimension as i32 - 1) } else { 0.0 }
 }
 
-/// Numbers of the factor per unknown under nested dissection: separators are as wide as functions of neighbouring elements overlap.
+/// Entries of the factor per unknown under nested dissection: separators are as wide as functions of neighbouring elements overlap.
 fn fill(functions: f64, kind: Kind) -> f64 {
     let Kind { components, dimension, degree, overlap, .. } = kind;
     let each = if dimension == 3 {

@@ -1,39 +1,39 @@
-//! How much memory a run will take, known before anything is allocated.
+//! Memory that a run of a model will take, predicted before anything is assembled.
 
 use super::need::Need;
 use crate::build::Model;
 use serde::Serialize;
 
-/// What a run will need.
+/// Predicted sizes of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Prediction {
     /// Entries of the stiffness.
     pub entries: u64,
-    /// Numbers in its factor, to a factor of about 1.5.
+    /// Entries of its factor, within a factor of about 1.5.
     pub factor: u64,
-    /// Bytes at the highest point.
+    /// Peak memory in bytes.
     pub memory: u64,
 }
 
-/// Bytes per number of the factor, the largest front included.
+/// Bytes per entry of the factor, the largest front included.
 const BYTES_PER_FACTOR: f64 = 8.5;
 /// Bytes of the program itself.
 pub(super) const PROGRAM: f64 = 2e7;
 
-/// Bytes per unknown of a step that is kept: the solution and what supports do.
+/// Bytes per unknown of a step that is kept: the solution and the support forces.
 const BYTES_PER_STATE: f64 = 16.0;
-/// Bytes per entry that a second matrix of a pattern is compared with: half of the values.
+/// Bytes per entry for the comparison with a second matrix of a pattern: half of the values.
 const BYTES_TO_COMPARE: f64 = 4.0;
 
 impl Need {
-    /// Bytes and counts; what does not fit into 64 bits is their largest number.
+    /// Computes the prediction; values that do not fit into 64 bits saturate.
     pub(super) fn prediction(&self) -> Prediction {
         let memory = PROGRAM + self.matrices + BYTES_PER_FACTOR * self.factor + self.beside + self.other;
         Prediction { entries: self.entries as u64, factor: self.factor as u64, memory: memory as u64 }
     }
 }
 
-/// Predicts the need of `model` in a number of steps, whose states are kept for the files; `factor`: whether a factor is made.
+/// Predicts the need of `model` in a number of steps, whose states are kept for the files; `factor`: whether a factor is computed.
 pub fn predict<const S: usize, const N: usize>(model: &Model<S, N>, steps: usize, factor: bool) -> Prediction {
     let mut all = Need { unknowns: model.rows as f64, ..Need::default() };
     let mut held = vec![false; model.unknowns];
@@ -69,7 +69,7 @@ pub fn predict<const S: usize, const N: usize>(model: &Model<S, N>, steps: usize
     prediction
 }
 
-/// Bytes in words.
+/// Formats a number of bytes.
 pub fn bytes(n: u64) -> String {
     let x = n as f64;
     if x >= 1e9 {

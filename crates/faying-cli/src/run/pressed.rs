@@ -1,4 +1,4 @@
-//! What presses at any point of a contact's slave side: of its multiplier, or where it has none, what Nitsche's method makes of the fluxes.
+//! lambda at any point of a contact's slave side: by its multiplier, or without one by Nitsche's method from the fluxes.
 
 use super::report::multiplier_at;
 use super::solve::StepState;
@@ -12,14 +12,14 @@ use faying::linalg::Vector;
 use faying::space::Space;
 use std::sync::Arc;
 
-/// Feet farther than this part of their distance beside the normal lie on the rim of the master: the point faces nothing.
+/// Tangential distance to the foot, over the whole, above which the foot lies on the edge of the master: the point faces nothing.
 const BESIDE: f64 = 1e-6;
 
-/// What is needed beside the state to evaluate lambda of a contact part at a time.
+/// Evaluator of lambda of a contact part at a given time.
 #[derive(Debug)]
 pub struct ContactField<const S: usize, const N: usize>(Option<WithoutRows<S, N>>);
 
-/// The fluxes at the time, and the master to find partners on.
+/// Fluxes at the time, and the search for partners on the master.
 #[derive(Debug)]
 struct WithoutRows<const S: usize, const N: usize> {
     fluxes: ContactFluxes<S, N>,
@@ -27,7 +27,7 @@ struct WithoutRows<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> ContactField<S, N> {
-    /// lambda of `part` at time `t`.
+    /// Creates the evaluator of `part` at time `t`.
     pub fn of(model: &Model<S, N>, part: &ContactPart<S, N>, t: f64) -> Self {
         let master = match &part.against {
             Against::Side(master, _) => Some(ClosestPoint::new(Arc::clone(&master.trace.space))),
@@ -36,8 +36,8 @@ impl<const S: usize, const N: usize> ContactField<S, N> {
         Self(part.multiplier.is_none().then(|| WithoutRows { fluxes: part.fluxes(model, t), master }))
     }
 
-    /// (lambda, gap) at local points of a slave element. The gap is that of Nitsche's method; not a number of multipliers, and zero with
-    /// lambda where nothing is faced.
+    /// Returns (lambda, gap) at local points of a slave element. The gap is that of Nitsche's method, NaN for multipliers; with Nitsche's
+    /// method both are zero where nothing is faced.
     pub fn at(
         &self,
         model: &Model<S, N>,
@@ -81,7 +81,7 @@ impl<const S: usize, const N: usize> ContactField<S, N> {
 }
 
 impl<const S: usize, const N: usize> ContactPart<S, N> {
-    /// What the part transmits by the multipliers `lambda` of its rows.
+    /// Resultants, pressure and closed zone of the part for the multipliers `lambda` of its rows.
     pub fn transmitted(&self, built: &Contact<S, N>, lambda: &[f64]) -> Transmitted<N> {
         match (&self.multiplier, &built.points) {
             (Some(psi), _) => built.transmitted_as_read(&**psi, self.read_through().unwrap_or(&**psi), lambda),
@@ -89,7 +89,7 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
         }
     }
 
-    /// The gap of every row \[length\]: lumped over a multiplier function, or at the point it belongs to. None where nothing is faced.
+    /// Returns the gap of every row \[length\]: lumped over a multiplier function, or at its point; `None` if nothing is faced.
     pub fn gaps(&self, model: &Model<S, N>, built: &Contact<S, N>, u: &[f64]) -> Vec<Option<f64>> {
         let Some(points) = &built.points else { return built.lumped_gap(u) };
         let mut gaps = vec![None; built.offset.len()];
@@ -99,7 +99,7 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
         gaps
     }
 
-    /// The gap at every point of the segments \[length\].
+    /// Returns the gap at every point of the segments \[length\].
     pub fn point_gaps(&self, model: &Model<S, N>, built: &Contact<S, N>, u: &[f64]) -> Vec<f64> {
         let side = |trace, field| Side { trace, field, flux: None };
         let interface = Interface {

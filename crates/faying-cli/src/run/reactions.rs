@@ -1,4 +1,4 @@
-//! What supports do to the bodies: forces per side, edge and corner.
+//! Support reactions: forces per side, edge and corner.
 
 use super::integrate::cross;
 use super::loads::Resultant;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// Directions whose Gram matrix has an eigenvalue below this share of its largest one are dependent.
 const DEPENDENT: f64 = 1e-10;
-/// Integrals of a function below this share of the integral of its amount are zero: corners of quadratic triangles.
+/// Integrals of a function below this fraction of that of its absolute value are zero: corners of quadratic triangles.
 const NO_INTEGRAL: f64 = 1e-9;
 
 /// One direction in which a support holds a function.
@@ -23,25 +23,24 @@ const NO_INTEGRAL: f64 = 1e-9;
 struct Hold<const N: usize> {
     /// The function, as [`Model::function`] numbers it.
     function: usize,
-    /// Position of the support among all.
+    /// Index of the support.
     support: usize,
     /// Unit vector.
     direction: Vector<N>,
-    /// Integral of the function over the side \[area\]; none where that is no measure of its share.
+    /// Integral of the function over the side \[area\]; `None` if it is not positive, and for edges and corners.
     weight: Option<f64>,
 }
 
-/// Reactions per support, added to the forces from outside.
+/// Computes the reactions per support, and adds them to `outside`, the sum of the external forces.
 ///
-/// The force F at a function is carried along the directions in which supports hold it: axes of prescribed components,
-/// normals or tangents of sides that slide, axes along which a side moves as one. Where these are independent, as the
-/// sides of an edge or a corner mostly are, the parts follow from F alone. Otherwise F = sum a_h d_h with the least
-/// sum a_h^2 / w_h, w_h the integral of the function over the side: sides that hold the same direction share in
-/// proportion to w, also those of glued patches, whose forces across seams cancel in the function that stands for all.
-/// The shares are equal where an edge or a corner takes part, or an integral is not positive.
+/// The force F at a function is distributed over the directions in which supports hold it: axes of prescribed components, normals or
+/// tangents of sides that slide, axes along which a side moves as one. If these are independent, as they mostly are at edges and corners,
+/// the parts follow from F alone. Otherwise F = sum a_h d_h with the least sum a_h^2 / w_h, w_h the integral of the function over the side:
+/// sides that hold the same direction share in proportion to w, also those of glued patches, whose forces across seams cancel in the
+/// representative function. The shares are equal if an edge or a corner takes part, or an integral is not positive.
 pub fn reactions<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, outside: &mut Resultant) -> Named<Vec<f64>> {
     let n = model.components;
-    // coefficients of 1 and of the coordinates on what is held: forces and moments of any basis
+    // coefficients of 1 and of the coordinates on held functions: forces and moments in any basis
     let mut one = vec![1.0; model.unknowns / n.max(1)];
     for (i, v) in model.coefficients(&|_| 1.0) {
         one[i] = v;
@@ -81,7 +80,7 @@ fn axis<const N: usize>(component: usize) -> Vector<N> {
     Vector::from_fn(|k, _| f64::from(u8::from(k == component)))
 }
 
-/// Names of all supports, and what they hold, ascending by function.
+/// Returns the names of all supports, and the directions they hold, ascending by function.
 fn holds<const S: usize, const N: usize>(model: &Model<S, N>) -> (Vec<&str>, Vec<Hold<N>>) {
     let (mut labels, mut all) = (Vec::new(), Vec::new());
     for side in &model.supports {
@@ -105,7 +104,7 @@ fn holds<const S: usize, const N: usize>(model: &Model<S, N>) -> (Vec<&str>, Vec
     (labels, all)
 }
 
-/// (function, its integral over the side \[area\]), ascending; none where it is not positive.
+/// Returns (function, its integral over the side \[area\]), ascending; `None` if it is not positive.
 fn integrals<const S: usize, const N: usize>(model: &Model<S, N>, side: &SideModel<S, N>) -> Vec<(usize, Option<f64>)> {
     let space = &*side.trace.space;
     let (mut ids, mut table, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
@@ -126,10 +125,10 @@ fn integrals<const S: usize, const N: usize>(model: &Model<S, N>, side: &SideMod
     sums.into_iter().map(|(i, (sum, amount))| (i, (sum > NO_INTEGRAL * amount).then_some(sum))).collect()
 }
 
-/// The parts of `force` that the holds of one function carry, in their order.
+/// Returns the parts of `force` that the holds of one function carry, in their order.
 fn shares<const N: usize>(holds: &[Hold<N>], force: &Vector<N>) -> Vec<Vector<N>> {
     let equal = vec![1.0; holds.len()];
-    // independent directions leave no choice: equal weights are the best conditioned
+    // independent directions determine the parts: equal weights are the best conditioned
     let given: Option<Vec<f64>> = holds.iter().map(|h| h.weight).collect();
     let weights = match given {
         Some(weights) if solved(holds, &equal, force).1 < holds.len() => {
@@ -154,7 +153,7 @@ fn solved<const N: usize>(holds: &[Hold<N>], weights: &[f64], force: &Vector<N>)
     }
     let mut mu = Vector::<N>::zeros();
     let mut rank = 0;
-    // axes are what most supports hold: no rounding there
+    // most supports hold axes: no round-off there
     if (0..N).all(|i| (0..N).all(|j| i == j || gram[i][j] == 0.0)) {
         for c in (0..N).filter(|&c| gram[c][c] > 0.0) {
             mu[c] = force[c] / gram[c][c];

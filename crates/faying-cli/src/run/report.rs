@@ -1,4 +1,4 @@
-//! From solved unknowns to the numbers of a result.
+//! Numbers of a result from the solution.
 
 use super::errors::{error_names, errors};
 use super::integrate::on_trace;
@@ -23,12 +23,12 @@ use faying::quadrature::{PerElement, Quadrature};
 use faying::space::{diameter, measure, quality};
 use std::collections::BTreeMap;
 
-/// A slave side with the rows of its contact and what it transmits.
+/// Slave side, rows of its contact, and the pressure and forces it transmits.
 pub type Zone<'a, const S: usize, const N: usize> = (&'a dyn Geometry<S, N>, &'a Contact<S, N>, Transmitted<N>);
-/// Half the width of a contact zone on slave sides of S dimensions, of half models or not, where that has a meaning.
+/// Function for half the width of a contact zone on slave sides of S dimensions; the flag: half model.
 pub type HalfWidth<const S: usize, const N: usize> = fn(&[Zone<'_, S, N>], bool) -> f64;
 
-/// The result before anything is solved: all names, all counts, the geometry.
+/// Builds the result before anything is solved: all names, all counts, the geometry.
 pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, model: &Model<S, N>) -> RunResult {
     let mut result = RunResult::new(command, &case.source.name);
     result.backend = backend(model);
@@ -71,14 +71,14 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, mode
     result
 }
 
-/// Gauss points per direction, the most of all rules; without tensor cells the points of the largest rule.
+/// Returns the Gauss points per direction, the most of all rules; without tensor cells the points of the largest rule.
 fn gauss_points<const N: usize>(rules: &PerElement<N>) -> Vec<usize> {
     let along = rules.rules().iter().filter_map(|r| r.axes(0)).map(|axes| axes.map(|a| a.rule(0).points.len()));
     let most = along.reduce(|a, b| std::array::from_fn(|k| a[k].max(b[k])));
     most.map_or_else(|| rules.rules().iter().map(|r| r.rule(0).points.len()).max().into_iter().collect(), |m| m.to_vec())
 }
 
-/// One backend for all, slave+master where that tells the patches apart, else "mixed".
+/// Name of the backend: that of all patches, "slave+master" if all side pairs have the same two different backends, else "mixed".
 fn backend<const S: usize, const N: usize>(model: &Model<S, N>) -> String {
     let first = model.patches.first().map_or("", |p| &p.backend);
     if model.patches.iter().all(|p| p.backend == first) {
@@ -138,7 +138,7 @@ pub fn fill<const S: usize, const N: usize>(
     result.errors = errors(model, state);
 }
 
-/// Action and reaction: columns of B sum to zero against each other.
+/// Sum of coupling forces on both bodies, which vanishes: action and reaction.
 #[derive(Debug, Default)]
 struct Pull {
     sum: [f64; 3],
@@ -158,7 +158,7 @@ impl Pull {
         }
     }
 
-    /// The largest component of the sum, as a share of all forces.
+    /// Returns the largest component of the sum, as a share of all forces.
     fn defect(&self) -> f64 {
         if self.size > 0.0 { self.sum.iter().fold(0.0, |m: f64, d| m.max(d.abs())) / self.size } else { 0.0 }
     }
@@ -225,7 +225,7 @@ fn contacts<const S: usize, const N: usize>(
             if matches!(part.against, crate::build::Against::Rigid(..)) {
                 let mut force = [0.0; 3];
                 force[..N].copy_from_slice(sent.force.as_slice());
-                // what presses the obstacle is among the loads
+                // the force that drives the obstacle is among the loads
                 contact.obstacle.iter().flat_map(|o| &o.pressed).for_each(|p| force[p.component] = 0.0);
                 outside.sum(&Resultant { force, moment: sent.moment });
             }
@@ -241,7 +241,7 @@ fn contacts<const S: usize, const N: usize>(
     all
 }
 
-/// A multiplier at local points of an element.
+/// Evaluates a multiplier at local points of an element.
 pub fn multiplier_at<const S: usize>(basis: &dyn Basis<S>, lambda: &[f64], element: usize, xi: &[Vector<S>]) -> Vec<f64> {
     let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
     basis.active(element, &mut ids);
@@ -249,7 +249,7 @@ pub fn multiplier_at<const S: usize>(basis: &dyn Basis<S>, lambda: &[f64], eleme
     (0..xi.len()).map(|q| ids.iter().zip(table.values(q)).map(|(&j, v)| lambda[j] * v).sum()).collect()
 }
 
-/// The rows of each component of a tied part.
+/// Returns the rows of each component of a tied part.
 pub fn component_rows<const S: usize, const N: usize>(part: &TiePart<S, N>) -> Vec<std::ops::Range<usize>> {
     let mut first = part.first_row;
     part.multipliers
@@ -262,7 +262,7 @@ pub fn component_rows<const S: usize, const N: usize>(part: &TiePart<S, N>) -> V
         .collect()
 }
 
-/// What an interface ties, before anything is solved.
+/// Builds the report of an interface before anything is solved: its side pairs, with distances and shares.
 fn tied<const S: usize, const N: usize>(tie: &TieModel<S, N>) -> InterfaceReport {
     let mut report = InterfaceReport::default();
     let mut whole = 0.0;
@@ -320,7 +320,7 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
         let estimate = part.finer.as_ref().map(|f| f.estimate(&part.rows, part.reaction.as_ref(), &state.u, lambda));
         report.consistency = report.consistency.max(estimate.unwrap_or(0.0));
         pull.add(model, part.reaction.as_ref().unwrap_or(&part.rows), lambda);
-        // what is added to the stiffness pulls on both bodies alike, too
+        // forces of the added stiffness satisfy action and reaction, too
         let mut forces: BTreeMap<usize, f64> = BTreeMap::new();
         let changed = if part.changes(model) { part.stiffness_at(model, state.t).ok() } else { None };
         for &(i, j, value) in &changed.as_ref().unwrap_or(&part.stiffness).entries {

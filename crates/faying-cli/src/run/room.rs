@@ -1,4 +1,4 @@
-//! Memory that a run may take: what the user, the machine and the limits of the process leave it.
+//! Memory that a run may take: limits of the user, the machine and the process.
 //!
 //! Limits are read from files, where the system has them (Linux); elsewhere there are none.
 
@@ -12,7 +12,7 @@ const FOR_THREADS: u64 = 4;
 /// Address space that a thread takes: its stack, and the heap that the system's library keeps for it.
 const PER_THREAD: u64 = (64 + 2) << 20;
 
-/// The limit that leaves least.
+/// The most restrictive of all memory limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Room {
     /// Bytes that a run may be predicted to need.
@@ -22,7 +22,7 @@ pub struct Room {
     whose: Whose,
 }
 
-/// Who limits the memory.
+/// Origin of a memory limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Whose {
     User,
@@ -35,13 +35,14 @@ enum Whose {
 }
 
 impl Room {
-    /// The least of `asked`, which stands in place of what the machine has, and of the limits of the process, less what it has taken.
+    /// Returns the least limit: `asked` (in place of the machine's memory), control groups, and limits of the process less what it has
+    /// taken; `None` if there are none.
     pub fn least(asked: Option<u64>) -> Option<Self> {
         let own = |limit: u64, whose| Self { bytes: limit, limit, whose };
         let share = |limit: u64, whose| Self { bytes: (SHARE * limit as f64) as u64, limit, whose };
         let of_process = |name, taken, whose| {
             let limit = process_limit(&read("/proc/self/limits")?, name)?;
-            // what the program itself takes is there already
+            // PROGRAM is part of the prediction, and is taken already
             let left = limit.saturating_sub(status(&read("/proc/self/status")?, taken)?) + PROGRAM as u64;
             Some(Self { bytes: left.min(limit), limit, whose })
         };
@@ -59,7 +60,7 @@ impl Room {
         all.into_iter().flatten().min_by_key(|room| room.bytes)
     }
 
-    /// Why a run of more `bytes` is refused.
+    /// Reason for which a larger run is refused: the limit and its origin.
     pub fn why(&self) -> String {
         let limit = bytes(self.limit);
         match self.whose {
@@ -71,7 +72,7 @@ impl Room {
         }
     }
 
-    /// What there is to raise.
+    /// Advice to raise the limit.
     pub fn raise(&self) -> &'static str {
         match self.whose {
             Whose::User | Whose::Machine => "raise --max-memory",
@@ -82,12 +83,12 @@ impl Room {
     }
 }
 
-/// Most bytes that reading a geometry file may take.
+/// Largest number of bytes that reading a geometry file may take.
 pub fn memory_for_files(limit: Option<u64>) -> Option<u64> {
     Room::least(limit).map(|room| room.bytes)
 }
 
-/// Most threads whose stacks and heaps leave a run the larger part of the address space; results do not depend on it.
+/// Largest number of threads whose stacks and heaps leave a run most of the address space; results do not depend on it.
 pub fn most_threads() -> usize {
     let left = || {
         let limit = process_limit(&read("/proc/self/limits")?, "Max address space")?;
@@ -100,12 +101,12 @@ fn read(path: &str) -> Option<String> {
     std::fs::read_to_string(path).ok()
 }
 
-/// The soft limit of this name, in bytes; none where it is "unlimited".
+/// Returns the soft limit of this name, in bytes; `None` if it is "unlimited".
 fn process_limit(limits: &str, name: &str) -> Option<u64> {
     limits.lines().find_map(|line| line.strip_prefix(name))?.split_whitespace().next()?.parse().ok()
 }
 
-/// An entry of a status or of the machine's memory, in bytes.
+/// Returns an entry of a status or of the machine's memory, in bytes.
 fn status(text: &str, name: &str) -> Option<u64> {
     let entry = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(':'))?;
     entry.split_whitespace().next()?.parse::<u64>().ok()?.checked_mul(1024)
@@ -116,9 +117,9 @@ fn physical_memory() -> Option<u64> {
     status(&read("/proc/meminfo")?, "MemTotal")
 }
 
-/// The least limit of the control groups that `groups` (/proc/self/cgroup) names and of those around them, of version 2 and 1.
+/// Returns the least limit of the control groups in `groups` (/proc/self/cgroup) and of their parents, of version 2 and 1.
 ///
-/// A container may see its own group as the root: a group that is not there is passed over.
+/// A container may see its own group as the root: a group that does not exist is skipped.
 fn group_limit(groups: &str, root: &Path) -> Option<u64> {
     let limits = groups.lines().flat_map(|line| {
         let mut parts = line.splitn(3, ':').skip(1);
@@ -165,7 +166,7 @@ mod tests {
         assert_eq!(limit("0::/job/step\n"), Some(500_000_000));
         write("job/step/memory.max", "200000000\n");
         assert_eq!(limit("0::/job/step\n"), Some(200_000_000));
-        // a container in version 1: its group is mounted as the root, and the path leads nowhere
+        // a container in version 1: its group is mounted as the root, and the path does not exist
         write("memory/memory.limit_in_bytes", "300000000\n");
         assert_eq!(limit("5:cpu,cpuacct:/x\n4:memory:/docker/12ab\n"), Some(300_000_000));
         write("memory/memory.limit_in_bytes", "9223372036854771712\n");

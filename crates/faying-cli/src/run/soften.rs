@@ -1,4 +1,4 @@
-//! Softness of the rows of a model, and the contact solver that goes with it.
+//! Compliance of the rows of a model, and the solution of contact systems with it.
 
 use crate::build::{Formulation, Model};
 use crate::watch::{Progress, Watch};
@@ -9,19 +9,19 @@ use faying::constraint::{
 use faying::contact::Contact;
 use faying::coupling::Rows;
 
-/// What is soft in a model: gap / lambda per row.
+/// Compliance of the rows of a model: gap / lambda per row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Softness {
-    /// Of penalties; empty: all rows are exact.
+    /// Compliance of penalty rows and rows of Nitsche's method; empty if all rows are exact.
     pub compliance: Vec<f64>,
-    /// Of the rows that an augmented Lagrangian makes exact; empty: there are none.
+    /// Compliance of the rows that an augmented Lagrangian makes exact; empty if there are none.
     augmented: Vec<f64>,
-    /// Error of the multipliers at which its iteration ends.
+    /// Error of the multipliers at which the augmented Lagrangian iteration ends.
     tolerance: f64,
 }
 
 impl Softness {
-    /// Of all ties and contacts, by the stiffness of the bodies, which supports do not change.
+    /// Computes the compliance of all ties and contacts from the stiffness of the bodies without supports.
     pub fn of<const S: usize, const N: usize>(
         model: &Model<S, N>,
         matrices: &Blocks<'_>,
@@ -48,7 +48,7 @@ impl Softness {
                     soft.tolerance = soft.tolerance.min(tolerance);
                     soften(&mut soft.augmented, range, factor);
                 }
-                // rows at points bring their own
+                // rows of Nitsche's method have their own compliance
                 Formulation::Lagrange | Formulation::Nitsche(_) => {}
             }
         }
@@ -66,11 +66,11 @@ impl Softness {
         self.augmented.is_empty()
     }
 
-    /// Solves a system with contact rows by `set`, made exact where the model asks for an augmented Lagrangian. `eased`: contact rows of
-    /// points whose first state says nothing about the answer.
+    /// Solves a system with contact rows by `set`, with an augmented Lagrangian iteration if the model asks for it. `eased`: contact rows
+    /// at points whose initial active set is arbitrary.
     ///
     /// # Errors
-    /// Those of the active set and of [`Proximal`].
+    /// Errors of the active set and of [`Proximal`].
     pub fn solve(
         &self,
         set: &mut ActiveSet<Box<dyn ConstraintSolver>>,
@@ -82,33 +82,33 @@ impl Softness {
         if self.augmented.is_empty() {
             return inner.solve(system);
         }
-        // rows that have no weight cannot be softened, and face nothing
+        // rows without weight get no compliance; they face nothing
         Proximal { tolerance: self.tolerance, ..Proximal::new(inner, self.augmented.clone()) }.solve(system)
     }
 }
 
-/// Iterations after which a first state with points is taken for a bad one.
+/// Iterations after which an initial active set with points is considered a bad one.
 const PATIENCE: usize = 10;
-/// How much softer than they are rows of points are made on the way to a good first state.
+/// Factors, in turn, on the compliance of rows at points on the way to a good initial active set.
 const SOFTER: [f64; 4] = [1e4, 1e3, 1e2, 1e1];
 
-/// An active set that tells of its iterations; solved again it starts from where it ended.
+/// Active set that reports its iterations; solved again it starts from its last set.
 ///
-/// A set of points that is far too large, such as all of them, is peeled a few points per iteration: where bodies part, the fields
-/// of the too large zone oscillate. Softer rows do not: each is open or closed by its own gap. Where points do not settle soon, they
-/// settle on softer rows first, from each softness to the next.
+/// A set of points that is far too large, such as all of them, loses only a few points per iteration: where bodies separate, the fields of
+/// the too large zone oscillate. Rows with more compliance do not: each is open or closed by its own gap. If the set of points does not
+/// converge soon, it is found with large compliance first, which is then reduced in steps.
 #[derive(Debug)]
 struct Watched<'a> {
     set: &'a mut ActiveSet<Box<dyn ConstraintSolver>>,
     watch: &'a Watch,
-    /// Rows that are made softer on the way; empty: none.
+    /// Rows with larger compliance at first; empty if there are none.
     eased: Vec<bool>,
-    /// Linear systems so far.
+    /// Iterations so far.
     done: usize,
 }
 
 impl Watched<'_> {
-    /// The active set from where it stands, at most `most` iterations of it.
+    /// Runs at most `most` iterations of the active set from its present state.
     fn run(&mut self, system: &ConstrainedSystem<'_>, most: usize) -> Result<ConstrainedSolution, SolveError> {
         let (watch, done, limit) = (self.watch, self.done, self.set.max_iterations);
         let mut last = 0;
@@ -131,7 +131,7 @@ impl Watched<'_> {
     }
 }
 
-/// The last state of an iteration that did not settle; of others the error itself.
+/// Returns the last state of an iteration that did not converge; other errors are passed on.
 fn unsettled(error: SolveError) -> Result<Option<Box<ConstrainedSolution>>, SolveError> {
     match error {
         SolveError::TooManyIterations { best, .. } | SolveError::Cycling { best, .. } => Ok(Some(best)),

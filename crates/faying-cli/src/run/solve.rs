@@ -1,4 +1,4 @@
-//! Assembling and solving the system of a model at a time.
+//! Assembly and solution of the system of a model at a given time.
 
 use super::at_rest::at_rest;
 use super::integrate::on_trace;
@@ -17,7 +17,7 @@ use faying::contact::{Contact, ContactError};
 use faying::coupling::{CouplingError, Rows};
 use faying::linalg::{Csr, LinearError};
 
-/// Sign case of rows without one: ties, and contact rows that face nothing.
+/// Sign case of rows without one: of ties, and of contact rows that face nothing.
 pub(super) const NO_CONTACT: u8 = 9;
 
 /// The solution of a step.
@@ -29,13 +29,13 @@ pub struct StepState<const S: usize, const N: usize> {
     pub u: Vec<f64>,
     /// One multiplier per row: coefficients of lambda.
     pub lambda: Vec<f64>,
-    /// What the solver found for every row: of contacts the variables of their cone, lambda = T mu; of ties lambda.
+    /// Solver's variables per row: for contacts mu with lambda = T mu, the variables of their cone; for ties lambda.
     pub mu: Vec<f64>,
     /// Whether each row is enforced.
     pub active: Vec<bool>,
     /// Rows, weights and points of every contact part at this time.
     pub contacts: Vec<Vec<Contact<S, N>>>,
-    /// What supports do to the bodies, per unknown.
+    /// Forces of the supports on the bodies, per unknown.
     pub support: Vec<f64>,
     /// Sum of all loads, springs included.
     pub load: Resultant,
@@ -43,19 +43,19 @@ pub struct StepState<const S: usize, const N: usize> {
     pub free: usize,
     /// Relative residual.
     pub residual: f64,
-    /// Condition of the scaled system, where a factor tells it.
+    /// Condition number of the scaled system, if a factor provides it.
     pub condition: Option<f64>,
-    /// What was done, in words.
+    /// Description of the method.
     pub method: String,
-    /// Iterations of the linear algebra, 0 where all was done by factors.
+    /// Iterations of the linear algebra, 0 if everything was done by factors.
     pub iterations: usize,
-    /// The active set, where there is contact.
+    /// The active set, if there is contact.
     pub active_set: Option<faying::constraint::ActiveSetReport>,
-    /// Sign case 0 to 8 of every row; 9 for rows of ties.
+    /// Sign case 0 to 8 of every row; 9 for rows of ties and rows that face nothing.
     pub sign_case: Vec<u8>,
 }
 
-/// Why a step has no solution.
+/// Error of a step without a solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError {
@@ -74,7 +74,7 @@ pub enum StepError {
     /// No contact pressure balances the loads.
     #[error("infeasible load: {what}")]
     Infeasible {
-        /// Which body moves which way, and what force is missing.
+        /// Description of the bodies that move, their motions, and the missing forces.
         what: String,
     },
     /// The system was not solved.
@@ -83,15 +83,15 @@ pub enum StepError {
     /// Obstacles that forces press did not come to rest.
     #[error("an obstacle that a force presses does not come to rest: contact was built at {places} places")]
     Obstacle {
-        /// At how many places.
+        /// Number of positions at which contact was built.
         places: usize,
     },
 }
 
-/// A step that was not solved, with the last state, where there is one.
+/// A step that was not solved, with the last state, if there is one.
 #[derive(Debug)]
 pub struct Unsolved<const S: usize, const N: usize> {
-    /// Why.
+    /// The error.
     pub error: StepError,
     /// The last state computed.
     pub last: Option<Box<StepState<S, N>>>,
@@ -105,11 +105,11 @@ impl<const S: usize, const N: usize, E: Into<StepError>> From<E> for Unsolved<S,
 
 /// Solves the model at time `t` with the matrices of its bodies at that time.
 ///
-/// The active set starts as it ended in `before`. Where that leads nowhere it starts again as the case says: a set that holds a
-/// body in one step may leave it free in the next.
+/// The active set starts as it ended in `before`. If that fails, it starts again as the case says: a set that holds a body in one step may
+/// leave it free in the next.
 ///
 /// # Errors
-/// [`Unsolved`], with the last state of an active set that did not settle or that `watch` stopped.
+/// [`Unsolved`], with the last state of an active set that did not converge or that `watch` stopped.
 pub fn step<const S: usize, const N: usize>(
     model: &Model<S, N>,
     matrices: &Matrices,
@@ -128,7 +128,7 @@ pub fn step<const S: usize, const N: usize>(
     }
 }
 
-/// Solves the system with obstacles where `place` says, the active set started as it ended in `before`.
+/// Solves the system with obstacles displaced by their entries of `place`, the active set started as it ended in `before`.
 pub(super) fn once<const S: usize, const N: usize>(
     model: &Model<S, N>,
     matrices: &Matrices,
@@ -181,7 +181,7 @@ pub(super) fn once<const S: usize, const N: usize>(
         active_set.elements.clone_from(&system.elements);
         active_set.max_iterations = model.max_iterations;
         active_set.c = model.c;
-        // where no pressure balances the loads, no step back leads anywhere
+        // backtracking does not help if no pressure balances the loads
         active_set.retreat = missing.is_none();
         softness.solve(active_set, &constrained, system.eased.clone(), watch)
     } else {
@@ -217,7 +217,7 @@ pub(super) fn once<const S: usize, const N: usize>(
     }
 }
 
-/// Why no contact pressure balances the loads, where that is so.
+/// Message of an infeasible load, which no contact pressure balances; `None` if one does.
 fn unheld_load<const S: usize, const N: usize>(
     model: &Model<S, N>,
     system: &System<S, N>,
@@ -243,7 +243,7 @@ fn finished<const S: usize, const N: usize>(
     let b = system.reaction.as_ref().unwrap_or(&system.rows);
     let mut support = reduced.residual(matrices, load, &[&b.slave, &b.master], &solution.multipliers, &u);
     model.glued.gather(&mut support);
-    // springs pull back
+    // restoring forces of the springs
     for spring in &model.springs {
         let field = model.patches[spring.side.patch].field;
         super::integrate::over_side(&spring.side, |e, xi, x, _, ds| {

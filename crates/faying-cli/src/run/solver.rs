@@ -1,4 +1,4 @@
-//! The constraint solver of a run, and what it is asked once to learn what it can do.
+//! Constraint solver of a run, and small systems that test its capabilities.
 
 use super::system::empty;
 use crate::case;
@@ -7,19 +7,19 @@ use crate::watch::Watch;
 use faying::constraint::{ActiveSet, ConstrainedSystem, ConstraintSolver, RowKind, SolveError};
 use faying::linalg::{Csr, Limits};
 
-/// The constraint solver of a run: what it learnt from a step serves the next ones.
+/// Constraint solver of a run, reused from step to step.
 #[derive(Debug)]
 pub struct Solver {
     pub(super) set: ActiveSet<Box<dyn ConstraintSolver>>,
-    /// Whether the solver inside decides contact rows itself: then it is no part of an active set.
+    /// Whether the inner solver handles contact rows itself, without the active set.
     pub(super) decides: bool,
 }
 
 impl Solver {
-    /// The solver that `wanted` names, stopped by `watch`. One that refuses contact rows gets an active set around it.
+    /// Creates the solver that `wanted` names, cancelled by `watch`, inside of an active set for contact rows it does not handle.
     ///
     /// # Errors
-    /// [`Fault`] where the registry has none of this name, or the name and the other keys do not go together.
+    /// [`Fault`] if the registry has none of this name, or the name and the other keys do not go together.
     pub fn new(registry: &Registry, wanted: &case::Solver, watch: &Watch) -> Result<Self, Fault> {
         let make = registry.solvers.get(solver_name(&wanted.constraint.value)).map_err(|e| Fault::new("E015", e.to_string()))?;
         let limits = Limits {
@@ -32,7 +32,7 @@ impl Solver {
         Ok(Self { set: ActiveSet::new(inner), decides })
     }
 
-    /// Whether the solver refuses systems whose reaction differs from the constraint: asked of a system with one row.
+    /// Whether the solver refuses systems whose reaction differs from the constraint, tested by a system with one row.
     pub fn needs_symmetry(&mut self) -> bool {
         let (mut rows, stiffness) = (empty(1, 2), Csr::from_parts(2, vec![0, 1, 2], vec![0, 1], vec![1.0; 2]));
         rows.slave.push(0, 0, 1.0);
@@ -50,7 +50,7 @@ impl Solver {
         matches!(self.set.inner.solve(&system), Err(SolveError::NotSymmetric))
     }
 
-    /// Whether the solver refuses soft rows of which there are more than unknowns: asked of two rows on one unknown.
+    /// Whether the solver refuses more compliant rows than unknowns, tested by two rows on one unknown.
     pub fn needs_independent_rows(&mut self) -> bool {
         let (mut rows, stiffness) = (empty(2, 1), Csr::from_parts(1, vec![0, 1], vec![0], vec![1.0]));
         rows.slave.push(0, 0, 1.0);
@@ -68,7 +68,7 @@ impl Solver {
     }
 }
 
-/// Whether a solver answers contact rows: asked of two springs pushed by 2 and 0, the first towards a wall at distance 1.
+/// Whether a solver handles contact rows, tested by two springs pushed by 2 and 0, the first towards a wall at distance 1.
 fn decides_contact(solver: &mut dyn ConstraintSolver) -> bool {
     let (mut rows, stiffness) = (empty(1, 2), Csr::from_parts(2, vec![0, 1, 2], vec![0, 1], vec![1.0; 2]));
     rows.slave.push(0, 0, -1.0);

@@ -1,4 +1,4 @@
-//! The first guess of which contact rows are closed.
+//! Initial guess of the closed contact rows.
 
 use super::solve::{NO_CONTACT, StepState};
 use crate::build::{ContactModel, Model, floating};
@@ -9,7 +9,7 @@ use faying::coupling::Rows;
 /// Gaps below this share of the lengths they come from count as zero.
 const ZERO: f64 = 1e-12;
 
-/// The first guess row by row.
+/// Initial guess row by row.
 pub(super) struct Guess<'a, const S: usize, const N: usize> {
     model: &'a Model<S, N>,
     before: Option<&'a StepState<S, N>>,
@@ -20,12 +20,12 @@ pub(super) struct Guess<'a, const S: usize, const N: usize> {
 }
 
 impl<'a, const S: usize, const N: usize> Guess<'a, S, N> {
-    /// All closed; `before`: the step whose active rows are the guess.
+    /// Starts with all rows closed; `before`: the step whose active rows are the guess.
     pub fn new(model: &'a Model<S, N>, before: Option<&'a StepState<S, N>>) -> Self {
         Self { model, before, closed: vec![true; model.rows], auto: Vec::new() }
     }
 
-    /// Gaps of round-off: bodies that touch have gaps within a share of the lengths these come from.
+    /// Round-off of a gap, as a fraction of the lengths it is computed from.
     fn rounding(&self) -> f64 {
         ZERO * self.model.size.max(self.model.center.norm())
     }
@@ -47,19 +47,19 @@ impl<'a, const S: usize, const N: usize> Guess<'a, S, N> {
                     z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
                     (z ^ (z >> 31)) & 1 == 1
                 }
-                // of `auto`: `close_nearest` decides
+                // for `auto`, `close_nearest` decides
                 _ => false,
             },
         };
     }
 
-    /// What the step before says of a row; rows that faced nothing say nothing.
+    /// Returns the state of a row in the step before; `None` if it faced nothing there.
     fn known(&self, row: usize) -> Option<bool> {
         self.before.filter(|b| b.sign_case[row] != NO_CONTACT).map(|b| b.active[row])
     }
 
-    /// Closes the rows that `start = "auto"` closes: the quarter of least gap at rest, with all whose gap is the same, and of every body
-    /// that floats the one of least gap where no other row holds it.
+    /// Closes rows for `start = "auto"`: the quarter of least gap at rest, with all of the same gap, and for every floating body that no
+    /// other row holds those of its least gap.
     pub fn close_nearest(&mut self, rows: &Rows) {
         if self.auto.is_empty() {
             return;

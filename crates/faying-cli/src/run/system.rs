@@ -1,4 +1,4 @@
-//! The rows of all ties and contacts as one system, and the first guess of which contacts are closed.
+//! Rows of all ties and contacts as one system, and the initial guess of the closed contacts.
 
 use super::solve::{StepError, StepState};
 use super::start::Guess;
@@ -18,7 +18,7 @@ pub(super) struct System<const S: usize, const N: usize> {
     pub(super) start: Vec<bool>,
     /// Rows whose multiplier functions share an element of the slave side, one list per element.
     pub(super) elements: Vec<Vec<usize>>,
-    /// Rows of points that start closed whatever their gap is.
+    /// Rows at points that start closed whatever their gap is.
     pub(super) eased: Vec<bool>,
     pub(super) contacts: Vec<Vec<Contact<S, N>>>,
 }
@@ -33,9 +33,10 @@ fn append(sum: &mut Rows, part: &Rows, first: usize) {
 }
 
 impl<const S: usize, const N: usize> System<S, N> {
-    /// `before`: the step whose active rows are the first guess.
+    /// Builds the rows at time `t`.
     ///
-    /// `place`: unknowns that say where obstacles are that forces press; none: at rest.
+    /// `before`: step whose active rows are the initial guess; `place`: unknowns with the displacements of force-driven obstacles (`None`:
+    /// zero).
     pub(super) fn of(model: &Model<S, N>, t: f64, before: Option<&StepState<S, N>>, place: Option<&[f64]>) -> Result<Self, StepError> {
         let m = model.rows;
         let mut rows = empty(m, model.unknowns);

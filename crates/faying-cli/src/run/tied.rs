@@ -1,4 +1,4 @@
-//! lambda of a tie at any point of its slave side: of its multiplier, or where it has none, what its coupling makes of the fluxes.
+//! lambda at any point of a tie's slave side: by its multiplier, or without one by its coupling from the fluxes.
 
 use super::report::{component_rows, multiplier_at};
 use super::solve::StepState;
@@ -10,11 +10,11 @@ use faying::linalg::Vector;
 use faying::space::Space;
 use std::sync::Arc;
 
-/// What is needed beside the state to evaluate lambda of a tied part at a time.
+/// Evaluator of lambda of a tied part at a given time.
 #[derive(Debug)]
 pub struct TieField<const S: usize, const N: usize>(Option<WithoutRows<S, N>>);
 
-/// The fluxes at the time, and the masters to find partners on.
+/// Fluxes at the time, and the search for partners on the masters.
 #[derive(Debug)]
 struct WithoutRows<const S: usize, const N: usize> {
     fluxes: Fluxes<S, N>,
@@ -22,14 +22,14 @@ struct WithoutRows<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> TieField<S, N> {
-    /// lambda of `part` at time `t`.
+    /// Creates the evaluator of `part` at time `t`.
     pub fn of(model: &Model<S, N>, part: &TiePart<S, N>, t: f64) -> Self {
         let closest = |p: &crate::build::Pairing<S, N>| ClosestPoint::new(Arc::clone(&p.master.trace.space));
         let without = || WithoutRows { fluxes: part.fluxes(model, t), masters: part.pairings.iter().map(closest).collect() };
         Self(part.multipliers.is_empty().then(without))
     }
 
-    /// At the points of the segments with master `k`: `[component][point]`.
+    /// Returns lambda at the points of the segments with master `k`: `[component][point]`.
     pub fn on_segments(&self, model: &Model<S, N>, part: &TiePart<S, N>, state: &StepState<S, N>, k: usize) -> Vec<Vec<f64>> {
         if let Some(own) = &self.0 {
             return part.numerical_flux(model, k, &own.fluxes, None, &state.u);
@@ -42,7 +42,7 @@ impl<const S: usize, const N: usize> TieField<S, N> {
         (0..rows.len()).map(|c| (0..s.num_pieces()).flat_map(|piece| on_piece(c, piece)).collect()).collect()
     }
 
-    /// At local points of a slave element: `[component][point]`.
+    /// Returns lambda at local points of a slave element: `[component][point]`; NaN without a partner.
     pub fn at(
         &self,
         model: &Model<S, N>,

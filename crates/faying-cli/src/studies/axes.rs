@@ -1,4 +1,4 @@
-//! What a study varies, and the rows that follow.
+//! Axes of a study, and the rows that they span.
 
 use super::choice::{Degrees, Vary};
 use super::rows::{Base, Spec, slaves};
@@ -9,12 +9,12 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Most rows of a study.
 pub const MOST_ROWS: usize = 10_000;
 
-/// Everything a study varies; an empty list leaves what is written.
+/// Axes of a study; an empty list leaves the case as written.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Axes {
     /// Names of backends, `SLAVE+MASTER` for one on slave patches and the other elsewhere.
     pub backends: Vec<String>,
-    /// Whether a case that mixes backends has a row as it is written, before `backends`.
+    /// Whether a case with several backends has a row as written, before `backends`.
     pub as_written: bool,
     /// Degrees.
     pub degrees: Degrees,
@@ -30,7 +30,7 @@ pub struct Axes {
     pub vary: Vec<Vary>,
 }
 
-/// The entries of an axis, or once nothing where it is empty.
+/// The entries of an axis, or a single `None` if it is empty.
 fn each<T: Clone>(values: &[T]) -> Vec<Option<T>> {
     if values.is_empty() { vec![None] } else { values.iter().cloned().map(Some).collect() }
 }
@@ -40,12 +40,12 @@ impl Axes {
     /// values of its keys gives rows that cannot be read either.
     ///
     /// # Errors
-    /// The number of combinations where it is more than [`MOST_ROWS`].
+    /// The number of combinations if it is more than [`MOST_ROWS`].
     pub fn rows(&self, base: &Base<'_>, registry: &Registry) -> Result<Vec<Spec>, usize> {
         let lists = [self.backends.len() + 1, self.pairings.len(), self.integrations.len(), self.extra_points.len(), self.levels];
         let lists = lists.into_iter().chain(self.vary.iter().map(|v| v.values.len()));
         let most = lists.map(|n| n.max(1)).try_fold(1_usize, usize::checked_mul).unwrap_or(usize::MAX);
-        // degrees and the row as written make it more or less by a small factor, which is looked at below
+        // degrees and the row as written change this by a small factor; the exact number is checked below
         if most > 2 * MOST_ROWS {
             return Err(most);
         }
@@ -80,7 +80,7 @@ impl Axes {
         Ok(rows)
     }
 
-    /// Backend, position on the axis of degrees, and what they change; none is known of a case that cannot be read.
+    /// Backend, position on the axis of degrees, and their changes; for a case that cannot be read, changes of all patches alone.
     fn discretizations(&self, written: Option<&Case>, registry: &Registry) -> Vec<(Option<String>, usize, Changes)> {
         let mut list = Vec::new();
         let mixed = written.is_some_and(mixes);
@@ -121,7 +121,7 @@ impl Axes {
     }
 }
 
-/// The backend that a row wants of every block of patches, by the name of the block.
+/// The backend that a row requests for every block of patches, by the name of the block.
 fn wanted(backend: Option<&str>, case: &Case, slave: &[bool]) -> Vec<(String, String)> {
     let on_slaves: BTreeSet<&str> = case.patches.iter().zip(slave).filter(|(_, slave)| **slave).map(|(p, _)| block(&p.name)).collect();
     let mut known = BTreeSet::new();
@@ -141,7 +141,7 @@ fn wanted(backend: Option<&str>, case: &Case, slave: &[bool]) -> Vec<(String, St
     list
 }
 
-/// What becomes of it: blocks that are read from a mesh stay as they are.
+/// The backend that every block of patches gets: that of [`wanted`], except that blocks read from a mesh keep theirs.
 fn used_by(backend: Option<&str>, case: &Case, slave: &[bool]) -> Vec<(String, String)> {
     let read = case.patches.iter().filter(|p| p.geometry.shape.part().is_some_and(FilePart::is_mesh));
     let stay: BTreeMap<&str, &str> = read.map(|p| (block(&p.name), p.discretization.backend.value.as_str())).collect();

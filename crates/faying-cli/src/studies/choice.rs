@@ -1,6 +1,6 @@
 //! Values on the axes of a study as words: lists, keys with values, degrees.
 
-/// The first value that stands twice in a list.
+/// The first value that occurs twice in a list.
 pub fn repeated<T: PartialEq>(values: &[T]) -> Option<&T> {
     values.iter().enumerate().find_map(|(k, value)| values[..k].contains(value).then_some(value))
 }
@@ -18,7 +18,7 @@ impl Vary {
     /// Reads `KEY=v1,v2`; commas inside brackets, braces and quotes belong to a value.
     ///
     /// # Errors
-    /// What is wrong, in words.
+    /// A message.
     pub fn parse(text: &str) -> Result<Self, String> {
         let wrong = || format!("`{text}` is not KEY=v1,v2, such as patch.lower.degree=2,3");
         let (key, values) = text.split_once('=').ok_or_else(wrong)?;
@@ -66,7 +66,7 @@ impl Degrees {
     /// Adds `1,2,3` or `iga:2,3,4`.
     ///
     /// # Errors
-    /// What is wrong, in words.
+    /// A message.
     pub fn add(&mut self, text: &str) -> Result<(), String> {
         let wrong = || format!("`{text}` is no list of degrees, such as 1,2,3 or iga:2,3,4");
         let (backend, list) = match text.split_once(':') {

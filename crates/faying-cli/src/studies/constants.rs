@@ -4,7 +4,7 @@ use super::study::Study;
 use crate::plot::{StudyGroup, StudyLine, StudyPanel};
 use faying::coupling::inf_sup::ZERO;
 
-/// Constants that are zero are drawn at this part of the smallest that is not.
+/// Zero constants are drawn at this share of the smallest positive one.
 const BELOW: f64 = 0.1;
 
 /// A line per pair and side, with its verdict.
@@ -15,7 +15,7 @@ pub(super) fn group(all: &Study) -> StudyGroup {
     let (mut lines, mut points) = (Vec::new(), Vec::new());
     for line in all.lines() {
         let first = &all.rows[line[0]];
-        // the name of the pair stands in the label already where it varies
+        // the label has the name of the pair already if it varies
         let pairing = if first.spec.changes.pairing.is_some() { String::new() } else { format!(", {}", first.pairing) };
         let verdict = line.iter().find_map(|&k| all.rows[k].verdict.as_deref()).map_or(String::new(), |v| format!(": {v}"));
         let mut found = Vec::new();

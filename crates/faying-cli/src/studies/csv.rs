@@ -1,4 +1,4 @@
-//! `study.csv`: the names of the rows in `result.json` with dots, errors and rates as the quantities they are.
+//! `study.csv`: columns named as in the rows of `result.json`, with dots; errors and rates by their quantities.
 
 use super::rows::Row;
 use super::study::{Study, names_of, word};
@@ -47,7 +47,7 @@ impl Study {
     }
 }
 
-/// Where a row stands and how large it is.
+/// Cells of a row for its position on the axes and its size.
 fn place(row: &Row) -> Vec<String> {
     let r = &row.result;
     let built = r.geometry.elements > 0;

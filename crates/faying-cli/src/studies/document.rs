@@ -6,7 +6,7 @@ use crate::json;
 use serde_json::{Map, Value, json};
 
 impl Study {
-    /// The JSON document, which says that `files` were written.
+    /// The JSON document, with `files` as the names of the written files.
     pub fn to_json(&self, files: &[String]) -> String {
         let (errors, warnings) = self.messages();
         let rows: Vec<Value> = self.rows.iter().map(member).collect();
@@ -45,7 +45,7 @@ impl Study {
     }
 }
 
-/// One row: its place, what its run says, what the study adds.
+/// One row: its position on the axes, the results of its run, the additions of the study.
 fn member(row: &Row) -> Value {
     let r = &row.result;
     let or_null = |text: &str| if text.is_empty() { Value::Null } else { json!(text) };

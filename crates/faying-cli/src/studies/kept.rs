@@ -1,7 +1,7 @@
-//! `rows.json`: every row of a study with what it was made of, for `--resume`.
+//! `rows.json`: every row of a study with a key of its inputs, for `--resume`.
 //!
-//! A row is known by a hash of everything that decides about it: version, command, text of the case, options, its place on the axes, bytes
-//! of the files that the case names. What was solved comes back with the same bits; what a limit ended is solved again.
+//! The key of a row is a hash of everything that determines it: version, command, text of the case, options, its place on the axes,
+//! bytes of the files that the case names. Solved rows are restored bit for bit; rows that a limit ended are solved again.
 
 use super::rows::{Base, Row, Spec};
 use crate::case::{Case, sha256};
@@ -22,7 +22,7 @@ pub struct Kept {
     rows: BTreeMap<String, Vec<Value>>,
 }
 
-/// What a row is known by; none where its case cannot be read.
+/// Key of a row, a SHA-256 of its inputs; `None` if its case cannot be read.
 pub(super) fn key(command: &str, base: &Base<'_>, spec: &Spec, case: Option<&Case>) -> Option<String> {
     let case = case?;
     let options = &base.options;
@@ -63,7 +63,7 @@ pub(super) fn text(rows: &[Row], keys: &[Option<String>]) -> String {
 }
 
 impl Kept {
-    /// Reads the file; none where it is not ours.
+    /// Reads the file; `None` if it is not a file of this schema.
     pub fn read(text: &str) -> Option<Self> {
         let document: Value = serde_json::from_str(text).ok()?;
         if document["schema"] != SCHEMA {
@@ -86,7 +86,7 @@ impl Kept {
         self.rows.is_empty()
     }
 
-    /// The rows of a key, where all of them were finished.
+    /// The rows of a key; `None` unless all of them are there and were finished.
     pub(super) fn rows(&self, key: &Option<String>, command: &str, spec: &Spec, base: &Base<'_>) -> Option<Vec<Row>> {
         let stored = self.rows.get(key.as_ref()?)?;
         stored.iter().map(|stored| row(stored, command, spec, base)).collect()
@@ -120,7 +120,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(f64::NAN)
 }
 
-/// What a study reads of a result that ended by itself; what only its document says stays there.
+/// The members of a finished result that a study reads; the others stay in the document alone. `None` if it was not finished.
 fn result(document: &Value, command: &str, name: &str) -> Option<RunResult> {
     let mut result = RunResult::new(command, name);
     result.status = match document["status"].as_str()? {

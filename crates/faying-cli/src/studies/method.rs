@@ -1,39 +1,39 @@
-//! What solves a row of a study: a run, or whatever else looks at a case and answers with numbers.
+//! Methods that solve a row of a study: a run, or another computation on a case.
 
 use super::rows::Row;
 use crate::case::Case;
 use crate::registry::Registry;
 use crate::watch::Watch;
 
-/// What a command does with the case of every row.
+/// Computation of a command on the case of every row.
 pub trait Method {
-    /// Solves `case`, which `row` describes: the row with its numbers, or several copies of it with one answer each. What fails is a
-    /// status of the row.
+    /// Solves `case`, which `row` describes: returns the row with its numbers, or several copies of it with one result each. Failures are
+    /// reported by the status of the row.
     fn solve(&self, row: Row, case: &Case, watch: &Watch) -> Vec<Row>;
 
-    /// Looks at all rows together, in the order of the table; `case` is the case as written. Changes nothing unless a method says so.
+    /// Evaluates all rows together, in the order of the table; `case` is the case as written. Changes nothing by default.
     fn judge(&self, _rows: &mut [Row], _case: &Case) {}
 
-    /// What all rows together say, in sentences; after [`Method::judge`].
+    /// Sentences on all rows together; called after [`Method::judge`].
     fn notes(&self, _rows: &[Row]) -> Vec<String> {
         Vec::new()
     }
 
-    /// The options that decide about its answers: rows of an earlier study are kept where they agree.
+    /// The options that affect its results: rows of an earlier study are kept if they agree.
     fn options(&self) -> String {
         String::new()
     }
 
-    /// Whether rows answer the probes of the case and the quantities that a study adds to them.
+    /// Whether rows evaluate the probes of the case and the quantities that a study adds to them.
     fn answers_quantities(&self) -> bool {
         true
     }
 }
 
-/// Every row is a run without its fields.
+/// Method of runs: every row is a run without its fields.
 #[derive(Clone, Copy, Debug)]
 pub struct Runs<'a> {
-    /// The names of the case.
+    /// The registry of names.
     pub registry: &'a Registry,
 }
 

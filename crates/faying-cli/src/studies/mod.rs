@@ -1,8 +1,8 @@
 //! Studies: one case solved several times, a row each, in one table.
 //!
-//! A row is the case read again with [`Changes`](crate::case::Changes) and solved by a [`Method`]: the code of `run`, or another look at
-//! the case. A study is the list of rows that its [`Axes`] span, and what is asked of them; every command on studies shares the rows,
-//! the table, the files.
+//! A row is the case read again with [`Changes`](crate::case::Changes) and solved by a [`Method`]: the code of `run`, or another
+//! computation. A study is the list of rows that its [`Axes`] span, and the quantities to evaluate; all commands on studies share the
+//! rows, the table, the files.
 
 mod axes;
 mod choice;

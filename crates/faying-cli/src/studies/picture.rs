@@ -1,4 +1,4 @@
-//! The picture of a study: which lines and panels show what it is about.
+//! The picture of a study: choice of its lines and panels.
 
 use super::constants;
 use super::quantities::Asked;
@@ -10,7 +10,7 @@ use crate::plot::{Axis, MOST_LINES, PlotError, StudyGroup, StudyLine, StudyPanel
 const FLOOR: f64 = 1e-17;
 /// Most errors or quantities that a group shows.
 const MOST_PANELS: usize = 6;
-/// Values that are further apart than this factor stand on a logarithmic axis.
+/// Values further apart than this factor are shown on a logarithmic axis.
 const WIDE: f64 = 30.0;
 
 /// Rows that make one line, by its name.
@@ -75,7 +75,7 @@ pub(super) fn lines_over_points(s: &Study) -> Vec<Line> {
 pub(super) fn lines_over_values(s: &Study) -> Vec<Line> {
     grouped(s, finest(s), |row| {
         let vary = row.spec.vary.iter().skip(1).cloned().collect();
-        // the degree of a row may be what varies
+        // the first key may be the degree
         let degree = if row.spec.changes.degree.is_some() { row.degree.as_str() } else { "" };
         Spec { vary, ..row.spec.clone() }.label(degree)
     })
@@ -90,7 +90,7 @@ pub(super) fn errors_in_order(s: &Study) -> Vec<String> {
     errors
 }
 
-/// Quantities of the table that are no errors it shows.
+/// Compared quantities that are not in `errors`.
 pub(super) fn others<'a>(s: &'a Study, errors: &[String]) -> Vec<&'a Asked> {
     s.asked.iter().filter(|a| a.compared && !errors.contains(&a.quantity)).collect()
 }
@@ -216,7 +216,7 @@ fn over_unknowns(s: &Study) -> StudyGroup {
     group(lines, vec![StudyPanel { x: "unknowns".into(), y, y_log: true, points, ..StudyPanel::default() }])
 }
 
-/// "0 points more".
+/// Words for the additional points of a row: "0 points more".
 pub(super) fn points_of(row: &Row) -> String {
     row.spec.changes.extra_points.map_or(String::new(), points_more)
 }

@@ -1,4 +1,4 @@
-//! What a study asks of every row: its columns.
+//! Quantities that a study evaluates in every row: its columns.
 
 use super::rows::{Row, contact_names};
 use crate::case::Case;
@@ -7,9 +7,9 @@ use crate::quantities::Quantity;
 /// A quantity of a study: a probe of the case, or one that the study adds to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Asked {
-    /// Name of the probe that answers it.
+    /// Name of the probe that evaluates it.
     pub probe: String,
-    /// What the table calls it: the probe's name, or the text of the quantity.
+    /// Name in the table: the probe's name, or the text of the quantity.
     pub name: String,
     /// Its text.
     pub quantity: String,
@@ -23,20 +23,20 @@ impl Asked {
         self.probe != self.name
     }
 
-    /// Its value in a row; not finite where there is none.
+    /// Its value in a row; not finite if there is none.
     pub fn value(&self, row: &Row) -> f64 {
         let answer = row.result.probes.iter().find(|p| p.name == self.probe);
         answer.filter(|_| row.solved()).map_or(f64::NAN, |p| p.value)
     }
 
-    /// Whether it is an error: what falls to zero under refinement.
+    /// Whether it is an error, which tends to zero under refinement.
     pub fn is_error(&self) -> bool {
         self.quantity.trim().starts_with("error.")
     }
 }
 
 /// The quantities of a study: `wanted`, each the name of a probe or a quantity; else all probes; else the energy and the
-/// greatest pressure of every contact. Then, not compared, those whose rates the checks of `case` ask for.
+/// greatest pressure of every contact. Then, not compared, the quantities in checks of `case` on rates.
 pub fn asked(case: &Case, wanted: &[String], levels: usize) -> Vec<Asked> {
     let mut list: Vec<Asked> = Vec::new();
     let mut add = |text: &str, compared: bool| {
@@ -69,7 +69,7 @@ pub fn asked(case: &Case, wanted: &[String], levels: usize) -> Vec<Asked> {
     list
 }
 
-/// Q of `rate.Q`.
+/// Returns Q of `rate.Q`.
 pub(super) fn rate_of(text: &str) -> Option<String> {
     let inner = text.trim().strip_prefix("rate.")?.trim();
     Quantity::parse(inner).ok().filter(|q| !q.is_study()).map(|_| inner.to_owned())

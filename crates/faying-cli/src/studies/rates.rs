@@ -1,4 +1,4 @@
-//! Observed rates of convergence between levels, and the checks that ask for them.
+//! Observed rates of convergence between levels, and the checks on them.
 
 use super::quantities::{Asked, rate_of};
 use super::rows::Row;
@@ -36,7 +36,7 @@ pub(super) fn fill(rows: &mut [Row], asked: &[Asked]) {
     }
 }
 
-/// Decides the checks on `rate.*` in the last level of every line; a line without one leaves them skipped.
+/// Decides the checks on `rate.*` in the last level of every line; they stay skipped in a line of level 0 alone.
 pub(super) fn decide(rows: &mut [Row], case: &Case, asked: &[Asked]) {
     for k in 0..rows.len() {
         let last = rows.get(k + 1).is_none_or(|next| !next.spec.same_line(&rows[k].spec));
@@ -76,7 +76,7 @@ pub(super) fn decide(rows: &mut [Row], case: &Case, asked: &[Asked]) {
     }
 }
 
-/// Q of a check on `rate.Q` that a row can decide: rows of constants answer for the constant of their own pairing alone.
+/// Returns Q of a check on `rate.Q` that a row can decide: a row of inf-sup constants decides only that of its own pairing.
 fn asked_rate(text: &str, row: &Row) -> Option<String> {
     if row.beta.is_none() {
         return rate_of(text);
@@ -86,7 +86,7 @@ fn asked_rate(text: &str, row: &Row) -> Option<String> {
     own.then(|| "beta".to_owned())
 }
 
-/// Decides a check by the number that a study found.
+/// Decides a check on a number of the study, a rate or an inf-sup constant; it fails without one.
 pub(crate) fn decided(
     report: &mut CheckReport,
     rate: Option<f64>,

@@ -1,4 +1,4 @@
-//! What a study asks and what came out, in plain sentences.
+//! Question and findings of a study, in plain sentences.
 
 use super::picture::{Line, errors_in_order, lines_over_points, lines_over_values, others, points_of};
 use super::study::{Study, word};
@@ -9,7 +9,7 @@ const MOST: usize = 60;
 /// An error within this factor of the least one is as good.
 const AS_GOOD: f64 = 1.05;
 
-/// A sentence and whether it tells of a failure.
+/// A sentence, and whether it reports a failure.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sentence {
     /// The words.
@@ -22,7 +22,7 @@ fn good(text: String) -> Sentence {
     Sentence { text, bad: false }
 }
 
-/// What was asked, and what was varied to find out.
+/// The question of a study; the varied values and the number of rows.
 pub fn question(s: &Study) -> [String; 2] {
     let keys = || s.axes.vary.iter().map(|v| v.key.as_str()).collect::<Vec<_>>().join(" and ");
     let asked = match s.command.as_str() {
@@ -62,7 +62,7 @@ fn rows(n: usize) -> String {
     if n == 1 { "1 row".to_owned() } else { format!("{n} rows") }
 }
 
-/// What came out, line by line.
+/// The findings of a study, line by line.
 pub fn reading(s: &Study) -> Vec<Sentence> {
     let mut found = if s.rows.iter().any(|row| row.beta.is_some()) {
         constants(s)
@@ -94,7 +94,7 @@ pub fn reading(s: &Study) -> Vec<Sentence> {
     found
 }
 
-/// "the L2 error of u".
+/// Plain name of an error: "the L2 error of u".
 fn plain(name: &str) -> String {
     let parts: Vec<&str> = name.split('.').collect();
     match parts[..] {
@@ -105,7 +105,7 @@ fn plain(name: &str) -> String {
     }
 }
 
-/// Of every line: from where to where an error falls, and how fast.
+/// One sentence per line: the observed rates of all errors, else of the quantities.
 fn rates(s: &Study) -> Vec<Sentence> {
     let errors = errors_in_order(s);
     let asked: Vec<(String, String, bool)> = match errors.is_empty() {
@@ -129,7 +129,7 @@ fn rates(s: &Study) -> Vec<Sentence> {
     found
 }
 
-/// Of every integration: what the points do to the errors on the finest level.
+/// One sentence per integration and error: effect of the number of points on the finest level.
 fn points(s: &Study) -> Vec<Sentence> {
     let errors = errors_in_order(s);
     let mut found = Vec::new();
@@ -157,7 +157,7 @@ fn points(s: &Study) -> Vec<Sentence> {
     found
 }
 
-/// Of every line: what the values of the first key do.
+/// Sentences per line: effect of the values of the first key on errors and quantities.
 fn values(s: &Study) -> Vec<Sentence> {
     let errors = errors_in_order(s);
     let Some(vary) = s.axes.vary.first() else { return Vec::new() };
@@ -186,7 +186,7 @@ fn values(s: &Study) -> Vec<Sentence> {
     found
 }
 
-/// Of every line: the constant on the finest level and the verdict.
+/// One sentence per line: the inf-sup constant on the finest level and the verdict.
 fn constants(s: &Study) -> Vec<Sentence> {
     let of = |rows: Vec<usize>| {
         let last = rows.iter().rev().find(|k| s.rows[**k].beta.is_some())?;

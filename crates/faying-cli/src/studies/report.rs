@@ -10,7 +10,7 @@ const STYLE: &str = include_str!("report.css");
 /// Most checks that are listed.
 const MOST_CHECKS: usize = 200;
 
-/// The page; `picture` is the text of an SVG, `words` the command line that makes the study again.
+/// The page; `picture` is the text of an SVG, `words` the command line that reproduces the study.
 pub fn html(study: &Study, picture: Option<&str>, words: &[String]) -> String {
     let title = if study.title.is_empty() { &study.case } else { &study.title };
     let class = if study.exit() == 0 { "good" } else { "bad" };
@@ -45,7 +45,7 @@ pub fn html(study: &Study, picture: Option<&str>, words: &[String]) -> String {
 
 fn figure(page: &mut String, study: &Study, picture: Option<&str>) {
     let Some(svg) = picture else { return };
-    // the drawing itself, without what makes it a file of its own
+    // the drawing without the header of a separate file
     let start = svg.find("<svg").map_or(0, |at| at + "<svg".len());
     let inner = svg[start..].replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1);
     let said = format!("Picture of the study: {}; its numbers are in the table below", study.command);
@@ -126,7 +126,7 @@ fn checks(page: &mut String, study: &Study) {
     }
 }
 
-/// Options that say how a study is made and shown, not what comes out; with whether a word follows.
+/// Options that do not affect the numbers of a study, and whether a value follows each.
 const ASIDE: [(&str, bool); 12] = [
     ("--threads", true),
     ("--out", true),
@@ -142,7 +142,7 @@ const ASIDE: [(&str, bool); 12] = [
     ("-v", false),
 ];
 
-/// The command line without options that change nothing of the numbers, quoted for a shell.
+/// The command line without options that do not affect the numbers, quoted for a shell.
 fn command(words: &[String]) -> String {
     let mut line = "faying".to_owned();
     let mut words = words.iter();
@@ -161,7 +161,7 @@ fn command(words: &[String]) -> String {
     line
 }
 
-/// Text that is no mark-up; characters that XML does not know become spaces.
+/// Text escaped for XML; characters that XML does not allow become spaces.
 fn escaped(text: &str) -> String {
     let text: String = text.chars().map(|c| if c.is_control() && c != '\n' && c != '\t' { ' ' } else { c }).collect();
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")

@@ -1,4 +1,4 @@
-//! One row of a study: which changes it makes to the case, and what came out.
+//! One row of a study: its changes of the case, and its results.
 
 use super::method::Method;
 use crate::case::{Case, Changes, Ends, Integration, Master, Multiplier, ReadOptions};
@@ -25,7 +25,7 @@ impl Base<'_> {
     /// The case of a row.
     ///
     /// # Errors
-    /// What is wrong with it, located.
+    /// All errors of the case, with their places.
     pub fn read(&self, spec: &Spec) -> Result<Case, Diagnostics> {
         let mut options = self.options.clone();
         options.sets.extend(spec.vary.iter().map(|(key, value)| format!("{key}={value}")));
@@ -35,8 +35,8 @@ impl Base<'_> {
     }
 }
 
-/// Which patches carry multipliers: those with a slave side of an interface or a contact. Where the case leaves slave and master to
-/// be chosen, the bodies are built and looked at; a case that cannot be built has the sides that it names.
+/// Whether each patch carries multipliers, on a slave side of an interface or a contact. If the case leaves the choice of slave and
+/// master open, the bodies are built to find it; for a case that cannot be built the named slave sides count.
 pub fn slaves(case: &Case, registry: &Registry) -> Vec<bool> {
     let chosen = case.interfaces.iter().any(|t| t.between.is_some());
     if let Some(Ok(found)) = chosen.then(|| crate::run::slave_patches(case, registry)) {
@@ -48,10 +48,10 @@ pub fn slaves(case: &Case, registry: &Registry) -> Vec<bool> {
     slave
 }
 
-/// Where a row stands on the axes of its study.
+/// Position of a row on the axes of its study.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Spec {
-    /// The backend, `SLAVE+MASTER`; none: as written.
+    /// The backend, `SLAVE+MASTER`; `None`: as written.
     pub backend: Option<String>,
     /// Position on the axis of degrees.
     pub degree: usize,
@@ -59,27 +59,27 @@ pub struct Spec {
     pub level: usize,
     /// Key and value of every varied key.
     pub vary: Vec<(String, String)>,
-    /// What this changes in the case.
+    /// The changes of the case.
     pub changes: Changes,
 }
 
 impl Spec {
-    /// What the table calls the row.
+    /// Name of the row in the table: its backend, or "as written".
     pub fn name(&self) -> &str {
         self.backend.as_deref().unwrap_or("as written")
     }
 
-    /// Whether both are rows of one line of the picture: they differ in the level alone.
+    /// Whether both rows are on one line of the picture: they differ in the level alone.
     pub fn same_line(&self, other: &Self) -> bool {
         self.degree == other.degree && self.vary == other.vary && self.backend == other.backend && self.coupling() == other.coupling()
     }
 
-    /// What it changes along the sides: multiplier, integration, points.
+    /// Changes along the sides: multiplier, integration, points.
     fn coupling(&self) -> (&Option<String>, &Option<String>, Option<usize>) {
         (&self.changes.pairing, &self.changes.integration, self.changes.extra_points)
     }
 
-    /// What to call it: backend, then what else it changes, "iga, degree 2, p/p, slave, 4 points more, let.a = 1".
+    /// Label of the row: backend, then its other changes, "iga, degree 2, p/p, slave, 4 points more, let.a = 1".
     pub fn label(&self, degree: &str) -> String {
         let mut text = self.name().to_owned();
         let (pairing, integration, points) = self.coupling();
@@ -100,21 +100,21 @@ impl Spec {
     }
 }
 
-/// "4 points more".
+/// Words for additional points: "4 points more".
 pub(super) fn points_more(n: usize) -> String {
     if n == 1 { "1 point more".to_owned() } else { format!("{n} points more") }
 }
 
-/// A row that was solved, or could not be.
+/// A row with its results, solved or failed.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Where it stands.
+    /// Position on the axes.
     pub spec: Spec,
     /// Its numbers.
     pub result: RunResult,
-    /// Degree of the patches: "2", "3x2", "2+1"; of a row whose case could not be read that which was asked for.
+    /// Degree of the patches: "2", "3x2", "2+1"; the requested one if the case could not be read.
     pub degree: String,
-    /// Multiplier of the interfaces and contacts as the case says it; empty without one.
+    /// Multiplier of the interfaces and contacts as given in the case; empty without one.
     pub pairing: String,
     /// Their integration.
     pub integration: String,
@@ -122,19 +122,19 @@ pub struct Row {
     pub extra_points: String,
     /// Observed rates of convergence from the level before, by quantity.
     pub rates: Named<f64>,
-    /// Relative differences from the first row, by quantity; not finite where a value is missing.
+    /// Relative differences from the first row, by quantity; not finite if a value is missing.
     pub differences: Named<f64>,
-    /// The result as its document has it, before the study adds to it.
+    /// The result as JSON, before the study adds to it.
     pub document: Value,
-    /// The interface or contact that `beta` is of.
+    /// The interface or contact of `beta`.
     pub interface: Option<String>,
-    /// The inf-sup constant, in studies that look for it.
+    /// The inf-sup constant, in studies that compute it.
     pub beta: Option<f64>,
-    /// The same measured in the parameter of the side.
+    /// The inf-sup constant measured in the parameter of the side.
     pub parametric: Option<f64>,
     /// Fitted slope of log beta against log h over the finest levels.
     pub slope: Option<f64>,
-    /// What all levels together say of it: "stable", "unstable", "undecided".
+    /// Verdict from all levels together: "stable", "unstable", "undecided".
     pub verdict: Option<String>,
     /// Wall-clock seconds that it took.
     pub seconds: f64,
@@ -165,7 +165,7 @@ impl Row {
         }
     }
 
-    /// Solves it by `method` where `case` could be read; several rows where the method has several answers.
+    /// Solves the row by `method` if `case` could be read; returns several rows if the method has several results.
     pub(super) fn solved_by(mut self, method: &dyn Method, case: Result<&Case, Diagnostics>, base: &Base<'_>, watch: &Watch) -> Vec<Self> {
         let begun = std::time::Instant::now();
         let mut rows = match case {
@@ -187,7 +187,7 @@ impl Row {
         rows
     }
 
-    /// Leaves the checks of the case to the row that is the case as written; those on rates are decided later.
+    /// Marks the checks as skipped: they are decided by the row of the case as written, those on rates later.
     pub(super) fn leave_checks(&mut self) {
         let result = &mut self.result;
         for check in result.checks.iter_mut().filter(|check| !check.skipped) {
@@ -204,7 +204,7 @@ impl Row {
         self.document = self.result.to_value();
     }
 
-    /// Ends it by `faults`.
+    /// Marks the row as failed with the errors and warnings `faults`.
     pub fn refuse(&mut self, faults: Diagnostics) {
         let result = &mut self.result;
         result.status = match faults.exit() {
@@ -220,7 +220,7 @@ impl Row {
         }
     }
 
-    // what the row would have been: the case as written with its keys, the degrees and the coupling that the study gives
+    // description of a row that cannot be read: the case as written with its keys, the degrees and the coupling of the study
     fn foresee(&mut self, base: &Base<'_>) {
         let changes = self.spec.changes.clone();
         let written = base.read(&Spec { vary: self.spec.vary.clone(), ..Spec::default() }).ok();
@@ -245,7 +245,7 @@ impl Row {
         }
     }
 
-    /// The code of the error that stopped the row; none where nothing did.
+    /// The code of the error that stopped the row; `None` without an error.
     pub fn code(&self) -> Option<&str> {
         self.result.diagnostics.first().map(|d| d.code)
     }
@@ -284,7 +284,7 @@ impl Row {
         self.result.solved
     }
 
-    /// Unknowns of all kinds.
+    /// Number of unknowns, multipliers included.
     pub fn unknowns(&self) -> usize {
         self.result.unknowns.primal + self.result.unknowns.multipliers
     }
@@ -301,7 +301,7 @@ fn joined(words: impl Iterator<Item = String>) -> String {
     different.join("+")
 }
 
-/// Names of the contacts of a case that press on something.
+/// Names of the contacts of a case that have a master.
 pub(super) fn contact_names(case: &Case) -> Vec<String> {
     let pressing = |m: &Master| !matches!(m, Master::Sides(sides) if sides.is_empty());
     case.contacts.iter().filter(|c| pressing(&c.master)).map(|c| c.name.value.clone()).collect()

@@ -17,12 +17,12 @@ use std::collections::BTreeMap;
 /// Codes in the order in which they decide the exit code of several rows.
 const PRECEDENCE: [i32; 7] = [130, 70, 4, 6, 5, 3, 1];
 
-/// What `--tol` found about one quantity.
+/// Result of `--tol` for one quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tolerance {
-    /// The quantity as the table calls it.
+    /// Name of the quantity in the table.
     pub quantity: String,
-    /// Largest relative difference from the first row; not finite where a row has no value.
+    /// Largest relative difference from the first row; not finite if a row has no value.
     pub largest: f64,
     /// Position of the row with it.
     pub row: usize,
@@ -30,7 +30,7 @@ pub struct Tolerance {
     pub ok: bool,
 }
 
-/// What a study is to do.
+/// Definition of a study.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
     /// "compare", "convergence", ...
@@ -39,13 +39,13 @@ pub struct Plan<'a> {
     pub written: &'a Case,
     /// The case before a row changes it.
     pub base: Base<'a>,
-    /// The names of the case.
+    /// The registry of names.
     pub registry: &'a Registry,
-    /// What is varied.
+    /// The axes to vary.
     pub axes: Axes,
-    /// Names of probes or quantities; none: as [`asked`] says.
+    /// Names of probes or quantities; empty: the default of [`asked`].
     pub quantities: &'a [String],
-    /// Whether rows are held against the first one of the same degree, level and keys.
+    /// Whether rows are compared with the first one of the same degree, level and keys.
     pub compares: bool,
     /// Largest relative difference that is allowed between them.
     pub tol: Option<f64>,
@@ -62,23 +62,23 @@ pub struct Study {
     pub case: String,
     /// The case's title.
     pub title: String,
-    /// What was varied.
+    /// The axes.
     pub axes: Axes,
-    /// What was asked.
+    /// The quantities.
     pub asked: Vec<Asked>,
     /// Every row that was begun.
     pub rows: Vec<Row>,
     /// Rows that were to be solved.
     pub planned: usize,
-    /// Why the last rows are missing.
+    /// Reason for missing last rows, if there are any.
     pub stopped: Option<Stop>,
     /// The tolerance of differences and what it found.
     pub tolerance: Option<(f64, Vec<Tolerance>)>,
     /// Warnings about the study as a whole.
     pub warnings: Vec<Diagnostic>,
-    /// What all rows together say.
+    /// Sentences on all rows together.
     pub notes: Vec<String>,
-    /// What `--resume` reads: every row with what it was made of.
+    /// Text of the file for `--resume`: every row with a key of its inputs.
     pub stored: String,
 }
 
@@ -86,20 +86,20 @@ impl Plan<'_> {
     /// The rows in their order.
     ///
     /// # Errors
-    /// The number of rows where there are too many; see [`Axes::rows`].
+    /// The number of rows if there are too many; see [`Axes::rows`].
     pub fn rows(&self) -> Result<Vec<Spec>, usize> {
         self.axes.rows(&self.base, self.registry)
     }
 
-    /// Reads and solves every row of `specs` by `method`, `begins` told before each: position, number of rows, its name.
+    /// Reads and solves every row of `specs` by `method`; calls `begins` before each with position, number of rows, name.
     ///
-    /// A row that fails stays, the next ones are solved; where `watch` says to stop, no further row is begun.
+    /// A row that fails stays and the next ones are solved; after a stop by `watch` no further row is begun.
     pub fn solve(self, specs: &[Spec], method: &dyn Method, watch: &Watch, mut begins: impl FnMut(usize, usize, &str)) -> Study {
         let asked = if method.answers_quantities() { asked(self.written, self.quantities, self.axes.levels) } else { Vec::new() };
         let added = asked.iter().filter(|a| a.is_added()).map(|a| (a.probe.clone(), a.quantity.clone())).collect();
         let mut base = self.base.clone();
         base.options.changes.quantities = added;
-        // every default written out: what a row must be to be the case as written
+        // the case as written with all defaults, to compare rows with
         let as_written = base.read(&Spec::default()).map(|case| case.effective_toml().to_owned()).unwrap_or_default();
         let (mut rows, mut keys) = (Vec::with_capacity(specs.len()), Vec::with_capacity(specs.len()));
         let command = format!("{} {}", self.command, method.options());
@@ -154,14 +154,14 @@ impl Plan<'_> {
                 }
             }
         }
-        // from here on probes go by the names of the table
+        // from here on probes have the names of the table
         study.asked.iter_mut().for_each(|a| a.probe.clone_from(&a.name));
         study
     }
 }
 
 impl Study {
-    /// Holds every row against the first one of the same degree position, level and keys.
+    /// Compares every row with the first one of the same degree position, level and keys.
     fn compare(&mut self) {
         let mut firsts = BTreeMap::new();
         for k in 0..self.rows.len() {
@@ -211,14 +211,14 @@ impl Study {
         })
     }
 
-    /// What to call row `k` where a word must do: "fe, degree 2, level 1".
+    /// Label of row `k`: "fe, degree 2, level 1".
     pub fn label(&self, k: usize) -> String {
         let row = &self.rows[k];
         let level = if self.axes.levels > 1 { format!(", level {}", row.spec.level) } else { String::new() };
         self.line(k) + &level
     }
 
-    /// What to call row `k` and all rows that differ from it in the level alone.
+    /// Label of the line of row `k`: all rows that differ from it in the level alone.
     pub fn line(&self, k: usize) -> String {
         let row = &self.rows[k];
         let side = row.interface.as_ref().map_or(String::new(), |name| format!(", {name}"));
@@ -239,13 +239,13 @@ impl Study {
         lines
     }
 
-    /// Errors and warnings of all rows, each once; what does not concern every row names those it concerns.
+    /// Errors and warnings of all rows, each once; one that does not concern every row names its rows.
     pub fn messages(&self) -> (Vec<Diagnostic>, Vec<Diagnostic>) {
         let gather = |of: &dyn Fn(&Row) -> &[Diagnostic]| {
             let mut found: Vec<(&Diagnostic, serde_json::Value, Vec<usize>)> = Vec::new();
             for (k, row) in self.rows.iter().enumerate() {
                 for d in of(row) {
-                    // rows of an earlier study have lost what only people read
+                    // rows of an earlier study lack the texts that are not stored
                     let told = d.to_json();
                     match found.iter_mut().find(|(_, known, _)| *known == told) {
                         Some((_, _, rows)) if rows.last() != Some(&k) => rows.push(k),
@@ -320,7 +320,7 @@ pub(super) fn names_of<'a, I: Iterator<Item = &'a str>>(rows: &'a [Row], of: imp
     names
 }
 
-/// |a - b| / max(|a|, |b|), zero where both are; not a number where one is missing.
+/// |a - b| / max(|a|, |b|); 0 if both are zero, NaN if one is not finite.
 fn difference(a: f64, b: f64) -> f64 {
     if !(a.is_finite() && b.is_finite()) {
         return f64::NAN;

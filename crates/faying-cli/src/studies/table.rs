@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 const BENT: f64 = 1e-9;
 
 impl Study {
-    /// The table for people: a column for everything that varies, for every error with its rate, for what was asked.
+    /// The table as text: a column for every axis that varies, every error with its rate, every quantity.
     pub fn table(&self) -> Table {
         let (errors, levels) = (self.shown_errors(), self.axes.levels > 1);
         let quantities: Vec<&Asked> = self.asked.iter().filter(|a| a.compared && !errors.contains(&a.quantity)).collect();
@@ -127,7 +127,7 @@ impl Study {
         text
     }
 
-    /// "rows that were not begun: 3 of 8".
+    /// Number of missing rows in words: "rows that were not begun: 3 of 8".
     pub(super) fn left(&self) -> String {
         // a row may stand in the table once per interface
         let mut begun: Vec<_> = self.rows.iter().map(|row| &row.spec).collect();
@@ -135,7 +135,7 @@ impl Study {
         format!("rows that were not begun: {} of {}; `--resume` goes on", self.planned - begun.len(), self.planned)
     }
 
-    /// "largest difference 1e-9 (fe, degree 2)".
+    /// Largest difference in words: "largest difference 1e-9 (fe, degree 2)".
     pub(super) fn largest(&self, t: &Tolerance) -> String {
         match t.largest.is_finite() {
             true if t.largest == 0.0 => "no difference".to_owned(),

@@ -1,11 +1,11 @@
-//! Elements as they are read, and the blocks and groups made of them at the end.
+//! Elements in the order of reading, and their conversion to blocks and groups.
 
 use super::kinds::Kind;
 use crate::budget::Budget;
 use crate::{FileError, Group, MeshBlock};
 use std::collections::BTreeMap;
 
-/// Memory of a small list or an entry of a map beside its items, roughly \[bytes\].
+/// Approximate memory of a small list or an entry of a map beside its items \[bytes\].
 const ENTRY: u64 = 256;
 
 /// Elements of one type.
@@ -24,7 +24,7 @@ impl Bucket {
         Self { number, kind, nodes: Vec::new(), ids: Vec::new(), runs: Vec::new() }
     }
 
-    /// The elements that follow belong to `key`.
+    /// Starts a run: the elements that follow belong to `key`.
     pub fn start_run(&mut self, key: i64, budget: &mut Budget) -> Result<(), FileError> {
         match self.runs.last_mut() {
             Some((_, last)) if *last == key => {}
@@ -51,7 +51,7 @@ pub(super) struct Entities {
 }
 
 impl Entities {
-    /// Numbers of the groups of an entity; none where it is not listed. The list must be sorted.
+    /// Numbers of the groups of an entity; empty if it is not listed. The list must be sorted.
     fn groups_of(&self, dimension: usize, number: i64) -> &[i64] {
         match self.list.binary_search_by_key(&(dimension, number), |e| (e.0, e.1)) {
             Ok(k) => &self.groups[self.list[k].2..][..self.list[k].3],
@@ -60,16 +60,16 @@ impl Entities {
     }
 }
 
-/// What the key of a run means.
+/// Meaning of the key of a run.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Keys<'a> {
-    /// A group; zero for none; an element stands once for each of its groups.
+    /// A group, zero for none; an element is listed once for each of its groups.
     Group,
     /// An entity.
     Entity(&'a Entities),
 }
 
-/// The blocks, sorted by shape, order and groups; the groups, sorted by dimension and number; how many elements stood twice.
+/// Returns the blocks, sorted by shape, order and groups; the groups, sorted by dimension and number; the number of repeated elements.
 pub(super) fn finish(
     buckets: Vec<Bucket>,
     names: BTreeMap<(usize, i64), String>,
@@ -189,7 +189,7 @@ fn copies(bucket: &Bucket, budget: &mut Budget) -> Result<Vec<(u64, u32)>, FileE
     Ok(found)
 }
 
-/// Runs in which the first of equal elements has all their groups and the others none; how many stood twice in one group.
+/// Runs in which the first of equal elements has all their groups and the others none; number of elements repeated within one group.
 fn merge(
     bucket: &Bucket,
     copies: &[(u64, u32)],

@@ -59,12 +59,12 @@ const SERENDIPITY: [(i64, &str); 12] = [
 pub(super) struct Kind {
     pub shape: CellShape,
     pub order: usize,
-    /// Place of the file's a-th node in the list with the first axis fastest.
+    /// Position of the file's a-th node in the list with the first axis fastest.
     pub place: Vec<usize>,
 }
 
 impl Kind {
-    /// The type of the given number; else why it is not read.
+    /// Returns the type of the given number; else the reason why it is not read.
     pub fn of_number(number: i64) -> Result<Self, String> {
         if let Some(&(_, shape, order)) = TYPES.iter().find(|t| t.0 == number) {
             return Ok(Self { shape, order, place: places(shape, order) });
@@ -83,7 +83,7 @@ pub(super) fn number_of(shape: CellShape, order: usize) -> Option<i64> {
     TYPES.iter().find(|t| t.1 == shape && t.2 == order).map(|t| t.0)
 }
 
-/// Place of Gmsh's a-th node in the list with the first axis fastest.
+/// Position of Gmsh's a-th node in the list with the first axis fastest.
 pub(super) fn places(shape: CellShape, order: usize) -> Vec<usize> {
     match (shape, order) {
         (CellShape::Prism, 1) => (0..6).collect(),

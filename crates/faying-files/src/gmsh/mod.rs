@@ -34,10 +34,10 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<MeshFile, FileError> {
     parse::parse(bytes, limits)
 }
 
-/// The bytes of an MSH file of version 4.1.
+/// Returns the bytes of an MSH file of version 4.1.
 ///
-/// Every set of groups becomes an entity of its own. Numbers of points and elements are kept where they are positive and unique, else all
-/// are numbered anew. [`parse`] gives an equal mesh back, notes apart, and equal bits of every coordinate.
+/// Every set of groups becomes an entity of its own. Numbers of points and elements are kept if they are positive and unique, else all
+/// are renumbered. [`parse`] returns an equal mesh, apart from notes, with equal bits of every coordinate.
 ///
 /// # Errors
 /// [`FileError::Unsupported`] for orders above 4.

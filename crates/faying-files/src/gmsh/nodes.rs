@@ -1,27 +1,27 @@
-//! Places of points by the file's numbers, which may have gaps.
+//! Map from the file's numbers of points, which may have gaps, to indices.
 
 use crate::FileError;
 use crate::budget::Budget;
 
-/// A table over all numbers is kept where it is at most this many times as long as the list of points.
+/// Largest length of a table over all numbers, as a multiple of the list of points; longer ones are not used.
 const SPARSITY: u64 = 4;
 
-/// Place of no point.
+/// Marks numbers without a point.
 const NONE: u32 = u32::MAX;
 
-/// From numbers to places.
+/// Lookup of indices by numbers.
 #[derive(Debug)]
 pub(super) enum Lookup {
     /// Numbers `first..first + count` in order.
     Run { first: u64, count: u64 },
-    /// Place by number minus `first`.
+    /// Index by number minus `first`.
     Table { first: u64, places: Vec<u32> },
-    /// Numbers with their places, rising.
+    /// Numbers with their indices, ascending.
     Sorted(Vec<(u64, u32)>),
 }
 
 impl Lookup {
-    /// Of points with the given numbers; the number that stands twice otherwise.
+    /// Builds the lookup of points with the given numbers; the error is a repeated number.
     pub fn new(ids: &[u64], budget: &mut Budget) -> Result<Result<Self, u64>, FileError> {
         let first = ids.iter().copied().min().unwrap_or(1);
         let span = ids.iter().copied().max().unwrap_or(0).saturating_sub(first).saturating_add(1);
@@ -51,7 +51,7 @@ impl Lookup {
         })
     }
 
-    /// The place of a number.
+    /// Index of the point with a number.
     #[inline]
     pub fn place(&self, id: u64) -> Option<u32> {
         match self {

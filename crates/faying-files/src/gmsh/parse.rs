@@ -15,7 +15,7 @@ enum Version {
     V4,
 }
 
-/// How numbers stand in the file.
+/// Version and encoding of numbers of the file.
 #[derive(Clone, Copy, Debug)]
 struct Header {
     version: Version,
@@ -80,7 +80,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The rest of the line without its end, taken with it.
+    /// Reads the rest of the line, without the line end.
     fn take_line(&mut self) -> &'a [u8] {
         let rest = &self.bytes[self.at..];
         let end = rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());

@@ -1,8 +1,8 @@
-//! Numbers out of the bytes of a file, as text or binary, without a copy.
+//! Reading of numbers from the bytes of a file, as text or binary, without a copy.
 
 use crate::{FileError, Spot};
 
-/// Where numbers come from.
+/// A source of numbers: text or binary.
 pub(super) trait Source: Sized {
     /// A C int.
     fn int(&mut self) -> Result<i64, FileError>;
@@ -10,13 +10,13 @@ pub(super) trait Source: Sized {
     fn size(&mut self) -> Result<u64, FileError>;
     /// A double, finite or not.
     fn real(&mut self) -> Result<f64, FileError>;
-    /// Nothing more may stand on the line of a node or an element.
+    /// Checks that nothing follows on the line of a node or an element.
     fn end_record(&mut self) -> Result<(), FileError>;
-    /// The next byte.
+    /// Position of the next byte.
     fn at(&self) -> usize;
-    /// Goes on at a byte.
+    /// Continues at byte `at`.
     fn go_to(&mut self, at: usize);
-    /// Where the last number was.
+    /// Position of the last number, for messages.
     fn spot(&self) -> Spot;
 
     /// A number of a node or an element: positive.
@@ -26,7 +26,7 @@ pub(super) trait Source: Sized {
         if tag == 0 { Err(self.broken("a node or element has a number that is not positive")) } else { Ok(tag) }
     }
 
-    /// A mistake at the last number.
+    /// [`FileError::Broken`] at the last number.
     #[cold]
     fn broken(&self, what: impl Into<String>) -> FileError {
         FileError::Broken { what: what.into(), spot: Some(self.spot()) }
@@ -56,7 +56,7 @@ impl<'a> Ascii<'a> {
         }
     }
 
-    /// The next word, not taken.
+    /// The next word, which is not consumed.
     fn word(&self) -> &'a [u8] {
         let rest = &self.bytes[self.at..];
         &rest[..rest.iter().position(|b| *b <= b' ').unwrap_or(rest.len())]
@@ -150,7 +150,7 @@ impl Source for Ascii<'_> {
     }
 }
 
-/// Numbers as memory holds them, in either order of bytes.
+/// Binary numbers in either byte order.
 pub(super) struct Binary<'a> {
     bytes: &'a [u8],
     at: usize,

@@ -1,4 +1,4 @@
-//! MSH files of version 4.1 out of meshes.
+//! Writer of MSH files of version 4.1.
 
 use super::super::handed::right_handed;
 use super::kinds::{number_of, places};
@@ -6,7 +6,7 @@ use crate::{FileError, MeshBlock, MeshFile};
 use std::collections::BTreeMap;
 use std::io::Write as _;
 
-/// Numbers as text or as memory holds them, lowest byte first.
+/// Output of numbers as text or as little-endian binary.
 struct Sink {
     out: Vec<u8>,
     binary: bool,
@@ -82,7 +82,7 @@ impl<'a> Entities<'a> {
     }
 }
 
-/// The numbers where they are positive and unique, else 1, 2, ...
+/// The numbers if they are positive and unique, else 1, 2, ...
 fn numbers(own: Vec<u64>, count: usize) -> Vec<u64> {
     let mut sorted = own.clone();
     sorted.sort_unstable();

@@ -1,7 +1,7 @@
 //! The elements of MFEM files and the numbering of their vertices, edges, faces and interiors.
 //!
-//! MFEM numbers unknowns vertex by vertex, then edge by edge, face by face and cell by cell. Edges and faces are numbered where they
-//! first appear, unless the file numbers the edges. Along an edge the unknowns run from the lower vertex to the higher one; within a
+//! MFEM numbers unknowns vertex by vertex, then edge by edge, face by face and cell by cell. Edges and faces are numbered in order of
+//! first appearance, unless the file numbers the edges. Along an edge the unknowns run from the lower vertex to the higher one; within a
 //! face they run as in the cell where it first appeared.
 //! Source: MFEM, `fem/geom.cpp` (edges and faces of the cells), `mesh/nurbs.hpp` (order within a patch).
 
@@ -11,7 +11,7 @@ use super::super::{CellShape, FileError};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-/// A vertex that is not there: cells have up to eight.
+/// Marks an unused vertex: cells have up to eight.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// An element of a file.
@@ -23,7 +23,7 @@ pub(super) struct Cell {
     pub shape: CellShape,
     /// Its vertices in the order of the file; [`NONE`] beyond.
     pub vertices: [u32; 8],
-    /// Where it stands.
+    /// Its line in the file.
     pub line: usize,
 }
 
@@ -56,7 +56,7 @@ fn faces(shape: CellShape) -> &'static [&'static [usize]] {
 pub(super) const CORNERS: [usize; 8] = [0, 1, 3, 2, 4, 5, 7, 6];
 
 impl Cell {
-    /// The vertices there are.
+    /// Vertices in use.
     pub(super) fn corners(&self) -> &[u32] {
         let count = self.vertices.iter().position(|v| *v == NONE).unwrap_or(8);
         &self.vertices[..count]
@@ -106,7 +106,7 @@ pub(super) fn read(words: &mut Words<'_>, what: &str, budget: &mut Budget) -> Re
     Ok(cells)
 }
 
-/// That every vertex of the cells is there.
+/// Checks that the vertices of the cells are below `count`.
 ///
 /// # Errors
 /// [`FileError::Broken`] with the line of the element.
@@ -146,7 +146,7 @@ fn key<const K: usize>(mut vertices: [u32; K]) -> [u32; K] {
 }
 
 impl Skeleton {
-    /// Numbers what the file has not numbered: edges where there are none yet, and faces.
+    /// Numbers the faces, and the edges unless the file lists them.
     ///
     /// # Errors
     /// [`FileError::Broken`] for a cell with an edge that the file does not list, [`FileError::Memory`].
@@ -181,7 +181,7 @@ impl Skeleton {
         Ok(all)
     }
 
-    /// How many edges there are.
+    /// Number of edges.
     pub(super) fn num_edges(&self) -> usize {
         self.edges.len()
     }
@@ -197,7 +197,7 @@ impl Skeleton {
     }
 }
 
-/// Where the unknowns of every vertex, edge, face and cell begin.
+/// First unknown of every edge, face and cell.
 #[derive(Debug)]
 pub(super) struct Starts {
     /// First unknown of every edge.
@@ -206,7 +206,7 @@ pub(super) struct Starts {
     pub faces: Vec<usize>,
     /// First interior unknown of every cell.
     pub cells: Vec<usize>,
-    /// How many unknowns there are.
+    /// Number of unknowns.
     pub total: usize,
 }
 

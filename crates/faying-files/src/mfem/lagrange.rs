@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, HashMap};
 /// Highest order of curved cells.
 const ORDER: usize = 4;
 
-/// Reads what follows the first line.
+/// Reads the file after its first line.
 ///
 /// # Errors
 /// [`FileError`] with the line.
@@ -98,7 +98,7 @@ fn gather(
     Ok(())
 }
 
-/// How many nodes of a cell, or a face, of a shape are inside it.
+/// Number of interior nodes of a cell, or a face, of a shape.
 fn inside(shape: CellShape, order: usize) -> usize {
     let m = order - 1;
     match shape {
@@ -111,7 +111,7 @@ fn inside(shape: CellShape, order: usize) -> usize {
     }
 }
 
-/// Places of the nodes of a line, square, cube or simplex: multi-indices, the first axis fastest.
+/// Lattice of the nodes of a line, square, cube or simplex: multi-indices, the first axis fastest.
 pub(super) fn lattice(shape: CellShape, order: usize) -> Vec<[usize; 3]> {
     let dimension = shape.dimension();
     let simplex = matches!(shape, CellShape::Triangle | CellShape::Tetrahedron);
@@ -125,7 +125,7 @@ pub(super) fn lattice(shape: CellShape, order: usize) -> Vec<[usize; 3]> {
     all
 }
 
-/// Where the nodes of a field stand within the cells.
+/// Distribution of the nodes of a field within the cells.
 #[derive(Clone, Copy, PartialEq)]
 enum Spread {
     /// At i / order.
@@ -153,7 +153,7 @@ fn collection(field: &Field) -> Result<(usize, Spread), FileError> {
     }
 }
 
-/// The unknown of a cell at a place of its lattice; `start` is that of its interior unless it is a boundary element.
+/// Unknown of a cell at a multi-index of its lattice; `start` is that of its interior unless it is a boundary element.
 pub(super) fn unknown(
     cell: &Cell,
     order: usize,
@@ -245,9 +245,9 @@ fn lobatto(order: usize) -> Vec<f64> {
     all
 }
 
-/// The same cells through their points at i / order, from those at the Gauss-Lobatto points.
+/// Converts the nodes of the cells from Gauss-Lobatto points to points at i / order.
 ///
-/// A point of a side is computed in the first cell that has it; the others would give the same, for the nodes are symmetric.
+/// A point of a side is computed in the first cell that has it; the others would give the same, as the nodes are symmetric.
 fn equispaced(
     points: &[[f64; 3]],
     list: &[Cell],
@@ -287,7 +287,7 @@ fn transfer(shape: CellShape, order: usize) -> DMatrix<f64> {
     }
     let lobatto = |i: &[usize; 3]| {
         let rest = order - i.iter().sum::<usize>();
-        // Of a side the part that is zero does not count: its point of the line is zero.
+        // On a side the index that is zero does not contribute: its point of the line is zero.
         let sum: f64 = i.iter().chain([&rest]).map(|k| line[*k]).sum();
         i.map(|k| line[k] / sum)
     };

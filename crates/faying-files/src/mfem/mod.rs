@@ -59,11 +59,11 @@ fn dimension(words: &mut Words<'_>) -> Result<usize, FileError> {
 struct Field {
     /// Name of its functions.
     collection: String,
-    /// Where that stands.
+    /// Line of that name.
     line: usize,
     /// Coordinates per point.
     world: usize,
-    /// Whether the coordinates of a point stand together.
+    /// Whether the coordinates of a point are stored together.
     by_point: bool,
 }
 
@@ -98,7 +98,7 @@ impl Field {
     }
 }
 
-/// That the file ends here.
+/// Expects the end of the file.
 fn end(words: &mut Words<'_>) -> Result<(), FileError> {
     words.accept("mfem_mesh_end");
     let line = words.line();

@@ -1,7 +1,7 @@
 //! MFEM NURBS meshes.
 //!
-//! A patch is an element of a coarse mesh; every edge of that mesh names a knot vector, which opposite edges share. Control points stand
-//! either with every patch (`patches`) or once for the whole mesh, numbered as `cells` says.
+//! A patch is an element of a coarse mesh; every edge of that mesh has a knot vector, which opposite edges share. Control points are
+//! stored either with every patch (`patches`) or once for the whole mesh, numbered as described in `cells`.
 
 use super::super::budget::Budget;
 use super::super::sides::SIDES;
@@ -22,7 +22,7 @@ pub(super) struct Edge {
 /// Degree and knots.
 type Knots = (usize, Vec<f64>);
 
-/// Reads what follows the first line; `spacing`: the version has formulas for later refinement.
+/// Reads the file after its first line; `spacing`: the version has formulas for later refinement.
 ///
 /// # Errors
 /// [`FileError`] with the line.
@@ -101,13 +101,13 @@ pub(super) fn along(patch: &Cell, dimension: usize, d: usize) -> impl Iterator<I
     (0..1usize << dimension).filter(move |bits| bits & (1 << d) == 0).map(move |bits| (patch.corner(bits), patch.corner(bits | 1 << d)))
 }
 
-/// Classes of edges that share a knot vector, with directions: a forest where a link says whether the two run against each other.
+/// Classes of edges that share a knot vector, with directions: a union-find forest whose links store whether two edges are opposed.
 struct Classes {
     above: Vec<(usize, bool)>,
 }
 
 impl Classes {
-    /// The root of an edge and whether the edge runs against it.
+    /// Root of an edge, and whether the edge runs against it.
     fn root(&mut self, edge: usize) -> (usize, bool) {
         let mut at = edge;
         let mut against = false;
@@ -124,7 +124,7 @@ impl Classes {
         (at, against)
     }
 
-    /// Joins two edges; false if they were joined the other way round.
+    /// Joins two edges; returns false if they are already joined with the opposite direction.
     fn join(&mut self, a: usize, b: usize, against: bool) -> bool {
         let ((a, x), (b, y)) = (self.root(a), self.root(b));
         if a == b {
@@ -136,7 +136,7 @@ impl Classes {
     }
 }
 
-/// Which knot vector every direction of every patch uses.
+/// Returns the knot vector of every direction of every patch.
 pub(super) fn knot_uses(
     patches: &[Cell],
     dimension: usize,
@@ -163,7 +163,7 @@ pub(super) fn knot_uses(
             }
         }
     }
-    // The first edge of a class tells its knot vector and its direction.
+    // The first edge of a class defines its knot vector and its direction.
     let mut known: BTreeMap<usize, (usize, bool)> = BTreeMap::new();
     let mut turned = 0;
     for (k, edge) in edges.iter().enumerate() {
@@ -213,7 +213,7 @@ fn read_knots(words: &mut Words<'_>, budget: &mut Budget) -> Result<Knots, FileE
     Ok((degree, knots))
 }
 
-/// Weights where they vary.
+/// The weights if they vary; `None` if they are equal.
 fn varying(weights: Vec<f64>) -> Option<Vec<f64>> {
     weights.iter().any(|w| *w != 1.0).then_some(weights)
 }
@@ -354,14 +354,14 @@ fn global_layout(
     Ok(all)
 }
 
-/// A knot vector run through backwards if need be: t becomes first + last - t.
+/// A knot vector, reversed if `reversed`: t becomes first + last - t.
 fn oriented((degree, knots): &Knots, reversed: bool) -> Knots {
     if !reversed {
         return (*degree, knots.clone());
     }
     let sum = knots[0] + knots[knots.len() - 1];
     let ends = [knots[0], knots[knots.len() - 1]];
-    // The ends stay what they are, whatever the rounding of the sum.
+    // The ends keep their exact values in spite of the rounding of the sum.
     let turn = |t: &f64| {
         if *t == ends[0] {
             ends[1]
@@ -374,7 +374,7 @@ fn oriented((degree, knots): &Knots, reversed: bool) -> Knots {
     (*degree, knots.iter().rev().map(turn).collect())
 }
 
-/// Where the control points of every edge, face and patch begin.
+/// First control point of every edge, face and patch.
 fn starts(
     num_vertices: usize,
     patches: &[Cell],

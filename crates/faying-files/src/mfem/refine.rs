@@ -4,7 +4,7 @@ use super::super::text::{Words, broken, shown};
 use super::super::{FileError, SplineFile, SplinePatch};
 use faying::geometry::ControlNet;
 
-/// Reads a list: how many knot vectors, then for each how many knots and which.
+/// Reads a list: the number of knot vectors, then for each the number of knots and the knots.
 ///
 /// # Errors
 /// [`FileError::Broken`] with the line.
@@ -34,10 +34,10 @@ pub fn refinement_list(text: &[u8]) -> Result<Vec<Vec<f64>>, FileError> {
 }
 
 impl SplineFile {
-    /// The same patches with the knots of `list`, one entry per knot vector of the file, in every patch that uses the vector.
+    /// Inserts the knots of `list`, one entry per knot vector of the file, into every patch that uses the vector.
     ///
     /// # Errors
-    /// [`FileError::Broken`] where the file does not number its knot vectors, has another number of them, or for a knot that cannot be
+    /// [`FileError::Broken`] if the file does not number its knot vectors or has another number of them, or if a knot cannot be
     /// inserted.
     pub fn refined(&self, list: &[Vec<f64>]) -> Result<Self, FileError> {
         let fail = |what: String| Err(FileError::Broken { what, spot: None });

@@ -11,8 +11,9 @@ use std::fmt::Write;
 
 /// Writes an "MFEM NURBS mesh v1.0" in the layout `patches`; numbers read back to the same bits.
 ///
-/// Patches are right-handed: of those that are not, the first two directions are exchanged, which a comment says and
-/// [`parse`](super::parse) undoes, so that sides keep their names. Patches share corners where the file says that they have a side in common and the knots there agree. Ids and names are lost.
+/// Patches are right-handed: of those that are not, the first two directions are exchanged, which a comment records and
+/// [`parse`](super::parse) undoes, so that sides keep their names. Patches share corners if the file lists a common side of them and the
+/// knots there agree. Ids and names are lost.
 ///
 /// # Errors
 /// [`FileError::Unsupported`] for patches of several dimensions; [`FileError::Broken`] for knots, points and weights that do not fit.
@@ -36,10 +37,10 @@ pub fn write(file: &SplineFile) -> Result<Written, FileError> {
     Ok(written)
 }
 
-/// What the comment begins with that lists patches whose first two directions are exchanged, counted from 0.
+/// Prefix of the comment that lists the patches whose first two directions are exchanged, counted from 0.
 pub(super) const EXCHANGED: &str = "# faying: left-handed patches, first two directions exchanged:";
 
-/// The patches that a file lists behind [`EXCHANGED`], ahead of its first section.
+/// Patches that a file lists after [`EXCHANGED`], before its first section.
 pub(super) fn exchanged(bytes: &[u8]) -> Vec<usize> {
     let ahead = bytes.split(|b| *b == b'\n').skip(1).take_while(|line| line.trim_ascii().is_empty() || line.starts_with(b"#"));
     let lists = ahead.filter_map(|line| line.strip_prefix(EXCHANGED.as_bytes()));
@@ -112,7 +113,7 @@ fn written(file: &SplineFile, comment: &str) -> Result<Written, FileError> {
     Ok(Written { text: out, lost })
 }
 
-/// Why writing into a String cannot fail.
+/// Message of `expect` for writing into a String, which cannot fail.
 pub(super) const TEXT: &str = "a String takes every text";
 
 /// A line of an element.
@@ -134,7 +135,7 @@ pub(super) fn element(out: &mut String, attribute: i64, shape: CellShape, vertic
     out.push('\n');
 }
 
-/// Patches as cells of shared corners, and how many corners there are.
+/// Patches as cells with shared corners, and the number of corners.
 fn topology(file: &SplineFile, d: usize, lost: &mut Vec<String>) -> (Vec<Cell>, usize) {
     let corners = 1usize << d;
     let mut above: Vec<usize> = (0..file.patches.len() * corners).collect();
@@ -185,7 +186,7 @@ fn topology(file: &SplineFile, d: usize, lost: &mut Vec<String>) -> (Vec<Cell>, 
     (cells, numbers.len())
 }
 
-/// Sides with numbers: a name that is none gets the next free one.
+/// Sides with numbers: a name that is no number gets the next free one.
 fn boundary(out: &mut String, file: &SplineFile, d: usize, cells: &[Cell], lost: &mut Vec<String>) {
     let number = |name: &str| name.parse::<i64>().ok().filter(|n| *n > 0 && n.to_string() == name);
     let mut next = file.labels.iter().filter_map(|l| number(&l.name)).max().unwrap_or(0);

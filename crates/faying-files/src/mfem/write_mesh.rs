@@ -11,8 +11,8 @@ use std::fmt::Write;
 
 /// Writes an "MFEM mesh v1.0" of the cells of the highest dimension and of the facets that are in a group.
 ///
-/// Elements are right-handed. Order 1 is written with vertices, orders 2 and 3 with nodes (Quadratic, Cubic). A cell has the number of its first group; names, further
-/// groups and cells of lower dimension are lost.
+/// Elements are right-handed. Order 1 is written with vertices, orders 2 and 3 with nodes (Quadratic, Cubic). A cell has the number of
+/// its first group; names, further groups and cells of lower dimension are lost.
 ///
 /// # Errors
 /// [`FileError::Unsupported`] for mixed orders, order 4, order 3 in three dimensions, curved prisms and pyramids, and cells with one node
@@ -152,7 +152,7 @@ fn corners<'a>(block: &MeshBlock, nodes: &'a [u32]) -> impl Iterator<Item = u32>
     (0..count).map(move |k| nodes[place(k)])
 }
 
-/// Whether a facet is a side of a cell: all its unknowns are known then.
+/// Whether a facet is a side of a cell, so that all its unknowns are known.
 fn is_side(facet: &Cell, skeleton: &Skeleton) -> bool {
     match facet.corners() {
         [a, b] => skeleton.edge(*a, *b).is_some(),
@@ -162,7 +162,7 @@ fn is_side(facet: &Cell, skeleton: &Skeleton) -> bool {
     }
 }
 
-/// The number of every group in the file that is written: its own where that is positive.
+/// Number of every group in the written file: its own if that is positive.
 fn attributes(mesh: &MeshFile, d: usize, lost: &mut Vec<String>) -> Vec<i64> {
     let used = |g: &Group| g.dimension + 1 >= d;
     let mut next: BTreeMap<usize, i64> = BTreeMap::new();

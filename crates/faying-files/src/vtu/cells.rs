@@ -132,7 +132,7 @@ fn tetrahedron(p: usize) -> Vec<[usize; 3]> {
     list
 }
 
-/// Corner nodes of the linear cells that fill one cell of the given degree, as places in the list of [`nodes`].
+/// Corner nodes of the linear cells that fill one cell of the given degree, as indices into [`nodes`].
 pub(crate) fn linear_pieces<const D: usize>(cell: Cell, degree: [usize; D], nodes: &[[usize; D]]) -> Vec<Vec<usize>> {
     let place = |a: [usize; D]| nodes.iter().position(|b| *b == a).expect("a node of the cell");
     let moved = |a: [usize; D], by: &[usize]| place(std::array::from_fn(|k| a[k] + by[k]));
@@ -194,7 +194,7 @@ pub(crate) fn linear_pieces<const D: usize>(cell: Cell, degree: [usize; D], node
     pieces
 }
 
-/// The same linear cell with the other handedness.
+/// Returns the linear cell with the opposite handedness.
 fn mirrored<const D: usize>(piece: &[usize]) -> Vec<usize> {
     let order: &[usize] = match (D, piece.len()) {
         (2, 3) => &[0, 2, 1],
@@ -206,7 +206,7 @@ fn mirrored<const D: usize>(piece: &[usize]) -> Vec<usize> {
     order.iter().map(|&k| piece[k]).collect()
 }
 
-/// Places in `nodes` of the nodes of the cell with its first two axes exchanged, in VTK's order: it has the other handedness.
+/// Indices into `nodes` of the cell with its first two axes exchanged, in VTK's order: the cell of opposite handedness.
 fn exchanged<const D: usize>(cell: Cell, degree: [usize; D], nodes: &[[usize; D]]) -> Vec<usize> {
     let swapped = |mut a: [usize; D]| {
         if D > 1 {
@@ -218,8 +218,8 @@ fn exchanged<const D: usize>(cell: Cell, degree: [usize; D], nodes: &[[usize; D]
     self::nodes(cell, swapped(degree)).into_iter().map(|a| place[&swapped(a)]).collect()
 }
 
-/// Local corners (first axis fastest) around a node with its whole-numbered weights at them, without common factors: equal for all
-/// cells that have the vertex, edge or face in common. None inside the cell.
+/// Local corners (first axis fastest) around a node with its integer weights at them, without common factors: equal for all
+/// cells that share the vertex, edge or face. `None` inside the cell.
 fn around<const D: usize>(cell: Cell, degree: [usize; D], node: [usize; D]) -> Option<Vec<(usize, u64)>> {
     let weights: Vec<usize> = if cell == Cell::Simplex && D > 1 {
         std::iter::once(degree[0] - node.iter().sum::<usize>()).chain(node).collect()
@@ -301,7 +301,7 @@ fn power(x: f64, n: usize) -> f64 {
 pub(crate) struct Interpolant<const D: usize> {
     /// Multi-indices in VTK's order.
     pub nodes: Vec<[usize; D]>,
-    /// Where values are taken.
+    /// Points at which values are sampled.
     pub points: Vec<Vector<D>>,
     /// Equispaced nodes.
     pub lattice: Vec<Vector<D>>,
@@ -309,11 +309,11 @@ pub(crate) struct Interpolant<const D: usize> {
     pub to_bezier: DMatrix<f64>,
     /// Values at `lattice` = `to_lattice` * values at `points`.
     pub to_lattice: DMatrix<f64>,
-    /// The nodes of the cell in the file: of a right-handed element, and of a left-handed one, whose first two axes are exchanged.
+    /// Nodes of the cell in the file: for a right-handed element, and for a left-handed one, whose first two axes are exchanged.
     pub whole: [Vec<Vec<usize>>; 2],
-    /// The same of the linear cells that fill it.
+    /// Nodes of the linear cells that fill it, for both.
     pub linear: [Vec<Vec<usize>>; 2],
-    /// Per node the corners around it, as [`around`] says.
+    /// Corners around every node, see [`around`].
     pub around: Vec<Option<Vec<(usize, u64)>>>,
 }
 

@@ -18,12 +18,12 @@ pub(super) struct Grid {
     degrees: Vec<f64>,
     patch: Vec<i32>,
     element: Vec<i32>,
-    /// Points of the element at hand.
+    /// Points of the current element.
     ids: Vec<usize>,
 }
 
 impl Grid {
-    /// A grid with fields of so many components at its points.
+    /// Creates a grid with point fields of the given `names` and numbers of components.
     pub fn new(names: Vec<(String, usize)>) -> Self {
         let points = Points::new(names.iter().map(|n| n.1).collect());
         let (connectivity, offsets, types, degrees) = Default::default();
@@ -41,7 +41,7 @@ impl Grid {
         }
     }
 
-    /// Begins a part of so many elements.
+    /// Begins a part of the given number of elements.
     pub fn begin(&mut self, elements: usize) {
         self.points.begin(elements);
     }
@@ -59,7 +59,7 @@ impl Grid {
         }
     }
 
-    /// Every array is dropped as soon as it is in the document.
+    /// Writes the document; every array is dropped as soon as it is in it.
     pub fn into_bytes(mut self) -> Vec<u8> {
         let hexahedra = self.types.iter().any(|t| [72, 79].contains(t));
         let high_order = self.types.iter().any(|t| *t >= 68);
@@ -99,10 +99,10 @@ impl Grid {
     }
 }
 
-/// Bytes that are compressed together.
+/// Bytes of a compressed block.
 const BLOCK: usize = 1 << 17;
 
-/// Blocks that are compressed at once.
+/// Blocks compressed in parallel.
 const AT_ONCE: usize = 32;
 
 /// Level of the compression: level 3 takes three times as long for a tenth less.
@@ -170,7 +170,7 @@ impl File {
             }
         }
         pack(&mut raw);
-        // how many blocks, bytes of one, bytes of the last unless it is full, bytes of each as they stand in the file
+        // number of blocks, size of one, size of the last unless it is full, compressed size of each
         for n in [sizes.len(), BLOCK, total % BLOCK].into_iter().chain(sizes) {
             self.appended.extend((n as u64).to_le_bytes());
         }

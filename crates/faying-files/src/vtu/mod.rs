@@ -5,20 +5,20 @@
 //!   D(xi) = sum_a B_a(xi) w_a,   D x = sum_a B_a w_a x_a,   D u = sum_a B_a w_a u_a
 //!
 //! where B_a are Bernstein polynomials of a degree that holds all three. They are found by interpolation at points
-//! inside the element, so the writer asks a [`Space`] nothing but its values, its degrees and its weights:
-//! D is the map's weight function, times the basis' own where that is another one. A B-spline basis over a rational
-//! map thus raises the degree. Where map or basis turn out to be neither polynomial nor rational (checked at points
-//! between), or the degree passes what VTK evaluates ([`MAX_DEGREE`]), that element becomes a Lagrange cell.
+//! inside the element, so the writer needs only the values, degrees and weights of a [`Space`]:
+//! D is the map's weight function, times that of the basis if it is a different one. A B-spline basis over a rational
+//! map thus raises the degree. If map or basis are neither polynomial nor rational (checked at points between),
+//! or the degree exceeds [`MAX_DEGREE`] of VTK, that element becomes a Lagrange cell.
 //!
 //! Fields that are no polynomials over D (stresses, the equivalent stress) are interpolated in the same way; constant
-//! and, where the degree suffices, polynomial stresses are exact. Lagrange cells carry values at equispaced nodes.
+//! and, if the degree suffices, polynomial stresses are exact. Lagrange cells carry values at equispaced nodes.
 //!
-//! Every cell is right-handed: where the map turns space inside out, the first two axes of the cell are exchanged. Points of a part are
-//! shared by the elements that meet there where positions, weights and all fields agree up to rounding (1e-10 of the greatest value):
-//! a displacement is continuous, a stress mostly is not.
+//! Every cell is right-handed: if the map is left-handed, the first two axes of the cell are exchanged. Points of a part are shared by
+//! adjacent elements if positions, weights and all fields agree up to rounding (1e-10 of the largest value): a displacement is
+//! continuous, a stress mostly is not.
 //!
 //! Files: version 1.0 (2.2 with hexahedra), UInt64 headers, appended data compressed by zlib; equal input gives equal bytes.
-//! Readers that draw: raise ParaView's "Nonlinear Subdivision Level" to 3 or 4 to see curved cells.
+//! In ParaView raise "Nonlinear Subdivision Level" to 3 or 4 to see curved cells.
 
 pub(super) mod cells;
 mod file;
@@ -60,7 +60,7 @@ impl<const D: usize> std::fmt::Debug for PointField<'_, D> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CellStyle {
-    /// Bezier cells, rational where the element is.
+    /// Bezier cells, rational if the element is.
     Bezier,
     /// Lagrange cells with equispaced nodes.
     Lagrange,
@@ -70,7 +70,7 @@ pub enum CellStyle {
 
 /// A space with fields: one body of `fields.vtu`, or a side.
 pub struct Part<'a, const D: usize, const N: usize> {
-    /// Name, for pictures and messages.
+    /// Name, for figures and messages.
     pub name: String,
     /// The elements and their map.
     pub space: Arc<dyn Space<D, N>>,
@@ -80,7 +80,7 @@ pub struct Part<'a, const D: usize, const N: usize> {
     pub least_degree: usize,
     /// The fields; every part of a file has the same names.
     pub fields: Vec<PointField<'a, D>>,
-    /// All fields at once, where that costs less than each by itself: per point the numbers of one field after the other.
+    /// Sampler of all fields at once, if cheaper than each alone: per point the values of one field after the other.
     pub together: Option<Sampler<'a, D>>,
 }
 
@@ -91,7 +91,7 @@ impl<const D: usize, const N: usize> std::fmt::Debug for Part<'_, D, N> {
 }
 
 impl<'a, const D: usize, const N: usize> Part<'a, D, N> {
-    /// A part without fields.
+    /// Creates a part without fields.
     pub fn new(name: impl Into<String>, space: Arc<dyn Space<D, N>>, style: CellStyle) -> Self {
         Self { name: name.into(), space, style, least_degree: 1, fields: Vec::new(), together: None }
     }
@@ -108,7 +108,7 @@ impl<'a, const D: usize, const N: usize> Part<'a, D, N> {
         self.with_field(name, components, false, Box::new(sample))
     }
 
-    /// Gives all fields that were added at once, the same values as each of their samplers.
+    /// Sets a sampler of all fields added so far, with the same values as their own samplers.
     #[must_use]
     pub fn with_together(mut self, sample: impl Fn(usize, &[Vector<D>]) -> Vec<f64> + Send + Sync + 'a) -> Self {
         self.together = Some(Box::new(sample));
@@ -121,7 +121,7 @@ impl<'a, const D: usize, const N: usize> Part<'a, D, N> {
     }
 }
 
-/// Why a grid was not written.
+/// Error of writing a grid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum VtuError {
@@ -151,10 +151,10 @@ pub enum VtuError {
     },
 }
 
-/// The bytes of a `.vtu` file with all `parts`: point data of their fields, cell data `patch` (number of the part) and `element`.
+/// Returns the bytes of a `.vtu` file with all `parts`: point data of their fields, cell data `patch` (number of the part) and `element`.
 ///
 /// # Errors
-/// [`VtuError`] where the parts do not fit together.
+/// [`VtuError`] if the parts do not fit together.
 pub fn write<const D: usize, const N: usize>(parts: &[Part<'_, D, N>]) -> Result<Vec<u8>, VtuError> {
     let names = |part: &Part<'_, D, N>| part.fields.iter().map(|f| format!("{}:{}", f.name, f.components)).collect::<Vec<_>>().join(", ");
     let mut fields = Vec::new();

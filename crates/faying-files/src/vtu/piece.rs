@@ -1,4 +1,4 @@
-//! What an element adds to the file: the nodes of its cell with their positions, weights and fields.
+//! Contribution of an element to the file: the nodes of its cell with their positions, weights and fields.
 
 use super::cells::{Interpolant, Shape, bernstein, cell_type};
 use super::plan::{Plan, denominator, plan};
@@ -10,13 +10,13 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Numbers of a node ahead of its fields: the position and the weight.
+/// Values of a node before its fields: the position and the weight.
 pub(super) const AHEAD: usize = 4;
 
-/// Place of the weight among the numbers of a node.
+/// Position of the weight among the values of a node.
 pub(super) const WEIGHT: usize = 3;
 
-/// What an element adds to the file.
+/// Contribution of an element to the file.
 #[derive(Clone, Debug)]
 pub(super) struct Piece<'a> {
     /// Node after node: position, weight, and the fields, those of two components padded to three.
@@ -27,9 +27,9 @@ pub(super) struct Piece<'a> {
     pub degrees: [f64; 3],
     /// Local nodes of every cell.
     pub cells: &'a [Vec<usize>],
-    /// Ids of the element's corners; none where unknown.
+    /// Ids of the element's corners; empty if unknown.
     pub corners: Vec<usize>,
-    /// Per node the local corners around it with its weights at them; none inside.
+    /// Local corners around every node with its weights at them; `None` inside.
     pub around: &'a [Option<Vec<(usize, u64)>>],
 }
 
@@ -41,7 +41,7 @@ pub(super) fn width<const D: usize, const N: usize>(part: &Part<'_, D, N>) -> us
     AHEAD + part.fields.iter().map(|f| padded(f.components)).sum::<usize>()
 }
 
-/// Hands the pieces of all elements of a part to `take`, in their order.
+/// Passes the pieces of all elements of a part to `take`, in their order.
 pub(super) fn each_piece<const D: usize, const N: usize>(
     part: &Part<'_, D, N>,
     mut take: impl FnMut(usize, &Piece<'_>),
@@ -124,7 +124,7 @@ fn check_points<const D: usize>(cell: Cell) -> [Vector<D>; 2] {
     [Vector::from_fn(|k, _| share * [0.31, 0.73, 0.58][k]), Vector::from_fn(|k, _| share * [0.87, 0.12, 0.44][k])]
 }
 
-/// The Bezier cell of an element; none where it does not hold map and exact fields.
+/// Bezier cell of an element; `None` if it cannot represent map and exact fields.
 fn bezier_piece<'a, const D: usize, const N: usize>(
     part: &Part<'_, D, N>,
     element: usize,
@@ -146,7 +146,7 @@ fn bezier_piece<'a, const D: usize, const N: usize>(
             b.iter().map(|b| b / sum).collect()
         })
         .collect();
-    // the points between stand behind those of the interpolation
+    // the points between follow those of the interpolation
     let all: Vec<Vector<D>> = of.points.iter().chain(&at).copied().collect();
     let values = DMatrix::from_row_slice(all.len(), width(part), &sampled(part, element, &all)?);
     let mut c = &of.to_bezier * DMatrix::from_fn(n, values.ncols(), |q, i| d[q] * values[(q, i)]);
@@ -183,7 +183,7 @@ fn bezier_piece<'a, const D: usize, const N: usize>(
     }))
 }
 
-/// Degrees along the axes of the cell, the first two of which are exchanged where the element is left-handed.
+/// Degrees along the axes of the cell, the first two of which are exchanged if the element is left-handed.
 fn degrees<const D: usize>(degree: [usize; D], left: bool) -> [f64; 3] {
     let mut all = std::array::from_fn(|k| if k < D { degree[k] as f64 } else { 0.0 });
     if left {
@@ -214,7 +214,7 @@ fn lagrange_piece<'a, const D: usize, const N: usize>(
     })
 }
 
-/// Fields that are not finite at some node (a gradient has no value where the map collapses) are continued from inside.
+/// Extrapolates fields from inside that are not finite at some node (a gradient has no value where the map collapses).
 fn continue_inwards<const D: usize, const N: usize>(
     part: &Part<'_, D, N>,
     element: usize,

@@ -1,4 +1,4 @@
-//! How an element becomes a cell, and the denominator of map and basis on it.
+//! Choice of the cell type and degree of an element, and the denominator of map and basis on it.
 
 use super::cells::{Shape, inner_points, nodes};
 use super::{CellStyle, MAX_DEGREE, Part};
@@ -7,21 +7,21 @@ use faying::geometry::MapTable;
 use faying::linalg::{Matrix, Vector, determinant};
 use faying::space::Space;
 
-/// How an element becomes a cell.
+/// Cell type, degrees and orientation of the cell of an element.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan<const D: usize> {
     pub cell: Cell,
     pub shape: Shape,
     pub degree: [usize; D],
-    /// Degree of the Lagrange cell that stands in where the Bezier cell is not exact.
+    /// Degree of the Lagrange cell used if the Bezier cell is not exact.
     pub lagrange: [usize; D],
     pub map_weights: bool,
     pub basis_weights: bool,
-    /// Whether the map turns space inside out; its cell is then mirrored.
+    /// Whether the map has a negative Jacobian determinant; its cell is then mirrored.
     pub left: bool,
 }
 
-/// The plan of an element: a Bezier cell where map and basis are polynomial or rational of a degree that VTK evaluates.
+/// Plan of an element: a Bezier cell if map and basis are polynomial or rational of a degree that VTK evaluates.
 pub(super) fn plan<const D: usize, const N: usize>(part: &Part<'_, D, N>, element: usize, table: &mut MapTable<D, N>) -> Plan<D> {
     let space = &*part.space;
     let cell = space.cell(element);
@@ -81,7 +81,7 @@ fn varies(w: &[f64]) -> bool {
     hi - lo > 1e-13 * hi.abs()
 }
 
-/// Element of every axis behind `element` of a block.
+/// Element along every axis that corresponds to `element` of a block.
 fn axis_elements<const D: usize>(block: &Block<'_, D>, element: usize) -> [usize; D] {
     let mut rest = element - block.first;
     std::array::from_fn(|k| {
@@ -97,7 +97,7 @@ fn block_degree<const D: usize>(block: &Block<'_, D>, element: usize) -> [usize;
     std::array::from_fn(|k| block.axes[k].degree(e[k])[0])
 }
 
-/// sum_i N_i w_i at local points; none without weights.
+/// sum_i N_i w_i at local points; `None` without weights.
 fn denominators<const D: usize>(block: &Block<'_, D>, element: usize, xi: &[Vector<D>]) -> Option<Vec<f64>> {
     let weights = block.weights?;
     let e = axis_elements(block, element);

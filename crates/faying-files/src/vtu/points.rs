@@ -1,13 +1,13 @@
-//! Points of a part, of which elements have those in common where all their numbers agree.
+//! Points of a part, shared by elements if all their values agree.
 
 use super::piece::{AHEAD, Piece, WEIGHT};
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-/// Fields agree within this share of the greatest value met so far, positions within this share of the element's size.
+/// Tolerance of fields, relative to the largest value so far, and of positions, relative to the element's size.
 const SAME: f64 = 1e-10;
 
-/// Rounding of positions, as a share of their distance from the origin.
+/// Rounding of positions, relative to their distance from the origin.
 const ROUNDING: f64 = 1e-14;
 
 /// No point.
@@ -19,7 +19,7 @@ type Key = [u64; 4];
 /// Bits of a weight: degree 10 on a hexahedron has weights up to 1000.
 const WEIGHT_BITS: u32 = 12;
 
-/// Multiplies and folds: keys are distinct by construction, and the order of the table is never seen.
+/// Hasher that multiplies and folds: keys are distinct by construction, and the order of the table has no effect.
 #[derive(Default)]
 struct Fold(u64);
 
@@ -45,7 +45,7 @@ pub(super) struct Points {
     /// Per field, all components of a point after the other.
     pub fields: Vec<Vec<f64>>,
     components: Vec<usize>,
-    /// The point of the same node that came before.
+    /// Previous point of the same node.
     before: Vec<u32>,
     /// The last point of the corners whose ids are below the length.
     vertices: Vec<u32>,
@@ -60,14 +60,14 @@ impl Points {
         Self { fields: vec![Vec::new(); components.len()], components, ..Self::default() }
     }
 
-    /// Begins a part of so many elements, which shares no points with those before.
+    /// Begins a part of the given number of elements, which shares no points with the previous parts.
     pub fn begin(&mut self, elements: usize) {
         self.vertices = vec![NONE; 2 * elements + 2];
         self.nodes.clear();
         self.greatest = vec![0.0; self.fields.len()];
     }
 
-    /// The points of the nodes of a piece: those that are there, new ones for all else.
+    /// Points of the nodes of a piece: existing ones if they agree, else new ones.
     pub fn of(&mut self, piece: &Piece<'_>, ids: &mut Vec<usize>) {
         ids.clear();
         let width = AHEAD + self.components.iter().sum::<usize>();
@@ -117,7 +117,7 @@ impl Points {
         new
     }
 
-    /// Whether all numbers of a point are those of a node.
+    /// Whether all values of a point agree with those of a node.
     fn agrees(&self, point: usize, row: &[f64], near: f64) -> bool {
         let mut first = AHEAD;
         self.x[point].iter().zip(row).all(|(a, b)| (a - b).abs() <= near)
@@ -142,7 +142,7 @@ impl Points {
     }
 }
 
-/// The name that all elements give to a node.
+/// Key of a node, equal in all elements that share it.
 fn key(around: &[(usize, u64)], corners: &[usize]) -> Key {
     let mut key = [u64::MAX; 4];
     for (slot, &(c, weight)) in key.iter_mut().zip(around) {

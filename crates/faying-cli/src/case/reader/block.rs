@@ -12,10 +12,10 @@ pub(in crate::case) struct Block {
     pub table: Table,
     /// Its head, or the value itself for an inline table.
     pub at: Place,
-    /// What it is: `material "steel"`.
+    /// Description for messages: `material "steel"`.
     pub what: String,
     pub keys: Vec<&'static str>,
-    /// Keys that unknown ones stand for although they are given, too.
+    /// Given keys that are also the nearest ones to unknown keys.
     pub meant: Vec<&'static str>,
 }
 
@@ -33,14 +33,14 @@ impl Block {
         self.table.get(key).map_or(self.at, |e| e.key_at)
     }
 
-    /// Writes a default into the tree, where the effective case finds it.
+    /// Writes a default into the tree, from which the effective case is written.
     pub fn default(&mut self, key: &str, value: Value) -> Place {
         let at = Place { origin: Origin::Default, ..self.at };
         self.table.set(key, at, Node::new(value, at));
         at
     }
 
-    /// Puts the read form of an inline table, with its defaults, in place of what the file says.
+    /// Replaces an inline table of the file by its read form with all defaults.
     pub fn replace(&mut self, key: &str, table: Table) {
         if let Some(e) = self.table.get_mut(key) {
             e.node.value = Value::Table(table);
@@ -59,7 +59,7 @@ impl Block {
 }
 
 impl Reader {
-    /// Opens a table; unknown keys are reported with the nearest known one, and read as it where it is absent, so that a
+    /// Opens a table; unknown keys are reported with the nearest known one, and read as that one if it is absent, so that a
     /// misspelt key is one error.
     pub fn block(&mut self, node: &Node, what: &str, known: &[&'static str]) -> Option<Block> {
         let Value::Table(table) = &node.value else {
@@ -105,7 +105,7 @@ impl Reader {
         Some(Block { table, at: node.at, what: named, keys: known.to_vec(), meant })
     }
 
-    /// Reports an unknown key; returns the known one that it stands for.
+    /// Reports an unknown key; returns the nearest known one, if there is one.
     pub fn unknown_key(&mut self, key: &str, at: Place, what: &str, known: &[&'static str]) -> Option<&'static str> {
         if keys::LATER.contains(&key) {
             self.fault("E019", at, format!("`{key}` is not in this version"), format!("keys here: {}", known.join(", ")));

@@ -6,7 +6,7 @@ use crate::case::types::{Components, Datum};
 use crate::formula::{Formula, Scope};
 use crate::place::Located;
 
-/// Which names a formula may use.
+/// Names that a formula may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::case) enum Uses {
     Space,
@@ -173,7 +173,7 @@ impl Reader {
         self.formula_of(node, what, uses).map(|f| f.map(Datum::Formula))
     }
 
-    /// The same without "exact".
+    /// Formulas of some of `n` components, as `components_of` without "exact".
     pub fn formulas_of(&mut self, node: &Node, what: &str, uses: Uses, n: usize) -> Components<Formula> {
         let data = self.components_of(node, what, uses, n, false);
         data.into_iter()

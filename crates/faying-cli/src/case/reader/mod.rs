@@ -1,4 +1,4 @@
-//! Typed reading of values: every getter reports what is wrong at its place and lets reading go on.
+//! Typed reading of values: every getter reports errors at their place, and reading continues.
 
 mod block;
 mod formulas;
@@ -22,7 +22,7 @@ use std::path::PathBuf;
 /// Errors beyond this many are not kept.
 const KEPT: usize = 500;
 
-/// What reading needs everywhere.
+/// State of reading a case.
 #[derive(Debug)]
 pub(in crate::case) struct Reader {
     pub source: Source,
@@ -32,7 +32,7 @@ pub(in crate::case) struct Reader {
     pub names: Vec<String>,
     pub dimension: usize,
     pub components: usize,
-    /// What could not be read as a whole, `exact` or the names of a list such as `patch`: what refers to them shall not be reported again.
+    /// Keys and lists with errors, such as `exact` or `patch`: references to them are not reported again.
     pub broken: BTreeSet<String>,
     /// Whether a density is given but could not be read.
     pub density_broken: bool,
@@ -46,11 +46,11 @@ pub(in crate::case) struct Reader {
     pub opened: Vec<Opened>,
     /// One entry per patch, until patches are expanded.
     pub from_files: Vec<Option<FromFile>>,
-    /// Names that stand for all patches of a file.
+    /// Names of all patches of a file.
     pub families: Vec<Family>,
-    /// Sides that are one.
+    /// Pairs of sides with common facets of a mesh file.
     pub joints: Vec<Joint>,
-    /// Points that are one.
+    /// Points that patches of a mesh file share.
     pub meetings: Vec<Meeting>,
 }
 

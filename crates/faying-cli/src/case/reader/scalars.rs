@@ -167,7 +167,7 @@ impl Reader {
                     self.broken.insert(kind.to_owned());
                     return Located::new(fallback, node.at);
                 };
-                // a bad name stays: what refers to it finds it
+                // a bad name stays, so that references to it are found
                 if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
                     self.fault("E016", node.at, format!("{:?} is no name", name.value), "names are made of letters, digits, `_` and `-`");
                 }
@@ -176,7 +176,7 @@ impl Reader {
         }
     }
 
-    /// Names of one kind are unique.
+    /// Checks that names of one kind are unique (E016).
     pub fn unique(&mut self, kind: &str, names: &[Located<String>]) {
         let mut first = std::collections::BTreeMap::new();
         for n in names {

@@ -1,4 +1,4 @@
-//! `[[boundary]]`: what is held, pressed and pulled.
+//! `[[boundary]]`: supports and loads.
 
 use super::{Head, SideRef};
 use crate::formula::Formula;
@@ -14,7 +14,7 @@ pub enum Datum {
     Formula(Formula),
 }
 
-/// Data of some components: one entry per component, `None` where nothing is said.
+/// Data of some components: one entry per component, `None` if not given.
 pub type Components<D> = Vec<Option<Located<D>>>;
 
 /// `[[boundary]]`.
@@ -24,9 +24,9 @@ pub struct Boundary {
     pub head: Head,
     /// Its name, `boundary-0`, ... by default.
     pub name: Located<String>,
-    /// The sides; "all-outer" is already resolved, but for sides that will be found to touch others.
+    /// The sides; "all-outer" is already resolved, except for sides that are later found to touch others.
     pub on: Vec<Located<SideRef>>,
-    /// Whether the case says "all-outer".
+    /// Whether `on` is "all-outer" in the case.
     pub all_outer: bool,
     /// Keeps facets whose centre satisfies it (`where`).
     pub filter: Option<Located<Formula>>,
@@ -44,6 +44,6 @@ pub struct Boundary {
     pub force: Components<Formula>,
     /// Springs per component (force per area and length).
     pub spring: Components<Formula>,
-    /// The side moves as one in this component, resultant given, a force.
+    /// Resultant force per component on a side that moves as a rigid one in this component.
     pub rigid_force: Components<Formula>,
 }

@@ -1,4 +1,4 @@
-//! `[[contact]]`: who faces whom, and how contact is enforced.
+//! `[[contact]]`: slave sides, their masters or obstacles, and the enforcement of contact.
 
 use super::{Components, Geometry, Head, Integration, Multiplier, SideRef, Variant};
 use crate::formula::Formula;
@@ -78,7 +78,7 @@ pub struct Obstacle {
     pub force: Components<Formula>,
 }
 
-/// What the slave of a contact faces.
+/// Master of a contact: sides of bodies, or a rigid obstacle.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 // a case has few contacts: a box would save nothing
@@ -90,7 +90,7 @@ pub enum Master {
     Rigid(Located<Obstacle>),
 }
 
-/// How contact is enforced.
+/// Method that enforces contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Method {
@@ -152,7 +152,7 @@ pub struct Contact {
     pub name: Located<String>,
     /// Slave sides.
     pub slave: Vec<Located<SideRef>>,
-    /// What they face.
+    /// Master sides or rigid obstacle.
     pub master: Master,
     /// The gap as a formula of the geometric gap g and x, y, z, t; default g.
     pub gap: Located<Formula>,
@@ -166,7 +166,7 @@ pub struct Contact {
     pub extra_points: Located<usize>,
     /// Cone.
     pub cone: Located<Cone>,
-    /// Farther points face nothing (a length), `None`: auto.
+    /// Search distance: farther points have no partner (a length), `None`: auto.
     pub reach: Located<Option<f64>>,
     /// Exact multiplier, negative in compression (force per area).
     pub exact: Option<Located<Formula>>,
@@ -174,7 +174,7 @@ pub struct Contact {
     pub symmetry: Located<bool>,
     /// Active set.
     pub active_set: ActiveSetSpec,
-    /// Augmented: error of the multipliers at which the iteration ends, relative; none: auto.
+    /// Augmented: error of the multipliers at which the iteration ends, relative; `None`: auto.
     pub tolerance: Located<Option<f64>>,
     /// Multiplies modulus / h, `None`: auto.
     pub factor: Located<Option<f64>>,

@@ -1,4 +1,4 @@
-//! `[[probe]]`, `[[check]]` and `[study.NAME]`: what is asked of a solution.
+//! `[[probe]]`, `[[check]]` and `[study.NAME]`: quantities, checks on them, values of studies.
 
 use super::Head;
 use crate::formula::Formula;
@@ -15,7 +15,7 @@ pub struct Probe {
     pub quantity: Located<String>,
 }
 
-/// What a check demands; the numbers may be formulas of constants and quantities.
+/// Condition of a check; the numbers may be formulas of constants and quantities.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Condition {
@@ -43,7 +43,7 @@ pub struct Check {
     pub name: Located<String>,
     /// The quantity as text.
     pub quantity: Located<String>,
-    /// What is demanded.
+    /// The condition on the quantity.
     pub condition: Condition,
     /// Only for this backend.
     pub backend: Option<Located<String>>,
@@ -51,7 +51,7 @@ pub struct Check {
     pub over_all: Option<Located<()>>,
 }
 
-/// `[study.NAME]`: what a study varies where the command line is silent.
+/// `[study.NAME]`: values of a study that the command line does not give.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StudyValues {
     /// The command: `compare`, `convergence`, ...

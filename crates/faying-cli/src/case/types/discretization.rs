@@ -2,7 +2,7 @@
 
 use crate::place::Located;
 
-/// Which functions an `iga` patch uses.
+/// Basis functions of an `iga` patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BasisKind {

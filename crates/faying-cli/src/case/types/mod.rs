@@ -1,4 +1,4 @@
-//! The typed case: what a case file says, every default filled in, every value with its place.
+//! The typed case: the content of a case file with all defaults, every value with its place.
 //!
 //! Vectors have one entry per coordinate (2 or 3), fields one per component of the unknown: 1 for Poisson, the
 //! dimension for elasticity. Names of patches and sides are resolved; formulas are parsed.
@@ -51,7 +51,7 @@ pub struct Case {
     pub materials: Vec<Material>,
     /// `[[patch]]`; a file of several patches gives NAME.0, NAME.1, ...
     pub patches: Vec<Patch>,
-    /// Sides that are one because groups of one mesh share their facets.
+    /// Pairs of sides with common facets of groups of one mesh.
     pub joints: Vec<Joint>,
     /// Points that patches of one mesh share beside their common facets.
     pub meetings: Vec<Meeting>,

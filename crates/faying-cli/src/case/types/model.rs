@@ -1,4 +1,4 @@
-//! `[model]` and `[[material]]`: which equation, with which constants.
+//! `[model]` and `[[material]]`: the equation and its constants.
 
 use super::Head;
 use crate::formula::Formula;
@@ -6,7 +6,7 @@ use crate::place::Located;
 use crate::reference::StoredRun;
 use std::sync::Arc;
 
-/// Which equation.
+/// The equation to solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Physics {
@@ -16,7 +16,7 @@ pub enum Physics {
     Elasticity,
 }
 
-/// How a plane body stands for a spatial one.
+/// Plane assumption of elasticity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Assumption {
@@ -31,11 +31,11 @@ pub enum Assumption {
 pub struct Model {
     /// The block.
     pub head: Head,
-    /// Which equation.
+    /// The equation to solve.
     pub physics: Located<Physics>,
     /// 2 or 3.
     pub dimension: Located<usize>,
-    /// Elasticity in the plane.
+    /// Plane strain or plane stress.
     pub assumption: Located<Assumption>,
     /// Manufactured solution, one formula per component.
     pub exact: Option<Located<Vec<Located<Formula>>>>,
@@ -43,9 +43,9 @@ pub struct Model {
     pub source: Option<Located<Vec<Located<Formula>>>>,
     /// Acceleration; needs a density.
     pub gravity: Option<Located<Vec<f64>>>,
-    /// A stored run that stands for the exact solution.
+    /// Path of a stored run that replaces the exact solution.
     pub reference: Option<Located<String>>,
-    /// What its file holds.
+    /// Contents of the stored run.
     pub stored: Option<Arc<StoredRun>>,
 }
 

@@ -1,4 +1,4 @@
-//! `[[patch]]`: what a body is, and what joins its parts.
+//! `[[patch]]`: bodies, and the joints between patches of one file.
 
 use super::{Discretization, Divisions, Grade, Head};
 use crate::case::part::FilePart;
@@ -70,13 +70,13 @@ pub enum Shape {
         group: Option<Located<String>>,
         /// Path of a list of knots that are added to the spline patches.
         refinement: Option<Located<String>>,
-        /// What was read: one part for a patch of the case; none for obstacles.
+        /// Parts read from the file: one for a patch of the case.
         parts: Vec<Arc<FilePart>>,
     },
 }
 
 impl Shape {
-    /// What a patch takes from its file.
+    /// The part of its file that makes a patch; `None` for other shapes.
     pub fn part(&self) -> Option<&FilePart> {
         match self {
             Self::File { parts, .. } => parts.first().map(|p| &**p),
@@ -156,23 +156,23 @@ pub struct Patch {
     pub glue: Located<bool>,
 }
 
-/// Two sides that are the same facets of one mesh file: their patches share the functions there.
+/// Two sides with the same facets of one mesh file: their patches share the functions there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Joint {
     /// The sides.
     pub sides: [SideRef; 2],
-    /// The patch block that says so.
+    /// Place of the patch block.
     pub at: Place,
 }
 
-/// A point of one mesh file where patches meet that no common facet joins there: they share the function of that point.
+/// A point of one mesh file where patches meet without a common facet: they share the function of that point.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Meeting {
     /// The patches.
     pub patches: Vec<usize>,
-    /// The point, by its place in the file.
+    /// Index of the point in the file.
     pub point: usize,
-    /// The block of the last of them.
+    /// Place of the block of the last patch.
     pub at: Place,
 }
 

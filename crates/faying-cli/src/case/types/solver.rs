@@ -1,8 +1,8 @@
-//! `[solver]`: how systems are solved.
+//! `[solver]`: solvers and their tolerances.
 
 use crate::place::Located;
 
-/// How linear systems are solved.
+/// Solver of linear systems.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Linear {

@@ -1,10 +1,10 @@
-//! `[[interface]]`: how two sides are tied.
+//! `[[interface]]`: tied sides and their coupling.
 
 use super::{Head, SideRef};
 use crate::formula::Formula;
 use crate::place::Located;
 
-/// The multiplier's words.
+/// Multiplier space.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Multiplier {
@@ -16,12 +16,12 @@ pub enum Multiplier {
         degree: usize,
         /// Continuity at the breakpoints, -1 is discontinuous; `None`: degree - 1.
         continuity: Option<isize>,
-        /// What happens at constrained ends.
+        /// Degree in the end elements.
         ends: Ends,
     },
 }
 
-/// What a multiplier does in the end elements.
+/// Degree of a multiplier in the end elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Ends {
@@ -33,7 +33,7 @@ pub enum Ends {
     Lowered,
 }
 
-/// Who makes the list of segments.
+/// Segments of the integration along an interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Integration {
@@ -68,7 +68,7 @@ pub struct Tie {
     pub slave: Vec<Located<SideRef>>,
     /// Master sides.
     pub master: Vec<Located<SideRef>>,
-    /// Patches whose touching sides are coupled, "all" for all: stands for slave and master.
+    /// Patches whose touching sides are coupled, "all" for all; replaces slave and master.
     pub between: Option<Located<Vec<String>>>,
     /// Name of the coupling: `mortar`, `nitsche`, `penalty`, `glue`, or one of a registry.
     pub coupling: Located<String>,

@@ -13,7 +13,7 @@ pub use scale::Axis;
 /// One line of a study, in every panel of its group.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StudyLine {
-    /// What the legend says.
+    /// Name in the legend.
     pub name: String,
     /// Observed rate in the size of the elements between the last two points of the first panel.
     pub rate: Option<f64>,
@@ -32,7 +32,7 @@ pub struct StudyPanel {
     pub y_log: bool,
     /// Whether slopes are shown by triangles: both axes logarithmic, x the size of the elements.
     pub slopes: bool,
-    /// Points of every line of the group, in the order of its rows; what a logarithm does not know is left out.
+    /// Points of every line of the group, in the order of its rows; points without a logarithm on a logarithmic axis are left out.
     pub points: Vec<Vec<(f64, f64)>>,
 }
 
@@ -45,7 +45,7 @@ pub struct StudyGroup {
     pub panels: Vec<StudyPanel>,
 }
 
-/// What the picture shows.
+/// Content of the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct StudyPlot<'a> {
     /// Heading.

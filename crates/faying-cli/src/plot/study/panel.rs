@@ -19,7 +19,7 @@ fn lines(panel: &StudyPanel) -> impl Iterator<Item = Vec<(f64, f64)>> {
     panel.points.iter().take(MOST_LINES).map(move |line| line.iter().copied().filter(known).collect())
 }
 
-/// Both axes; none without points.
+/// Both axes; `None` without points.
 pub fn scales(panel: &StudyPanel) -> Option<(Scale<'_>, Scale<'static>)> {
     let points: Vec<(f64, f64)> = lines(panel).flatten().collect();
     let x = Scale::of(&panel.x_axis, points.iter().map(|p| p.0), 0.12)?;

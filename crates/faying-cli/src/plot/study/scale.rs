@@ -1,4 +1,4 @@
-//! Axes of a panel: where a value stands between its ends, and the marks with their words.
+//! Axes of a panel: positions of values between the ends, and ticks with labels.
 
 use crate::plot::ticks;
 use crate::table::short;
@@ -11,7 +11,7 @@ pub enum Axis {
     Log,
     /// Linear.
     Linear,
-    /// Places 0, 1, 2, ... with these words.
+    /// Categories at 0, 1, 2, ... with these labels.
     Places(Vec<String>),
 }
 
@@ -24,7 +24,7 @@ pub struct Scale<'a> {
 }
 
 impl<'a> Scale<'a> {
-    /// The axis for `values` with room around them, at least `room` decades on a logarithmic one; none without values.
+    /// The axis for `values` with room around them, at least `room` decades on a logarithmic one; `None` without values.
     pub fn of(axis: &'a Axis, values: impl Iterator<Item = f64>, room: f64) -> Option<Self> {
         if let Axis::Places(words) = axis {
             return (values.count() > 0).then(|| Self { axis, lo: -0.5, hi: words.len() as f64 - 0.5 });
@@ -34,7 +34,7 @@ impl<'a> Scale<'a> {
         let (lo, hi) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
         let least = match (log, hi - lo) {
             (true, _) => room,
-            // one value, or values that are the same: a range of their size
+            // one value, or equal values: a range of their size
             (false, 0.0) => {
                 if lo == 0.0 {
                     0.5
@@ -47,29 +47,29 @@ impl<'a> Scale<'a> {
         (lo <= hi).then(|| Self { axis, lo: lo - least.max(0.05 * (hi - lo)), hi: hi + least.max(0.05 * (hi - lo)) })
     }
 
-    /// Whether a value has a place.
+    /// Whether a value can be drawn: finite, and positive on a logarithmic axis.
     pub fn knows(axis: &Axis, value: f64) -> bool {
         value.is_finite() && (*axis != Axis::Log || value > 0.0)
     }
 
-    /// Ends apart: in decades, or in units of the values.
+    /// Distance of the ends: in decades, or in units of the values.
     pub fn span(&self) -> f64 {
         self.hi - self.lo
     }
 
-    /// Where `value` stands, 0 at the lower and 1 at the upper end.
+    /// Position of `value`: 0 at the lower and 1 at the upper end.
     pub fn at(&self, value: f64) -> f64 {
         let v = if *self.axis == Axis::Log { value.log10() } else { value };
         (v - self.lo) / (self.hi - self.lo)
     }
 
-    /// Values with a mark and its words.
+    /// Ticks: values with their labels.
     pub fn marks(&self) -> Vec<(f64, String)> {
         match self.axis {
             Axis::Log => logarithmic([self.lo, self.hi]).into_iter().map(|v| (v, short(v, 3))).collect(),
             Axis::Linear => ticks(self.lo, self.hi, 6).into_iter().map(|v| (v, short(v, 6))).collect(),
             Axis::Places(words) => {
-                // so many that their words do not meet
+                // at most 12, so that labels do not overlap
                 let every = words.len().div_ceil(12).max(1);
                 words.iter().enumerate().step_by(every).map(|(k, word)| (k as f64, word.clone())).collect()
             }
@@ -77,8 +77,8 @@ impl<'a> Scale<'a> {
     }
 }
 
-/// Round numbers between 10^lo and 10^hi: powers of ten, few enough; with 2 and 5 where there are less than two decades, evenly spaced ones
-/// where that leaves less than two.
+/// Round numbers between 10^lo and 10^hi: powers of ten, few enough; with 2 and 5 below two decades, evenly spaced ones if that
+/// leaves less than two.
 fn logarithmic([lo, hi]: [f64; 2]) -> Vec<f64> {
     let (first, last) = (lo.floor() as i32, hi.ceil() as i32);
     let decades = hi - lo;

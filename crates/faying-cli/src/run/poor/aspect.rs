@@ -1,7 +1,7 @@
-//! E041 as a warning where cells are so thin that rounding enters the digits of a result.
+//! Warning E041 for cells so thin that round-off affects the result.
 //!
-//! The aspect of a cell: its longest edge over its least height, by the Jacobian at its centre. Entries of its stiffness differ by
-//! the square of the aspect, so that 1e8 leaves no digit of the small ones beside the large ones.
+//! The aspect of a cell is its longest edge over its least height, by the Jacobian at its centre. Entries of its stiffness differ by the
+//! square of the aspect, so that at 1e8 no digit of the small ones is left beside the large ones.
 
 use crate::build::{Model, PatchModel, short};
 use crate::case::Case;
@@ -11,10 +11,10 @@ use faying::geometry::{MapTable, cell};
 use faying::linalg::{Matrix, Vector, determinant};
 use rayon::prelude::*;
 
-/// The square of the inverse is the rounding of a double.
+/// Largest aspect without a warning: the inverse of its square is the round-off of a double.
 const MOST: f64 = 1e8;
 
-/// One warning per patch with such cells.
+/// Returns one warning per patch with such cells.
 pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     for (patch, block) in model.patches.iter().zip(&case.patches) {
@@ -33,7 +33,7 @@ pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
     found
 }
 
-/// The largest aspect, of several the first element, and where.
+/// Returns the largest aspect, the first element that has it, and its position.
 fn worst<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> (f64, usize, Vector<N>) {
     let space = &**patch.body.space();
     let centers = [Cell::Tensor, Cell::Simplex].map(cell::center::<N, f64>);
@@ -48,7 +48,7 @@ fn worst<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> (f64, usiz
         .reduce(|| (0.0, usize::MAX, Vector::zeros()), |a, b| if b.0 > a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a })
 }
 
-/// The longest column over the least height of the parallelepiped; zero of degenerate ones, which are found elsewhere.
+/// Longest column over the least height of the parallelepiped; zero for degenerate ones, which are reported elsewhere.
 fn aspect<const N: usize>(j: &Matrix<N, N>) -> f64 {
     let lengths: [f64; N] = std::array::from_fn(|k| j.column(k).norm());
     let longest = lengths.iter().copied().fold(0.0, f64::max);

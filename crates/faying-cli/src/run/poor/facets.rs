@@ -1,11 +1,12 @@
-//! E065 where the facets of sides that nearly fit leave the surface they stand for by as much as their gap.
+//! Warning E065 if the facets of sides that nearly fit deviate from the surface they approximate by as much as their gap.
 //!
-//! Facets of polygons that approximate one curve are apart, or overlap, by up to their [sag](faying::geometry::Sag), whatever the clearance or
-//! the interference of the curve is. With h the sum of the greatest sags of both sides and g the gap by the gap formula, it is said where
+//! Facets of polygons that approximate one curve are apart, or overlap, by up to their [sag](faying::geometry::Sag), whatever the clearance
+//! or the interference of the curve is. With h the sum of the greatest sags of both sides and g the gap by the gap formula, the warning is
+//! given if
 //!
 //!   h > 0.1 mean |g|   and   max |g| < 10 h,
 //!
-//! so that sides of which a part touches only, as in Hertz' problem, are left alone: there the gap grows beyond any sag.
+//! so that sides that touch only in part, as in Hertz' problem, are excluded: there the gap grows beyond any sag.
 
 use super::percent;
 use crate::build::{ContactModel, ContactPart, Model, sag, short};
@@ -13,14 +14,14 @@ use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::formula::Point;
 
-/// From this share of the mean gap on it is said.
+/// Ratio h / mean |g| above which the warning is given.
 const POOR: f64 = 0.1;
-/// Gaps beyond this many sags belong to sides that do not fit.
+/// Ratio max |g| / h from which on sides do not fit.
 const FIT: f64 = 10.0;
-/// Sags below this share of the size of the model are rounding.
+/// Sags below this fraction of the size of the model are round-off.
 const ROUNDING: f64 = 1e-12;
 
-/// One warning per contact.
+/// Returns at most one warning per contact.
 pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     for (contact, block) in model.contacts.iter().zip(&case.contacts) {
@@ -40,7 +41,7 @@ pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
     found
 }
 
-/// h and mean |g| of a part of which it is said.
+/// Returns h and mean |g| of a part if the warning applies.
 fn of_part<const S: usize, const N: usize>(
     case: &Case,
     model: &Model<S, N>,

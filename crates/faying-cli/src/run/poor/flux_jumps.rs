@@ -1,10 +1,10 @@
-//! E017 as a warning where the flux of the exact solution jumps.
+//! Warning E017 if the flux of the exact solution jumps.
 //!
-//! The source that follows from `exact` is -div sigma(u) at points. Where the flux sigma n jumps across a line, inside of a body or
-//! between two that are tied, that is not the load of u: the jump on the line is missing, and u is not what the case solves.
-//! Jumps are looked for where the formulas have pieces, on lines from the middle of every element to its neighbours, by bisection
-//! towards the largest change of the gradient. Where u is continuous, [grad u] = a m with m normal to the line of the jump, which gives
-//! the flux to compare: in one material it jumps whenever the gradient does, between two it need not.
+//! The source derived from `exact` is -div sigma(u) at points. If the flux sigma n jumps across a line, inside of a body or between two
+//! that are tied, that is not the load of u: the jump on the line is missing, and u is not the solution of the case. Jumps are searched
+//! where the formulas are piecewise, on lines from the middle of every element to its neighbours, by bisection towards the largest change
+//! of the gradient. Where u is continuous, [grad u] = a m with m normal to the line of the jump, which gives the flux to compare: in one
+//! material it jumps whenever the gradient does, between two it need not.
 
 use super::percent;
 use crate::build::{Exact, Model, PatchModel, TiePart, short};
@@ -16,24 +16,24 @@ use faying::geometry::{MapTable, cell};
 use faying::linalg::{Matrix, Vector};
 use std::collections::HashMap;
 
-/// Jumps below this share of the largest flux are left to rounding.
+/// Jumps below this fraction of the largest flux are attributed to round-off.
 const JUMP: f64 = 1e-3;
-/// Elements that are looked at.
+/// Largest number of elements that are examined per patch.
 const ELEMENTS: usize = 20_000;
 /// Pieces of a line before it is bisected, and bisections: jumps are kept, slopes fall to 1e-9 of the line's change.
 const PIECES: usize = 8;
 const BISECTIONS: usize = 27;
-/// Distance from a tied side at which its own body is looked at, over the size of the model.
+/// Distance from a tied side at which its own body is evaluated, over the size of the model.
 const INSIDE: f64 = 1e-9;
 
-/// A jump, the largest flux that it is measured by, and where.
+/// Jump of the flux, the largest flux for comparison, and the position.
 struct Jump<const N: usize> {
     size: f64,
     largest: f64,
     at: Vector<N>,
 }
 
-/// One warning for the largest jump inside each patch and one for that across each tie.
+/// Returns one warning for the largest jump inside each patch and one for that across each tie.
 pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
     let (Some(exact), Some(given)) = (&model.exact, &case.model.exact) else { return Vec::new() };
     let t = case.steps.value.first().copied().unwrap_or(1.0);
@@ -91,7 +91,7 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
-/// grad u, rows beyond the components zero.
+/// grad u; rows beyond the components are zero.
 fn gradient<const N: usize>(exact: &Exact, components: usize, t: f64, x: &Vector<N>) -> Matrix<3, N> {
     let at = Point::new(x.as_slice()).at_time(t);
     let mut all = Matrix::<3, N>::zeros();
@@ -104,7 +104,7 @@ fn gradient<const N: usize>(exact: &Exact, components: usize, t: f64, x: &Vector
     all
 }
 
-/// The largest jump of the flux inside a patch.
+/// Finds the largest jump of the flux inside a patch.
 fn inside<const S: usize, const N: usize>(patch: &PatchModel<S, N>, exact: &Exact, t: f64) -> Jump<N> {
     let components = patch.field.components;
     let grad = |x: &Vector<N>| gradient(exact, components, t, x);
@@ -149,7 +149,7 @@ fn direction<const N: usize>(jump: &Matrix<3, N>) -> Option<Vector<N>> {
     (row.norm() > 0.0).then(|| row / row.norm())
 }
 
-/// From the middle of every element to the middle of each neighbour; at the rim of the patch to just before the face.
+/// Lines from the middle of every element to the middle of each face, to just before it, and across each inner face.
 fn lines<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> Vec<[Vector<N>; 2]> {
     let space = &**patch.body.space();
     let step = space.num_elements().div_ceil(ELEMENTS).max(1);
@@ -176,7 +176,7 @@ fn lines<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> Vec<[Vecto
             }
             let mut key: Vec<usize> = face.iter().map(|&i| ids[i]).collect();
             key.sort_unstable();
-            // over the face, from the one side to the other
+            // across the face, from one side to the other
             match first.remove(&key) {
                 Some(other) => lines.push([other, x]),
                 None => drop(first.insert(key, x)),
@@ -186,7 +186,7 @@ fn lines<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> Vec<[Vecto
     lines
 }
 
-/// The largest jump of the flux across a tie.
+/// Finds the largest jump of the flux across a tie.
 fn across<const S: usize, const N: usize>(model: &Model<S, N>, part: &TiePart<S, N>, exact: &Exact, t: f64) -> Jump<N> {
     let mut worst = Jump { size: 0.0, largest: 0.0, at: Vector::zeros() };
     let (slave, mut table) = (&model.patches[part.slave.patch], MapTable::new());

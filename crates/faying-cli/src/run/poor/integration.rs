@@ -1,4 +1,4 @@
-//! E065 where the rule of an interface misses what it should integrate, by [`faying::coupling::consistency`].
+//! Warning E065 if the integration of an interface is inexact, by [`faying::coupling::consistency`].
 
 use super::percent;
 use crate::case::{Case, Integration};
@@ -6,10 +6,10 @@ use crate::errors::Diagnostic;
 use crate::place::Located;
 use crate::result::RunResult;
 
-/// From this error of consistency on an integration is said to be inexact.
+/// Consistency error above which the warning is given.
 const INEXACT: f64 = 1e-2;
 
-/// One warning for every tie and every contact whose integration spoils the result.
+/// Returns one warning for every tie and every contact whose integration is inexact.
 pub fn warnings(case: &Case, result: &RunResult) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     for (name, report) in result.interface.iter().filter(|(_, report)| report.consistency > INEXACT) {

@@ -1,4 +1,4 @@
-//! Warnings where numbers are poor although the program ends well: what is known of a model, and what a solution shows.
+//! Warnings about poor accuracy of a run without errors: from the model, and from the solution.
 //!
 //! | file | the number that is poor |
 //! | --- | --- |
@@ -7,7 +7,7 @@
 //! | `facets` | gaps of sides that nearly fit, where facets leave their surface by as much |
 //! | `flux_jumps` | errors against a piecewise exact solution whose flux jumps: its source is not that of the data |
 //! | `integration` | forces through an interface whose rule does not see the other side's functions |
-//! | `sliding` | contact zones, where bodies slide so far that the normal at rest is not theirs any more |
+//! | `sliding` | contact zones, where bodies slide so far that the normal at rest is no longer theirs |
 //!
 //! Motions that only soft springs hold are found with the other rigid motions, in [`weakly_held`].
 
@@ -24,7 +24,7 @@ use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::result::RunResult;
 
-/// Warnings that a model deserves before it is solved.
+/// Returns the warnings about a model before it is solved.
 pub fn of_model<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
     let mut found = aspect::warnings(case, model);
     found.extend(patch_test::warnings(case, model));
@@ -34,12 +34,12 @@ pub fn of_model<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
     found
 }
 
-/// Adds the warnings that a solution deserves; each once over all steps.
+/// Adds the warnings about a solution; each once over all steps.
 pub fn of_state<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, state: &StepState<S, N>, result: &mut RunResult) {
     let mut found = integration::warnings(case, result);
     found.extend(sliding::warnings(case, model, state));
     for new in found {
-        // the figures change from step to step, the place and what it is about do not
+        // the figures change from step to step, the source location and the subject do not
         let same = |old: &Diagnostic| old.code == new.code && old.line == new.line && old.help == new.help && subject(old) == subject(&new);
         if !result.warnings.iter().any(same) {
             result.warnings.push(new);
@@ -47,12 +47,12 @@ pub fn of_state<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
     }
 }
 
-/// The part of a message before its figures.
+/// Returns the part of a message before its figures.
 fn subject(d: &Diagnostic) -> &str {
     d.message.split(':').next().unwrap_or_default()
 }
 
-/// A share in percent with two digits.
+/// Formats a share in percent with two digits.
 fn percent(share: f64) -> String {
     let text = format!("{:.1e}", 100.0 * share);
     text.parse::<f64>().map_or(text, |v| format!("{v}"))

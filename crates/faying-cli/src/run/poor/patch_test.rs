@@ -1,13 +1,13 @@
-//! E065 where the Gauss points of a patch do not integrate linear fields on its rational cells.
+//! Warning E065 if the Gauss points of a patch do not integrate linear fields on its rational cells.
 //!
-//! A linear field u = a . x has the forces F_i a with F_i = ∫ ∇N_i dx = ∫ cof(J) ∇̂N_i dξ. Maps of polynomials make polynomials, which
-//! the rules integrate exactly ([`faying::assembly::points_of_curved_cells`]); rational maps do not. Per element, with F by the rule and F*
-//! by one of many more points,
+//! A linear field u = a . x has the forces F_i a with F_i = ∫ ∇N_i dx = ∫ cof(J) ∇̂N_i dξ. For polynomial maps the integrand is a
+//! polynomial, which the rules integrate exactly ([`faying::assembly::points_of_curved_cells`]); for rational maps it is not. Per element,
+//! with F by the rule and F* by one of many more points, the defect is
 //!
 //!   e = sqrt( Σ_i |F_i - F*_i|² / K_ii ) / sqrt(V),   K_ii = ∫ |∇N_i|² dx,  V the volume:
 //!
-//! the size of the stress that answers the defect, relative to that of the field. Cells that are hardly bent are not looked at: the
-//! defect falls with the angle they span to the power 2p + 2.
+//! the size of the stress that balances the defect, relative to that of the field. Nearly straight cells are not examined: the defect falls
+//! with the angle they span to the power 2p + 2.
 
 use super::percent;
 use crate::build::{Model, PatchModel, short};
@@ -21,18 +21,19 @@ use faying::quadrature::{Quadrature, Rule};
 use faying::space::Space;
 use rayon::prelude::*;
 
-/// From this share of a linear field's stress on the defect is said.
+/// Defect above which the warning is given.
 const MISSED: f64 = 1e-3;
-/// What the points that are advised reach.
+/// Defect below which a number of extra points is advised.
 const GOOD: f64 = 1e-4;
-/// Distance of a cell's centre from the mean of its corners over its size, below which it is nearly straight: thin rings in arcs of 2 degrees.
+/// Distance of a cell's centre from the mean of its corners over its size, below which it is nearly straight: thin rings in arcs of 2
+/// degrees.
 const STRAIGHT: f64 = 4e-3;
 /// Points per direction of the reference beyond those of the rule.
 const BEYOND: usize = 10;
-/// Bent elements looked at, the most bent ones.
+/// Largest number of elements that are examined: the most bent ones.
 const LOOKED_AT: usize = 128;
 
-/// One warning per patch.
+/// Returns at most one warning per patch.
 pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     // other maps are polynomials
@@ -60,10 +61,10 @@ pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
     found
 }
 
-/// The least number of extra points, more than `own`, with which the defect is small, and what is left.
+/// Returns the least number of extra points, more than `own`, with which the defect is small, and the defect that is left.
 fn enough<const S: usize, const N: usize>(patch: &PatchModel<S, N>, bent: &[usize], own: usize) -> Option<(usize, f64)> {
     let space = &**patch.body.space();
-    // beyond those of the case: what curved cells take by themselves stays
+    // added to the points of the case and of curved cells
     let more = |e: usize, k: usize| element_rule(space, e, patch.extra_points + k).rule(0).clone();
     (1..BEYOND).find_map(|k| worst(space, bent, &|e| more(e, k)).filter(|w| w.1 <= GOOD).map(|w| (own + k, w.1)))
 }
@@ -95,13 +96,13 @@ fn most_bent<const N: usize>(space: &dyn Space<N, N>) -> Vec<usize> {
     elements
 }
 
-/// The largest e of `elements`, and the first element that has it.
+/// Returns the first element with the largest defect among `elements`, and this defect.
 fn worst<const N: usize>(space: &dyn Space<N, N>, elements: &[usize], rule: &(dyn Fn(usize) -> Rule<N> + Sync)) -> Option<(usize, f64)> {
     let all: Vec<(usize, f64)> = elements.par_iter().map(|&e| (e, defect(space, e, &rule(e)))).collect();
     all.into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a })
 }
 
-/// e of the head of this file.
+/// Defect e of an element (module docs).
 fn defect<const N: usize>(space: &dyn Space<N, N>, element: usize, rule: &Rule<N>) -> f64 {
     let per_direction = (rule.points.len() as f64).powf(1.0 / N as f64).round() as usize;
     let least = space.degree(element).into_iter().max().unwrap_or(1) + 1;

@@ -1,13 +1,13 @@
-//! E065 where a contact slides so far along a curved surface that its gap at rest decides wrongly.
+//! Warning E065 if a contact slides so far along a curved surface that its gap at rest is no longer correct.
 //!
 //! Small kinematics take the gap along the normal at rest, g + (u_slave - u_master) . n. A point that moves by u_t along a surface of
-//! radius R is |u_t|² / 2R farther from it (nearer, inside of a hole). With d the distance that this first order leaves out,
-//! measured at the points that are closed by the closest point of the surface at rest to where u_slave - u_master takes them,
+//! radius R is |u_t|² / 2R farther from it (nearer, inside of a hole). With d the distance neglected by this first order, measured at the
+//! closed points by the closest point of the surface at rest to their position moved by u_slave - u_master,
 //!
 //!   e = mean |d| / ( mean |g| + mean |u_master . n - its mean| ),
 //!
-//! the error of the gap over what closes it: gaps that the bodies bridge, and what the master gives way. The area and the half width
-//! of the zone are wrong by about as much. A turn of the master itself is not seen.
+//! the error of the gap over the closing distance: the initial gaps, and the yielding of the master. The area and the half width of the
+//! zone are wrong by about as much. A rotation of the master itself is not detected.
 
 use super::percent;
 use crate::build::{Against, ContactModel, ContactPart, Model};
@@ -23,14 +23,14 @@ use faying::linalg::Vector;
 use faying::space::Space;
 use std::sync::Arc;
 
-/// From this error of the gap on it is said.
+/// Error e above which the warning is given.
 const POOR: f64 = 0.1;
-/// Points that are looked at per side.
+/// Segments sampled per side, at most.
 const SAMPLES: usize = 200;
-/// Normals that differ by less belong to a plane.
+/// Normals that differ by less than this belong to a plane.
 const PLANE: f64 = 1e-10;
 
-/// A point that is closed.
+/// A closed point.
 struct Closed<const N: usize> {
     x: Vector<N>,
     normal: Vector<N>,
@@ -43,7 +43,7 @@ struct Closed<const N: usize> {
     ds: f64,
 }
 
-/// One warning per contact.
+/// Returns at most one warning per contact.
 pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     for ((contact, built), block) in model.contacts.iter().zip(&state.contacts).zip(&case.contacts) {
@@ -73,7 +73,7 @@ pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
     found
 }
 
-/// Some of the points that carry pressure; of every piece of segments some.
+/// Samples the points that carry pressure, from some of the closed segments; none for Nitsche's method.
 fn closed<const S: usize, const N: usize>(
     model: &Model<S, N>,
     contact: &ContactModel<S, N>,
@@ -83,7 +83,7 @@ fn closed<const S: usize, const N: usize>(
 ) -> Vec<Closed<N>> {
     let (s, frames) = (&rows.segments, &rows.frames);
     let active: Vec<bool> = match &part.multiplier {
-        // a piece carries pressure where a function that lives on it is closed
+        // a segment carries pressure if all functions active on it are closed
         Some(psi) => {
             let mut ids = Vec::new();
             (0..s.num_pieces())
@@ -103,7 +103,7 @@ fn closed<const S: usize, const N: usize>(
         let own = on_trace(&part.slave.trace, field, &state.u, s.slave[piece], &s.slave_xi[points.clone()]);
         let other = match &part.against {
             Against::Side(master, _) => on_trace(&master.trace, master.field, &state.u, s.master[piece], &s.master_xi[points.clone()]),
-            // the gap is measured from where it is
+            // the gap is measured from the present position of the obstacle
             Against::Rigid(..) => vec![[0.0; 3]; points.len()],
         };
         for (k, q) in points.enumerate() {
@@ -117,7 +117,7 @@ fn closed<const S: usize, const N: usize>(
     found
 }
 
-/// ∫ |d| ds over points; points that slide beyond the rim count nothing.
+/// ∫ |d| ds over points; points that slide beyond the edge of the master are left out.
 fn second_order<const S: usize, const N: usize>(part: &ContactPart<S, N>, state: &StepState<S, N>, points: &[Closed<N>]) -> f64 {
     match &part.against {
         Against::Side(master, _) => {
@@ -136,7 +136,7 @@ fn second_order<const S: usize, const N: usize>(part: &ContactPart<S, N>, state:
             let target = obstacle.target(state.t, Some(&state.u));
             let gap = |x: &Vector<N>| target.project(x).map(|hit| hit.gap);
             let moved = |p: &Closed<N>| Some(p.ds * (gap(&(p.x + p.shift))? - gap(&p.x)? - p.shift.dot(&p.normal)).abs());
-            // obstacles of a case's own functions may have no number there
+            // level sets given by the case may have no value there
             points.iter().filter_map(moved).filter(|d| d.is_finite()).sum()
         }
     }
