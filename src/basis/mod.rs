@@ -61,7 +61,7 @@ pub trait Elements: Debug + Send + Sync {
     }
 }
 
-/// Which multiplier polynomials are wanted of a basis.
+/// Polynomial space requested from [`Basis::polynomials`], for multipliers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Polynomials {

@@ -146,6 +146,8 @@ pub struct Names<const S: usize, const N: usize> {
     pub polynomials: Polynomials<S, N>,
     /// Multiplier `dual` of contacts, whose elements may be covered in part; if not available, `dual` is that of ties.
     pub covered: Covered<S, N>,
+    /// Multipliers of contact without functions on slivers of what is covered; `None`: as they are.
+    pub cut: Cut<S, N>,
     /// Couplings of interfaces.
     pub couplings: Family<MakeCoupling<S, N>>,
     /// Integrations of interfaces and contacts.
@@ -170,6 +172,13 @@ pub type MakeCovered<const S: usize, const N: usize> =
 /// Function that makes dual multipliers over the covered part of a side, if available.
 #[derive(Debug)]
 pub struct Covered<const S: usize, const N: usize>(pub Option<MakeCovered<S, N>>);
+
+/// Gives functions of a multiplier that live on slivers of what the segments cover to their neighbours.
+pub type CutMultiplier<const S: usize, const N: usize> = fn(Box<dyn Basis<S>>, &Trace<S, N>, &Segments<S>) -> Box<dyn Basis<S>>;
+
+/// [`CutMultiplier`] of a dimension, if there is one.
+#[derive(Debug)]
+pub struct Cut<const S: usize, const N: usize>(pub Option<CutMultiplier<S, N>>);
 
 /// Function that makes multipliers given by data, if available.
 pub struct Polynomials<const S: usize, const N: usize>(pub Option<MakePolynomial<S, N>>);
@@ -198,6 +207,7 @@ impl<const S: usize, const N: usize> Names<S, N> {
             multipliers: Family::new("multiplier"),
             polynomials: Polynomials(None),
             covered: Covered(None),
+            cut: Cut(None),
             couplings: Family::new("coupling"),
             integrations: Family::new("integration"),
             obstacles: Obstacles(None),
@@ -253,6 +263,7 @@ impl Names<1, 2> {
         }
         names.polynomials = Polynomials(Some(Box::new(curve_multiplier)));
         names.covered = Covered(Some(covered_dual));
+        names.cut = Cut(Some(|psi, trace, segments| multiplier::without_slivers(psi, &*trace.space, segments)));
         names.obstacles = Obstacles(Some(super::build::PLANE_OBSTACLES));
         names
             .couplings

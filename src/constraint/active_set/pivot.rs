@@ -8,9 +8,10 @@
 //!   Multipliers whose functions share no elements use plain steps only.
 //!
 //! Wide steps come first, or plain ones if the start is near the solution; after [`PATIENCE`] systems without a new least number of wrong
-//! rows they are swapped. A wide state visited before is replaced by the plain one. If that was visited, too, single wrong rows change,
-//! least index first, until fewer rows are wrong than ever before or [`EXCHANGES`] rows have changed (twice as many after every cycle);
-//! then all wrong rows change at once again. With a positive definite matrix of the rows this terminates: single exchanges of least index
+//! rows they are swapped. A wide state visited before is replaced by the plain one. If that was visited, too, the state with the fewest
+//! wrong rows so far is taken up again, and single wrong rows change, least index first, until fewer rows are wrong than ever before or as
+//! many rows have changed as were wrong ([`EXCHANGES`] at least, twice as many after every cycle); then all wrong rows change at once
+//! again. With a positive definite matrix of the rows this terminates: single exchanges of least index
 //! never repeat a state, and their number grows until they suffice.
 //!
 //! Sources: Murty, Linear Algebra Appl. 9 (1974) 65-108 (least index); Judice, Pires, Comput. Oper. Res. 21 (1994) 587-596;
@@ -69,6 +70,8 @@ pub(super) struct Pivot {
     visited: HashMap<Vec<bool>, usize>,
     /// All states so far.
     states: Vec<Vec<bool>>,
+    /// Number of wrong rows of each of them.
+    counts: Vec<usize>,
     /// Fewest wrong rows so far.
     fewest: usize,
     /// Systems since that minimum, or since the last switch between wide and plain steps.
@@ -90,6 +93,7 @@ impl Pivot {
             exchanges: EXCHANGES,
             visited: HashMap::new(),
             states: Vec::new(),
+            counts: Vec::new(),
             fewest: usize::MAX,
             waited: 0,
             seen_all: false,
@@ -101,6 +105,7 @@ impl Pivot {
     pub fn next(&mut self, state: &[bool], forces: &Forces, c: f64, iteration: usize, rows: &[usize]) -> Next {
         let wrong = forces.wrong(c);
         self.states.push(state.to_vec());
+        self.counts.push(wrong.len());
         self.visited.insert(state.to_vec(), iteration);
         self.seen_all |= state == self.all;
         if wrong.is_empty() {
@@ -128,8 +133,14 @@ impl Pivot {
             None if self.single == 0 && self.visited.contains_key(&tries[0].state) => {
                 self.note(&tries[0].state, iteration, rows);
                 self.begin(state, iteration);
-                (self.single, self.exchanges) = (self.exchanges, 2 * self.exchanges);
-                tries = exchanges(state, &wrong);
+                let best = (0..self.states.len()).min_by_key(|&k| self.counts[k]).expect("this state is one");
+                (self.single, self.exchanges) = (self.exchanges.max(self.counts[best]), 2 * self.exchanges);
+                tries = if self.counts[best] < wrong.len() {
+                    let rows: Vec<usize> = (0..state.len()).filter(|&k| state[k] != self.states[best][k]).collect();
+                    vec![changed(state, &rows)]
+                } else {
+                    exchanges(state, &wrong)
+                };
             }
             None => {}
         }
@@ -286,7 +297,13 @@ mod tests {
         let mut pivot = line(6, true);
         after(&mut pivot, "110000", &[2], 1);
         after(&mut pivot, "111010", &[1], 2);
-        assert_eq!(after(&mut pivot, "111111", &[3, 5], 3), "111011");
+        // from the state with the fewest wrong rows
+        assert_eq!(after(&mut pivot, "111111", &[3, 5], 3), "110000");
         assert_eq!(pivot.cycles, [Cycle { first: 2, second: 4, rows: vec![3, 5] }]);
+        assert_eq!(after(&mut pivot, "110000", &[2], 4), "111000");
+        // of a circle whose states are equally wrong, from where it is found
+        let mut pivot = line(6, false);
+        after(&mut pivot, "111111", &[3, 5], 1);
+        assert_eq!(after(&mut pivot, "111010", &[3, 5], 2), "111110");
     }
 }

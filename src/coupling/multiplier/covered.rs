@@ -21,9 +21,11 @@
 //! merged into their neighbour there, so that a constant is evaluated as one.
 
 use super::dual::Work;
+use super::sliver::lives_on_sliver;
 use super::{MultiplierError, SideEnd};
 use crate::basis::{BSpline, Basis, Cell, Elements, Order, Piece, Piecewise, ShapeTable, legendre_polynomials};
 use crate::coupling::Segments;
+use crate::geometry::Geometry;
 use crate::linalg::{Real, Vector, lit, num, to_f64};
 use crate::quadrature::gauss_legendre;
 use crate::space::Space;
@@ -66,7 +68,10 @@ pub fn dual_covered<const N: usize, T: Real>(
     constrained: &[SideEnd],
     segments: &Segments<1, T>,
 ) -> Result<CoveredDual<N, T>, MultiplierError> {
-    let (gone, number, functions) = super::dual::numbering(&**space, constrained);
+    let (mut gone, number, functions) = super::dual::numbering(&**space, constrained);
+    // functions on slivers give their share away as those of constrained ends do
+    let on_sliver = lives_on_sliver(&**space as &dyn Basis<1, T>, &**space as &dyn Geometry<1, N, T>, segments);
+    gone.iter_mut().zip(on_sliver).for_each(|(gone, sliver)| *gone |= sliver);
     let mut work = Work::new();
     let mut points: Vec<Vec<Range<usize>>> = vec![Vec::new(); space.num_elements()];
     (0..segments.num_pieces()).for_each(|piece| points[segments.slave[piece]].push(segments.points(piece)));
@@ -106,7 +111,7 @@ fn drop_unused<T: Real>(functions: usize, pieces: &mut [Piece<T>], elements: &mu
 
 /// Whether the points of these pieces span an element. They are the Gauss points of the element, divided among the masters, or each
 /// piece has its own, which give its beginning and end.
-fn is_whole<T: Real>(segments: &Segments<1, T>, pieces: &[Range<usize>]) -> bool {
+pub(super) fn is_whole<T: Real>(segments: &Segments<1, T>, pieces: &[Range<usize>]) -> bool {
     let mut all: Vec<f64> = pieces.iter().flat_map(|p| &segments.slave_xi[p.clone()]).map(|xi| to_f64(xi[0])).collect();
     all.sort_by(f64::total_cmp);
     let mut rule: Vec<f64> = gauss_legendre::<f64>(all.len()).points.iter().map(|x| x[0]).collect();

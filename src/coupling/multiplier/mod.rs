@@ -15,6 +15,7 @@ mod covered;
 mod dual;
 mod end_lowered;
 mod reproduction;
+mod sliver;
 
 use crate::basis::{Basis, Elements, Polynomials};
 use crate::coupling::Segments;
@@ -29,6 +30,7 @@ pub use covered::{CoveredDual, MOST, Reading, dual_covered};
 pub use dual::dual;
 pub use end_lowered::end_lowered;
 pub use reproduction::reproduction;
+pub use sliver::{SLIVER, without_slivers};
 
 /// Error when a multiplier space does not exist or cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -281,17 +281,21 @@ fn part<const S: usize, const N: usize>(
     }
     let (mut psi, warning) = multiplier(builder, model, name, slave, &contact.multiplier, &stuck, None)?;
     let mut reading = None;
-    if let (Some(make), true) =
-        (builder.names.covered.0, matches!(&contact.multiplier.value, case::Multiplier::Named(word) if word == "dual"))
-    {
-        // facing points at the first time at which there are any
-        let faced = times(builder.case, moves).iter().map(|&t| faced(slave, &against, built.reach, t)).find(|s| !s.ds.is_empty());
-        if let Some(segments) = faced {
-            let (functions, read) = make(&slave.trace, &stuck, &segments)
+    let is_dual = matches!(&contact.multiplier.value, case::Multiplier::Named(word) if word == "dual");
+    // what faces something at the first time at which anything does
+    let faced = match &against {
+        Against::Side(_, segments) if !is_dual => Some(segments.clone()).filter(|s| !s.ds.is_empty()),
+        _ => times(builder.case, moves).iter().map(|&t| faced(slave, &against, built.reach, t)).find(|s| !s.ds.is_empty()),
+    };
+    match (&faced, builder.names.covered.0, builder.names.cut.0) {
+        (Some(segments), Some(make), _) if is_dual => {
+            let (functions, read) = make(&slave.trace, &stuck, segments)
                 .map_err(|e| Box::new(multiplier_fault(builder, name, slave, &e, contact.multiplier.at, N.max(2))))?;
             psi = wrapped(model, slave, &stuck, functions);
             reading = Some(wrapped(model, slave, &stuck, read)).filter(|read| read.num_functions() == psi.num_functions());
         }
+        (Some(segments), _, Some(cut)) => psi = cut(psi, &slave.trace, segments),
+        _ => {}
     }
     if psi.num_functions() > free {
         let error = MultiplierError::TooMany { component: 0, multipliers: psi.num_functions(), free };
