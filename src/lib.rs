@@ -25,8 +25,8 @@
 //! A folder is a floor, imports point down only, and a test enforces it:
 //!
 //! ```text
-//! linalg < quadrature < basis < geometry < space < assembly < physics < coupling < constraint < contact
-//!                                         check (public contract tests) may use everything up to contact
+//! linalg < quadrature < basis < geometry < space < assembly < physics < coupling < constraint < contact < problem
+//!                                         check (public contract tests) may use everything up to problem
 //! ```
 //!
 //! | floor | holds |
@@ -41,6 +41,7 @@
 //! | [`coupling`] | segments, multipliers and their inf-sup constants, mortar rows, Nitsche's stiffness |
 //! | [`constraint`] | saddle points, condensation, Schur complements, Uzawa, the active set |
 //! | [`contact`] | obstacles, gaps, pressures, cones, Nitsche's method |
+//! | [`problem`] | bodies with supports, loads, ties and contacts; their systems, states, reactions |
 //! | [`check`] | contract tests for everything above: run them on your own types |
 //!
 //! Readers and writers of files are the crate `faying-files`, the program and its case files `faying-cli`; its guide has the theory of
@@ -95,5 +96,6 @@ pub mod coupling;
 pub mod geometry;
 pub mod linalg;
 pub mod physics;
+pub mod problem;
 pub mod quadrature;
 pub mod space;

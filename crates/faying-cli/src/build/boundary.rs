@@ -1,17 +1,17 @@
 //! Boundary conditions and loads of the case.
 
-use super::Builder;
 use super::couples::Couples;
-use super::model::{Action, Condition, Model, RigidSides, SideLoad, SideModel, SideSpring, Value};
 use super::rims;
 use super::sides::Sides;
 use super::values::on_side;
+use super::{Builder, Built};
 use crate::case::{Boundary, Datum};
 use crate::errors::Diagnostic;
 use crate::formula::Formula;
 use crate::place::{Located, Place};
 use faying::assembly::{Equation, measure, planar_normal};
 use faying::linalg::Vector;
+use faying::problem::{Action, Condition, Model, RigidSides, SideLoad, SideModel, SideSpring, Value};
 use std::sync::Arc;
 
 /// Components of a unit normal below this count as zero.
@@ -25,7 +25,7 @@ pub(crate) fn component_name(component: usize, components: usize) -> &'static st
 /// Adds the conditions, loads, springs and equations of all boundary blocks to `model`; errors go to the builder's faults.
 pub(super) fn build<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
-    model: &mut Model<S, N>,
+    model: &mut Built<S, N>,
     sides: &mut Sides<S, N>,
     couples: &Couples<S, N>,
 ) {
@@ -71,7 +71,7 @@ pub(super) fn build<const S: usize, const N: usize>(
 
 fn one<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    model: &mut Model<S, N>,
+    model: &mut Built<S, N>,
     block: &Boundary,
     side: &Arc<SideModel<S, N>>,
 ) -> Result<(), Box<Diagnostic>> {
@@ -81,12 +81,12 @@ fn one<const S: usize, const N: usize>(
         let value = match &datum.value {
             Datum::Exact => Value::Exact,
             Datum::Formula(f) if f.as_constant() == Some(0.0) => Value::Zero,
-            Datum::Formula(f) => Value::Formula(f.clone()),
+            Datum::Formula(f) => Value::Data(f.clone().into()),
         };
         if matches!(value, Value::Exact) {
             needs_exact(builder, model, datum.at)?;
         }
-        model.conditions.push(Condition { side: side.clone(), component, value, at: datum.at });
+        model.condition(Condition { side: side.clone(), component, value }, datum.at);
     }
     if let Some(at) = block.fix_normal.as_ref().map(|f| f.at) {
         sliding(builder, model, side, at, true)?;
@@ -103,18 +103,18 @@ fn one<const S: usize, const N: usize>(
             }
             Datum::Formula(f) => {
                 on_side(builder, side, &Located::new(f.clone(), datum.at), "the traction")?;
-                Action::Traction(component, f.clone())
+                Action::Traction(component, f.clone().into())
             }
         };
         model.loads.push(SideLoad { side: side.clone(), action });
     }
     if let Some(p) = &block.pressure {
         on_side(builder, side, p, "the pressure")?;
-        model.loads.push(SideLoad { side: side.clone(), action: Action::Pressure(p.value.clone()) });
+        model.loads.push(SideLoad { side: side.clone(), action: Action::Pressure(p.value.clone().into()) });
     }
     for (component, f) in each(&block.spring) {
         on_side(builder, side, f, "the spring")?;
-        model.springs.push(SideSpring { side: side.clone(), component, stiffness: f.value.clone() });
+        model.springs.push(SideSpring { side: side.clone(), component, stiffness: f.value.clone().into() });
     }
     if model.conditions.len() + model.equations.len() > supports {
         supported(model, side);
@@ -142,7 +142,7 @@ fn resultants<const S: usize, const N: usize>(
             let area = area();
             for side in sides {
                 on_side(builder, side, f, what)?;
-                model.loads.push(SideLoad { side: side.clone(), action: Action::Force(component, f.value.clone(), area) });
+                model.loads.push(SideLoad { side: side.clone(), action: Action::Force(component, f.value.clone().into(), area) });
             }
         }
     }
@@ -186,7 +186,7 @@ pub(super) fn needs_exact<const S: usize, const N: usize>(
 /// Adds n . u = 0, or u - (n . u) n = 0, on a planar side: as conditions along an axis, else as equations.
 fn sliding<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    model: &mut Model<S, N>,
+    model: &mut Built<S, N>,
     side: &Arc<SideModel<S, N>>,
     at: Place,
     along_normal: bool,
@@ -198,7 +198,7 @@ fn sliding<const S: usize, const N: usize>(
     };
     if let Some(axis) = (0..N).find(|&k| (normal[k].abs() - 1.0).abs() < PERPENDICULAR) {
         for component in (0..N).filter(|&c| (c == axis) == along_normal) {
-            model.conditions.push(Condition { side: side.clone(), component, value: Value::Zero, at });
+            model.condition(Condition { side: side.clone(), component, value: Value::Zero }, at);
         }
         return Ok(());
     }
@@ -232,15 +232,15 @@ fn tangents<const N: usize>(normal: &Vector<N>) -> Vec<Vector<N>> {
     basis.split_off(1)
 }
 
-/// Reports components of a side that are prescribed twice (E052).
-fn duplicates<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>) {
+/// A component of a side is prescribed once, and has no traction then.
+fn duplicates<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Built<S, N>) {
     for (k, b) in model.conditions.iter().enumerate() {
-        let twin = model.conditions[..k].iter().find(|a| Arc::ptr_eq(&a.side, &b.side) && a.component == b.component);
-        if let Some(a) = twin {
+        let twin = model.conditions[..k].iter().position(|a| Arc::ptr_eq(&a.side, &b.side) && a.component == b.component);
+        if let Some(first) = twin {
             let name = component_name(b.component, model.components);
-            let line = a.at.in_file().map_or(String::new(), |(line, _)| format!(", first in line {line}"));
+            let line = model.sources.of(first).in_file().map_or(String::new(), |(line, _)| format!(", first in line {line}"));
             let text = format!("component {name} of `{}` is prescribed twice{line}", b.side.label);
-            let fault = builder.error("E052", text, b.at).with_help("drop one of the two");
+            let fault = builder.error("E052", text, model.sources.of(k)).with_help("drop one of the two");
             builder.faults.push(fault);
         }
     }

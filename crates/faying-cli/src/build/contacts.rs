@@ -1,32 +1,28 @@
 //! Contacts: multiplier space, opponent and constraint rows of each slave side.
 
-use super::Builder;
 use super::couples::Couples;
-use super::directions::{directions, slides};
 use super::fixed::Fixed;
 use super::meant::{meant, overlap};
-use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideModel};
 use super::multipliers::{held_help, multiplier, multiplier_fault, positive_help, wrapped};
 use super::obstacles::{num_pressed, obstacle, turned_away};
-use super::points::PointSides;
 use super::sides::{Sides, as_one};
-use super::supports::unit;
 use super::ties::{FINER_POINTS, degree, labels, list, memberships, nitsche_variant};
 use super::values::times;
+use super::{Builder, Built};
 use crate::case::{self, Cone, Integration, Master, Method};
 use crate::errors::{Diagnostic, Severity};
-use crate::formula::{Formula, Point};
 use crate::place::Place;
 use crate::registry::MASTER_SUMS;
 use faying::assembly::gauss_rules;
 use faying::basis::Basis;
 use faying::constraint::Proximal;
-use faying::contact::{self, Contact, ContactError, Frames, Opponent};
+use faying::contact::{self, ContactError, Frames};
 use faying::coupling::consistency::Finer;
 use faying::coupling::interface::{Partners, slave_segments};
 use faying::coupling::multiplier::MultiplierError;
 use faying::coupling::{Interface, Nitsche, Penalty, Segments, Side};
 use faying::linalg::Vector;
+use faying::problem::{Against, ContactModel, ContactPart, Formulation, Model, PointSides, SideModel, directions, rows, slides};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -36,7 +32,7 @@ const PERPENDICULAR: f64 = 1e-9;
 /// Builds all contacts of the case; errors go to the builder's faults.
 pub(super) fn build<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
-    model: &mut Model<S, N>,
+    model: &mut Built<S, N>,
     sides: &mut Sides<S, N>,
     couples: &Couples<S, N>,
     fixed: &Fixed,
@@ -70,9 +66,9 @@ pub(super) fn build<const S: usize, const N: usize>(
             name: contact.name.value.clone(),
             parts: Vec::new(),
             obstacle,
-            gap: contact.gap.value.clone(),
+            gap: contact.gap.value.clone().into(),
             reach: contact.reach.value,
-            exact: contact.exact.as_ref().map(|f| f.value.clone()),
+            exact: contact.exact.as_ref().map(|f| f.value.clone().into()),
             symmetry: contact.symmetry.value,
             start: contact.active_set.start.value,
             formulation: formulation(contact),
@@ -180,7 +176,7 @@ impl From<Box<Diagnostic>> for Missed {
 #[allow(clippy::type_complexity)]
 fn part<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    model: &Model<S, N>,
+    model: &Built<S, N>,
     contact: &case::Contact,
     built: &ContactModel<S, N>,
     slave: &Arc<SideModel<S, N>>,
@@ -340,41 +336,7 @@ fn faced<const S: usize, const N: usize>(slave: &SideModel<S, N>, against: &Agai
     }
 }
 
-fn rows<const S: usize, const N: usize>(
-    model: &Model<S, N>,
-    slave: &SideModel<S, N>,
-    against: &Against<S, N>,
-    (psi, cone, second): (&dyn Basis<S>, contact::Cone, Option<&Segments<S>>),
-    gap: &Formula,
-    reach: Option<f64>,
-    t: f64,
-    place: Option<&[f64]>,
-) -> Result<Contact<S, N>, ContactError> {
-    let side = Side { trace: &slave.trace, field: model.patches[slave.patch].field, flux: None };
-    let gap = |x: &Vector<N>, g: f64| gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(g));
-    let built = match against {
-        Against::Side(master, segments) => {
-            let master = Side { trace: &master.trace, field: master.field, flux: None };
-            let built = Contact::new(side, Opponent::Master(master), psi, segments.clone(), &gap, model.unknowns)?;
-            match second {
-                Some(second) => built.with_master_sums(side, master, psi, second, model.unknowns)?,
-                None => built,
-            }
-        }
-        Against::Rigid(obstacle, segments) => {
-            let target = obstacle.target(t, place);
-            let mut built = Contact::new(side, Opponent::Rigid(&*target, reach), psi, segments.clone(), &gap, model.unknowns)?;
-            for p in &obstacle.pressed {
-                let at = place.and_then(|u| u.get(p.unknown)).copied().unwrap_or(0.0);
-                built.let_obstacle_move(psi, &unit(p.component), p.unknown, at);
-            }
-            built
-        }
-    };
-    built.with_cone(cone, psi)
-}
-
-/// Builds the rows on finer segments for the estimate of the consistency error; `None` against a rigid obstacle.
+/// Rows on finer segments, against which the consistency error is estimated.
 fn finer_rows<const S: usize, const N: usize>(
     model: &Model<S, N>,
     slave: &SideModel<S, N>,
@@ -393,46 +355,6 @@ fn finer_rows<const S: usize, const N: usize>(
         direction: Some(&frames.normal),
     };
     Finer::try_new(&[interface], model.unknowns).ok()
-}
-
-impl<const S: usize, const N: usize> ContactModel<S, N> {
-    /// Returns rows, offsets and weights of a part at time `t`, with force-driven obstacles not displaced by their forces.
-    ///
-    /// # Errors
-    /// [`ContactError`] where the gap formula has no value.
-    pub fn at(&self, model: &Model<S, N>, part: &ContactPart<S, N>, t: f64) -> Result<Contact<S, N>, ContactError> {
-        self.at_place(model, part, t, None)
-    }
-
-    /// Returns rows, offsets and weights of a part at time `t`, with force-driven obstacles displaced by their entries of `unknowns`.
-    ///
-    /// # Errors
-    /// [`ContactError`] where the gap formula has no value.
-    pub fn at_place(
-        &self,
-        model: &Model<S, N>,
-        part: &ContactPart<S, N>,
-        t: f64,
-        unknowns: Option<&[f64]>,
-    ) -> Result<Contact<S, N>, ContactError> {
-        let place = unknowns.filter(|_| self.is_pressed());
-        if !part.changes && place.is_none() {
-            return Ok(part.first.clone());
-        }
-        match (&self.formulation, &part.multiplier) {
-            (_, Some(psi)) => {
-                let chosen = (&**psi, part.cone, part.second.as_ref());
-                rows(model, &part.slave, &part.against, chosen, &self.gap, self.reach, t, place)
-            }
-            (Formulation::Nitsche(method), None) => part.point_sides().contact(model, method, &self.gap, self.reach, t),
-            _ => Ok(part.first.clone()),
-        }
-    }
-
-    /// Whether its obstacle is force-driven: its translation is an unknown of the model.
-    pub fn is_pressed(&self) -> bool {
-        self.obstacle.as_ref().is_some_and(|o| !o.pressed.is_empty())
-    }
 }
 
 fn contact_fault<const S: usize, const N: usize>(

@@ -2,7 +2,6 @@
 
 use super::Builder;
 use super::joined::{Known, disjoint};
-use super::model::{PatchModel, SideModel};
 use super::sides::Sides;
 use super::ties::{labels, short};
 use super::touch::{SAME_PLACE, Touching, sag, touching_sides};
@@ -11,6 +10,7 @@ use crate::errors::Diagnostic;
 use crate::place::{Located, Place};
 use crate::registry::is_glue;
 use faying::geometry::Sag;
+use faying::problem::{PatchModel, SideModel};
 use faying::space::clearance;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;

@@ -1,8 +1,8 @@
 //! Facets that are paired already: sides may overlap, so that names of sides do not identify them.
 
 use super::couples::{Couple, Pair, pair};
-use super::model::SideModel;
 use faying::geometry::cell;
+use faying::problem::SideModel;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 

@@ -1,7 +1,6 @@
 //! Contacts between wrong sides: suggestions for better ones, and overlaps deeper than a press fit.
 
 use super::Builder;
-use super::model::{Against, ContactPart, Model, PatchModel, SideModel};
 use super::sides::alias;
 use super::ties::{labels, short};
 use crate::case;
@@ -9,6 +8,7 @@ use crate::errors::Diagnostic;
 use faying::basis::Order;
 use faying::geometry::{ClosestPoint, MapTable, Sag, cell};
 use faying::linalg::Vector;
+use faying::problem::{Against, ContactPart, Model, PatchModel, SideModel};
 use faying::space::{Skin, Space, Trace, raised, skin_points};
 use std::collections::BTreeSet;
 use std::sync::Arc;

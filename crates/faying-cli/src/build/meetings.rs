@@ -1,12 +1,11 @@
 //! Points in which patches of one mesh meet without a common facet: they share the function of that point.
 
-use super::glue::Glued;
 use super::meshes::point_of;
-use super::model::PatchModel;
 use crate::case::Case;
 use faying::basis::{Order, ShapeTable};
 use faying::geometry::{Bounds, MapTable, Tree};
 use faying::linalg::Vector;
+use faying::problem::{Glued, Hinge, PatchModel};
 use std::collections::BTreeMap;
 
 /// Distance within which a corner of an element is a point of the file, as a fraction of the element size.
@@ -14,16 +13,7 @@ const AT_THE_POINT: f64 = 1e-6;
 /// Function values below this count as zero.
 const NO_VALUE: f64 = 1e-10;
 
-/// Point in which two patches are connected.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hinge<const N: usize> {
-    /// The patches.
-    pub patches: [usize; 2],
-    /// The point \[length\].
-    pub x: Vector<N>,
-}
-
-/// Identifies the functions at the meeting points; returns one hinge per connected pair of patches.
+/// Makes the functions of the meeting points one; returns where that holds two patches together.
 pub(super) fn join<const S: usize, const N: usize>(
     case: &Case,
     patches: &[PatchModel<S, N>],

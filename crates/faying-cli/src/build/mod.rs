@@ -1,35 +1,30 @@
 //! Construction of a model from a case: bodies, supports, loads, interfaces, contacts; errors of the input are found before solving.
 
 mod boundary;
+mod built;
 mod contacts;
 mod corners;
 mod couples;
-mod directions;
 mod divisions;
-mod equilibrium;
 mod exact;
 mod fixed;
 mod functions;
 mod glue;
 mod glued_sides;
 mod joined;
+mod materials;
 mod meant;
 mod meetings;
 mod meshes;
-mod model;
 mod multipliers;
 mod obstacles;
 mod outline;
 mod parameters;
 mod patches;
-mod physics;
 mod plane;
-mod points;
 mod reference;
-mod rigid;
 mod rims;
 mod sides;
-mod soft;
 mod stored;
 mod supports;
 mod ties;
@@ -44,31 +39,17 @@ use crate::case::{Case, Shape};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::place::Place;
 use faying::geometry::ControlNet;
+use faying::problem::Model;
 
-pub use corners::SharedCorner;
+pub use built::{Built, Sources};
 pub(crate) use divisions::elements_along;
-pub(crate) use equilibrium::unheld;
-pub use exact::{Exact, FieldJet};
-pub use functions::FunctionSums;
-pub use glue::Glued;
 pub(crate) use meshes::{counts as mesh_counts, named_point};
-pub use model::{
-    Action, Against, Changing, Condition, ContactModel, ContactPart, Formulation, Model, Pairing, PatchModel, Pin, RigidSides, RimModel,
-    SideLoad, SideModel, SideSpring, TieModel, TiePart, Value,
-};
 pub(crate) use obstacles::PLANE as PLANE_OBSTACLES;
-pub use obstacles::{ObstacleModel, Pressed};
 pub use patches::patch_fault;
-pub use physics::{Physics, PlaceFn, PointState, SideFn};
 pub use plane::plane_net;
-pub use points::ContactFluxes;
 pub use reference::{OnSide, Reference, ReferenceLambda, ReferencePatch};
-pub use rigid::{FreeBody, RigidModes, RigidRow};
 pub(crate) use sides::canonical as canonical_side;
-pub use soft::{Fluxes, between};
 pub(crate) use stored::stored_run;
-pub use supports::free_motions;
-pub(crate) use supports::{floating, sentences};
 pub(crate) use ties::short;
 pub use touch::sag;
 pub use traces::{SlaveEnds, SlaveSpaces, slave_spaces};
@@ -110,8 +91,8 @@ impl<const S: usize, const N: usize> Builder<'_, S, N> {
 /// Builds the model of `case` with the bodies, multipliers and couplings of `names`.
 ///
 /// # Errors
-/// All errors of the case, with their source locations.
-pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, net: MakeNet<N>) -> Result<Model<S, N>, Diagnostics> {
+/// Everything that is wrong with the case, with its places.
+pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, net: MakeNet<N>) -> Result<Built<S, N>, Diagnostics> {
     let mut builder = Builder { case, names, faults: Diagnostics::new() };
     let (mut model, mut sides, couples) = supported(&mut builder, net)?;
     let fixed = fixed::Fixed::of(&builder, &model).map_err(|fault| Diagnostics::from(*fault))?;
@@ -128,8 +109,8 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
     Ok(model)
 }
 
-/// Model without ties and contacts, the sides built for it, and the side pairs of the interfaces.
-type Supported<const S: usize, const N: usize> = (Model<S, N>, sides::Sides<S, N>, couples::Couples<S, N>);
+/// A model without ties and contacts, the sides made for it, and which sides are coupled.
+type Supported<const S: usize, const N: usize> = (Built<S, N>, sides::Sides<S, N>, couples::Couples<S, N>);
 
 /// Builds bodies, gluing, boundary conditions and loads.
 fn supported<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, net: MakeNet<N>) -> Result<Supported<S, N>, Diagnostics> {
@@ -141,11 +122,10 @@ fn supported<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, ne
     let mut sides = sides::Sides::default();
     // patches of files with several patches: their touching sides are glued
     let couples = couples::find(builder, &patches, &mut sides, &case.glued_files());
-    let (glued, hinges) = Glued::of(builder, &patches, &couples);
+    let (glued, hinges) = glue::of(builder, &patches, &couples);
     builder.stop()?;
-    let mut model = Model {
+    let model = Model {
         glued,
-        glued_sides: Vec::new(),
         hinges,
         components: case.model.components(),
         unknowns: patches.last().map_or(0, |p| p.range().end) + obstacles::num_pressed(case),
@@ -159,8 +139,7 @@ fn supported<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, ne
         rigid_sides: Vec::new(),
         loads: Vec::new(),
         springs: Vec::new(),
-        exact: case.model.exact.as_ref().map(|e| Exact::of(&e.value)),
-        reference: None,
+        exact: case.model.exact.as_ref().map(|e| exact::of(&e.value)),
         ties: Vec::new(),
         contacts: Vec::new(),
         rows: 0,
@@ -168,8 +147,8 @@ fn supported<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, ne
         c: case.contacts.first().map_or(1.0, |c| c.active_set.c.value),
         center,
         size,
-        warnings: Diagnostics::new(),
     };
+    let mut model = Built { model, glued_sides: Vec::new(), reference: None, sources: Sources::default(), warnings: Diagnostics::new() };
     boundary::build(builder, &mut model, &mut sides, &couples);
     model.find_corners();
     values::in_bodies(builder, &model);

@@ -1,14 +1,14 @@
 //! Multiplier spaces named or given by the case, and their diagnostics.
 
-use super::Builder;
 use super::boundary::component_name;
-use super::model::{Model, SideModel};
+use super::{Builder, Built};
 use crate::case::{self, Multiplier};
 use crate::errors::Diagnostic;
 use crate::place::{Located, Place};
 use faying::basis::{Basis, Cell, Extracted, Order, Polynomials, ShapeTable};
 use faying::coupling::multiplier::{Ends, MultiplierError, MultiplierKind};
 use faying::linalg::Vector;
+use faying::problem::{Model, SideModel};
 use faying::space::Space;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -197,16 +197,17 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
 
 /// Help text for a side prescribed in one of `components` itself, naming the conditions; `None` if there are none.
 pub(super) fn held_help<const S: usize, const N: usize>(
-    model: &Model<S, N>,
+    model: &Built<S, N>,
     slave: &SideModel<S, N>,
     components: &[usize],
     slides: bool,
 ) -> Option<String> {
-    let mine = model.conditions.iter().filter(|c| c.side.patch == slave.patch && c.side.side == slave.side);
+    let all = model.conditions.iter().zip(&model.sources.conditions);
+    let mine = all.filter(|(c, _)| c.side.patch == slave.patch && c.side.side == slave.side);
     let mut places: Vec<String> = mine
-        .filter(|c| components.contains(&c.component))
-        .map(|c| {
-            let line = c.at.in_file().map_or(String::new(), |(line, _)| format!(" (line {line})"));
+        .filter(|(c, _)| components.contains(&c.component))
+        .map(|(c, at)| {
+            let line = at.in_file().map_or(String::new(), |(line, _)| format!(" (line {line})"));
             format!("component {} by `fix` or `dirichlet`{line}", component_name(c.component, model.components))
         })
         .collect();

@@ -1,7 +1,6 @@
 //! Rigid obstacles: their shape, their position at a given time, and the forces that drive them.
 
 use super::Builder;
-use super::model::SideModel;
 use super::outline::{is_curve, plane_outline, surface};
 use crate::case::{self, ObstacleShape};
 use crate::errors::Diagnostic;
@@ -9,62 +8,16 @@ use crate::formula::{Formula, Point};
 use crate::place::Place;
 use crate::registry::{Fault, MakeObstacle};
 use faying::basis::Order;
-use faying::contact::{HalfPlane, LevelSet, Moved, Sphere, Target};
+use faying::contact::{HalfPlane, LevelSet, Sphere};
 use faying::geometry::{MapTable, cell};
 use faying::linalg::Vector;
+use faying::problem::{AtRest, Data, ObstacleModel, Pressed, SideModel};
 use std::sync::Arc;
 
 /// Normals of a slave and of its obstacle have the same direction if their product is above this.
 const SAME_WAY: f64 = 1e-6;
 
-/// The obstacle without its motion, as a function of time.
-type AtRest<const S: usize, const N: usize> = Box<dyn Fn(f64) -> Box<dyn Target<S, N>> + Send + Sync>;
-
-/// Component in which a force drives an obstacle: its translation is an unknown.
-#[derive(Clone, Debug)]
-pub struct Pressed {
-    /// The component.
-    pub component: usize,
-    /// The unknown of the model.
-    pub unknown: usize,
-    /// The force, a formula of t; 2D: per thickness.
-    pub force: Formula,
-}
-
-/// Rigid obstacle; its translation is prescribed or driven by forces.
-pub struct ObstacleModel<const S: usize, const N: usize> {
-    at_rest: AtRest<S, N>,
-    motion: Vec<Option<Formula>>,
-    /// Force-driven components.
-    pub pressed: Vec<Pressed>,
-    /// Whether shape or prescribed translation change with the time.
-    pub changes: bool,
-}
-
-impl<const S: usize, const N: usize> std::fmt::Debug for ObstacleModel<S, N> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("ObstacleModel").field("motion", &self.motion).field("pressed", &self.pressed).finish_non_exhaustive()
-    }
-}
-
-impl<const S: usize, const N: usize> ObstacleModel<S, N> {
-    /// Translation at time `t` \[length\]: prescribed components, and the force-driven ones of `unknowns` (zero if `None`).
-    pub fn displacement(&self, t: f64, unknowns: Option<&[f64]>) -> Vector<N> {
-        let mut by =
-            Vector::<N>::from_fn(|k, _| self.motion.get(k).and_then(Option::as_ref).map_or(0.0, |f| f.value(&Point::default().at_time(t))));
-        for p in &self.pressed {
-            by[p.component] += unknowns.and_then(|u| u.get(p.unknown)).copied().unwrap_or(0.0);
-        }
-        by
-    }
-
-    /// Returns the obstacle in its position at time `t`; `unknowns` as in [`Self::displacement`].
-    pub fn target(&self, t: f64, unknowns: Option<&[f64]>) -> Box<dyn Target<S, N>> {
-        Box::new(Moved { target: (self.at_rest)(t), by: self.displacement(t, unknowns) })
-    }
-}
-
-/// Number of force-driven components of all obstacles: each is an unknown.
+/// Number of obstacles' components that forces press: each is an unknown.
 pub(super) fn num_pressed(case: &case::Case) -> usize {
     case.contacts.iter().map(|c| forces(c).count()).sum()
 }
@@ -89,11 +42,11 @@ pub(super) fn obstacle<const S: usize, const N: usize>(
         ObstacleShape::LevelSet { f, .. } => f.depends_on_time(),
         _ => false,
     };
-    let motion: Vec<Option<Formula>> = obstacle.translate.iter().map(|f| f.as_ref().map(|f| f.value.clone())).collect();
-    let changes = of_time || motion.iter().flatten().any(Formula::depends_on_time);
+    let motion: Vec<Option<Data>> = obstacle.translate.iter().map(|f| f.as_ref().map(|f| f.value.clone().into())).collect();
+    let changes = of_time || motion.iter().flatten().any(Data::depends_on_time);
     let pressed = forces(contact)
         .enumerate()
-        .map(|(k, (component, force))| Pressed { component, unknown: first + k, force: force.clone() })
+        .map(|(k, (component, force))| Pressed { component, unknown: first + k, force: force.clone().into() })
         .collect();
     Ok(Some(Arc::new(ObstacleModel { at_rest, motion, pressed, changes })))
 }

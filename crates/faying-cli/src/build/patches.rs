@@ -1,8 +1,7 @@
 //! Bodies: the net of a patch, its elements, its space, its material.
 
 use super::divisions::{breakpoints, grade_of};
-use super::model::{Changing, PatchModel};
-use super::physics::Physics;
+use super::materials::material as material_at;
 use super::{Builder, MakeNet};
 use crate::case::{self, Cells, Patch};
 use crate::errors::Diagnostic;
@@ -12,7 +11,9 @@ use faying::assembly::{gauss_rules_along, points_of_curved_cells};
 use faying::basis::Cell;
 use faying::geometry::{Bounds, ControlNet, Geometry};
 use faying::linalg::Vector;
+use faying::problem::{Changing, PatchModel};
 use faying::space::{Body, Field, PatchSpec, SpecError};
+use std::sync::Arc;
 
 /// Code and message of an error of a built-in backend.
 pub fn patch_fault(error: &SpecError) -> Fault {
@@ -57,18 +58,19 @@ fn one<const S: usize, const N: usize>(
     let material = &case.materials[patch.material.value];
     let assumption = case.model.assumption.value;
     let first_time = case.steps.value.first().copied().unwrap_or(1.0);
-    let physics = Physics::of(material, assumption, first_time)
+    let physics = material_at(material, assumption, first_time)
         .map_err(|e| builder.error("E053", format!("material \"{}\": {e}", material.name.value), super::values::key(material, &e)))?;
     let curved = points_of_curved_cells(&**body.space());
     let rules = gauss_rules_along(&**body.space(), curved.map(|k| k + patch.discretization.extra_points.value));
     // the normals of its sides are products of two derivatives of the map as well
     let extra_points = patch.discretization.extra_points.value + curved.into_iter().max().unwrap_or(0);
-    let source = [&case.model.source, &patch.source].into_iter().flatten().flat_map(|s| s.value.iter().map(|f| f.value.clone())).collect();
+    let source =
+        [&case.model.source, &patch.source].into_iter().flatten().flat_map(|s| s.value.iter().map(|f| f.value.clone().into())).collect();
     let accelerations = [&case.model.gravity, &patch.gravity].into_iter().flatten();
     let gravity = accelerations.fold(None, |sum: Option<Vec<f64>>, g| {
         Some(sum.map_or_else(|| g.value.clone(), |s| s.iter().zip(g.iter()).map(|(a, b)| a + b).collect()))
     });
-    let weight = material.density.as_ref().map(|d| d.value.clone()).zip(gravity);
+    let weight = material.density.as_ref().map(|d| d.value.clone().into()).zip(gravity);
     Ok(PatchModel {
         name: name.clone(),
         backend: backend.value.clone(),
@@ -77,10 +79,7 @@ fn one<const S: usize, const N: usize>(
         extent: body.space().extent(),
         body,
         physics,
-        changing: super::values::constants(material)
-            .iter()
-            .any(|f| f.depends_on_time())
-            .then(|| Box::new(Changing { material: material.clone(), assumption })),
+        changing: super::values::constants(material).iter().any(|f| f.depends_on_time()).then(|| changing(material, assumption)),
         rules,
         extra_points,
         source,
@@ -88,7 +87,13 @@ fn one<const S: usize, const N: usize>(
     })
 }
 
-/// Builds the body of a net; also returns whether its sides lie exactly on those of the net.
+/// A material of the case as a function of time, its constants checked at the first one.
+fn changing<const N: usize>(material: &case::Material, assumption: case::Assumption) -> Changing<N> {
+    let material = material.clone();
+    Changing(Arc::new(move |t| material_at(&material, assumption, t).expect("constants were checked when the first one was made")))
+}
+
+/// The body of a net, and whether its sides lie exactly on those of the net.
 fn of_net<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: &Patch,

@@ -1,6 +1,5 @@
 //! Stored run as a reference solution: its bodies on the geometry of the case, and its multipliers on the slave sides of the case.
 
-use super::model::{Model, SideModel};
 use super::parameters::Parameters;
 use super::stored::{BASES, CELLS, MAPPINGS, of_cells, of_net, physics_word, same_geometry, spec_of};
 use super::{Builder, MakeNet};
@@ -13,6 +12,7 @@ use faying::coupling::Segments;
 use faying::coupling::interface::{Partners, Tolerance};
 use faying::geometry::{ClosestPoint, Embedding};
 use faying::linalg::{Matrix, Vector};
+use faying::problem::{Model, OtherField, SideModel};
 use faying::quadrature::{PerElement, Quadrature, Rule, TensorRule, gauss_legendre};
 use faying::space::{Body, Field, PatchSpec, Space, Trace, field_at};
 use std::sync::Arc;
@@ -72,6 +72,24 @@ impl<const S: usize, const N: usize> ReferencePatch<S, N> {
         };
         let at = field_at::<C, N, f64, _>(&**self.body.space(), &self.field, &self.u, element, &[xi])[0];
         (at.value, at.gradient)
+    }
+}
+
+impl<const S: usize, const N: usize> OtherField<N> for ReferencePatch<S, N> {
+    fn at(&self, element: usize, xi: &Vector<N>, x: &Vector<N>, components: usize) -> ([f64; 3], [[f64; 3]; 3]) {
+        let (mut u, mut slope) = ([0.0; 3], [[0.0; 3]; 3]);
+        if components == 1 {
+            let (value, gradient) = self.at::<1>(element, xi, x);
+            u[0] = value[0];
+            (0..N).for_each(|j| slope[0][j] = gradient[j]);
+        } else {
+            let (value, gradient) = self.at::<N>(element, xi, x);
+            for i in 0..N {
+                u[i] = value[i];
+                (0..N).for_each(|j| slope[i][j] = gradient[(i, j)]);
+            }
+        }
+        (u, slope)
     }
 }
 

@@ -1,13 +1,13 @@
 //! Conditions on edges and in corners: the functions that two or three sides share.
 
-use super::Builder;
 use super::boundary::{component_name, needs_exact};
-use super::model::{Model, Pin, RimModel, Value};
 use super::sides::Sides;
+use super::{Builder, Built};
 use crate::case::{Boundary, Datum, SideRef};
 use crate::errors::Diagnostic;
 use crate::place::Located;
 use faying::assembly::Rim;
+use faying::problem::{Pin, RimModel, Value};
 use std::sync::Arc;
 
 /// Sides that meet in an edge or a corner such as u0w1 or u0v0w0; `None` for other names.
@@ -20,7 +20,7 @@ pub(super) fn sides(name: &str) -> Option<Vec<&str>> {
 /// Applies the conditions of `block` to the edge or corner where the sides `names` meet.
 pub(super) fn pin<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    model: &mut Model<S, N>,
+    model: &mut Built<S, N>,
     sides: &mut Sides<S, N>,
     block: &Boundary,
     wanted: &Located<SideRef>,
@@ -62,8 +62,8 @@ pub(super) fn pin<const S: usize, const N: usize>(
     }
     for (component, datum) in block.dirichlet.iter().enumerate() {
         let Some(datum) = datum else { continue };
-        if let Some(first) = model.pins.iter().find(|p| Arc::ptr_eq(&p.rim, &rim) && p.component == component) {
-            let line = first.at.in_file().map_or(String::new(), |(line, _)| format!(", first in line {line}"));
+        if let Some(first) = model.pins.iter().position(|p| Arc::ptr_eq(&p.rim, &rim) && p.component == component) {
+            let line = model.sources.pins[first].in_file().map_or(String::new(), |(line, _)| format!(", first in line {line}"));
             let text = format!("component {} of `{label}` is prescribed twice{line}", component_name(component, model.components));
             return Err(Box::new(builder.error("E052", text, datum.at).with_help("drop one of the two")));
         }
@@ -73,9 +73,9 @@ pub(super) fn pin<const S: usize, const N: usize>(
                 Value::Exact
             }
             Datum::Formula(f) if f.as_constant() == Some(0.0) => Value::Zero,
-            Datum::Formula(f) => Value::Formula(f.clone()),
+            Datum::Formula(f) => Value::Data(f.clone().into()),
         };
-        model.pins.push(Pin { rim: rim.clone(), component, value, at: datum.at });
+        model.pin(Pin { rim: rim.clone(), component, value }, datum.at);
     }
     Ok(())
 }

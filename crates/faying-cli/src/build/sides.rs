@@ -1,7 +1,6 @@
 //! Sides of bodies by their references in the case, each built once.
 
 use super::Builder;
-use super::model::{Model, PatchModel, SideModel};
 use crate::case::{SideRef, quoted};
 use crate::errors::Diagnostic;
 use crate::formula::{Formula, Point};
@@ -10,6 +9,7 @@ use faying::assembly::gauss_rules;
 use faying::basis::{Cell, Order};
 use faying::geometry::{Embedding, MapTable};
 use faying::linalg::{Vector, lit, num};
+use faying::problem::{Model, PatchModel, SideModel};
 use faying::space::{Field, JoinedSide, SideError, Trace};
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -1,6 +1,5 @@
 //! A solved model as a stored run, and the fingerprint of a geometry.
 
-use super::model::{Model, PatchModel, SideModel};
 use super::patches::specification;
 use super::{Builder, MakeNet};
 use crate::case::{self, Case, FilePart};
@@ -9,6 +8,7 @@ use crate::reference::{Fingerprint, StoredPatch, StoredRun, StoredSide, nodes};
 use faying::basis::{Basis, Cell, Order, ShapeTable};
 use faying::geometry::Embedding;
 use faying::linalg::Vector;
+use faying::problem::{Model, PatchModel, SideModel};
 use faying::space::{MeshCells, PatchSpec};
 
 /// Keywords of the case file for spline bases.

@@ -1,13 +1,11 @@
 //! Tied interfaces: multipliers, segments and rows of every slave side.
 
-use super::Builder;
 use super::boundary::component_name;
 use super::couples::{Couple, Couples};
 use super::fixed::Fixed;
-use super::functions::function_sums;
-use super::model::{Model, Pairing, SideModel, TieModel, TiePart};
 use super::multipliers::{held_help, multiplier, multiplier_fault};
 use super::sides::Sides;
+use super::{Builder, Built};
 use crate::case::{self, Integration, SideRef, Tie};
 use crate::errors::Diagnostic;
 use crate::place::{Located, Place};
@@ -19,6 +17,7 @@ use faying::coupling::multiplier::check_counts;
 use faying::coupling::nitsche::Variant;
 use faying::coupling::{Coupling, CouplingError, Interface, Rows, Segments, Side};
 use faying::linalg::Triplets;
+use faying::problem::{Model, Pairing, SideModel, TieModel, TiePart, function_sums};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
@@ -67,7 +66,7 @@ pub(super) fn list<const S: usize, const N: usize>(
 /// Builds all ties of the case; errors go to the builder's faults.
 pub(super) fn build<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
-    model: &mut Model<S, N>,
+    model: &mut Built<S, N>,
     couples: &Couples<S, N>,
     fixed: &Fixed,
 ) {
@@ -90,7 +89,7 @@ pub(super) fn build<const S: usize, const N: usize>(
                 Err(fault) => builder.faults.push(*fault),
             }
         }
-        let exact = tie.exact.as_ref().map(|list| list.value.iter().map(|f| f.value.clone()).collect());
+        let exact = tie.exact.as_ref().map(|list| list.value.iter().map(|f| f.value.clone().into()).collect());
         model.ties.push(TieModel { name: tie.name.value.clone(), parts, exact });
     }
 }
@@ -140,7 +139,7 @@ pub(super) fn coupling_of<const S: usize, const N: usize>(
 #[allow(clippy::result_large_err)]
 fn part<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    model: &Model<S, N>,
+    model: &Built<S, N>,
     tie: &Tie,
     couple: &Couple<S, N>,
     fixed: &Fixed,

@@ -1,9 +1,9 @@
 //! Detection of touching sides: facets against the sides nearest to them, pairs of sides by all their distances.
 
 use super::meshes::unrefined;
-use super::model::{PatchModel, SideModel};
 use crate::case::Case;
 use faying::geometry::{Bounds, MapTable, Sag, Tree};
+use faying::problem::{PatchModel, SideModel};
 use faying::space::{Clearance, Sight, Skin, raised, skin_points};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};

@@ -2,7 +2,6 @@
 
 use super::boundary::component_name;
 use super::fixed::Fixed;
-use super::model::{Model, SideModel};
 use super::multipliers::multiplier;
 use super::ties::{coupling_of, list, memberships};
 use super::{Builder, MakeNet, patches, supported};
@@ -14,6 +13,7 @@ use faying::basis::{Basis, Order, ShapeTable};
 use faying::coupling::multiplier::{MultiplierKind, side_ends};
 use faying::geometry::MapTable;
 use faying::linalg::Vector;
+use faying::problem::{Model, SideModel};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 

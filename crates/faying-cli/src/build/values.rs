@@ -1,8 +1,7 @@
 //! Checks of material and load formulas at quadrature points: limits, and values that are not finite.
 
 use super::Builder;
-use super::model::{Model, PatchModel, SideModel};
-use super::physics::assumption;
+use super::materials::assumption;
 use super::ties::short;
 use crate::case::{self, Elastic as Constants};
 use crate::errors::Diagnostic;
@@ -12,6 +11,7 @@ use faying::basis::Order;
 use faying::geometry::{Geometry, MapTable};
 use faying::linalg::Vector;
 use faying::physics::{Conductor, Elastic, MaterialError};
+use faying::problem::{Model, PatchModel, SideModel};
 use faying::quadrature::Quadrature;
 use rayon::prelude::*;
 

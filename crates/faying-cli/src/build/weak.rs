@@ -6,10 +6,6 @@
 //! motion with μ much smaller than 1 is dominated by the round-off of the bodies' stiffness, 1e-16 of it times the number of elements
 //! squared.
 
-use super::functions::closed_forms;
-use super::model::Model;
-use super::rigid::{RigidModes, RigidRow};
-use super::supports::{RigidBodies, Ties, held_by, unit};
 use super::ties::short;
 use crate::case::Case;
 use crate::errors::Diagnostic;
@@ -17,6 +13,7 @@ use crate::formula::Point;
 use faying::basis::Order;
 use faying::geometry::MapTable;
 use faying::linalg::{Vector, measure};
+use faying::problem::{Model, RigidBodies, RigidModes, RigidRow, Ties, closed_forms, held_by, unit};
 use faying::quadrature::Quadrature;
 use nalgebra::{DMatrix, DVector};
 

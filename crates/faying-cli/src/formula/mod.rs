@@ -23,12 +23,14 @@ mod parse;
 mod program;
 mod taylor;
 
+use faying::problem::{Data, Function};
 use std::sync::Arc;
 
 pub use constants::{ConstantText, Constants};
+pub use faying::problem::Point;
 pub use jet::Jet;
+pub use program::Variable;
 use program::{Op, Program};
-pub use program::{Point, Variable};
 
 /// Parse error of a formula, with its position in the text.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -204,6 +206,24 @@ impl Formula {
 impl From<f64> for Formula {
     fn from(value: f64) -> Self {
         Self::constant(value)
+    }
+}
+
+impl Function for Formula {
+    fn value(&self, at: &Point) -> f64 {
+        Self::value(self, at)
+    }
+    fn depends_on_time(&self) -> bool {
+        Self::depends_on_time(self)
+    }
+    fn as_constant(&self) -> Option<f64> {
+        Self::as_constant(self)
+    }
+}
+
+impl From<Formula> for Data {
+    fn from(formula: Formula) -> Self {
+        Self::new(formula)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::jet::Jet;
 use super::number::{Binary, Number, Unary};
 use super::taylor::Taylor;
+use faying::problem::Point;
 
 /// Variables of a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,44 +23,6 @@ pub enum Variable {
     R,
     /// atan2(y, x).
     Theta,
-}
-
-/// Evaluation point of a formula.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
-    /// Coordinates, z = 0 in 2D.
-    pub x: [f64; 3],
-    /// Time; 1 without steps.
-    pub t: f64,
-    /// Geometric gap, in gap formulas.
-    pub g: f64,
-}
-
-impl Default for Point {
-    fn default() -> Self {
-        Self { x: [0.0; 3], t: 1.0, g: 0.0 }
-    }
-}
-
-impl Point {
-    /// A point of the plane or of space at t = 1; missing coordinates are 0.
-    pub fn new(x: &[f64]) -> Self {
-        let mut p = Self::default();
-        for (to, from) in p.x.iter_mut().zip(x) {
-            *to = *from;
-        }
-        p
-    }
-
-    /// Returns this point at time `t`.
-    pub fn at_time(self, t: f64) -> Self {
-        Self { t, ..self }
-    }
-
-    /// Returns this point with the gap `g`.
-    pub fn with_gap(self, g: f64) -> Self {
-        Self { g, ..self }
-    }
 }
 
 /// One step of a program.

@@ -4,13 +4,13 @@ use super::evaluate::{Answer, evaluate};
 use super::grammar::Reduce;
 use super::locate::Locators;
 use super::prepare::{Prepared, Preparer};
-use crate::build::Model;
+use crate::build::Built;
 use crate::case::{Case, Condition};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::formula::Formula;
 use crate::place::Located;
 use crate::result::{CheckReport, ProbeReport, RunResult};
-use crate::run::StepState;
+use faying::problem::{Model, StepState};
 use serde_json::{Value, json};
 
 /// Probes and checks of a case, prepared for evaluation.
@@ -51,9 +51,9 @@ impl<const S: usize, const N: usize> Questions<S, N> {
     /// Prepares every probe and check of `case`.
     ///
     /// # Errors
-    /// E015, E018, E021, E022, E062 at their source locations.
-    pub fn of(case: &Case, model: &Model<S, N>, skeleton: &Value) -> Result<Self, Diagnostics> {
-        // probes are evaluated before checks: checks may name them, probes neither probes nor checks
+    /// E015, E018, E021, E022, E062 at their places.
+    pub fn of(case: &Case, model: &Built<S, N>, skeleton: &Value) -> Result<Self, Diagnostics> {
+        // probes are answered before checks: checks may name them, probes neither probes nor checks
         let answered: Vec<Value> = case.probes.iter().map(|p| json!({ "name": p.name.value, "value": 0.0 })).collect();
         let mut with_probes = skeleton.clone();
         with_probes["probes"] = Value::Array(answered);

@@ -3,12 +3,11 @@
 use super::grammar::{FieldName, Reduce};
 use super::path::look_up;
 use super::prepare::Prepared;
-use crate::build::{Model, PointState};
-use crate::run::{ContactField, StepState, TieField};
 use faying::basis::{Cell, Order};
 use faying::geometry::MapTable;
 use faying::linalg::{Vector, measure};
 use faying::physics::von_mises;
+use faying::problem::{ContactField, Model, PointState, StepState, TieField};
 use faying::quadrature::Quadrature;
 use faying::space::Space;
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! Elements of a model's patches by points.
 
-use crate::build::Model;
+use crate::build::Built;
 use faying::geometry::{Bounds, Embedded, Embedding, closest_point};
 use faying::linalg::{Matrix, Vector};
 use faying::space::{Locator, Space};
@@ -19,18 +19,18 @@ pub struct Spot<const N: usize> {
 /// Finds elements of the patches of a model by points; the search structure of a patch is built when first used.
 #[derive(Debug)]
 pub struct Locators<'a, const S: usize, const N: usize> {
-    model: &'a Model<S, N>,
+    model: &'a Built<S, N>,
     each: Vec<OnceCell<Locator<N, Arc<dyn Space<N, N>>>>>,
 }
 
 impl<'a, const S: usize, const N: usize> Locators<'a, S, N> {
-    /// Creates the locators for the patches of `model`.
-    pub fn new(model: &'a Model<S, N>) -> Self {
+    /// For the patches of `model`.
+    pub fn new(model: &'a Built<S, N>) -> Self {
         Self { model, each: model.patches.iter().map(|_| OnceCell::new()).collect() }
     }
 
     /// The model.
-    pub fn model(&self) -> &'a Model<S, N> {
+    pub fn model(&self) -> &'a Built<S, N> {
         self.model
     }
 

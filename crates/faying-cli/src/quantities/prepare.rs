@@ -3,15 +3,17 @@
 use super::grammar::{At, FieldName, Kind, Quantity, Reduce};
 use super::locate::{Locators, Spot};
 use super::path::{known, look_up};
-use crate::build::{Model, canonical_side, named_point};
+use crate::build::{Built, canonical_side, named_point};
 use crate::case::{Case, Multiplier};
 use crate::errors::{Diagnostic, nearest};
 use crate::formula::{Formula, Scope};
 use crate::place::Place;
 use faying::geometry::ClosestPoint;
 use faying::linalg::Vector;
+use faying::problem::SideModel;
 use faying::space::measure;
 use serde_json::Value;
+use std::sync::Arc;
 
 /// Distance from a body, as a fraction of an element, within which a point moves to the nearest point of the body.
 const OFF: f64 = 0.25;
@@ -55,7 +57,7 @@ pub enum Prepared<const S: usize, const N: usize> {
 #[derive(Debug)]
 pub struct Preparer<'a, const S: usize, const N: usize> {
     case: &'a Case,
-    model: &'a Model<S, N>,
+    model: &'a Built<S, N>,
     locators: &'a Locators<'a, S, N>,
     skeleton: &'a Value,
 }
@@ -425,7 +427,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     fn on_sides(
         &self,
         text: &str,
-        sides: &[&std::sync::Arc<crate::build::SideModel<S, N>>],
+        sides: &[&Arc<SideModel<S, N>>],
         x: &Vector<N>,
         at: Place,
     ) -> Result<(usize, usize, Vector<S>), Box<Diagnostic>> {

@@ -1,9 +1,6 @@
 //! Errors of a solved model against exact solutions and multipliers, or against a stored run if there are none.
 
-use super::pressed::ContactField;
-use super::solve::StepState;
-use super::tied::TieField;
-use crate::build::{Model, OnSide, ReferenceLambda, SideModel, TieModel};
+use crate::build::{Built, OnSide, ReferenceLambda};
 use crate::formula::Point;
 use crate::named::Named;
 use faying::assembly::Errors;
@@ -11,9 +8,10 @@ use faying::basis::Order;
 use faying::coupling::Segments;
 use faying::geometry::MapTable;
 use faying::linalg::Vector;
+use faying::problem::{ContactField, Model, SideModel, StepState, TieField, TieModel};
 
-/// Names of the errors that can be computed, such as `error.u.L2`, each also with `.rel`.
-pub fn error_names<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<String> {
+/// Errors that can be measured.
+pub fn error_names<const S: usize, const N: usize>(model: &Built<S, N>) -> Vec<String> {
     let mut names = Vec::new();
     let mut add = |name: String| {
         names.push(name.clone());
@@ -36,8 +34,8 @@ pub fn error_names<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<S
     names
 }
 
-/// Whether the exact solution or the stored run provides lambda of an interface or contact.
-fn is_known<const S: usize, const N: usize>(model: &Model<S, N>, name: &str) -> bool {
+/// Whether the exact solution or the stored run has lambda of an interface or contact.
+fn is_known<const S: usize, const N: usize>(model: &Built<S, N>, name: &str) -> bool {
     model.exact.is_some() || model.reference.as_ref().is_some_and(|r| r.lambda_of(name).is_some())
 }
 
@@ -64,8 +62,8 @@ struct Squares {
     exact: f64,
 }
 
-/// Computes every error named by [`error_names`].
-pub fn errors<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Named<f64> {
+/// Every error that can be measured, by its quantity.
+pub fn errors<const S: usize, const N: usize>(model: &Built<S, N>, state: &StepState<S, N>) -> Named<f64> {
     let mut all = Named::default();
     let mut add = |name: String, error: f64, exact: f64| {
         all.push(name.clone(), error);
@@ -74,8 +72,11 @@ pub fn errors<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepS
     let of_body = |k: usize| {
         let p = &model.patches[k];
         let (physics, space, u) = (p.physics_at(state.t), &**p.body.space(), &state.u[p.range()]);
-        let stored = || Some(physics.difference(space, u, &model.reference.as_ref()?.patches[k]));
-        model.exact.as_ref().map(|exact| physics.errors(space, &p.rules, u, exact, state.t)).or_else(stored)
+        let stored = || {
+            let other = &model.reference.as_ref()?.patches[k];
+            Some(physics.difference(space, &other.rules, u, other))
+        };
+        model.exact.as_ref().map(|exact| physics.errors(space, &p.rules, u, &**exact, state.t)).or_else(stored)
     };
     let bodies: Option<Vec<Errors>> = (0..model.patches.len()).map(of_body).collect();
     if let Some(bodies) = bodies {
@@ -125,7 +126,7 @@ fn tie_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
                     match (&tie.exact, &model.exact) {
                         (Some(list), _) => wanted.iter_mut().zip(list).for_each(|(w, f)| *w = f.value(&at)),
                         (None, Some(exact)) => {
-                            physics.exact_traction(exact, &at, &x[k], &normals[k], &mut wanted);
+                            physics.exact_traction(&**exact, &at, &x[k], &normals[k], &mut wanted);
                             wanted.iter_mut().for_each(|w| *w = -*w);
                         }
                         (None, None) => {}
@@ -156,7 +157,7 @@ fn contact_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &St
                     (Some(f), _) => f.value(&at),
                     (None, Some(exact)) => {
                         let mut traction = vec![0.0; model.components];
-                        physics.exact_traction(exact, &at, &x[k], &normals[k], &mut traction);
+                        physics.exact_traction(&**exact, &at, &x[k], &normals[k], &mut traction);
                         traction.iter().zip(normals[k].iter()).map(|(t, n)| t * n).sum()
                     }
                     (None, None) => 0.0,
@@ -169,8 +170,8 @@ fn contact_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &St
     sum
 }
 
-/// Returns lambda of the stored run; `None` if an exact multiplier (`exact`) or an exact solution takes precedence.
-fn stored_lambda<'a, const S: usize, const N: usize>(model: &'a Model<S, N>, name: &str, exact: bool) -> Option<&'a ReferenceLambda<S>> {
+/// lambda of the stored run, where nothing exact stands before it.
+fn stored_lambda<'a, const S: usize, const N: usize>(model: &'a Built<S, N>, name: &str, exact: bool) -> Option<&'a ReferenceLambda<S>> {
     model.reference.as_ref().filter(|_| !exact && model.exact.is_none())?.lambda_of(name)
 }
 

@@ -2,8 +2,7 @@
 
 use super::predict::{Prediction, bytes};
 use super::room::Room;
-use super::solve::{StepError, StepState};
-use crate::build::{self, Model, free_motions, sentences};
+use crate::build::short;
 use crate::case::{Case, Method, Variant};
 use crate::errors::Diagnostic;
 use crate::result::{RunResult, Status};
@@ -11,6 +10,7 @@ use crate::watch::Stop;
 use faying::constraint::SolveError;
 use faying::contact::{Contact, ContactError};
 use faying::linalg::LinearError;
+use faying::problem::{ContactModel, ContactPart, Model, StepError, StepState, free_motions, sentences};
 use std::collections::HashSet;
 
 /// Builds E081 for a prediction that exceeds the available memory.
@@ -108,7 +108,7 @@ pub fn step_fault<const S: usize, const N: usize>(
             (Status::NotConverged, "iterations", Diagnostic::error("E074", error.to_string()).at(&case.source, key).with_help(help))
         }
         StepError::Solve(SolveError::RigidMotion { iteration, open, .. }) => {
-            let at_time = |c: &build::ContactModel<S, N>| -> Vec<_> {
+            let at_time = |c: &ContactModel<S, N>| -> Vec<_> {
                 c.parts.iter().map(|p| c.at(model, p, t).unwrap_or_else(|_| p.first.clone())).collect()
             };
             let contacts: Vec<Vec<_>> = model.contacts.iter().map(at_time).collect();
@@ -205,8 +205,8 @@ fn flipping<const S: usize, const N: usize>(model: &Model<S, N>, rows: &[usize])
     lists.join("; ")
 }
 
-/// Describes the position of a multiplier function of a contact: the point at which its value is largest.
-fn place_of<const S: usize, const N: usize>(part: &build::ContactPart<S, N>, function: usize) -> Option<String> {
+/// Where a multiplier function of a contact lives: its heaviest point.
+fn place_of<const S: usize, const N: usize>(part: &ContactPart<S, N>, function: usize) -> Option<String> {
     let s = &part.first.segments;
     let (mut best, mut pieces): (Option<(f64, usize)>, _) = (None, 0..s.num_pieces());
     let (mut ids, mut table) = (Vec::new(), faying::basis::ShapeTable::new());
@@ -228,7 +228,7 @@ fn place_of<const S: usize, const N: usize>(part: &build::ContactPart<S, N>, fun
     }
     let (_, q) = best?;
     let list: Vec<String> =
-        ["x", "y", "z"][..N].iter().zip(part.first.frames.x[q].iter()).map(|(l, v)| format!("{l} = {}", build::short(*v))).collect();
+        ["x", "y", "z"][..N].iter().zip(part.first.frames.x[q].iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
     Some(list.join(", "))
 }
 
@@ -254,7 +254,7 @@ fn closed_points<const S: usize, const N: usize>(
     closed: &dyn Fn(usize) -> bool,
 ) -> Vec<Vec<Vec<bool>>> {
     let mut ids = Vec::new();
-    let mut of_part = |p: &build::ContactPart<S, N>, contact: &Contact<S, N>| {
+    let mut of_part = |p: &ContactPart<S, N>, contact: &Contact<S, N>| {
         let s = &contact.segments;
         if let Some(points) = &contact.points {
             return points.row.iter().map(|j| closed(p.first_row + j)).collect();

@@ -1,12 +1,6 @@
 //! Fields of a solved model for the files.
 
 use super::Solved;
-use super::arc_length::ArcLength;
-use super::integrate::on_trace;
-use super::pressed::ContactField;
-use super::report::{component_rows, multiplier_at};
-use super::tied::TieField;
-use crate::build::{Against, PointState, SideModel};
 use crate::case::Case;
 use crate::formula::Point;
 use crate::output::{ExactCurve, Output, Parts, Picture, RunOptions, SideOutput};
@@ -16,6 +10,7 @@ use faying::contact::{Surface, Target};
 use faying::geometry::{ClosestPoint, Geometry, MapTable, Projection};
 use faying::linalg::{Vector, measure};
 use faying::physics::von_mises;
+use faying::problem::{Against, ArcLength, ContactField, PointState, SideModel, TieField, component_rows, multiplier_at, on_trace};
 use faying::quadrature::Quadrature;
 use faying_files::vtu::{CellStyle, Part};
 use std::ops::Range;

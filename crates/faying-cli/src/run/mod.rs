@@ -1,34 +1,22 @@
 //! Running a case: build, predict, assemble, solve, measure.
 
-mod arc_length;
-mod at_rest;
 mod errors;
 mod faults;
 mod fields;
 mod forecast;
-mod integrate;
 mod iteration;
-mod loads;
-mod matrices;
 mod multipliers;
 mod need;
 mod poor;
 mod predict;
-mod pressed;
-mod reactions;
 mod report;
 mod room;
-mod soften;
-mod solve;
 mod solver;
-mod start;
-mod system;
-mod tied;
 
 use faults::{floating, memory_limit, step_fault, stopped};
 use forecast::avoids_factors;
 
-use super::build::{self, MakeNet, Model, plane_net, volume_net};
+use super::build::{self, Built, MakeNet, plane_net, volume_net};
 use super::output::{Finished, Output, RunOptions, StepOutput};
 use super::quantities::Questions;
 use super::registry::{Names, Registry};
@@ -38,24 +26,21 @@ use crate::case::Case;
 use crate::errors::{Diagnostic, Diagnostics, Severity};
 use faying::constraint::SolveError;
 use faying::contact::{ClosedSide, half_width};
+use faying::problem::{self, ContactModel, Model, StepError, StepState, Stiffness, TieModel, TiePart, step};
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 pub(crate) use forecast::too_large;
-pub use loads::Resultant;
-pub use matrices::{Matrices, Stiffness};
 pub use predict::{Prediction, bytes, predict};
-pub use pressed::ContactField;
-pub use report::{HalfWidth, Zone, component_rows, multiplier_at};
+pub use report::{HalfWidth, Zone};
 pub(crate) use room::{Room, memory_for_files, most_threads};
-pub use solve::{StepError, StepState, Unsolved};
-pub use solver::Solver;
-pub use tied::TieField;
+pub use solver::solver;
 
 /// A model with its solution.
 #[derive(Debug)]
 pub struct Solved<const S: usize, const N: usize> {
     /// The model.
-    pub model: Arc<Model<S, N>>,
+    pub model: Arc<Built<S, N>>,
     /// The state at the end of a step.
     pub state: StepState<S, N>,
     /// The number of the step, from 1.
@@ -270,15 +255,15 @@ fn built<const S: usize, const N: usize>(
     dimension: &Dimension<'_, S, N>,
     watch: &Watch,
     room: Option<Room>,
-) -> Result<Model<S, N>, Diagnostics> {
+) -> Result<Built<S, N>, Diagnostics> {
     let word = &case.solver.constraint;
-    let mut solver = Solver::new(registry, &case.solver, watch)
-        .map_err(|fault| Diagnostic::error(fault.code, fault.message).at(&case.source, word.at))?;
+    let mut solver =
+        solver(registry, &case.solver, watch).map_err(|fault| Diagnostic::error(fault.code, fault.message).at(&case.source, word.at))?;
     if let Some(fault) = too_large(case, dimension.net, room, !avoids_factors(case)) {
         return Err(fault.into());
     }
     let model = build::build(case, dimension.names, dimension.net)?;
-    let mixed = |part: &build::TiePart<S, N>| part.reaction.is_some();
+    let mixed = |part: &TiePart<S, N>| part.reaction.is_some();
     let (tie, contact) = leaning(&model);
     if let Some(tie) = tie.filter(|_| solver.needs_symmetry()) {
         return Err(faults::not_symmetric(case, &format!("interface \"{}\"", tie.name), tie.parts.iter().any(mixed)).into());
@@ -297,9 +282,9 @@ fn built<const S: usize, const N: usize>(
     Ok(model)
 }
 
-/// Returns the first tie and the first contact that make the system unsymmetric.
-fn leaning<const S: usize, const N: usize>(model: &Model<S, N>) -> (Option<&build::TieModel<S, N>>, Option<&build::ContactModel<S, N>>) {
-    let leans = |part: &build::TiePart<S, N>| part.reaction.is_some() || !part.stiffness.to_csr().is_symmetric(faying::linalg::NO_SYMMETRY);
+/// The first tie and the first contact that make the system one without symmetry.
+fn leaning<const S: usize, const N: usize>(model: &Model<S, N>) -> (Option<&TieModel<S, N>>, Option<&ContactModel<S, N>>) {
+    let leans = |part: &TiePart<S, N>| part.reaction.is_some() || !part.stiffness.to_csr().is_symmetric(faying::linalg::NO_SYMMETRY);
     let tie = model.ties.iter().find(|tie| tie.parts.iter().any(leans));
     let contact = model.contacts.iter().find(|c| c.parts.iter().any(|part| part.first.reaction.is_some()));
     (tie, contact)
@@ -318,7 +303,24 @@ fn fitting<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, roo
     }
 }
 
-/// Result, and its solutions: of all steps that have one, or of the last if the case has no steps.
+/// Reports the progress of a step to `watch`, and cancels it where `watch` says so.
+fn observer(watch: &Watch) -> impl Fn(&problem::Progress<'_>) -> ControlFlow<()> + Sync {
+    move |news| match news {
+        // a step that is solved is told, whatever the watch says
+        problem::Progress::ActiveSet(report) => {
+            iteration::lines(report).iter().for_each(|line| watch.report(Progress::Note(line)));
+            ControlFlow::Continue(())
+        }
+        _ if watch.stop().is_some() => ControlFlow::Break(()),
+        problem::Progress::Iteration { iteration, active, rows } => {
+            watch.report(Progress::Iteration { iteration: *iteration, active: *active, rows: *rows });
+            ControlFlow::Continue(())
+        }
+        _ => ControlFlow::Continue(()),
+    }
+}
+
+/// A result and its solutions: of all steps that have one, the last where the case has no steps.
 type Outcome<const S: usize, const N: usize> = (RunResult, Vec<Arc<Solved<S, N>>>);
 
 fn solve_case<const S: usize, const N: usize>(
@@ -345,7 +347,7 @@ fn solve_case<const S: usize, const N: usize>(
     let times = &case.steps.value;
     watch.phase("assemble");
     let mut stiffness = Stiffness::new(&model, times.first().copied().unwrap_or(1.0));
-    let mut solver = Solver::new(registry, &case.solver, watch).expect("made once before the model was built");
+    let mut solver = solver(registry, &case.solver, watch).expect("made once before the model was built");
     let (model, mut solved) = (Arc::new(model), Vec::<Arc<Solved<S, N>>>::new());
     let mut finished = false;
     for (k, &t) in times.iter().enumerate() {
@@ -360,7 +362,7 @@ fn solve_case<const S: usize, const N: usize>(
         let matrices = stiffness.at(&model, t);
         watch.phase("solve");
         let before = solved.last().map(|s| &s.state);
-        let (state, failure) = match solve::step(&model, matrices, &mut solver, t, before, watch) {
+        let (state, failure) = match step(&model, matrices, &mut solver, t, before, &observer(watch)) {
             Ok(state) => (Some(state), None),
             Err(unsolved) => (unsolved.last.map(|b| *b), Some(unsolved.error)),
         };

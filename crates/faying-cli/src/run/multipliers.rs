@@ -1,10 +1,10 @@
 //! Report on the multiplier spaces of interfaces and contacts.
 
-use crate::build::{Model, SideModel};
 use crate::case::{self, Case};
 use crate::result::{MultiplierReport, RunResult};
 use faying::basis::Basis;
 use faying::coupling::multiplier::{MultiplierKind, reproduction};
+use faying::problem::{Model, SideModel};
 
 /// Describes the multipliers of one slave side, one space per component, that the case calls by a name.
 pub type Describe<const S: usize, const N: usize> = fn(&SideModel<S, N>, &case::Multiplier, &[&dyn Basis<S>]) -> MultiplierReport;

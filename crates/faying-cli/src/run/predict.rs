@@ -1,7 +1,7 @@
 //! Memory that a run of a model will take, predicted before anything is assembled.
 
 use super::need::Need;
-use crate::build::Model;
+use faying::problem::Model;
 use serde::Serialize;
 
 /// Predicted sizes of a run.

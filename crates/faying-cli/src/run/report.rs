@@ -1,24 +1,19 @@
 //! Numbers of a result from the solution.
 
 use super::errors::{error_names, errors};
-use super::integrate::on_trace;
 use super::iteration;
-use super::loads::Resultant;
-use super::reactions::reactions;
-use super::solve::StepState;
-use super::tied::TieField;
-use crate::build::{Model, SideModel, TieModel, TiePart};
+use crate::build::Built;
 use crate::case::Case;
 use crate::named::Named;
 use crate::result::{
     ActiveSetSummary, Balance, ContactReport, Extremes, Gaps, GeometryReport, InterfaceReport, Kkt, L2, Moment, Norm, RunResult,
     SolveReport, TiedSides, Unknowns,
 };
-use faying::basis::{Basis, Order, ShapeTable};
 use faying::contact::{Contact, Transmitted};
 use faying::coupling::Rows;
 use faying::geometry::Geometry;
-use faying::linalg::{Csr, Operator, Vector};
+use faying::linalg::{Csr, Operator};
+use faying::problem::{Against, Model, Resultant, SideModel, StepState, TieField, TieModel, on_trace, reactions};
 use faying::quadrature::{PerElement, Quadrature};
 use faying::space::{diameter, measure, quality};
 use std::collections::BTreeMap;
@@ -28,8 +23,8 @@ pub type Zone<'a, const S: usize, const N: usize> = (&'a dyn Geometry<S, N>, &'a
 /// Function for half the width of a contact zone on slave sides of S dimensions; the flag: half model.
 pub type HalfWidth<const S: usize, const N: usize> = fn(&[Zone<'_, S, N>], bool) -> f64;
 
-/// Builds the result before anything is solved: all names, all counts, the geometry.
-pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, model: &Model<S, N>) -> RunResult {
+/// The result before anything is solved: all names, all counts, the geometry.
+pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, model: &Built<S, N>) -> RunResult {
     let mut result = RunResult::new(command, &case.source.name);
     result.backend = backend(model);
     result.backends = model.patches.iter().map(|p| (p.name.clone(), p.backend.clone())).collect();
@@ -87,8 +82,8 @@ fn backend<const S: usize, const N: usize>(model: &Model<S, N>) -> String {
     let name = |side: &SideModel<S, N>| model.patches[side.patch].backend.as_str();
     let ties = model.ties.iter().flat_map(|t| &t.parts).flat_map(|p| p.pairings.iter().map(|m| (name(&p.slave), name(&m.master))));
     let contacts = model.contacts.iter().flat_map(|c| &c.parts).filter_map(|p| match &p.against {
-        crate::build::Against::Side(master, _) => Some((name(&p.slave), name(master))),
-        crate::build::Against::Rigid(..) => None,
+        Against::Side(master, _) => Some((name(&p.slave), name(master))),
+        Against::Rigid(..) => None,
     });
     let mut pairs: Vec<(&str, &str)> = ties.chain(contacts).collect();
     pairs.dedup();
@@ -105,7 +100,7 @@ fn moment<const N: usize>(m: [f64; 3]) -> Moment {
 /// Fills `result` from the solution of a step.
 pub fn fill<const S: usize, const N: usize>(
     result: &mut RunResult,
-    model: &Model<S, N>,
+    model: &Built<S, N>,
     state: &StepState<S, N>,
     matrices: &[Csr],
     half_width: Option<HalfWidth<S, N>>,
@@ -132,7 +127,7 @@ pub fn fill<const S: usize, const N: usize>(
     for ((_, report), (_, old)) in result.interface.0.iter_mut().zip(known.0) {
         report.multiplier = old.multiplier;
     }
-    result.reactions = reactions(model, state, &mut outside);
+    result.reactions = Named(reactions(model, state, &mut outside));
     result.balance =
         Balance { force: outside.force[..model.components].to_vec(), moment: (model.components == N).then(|| moment::<N>(outside.moment)) };
     result.errors = errors(model, state);
@@ -219,10 +214,10 @@ fn contacts<const S: usize, const N: usize>(
             report.segments.measure += rows.segments.measure();
             let estimate = part.finer.as_ref().map(|f| f.estimate(&rows.rows, rows.reaction.as_ref(), &state.u, lambda));
             report.consistency = report.consistency.max(estimate.unwrap_or(0.0));
-            if let crate::build::Against::Side(..) = part.against {
+            if let Against::Side(..) = part.against {
                 pull.add(model, rows.reaction.as_ref().unwrap_or(&rows.rows), lambda);
             }
-            if matches!(part.against, crate::build::Against::Rigid(..)) {
+            if matches!(part.against, Against::Rigid(..)) {
                 let mut force = [0.0; 3];
                 force[..N].copy_from_slice(sent.force.as_slice());
                 // the force that drives the obstacle is among the loads
@@ -241,28 +236,7 @@ fn contacts<const S: usize, const N: usize>(
     all
 }
 
-/// Evaluates a multiplier at local points of an element.
-pub fn multiplier_at<const S: usize>(basis: &dyn Basis<S>, lambda: &[f64], element: usize, xi: &[Vector<S>]) -> Vec<f64> {
-    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
-    basis.active(element, &mut ids);
-    basis.tabulate(element, xi, Order::Values, &mut table);
-    (0..xi.len()).map(|q| ids.iter().zip(table.values(q)).map(|(&j, v)| lambda[j] * v).sum()).collect()
-}
-
-/// Returns the rows of each component of a tied part.
-pub fn component_rows<const S: usize, const N: usize>(part: &TiePart<S, N>) -> Vec<std::ops::Range<usize>> {
-    let mut first = part.first_row;
-    part.multipliers
-        .iter()
-        .map(|m| {
-            let range = first..first + m.num_functions();
-            first = range.end;
-            range
-        })
-        .collect()
-}
-
-/// Builds the report of an interface before anything is solved: its side pairs, with distances and shares.
+/// What an interface ties, before anything is solved.
 fn tied<const S: usize, const N: usize>(tie: &TieModel<S, N>) -> InterfaceReport {
     let mut report = InterfaceReport::default();
     let mut whole = 0.0;

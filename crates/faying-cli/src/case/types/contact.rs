@@ -3,6 +3,7 @@
 use super::{Components, Geometry, Head, Integration, Multiplier, SideRef, Variant};
 use crate::formula::Formula;
 use crate::place::Located;
+pub use faying::problem::Start;
 
 /// The rigid shape of an obstacle.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,22 +115,6 @@ pub enum Cone {
     Weights,
     /// E: values.
     Values,
-}
-
-/// First guess of the active set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Start {
-    /// The quarter of the rows with the least gap at rest, at least one per body that contact alone holds.
-    Auto,
-    /// Every row closed.
-    All,
-    /// Every row open.
-    None,
-    /// Rows of initial gap <= 0 closed.
-    Gap,
-    /// Pseudo-random.
-    Seed(u64),
 }
 
 /// `active_set`.

@@ -9,10 +9,11 @@
 //! so that sides that touch only in part, as in Hertz' problem, are excluded: there the gap grows beyond any sag.
 
 use super::percent;
-use crate::build::{ContactModel, ContactPart, Model, sag, short};
+use crate::build::{sag, short};
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::formula::Point;
+use faying::problem::{ContactModel, ContactPart, Model};
 
 /// Ratio h / mean |g| above which the warning is given.
 const POOR: f64 = 0.1;

@@ -7,13 +7,14 @@
 //! material it jumps whenever the gradient does, between two it need not.
 
 use super::percent;
-use crate::build::{Exact, Model, PatchModel, TiePart, short};
+use crate::build::short;
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::formula::Point;
 use faying::basis::{Cell, Order};
 use faying::geometry::{MapTable, cell};
 use faying::linalg::{Matrix, Vector};
+use faying::problem::{Exact, Model, PatchModel, TiePart, field_slope};
 use std::collections::HashMap;
 
 /// Jumps below this fraction of the largest flux are attributed to round-off.
@@ -35,7 +36,7 @@ struct Jump<const N: usize> {
 
 /// Returns one warning for the largest jump inside each patch and one for that across each tie.
 pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
-    let (Some(exact), Some(given)) = (&model.exact, &case.model.exact) else { return Vec::new() };
+    let (Some(exact), Some(given)) = (model.exact.as_deref(), &case.model.exact) else { return Vec::new() };
     let t = case.steps.value.first().copied().unwrap_or(1.0);
     let mut found = Vec::new();
     let mut tell = |jump: Jump<N>, where_: String| {
@@ -76,7 +77,7 @@ pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
 /// sigma n of the exact solution.
 fn traction<const S: usize, const N: usize>(
     patch: &PatchModel<S, N>,
-    exact: &Exact,
+    exact: &dyn Exact,
     t: f64,
     x: &Vector<N>,
     normal: &Vector<N>,
@@ -91,21 +92,21 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
-/// grad u; rows beyond the components are zero.
-fn gradient<const N: usize>(exact: &Exact, components: usize, t: f64, x: &Vector<N>) -> Matrix<3, N> {
+/// grad u, rows beyond the components zero.
+fn gradient<const N: usize>(exact: &dyn Exact, components: usize, t: f64, x: &Vector<N>) -> Matrix<3, N> {
     let at = Point::new(x.as_slice()).at_time(t);
     let mut all = Matrix::<3, N>::zeros();
     if components == 1 {
-        all.row_mut(0).copy_from(&exact.slope::<1, N>(&at).1.row(0));
+        all.row_mut(0).copy_from(&field_slope::<1, N>(exact, &at).1.row(0));
     } else {
-        let slope = exact.slope::<N, N>(&at).1;
+        let slope = field_slope::<N, N>(exact, &at).1;
         (0..N).for_each(|c| all.row_mut(c).copy_from(&slope.row(c)));
     }
     all
 }
 
-/// Finds the largest jump of the flux inside a patch.
-fn inside<const S: usize, const N: usize>(patch: &PatchModel<S, N>, exact: &Exact, t: f64) -> Jump<N> {
+/// The largest jump of the flux inside a patch.
+fn inside<const S: usize, const N: usize>(patch: &PatchModel<S, N>, exact: &dyn Exact, t: f64) -> Jump<N> {
     let components = patch.field.components;
     let grad = |x: &Vector<N>| gradient(exact, components, t, x);
     let mut worst = Jump { size: 0.0, largest: 0.0, at: Vector::zeros() };
@@ -186,8 +187,8 @@ fn lines<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> Vec<[Vecto
     lines
 }
 
-/// Finds the largest jump of the flux across a tie.
-fn across<const S: usize, const N: usize>(model: &Model<S, N>, part: &TiePart<S, N>, exact: &Exact, t: f64) -> Jump<N> {
+/// The largest jump of the flux across a tie.
+fn across<const S: usize, const N: usize>(model: &Model<S, N>, part: &TiePart<S, N>, exact: &dyn Exact, t: f64) -> Jump<N> {
     let mut worst = Jump { size: 0.0, largest: 0.0, at: Vector::zeros() };
     let (slave, mut table) = (&model.patches[part.slave.patch], MapTable::new());
     for pairing in &part.pairings {

@@ -18,11 +18,11 @@ mod integration;
 mod patch_test;
 mod sliding;
 
-use super::solve::StepState;
-use crate::build::{Model, weakly_held};
+use crate::build::weakly_held;
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::result::RunResult;
+use faying::problem::{Model, StepState};
 
 /// Returns the warnings about a model before it is solved.
 pub fn of_model<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {

@@ -10,13 +10,14 @@
 //! with the angle they span to the power 2p + 2.
 
 use super::percent;
-use crate::build::{Model, PatchModel, short};
+use crate::build::short;
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use faying::assembly::element_rule;
 use faying::basis::{Cell, Order, ShapeTable};
 use faying::geometry::{MapTable, cell};
 use faying::linalg::{Vector, determinant, inverse};
+use faying::problem::{Model, PatchModel};
 use faying::quadrature::{Quadrature, Rule};
 use faying::space::Space;
 use rayon::prelude::*;

@@ -10,16 +10,14 @@
 //! zone are wrong by about as much. A rotation of the master itself is not detected.
 
 use super::percent;
-use crate::build::{Against, ContactModel, ContactPart, Model};
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::formula::Point;
-use crate::run::integrate::on_trace;
-use crate::run::solve::StepState;
 use faying::basis::Order;
 use faying::contact::Contact;
 use faying::geometry::{ClosestPoint, MapTable};
 use faying::linalg::Vector;
+use faying::problem::{Against, ContactModel, ContactPart, Model, StepState, on_trace};
 use faying::space::Space;
 use std::sync::Arc;
 

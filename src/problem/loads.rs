@@ -1,10 +1,10 @@
 //! Loads of a model at a time, and their resultant.
 
+use super::data::Point;
 use super::integrate::{cross, over_side};
-use crate::build::{Action, Model, PatchModel};
-use crate::formula::Point;
-use faying::assembly::Moments;
-use faying::linalg::Vector;
+use super::model::{Action, Model, PatchModel};
+use crate::assembly::Moments;
+use crate::linalg::Vector;
 
 /// A force and its moment about the origin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -16,8 +16,13 @@ pub struct Resultant {
 }
 
 impl Resultant {
+<<<<<<< HEAD:crates/faying-cli/src/run/loads.rs
     /// Returns the resultant of a force field with these moments; missing components and directions are zero.
     pub fn of<const C: usize, const N: usize>(moments: &Moments<C, N>) -> Self {
+=======
+    /// Resultant of a force field with these moments; components that the field or space lacks are zero.
+    pub(super) fn of<const C: usize, const N: usize>(moments: &Moments<C, N>) -> Self {
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/loads.rs
         // ∫ x_i f_j dx
         let first = |i: usize, j: usize| if i < N && j < C.min(N) { moments.first[(j, i)] } else { 0.0 };
         Self {
@@ -30,7 +35,7 @@ impl Resultant {
     }
 
     /// Adds a force times `weight` at `x`.
-    pub fn add<const N: usize>(&mut self, x: &Vector<N>, force: &[f64], weight: f64) {
+    pub(super) fn add<const N: usize>(&mut self, x: &Vector<N>, force: &[f64], weight: f64) {
         let moment = cross(x, force);
         for k in 0..3 {
             self.force[k] += weight * force.get(k).copied().unwrap_or(0.0);
@@ -52,11 +57,15 @@ fn place<const N: usize>(x: &Vector<N>, t: f64) -> Point {
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
+<<<<<<< HEAD:crates/faying-cli/src/run/loads.rs
     /// Returns the force per volume of a patch as a function of position; `None` if there is none.
+=======
+    /// The force per volume of a patch at a point; none where there is none at all.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/loads.rs
     fn volume_force(&self, patch: &PatchModel<S, N>, t: f64) -> Option<Box<dyn Fn(&Vector<N>, &mut [f64]) + Sync + '_>> {
         if let Some(exact) = &self.exact {
             let physics = patch.physics_at(t);
-            return Some(Box::new(move |x: &Vector<N>, out: &mut [f64]| physics.exact_source(exact, &place(x, t), x, out)));
+            return Some(Box::new(move |x: &Vector<N>, out: &mut [f64]| physics.exact_source(&**exact, &place(x, t), x, out)));
         }
         if patch.source.is_empty() && patch.weight.is_none() {
             return None;
@@ -66,7 +75,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             let at = place(x, t);
             out.fill(0.0);
             let components = out.len();
-            // model and patch list one formula per component each
+            // model and patch list one function per component each
             for (k, f) in source.iter().enumerate() {
                 out[k % components] += f.value(&at);
             }
@@ -79,9 +88,14 @@ impl<const S: usize, const N: usize> Model<S, N> {
         }))
     }
 
+<<<<<<< HEAD:crates/faying-cli/src/run/loads.rs
     /// Assembles f in all unknowns at time `t`; also returns the resultants of the loads on each patch, then on the obstacle of each
     /// contact.
     pub(crate) fn loads(&self, t: f64) -> (Vec<f64>, Vec<Resultant>) {
+=======
+    /// f in all unknowns at time `t`, and the resultants of the loads on each patch, then on the obstacle of each contact.
+    pub(super) fn loads(&self, t: f64) -> (Vec<f64>, Vec<Resultant>) {
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/loads.rs
         let mut load = vec![0.0; self.unknowns];
         let mut totals = vec![Resultant::default(); self.patches.len() + self.contacts.len()];
         let c = self.components;
@@ -102,7 +116,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
                     Action::Exact(component) => {
                         let exact = self.exact.as_ref().expect("exact data were refused without an exact solution");
                         let mut traction = vec![0.0; out.len()];
-                        physics.exact_traction(exact, &place(x, t), x, n, &mut traction);
+                        physics.exact_traction(&**exact, &place(x, t), x, n, &mut traction);
                         out[*component] = traction[*component];
                     }
                     Action::Pressure(p) => {

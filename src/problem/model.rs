@@ -1,27 +1,25 @@
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
 //! Model of a case: bodies, conditions, loads, interfaces and contacts, ready to be assembled.
+=======
+//! Bodies, conditions, loads, interfaces and contacts, ready to be assembled.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
 
 use super::corners::SharedCorner;
-use super::exact::Exact;
-use super::functions::FunctionSums;
-use super::glue::Glued;
-use super::meetings::Hinge;
-use super::obstacles::ObstacleModel;
+use super::data::{Data, Exact};
+use super::function_sums::FunctionSums;
+use super::glued::{Glued, Hinge};
+use super::obstacle::ObstacleModel;
 use super::physics::Physics;
-use super::reference::Reference;
-use crate::case;
-use crate::errors::Diagnostics;
-use crate::formula::Formula;
-use crate::place::Place;
-use crate::result::GluedSides;
-use faying::assembly::{Equation, Rim};
-use faying::basis::Basis;
-use faying::contact::{Cone, Contact};
-use faying::coupling::consistency::Finer;
-use faying::coupling::{Coupling, Nitsche, Rows, Segments};
-use faying::geometry::Bounds;
-use faying::linalg::{Triplets, Vector};
-use faying::quadrature::PerElement;
-use faying::space::{Body, Field, Trace};
+use super::start::Start;
+use crate::assembly::{Equation, Rim};
+use crate::basis::Basis;
+use crate::contact::{Cone, Contact};
+use crate::coupling::consistency::Finer;
+use crate::coupling::{Coupling, Nitsche, Rows, Segments};
+use crate::geometry::Bounds;
+use crate::linalg::{Triplets, Vector};
+use crate::quadrature::PerElement;
+use crate::space::{Body, Field, Trace};
 use std::sync::Arc;
 
 /// A body with its unknowns and its material.
@@ -33,12 +31,16 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub backend: String,
     /// The body.
     pub body: Box<dyn Body<S, N>>,
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// Numbering of its unknowns.
+=======
+    /// Place of its unknowns among those of the model.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub field: Field,
     /// Its material at the first time; [`PatchModel::physics_at`] at any other.
     pub physics: Physics<N>,
-    /// The formulas of a material that changes with the time.
-    pub changing: Option<Box<Changing>>,
+    /// The material as a function of time; `None` if it does not change.
+    pub changing: Option<Changing<N>>,
     /// Rules of the bulk integrals.
     pub rules: PerElement<N>,
     /// Gauss points per direction of its sides beyond degree + 1.
@@ -47,19 +49,20 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub exact_map: bool,
     /// Bounding box; `None` for a body without elements.
     pub extent: Option<Bounds<N>>,
-    /// Body force or source of the patch, one formula per component.
-    pub source: Vec<Formula>,
+    /// Body force or source of the patch, one function per component.
+    pub source: Vec<Data>,
     /// Density and gravity, where both are given.
-    pub weight: Option<(Formula, Vec<f64>)>,
+    pub weight: Option<(Data, Vec<f64>)>,
 }
 
 /// A material that changes with the time.
-#[derive(Clone, Debug)]
-pub struct Changing {
-    /// Its formulas.
-    pub material: case::Material,
-    /// Plane strain or plane stress.
-    pub assumption: case::Assumption,
+#[derive(Clone)]
+pub struct Changing<const N: usize>(pub Arc<dyn Fn(f64) -> Physics<N> + Send + Sync>);
+
+impl<const N: usize> std::fmt::Debug for Changing<N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Changing")
+    }
 }
 
 impl<const S: usize, const N: usize> PatchModel<S, N> {
@@ -67,7 +70,7 @@ impl<const S: usize, const N: usize> PatchModel<S, N> {
     pub fn physics_at(&self, t: f64) -> Physics<N> {
         match &self.changing {
             None => self.physics.clone(),
-            Some(c) => Physics::of(&c.material, c.assumption, t).expect("constants were checked when the first one was made"),
+            Some(Changing(of)) => of(t),
         }
     }
 
@@ -89,11 +92,15 @@ pub struct SideModel<const S: usize, const N: usize> {
     pub patch: usize,
     /// Canonical name of the side: u0, v1, ...
     pub side: String,
-    /// Name as the case has it: "lower.bottom".
+    /// Name in results: "lower.bottom".
     pub label: String,
     /// Functions, map and facets.
     pub trace: Trace<S, N>,
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// Numbering of the unknowns of the trace's functions.
+=======
+    /// Place of the unknowns of the trace's functions among those of the model.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub field: Field,
     /// (first element, patch) of every run of elements; one run, unless several sides are joined.
     pub runs: Vec<(usize, usize)>,
@@ -115,8 +122,8 @@ pub enum Value {
     Zero,
     /// The exact solution.
     Exact,
-    /// A formula.
-    Formula(Formula),
+    /// A function.
+    Data(Data),
 }
 
 /// A component prescribed on a side.
@@ -128,8 +135,11 @@ pub struct Condition<const S: usize, const N: usize> {
     pub component: usize,
     /// Its value.
     pub value: Value,
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// Source location in the case.
     pub at: Place,
+=======
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
 }
 
 /// An edge or a corner of a body.
@@ -154,21 +164,33 @@ pub struct Pin<const N: usize> {
     pub component: usize,
     /// Its value.
     pub value: Value,
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// Source location in the case.
     pub at: Place,
 }
 
 /// Load on a side.
+=======
+}
+
+/// A load per point of a side.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
 #[derive(Clone, Debug)]
 pub enum Action {
     /// Component of the traction [force/area], or k du/dn.
-    Traction(usize, Formula),
+    Traction(usize, Data),
     /// Component of the traction of the exact solution.
     Exact(usize),
     /// Pressure along minus the outward normal.
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     Pressure(Formula),
     /// Component of a resultant, spread evenly over the given area \[force\].
     Force(usize, Formula, f64),
+=======
+    Pressure(Data),
+    /// Component of a resultant, spread evenly \[force\].
+    Force(usize, Data, f64),
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
 }
 
 /// A load on a side.
@@ -176,7 +198,11 @@ pub enum Action {
 pub struct SideLoad<const S: usize, const N: usize> {
     /// The side.
     pub side: Arc<SideModel<S, N>>,
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// Kind and value of the load.
+=======
+    /// The load.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub action: Action,
 }
 
@@ -197,7 +223,7 @@ pub struct SideSpring<const S: usize, const N: usize> {
     /// The component.
     pub component: usize,
     /// Force/area per length.
-    pub stiffness: Formula,
+    pub stiffness: Data,
 }
 
 /// A slave side paired with one master side.
@@ -205,7 +231,11 @@ pub struct SideSpring<const S: usize, const N: usize> {
 pub struct Pairing<const S: usize, const N: usize> {
     /// The master side.
     pub master: Arc<SideModel<S, N>>,
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// Integration segments on both sides.
+=======
+    /// Common segments of both sides.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub segments: Segments<S>,
     /// Second set of segments, for mixed integration.
     pub second: Option<Segments<S>>,
@@ -218,7 +248,11 @@ pub struct TiePart<const S: usize, const N: usize> {
     pub slave: Arc<SideModel<S, N>>,
     /// One multiplier space per component; empty if the coupling has no rows.
     pub multipliers: Vec<Box<dyn Basis<S>>>,
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// Coupling method.
+=======
+    /// The coupling of the sides.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub coupling: Box<dyn Coupling<S, N>>,
     /// The master sides.
     pub pairings: Vec<Pairing<S, N>>,
@@ -247,11 +281,19 @@ pub struct TieModel<const S: usize, const N: usize> {
     pub name: String,
     /// One part per slave side.
     pub parts: Vec<TiePart<S, N>>,
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// Exact multiplier, one formula per component; `None`: that of the model's exact solution, if any.
     pub exact: Option<Vec<Formula>>,
 }
 
 /// Opponent of a contact side, with the integration segments.
+=======
+    /// Exact multiplier, one function per component; `None`: from the exact solution, if there is one.
+    pub exact: Option<Vec<Data>>,
+}
+
+/// The opponent of a contact side.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
 pub enum Against<const S: usize, const N: usize> {
     /// A deformable side.
     Side(Arc<SideModel<S, N>>, Segments<S>),
@@ -279,7 +321,11 @@ pub struct ContactPart<const S: usize, const N: usize> {
     pub reading: Option<Box<dyn Basis<S>>>,
     /// Cone of admissible multipliers.
     pub cone: Cone,
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// Opponent: a deformable side or a rigid obstacle.
+=======
+    /// The opponent.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub against: Against<S, N>,
     /// Segments for the integrals over the master, for mixed integration.
     pub second: Option<Segments<S>>,
@@ -298,7 +344,11 @@ pub struct ContactPart<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> ContactPart<S, N> {
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// Functions by which lambda is evaluated at points, one per multiplier; `None` for Nitsche's method.
+=======
+    /// The functions through which lambda is read at points, one per multiplier; none of Nitsche's method.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub fn read_through(&self) -> Option<&dyn Basis<S>> {
         self.reading.as_deref().or(self.multiplier.as_deref())
     }
@@ -309,20 +359,34 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
     }
 }
 
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
 /// Enforcement method of a contact.
+=======
+/// A method that keeps bodies apart.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Formulation {
     /// Lagrange multipliers: rows that hold exactly.
     Lagrange,
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// Penalty: compliant rows, with the stiffness of their slave unknowns times a factor.
+=======
+    /// Rows softened by the stiffness of their slave unknowns times a factor.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     Penalty {
         /// Penalty stiffness over that of the slave's elements, a pure number.
         factor: f64,
     },
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// Augmented Lagrangian: penalty rows made exact by an iteration of the multipliers.
     Augmented {
         /// Penalty factor, as in [`Formulation::Penalty`].
+=======
+    /// Rows softened as by a penalty and made exact by an iteration of the multipliers.
+    Augmented {
+        /// Penalty stiffness over that of the slave's elements, a pure number.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
         factor: f64,
         /// Error of the multipliers at which the iteration ends, relative to the largest.
         tolerance: f64,
@@ -340,6 +404,7 @@ pub struct ContactModel<const S: usize, const N: usize> {
     pub parts: Vec<ContactPart<S, N>>,
     /// The rigid obstacle that it faces, if it is one.
     pub obstacle: Option<Arc<ObstacleModel<S, N>>>,
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// The gap formula.
     pub gap: Formula,
     /// Search radius for contact partners, if limited \[length\].
@@ -351,23 +416,40 @@ pub struct ContactModel<const S: usize, const N: usize> {
     /// First guess of the active set.
     pub start: case::Start,
     /// Enforcement method.
+=======
+    /// Gap as a function of position, time and geometric gap.
+    pub gap: Data,
+    /// Largest distance of partners of rigid obstacles.
+    pub reach: Option<f64>,
+    /// Exact multiplier; none: from the model's exact solution, if any.
+    pub exact: Option<Data>,
+    /// Whether a zone that ends at the end of a side goes on beyond it: half models.
+    pub symmetry: bool,
+    /// First guess of the active set.
+    pub start: Start,
+    /// The method by which it is enforced.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub formulation: Formulation,
 }
 
-/// A whole case, ready to be assembled.
+/// A problem, ready to be assembled.
 #[derive(Debug)]
 pub struct Model<const S: usize, const N: usize> {
     /// Components of the unknown.
     pub components: usize,
     /// Number of unknowns, prescribed ones included.
     pub unknowns: usize,
-    /// Bodies in the order of the case.
+    /// Bodies, with unknowns in their order.
     pub patches: Vec<PatchModel<S, N>>,
     /// Functions that glued patches share.
     pub glued: Glued,
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// Sides that interfaces of the case glue.
     pub glued_sides: Vec<GluedSides>,
     /// Points in which patches of one mesh are connected without a common facet.
+=======
+    /// Points in which patches of one mesh hold together beside their common facets.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub hinges: Vec<Hinge<N>>,
     /// Prescribed components.
     pub conditions: Vec<Condition<S, N>>,
@@ -375,7 +457,7 @@ pub struct Model<const S: usize, const N: usize> {
     pub corners: Vec<SharedCorner<N>>,
     /// Components prescribed on edges and in corners.
     pub pins: Vec<Pin<N>>,
-    /// Sides with at least one prescribed component, in the order of the case.
+    /// Sides with at least one prescribed component.
     pub supports: Vec<Arc<SideModel<S, N>>>,
     /// Equations between unknowns: sliding along inclined sides, sides that move as one.
     pub equations: Vec<Equation>,
@@ -388,9 +470,13 @@ pub struct Model<const S: usize, const N: usize> {
     /// Springs on sides.
     pub springs: Vec<SideSpring<S, N>>,
     /// Manufactured solution.
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     pub exact: Option<Exact>,
     /// Stored run used as the reference, if the case names one.
     pub reference: Option<Reference<S, N>>,
+=======
+    pub exact: Option<Arc<dyn Exact>>,
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     /// Tied interfaces.
     pub ties: Vec<TieModel<S, N>>,
     /// Contacts.
@@ -405,8 +491,6 @@ pub struct Model<const S: usize, const N: usize> {
     pub center: Vector<N>,
     /// Diagonal of the box around the model \[length\].
     pub size: f64,
-    /// Warnings found while building.
-    pub warnings: Diagnostics,
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
@@ -426,8 +510,13 @@ impl<const S: usize, const N: usize> Model<S, N> {
         self.unknowns - self.glued.num_bound()
     }
 
+<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
     /// All equations between unknowns: those of glued functions first.
     pub fn all_equations(&self) -> Vec<Equation> {
+=======
+    /// All conditions between unknowns: glued functions first.
+    pub(super) fn all_equations(&self) -> Vec<Equation> {
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
         let mut all = self.glued.equations();
         all.extend(self.equations.iter().cloned());
         all

@@ -1,10 +1,26 @@
 //! Initial guess of the closed contact rows.
 
+use super::model::{ContactModel, Model};
 use super::solve::{NO_CONTACT, StepState};
-use crate::build::{ContactModel, Model, floating};
-use crate::case::Start;
-use faying::constraint::RowKind;
-use faying::coupling::Rows;
+use super::supports::floating;
+use crate::constraint::RowKind;
+use crate::coupling::Rows;
+
+/// First guess of the active set of a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Start {
+    /// The quarter of the rows with the least gap at rest, at least one per body that contact alone holds.
+    #[default]
+    Auto,
+    /// Every row closed.
+    All,
+    /// Every row open.
+    None,
+    /// Rows of initial gap <= 0 closed.
+    Gap,
+    /// Pseudo-random.
+    Seed(u64),
+}
 
 /// Gaps below this share of the lengths they come from count as zero.
 const ZERO: f64 = 1e-12;
@@ -53,7 +69,11 @@ impl<'a, const S: usize, const N: usize> Guess<'a, S, N> {
         };
     }
 
+<<<<<<< HEAD:crates/faying-cli/src/run/start.rs
     /// Returns the state of a row in the step before; `None` if it faced nothing there.
+=======
+    /// Whether the step before had a row closed; none of rows that faced nothing.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/start.rs
     fn known(&self, row: usize) -> Option<bool> {
         self.before.filter(|b| b.sign_case[row] != NO_CONTACT).map(|b| b.active[row])
     }

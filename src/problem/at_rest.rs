@@ -4,13 +4,13 @@
 //! until neither rows nor gaps change. The rows of half-planes do not depend on it: they are solved once.
 
 use super::matrices::Matrices;
+use super::model::{ContactModel, Model};
+use super::observer::Observer;
 use super::solve::{StepError, StepState, Unsolved, once};
 use super::solver::Solver;
-use crate::build::Model;
-use crate::watch::Watch;
-use faying::constraint::ActiveSetReport;
-use faying::contact::Contact;
-use faying::linalg::{Csr, Triplets, Vector};
+use crate::constraint::ActiveSetReport;
+use crate::contact::Contact;
+use crate::linalg::{Csr, Triplets, Vector};
 
 /// Largest number of positions at which a contact is built.
 const MOST_PLACES: usize = 40;
@@ -22,7 +22,7 @@ const GAP_ROUNDING: f64 = 4.0 * f64::EPSILON;
 impl<const S: usize, const N: usize> Model<S, N> {
     /// Whether a contact has a force-driven obstacle.
     pub(super) fn has_pressed(&self) -> bool {
-        self.contacts.iter().any(super::super::build::ContactModel::is_pressed)
+        self.contacts.iter().any(ContactModel::is_pressed)
     }
 
     /// Returns the matrix of the obstacles' unknowns, which is zero: only contact resists them.
@@ -44,7 +44,11 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 }
 
+<<<<<<< HEAD:crates/faying-cli/src/run/at_rest.rs
 /// Repeats [`once`] with the new positions of the obstacles until they do not change.
+=======
+/// Solves by [`once`], and again at the new place of the obstacles until they stay.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/at_rest.rs
 ///
 /// # Errors
 /// As [`once`]; [`StepError::Obstacle`] if the positions do not converge.
@@ -54,9 +58,9 @@ pub(super) fn at_rest<const S: usize, const N: usize>(
     solver: &mut Solver,
     t: f64,
     before: Option<&StepState<S, N>>,
-    watch: &Watch,
+    observer: Observer<'_>,
 ) -> Result<StepState<S, N>, Unsolved<S, N>> {
-    let mut state = once(model, matrices, solver, t, before, before.map(|b| b.u.as_slice()), watch)?;
+    let mut state = once(model, matrices, solver, t, before, before.map(|b| b.u.as_slice()), observer)?;
     if !model.has_pressed() {
         return Ok(state);
     }
@@ -73,8 +77,13 @@ pub(super) fn at_rest<const S: usize, const N: usize>(
             state.contacts = there;
             return Ok(state);
         }
+<<<<<<< HEAD:crates/faying-cli/src/run/at_rest.rs
         let mut next = once(model, matrices, solver, t, Some(&state), Some(&state.u), watch)?;
         // one history over all positions
+=======
+        let mut next = once(model, matrices, solver, t, Some(&state), Some(&state.u), observer)?;
+        // one history over all places
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/at_rest.rs
         if let (Some(known), Some(new)) = (state.active_set.take(), &mut next.active_set) {
             *new = together(known, new);
         }

@@ -1,9 +1,10 @@
 //! Matrices of a model at a given time: one per body, and the coupling matrix of ties and contacts.
 
+use super::data::Point;
+use super::model::Model;
 use super::solve::StepError;
-use crate::build::{Model, between};
-use crate::formula::Point;
-use faying::linalg::{Csr, Vector};
+use super::tie_fluxes::between;
+use crate::linalg::{Csr, Vector};
 use std::borrow::Cow;
 
 /// Stiffness of every body at a given time, springs included.
@@ -19,8 +20,13 @@ pub struct Stiffness {
 pub struct Matrices {
     /// One per body, springs included.
     pub bodies: Vec<Csr>,
+<<<<<<< HEAD:crates/faying-cli/src/run/matrices.rs
     /// Stiffness that ties and contacts add between the bodies, in all unknowns; `None` if they add none.
     pub between: Option<Csr>,
+=======
+    /// Stiffness of ties and contacts between the bodies, in all unknowns.
+    pub(super) between: Option<Csr>,
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/matrices.rs
     /// Error of a tie or a contact that has no stiffness at this time.
     pub(super) fault: Option<StepError>,
 }
@@ -53,7 +59,11 @@ impl Stiffness {
     }
 }
 
+<<<<<<< HEAD:crates/faying-cli/src/run/matrices.rs
 /// Assembles the stiffness added by ties and contacts at time `t`, or returns the error; `first`: that of ties is taken from the model.
+=======
+/// Stiffness of ties and contacts at time `t`; `first`: of ties as it was found when the model was built.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/matrices.rs
 fn added<const S: usize, const N: usize>(model: &Model<S, N>, t: f64, first: bool) -> (Option<Csr>, Option<StepError>) {
     let mut parts = Vec::new();
     for part in model.ties.iter().flat_map(|tie| &tie.parts) {

@@ -1,13 +1,12 @@
 //! Rows of all ties and contacts as one system, and the initial guess of the closed contacts.
 
+use super::model::Model;
 use super::solve::{StepError, StepState};
-use super::start::Guess;
-use crate::build::Model;
-use crate::case::Start;
-use faying::constraint::RowKind;
-use faying::contact::Contact;
-use faying::coupling::Rows;
-use faying::linalg::Triplets;
+use super::start::{Guess, Start};
+use crate::constraint::RowKind;
+use crate::contact::Contact;
+use crate::coupling::Rows;
+use crate::linalg::Triplets;
 
 /// C, B, g and kinds of all rows in all unknowns.
 pub(super) struct System<const S: usize, const N: usize> {

@@ -7,11 +7,10 @@
 //! Source: Farkas, J. Reine Angew. Math. 124 (1902) 1-27; conditions of this kind for contact: Kikuchi, Oden, Contact Problems in
 //! Elasticity, SIAM 1988, chapter 6.
 
-use super::functions::contact_forms;
+use super::function_sums::contact_forms;
 use super::model::Model;
-use super::short;
 use super::supports::{RigidBodies, held};
-use faying::contact::{Cone, Contact};
+use crate::contact::{Cone, Contact};
 use nalgebra::{DMatrix, DVector};
 
 /// A missing force below this fraction of the sum of all nodal loads is round-off.
@@ -19,6 +18,7 @@ const BALANCED: f64 = 1e-9;
 /// Bodies that move less than this fraction of the whole motion are not named.
 const STILL: f64 = 1e-3;
 
+<<<<<<< HEAD:crates/faying-cli/src/build/equilibrium.rs
 /// Load on a patch: force and moment about the origin.
 type Push = ([f64; 3], [f64; 3]);
 
@@ -28,6 +28,21 @@ type Push = ([f64; 3], [f64; 3]);
 /// `contacts`: rows at the current time, per contact and part; `loads`: per patch, then on the obstacle of every contact; `size`: sum of
 /// the absolute nodal loads.
 pub(crate) fn unheld<const S: usize, const N: usize>(
+=======
+/// Four digits of a number.
+fn short(x: f64) -> String {
+    format!("{x:.3e}").parse::<f64>().map_or_else(|_| x.to_string(), |v| format!("{v}"))
+}
+
+/// A load on a patch: a force and its moment about the origin.
+type Push = ([f64; 3], [f64; 3]);
+
+/// Reason for which no contact pressure balances the loads, none where one does: `nothing holds body "upper" against its load in ...`.
+///
+/// `contacts` at a time, per contact and part; `loads` per patch, then on the obstacle of every contact; `size`: sum of the
+/// sizes of all nodal loads.
+pub(super) fn unheld<const S: usize, const N: usize>(
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/equilibrium.rs
     model: &Model<S, N>,
     contacts: &[Vec<Contact<S, N>>],
     loads: &[Push],
@@ -64,7 +79,7 @@ pub(crate) fn unheld<const S: usize, const N: usize>(
             columns.extend(forms.iter().map(|(form, _)| -(null.transpose() * modes.dense(form))));
         }
     }
-    let (_, rest) = faying::linalg::nonnegative_least_squares(&columns, &(null.transpose() * load));
+    let (_, rest) = crate::linalg::nonnegative_least_squares(&columns, &(null.transpose() * load));
     if rest.norm() <= BALANCED * size {
         return None;
     }

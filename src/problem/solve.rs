@@ -1,21 +1,26 @@
+<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
 //! Assembly and solution of the system of a model at a given time.
+=======
+//! Assembly and solution of the system of a problem at a time.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
 
 use super::at_rest::at_rest;
+use super::compliance::Softness;
+use super::data::Point;
+use super::equilibrium::unheld;
 use super::integrate::on_trace;
-use super::iteration;
 use super::loads::Resultant;
 use super::matrices::Matrices;
-use super::soften::Softness;
+use super::model::Model;
+use super::observer::{Observer, Progress};
 use super::solver::Solver;
 use super::system::System;
-use crate::build::{Model, unheld};
-use crate::formula::Point;
-use crate::watch::{Progress, Watch};
-use faying::assembly::{Blocks, DirichletError, Reduced, ReductionError};
-use faying::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, sign_case_of_rows};
-use faying::contact::{Contact, ContactError};
-use faying::coupling::{CouplingError, Rows};
-use faying::linalg::{Csr, LinearError};
+use crate::assembly::{Blocks, DirichletError, Reduced, ReductionError};
+use crate::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, sign_case_of_rows};
+use crate::contact::{Contact, ContactError};
+use crate::coupling::{CouplingError, Rows};
+use crate::linalg::{Csr, LinearError};
+use std::ops::ControlFlow;
 
 /// Sign case of rows without one: of ties, and of contact rows that face nothing.
 pub(super) const NO_CONTACT: u8 = 9;
@@ -29,13 +34,21 @@ pub struct StepState<const S: usize, const N: usize> {
     pub u: Vec<f64>,
     /// One multiplier per row: coefficients of lambda.
     pub lambda: Vec<f64>,
+<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
     /// Solver's variables per row: for contacts mu with lambda = T mu, the variables of their cone; for ties lambda.
+=======
+    /// Multipliers in the variables of the solver, one per row: of contacts those of their cone, lambda = T mu; of ties lambda.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
     pub mu: Vec<f64>,
     /// Whether each row is enforced.
     pub active: Vec<bool>,
     /// Rows, weights and points of every contact part at this time.
     pub contacts: Vec<Vec<Contact<S, N>>>,
+<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
     /// Forces of the supports on the bodies, per unknown.
+=======
+    /// Reactions of supports on the bodies, per unknown.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
     pub support: Vec<f64>,
     /// Sum of all loads, springs included.
     pub load: Resultant,
@@ -45,10 +58,15 @@ pub struct StepState<const S: usize, const N: usize> {
     pub residual: f64,
     /// Condition number of the scaled system, if a factor provides it.
     pub condition: Option<f64>,
+<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
     /// Description of the method.
+=======
+    /// Description of the linear algebra.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
     pub method: String,
     /// Iterations of the linear algebra, 0 if everything was done by factors.
     pub iterations: usize,
+<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
     /// The active set, if there is contact.
     pub active_set: Option<faying::constraint::ActiveSetReport>,
     /// Sign case 0 to 8 of every row; 9 for rows of ties and rows that face nothing.
@@ -56,6 +74,15 @@ pub struct StepState<const S: usize, const N: usize> {
 }
 
 /// Error of a step without a solution.
+=======
+    /// The active set, where there is contact.
+    pub active_set: Option<crate::constraint::ActiveSetReport>,
+    /// Sign case 0 to 8 of every row; 9 for rows of ties.
+    pub sign_case: Vec<u8>,
+}
+
+/// Error of a step without solution.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError {
@@ -74,7 +101,11 @@ pub enum StepError {
     /// No contact pressure balances the loads.
     #[error("infeasible load: {what}")]
     Infeasible {
+<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
         /// Description of the bodies that move, their motions, and the missing forces.
+=======
+        /// Sentence with the body, its motion, and the missing force.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
         what: String,
     },
     /// The system was not solved.
@@ -83,7 +114,11 @@ pub enum StepError {
     /// Obstacles that forces press did not come to rest.
     #[error("an obstacle that a force presses does not come to rest: contact was built at {places} places")]
     Obstacle {
+<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
         /// Number of positions at which contact was built.
+=======
+        /// Number of places.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
         places: usize,
     },
 }
@@ -105,24 +140,32 @@ impl<const S: usize, const N: usize, E: Into<StepError>> From<E> for Unsolved<S,
 
 /// Solves the model at time `t` with the matrices of its bodies at that time.
 ///
+<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
 /// The active set starts as it ended in `before`. If that fails, it starts again as the case says: a set that holds a body in one step may
 /// leave it free in the next.
 ///
 /// # Errors
 /// [`Unsolved`], with the last state of an active set that did not converge or that `watch` stopped.
+=======
+/// The active set starts as it ended in `before`. Where that leads nowhere it starts again as [`ContactModel`](super::ContactModel) says: a
+/// set that holds a body in one step may leave it free in the next.
+///
+/// # Errors
+/// [`Unsolved`], with the last state of an active set that did not settle or that was cancelled.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
 pub fn step<const S: usize, const N: usize>(
     model: &Model<S, N>,
     matrices: &Matrices,
     solver: &mut Solver,
     t: f64,
     before: Option<&StepState<S, N>>,
-    watch: &Watch,
+    observer: Observer<'_>,
 ) -> Result<StepState<S, N>, Unsolved<S, N>> {
     let before = before.filter(|_| !model.contacts.is_empty());
-    let solved = at_rest(model, matrices, solver, t, before, watch);
+    let solved = at_rest(model, matrices, solver, t, before, observer);
     match &solved {
         Err(Unsolved { error: StepError::Solve(e), .. }) if before.is_some() && !matches!(e, SolveError::Stopped { .. }) => {
-            at_rest(model, matrices, solver, t, None, watch)
+            at_rest(model, matrices, solver, t, None, observer)
         }
         _ => solved,
     }
@@ -136,11 +179,11 @@ pub(super) fn once<const S: usize, const N: usize>(
     t: f64,
     before: Option<&StepState<S, N>>,
     place: Option<&[f64]>,
-    watch: &Watch,
+    observer: Observer<'_>,
 ) -> Result<StepState<S, N>, Unsolved<S, N>> {
-    let goes_on = || match watch.stop() {
-        None => Ok(()),
-        Some(_) => Err(SolveError::Stopped { iterations: 0, best: None }),
+    let goes_on = || match observer(&Progress::System) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(SolveError::Stopped { iterations: 0, best: None }),
     };
     if let Some(fault) = &matrices.fault {
         return Err(fault.clone().into());
@@ -183,7 +226,7 @@ pub(super) fn once<const S: usize, const N: usize>(
         active_set.c = model.c;
         // backtracking does not help if no pressure balances the loads
         active_set.retreat = missing.is_none();
-        softness.solve(active_set, &constrained, system.eased.clone(), watch)
+        softness.solve(active_set, &constrained, system.eased.clone(), observer)
     } else {
         solver.set.inner.solve(&constrained).map_err(|error| match error {
             SolveError::Linear(LinearError::Stopped { .. }) => SolveError::Stopped { iterations: 0, best: None },
@@ -192,7 +235,8 @@ pub(super) fn once<const S: usize, const N: usize>(
     };
     let finish = |solution: ConstrainedSolution| {
         if let Some(report) = &solution.active_set {
-            iteration::lines(report).iter().for_each(|line| watch.report(Progress::Note(line)));
+            // a request to stop finds the system solved
+            let _ = observer(&Progress::ActiveSet(report));
         }
         let sign_case = sign_case_of_rows(&constrained, &solution).into_iter().map(|case| case.unwrap_or(NO_CONTACT)).collect();
         finished(model, matrices, &load, total, &reduced, &system, solution, sign_case, t)
@@ -217,7 +261,11 @@ pub(super) fn once<const S: usize, const N: usize>(
     }
 }
 
+<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
 /// Message of an infeasible load, which no contact pressure balances; `None` if one does.
+=======
+/// Reason for which no contact pressure balances the loads; none where one does.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
 fn unheld_load<const S: usize, const N: usize>(
     model: &Model<S, N>,
     system: &System<S, N>,

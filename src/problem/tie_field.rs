@@ -1,16 +1,24 @@
+<<<<<<< HEAD:crates/faying-cli/src/run/tied.rs
 //! lambda at any point of a tie's slave side: by its multiplier, or without one by its coupling from the fluxes.
+=======
+//! lambda of a tie at any point of its slave side: that of its multiplier, or where it has none, that of the fluxes by its coupling.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/tie_field.rs
 
-use super::report::{component_rows, multiplier_at};
+use super::model::{Model, Pairing, TiePart};
 use super::solve::StepState;
-use crate::build::{Fluxes, Model, TiePart};
-use faying::basis::Order;
-use faying::coupling::Segments;
-use faying::geometry::{ClosestPoint, Geometry, MapTable};
-use faying::linalg::Vector;
-use faying::space::Space;
+use super::tie_fluxes::Fluxes;
+use crate::basis::{Basis, Order, ShapeTable};
+use crate::coupling::Segments;
+use crate::geometry::{ClosestPoint, Geometry, MapTable};
+use crate::linalg::Vector;
+use crate::space::Space;
 use std::sync::Arc;
 
+<<<<<<< HEAD:crates/faying-cli/src/run/tied.rs
 /// Evaluator of lambda of a tied part at a given time.
+=======
+/// lambda of a tied part at a time, as a function of the state.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/tie_field.rs
 #[derive(Debug)]
 pub struct TieField<const S: usize, const N: usize>(Option<WithoutRows<S, N>>);
 
@@ -24,12 +32,16 @@ struct WithoutRows<const S: usize, const N: usize> {
 impl<const S: usize, const N: usize> TieField<S, N> {
     /// Creates the evaluator of `part` at time `t`.
     pub fn of(model: &Model<S, N>, part: &TiePart<S, N>, t: f64) -> Self {
-        let closest = |p: &crate::build::Pairing<S, N>| ClosestPoint::new(Arc::clone(&p.master.trace.space));
+        let closest = |p: &Pairing<S, N>| ClosestPoint::new(Arc::clone(&p.master.trace.space));
         let without = || WithoutRows { fluxes: part.fluxes(model, t), masters: part.pairings.iter().map(closest).collect() };
         Self(part.multipliers.is_empty().then(without))
     }
 
+<<<<<<< HEAD:crates/faying-cli/src/run/tied.rs
     /// Returns lambda at the points of the segments with master `k`: `[component][point]`.
+=======
+    /// lambda at the points of the segments with master `k`: `[component][point]`.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/tie_field.rs
     pub fn on_segments(&self, model: &Model<S, N>, part: &TiePart<S, N>, state: &StepState<S, N>, k: usize) -> Vec<Vec<f64>> {
         if let Some(own) = &self.0 {
             return part.numerical_flux(model, k, &own.fluxes, None, &state.u);
@@ -42,7 +54,11 @@ impl<const S: usize, const N: usize> TieField<S, N> {
         (0..rows.len()).map(|c| (0..s.num_pieces()).flat_map(|piece| on_piece(c, piece)).collect()).collect()
     }
 
+<<<<<<< HEAD:crates/faying-cli/src/run/tied.rs
     /// Returns lambda at local points of a slave element: `[component][point]`; NaN without a partner.
+=======
+    /// lambda at local points of a slave element: `[component][point]`.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/tie_field.rs
     pub fn at(
         &self,
         model: &Model<S, N>,
@@ -75,4 +91,25 @@ impl<const S: usize, const N: usize> TieField<S, N> {
         }
         all
     }
+}
+
+/// A multiplier at local points of an element.
+pub fn multiplier_at<const S: usize>(basis: &dyn Basis<S>, lambda: &[f64], element: usize, xi: &[Vector<S>]) -> Vec<f64> {
+    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
+    basis.active(element, &mut ids);
+    basis.tabulate(element, xi, Order::Values, &mut table);
+    (0..xi.len()).map(|q| ids.iter().zip(table.values(q)).map(|(&j, v)| lambda[j] * v).sum()).collect()
+}
+
+/// The rows of each component of a tied part.
+pub fn component_rows<const S: usize, const N: usize>(part: &TiePart<S, N>) -> Vec<std::ops::Range<usize>> {
+    let mut first = part.first_row;
+    part.multipliers
+        .iter()
+        .map(|m| {
+            let range = first..first + m.num_functions();
+            first = range.end;
+            range
+        })
+        .collect()
 }

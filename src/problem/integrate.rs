@@ -1,14 +1,14 @@
 //! Sums over points of bodies and sides, and fields on sides.
 
-use crate::build::SideModel;
-use faying::basis::{Order, ShapeTable};
-use faying::geometry::MapTable;
-use faying::linalg::{Vector, measure};
-use faying::quadrature::Quadrature;
-use faying::space::{Field, Trace};
+use super::model::SideModel;
+use crate::basis::{Order, ShapeTable};
+use crate::geometry::MapTable;
+use crate::linalg::{Vector, measure};
+use crate::quadrature::Quadrature;
+use crate::space::{Field, Trace};
 
 /// Calls `visit(element, xi, x, outward normal, ds)` at every point of a side, elements ascending.
-pub fn over_side<const S: usize, const N: usize>(
+pub(super) fn over_side<const S: usize, const N: usize>(
     side: &SideModel<S, N>,
     mut visit: impl FnMut(usize, &Vector<S>, &Vector<N>, &Vector<N>, f64),
 ) {
@@ -48,7 +48,7 @@ pub fn on_trace<const S: usize, const N: usize>(
 }
 
 /// x cross f: (0, 0, m) in the plane.
-pub fn cross<const N: usize>(x: &Vector<N>, f: &[f64]) -> [f64; 3] {
+pub(super) fn cross<const N: usize>(x: &Vector<N>, f: &[f64]) -> [f64; 3] {
     let at = |v: &[f64], k: usize| v.get(k).copied().filter(|_| k < N).unwrap_or(0.0);
     let x = x.as_slice();
     std::array::from_fn(|k| {

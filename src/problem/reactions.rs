@@ -1,14 +1,17 @@
+<<<<<<< HEAD:crates/faying-cli/src/run/reactions.rs
 //! Support reactions: forces per side, edge and corner.
+=======
+//! Reactions of supports: forces on the bodies per side, edge and corner.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/reactions.rs
 
 use super::integrate::cross;
 use super::loads::Resultant;
+use super::model::{Model, SideModel};
 use super::solve::StepState;
-use crate::build::{Model, SideModel};
-use crate::named::Named;
-use faying::basis::{Order, ShapeTable};
-use faying::geometry::MapTable;
-use faying::linalg::{Vector, measure};
-use faying::quadrature::Quadrature;
+use crate::basis::{Order, ShapeTable};
+use crate::geometry::MapTable;
+use crate::linalg::{Vector, measure};
+use crate::quadrature::Quadrature;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -33,12 +36,26 @@ struct Hold<const N: usize> {
 
 /// Computes the reactions per support, and adds them to `outside`, the sum of the external forces.
 ///
+<<<<<<< HEAD:crates/faying-cli/src/run/reactions.rs
 /// The force F at a function is distributed over the directions in which supports hold it: axes of prescribed components, normals or
 /// tangents of sides that slide, axes along which a side moves as one. If these are independent, as they mostly are at edges and corners,
 /// the parts follow from F alone. Otherwise F = sum a_h d_h with the least sum a_h^2 / w_h, w_h the integral of the function over the side:
 /// sides that hold the same direction share in proportion to w, also those of glued patches, whose forces across seams cancel in the
 /// representative function. The shares are equal if an edge or a corner takes part, or an integral is not positive.
 pub fn reactions<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, outside: &mut Resultant) -> Named<Vec<f64>> {
+=======
+/// The force F at a function is carried along the directions in which supports hold it: axes of prescribed components,
+/// normals or tangents of sides that slide, axes along which a side moves as one. Where these are independent, as the
+/// sides of an edge or a corner mostly are, the parts follow from F alone. Otherwise F = sum a_h d_h with the least
+/// sum a_h^2 / w_h, w_h the integral of the function over the side: sides that hold the same direction share in
+/// proportion to w, also those of glued patches, whose forces across seams cancel in the function that stands for all.
+/// The shares are equal where an edge or a corner takes part, or an integral is not positive.
+pub fn reactions<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    state: &StepState<S, N>,
+    outside: &mut Resultant,
+) -> Vec<(String, Vec<f64>)> {
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/reactions.rs
     let n = model.components;
     // coefficients of 1 and of the coordinates on held functions: forces and moments in any basis
     let mut one = vec![1.0; model.unknowns / n.max(1)];
@@ -66,11 +83,11 @@ pub fn reactions<const S: usize, const N: usize>(model: &Model<S, N>, state: &St
             }
         }
     }
-    let mut all: Named<Vec<f64>> = Named::default();
+    let mut all: Vec<(String, Vec<f64>)> = Vec::new();
     for (label, force) in labels.into_iter().zip(forces) {
-        match all.0.iter_mut().find(|(known, _)| known == label) {
+        match all.iter_mut().find(|(known, _)| known == label) {
             Some((_, sum)) => sum.iter_mut().zip(&force).for_each(|(s, f)| *s += f),
-            None => all.push(label, force),
+            None => all.push((label.to_owned(), force)),
         }
     }
     all

@@ -1,27 +1,40 @@
 //! Compliance of the rows of a model, and the solution of contact systems with it.
 
-use crate::build::{Formulation, Model};
-use crate::watch::{Progress, Watch};
-use faying::assembly::Blocks;
-use faying::constraint::{
+use super::model::{Formulation, Model};
+use super::observer::{Observer, Progress};
+use crate::assembly::Blocks;
+use crate::constraint::{
     ActiveSet, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, IterationNews, Proximal, SolveError, penalty,
 };
-use faying::contact::Contact;
-use faying::coupling::Rows;
+use crate::contact::Contact;
+use crate::coupling::Rows;
 
+<<<<<<< HEAD:crates/faying-cli/src/run/soften.rs
 /// Compliance of the rows of a model: gap / lambda per row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Softness {
     /// Compliance of penalty rows and rows of Nitsche's method; empty if all rows are exact.
     pub compliance: Vec<f64>,
     /// Compliance of the rows that an augmented Lagrangian makes exact; empty if there are none.
+=======
+/// Softness of the rows of a model: gap / lambda per row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Softness {
+    /// Softness of penalties; empty: all rows are exact.
+    pub compliance: Vec<f64>,
+    /// Softness of the rows that an augmented Lagrangian makes exact; empty: there are none.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/compliance.rs
     augmented: Vec<f64>,
     /// Error of the multipliers at which the augmented Lagrangian iteration ends.
     tolerance: f64,
 }
 
 impl Softness {
+<<<<<<< HEAD:crates/faying-cli/src/run/soften.rs
     /// Computes the compliance of all ties and contacts from the stiffness of the bodies without supports.
+=======
+    /// Softness of all ties and contacts, by the stiffness of the bodies, which supports do not change.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/compliance.rs
     pub fn of<const S: usize, const N: usize>(
         model: &Model<S, N>,
         matrices: &Blocks<'_>,
@@ -76,9 +89,9 @@ impl Softness {
         set: &mut ActiveSet<Box<dyn ConstraintSolver>>,
         system: &ConstrainedSystem<'_>,
         eased: Vec<bool>,
-        watch: &Watch,
+        observer: Observer<'_>,
     ) -> Result<ConstrainedSolution, SolveError> {
-        let mut inner = Watched { set, watch, eased, done: 0 };
+        let mut inner = Watched { set, observer, eased, done: 0 };
         if self.augmented.is_empty() {
             return inner.solve(system);
         }
@@ -89,11 +102,16 @@ impl Softness {
 
 /// Iterations after which an initial active set with points is considered a bad one.
 const PATIENCE: usize = 10;
+<<<<<<< HEAD:crates/faying-cli/src/run/soften.rs
 /// Factors, in turn, on the compliance of rows at points on the way to a good initial active set.
+=======
+/// Factors by which rows of points are made softer on the way to a good first state.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/compliance.rs
 const SOFTER: [f64; 4] = [1e4, 1e3, 1e2, 1e1];
 
 /// Active set that reports its iterations; solved again it starts from its last set.
 ///
+<<<<<<< HEAD:crates/faying-cli/src/run/soften.rs
 /// A set of points that is far too large, such as all of them, loses only a few points per iteration: where bodies separate, the fields of
 /// the too large zone oscillate. Rows with more compliance do not: each is open or closed by its own gap. If the set of points does not
 /// converge soon, it is found with large compliance first, which is then reduced in steps.
@@ -102,24 +120,36 @@ struct Watched<'a> {
     set: &'a mut ActiveSet<Box<dyn ConstraintSolver>>,
     watch: &'a Watch,
     /// Rows with larger compliance at first; empty if there are none.
+=======
+/// A set of points that is far too large, such as all of them, is peeled a few points per iteration: where bodies part, the fields
+/// of the too large zone oscillate. Softer rows do not: each is open or closed by its own gap. Where points do not settle soon, they
+/// settle on softer rows first, from each softness to the next.
+struct Watched<'a> {
+    set: &'a mut ActiveSet<Box<dyn ConstraintSolver>>,
+    observer: Observer<'a>,
+    /// Rows that are made softer on the way; empty: none.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/compliance.rs
     eased: Vec<bool>,
     /// Iterations so far.
     done: usize,
 }
 
+impl std::fmt::Debug for Watched<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Watched").field("set", &self.set).finish_non_exhaustive()
+    }
+}
+
 impl Watched<'_> {
     /// Runs at most `most` iterations of the active set from its present state.
     fn run(&mut self, system: &ConstrainedSystem<'_>, most: usize) -> Result<ConstrainedSolution, SolveError> {
-        let (watch, done, limit) = (self.watch, self.done, self.set.max_iterations);
+        let (observer, done, limit) = (self.observer, self.done, self.set.max_iterations);
         let mut last = 0;
         self.set.max_iterations = most;
         let solved = self.set.solve_watched(system, &mut |news: IterationNews| {
             last = news.iteration;
-            if watch.stop().is_some() {
-                return false;
-            }
-            watch.report(Progress::Iteration { iteration: done + news.iteration, active: news.active, rows: news.rows });
-            true
+            let at = Progress::Iteration { iteration: done + news.iteration, active: news.active, rows: news.rows };
+            observer(&at).is_continue()
         });
         self.set.max_iterations = limit;
         self.done += last;

@@ -1,11 +1,11 @@
 //! Contacts by Nitsche's method: fluxes of the bodies, rows and values at points.
 
+use super::data::{Data, Point};
 use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideModel};
-use crate::formula::{Formula, Point};
-use faying::contact::{Contact, ContactError, Opponent, PointValues, point_values};
-use faying::coupling::{Nitsche, Segments, Side};
-use faying::linalg::Vector;
-use faying::physics::{Flux, FluxTable};
+use crate::contact::{Contact, ContactError, Opponent, PointValues, point_values};
+use crate::coupling::{Nitsche, Segments, Side};
+use crate::linalg::Vector;
+use crate::physics::{Flux, FluxTable};
 use std::sync::Arc;
 
 /// Flux through several sides that are joined into one.
@@ -37,8 +37,10 @@ impl<const S: usize, const N: usize> Flux<S, N> for JoinedFlux<S, N> {
 
 /// Slave side of a contact by Nitsche's method, and its opponent.
 #[derive(Debug)]
-pub(super) struct PointSides<'a, const S: usize, const N: usize> {
+pub struct PointSides<'a, const S: usize, const N: usize> {
+    /// The slave side.
     pub slave: &'a SideModel<S, N>,
+    /// The opponent.
     pub against: &'a Against<S, N>,
     /// Master sides, joined into one in `against`.
     pub masters: &'a [Arc<SideModel<S, N>>],
@@ -46,7 +48,7 @@ pub(super) struct PointSides<'a, const S: usize, const N: usize> {
 
 /// The fluxes through both sides of a contact at a time.
 #[derive(Debug)]
-pub struct ContactFluxes<const S: usize, const N: usize> {
+pub(super) struct ContactFluxes<const S: usize, const N: usize> {
     slave: Box<dyn Flux<S, N>>,
     master: JoinedFlux<S, N>,
 }
@@ -71,12 +73,19 @@ impl<const S: usize, const N: usize> PointSides<'_, S, N> {
         self.masters.iter().map(|m| &**m).chain([self.slave]).any(|side| model.patches[side.patch].changing.is_some())
     }
 
+<<<<<<< HEAD:crates/faying-cli/src/build/points.rs
     /// Builds the rows at the points at time `t`.
+=======
+    /// Rows at the points at time `t`.
+    ///
+    /// # Errors
+    /// [`ContactError`] of Nitsche's method.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/contact_points.rs
     pub fn contact(
         &self,
         model: &Model<S, N>,
         method: &Nitsche,
-        gap: &Formula,
+        gap: &Data,
         reach: Option<f64>,
         t: f64,
     ) -> Result<Contact<S, N>, ContactError> {
@@ -97,20 +106,27 @@ impl<const S: usize, const N: usize> PointSides<'_, S, N> {
 }
 
 impl<const S: usize, const N: usize> ContactPart<S, N> {
+    /// The slave side and what it faces.
     pub(super) fn point_sides(&self) -> PointSides<'_, S, N> {
         PointSides { slave: &self.slave, against: &self.against, masters: &self.masters }
     }
 
     /// The fluxes of the bodies at time `t`.
-    pub fn fluxes(&self, model: &Model<S, N>, t: f64) -> ContactFluxes<S, N> {
+    pub(super) fn fluxes(&self, model: &Model<S, N>, t: f64) -> ContactFluxes<S, N> {
         self.point_sides().fluxes(model, t)
     }
 }
 
 impl<const S: usize, const N: usize> ContactModel<S, N> {
+<<<<<<< HEAD:crates/faying-cli/src/build/points.rs
     /// lambda and gap of Nitsche's method at the points of `segments` that face something, and the numbers of these points; `None` for
     /// other methods or if the method has no value.
     pub fn at_points(
+=======
+    /// lambda and gap of Nitsche's method at the points of `segments` that face something, and their numbers there; none of other
+    /// methods, and where the method has no value.
+    pub(super) fn at_points(
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/contact_points.rs
         &self,
         model: &Model<S, N>,
         part: &ContactPart<S, N>,

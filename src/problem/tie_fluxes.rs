@@ -1,10 +1,10 @@
 //! Fluxes of the bodies at the sides of a tie, for couplings that add stiffness.
 
-use super::model::{Model, TiePart};
-use faying::basis::Basis;
-use faying::coupling::{Coupling, CouplingBlocks, CouplingError, Interface, Segments, Side};
-use faying::linalg::{Csr, Triplets};
-use faying::physics::Flux;
+use super::model::{Model, SideModel, TiePart};
+use crate::basis::Basis;
+use crate::coupling::{Coupling, CouplingBlocks, CouplingError, Interface, Segments, Side};
+use crate::linalg::{Csr, Triplets};
+use crate::physics::Flux;
 
 /// The fluxes through both sides of a tied part at a time.
 #[derive(Debug)]
@@ -16,7 +16,7 @@ pub struct Fluxes<const S: usize, const N: usize> {
 impl<const S: usize, const N: usize> TiePart<S, N> {
     /// The fluxes of the bodies at time `t`.
     pub fn fluxes(&self, model: &Model<S, N>, t: f64) -> Fluxes<S, N> {
-        let of = |side: &super::SideModel<S, N>| {
+        let of = |side: &SideModel<S, N>| {
             let patch = &model.patches[side.patch];
             patch.physics_at(t).flux(patch.body.space(), &side.trace, patch.field)
         };
@@ -33,8 +33,7 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
         segments: Option<&'a Segments<S>>,
     ) -> Interface<'a, S, N> {
         let pairing = &self.pairings[k];
-        let side =
-            |side: &'a super::SideModel<S, N>, flux| Side { trace: &side.trace, field: model.patches[side.patch].field, flux: Some(flux) };
+        let side = |side: &'a SideModel<S, N>, flux| Side { trace: &side.trace, field: model.patches[side.patch].field, flux: Some(flux) };
         Interface {
             slave: side(&self.slave, &*fluxes.slave),
             master: Some(side(&pairing.master, &*fluxes.masters[k])),
@@ -45,8 +44,16 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
         }
     }
 
+<<<<<<< HEAD:crates/faying-cli/src/build/soft.rs
     /// Assembles the coupling of the slave with master `k`.
     pub(super) fn blocks(
+=======
+    /// Rows or stiffness of the coupling for the slave and master `k`.
+    ///
+    /// # Errors
+    /// [`CouplingError`] of the coupling.
+    pub fn blocks(
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/tie_fluxes.rs
         &self,
         coupling: &dyn Coupling<S, N>,
         model: &Model<S, N>,
@@ -57,9 +64,15 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
         coupling.assemble(&self.interface(model, k, fluxes, &multiplier, None), model.unknowns)
     }
 
+<<<<<<< HEAD:crates/faying-cli/src/build/soft.rs
     /// lambda of a coupling without multiplier at points of `segments` (`None`: those of the tie) against master `k`: `[component][point]`.
     /// NaN if the coupling has no value.
     pub fn numerical_flux(
+=======
+    /// lambda at points of `segments` (those of the tie where none are given) against master `k`, where there is no multiplier:
+    /// `[component][point]`. Not a number where the coupling cannot say.
+    pub(super) fn numerical_flux(
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/tie_fluxes.rs
         &self,
         model: &Model<S, N>,
         k: usize,
@@ -92,9 +105,15 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
     }
 }
 
+<<<<<<< HEAD:crates/faying-cli/src/build/soft.rs
 /// Sums the stiffness of `parts` into one matrix in all unknowns; `None` if it has no entries. Entries are in the order of the parts, so
 /// the pattern is the same at every time.
 pub fn between<'a, const S: usize, const N: usize>(model: &Model<S, N>, parts: impl Iterator<Item = &'a Triplets>) -> Option<Csr> {
+=======
+/// The sum of the stiffness of all ties as one matrix in all unknowns; none where no tie adds any. Entries are in the order of the
+/// ties, so the pattern is the same at every time.
+pub(super) fn between<'a, const S: usize, const N: usize>(model: &Model<S, N>, parts: impl Iterator<Item = &'a Triplets>) -> Option<Csr> {
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/tie_fluxes.rs
     let mut all = Triplets::new(model.unknowns, model.unknowns);
     for part in parts {
         all.append_below(part, 0);

@@ -1,10 +1,10 @@
 //! Arc length along a side that is a chain of curves.
 
-use faying::basis::Order;
-use faying::coupling::interface::Chain;
-use faying::geometry::{Geometry, MapTable};
-use faying::linalg::Vector;
-use faying::quadrature::{Rule, gauss_legendre};
+use crate::basis::Order;
+use crate::coupling::interface::Chain;
+use crate::geometry::{Geometry, MapTable};
+use crate::linalg::Vector;
+use crate::quadrature::{Rule, gauss_legendre};
 
 /// Gauss points per stretch.
 const POINTS: usize = 8;
@@ -15,7 +15,11 @@ const GUESSES: usize = 4;
 /// Uncertainty of an arc length, in units of round-off.
 const ROUNDINGS: f64 = 256.0;
 
+<<<<<<< HEAD:crates/faying-cli/src/run/arc_length.rs
 /// Arc length along a chain of elements: start, length and orientation of every element.
+=======
+/// Arc length along a chain of curves: start, length and direction of every element.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/arc_length.rs
 #[derive(Debug)]
 pub struct ArcLength<'a, const N: usize> {
     curve: &'a dyn Geometry<1, N>,
@@ -53,7 +57,11 @@ impl<'a, const N: usize> ArcLength<'a, N> {
         self.stretch_and_speed(e, xi, &mut MapTable::new())[0]
     }
 
+<<<<<<< HEAD:crates/faying-cli/src/run/arc_length.rs
     /// Length of element `e` from its local start to `xi`, and |dx/dxi| at `xi`.
+=======
+    /// Length of element `e` from its local start to `xi`, and |dx/dxi| there.
+>>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/arc_length.rs
     fn stretch_and_speed(&self, e: usize, xi: f64, map: &mut MapTable<1, N>) -> [f64; 2] {
         let points: [Vector<1>; POINTS + 1] = std::array::from_fn(|q| Vector::<1>::new(self.rule.points.get(q).map_or(xi, |p| p[0] * xi)));
         self.curve.map(e, &points, Order::Gradients, map);
@@ -106,13 +114,13 @@ impl<'a, const N: usize> ArcLength<'a, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use faying::basis::{BSpline, Rational};
-    use faying::geometry::ControlPoints;
+    use crate::basis::{BSpline, Rational};
+    use crate::geometry::ControlPoints;
 
     #[test]
     fn points_have_their_arc_length_to_rounding_and_the_bits_of_plain_bisection() {
         let axis = BSpline::uniform(2, 5, 1);
-        let count = faying::basis::Basis::<1>::num_functions(&axis);
+        let count = crate::basis::Basis::<1>::num_functions(&axis);
         let points: Vec<Vector<2>> =
             (0..count).map(|i| Vector::<2>::new((0.6 * i as f64).cos() + 7.0, 3.0 * (0.6 * i as f64).sin())).collect();
         let curve = ControlPoints { basis: Rational::new::<1>(axis, (0..count).map(|i| 1.0 + 0.3 * (i % 2) as f64).collect()), points };

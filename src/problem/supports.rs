@@ -1,0 +1,302 @@
+//! Rigid motions that are left when every contact is closed.
+
+use super::function_sums::tie_forms;
+use super::model::{Against, ContactPart, Model, SideModel, SideSpring, TiePart};
+use super::rigid::{FreeBody, RigidForm, RigidModes, RigidRow};
+use crate::basis::Order;
+use crate::contact::Contact;
+use crate::geometry::{Bounds, MapTable};
+use crate::linalg::Vector;
+use crate::quadrature::Quadrature;
+use std::ops::Range;
+
+/// Points looked at per side.
+const SAMPLES: usize = 24;
+
+/// The unit vector of a component.
+pub fn unit<const N: usize>(component: usize) -> Vector<N> {
+    Vector::from_fn(|k, _| f64::from(u8::from(k == component)))
+}
+
+/// Some points of a side.
+fn points<const S: usize, const N: usize>(side: &SideModel<S, N>) -> Vec<Vector<N>> {
+    let space = &*side.trace.space;
+    let (elements, mut table, mut out) = (space.num_elements(), MapTable::new(), Vec::new());
+    for e in (0..elements).step_by(elements.div_ceil(SAMPLES).max(1)) {
+        space.map(e, &side.rules.rule(e).points, Order::Values, &mut table);
+        out.extend(table.x.iter().copied());
+    }
+    // the last element counts where the step jumped over it
+    if elements > 1 {
+        space.map(elements - 1, &side.rules.rule(elements - 1).points, Order::Values, &mut table);
+        out.extend(table.x.iter().copied());
+    }
+    out
+}
+
+/// The bodies of a model: patches, glued ones as one, each by its first; behind them obstacles that forces press, by their contacts.
+#[derive(Debug)]
+pub struct RigidBodies {
+    first: Vec<usize>,
+    pressed: Vec<usize>,
+}
+
+impl RigidBodies {
+    /// The bodies of a model.
+    pub fn of<const S: usize, const N: usize>(model: &Model<S, N>) -> Self {
+        let mut first: Vec<usize> = (0..model.patches.len()).filter(|&k| model.glued.body(k) == k).collect();
+        first.sort_unstable();
+        let pressed = (0..model.contacts.len()).filter(|&k| model.contacts[k].is_pressed()).collect();
+        Self { first, pressed }
+    }
+
+    /// The body of a patch.
+    pub fn of_patch<const S: usize, const N: usize>(&self, model: &Model<S, N>, patch: usize) -> usize {
+        self.first.binary_search(&model.glued.body(patch)).expect("every patch is part of a body")
+    }
+
+    /// The obstacle of a contact, where forces press it.
+    pub(super) fn of_obstacle(&self, contact: usize) -> Option<usize> {
+        self.pressed.binary_search(&contact).ok().map(|k| self.first.len() + k)
+    }
+
+    /// The first patch of a body; of an obstacle the number of patches and that of its contact.
+    pub fn number<const S: usize, const N: usize>(&self, model: &Model<S, N>, body: usize) -> usize {
+        self.first.get(body).copied().unwrap_or_else(|| model.patches.len() + self.pressed[body - self.first.len()])
+    }
+
+    /// The modes of the bodies, each about its own middle; of obstacles about that of the model.
+    pub(super) fn modes<const S: usize, const N: usize>(&self, model: &Model<S, N>) -> RigidModes<N> {
+        let mut boxes: Vec<Option<Bounds<N>>> = vec![None; self.first.len()];
+        for (k, patch) in model.patches.iter().enumerate() {
+            let whole = &mut boxes[self.of_patch(model, k)];
+            *whole = [whole.take(), patch.extent].into_iter().flatten().reduce(|a, b| a.union(&b));
+        }
+        let around = (model.center, model.size);
+        let frame = |b: Option<Bounds<N>>| b.map_or(around, |b| (b.center(), b.diagonal())).1.max(f64::MIN_POSITIVE);
+        let frames = boxes.into_iter().map(|b| (b.map_or(model.center, |b| b.center()), frame(b)));
+        RigidModes { components: model.components, frames: frames.chain(self.pressed.iter().map(|_| around)).collect() }
+    }
+}
+
+/// Places where a contact point acts on its bodies: (body, sign, place); the partner is the foot point, rotations act on it.
+pub(super) fn contact_terms<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    bodies: &RigidBodies,
+    contact_number: usize,
+    part: &ContactPart<S, N>,
+    contact: &Contact<S, N>,
+    q: usize,
+) -> Vec<(usize, f64, Vector<N>)> {
+    let (frames, segments) = (&contact.frames, &contact.segments);
+    let x = frames.x[q];
+    let mut terms = vec![(bodies.of_patch(model, part.slave.patch), 1.0, x)];
+    if let Against::Side(master, _) = &part.against {
+        let foot = x - frames.normal[q] * frames.gap[q];
+        let piece = segments.start.partition_point(|&s| s <= q) - 1;
+        terms.push((bodies.of_patch(model, master.patch_of(segments.master[piece])), -1.0, foot));
+    }
+    if let Some(obstacle) = bodies.of_obstacle(contact_number) {
+        terms.push((obstacle, -1.0, x));
+    }
+    terms
+}
+
+/// The points of a contact for which `closed` holds, as rows along the normal.
+pub fn contact_points<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    modes: &RigidModes<N>,
+    bodies: &RigidBodies,
+    contact_number: usize,
+    part: &ContactPart<S, N>,
+    contact: &Contact<S, N>,
+    closed: &dyn Fn(usize) -> bool,
+) -> Vec<RigidForm> {
+    let row = |q: usize| {
+        let terms = contact_terms(model, bodies, contact_number, part, contact, q);
+        modes.form(&RigidRow { terms, direction: contact.frames.normal[q] })
+    };
+    (0..contact.frames.x.len()).filter(|&q| closed(q)).map(row).collect()
+}
+
+/// Some points of a tie, held in every component.
+pub fn tie_points<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    modes: &RigidModes<N>,
+    bodies: &RigidBodies,
+    part: &TiePart<S, N>,
+) -> Vec<RigidForm> {
+    let (mut table, mut forms) = (MapTable::new(), Vec::new());
+    let slave = bodies.of_patch(model, part.slave.patch);
+    for pairing in &part.pairings {
+        let (s, master) = (&pairing.segments, bodies.of_patch(model, pairing.master.patch));
+        for piece in (0..s.num_pieces()).step_by(s.num_pieces().div_ceil(SAMPLES).max(1)) {
+            part.slave.trace.space.map(s.slave[piece], &s.slave_xi[s.points(piece)], Order::Values, &mut table);
+            for x in &table.x {
+                let row = |c: usize| RigidRow { terms: vec![(slave, 1.0, *x), (master, -1.0, *x)], direction: unit(c) };
+                forms.extend((0..model.components).map(|c| modes.form(&row(c))));
+            }
+        }
+    }
+    forms
+}
+
+/// Motions that supports, ties and contacts leave, of patches and, numbered behind them by contact, of obstacles that forces press.
+///
+/// `contacts` at a time, per contact and part; of them the points in `closed`.
+pub fn free_motions<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    contacts: &[Vec<&Contact<S, N>>],
+    closed: &dyn Fn(usize, usize, usize) -> bool,
+) -> Vec<FreeBody> {
+    free_by(model, contacts, closed, Ties::Functions)
+}
+
+/// Computes [`free_motions`] with ties by points or by functions.
+pub fn free_by<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    contacts: &[Vec<&Contact<S, N>>],
+    closed: &dyn Fn(usize, usize, usize) -> bool,
+    ties: Ties,
+) -> Vec<FreeBody> {
+    let bodies = RigidBodies::of(model);
+    let (modes, mut forms) = held_by(model, &bodies, &model.springs, ties);
+    for (k, contact) in model.contacts.iter().enumerate() {
+        for (p, part) in contact.parts.iter().enumerate() {
+            forms.extend(contact_points(model, &modes, &bodies, k, part, contacts[k][p], &|q| closed(k, p, q)));
+        }
+    }
+    modes.free(&forms).into_iter().map(|f| FreeBody { body: bodies.number(model, f.body), ..f }).collect()
+}
+
+/// A description of ties by rows on rigid motions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ties {
+    /// Every point holds.
+    Points,
+    /// By the functions of their multipliers, where there are any.
+    Functions,
+}
+
+/// The unknowns of every body that supports and ties leave a rigid motion, patches and obstacles that forces press: contact has to hold it.
+pub(super) fn floating<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<Vec<Range<usize>>> {
+    let bodies = RigidBodies::of(model);
+    let (modes, rows) = held(model, &bodies);
+    let unknowns = |body: usize| match bodies.first.get(body) {
+        Some(&first) => (0..model.patches.len()).filter(|&k| model.glued.body(k) == first).map(|k| model.patches[k].range()).collect(),
+        None => {
+            let obstacle = &model.contacts[bodies.pressed[body - bodies.first.len()]].obstacle;
+            obstacle.iter().flat_map(|o| &o.pressed).map(|p| p.unknown..p.unknown + 1).collect()
+        }
+    };
+    modes.free(&rows).iter().map(|f| unknowns(f.body)).collect()
+}
+
+/// The rigid motions of a model and what supports, springs and ties ask of them: both ways, without contacts.
+pub(super) fn held<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies) -> (RigidModes<N>, Vec<RigidForm>) {
+    held_by(model, bodies, &model.springs, Ties::Functions)
+}
+
+/// The rigid motions of a model and what supports and ties ask of them, with `springs` in the place of those of the model.
+pub fn held_by<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    bodies: &RigidBodies,
+    springs: &[SideSpring<S, N>],
+    ties: Ties,
+) -> (RigidModes<N>, Vec<RigidForm>) {
+    let body = |patch: usize| bodies.of_patch(model, patch);
+    let modes = bodies.modes(model);
+    let mut rows: Vec<RigidRow<N>> = Vec::new();
+    for (k, &contact) in bodies.pressed.iter().enumerate() {
+        rows.extend(guides(model, bodies.first.len() + k, contact));
+    }
+    let mut fix = |body: usize, direction: Vector<N>, x: Vector<N>| rows.push(RigidRow { terms: vec![(body, 1.0, x)], direction });
+    for c in &model.conditions {
+        for x in points(&c.side) {
+            fix(body(c.side.patch), unit(c.component), x);
+        }
+    }
+    for p in &model.pins {
+        for x in p.rim.rim.x.iter().step_by(p.rim.rim.x.len().div_ceil(SAMPLES).max(1)).chain(p.rim.rim.x.last()) {
+            fix(body(p.rim.patch), unit(p.component), *x);
+        }
+    }
+    for s in springs {
+        for x in points(&s.side) {
+            fix(body(s.side.patch), unit(s.component), x);
+        }
+    }
+    // equations between components of one function: inclined sliding
+    for e in &model.equations {
+        let Some(&(first, _)) = e.terms.first() else { continue };
+        let Some(patch) = model.patches.iter().position(|p| p.range().contains(&first)) else { continue };
+        let field = model.patches[patch].field;
+        // unknowns of other patches may come before those of this one
+        let function = |unknown: usize| unknown.checked_sub(field.first).map(|k| k / field.components);
+        if e.terms.iter().any(|t| function(t.0) != function(first)) {
+            continue;
+        }
+        let mut direction = Vector::<N>::zeros();
+        for &(i, value) in &e.terms {
+            direction[(i - field.first) % field.components] = value;
+        }
+        let function = (first - field.first) / field.components;
+        let side = model.supports.iter().find(|s| s.patch == patch && s.trace.dofs.contains(&function));
+        for x in side.map(|s| points(s)).unwrap_or_default() {
+            fix(body(patch), direction, x);
+        }
+    }
+    // sides that move as one along an axis: all their points move as the first
+    for group in &model.rigid_sides {
+        let all: Vec<_> = group.sides.iter().flat_map(|side| points(side).into_iter().map(|x| (body(side.patch), x))).collect();
+        let Some(&(of, at)) = all.first() else { continue };
+        let as_first =
+            |&(body, x): &(usize, Vector<N>)| RigidRow { terms: vec![(body, 1.0, x), (of, -1.0, at)], direction: unit(group.component) };
+        rows.extend(all[1..].iter().map(as_first));
+    }
+    for h in &model.hinges {
+        for c in 0..model.components {
+            rows.push(RigidRow { terms: vec![(body(h.patches[0]), 1.0, h.x), (body(h.patches[1]), -1.0, h.x)], direction: unit(c) });
+        }
+    }
+    let mut forms: Vec<RigidForm> = rows.iter().map(|row| modes.form(row)).collect();
+    for part in model.ties.iter().flat_map(|t| &t.parts) {
+        forms.extend(match ties {
+            Ties::Functions if !part.function_sums.is_empty() => tie_forms(model, &modes, bodies, part),
+            _ => tie_points(model, &modes, bodies, part),
+        });
+    }
+    (modes, forms)
+}
+
+/// Rows that hold the obstacle of a contact, body `body`, in all but the components in which forces press it.
+fn guides<const S: usize, const N: usize>(model: &Model<S, N>, body: usize, contact: usize) -> Vec<RigidRow<N>> {
+    let free = |c: usize| model.contacts[contact].obstacle.iter().flat_map(|o| &o.pressed).any(|p| p.component == c);
+    let mut rows: Vec<RigidRow<N>> =
+        (0..N).filter(|&c| !free(c)).map(|c| RigidRow { terms: vec![(body, 1.0, model.center)], direction: unit(c) }).collect();
+    for i in 0..N {
+        for j in i + 1..N {
+            let beside = model.center + unit::<N>(j) * model.size;
+            rows.push(RigidRow { terms: vec![(body, 1.0, beside), (body, -1.0, model.center)], direction: unit(i) });
+        }
+    }
+    rows
+}
+
+/// Sentences such as `body "upper" can still move: translation x, rotation`, one per body.
+pub fn sentences<const S: usize, const N: usize>(model: &Model<S, N>, free: &[FreeBody]) -> Vec<String> {
+    free.iter()
+        .map(|f| {
+            if let Some(contact) = f.body.checked_sub(model.patches.len()) {
+                let name = &model.contacts[contact].name;
+                return format!("the obstacle of contact \"{name}\" can still move: {}", f.motions.join(", "));
+            }
+            let name = &model.patches[f.body].name;
+            if model.components == 1 {
+                format!("the level of body \"{name}\" is not determined")
+            } else {
+                format!("body \"{name}\" can still move: {}", f.motions.join(", "))
+            }
+        })
+        .collect()
+}
