@@ -15,11 +15,7 @@ const GUESSES: usize = 4;
 /// Uncertainty of an arc length, in units of round-off.
 const ROUNDINGS: f64 = 256.0;
 
-<<<<<<< HEAD:crates/faying-cli/src/run/arc_length.rs
-/// Arc length along a chain of elements: start, length and orientation of every element.
-=======
 /// Arc length along a chain of curves: start, length and direction of every element.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/arc_length.rs
 #[derive(Debug)]
 pub struct ArcLength<'a, const N: usize> {
     curve: &'a dyn Geometry<1, N>,
@@ -57,11 +53,7 @@ impl<'a, const N: usize> ArcLength<'a, N> {
         self.stretch_and_speed(e, xi, &mut MapTable::new())[0]
     }
 
-<<<<<<< HEAD:crates/faying-cli/src/run/arc_length.rs
-    /// Length of element `e` from its local start to `xi`, and |dx/dxi| at `xi`.
-=======
     /// Length of element `e` from its local start to `xi`, and |dx/dxi| there.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/arc_length.rs
     fn stretch_and_speed(&self, e: usize, xi: f64, map: &mut MapTable<1, N>) -> [f64; 2] {
         let points: [Vector<1>; POINTS + 1] = std::array::from_fn(|q| Vector::<1>::new(self.rule.points.get(q).map_or(xi, |p| p[0] * xi)));
         self.curve.map(e, &points, Order::Gradients, map);

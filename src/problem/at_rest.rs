@@ -44,11 +44,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 }
 
-<<<<<<< HEAD:crates/faying-cli/src/run/at_rest.rs
-/// Repeats [`once`] with the new positions of the obstacles until they do not change.
-=======
 /// Solves by [`once`], and again at the new place of the obstacles until they stay.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/at_rest.rs
 ///
 /// # Errors
 /// As [`once`]; [`StepError::Obstacle`] if the positions do not converge.
@@ -77,13 +73,8 @@ pub(super) fn at_rest<const S: usize, const N: usize>(
             state.contacts = there;
             return Ok(state);
         }
-<<<<<<< HEAD:crates/faying-cli/src/run/at_rest.rs
-        let mut next = once(model, matrices, solver, t, Some(&state), Some(&state.u), watch)?;
-        // one history over all positions
-=======
         let mut next = once(model, matrices, solver, t, Some(&state), Some(&state.u), observer)?;
         // one history over all places
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/at_rest.rs
         if let (Some(known), Some(new)) = (state.active_set.take(), &mut next.active_set) {
             *new = together(known, new);
         }

@@ -9,32 +9,19 @@ use crate::constraint::{
 use crate::contact::Contact;
 use crate::coupling::Rows;
 
-<<<<<<< HEAD:crates/faying-cli/src/run/soften.rs
-/// Compliance of the rows of a model: gap / lambda per row.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Softness {
-    /// Compliance of penalty rows and rows of Nitsche's method; empty if all rows are exact.
-    pub compliance: Vec<f64>,
-    /// Compliance of the rows that an augmented Lagrangian makes exact; empty if there are none.
-=======
 /// Softness of the rows of a model: gap / lambda per row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Softness {
     /// Softness of penalties; empty: all rows are exact.
     pub compliance: Vec<f64>,
     /// Softness of the rows that an augmented Lagrangian makes exact; empty: there are none.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/compliance.rs
     augmented: Vec<f64>,
     /// Error of the multipliers at which the augmented Lagrangian iteration ends.
     tolerance: f64,
 }
 
 impl Softness {
-<<<<<<< HEAD:crates/faying-cli/src/run/soften.rs
-    /// Computes the compliance of all ties and contacts from the stiffness of the bodies without supports.
-=======
     /// Softness of all ties and contacts, by the stiffness of the bodies, which supports do not change.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/compliance.rs
     pub fn of<const S: usize, const N: usize>(
         model: &Model<S, N>,
         matrices: &Blocks<'_>,
@@ -102,25 +89,11 @@ impl Softness {
 
 /// Iterations after which an initial active set with points is considered a bad one.
 const PATIENCE: usize = 10;
-<<<<<<< HEAD:crates/faying-cli/src/run/soften.rs
-/// Factors, in turn, on the compliance of rows at points on the way to a good initial active set.
-=======
 /// Factors by which rows of points are made softer on the way to a good first state.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/compliance.rs
 const SOFTER: [f64; 4] = [1e4, 1e3, 1e2, 1e1];
 
 /// Active set that reports its iterations; solved again it starts from its last set.
 ///
-<<<<<<< HEAD:crates/faying-cli/src/run/soften.rs
-/// A set of points that is far too large, such as all of them, loses only a few points per iteration: where bodies separate, the fields of
-/// the too large zone oscillate. Rows with more compliance do not: each is open or closed by its own gap. If the set of points does not
-/// converge soon, it is found with large compliance first, which is then reduced in steps.
-#[derive(Debug)]
-struct Watched<'a> {
-    set: &'a mut ActiveSet<Box<dyn ConstraintSolver>>,
-    watch: &'a Watch,
-    /// Rows with larger compliance at first; empty if there are none.
-=======
 /// A set of points that is far too large, such as all of them, is peeled a few points per iteration: where bodies part, the fields
 /// of the too large zone oscillate. Softer rows do not: each is open or closed by its own gap. Where points do not settle soon, they
 /// settle on softer rows first, from each softness to the next.
@@ -128,7 +101,6 @@ struct Watched<'a> {
     set: &'a mut ActiveSet<Box<dyn ConstraintSolver>>,
     observer: Observer<'a>,
     /// Rows that are made softer on the way; empty: none.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/compliance.rs
     eased: Vec<bool>,
     /// Iterations so far.
     done: usize,

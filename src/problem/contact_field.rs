@@ -1,8 +1,4 @@
-<<<<<<< HEAD:crates/faying-cli/src/run/pressed.rs
-//! lambda at any point of a contact's slave side: by its multiplier, or without one by Nitsche's method from the fluxes.
-=======
 //! Pressure at any point of a contact's slave side: that of its multiplier, or where it has none, that of the fluxes by Nitsche's method.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/contact_field.rs
 
 use super::contact_points::ContactFluxes;
 use super::model::{Against, ContactModel, ContactPart, Model};
@@ -20,11 +16,7 @@ use std::sync::Arc;
 /// Tangential distance to the foot, over the whole, above which the foot lies on the edge of the master: the point faces nothing.
 const BESIDE: f64 = 1e-6;
 
-<<<<<<< HEAD:crates/faying-cli/src/run/pressed.rs
-/// Evaluator of lambda of a contact part at a given time.
-=======
 /// lambda of a contact part at a time, as a function of the state.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/contact_field.rs
 #[derive(Debug)]
 pub struct ContactField<const S: usize, const N: usize>(Option<WithoutRows<S, N>>);
 
@@ -90,11 +82,7 @@ impl<const S: usize, const N: usize> ContactField<S, N> {
 }
 
 impl<const S: usize, const N: usize> ContactPart<S, N> {
-<<<<<<< HEAD:crates/faying-cli/src/run/pressed.rs
-    /// Resultants, pressure and closed zone of the part for the multipliers `lambda` of its rows.
-=======
     /// Pressure, force and moment that the part transmits by the multipliers `lambda` of its rows.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/contact_field.rs
     pub fn transmitted(&self, built: &Contact<S, N>, lambda: &[f64]) -> Transmitted<N> {
         match (&self.multiplier, &built.points) {
             (Some(psi), _) => built.transmitted_as_read(&**psi, self.read_through().unwrap_or(&**psi), lambda),

@@ -73,14 +73,10 @@ impl<const S: usize, const N: usize> PointSides<'_, S, N> {
         self.masters.iter().map(|m| &**m).chain([self.slave]).any(|side| model.patches[side.patch].changing.is_some())
     }
 
-<<<<<<< HEAD:crates/faying-cli/src/build/points.rs
-    /// Builds the rows at the points at time `t`.
-=======
     /// Rows at the points at time `t`.
     ///
     /// # Errors
     /// [`ContactError`] of Nitsche's method.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/contact_points.rs
     pub fn contact(
         &self,
         model: &Model<S, N>,
@@ -118,15 +114,9 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
 }
 
 impl<const S: usize, const N: usize> ContactModel<S, N> {
-<<<<<<< HEAD:crates/faying-cli/src/build/points.rs
-    /// lambda and gap of Nitsche's method at the points of `segments` that face something, and the numbers of these points; `None` for
-    /// other methods or if the method has no value.
-    pub fn at_points(
-=======
     /// lambda and gap of Nitsche's method at the points of `segments` that face something, and their numbers there; none of other
     /// methods, and where the method has no value.
     pub(super) fn at_points(
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/contact_points.rs
         &self,
         model: &Model<S, N>,
         part: &ContactPart<S, N>,

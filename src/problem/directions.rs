@@ -1,8 +1,4 @@
-<<<<<<< HEAD:crates/faying-cli/src/build/directions.rs
-//! Contact directions of the functions of a slave side, and directions in which they cannot move.
-=======
 //! Directions along which the functions of a contact side are pressed, and along which they cannot move.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/directions.rs
 
 use super::model::{Against, Model, SideModel};
 use crate::basis::{Order, ShapeTable};
@@ -13,13 +9,8 @@ use std::collections::HashMap;
 /// Function values below this count as zero.
 const NO_VALUE: f64 = 1e-10;
 
-<<<<<<< HEAD:crates/faying-cli/src/build/directions.rs
-/// Returns (function, direction) of a side's functions held by equations between their components: inclined sliding.
-pub(super) fn slides<const S: usize, const N: usize>(model: &Model<S, N>, side: &SideModel<S, N>) -> Vec<(usize, Vector<N>)> {
-=======
 /// Directions along which the functions of a side cannot move by conditions between components: inclined sliding.
 pub fn slides<const S: usize, const N: usize>(model: &Model<S, N>, side: &SideModel<S, N>) -> Vec<(usize, Vector<N>)> {
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/directions.rs
     let field = model.patches[side.patch].field;
     let range = model.patches[side.patch].range();
     let mut out = Vec::new();
@@ -41,15 +32,9 @@ pub fn slides<const S: usize, const N: usize>(model: &Model<S, N>, side: &SideMo
     out
 }
 
-<<<<<<< HEAD:crates/faying-cli/src/build/directions.rs
-/// Returns the contact direction of every function: the opponent's normal, or the slave's own where nothing is faced, at the point where
-/// the function is largest among `n` points per direction of each element. Two points are the corners.
-pub(super) fn directions<const S: usize, const N: usize>(
-=======
 /// The direction of contact of every function, where it is largest among `n` points per direction of each element that
 /// it does not vanish at: the normal of what is faced, the slave's own where nothing is. Two points are the corners.
 pub fn directions<const S: usize, const N: usize>(
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/directions.rs
     side: &SideModel<S, N>,
     against: &Against<S, N>,
     t: f64,

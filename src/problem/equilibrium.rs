@@ -18,17 +18,6 @@ const BALANCED: f64 = 1e-9;
 /// Bodies that move less than this fraction of the whole motion are not named.
 const STILL: f64 = 1e-3;
 
-<<<<<<< HEAD:crates/faying-cli/src/build/equilibrium.rs
-/// Load on a patch: force and moment about the origin.
-type Push = ([f64; 3], [f64; 3]);
-
-/// Returns the message of an infeasible load: "nothing holds body "upper" against its load in translation y: ..."; `None` if contact
-/// pressure balances the loads or the test does not apply.
-///
-/// `contacts`: rows at the current time, per contact and part; `loads`: per patch, then on the obstacle of every contact; `size`: sum of
-/// the absolute nodal loads.
-pub(crate) fn unheld<const S: usize, const N: usize>(
-=======
 /// Four digits of a number.
 fn short(x: f64) -> String {
     format!("{x:.3e}").parse::<f64>().map_or_else(|_| x.to_string(), |v| format!("{v}"))
@@ -42,7 +31,6 @@ type Push = ([f64; 3], [f64; 3]);
 /// `contacts` at a time, per contact and part; `loads` per patch, then on the obstacle of every contact; `size`: sum of the
 /// sizes of all nodal loads.
 pub(super) fn unheld<const S: usize, const N: usize>(
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/equilibrium.rs
     model: &Model<S, N>,
     contacts: &[Vec<Contact<S, N>>],
     loads: &[Push],

@@ -16,13 +16,8 @@ pub struct Resultant {
 }
 
 impl Resultant {
-<<<<<<< HEAD:crates/faying-cli/src/run/loads.rs
-    /// Returns the resultant of a force field with these moments; missing components and directions are zero.
-    pub fn of<const C: usize, const N: usize>(moments: &Moments<C, N>) -> Self {
-=======
     /// Resultant of a force field with these moments; components that the field or space lacks are zero.
     pub(super) fn of<const C: usize, const N: usize>(moments: &Moments<C, N>) -> Self {
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/loads.rs
         // ∫ x_i f_j dx
         let first = |i: usize, j: usize| if i < N && j < C.min(N) { moments.first[(j, i)] } else { 0.0 };
         Self {
@@ -57,11 +52,7 @@ fn place<const N: usize>(x: &Vector<N>, t: f64) -> Point {
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
-<<<<<<< HEAD:crates/faying-cli/src/run/loads.rs
-    /// Returns the force per volume of a patch as a function of position; `None` if there is none.
-=======
     /// The force per volume of a patch at a point; none where there is none at all.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/loads.rs
     fn volume_force(&self, patch: &PatchModel<S, N>, t: f64) -> Option<Box<dyn Fn(&Vector<N>, &mut [f64]) + Sync + '_>> {
         if let Some(exact) = &self.exact {
             let physics = patch.physics_at(t);
@@ -88,14 +79,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
         }))
     }
 
-<<<<<<< HEAD:crates/faying-cli/src/run/loads.rs
-    /// Assembles f in all unknowns at time `t`; also returns the resultants of the loads on each patch, then on the obstacle of each
-    /// contact.
-    pub(crate) fn loads(&self, t: f64) -> (Vec<f64>, Vec<Resultant>) {
-=======
     /// f in all unknowns at time `t`, and the resultants of the loads on each patch, then on the obstacle of each contact.
     pub(super) fn loads(&self, t: f64) -> (Vec<f64>, Vec<Resultant>) {
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/loads.rs
         let mut load = vec![0.0; self.unknowns];
         let mut totals = vec![Resultant::default(); self.patches.len() + self.contacts.len()];
         let c = self.components;

@@ -20,13 +20,8 @@ pub struct Stiffness {
 pub struct Matrices {
     /// One per body, springs included.
     pub bodies: Vec<Csr>,
-<<<<<<< HEAD:crates/faying-cli/src/run/matrices.rs
-    /// Stiffness that ties and contacts add between the bodies, in all unknowns; `None` if they add none.
-    pub between: Option<Csr>,
-=======
     /// Stiffness of ties and contacts between the bodies, in all unknowns.
     pub(super) between: Option<Csr>,
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/matrices.rs
     /// Error of a tie or a contact that has no stiffness at this time.
     pub(super) fault: Option<StepError>,
 }
@@ -59,11 +54,7 @@ impl Stiffness {
     }
 }
 
-<<<<<<< HEAD:crates/faying-cli/src/run/matrices.rs
-/// Assembles the stiffness added by ties and contacts at time `t`, or returns the error; `first`: that of ties is taken from the model.
-=======
 /// Stiffness of ties and contacts at time `t`; `first`: of ties as it was found when the model was built.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/matrices.rs
 fn added<const S: usize, const N: usize>(model: &Model<S, N>, t: f64, first: bool) -> (Option<Csr>, Option<StepError>) {
     let mut parts = Vec::new();
     for part in model.ties.iter().flat_map(|tie| &tie.parts) {

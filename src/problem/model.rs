@@ -1,8 +1,4 @@
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-//! Model of a case: bodies, conditions, loads, interfaces and contacts, ready to be assembled.
-=======
 //! Bodies, conditions, loads, interfaces and contacts, ready to be assembled.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
 
 use super::corners::SharedCorner;
 use super::data::{Data, Exact};
@@ -31,11 +27,7 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub backend: String,
     /// The body.
     pub body: Box<dyn Body<S, N>>,
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// Numbering of its unknowns.
-=======
     /// Place of its unknowns among those of the model.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub field: Field,
     /// Its material at the first time; [`PatchModel::physics_at`] at any other.
     pub physics: Physics<N>,
@@ -96,11 +88,7 @@ pub struct SideModel<const S: usize, const N: usize> {
     pub label: String,
     /// Functions, map and facets.
     pub trace: Trace<S, N>,
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// Numbering of the unknowns of the trace's functions.
-=======
     /// Place of the unknowns of the trace's functions among those of the model.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub field: Field,
     /// (first element, patch) of every run of elements; one run, unless several sides are joined.
     pub runs: Vec<(usize, usize)>,
@@ -135,11 +123,6 @@ pub struct Condition<const S: usize, const N: usize> {
     pub component: usize,
     /// Its value.
     pub value: Value,
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// Source location in the case.
-    pub at: Place,
-=======
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
 }
 
 /// An edge or a corner of a body.
@@ -164,17 +147,9 @@ pub struct Pin<const N: usize> {
     pub component: usize,
     /// Its value.
     pub value: Value,
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// Source location in the case.
-    pub at: Place,
-}
-
-/// Load on a side.
-=======
 }
 
 /// A load per point of a side.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
 #[derive(Clone, Debug)]
 pub enum Action {
     /// Component of the traction [force/area], or k du/dn.
@@ -182,15 +157,9 @@ pub enum Action {
     /// Component of the traction of the exact solution.
     Exact(usize),
     /// Pressure along minus the outward normal.
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    Pressure(Formula),
-    /// Component of a resultant, spread evenly over the given area \[force\].
-    Force(usize, Formula, f64),
-=======
     Pressure(Data),
     /// Component of a resultant, spread evenly \[force\].
     Force(usize, Data, f64),
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
 }
 
 /// A load on a side.
@@ -198,11 +167,7 @@ pub enum Action {
 pub struct SideLoad<const S: usize, const N: usize> {
     /// The side.
     pub side: Arc<SideModel<S, N>>,
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// Kind and value of the load.
-=======
     /// The load.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub action: Action,
 }
 
@@ -231,11 +196,7 @@ pub struct SideSpring<const S: usize, const N: usize> {
 pub struct Pairing<const S: usize, const N: usize> {
     /// The master side.
     pub master: Arc<SideModel<S, N>>,
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// Integration segments on both sides.
-=======
     /// Common segments of both sides.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub segments: Segments<S>,
     /// Second set of segments, for mixed integration.
     pub second: Option<Segments<S>>,
@@ -248,11 +209,7 @@ pub struct TiePart<const S: usize, const N: usize> {
     pub slave: Arc<SideModel<S, N>>,
     /// One multiplier space per component; empty if the coupling has no rows.
     pub multipliers: Vec<Box<dyn Basis<S>>>,
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// Coupling method.
-=======
     /// The coupling of the sides.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub coupling: Box<dyn Coupling<S, N>>,
     /// The master sides.
     pub pairings: Vec<Pairing<S, N>>,
@@ -281,19 +238,11 @@ pub struct TieModel<const S: usize, const N: usize> {
     pub name: String,
     /// One part per slave side.
     pub parts: Vec<TiePart<S, N>>,
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// Exact multiplier, one formula per component; `None`: that of the model's exact solution, if any.
-    pub exact: Option<Vec<Formula>>,
-}
-
-/// Opponent of a contact side, with the integration segments.
-=======
     /// Exact multiplier, one function per component; `None`: from the exact solution, if there is one.
     pub exact: Option<Vec<Data>>,
 }
 
 /// The opponent of a contact side.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
 pub enum Against<const S: usize, const N: usize> {
     /// A deformable side.
     Side(Arc<SideModel<S, N>>, Segments<S>),
@@ -321,11 +270,7 @@ pub struct ContactPart<const S: usize, const N: usize> {
     pub reading: Option<Box<dyn Basis<S>>>,
     /// Cone of admissible multipliers.
     pub cone: Cone,
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// Opponent: a deformable side or a rigid obstacle.
-=======
     /// The opponent.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub against: Against<S, N>,
     /// Segments for the integrals over the master, for mixed integration.
     pub second: Option<Segments<S>>,
@@ -344,11 +289,7 @@ pub struct ContactPart<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> ContactPart<S, N> {
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// Functions by which lambda is evaluated at points, one per multiplier; `None` for Nitsche's method.
-=======
     /// The functions through which lambda is read at points, one per multiplier; none of Nitsche's method.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub fn read_through(&self) -> Option<&dyn Basis<S>> {
         self.reading.as_deref().or(self.multiplier.as_deref())
     }
@@ -359,34 +300,20 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
     }
 }
 
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-/// Enforcement method of a contact.
-=======
 /// A method that keeps bodies apart.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Formulation {
     /// Lagrange multipliers: rows that hold exactly.
     Lagrange,
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// Penalty: compliant rows, with the stiffness of their slave unknowns times a factor.
-=======
     /// Rows softened by the stiffness of their slave unknowns times a factor.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     Penalty {
         /// Penalty stiffness over that of the slave's elements, a pure number.
         factor: f64,
     },
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// Augmented Lagrangian: penalty rows made exact by an iteration of the multipliers.
-    Augmented {
-        /// Penalty factor, as in [`Formulation::Penalty`].
-=======
     /// Rows softened as by a penalty and made exact by an iteration of the multipliers.
     Augmented {
         /// Penalty stiffness over that of the slave's elements, a pure number.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
         factor: f64,
         /// Error of the multipliers at which the iteration ends, relative to the largest.
         tolerance: f64,
@@ -404,19 +331,6 @@ pub struct ContactModel<const S: usize, const N: usize> {
     pub parts: Vec<ContactPart<S, N>>,
     /// The rigid obstacle that it faces, if it is one.
     pub obstacle: Option<Arc<ObstacleModel<S, N>>>,
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// The gap formula.
-    pub gap: Formula,
-    /// Search radius for contact partners, if limited \[length\].
-    pub reach: Option<f64>,
-    /// Exact multiplier; `None`: that of the model's exact solution, if any.
-    pub exact: Option<Formula>,
-    /// Whether a zone that reaches the end of a side continues beyond it by symmetry (half models).
-    pub symmetry: bool,
-    /// First guess of the active set.
-    pub start: case::Start,
-    /// Enforcement method.
-=======
     /// Gap as a function of position, time and geometric gap.
     pub gap: Data,
     /// Largest distance of partners of rigid obstacles.
@@ -428,7 +342,6 @@ pub struct ContactModel<const S: usize, const N: usize> {
     /// First guess of the active set.
     pub start: Start,
     /// The method by which it is enforced.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub formulation: Formulation,
 }
 
@@ -443,13 +356,7 @@ pub struct Model<const S: usize, const N: usize> {
     pub patches: Vec<PatchModel<S, N>>,
     /// Functions that glued patches share.
     pub glued: Glued,
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// Sides that interfaces of the case glue.
-    pub glued_sides: Vec<GluedSides>,
-    /// Points in which patches of one mesh are connected without a common facet.
-=======
     /// Points in which patches of one mesh hold together beside their common facets.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     pub hinges: Vec<Hinge<N>>,
     /// Prescribed components.
     pub conditions: Vec<Condition<S, N>>,
@@ -470,13 +377,7 @@ pub struct Model<const S: usize, const N: usize> {
     /// Springs on sides.
     pub springs: Vec<SideSpring<S, N>>,
     /// Manufactured solution.
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    pub exact: Option<Exact>,
-    /// Stored run used as the reference, if the case names one.
-    pub reference: Option<Reference<S, N>>,
-=======
     pub exact: Option<Arc<dyn Exact>>,
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
     /// Tied interfaces.
     pub ties: Vec<TieModel<S, N>>,
     /// Contacts.
@@ -510,13 +411,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
         self.unknowns - self.glued.num_bound()
     }
 
-<<<<<<< HEAD:crates/faying-cli/src/build/model.rs
-    /// All equations between unknowns: those of glued functions first.
-    pub fn all_equations(&self) -> Vec<Equation> {
-=======
     /// All conditions between unknowns: glued functions first.
     pub(super) fn all_equations(&self) -> Vec<Equation> {
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/model.rs
         let mut all = self.glued.equations();
         all.extend(self.equations.iter().cloned());
         all

@@ -1,8 +1,4 @@
-<<<<<<< HEAD:crates/faying-cli/src/run/reactions.rs
-//! Support reactions: forces per side, edge and corner.
-=======
 //! Reactions of supports: forces on the bodies per side, edge and corner.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/reactions.rs
 
 use super::integrate::cross;
 use super::loads::Resultant;
@@ -36,14 +32,6 @@ struct Hold<const N: usize> {
 
 /// Computes the reactions per support, and adds them to `outside`, the sum of the external forces.
 ///
-<<<<<<< HEAD:crates/faying-cli/src/run/reactions.rs
-/// The force F at a function is distributed over the directions in which supports hold it: axes of prescribed components, normals or
-/// tangents of sides that slide, axes along which a side moves as one. If these are independent, as they mostly are at edges and corners,
-/// the parts follow from F alone. Otherwise F = sum a_h d_h with the least sum a_h^2 / w_h, w_h the integral of the function over the side:
-/// sides that hold the same direction share in proportion to w, also those of glued patches, whose forces across seams cancel in the
-/// representative function. The shares are equal if an edge or a corner takes part, or an integral is not positive.
-pub fn reactions<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, outside: &mut Resultant) -> Named<Vec<f64>> {
-=======
 /// The force F at a function is carried along the directions in which supports hold it: axes of prescribed components,
 /// normals or tangents of sides that slide, axes along which a side moves as one. Where these are independent, as the
 /// sides of an edge or a corner mostly are, the parts follow from F alone. Otherwise F = sum a_h d_h with the least
@@ -55,7 +43,6 @@ pub fn reactions<const S: usize, const N: usize>(
     state: &StepState<S, N>,
     outside: &mut Resultant,
 ) -> Vec<(String, Vec<f64>)> {
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/reactions.rs
     let n = model.components;
     // coefficients of 1 and of the coordinates on held functions: forces and moments in any basis
     let mut one = vec![1.0; model.unknowns / n.max(1)];

@@ -1,8 +1,4 @@
-<<<<<<< HEAD:crates/faying-cli/src/build/rigid.rs
-//! Rigid motions left by the supports, from the rank of the constraints on the rigid modes of every body.
-=======
 //! Rigid motions that the supports leave: rank of the constraints on the rigid modes of every body.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/rigid.rs
 //!
 //! Modes of a body: translations t, and in elasticity rotations w about its middle c, scaled by its size L: u(x) = t + w x (x - c) / L, so
 //! that neither position nor size of a body costs digits. A support is a row d . u_b(x) = 0, a connection of two bodies in a point a row d
@@ -28,13 +24,8 @@ pub struct RigidRow<const N: usize> {
     pub direction: Vector<N>,
 }
 
-<<<<<<< HEAD:crates/faying-cli/src/build/rigid.rs
-/// Linear form of the modes of the bodies: a sum of terms (body, coefficients of its modes).
-pub(super) type RigidForm = Vec<(usize, [f64; MOST])>;
-=======
 /// A condition on the modes of the bodies: (body, coefficients of its modes), summed.
 pub type RigidForm = Vec<(usize, [f64; MOST])>;
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/rigid.rs
 
 /// Rigid motions left to a body, in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -83,13 +74,8 @@ impl<const N: usize> RigidModes<N> {
         out
     }
 
-<<<<<<< HEAD:crates/faying-cli/src/build/rigid.rs
-    /// Returns a row as a linear form of the modes.
-    pub(super) fn form(&self, row: &RigidRow<N>) -> RigidForm {
-=======
     /// A row as a linear form of the modes.
     pub fn form(&self, row: &RigidRow<N>) -> RigidForm {
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/rigid.rs
         let of = |&(body, sign, x): &(usize, f64, Vector<N>)| (body, self.sums(body, &row.direction, sign, &Vector::zeros(), &x));
         row.terms.iter().map(of).collect()
     }
@@ -132,13 +118,8 @@ impl<const N: usize> RigidModes<N> {
         work
     }
 
-<<<<<<< HEAD:crates/faying-cli/src/build/rigid.rs
-    /// Null space of `forms`: orthonormal columns in the modes of all bodies.
-    pub(super) fn null(&self, forms: &[RigidForm]) -> DMatrix<f64> {
-=======
     /// The motions that `forms` leave, orthonormal columns in the modes of all bodies.
     pub fn null(&self, forms: &[RigidForm]) -> DMatrix<f64> {
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/rigid.rs
         let n = self.modes() * self.num_bodies();
         let mut gram = DMatrix::<f64>::zeros(n, n);
         forms.iter().for_each(|form| self.add_square(form, 1.0, &mut gram));
@@ -153,13 +134,8 @@ impl<const N: usize> RigidModes<N> {
         self.names(&self.null(forms))
     }
 
-<<<<<<< HEAD:crates/faying-cli/src/build/rigid.rs
-    /// Describes `motions` of all bodies in words, for each body that moves.
-    pub(super) fn names(&self, motions: &DMatrix<f64>) -> Vec<FreeBody> {
-=======
     /// Words for motions of all bodies, of those that move.
     pub fn names(&self, motions: &DMatrix<f64>) -> Vec<FreeBody> {
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/rigid.rs
         let m = self.modes();
         (0..self.num_bodies())
             .filter_map(|body| {
@@ -169,13 +145,8 @@ impl<const N: usize> RigidModes<N> {
             .collect()
     }
 
-<<<<<<< HEAD:crates/faying-cli/src/build/rigid.rs
-    /// Describes the span of `vectors`, motions of `body`, in words.
-    pub(super) fn name(&self, body: usize, vectors: &DMatrix<f64>) -> Vec<String> {
-=======
     /// Words for the span of `vectors`, motions of `body`.
     pub fn name(&self, body: usize, vectors: &DMatrix<f64>) -> Vec<String> {
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/rigid.rs
         if vectors.ncols() == 0 {
             return Vec::new();
         }

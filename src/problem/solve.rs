@@ -1,8 +1,4 @@
-<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
-//! Assembly and solution of the system of a model at a given time.
-=======
 //! Assembly and solution of the system of a problem at a time.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
 
 use super::at_rest::at_rest;
 use super::compliance::Softness;
@@ -34,21 +30,13 @@ pub struct StepState<const S: usize, const N: usize> {
     pub u: Vec<f64>,
     /// One multiplier per row: coefficients of lambda.
     pub lambda: Vec<f64>,
-<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
-    /// Solver's variables per row: for contacts mu with lambda = T mu, the variables of their cone; for ties lambda.
-=======
     /// Multipliers in the variables of the solver, one per row: of contacts those of their cone, lambda = T mu; of ties lambda.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
     pub mu: Vec<f64>,
     /// Whether each row is enforced.
     pub active: Vec<bool>,
     /// Rows, weights and points of every contact part at this time.
     pub contacts: Vec<Vec<Contact<S, N>>>,
-<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
-    /// Forces of the supports on the bodies, per unknown.
-=======
     /// Reactions of supports on the bodies, per unknown.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
     pub support: Vec<f64>,
     /// Sum of all loads, springs included.
     pub load: Resultant,
@@ -58,23 +46,10 @@ pub struct StepState<const S: usize, const N: usize> {
     pub residual: f64,
     /// Condition number of the scaled system, if a factor provides it.
     pub condition: Option<f64>,
-<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
-    /// Description of the method.
-=======
     /// Description of the linear algebra.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
     pub method: String,
     /// Iterations of the linear algebra, 0 if everything was done by factors.
     pub iterations: usize,
-<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
-    /// The active set, if there is contact.
-    pub active_set: Option<faying::constraint::ActiveSetReport>,
-    /// Sign case 0 to 8 of every row; 9 for rows of ties and rows that face nothing.
-    pub sign_case: Vec<u8>,
-}
-
-/// Error of a step without a solution.
-=======
     /// The active set, where there is contact.
     pub active_set: Option<crate::constraint::ActiveSetReport>,
     /// Sign case 0 to 8 of every row; 9 for rows of ties.
@@ -82,7 +57,6 @@ pub struct StepState<const S: usize, const N: usize> {
 }
 
 /// Error of a step without solution.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError {
@@ -101,11 +75,7 @@ pub enum StepError {
     /// No contact pressure balances the loads.
     #[error("infeasible load: {what}")]
     Infeasible {
-<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
-        /// Description of the bodies that move, their motions, and the missing forces.
-=======
         /// Sentence with the body, its motion, and the missing force.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
         what: String,
     },
     /// The system was not solved.
@@ -114,11 +84,7 @@ pub enum StepError {
     /// Obstacles that forces press did not come to rest.
     #[error("an obstacle that a force presses does not come to rest: contact was built at {places} places")]
     Obstacle {
-<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
-        /// Number of positions at which contact was built.
-=======
         /// Number of places.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
         places: usize,
     },
 }
@@ -140,19 +106,11 @@ impl<const S: usize, const N: usize, E: Into<StepError>> From<E> for Unsolved<S,
 
 /// Solves the model at time `t` with the matrices of its bodies at that time.
 ///
-<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
-/// The active set starts as it ended in `before`. If that fails, it starts again as the case says: a set that holds a body in one step may
-/// leave it free in the next.
-///
-/// # Errors
-/// [`Unsolved`], with the last state of an active set that did not converge or that `watch` stopped.
-=======
 /// The active set starts as it ended in `before`. Where that leads nowhere it starts again as [`ContactModel`](super::ContactModel) says: a
 /// set that holds a body in one step may leave it free in the next.
 ///
 /// # Errors
 /// [`Unsolved`], with the last state of an active set that did not settle or that was cancelled.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
 pub fn step<const S: usize, const N: usize>(
     model: &Model<S, N>,
     matrices: &Matrices,
@@ -261,11 +219,7 @@ pub(super) fn once<const S: usize, const N: usize>(
     }
 }
 
-<<<<<<< HEAD:crates/faying-cli/src/run/solve.rs
-/// Message of an infeasible load, which no contact pressure balances; `None` if one does.
-=======
 /// Reason for which no contact pressure balances the loads; none where one does.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/solve.rs
 fn unheld_load<const S: usize, const N: usize>(
     model: &Model<S, N>,
     system: &System<S, N>,

@@ -69,11 +69,7 @@ impl<'a, const S: usize, const N: usize> Guess<'a, S, N> {
         };
     }
 
-<<<<<<< HEAD:crates/faying-cli/src/run/start.rs
-    /// Returns the state of a row in the step before; `None` if it faced nothing there.
-=======
     /// Whether the step before had a row closed; none of rows that faced nothing.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/start.rs
     fn known(&self, row: usize) -> Option<bool> {
         self.before.filter(|b| b.sign_case[row] != NO_CONTACT).map(|b| b.active[row])
     }

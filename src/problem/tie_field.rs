@@ -1,8 +1,4 @@
-<<<<<<< HEAD:crates/faying-cli/src/run/tied.rs
-//! lambda at any point of a tie's slave side: by its multiplier, or without one by its coupling from the fluxes.
-=======
 //! lambda of a tie at any point of its slave side: that of its multiplier, or where it has none, that of the fluxes by its coupling.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/tie_field.rs
 
 use super::model::{Model, Pairing, TiePart};
 use super::solve::StepState;
@@ -14,11 +10,7 @@ use crate::linalg::Vector;
 use crate::space::Space;
 use std::sync::Arc;
 
-<<<<<<< HEAD:crates/faying-cli/src/run/tied.rs
-/// Evaluator of lambda of a tied part at a given time.
-=======
 /// lambda of a tied part at a time, as a function of the state.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/tie_field.rs
 #[derive(Debug)]
 pub struct TieField<const S: usize, const N: usize>(Option<WithoutRows<S, N>>);
 
@@ -37,11 +29,7 @@ impl<const S: usize, const N: usize> TieField<S, N> {
         Self(part.multipliers.is_empty().then(without))
     }
 
-<<<<<<< HEAD:crates/faying-cli/src/run/tied.rs
-    /// Returns lambda at the points of the segments with master `k`: `[component][point]`.
-=======
     /// lambda at the points of the segments with master `k`: `[component][point]`.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/tie_field.rs
     pub fn on_segments(&self, model: &Model<S, N>, part: &TiePart<S, N>, state: &StepState<S, N>, k: usize) -> Vec<Vec<f64>> {
         if let Some(own) = &self.0 {
             return part.numerical_flux(model, k, &own.fluxes, None, &state.u);
@@ -54,11 +42,7 @@ impl<const S: usize, const N: usize> TieField<S, N> {
         (0..rows.len()).map(|c| (0..s.num_pieces()).flat_map(|piece| on_piece(c, piece)).collect()).collect()
     }
 
-<<<<<<< HEAD:crates/faying-cli/src/run/tied.rs
-    /// Returns lambda at local points of a slave element: `[component][point]`; NaN without a partner.
-=======
     /// lambda at local points of a slave element: `[component][point]`.
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/tie_field.rs
     pub fn at(
         &self,
         model: &Model<S, N>,

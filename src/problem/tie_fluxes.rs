@@ -44,16 +44,11 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
         }
     }
 
-<<<<<<< HEAD:crates/faying-cli/src/build/soft.rs
-    /// Assembles the coupling of the slave with master `k`.
-    pub(super) fn blocks(
-=======
     /// Rows or stiffness of the coupling for the slave and master `k`.
     ///
     /// # Errors
     /// [`CouplingError`] of the coupling.
     pub fn blocks(
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/tie_fluxes.rs
         &self,
         coupling: &dyn Coupling<S, N>,
         model: &Model<S, N>,
@@ -64,15 +59,9 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
         coupling.assemble(&self.interface(model, k, fluxes, &multiplier, None), model.unknowns)
     }
 
-<<<<<<< HEAD:crates/faying-cli/src/build/soft.rs
-    /// lambda of a coupling without multiplier at points of `segments` (`None`: those of the tie) against master `k`: `[component][point]`.
-    /// NaN if the coupling has no value.
-    pub fn numerical_flux(
-=======
     /// lambda at points of `segments` (those of the tie where none are given) against master `k`, where there is no multiplier:
     /// `[component][point]`. Not a number where the coupling cannot say.
     pub(super) fn numerical_flux(
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/tie_fluxes.rs
         &self,
         model: &Model<S, N>,
         k: usize,
@@ -105,15 +94,9 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
     }
 }
 
-<<<<<<< HEAD:crates/faying-cli/src/build/soft.rs
-/// Sums the stiffness of `parts` into one matrix in all unknowns; `None` if it has no entries. Entries are in the order of the parts, so
-/// the pattern is the same at every time.
-pub fn between<'a, const S: usize, const N: usize>(model: &Model<S, N>, parts: impl Iterator<Item = &'a Triplets>) -> Option<Csr> {
-=======
 /// The sum of the stiffness of all ties as one matrix in all unknowns; none where no tie adds any. Entries are in the order of the
 /// ties, so the pattern is the same at every time.
 pub(super) fn between<'a, const S: usize, const N: usize>(model: &Model<S, N>, parts: impl Iterator<Item = &'a Triplets>) -> Option<Csr> {
->>>>>>> 3fda307cc570f233f5f494b56a4a0cc778b24513:src/problem/tie_fluxes.rs
     let mut all = Triplets::new(model.unknowns, model.unknowns);
     for part in parts {
         all.append_below(part, 0);

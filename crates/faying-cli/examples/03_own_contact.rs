@@ -189,7 +189,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         let mut registry = Registry::default();
         registry.solvers.add("interior-point", Box::new(|_| Ok(Box::new(InteriorPoint::default()))));
         for (name, contact, sets) in CASES {
-            let path = format!("{}/examples/cases/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+            let path = format!("{}/cases/{name}.toml", env!("CARGO_MANIFEST_DIR"));
             let solved = |solver: &str| -> Result<RunResult, Box<dyn Error>> {
                 let mut sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();
                 sets.push(format!("solver.constraint={solver}"));

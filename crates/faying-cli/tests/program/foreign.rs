@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 fn file(name: &str) -> PathBuf {
-    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/program").join(name)
 }
 
 /// What Gmsh and meshio find in some files.

@@ -141,7 +141,7 @@ fn by_vtk(bytes: &[u8], points: &[[f64; 2]]) -> Option<BTreeMap<(usize, usize), 
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("grid.vtu");
     std::fs::write(&file, bytes).unwrap();
-    let script = concat!(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."), "/tests/vtk/evaluate.py");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/program/vtk/evaluate.py");
     let words = points.iter().map(|p| format!("{:?},{:?}", p[0], p[1]));
     let out = Command::new(python).arg(script).arg(&file).args(words).output().unwrap();
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
@@ -589,7 +589,7 @@ fn measured_by_vtk(bytes: &[u8]) -> Option<Vec<[f64; 2]>> {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("grid.vtu");
     std::fs::write(&file, bytes).unwrap();
-    let script = concat!(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."), "/tests/vtk/measure.py");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/program/vtk/measure.py");
     let out = Command::new(python).arg(script).arg(&file).output().unwrap();
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
     let number = |word: Option<&str>| word.unwrap().parse::<f64>().unwrap();

@@ -5,7 +5,7 @@
 //! Source: VTK 9.7 (vtkHigherOrderQuadrilateral, vtkHigherOrderTetra and relatives), each order tested against VTK.
 
 use faying::basis::Cell;
-use faying::linalg::Vector;
+use faying::linalg::{Matrix, Vector, determinant};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
@@ -132,66 +132,69 @@ fn tetrahedron(p: usize) -> Vec<[usize; 3]> {
     list
 }
 
-/// Corner nodes of the linear cells that fill one cell of the given degree, as indices into [`nodes`].
-pub(crate) fn linear_pieces<const D: usize>(cell: Cell, degree: [usize; D], nodes: &[[usize; D]]) -> Vec<Vec<usize>> {
-    let place = |a: [usize; D]| nodes.iter().position(|b| *b == a).expect("a node of the cell");
-    let moved = |a: [usize; D], by: &[usize]| place(std::array::from_fn(|k| a[k] + by[k]));
-    let mut pieces = Vec::new();
-    let simplex = cell == Cell::Simplex && D > 1;
+/// Corner nodes of linear cells, as places in the list of [`nodes`].
+pub(crate) type Pieces = Vec<Vec<usize>>;
+
+/// Bodies that fill one cell of the given degree between its nodes, each with the ways to cut it into linear cells.
+///
+/// Simplices: every edge is parallel to an edge of the cell, so that neighbours cut a common side alike. What this leaves between
+/// the tetrahedra are octahedra; any of their three diagonals cuts them.
+pub(crate) fn linear_pieces<const D: usize>(cell: Cell, degree: [usize; D], nodes: &[[usize; D]]) -> Vec<Vec<Pieces>> {
+    const OCTAHEDRON: [([usize; 3], [usize; 3], [[usize; 3]; 4]); 3] = [
+        ([0, 1, 0], [1, 0, 1], [[1, 1, 0], [0, 1, 1], [0, 0, 1], [1, 0, 0]]),
+        ([1, 0, 0], [0, 1, 1], [[0, 0, 1], [1, 0, 1], [1, 1, 0], [0, 1, 0]]),
+        ([0, 0, 1], [1, 1, 0], [[0, 1, 0], [0, 1, 1], [1, 0, 1], [1, 0, 0]]),
+    ];
+    let place: BTreeMap<[usize; D], usize> = nodes.iter().copied().zip(0..).collect();
+    let mut bodies = Vec::new();
     for a in boxes(degree) {
-        match (D, simplex) {
-            (1, _) => pieces.push(vec![moved(a, &[0]), moved(a, &[1])]),
-            (2, false) => pieces.push([[0, 0], [1, 0], [1, 1], [0, 1]].iter().map(|by| moved(a, by)).collect()),
-            (_, false) => {
-                let ring = [[0, 0], [1, 0], [1, 1], [0, 1]];
-                pieces.push([0, 1].iter().flat_map(|&k| ring.map(|c| [c[0], c[1], k])).map(|by| moved(a, &by)).collect());
-            }
+        let moved = |by: &[usize]| place[&std::array::from_fn(|k| a[k] + by[k])];
+        let mut one = |corners: &[&[usize]]| bodies.push(vec![vec![corners.iter().map(|by| moved(by)).collect()]]);
+        let room = degree[0].saturating_sub(a.iter().sum::<usize>());
+        match (D, cell == Cell::Simplex && D > 1) {
+            (1, _) => one(&[&[0], &[1]]),
+            (2, false) => one(&[&[0, 0], &[1, 0], &[1, 1], &[0, 1]]),
+            (_, false) => one(&[&[0, 0, 0], &[1, 0, 0], &[1, 1, 0], &[0, 1, 0], &[0, 0, 1], &[1, 0, 1], &[1, 1, 1], &[0, 1, 1]]),
             (2, true) => {
-                let room = degree[0] - a.iter().sum::<usize>().min(degree[0]);
                 if room >= 1 {
-                    pieces.push([[0, 0], [1, 0], [0, 1]].iter().map(|by| moved(a, by)).collect());
+                    one(&[&[0, 0], &[1, 0], &[0, 1]]);
                 }
                 if room >= 2 {
-                    pieces.push([[1, 0], [1, 1], [0, 1]].iter().map(|by| moved(a, by)).collect());
+                    one(&[&[1, 0], &[1, 1], &[0, 1]]);
                 }
             }
             (_, true) => {
-                // Kuhn's six tetrahedra around the diagonal; those inside the large one
-                let room = degree[0] - a.iter().sum::<usize>().min(degree[0]);
-                for (order, odd) in
-                    [([0, 1, 2], false), ([1, 2, 0], false), ([2, 0, 1], false), ([1, 0, 2], true), ([0, 2, 1], true), ([2, 1, 0], true)]
-                {
-                    let mut by = [0; 3];
-                    let mut corners = vec![by];
-                    for k in order {
-                        by[k] += 1;
-                        corners.push(by);
-                    }
-                    if odd {
-                        corners.swap(1, 2);
-                    }
-                    // a sheared lattice: index differences keep the sum within the degree
-                    if room >= 3 {
-                        pieces.push(corners.iter().map(|by| moved(a, by)).collect());
-                    }
+                if room >= 1 {
+                    one(&[&[0, 0, 0], &[1, 0, 0], &[0, 1, 0], &[0, 0, 1]]);
                 }
-                if room == 1 || room == 2 {
-                    pieces.push([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]].iter().map(|by| moved(a, by)).collect());
+                if room >= 3 {
+                    one(&[&[1, 1, 1], &[1, 0, 1], &[0, 1, 1], &[1, 1, 0]]);
                 }
-                if room == 2 {
-                    for by in [
-                        [[1, 0, 0], [1, 1, 0], [0, 1, 0], [1, 0, 1]],
-                        [[0, 1, 0], [1, 1, 0], [0, 1, 1], [1, 0, 1]],
-                        [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1]],
-                        [[0, 1, 0], [0, 1, 1], [0, 0, 1], [1, 0, 1]],
-                    ] {
-                        pieces.push(by.iter().map(|by| moved(a, by)).collect());
-                    }
+                if room >= 2 {
+                    let around = |(from, to, ring): &([usize; 3], [usize; 3], [[usize; 3]; 4])| {
+                        (0..4).map(|k| [from, to, &ring[k], &ring[(k + 1) % 4]].map(|by| moved(by)).to_vec()).collect()
+                    };
+                    bodies.push(OCTAHEDRON.iter().map(around).collect());
                 }
             }
         }
     }
-    pieces
+    bodies
+}
+
+/// The least determinant of the edges at a corner of a linear cell, and the sum of those of all its corners.
+///
+/// The sum has the sign of the volume; the least is its own multiple on simplices.
+fn determinants<const D: usize, const N: usize>(x: &[Vector<N>], piece: &[usize]) -> [f64; 2] {
+    // a corner and the ends of its edges, right-handed
+    let corners: &[&[usize]] = match (D, piece.len()) {
+        (2, 3) => &[&[0, 1, 2]],
+        (2, _) => &[&[0, 1, 3], &[1, 2, 0], &[2, 3, 1], &[3, 0, 2]],
+        (_, 4) => &[&[0, 1, 2, 3]],
+        _ => &[&[0, 1, 3, 4], &[1, 2, 0, 5], &[2, 3, 1, 6], &[3, 0, 2, 7], &[4, 7, 5, 0], &[5, 4, 6, 1], &[6, 5, 7, 2], &[7, 6, 4, 3]],
+    };
+    let at = |c: &&[usize]| determinant(&Matrix::<D, D>::from_fn(|i, k| x[piece[c[k + 1]]][i] - x[piece[c[0]]][i]));
+    corners.iter().map(at).fold([f64::INFINITY, 0.0], |[least, sum], d| [least.min(d), sum + d])
 }
 
 /// Returns the linear cell with the opposite handedness.
@@ -303,7 +306,7 @@ pub(crate) struct Interpolant<const D: usize> {
     pub nodes: Vec<[usize; D]>,
     /// Points at which values are sampled.
     pub points: Vec<Vector<D>>,
-    /// Equispaced nodes.
+    /// Equispaced nodes, of a multiple of the degree.
     pub lattice: Vec<Vector<D>>,
     /// Bernstein coefficients = `to_bezier` * values at `points`.
     pub to_bezier: DMatrix<f64>,
@@ -311,29 +314,57 @@ pub(crate) struct Interpolant<const D: usize> {
     pub to_lattice: DMatrix<f64>,
     /// Nodes of the cell in the file: for a right-handed element, and for a left-handed one, whose first two axes are exchanged.
     pub whole: [Vec<Vec<usize>>; 2],
-    /// Nodes of the linear cells that fill it, for both.
-    pub linear: [Vec<Vec<usize>>; 2],
-    /// Corners around every node, see [`around`].
+    /// The linear cells that fill it, as [`linear_pieces`] says, between the nodes at `lattice`.
+    linear: Vec<Vec<Pieces>>,
+    /// Per node at `lattice` the corners around it, as [`around`] says.
     pub around: Vec<Option<Vec<(usize, u64)>>>,
 }
 
 impl<const D: usize> Interpolant<D> {
-    pub fn new(cell: Cell, degree: [usize; D]) -> Self {
-        let nodes = nodes(cell, degree);
+    /// Interpolation of a degree whose lattice has `times` as many steps.
+    pub fn new(cell: Cell, degree: [usize; D], times: usize) -> Self {
+        let (fine, nodes) = (degree.map(|p| times * p), nodes(cell, degree));
+        let between = self::nodes(cell, fine);
         let points = inner_points(cell, &nodes, degree);
-        let lattice = equispaced(&nodes, degree);
+        let lattice = equispaced(&between, fine);
         let n = nodes.len();
         let values = |at: &[Vector<D>]| {
             let rows: Vec<Vec<f64>> = at.iter().map(|xi| bernstein(cell, &nodes, degree, xi)).collect();
-            DMatrix::from_fn(n, n, |i, j| rows[i][j])
+            DMatrix::from_fn(at.len(), n, |i, j| rows[i][j])
         };
         let to_bezier = values(&points).try_inverse().expect("inner points determine the polynomial");
         let to_lattice = values(&lattice) * &to_bezier;
         let whole = [vec![(0..n).collect()], vec![exchanged(cell, degree, &nodes)]];
-        let pieces = linear_pieces(cell, degree, &nodes);
-        let linear = [pieces.clone(), pieces.iter().map(|piece| mirrored::<D>(piece)).collect()];
-        let around = nodes.iter().map(|&node| around(cell, degree, node)).collect();
+        let linear = linear_pieces(cell, fine, &between);
+        let around = between.iter().map(|&node| around(cell, fine, node)).collect();
         Self { nodes, points, lattice, to_bezier, to_lattice, whole, linear, around }
+    }
+
+    /// Cuts the cell between the places `x` of the lattice into linear cells, none of them negative; says whether none had to be turned:
+    /// one that is negative where the map is not shows that the lattice is too coarse.
+    ///
+    /// Of the ways to cut a body the one whose least cell is the greatest. A surface in space has no sign.
+    pub fn cut<const N: usize>(&self, x: &[Vector<N>], left: bool) -> (Pieces, bool) {
+        if D != N || D == 1 {
+            return (self.linear.iter().flat_map(|ways| ways[0].iter().cloned()).collect(), true);
+        }
+        let turned = |piece: &Vec<usize>, turn: bool| if turn { mirrored::<D>(piece) } else { piece.clone() };
+        let least_of = |way: &Pieces| way.iter().map(|p| determinants::<D, N>(x, &turned(p, left))[0]).fold(f64::INFINITY, f64::min);
+        let (mut pieces, mut least) = (Vec::new(), f64::INFINITY);
+        for ways in &self.linear {
+            let mut best = (&ways[0], least_of(&ways[0]));
+            for way in &ways[1..] {
+                let own = least_of(way);
+                // of equals the first, whatever the rounding
+                if own > best.1 + 1e-9 * best.1.abs() {
+                    best = (way, own);
+                }
+            }
+            least = least.min(best.1);
+            pieces.extend(best.0.iter().map(|piece| turned(piece, determinants::<D, N>(x, piece)[1] < 0.0)));
+        }
+        let size = x.iter().map(|p| (p - x[0]).amax()).fold(0.0, f64::max);
+        (pieces, least >= -1e-12 * size.powi(D as i32))
     }
 }
 
@@ -369,20 +400,51 @@ mod tests {
             let triangle = nodes(Cell::Simplex, [p, p]);
             assert_eq!(linear_pieces(Cell::Simplex, [p, p], &triangle).len(), p * p);
             let tetrahedron = nodes(Cell::Simplex, [p, p, p]);
-            let pieces = linear_pieces(Cell::Simplex, [p, p, p], &tetrahedron);
-            assert_eq!(pieces.len(), p * p * p);
-            let volume: f64 = pieces
-                .iter()
-                .map(|piece| {
-                    let x = |i: usize| nalgebra::Vector3::from_fn(|k, _| tetrahedron[piece[i]][k] as f64);
-                    let v = (x(1) - x(0)).cross(&(x(2) - x(0))).dot(&(x(3) - x(0)));
-                    assert!(v > 0.0, "piece {piece:?} of degree {p} is inverted");
-                    v
-                })
-                .sum();
-            assert_eq!(volume, (p * p * p) as f64);
+            let bodies = linear_pieces(Cell::Simplex, [p, p, p], &tetrahedron);
+            assert_eq!(bodies.iter().map(|ways| ways[0].len()).sum::<usize>(), p * p * p);
+            let x: Vec<_> = tetrahedron.iter().map(|a| Vector::<3>::from_fn(|k, _| a[k] as f64)).collect();
+            for piece in bodies.iter().flatten().flatten() {
+                assert_eq!(determinants::<3, 3>(&x, piece), [1.0, 1.0], "piece {piece:?} of degree {p}");
+            }
             let quad = nodes(Cell::Tensor, [p, 2]);
             assert_eq!(linear_pieces(Cell::Tensor, [p, 2], &quad).len(), 2 * p);
+        }
+    }
+
+    /// Six times the volume behind the lattice triangles of the four sides, which neighbours cut alike.
+    fn within_sides(p: usize, x: impl Fn([usize; 3]) -> Vector<3>) -> f64 {
+        let sides: [[[usize; 3]; 3]; 4] = [
+            [[0, 0, 0], [0, 1, 0], [1, 0, 0]],
+            [[0, 0, 0], [1, 0, 0], [0, 0, 1]],
+            [[0, 0, 0], [0, 0, 1], [0, 1, 0]],
+            [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+        ];
+        let side = |[a, b, c]: [[usize; 3]; 3]| -> f64 {
+            let at = |i: usize, j: usize| x(std::array::from_fn(|k| (p - i - j) * a[k] + i * b[k] + j * c[k]));
+            let flux = |a: Vector<3>, b: Vector<3>, c: Vector<3>| a.cross(&b).dot(&c);
+            let triangles = (0..p).flat_map(|j| (0..p - j).map(move |i| (i, j)));
+            triangles
+                .map(|(i, j)| {
+                    let between = if i + j + 2 > p { 0.0 } else { flux(at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)) };
+                    flux(at(i, j), at(i + 1, j), at(i, j + 1)) + between
+                })
+                .sum()
+        };
+        sides.into_iter().map(side).sum()
+    }
+
+    #[test]
+    fn every_cut_of_a_bent_tetrahedron_fills_what_its_sides_enclose() {
+        for p in 1..=5 {
+            let of = Interpolant::<3>::new(Cell::Simplex, [p; 3], 1);
+            let bent = |x: &Vector<3>| Vector::<3>::new(x[0] + 0.3 * x[1] * x[1], x[1] - 0.2 * x[2] * x[0], x[2] + 0.25 * x[0] * x[0]);
+            let x: Vec<_> = of.lattice.iter().map(bent).collect();
+            let expected = within_sides(p, |a| bent(&(Vector::<3>::from_fn(|k, _| a[k] as f64) / p as f64)));
+            for way in 0..3 {
+                let own = of.linear.iter().flat_map(|ways| &ways[way % ways.len()]);
+                let volume: f64 = own.map(|piece| determinants::<3, 3>(&x, piece)[1]).sum();
+                assert!((volume - expected).abs() < 1e-13 && volume > 0.5, "degree {p}, way {way}: {volume} {expected}");
+            }
         }
     }
 
@@ -397,9 +459,18 @@ mod tests {
     #[test]
     fn cells_of_left_handed_elements_are_mirrored() {
         fn check<const D: usize>(cell: Cell, degree: [usize; D]) {
-            let of = Interpolant::<D>::new(cell, degree);
+            let of = Interpolant::<D>::new(cell, degree, 1);
             let corners = if cell == Cell::Simplex { D + 1 } else { 1 << D };
-            for (list, count) in [(&of.whole, of.nodes.len()), (&of.linear, corners)] {
+            // the second places are mirrored
+            let swapped = |xi: &Vector<D>| Vector::<D>::from_fn(|k, _| xi[if k < 2 { 1 - k } else { k }]);
+            let mirror: Vec<_> = of.lattice.iter().map(swapped).collect();
+            let linear = [of.cut(&of.lattice, false), of.cut(&mirror, true)].map(|(pieces, positive)| {
+                assert!(positive);
+                pieces
+            });
+            assert!(!of.cut(&mirror, false).1, "a map that is inside out is noticed");
+            assert_eq!(of.cut(&mirror, false).0, linear[1], "and its cells are turned all the same");
+            for (list, count) in [(&of.whole, of.nodes.len()), (&linear, corners)] {
                 assert_eq!(list[0].len(), list[1].len());
                 for (right, left) in list[0].iter().zip(&list[1]) {
                     let (a, b) = (signed(&of.nodes, &right[..corners]), signed(&of.nodes, &left[..corners]));
@@ -434,7 +505,7 @@ mod tests {
 
     #[test]
     fn bernstein_interpolation_of_high_degree_keeps_twelve_digits() {
-        let of = Interpolant::<2>::new(Cell::Tensor, [10, 10]);
+        let of = Interpolant::<2>::new(Cell::Tensor, [10, 10], 1);
         let f = |xi: &Vector<2>| xi[0].powi(10) - 3.0 * xi[0] * xi[1].powi(9) + 0.5;
         let values = nalgebra::DVector::from_iterator(of.points.len(), of.points.iter().map(f));
         let coefficients = &of.to_bezier * values;

@@ -49,7 +49,7 @@ impl Grid {
     pub fn append(&mut self, part: usize, element: usize, piece: &Piece<'_>) {
         self.points.of(piece, &mut self.ids);
         self.rational |= piece.rational;
-        for cell in piece.cells {
+        for cell in piece.cells.iter() {
             self.connectivity.extend(cell.iter().map(|i| self.ids[*i] as i64));
             self.offsets.push(self.connectivity.len() as i64);
             self.types.push(piece.kind);

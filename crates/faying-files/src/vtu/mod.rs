@@ -17,6 +17,11 @@
 //! adjacent elements if positions, weights and all fields agree up to rounding (1e-10 of the largest value): a displacement is
 //! continuous, a stress mostly is not.
 //!
+//! Linear cells stand between the nodes of the Lagrange cell. Tetrahedra leave octahedra between them, which are cut along the diagonal
+//! whose least piece is the greatest. Where a strongly bent element still has a piece that is negative, all elements of its part get a
+//! lattice of twice or four times as many steps, so that neighbours keep their points in common. Where that does not help because
+//! the map itself folds over, the lattice stays and the pieces that are negative are turned: there they overlap.
+//!
 //! Files: version 1.0 (2.2 with hexahedra), UInt64 headers, appended data compressed by zlib; equal input gives equal bytes.
 //! In ParaView raise "Nonlinear Subdivision Level" to 3 or 4 to see curved cells.
 
@@ -25,6 +30,8 @@ mod file;
 mod piece;
 mod plan;
 mod points;
+#[cfg(test)]
+mod tests;
 
 use faying::linalg::Vector;
 use faying::space::Space;

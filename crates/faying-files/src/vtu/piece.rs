@@ -2,13 +2,15 @@
 
 use super::cells::{Interpolant, Shape, bernstein, cell_type};
 use super::plan::{Plan, denominator, plan};
-use super::{CellStyle, Part, VtuError, padded};
+use super::{CellStyle, MAX_DEGREE, Part, VtuError, padded};
 use faying::basis::{Cell, Order};
 use faying::geometry::MapTable;
 use faying::linalg::Vector;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 /// Values of a node before its fields: the position and the weight.
 pub(super) const AHEAD: usize = 4;
@@ -26,8 +28,8 @@ pub(super) struct Piece<'a> {
     pub kind: u8,
     pub degrees: [f64; 3],
     /// Local nodes of every cell.
-    pub cells: &'a [Vec<usize>],
-    /// Ids of the element's corners; empty if unknown.
+    pub cells: Cow<'a, [Vec<usize>]>,
+    /// Ids of the element's corners; none where unknown.
     pub corners: Vec<usize>,
     /// Local corners around every node with its weights at them; `None` inside.
     pub around: &'a [Option<Vec<(usize, u64)>>],
@@ -35,6 +37,14 @@ pub(super) struct Piece<'a> {
 
 /// Elements whose pieces are held at once.
 const AT_ONCE: usize = 4096;
+
+/// How often the lattice of linear cells may be doubled.
+const DOUBLED: usize = 2;
+
+/// How often the lattice of a degree may be doubled, so that it stays of a size that one element can have.
+fn most_doubled<const D: usize>(degree: [usize; D]) -> usize {
+    (0..DOUBLED).take_while(|n| degree.iter().all(|p| p << (n + 1) <= 2 * MAX_DEGREE)).count()
+}
 
 /// Numbers per node.
 pub(super) fn width<const D: usize, const N: usize>(part: &Part<'_, D, N>) -> usize {
@@ -48,21 +58,39 @@ pub(super) fn each_piece<const D: usize, const N: usize>(
 ) -> Result<(), VtuError> {
     let plans: Vec<Plan<D>> =
         (0..part.space.num_elements()).into_par_iter().map_init(MapTable::new, |table, e| plan(part, e, table)).collect();
-    let mut known: BTreeMap<(bool, [usize; D]), Interpolant<D>> = BTreeMap::new();
+    let mut known: BTreeMap<(bool, [usize; D]), [OnceLock<Interpolant<D>>; DOUBLED + 1]> = BTreeMap::new();
     for p in &plans {
         for degree in [p.degree, p.lagrange] {
-            known.entry((p.cell == Cell::Simplex, degree)).or_insert_with(|| Interpolant::new(p.cell, degree));
+            known.entry((p.cell == Cell::Simplex, degree)).or_default();
         }
     }
-    let of = |cell: Cell, degree: [usize; D]| &known[&(cell == Cell::Simplex, degree)];
+    let known = &known;
+    let of = |cell: Cell, degree: [usize; D], doubled: usize| {
+        known[&(cell == Cell::Simplex, degree)][doubled].get_or_init(|| Interpolant::new(cell, degree, 1 << doubled))
+    };
+    // one number for the part: neighbours keep their points in common
+    let doubled = if part.style == CellStyle::Linear {
+        let enough = |table: &mut MapTable<D, N>, (e, plan): (usize, &Plan<D>)| {
+            let positive = |doubled: &usize| {
+                let of = of(plan.cell, plan.lagrange, *doubled);
+                part.space.map(e, &of.lattice, Order::Values, table);
+                of.cut(&table.x, plan.left).1
+            };
+            // where the map itself folds over, no lattice is fine enough
+            (0..=most_doubled(plan.lagrange)).find(positive).unwrap_or(0)
+        };
+        plans.par_iter().enumerate().map_init(MapTable::new, enough).max().unwrap_or(0)
+    } else {
+        0
+    };
     let piece = |e: usize, plan: &Plan<D>| {
         let found = match plan.shape {
-            Shape::Bezier => bezier_piece(part, e, plan, of(plan.cell, plan.degree))?,
+            Shape::Bezier => bezier_piece(part, e, plan, of(plan.cell, plan.degree, 0))?,
             _ => None,
         };
         let mut piece = match found {
             Some(piece) => piece,
-            None => lagrange_piece(part, e, plan, of(plan.cell, plan.lagrange))?,
+            None => lagrange_piece(part, e, plan, of(plan.cell, plan.lagrange, doubled.min(most_doubled(plan.lagrange))))?,
         };
         part.space.corners(e, &mut piece.corners);
         Ok::<_, VtuError>(piece)
@@ -177,7 +205,7 @@ fn bezier_piece<'a, const D: usize, const N: usize>(
         rational: plan.map_weights || plan.basis_weights,
         kind: cell_type(D, plan.cell, Shape::Bezier),
         degrees: degrees(plan.degree, plan.left),
-        cells: &of.whole[usize::from(plan.left)],
+        cells: Cow::Borrowed(&of.whole[usize::from(plan.left)]),
         corners: Vec::new(),
         around: &of.around,
     }))
@@ -202,13 +230,19 @@ fn lagrange_piece<'a, const D: usize, const N: usize>(
     if values.iter().any(|v| !v.is_finite()) {
         continue_inwards(part, element, of, &mut values)?;
     }
-    let (linear, left) = (part.style == CellStyle::Linear, usize::from(plan.left));
+    let linear = part.style == CellStyle::Linear;
+    let cells = if linear {
+        let x: Vec<Vector<N>> = values.chunks_exact(width(part)).map(|row| Vector::from_fn(|k, _| row[k])).collect();
+        Cow::Owned(of.cut(&x, plan.left).0)
+    } else {
+        Cow::Borrowed(&of.whole[usize::from(plan.left)][..])
+    };
     Ok(Piece {
         values,
         rational: false,
         kind: cell_type(D, plan.cell, if linear { Shape::Linear } else { Shape::Lagrange }),
         degrees: degrees(if linear { [1; D] } else { plan.lagrange }, plan.left),
-        cells: if linear { &of.linear[left] } else { &of.whole[left] },
+        cells,
         corners: Vec::new(),
         around: &of.around,
     })
