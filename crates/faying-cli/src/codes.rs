@@ -111,9 +111,9 @@ pub const CODES: &[Code] = &[
         "E019",
         3,
         "known, not in this version",
-        "The key or value is part of the case file's language, but this version of the program does not build it.",
+        "The key, value or quantity is part of the case file's language, but this version of the program does not build it.",
         "[[contact]]\nfriction = 0.3",
-        "take the key out, or use the value that the message offers.",
+        "take it out, or use what the message offers.",
     ),
     code(
         "E021",
@@ -136,7 +136,8 @@ pub const CODES: &[Code] = &[
         3,
         "sides do not meet",
         "Two sides that are to be tied are farther apart than `tolerance` allows, or the sides of a contact do not face each other: \
-         outward normals must oppose, and an overlap at rest may be up to half the thickness of a body. `between` ties sides whose facets explain their distance: \
+         outward normals must oppose, and an overlap at rest (of bodies, of a body and an obstacle, or by the formula of `gap`) may be up \
+         to half the thickness of a body. `between` ties sides whose facets explain their distance: \
          a mean of a quarter and at most twice of what facets deviate from the surface they stand for. As a warning: sides that are \
          nearly together are not tied, or named ones are tied across a distance that their facets do not explain. Use [[contact]] if a gap is meant.",
         "[[interface]]\nslave = \"inner.v1\"     # r = 1.5\nmaster = \"outer.v0\"    # r = 1.75",
@@ -273,7 +274,7 @@ pub const CODES: &[Code] = &[
         "A warning: the multiplier space is not stable on this side; `faying infsup` shows it. `constant` on a side of degree 1, and spaces \
          given as data, may be p/p-1 by another name; constants on maximally smooth splines of degree 3, 5, ... are p/p-3, p/p-5, ..., not stable either.",
         "multiplier = \"p/p-1\"",
-        "use \"p/p\" or \"p/p-2\" (the default).",
+        "use \"p/p\", or from degree 2 on \"p/p-2\" (the default there).",
     ),
     code(
         "E062",

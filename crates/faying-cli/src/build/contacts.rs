@@ -3,7 +3,7 @@
 use super::couples::Couples;
 use super::fixed::Fixed;
 use super::meant::{meant, overlap};
-use super::multipliers::{held_help, multiplier, multiplier_fault, positive_help, wrapped};
+use super::multipliers::{has_lowered, held_help, multiplier, multiplier_fault, positive_help, wrapped};
 use super::obstacles::{num_pressed, obstacle, turned_away};
 use super::sides::{Sides, as_one};
 use super::ties::{FINER_POINTS, degree, labels, list, memberships, nitsche_variant};
@@ -93,7 +93,7 @@ pub(super) fn build<const S: usize, const N: usize>(
                 Err(Missed::Fault(fault)) => builder.faults.push(*fault),
             }
         }
-        if let Some(fault) = built.parts.iter().find_map(|part| overlap(builder, model, part, contact)) {
+        if let Some(fault) = built.parts.iter().find_map(|part| overlap(builder, model, &built, part, contact)) {
             builder.faults.push(fault);
         }
         for mut fault in behind {
@@ -368,9 +368,10 @@ fn contact_fault<const S: usize, const N: usize>(
     let text = format!("contact \"{}\": {error}", contact.name.value);
     match error {
         ContactError::Weight { .. } => builder.error("E064", text, contact.multiplier.at).with_help(positive_help(slave)),
-        ContactError::NoGreville => builder
-            .error("E064", text, contact.cone.at)
-            .with_help("write cone = \"weights\" or \"coefficients\", or take a multiplier such as p/p-2"),
+        ContactError::NoGreville => builder.error("E064", text, contact.cone.at).with_help(format!(
+            "write cone = \"weights\" or \"coefficients\", or take a multiplier such as {}",
+            if has_lowered(slave) { "p/p-2" } else { "p/p" }
+        )),
         ContactError::ConeWeight { .. } => {
             builder.error("E064", text, contact.cone.at).with_help("take a multiplier of lower degree, or cone = \"coefficients\"")
         }

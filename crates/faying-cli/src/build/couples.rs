@@ -2,6 +2,7 @@
 
 use super::Builder;
 use super::joined::{Known, disjoint};
+use super::near::{self, nearest};
 use super::sides::Sides;
 use super::ties::{labels, short};
 use super::touch::{SAME_PLACE, Touching, sag, touching_sides};
@@ -109,8 +110,16 @@ pub(super) fn find<const S: usize, const N: usize>(
                 .and_then(|bodies| touching(builder, patches, sides, &bodies, &known, between.at, tie.tolerance.value))
             {
                 Ok(found) if found.is_empty() => {
-                    let text =
-                        format!("no sides of the patches of interface \"{}\" touch each other that are not joined yet", tie.name.value);
+                    let nearest = match wanted(builder, patches, between) {
+                        Ok(bodies) => nearest(builder, patches, sides, &bodies, &known, false, between.at),
+                        Err(_) => BTreeMap::new(),
+                    };
+                    let least = nearest.into_values().reduce(|a, b| if b.is_nearer(&a) { b } else { a });
+                    let text = format!(
+                        "no sides of the patches of interface \"{}\" touch each other that are not joined yet{}",
+                        tie.name.value,
+                        least.map_or(String::new(), |pair| format!("; the nearest, {}", pair.text()))
+                    );
                     let help = "name slave and master, or raise `tolerance`; a list of patches parts those that a file or a mesh joins";
                     builder.faults.push(builder.error("E023", text, between.at).with_help(help));
                     found
@@ -129,6 +138,7 @@ pub(super) fn find<const S: usize, const N: usize>(
     let all = couples.ties.iter().flatten().chain(&couples.seams);
     couples.sides = all.flat_map(|c| c.masters.iter().chain([&c.slave])).map(key).collect();
     slave_twice(builder, &couples);
+    near::warn(builder, patches, sides, &couples.ties, known);
     couples
 }
 
@@ -253,8 +263,8 @@ fn listed<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patches: 
     lists.filter_map(|b| Some(wanted(builder, patches, b).ok()?.into_iter().collect())).collect()
 }
 
-/// Returns the patches that `between` names.
-fn wanted<const S: usize, const N: usize>(
+/// The patches that `between` names.
+pub(super) fn wanted<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patches: &[PatchModel<S, N>],
     between: &Located<Vec<String>>,

@@ -34,6 +34,8 @@ pub(super) struct Known {
     /// (couple, whether as slave) for every couple that a facet is part of.
     of_facet: BTreeMap<FacetKey, Vec<(usize, bool)>>,
     couples: usize,
+    /// The patches of couples, each with one of those that it hangs together with.
+    bodies: BTreeMap<usize, usize>,
 }
 
 impl Known {
@@ -49,11 +51,24 @@ impl Known {
 
     /// Marks the facets of a couple as joined.
     pub fn add<const S: usize, const N: usize>(&mut self, couple: &Couple<S, N>) {
-        let sides = couple.masters.iter().map(|m| (m, false)).chain([(&couple.slave, true)]);
-        for (side, slave) in sides {
+        self.add_sides(std::slice::from_ref(&couple.slave), &couple.masters);
+    }
+
+    /// Slaves and their masters belong together.
+    pub fn add_sides<const S: usize, const N: usize>(&mut self, slaves: &[Arc<SideModel<S, N>>], masters: &[Arc<SideModel<S, N>>]) {
+        for (side, slave) in masters.iter().map(|m| (m, false)).chain(slaves.iter().map(|s| (s, true))) {
             facet_keys(side).for_each(|f| self.of_facet.entry(f).or_default().push((self.couples, slave)));
         }
         self.couples += 1;
+        for (slave, master) in slaves.iter().flat_map(|s| masters.iter().map(move |m| (s.patch, m.patch))) {
+            let [from, to] = [slave, master].map(|k| *self.bodies.entry(k).or_insert(k));
+            self.bodies.values_mut().filter(|b| **b == from).for_each(|b| *b = to);
+        }
+    }
+
+    /// Whether two patches hang together by couples.
+    pub fn are_joined(&self, a: usize, b: usize) -> bool {
+        self.bodies.get(&a).is_some_and(|body| self.bodies.get(&b) == Some(body))
     }
 
     /// Returns the couples that share a facet with a side.

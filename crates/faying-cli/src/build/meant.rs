@@ -3,12 +3,13 @@
 use super::Builder;
 use super::sides::alias;
 use super::ties::{labels, short};
+use super::values::times;
 use crate::case;
 use crate::errors::Diagnostic;
 use faying::basis::Order;
 use faying::geometry::{ClosestPoint, MapTable, Sag, cell};
 use faying::linalg::Vector;
-use faying::problem::{Against, ContactPart, Model, PatchModel, SideModel};
+use faying::problem::{Against, ContactModel, ContactPart, Model, PatchModel, SideModel};
 use faying::space::{Skin, Space, Trace, raised, skin_points};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -24,7 +25,10 @@ const DEPTHS: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
 /// Share of the overlapping area beyond which an overlap deeper than half the thickness is an error.
 const TOO_DEEP: f64 = 0.5;
 
-/// Closest-point searches on the patches of a body, to test whether a point is inside.
+/// Normals with less than this along an axis are perpendicular to it.
+const PERPENDICULAR: f64 = 1e-9;
+
+/// The patches of a body, to ask whether a point is in it.
 type Body<const N: usize> = Vec<ClosestPoint<N, N, Arc<dyn Space<N, N>>>>;
 
 /// Returns `plain`, with a hint to the sides of both bodies that face each other best if they are much closer than the named ones.
@@ -62,66 +66,87 @@ fn skins<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> Vec<(Strin
 
 /// Returns the mean |gap| of the facets of a side that face another; `None` if too few do.
 fn mean_distance<const S: usize, const N: usize>(side: &Trace<S, N>, other: &Trace<S, N>, reach: f64) -> Option<f64> {
+    facing(side, other, reach).filter(|f| f.share > SEEN).map(|f| f.distance)
+}
+
+/// The part of a side that sees another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Facing {
+    /// Its share of the side.
+    pub share: f64,
+    /// The mean of |gap| \[length\].
+    pub distance: f64,
+    /// The mean gap, negative where the sides overlap \[length\].
+    pub gap: f64,
+}
+
+/// The facets of a side that see another within `reach`; none where no facet does.
+pub(super) fn facing<const S: usize, const N: usize>(side: &Trace<S, N>, other: &Trace<S, N>, reach: f64) -> Option<Facing> {
     let [own, far] = [side, other].map(|t| Sag::none(t.facets.len()));
     let (skin, mut table) = (Skin::new(other, &far), MapTable::new());
-    let (mut sum, mut seen, mut all) = (0.0, 0.0, 0.0);
+    let (mut size, mut sum, mut seen, mut all) = (0.0, 0.0, 0.0, 0.0);
     for (f, bounds) in side.space.all_bounds().iter().enumerate() {
         let weight = bounds.diagonal().powi(S as i32);
         all += weight;
         let middle = raised(side, &own, f, &skin_points(side.space.cell(f))[..1], &mut table)[0];
         if let Some(sight) = skin.sight(&middle, reach, 0.0, &mut table) {
-            sum += sight.gap.abs() * weight;
+            size += sight.gap.abs() * weight;
+            sum += sight.gap * weight;
             seen += weight;
         }
     }
-    (seen > SEEN * all).then(|| sum / seen)
+    (seen > 0.0).then(|| Facing { share: seen / all, distance: size / seen, gap: sum / seen })
 }
 
-/// Returns E023 if the sides overlap at rest by more than half the thickness of a body along the normal, on more than half of the
-/// overlapping area.
+/// E023 where a contact overlaps at the first time by more than half the thickness of a body along the normal, at most of the points that
+/// overlap: by the place of its sides or of its obstacle, or by the gap that its formula gives.
 pub(super) fn overlap<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     model: &Model<S, N>,
+    built: &ContactModel<S, N>,
     part: &ContactPart<S, N>,
     contact: &case::Contact,
 ) -> Option<Diagnostic> {
-    let Against::Side(master, _) = &part.against else { return None };
-    let (segments, frames) = (&part.first.segments, &part.first.frames);
-    let traces = [&part.slave.trace, &master.trace];
-    let mut groups: Option<[Body<N>; 2]> = None;
-    let (mut overlapping, mut deep, mut worst) = (0.0, 0.0, (0.0, Vector::<N>::zeros()));
+    // what an obstacle does later is a motion
+    let then = part.changes.then(|| built.at(model, part, times(builder.case, false)[0]).ok()).flatten();
+    let first = then.as_ref().unwrap_or(&part.first);
+    let (segments, frames) = (&first.segments, &first.frames);
+    let pressed = |n: &Vector<N>| built.obstacle.iter().flat_map(|o| &o.pressed).any(|p| n[p.component].abs() > PERPENDICULAR);
+    let mut groups: Option<Vec<Body<N>>> = None;
+    let (mut overlapping, mut deep, mut worst) = (0.0, 0.0, (0.0, Vector::<N>::zeros(), false));
     for piece in 0..segments.num_pieces() {
-        let (e, f) = (segments.slave[piece], segments.master[piece]);
+        let e = segments.slave[piece];
         for q in segments.points(piece) {
-            let depth = -frames.gap[q];
-            if depth <= 0.0 {
+            let (gap, normal) = (frames.gap[q], frames.normal[q]);
+            let depth = -gap.min(first.at_rest[q]);
+            // a force moves its obstacle out of the body
+            if depth <= 0.0 || pressed(&normal) {
                 continue;
             }
             overlapping += segments.ds[q];
-            // most overlaps are less deep than half the element behind the side
-            let owner = [part.slave.patch_of(e), master.patch_of(f)];
-            let behind = [(0, e), (1, f)].map(|(k, element)| element_depth(model, traces[k], owner[k], element, &frames.normal[q]));
-            if behind.iter().all(|b| 2.0 * depth <= *b) {
+            let mut sides = vec![(&part.slave.trace, part.slave.patch_of(e), e, frames.x[q], normal)];
+            if let Against::Side(master, _) = &part.against {
+                let f = segments.master[piece];
+                sides.push((&master.trace, master.patch_of(f), f, frames.x[q] - normal * gap, -normal));
+            }
+            // most fits are less deep than the element behind the side
+            if sides.iter().all(|(trace, patch, element, ..)| 2.0 * depth <= element_depth(model, trace, *patch, *element, &normal)) {
                 continue;
             }
             let groups = groups.get_or_insert_with(|| {
                 let masters: Vec<usize> = part.masters.iter().map(|m| m.patch).collect();
-                [body(model, &[part.slave.patch]), body(model, &masters)]
+                vec![body(model, &[part.slave.patch]), body(model, &masters)]
             });
-            let inward = [frames.normal[q], -frames.normal[q]];
-            let foot = frames.x[q] + frames.normal[q] * depth;
-            let ends = [(frames.x[q], inward[0]), (foot, inward[1])];
-            let thin = (0..2).any(|k| {
-                let (x, way) = ends[k];
+            let thin = sides.iter().zip(&*groups).any(|((.., x, inward), group)| {
                 DEPTHS.iter().any(|d| {
-                    let at = x + way * (depth * (d - INSIDE));
-                    !groups[k].iter().any(|c| c.project_within(&at, depth * INSIDE + model.size * 1e-12).is_some())
+                    let at = x + inward * (depth * (d - INSIDE));
+                    !group.iter().any(|c| c.project_within(&at, depth * INSIDE + model.size * 1e-12).is_some())
                 })
             });
             if thin {
                 deep += segments.ds[q];
                 if depth > worst.0 {
-                    worst = (depth, frames.x[q]);
+                    worst = (depth, frames.x[q], depth > -gap);
                 }
             }
         }
@@ -129,17 +154,30 @@ pub(super) fn overlap<const S: usize, const N: usize>(
     if deep <= TOO_DEEP * overlapping {
         return None;
     }
-    let at: Vec<String> = ["x", "y", "z"][..N].iter().zip(worst.1.iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
+    let (depth, x, by_formula) = worst;
+    let at: Vec<String> = ["x", "y", "z"][..N].iter().zip(x.iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
+    let (opponent, help) = match &part.against {
+        Against::Side(..) => {
+            (format!("the body of {}", labels(&part.masters)), "move the bodies apart, or choose the sides that face each other")
+        }
+        Against::Rigid(..) => (
+            format!("the obstacle of contact \"{}\"", contact.name.value),
+            "move the obstacle out of the body, or choose the side that faces it; what `move` prescribes may grow over [steps]",
+        ),
+    };
     let text = format!(
-        "`{}` lies {} deep in the body of {} (at {}): more than half of a body's thickness",
+        "`{}` lies {} deep in {opponent}{} (at {}): more than half of a body's thickness",
         part.slave.label,
-        short(worst.0),
-        labels(&part.masters),
+        short(depth),
+        if by_formula { " by the formula of `gap`" } else { "" },
         at.join(", ")
     );
-    let plain =
-        Box::new(builder.error("E023", text, contact.head.at).with_help("move the bodies apart, or choose the sides that face each other"));
-    Some(*meant(model, &part.slave, &part.masters, plain))
+    if by_formula {
+        let help = "`gap` is a length: g is the distance of the sides, \"g - 0.001\" a press fit";
+        return Some(builder.error("E023", text, contact.gap.at).with_help(help));
+    }
+    let plain = Box::new(builder.error("E023", text, contact.head.at).with_help(help));
+    Some(*if part.masters.is_empty() { plain } else { meant(model, &part.slave, &part.masters, plain) })
 }
 
 /// Depth of the element behind a facet: twice the distance between the centres of facet and cell along `normal`.

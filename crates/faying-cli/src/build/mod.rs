@@ -17,6 +17,7 @@ mod meant;
 mod meetings;
 mod meshes;
 mod multipliers;
+mod near;
 mod obstacles;
 mod outline;
 mod parameters;

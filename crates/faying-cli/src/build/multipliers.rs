@@ -29,7 +29,7 @@ pub(super) fn multiplier<const S: usize, const N: usize>(
             Ok(make) => {
                 if word.parse::<MultiplierKind>().is_ok_and(|k| k.is_unstable()) {
                     let text = format!("multiplier \"{word}\" of \"{name}\" is not stable; `faying infsup` shows it");
-                    warning = Some(builder.warning("E061", text, wanted.at).with_help("use p/p or p/p-2"));
+                    warning = Some(builder.warning("E061", text, wanted.at).with_help(stable_help(slave)));
                 }
                 make(&slave.trace, constrained)
             }
@@ -62,8 +62,7 @@ pub(super) fn multiplier<const S: usize, const N: usize>(
             "multiplier {word} of \"{name}\" is p/p-{lowered} on this side of degree {degree}, which is not stable: its pressure oscillates; \
              `faying infsup` shows it"
         );
-        let help = if degree == 1 { "use p/p, or raise the degree of the slave to 2" } else { "use p/p or p/p-2" };
-        warning = Some(builder.warning("E061", text, wanted.at).with_help(help));
+        warning = Some(builder.warning("E061", text, wanted.at).with_help(stable_help(slave)));
     }
     made.map(|psi| (psi, warning)).map_err(|e| {
         let mut fault = multiplier_fault(builder, name, slave, &e, wanted.at, N.max(2));
@@ -156,11 +155,21 @@ pub(super) fn wrapped<const S: usize, const N: usize>(
     if twin.is_empty() { psi } else { Box::new(Extracted::new::<S>(psi, next, rows)) }
 }
 
-/// Help text that suggests a multiplier with positive functions that exists on this side.
-pub(super) fn positive_help<const S: usize, const N: usize>(slave: &SideModel<S, N>) -> &'static str {
+/// Whether p/p-2 exists on this side; p/p does on every side.
+pub(super) fn has_lowered<const S: usize, const N: usize>(slave: &SideModel<S, N>) -> bool {
     let space = &*slave.trace.space;
     let least = (0..space.num_elements()).flat_map(|e| space.degree(e)).min();
-    if least >= Some(2) { "write multiplier = \"p/p-2\"" } else { "write multiplier = \"p/p\"" }
+    least >= Some(2) && space.polynomials(Polynomials::Lowered(2)).is_some()
+}
+
+/// A multiplier with positive functions that exists on this side.
+pub(super) fn positive_help<const S: usize, const N: usize>(slave: &SideModel<S, N>) -> &'static str {
+    if has_lowered(slave) { "write multiplier = \"p/p-2\"" } else { "write multiplier = \"p/p\"" }
+}
+
+/// The stable multipliers of this side, in place of an unstable one.
+fn stable_help<const S: usize, const N: usize>(slave: &SideModel<S, N>) -> &'static str {
+    if has_lowered(slave) { "use p/p or p/p-2" } else { "use p/p, or raise the degree of the slave" }
 }
 
 /// Builds the diagnostic of a multiplier that cannot be built.
@@ -179,7 +188,11 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
         }
         MultiplierError::NothingLeft { .. } => builder
             .error("E024", format!("the multiplier of \"{name}\" on `{}` cannot be lowered at an end: {error}", slave.label), at)
-            .with_help(format!("give patch \"{patch}\" more elements along `{}`, or take p/p-2", slave.label)),
+            .with_help(format!(
+                "give patch \"{patch}\" more elements along `{}`{}",
+                slave.label,
+                if has_lowered(slave) { ", or take p/p-2" } else { "" }
+            )),
         MultiplierError::TooMany { component, multipliers, free } => builder
             .error(
                 "E024",

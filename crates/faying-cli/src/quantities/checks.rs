@@ -51,7 +51,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
     /// Prepares every probe and check of `case`.
     ///
     /// # Errors
-    /// E015, E018, E021, E022, E062 at their places.
+    /// E015, E018, E019, E021, E022, E062 at their places.
     pub fn of(case: &Case, model: &Built<S, N>, skeleton: &Value) -> Result<Self, Diagnostics> {
         // probes are answered before checks: checks may name them, probes neither probes nor checks
         let answered: Vec<Value> = case.probes.iter().map(|p| json!({ "name": p.name.value, "value": 0.0 })).collect();

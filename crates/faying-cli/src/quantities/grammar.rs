@@ -71,6 +71,8 @@ pub enum Kind {
     Rate(String),
     /// A number of the result by its path.
     Path(Vec<String>),
+    /// A quantity of the language that is not built: its path, and what there is instead.
+    Later(Vec<String>, &'static str),
 }
 
 /// A quantity and its text.
@@ -160,6 +162,30 @@ fn coordinates(text: &str) -> Result<Vec<String>, GrammarError> {
     Ok(list)
 }
 
+/// The axes of two letters x, y, z.
+fn axes(letters: &str) -> Option<(usize, usize)> {
+    let list: Vec<Option<usize>> = letters.chars().map(|l| axis(&l.to_string())).collect();
+    match list.as_slice() {
+        [Some(i), Some(j)] => Some((*i, *j)),
+        _ => None,
+    }
+}
+
+/// What there is instead of a quantity of the language that is not built; none for every other path.
+fn later(path: &[String]) -> Option<&'static str> {
+    let words: Vec<&str> = path.iter().map(String::as_str).collect();
+    match words.strip_suffix(&["min"]).or_else(|| words.strip_suffix(&["max"])).unwrap_or(&words) {
+        ["u" | "displacement", "norm"] => Some("ask for the components u.x and u.y"),
+        ["principal", "1" | "2" | "3"] => Some("ask for the components stress.xx, stress.yy, stress.xy, or for von_mises"),
+        ["strain", c] if axes(c).is_some() => Some("ask for the stress: stress.xx, stress.yy, stress.xy"),
+        ["nominal", c] if axes(c).is_some() => Some("under small kinematics it is the stress: stress.xx, stress.yy, stress.xy"),
+        ["stretch", _, .., "least"] => Some("it belongs to finite kinematics: displacements and rotations are small here"),
+        ["contact", _, "friction", c] if axis(c).is_some() => Some("contact is frictionless here: leave it out"),
+        ["contact", _, "stick" | "slip" | "dissipated"] => Some("contact is frictionless here: leave it out"),
+        _ => None,
+    }
+}
+
 fn field(head: &[String]) -> Result<Option<FieldName>, GrammarError> {
     let rest: Vec<&str> = head[1..].iter().map(String::as_str).collect();
     Ok(Some(match (head[0].as_str(), rest.as_slice()) {
@@ -173,13 +199,10 @@ fn field(head: &[String]) -> Result<Option<FieldName>, GrammarError> {
             None => return wrong(format!("unknown component `{c}` of the flux; components are x, y, z")),
         },
         ("flux", []) => return wrong("the flux has components; write flux.x or flux.y"),
-        ("stress", [c]) => {
-            let letters: Vec<Option<usize>> = c.chars().map(|l| axis(&l.to_string())).collect();
-            match letters.as_slice() {
-                [Some(i), Some(j)] => FieldName::Stress(*i, *j),
-                _ => return wrong(format!("unknown component `{c}` of the stress; components are xx, yy, zz, xy, yz, xz")),
-            }
-        }
+        ("stress", [c]) => match axes(c) {
+            Some((i, j)) => FieldName::Stress(i, j),
+            None => return wrong(format!("unknown component `{c}` of the stress; components are xx, yy, zz, xy, yz, xz")),
+        },
         ("stress", []) => return wrong("the stress has components; write stress.xx, stress.yy, stress.xy, ..."),
         ("von_mises", []) => FieldName::VonMises,
         ("u" | "displacement" | "flux" | "stress" | "von_mises", _) => {
@@ -235,6 +258,9 @@ impl Quantity {
 
     fn kind(path: &mut Vec<String>, at: At, patch: Option<String>) -> Result<Kind, GrammarError> {
         let placed = at != At::Everywhere;
+        if let Some(instead) = later(path) {
+            return Ok(Kind::Later(std::mem::take(path), instead));
+        }
         if matches!(path[0].as_str(), "u" | "displacement" | "flux" | "stress" | "von_mises") {
             let reduce = match path.last().map(String::as_str) {
                 Some("min") => Reduce::Min,

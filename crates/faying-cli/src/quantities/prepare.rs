@@ -75,7 +75,8 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     /// Prepares `text`, with source location `at`. With `both`, a field without a point means both extremes.
     ///
     /// # Errors
-    /// E018 for texts that are no quantity here, E021 for unknown names, E022 for points outside, E017 for coordinates.
+    /// E018 for what is no quantity here, E019 for what is not built, E021 for unknown names, E022 for points outside, E017 for
+    /// coordinates.
     pub fn prepare(&self, text: &str, at: Place, both: bool) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         let quantity = Quantity::parse(text).map_err(|e| {
             let fault = self.fault("E018", format!("`{text}` is no quantity: {e}"), at);
@@ -84,6 +85,10 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         match quantity.kind {
             Kind::Beta(pairing) => self.beta(text, &pairing, at),
             Kind::Rate(inner) => self.rate(&inner, at),
+            Kind::Later(path, _) if path[0] == "contact" && !self.model.contacts.iter().any(|c| c.name == path[1]) => {
+                self.path(text, path, at)
+            }
+            Kind::Later(_, instead) => Err(Box::new(self.fault("E019", format!("`{text}` is not in this version"), at).with_help(instead))),
             Kind::Path(path) => self.path(text, path, at),
             Kind::SideMeasure(side) => self.side_measure(text, &side, at),
             Kind::Multiplier { pressure, name, component, at: place } => {

@@ -390,6 +390,9 @@ fn wrong_cases_are_refused_with_code_place_and_advice() {
         (pad("probes.1.value", ""), "E018", "unknown quantity"),
         (probe("probes.p.value"), "E018", "unknown quantity"),
         (probe("checks.0.value"), "E018", "unknown quantity"),
+        (pad("contact.mid.stick", ""), "E018", "unknown quantity"),
+        (pad("strain.xq", ""), "E018", "unknown quantity"),
+        (pad("principal.4", ""), "E018", "unknown quantity"),
         // sides that do not fit
         (pair("min = [0, 1.25], max = [1, 2]", &tie("")), "E023", "`b.bottom` and `a.top` are up to 0.25 apart"),
         (pair("min = [0.5, 1], max = [1.5, 2]", &tie("")), "E025", "only 50 % of the slave side `b.bottom`"),
@@ -429,6 +432,35 @@ fn wrong_cases_are_refused_with_code_place_and_advice() {
         ),
     ] {
         wrong.extend(refuses(&text, code, part));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn quantities_of_the_contract_that_are_not_built_are_not_in_this_version() {
+    let pad = |quantity: &str, check: &str| {
+        pair(
+            "min = [0, 1], max = [1, 2]",
+            &format!(
+                "[[boundary]]\non = \"b.left\"\nfix = [\"x\"]\n[[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n\
+                 [[probe]]\nname = \"p\"\nquantity = '{quantity}'\n[[check]]\nquantity = \"energy\"\nbelow = \"{check}\"\n"
+            ),
+        )
+    };
+    let fields =
+        ["u.norm", "displacement.norm", "principal.1", "principal.2", "principal.3", "strain.xx", "strain.xy", "nominal.xx", "nominal.yx"];
+    let forms = [".min", ".max", ".max in a", " at [0.5, 0.2]", " at [0.5, 0.2] in a", " at TIP"];
+    let mut all: Vec<String> = fields.iter().flat_map(|f| forms.iter().map(move |form| format!("{f}{form}"))).collect();
+    let contact = ["friction.x", "friction.y", "stick", "slip", "slip.max", "dissipated"];
+    all.extend(contact.iter().flat_map(|q| ["", "rate."].map(|before| format!("{before}contact.c.{q}"))));
+    all.push("stretch.a.least".into());
+    let mut wrong: Vec<String> = Vec::new();
+    for quantity in &all {
+        let name = quantity.trim_start_matches("rate.");
+        wrong.extend(refuses(&pad(quantity, "1"), "E019", &format!("`{name}` is not in this version")));
+        if !name.contains('[') && name == quantity {
+            wrong.extend(refuses(&pad("energy", quantity), "E019", &format!("`{name}` is not in this version")));
+        }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -598,6 +598,29 @@ fn an_obstacle_that_moves_turns_its_rows_anew_in_every_cone() {
 }
 
 #[test]
+fn the_remedy_of_a_cone_of_values_is_a_multiplier_that_exists() {
+    for (degree, word) in [(1, "such as p/p"), (2, "such as p/p-2"), (3, "such as p/p-2")] {
+        let text = |multiplier: &str| {
+            format!(
+                "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\ndegree = {degree}\n\
+                 [[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+                 [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [1, 1] }}\nelements = [4, 3]\n\
+                 [[boundary]]\non = \"a.top\"\ndirichlet = {{ x = 0, y = -0.01 }}\n\
+                 [[contact]]\nname = \"c\"\nslave = \"a.bottom\"\ncone = \"values\"\nmultiplier = \"{multiplier}\"\n\
+                 rigid = {{ kind = \"half-plane\", point = [0, 0], normal = [0, 1] }}\n"
+            )
+        };
+        let solve = |text: &str| Case::parse("a.toml", text, &ReadOptions::default()).and_then(|case| case.run(&Registry::default()));
+        let found = solve(&text("dual")).expect_err("dual functions have no Greville points");
+        let fault = found.items.iter().find(|d| d.code == "E064").unwrap_or_else(|| panic!("{found}"));
+        let help = fault.help.clone().unwrap_or_default();
+        assert!(help.ends_with(word), "degree {degree}: {help}");
+        let offered = help.rsplit(' ').next().unwrap_or_default();
+        assert_eq!(solve(&text(offered)).unwrap_or_else(|d| panic!("{d}")).exit, 0, "degree {degree}: {offered}");
+    }
+}
+
+#[test]
 fn what_a_cone_or_mixed_integration_cannot_have_is_refused_with_its_place() {
     let of = |code: &str, found: Vec<(String, String)>, words: &str| {
         assert!(found.iter().any(|(c, m)| c == code && m.contains(words)), "{found:?}");

@@ -221,6 +221,44 @@ fn an_obstacle_that_looks_the_wrong_way_or_is_none_is_refused_with_its_remedy() 
     assert!(refused(&far).contains("no part of `b.top` faces the obstacle"));
 }
 
+#[test]
+fn an_obstacle_deeper_in_a_body_than_half_of_its_thickness_is_refused() {
+    let depth = "half of a body's thickness";
+    for backend in BACKENDS {
+        let plane = |y: f64, more: &str| format!("kind = \"half-plane\", point = [0, {y:?}], normal = [0, -1]{more}");
+        let block = |rigid: &str, rest: &str| block_under(backend, "auto", rigid) + rest;
+        let steps = "[steps]\nt = [0.5, 1.0]\n";
+        // the block is 1 thick
+        for (rigid, rest) in [
+            (plane(-0.05, ""), ""),
+            (plane(-0.45, ""), ""),
+            // what it does after the first time is a motion, and a force moves it out of the block
+            (plane(0.0, ", move = { y = \"-0.8*t\" }"), steps),
+            (plane(1.0, ", move = { y = \"-1.6*t\" }"), steps),
+            (plane(-0.8, ", force = { y = -0.01 }"), ""),
+        ] {
+            assert!(run(&block(&rigid, rest)).contact.get("c").unwrap().force[1] < 0.0, "{backend} {rigid}");
+        }
+        for (rigid, rest) in [
+            (plane(-0.55, ""), ""),
+            (plane(-1.8, ""), ""),
+            (plane(-18.0, ""), ""),
+            (plane(0.0, ", move = { y = -0.6 }"), steps),
+            ("kind = \"level-set\", f = \"-0.6 - y\"".to_owned(), ""),
+            ("kind = \"box\", min = [-3, -0.6], max = [3, 1]".to_owned(), ""),
+        ] {
+            let text = refused(&block(&rigid, rest));
+            assert!(text.contains("E023") && text.contains(depth) && text.contains("deep in the obstacle"), "{backend} {rigid}: {text}");
+        }
+        for method in ["lagrange", "penalty", "augmented", "nitsche"] {
+            let by = |gap: &str| block(&plane(0.0, ""), "").replace("slave =", &format!("method = \"{method}\"\ngap = \"{gap}\"\nslave ="));
+            let text = refused(&by("g - 0.6"));
+            assert!(text.contains("E023") && text.contains(depth) && text.contains("formula of `gap`"), "{backend} {method}: {text}");
+            assert!(run(&by("g - 0.1")).contact.get("c").unwrap().force[1] < 0.0, "{backend} {method}");
+        }
+    }
+}
+
 /// A file in a folder of its own.
 fn file(name: &str, text: &str) -> String {
     let folder = std::env::temp_dir().join(format!("faying-obstacles-{}", std::process::id()));

@@ -306,8 +306,7 @@ fn every_combination_is_as_good_as_its_halves_its_multiplier_and_its_rule() {
     print!("\n{text}");
     assert!(failures.is_empty(), "{} failed:\n{}", failures.len(), failures[..failures.len().min(40)].join("\n"));
     if whole {
-        let kept = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cross_product.txt"))
-            .unwrap_or_default();
+        let kept = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cross_product.txt")).unwrap_or_default();
         assert!(text == kept, "the summary differs from tests/data/cross_product.txt; keep the new one if the change is meant");
     }
 }

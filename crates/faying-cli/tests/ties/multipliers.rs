@@ -132,6 +132,13 @@ fn multipliers_that_cannot_be_are_refused_in_words() {
         refused(&text(1, 1, "\"dual\"", POISSON_HELD), "E024", "a.top");
         refused(&text(2, 1, "{ degree = 2, ends = \"full\" }", POISSON_HELD), "E024", "component u has 3 functions for 1 free unknowns");
         refused(&text(2, 4, "\"duall\"", POISSON_FREE), "E064", "there is no multiplier \"duall\"");
+        // every multiplier that a remedy names is there
+        let held = solve(&text(1, 1, "\"p/p\"", POISSON_HELD)).expect_err("nothing is left");
+        assert!(held.items.iter().all(|d| d.help.as_ref().is_none_or(|help| !help.contains("p/p-2"))), "{held}");
+        for (p, remedy) in [(1, "use p/p, or raise"), (2, "use p/p or p/p-2")] {
+            let warned = run(&text(p, 4, "\"p/p-1\"", POISSON_FREE)).warnings;
+            assert!(warned.iter().any(|d| d.code == "E061" && d.help.as_ref().is_some_and(|help| help.starts_with(remedy))), "{warned:?}");
+        }
         // not stable, and said so
         let result = run(&text(3, 4, "\"p/p-1\"", POISSON_FREE));
         assert!(result.warnings.iter().any(|d| d.code == "E061" && d.message.contains("p/p-1")), "{:?}", result.warnings);

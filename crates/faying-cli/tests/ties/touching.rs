@@ -181,6 +181,46 @@ fn the_far_faces_of_three_thin_layers_are_not_tied() {
     }
 }
 
+/// Layers between the heights, which `between` ties where they touch; the lowest is clamped, the highest pulled.
+fn layers(folder: &Path, heights: &[[f64; 2]], rest: &str) -> String {
+    let mut text = fe("elasticity", 1) + "[[interface]]\nname = \"i\"\nbetween = \"all\"\n";
+    for (k, y) in heights.iter().enumerate() {
+        std::fs::write(folder.join(format!("l{k}.msh")), layer(&format!("l{k}"), *y, [6, 7, 9][k])).unwrap();
+        text += &format!("[[patch]]\nname = \"l{k}\"\ngeometry = {{ kind = \"file\", file = \"l{k}.msh\", group = \"l{k}\" }}\n");
+    }
+    let last = heights.len() - 1;
+    text + &format!("[[boundary]]\non = [\"l0.bottom\", \"l{last}.top\"]\ndirichlet = [\"0\", \"0.01*y\"]\n{rest}")
+}
+
+#[test]
+fn sides_that_are_near_for_their_facets_are_named_and_not_tied() {
+    let folder = TempDir::new().unwrap();
+    let of = |gap: f64, rest: &str| run(folder.path(), &layers(folder.path(), &[[0.0, 0.5], [0.5, 1.0], [1.0 + gap, 1.5]], rest));
+    for (gap, distance) in [(1e-4, "0.0001"), (1e-3, "0.001"), (5e-3, "0.005"), (-1e-3, "0.001 deep")] {
+        let (pairs, warnings) = tied(&of(gap, ""));
+        assert_eq!(pairs, [pair("l0.top", "l1.bottom")]);
+        let [one] = &warnings[..] else { panic!("{gap}: {warnings:?}") };
+        assert!(["`l1.top`", "`l2.bottom`", "not tied", distance].iter().all(|word| one.contains(word)), "{gap}: {one}");
+    }
+    // sides that are far away, in contact, or named; the far faces of thin layers
+    let contact = "[[contact]]\nname = \"c\"\nslave = \"l2.bottom\"\nmaster = \"l1.top\"\n";
+    let named = "[[interface]]\nname = \"n\"\nslave = \"l2.bottom\"\nmaster = \"l1.top\"\ntolerance = 0.01\n";
+    for (gap, rest) in [(0.05, ""), (1e-3, contact), (1e-3, named)] {
+        assert!(apart(&of(gap, rest)).is_empty(), "{gap} {rest}");
+    }
+    let thin = [0.0, 1e-3, 2e-3].map(|y| [y, y + 1e-3]);
+    let (pairs, warnings) = tied(&run(folder.path(), &layers(folder.path(), &thin, "")));
+    assert_eq!((pairs.len(), warnings.len()), (2, 0), "{warnings:?}");
+    // nothing touches: the error names those that are nearest
+    for gap in [1e-3, 0.1, -1e-3] {
+        let found = try_run(folder.path(), &layers(folder.path(), &[[0.0, 0.5], [0.5 + gap, 1.0]], "")).expect_err("nothing touches");
+        let fault = found.items.iter().find(|d| d.severity == Severity::Error).unwrap();
+        let distance = format!(" {} ", f64::abs(gap));
+        let words = ["`l0.top`", "`l1.bottom`", &distance];
+        assert!(fault.code == "E023" && words.iter().all(|word| fault.message.contains(word)), "{gap}: {found}");
+    }
+}
+
 /// A sector of a ring of finite elements.
 fn sector(name: &str, radius: [f64; 2], degrees: f64, elements: usize, more: &str) -> String {
     format!(
@@ -368,5 +408,28 @@ fn an_overlap_at_rest_may_be_up_to_half_the_thickness_of_a_body() {
     for depth in [0.21, 0.39, 0.6] {
         let found = try_run(Path::new("."), &overlapping(depth)).expect_err("too deep");
         assert!(found.items.iter().any(|d| d.code == "E023" && d.message.contains("deep")), "{depth}: {found}");
+    }
+}
+
+#[test]
+fn a_gap_by_formula_may_overlap_by_up_to_half_the_thickness_of_a_body() {
+    let fit = |gap: &str| {
+        format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1000.0\npoisson = 0.3\n\
+             [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [1, 1] }}\nelements = [6, 8]\n\
+             [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [0, 1.02], max = [1, 1.42] }}\nelements = [5, 8]\n\
+             [[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\ngap = \"{gap}\"\n\
+             [[boundary]]\non = \"a.bottom\"\nfix = [\"x\", \"y\"]\n[[boundary]]\non = \"b.top\"\nfix = [\"x\", \"y\"]\n\
+             [steps]\nt = [0.5, 1.0]\n"
+        )
+    };
+    // b is 0.4 thick and 0.02 away; what comes after the first time is no overlap at rest
+    for gap in ["g - 0.03", "g - 0.21", "-0.19", "g - 0.3*t"] {
+        assert!(run(Path::new("."), &fit(gap)).contact.get("c").unwrap().force[1] > 0.0, "{gap}");
+    }
+    for gap in ["g - 0.23", "g - 1", "-0.21", "g - 0.5*t"] {
+        let found = try_run(Path::new("."), &fit(gap)).expect_err("too deep");
+        let fault = found.items.iter().find(|d| d.code == "E023").unwrap_or_else(|| panic!("{gap}: {found}"));
+        assert!(fault.message.contains("deep") && fault.message.contains("`gap`") && fault.line == Some(20), "{gap}: {found}");
     }
 }
