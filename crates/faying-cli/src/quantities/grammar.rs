@@ -171,7 +171,7 @@ fn axes(letters: &str) -> Option<(usize, usize)> {
     }
 }
 
-/// What there is instead of a quantity of the language that is not built; none for every other path.
+/// Substitute for a quantity of the contract that this version lacks; `None` for every other path.
 fn later(path: &[String]) -> Option<&'static str> {
     let words: Vec<&str> = path.iter().map(String::as_str).collect();
     match words.strip_suffix(&["min"]).or_else(|| words.strip_suffix(&["max"])).unwrap_or(&words) {

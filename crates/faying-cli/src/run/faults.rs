@@ -205,7 +205,7 @@ fn flipping<const S: usize, const N: usize>(model: &Model<S, N>, rows: &[usize])
     lists.join("; ")
 }
 
-/// Where a multiplier function of a contact lives: its heaviest point.
+/// Place of a multiplier function of a contact: its point of largest weight.
 fn place_of<const S: usize, const N: usize>(part: &ContactPart<S, N>, function: usize) -> Option<String> {
     let s = &part.first.segments;
     let (mut best, mut pieces): (Option<(f64, usize)>, _) = (None, 0..s.num_pieces());

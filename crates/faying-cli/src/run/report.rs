@@ -236,7 +236,7 @@ fn contacts<const S: usize, const N: usize>(
     all
 }
 
-/// What an interface ties, before anything is solved.
+/// Report of an interface before anything is solved.
 fn tied<const S: usize, const N: usize>(tie: &TieModel<S, N>) -> InterfaceReport {
     let mut report = InterfaceReport::default();
     let mut whole = 0.0;

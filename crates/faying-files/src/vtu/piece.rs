@@ -38,10 +38,10 @@ pub(super) struct Piece<'a> {
 /// Elements whose pieces are held at once.
 const AT_ONCE: usize = 4096;
 
-/// How often the lattice of linear cells may be doubled.
+/// Most doublings of the lattice of linear cells.
 const DOUBLED: usize = 2;
 
-/// How often the lattice of a degree may be doubled, so that it stays of a size that one element can have.
+/// Most doublings of the lattice of a degree, so that it stays of a size that one element can have.
 fn most_doubled<const D: usize>(degree: [usize; D]) -> usize {
     (0..DOUBLED).take_while(|n| degree.iter().all(|p| p << (n + 1) <= 2 * MAX_DEGREE)).count()
 }
