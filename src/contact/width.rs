@@ -228,7 +228,7 @@ struct End<T: Real> {
     is_corner: bool,
     /// Whether it is the end of the curve.
     of_curve: bool,
-    /// Bounds of the true end: one element to either side.
+    /// Bounds of the true end: one element to either side, and no further than what faces the opponent.
     between: [T; 2],
 }
 
@@ -271,8 +271,10 @@ impl<T: Real> Unrolled<T> {
         let next = pieces.get(k + 1).or_else(|| self.sections.get(last + 1).and_then(|s| s.pieces.first()));
         let goes_on = next.is_some_and(|next| next.from <= at + same);
         let is_corner = !goes_on && pieces[k].points.last().is_some_and(|p| p.pressed);
-        let beyond = self.sections.get(last + 1).filter(|_| goes_on).map_or_else(T::zero, |s| s.length);
-        let between = [at - self.sections[last].length, (at + beyond).min(end)];
+        // no further than what faces the opponent without a break, in this element and the next
+        let following = pieces[k + 1..].iter().chain(self.sections.get(last + 1).into_iter().flat_map(|s| &s.pieces));
+        let most = following.take_while(|_| goes_on).fold(at, |to, piece| if piece.from <= to + same { piece.to } else { to });
+        let between = [at - self.sections[last].length, most.min(end)];
         Some(End { last, first, at, is_corner, of_curve: is_corner && at >= end - same, between })
     }
 

@@ -68,21 +68,22 @@ pub fn dual_covered<const N: usize, T: Real>(
     constrained: &[SideEnd],
     segments: &Segments<1, T>,
 ) -> Result<CoveredDual<N, T>, MultiplierError> {
-    let (mut gone, number, functions) = super::dual::numbering(&**space, constrained);
-    // functions on slivers give their share away as those of constrained ends do
+    let (gone, number, functions) = super::dual::numbering(&**space, constrained);
+    // on elements covered in part functions on slivers give their share away as those of constrained ends do
     let on_sliver = lives_on_sliver(&**space as &dyn Basis<1, T>, &**space as &dyn Geometry<1, N, T>, segments);
-    gone.iter_mut().zip(on_sliver).for_each(|(gone, sliver)| *gone |= sliver);
+    let gone_in_part: Vec<bool> = gone.iter().zip(on_sliver).map(|(&gone, sliver)| gone || sliver).collect();
     let mut work = Work::new();
     let mut points: Vec<Vec<Range<usize>>> = vec![Vec::new(); space.num_elements()];
     (0..segments.num_pieces()).for_each(|piece| points[segments.slave[piece]].push(segments.points(piece)));
     let (mut pieces, mut elements) = (Vec::with_capacity(points.len()), Vec::with_capacity(points.len()));
     for (element, own) in points.iter().enumerate() {
-        let in_order = Ordered::of(&**space, element, &gone, &mut work);
         let in_part = !own.is_empty() && !is_whole(segments, own);
+        let gone = if in_part { &gone_in_part } else { &gone };
+        let in_order = Ordered::of(&**space, element, gone, &mut work);
         let (mut piece, owner, is_bernstein) = if in_part {
             over_part(&**space, element, &in_order, segments, own)?
         } else {
-            work.integrate(&**space, element, &gone);
+            work.integrate(&**space, element, gone);
             (work.piece(element, space.degree(element)[0])?, in_order.owners(), false)
         };
         piece.ids.iter_mut().for_each(|i| *i = number[*i]);
