@@ -1,4 +1,4 @@
-"""Error against unknowns and against time, dolfinx beside the program: docs/dolfinx.csv, docs/dolfinx.svg and the README's table.
+"""Error against unknowns and against time, dolfinx beside the program: docs/dolfinx.csv, docs/dolfinx.svg and the table of docs/comparisons.md.
 
 Problem: a quarter of the infinite plate with a hole, cut at r = 4 (cases/kirsch.toml); plane strain, E = 1e5, nu = 0.3, tension
 10 along x, exact traction on r = 4, symmetry on both axes. Error: L2 norm of u - u_h over that of u, by the exact solution.

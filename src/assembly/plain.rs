@@ -188,6 +188,40 @@ const BLOCK_BYTES: usize = 4 << 20;
 /// Elements of a block at least, so that large elements still come in parallel.
 const BLOCK_ELEMENTS: usize = 16;
 
+/// Returns the end of the block of elements that begins with `first`, and fills `start` with the offsets of their matrices in a buffer.
+fn block_end<T>(pattern: &Pattern, components: usize, first: usize, start: &mut Vec<usize>) -> usize {
+    let mut last = first;
+    start.clear();
+    start.push(0);
+    while last < pattern.num_elements() {
+        let size = components * pattern.ids(last).len();
+        let total = start[last - first] + size * size;
+        if last - first >= BLOCK_ELEMENTS && total * size_of::<T>() > BLOCK_BYTES {
+            break;
+        }
+        start.push(total);
+        last += 1;
+    }
+    last
+}
+
+/// Adds a line of an element matrix to the row `own`, in which function j has the place `mark[j]`.
+#[inline]
+fn add_line<T: Real>(own: &mut [T], mark: &[u32], ids: &[u32], line: &[T], components: usize) {
+    if components == 1 {
+        for (&j, &value) in ids.iter().zip(line) {
+            own[mark[j as usize] as usize] += value;
+        }
+    } else {
+        for (&j, values) in ids.iter().zip(line.chunks_exact(components)) {
+            let at = components * mark[j as usize] as usize;
+            for (own, &value) in own[at..at + components].iter_mut().zip(values) {
+                *own += value;
+            }
+        }
+    }
+}
+
 /// Runs `kernel` on all elements and adds what it writes to `matrix`.
 fn add_elements<const D: usize, const N: usize, T: Real>(
     pattern: &Pattern,
@@ -206,18 +240,7 @@ fn add_elements<const D: usize, const N: usize, T: Real>(
     let mut start: Vec<usize> = Vec::new();
     let (mut first, mut block) = (0, 0u32);
     while first < pattern.num_elements() {
-        let mut last = first;
-        start.clear();
-        start.push(0);
-        while last < pattern.num_elements() {
-            let size = c * pattern.ids(last).len();
-            let total = start[last - first] + size * size;
-            if last - first >= BLOCK_ELEMENTS && total * size_of::<T>() > BLOCK_BYTES {
-                break;
-            }
-            start.push(total);
-            last += 1;
-        }
+        let last = block_end::<T>(pattern, c, first, &mut start);
         let needed = start[last - first];
         if buffer.len() < needed {
             buffer.resize(needed, T::zero());
@@ -267,19 +290,7 @@ fn add_elements<const D: usize, const N: usize, T: Real>(
                     let width = c * ids.len();
                     let element = &buffer[start[e as usize - first] + a as usize * c * width..][..c * width];
                     for (k, line) in element.chunks_exact(width).enumerate() {
-                        let own = &mut own[k * c * row.len()..][..c * row.len()];
-                        if c == 1 {
-                            for (&j, &value) in ids.iter().zip(line) {
-                                own[mark[j as usize] as usize] += value;
-                            }
-                        } else {
-                            for (&j, values) in ids.iter().zip(line.chunks_exact(c)) {
-                                let at = c * mark[j as usize] as usize;
-                                for (own, &value) in own[at..at + c].iter_mut().zip(values) {
-                                    *own += value;
-                                }
-                            }
-                        }
+                        add_line(&mut own[k * c * row.len()..][..c * row.len()], mark, ids, line, c);
                     }
                 }
             }

@@ -108,36 +108,39 @@ impl<const D: usize, B: Basis<D, T>, T: Real> Basis<D, T> for Rational<B, T> {
         let mut ids = std::mem::take(&mut table.ids);
         self.basis.active(element, &mut ids);
         self.basis.tabulate(element, xi, order, &mut inner);
-        table.reset(xi.len(), ids.len(), order);
+        table.resize(xi.len(), ids.len(), order);
+        let mut weights = std::mem::take(&mut table.numbers);
+        weights.clear();
+        weights.extend(ids.iter().map(|&i| self.weights[i]));
         for q in 0..xi.len() {
+            let (values, grads, hessians) = table.point_mut(q);
             let n = inner.values(q);
-            let total = ids.iter().zip(n).fold(T::zero(), |s, (&i, &v)| s + self.weights[i] * v);
+            let total = weights.iter().zip(n).fold(T::zero(), |s, (&w, &v)| s + w * v);
             let inverse = T::one() / total;
-            for (a, &i) in ids.iter().enumerate() {
-                table.values_mut(q)[a] = self.weights[i] * n[a] * inverse;
+            for ((r, &w), &n) in values.iter_mut().zip(&weights).zip(n) {
+                *r = w * n * inverse;
             }
             if order < Order::Gradients {
                 continue;
             }
             // R' = (w N' - R W') / W
             let dn = inner.grads(q);
-            let dtotal = ids.iter().zip(dn).fold(Vector::<D, T>::zeros(), |s, (&i, g)| s + g * self.weights[i]);
-            for (a, &i) in ids.iter().enumerate() {
-                let r = table.values(q)[a];
-                table.grads_mut(q)[a] = (dn[a] * self.weights[i] - dtotal * r) * inverse;
+            let dtotal = weights.iter().zip(dn).fold(Vector::<D, T>::zeros(), |s, (&w, g)| s + g * w);
+            for (((dr, &r), &w), dn) in grads.iter_mut().zip(&*values).zip(&weights).zip(dn) {
+                *dr = (dn * w - dtotal * r) * inverse;
             }
             if order < Order::Hessians {
                 continue;
             }
             // R'' = (w N'' - R' ⊗ W' - W' ⊗ R' - R W'') / W
             let ddn = inner.hessians(q);
-            let ddtotal = ids.iter().zip(ddn).fold(Matrix::<D, D, T>::zeros(), |s, (&i, h)| s + h * self.weights[i]);
-            for (a, &i) in ids.iter().enumerate() {
-                let (r, dr) = (table.values(q)[a], table.grads(q)[a]);
+            let ddtotal = weights.iter().zip(ddn).fold(Matrix::<D, D, T>::zeros(), |s, (&w, h)| s + h * w);
+            for ((((ddr, dr), &r), &w), ddn) in hessians.iter_mut().zip(&*grads).zip(&*values).zip(&weights).zip(ddn) {
                 let mixed = dr * dtotal.transpose();
-                table.hessians_mut(q)[a] = (ddn[a] * self.weights[i] - mixed - mixed.transpose() - ddtotal * r) * inverse;
+                *ddr = (ddn * w - mixed - mixed.transpose() - ddtotal * r) * inverse;
             }
         }
+        table.numbers = weights;
         table.inner = Some(inner);
         table.ids = ids;
     }

@@ -80,6 +80,17 @@ impl<const D: usize, T: Real> ShapeTable<D, T> {
         }
     }
 
+    /// [`reset`](Self::reset) that leaves old numbers, for implementors that write every entry.
+    pub(super) fn resize(&mut self, points: usize, functions: usize, order: Order) {
+        let n = points * functions;
+        self.functions = functions;
+        self.order = order;
+        let of = |least: Order| if order >= least { n } else { 0 };
+        self.values.resize(n, T::zero());
+        self.grads.resize(of(Order::Gradients), Vector::zeros());
+        self.hessians.resize(of(Order::Hessians), Matrix::zeros());
+    }
+
     /// Number of functions per point.
     pub fn num_functions(&self) -> usize {
         self.functions
@@ -129,5 +140,14 @@ impl<const D: usize, T: Real> ShapeTable<D, T> {
     #[inline]
     pub fn hessians_mut(&mut self, q: usize) -> &mut [Matrix<D, D, T>] {
         &mut self.hessians[q * self.functions..(q + 1) * self.functions]
+    }
+
+    /// Values, first and second derivatives at point `q`, to fill; empty beyond the order of the table.
+    #[inline]
+    pub(super) fn point_mut(&mut self, q: usize) -> (&mut [T], &mut [Vector<D, T>], &mut [Matrix<D, D, T>]) {
+        let own = q * self.functions..(q + 1) * self.functions;
+        let of = |order: Order| if self.order >= order { own.clone() } else { 0..0 };
+        let (grads, hessians) = (of(Order::Gradients), of(Order::Hessians));
+        (&mut self.values[own], &mut self.grads[grads], &mut self.hessians[hessians])
     }
 }

@@ -1,7 +1,7 @@
 //! Products of univariate bases.
 
 use super::{Basis, BasisStructure, Block, Elements, Order, Polynomials, ShapeTable, TensorPatch};
-use crate::linalg::{Real, Vector};
+use crate::linalg::{Matrix, Real, Vector};
 use std::marker::PhantomData;
 
 /// N_i(xi) = prod_k N_(i_k)(xi_k); functions and elements are numbered with the first axis fastest.
@@ -111,15 +111,14 @@ impl<const D: usize, A: Basis<1, T>, T: Real> Basis<D, T> for TensorProduct<D, A
         }
         let id = |k: usize, a: usize| if counts[k] <= ON_STACK { lines[k][a] } else { many[k][a] };
         ids.clear();
-        for a in 0..counts.iter().product() {
-            let (mut rest, mut stride, mut i) = (a, 1, 0);
-            for k in 0..D {
-                i += stride * id(k, rest % counts[k]);
-                rest /= counts[k];
+        rows(&counts, |_, i| {
+            let (mut stride, mut first) = (self.axes[0].num_functions(), 0);
+            for k in 1..D {
+                first += stride * id(k, i[k]);
                 stride *= self.axes[k].num_functions();
             }
-            ids.push(i);
-        }
+            ids.extend((0..counts[0]).map(|a| first + id(0, a)));
+        });
     }
     fn tabulate(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut ShapeTable<D, T>) {
         let at = self.split(element);
@@ -130,10 +129,14 @@ impl<const D: usize, A: Basis<1, T>, T: Real> Basis<D, T> for TensorProduct<D, A
         places.clear();
         for k in 0..D {
             points.clear();
+            let mut last = 0;
             for x in xi {
-                let first = points.len().saturating_sub(RECENT);
-                let met = points[first..].iter().position(|p: &Vector<1, T>| p[0] == x[k]).map(|i| first + i);
-                places.push(met.unwrap_or(points.len()));
+                // grids repeat their coordinates in turn: the same again, the next, the first
+                let known = |i: &usize| points.get(*i).is_some_and(|p: &Vector<1, T>| p[0] == x[k]);
+                let recent = || (points.len().saturating_sub(RECENT)..points.len()).find(known);
+                let met = [last, last + 1, 0].into_iter().find(known).or_else(recent);
+                last = met.unwrap_or(points.len());
+                places.push(last);
                 if met.is_none() {
                     points.push(Vector::<1, T>::new(x[k]));
                 }
@@ -141,38 +144,48 @@ impl<const D: usize, A: Basis<1, T>, T: Real> Basis<D, T> for TensorProduct<D, A
             self.axes[k].tabulate(at[k], &points, order, &mut lines[k]);
         }
         let counts: [usize; D] = std::array::from_fn(|k| lines[k].num_functions());
-        table.reset(xi.len(), counts.iter().product(), order);
+        table.resize(xi.len(), counts.iter().product(), order);
         for q in 0..xi.len() {
             let place: [usize; D] = std::array::from_fn(|k| places[k * xi.len() + q]);
             let values: [&[T]; D] = std::array::from_fn(|k| lines[k].values(place[k]));
-            each(&counts, |a, i| table.values_mut(q)[a] = (0..D).fold(T::one(), |v, k| v * values[k][i[k]]));
-            if order >= Order::Gradients {
-                let slopes: [&[Vector<1, T>]; D] = std::array::from_fn(|k| lines[k].grads(place[k]));
-                let grads = table.grads_mut(q);
-                each(&counts, |a, i| {
-                    for d in 0..D {
-                        grads[a][d] = (0..D).fold(T::one(), |v, k| v * if k == d { slopes[k][i[k]][0] } else { values[k][i[k]] });
-                    }
-                });
-                if order >= Order::Hessians {
-                    let hessians = table.hessians_mut(q);
-                    each(&counts, |a, i| {
-                        for d in 0..D {
-                            for e in 0..=d {
-                                let h = (0..D).fold(T::one(), |v, k| {
-                                    v * match (k == d, k == e) {
-                                        (true, true) => lines[k].hessians(place[k])[i[k]][0],
-                                        (false, false) => values[k][i[k]],
-                                        _ => slopes[k][i[k]][0],
-                                    }
-                                });
-                                hessians[a][(d, e)] = h;
-                                hessians[a][(e, d)] = h;
-                            }
-                        }
-                    });
+            let (out, grads, hessians) = table.point_mut(q);
+            rows(&counts, |first, i| {
+                let outer: [T; D] = std::array::from_fn(|k| values[k][i[k]]);
+                for (out, &v) in out[first..].iter_mut().zip(values[0]) {
+                    *out = (1..D).fold(v, |v, k| v * outer[k]);
                 }
+            });
+            if order < Order::Gradients {
+                continue;
             }
+            let slopes: [&[Vector<1, T>]; D] = std::array::from_fn(|k| lines[k].grads(place[k]));
+            rows(&counts, |first, i| {
+                let outer: [[T; 2]; D] = std::array::from_fn(|k| [values[k][i[k]], slopes[k][i[k]][0]]);
+                for ((g, &v), s) in grads[first..].iter_mut().zip(values[0]).zip(slopes[0]) {
+                    for d in 0..D {
+                        g[d] = (1..D).fold([v, s[0]][usize::from(d == 0)], |v, k| v * outer[k][usize::from(k == d)]);
+                    }
+                }
+            });
+            if order < Order::Hessians {
+                continue;
+            }
+            let bends: [&[Matrix<1, 1, T>]; D] = std::array::from_fn(|k| lines[k].hessians(place[k]));
+            rows(&counts, |first, i| {
+                let of = |k: usize, i: usize| [values[k][i], slopes[k][i][0], bends[k][i][0]];
+                let outer: [[T; 3]; D] = std::array::from_fn(|k| of(k, i[k]));
+                for (i, h) in hessians[first..].iter_mut().take(counts[0]).enumerate() {
+                    let own = of(0, i);
+                    for d in 0..D {
+                        for e in 0..=d {
+                            let derivatives = |k: usize| usize::from(k == d) + usize::from(k == e);
+                            let value = (1..D).fold(own[derivatives(0)], |v, k| v * outer[k][derivatives(k)]);
+                            h[(d, e)] = value;
+                            h[(e, d)] = value;
+                        }
+                    }
+                }
+            });
         }
         table.lines = lines;
         table.ids = places;
@@ -208,13 +221,13 @@ impl<const D: usize, A: Basis<1, T>, T: Real> BasisStructure<D, T> for TensorPro
     }
 }
 
-/// Calls `f(a, i)` for every multi-index i below `counts`, first entry fastest, a its number.
+/// Calls `f(a, i)` for every multi-index i below `counts` whose first entry is zero; a is its number, first entry fastest.
 #[inline(always)]
-fn each<const D: usize>(counts: &[usize; D], mut f: impl FnMut(usize, &[usize; D])) {
+fn rows<const D: usize>(counts: &[usize; D], mut f: impl FnMut(usize, &[usize; D])) {
     let mut i = [0usize; D];
-    for a in 0..counts.iter().product() {
+    for a in (0..counts.iter().product()).step_by(counts[0].max(1)) {
         f(a, &i);
-        for k in 0..D {
+        for k in 1..D {
             i[k] += 1;
             if i[k] < counts[k] {
                 break;

@@ -7,7 +7,7 @@
 //! On a master with kinks the normal is that of the facet of the assigned element: it jumps with the master element, in
 //! the rows and in the gap alike, so both refer to the same plane.
 
-use super::{Hit, Target};
+use super::{Hit, Obstacle};
 use crate::basis::Order;
 use crate::coupling::{CouplingError, Segments};
 use crate::geometry::{MapTable, unit_normal};
@@ -77,9 +77,9 @@ impl<const N: usize, T: Real> Frames<N, T> {
     /// Returns the points of `segments` that face `target` within `reach`, and their frames.
     ///
     /// Points that face nothing, or see the target from behind, are dropped and missing from the report's covered measure.
-    pub fn against_target<const S: usize>(
+    pub fn against_obstacle<const S: usize>(
         slave: &Trace<S, N, T>,
-        target: &dyn Target<S, N, T>,
+        target: &dyn Obstacle<S, N, T>,
         segments: &Segments<S, T>,
         reach: Option<T>,
     ) -> (Segments<S, T>, Self) {

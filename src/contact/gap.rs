@@ -12,7 +12,7 @@
 //! A function whose support faces nothing has weight zero; its row stays open.
 
 use super::cone::Turn;
-use super::{AtPoints, Frames, Target};
+use super::{AtPoints, Frames, Obstacle};
 use crate::basis::Basis;
 use crate::constraint::RowKind;
 use crate::coupling::mortar::{multiplier_weights, weighted_sums};
@@ -73,7 +73,7 @@ pub enum Opponent<'a, const S: usize, const N: usize, T: Real = f64> {
     /// A deformable body; the segments pair both sides.
     Master(Side<'a, S, N, T>),
     /// A rigid obstacle; the segments are points of the slave alone. Points farther than the reach face nothing.
-    Rigid(&'a dyn Target<S, N, T>, Option<T>),
+    Rigid(&'a dyn Obstacle<S, N, T>, Option<T>),
 }
 
 /// A contact side ready for a constraint solver.
@@ -126,7 +126,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
                 (Some(master), segments, frames)
             }
             Opponent::Rigid(target, reach) => {
-                let (segments, frames) = Frames::against_target(slave.trace, target, &segments, reach);
+                let (segments, frames) = Frames::against_obstacle(slave.trace, target, &segments, reach);
                 (None, segments, frames)
             }
         };

@@ -6,10 +6,10 @@ mod frames;
 mod gap;
 mod greville;
 pub mod nitsche;
+mod obstacles;
 mod pressed;
 mod pressure;
 mod surface;
-mod targets;
 mod width;
 
 use crate::linalg::{Real, Vector};
@@ -20,9 +20,9 @@ pub use frames::Frames;
 pub use gap::{Contact, ContactError, Opponent};
 pub use greville::greville_points;
 pub use nitsche::{AtPoints, PointValues, point_values};
+pub use obstacles::{HalfPlane, LevelSet, Moved, Sphere};
 pub use pressure::Transmitted;
 pub use surface::{OutlinePiece, Surface, pieces};
-pub use targets::{HalfPlane, LevelSet, Moved, Sphere};
 pub use width::{ClosedSide, half_width};
 
 /// Position of a point on a surface: element and local coordinates.
@@ -48,18 +48,18 @@ pub struct Hit<const D: usize, const N: usize, T: Real = f64> {
 }
 
 /// An obstacle. (D, N) stands for (N - 1, N).
-pub trait Target<const D: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
+pub trait Obstacle<const D: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
     /// Closest point to `x`; `None` if the target does not face it.
     fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>>;
 }
 
-impl<const D: usize, const N: usize, T: Real, X: Target<D, N, T> + ?Sized> Target<D, N, T> for Box<X> {
+impl<const D: usize, const N: usize, T: Real, X: Obstacle<D, N, T> + ?Sized> Obstacle<D, N, T> for Box<X> {
     fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
         (**self).project(x)
     }
 }
 
-impl<const D: usize, const N: usize, T: Real, X: Target<D, N, T> + ?Sized> Target<D, N, T> for std::sync::Arc<X> {
+impl<const D: usize, const N: usize, T: Real, X: Obstacle<D, N, T> + ?Sized> Obstacle<D, N, T> for std::sync::Arc<X> {
     fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
         (**self).project(x)
     }

@@ -1,7 +1,7 @@
 //! A rigid obstacle with the shape of a trace, a curve, or the outline of an area.
 
 use super::curves::Curves;
-use super::{Hit, Location, Target};
+use super::{Hit, Location, Obstacle};
 use crate::basis::{Elements, Order};
 use crate::coupling::interface::MasterCurve;
 use crate::geometry::{Geometry, MapTable, unit_normal};
@@ -31,7 +31,7 @@ pub struct OutlinePiece<T: Real = f64> {
 /// # Example
 /// The line from (0, 0) to (1, 0) has its obstacle below: the normal is the direction of travel turned by +90 degrees.
 /// ```
-/// use faying::{basis::BSpline, contact::{Surface, Target}, geometry::ControlPoints, linalg::Vector};
+/// use faying::{basis::BSpline, contact::{Surface, Obstacle}, geometry::ControlPoints, linalg::Vector};
 /// use std::sync::Arc;
 /// let points = vec![Vector::<2>::new(0.0, 0.0), Vector::<2>::new(1.0, 0.0)];
 /// let line = Surface::left_of(Arc::new(ControlPoints { basis: BSpline::uniform(1, 1, 0), points }), None);
@@ -74,7 +74,7 @@ pub fn pieces<T: Real>(trace: &Trace<1, 2, T>) -> Vec<OutlinePiece<T>> {
     (0..curve.num_elements()).map(|e| OutlinePiece { curve: Arc::clone(&curve), element: e, outward: trace.outward[e] }).collect()
 }
 
-impl<T: Real> Target<1, 2, T> for Surface<T> {
+impl<T: Real> Obstacle<1, 2, T> for Surface<T> {
     fn project(&self, x: &Vector<2, T>) -> Option<Hit<1, 2, T>> {
         let place = self.master.place(x).filter(|p| !p.beyond && self.reach.is_none_or(|r| p.distance <= r))?;
         let (mut eta, mut table) = ([Vector::<1, T>::new(place.xi)], MapTable::new());

@@ -3,7 +3,7 @@
 use super::hull::Boxes;
 use super::{Bounds, Control, Geometry, MapBlock, MapStructure, MapTable};
 use crate::basis::{Basis, BasisStructure, Cell, Elements, Order, Polynomials, ShapeTable};
-use crate::linalg::{Real, Vector};
+use crate::linalg::{Matrix, Real, Vector};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -45,20 +45,17 @@ pub(crate) fn combine<const D: usize, const N: usize, T: Real>(
 ) {
     table.reset(count, order);
     for q in 0..count {
-        let x = &mut table.x[q];
+        let mut x = Vector::<N, T>::zeros();
         for (&i, &n) in ids.iter().zip(shapes.values(q)) {
-            *x += control[i] * n;
+            x += control[i] * n;
         }
+        table.x[q] = x;
         if order >= Order::Gradients {
-            let jacobian = &mut table.jacobian[q];
+            let mut jacobian = Matrix::<N, D, T>::zeros();
             for (&i, g) in ids.iter().zip(shapes.grads(q)) {
-                let p = &control[i];
-                for k in 0..D {
-                    for c in 0..N {
-                        jacobian[(c, k)] += p[c] * g[k];
-                    }
-                }
+                jacobian += control[i] * g.transpose();
             }
+            table.jacobian[q] = jacobian;
         }
         if order >= Order::Hessians {
             let hessian = &mut table.hessian[q];

@@ -1,8 +1,9 @@
 //! Guaranteed boxes of combinations of basis functions on an element, and tighter ones for maps.
 
-use super::{Bounds, Control, Geometry, MapTable, Sampler, cell};
+use super::{Bounds, Control, Geometry, MapBlock, MapTable, Sampler, cell};
 use crate::basis::{Basis, Cell, Order, ShapeTable};
 use crate::linalg::{Real, Vector, lit, num};
+use std::collections::HashMap;
 
 /// A box that contains sum_i N_i(xi) v_i for all xi in the cell of `element`; `value(i)` gives v_i. `None` without functions.
 ///
@@ -48,8 +49,7 @@ impl<const D: usize, T: Real> Bernstein<D, T> {
             return None;
         }
         // Chebyshev points: inside the cell, never nodes, so a Lagrange function of degree >= 2 shows a negative value
-        let line: Vec<T> =
-            (0..=degree).map(|j| lit((1.0 - (std::f64::consts::PI * (2 * j + 1) as f64 / (2 * degree + 2) as f64).cos()) / 2.0)).collect();
+        let line = chebyshev(degree);
         let points = cell::spread::<D, T>(cell, &line);
         let mut functions = ShapeTable::new();
         basis.tabulate(element, &points, Order::Values, &mut functions);
@@ -77,6 +77,107 @@ impl<const D: usize, T: Real> Bernstein<D, T> {
     }
 }
 
+/// Hulls of the elements of a product: Bernstein coefficients of numerator and weight, axis by axis; tight on the cells of a coarse map,
+/// whose control points are a hull of its coarse elements alone.
+#[derive(Debug)]
+struct Lines<const D: usize, T: Real> {
+    /// First element of the block that `known` belongs to.
+    first: usize,
+    /// Per axis and element of it: active functions, and the matrix from their coefficients to Bernstein coefficients, row by row;
+    /// `None` where the functions are no polynomials of the basis' degree.
+    known: [HashMap<usize, Option<(Vec<usize>, Vec<T>)>>; D],
+}
+
+impl<const D: usize, T: Real> Lines<D, T> {
+    fn hull<const N: usize>(&mut self, block: &MapBlock<'_, D, N, T>, element: usize) -> Option<Bounds<N, T>> {
+        let axes = &block.basis.axes;
+        if self.first != block.basis.first {
+            *self = Self { first: block.basis.first, known: std::array::from_fn(|_| HashMap::new()) };
+        }
+        let mut rest = element - block.basis.first;
+        let at: [usize; D] = std::array::from_fn(|k| {
+            let e = rest % axes[k].num_elements();
+            rest /= axes[k].num_elements();
+            e
+        });
+        for k in 0..D {
+            self.known[k].entry(at[k]).or_insert_with(|| to_bernstein(axes[k], at[k]));
+        }
+        let mut lines: [(&[usize], &[T]); D] = [(&[], &[]); D];
+        for k in 0..D {
+            let (ids, matrix) = self.known[k].get(&at[k])?.as_ref()?;
+            lines[k] = (&ids[..], &matrix[..]);
+        }
+        let active = (0..lines.iter().map(|l| l.0.len()).product()).map(|a: usize| {
+            let (mut rest, mut stride, mut i) = (a, 1, 0);
+            for (k, (ids, _)) in lines.iter().enumerate() {
+                i += stride * ids[rest % ids.len()];
+                rest /= ids.len();
+                stride *= axes[k].num_functions();
+            }
+            i
+        });
+        // w x and w of the active functions, x from the first control point: far from the origin nothing cancels
+        let (mut origin, mut spread) = (None, T::zero());
+        let mut from: Vec<(Vector<N, T>, T)> = active
+            .map(|i| {
+                let x = block.control[i] - *origin.get_or_insert(block.control[i]);
+                let w = block.basis.weights.map_or(T::one(), |w| w[i]);
+                spread = spread.max(x.amax());
+                (x * w, w)
+            })
+            .collect();
+        let origin = origin?;
+        // the first axis of `from` is converted and becomes the last, D times
+        for (ids, matrix) in lines {
+            let (n, others) = (ids.len(), from.len() / ids.len());
+            let rows = matrix.len() / n;
+            let sum = |row: usize, other: usize| {
+                let terms = matrix[row * n..(row + 1) * n].iter().zip(&from[other * n..(other + 1) * n]);
+                terms.fold((Vector::zeros(), T::zero()), |(x, w), (&m, f)| (x + f.0 * m, w + f.1 * m))
+            };
+            from = (0..rows).flat_map(|row| (0..others).map(move |other| (row, other))).map(|(row, other)| sum(row, other)).collect();
+        }
+        let points: Vec<Vector<N, T>> = from.iter().filter(|(_, w)| *w > T::zero()).map(|(x, w)| origin + x / *w).collect();
+        // rounding of the conversion, and of places
+        let rounding = spread * noise::<T>() * lit(16.0) + origin.amax() * T::default_epsilon() * lit(16.0);
+        // a weight function with a coefficient that is not positive has no hull
+        (points.len() == from.len()).then(|| Bounds::around(&points))?.map(|hull| hull.inflated(rounding))
+    }
+}
+
+/// Active functions of an element of a line, and the matrix that makes Bernstein coefficients of theirs; `None` unless they are
+/// polynomials of the basis' degree.
+fn to_bernstein<T: Real>(axis: &dyn Basis<1, T>, element: usize) -> Option<(Vec<usize>, Vec<T>)> {
+    let line = chebyshev::<T>(axis.degree(element)[0]);
+    let n = line.len();
+    // a further point shows whether the polynomials through the others are the functions
+    let between = lit(0.37);
+    let points: Vec<Vector<1, T>> = line.iter().chain([&between]).map(|&t| Vector::<1, T>::new(t)).collect();
+    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
+    axis.active(element, &mut ids);
+    if ids.is_empty() {
+        return None;
+    }
+    axis.tabulate(element, &points, Order::Values, &mut table);
+    let inverse = bernstein_inverse(&line);
+    let coefficient = |row: usize, a: usize| (0..n).fold(T::zero(), |s, q| s + inverse[row * n + q] * table.values(q)[a]);
+    let matrix: Vec<T> = (0..n).flat_map(|row| (0..ids.len()).map(move |a| (row, a))).map(|(row, a)| coefficient(row, a)).collect();
+    let choose = |k: usize| (0..k).fold(T::one(), |c, i| c * num(n - 1 - i) / num(i + 1));
+    let bernstein = |k: usize| choose(k) * between.powi(k as i32) * (T::one() - between).powi((n - 1 - k) as i32);
+    let holds = (0..ids.len()).all(|a| {
+        let value = (0..n).fold(T::zero(), |s, k| s + bernstein(k) * matrix[k * ids.len() + a]);
+        (value - table.values(n)[a]).abs() <= noise::<T>() * lit(16.0)
+    });
+    holds.then_some((ids, matrix))
+}
+
+/// The `degree` + 1 Chebyshev points of (0, 1).
+fn chebyshev<T: Real>(degree: usize) -> Vec<T> {
+    let point = |j: usize| (1.0 - (std::f64::consts::PI * (2 * j + 1) as f64 / (2 * degree + 2) as f64).cos()) / 2.0;
+    (0..=degree).map(|j| lit(point(j))).collect()
+}
+
 /// Values above minus this count as non-negative.
 fn noise<T: Real>() -> T {
     T::default_epsilon() * lit(64.0)
@@ -92,6 +193,7 @@ pub(super) struct Boxes<'a, const D: usize, const N: usize, T: Real, G: ?Sized> 
     control: Control<'a, D, N, T>,
     sampler: Sampler<'a, D, N, T, G>,
     kept: Vec<(usize, Option<Bernstein<D, T>>)>,
+    lines: Lines<D, T>,
     table: MapTable<D, N, T>,
     ids: Vec<usize>,
     values: Vec<Vector<N, T>>,
@@ -101,7 +203,8 @@ impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>
     /// Creates the boxes of `geometry`, whose functions and points are `control`.
     pub fn new(geometry: &'a G, control: Control<'a, D, N, T>) -> Self {
         let sampler = Sampler::new(geometry, Order::Hessians);
-        Self { geometry, control, sampler, kept: Vec::new(), table: MapTable::new(), ids: Vec::new(), values: Vec::new() }
+        let lines = Lines { first: 0, known: std::array::from_fn(|_| HashMap::new()) };
+        Self { geometry, control, sampler, kept: Vec::new(), lines, table: MapTable::new(), ids: Vec::new(), values: Vec::new() }
     }
 
     /// Bounding box of `element`: the box around its hull, tightened by samples.
@@ -114,6 +217,10 @@ impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>
 
     /// The box around the hull of `element`; it contains the element.
     pub fn hull(&mut self, element: usize) -> Bounds<N, T> {
+        let block = self.geometry.map_structure().map_block(element);
+        if let Some(hull) = block.and_then(|block| self.lines.hull(&block, element)) {
+            return hull;
+        }
         let basis = self.control.basis;
         basis.active(element, &mut self.ids);
         self.values.clear();
@@ -193,4 +300,64 @@ fn bernstein_inverse<T: Real>(line: &[T]) -> Vec<T> {
     let matrix = nalgebra::DMatrix::from_fn(n, n, |j, k| choose(k) * line[j].powi(k as i32) * (T::one() - line[j]).powi((p - k) as i32));
     let inverse = matrix.try_inverse().expect("Bernstein polynomials are independent at distinct points");
     (0..n * n).map(|i| inverse[(i / n, i % n)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::basis::{BSpline, Rational, Refined, TensorProduct};
+    use crate::geometry::ControlPoints;
+
+    /// A quarter of an annulus, radii 1 and 2, one rational element cut into n x n cells.
+    fn annulus(n: usize) -> ControlPoints<Rational<TensorProduct<2, Refined<BSpline>>>, 2> {
+        let line = |degree| {
+            let cells = (0..n).map(|i| (0, i as f64 / n as f64, 1.0 / n as f64)).collect();
+            Refined::new(BSpline::uniform(degree, 1, 0), cells)
+        };
+        let basis = TensorProduct::new([line(2), line(2)]);
+        let corner = [(1.0, 0.0, 1.0), (1.0, 1.0, 0.5f64.sqrt()), (0.0, 1.0, 1.0)];
+        let all = (0..9).map(|k| (corner[k % 3], 1.0 + 0.5 * (k / 3) as f64));
+        let (points, weights) = all.map(|((x, y, w), r)| (Vector::from([x * r, y * r]), w)).unzip();
+        ControlPoints { basis: Rational::new(basis, weights), points }
+    }
+
+    #[test]
+    fn hulls_hold_their_cells_far_from_the_origin() {
+        for far in [0.0, 1e3, 1e6] {
+            let mut map = annulus(20);
+            map.points.iter_mut().for_each(|x| *x += Vector::from([far, -far]));
+            let mut boxes = Boxes::new(&map, map.map_structure().control().unwrap());
+            let mut table = MapTable::new();
+            for e in 0..400 {
+                map.map(e, &cell::grid::<2, f64>(Cell::Tensor, 7), Order::Values, &mut table);
+                let (hull, own) = (boxes.hull(e), boxes.of(e));
+                assert!(table.x.iter().all(|x| (0..2).all(|k| hull.lo[k] <= x[k] && x[k] <= hull.hi[k])), "{far}, cell {e}");
+                assert!((0..2).all(|k| own.lo[k] <= own.hi[k]), "{far}, cell {e}");
+            }
+        }
+    }
+
+    #[test]
+    fn hulls_of_cells_of_a_coarse_map_are_tight() {
+        let n = 8;
+        let map = annulus(n);
+        let mut boxes = Boxes::new(&map, map.map_structure().control().unwrap());
+        for e in 0..n * n {
+            let (i, j) = (e % n, e / n);
+            // radii and angles of a cell; the middle of the arc lies at half the parameter, other angles follow from the map
+            let mut table = MapTable::new();
+            let at = cell::grid::<2, f64>(Cell::Tensor, 9);
+            map.map(e, &at, Order::Values, &mut table);
+            let true_box = Bounds::around(&table.x).unwrap();
+            let hull = boxes.hull(e);
+            assert!(hull.inflated(1e-14).holds(&true_box), "cell {i} {j}");
+            let over = (hull.hi - hull.lo) - (true_box.hi - true_box.lo);
+            // a hull of Bernstein coefficients exceeds the arc by at most its sagitta
+            let sagitta = 2.0 * (1.0 - (std::f64::consts::FRAC_PI_4 * 1.3 / n as f64).cos());
+            assert!(over.max() <= sagitta, "cell {i} {j}: {over:?} of {sagitta}");
+        }
+        let all: Vec<_> = (0..n * n).map(|e| boxes.of(e)).collect();
+        assert_eq!(map.extent(), all.into_iter().reduce(|a, b| a.union(&b)));
+        assert!((map.extent().unwrap().hi - Vector::from([2.0, 2.0])).amax() < 1e-12);
+    }
 }

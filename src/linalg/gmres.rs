@@ -103,28 +103,14 @@ pub(crate) fn gmres<T: Real>(
             return Ok(iterations);
         }
         r.iter_mut().for_each(|v| *v /= beta);
-        let mut basis = vec![r];
-        // columns of the triangular factor of the Hessenberg matrix, its rotations, and the rotated right-hand side
-        let mut columns: Vec<Vec<T>> = Vec::new();
-        let mut rotations: Vec<(T, T)> = Vec::new();
-        let mut turned = vec![beta];
-        while columns.len() < restart.max(1) {
-            let k = columns.len();
-            let relative = to_f64(turned[k].abs() / reference);
+        let mut space = Krylov::new(r, beta);
+        while space.columns.len() < restart.max(1) {
+            let relative = to_f64(space.residual() / reference);
             limits.allow(iterations, most, relative)?;
-            precondition(&basis[k], &mut z)?;
+            precondition(&space.basis[space.columns.len()], &mut z)?;
             apply(&z, &mut w)?;
             let size = norm(&w);
-            let mut column = vec![T::zero(); k + 1];
-            for _ in 0..2 {
-                for (i, v) in basis.iter().enumerate() {
-                    let h = dot(&w, v);
-                    column[i] += h;
-                    for (wj, &vj) in w.iter_mut().zip(v) {
-                        *wj -= h * vj;
-                    }
-                }
-            }
+            let column = space.orthogonalise(&mut w);
             let mut below = norm(&w);
             if !to_f64(below).is_finite() {
                 return Err(LinearError::NotFinite);
@@ -134,46 +120,98 @@ pub(crate) fn gmres<T: Real>(
             if exhausted {
                 below = T::zero();
             }
-            for (i, &(c, s)) in rotations.iter().enumerate() {
-                (column[i], column[i + 1]) = (c * column[i] + s * column[i + 1], c * column[i + 1] - s * column[i]);
-            }
-            let length = (column[k] * column[k] + below * below).sqrt();
             iterations += 1;
-            if length <= size * T::default_epsilon() {
-                // the triangular factor is singular: A M⁻¹ has a kernel in the Krylov space
+            if !space.push(column, below, size * T::default_epsilon()) {
                 return Err(LinearError::Singular { residual: relative });
             }
-            let (c, s) = (column[k] / length, below / length);
-            column[k] = length;
-            rotations.push((c, s));
-            columns.push(column);
-            let last = turned[k];
-            turned[k] = c * last;
-            turned.push(-s * last);
-            if exhausted || turned[k + 1].abs() <= goal {
+            if exhausted || space.residual() <= goal {
                 break;
             }
             w.iter_mut().for_each(|v| *v /= below);
-            basis.push(w.clone());
+            space.basis.push(w.clone());
         }
-        let k = columns.len();
-        let mut y = turned[..k].to_vec();
-        for i in (0..k).rev() {
-            for j in i + 1..k {
-                let (a, b) = (columns[j][i], y[j]);
-                y[i] -= a * b;
-            }
-            y[i] /= columns[i][i];
-        }
-        w.fill(T::zero());
-        for (v, &yk) in basis.iter().zip(&y) {
-            for i in 0..n {
-                w[i] += yk * v[i];
-            }
-        }
+        space.minimiser(&mut w);
         precondition(&w, &mut z)?;
         for i in 0..n {
             x[i] += z[i];
+        }
+    }
+}
+
+/// Orthonormal basis of a Krylov space, and the least-squares problem of the Hessenberg matrix in it.
+struct Krylov<T: Real> {
+    basis: Vec<Vec<T>>,
+    /// Columns of the triangular factor of the Hessenberg matrix.
+    columns: Vec<Vec<T>>,
+    /// Cosine and sine of its rotations.
+    rotations: Vec<(T, T)>,
+    /// Rotated right-hand side; its last entry is the residual.
+    turned: Vec<T>,
+}
+
+impl<T: Real> Krylov<T> {
+    /// Starts from the residual: its direction `r` and its norm `beta`.
+    fn new(r: Vec<T>, beta: T) -> Self {
+        Self { basis: vec![r], columns: Vec::new(), rotations: Vec::new(), turned: vec![beta] }
+    }
+
+    /// Norm of the least residual in the space.
+    fn residual(&self) -> T {
+        self.turned[self.columns.len()].abs()
+    }
+
+    /// Makes `w` orthogonal to the basis, twice, and returns its components in the basis.
+    fn orthogonalise(&self, w: &mut [T]) -> Vec<T> {
+        let mut column = vec![T::zero(); self.basis.len()];
+        for _ in 0..2 {
+            for (i, v) in self.basis.iter().enumerate() {
+                let h = dot(w, v);
+                column[i] += h;
+                for (wj, &vj) in w.iter_mut().zip(v) {
+                    *wj -= h * vj;
+                }
+            }
+        }
+        column
+    }
+
+    /// Adds a column of the Hessenberg matrix with the entry `below` its diagonal. Returns false for a diagonal entry of at most `zero`
+    /// after the rotations: the triangular factor is singular, A M⁻¹ has a kernel in the Krylov space.
+    fn push(&mut self, mut column: Vec<T>, below: T, zero: T) -> bool {
+        let k = self.columns.len();
+        for (i, &(c, s)) in self.rotations.iter().enumerate() {
+            (column[i], column[i + 1]) = (c * column[i] + s * column[i + 1], c * column[i + 1] - s * column[i]);
+        }
+        let length = (column[k] * column[k] + below * below).sqrt();
+        if length <= zero {
+            return false;
+        }
+        let (c, s) = (column[k] / length, below / length);
+        column[k] = length;
+        self.rotations.push((c, s));
+        self.columns.push(column);
+        let last = self.turned[k];
+        self.turned[k] = c * last;
+        self.turned.push(-s * last);
+        true
+    }
+
+    /// Writes the vector of the space with the least residual to `w`.
+    fn minimiser(&self, w: &mut [T]) {
+        let k = self.columns.len();
+        let mut y = self.turned[..k].to_vec();
+        for i in (0..k).rev() {
+            for j in i + 1..k {
+                let (a, b) = (self.columns[j][i], y[j]);
+                y[i] -= a * b;
+            }
+            y[i] /= self.columns[i][i];
+        }
+        w.fill(T::zero());
+        for (v, &yk) in self.basis.iter().zip(&y) {
+            for (wi, &vi) in w.iter_mut().zip(v) {
+                *wi += yk * vi;
+            }
         }
     }
 }

@@ -6,8 +6,9 @@
 use super::matrices::Matrices;
 use super::model::{ContactModel, Model};
 use super::observer::Observer;
-use super::solve::{StepError, StepState, Unsolved, once};
+use super::solve::once;
 use super::solver::Solver;
+use super::state::{StepError, StepState, Unsolved};
 use crate::constraint::ActiveSetReport;
 use crate::contact::Contact;
 use crate::linalg::{Csr, Triplets, Vector};

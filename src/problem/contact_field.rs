@@ -2,7 +2,7 @@
 
 use super::contact_points::ContactFluxes;
 use super::model::{Against, ContactModel, ContactPart, Model};
-use super::solve::StepState;
+use super::state::StepState;
 use super::tie_field::multiplier_at;
 use crate::basis::Order;
 use crate::contact::{Contact, Transmitted};

@@ -2,7 +2,7 @@
 
 use super::data::{Data, Point};
 use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideModel};
-use super::supports::unit;
+use super::rigid_bodies::unit;
 use crate::basis::Basis;
 use crate::contact::{self, Contact, ContactError, Opponent};
 use crate::coupling::{Segments, Side};

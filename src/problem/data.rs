@@ -71,6 +71,16 @@ impl Data {
         Self::new(Closure(function))
     }
 
+    /// A function of position, time and gap: a press fit of depth d is `Data::of_gap(|_, _, g| g - d)`.
+    pub fn of_gap(function: impl Fn(&[f64; 3], f64, f64) -> f64 + Send + Sync + 'static) -> Self {
+        Self::new(GapClosure(function))
+    }
+
+    /// The gap itself, of gap functions.
+    pub fn gap() -> Self {
+        Self::new(Gap)
+    }
+
     /// The value at a point.
     pub fn value(&self, at: &Point) -> f64 {
         self.0.value(at)
@@ -102,6 +112,33 @@ impl Function for f64 {
     }
     fn as_constant(&self) -> Option<f64> {
         Some(*self)
+    }
+}
+
+/// g.
+#[derive(Debug)]
+struct Gap;
+
+impl Function for Gap {
+    fn value(&self, at: &Point) -> f64 {
+        at.g
+    }
+    fn depends_on_time(&self) -> bool {
+        false
+    }
+}
+
+struct GapClosure<F>(F);
+
+impl<F> Debug for GapClosure<F> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("function of x, t and g")
+    }
+}
+
+impl<F: Fn(&[f64; 3], f64, f64) -> f64 + Send + Sync> Function for GapClosure<F> {
+    fn value(&self, at: &Point) -> f64 {
+        (self.0)(&at.x, at.t, at.g)
     }
 }
 

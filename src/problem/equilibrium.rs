@@ -7,9 +7,10 @@
 //! Source: Farkas, J. Reine Angew. Math. 124 (1902) 1-27; conditions of this kind for contact: Kikuchi, Oden, Contact Problems in
 //! Elasticity, SIAM 1988, chapter 6.
 
-use super::function_sums::contact_forms;
 use super::model::Model;
-use super::supports::{RigidBodies, held};
+use super::rigid_bodies::RigidBodies;
+use super::rigid_rows::contact_forms;
+use super::supports::held;
 use crate::contact::{Cone, Contact};
 use nalgebra::{DMatrix, DVector};
 

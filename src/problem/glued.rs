@@ -3,11 +3,8 @@
 //! A glued function is bound by u_i - u_root = 0, one equation per component and function: a union-find over all seams,
 //! so that a cross point of any number of patches is no special case.
 
-use super::model::{PatchModel, SideModel};
 use crate::assembly::Equation;
 use crate::linalg::Vector;
-use crate::space::{GlueError, Near, glue};
-use std::sync::Arc;
 
 /// Two patches that move together in a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,11 +18,11 @@ pub struct Hinge<const N: usize> {
 /// Functions of the model that are one function, in numbers unknown / components.
 #[derive(Clone, Debug, Default)]
 pub struct Glued {
-    components: usize,
+    pub(super) components: usize,
     /// The least function that is the same; empty where nothing is glued.
     root: Vec<usize>,
     /// Functions that are combinations of others: a = sum of terms.
-    combined: Vec<(usize, Vec<(usize, f64)>)>,
+    pub(super) combined: Vec<(usize, Vec<(usize, f64)>)>,
     /// First patch of the body that a patch is part of.
     body: Vec<usize>,
 }
@@ -34,40 +31,6 @@ impl Glued {
     /// Nothing glued yet: `functions` of `patches` bodies in total.
     pub fn new(components: usize, functions: usize, patches: usize) -> Self {
         Self { components, root: (0..functions).collect(), combined: Vec::new(), body: (0..patches).collect() }
-    }
-
-    /// Glues a side to others.
-    ///
-    /// # Errors
-    /// [`GlueError`] if the sides are apart, or their grids or functions differ.
-    pub fn add<const S: usize, const N: usize>(
-        &mut self,
-        patches: &[PatchModel<S, N>],
-        slave: &SideModel<S, N>,
-        masters: &[Arc<SideModel<S, N>>],
-        near: Near,
-    ) -> Result<(), GlueError> {
-        let traces: Vec<_> = masters.iter().map(|m| &m.trace).collect();
-        let first = |patch: usize| patches[patch].field.first / self.components;
-        let rows = glue(&slave.trace, &traces, near)?;
-        let mut touched = vec![false; masters.len()];
-        let mut equal = Vec::new();
-        for row in rows {
-            touched[row.master] = true;
-            let a = first(slave.patch) + row.function;
-            let terms: Vec<(usize, f64)> = row.terms.iter().map(|&(j, c)| (first(masters[row.master].patch) + j, c)).collect();
-            match terms[..] {
-                [(b, 1.0)] => equal.push((a, b)),
-                _ => self.combined.push((a, terms)),
-            }
-        }
-        for (a, b) in equal {
-            self.same(a, b);
-        }
-        for (master, _) in masters.iter().zip(&touched).filter(|(_, t)| **t) {
-            self.join(slave.patch, master.patch);
-        }
-        Ok(())
     }
 
     /// Makes two functions one. Numbers are unknown / components; call before [`Glued::finish`].

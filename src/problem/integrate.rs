@@ -46,13 +46,3 @@ pub fn on_trace<const S: usize, const N: usize>(
         })
         .collect()
 }
-
-/// x cross f: (0, 0, m) in the plane.
-pub(super) fn cross<const N: usize>(x: &Vector<N>, f: &[f64]) -> [f64; 3] {
-    let at = |v: &[f64], k: usize| v.get(k).copied().filter(|_| k < N).unwrap_or(0.0);
-    let x = x.as_slice();
-    std::array::from_fn(|k| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        at(x, i) * at(f, j) - at(x, j) * at(f, i)
-    })
-}

@@ -1,51 +1,10 @@
 //! Loads of a model at a time, and their resultant.
 
 use super::data::Point;
-use super::integrate::{cross, over_side};
+use super::integrate::over_side;
 use super::model::{Action, Model, PatchModel};
-use crate::assembly::Moments;
+use super::resultant::Resultant;
 use crate::linalg::Vector;
-
-/// A force and its moment about the origin.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Resultant {
-    /// Sum of the forces.
-    pub force: [f64; 3],
-    /// Sum of the moments.
-    pub moment: [f64; 3],
-}
-
-impl Resultant {
-    /// Resultant of a force field with these moments; components that the field or space lacks are zero.
-    pub(super) fn of<const C: usize, const N: usize>(moments: &Moments<C, N>) -> Self {
-        // ∫ x_i f_j dx
-        let first = |i: usize, j: usize| if i < N && j < C.min(N) { moments.first[(j, i)] } else { 0.0 };
-        Self {
-            force: std::array::from_fn(|k| if k < C { moments.total[k] } else { 0.0 }),
-            moment: std::array::from_fn(|k| {
-                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-                first(i, j) - first(j, i)
-            }),
-        }
-    }
-
-    /// Adds a force times `weight` at `x`.
-    pub(super) fn add<const N: usize>(&mut self, x: &Vector<N>, force: &[f64], weight: f64) {
-        let moment = cross(x, force);
-        for k in 0..3 {
-            self.force[k] += weight * force.get(k).copied().unwrap_or(0.0);
-            self.moment[k] += weight * moment[k];
-        }
-    }
-
-    /// Adds another resultant.
-    pub fn sum(&mut self, other: &Self) {
-        for k in 0..3 {
-            self.force[k] += other.force[k];
-            self.moment[k] += other.moment[k];
-        }
-    }
-}
 
 fn place<const N: usize>(x: &Vector<N>, t: f64) -> Point {
     Point::new(x.as_slice()).at_time(t)

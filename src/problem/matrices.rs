@@ -2,7 +2,7 @@
 
 use super::data::Point;
 use super::model::Model;
-use super::solve::StepError;
+use super::state::StepError;
 use super::tie_fluxes::between;
 use crate::linalg::{Csr, Vector};
 use std::borrow::Cow;

@@ -7,26 +7,26 @@ use super::glued::{Glued, Hinge};
 use super::obstacle::ObstacleModel;
 use super::physics::Physics;
 use super::start::Start;
-use crate::assembly::{Equation, Rim};
+use crate::assembly::{Equation, Rim, gauss_rules_along, points_of_curved_cells};
 use crate::basis::Basis;
 use crate::contact::{Cone, Contact};
 use crate::coupling::consistency::Finer;
 use crate::coupling::{Coupling, Nitsche, Rows, Segments};
-use crate::geometry::Bounds;
+use crate::geometry::{Bounds, Geometry};
 use crate::linalg::{Triplets, Vector};
 use crate::quadrature::PerElement;
 use crate::space::{Body, Field, Trace};
 use std::sync::Arc;
 
 /// A body with its unknowns and its material.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PatchModel<const S: usize, const N: usize> {
     /// Its name.
     pub name: String,
-    /// The backend that made it.
+    /// Name of the backend that made it; empty if it has none.
     pub backend: String,
     /// The body.
-    pub body: Box<dyn Body<S, N>>,
+    pub body: Arc<dyn Body<S, N>>,
     /// Place of its unknowns among those of the model.
     pub field: Field,
     /// Its material at the first time; [`PatchModel::physics_at`] at any other.
@@ -58,6 +58,27 @@ impl<const N: usize> std::fmt::Debug for Changing<N> {
 }
 
 impl<const S: usize, const N: usize> PatchModel<S, N> {
+    /// A body whose unknowns begin at `first`, without loads; `extra_points` Gauss points per direction beyond those that its degree and its
+    /// curved cells need.
+    pub fn new(name: String, body: Arc<dyn Body<S, N>>, physics: Physics<N>, first: usize, extra_points: usize) -> Self {
+        let curved = points_of_curved_cells(&**body.space());
+        Self {
+            name,
+            backend: String::new(),
+            field: Field { first, components: physics.components() },
+            rules: gauss_rules_along(&**body.space(), curved.map(|k| k + extra_points)),
+            // the normals of its sides are products of two derivatives of the map as well
+            extra_points: extra_points + curved.into_iter().max().unwrap_or(0),
+            exact_map: body.is_exact(),
+            extent: body.space().extent(),
+            body,
+            physics,
+            changing: None,
+            source: Vec::new(),
+            weight: None,
+        }
+    }
+
     /// Its material at time `t`.
     pub fn physics_at(&self, t: f64) -> Physics<N> {
         match &self.changing {
@@ -115,7 +136,7 @@ pub enum Value {
 }
 
 /// A component prescribed on a side.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Condition<const S: usize, const N: usize> {
     /// The side.
     pub side: Arc<SideModel<S, N>>,
@@ -139,7 +160,7 @@ pub struct RimModel<const N: usize> {
 }
 
 /// A component prescribed on an edge or in a corner.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Pin<const N: usize> {
     /// The edge or the corner.
     pub rim: Arc<RimModel<N>>,
@@ -163,7 +184,7 @@ pub enum Action {
 }
 
 /// A load on a side.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct SideLoad<const S: usize, const N: usize> {
     /// The side.
     pub side: Arc<SideModel<S, N>>,
@@ -172,7 +193,7 @@ pub struct SideLoad<const S: usize, const N: usize> {
 }
 
 /// Sides that move as one in a component, driven by a resultant.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct RigidSides<const S: usize, const N: usize> {
     /// The sides.
     pub sides: Vec<Arc<SideModel<S, N>>>,
@@ -181,7 +202,7 @@ pub struct RigidSides<const S: usize, const N: usize> {
 }
 
 /// Springs between a side and the ground.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct SideSpring<const S: usize, const N: usize> {
     /// The side.
     pub side: Arc<SideModel<S, N>>,
@@ -395,6 +416,36 @@ pub struct Model<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
+    /// A model of bodies without conditions, loads, ties and contacts; `glued` and `hinges` join them.
+    pub fn new(patches: Vec<PatchModel<S, N>>, glued: Glued, hinges: Vec<Hinge<N>>) -> Self {
+        let whole = patches.iter().filter_map(|p| p.extent).reduce(|a, b| a.union(&b));
+        let (center, size) = whole.map_or((Vector::zeros(), 1.0), |b| (b.center(), b.diagonal().max(f64::MIN_POSITIVE)));
+        Self {
+            components: patches.first().map_or(1, |p| p.field.components),
+            unknowns: patches.last().map_or(0, |p| p.range().end),
+            patches,
+            glued,
+            hinges,
+            conditions: Vec::new(),
+            corners: Vec::new(),
+            pins: Vec::new(),
+            supports: Vec::new(),
+            equations: Vec::new(),
+            held: Vec::new(),
+            rigid_sides: Vec::new(),
+            loads: Vec::new(),
+            springs: Vec::new(),
+            exact: None,
+            ties: Vec::new(),
+            contacts: Vec::new(),
+            rows: 0,
+            max_iterations: 100,
+            c: 1.0,
+            center,
+            size,
+        }
+    }
+
     /// Number (unknown / components) of `function` of `patch`, of its representative if it is glued.
     pub fn function(&self, patch: usize, function: usize) -> usize {
         self.glued.root(self.patches[patch].field.first / self.components + function)

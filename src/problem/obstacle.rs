@@ -1,11 +1,11 @@
 //! Rigid obstacles: their shape, motion, and the forces that press them.
 
 use super::data::{Data, Point};
-use crate::contact::{Moved, Target};
+use crate::contact::{Moved, Obstacle};
 use crate::linalg::Vector;
 
 /// The obstacle without its motion, as a function of time.
-pub type AtRest<const S: usize, const N: usize> = Box<dyn Fn(f64) -> Box<dyn Target<S, N>> + Send + Sync>;
+pub type AtRest<const S: usize, const N: usize> = Box<dyn Fn(f64) -> Box<dyn Obstacle<S, N>> + Send + Sync>;
 
 /// A component in which a force presses an obstacle: its translation is an unknown.
 #[derive(Clone, Debug)]
@@ -48,7 +48,7 @@ impl<const S: usize, const N: usize> ObstacleModel<S, N> {
     }
 
     /// The obstacle where it is at time `t`.
-    pub fn target(&self, t: f64, unknowns: Option<&[f64]>) -> Box<dyn Target<S, N>> {
+    pub fn target(&self, t: f64, unknowns: Option<&[f64]>) -> Box<dyn Obstacle<S, N>> {
         Box::new(Moved { target: (self.at_rest)(t), by: self.displacement(t, unknowns) })
     }
 }

@@ -1,21 +1,39 @@
 //! Material of a patch, with one interface for scalar and vector unknowns.
 
 use super::data::{Exact, Point, field_derivatives, field_slope};
-use super::loads::Resultant;
+use super::resultant::Resultant;
 use crate::assembly::{self, Errors, Form};
 use crate::linalg::{Csr, Matrix, Vector};
-use crate::physics::{self, BodyFlux, Conductor, Flux, Hooke, Material};
+use crate::physics::{self, BodyFlux, Flux, Material, NotLinear};
 use crate::quadrature::Quadrature;
 use crate::space::{Field, Space, Trace};
+use std::any::Any;
 use std::sync::Arc;
 
 /// A material for one component (Poisson) or N (elasticity).
 #[derive(Clone, Debug)]
 pub enum Physics<const N: usize> {
     /// One component.
-    Scalar(Arc<Conductor<N>>),
+    Scalar(Arc<dyn Material<1, N>>),
     /// One component per coordinate.
-    Vector(Arc<Hooke<N>>),
+    Vector(Arc<dyn Material<N, N>>),
+}
+
+/// A material that a problem cannot take.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PhysicsError {
+    /// Its law is not linear.
+    #[error(transparent)]
+    NotLinear(#[from] NotLinear),
+    /// It has neither one component nor one per coordinate.
+    #[error("a material of {components} components in {dimension} dimensions; problems have 1 or {dimension}")]
+    Components {
+        /// Its number of components.
+        components: usize,
+        /// The dimension.
+        dimension: usize,
+    },
 }
 
 /// The solution at a point.
@@ -55,6 +73,30 @@ fn filled<const C: usize>(fill: impl FnOnce(&mut [f64])) -> Vector<C> {
 }
 
 impl<const N: usize> Physics<N> {
+    /// A linear material of one component, or of one per coordinate.
+    ///
+    /// # Errors
+    /// [`PhysicsError`] for any other.
+    pub fn new<const C: usize>(material: impl Material<C, N> + 'static) -> Result<Self, PhysicsError> {
+        let material: Arc<dyn Material<C, N>> = Arc::new(material);
+        physics::form(&*material)?;
+        // C is 1 or N: the same type by another name
+        let any = |material: Arc<dyn Material<C, N>>| -> Box<dyn Any> { Box::new(material) };
+        if let Some(scalar) = any(material.clone()).downcast_ref::<Arc<dyn Material<1, N>>>() {
+            return Ok(Self::Scalar(scalar.clone()));
+        }
+        let vector = any(material).downcast_ref::<Arc<dyn Material<N, N>>>().cloned();
+        vector.map(Self::Vector).ok_or(PhysicsError::Components { components: C, dimension: N })
+    }
+
+    /// Number of components of the unknown.
+    pub fn components(&self) -> usize {
+        match self {
+            Self::Scalar(_) => 1,
+            Self::Vector(_) => N,
+        }
+    }
+
     /// The modulus at `x` that scales penalties [force/area].
     pub fn modulus(&self, x: &Vector<N>) -> f64 {
         match self {

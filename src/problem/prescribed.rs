@@ -1,6 +1,6 @@
 //! Prescribed values at a time: L2 projections onto sides, edges and corners.
 
-use super::corners;
+use super::corner_search;
 use super::data::Point;
 use super::model::{Condition, Model, Pin, RimModel, SideModel, Value};
 use crate::assembly::{DirichletError, Fixed as Prescribed, Pinned, Rim, dirichlet_with};
@@ -18,6 +18,9 @@ impl<const S: usize, const N: usize> Model<S, N> {
     ///
     /// # Errors
     /// [`DirichletError`] with the conditions that disagree.
+    ///
+    /// # Panics
+    /// If a condition takes the value of the exact solution and there is none.
     pub fn prescribed(&self, t: f64) -> Result<Vec<(usize, f64)>, Box<(DirichletError, Conditions)>> {
         self.projected(|value, component| match value {
             Value::Zero => None,
@@ -141,7 +144,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
 
     /// Finds the corners in which prescribed sides of several bodies meet.
     pub fn find_corners(&mut self) {
-        self.corners = corners::shared(self, &|k| self.in_model(&self.conditions[k].side));
+        self.corners = corner_search::shared(self, &|k| self.in_model(&self.conditions[k].side));
     }
 
     /// The trace of a side in functions of the model: unknown / components, glued ones by the one that stands for all, those

@@ -1,9 +1,8 @@
 //! Reactions of supports: forces on the bodies per side, edge and corner.
 
-use super::integrate::cross;
-use super::loads::Resultant;
 use super::model::{Model, SideModel};
-use super::solve::StepState;
+use super::resultant::{Resultant, cross};
+use super::state::StepState;
 use crate::basis::{Order, ShapeTable};
 use crate::geometry::MapTable;
 use crate::linalg::{Vector, measure};

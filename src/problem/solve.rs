@@ -1,133 +1,21 @@
 //! Assembly and solution of the system of a problem at a time.
 
-use super::at_rest::at_rest;
 use super::compliance::Softness;
 use super::data::Point;
 use super::equilibrium::unheld;
 use super::integrate::on_trace;
-use super::loads::Resultant;
 use super::matrices::Matrices;
 use super::model::Model;
 use super::observer::{Observer, Progress};
+use super::resultant::Resultant;
 use super::solver::Solver;
-use super::system::System;
-use crate::assembly::{Blocks, DirichletError, Reduced, ReductionError};
+use super::state::{NO_CONTACT, StepError, StepState, Unsolved};
+use super::system::InterfaceSystem;
+use crate::assembly::{Blocks, Reduced};
 use crate::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, sign_case_of_rows};
-use crate::contact::{Contact, ContactError};
-use crate::coupling::{CouplingError, Rows};
+use crate::coupling::Rows;
 use crate::linalg::{Csr, LinearError};
 use std::ops::ControlFlow;
-
-/// Sign case of rows without one: of ties, and of contact rows that face nothing.
-pub(super) const NO_CONTACT: u8 = 9;
-
-/// The solution of a step.
-#[derive(Debug)]
-pub struct StepState<const S: usize, const N: usize> {
-    /// Its time.
-    pub t: f64,
-    /// All unknowns.
-    pub u: Vec<f64>,
-    /// One multiplier per row: coefficients of lambda.
-    pub lambda: Vec<f64>,
-    /// Multipliers in the variables of the solver, one per row: of contacts those of their cone, lambda = T mu; of ties lambda.
-    pub mu: Vec<f64>,
-    /// Whether each row is enforced.
-    pub active: Vec<bool>,
-    /// Rows, weights and points of every contact part at this time.
-    pub contacts: Vec<Vec<Contact<S, N>>>,
-    /// Reactions of supports on the bodies, per unknown.
-    pub support: Vec<f64>,
-    /// Sum of all loads, springs included.
-    pub load: Resultant,
-    /// Number of unknowns that are free.
-    pub free: usize,
-    /// Relative residual.
-    pub residual: f64,
-    /// Condition number of the scaled system, if a factor provides it.
-    pub condition: Option<f64>,
-    /// Description of the linear algebra.
-    pub method: String,
-    /// Iterations of the linear algebra, 0 if everything was done by factors.
-    pub iterations: usize,
-    /// The active set, where there is contact.
-    pub active_set: Option<crate::constraint::ActiveSetReport>,
-    /// Sign case 0 to 8 of every row; 9 for rows of ties.
-    pub sign_case: Vec<u8>,
-}
-
-/// Error of a step without solution.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum StepError {
-    /// Prescribed values could not be projected.
-    #[error(transparent)]
-    Dirichlet(#[from] DirichletError),
-    /// Conditions contradict each other.
-    #[error(transparent)]
-    Reduction(#[from] ReductionError),
-    /// A tie has no stiffness at this time.
-    #[error(transparent)]
-    Coupling(#[from] CouplingError),
-    /// A contact could not be set up at this time.
-    #[error(transparent)]
-    Contact(#[from] ContactError),
-    /// No contact pressure balances the loads.
-    #[error("infeasible load: {what}")]
-    Infeasible {
-        /// Sentence with the body, its motion, and the missing force.
-        what: String,
-    },
-    /// The system was not solved.
-    #[error(transparent)]
-    Solve(#[from] SolveError),
-    /// Obstacles that forces press did not come to rest.
-    #[error("an obstacle that a force presses does not come to rest: contact was built at {places} places")]
-    Obstacle {
-        /// Number of places.
-        places: usize,
-    },
-}
-
-/// A step that was not solved, with the last state, if there is one.
-#[derive(Debug)]
-pub struct Unsolved<const S: usize, const N: usize> {
-    /// The error.
-    pub error: StepError,
-    /// The last state computed.
-    pub last: Option<Box<StepState<S, N>>>,
-}
-
-impl<const S: usize, const N: usize, E: Into<StepError>> From<E> for Unsolved<S, N> {
-    fn from(error: E) -> Self {
-        Self { error: error.into(), last: None }
-    }
-}
-
-/// Solves the model at time `t` with the matrices of its bodies at that time.
-///
-/// The active set starts as it ended in `before`. Where that leads nowhere it starts again as [`ContactModel`](super::ContactModel) says: a
-/// set that holds a body in one step may leave it free in the next.
-///
-/// # Errors
-/// [`Unsolved`], with the last state of an active set that did not settle or that was cancelled.
-pub fn step<const S: usize, const N: usize>(
-    model: &Model<S, N>,
-    matrices: &Matrices,
-    solver: &mut Solver,
-    t: f64,
-    before: Option<&StepState<S, N>>,
-    observer: Observer<'_>,
-) -> Result<StepState<S, N>, Unsolved<S, N>> {
-    let before = before.filter(|_| !model.contacts.is_empty());
-    let solved = at_rest(model, matrices, solver, t, before, observer);
-    match &solved {
-        Err(Unsolved { error: StepError::Solve(e), .. }) if before.is_some() && !matches!(e, SolveError::Stopped { .. }) => {
-            at_rest(model, matrices, solver, t, None, observer)
-        }
-        _ => solved,
-    }
-}
 
 /// Solves the system with obstacles displaced by their entries of `place`, the active set started as it ended in `before`.
 pub(super) fn once<const S: usize, const N: usize>(
@@ -153,7 +41,7 @@ pub(super) fn once<const S: usize, const N: usize>(
     let (load, totals) = model.loads(t);
     let mut total = Resultant::default();
     totals.iter().for_each(|own| total.sum(own));
-    let system = System::of(model, t, before, place)?;
+    let system = InterfaceSystem::of(model, t, before, place)?;
     let reduced = Reduced::try_new(matrices, &load, &prescribed, &model.all_equations())?;
     let (slave, shift) = reduced.rows(&system.rows.slave);
     let (master, shift_master) = reduced.rows(&system.rows.master);
@@ -186,10 +74,7 @@ pub(super) fn once<const S: usize, const N: usize>(
         active_set.retreat = missing.is_none();
         softness.solve(active_set, &constrained, system.eased.clone(), observer)
     } else {
-        solver.set.inner.solve(&constrained).map_err(|error| match error {
-            SolveError::Linear(LinearError::Stopped { .. }) => SolveError::Stopped { iterations: 0, best: None },
-            other => other,
-        })
+        solver.set.inner.solve(&constrained).map_err(as_stopped)
     };
     let finish = |solution: ConstrainedSolution| {
         if let Some(report) = &solution.active_set {
@@ -202,13 +87,7 @@ pub(super) fn once<const S: usize, const N: usize>(
     match solved {
         Ok(solution) => Ok(finish(solution)),
         Err(error) => {
-            let last = match &error {
-                SolveError::Cycling { best: last, .. }
-                | SolveError::TooManyIterations { best: last, .. }
-                | SolveError::Multipliers { last, .. } => Some(last.clone()),
-                SolveError::RigidMotion { best, .. } | SolveError::Stopped { best, .. } => best.clone(),
-                _ => None,
-            };
+            let last = last_iterate(&error);
             let error = match (missing, StepError::from(error)) {
                 (Some(what), StepError::Solve(e)) if !matches!(e, SolveError::Stopped { .. }) => StepError::Infeasible { what },
                 (_, error) => error,
@@ -219,10 +98,29 @@ pub(super) fn once<const S: usize, const N: usize>(
     }
 }
 
+/// Turns the error of linear algebra that was cancelled into that of a cancelled step.
+fn as_stopped(error: SolveError) -> SolveError {
+    match error {
+        SolveError::Linear(LinearError::Stopped { .. }) => SolveError::Stopped { iterations: 0, best: None },
+        other => other,
+    }
+}
+
+/// Best or last iterate of an algorithm that ended with `error`, if it has one.
+fn last_iterate(error: &SolveError) -> Option<Box<ConstrainedSolution>> {
+    match error {
+        SolveError::Cycling { best: last, .. }
+        | SolveError::TooManyIterations { best: last, .. }
+        | SolveError::Multipliers { last, .. } => Some(last.clone()),
+        SolveError::RigidMotion { best, .. } | SolveError::Stopped { best, .. } => best.clone(),
+        _ => None,
+    }
+}
+
 /// Reason for which no contact pressure balances the loads; none where one does.
 fn unheld_load<const S: usize, const N: usize>(
     model: &Model<S, N>,
-    system: &System<S, N>,
+    system: &InterfaceSystem<S, N>,
     load: &[f64],
     totals: &[Resultant],
 ) -> Option<String> {
@@ -236,7 +134,7 @@ fn finished<const S: usize, const N: usize>(
     load: &[f64],
     mut total: Resultant,
     reduced: &Reduced,
-    system: &System<S, N>,
+    system: &InterfaceSystem<S, N>,
     solution: ConstrainedSolution,
     sign_case: Vec<u8>,
     t: f64,

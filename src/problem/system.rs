@@ -1,15 +1,16 @@
 //! Rows of all ties and contacts as one system, and the initial guess of the closed contacts.
 
+use super::guess::Guess;
 use super::model::Model;
-use super::solve::{StepError, StepState};
-use super::start::{Guess, Start};
+use super::start::Start;
+use super::state::{StepError, StepState};
 use crate::constraint::RowKind;
 use crate::contact::Contact;
 use crate::coupling::Rows;
 use crate::linalg::Triplets;
 
 /// C, B, g and kinds of all rows in all unknowns.
-pub(super) struct System<const S: usize, const N: usize> {
+pub(super) struct InterfaceSystem<const S: usize, const N: usize> {
     pub(super) rows: Rows,
     pub(super) reaction: Option<Rows>,
     pub(super) offset: Vec<f64>,
@@ -26,12 +27,12 @@ pub(super) fn empty(rows: usize, unknowns: usize) -> Rows {
     Rows { slave: Triplets::new(rows, unknowns), master: Triplets::new(rows, unknowns) }
 }
 
-fn append(sum: &mut Rows, part: &Rows, first: usize) {
+pub(super) fn append(sum: &mut Rows, part: &Rows, first: usize) {
     sum.slave.append_below(&part.slave, first);
     sum.master.append_below(&part.master, first);
 }
 
-impl<const S: usize, const N: usize> System<S, N> {
+impl<const S: usize, const N: usize> InterfaceSystem<S, N> {
     /// Builds the rows at time `t`.
     ///
     /// `before`: step whose active rows are the initial guess; `place`: unknowns with the displacements of force-driven obstacles (`None`:

@@ -1,7 +1,7 @@
 //! lambda of a tie at any point of its slave side: that of its multiplier, or where it has none, that of the fluxes by its coupling.
 
 use super::model::{Model, Pairing, TiePart};
-use super::solve::StepState;
+use super::state::StepState;
 use super::tie_fluxes::Fluxes;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::coupling::Segments;

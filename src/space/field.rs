@@ -3,7 +3,7 @@
 use super::{Field, Space};
 use crate::basis::{Order, ShapeTable};
 use crate::geometry::{ClosestPoint, Geometry, MapTable};
-use crate::linalg::{Matrix, Real, Vector, inverse, lit};
+use crate::linalg::{Matrix, Real, Vector, inverse, lit, with_scratch};
 
 /// A point off the body by less than this share of the nearest element's size is moved to the nearest point.
 const OFF: f64 = 0.25;
@@ -31,23 +31,27 @@ pub fn field_at<const C: usize, const N: usize, T: Real, X: Space<N, N, T> + ?Si
     xi: &[Vector<N, T>],
 ) -> Vec<FieldAt<C, N, T>> {
     assert_eq!(field.components, C, "the field has {C} components");
-    let (mut shapes, mut map, mut ids) = (ShapeTable::new(), MapTable::new(), Vec::new());
-    space.active(element, &mut ids);
-    space.evaluate(element, xi, Order::Gradients, &mut shapes, &mut map);
-    (0..xi.len())
-        .map(|q| {
-            let mut value = Vector::<C, T>::zeros();
-            let mut local = Matrix::<C, N, T>::zeros();
-            for (a, &i) in ids.iter().enumerate() {
-                let u = Vector::<C, T>::from_fn(|c, _| u[field.unknown(i, c)]);
-                value += u * shapes.values(q)[a];
-                local += u * shapes.grads(q)[a].transpose();
-            }
-            let gradient = inverse(&map.jacobian[q]).map_or_else(|| Matrix::repeat(T::one() / T::zero()), |j| local * j);
-            FieldAt { x: map.x[q], value, gradient }
-        })
-        .collect()
+    with_scratch(|(shapes, map, ids): &mut Scratch<N, T>| {
+        space.active(element, ids);
+        space.evaluate(element, xi, Order::Gradients, shapes, map);
+        (0..xi.len())
+            .map(|q| {
+                let mut value = Vector::<C, T>::zeros();
+                let mut local = Matrix::<C, N, T>::zeros();
+                for ((&i, &n), g) in ids.iter().zip(shapes.values(q)).zip(shapes.grads(q)) {
+                    let u = Vector::<C, T>::from_fn(|c, _| u[field.unknown(i, c)]);
+                    value += u * n;
+                    local += u * g.transpose();
+                }
+                let gradient = inverse(&map.jacobian[q]).map_or_else(|| Matrix::repeat(T::one() / T::zero()), |j| local * j);
+                FieldAt { x: map.x[q], value, gradient }
+            })
+            .collect()
+    })
 }
+
+/// Functions, map and numbers of the functions of an element.
+type Scratch<const N: usize, T> = (ShapeTable<N, T>, MapTable<N, N, T>, Vec<usize>);
 
 /// Location of a physical point in a body.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -22,6 +22,8 @@ pub struct Mesh<const S: usize, const N: usize> {
     pub(super) sides: Sides<S, N>,
     pub(super) quality: Quality<N>,
     pub(super) named: Named<N>,
+    /// Whether its sides lie exactly on those of a patch.
+    pub(super) exact: bool,
 }
 
 /// Data from which the traces of a mesh are built.
@@ -98,6 +100,10 @@ impl<const S: usize, const N: usize> Body<S, N> for Mesh<S, N> {
 
     fn known_quality(&self) -> Option<&Quality<N>> {
         Some(&self.quality)
+    }
+
+    fn is_exact(&self) -> bool {
+        self.exact
     }
 
     fn sides(&self) -> Vec<String> {

@@ -60,7 +60,7 @@ impl<const S: usize, const N: usize> Mesh<S, N> {
         let named = Named { function: raw.functions_at_points(&flipped, &basis, degree), points: cells.points.clone() };
         let quality = quality(&*space)?;
         let sides = Sides::Facets(FacetSides { basis, map: FacetMap::Nodes(isoparametric), named: named_facets });
-        Ok(Mesh { grid: None, space, geometry, sides, quality, named })
+        Ok(Mesh { grid: None, space, geometry, sides, quality, named, exact: false })
     }
 }
 

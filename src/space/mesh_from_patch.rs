@@ -68,7 +68,7 @@ fn tensor<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S,
             (side.name(), MeshSide { lines: side_axes::<S, N, _>(&lines, side), ids, facets: grid.facets(side) })
         })
         .collect();
-    Ok(Mesh { grid: Some(grid), space, geometry, sides: Sides::Lines(sides), quality, named: Named::default() })
+    Ok(Mesh { grid: Some(grid), space, geometry, sides: Sides::Lines(sides), quality, named: Named::default(), exact: spec.is_exact() })
 }
 
 /// The nodes of a tensor mesh on the exact map, one per function.
@@ -168,7 +168,7 @@ fn simplex<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S
     };
     let quality = quality(&*space)?;
     let sides = sides(spec, &grid, &triangles, exact, &connectivity, &id);
-    Ok(Mesh { grid: Some(grid), space, geometry, sides: Sides::Lines(sides), quality, named: Named::default() })
+    Ok(Mesh { grid: Some(grid), space, geometry, sides: Sides::Lines(sides), quality, named: Named::default(), exact: spec.is_exact() })
 }
 
 impl<const N: usize> Triangle<N> {

@@ -57,7 +57,7 @@ pub(super) fn tetrahedra<const S: usize, const N: usize>(spec: &PatchSpec<N>) ->
     };
     let quality = quality(&*space)?;
     let sides = Sides::Facets(FacetSides { basis, map, named });
-    Ok(Mesh { grid: Some(grid), space, geometry, sides, quality, named: Named::default() })
+    Ok(Mesh { grid: Some(grid), space, geometry, sides, quality, named: Named::default(), exact: spec.is_exact() })
 }
 
 /// Cuts all cells into tetrahedra with merged vertices.

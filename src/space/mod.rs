@@ -200,6 +200,11 @@ pub trait Body<const S: usize, const N: usize, T: Real = f64>: Debug + Send + Sy
     fn known_quality(&self) -> Option<&Quality<N>> {
         None
     }
+    /// Whether its sides lie exactly on those of the geometry that it stands for: splines, meshes on an exact map, polynomials of at most
+    /// the degree of a mesh. `false` where nothing is known of a geometry.
+    fn is_exact(&self) -> bool {
+        false
+    }
 }
 
 macro_rules! forward_body {
@@ -209,6 +214,7 @@ macro_rules! forward_body {
             fn sides(&self) -> Vec<String> { (**self).sides() }
             fn trace(&self, side: &str) -> Result<Trace<S, N, T>, SideError> { (**self).trace(side) }
             fn known_quality(&self) -> Option<&Quality<N>> { (**self).known_quality() }
+            fn is_exact(&self) -> bool { (**self).is_exact() }
         }
     )*};
 }

@@ -97,6 +97,10 @@ impl<const S: usize, const N: usize> Body<S, N> for Patch<S, N> {
         Some(&self.quality)
     }
 
+    fn is_exact(&self) -> bool {
+        true
+    }
+
     fn sides(&self) -> Vec<String> {
         self.grid.sides()
     }

@@ -80,6 +80,13 @@ impl<const N: usize> PatchSpec<N> {
         }
     }
 
+    /// Whether Lagrange cells on it have sides that lie exactly on those of the net: cells on the exact map, and cells of a polynomial net of at
+    /// most their degree.
+    pub(super) fn is_exact(&self) -> bool {
+        let polynomial = self.net.weights.is_none() && (0..N).all(|k| self.net.axes[k].degree(0)[0] <= self.degree[k]);
+        self.mapping == Mapping::Exact || polynomial
+    }
+
     /// Sets the degree per direction.
     pub fn with_degree(mut self, degree: [usize; N]) -> Self {
         self.degree = degree;

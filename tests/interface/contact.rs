@@ -5,7 +5,7 @@ use coupled::{Bodies, KINDS, Kind};
 use faying::assembly::{gauss_rules, trace_load};
 use faying::basis::Basis;
 use faying::constraint::{ActiveSet, Condensed, ConstrainedSolution, ConstraintSolver, Direct};
-use faying::contact::{ClosedSide, Contact, HalfPlane, Opponent, Surface, Target, Transmitted, half_width};
+use faying::contact::{ClosedSide, Contact, HalfPlane, Obstacle, Opponent, Surface, Transmitted, half_width};
 use faying::coupling::interface::{MergedCurve, slave_segments};
 use faying::coupling::multiplier::{MultiplierKind, build};
 use faying::coupling::{InterfaceQuadrature, Side};
@@ -42,7 +42,7 @@ struct Pressed {
 fn solve(
     model: &Bodies<2>,
     (slave, side): (usize, &Trace<1, 2>),
-    master: Result<(usize, &Trace<1, 2>), &dyn Target<1, 2>>,
+    master: Result<(usize, &Trace<1, 2>), &dyn Obstacle<1, 2>>,
     multiplier: &dyn Basis<1>,
     points: usize,
     gap: &dyn Fn(&Vector<2>, f64) -> f64,
@@ -175,12 +175,12 @@ fn a_press_fit_and_a_rigid_side_give_the_same_state_as_the_master() {
         let side = model.trace(0, "v0");
         let psi = build(&side.space, MultiplierKind::Auto, &[]).unwrap();
         let floor = Kind::Spline.rectangle([-1.0, 0.0], [2.0, 0.5], 2, [5, 1]).trace("v1").unwrap();
-        let targets: [Box<dyn Target<1, 2>>; 2] = [
+        let targets: [Box<dyn Obstacle<1, 2>>; 2] = [
             Box::new(HalfPlane::try_new(Vector::<2>::new(0.3, 0.5), Vector::<2>::new(0.0, 4.0)).unwrap()),
             Box::new(Surface::new(&floor, None)),
         ];
         for target in &targets {
-            faying::check::target(&**target, &[Vector::<2>::new(0.2, 0.6), Vector::<2>::new(0.7, 0.4)], 1e-12).unwrap();
+            faying::check::obstacle(&**target, &[Vector::<2>::new(0.2, 0.6), Vector::<2>::new(0.7, 0.4)], 1e-12).unwrap();
             let r = solve(&model, (0, &side), Err(&**target), &*psi, 3, &|_, g| g - 1e-3, f64::INFINITY, saddle_point);
             assert!((r.transmitted.force - Vector::<2>::new(0.0, 2e-3)).amax() < 1e-12, "{kind:?}: {:?}", r.transmitted.force);
             let exact = |x: &Vector<2>| {

@@ -6,6 +6,7 @@ mod contact;
 mod dual;
 mod inf_sup;
 mod interface_quadrature;
+mod lessons;
 mod merging;
 mod mesh_tied;
 mod obstacle;

@@ -461,6 +461,32 @@ fn least_violation(system: &ConstrainedSystem<'_>) -> usize {
     (1..=3).min_by(|&a, &b| norm(a).total_cmp(&norm(b))).unwrap()
 }
 
+/// Says nothing of what its sets share.
+#[derive(Debug)]
+struct Silent(Direct);
+
+impl ConstraintSolver for Silent {
+    fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
+        self.0.solve(system)
+    }
+    fn shares_factor(&mut self, _: &ConstrainedSystem<'_>) -> Result<bool, SolveError> {
+        Err(SolveError::NotSymmetric)
+    }
+}
+
+#[test]
+fn a_first_guess_that_fails_does_not_fail_the_solution() {
+    let blocks = contact_blocks(0.006);
+    let mut reaction = blocks.rows.clone();
+    reaction.slave.entries[0].2 *= 1.0 + 1e-9;
+    let system = ConstrainedSystem { reaction: Some(&reaction), ..blocks.system() };
+    let guessed = ActiveSet::new(Direct::new()).solve(&system).unwrap();
+    assert!(matches!(guessed.active_set.as_ref().unwrap().events[..], [ActiveSetEvent::Symmetric { .. }]), "{:?}", guessed.active_set);
+    let silent = ActiveSet::new(Silent(Direct::new())).solve(&system).unwrap();
+    assert!(silent.active_set.unwrap().events.is_empty());
+    assert_eq!((silent.active, silent.unknowns), (guessed.active, guessed.unknowns));
+}
+
 /// Keeps every solution.
 #[derive(Debug)]
 struct Spy<'a>(&'a mut Vec<ConstrainedSolution>);

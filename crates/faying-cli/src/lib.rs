@@ -17,6 +17,7 @@
 //! To add names of your own, put them into a [`Registry`] and pass it to [`main`].
 
 pub mod build;
+mod builtin;
 pub mod case;
 pub mod codes;
 mod commands;
@@ -41,6 +42,7 @@ pub mod studies;
 pub mod table;
 mod unsolved;
 pub mod watch;
+mod words;
 
 pub use case::Case;
 pub use commands::main;

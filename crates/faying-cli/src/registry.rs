@@ -2,15 +2,15 @@
 
 use crate::case;
 use crate::errors::nearest;
-use faying::basis::{Basis, Order, ShapeTable};
-use faying::constraint::{Augmented, Condensed, ConstraintSolver, Direct, Krylov, Schur};
-use faying::contact::Target;
-use faying::coupling::interface::{MasterSums, MergedCurve, Partners, SlaveRule};
-use faying::coupling::multiplier::{self, MultiplierError, MultiplierKind, side_ends};
+use faying::basis::Basis;
+use faying::constraint::ConstraintSolver;
+use faying::contact::Obstacle;
+use faying::coupling::Coupling;
+use faying::coupling::multiplier::{MultiplierError, MultiplierKind};
 use faying::coupling::nitsche::Variant;
-use faying::coupling::{Coupling, InterfaceQuadrature, Mortar, Nitsche, Penalty, Segments};
-use faying::linalg::{Limits, Vector};
-use faying::space::{Body, Mapping, Mesh, Patch, PatchSpec, Trace};
+use faying::linalg::Limits;
+use faying::problem::{self, CutMultiplier, MakeCovered};
+use faying::space::{Body, PatchSpec, Trace};
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -93,10 +93,8 @@ impl<F> Family<F> {
 
 /// Makes a body of a patch.
 pub type MakeBody<const S: usize, const N: usize> = Box<dyn Fn(&PatchSpec<N>) -> Result<Box<dyn Body<S, N>>, Fault> + Send + Sync>;
-/// Makes the multiplier of one component on a slave side; the closure returns whether a function of the body is constrained in that
-/// component.
-pub type MakeMultiplier<const S: usize, const N: usize> =
-    Box<dyn Fn(&Trace<S, N>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> + Send + Sync>;
+/// Makes the multiplier of one component on a slave side, see [`problem::MakeMultiplier`].
+pub type MakeMultiplier<const S: usize, const N: usize> = Box<problem::MakeMultiplier<'static, S, N>>;
 /// Makes a multiplier of a degree and a continuity, arguments after the first as in [`MakeMultiplier`].
 pub type MakePolynomial<const S: usize, const N: usize> =
     Box<dyn Fn(MultiplierKind, &Trace<S, N>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> + Send + Sync>;
@@ -115,7 +113,7 @@ pub type MakeCoupling<const S: usize, const N: usize> = Box<dyn Fn(CouplingOptio
 /// Name of the integration over the master in mixed contact; not a keyword of case files.
 pub const MASTER_SUMS: &str = "master";
 /// Makes an integration of interfaces with that many points per piece.
-pub type MakeIntegration<const S: usize, const N: usize> = Box<dyn Fn(usize, Partners) -> Box<dyn InterfaceQuadrature<S, N>> + Send + Sync>;
+pub type MakeIntegration<const S: usize, const N: usize> = Box<problem::MakeIntegration<'static, S, N>>;
 /// Options of a constraint solver.
 #[derive(Clone, Debug)]
 pub struct SolverOptions {
@@ -157,24 +155,15 @@ pub struct Names<const S: usize, const N: usize> {
 }
 
 /// Makes the obstacle that has the shape of a geometry.
-pub type MakeObstacle<const S: usize, const N: usize> = fn(&case::Geometry) -> Result<Arc<dyn Target<S, N>>, Fault>;
+pub type MakeObstacle<const S: usize, const N: usize> = fn(&case::Geometry) -> Result<Arc<dyn Obstacle<S, N>>, Fault>;
 
 /// Function that makes obstacles with the shape of a geometry, if available.
 #[derive(Debug)]
 pub struct Obstacles<const S: usize, const N: usize>(pub Option<MakeObstacle<S, N>>);
 
-/// Dual multipliers of a contact, and the functions by which their pressure is evaluated.
-pub type DualPair<const S: usize> = (Box<dyn Basis<S>>, Box<dyn Basis<S>>);
-/// Makes dual multipliers over the part of a slave side that the segments cover; the closure is that of [`MakeMultiplier`].
-pub type MakeCovered<const S: usize, const N: usize> =
-    fn(&Trace<S, N>, &dyn Fn(usize) -> bool, &Segments<S>) -> Result<DualPair<S>, MultiplierError>;
-
 /// Function that makes dual multipliers over the covered part of a side, if available.
 #[derive(Debug)]
 pub struct Covered<const S: usize, const N: usize>(pub Option<MakeCovered<S, N>>);
-
-/// Gives functions of a multiplier that live on slivers of what the segments cover to their neighbours.
-pub type CutMultiplier<const S: usize, const N: usize> = fn(Box<dyn Basis<S>>, &Trace<S, N>, &Segments<S>) -> Box<dyn Basis<S>>;
 
 /// [`CutMultiplier`] of a dimension, if there is one.
 #[derive(Debug)]
@@ -190,16 +179,6 @@ impl<const S: usize, const N: usize> Debug for Polynomials<S, N> {
 }
 
 impl<const S: usize, const N: usize> Names<S, N> {
-    /// Creates the built-in backends, without other names.
-    fn bodies() -> Self {
-        let mut names = Self::empty();
-        names
-            .backends
-            .add("iga", Box::new(|spec| Ok(Box::new(Patch::<S, N>::try_new(spec).map_err(|e| super::build::patch_fault(&e))?))))
-            .add("fe", Box::new(|spec| Ok(Box::new(Mesh::<S, N>::from_patch(spec).map_err(|e| super::build::patch_fault(&e))?))));
-        names
-    }
-
     /// Creates empty families.
     pub fn empty() -> Self {
         Self {
@@ -212,17 +191,6 @@ impl<const S: usize, const N: usize> Names<S, N> {
             integrations: Family::new("integration"),
             obstacles: Obstacles(None),
         }
-    }
-}
-
-/// Whether the sides of a body of this backend lie exactly on those of the geometry: those of splines, and of Lagrange meshes on the exact
-/// map or of a polynomial geometry of at most their degree. `false` for other backends.
-pub(super) fn carries_geometry<const N: usize>(backend: &str, spec: &PatchSpec<N>) -> bool {
-    let polynomial = spec.net.weights.is_none() && (0..N).all(|k| spec.net.axes[k].degree(0)[0] <= spec.degree[k]);
-    match backend {
-        "iga" => true,
-        "fe" => spec.mapping == Mapping::Exact || polynomial,
-        _ => false,
     }
 }
 
@@ -247,78 +215,6 @@ pub(super) fn is_glue(coupling: &str) -> bool {
 /// Whether the rows of a coupling are those of the mortar method; `false` for added couplings.
 pub(super) fn has_mortar_rows(coupling: &str) -> bool {
     matches!(coupling, "mortar" | "penalty")
-}
-
-/// Highest k of the built-in pairings p/p-k: the highest degree of a patch.
-const HIGHEST_PAIRING: usize = 12;
-
-impl Names<1, 2> {
-    /// The built-in names of the plane.
-    pub fn plane() -> Self {
-        let mut names = Self::bodies();
-        let mut kinds = vec![MultiplierKind::Auto, MultiplierKind::Constant, MultiplierKind::Dual];
-        kinds.extend((0..=HIGHEST_PAIRING).map(MultiplierKind::Lowered));
-        for kind in kinds {
-            names.multipliers.add(&kind.to_string(), Box::new(move |trace, constrained| curve_multiplier(kind, trace, constrained)));
-        }
-        names.polynomials = Polynomials(Some(Box::new(curve_multiplier)));
-        names.covered = Covered(Some(covered_dual));
-        names.cut = Cut(Some(|psi, trace, segments| multiplier::without_slivers(psi, &*trace.space, segments)));
-        names.obstacles = Obstacles(Some(super::build::PLANE_OBSTACLES));
-        names
-            .couplings
-            .add("mortar", Box::new(|_| Box::new(Mortar)))
-            .add("nitsche", Box::new(|o| Box::new(Nitsche { factor: o.factor.unwrap_or(Nitsche::AUTO), variant: o.variant })))
-            .add("penalty", Box::new(|o| Box::new(Penalty { factor: o.factor.unwrap_or(Penalty::AUTO) })));
-        names
-            .integrations
-            .add("merged", Box::new(|points, partners| Box::new(MergedCurve { points, partners })))
-            .add("slave", Box::new(|points, partners| Box::new(SlaveRule { points, partners })))
-            .add(MASTER_SUMS, Box::new(|points, partners| Box::new(MasterSums { points, partners })));
-        names
-    }
-}
-
-impl Names<2, 3> {
-    /// The built-in names of space: bodies; couplings of surfaces are not in this version.
-    pub fn volume() -> Self {
-        Self::bodies()
-    }
-}
-
-/// Function values below this at an end count as zero.
-const NO_VALUE: f64 = 1e-10;
-
-/// Makes a multiplier on a curve; an end is constrained if a function that does not vanish there is.
-fn curve_multiplier<const N: usize>(
-    kind: MultiplierKind,
-    trace: &Trace<1, N>,
-    constrained: &dyn Fn(usize) -> bool,
-) -> Result<Box<dyn Basis<1>>, MultiplierError> {
-    multiplier::build(&trace.space, kind, &constrained_ends(trace, constrained))
-}
-
-/// Makes dual multipliers of a contact on a curve.
-fn covered_dual<const N: usize>(
-    trace: &Trace<1, N>,
-    constrained: &dyn Fn(usize) -> bool,
-    segments: &Segments<1>,
-) -> Result<DualPair<1>, MultiplierError> {
-    let made = multiplier::build_covered(&trace.space, &constrained_ends(trace, constrained), segments)?;
-    Ok((Box::new(made.functions), Box::new(made.reading)))
-}
-
-/// Returns, per end of a curve, whether a function that does not vanish there is constrained.
-fn constrained_ends<const N: usize>(trace: &Trace<1, N>, constrained: &dyn Fn(usize) -> bool) -> Vec<bool> {
-    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
-    side_ends(&*trace.space)
-        .iter()
-        .map(|end| {
-            trace.space.active(end.element, &mut ids);
-            trace.space.tabulate(end.element, &[Vector::<1>::new(end.at as f64)], Order::Values, &mut table);
-            ids.iter().zip(table.values(0)).any(|(&i, value)| value.abs() > NO_VALUE && constrained(trace.dofs[i]))
-        })
-        .collect()
 }
 
 /// All names a case file may use.
@@ -349,50 +245,4 @@ impl Registry {
         case::Names::add(&mut names.constraints, self.solvers.names());
         names
     }
-}
-
-impl Default for Registry {
-    /// The built-in names.
-    fn default() -> Self {
-        Self { plane: Names::plane(), volume: Names::volume(), solvers: solvers() }
-    }
-}
-
-/// The built-in solvers:
-///
-/// | name | `linear = "direct"` | `linear = "iterative"` |
-/// | --- | --- | --- |
-/// | saddle-point | LDLᵀ, one for all sets of contact where its rows are few; LU without symmetry | MINRES without a factor; without symmetry GMRES with the symmetric factor |
-/// | condensed | LDLᵀ of Tᵀ K T | conjugate gradients on it |
-/// | schur | conjugate gradients on C K⁻¹ Cᵀ over a factor of K, as numbers where rows are few | refused: it needs the factor |
-/// | uzawa | augmented Lagrangian over a factor of K + Cᵀ W C | the same over conjugate gradients |
-fn solvers() -> Family<MakeSolver> {
-    let mut solvers: Family<MakeSolver> = Family::new("constraint solver");
-    solvers.add(
-        "saddle-point",
-        Box::new(|o| Ok(if o.is_iterative() { Box::new(Krylov::new(o.limits.clone())) } else { Box::new(Direct::new()) })),
-    );
-    solvers.add(
-        "condensed",
-        Box::new(|o| Ok(Box::new(if o.is_iterative() { Condensed::iterative(o.limits.clone()) } else { Condensed::new() }))),
-    );
-    solvers.add(
-        "schur",
-        Box::new(|o| {
-            if o.is_iterative() {
-                let text =
-                    "constraint = \"schur\" iterates over a factor of the stiffness: write linear = \"direct\", or constraint = \"uzawa\"";
-                return Err(Fault::new("E015", text));
-            }
-            Ok(Box::new(Schur::new(o.limits.clone())))
-        }),
-    );
-    solvers.add(
-        "uzawa",
-        Box::new(|o| {
-            let limits = o.limits.clone();
-            Ok(if o.is_iterative() { Box::new(Augmented::uzawa_iterative(limits)) } else { Box::new(Augmented::uzawa(limits)) })
-        }),
-    );
-    solvers
 }

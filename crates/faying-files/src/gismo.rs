@@ -257,6 +257,17 @@ fn multipatch(node: &Node<'_>, all: Vec<(SplinePatch, usize)>, file: &mut Spline
             file.joints.push(pair);
         }
     }
+    named_boundaries(node, dimension, &place, file, budget)
+}
+
+/// Adds the named lists of boundary sides of a MultiPatch to the labels of the file.
+fn named_boundaries(
+    node: &Node<'_>,
+    dimension: usize,
+    place: &BTreeMap<i64, usize>,
+    file: &mut SplineFile,
+    budget: &mut Budget,
+) -> Result<(), FileError> {
     let mut named: BTreeMap<String, usize> = BTreeMap::new();
     for boundary in node.named("boundary") {
         let (text, line) = boundary.words()?;
@@ -264,7 +275,7 @@ fn multipatch(node: &Node<'_>, all: Vec<(SplinePatch, usize)>, file: &mut Spline
         let mut sides = Vec::new();
         while !words.done() {
             budget.items(3, size_of::<PatchSide>())?;
-            sides.push(side(&mut words, dimension, &place)?);
+            sides.push(side(&mut words, dimension, place)?);
         }
         // Without a name the list only repeats which sides are outer ones.
         let Some(name) = boundary.attribute("name").or(boundary.attribute("label")) else { continue };

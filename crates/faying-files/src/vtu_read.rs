@@ -198,6 +198,22 @@ struct Array {
     at: usize,
 }
 
+/// Adds the values of an array to the field of its name.
+fn add_field(fields: &mut Vec<VtuField>, array: Array, values: Vec<f64>, budget: &mut Budget) -> Result<(), FileError> {
+    let broken = |what: String| Err(FileError::Broken { what, spot: Some(Spot::Byte(array.at)) });
+    let full = fields.len() >= MAX_FIELDS;
+    match fields.iter_mut().find(|f| f.name == array.name) {
+        Some(field) if field.components == array.components => {
+            budget.room(&mut field.values, values.len())?;
+            field.values.extend(values);
+        }
+        Some(_) => return broken(format!("array \"{}\" changes its number of components", array.name)),
+        None if full => return broken(format!("more than {MAX_FIELDS} arrays")),
+        None => fields.push(VtuField { name: array.name, components: array.components, values }),
+    }
+    Ok(())
+}
+
 /// A piece being read.
 #[derive(Debug, Default)]
 struct Piece {
@@ -422,20 +438,7 @@ impl State<'_> {
                 let at_points = place == b"PointData";
                 expect(if at_points { points } else { cells })?;
                 let fields = if at_points { &mut file.point_fields } else { &mut file.cell_fields };
-                let full = fields.len() >= MAX_FIELDS;
-                match fields.iter_mut().find(|f| f.name == array.name) {
-                    Some(field) if field.components == array.components => {
-                        self.budget.room(&mut field.values, values.len())?;
-                        field.values.extend(values);
-                        return Ok(());
-                    }
-                    Some(_) => return Err(broken(format!("array \"{}\" changes its number of components", array.name))),
-                    None if full => return Err(broken(format!("more than {MAX_FIELDS} arrays"))),
-                    None => {
-                        fields.push(VtuField { name: array.name, components: array.components, values });
-                        return Ok(());
-                    }
-                }
+                return add_field(fields, array, values, &mut self.budget);
             }
         }
         self.budget.give(8 * values.capacity() as u64);

@@ -33,7 +33,8 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
     ) -> Result<Option<Guess>, SolveError> {
         let symmetric = ConstrainedSystem { reaction: None, ..*system };
         let differs = system.reaction.is_some_and(|b| b != system.constraint);
-        if self.near || !differs || !self.inner.shares_factor(&symmetric)? {
+        // a guess is never why a system is not solved
+        if self.near || !differs || !matches!(self.inner.shares_factor(&symmetric), Ok(true)) {
             return Ok(None);
         }
         let of = |solution: super::ConstrainedSolution| {

@@ -76,7 +76,7 @@ fn slivers<const N: usize, T: Real>(basis: &dyn Basis<1, T>, space: &dyn Geometr
         basis.active(e, &mut ids);
         ids.iter().for_each(|&i| on_whole[i] = true);
     }
-    // integrals over what is covered, over whole elements; first moments of what is covered
+    // integrals over what is covered, and over whole elements
     let n = basis.num_functions();
     let (mut covered, mut whole) = (vec![0.0; n], vec![0.0; n]);
     for &e in &in_part {

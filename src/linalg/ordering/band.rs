@@ -1,10 +1,10 @@
 //! The smallest separator in a band of vertices.
 
-use super::cut::{LEFT, RIGHT, SEPARATOR};
 use super::flow::Network;
 use super::graph::Piece;
 use super::halving::{Coordinate, cost};
-use super::index;
+use super::parts::index;
+use super::parts::{LEFT, RIGHT, SEPARATOR};
 
 /// Half width, as part of all vertices, of the band in which the smallest separator is sought.
 const BAND: f64 = 0.1;

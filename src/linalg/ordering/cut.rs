@@ -12,11 +12,6 @@ const WIDE: f64 = 2.0;
 /// A separator among the levels is taken if it is smaller than this fraction of the plane's: its halves are less compact.
 const CLEARLY: f64 = 0.6;
 
-/// Labels of a cut.
-pub(super) const LEFT: u8 = 0;
-pub(super) const RIGHT: u8 = 1;
-pub(super) const SEPARATOR: u8 = 2;
-
 /// Labels of the best cut, and the width of the body that the halves belong to; `None` if no cut leaves two halves.
 ///
 /// The cheapest plane, unless its separator is wider than twice the mean level of a body of this `width`, or than twice the side of a

@@ -1,6 +1,6 @@
 //! Maximum flow through a small network.
 
-use super::index;
+use super::parts::index;
 
 /// A network for maximum flow (Dinic: shortest augmenting paths, all of one length at a time).
 pub(super) struct Network {

@@ -1,7 +1,7 @@
 //! Graphs of vertices with coordinates, and their parts.
 
-use super::cut::{LEFT, SEPARATOR};
-use super::index;
+use super::parts::index;
+use super::parts::{LEFT, SEPARATOR};
 
 /// Rounding of projections, as part of the largest coordinate.
 const ROUNDING: f64 = 1e-14;

@@ -1,8 +1,8 @@
 //! Two halves of a set of vertices along a coordinate, and the separator between them.
 
 use super::band::band_cut;
-use super::cut::{LEFT, RIGHT, SEPARATOR};
 use super::graph::Piece;
+use super::parts::{LEFT, RIGHT, SEPARATOR};
 
 /// Coordinates closer than this part of the extent count as equal, so that a cut follows a line of the grid.
 const EQUAL: f64 = 1e-9;

@@ -1,7 +1,7 @@
 //! Minimum degree orders of small sets.
 
 use super::graph::Piece;
-use super::index;
+use super::parts::index;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Minimum degree order of a small part of `whole`; its neighbours outside, all of them ordered later, count in the degrees.

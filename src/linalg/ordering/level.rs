@@ -1,8 +1,8 @@
 //! Level structure of a graph: steps along edges from one end, one connected part after the other.
 
-use super::cut::{LEFT, RIGHT};
 use super::graph::Piece;
-use super::index;
+use super::parts::index;
+use super::parts::{LEFT, RIGHT};
 
 /// Levels of the vertices of a set.
 pub(super) struct Levels {

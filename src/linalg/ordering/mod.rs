@@ -17,12 +17,14 @@ mod graph;
 mod halving;
 mod leaf;
 mod level;
+mod parts;
 mod tree;
 
-use cut::{LEFT, SEPARATOR, best_cut};
+use cut::best_cut;
 use graph::{Graph, Piece};
 use leaf::minimum_degree;
 use level::Levels;
+use parts::{LEFT, SEPARATOR, index};
 
 pub use tree::{factor_entries, postordered};
 
@@ -129,8 +131,4 @@ fn scaled(mut places: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
 fn ascending(x: f64) -> u64 {
     let bits = (x + 0.0).to_bits();
     if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
-}
-
-fn index(i: usize) -> u32 {
-    u32::try_from(i).expect("fewer than 2^32 unknowns")
 }

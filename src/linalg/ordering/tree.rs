@@ -1,6 +1,6 @@
 //! Elimination trees: postorder and number of entries of a factor.
 
-use super::index;
+use super::parts::index;
 
 /// Renumbers `order` by a postorder of its elimination tree: the same fill, larger supernodes.
 ///

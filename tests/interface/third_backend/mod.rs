@@ -70,7 +70,7 @@ fn tied_linear_fields_cross_to_and_from_a_backend_from_outside() {
         for (a, b) in pairs() {
             let (lower, lower_sides) = body(a, [3, 2], p, 0.0);
             let (upper, upper_sides) = body(b, [4, 2], p, 1.0);
-            let parts = [Part { body: &*lower, sides: lower_sides }, Part { body: &*upper, sides: upper_sides }];
+            let parts = [Part { body: lower.into(), sides: lower_sides }, Part { body: upper.into(), sides: upper_sides }];
             for slave in 0..2 {
                 for condensed in [false, true] {
                     let outcome = tied_patch(&parts, slave, MultiplierKind::Lowered(0), condensed);
@@ -88,7 +88,7 @@ fn a_uniform_pressure_crosses_to_and_from_a_backend_from_outside() {
     for (a, b) in pairs() {
         let (lower, lower_sides) = body(a, [4, 2], 2, 0.0);
         let (upper, upper_sides) = body(b, [5, 2], 2, 1.0);
-        let parts = [Part { body: &*lower, sides: lower_sides }, Part { body: &*upper, sides: upper_sides }];
+        let parts = [Part { body: lower.into(), sides: lower_sides }, Part { body: upper.into(), sides: upper_sides }];
         for slave in 0..2 {
             for condensed in [false, true] {
                 let outcome = contact_patch(&parts, slave, condensed);

@@ -1,14 +1,17 @@
 //! Boundary conditions and loads of the case.
 
-use super::couples::Couples;
+use super::builder::Builder;
+use super::built::Built;
+use super::couple::Couples;
+use super::exact::needs_exact;
 use super::rims;
 use super::sides::Sides;
 use super::values::on_side;
-use super::{Builder, Built};
 use crate::case::{Boundary, Datum};
 use crate::errors::Diagnostic;
 use crate::formula::Formula;
 use crate::place::{Located, Place};
+use crate::words::component_name;
 use faying::assembly::{Equation, measure, planar_normal};
 use faying::linalg::Vector;
 use faying::problem::{Action, Condition, Model, RigidSides, SideLoad, SideModel, SideSpring, Value};
@@ -16,11 +19,6 @@ use std::sync::Arc;
 
 /// Components of a unit normal below this count as zero.
 const PERPENDICULAR: f64 = 1e-9;
-
-/// Names of components in messages.
-pub(crate) fn component_name(component: usize, components: usize) -> &'static str {
-    if components == 1 { "u" } else { ["x", "y", "z"][component.min(2)] }
-}
 
 /// Adds the conditions, loads, springs and equations of all boundary blocks to `model`; errors go to the builder's faults.
 pub(super) fn build<const S: usize, const N: usize>(
@@ -168,19 +166,6 @@ fn resultants<const S: usize, const N: usize>(
 
 fn each(list: &[Option<Located<Formula>>]) -> impl Iterator<Item = (usize, &Located<Formula>)> {
     list.iter().enumerate().filter_map(|(k, f)| f.as_ref().map(|f| (k, f)))
-}
-
-pub(super) fn needs_exact<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
-    model: &Model<S, N>,
-    at: Place,
-) -> Result<(), Box<Diagnostic>> {
-    match model.exact {
-        Some(_) => Ok(()),
-        None => Err(Box::new(
-            builder.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]"),
-        )),
-    }
 }
 
 /// Adds n . u = 0, or u - (n . u) n = 0, on a planar side: as conditions along an axis, else as equations.

@@ -1,33 +1,26 @@
 //! Contacts: multiplier space, opponent and constraint rows of each slave side.
 
-use super::couples::Couples;
-use super::fixed::Fixed;
+use super::builder::Builder;
+use super::built::Built;
+use super::couple::Couples;
 use super::meant::{meant, overlap};
-use super::multipliers::{has_lowered, held_help, multiplier, multiplier_fault, positive_help, wrapped};
+use super::multipliers::{has_lowered, held_help, judged, multiplier, multiplier_fault, positive_help};
 use super::obstacles::{num_pressed, obstacle, turned_away};
-use super::sides::{Sides, as_one};
-use super::ties::{FINER_POINTS, degree, labels, list, memberships, nitsche_variant};
+use super::sides::Sides;
+use super::ties::{list, memberships, nitsche_variant, rules};
 use super::values::times;
-use super::{Builder, Built};
-use crate::case::{self, Cone, Integration, Master, Method};
+use crate::case::{self, Cone, Master, Method};
 use crate::errors::{Diagnostic, Severity};
 use crate::place::Place;
 use crate::registry::MASTER_SUMS;
-use faying::assembly::gauss_rules;
-use faying::basis::Basis;
+use crate::words::labels;
 use faying::constraint::Proximal;
-use faying::contact::{self, ContactError, Frames};
-use faying::coupling::consistency::Finer;
-use faying::coupling::interface::{Partners, slave_segments};
+use faying::contact::{self, ContactError};
 use faying::coupling::multiplier::MultiplierError;
-use faying::coupling::{Interface, Nitsche, Penalty, Segments, Side};
-use faying::linalg::Vector;
-use faying::problem::{Against, ContactModel, ContactPart, Formulation, Model, PointSides, SideModel, directions, rows, slides};
+use faying::coupling::{Nitsche, Penalty};
+use faying::problem::{ContactModel, ContactPart, ContactSetup, Fixed, Formulation, InterfaceError, MakeMultiplier, Model, SideModel};
 use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
-
-/// Components of a unit vector below this count as zero.
-const PERPENDICULAR: f64 = 1e-9;
+use std::sync::{Arc, OnceLock};
 
 /// Builds all contacts of the case; errors go to the builder's faults.
 pub(super) fn build<const S: usize, const N: usize>(
@@ -185,176 +178,77 @@ fn part<const S: usize, const N: usize>(
     taken: &dyn Fn(usize, usize) -> bool,
     on_seam: &dyn Fn(usize) -> bool,
 ) -> Result<(ContactPart<S, N>, Option<Diagnostic>), Missed> {
-    let name = &contact.name.value;
-    let moves = built.obstacle.as_ref().is_some_and(|o| o.changes);
-    let (mut second, mut finer) = (None, None);
-    let against = match &built.obstacle {
-        // an obstacle has no quadrature points of its own: mixed integration uses those of the slave
-        Some(obstacle) => {
-            let rules = gauss_rules(&*slave.trace.space, contact.extra_points.value);
-            Against::Rigid(Arc::clone(obstacle), slave_segments(&*slave.trace.space, &rules))
-        }
-        None => {
-            let Some(master) = &as_one(model, masters) else {
-                return Err(Box::new(builder.error("E021", format!("contact \"{name}\" has no master"), contact.head.at)).into());
-            };
-            let points = degree(slave).max(degree(master)) + 1 + contact.extra_points.value;
-            let make = |word: &str, points: usize| {
-                let make = builder
-                    .names
-                    .integrations
-                    .get(word)
-                    .map_err(|e| Box::new(builder.error("E019", e.to_string(), contact.integration.at)))?;
-                make(points, Partners::Facing { reach: contact.reach.value })
-                    .segments(&*slave.trace.space, &*master.trace.space)
-                    .map_err(|e| Box::new(builder.error("E023", format!("contact \"{name}\": {e}"), at)))
-            };
-            let word = if contact.integration.value == Integration::Merged { "merged" } else { "slave" };
-            let segments = make(word, points)?;
-            if contact.integration.value == Integration::Mixed {
-                second = Some(make(MASTER_SUMS, points)?);
-            }
-            finer = make("merged", points + FINER_POINTS).ok();
-            Against::Side(master.clone(), segments)
-        }
-    };
-    let fault = |e: &ContactError| Box::new(contact_fault(builder, contact, slave, masters, e, at));
-    let missed = || {
-        let plain = fault(&ContactError::NoTarget);
-        let found = match &built.obstacle {
-            Some(obstacle) => turned_away(builder, contact, obstacle, slave, plain),
-            None => meant(model, slave, masters, plain),
-        };
-        Missed::Nothing(found)
-    };
-    if let Formulation::Nitsche(method) = &built.formulation {
-        method.check_factor().map_err(|e| Box::new(builder.error("E015", format!("contact \"{name}\": {e}"), contact.factor.at)))?;
-        if built.is_pressed() {
-            let text = "method = \"nitsche\" against an obstacle that a `force` presses is not in this version";
-            let help = "write method = \"lagrange\", or give the obstacle a `move`";
-            return Err(Box::new(builder.error("E019", text, contact.method.at).with_help(help)).into());
-        }
-        let sides = PointSides { slave, against: &against, masters };
-        let changes = moves || built.gap.depends_on_time() || sides.change(model);
-        for &t in times(builder.case, moves) {
-            let first = sides.contact(model, method, &built.gap, built.reach, t).map_err(|e| fault(&e))?;
-            if first.facing.contains(&true) {
-                let (masters, num_rows, first_row) = (masters.to_vec(), first.offset.len(), model.rows);
-                let (slave, cone) = (slave.clone(), contact::Cone::Coefficients);
-                let (multiplier, second, finer) = (None, None, None);
-                let reading = None;
-                let part =
-                    ContactPart { slave, multiplier, reading, cone, against, second, finer, masters, first, changes, first_row, num_rows };
-                return Ok((part, None));
-            }
-        }
-        return Err(missed());
-    }
-    // rows act along the opponent's normal: an end is constrained if the body cannot move in that direction
-    let slides = slides(model, slave);
-    let cannot_move = |function: usize, n: &Vector<N>| {
-        (0..N).all(|c| n[c].abs() < PERPENDICULAR || taken(function, c))
-            || slides.iter().any(|(f, d)| *f == function && (n - d * n.dot(d)).norm() < PERPENDICULAR)
-    };
-    // the normals of a moving obstacle change; a function that cannot move at one of the times is constrained
-    let turning = |n: usize| -> Vec<_> { times(builder.case, moves).iter().map(|&t| directions(slave, &against, t, n)).collect() };
-    let normals = turning(2);
-    // a function shared by two slave sides would get two multipliers: it counts as constrained
-    let stuck =
-        |function: usize| on_seam(function) || normals.iter().filter_map(|list| list.get(&function)).any(|n| cannot_move(function, n));
-    // functions inside of elements vanish at corners: their direction is taken where they are largest
-    let inner = turning(degree(slave) + 2);
-    let held =
-        |f: usize| stuck(f) || inner.iter().filter_map(|list| list.get(&f)).any(|n| cannot_move(f, n)) || (0..N).all(|c| taken(f, c));
-    let free = slave.trace.dofs.iter().filter(|&&f| !held(f)).map(|&f| model.function(slave.patch, f)).collect::<HashSet<_>>().len();
-    let along: Vec<usize> = (0..N).filter(|&c| inner.iter().flat_map(|list| list.values()).any(|n| n[c].abs() >= PERPENDICULAR)).collect();
-    let help = || held_help(model, slave, &along, !slides.is_empty());
-    if free == 0 {
-        let text =
-            format!("the multiplier of \"{name}\" on `{}` is over-constrained: the normal direction has 0 free unknowns", slave.label);
-        let advice = help().unwrap_or_else(|| "free the side, or give it more elements".into());
-        return Err(Box::new(builder.error("E024", text, at).with_help(advice)).into());
-    }
-    let (mut psi, warning) = multiplier(builder, model, name, slave, &contact.multiplier, &stuck, None)?;
-    let mut reading = None;
     let is_dual = matches!(&contact.multiplier.value, case::Multiplier::Named(word) if word == "dual");
-    // what faces something at the first time at which anything does
-    let faced = match &against {
-        Against::Side(_, segments) if !is_dual => Some(segments.clone()).filter(|s| !s.ds.is_empty()),
-        _ => times(builder.case, moves).iter().map(|&t| faced(slave, &against, built.reach, t)).find(|s| !s.ds.is_empty()),
+    let warning = OnceLock::new();
+    let multiplier: Box<MakeMultiplier<'_, S, N>> = match built.formulation {
+        Formulation::Nitsche(_) => Box::new(|_, _| unreachable!("Nitsche's method has no multipliers")),
+        _ => judged(builder, model, &contact.name.value, slave, &contact.multiplier, multiplier(builder, &contact.multiplier)?, &warning),
     };
-    match (&faced, builder.names.covered.0, builder.names.cut.0) {
-        (Some(segments), Some(make), _) if is_dual => {
-            let (functions, read) = make(&slave.trace, &stuck, segments)
-                .map_err(|e| Box::new(multiplier_fault(builder, name, slave, &e, contact.multiplier.at, N.max(2))))?;
-            psi = wrapped(model, slave, &stuck, functions);
-            reading = Some(wrapped(model, slave, &stuck, read)).filter(|read| read.num_functions() == psi.num_functions());
-        }
-        (Some(segments), _, Some(cut)) => psi = cut(psi, &slave.trace, segments),
-        _ => {}
-    }
-    if psi.num_functions() > free {
-        let error = MultiplierError::TooMany { component: 0, multipliers: psi.num_functions(), free };
-        let mut fault = multiplier_fault(builder, name, slave, &error, contact.multiplier.at, N);
-        fault.message = fault.message.replace("component x", "the normal direction");
-        if let Some(help) = help() {
-            fault = fault.with_help(help);
-        }
-        return Err(Box::new(fault).into());
-    }
-    let changes = moves || built.gap.depends_on_time();
-    let cone = match contact.cone.value {
-        Cone::Weights => contact::Cone::Weights,
-        Cone::Values => contact::Cone::Values,
-        _ => contact::Cone::Coefficients,
+    let setup = ContactSetup {
+        slave,
+        masters,
+        multiplier: &*multiplier,
+        covered: builder.names.covered.0.filter(|_| is_dual),
+        cut: builder.names.cut.0.filter(|_| !is_dual),
+        cone: match contact.cone.value {
+            Cone::Weights => contact::Cone::Weights,
+            Cone::Values => contact::Cone::Values,
+            _ => contact::Cone::Coefficients,
+        },
+        rules: rules(builder, &contact.integration, contact.extra_points.value, Some(MASTER_SUMS))?,
+        times: times(builder.case, true),
+        taken,
+        on_seam,
     };
-    // an obstacle may come within reach later
-    for &t in times(builder.case, moves) {
-        let first =
-            rows(model, slave, &against, (&*psi, cone, second.as_ref()), &built.gap, built.reach, t, None).map_err(|e| fault(&e))?;
-        if first.facing.contains(&true) {
-            let finer = finer.and_then(|segments| finer_rows(model, slave, &against, &*psi, &segments));
-            let (masters, num_rows, first_row) = (masters.to_vec(), psi.num_functions(), model.rows);
-            let multiplier = Some(psi);
-            let slave = slave.clone();
-            let part =
-                ContactPart { slave, multiplier, reading, cone, against, second, finer, masters, first, changes, first_row, num_rows };
-            return Ok((part, warning));
-        }
-    }
-    Err(missed())
+    let part = model.contact_part(built, &setup).map_err(|e| fault(builder, model, contact, built, (slave, masters, at), &e))?;
+    Ok((part, warning.get().cloned().flatten()))
 }
 
-/// Returns the points of a slave side that face its opponent at time `t`.
-fn faced<const S: usize, const N: usize>(slave: &SideModel<S, N>, against: &Against<S, N>, reach: Option<f64>, t: f64) -> Segments<S> {
-    match against {
-        // a master without tangent is reported when the rows are built
-        Against::Side(master, segments) => {
-            Frames::against_master(&slave.trace, &master.trace, segments).map_or_else(|_| segments.clone(), |(segments, _)| segments)
+/// Builds the diagnostic of a slave side that cannot be built.
+fn fault<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    model: &Built<S, N>,
+    contact: &case::Contact,
+    built: &ContactModel<S, N>,
+    (slave, masters, at): (&Arc<SideModel<S, N>>, &[Arc<SideModel<S, N>>], Place),
+    error: &InterfaceError,
+) -> Missed {
+    let name = &contact.name.value;
+    let fault = match error {
+        InterfaceError::NoMaster => builder.error("E021", format!("contact \"{name}\" has no master"), contact.head.at),
+        InterfaceError::Factor(e) => builder.error("E015", format!("contact \"{name}\": {e}"), contact.factor.at),
+        InterfaceError::PressedAtPoints => {
+            let text = "method = \"nitsche\" against an obstacle that a `force` presses is not in this version";
+            builder.error("E019", text, contact.method.at).with_help("write method = \"lagrange\", or give the obstacle a `move`")
         }
-        Against::Rigid(obstacle, segments) => Frames::against_target(&slave.trace, &*obstacle.target(t, None), segments, reach).0,
-    }
-}
-
-/// Rows on finer segments, against which the consistency error is estimated.
-fn finer_rows<const S: usize, const N: usize>(
-    model: &Model<S, N>,
-    slave: &SideModel<S, N>,
-    against: &Against<S, N>,
-    psi: &dyn Basis<S>,
-    segments: &Segments<S>,
-) -> Option<Finer> {
-    let Against::Side(master, _) = against else { return None };
-    let (segments, frames) = Frames::against_master(&slave.trace, &master.trace, segments).ok()?;
-    let interface = Interface {
-        slave: Side { trace: &slave.trace, field: model.patches[slave.patch].field, flux: None },
-        master: Some(Side { trace: &master.trace, field: master.field, flux: None }),
-        multiplier: &[psi],
-        segments: &segments,
-        master_segments: None,
-        direction: Some(&frames.normal),
+        InterfaceError::Segments(e) => builder.error("E023", format!("contact \"{name}\": {e}"), at),
+        InterfaceError::Contact(e) => contact_fault(builder, contact, slave, masters, e, at),
+        InterfaceError::NothingFaces => {
+            let plain = Box::new(contact_fault(builder, contact, slave, masters, &ContactError::NoTarget, at));
+            return Missed::Nothing(match &built.obstacle {
+                Some(obstacle) => turned_away(builder, contact, obstacle, slave, plain),
+                None => meant(model, slave, masters, plain),
+            });
+        }
+        InterfaceError::Held { components, by_equations } => {
+            let text =
+                format!("the multiplier of \"{name}\" on `{}` is over-constrained: the normal direction has 0 free unknowns", slave.label);
+            let help = held_help(model, slave, components, *by_equations);
+            builder.error("E024", text, at).with_help(help.unwrap_or_else(|| "free the side, or give it more elements".into()))
+        }
+        InterfaceError::TooMany { multipliers, free, components, by_equations } => {
+            let error = MultiplierError::TooMany { component: 0, multipliers: *multipliers, free: *free };
+            let mut fault = multiplier_fault(builder, name, slave, &error, contact.multiplier.at, N);
+            fault.message = fault.message.replace("component x", "the normal direction");
+            match held_help(model, slave, components, *by_equations) {
+                Some(help) => fault.with_help(help),
+                None => fault,
+            }
+        }
+        InterfaceError::Multiplier { error, .. } => multiplier_fault(builder, name, slave, error, contact.multiplier.at, N.max(2)),
+        other => builder.error("E041", format!("contact \"{name}\": {other}"), at),
     };
-    Finer::try_new(&[interface], model.unknowns).ok()
+    Missed::Fault(Box::new(fault))
 }
 
 fn contact_fault<const S: usize, const N: usize>(

@@ -1,9 +1,10 @@
 //! Warns where prescribed values of bodies that are tied jump in a common corner.
 
-use super::boundary::component_name;
-use super::ties::short;
+use super::builder::Builder;
+use super::built::Built;
 use super::values::{time_text, times};
-use super::{Builder, Built};
+use crate::words::component_name;
+use crate::words::short;
 use faying::basis::Order;
 use faying::geometry::{MapTable, cell};
 use faying::linalg::Vector;

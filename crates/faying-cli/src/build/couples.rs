@@ -1,60 +1,21 @@
 //! Side pairs of the interfaces: slaves with their masters, given by name or found by a search for touching sides.
 
-use super::Builder;
+use super::builder::Builder;
+use super::couple::{Couple, Couples, Pair, pair};
 use super::joined::{Known, disjoint};
 use super::near::{self, nearest};
 use super::sides::Sides;
-use super::ties::{labels, short};
 use super::touch::{SAME_PLACE, Touching, sag, touching_sides};
 use crate::case::{SideRef, Tie};
 use crate::errors::Diagnostic;
 use crate::place::{Located, Place};
-use crate::registry::is_glue;
+use crate::words::{labels, short};
 use faying::geometry::Sag;
 use faying::problem::{PatchModel, SideModel};
 use faying::space::clearance;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
-
-/// A slave side with its masters.
-#[derive(Clone, Debug)]
-pub(super) struct Couple<const S: usize, const N: usize> {
-    pub slave: Arc<SideModel<S, N>>,
-    pub masters: Vec<Arc<SideModel<S, N>>>,
-    /// Source location in the case.
-    pub at: Place,
-    /// Largest admissible distance of the sides, if given \[length\].
-    pub tolerance: Option<f64>,
-    /// Whether the case names slave and masters, so that they are meant to be tied.
-    pub is_named: bool,
-    /// Largest admissible distance of points, if faceting explains the distance of the sides \[length\].
-    pub explained: Option<f64>,
-}
-
-/// Side pairs of every interface in the order of the case; those of closed patches and multi-patch files are listed separately.
-#[derive(Debug)]
-pub(super) struct Couples<const S: usize, const N: usize> {
-    /// Side pairs of each interface.
-    pub ties: Vec<Vec<Couple<S, N>>>,
-    /// Side pairs glued without an interface: closed patches, files of several patches, groups of one mesh.
-    pub seams: Vec<Couple<S, N>>,
-    /// All sides (patch, name) of both lists.
-    sides: BTreeSet<(usize, String)>,
-}
-
-impl<const S: usize, const N: usize> Couples<S, N> {
-    /// Whether a side is coupled to another.
-    pub fn hold(&self, patch: usize, side: &str) -> bool {
-        self.sides.contains(&(patch, side.to_owned()))
-    }
-
-    /// Side pairs with shared functions: `coupling = "glue"`, closed patches, files.
-    pub fn glued<'a>(&'a self, builder: &'a Builder<'_, S, N>) -> impl Iterator<Item = &'a Couple<S, N>> {
-        let ties = self.ties.iter().zip(&builder.case.interfaces).filter(|(_, tie)| is_glue(&tie.coupling.value));
-        ties.flat_map(|(couples, _)| couples).chain(&self.seams)
-    }
-}
 
 /// Search radius of named sides, as a fraction of the facet size.
 const NAMED: f64 = 0.25;
@@ -279,13 +240,6 @@ pub(super) fn wanted<const S: usize, const N: usize>(
             .ok_or_else(|| Box::new(builder.error("E021", format!("there is no patch {name:?}"), between.at)))
     };
     between.value.iter().map(find).collect()
-}
-
-/// Two sides (patch, name), the lesser first.
-pub(super) type Pair = [(usize, String); 2];
-
-pub(super) fn pair(a: (usize, String), b: (usize, String)) -> Pair {
-    if a <= b { [a, b] } else { [b, a] }
 }
 
 /// Side pairs that interfaces and contacts of the case name.

@@ -69,7 +69,7 @@ pub fn breakpoints(
 pub fn elements_along(patch: &Patch, own: &[f64], axis: usize) -> Option<f64> {
     let pieces = own.len().checked_sub(1).filter(|&n| n > 0)?;
     let base = match &patch.elements.value.get(axis)?.value {
-        Divisions::Count(n) if super::counts_in_total(&patch.geometry.value.shape.value) => n.div_ceil(pieces) as f64 * pieces as f64,
+        Divisions::Count(n) if patch.geometry.value.shape.value.is_built_in() => n.div_ceil(pieces) as f64 * pieces as f64,
         Divisions::Count(n) => *n as f64 * pieces as f64,
         Divisions::Breakpoints(list) => (list.len().saturating_sub(1) + pieces - 1) as f64,
         #[allow(unreachable_patterns)] // the enum may grow

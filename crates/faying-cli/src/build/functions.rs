@@ -1,6 +1,6 @@
 //! Whether the functions of multipliers hold the bodies that their points would hold.
 
-use super::Builder;
+use super::builder::Builder;
 use super::built::Built;
 use crate::place::Place;
 use crate::registry::is_glue;

@@ -1,10 +1,10 @@
 //! Gluing of the couples of a case.
 
-use super::Builder;
-use super::couples::{Couple, Couples};
+use super::builder::Builder;
+use super::couple::{Couple, Couples};
 use super::meetings;
-use super::ties::{labels, short};
 use crate::errors::Diagnostic;
+use crate::words::{labels, short};
 use faying::problem::{Glued, Hinge, PatchModel};
 use faying::space::{GlueError, Near};
 

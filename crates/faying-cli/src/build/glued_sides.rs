@@ -1,6 +1,6 @@
 //! Distances and shares of the sides that `coupling = "glue"` joins.
 
-use super::couples::{Couple, Couples};
+use super::couple::{Couple, Couples};
 use crate::case::Case;
 use crate::registry::is_glue;
 use crate::result::{GluedSides, TiedSides};

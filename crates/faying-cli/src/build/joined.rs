@@ -1,6 +1,6 @@
 //! Facets that are paired already: sides may overlap, so that names of sides do not identify them.
 
-use super::couples::{Couple, Pair, pair};
+use super::couple::{Couple, Pair, pair};
 use faying::geometry::cell;
 use faying::problem::SideModel;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,11 +1,11 @@
 //! Contacts between wrong sides: suggestions for better ones, and overlaps deeper than a press fit.
 
-use super::Builder;
+use super::builder::Builder;
 use super::sides::alias;
-use super::ties::{labels, short};
 use super::values::times;
 use crate::case;
 use crate::errors::Diagnostic;
+use crate::words::{labels, short};
 use faying::basis::Order;
 use faying::geometry::{ClosestPoint, MapTable, Sag, cell};
 use faying::linalg::Vector;

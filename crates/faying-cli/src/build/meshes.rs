@@ -1,6 +1,6 @@
 //! Bodies of patches that are read from meshes: the cells are transformed, refined, and made a Lagrange mesh.
 
-use super::Builder;
+use super::builder::Builder;
 use crate::case::{FilePart, Geometry, Mapping, Patch};
 use crate::errors::Diagnostic;
 use faying::geometry::{turn, turn_about};

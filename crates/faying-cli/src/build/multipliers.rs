@@ -1,39 +1,27 @@
 //! Multiplier spaces named or given by the case, and their diagnostics.
 
-use super::boundary::component_name;
-use super::{Builder, Built};
+use super::builder::Builder;
+use super::built::Built;
 use crate::case::{self, Multiplier};
 use crate::errors::Diagnostic;
 use crate::place::{Located, Place};
-use faying::basis::{Basis, Cell, Extracted, Order, Polynomials, ShapeTable};
+use crate::words::component_name;
+use faying::basis::{Basis, Cell, Polynomials};
 use faying::coupling::multiplier::{Ends, MultiplierError, MultiplierKind};
-use faying::linalg::Vector;
-use faying::problem::{Model, SideModel};
+use faying::problem::{MakeMultiplier, Model, SideModel, wrapped};
 use faying::space::Space;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::OnceLock;
 
-/// Builds the multiplier space `wanted` by the case; also returns a warning (E061) if it is unstable.
-#[allow(clippy::type_complexity)]
-pub(super) fn multiplier<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
-    model: &Model<S, N>,
-    name: &str,
-    slave: &SideModel<S, N>,
+/// Returns what makes the multiplier space `wanted` by the case.
+pub(super) fn multiplier<'a, const S: usize, const N: usize>(
+    builder: &Builder<'a, S, N>,
     wanted: &Located<Multiplier>,
-    constrained: &dyn Fn(usize) -> bool,
-    component: Option<usize>,
-) -> Result<(Box<dyn Basis<S>>, Option<Diagnostic>), Box<Diagnostic>> {
-    let mut warning = None;
-    let made = match &wanted.value {
-        Multiplier::Named(word) => match builder.names.multipliers.get(word) {
-            Ok(make) => {
-                if word.parse::<MultiplierKind>().is_ok_and(|k| k.is_unstable()) {
-                    let text = format!("multiplier \"{word}\" of \"{name}\" is not stable; `faying infsup` shows it");
-                    warning = Some(builder.warning("E061", text, wanted.at).with_help(stable_help(slave)));
-                }
-                make(&slave.trace, constrained)
-            }
-            Err(unknown) => return Err(Box::new(builder.error("E064", unknown.to_string(), wanted.at))),
+) -> Result<Box<MakeMultiplier<'a, S, N>>, Box<Diagnostic>> {
+    let names = builder.names;
+    match &wanted.value {
+        Multiplier::Named(word) => match names.multipliers.get(word) {
+            Ok(make) => Ok(Box::new(move |trace, constrained| make(trace, constrained))),
+            Err(unknown) => Err(Box::new(builder.error("E064", unknown.to_string(), wanted.at))),
         },
         Multiplier::Data { degree, continuity, ends } => {
             let ends = match ends {
@@ -42,35 +30,58 @@ pub(super) fn multiplier<const S: usize, const N: usize>(
                 case::Ends::Lowered => Ends::Lowered,
             };
             let kind = MultiplierKind::Uniform { degree: *degree, continuity: *continuity, ends };
-            match &builder.names.polynomials.0 {
-                Some(make) => make(kind, &slave.trace, constrained),
-                None => return Err(Box::new(builder.error("E019", "multipliers given by degree are not in this version here", wanted.at))),
+            match &names.polynomials.0 {
+                Some(make) => Ok(Box::new(move |trace, constrained| make(kind, trace, constrained))),
+                None => Err(Box::new(builder.error("E019", "multipliers given by degree are not in this version here", wanted.at))),
             }
         }
         #[allow(unreachable_patterns)] // the enum may grow
-        _ => return Err(Box::new(builder.error("E019", "this multiplier is not in this version", wanted.at))),
-    };
-    let made = made.map(|psi| wrapped(model, slave, constrained, psi));
-    if let (Ok(psi), None) = (&made, &warning)
-        && let Some((degree, lowered)) = by_another_name(&wanted.value, &*slave.trace.space, &**psi)
-    {
-        let word = match &wanted.value {
-            Multiplier::Named(word) => format!("\"{word}\""),
-            _ => format!("of degree {}", degree - lowered),
-        };
-        let text = format!(
-            "multiplier {word} of \"{name}\" is p/p-{lowered} on this side of degree {degree}, which is not stable: its pressure oscillates; \
-             `faying infsup` shows it"
-        );
-        warning = Some(builder.warning("E061", text, wanted.at).with_help(stable_help(slave)));
+        _ => Err(Box::new(builder.error("E019", "this multiplier is not in this version", wanted.at))),
     }
-    made.map(|psi| (psi, warning)).map_err(|e| {
-        let mut fault = multiplier_fault(builder, name, slave, &e, wanted.at, N.max(2));
-        if let (MultiplierError::NothingLeft { .. }, Some(c)) = (&e, component) {
-            fault.message = format!("{} (component {})", fault.message, component_name(c, 2));
-        }
-        Box::new(fault)
+}
+
+/// The multiplier of `make`, with a warning (E061) in `warning` if the first one that it makes is unstable.
+pub(super) fn judged<'a, const S: usize, const N: usize>(
+    builder: &'a Builder<'_, S, N>,
+    model: &'a Model<S, N>,
+    name: &'a str,
+    slave: &'a SideModel<S, N>,
+    wanted: &'a Located<Multiplier>,
+    make: Box<MakeMultiplier<'a, S, N>>,
+    warning: &'a OnceLock<Option<Diagnostic>>,
+) -> Box<MakeMultiplier<'a, S, N>> {
+    Box::new(move |trace, constrained| {
+        let psi = wrapped(model, slave, constrained, make(trace, constrained)?);
+        warning.get_or_init(|| unstable(builder, name, slave, wanted, &*psi));
+        Ok(psi)
     })
+}
+
+/// Returns a warning (E061) if the multiplier `wanted` by the case, whose functions are `psi`, is unstable.
+fn unstable<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    name: &str,
+    slave: &SideModel<S, N>,
+    wanted: &Located<Multiplier>,
+    psi: &dyn Basis<S>,
+) -> Option<Diagnostic> {
+    let text = match &wanted.value {
+        Multiplier::Named(word) if word.parse::<MultiplierKind>().is_ok_and(|k| k.is_unstable()) => {
+            format!("multiplier \"{word}\" of \"{name}\" is not stable; `faying infsup` shows it")
+        }
+        value => {
+            let (degree, lowered) = by_another_name(value, &*slave.trace.space, psi)?;
+            let word = match value {
+                Multiplier::Named(word) => format!("\"{word}\""),
+                _ => format!("of degree {}", degree - lowered),
+            };
+            format!(
+                "multiplier {word} of \"{name}\" is p/p-{lowered} on this side of degree {degree}, which is not stable: its pressure \
+                 oscillates; `faying infsup` shows it"
+            )
+        }
+    };
+    Some(builder.warning("E061", text, wanted.at).with_help(stable_help(slave)))
 }
 
 /// Returns the degree of the side and k, if `psi` is an unstable p/p-k of `space` by another name: constants, or a space given as data.
@@ -97,62 +108,6 @@ fn by_another_name<const S: usize, const N: usize>(
     let unstable = lowered == 1 || (lowered % 2 == 1 && smooth());
     let same = space.polynomials(Polynomials::Lowered(lowered)).is_none_or(|named| named.num_functions() == psi.num_functions());
     (unstable && same).then_some((degree, lowered))
-}
-
-/// Function values below this count as zero.
-const NO_VALUE: f64 = 1e-10;
-
-/// Returns `psi` on a side that is glued to itself: its functions that belong to one function of the trace where the side closes become
-/// one. Multipliers with as many functions as the closed trace, or fewer, have no end there and stay as they are. A multiplier numbered
-/// like the trace follows the numbers of the trace; of any other, functions that are the only nonzero ones at a corner are matched.
-pub(super) fn wrapped<const S: usize, const N: usize>(
-    model: &Model<S, N>,
-    slave: &SideModel<S, N>,
-    constrained: &dyn Fn(usize) -> bool,
-    psi: Box<dyn Basis<S>>,
-) -> Box<dyn Basis<S>> {
-    let space = &*slave.trace.space;
-    let whole: HashSet<usize> = slave.trace.dofs.iter().map(|&dof| model.function(slave.patch, dof)).collect();
-    if whole.len() == slave.trace.dofs.len() || psi.num_functions() <= whole.len() {
-        return psi;
-    }
-    let (mut ids, mut others, mut table) = (Vec::new(), Vec::new(), ShapeTable::new());
-    let numbered_alike = psi.num_functions() == space.num_functions()
-        && (0..space.num_elements()).all(|element| {
-            space.active(element, &mut ids);
-            psi.active(element, &mut others);
-            ids == others
-        });
-    let mut alone = |basis: &dyn Basis<S>, element: usize, corner: &Vector<S>| {
-        basis.active(element, &mut ids);
-        basis.tabulate(element, std::slice::from_ref(corner), Order::Values, &mut table);
-        let mut there = ids.iter().zip(table.values(0)).filter(|(_, value)| value.abs() > NO_VALUE).map(|(&i, _)| i);
-        there.next().filter(|_| there.next().is_none())
-    };
-    // the multiplier of a function of the model, if both are the only nonzero ones at a corner
-    let mut first: HashMap<usize, usize> = HashMap::new();
-    let mut twin: BTreeMap<usize, usize> = BTreeMap::new();
-    for element in 0..space.num_elements() {
-        for k in 0..1usize << S {
-            let corner = Vector::<S>::from_fn(|d, _| f64::from(u8::from(k >> d & 1 == 1)));
-            let Some(i) = alone(&space, element, &corner).filter(|&i| !constrained(slave.trace.dofs[i])) else { continue };
-            let Some(j) = Some(i).filter(|_| numbered_alike).or_else(|| alone(&*psi, element, &corner)) else { continue };
-            let one = *first.entry(model.function(slave.patch, slave.trace.dofs[i])).or_insert(j);
-            if one != j {
-                twin.insert(j, one);
-            }
-        }
-    }
-    let mut next = 0;
-    let mut number = vec![0; psi.num_functions()];
-    for (j, n) in number.iter_mut().enumerate() {
-        if !twin.contains_key(&j) {
-            *n = next;
-            next += 1;
-        }
-    }
-    let rows = (0..number.len()).map(|j| vec![(number[*twin.get(&j).unwrap_or(&j)], 1.0)]).collect();
-    if twin.is_empty() { psi } else { Box::new(Extracted::new::<S>(psi, next, rows)) }
 }
 
 /// Whether p/p-2 exists on this side; p/p does on every side.

@@ -1,13 +1,14 @@
 //! Sides that nearly touch: `between` ties none of them, and one hears of it.
 
-use super::Builder;
-use super::couples::{Couple, wanted};
+use super::builder::Builder;
+use super::couple::Couple;
+use super::couples::wanted;
 use super::joined::{Known, Marks};
 use super::meant::{Facing, facing};
 use super::sides::Sides;
-use super::ties::short;
 use crate::case::{Master, SideRef};
 use crate::place::{Located, Place};
+use crate::words::short;
 use faying::geometry::Bounds;
 use faying::problem::{PatchModel, SideModel};
 use std::collections::BTreeMap;

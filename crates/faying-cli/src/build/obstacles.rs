@@ -1,6 +1,6 @@
 //! Rigid obstacles: their shape, their position at a given time, and the forces that drive them.
 
-use super::Builder;
+use super::builder::Builder;
 use super::outline::{is_curve, plane_outline, surface};
 use crate::case::{self, ObstacleShape};
 use crate::errors::Diagnostic;

@@ -1,18 +1,16 @@
 //! Bodies: the net of a patch, its elements, its space, its material.
 
+use super::builder::{Builder, MakeNet};
 use super::divisions::{breakpoints, grade_of};
 use super::materials::material as material_at;
-use super::{Builder, MakeNet};
 use crate::case::{self, Cells, Patch};
 use crate::errors::Diagnostic;
 use crate::place::Located;
-use crate::registry::{Fault, carries_geometry};
-use faying::assembly::{gauss_rules_along, points_of_curved_cells};
+use crate::registry::Fault;
 use faying::basis::Cell;
-use faying::geometry::{Bounds, ControlNet, Geometry};
-use faying::linalg::Vector;
+use faying::geometry::ControlNet;
 use faying::problem::{Changing, PatchModel};
-use faying::space::{Body, Field, PatchSpec, SpecError};
+use faying::space::{Body, PatchSpec, SpecError};
 use std::sync::Arc;
 
 /// Code and message of an error of a built-in backend.
@@ -53,17 +51,12 @@ fn one<const S: usize, const N: usize>(
     let name = &patch.name.value;
     let backend = &patch.discretization.backend;
     let is_mesh = patch.geometry.shape.part().is_some_and(case::FilePart::is_mesh);
-    // a mesh represents curves only as far as its cells follow them
-    let (body, exact_map) = if is_mesh { (super::meshes::body(builder, patch)?, false) } else { of_net(builder, patch, net, backend)? };
+    let body = if is_mesh { super::meshes::body(builder, patch)? } else { of_net(builder, patch, net, backend)? };
     let material = &case.materials[patch.material.value];
     let assumption = case.model.assumption.value;
     let first_time = case.steps.value.first().copied().unwrap_or(1.0);
     let physics = material_at(material, assumption, first_time)
         .map_err(|e| builder.error("E053", format!("material \"{}\": {e}", material.name.value), super::values::key(material, &e)))?;
-    let curved = points_of_curved_cells(&**body.space());
-    let rules = gauss_rules_along(&**body.space(), curved.map(|k| k + patch.discretization.extra_points.value));
-    // the normals of its sides are products of two derivatives of the map as well
-    let extra_points = patch.discretization.extra_points.value + curved.into_iter().max().unwrap_or(0);
     let source =
         [&case.model.source, &patch.source].into_iter().flatten().flat_map(|s| s.value.iter().map(|f| f.value.clone().into())).collect();
     let accelerations = [&case.model.gravity, &patch.gravity].into_iter().flatten();
@@ -71,20 +64,9 @@ fn one<const S: usize, const N: usize>(
         Some(sum.map_or_else(|| g.value.clone(), |s| s.iter().zip(g.iter()).map(|(a, b)| a + b).collect()))
     });
     let weight = material.density.as_ref().map(|d| d.value.clone().into()).zip(gravity);
-    Ok(PatchModel {
-        name: name.clone(),
-        backend: backend.value.clone(),
-        field: Field { first, components: case.model.components() },
-        exact_map,
-        extent: body.space().extent(),
-        body,
-        physics,
-        changing: super::values::constants(material).iter().any(|f| f.depends_on_time()).then(|| changing(material, assumption)),
-        rules,
-        extra_points,
-        source,
-        weight,
-    })
+    let changing = super::values::constants(material).iter().any(|f| f.depends_on_time()).then(|| changing(material, assumption));
+    let model = PatchModel::new(name.clone(), body.into(), physics, first, patch.discretization.extra_points.value);
+    Ok(PatchModel { backend: backend.value.clone(), changing, source, weight, ..model })
 }
 
 /// A material of the case as a function of time, its constants checked at the first one.
@@ -93,27 +75,26 @@ fn changing<const N: usize>(material: &case::Material, assumption: case::Assumpt
     Changing(Arc::new(move |t| material_at(&material, assumption, t).expect("constants were checked when the first one was made")))
 }
 
-/// The body of a net, and whether its sides lie exactly on those of the net.
+/// The body of a net.
 fn of_net<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: &Patch,
     net: MakeNet<N>,
     backend: &Located<String>,
-) -> Result<(Box<dyn Body<S, N>>, bool), Box<Diagnostic>> {
+) -> Result<Box<dyn Body<S, N>>, Box<Diagnostic>> {
     let name = &patch.name.value;
     let net = net(&patch.geometry.value)
         .map_err(|(code, text)| builder.error(code, format!("geometry of patch \"{name}\": {text}"), patch.geometry.at))?;
     let spec = specification(builder, patch, net)?;
     let make = builder.names.backends.get(&backend.value).map_err(|e| builder.error("E015", e.to_string(), backend.at))?;
-    let body = make(&spec).map_err(|fault| {
+    make(&spec).map_err(|fault| {
         let at = match fault.code {
             "E041" => patch.geometry.at,
             _ if fault.message.contains("breakpoint") => patch.elements.at,
             _ => patch.discretization.degree.at,
         };
-        builder.error(fault.code, format!("patch \"{name}\": {}", fault.message), at)
-    })?;
-    Ok((body, carries_geometry(&backend.value, &spec)))
+        Box::new(builder.error(fault.code, format!("patch \"{name}\": {}", fault.message), at))
+    })
 }
 
 /// Returns the specification of a patch for a backend.
@@ -123,7 +104,7 @@ pub(super) fn specification<const S: usize, const N: usize>(
     net: ControlNet<N, N>,
 ) -> Result<PatchSpec<N>, Box<Diagnostic>> {
     let d = &patch.discretization;
-    let total = super::counts_in_total(&patch.geometry.value.shape.value);
+    let total = patch.geometry.value.shape.value.is_built_in();
     let mut lists: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
     for (k, list) in lists.iter_mut().enumerate() {
         let own = net.axes[k].breakpoints();
@@ -167,11 +148,4 @@ pub(super) fn shares<const S: usize, const N: usize>(
     let points = &spec.breakpoints[1 - across];
     let length = points.last()? - points.first()?;
     Some(points.windows(2).map(|p| (p[1] - p[0]) / length).collect())
-}
-
-/// Centre and diagonal of the bounding box of all bodies.
-pub(super) fn extent<const S: usize, const N: usize>(patches: &[PatchModel<S, N>]) -> (Vector<N>, f64) {
-    let boxes = patches.iter().filter_map(|p| p.extent);
-    let whole: Option<Bounds<N>> = boxes.reduce(|a, b| a.union(&b));
-    whole.map_or((Vector::zeros(), 1.0), |b| (b.center(), b.diagonal().max(f64::MIN_POSITIVE)))
 }

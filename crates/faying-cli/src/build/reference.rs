@@ -1,8 +1,8 @@
 //! Stored run as a reference solution: its bodies on the geometry of the case, and its multipliers on the slave sides of the case.
 
+use super::builder::{Builder, MakeNet};
 use super::parameters::Parameters;
 use super::stored::{BASES, CELLS, MAPPINGS, of_cells, of_net, physics_word, same_geometry, spec_of};
-use super::{Builder, MakeNet};
 use crate::case;
 use crate::errors::Diagnostic;
 use crate::reference::{StoredPatch, StoredRun, StoredSide, weights};
@@ -337,7 +337,7 @@ fn on_sides<const S: usize, const N: usize>(
     let whole = faying::space::measure::<S, N, f64, _>(&*slave.trace.space);
     let own = slave.runs.iter().map(|r| r.1);
     for side in sides.iter().filter(|side| own.clone().any(|patch| patch == side.patch)) {
-        let points = super::ties::degree(slave).max(side.stored.degree) + 1 + EXTRA_POINTS;
+        let points = slave.degree().max(side.stored.degree) + 1 + EXTRA_POINTS;
         let quadrature = make(points, Partners::Near(Tolerance::Local));
         let segments = quadrature.segments(&*slave.trace.space, &*side.trace.space).map_err(|e| e.to_string())?;
         covered += segments.measure();

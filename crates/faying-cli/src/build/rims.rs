@@ -1,11 +1,13 @@
 //! Conditions on edges and in corners: the functions that two or three sides share.
 
-use super::boundary::{component_name, needs_exact};
+use super::builder::Builder;
+use super::built::Built;
+use super::exact::needs_exact;
 use super::sides::Sides;
-use super::{Builder, Built};
 use crate::case::{Boundary, Datum, SideRef};
 use crate::errors::Diagnostic;
 use crate::place::Located;
+use crate::words::component_name;
 use faying::assembly::Rim;
 use faying::problem::{Pin, RimModel, Value};
 use std::sync::Arc;

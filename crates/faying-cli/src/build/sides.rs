@@ -1,16 +1,15 @@
 //! Sides of bodies by their references in the case, each built once.
 
-use super::Builder;
+use super::builder::Builder;
 use crate::case::{SideRef, quoted};
 use crate::errors::Diagnostic;
 use crate::formula::{Formula, Point};
 use crate::place::{Located, Origin};
-use faying::assembly::gauss_rules;
 use faying::basis::{Cell, Order};
 use faying::geometry::{Embedding, MapTable};
 use faying::linalg::{Vector, lit, num};
-use faying::problem::{Model, PatchModel, SideModel};
-use faying::space::{Field, JoinedSide, SideError, Trace};
+use faying::problem::{PatchModel, SideModel};
+use faying::space::{SideError, Trace};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -57,8 +56,8 @@ impl<const S: usize, const N: usize> Sides<S, N> {
             return Ok(side.clone());
         }
         let patch = &patches[wanted.value.patch];
-        let trace = patch.body.trace(&wanted.value.side).map_err(|e| side_fault(builder, patch, &e, wanted))?;
-        let side = Arc::new(make(label(builder, patch, wanted), wanted, trace, patch));
+        let side = SideModel::new(patch, wanted.value.patch, &wanted.value.side, label(builder, patch, wanted));
+        let side = Arc::new(side.map_err(|e| side_fault(builder, patch, &e, wanted))?);
         self.known.insert(key, side.clone());
         Ok(side)
     }
@@ -96,41 +95,8 @@ impl<const S: usize, const N: usize> Sides<S, N> {
             }
         };
         let trace = Trace::from_facets(patch.body.space(), facets, kind).map_err(|e| side_fault(builder, patch, &e, wanted))?;
-        Ok(Some(Arc::new(make(label, wanted, trace, patch))))
+        Ok(Some(Arc::new(SideModel::of_trace(patch, wanted.patch, &wanted.side, label, trace))))
     }
-}
-
-fn make<const S: usize, const N: usize>(label: String, wanted: &SideRef, trace: Trace<S, N>, patch: &PatchModel<S, N>) -> SideModel<S, N> {
-    let rules = gauss_rules(&*trace.space, patch.extra_points);
-    SideModel { patch: wanted.patch, side: wanted.side.clone(), label, field: patch.field, runs: vec![(0, wanted.patch)], trace, rules }
-}
-
-/// Joins several sides into one surface, in functions of the model: glued functions are one; `None` without sides.
-pub(super) fn as_one<const S: usize, const N: usize>(model: &Model<S, N>, sides: &[Arc<SideModel<S, N>>]) -> Option<Arc<SideModel<S, N>>> {
-    let (first, others) = sides.split_first()?;
-    if others.is_empty() {
-        return Some(first.clone());
-    }
-    let parts: Vec<JoinedSide<'_, S, N>> = sides
-        .iter()
-        .map(|s| JoinedSide {
-            trace: &s.trace,
-            dofs: s.trace.dofs.iter().map(|&dof| model.function(s.patch, dof)).collect(),
-            first_element: 0,
-        })
-        .collect();
-    let trace = Trace::joined(&parts);
-    let mut next = 0;
-    let run = |s: &Arc<SideModel<S, N>>| {
-        let start = next;
-        next += s.trace.facets.len();
-        (start, s.patch)
-    };
-    let runs = sides.iter().map(run).collect();
-    let rules = gauss_rules(&*trace.space, sides.iter().map(|s| model.patches[s.patch].extra_points).max().unwrap_or(0));
-    let label = sides.iter().map(|s| s.label.as_str()).collect::<Vec<_>>().join(", ");
-    let field = Field { first: 0, components: model.components };
-    Some(Arc::new(SideModel { patch: first.patch, side: first.side.clone(), label, field, runs, trace, rules }))
 }
 
 /// Name of a side as written in the case file if given there in full, else by alias on boxes and by direction or tag elsewhere.

@@ -1,7 +1,7 @@
 //! A solved model as a stored run, and the fingerprint of a geometry.
 
+use super::builder::{Builder, MakeNet};
 use super::patches::specification;
-use super::{Builder, MakeNet};
 use crate::case::{self, Case, FilePart};
 use crate::errors::Diagnostics;
 use crate::reference::{Fingerprint, StoredPatch, StoredRun, StoredSide, nodes};

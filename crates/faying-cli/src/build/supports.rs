@@ -1,6 +1,6 @@
 //! Rigid motions that are left when every contact is closed.
 
-use super::Builder;
+use super::builder::Builder;
 use super::built::Built;
 use super::functions;
 use faying::problem::{RigidBodies, Ties, free_by, sentences};

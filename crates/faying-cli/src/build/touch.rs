@@ -4,7 +4,7 @@ use super::meshes::unrefined;
 use crate::case::Case;
 use faying::geometry::{Bounds, MapTable, Sag, Tree};
 use faying::problem::{PatchModel, SideModel};
-use faying::space::{Clearance, Sight, Skin, raised, skin_points};
+use faying::space::{Clearance, Sight, Skin, SkinPoint, raised, skin_points};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -62,19 +62,7 @@ pub(super) fn touching_sides<const S: usize, const N: usize>(
         let trace = &sides[a].trace;
         raised(trace, &sags[a], f, &skin_points(trace.space.cell(f))[..1], table)[0]
     };
-    // candidate sides with the search radius each needs, by the boxes of their facets
-    let candidates: Vec<BTreeMap<usize, f64>> = (0..facets.len())
-        .into_par_iter()
-        .map_init(MapTable::new, |table, i| {
-            let x = center(i, table).x;
-            let mut found: BTreeMap<usize, f64> = BTreeMap::new();
-            for j in tree.meeting(&Bounds { lo: x, hi: x }.inflated(reach[i])).into_iter().filter(|&j| facets[j].0 != facets[i].0) {
-                let most = found.entry(facets[j].0).or_insert(reach[i]);
-                *most = most.max(reach[j]);
-            }
-            found
-        })
-        .collect();
+    let candidates = candidates(&facets, &tree, &reach, center);
     let mut allowed: BTreeMap<(usize, usize), bool> = BTreeMap::new();
     for ((a, _), found) in facets.iter().zip(&candidates) {
         for &b in found.keys() {
@@ -118,6 +106,25 @@ pub(super) fn touching_sides<const S: usize, const N: usize>(
         })
         .collect();
     decided(sides, &facets, &seen, tolerance.is_some(), floor)
+}
+
+/// Returns, per facet, the other sides with a facet whose box is near its centre, and the search radius each needs.
+fn candidates<const S: usize, const N: usize>(
+    facets: &[(usize, usize)],
+    tree: &Tree<N>,
+    reach: &[f64],
+    center: impl Fn(usize, &mut MapTable<S, N>) -> SkinPoint<N> + Sync,
+) -> Vec<BTreeMap<usize, f64>> {
+    let near = |table: &mut MapTable<S, N>, i: usize| {
+        let x = center(i, table).x;
+        let mut found: BTreeMap<usize, f64> = BTreeMap::new();
+        for j in tree.meeting(&Bounds { lo: x, hi: x }.inflated(reach[i])).into_iter().filter(|&j| facets[j].0 != facets[i].0) {
+            let most = found.entry(facets[j].0).or_insert(reach[i]);
+            *most = most.max(reach[j]);
+        }
+        found
+    };
+    (0..facets.len()).into_par_iter().map_init(MapTable::new, near).collect()
 }
 
 /// Separates pairs that touch, their distance explained by faceting, from those that are merely near; with `given` no explanation is

@@ -1,19 +1,21 @@
 //! Trace and multiplier spaces of slave sides, one pair per scalar problem, for the inf-sup test.
 
-use super::boundary::component_name;
-use super::fixed::Fixed;
-use super::multipliers::multiplier;
+use super::bodies::supported;
+use super::builder::{Builder, MakeNet};
+use super::fixed::fixed;
+use super::multipliers::{multiplier, multiplier_fault};
+use super::patches;
 use super::ties::{coupling_of, list, memberships};
-use super::{Builder, MakeNet, patches, supported};
 use crate::case::{Case, Method, Multiplier};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::place::Located;
 use crate::registry::{Names, is_glue};
+use crate::words::component_name;
 use faying::basis::{Basis, Order, ShapeTable};
 use faying::coupling::multiplier::{MultiplierKind, side_ends};
 use faying::geometry::MapTable;
 use faying::linalg::Vector;
-use faying::problem::{Model, SideModel};
+use faying::problem::{Model, SideModel, wrapped};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
@@ -61,7 +63,7 @@ pub struct SlaveSpaces {
 pub fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: SlaveEnds) -> Result<Vec<SlaveSpaces>, Diagnostics> {
     let mut builder = Builder { case, names, faults: Diagnostics::new() };
     let (model, mut sides, couples) = supported(&mut builder, net)?;
-    let fixed = Fixed::of(&builder, &model).map_err(|fault| Diagnostics::from(*fault))?;
+    let fixed = fixed(&builder, &model).map_err(|fault| Diagnostics::from(*fault))?;
     let tied = memberships(&builder, &model, &couples);
     let mut out = Vec::new();
     let mut faults = Diagnostics::new();
@@ -132,10 +134,10 @@ fn spaces(
         SlaveEnds::Zero => at_ends.contains(&function),
         SlaveEnds::Free => false,
     };
+    let maker = multiplier(builder, wanted.multiplier)?;
     let make = |constrained: &dyn Fn(usize) -> bool| {
-        let made = multiplier(builder, model, wanted.name, slave, wanted.multiplier, constrained, None);
-        // the warning of an unstable pair is dropped: the test shows it
-        made.map(|(psi, _)| psi)
+        let made = maker(&slave.trace, constrained).map(|psi| wrapped(model, slave, constrained, psi));
+        made.map_err(|e| Box::new(multiplier_fault(builder, wanted.name, slave, &e, wanted.multiplier.at, 2)))
     };
     let multiplier = match make(&constrained) {
         // too few elements to lower the multiplier: unlowered, it has more functions than the trace

@@ -1,12 +1,12 @@
 //! Checks of material and load formulas at quadrature points: limits, and values that are not finite.
 
-use super::Builder;
+use super::builder::Builder;
 use super::materials::assumption;
-use super::ties::short;
 use crate::case::{self, Elastic as Constants};
 use crate::errors::Diagnostic;
 use crate::formula::{Formula, Point};
 use crate::place::{Located, Place};
+use crate::words::short;
 use faying::basis::Order;
 use faying::geometry::{Geometry, MapTable};
 use faying::linalg::Vector;

@@ -6,10 +6,10 @@
 //! motion with μ much smaller than 1 is dominated by the round-off of the bodies' stiffness, 1e-16 of it times the number of elements
 //! squared.
 
-use super::ties::short;
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::formula::Point;
+use crate::words::short;
 use faying::basis::Order;
 use faying::geometry::MapTable;
 use faying::linalg::{Vector, measure};

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::family::{Family, Label};
 use super::mesh_part::{mesh_part, met, shared};
 use super::part::{FilePart, MeshPart};
 use super::reader::{Block, Reader};
-use super::sides::{Family, Label};
 use super::tree::{Node, Value};
 use super::types::*;
 use crate::errors::Diagnostic;

@@ -6,6 +6,8 @@
 
 mod boundary;
 mod changes;
+mod family;
+mod files;
 mod from_file;
 mod keys;
 mod mesh_part;
@@ -39,8 +41,9 @@ use super::formula::Constants;
 use super::place::{Lines, Located, Place};
 
 pub use changes::Changes;
+pub use files::FileRead;
 pub use names::Names;
-pub use opened::{FileRead, sha256};
+pub use opened::sha256;
 pub use part::{FilePart, MeshPart};
 pub(crate) use schema::is_key;
 pub use schema::schema;
@@ -242,10 +245,7 @@ impl Reader {
         if schema.value > SCHEMA {
             return case;
         }
-        let title = match root.node("title").cloned() {
-            Some(node) => self.text_of(&node, "title").unwrap_or_default(),
-            None => Located::new(String::new(), root.default("title", Value::Text(String::new()))),
-        };
+        let title = self.title(&mut root);
         self.constants(root.node("let").cloned().as_ref());
         self.names = name_list(&root);
         let model = self.section(&mut root, "model", keys::MODEL, true, Self::model).unwrap_or(case.model);
@@ -254,31 +254,14 @@ impl Reader {
         let discretization = self
             .section(&mut root, "discretization", keys::DISCRETIZATION, false, |r, b| r.discretization(b, None, names))
             .unwrap_or(case.discretization);
-        let mut materials = self.list(&mut root, "material", keys::MATERIAL, |r, b, k| r.material(b, k, &model));
-        if materials.is_empty() && model.physics.value == Physics::Poisson && !root.has("material") {
-            let mut table = Table::default();
-            table.set("name", Place::NONE, Node::new(Value::Text("default".to_owned()), Place::NONE));
-            root.default("material", Value::List(vec![Node::new(Value::Table(table), Place::NONE)]));
-            materials = self.list(&mut root, "material", keys::MATERIAL, |r, b, k| r.material(b, k, &model));
-        }
         // before the patches, which refer to them
-        self.unique("material", &materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>());
-        let patches = self.list(&mut root, "patch", keys::PATCH, |r, b, k| r.patch(b, k, &model, &discretization, &materials, names));
-        self.unique("patch", &patches.iter().map(|p| p.name.clone()).collect::<Vec<_>>());
-        if !root.has("patch") {
-            let help = "write [[patch]] with name, geometry and elements";
-            self.broken.insert("patch".to_owned());
-            self.fault("E013", self.source.lines.place(0..0), "[[patch]] is missing in the case", help);
-        }
-        let mut patches = self.expand(patches);
+        let materials = self.materials(&mut root, &model);
+        let mut patches = self.patches(&mut root, &model, &discretization, &materials, names);
         let read = self.list(&mut root, "boundary", keys::BOUNDARY, |r, b, k| r.boundary(b, k, &model, &patches));
         let interfaces = self.list(&mut root, "interface", keys::INTERFACE, |r, b, k| r.interface(b, k, &model, &patches, names));
         let contacts = self.list(&mut root, "contact", keys::CONTACT, |r, b, k| r.contact(b, k, &model, &patches, names));
-        let mut steps = None;
-        if root.has("steps") {
-            steps = self.section(&mut root, "steps", keys::STEPS, false, |r, b| r.steps(Some(b)));
-        }
-        let steps = steps.unwrap_or_else(|| self.steps(None));
+        let written = root.has("steps").then(|| self.section(&mut root, "steps", keys::STEPS, false, |r, b| r.steps(Some(b))));
+        let steps = written.flatten().unwrap_or_else(|| self.steps(None));
         let solver = self.section(&mut root, "solver", keys::SOLVER, false, |r, b| r.solver(b, names)).unwrap_or(case.solver);
         let probes = self.list(&mut root, "probe", keys::PROBE, Self::probe);
         let checks = self.list(&mut root, "check", keys::CHECK, |r, b, k| r.check(b, k, names));
@@ -331,6 +314,14 @@ impl Reader {
             root.finish().to_document()
         );
         case
+    }
+
+    // title: none by default
+    fn title(&mut self, root: &mut Block) -> Located<String> {
+        match root.node("title").cloned() {
+            Some(node) => self.text_of(&node, "title").unwrap_or_default(),
+            None => Located::new(String::new(), root.default("title", Value::Text(String::new()))),
+        }
     }
 
     fn schema(&mut self, root: &mut Block) -> Located<usize> {

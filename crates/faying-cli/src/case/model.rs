@@ -1,7 +1,8 @@
 //! Reads `[let]`, `[model]`, `[discretization]`, `[[material]]`, `[steps]` and `[solver]`.
 
+use super::keys;
 use super::reader::{Block, Reader, Sign, Uses};
-use super::tree::{Node, Value};
+use super::tree::{Node, Table, Value};
 use super::types::*;
 use crate::formula::{ConstantText, Constants, Formula, is_free_name};
 use crate::place::{Located, Place};
@@ -230,6 +231,19 @@ impl Reader {
                 Located::new(None, node.at)
             }
         }
+    }
+
+    /// `[[material]]`; by default one without properties for Poisson.
+    pub fn materials(&mut self, root: &mut Block, model: &Model) -> Vec<Material> {
+        let mut materials = self.list(root, "material", keys::MATERIAL, |r, b, k| r.material(b, k, model));
+        if materials.is_empty() && model.physics.value == Physics::Poisson && !root.has("material") {
+            let mut table = Table::default();
+            table.set("name", Place::NONE, Node::new(Value::Text("default".to_owned()), Place::NONE));
+            root.default("material", Value::List(vec![Node::new(Value::Table(table), Place::NONE)]));
+            materials = self.list(root, "material", keys::MATERIAL, |r, b, k| r.material(b, k, model));
+        }
+        self.unique("material", &materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>());
+        materials
     }
 
     /// One `[[material]]`.

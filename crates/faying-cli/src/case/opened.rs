@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
+use super::files::{FileRead, Opened};
 use super::reader::Reader;
 use crate::codes;
 use crate::errors::{Diagnostic, nearest};
@@ -17,29 +18,9 @@ use faying_files::{Contents, FileError, Limits};
 /// Longest refinement list that is read, in bytes.
 const LONGEST_LIST: u64 = 16 << 20;
 
-/// A file that was read for a case, beside the case file.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct FileRead {
-    /// Its name as the case has it.
-    pub name: String,
-    /// Its absolute path.
-    pub path: PathBuf,
-    /// Its size in bytes.
-    pub bytes: usize,
-    /// SHA-256 of its bytes, in hexadecimal digits.
-    pub sha256: String,
-}
-
 /// SHA-256 of `bytes` in hexadecimal digits.
 pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
-}
-
-/// A geometry file and its contents; `None` if it has an error, which was reported.
-#[derive(Debug)]
-pub(super) struct Opened {
-    path: PathBuf,
-    contents: Option<Rc<Contents>>,
 }
 
 /// E003 for a file that a case names and that cannot be read, with similar names in its folder.

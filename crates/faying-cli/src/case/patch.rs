@@ -13,6 +13,25 @@ use crate::place::Located;
 const MOST_ELEMENTS: i64 = 1_000_000;
 
 impl Reader {
+    /// `[[patch]]`, every file expanded into its patches.
+    pub fn patches(
+        &mut self,
+        root: &mut Block,
+        model: &Model,
+        defaults: &Discretization,
+        materials: &[Material],
+        names: &Names,
+    ) -> Vec<Patch> {
+        let patches = self.list(root, "patch", keys::PATCH, |r, b, k| r.patch(b, k, model, defaults, materials, names));
+        self.unique("patch", &patches.iter().map(|p| p.name.clone()).collect::<Vec<_>>());
+        if !root.has("patch") {
+            let help = "write [[patch]] with name, geometry and elements";
+            self.broken.insert("patch".to_owned());
+            self.fault("E013", self.source.lines.place(0..0), "[[patch]] is missing in the case", help);
+        }
+        self.expand(patches)
+    }
+
     /// One `[[patch]]`.
     pub fn patch(
         &mut self,

@@ -1,32 +1,12 @@
 //! Names of sides: the sides of a patch, their aliases, and references such as `lower.bottom`.
 
+use super::family::Family;
 use super::part::{FilePart, collapsed_sides};
 use super::reader::Reader;
 use super::tree::{Node, Value};
 use super::types::{Patch, Shape, SideRef};
 use crate::errors::{Diagnostic, nearest};
 use crate::place::Located;
-use std::ops::Range;
-
-/// Sides under a name that the file gives them.
-#[derive(Clone, Debug)]
-pub(crate) struct Label {
-    /// The name.
-    pub name: String,
-    /// The sides.
-    pub sides: Vec<SideRef>,
-}
-
-/// The patches of one file under the name of their block.
-#[derive(Clone, Debug)]
-pub(crate) struct Family {
-    /// The name of the block.
-    pub name: String,
-    /// Its patches.
-    pub patches: Range<usize>,
-    /// Names of sides.
-    pub labels: Vec<Label>,
-}
 
 /// Control points closer than this share of the size coincide.
 const SAME_POINT: f64 = 1e-12;

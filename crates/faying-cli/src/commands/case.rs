@@ -116,7 +116,7 @@ fn inputs(case_file: Input, case: &Case) -> Vec<Input> {
 /// Whether the registry has the backend that an option names.
 pub fn known_backend(registry: &Registry, name: &str, option: &str) -> Result<(), Ended> {
     let known = registry.volume.backends.get(name).map(|_| ());
-    known.or_else(|_| registry.plane.backends.get(name).map(|_| ())).map_err(|e| super::usage(&format!("{option}: {e}"), None))
+    known.or_else(|_| registry.plane.backends.get(name).map(|_| ())).map_err(|e| super::ended::usage(&format!("{option}: {e}"), None))
 }
 
 /// The limits of the options, and a flag that requests to end set; see [`signals::listen`].

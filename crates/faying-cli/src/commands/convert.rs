@@ -16,7 +16,7 @@ pub fn check_place(arguments: &ConvertArguments, common: &Common, json: Option<&
     place::not_over(json, &arguments.output)?;
     if format_of(&arguments.output).is_none() {
         let message = format!("`{}` names no format", arguments.output.display());
-        return Err(super::usage(&message, Some("end it in .msh (Gmsh), .xml (G+Smo), .mesh (MFEM) or .vtu")));
+        return Err(super::ended::usage(&message, Some("end it in .msh (Gmsh), .xml (G+Smo), .mesh (MFEM) or .vtu")));
     }
     if arguments.output.exists() && !common.force {
         let message = format!("`{}` exists", arguments.output.display());

@@ -89,3 +89,8 @@ pub fn plain_failure(status: &str, exit: i32, message: &str, help: Option<&str>)
         json!([{"code": null, "severity": "error", "message": message, "file": null, "line": null, "column": null, "help": help}]),
     )
 }
+
+/// A wrong use of the command line: exit 2.
+pub(super) fn usage(message: &str, help: Option<&str>) -> Ended {
+    Ended::plain("invalid", 2, message, help)
+}

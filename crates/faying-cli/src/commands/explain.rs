@@ -23,14 +23,14 @@ pub fn explain(arguments: &ExplainArguments) -> Ended {
             None
         };
         if let Some((what, them, help)) = later {
-            return super::usage(&format!("`{word}` is a {what}, and explaining {them} is not in this version"), Some(help));
+            return super::ended::usage(&format!("`{word}` is a {what}, and explaining {them} is not in this version"), Some(help));
         }
         let near = nearest(&given.trim().to_uppercase(), CODES.iter().map(|c| c.code));
         let help = near.map_or_else(
             || "`faying explain` lists all codes".to_owned(),
             |n| format!("did you mean {n}? `faying explain` lists all codes"),
         );
-        return super::usage(&format!("there is no code `{given}`"), Some(&help));
+        return super::ended::usage(&format!("there is no code `{given}`"), Some(&help));
     };
     let example: String = code.example.lines().map(|line| format!("    {line}\n")).collect();
     let text = format!(

@@ -145,11 +145,6 @@ fn tell(streams: &Streams, ended: &Ended) -> i32 {
     }
 }
 
-/// A wrong use of the command line: exit 2.
-fn usage(message: &str, help: Option<&str>) -> Ended {
-    Ended::plain("invalid", 2, message, help)
-}
-
 /// Help and version go to stdout; invalid arguments are exit 2, with a document if one is requested.
 fn refused(error: &clap::Error, words: &[OsString]) -> i32 {
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {

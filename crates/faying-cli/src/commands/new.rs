@@ -68,7 +68,7 @@ pub fn new(arguments: &NewArguments, common: &Common) -> Ended {
     };
     let Some(sample) = SAMPLES.iter().find(|s| s.name == name.trim_end_matches(".toml")) else {
         let near = nearest(name, names.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
-        return super::usage(&format!("there is no sample `{name}`; known: {}{near}", names.join(", ")), Some("faying new --list"));
+        return super::ended::usage(&format!("there is no sample `{name}`; known: {}{near}", names.join(", ")), Some("faying new --list"));
     };
     if arguments.to.is_some() {
         return Ended::done("new", sample.text.to_owned(), json!({"name": sample.name, "text": sample.text}));

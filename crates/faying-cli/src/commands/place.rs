@@ -13,7 +13,9 @@ pub fn document(file: Option<&Path>, words: &[OsString]) -> Result<(), Ended> {
     let Some(file) = file.filter(|f| f.as_os_str() != "-") else { return Ok(()) };
     if let Some(word) = words.iter().skip(1).find(|word| !is_option(word) && same(Path::new(word), file)) {
         let message = format!("--json would write over `{}`", word.to_string_lossy());
-        return Err(super::usage(&message, Some("give the document a file of its own, such as --json=result.json")).without_document());
+        return Err(
+            super::ended::usage(&message, Some("give the document a file of its own, such as --json=result.json")).without_document()
+        );
     }
     let folder = parent(file);
     if folder.is_dir() && !file.is_dir() {
@@ -35,7 +37,7 @@ pub fn beside_results(file: Option<&Path>, out: &Path) -> Result<(), Ended> {
     }
     let message = format!("--json cannot write `{}`: that folder is for the files of the run", file.display());
     let help = format!("`{}` is the same document: leave --json out, or give a file elsewhere", out.join("result.json").display());
-    Err(super::usage(&message, Some(&help)).without_document())
+    Err(super::ended::usage(&message, Some(&help)).without_document())
 }
 
 /// Checks that the document is not the file that the command writes.
@@ -46,7 +48,7 @@ pub fn not_over(file: Option<&Path>, written: &Path) -> Result<(), Ended> {
     match file {
         Some(file) if file.as_os_str() != "-" && absolute(file) == absolute(written) => {
             let message = format!("--json would write over `{}`", written.display());
-            Err(super::usage(&message, Some("give the document a file of its own")).without_document())
+            Err(super::ended::usage(&message, Some("give the document a file of its own")).without_document())
         }
         _ => Ok(()),
     }
@@ -60,7 +62,7 @@ pub fn apart(written: &Path, read: &Path, option: &str) -> Result<(), Ended> {
     if absolute(written) != absolute(read) {
         return Ok(());
     }
-    Err(super::usage(&format!("{option} would write over `{}`", read.display()), Some("give another file")))
+    Err(super::ended::usage(&format!("{option} would write over `{}`", read.display()), Some("give another file")))
 }
 
 fn is_option(word: &OsString) -> bool {

@@ -35,12 +35,12 @@ enum Request {
 
 #[cfg(unix)]
 mod platform {
-    use super::Request;
+    use crate::commands::signals::Request;
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;
 
     pub(super) fn listen(mut hear: impl FnMut(Request) + Send + 'static) -> std::io::Result<()> {
-        let ignored = std::fs::read_to_string("/proc/self/status").map_or(0, |status| super::ignored(&status));
+        let ignored = std::fs::read_to_string("/proc/self/status").map_or(0, |status| crate::commands::signals::ignored(&status));
         let hangs_up = (ignored >> (SIGHUP - 1)) & 1 == 0;
         let mut signals = Signals::new([SIGINT, SIGTERM].into_iter().chain(hangs_up.then_some(SIGHUP)))?;
         let each = move || {
@@ -58,7 +58,7 @@ mod platform {
 
 #[cfg(not(unix))]
 mod platform {
-    use super::Request;
+    use crate::commands::signals::Request;
 
     pub(super) fn listen(mut hear: impl FnMut(Request) + Send + 'static) -> Result<(), ctrlc::Error> {
         ctrlc::set_handler(move || hear(Request::Interrupt))
@@ -76,7 +76,7 @@ fn ignored(status: &str) -> u64 {
 mod tests {
     #[test]
     fn ignored_signals_are_read_from_the_status() {
-        assert_eq!(super::ignored("Name:\tx\nSigBlk:\t0000000000000001\nSigIgn:\t0000000000000003\n"), 3);
-        assert_eq!(super::ignored("Name:\tx\n"), 0);
+        assert_eq!(crate::commands::signals::ignored("Name:\tx\nSigBlk:\t0000000000000001\nSigIgn:\t0000000000000003\n"), 3);
+        assert_eq!(crate::commands::signals::ignored("Name:\tx\n"), 0);
     }
 }

@@ -131,7 +131,10 @@ fn studied<'a>(kind: &Kind, make: &MakeMethod<'a>, order: &Order<'_>, clock: &Cl
     };
     let specs = plan.rows().map_err(|n| {
         let many = if n == usize::MAX { "more rows than can be counted".to_owned() } else { format!("at least {n} rows") };
-        super::usage(&format!("the axes span {many}, a study has at most {MOST_ROWS}"), Some("name fewer values, or make several studies"))
+        super::ended::usage(
+            &format!("the axes span {many}, a study has at most {MOST_ROWS}"),
+            Some("name fewer values, or make several studies"),
+        )
     })?;
     let pool = case::pool(common)?;
     let study = pool.install(|| {
@@ -143,7 +146,10 @@ fn studied<'a>(kind: &Kind, make: &MakeMethod<'a>, order: &Order<'_>, clock: &Cl
         clock.add(&format!("row of an earlier study: {}", study.label(k)), row.seconds);
     }
     if let (Some(_), true) = (tol, study.rows.iter().all(|r| r.differences.is_empty()) && watch.stop().is_none()) {
-        return Err(super::usage("`--tol` compares rows, and there is one row", Some("name several backends, such as --backends iga,fe")));
+        return Err(super::ended::usage(
+            "`--tol` compares rows, and there is one row",
+            Some("name several backends, such as --backends iga,fe"),
+        ));
     }
     let results =
         Results { command: kind.command, loaded: &loaded, folder: &folder, words: order.words, threads: pool.current_num_threads(), clock };

@@ -36,7 +36,6 @@ pub fn axes(kind: &Kind, options: &StudyArguments, table: Option<&Located<StudyV
     let none = StudyValues::default();
     let values = table.map_or(&none, |t| &t.value);
     let words = |list: &[&str]| list.iter().map(|w| (*w).to_owned()).collect::<Vec<_>>();
-    let numbers = |list: &[usize]| list.iter().map(usize::to_string).collect::<Vec<_>>();
 
     let backends = r.list("backends", options.backends.as_deref(), &values.backends, words(kind.backends))?;
     for backend in &backends.list {
@@ -62,24 +61,8 @@ pub fn axes(kind: &Kind, options: &StudyArguments, table: Option<&Located<StudyV
     for name in &integrations.list {
         r.known("integration", &integrations, "integration", name, &words(&INTEGRATIONS))?;
     }
-    let points = r.list("extra-points", options.extra_points.as_deref(), &numbers(&values.extra_points), numbers(kind.extra_points))?;
-    let extra_points = points.list.iter().map(|text| match text.parse::<usize>() {
-        Ok(n) if n <= MOST_POINTS => Ok(n),
-        _ => {
-            let why = format!("`{text}` is no number of points, a whole number from 0 to {MOST_POINTS}");
-            Err(r.wrong("extra-points", points.of_case, &why, "write for example --extra-points 0,1,2,4"))
-        }
-    });
-    let extra_points = extra_points.collect::<Result<Vec<usize>, Ended>>()?;
-
-    let (given, of_case) = if options.degrees.is_empty() { (&values.degrees, true) } else { (&options.degrees, false) };
-    let mut degrees = Degrees::default();
-    for text in given {
-        degrees.add(text).map_err(|why| r.wrong("degrees", of_case, &why, "write for example --degrees 1,2,3 --degrees iga:2,3,4"))?;
-    }
-    for (name, _) in &degrees.of {
-        r.known("degrees", &Values { list: Vec::new(), of_case }, "backend", name, &r.names().backends)?;
-    }
+    let extra_points = r.extra_points(options.extra_points.as_deref(), &values.extra_points)?;
+    let degrees = r.degrees(&options.degrees, &values.degrees)?;
     let (given, of_case) = if options.vary.is_empty() { (&values.vary, true) } else { (&options.vary, false) };
     let vary: Result<Vec<Vary>, String> = given.iter().map(|text| Vary::parse(text)).collect();
     let example = "write for example --vary material.steel.poisson=0.2,0.3";
@@ -103,7 +86,7 @@ pub fn axes(kind: &Kind, options: &StudyArguments, table: Option<&Located<StudyV
     }
     if kind.needs_vary && vary.is_empty() {
         let message = format!("`faying {}` has a row per value of a key, and no key is named", kind.command);
-        return Err(super::usage(&message, Some("name one, such as --vary material.steel.poisson=0.2,0.3 or --vary let.F=1,2,4")));
+        return Err(super::ended::usage(&message, Some("name one, such as --vary material.steel.poisson=0.2,0.3 or --vary let.F=1,2,4")));
     }
     let levels = options.levels.map(usize::from).or(values.levels).unwrap_or(kind.levels);
     let sides = !(pairings.list.is_empty() && integrations.list.is_empty() && extra_points.is_empty());
@@ -141,6 +124,34 @@ impl Reader<'_> {
         Ok(values)
     }
 
+    /// The numbers of points beyond the default.
+    fn extra_points(&self, option: Option<&str>, table: &[usize]) -> Result<Vec<usize>, Ended> {
+        let numbers = |list: &[usize]| list.iter().map(usize::to_string).collect::<Vec<_>>();
+        let points = self.list("extra-points", option, &numbers(table), numbers(self.kind.extra_points))?;
+        let numbers = points.list.iter().map(|text| match text.parse::<usize>() {
+            Ok(n) if n <= MOST_POINTS => Ok(n),
+            _ => {
+                let why = format!("`{text}` is no number of points, a whole number from 0 to {MOST_POINTS}");
+                Err(self.wrong("extra-points", points.of_case, &why, "write for example --extra-points 0,1,2,4"))
+            }
+        });
+        numbers.collect()
+    }
+
+    /// The degrees, of all backends and of single ones.
+    fn degrees(&self, options: &[String], table: &[String]) -> Result<Degrees, Ended> {
+        let (given, of_case) = if options.is_empty() { (table, true) } else { (options, false) };
+        let mut degrees = Degrees::default();
+        for text in given {
+            let example = "write for example --degrees 1,2,3 --degrees iga:2,3,4";
+            degrees.add(text).map_err(|why| self.wrong("degrees", of_case, &why, example))?;
+        }
+        for (name, _) in &degrees.of {
+            self.known("degrees", &Values { list: Vec::new(), of_case }, "backend", name, &self.names().backends)?;
+        }
+        Ok(degrees)
+    }
+
     /// Checks that `name` is one of `known`.
     fn known(&self, axis: &str, values: &Values, what: &str, name: &str, known: &[String]) -> Result<(), Ended> {
         if known.iter().any(|k| k == name) {
@@ -159,7 +170,7 @@ impl Reader<'_> {
                 let fault = Diagnostic::error("E015", format!("`{key}` of [study.{}]: {why}", self.kind.command)).with_help(help);
                 self.loaded.case.diagnostic(fault, table.at).into()
             }
-            None => super::usage(&format!("--{axis}: {why}"), Some(help)),
+            None => super::ended::usage(&format!("--{axis}: {why}"), Some(help)),
         }
     }
 

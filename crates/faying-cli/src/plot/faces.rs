@@ -132,7 +132,14 @@ pub fn faces(plot: &FacePlot) -> Option<String> {
             escaped(text)
         );
     }
-    for (k, name) in plot.parts.iter().enumerate().take(COLOURS.len()) {
+    legend(&mut svg, &plot.parts, width, more);
+    svg.push_str("</svg>\n");
+    Some(svg)
+}
+
+/// Writes the names of the parts beside their colours, at the right of a picture; `more` parts have none.
+fn legend(svg: &mut String, parts: &[String], width: f64, more: usize) {
+    for (k, name) in parts.iter().enumerate().take(COLOURS.len()) {
         let (x, y) = (width - 150.0, MARGIN + 18.0 * k as f64);
         let _ = writeln!(
             svg,
@@ -147,8 +154,6 @@ pub fn faces(plot: &FacePlot) -> Option<String> {
         let (x, y) = (width - 132.0, MARGIN + 18.0 * COLOURS.len() as f64);
         let _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\">and {more} more</text>");
     }
-    svg.push_str("</svg>\n");
-    Some(svg)
 }
 
 #[cfg(test)]

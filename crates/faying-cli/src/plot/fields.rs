@@ -216,6 +216,9 @@ fn paint(root: &Root<'_, '_>, view: &View, drawn: &[Drawn], scale: &Scale) -> Re
 /// The part of a convex polygon inside a box, one side of the box after the other (Sutherland and Hodgman, CACM 17, 1974).
 fn clipped(polygon: &[[f64; 2]], window: &Bounds<2>) -> Vec<[f64; 2]> {
     let mut points = polygon.to_vec();
+    if points.iter().all(|p| (0..2).all(|k| p[k] >= window.lo[k] && p[k] <= window.hi[k])) {
+        return points;
+    }
     for (k, sign, limit) in [(0, 1.0, window.lo[0]), (0, -1.0, -window.hi[0]), (1, 1.0, window.lo[1]), (1, -1.0, -window.hi[1])] {
         let over = |p: &[f64; 2]| sign * p[k] - limit;
         let mut kept = Vec::with_capacity(points.len() + 1);

@@ -61,15 +61,14 @@ pub(super) fn sampled(plot: &FieldPlot<'_>, part: &Part<'_, 2, 2>, divisions: &[
     let field =
         field.ok_or_else(|| PlotError::NoField { part: part.name.clone(), field: plot.field.to_owned(), component: plot.component })?;
     let outer = edge_kinds(&*part.space);
-    let element = |e: usize, m: usize| {
+    let element = |table: &mut MapTable<2, 2>, e: usize, m: usize| {
         let curved = if m == 1 { 2 } else { m.max(8) };
         let simplex = part.space.cell(e) == Cell::Simplex;
         let (cells, middles) = pieces(simplex, m);
         let values = (field.sample)(e, &middles);
         let value = |k: usize| values.get(k * field.components + plot.component).copied().unwrap_or(f64::NAN);
-        let mut table = MapTable::new();
         let mut at = |xi: &[Vector<2>]| -> Vec<[f64; 2]> {
-            part.space.map(e, xi, Order::Values, &mut table);
+            part.space.map(e, xi, Order::Values, table);
             table.x.iter().map(|x| [x[0], x[1]]).collect()
         };
         let corners = at(&cells.concat());
@@ -96,7 +95,9 @@ pub(super) fn sampled(plot: &FieldPlot<'_>, part: &Part<'_, 2, 2>, divisions: &[
             .collect();
         Drawn { pieces, edges }
     };
-    Ok(divisions.par_iter().enumerate().filter_map(|(e, m)| m.map(|m| element(e, m))).collect())
+    let each = |table: &mut MapTable<2, 2>, (e, m): (usize, &Option<usize>)| m.map(|m| element(table, e, m));
+    let drawn: Vec<Option<Drawn>> = divisions.par_iter().enumerate().map_init(MapTable::new, each).collect();
+    Ok(drawn.into_iter().flatten().collect())
 }
 
 /// Edges of the cell as local end points.

@@ -2,15 +2,15 @@
 
 use super::predict::{Prediction, bytes};
 use super::room::Room;
-use crate::build::short;
 use crate::case::{Case, Method, Variant};
 use crate::errors::Diagnostic;
 use crate::result::{RunResult, Status};
 use crate::watch::Stop;
+use crate::words::short;
 use faying::constraint::SolveError;
-use faying::contact::{Contact, ContactError};
+use faying::contact::ContactError;
 use faying::linalg::LinearError;
-use faying::problem::{ContactModel, ContactPart, Model, StepError, StepState, free_motions, sentences};
+use faying::problem::{ContactModel, ContactPart, Model, StepError, StepState, closed_points, free_motions, left_free, sentences};
 use std::collections::HashSet;
 
 /// Builds E081 for a prediction that exceeds the available memory.
@@ -108,16 +108,8 @@ pub fn step_fault<const S: usize, const N: usize>(
             (Status::NotConverged, "iterations", Diagnostic::error("E074", error.to_string()).at(&case.source, key).with_help(help))
         }
         StepError::Solve(SolveError::RigidMotion { iteration, open, .. }) => {
-            let at_time = |c: &ContactModel<S, N>| -> Vec<_> {
-                c.parts.iter().map(|p| c.at(model, p, t).unwrap_or_else(|_| p.first.clone())).collect()
-            };
-            let contacts: Vec<Vec<_>> = model.contacts.iter().map(at_time).collect();
-            let contacts: Vec<Vec<_>> = contacts.iter().map(|c| c.iter().collect()).collect();
-            // a point counts as closed if an enforced function is active there
             let open: HashSet<usize> = open.iter().copied().collect();
-            let closed = closed_points(model, &contacts, &|row| !open.contains(&row));
-            let free = free_motions(model, &contacts, &|k, p, q| closed[k][p][q]);
-            let bodies = sentences(model, &free);
+            let bodies = loose_bodies(model, &open, t);
             let who = if bodies.is_empty() { "a body lost its support".to_string() } else { bodies.join("; ") };
             let text = format!("rigid motion left: {who} (iteration {iteration} of the active set, {} contact rows open)", open.len());
             (
@@ -136,19 +128,6 @@ pub fn step_fault<const S: usize, const N: usize>(
             Diagnostic::error("E072", format!("infeasible load: {what}")).with_help("support the body beside its contacts, or press it on"),
         ),
         StepError::Contact(ContactError::Gap { .. }) => (Status::NotFinite, "not-finite", Diagnostic::error("E073", error.to_string())),
-        StepError::Solve(SolveError::Linear(LinearError::NotFinite)) => {
-            let text = "a number in the system is not finite; a load or a material formula has no value somewhere on its body";
-            (Status::NotFinite, "not-finite", Diagnostic::error("E073", text))
-        }
-        StepError::Solve(SolveError::Linear(LinearError::NotConverged { iterations, residual, tolerance })) => {
-            let text = format!(
-                "the iterative solver stopped after {iterations} iterations at the relative residual {residual:.1e}; wanted {tolerance:.1e}"
-            );
-            let s = &case.solver;
-            let at = s.max_iterations.map_or(s.linear.at, |m| m.at);
-            let help = "raise solver.max_iterations or solver.tolerance, or write linear = \"direct\" with constraint = \"saddle-point\"";
-            (Status::NotConverged, "iterations", Diagnostic::error("E074", text).at(&case.source, at).with_help(help))
-        }
         StepError::Solve(SolveError::OverConstrained { row, .. }) => {
             let text = format!("the constraints are redundant: {}", owner(model, *row));
             (
@@ -157,24 +136,56 @@ pub fn step_fault<const S: usize, const N: usize>(
                 Diagnostic::error("E072", text).with_help("lower the multiplier's degree or refine the slave side"),
             )
         }
-        StepError::Solve(SolveError::Linear(LinearError::Indefinite { .. })) => {
-            let help = "raise `factor` beside \"nitsche\" (auto is 4), or write variant = \"unsymmetric\"";
-            (Status::Singular, "indefinite", Diagnostic::error("E072", error.to_string()).with_help(help))
+        StepError::Solve(SolveError::Linear(linear)) => linear_fault(case, model.unknowns + model.rows, linear, error.to_string()),
+        other => (Status::Singular, "singular", Diagnostic::error("E072", other.to_string())),
+    }
+}
+
+/// Returns status, reason and diagnostic of linear algebra that failed with the error `message` on a system of `size` unknowns.
+fn linear_fault(case: &Case, size: usize, error: &LinearError, message: String) -> (Status, &'static str, Diagnostic) {
+    match error {
+        LinearError::NotFinite => {
+            let text = "a number in the system is not finite; a load or a material formula has no value somewhere on its body";
+            (Status::NotFinite, "not-finite", Diagnostic::error("E073", text))
         }
-        StepError::Solve(SolveError::Linear(LinearError::Memory)) => {
-            let all = model.unknowns + model.rows;
-            let text = format!("{all} unknowns: the memory that is left does not hold the factor and what dense products take beside it");
+        LinearError::NotConverged { iterations, residual, tolerance } => {
+            let text = format!(
+                "the iterative solver stopped after {iterations} iterations at the relative residual {residual:.1e}; wanted {tolerance:.1e}"
+            );
+            let s = &case.solver;
+            let at = s.max_iterations.map_or(s.linear.at, |m| m.at);
+            let help = "raise solver.max_iterations or solver.tolerance, or write linear = \"direct\" with constraint = \"saddle-point\"";
+            (Status::NotConverged, "iterations", Diagnostic::error("E074", text).at(&case.source, at).with_help(help))
+        }
+        LinearError::Indefinite { .. } => {
+            let help = "raise `factor` beside \"nitsche\" (auto is 4), or write variant = \"unsymmetric\"";
+            (Status::Singular, "indefinite", Diagnostic::error("E072", message).with_help(help))
+        }
+        LinearError::Memory => {
+            let text = format!("{size} unknowns: the memory that is left does not hold the factor and what dense products take beside it");
             let key = case.patches.first().map(|p| p.elements.at).unwrap_or_default();
             let raise = Room::least(None).map_or("raise the limits of the process", |room| room.raise());
             let help = format!("{raise}; give the bodies fewer elements, or write linear = \"iterative\"");
             (Status::Limit, "memory", Diagnostic::error("E081", text).at(&case.source, key).with_help(help))
         }
-        StepError::Solve(SolveError::Linear(LinearError::NotSymmetric)) => {
+        LinearError::NotSymmetric => {
             let help = "write constraint = \"saddle-point\", or variant = \"symmetric\" for coupling = \"nitsche\"";
-            (Status::Singular, "not symmetric", Diagnostic::error("E072", error.to_string()).with_help(help))
+            (Status::Singular, "not symmetric", Diagnostic::error("E072", message).with_help(help))
         }
-        other => (Status::Singular, "singular", Diagnostic::error("E072", other.to_string())),
+        _ => (Status::Singular, "singular", Diagnostic::error("E072", message)),
     }
+}
+
+/// Sentences on the bodies that have a rigid motion at time t with the contact rows `open`.
+fn loose_bodies<const S: usize, const N: usize>(model: &Model<S, N>, open: &HashSet<usize>, t: f64) -> Vec<String> {
+    let at_time =
+        |c: &ContactModel<S, N>| -> Vec<_> { c.parts.iter().map(|p| c.at(model, p, t).unwrap_or_else(|_| p.first.clone())).collect() };
+    let contacts: Vec<Vec<_>> = model.contacts.iter().map(at_time).collect();
+    let contacts: Vec<Vec<_>> = contacts.iter().map(|c| c.iter().collect()).collect();
+    // a point counts as closed if an enforced function is active there
+    let closed = closed_points(model, &contacts, &|row| !open.contains(&row));
+    let free = free_motions(model, &contacts, &|k, p, q| closed[k][p][q]);
+    sentences(model, &free)
 }
 
 /// Describes a row: its number within an interface or contact, and the name of that.
@@ -234,39 +245,6 @@ fn place_of<const S: usize, const N: usize>(part: &ContactPart<S, N>, function: 
 
 /// Returns E072 if the final active set leaves a body a rigid motion, so that its position is not determined.
 pub fn floating<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Option<Diagnostic> {
-    if model.contacts.is_empty() {
-        return None;
-    }
-    let contacts: Vec<Vec<_>> = state.contacts.iter().map(|c| c.iter().collect()).collect();
-    let closed = closed_points(model, &contacts, &|row| state.active[row]);
-    let free = free_motions(model, &contacts, &|k, p, q| closed[k][p][q]);
-    if free.is_empty() {
-        return None;
-    }
-    let text = format!("rigid motion left: {}", sentences(model, &free).join("; "));
+    let text = format!("rigid motion left: {}", left_free(model, state)?.join("; "));
     Some(Diagnostic::error("E072", text).with_help("every contact that held it has opened"))
-}
-
-/// Returns one flag per point of `contacts`: whether a function active there has a closed row.
-fn closed_points<const S: usize, const N: usize>(
-    model: &Model<S, N>,
-    contacts: &[Vec<&Contact<S, N>>],
-    closed: &dyn Fn(usize) -> bool,
-) -> Vec<Vec<Vec<bool>>> {
-    let mut ids = Vec::new();
-    let mut of_part = |p: &ContactPart<S, N>, contact: &Contact<S, N>| {
-        let s = &contact.segments;
-        if let Some(points) = &contact.points {
-            return points.row.iter().map(|j| closed(p.first_row + j)).collect();
-        }
-        let mut flags = vec![false; s.ds.len()];
-        for piece in 0..s.num_pieces() {
-            let Some(psi) = &p.multiplier else { continue };
-            psi.active(s.slave[piece], &mut ids);
-            let any = ids.iter().any(|j| closed(p.first_row + j));
-            s.points(piece).for_each(|q| flags[q] = any);
-        }
-        flags
-    };
-    model.contacts.iter().zip(contacts).map(|(c, built)| c.parts.iter().zip(built).map(|(p, b)| of_part(p, b)).collect()).collect()
 }

@@ -6,7 +6,7 @@ use crate::formula::Point;
 use crate::output::{ExactCurve, Output, Parts, Picture, RunOptions, SideOutput};
 use crate::table::InterfaceRow;
 use faying::basis::{Basis, Order, ShapeTable};
-use faying::contact::{Surface, Target};
+use faying::contact::{Obstacle, Surface};
 use faying::geometry::{ClosestPoint, Geometry, MapTable, Projection};
 use faying::linalg::{Vector, measure};
 use faying::physics::von_mises;
@@ -109,7 +109,7 @@ fn centres(side: &Side, psi: &dyn Basis<1>) -> Vec<(f64, [f64; 3])> {
 /// The normal of the obstacle or master that faces each point of a slave element.
 type Normals = Box<dyn Fn(usize, &[Vector<1>]) -> Vec<f64> + Send + Sync>;
 
-fn normals(solved: &Arc<Plane>, slave: &Arc<Side>, target: Box<dyn Target<1, 2>>) -> Normals {
+fn normals(solved: &Arc<Plane>, slave: &Arc<Side>, target: Box<dyn Obstacle<1, 2>>) -> Normals {
     let (solved, slave) = (Arc::clone(solved), Arc::clone(slave));
     Box::new(move |element, xi| {
         let _ = &solved;
@@ -260,7 +260,7 @@ fn at_centre(solved: &Arc<Plane>, t: usize, p: usize, at: Option<Projection<1, 2
 fn contact_side(solved: &Arc<Plane>, c: usize, p: usize, options: &RunOptions) -> SideOutput {
     let contact = &solved.model.contacts[c];
     let part = &contact.parts[p];
-    let target = |solved: &Arc<Plane>| -> Box<dyn Target<1, 2>> {
+    let target = |solved: &Arc<Plane>| -> Box<dyn Obstacle<1, 2>> {
         match &solved.model.contacts[c].parts[p].against {
             Against::Side(master, _) => Box::new(Surface::new(&master.trace, None)),
             Against::Rigid(obstacle, _) => obstacle.target(solved.state.t, Some(&solved.state.u)),

@@ -26,6 +26,7 @@ use crate::case::Case;
 use crate::errors::{Diagnostic, Diagnostics, Severity};
 use faying::constraint::SolveError;
 use faying::contact::{ClosedSide, half_width};
+use faying::linalg::Csr;
 use faying::problem::{self, ContactModel, Model, StepError, StepState, Stiffness, TieModel, TiePart, step};
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -349,6 +350,7 @@ fn solve_case<const S: usize, const N: usize>(
     let mut stiffness = Stiffness::new(&model, times.first().copied().unwrap_or(1.0));
     let mut solver = solver(registry, &case.solver, watch).expect("made once before the model was built");
     let (model, mut solved) = (Arc::new(model), Vec::<Arc<Solved<S, N>>>::new());
+    let measures = Measures { case, model: &model, questions: &questions, half_width: dimension.half_width };
     let mut finished = false;
     for (k, &t) in times.iter().enumerate() {
         if let Some(stop) = watch.stop() {
@@ -366,45 +368,11 @@ fn solve_case<const S: usize, const N: usize>(
             Ok(state) => (Some(state), None),
             Err(unsolved) => (unsolved.last.map(|b| *b), Some(unsolved.error)),
         };
-        let unfinished = matches!(failure, Some(StepError::Solve(SolveError::Stopped { .. })));
         watch.phase("measure");
-        let (mut status, mut reason, fault) = match &failure {
-            None => (Status::Ok, "converged", None),
-            Some(_) if unfinished => (Status::Ok, "stopped", None),
-            Some(error) => {
-                let (status, reason, fault) = step_fault(case, &model, error, t);
-                (status, reason, Some(fault))
-            }
-        };
-        let when = |d: Diagnostic| if case.has_steps() { at_step(d, k, t) } else { d };
-        if let Some(state) = &state {
-            report::fill(&mut result, &model, state, &matrices.bodies, dimension.half_width, reason);
-            poor::of_state(case, &model, state, &mut result);
-            result.t = case.has_steps().then_some(t);
-            if status == Status::Ok && !state.u.iter().chain(&state.lambda).all(|v| v.is_finite()) {
-                (status, reason) = (Status::NotFinite, "not-finite");
-                result.diagnostics.push(when(Diagnostic::error("E073", "the solution is not finite")));
-            } else if let Some(left) = floating(&model, state).filter(|_| status == Status::Ok) {
-                (status, reason) = (Status::Singular, "singular");
-                result.diagnostics.push(when(left));
-            }
-        }
-        if let Some(solve) = &mut result.solve {
-            solve.reason = reason.into();
-        }
-        result.diagnostics.extend(fault.map(when));
-        questions.probes(case, &model, state.as_ref(), &mut result);
-        // checks refer to the end: the last step, or the one that ended the run
         finished = k + 1 == times.len();
-        if finished && !questions.checks(case, &model, state.as_ref(), &mut result) && status == Status::Ok {
-            status = Status::CheckFailed;
-        }
-        result.status = status;
-        result.exit = status.exit();
-        if let Some(stop) = watch.stop().filter(|_| matches!(status, Status::Ok | Status::CheckFailed)) {
-            stopped(&mut result, stop);
-            status = result.status;
-        }
+        measures.enter(k, &matrices.bodies, state.as_ref(), failure.as_ref(), &mut result);
+        end_early(&mut result, watch);
+        let status = result.status;
         if case.has_steps() {
             let contact = state.as_ref().map(|_| result.contact.clone()).unwrap_or_default();
             result.steps.push(StepReport { t, status, probes: result.probes.clone(), contact });
@@ -425,7 +393,55 @@ fn solve_case<const S: usize, const N: usize>(
     Ok((result, solved))
 }
 
+/// Measures of the steps of a run.
+struct Measures<'a, const S: usize, const N: usize> {
+    case: &'a Case,
+    model: &'a Built<S, N>,
+    questions: &'a Questions<S, N>,
+    half_width: Option<HalfWidth<S, N>>,
+}
+
+impl<const S: usize, const N: usize> Measures<'_, S, N> {
+    /// Enters step `k` into the result: its status, numbers and diagnostics, the probes and, of the last step, the checks.
+    fn enter(&self, k: usize, bodies: &[Csr], state: Option<&StepState<S, N>>, failure: Option<&StepError>, result: &mut RunResult) {
+        let (case, model, times) = (self.case, self.model, &self.case.steps.value);
+        let t = times[k];
+        let when = |d: Diagnostic| if case.has_steps() { at_step(d, k, t) } else { d };
+        let (mut status, mut reason, fault) = match failure {
+            None => (Status::Ok, "converged", None),
+            Some(StepError::Solve(SolveError::Stopped { .. })) => (Status::Ok, "stopped", None),
+            Some(error) => {
+                let (status, reason, fault) = step_fault(case, model, error, t);
+                (status, reason, Some(fault))
+            }
+        };
+        if let Some(state) = state {
+            report::fill(result, model, state, bodies, self.half_width, reason);
+            poor::of_state(case, model, state, result);
+            result.t = case.has_steps().then_some(t);
+            if status == Status::Ok && !state.u.iter().chain(&state.lambda).all(|v| v.is_finite()) {
+                (status, reason) = (Status::NotFinite, "not-finite");
+                result.diagnostics.push(when(Diagnostic::error("E073", "the solution is not finite")));
+            } else if let Some(left) = floating(model, state).filter(|_| status == Status::Ok) {
+                (status, reason) = (Status::Singular, "singular");
+                result.diagnostics.push(when(left));
+            }
+        }
+        if let Some(solve) = &mut result.solve {
+            solve.reason = reason.into();
+        }
+        result.diagnostics.extend(fault.map(when));
+        self.questions.probes(case, model, state, result);
+        // checks refer to the end: the last step, or the one that ended the run
+        if k + 1 == times.len() && !self.questions.checks(case, model, state, result) && status == Status::Ok {
+            status = Status::CheckFailed;
+        }
+        result.status = status;
+        result.exit = status.exit();
+    }
+}
+
 /// Returns the diagnostic with the step at which it occurred.
 fn at_step(fault: Diagnostic, step: usize, t: f64) -> Diagnostic {
-    Diagnostic { message: format!("step {}, t = {}: {}", step + 1, build::short(t), fault.message), ..fault }
+    Diagnostic { message: format!("step {}, t = {}: {}", step + 1, crate::words::short(t), fault.message), ..fault }
 }

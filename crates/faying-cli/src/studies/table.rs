@@ -1,20 +1,44 @@
 //! The table of a study for people, and the summary around it.
 
 use super::quantities::Asked;
+use super::rows::Row;
 use super::study::{Study, Tolerance, word};
 use crate::infsup::hundredths;
+use crate::result::RunResult;
 use crate::table::{Table, short};
 use std::fmt::Write as _;
 
 /// Constants that differ by more than this are shown in both measures.
 const BENT: f64 = 1e-9;
 
+/// A number, or a dash if it is not finite.
+fn number(v: f64, digits: usize) -> String {
+    if v.is_finite() { short(v, digits) } else { "-".to_owned() }
+}
+
+/// The words, or a dash if there are none.
+fn text(words: &str) -> String {
+    if words.is_empty() { "-".to_owned() } else { words.to_owned() }
+}
+
+/// Largest difference of a row from the reference.
+fn difference(row: &Row) -> String {
+    let largest = row.differences.iter().map(|(_, d)| *d).fold(0.0, |a: f64, d| if d.is_nan() { d } else { a.max(d) });
+    if row.differences.is_empty() { "-".to_owned() } else { number(largest, 2) }
+}
+
+/// Number of checks that passed, of those performed.
+fn passed(result: &RunResult) -> String {
+    let passed = result.checks.iter().filter(|c| c.ok && !c.skipped).count();
+    if result.checks_performed > 0 { format!("{passed} of {}", result.checks_performed) } else { "-".to_owned() }
+}
+
 impl Study {
     /// The table as text: a column for every axis that varies, every error with its rate, every quantity.
     pub fn table(&self) -> Table {
         let (errors, levels) = (self.shown_errors(), self.axes.levels > 1);
         let quantities: Vec<&Asked> = self.asked.iter().filter(|a| a.compared && !errors.contains(&a.quantity)).collect();
-        let any = |of: &dyn Fn(&super::rows::Row) -> bool| self.rows.iter().any(of);
+        let any = |of: &dyn Fn(&Row) -> bool| self.rows.iter().any(of);
         let (differs, checked) = (any(&|r| !r.differences.is_empty()), any(&|r| r.result.checks_performed > 0));
         let (sides, constants) = (any(&|r| r.interface.is_some()), any(&|r| r.beta.is_some()));
         // on straight sides both measures agree
@@ -48,8 +72,6 @@ impl Study {
         ];
         head.extend(found.iter().filter(|(there, _)| *there).map(|(_, name)| name));
         let mut table = Table::new(head);
-        let number = |v: f64, digits: usize| if v.is_finite() { short(v, digits) } else { "-".to_owned() };
-        let text = |words: &str| if words.is_empty() { "-".to_owned() } else { words.to_owned() };
         for row in &self.rows {
             let r = &row.result;
             let mut cells = vec![row.spec.name().to_owned()];
@@ -82,12 +104,10 @@ impl Study {
                 cells.push(text(row.verdict.as_deref().unwrap_or_default()));
             }
             if differs {
-                let largest = row.differences.iter().map(|(_, d)| *d).fold(0.0, |a: f64, d| if d.is_nan() { d } else { a.max(d) });
-                cells.push(if row.differences.is_empty() { "-".to_owned() } else { number(largest, 2) });
+                cells.push(difference(row));
             }
             if checked {
-                let passed = r.checks.iter().filter(|c| c.ok && !c.skipped).count();
-                cells.push(if r.checks_performed > 0 { format!("{passed} of {}", r.checks_performed) } else { "-".to_owned() });
+                cells.push(passed(&row.result));
             }
             cells.push(row.code().map_or_else(|| word(r.status), |code| format!("{} ({code})", word(r.status))));
             table.row(cells);

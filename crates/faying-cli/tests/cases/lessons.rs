@@ -1,8 +1,5 @@
 //! The examples run: each is a program, and here a test.
 
-#[path = "../../examples/01_swap_backends.rs"]
-mod swap_backends;
-
 #[path = "../../examples/02_own_multiplier.rs"]
 mod own_multiplier;
 
@@ -10,16 +7,11 @@ mod own_multiplier;
 mod own_contact;
 
 #[test]
-fn lesson_1_any_two_backends_are_tied() {
-    swap_backends::main().unwrap();
-}
-
-#[test]
-fn lesson_2_a_multiplier_from_outside_is_tied_by_its_name() {
+fn a_multiplier_from_outside_is_tied_by_its_name() {
     own_multiplier::main().unwrap();
 }
 
 #[test]
-fn lesson_3_a_contact_algorithm_from_outside_agrees_with_the_active_set() {
+fn a_contact_algorithm_from_outside_agrees_with_the_active_set() {
     own_contact::main().unwrap();
 }

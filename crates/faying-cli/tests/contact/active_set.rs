@@ -212,6 +212,10 @@ fn random_case(number: usize) -> String {
     format!("{MODEL}[discretization]\nbackend = \"{backend}\"\ndegree = {degree}\n{body}{probes}")
 }
 
+/// Pressure that the rounding of positions makes: nodes are 1/24 of a length apart at least and lie at 1 at most, the modulus is 1, so a gap
+/// that is off by the rounding of its places has the pressure eps E / h. Case 203 has nothing else: a body that a gap moves as a whole.
+const ROUNDING: f64 = 24.0 * f64::EPSILON;
+
 /// Sign, lumped gap and complementarity of every row; sizes: modulus 1, lengths 1, so that displacements are stresses, too.
 fn kkt(result: &RunResult) -> Option<String> {
     let loads = result
@@ -221,7 +225,8 @@ fn kkt(result: &RunResult) -> Option<String> {
         .fold(1e-3, |m: f64, p| m.max(p.value.abs()));
     result.contact.iter().find_map(|(name, c)| {
         let press = c.pressure.max.abs().max(c.pressure.min.abs()).max(loads);
-        let bad = c.kkt.lambda > 1e-12 * press || c.kkt.gap > 1e-12 || c.kkt.product > 1e-12 * press;
+        let allowed = (1e-12 * press).max(ROUNDING);
+        let bad = c.kkt.lambda > allowed || c.kkt.gap > 1e-12 || c.kkt.product > 1e-12 * press;
         bad.then(|| format!("{name}: {:?}, pressure {press:e}", c.kkt))
     })
 }

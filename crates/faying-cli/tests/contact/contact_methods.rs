@@ -204,7 +204,7 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
     largest(&a.iter().zip(b).map(|(a, b)| if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) }).collect::<Vec<_>>())
 }
 
-// Augmented ends at the multiplier method's state, penalty at it in its limit; iterations are printed for the README's table.
+// Augmented ends at the multiplier method's state, penalty at it in its limit; iterations are printed for docs/comparisons.md.
 #[test]
 fn penalty_and_augmented_end_at_the_state_of_the_multiplier_method() {
     let hertz = coarse_hertz();

@@ -553,7 +553,7 @@ fn lengths_and_moduli_scale_what_a_force_does() {
 fn curves_and_outlines_of_areas_keep_the_contract_of_targets() {
     use faying::basis::{BSpline, Rational};
     use faying::check;
-    use faying::contact::{Surface, Target, pieces};
+    use faying::contact::{Obstacle, Surface, pieces};
     use faying::geometry::{ControlPoints, shapes};
     use faying::linalg::Vector;
     use faying::space::{Body, Patch, PatchSpec};
@@ -567,7 +567,7 @@ fn curves_and_outlines_of_areas_keep_the_contract_of_targets() {
     // in the fan of a corner the two sides are continued: its points are left out
     let facing: Vec<Vector<2>> = grid.iter().copied().filter(|x| x.amin() < 1.0).collect();
     assert!(facing.len() > 300 && facing.len() < grid.len());
-    check::target(&area, &facing, 1e-12).unwrap();
+    check::obstacle(&area, &facing, 1e-12).unwrap();
     for x in &grid {
         let inside = x.amax() < 1.0;
         let hit = area.project(x).expect("a closed outline faces everything");
@@ -584,7 +584,7 @@ fn curves_and_outlines_of_areas_keep_the_contract_of_targets() {
         })
         .collect();
     let sector = Surface::of_pieces(outline(&ring), None);
-    check::target(&sector, &beside, 1e-12).unwrap();
+    check::obstacle(&sector, &beside, 1e-12).unwrap();
     for x in &beside {
         let (gap, r) = (sector.project(x).unwrap().gap, x.norm());
         let known = if r < 0.85 { 0.5 - r } else { r - 1.2 };
@@ -597,7 +597,7 @@ fn curves_and_outlines_of_areas_keep_the_contract_of_targets() {
     let weights = (0..9).map(|k| if k % 2 == 1 { w } else { 1.0 }).collect();
     let map = ControlPoints { basis: Rational::new::<1>(axis, weights), points: corners.map(Vector::<2>::from).to_vec() };
     let disc = Surface::left_of(Arc::new(map), None);
-    check::target(&disc, &grid, 1e-12).unwrap();
+    check::obstacle(&disc, &grid, 1e-12).unwrap();
     for x in &grid {
         let hit = disc.project(x).unwrap();
         assert!((hit.gap - (x.norm() - 1.0)).abs() < 1e-14 && (hit.normal - x / x.norm()).norm() < 1e-13, "{x:?}");

@@ -19,56 +19,16 @@ use std::fmt::Write;
 /// at two corners.
 pub fn write_mesh(mesh: &MeshFile) -> Result<Written, FileError> {
     let mesh = &*right_handed(mesh);
-    let unsupported = |what: String| Err(FileError::Unsupported { what, spot: None });
     let d = mesh.dimension();
     if d == 0 {
-        return unsupported("an MFEM mesh without elements".to_string());
+        return Err(unsupported("an MFEM mesh without elements"));
     }
-    let order = mesh.blocks.iter().filter(|b| b.shape.dimension() == d).map(|b| b.order).max().unwrap_or(1);
-    for block in mesh.blocks.iter().filter(|b| b.shape.dimension() + 1 >= d && b.shape != CellShape::Point) {
-        if block.order != order {
-            return unsupported(format!("an MFEM mesh of the orders {} and {order}", block.order));
-        }
-        let wedge = matches!(block.shape, CellShape::Prism | CellShape::Pyramid);
-        if order > 3 || (order == 3 && d == 3) || (order > 1 && wedge) {
-            return unsupported(format!("a {:?} of order {order} in an MFEM mesh that is written", block.shape));
-        }
-    }
+    let order = writable_order(mesh, d)?;
     let mut lost = Vec::new();
-    let mut numbers: BTreeMap<usize, u32> = BTreeMap::new();
-    for block in mesh.blocks.iter().filter(|b| b.shape.dimension() == d) {
-        for nodes in block.nodes.chunks_exact(per_cell(block)) {
-            numbers.extend(corners(block, nodes).map(|n| (n as usize, 0)));
-        }
-    }
-    for (k, number) in numbers.values_mut().enumerate() {
-        *number = k as u32;
-    }
+    let numbers = vertex_numbers(mesh, d);
     let attributes = attributes(mesh, d, &mut lost);
     let mut out = format!("MFEM mesh v1.0\n\ndimension\n{d}\n");
-    let mut all: [Vec<(Cell, &[u32])>; 2] = [Vec::new(), Vec::new()];
-    for block in &mesh.blocks {
-        let at = d - block.shape.dimension();
-        if at > 1 || (at == 1 && block.groups.is_empty()) {
-            continue;
-        }
-        let attribute = block.groups.first().map_or(1, |g| attributes[*g]);
-        for nodes in block.nodes.chunks_exact(per_cell(block)) {
-            let mut vertices = [NONE; 8];
-            for (slot, node) in vertices.iter_mut().zip(corners(block, nodes)) {
-                match numbers.get(&(node as usize)) {
-                    Some(v) => *slot = *v,
-                    None => return unsupported("an MFEM mesh with facets off its elements".to_string()),
-                }
-            }
-            let cell = Cell { attribute, shape: block.shape, vertices, line: 0 };
-            let corners = cell.corners();
-            if corners.iter().enumerate().any(|(k, v)| corners[..k].contains(v)) {
-                return unsupported(format!("an MFEM mesh of cells with one node at two corners: {nodes:?}"));
-            }
-            all[at].push((cell, nodes));
-        }
-    }
+    let mut all = cells_and_facets(mesh, d, &numbers, &attributes)?;
     let cells: Vec<Cell> = all[0].iter().map(|(cell, _)| cell.clone()).collect();
     let mut budget = Budget::new(&Limits::default(), 0);
     let wanted = if order > 1 || !all[1].is_empty() { &cells[..] } else { &[] };
@@ -84,15 +44,7 @@ pub fn write_mesh(mesh: &MeshFile) -> Result<Written, FileError> {
             element(&mut out, cell.attribute, cell.shape, cell.corners());
         }
     }
-    let flat = mesh.points.iter().all(|p| p[2] == 0.0);
-    let line = flat && mesh.points.iter().all(|p| p[1] == 0.0);
-    let world = if d == 1 && line {
-        1
-    } else if d <= 2 && flat {
-        2
-    } else {
-        3
-    };
+    let world = coordinates(mesh, d);
     write!(out, "\nvertices\n{}\n", numbers.len()).expect(TEXT);
     let points: Vec<usize> = if order == 1 {
         writeln!(out, "{world}").expect(TEXT);
@@ -116,6 +68,95 @@ pub fn write_mesh(mesh: &MeshFile) -> Result<Written, FileError> {
         lost.push("facets in no group".to_string());
     }
     Ok(Written { text: out, lost })
+}
+
+/// [`FileError::Unsupported`] of a mesh as a whole.
+fn unsupported(what: impl Into<String>) -> FileError {
+    FileError::Unsupported { what: what.into(), spot: None }
+}
+
+/// The order of all elements and facets.
+///
+/// # Errors
+/// [`FileError::Unsupported`] for mixed orders and those that are not written.
+fn writable_order(mesh: &MeshFile, d: usize) -> Result<usize, FileError> {
+    let order = mesh.blocks.iter().filter(|b| b.shape.dimension() == d).map(|b| b.order).max().unwrap_or(1);
+    for block in mesh.blocks.iter().filter(|b| b.shape.dimension() + 1 >= d && b.shape != CellShape::Point) {
+        if block.order != order {
+            return Err(unsupported(format!("an MFEM mesh of the orders {} and {order}", block.order)));
+        }
+        let wedge = matches!(block.shape, CellShape::Prism | CellShape::Pyramid);
+        if order > 3 || (order == 3 && d == 3) || (order > 1 && wedge) {
+            return Err(unsupported(format!("a {:?} of order {order} in an MFEM mesh that is written", block.shape)));
+        }
+    }
+    Ok(order)
+}
+
+/// Number of the vertex at every node that is a corner of an element.
+fn vertex_numbers(mesh: &MeshFile, d: usize) -> BTreeMap<usize, u32> {
+    let mut numbers: BTreeMap<usize, u32> = BTreeMap::new();
+    for block in mesh.blocks.iter().filter(|b| b.shape.dimension() == d) {
+        for nodes in block.nodes.chunks_exact(per_cell(block)) {
+            numbers.extend(corners(block, nodes).map(|n| (n as usize, 0)));
+        }
+    }
+    for (k, number) in numbers.values_mut().enumerate() {
+        *number = k as u32;
+    }
+    numbers
+}
+
+/// Cells with their nodes.
+type Listed<'a> = Vec<(Cell, &'a [u32])>;
+
+/// The elements, and the facets in a group.
+///
+/// # Errors
+/// [`FileError::Unsupported`] for facets off the elements and cells with one node at two corners.
+fn cells_and_facets<'a>(
+    mesh: &'a MeshFile,
+    d: usize,
+    numbers: &BTreeMap<usize, u32>,
+    attributes: &[i64],
+) -> Result<[Listed<'a>; 2], FileError> {
+    let mut all: [Listed<'a>; 2] = [Vec::new(), Vec::new()];
+    for block in &mesh.blocks {
+        let at = d - block.shape.dimension();
+        if at > 1 || (at == 1 && block.groups.is_empty()) {
+            continue;
+        }
+        let attribute = block.groups.first().map_or(1, |g| attributes[*g]);
+        for nodes in block.nodes.chunks_exact(per_cell(block)) {
+            let mut vertices = [NONE; 8];
+            for (slot, node) in vertices.iter_mut().zip(corners(block, nodes)) {
+                match numbers.get(&(node as usize)) {
+                    Some(v) => *slot = *v,
+                    None => return Err(unsupported("an MFEM mesh with facets off its elements")),
+                }
+            }
+            let cell = Cell { attribute, shape: block.shape, vertices, line: 0 };
+            let corners = cell.corners();
+            if corners.iter().enumerate().any(|(k, v)| corners[..k].contains(v)) {
+                return Err(unsupported(format!("an MFEM mesh of cells with one node at two corners: {nodes:?}")));
+            }
+            all[at].push((cell, nodes));
+        }
+    }
+    Ok(all)
+}
+
+/// Number of coordinates that the points need, at least `d`.
+fn coordinates(mesh: &MeshFile, d: usize) -> usize {
+    let flat = mesh.points.iter().all(|p| p[2] == 0.0);
+    let line = flat && mesh.points.iter().all(|p| p[1] == 0.0);
+    if d == 1 && line {
+        1
+    } else if d <= 2 && flat {
+        2
+    } else {
+        3
+    }
 }
 
 /// Nodes of a cell of a block.
@@ -197,8 +238,7 @@ fn nodes_in_order(list: &[(Cell, &[u32])], order: usize, num_vertices: usize, sk
             let place = unknown(cell, order, index, skeleton, &starts, Some(starts.cells[k])).expect("the skeleton is that of the cells");
             let known = &mut points[place];
             if *known != usize::MAX && *known != *node as usize {
-                let what = "an MFEM mesh whose neighbours have different nodes on a common edge or face".to_string();
-                return Err(FileError::Unsupported { what, spot: None });
+                return Err(unsupported("an MFEM mesh whose neighbours have different nodes on a common edge or face"));
             }
             *known = *node as usize;
         }

@@ -83,32 +83,37 @@ pub(super) fn each_piece<const D: usize, const N: usize>(
     } else {
         0
     };
-    let piece = |e: usize, plan: &Plan<D>| {
+    let piece = |table: &mut MapTable<D, N>, e: usize, plan: &Plan<D>| {
         let found = match plan.shape {
-            Shape::Bezier => bezier_piece(part, e, plan, of(plan.cell, plan.degree, 0))?,
+            Shape::Bezier => bezier_piece(part, e, plan, of(plan.cell, plan.degree, 0), table)?,
             _ => None,
         };
         let mut piece = match found {
             Some(piece) => piece,
-            None => lagrange_piece(part, e, plan, of(plan.cell, plan.lagrange, doubled.min(most_doubled(plan.lagrange))))?,
+            None => lagrange_piece(part, e, plan, of(plan.cell, plan.lagrange, doubled.min(most_doubled(plan.lagrange))), table)?,
         };
         part.space.corners(e, &mut piece.corners);
         Ok::<_, VtuError>(piece)
     };
     for first in (0..plans.len()).step_by(AT_ONCE) {
         let some = &plans[first..plans.len().min(first + AT_ONCE)];
-        let pieces: Vec<Piece<'_>> = some.par_iter().enumerate().map(|(k, plan)| piece(first + k, plan)).collect::<Result<_, _>>()?;
+        let each = |table: &mut MapTable<D, N>, (k, plan): (usize, &Plan<D>)| piece(table, first + k, plan);
+        let pieces: Vec<Piece<'_>> = some.par_iter().enumerate().map_init(MapTable::new, each).collect::<Result<_, _>>()?;
         pieces.iter().enumerate().for_each(|(k, piece)| take(first + k, piece));
     }
     Ok(())
 }
 
 /// The numbers of nodes at local points, point after point as in [`Piece::values`], with the weight one.
-fn sampled<const D: usize, const N: usize>(part: &Part<'_, D, N>, element: usize, xi: &[Vector<D>]) -> Result<Vec<f64>, VtuError> {
+fn sampled<const D: usize, const N: usize>(
+    part: &Part<'_, D, N>,
+    element: usize,
+    xi: &[Vector<D>],
+    table: &mut MapTable<D, N>,
+) -> Result<Vec<f64>, VtuError> {
     let width = width(part);
     let mut rows = vec![0.0; xi.len() * width];
-    let mut table = MapTable::new();
-    part.space.map(element, xi, Order::Values, &mut table);
+    part.space.map(element, xi, Order::Values, table);
     for (row, x) in rows.chunks_exact_mut(width).zip(&table.x) {
         row[..N].copy_from_slice(x.as_slice());
         row[WEIGHT] = 1.0;
@@ -158,6 +163,7 @@ fn bezier_piece<'a, const D: usize, const N: usize>(
     element: usize,
     plan: &Plan<D>,
     of: &'a Interpolant<D>,
+    table: &mut MapTable<D, N>,
 ) -> Result<Option<Piece<'a>>, VtuError> {
     let n = of.points.len();
     let d = denominator(part, element, plan, &of.points);
@@ -176,7 +182,7 @@ fn bezier_piece<'a, const D: usize, const N: usize>(
         .collect();
     // the points between follow those of the interpolation
     let all: Vec<Vector<D>> = of.points.iter().chain(&at).copied().collect();
-    let values = DMatrix::from_row_slice(all.len(), width(part), &sampled(part, element, &all)?);
+    let values = DMatrix::from_row_slice(all.len(), width(part), &sampled(part, element, &all, table)?);
     let mut c = &of.to_bezier * DMatrix::from_fn(n, values.ncols(), |q, i| d[q] * values[(q, i)]);
     (0..n).for_each(|a| c.row_mut(a).unscale_mut(w[a]));
     let holds = |columns: std::ops::Range<usize>, tolerance: f64| {
@@ -225,8 +231,9 @@ fn lagrange_piece<'a, const D: usize, const N: usize>(
     element: usize,
     plan: &Plan<D>,
     of: &'a Interpolant<D>,
+    table: &mut MapTable<D, N>,
 ) -> Result<Piece<'a>, VtuError> {
-    let mut values = sampled(part, element, &of.lattice)?;
+    let mut values = sampled(part, element, &of.lattice, table)?;
     if values.iter().any(|v| !v.is_finite()) {
         continue_inwards(part, element, of, &mut values)?;
     }
@@ -256,7 +263,8 @@ fn continue_inwards<const D: usize, const N: usize>(
     values: &mut [f64],
 ) -> Result<(), VtuError> {
     let width = width(part);
-    let inside = &of.to_lattice * DMatrix::from_row_slice(of.points.len(), width, &sampled(part, element, &of.points)?);
+    let inside =
+        &of.to_lattice * DMatrix::from_row_slice(of.points.len(), width, &sampled(part, element, &of.points, &mut MapTable::new())?);
     let mut first = AHEAD;
     for field in &part.fields {
         let own = first..first + padded(field.components);

@@ -8,9 +8,9 @@ pub(in crate::case) use block::Block;
 pub(in crate::case) use formulas::Uses;
 pub(in crate::case) use scalars::Sign;
 
+use crate::case::family::Family;
+use crate::case::files::{FileRead, Opened};
 use crate::case::from_file::FromFile;
-use crate::case::opened::{FileRead, Opened};
-use crate::case::sides::Family;
 use crate::case::tree::Node;
 use crate::case::types::{Joint, Meeting};
 use crate::errors::{Diagnostic, Diagnostics, Source};

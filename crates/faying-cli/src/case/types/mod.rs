@@ -21,8 +21,8 @@ pub use patch::*;
 pub use solver::*;
 pub use tie::*;
 
-use crate::case::opened::FileRead;
-use crate::case::sides::Family;
+use crate::case::family::Family;
+use crate::case::files::FileRead;
 use crate::errors::{Diagnostics, Source};
 use crate::formula::Constants;
 use crate::place::Located;

@@ -3,9 +3,9 @@
 //! The aspect of a cell is its longest edge over its least height, by the Jacobian at its centre. Entries of its stiffness differ by the
 //! square of the aspect, so that at 1e8 no digit of the small ones is left beside the large ones.
 
-use crate::build::short;
 use crate::case::Case;
 use crate::errors::Diagnostic;
+use crate::words::short;
 use faying::basis::{Cell, Order};
 use faying::geometry::{MapTable, cell};
 use faying::linalg::{Matrix, Vector, determinant};

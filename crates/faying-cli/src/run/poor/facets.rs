@@ -8,11 +8,12 @@
 //!
 //! so that sides that touch only in part, as in Hertz' problem, are excluded: there the gap grows beyond any sag.
 
-use super::percent;
-use crate::build::{sag, short};
+use crate::build::sag;
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::formula::Point;
+use crate::words::percent;
+use crate::words::short;
 use faying::problem::{ContactModel, ContactPart, Model};
 
 /// Ratio h / mean |g| above which the warning is given.

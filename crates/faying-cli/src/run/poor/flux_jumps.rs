@@ -6,11 +6,11 @@
 //! of the gradient. Where u is continuous, [grad u] = a m with m normal to the line of the jump, which gives the flux to compare: in one
 //! material it jumps whenever the gradient does, between two it need not.
 
-use super::percent;
-use crate::build::short;
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::formula::Point;
+use crate::words::percent;
+use crate::words::short;
 use faying::basis::{Cell, Order};
 use faying::geometry::{MapTable, cell};
 use faying::linalg::{Matrix, Vector};

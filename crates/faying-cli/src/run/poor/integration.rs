@@ -1,10 +1,10 @@
 //! Warning E065 if the integration of an interface is inexact, by [`faying::coupling::consistency`].
 
-use super::percent;
 use crate::case::{Case, Integration};
 use crate::errors::Diagnostic;
 use crate::place::Located;
 use crate::result::RunResult;
+use crate::words::percent;
 
 /// Consistency error above which the warning is given.
 const INEXACT: f64 = 1e-2;

@@ -51,9 +51,3 @@ pub fn of_state<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
 fn subject(d: &Diagnostic) -> &str {
     d.message.split(':').next().unwrap_or_default()
 }
-
-/// Formats a share in percent with two digits.
-fn percent(share: f64) -> String {
-    let text = format!("{:.1e}", 100.0 * share);
-    text.parse::<f64>().map_or(text, |v| format!("{v}"))
-}

@@ -9,10 +9,10 @@
 //! the size of the stress that balances the defect, relative to that of the field. Nearly straight cells are not examined: the defect falls
 //! with the angle they span to the power 2p + 2.
 
-use super::percent;
-use crate::build::short;
 use crate::case::Case;
 use crate::errors::Diagnostic;
+use crate::words::percent;
+use crate::words::short;
 use faying::assembly::element_rule;
 use faying::basis::{Cell, Order, ShapeTable};
 use faying::geometry::{MapTable, cell};
@@ -21,6 +21,7 @@ use faying::problem::{Model, PatchModel};
 use faying::quadrature::{Quadrature, Rule};
 use faying::space::Space;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Defect above which the warning is given.
 const MISSED: f64 = 1e-3;
@@ -31,6 +32,8 @@ const GOOD: f64 = 1e-4;
 const STRAIGHT: f64 = 4e-3;
 /// Points per direction of the reference beyond those of the rule.
 const BEYOND: usize = 10;
+/// Points per direction of the first reference, whose defects select the elements to be examined: those above [`GOOD`].
+const FIRST_LOOK: usize = 3;
 /// Largest number of elements that are examined: the most bent ones.
 const LOOKED_AT: usize = 128;
 
@@ -40,8 +43,11 @@ pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
     // other maps are polynomials
     for (patch, block) in model.patches.iter().zip(&case.patches).filter(|(p, _)| p.exact_map) {
         let space = &**patch.body.space();
-        let bent = most_bent(space);
-        let Some((e, missed)) = worst(space, &bent, &|e| patch.rules.rule(e).clone()).filter(|w| w.1 > MISSED) else { continue };
+        let own_rule = |e: usize| patch.rules.rule(e).clone();
+        let mut bent = defects(space, &most_bent(space), FIRST_LOOK, &own_rule);
+        bent.retain(|d| d.1 > GOOD);
+        let bent: Vec<usize> = bent.into_iter().map(|d| d.0).collect();
+        let Some((e, missed)) = worst(space, &bent, &own_rule).filter(|w| w.1 > MISSED) else { continue };
         let own = block.discretization.extra_points.value;
         let mut help = "give the patch more elements along its bend".to_string();
         if let Some((extra, left)) = enough(patch, &bent, own) {
@@ -99,25 +105,52 @@ fn most_bent<const N: usize>(space: &dyn Space<N, N>) -> Vec<usize> {
 
 /// Returns the first element with the largest defect among `elements`, and this defect.
 fn worst<const N: usize>(space: &dyn Space<N, N>, elements: &[usize], rule: &(dyn Fn(usize) -> Rule<N> + Sync)) -> Option<(usize, f64)> {
-    let all: Vec<(usize, f64)> = elements.par_iter().map(|&e| (e, defect(space, e, &rule(e)))).collect();
-    all.into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a })
+    defects(space, elements, BEYOND, rule).into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a })
 }
 
+/// Returns `elements` with their defects against rules of `beyond` more points per direction.
+fn defects<const N: usize>(
+    space: &dyn Space<N, N>,
+    elements: &[usize],
+    beyond: usize,
+    rule: &(dyn Fn(usize) -> Rule<N> + Sync),
+) -> Vec<(usize, f64)> {
+    let of = |(tables, reference): &mut (Tables<N>, Option<Reference<N>>), &e: &usize| {
+        let rule = rule(e);
+        let per_direction = (rule.points.len() as f64).powf(1.0 / N as f64).round() as usize;
+        let least = space.degree(e).into_iter().max().unwrap_or(1) + 1;
+        let key = (space.cell(e), space.degree(e), per_direction.saturating_sub(least) + beyond);
+        // most elements have that of the one before
+        let reference = match reference.take() {
+            Some(known) if known.0 == key => reference.insert(known),
+            _ => reference.insert((key, element_rule(space, e, key.2))),
+        };
+        (e, defect(space, e, &rule, reference.1.rule(0), tables))
+    };
+    elements.par_iter().map_init(Default::default, of).collect()
+}
+
+/// Functions and map of an element.
+type Tables<const N: usize> = (ShapeTable<N>, MapTable<N, N>);
+/// Cell, degree and extra points of an element with the rule that they have.
+type Reference<const N: usize> = ((Cell, [usize; N], usize), Arc<dyn Quadrature<N>>);
+
 /// Defect e of an element (module docs).
-fn defect<const N: usize>(space: &dyn Space<N, N>, element: usize, rule: &Rule<N>) -> f64 {
-    let per_direction = (rule.points.len() as f64).powf(1.0 / N as f64).round() as usize;
-    let least = space.degree(element).into_iter().max().unwrap_or(1) + 1;
-    let reference = element_rule(space, element, per_direction.saturating_sub(least) + BEYOND);
-    let (forces, _, _) = integrals(space, element, rule);
-    let (exact, stiffness, volume) = integrals(space, element, reference.rule(0));
+fn defect<const N: usize>(space: &dyn Space<N, N>, element: usize, rule: &Rule<N>, reference: &Rule<N>, tables: &mut Tables<N>) -> f64 {
+    let (forces, _, _) = integrals(space, element, rule, tables);
+    let (exact, stiffness, volume) = integrals(space, element, reference, tables);
     let squares = forces.iter().zip(&exact).zip(&stiffness).filter(|(_, k)| **k > 0.0).map(|((f, g), k)| (f - g).norm_squared() / k);
     (squares.sum::<f64>() / volume).sqrt()
 }
 
 /// F_i, K_ii and V by a rule.
-fn integrals<const N: usize>(space: &dyn Space<N, N>, element: usize, rule: &Rule<N>) -> (Vec<Vector<N>>, Vec<f64>, f64) {
-    let (mut shapes, mut map) = (ShapeTable::new(), MapTable::new());
-    space.evaluate(element, &rule.points, Order::Gradients, &mut shapes, &mut map);
+fn integrals<const N: usize>(
+    space: &dyn Space<N, N>,
+    element: usize,
+    rule: &Rule<N>,
+    (shapes, map): &mut Tables<N>,
+) -> (Vec<Vector<N>>, Vec<f64>, f64) {
+    space.evaluate(element, &rule.points, Order::Gradients, shapes, map);
     let count = shapes.grads(0).len();
     let (mut forces, mut stiffness, mut volume) = (vec![Vector::<N>::zeros(); count], vec![0.0; count], 0.0);
     for (q, &w) in rule.weights.iter().enumerate() {
@@ -125,8 +158,9 @@ fn integrals<const N: usize>(space: &dyn Space<N, N>, element: usize, rule: &Rul
         // no point of a Gauss rule lies on a collapsed edge
         let Some(inverse) = inverse(&map.jacobian[q]) else { continue };
         volume += w * det;
+        let inverse = inverse.transpose();
         for (i, gradient) in shapes.grads(q).iter().enumerate() {
-            let gradient = inverse.transpose() * gradient;
+            let gradient = inverse * gradient;
             forces[i] += gradient * (w * det);
             stiffness[i] += gradient.norm_squared() * w * det;
         }

@@ -9,10 +9,10 @@
 //! the error of the gap over the closing distance: the initial gaps, and the yielding of the master. The area and the half width of the
 //! zone are wrong by about as much. A rotation of the master itself is not detected.
 
-use super::percent;
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::formula::Point;
+use crate::words::percent;
 use faying::basis::Order;
 use faying::contact::Contact;
 use faying::geometry::{ClosestPoint, MapTable};

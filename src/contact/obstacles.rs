@@ -1,6 +1,6 @@
 //! Rigid obstacles: half-plane, sphere, level set, and translations of them.
 
-use super::{Hit, Target};
+use super::{Hit, Obstacle};
 use crate::linalg::{Real, Vector, lit};
 use std::fmt::{self, Debug};
 
@@ -18,7 +18,7 @@ impl<const N: usize, T: Real> HalfPlane<N, T> {
     }
 }
 
-impl<const D: usize, const N: usize, T: Real> Target<D, N, T> for HalfPlane<N, T> {
+impl<const D: usize, const N: usize, T: Real> Obstacle<D, N, T> for HalfPlane<N, T> {
     fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
         let gap = (x - self.point).dot(&self.normal);
         Some(Hit { x: x - self.normal * gap, normal: self.normal, gap, at: None })
@@ -36,7 +36,7 @@ pub struct Sphere<const N: usize, T: Real = f64> {
     pub inside: bool,
 }
 
-impl<const D: usize, const N: usize, T: Real> Target<D, N, T> for Sphere<N, T> {
+impl<const D: usize, const N: usize, T: Real> Obstacle<D, N, T> for Sphere<N, T> {
     fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
         // the centre has no closest point
         let out = unit(x - self.center)?;
@@ -75,7 +75,7 @@ impl<const N: usize, T: Real, F> Debug for LevelSet<N, T, F> {
     }
 }
 
-impl<const D: usize, const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send + Sync> Target<D, N, T>
+impl<const D: usize, const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send + Sync> Obstacle<D, N, T>
     for LevelSet<N, T, F>
 {
     fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
@@ -102,7 +102,7 @@ pub struct Moved<X, const N: usize, T: Real = f64> {
     pub by: Vector<N, T>,
 }
 
-impl<X: Target<D, N, T>, const D: usize, const N: usize, T: Real> Target<D, N, T> for Moved<X, N, T> {
+impl<X: Obstacle<D, N, T>, const D: usize, const N: usize, T: Real> Obstacle<D, N, T> for Moved<X, N, T> {
     fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
         let hit = self.target.project(&(x - self.by))?;
         Some(Hit { x: hit.x + self.by, ..hit })

@@ -1,0 +1,25 @@
+//! Numbers, components and sides in messages.
+
+use faying::problem::SideModel;
+use std::sync::Arc;
+
+/// Formats a number with four digits.
+pub(crate) fn short(x: f64) -> String {
+    format!("{x:.3e}").parse::<f64>().map_or_else(|_| x.to_string(), |v| format!("{v}"))
+}
+
+/// Formats a share in percent with two digits.
+pub(crate) fn percent(share: f64) -> String {
+    let text = format!("{:.1e}", 100.0 * share);
+    text.parse::<f64>().map_or(text, |v| format!("{v}"))
+}
+
+/// Names of components in messages.
+pub(crate) fn component_name(component: usize, components: usize) -> &'static str {
+    if components == 1 { "u" } else { ["x", "y", "z"][component.min(2)] }
+}
+
+/// Labels of sides in messages.
+pub(crate) fn labels<const S: usize, const N: usize>(sides: &[Arc<SideModel<S, N>>]) -> String {
+    sides.iter().map(|s| format!("`{}`", s.label)).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,45 @@
+//! A problem stated in a program and the same problem in a case file have the same numbers, to the bit.
+
+use faying::constraint::Proximal;
+use faying::coupling::Nitsche;
+use faying::problem::Formulation;
+use faying_cli::{Case, Registry, RunResult};
+
+#[path = "../../../../examples/03_contact.rs"]
+mod lesson;
+
+const CASE: &str = "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+    [[patch]]\nname = \"lower\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 0.5] }\nelements = [7, 3]\n\
+    backend = \"fe\"\n\
+    [[patch]]\nname = \"upper\"\ngeometry = { kind = \"box\", min = [0, 0.5], max = [1, 1] }\nelements = [9, 4]\n\
+    [[boundary]]\non = \"lower.bottom\"\nfix = [\"x\", \"y\"]\n\
+    [[boundary]]\non = \"upper.top\"\ntraction = { y = \"-1e-3*(1 - 1.3*x)\" }\n\
+    [[boundary]]\non = \"upper.left\"\ntraction = { x = 1e-4 }\n\
+    [[contact]]\nname = \"table\"\nslave = \"upper.bottom\"\nmaster = \"lower.top\"\nmethod = \"METHOD\"\n\
+    [[contact]]\nname = \"wall\"\nslave = \"upper.right\"\nmethod = \"METHOD\"\n\
+    rigid = { kind = \"half-plane\", point = [1, 0], normal = [-1, 0] }\n";
+
+fn by_case(method: &str) -> RunResult {
+    let case = Case::parse("case.toml", &CASE.replace("METHOD", method), &Default::default()).unwrap();
+    case.run(&Registry::default()).unwrap()
+}
+
+#[test]
+fn a_program_and_a_case_have_the_same_numbers_by_every_method() {
+    let augmented = Formulation::Augmented { factor: Proximal::<()>::FACTOR, tolerance: Proximal::<()>::TOLERANCE };
+    let methods = [("lagrange", Formulation::Lagrange), ("augmented", augmented), ("nitsche", Formulation::Nitsche(Nitsche::default()))];
+    lesson::main().unwrap();
+    for (word, method) in methods {
+        let (solution, result) = (lesson::pressed(method).unwrap(), by_case(word));
+        assert_eq!(result.exit, 0, "{word}: {:?}", result.diagnostics);
+        for name in ["table", "wall"] {
+            let (own, known) = (solution.contact(name).unwrap(), result.contact.get(name).unwrap());
+            assert_eq!(own.force.as_slice(), &known.force[..], "{word}, {name}");
+            assert_eq!((own.largest_pressure, own.least_gap, own.area), (known.pressure.max, known.gap.min, known.area), "{word}, {name}");
+            assert_eq!(own.active, known.active, "{word}, {name}");
+        }
+        let set = (solution.state().active_set.as_ref().map(|s| s.iterations), solution.state().residual);
+        let solve = result.solve.unwrap();
+        assert_eq!(set, (solve.active_set.map(|s| s.iterations), solve.residual), "{word}");
+    }
+}

@@ -1,0 +1,41 @@
+//! Points of contacts that are closed, and rigid motions that they leave.
+
+use super::model::{ContactPart, Model};
+use super::state::StepState;
+use super::supports::{free_motions, sentences};
+use crate::contact::Contact;
+
+/// Rigid motions that the closed contacts of a solution leave, a sentence per body; `None` without any, and without contacts.
+pub fn left_free<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Option<Vec<String>> {
+    if model.contacts.is_empty() {
+        return None;
+    }
+    let contacts: Vec<Vec<_>> = state.contacts.iter().map(|c| c.iter().collect()).collect();
+    let closed = closed_points(model, &contacts, &|row| state.active[row]);
+    let free = free_motions(model, &contacts, &|k, p, q| closed[k][p][q]);
+    (!free.is_empty()).then(|| sentences(model, &free))
+}
+
+/// Returns one flag per point of `contacts`: whether a function active there has a closed row.
+pub fn closed_points<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    contacts: &[Vec<&Contact<S, N>>],
+    closed: &dyn Fn(usize) -> bool,
+) -> Vec<Vec<Vec<bool>>> {
+    let mut ids = Vec::new();
+    let mut of_part = |p: &ContactPart<S, N>, contact: &Contact<S, N>| {
+        let s = &contact.segments;
+        if let Some(points) = &contact.points {
+            return points.row.iter().map(|j| closed(p.first_row + j)).collect();
+        }
+        let mut flags = vec![false; s.ds.len()];
+        for piece in 0..s.num_pieces() {
+            let Some(psi) = &p.multiplier else { continue };
+            psi.active(s.slave[piece], &mut ids);
+            let any = ids.iter().any(|j| closed(p.first_row + j));
+            s.points(piece).for_each(|q| flags[q] = any);
+        }
+        flags
+    };
+    model.contacts.iter().zip(contacts).map(|(c, built)| c.parts.iter().zip(built).map(|(p, b)| of_part(p, b)).collect()).collect()
+}

@@ -1,0 +1,250 @@
+//! Construction of a slave side of a contact: multiplier, opponent and rows.
+
+use super::contact_points::PointSides;
+use super::contact_rows::rows;
+use super::directions::{directions, slides};
+use super::interface_error::InterfaceError;
+use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideModel};
+use super::multipliers::{CutMultiplier, MakeCovered, MakeMultiplier, wrapped};
+use super::tie_part::InterfaceRules;
+use crate::assembly::gauss_rules;
+use crate::basis::Basis;
+use crate::contact::{Cone, Frames};
+use crate::coupling::consistency::Finer;
+use crate::coupling::interface::{Partners, slave_segments};
+use crate::coupling::{CouplingError, Interface, Nitsche, Segments, Side};
+use crate::linalg::Vector;
+use std::collections::HashSet;
+use std::sync::Arc;
+
+/// Components of a unit vector below this count as zero.
+const PERPENDICULAR: f64 = 1e-9;
+
+/// A slave side of a contact to be built.
+pub struct ContactSetup<'a, const S: usize, const N: usize> {
+    /// The side that carries the multiplier.
+    pub slave: &'a Arc<SideModel<S, N>>,
+    /// The sides it faces; none against an obstacle.
+    pub masters: &'a [Arc<SideModel<S, N>>],
+    /// The multiplier.
+    pub multiplier: &'a MakeMultiplier<'a, S, N>,
+    /// Dual multipliers over what is covered, in place of `multiplier` wherever something is.
+    pub covered: Option<MakeCovered<S, N>>,
+    /// Removal of functions on slivers of what is covered.
+    pub cut: Option<CutMultiplier<S, N>>,
+    /// Cone of admissible multipliers.
+    pub cone: Cone,
+    /// The integration.
+    pub rules: InterfaceRules<'a, S, N>,
+    /// All times, in order; at least one.
+    pub times: &'a [f64],
+    /// Whether an unknown (function of the body, component) is prescribed, or its function tied.
+    pub taken: &'a dyn Fn(usize, usize) -> bool,
+    /// Whether a function of the body lies on another slave side, too.
+    pub on_seam: &'a dyn Fn(usize) -> bool,
+}
+
+impl<const S: usize, const N: usize> std::fmt::Debug for ContactSetup<'_, S, N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ContactSetup").field("slave", &self.slave.label).finish_non_exhaustive()
+    }
+}
+
+/// A multiplier with the functions through which it is read.
+type Chosen<const S: usize> = (Box<dyn Basis<S>>, Option<Box<dyn Basis<S>>>);
+
+/// The opponent, its second segments, and finer ones.
+type Faced<const S: usize, const N: usize> = (Against<S, N>, Option<Segments<S>>, Option<Segments<S>>);
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// Builds a slave side of `contact`; its rows are not counted among those of the model yet.
+    ///
+    /// # Errors
+    /// [`InterfaceError`] for sides that do not face each other, and for multipliers that do not exist or are too many.
+    pub fn contact_part(&self, contact: &ContactModel<S, N>, setup: &ContactSetup<'_, S, N>) -> Result<ContactPart<S, N>, InterfaceError> {
+        let slave = setup.slave;
+        let (against, second, finer) = self.opponent(contact, setup)?;
+        if let Formulation::Nitsche(method) = &contact.formulation {
+            return self.point_part(contact, setup, method, against);
+        }
+        if let Formulation::Penalty { factor } | Formulation::Augmented { factor, .. } = contact.formulation
+            && !(factor > 0.0 && factor.is_finite())
+        {
+            let text = format!("the factor of a penalty must be positive, found {factor}");
+            return Err(InterfaceError::Factor(CouplingError::Missing(text)));
+        }
+        let (psi, reading) = self.contact_multiplier(contact, setup, &against)?;
+        let moves = contact.obstacle.as_ref().is_some_and(|o| o.changes);
+        let changes = moves || contact.gap.depends_on_time();
+        // an obstacle may come within reach later
+        for &t in setup.times_of(moves) {
+            let chosen = (&*psi, setup.cone, second.as_ref());
+            let first = rows(self, slave, &against, chosen, &contact.gap, contact.reach, t, None).map_err(InterfaceError::Contact)?;
+            if first.facing.contains(&true) {
+                let finer = finer.and_then(|segments| self.finer_contact(slave, &against, &*psi, &segments));
+                return Ok(ContactPart {
+                    slave: slave.clone(),
+                    num_rows: psi.num_functions(),
+                    multiplier: Some(psi),
+                    reading,
+                    cone: setup.cone,
+                    against,
+                    second,
+                    finer,
+                    masters: setup.masters.to_vec(),
+                    first,
+                    changes,
+                    first_row: self.rows,
+                });
+            }
+        }
+        Err(InterfaceError::NothingFaces)
+    }
+
+    /// The opponent with its segments.
+    fn opponent(&self, contact: &ContactModel<S, N>, setup: &ContactSetup<'_, S, N>) -> Result<Faced<S, N>, InterfaceError> {
+        let (slave, rules) = (setup.slave, &setup.rules);
+        // an obstacle has no quadrature points of its own: mixed integration uses those of the slave
+        if let Some(obstacle) = &contact.obstacle {
+            let points = gauss_rules(&*slave.trace.space, rules.extra_points);
+            return Ok((Against::Rigid(Arc::clone(obstacle), slave_segments(&*slave.trace.space, &points)), None, None));
+        }
+        let master = SideModel::joined(self, setup.masters).ok_or(InterfaceError::NoMaster)?;
+        let partners = Partners::Facing { reach: contact.reach };
+        let points = rules.points(slave, &master);
+        let make = |make: &super::tie_part::MakeIntegration<'_, S, N>| {
+            make(points, partners).segments(&*slave.trace.space, &*master.trace.space).map_err(InterfaceError::Segments)
+        };
+        let segments = make(rules.rule)?;
+        let second = rules.second.map(make).transpose()?;
+        let finer = rules.finer(slave, &master, partners);
+        Ok((Against::Side(master, segments), second, finer))
+    }
+
+    /// The part of Nitsche's method, without multipliers.
+    fn point_part(
+        &self,
+        contact: &ContactModel<S, N>,
+        setup: &ContactSetup<'_, S, N>,
+        method: &Nitsche,
+        against: Against<S, N>,
+    ) -> Result<ContactPart<S, N>, InterfaceError> {
+        method.check_factor().map_err(InterfaceError::Factor)?;
+        if contact.is_pressed() {
+            return Err(InterfaceError::PressedAtPoints);
+        }
+        let sides = PointSides { slave: setup.slave, against: &against, masters: setup.masters };
+        let moves = contact.obstacle.as_ref().is_some_and(|o| o.changes);
+        let changes = moves || contact.gap.depends_on_time() || sides.change(self);
+        for &t in setup.times_of(moves) {
+            let first = sides.contact(self, method, &contact.gap, contact.reach, t).map_err(InterfaceError::Contact)?;
+            if first.facing.contains(&true) {
+                return Ok(ContactPart {
+                    slave: setup.slave.clone(),
+                    num_rows: first.offset.len(),
+                    multiplier: None,
+                    reading: None,
+                    cone: Cone::Coefficients,
+                    second: None,
+                    finer: None,
+                    masters: setup.masters.to_vec(),
+                    first,
+                    changes,
+                    first_row: self.rows,
+                    against,
+                });
+            }
+        }
+        Err(InterfaceError::NothingFaces)
+    }
+
+    /// The multiplier of a slave side, lowered where it cannot move along the normals of its opponent.
+    fn contact_multiplier(
+        &self,
+        contact: &ContactModel<S, N>,
+        setup: &ContactSetup<'_, S, N>,
+        against: &Against<S, N>,
+    ) -> Result<Chosen<S>, InterfaceError> {
+        let (slave, taken) = (setup.slave, setup.taken);
+        let times = setup.times_of(contact.obstacle.as_ref().is_some_and(|o| o.changes));
+        // rows act along the opponent's normal: an end is constrained if the body cannot move in that direction
+        let slides = slides(self, slave);
+        let cannot_move = |function: usize, n: &Vector<N>| {
+            (0..N).all(|c| n[c].abs() < PERPENDICULAR || taken(function, c))
+                || slides.iter().any(|(f, d)| *f == function && (n - d * n.dot(d)).norm() < PERPENDICULAR)
+        };
+        // the normals of a moving obstacle change; a function that cannot move at one of the times is constrained
+        let turning = |n: usize| -> Vec<_> { times.iter().map(|&t| directions(slave, against, t, n)).collect() };
+        let normals = turning(2);
+        // a function shared by two slave sides would get two multipliers: it counts as constrained
+        let stuck = |function: usize| {
+            (setup.on_seam)(function) || normals.iter().filter_map(|list| list.get(&function)).any(|n| cannot_move(function, n))
+        };
+        // functions inside of elements vanish at corners: their direction is taken where they are largest
+        let inner = turning(slave.degree() + 2);
+        let held =
+            |f: usize| stuck(f) || inner.iter().filter_map(|list| list.get(&f)).any(|n| cannot_move(f, n)) || (0..N).all(|c| taken(f, c));
+        let free = slave.trace.dofs.iter().filter(|&&f| !held(f)).map(|&f| self.function(slave.patch, f)).collect::<HashSet<_>>().len();
+        let components: Vec<usize> =
+            (0..N).filter(|&c| inner.iter().flat_map(|list| list.values()).any(|n| n[c].abs() >= PERPENDICULAR)).collect();
+        let by_equations = !slides.is_empty();
+        if free == 0 {
+            return Err(InterfaceError::Held { components, by_equations });
+        }
+        let refused = |error| InterfaceError::Multiplier { component: None, error };
+        let mut psi = wrapped(self, slave, &stuck, (setup.multiplier)(&slave.trace, &stuck).map_err(refused)?);
+        let mut reading = None;
+        // what faces something at the first time at which anything does
+        let faced = match against {
+            Against::Side(_, segments) if setup.covered.is_none() => Some(segments.clone()).filter(|s| !s.ds.is_empty()),
+            _ => times.iter().map(|&t| faced(slave, against, contact.reach, t)).find(|s| !s.ds.is_empty()),
+        };
+        match (&faced, setup.covered, setup.cut) {
+            (Some(segments), Some(make), _) => {
+                let (functions, read) =
+                    make(&slave.trace, &stuck, segments).map_err(|error| InterfaceError::Multiplier { component: None, error })?;
+                psi = wrapped(self, slave, &stuck, functions);
+                reading = Some(wrapped(self, slave, &stuck, read)).filter(|read| read.num_functions() == psi.num_functions());
+            }
+            (Some(segments), None, Some(cut)) => psi = cut(psi, &slave.trace, segments),
+            _ => {}
+        }
+        if psi.num_functions() > free {
+            return Err(InterfaceError::TooMany { multipliers: psi.num_functions(), free, components, by_equations });
+        }
+        Ok((psi, reading))
+    }
+
+    /// Rows on finer segments, against which the consistency error is estimated.
+    fn finer_contact(&self, slave: &SideModel<S, N>, against: &Against<S, N>, psi: &dyn Basis<S>, segments: &Segments<S>) -> Option<Finer> {
+        let Against::Side(master, _) = against else { return None };
+        let (segments, frames) = Frames::against_master(&slave.trace, &master.trace, segments).ok()?;
+        let interface = Interface {
+            slave: Side { trace: &slave.trace, field: self.patches[slave.patch].field, flux: None },
+            master: Some(Side { trace: &master.trace, field: master.field, flux: None }),
+            multiplier: &[psi],
+            segments: &segments,
+            master_segments: None,
+            direction: Some(&frames.normal),
+        };
+        Finer::try_new(&[interface], self.unknowns).ok()
+    }
+}
+
+impl<const S: usize, const N: usize> ContactSetup<'_, S, N> {
+    /// All times if something changes with them, else the first.
+    fn times_of(&self, changes: bool) -> &[f64] {
+        if changes { self.times } else { &self.times[..self.times.len().min(1)] }
+    }
+}
+
+/// Returns the points of a slave side that face its opponent at time `t`.
+fn faced<const S: usize, const N: usize>(slave: &SideModel<S, N>, against: &Against<S, N>, reach: Option<f64>, t: f64) -> Segments<S> {
+    match against {
+        // a master without tangent is reported when the rows are built
+        Against::Side(master, segments) => {
+            Frames::against_master(&slave.trace, &master.trace, segments).map_or_else(|_| segments.clone(), |(segments, _)| segments)
+        }
+        Against::Rigid(obstacle, segments) => Frames::against_obstacle(&slave.trace, &*obstacle.target(t, None), segments, reach).0,
+    }
+}

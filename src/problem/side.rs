@@ -1,0 +1,56 @@
+//! Sides of bodies as parts of a problem.
+
+use super::model::{Model, PatchModel, SideModel};
+use crate::assembly::gauss_rules;
+use crate::space::{Field, JoinedSide, SideError, Trace};
+use std::sync::Arc;
+
+impl<const S: usize, const N: usize> SideModel<S, N> {
+    /// The side `side` of `patch`, the patch number `number` of its model; `label` is its name in results.
+    ///
+    /// # Errors
+    /// [`SideError`] of the body.
+    pub fn new(patch: &PatchModel<S, N>, number: usize, side: &str, label: String) -> Result<Self, SideError> {
+        Ok(Self::of_trace(patch, number, side, label, patch.body.trace(side)?))
+    }
+
+    /// The part `trace` of a side, arguments before it as in [`SideModel::new`].
+    pub fn of_trace(patch: &PatchModel<S, N>, number: usize, side: &str, label: String, trace: Trace<S, N>) -> Self {
+        let rules = gauss_rules(&*trace.space, patch.extra_points);
+        Self { patch: number, side: side.to_owned(), label, field: patch.field, runs: vec![(0, number)], trace, rules }
+    }
+
+    /// Several sides as one surface, in functions of the model: glued functions are one; `None` without sides.
+    pub fn joined(model: &Model<S, N>, sides: &[Arc<Self>]) -> Option<Arc<Self>> {
+        let (first, others) = sides.split_first()?;
+        if others.is_empty() {
+            return Some(first.clone());
+        }
+        let parts: Vec<JoinedSide<'_, S, N>> = sides
+            .iter()
+            .map(|s| JoinedSide {
+                trace: &s.trace,
+                dofs: s.trace.dofs.iter().map(|&dof| model.function(s.patch, dof)).collect(),
+                first_element: 0,
+            })
+            .collect();
+        let trace = Trace::joined(&parts);
+        let mut next = 0;
+        let run = |s: &Arc<Self>| {
+            let start = next;
+            next += s.trace.facets.len();
+            (start, s.patch)
+        };
+        let runs = sides.iter().map(run).collect();
+        let rules = gauss_rules(&*trace.space, sides.iter().map(|s| model.patches[s.patch].extra_points).max().unwrap_or(0));
+        let label = sides.iter().map(|s| s.label.as_str()).collect::<Vec<_>>().join(", ");
+        let field = Field { first: 0, components: model.components };
+        Some(Arc::new(Self { patch: first.patch, side: first.side.clone(), label, field, runs, trace, rules }))
+    }
+
+    /// Highest degree of its functions.
+    pub fn degree(&self) -> usize {
+        let space = &self.trace.space;
+        (0..space.num_elements()).flat_map(|e| space.degree(e)).max().unwrap_or(1)
+    }
+}

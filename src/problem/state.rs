@@ -1,0 +1,100 @@
+//! States of a problem, and errors of steps without one.
+
+use super::resultant::Resultant;
+use crate::assembly::{DirichletError, ReductionError};
+use crate::constraint::SolveError;
+use crate::contact::{Contact, ContactError};
+use crate::coupling::CouplingError;
+
+/// Sign case of rows without one: of ties, and of contact rows that face nothing.
+pub(super) const NO_CONTACT: u8 = 9;
+
+/// The solution of a step.
+#[derive(Debug)]
+pub struct StepState<const S: usize, const N: usize> {
+    /// Its time.
+    pub t: f64,
+    /// All unknowns.
+    pub u: Vec<f64>,
+    /// One multiplier per row: coefficients of lambda.
+    pub lambda: Vec<f64>,
+    /// Multipliers in the variables of the solver, one per row: of contacts those of their cone, lambda = T mu; of ties lambda.
+    pub mu: Vec<f64>,
+    /// Whether each row is enforced.
+    pub active: Vec<bool>,
+    /// Rows, weights and points of every contact part at this time.
+    pub contacts: Vec<Vec<Contact<S, N>>>,
+    /// Reactions of supports on the bodies, per unknown.
+    pub support: Vec<f64>,
+    /// Sum of all loads, springs included.
+    pub load: Resultant,
+    /// Number of unknowns that are free.
+    pub free: usize,
+    /// Relative residual.
+    pub residual: f64,
+    /// Condition number of the scaled system, if a factor provides it.
+    pub condition: Option<f64>,
+    /// Description of the linear algebra.
+    pub method: String,
+    /// Iterations of the linear algebra, 0 if everything was done by factors.
+    pub iterations: usize,
+    /// The active set, where there is contact.
+    pub active_set: Option<crate::constraint::ActiveSetReport>,
+    /// Sign case 0 to 8 of every row; 9 for rows of ties.
+    pub sign_case: Vec<u8>,
+}
+
+/// Error of a step without solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// Prescribed values could not be projected.
+    #[error(transparent)]
+    Dirichlet(#[from] DirichletError),
+    /// Conditions contradict each other.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
+    /// A tie has no stiffness at this time.
+    #[error(transparent)]
+    Coupling(#[from] CouplingError),
+    /// A contact could not be set up at this time.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// No contact pressure balances the loads.
+    #[error("infeasible load: {what}")]
+    Infeasible {
+        /// Sentence with the body, its motion, and the missing force.
+        what: String,
+    },
+    /// The system was not solved.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// A body that contact held can move: every contact that held it has opened.
+    #[error("{}", .motions.join("; "))]
+    Free {
+        /// A sentence per body.
+        motions: Vec<String>,
+    },
+    /// Obstacles that forces press did not come to rest.
+    #[error("an obstacle that a force presses does not come to rest: contact was built at {places} places")]
+    Obstacle {
+        /// Number of places.
+        places: usize,
+    },
+}
+
+/// A step that was not solved, with the last state, if there is one.
+#[derive(Debug, thiserror::Error)]
+#[error("{error}")]
+pub struct Unsolved<const S: usize, const N: usize> {
+    /// The error.
+    pub error: StepError,
+    /// The last state computed.
+    pub last: Option<Box<StepState<S, N>>>,
+}
+
+impl<const S: usize, const N: usize, E: Into<StepError>> From<E> for Unsolved<S, N> {
+    fn from(error: E) -> Self {
+        Self { error: error.into(), last: None }
+    }
+}

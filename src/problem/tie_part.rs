@@ -1,0 +1,250 @@
+//! Construction of a tied slave side: multipliers, segments and rows.
+
+use super::fixed::Fixed;
+use super::interface_error::InterfaceError;
+use super::model::{Model, Pairing, SideModel, TiePart};
+use super::multipliers::{MakeMultiplier, wrapped};
+use super::rigid_rows::function_sums;
+use super::system::{append, empty};
+use crate::basis::Basis;
+use crate::coupling::consistency::Finer;
+use crate::coupling::interface::{Partners, Tolerance};
+use crate::coupling::multiplier::check_counts;
+use crate::coupling::{Coupling, CouplingError, Interface, InterfaceQuadrature, Segments, Side};
+use crate::linalg::Triplets;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// Largest share of a slave side that may be uncovered.
+const UNCOVERED: f64 = 1e-6;
+/// Points per segment of the finer rule beyond those of the rule whose consistency error it estimates.
+const FINER_POINTS: usize = 2;
+
+/// Makes an integration of interfaces with that many points per piece.
+pub type MakeIntegration<'a, const S: usize, const N: usize> =
+    dyn Fn(usize, Partners) -> Box<dyn InterfaceQuadrature<S, N>> + Send + Sync + 'a;
+
+/// Integration of a tie or a contact.
+pub struct InterfaceRules<'a, const S: usize, const N: usize> {
+    /// The rule of the constraint.
+    pub rule: &'a MakeIntegration<'a, S, N>,
+    /// Mixed integration: of ties the rule of the reaction along the master, of contacts that of the integrals over the master.
+    pub second: Option<&'a MakeIntegration<'a, S, N>>,
+    /// The rule against which the consistency error is estimated.
+    pub finer: Option<&'a MakeIntegration<'a, S, N>>,
+    /// Points per direction of a piece beyond the larger degree of its sides + 1.
+    pub extra_points: usize,
+}
+
+impl<const S: usize, const N: usize> std::fmt::Debug for InterfaceRules<'_, S, N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("InterfaceRules").field("extra_points", &self.extra_points).finish_non_exhaustive()
+    }
+}
+
+impl<const S: usize, const N: usize> InterfaceRules<'_, S, N> {
+    /// Points per direction of a piece of two sides.
+    pub(super) fn points(&self, slave: &SideModel<S, N>, master: &SideModel<S, N>) -> usize {
+        slave.degree().max(master.degree()) + 1 + self.extra_points
+    }
+
+    /// Segments for checking the rows: finer ones, `partners` as far as the caller has checked them.
+    pub(super) fn finer(&self, slave: &SideModel<S, N>, master: &SideModel<S, N>, partners: Partners) -> Option<Segments<S>> {
+        let make = self.finer?;
+        make(self.points(slave, master) + FINER_POINTS, partners).segments(&*slave.trace.space, &*master.trace.space).ok()
+    }
+}
+
+/// A tied slave side to be built.
+pub struct TieSetup<'a, const S: usize, const N: usize> {
+    /// The side that carries the multiplier.
+    pub slave: &'a Arc<SideModel<S, N>>,
+    /// The sides it is tied to.
+    pub masters: &'a [Arc<SideModel<S, N>>],
+    /// The coupling.
+    pub coupling: Box<dyn Coupling<S, N>>,
+    /// Whether its rows are those of the mortar method.
+    pub mortar_rows: bool,
+    /// The multiplier of each component.
+    pub multiplier: &'a MakeMultiplier<'a, S, N>,
+    /// The integration.
+    pub rules: InterfaceRules<'a, S, N>,
+    /// Largest distance of points that are tied \[length\]; `None`: rounding of sides that lie exactly on their geometry, else that of
+    /// their facets.
+    pub tolerance: Option<f64>,
+    /// Largest distance of tied points of facets, if the facets explain it \[length\].
+    pub explained: Option<f64>,
+    /// First time.
+    pub t: f64,
+}
+
+impl<const S: usize, const N: usize> std::fmt::Debug for TieSetup<'_, S, N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("TieSetup").field("slave", &self.slave.label).finish_non_exhaustive()
+    }
+}
+
+/// Number of sides of tied interfaces on which each function of a body lies.
+#[derive(Debug, Default)]
+pub struct Memberships(HashMap<usize, usize>);
+
+impl Memberships {
+    /// Counts the functions of a side.
+    pub fn add<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, side: &SideModel<S, N>) {
+        let mut functions: Vec<usize> = side.trace.dofs.iter().map(|&dof| model.function(side.patch, dof)).collect();
+        functions.sort_unstable();
+        functions.dedup();
+        for function in functions {
+            *self.0.entry(function).or_default() += 1;
+        }
+    }
+
+    /// Number of tied sides that contain `function` of `patch`, or one that is glued to it.
+    pub fn count<const S: usize, const N: usize>(&self, model: &Model<S, N>, patch: usize, function: usize) -> usize {
+        self.0.get(&model.function(patch, function)).copied().unwrap_or(0)
+    }
+}
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// Whether conditions prescribe `side` in one of `components` itself, or, with `by_equations`, equations hold it.
+    pub fn is_supported(&self, side: &SideModel<S, N>, components: &[usize], by_equations: bool) -> bool {
+        let own = |s: &SideModel<S, N>| s.patch == side.patch && s.side == side.side;
+        self.conditions.iter().any(|c| own(&c.side) && components.contains(&c.component))
+            || (by_equations && self.supports.iter().any(|s| own(s)))
+    }
+
+    /// Builds a tied slave side; its rows are not counted among those of the model yet.
+    ///
+    /// # Errors
+    /// [`InterfaceError`] for sides that do not meet, and for multipliers that do not exist or are too many.
+    pub fn tie_part(&self, tie: TieSetup<'_, S, N>, fixed: &Fixed, members: &Memberships) -> Result<TiePart<S, N>, InterfaceError> {
+        let TieSetup { slave, masters, coupling, .. } = tie;
+        let field = self.patches[slave.patch].field;
+        // multipliers, one per component: ends are constrained per component
+        let mut multipliers = Vec::with_capacity(self.components);
+        for c in (0..self.components).filter(|_| coupling.has_rows()) {
+            let by_equations = !self.equations.is_empty();
+            if slave.trace.dofs.iter().all(|&function| fixed.is(field.unknown(function, c))) && self.is_supported(slave, &[c], by_equations)
+            {
+                return Err(InterfaceError::Held { components: vec![c], by_equations });
+            }
+            let constrained = |function: usize| fixed.is(field.unknown(function, c)) || members.count(self, slave.patch, function) > 1;
+            let component = Some(c).filter(|_| self.components > 1);
+            let psi = (tie.multiplier)(&slave.trace, &constrained).map_err(|error| InterfaceError::Multiplier { component, error })?;
+            multipliers.push(wrapped(self, slave, &constrained, psi));
+        }
+        // functions that are glued to each other count once
+        let mut known = HashSet::new();
+        let twins: HashSet<usize> = slave.trace.dofs.iter().copied().filter(|&f| !known.insert(self.function(slave.patch, f))).collect();
+        let counted = |function: usize, c: usize| fixed.is(field.unknown(function, c)) || twins.contains(&function);
+        if coupling.has_rows() {
+            let borrowed: Vec<&dyn Basis<S>> = multipliers.iter().map(|m| &**m).collect();
+            check_counts(&slave.trace, self.components, &borrowed, &counted).map_err(InterfaceError::Counts)?;
+        }
+        // segments against every master
+        let mut pairings: Vec<Pairing<S, N>> = Vec::new();
+        let mut finer: Vec<Segments<S>> = Vec::new();
+        let mut missed: Option<CouplingError> = None;
+        for master in masters {
+            match self.segments(&tie.rules, slave, master, self.tolerance(slave, master, tie.tolerance, tie.explained)) {
+                Ok((segments, second)) => {
+                    pairings.push(Pairing { master: master.clone(), segments, second });
+                    // the distance has been checked
+                    finer.extend(tie.rules.finer(slave, master, Partners::Touching(Tolerance::Given(f64::INFINITY))));
+                }
+                Err(e) => missed = Some(e),
+            }
+        }
+        if let Some(error) = missed.filter(|e| pairings.is_empty() || !matches!(e, CouplingError::NothingFaces)) {
+            return Err(InterfaceError::Apart(error));
+        }
+        let total = pairings.first().map_or(0.0, |p| p.segments.report.slave_measure);
+        let covered: f64 = pairings.iter().map(|p| p.segments.report.covered).sum();
+        if covered < (1.0 - UNCOVERED) * total {
+            return Err(InterfaceError::Uncovered { share: covered / total });
+        }
+        let mut part = TiePart {
+            slave: slave.clone(),
+            multipliers,
+            coupling,
+            pairings,
+            rows: empty(0, self.unknowns),
+            reaction: None,
+            function_sums: Vec::new(),
+            stiffness: Triplets::new(self.unknowns, self.unknowns),
+            penalty: None,
+            finer: None,
+            first_row: self.rows,
+            num_rows: 0,
+        };
+        let (mut reaction, mut differs) = (empty(0, self.unknowns), false);
+        let fluxes = part.fluxes(self, tie.t);
+        for k in 0..part.pairings.len() {
+            let blocks = part.blocks(&*part.coupling, self, k, &fluxes).map_err(InterfaceError::Coupling)?;
+            differs |= blocks.reaction.is_some();
+            append(&mut reaction, blocks.reaction.as_ref().unwrap_or(&blocks.constraint), 0);
+            append(&mut part.rows, &blocks.constraint, 0);
+            part.stiffness.append_below(&blocks.stiffness, 0);
+            part.penalty = blocks.penalty.or(part.penalty);
+        }
+        if part.rows.slave.entries.is_empty() && part.rows.master.entries.is_empty() && !part.stiffness.entries.is_empty() {
+            part.multipliers.clear();
+        }
+        part.reaction = differs.then_some(reaction);
+        if tie.mortar_rows {
+            part.function_sums = function_sums(self, &part);
+            part.finer = if finer.len() == part.pairings.len() { self.finer_tie(&part, &finer) } else { None };
+        }
+        part.num_rows = part.multipliers.iter().map(|m| m.num_functions()).sum();
+        Ok(part)
+    }
+
+    /// Largest distance of tied points of two sides.
+    fn tolerance(&self, slave: &SideModel<S, N>, master: &SideModel<S, N>, given: Option<f64>, explained: Option<f64>) -> Tolerance {
+        match given {
+            Some(distance) => Tolerance::Given(distance),
+            None if self.patches[slave.patch].exact_map && self.patches[master.patch].exact_map => Tolerance::Exact,
+            None => explained.map_or(Tolerance::Local, Tolerance::Given),
+        }
+    }
+
+    /// Segments of the constraint, and those of the reaction for mixed integration.
+    #[allow(clippy::type_complexity)]
+    fn segments(
+        &self,
+        rules: &InterfaceRules<'_, S, N>,
+        slave: &SideModel<S, N>,
+        master: &SideModel<S, N>,
+        tolerance: Tolerance,
+    ) -> Result<(Segments<S>, Option<Segments<S>>), CouplingError> {
+        let points = rules.points(slave, master);
+        let (own, other) = (&*slave.trace.space, &*master.trace.space);
+        let first = (rules.rule)(points, Partners::Touching(tolerance)).segments(own, other)?;
+        // a master may be longer than its slave
+        let second = match rules.second {
+            Some(make) => Some(make(points, Partners::Near(tolerance)).segments(other, own)?.swapped()),
+            None => None,
+        };
+        Ok((first, second))
+    }
+
+    /// Rows on finer segments, one list per master, against which the consistency error is estimated.
+    fn finer_tie(&self, part: &TiePart<S, N>, finer: &[Segments<S>]) -> Option<Finer> {
+        let borrowed: Vec<&dyn Basis<S>> = part.multipliers.iter().map(|m| &**m).collect();
+        let side = |side: &'_ SideModel<S, N>| self.patches[side.patch].field;
+        let interfaces: Vec<Interface<'_, S, N>> = part
+            .pairings
+            .iter()
+            .zip(finer)
+            .map(|(pairing, segments)| Interface {
+                slave: Side { trace: &part.slave.trace, field: side(&part.slave), flux: None },
+                master: Some(Side { trace: &pairing.master.trace, field: side(&pairing.master), flux: None }),
+                multiplier: &borrowed,
+                segments,
+                master_segments: None,
+                direction: None,
+            })
+            .collect();
+        Finer::try_new(&interfaces, self.unknowns).ok()
+    }
+}

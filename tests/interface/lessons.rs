@@ -1,0 +1,117 @@
+//! The lessons that use the library alone: each is a program, and here a test.
+
+#[path = "../../examples/01_poisson.rs"]
+mod poisson;
+
+#[path = "../../examples/02_tie_two_backends.rs"]
+mod tie_two_backends;
+
+#[path = "../../examples/03_contact.rs"]
+mod contact;
+
+#[path = "../../examples/04_own_material_and_obstacle.rs"]
+mod own_material_and_obstacle;
+
+#[test]
+fn lesson_1_poisson() {
+    poisson::main().unwrap();
+}
+
+#[test]
+fn lesson_2_any_two_backends_are_tied() {
+    tie_two_backends::main().unwrap();
+}
+
+#[test]
+fn lesson_3_contact_by_three_methods() {
+    contact::main().unwrap();
+}
+
+#[test]
+fn lesson_4_a_material_and_an_obstacle_from_outside() {
+    own_material_and_obstacle::main().unwrap();
+}
+
+/// A square on [0, 1] x [low, low + 1] in a problem of its own.
+fn square(p: &mut faying::problem::Problem<1, 2>, name: &str, low: f64) -> faying::problem::BodyId {
+    let spec = faying::space::PatchSpec::new(faying::geometry::shapes::rectangle([0.0, low], [1.0, low + 1.0]).unwrap());
+    let body = faying::space::Patch::try_new(&spec.with_elements([2, 2])).unwrap();
+    p.body(name, body, faying::physics::Hooke::plane_strain(1.0, 0.3).unwrap()).unwrap()
+}
+
+#[test]
+fn wrong_problems_are_refused_with_what_is_wrong() {
+    use faying::contact::HalfPlane;
+    use faying::linalg::Vector;
+    use faying::problem::{Components, Problem, ProblemError as E};
+    assert_eq!(Problem::<1, 2>::new().assemble().unwrap_err(), E::Empty);
+    let mut p = Problem::<1, 2>::new();
+    let (a, b) = (square(&mut p, "a", 0.0), square(&mut p, "b", 1.0));
+    let other = square(&mut Problem::new(), "a", 0.0);
+    assert_eq!(p.fix(other.side("v0"), Components::All), Err(E::OtherProblem));
+    assert_eq!(p.fix(a.side("v0"), Components::Z), Err(E::Component { component: 2, components: 2 }));
+    assert!(matches!(p.fix(a.side("w0"), Components::All), Err(E::Side { .. })));
+    p.fix(a.side("v0"), Components::All).unwrap();
+    assert!(matches!(p.assemble(), Err(E::Motions { motions }) if motions.len() == 1 && motions[0].contains("\"b\"")));
+    p.tie(a.side("v1"), b.side("v1")).unwrap();
+    assert!(matches!(p.assemble(), Err(E::Interface { slave, .. }) if slave == "a.v1"));
+    let mut p = Problem::<1, 2>::new();
+    let (a, b) = (square(&mut p, "a", 0.0), square(&mut p, "b", 1.0));
+    p.fix(a.side("v0"), Components::All).unwrap();
+    p.tie(a.side("v1"), b.side("v0")).unwrap();
+    p.tie(a.side("v1"), b.side("v0")).unwrap().named("again");
+    assert_eq!(p.assemble().unwrap_err(), E::SlaveTwice { side: "a.v1".into() });
+    let mut p = Problem::<1, 2>::new();
+    let a = square(&mut p, "a", 0.0);
+    p.fix(a.side("v1"), Components::All).unwrap();
+    let floor = HalfPlane::try_new(Vector::from([0.0, 0.0]), Vector::from([0.0, 1.0])).unwrap();
+    p.contact(a.side("v0"), floor).unwrap().named("floor").moved(2, 0.1);
+    assert_eq!(p.assemble().unwrap_err(), E::Driven { name: "floor".into(), component: 2 });
+}
+
+#[test]
+fn what_would_be_answered_in_silence_is_refused() {
+    use faying::coupling::multiplier::MultiplierKind;
+    use faying::problem::{Components, Data, Formulation, Problem, ProblemError as E};
+    let blocks = || {
+        let mut p = Problem::<1, 2>::new();
+        let (a, b) = (square(&mut p, "a", 0.0), square(&mut p, "b", 1.0));
+        p.fix(a.side("v0"), Components::All).unwrap();
+        (p, a, b)
+    };
+    // a motion of a body, sides that meet both ways, a factor without sense
+    let (mut p, a, b) = blocks();
+    p.contact(b.side("v0"), a.side("v1")).unwrap().named("pad").moved(1, 0.1);
+    assert_eq!(p.assemble().unwrap_err(), E::NoObstacle { name: "pad".into() });
+    let (mut p, a, b) = blocks();
+    p.tie(a.side("v1"), b.side("v0")).unwrap();
+    p.tie(b.side("v0"), a.side("v1")).unwrap();
+    assert_eq!(p.assemble().unwrap_err(), E::BothWays { slave: "a.v1".into(), master: "b.v0".into() });
+    let (mut p, a, b) = blocks();
+    p.fix(b.side("u0"), Components::X).unwrap();
+    p.contact(b.side("v0"), a.side("v1")).unwrap().method(Formulation::Penalty { factor: -1.0 });
+    assert!(matches!(p.assemble(), Err(E::Interface { .. })));
+    // one constant per component lets the upper block turn
+    let (mut p, a, b) = blocks();
+    let wide = faying::space::PatchSpec::new(faying::geometry::shapes::rectangle([0.0, 2.0], [1.0, 3.0]).unwrap()).with_elements([1, 1]);
+    let material = faying::physics::Hooke::plane_strain(1.0, 0.3).unwrap();
+    let top = p.body("top", faying::space::Patch::try_new(&wide.with_degree([1, 1])).unwrap(), material).unwrap();
+    p.tie(b.side("v0"), a.side("v1")).unwrap();
+    p.tie(top.side("v0"), b.side("v1")).unwrap().multiplier(MultiplierKind::Constant);
+    assert!(matches!(p.assemble(), Err(E::Motions { motions }) if motions[0].contains("\"top\"")));
+    // a body that was added later, a solution of another system, a side that does not exist
+    let (mut p, a, b) = blocks();
+    p.tie(b.side("v0"), a.side("v1")).unwrap();
+    p.traction(b.side("v1"), 1, Data::of(|_, t| t)).unwrap();
+    let first = p.assemble().unwrap().solve(1.0, None).unwrap();
+    let later = square(&mut p, "c", 2.0);
+    assert_eq!(first.at(later, &[0.5, 2.5]).unwrap_err(), E::OtherProblem);
+    assert!(matches!(first.reaction(a.side("bottom of it")), Err(E::Side { .. })));
+    assert!((first.reaction(a.side("v0")).unwrap()[1] + 1.0).abs() < 1e-12);
+    // data of the time: twice the load, twice the solution
+    p.tie(later.side("v0"), b.side("v1")).unwrap();
+    let mut system = p.assemble().unwrap();
+    let (half, whole) = (system.solve(0.5, Some(&first)).unwrap(), system.solve(1.0, None).unwrap());
+    let (u, v) = (half.at(b, &[0.3, 1.6]).unwrap().u, whole.at(b, &[0.3, 1.6]).unwrap().u);
+    assert!((2.0 * u[1] - v[1]).abs() < 1e-12 && v[1] > 0.1);
+}
