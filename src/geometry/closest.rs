@@ -13,7 +13,7 @@ use rayon::prelude::*;
 const PIECES: usize = 8;
 /// Bisections of a piece of a curve that a bound cannot rule out.
 const DEPTH: usize = 5;
-/// Safety factor of the sampled bound of second derivatives, which may miss their peak.
+/// Safety factor of the sampled bounds of second and third derivatives, which may miss their peaks.
 const BEND_SAFETY: f64 = 2.0;
 /// Elements are skipped unless they may be nearer than the best point by this share of the size.
 const WORTH: f64 = 1e-11;
@@ -59,8 +59,8 @@ pub struct ClosestPoint<const D: usize, const N: usize, G, T: Real = f64> {
     size: T,
     /// Per element and face of its cell: whether no other element has that face.
     loose: Vec<Vec<bool>>,
-    /// Per element: bound of the sum of second derivatives.
-    bend: Vec<T>,
+    /// Per element of a curve: bounds of |x''| and |x'''|.
+    bend: Vec<[T; 2]>,
     /// Ends of the pieces of every element of a curve, evaluated once for all queries.
     nodes: Vec<[Node<N, T>; PIECES + 1]>,
 }
@@ -90,11 +90,12 @@ impl<const D: usize, const N: usize, T: Real> Best<D, N, T> {
     }
 }
 
-/// One sample of a curve: parameter, x, f', f''.
+/// One sample of a curve: parameter, x, |x'|, f', f''.
 #[derive(Clone, Copy)]
 struct Sample<const N: usize, T: Real> {
     t: T,
     x: Vector<N, T>,
+    speed: T,
     slope: T,
     curvature: T,
 }
@@ -109,7 +110,8 @@ impl<const N: usize, T: Real> Node<N, T> {
     /// Position and derivatives of f(t) = |x - p|² / 2 at this point, which has the parameter `t`.
     fn seen(&self, t: T, p: &Vector<N, T>) -> Sample<N, T> {
         let away = self.x - p;
-        Sample { t, x: self.x, slope: away.dot(&self.d), curvature: self.d.norm_squared() + away.dot(&self.dd) }
+        let square = self.d.norm_squared();
+        Sample { t, x: self.x, speed: square.sqrt(), slope: away.dot(&self.d), curvature: square + away.dot(&self.dd) }
     }
 }
 
@@ -124,10 +126,12 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
             .into_par_iter()
             .map_init(MapTable::new, |table, e| {
                 geometry.map(e, &cell::grid::<D, T>(geometry.cell(e), 2 * PIECES + 1), Order::Hessians, table);
-                let norm = |h: &[Matrix<D, D, T>; N]| h.iter().fold(T::zero(), |s, m| s + m[(0, 0)] * m[(0, 0)]).sqrt();
-                let bend = table.hessian.iter().fold(T::zero(), |m, h| m.max(norm(h))) * lit(BEND_SAFETY);
+                let second = |q: usize| Vector::<N, T>::from_fn(|c, _| table.hessian[q][c][(0, 0)]);
+                let greatest = |values: &mut dyn Iterator<Item = T>| values.fold(T::zero(), T::max) * lit(BEND_SAFETY);
+                let bend = greatest(&mut (0..=2 * PIECES).map(|q| second(q).norm()));
+                let change = greatest(&mut (0..2 * PIECES).map(|q| (second(q + 1) - second(q)).norm())) * num(2 * PIECES);
                 // pieces end at every other point of the grid
-                (bend, std::array::from_fn(|i| Node::of(table, 2 * i)))
+                ([bend, change], std::array::from_fn(|i| Node::of(table, 2 * i)))
             })
             .unzip();
         Self { geometry, tree, size, loose, bend, nodes }
@@ -227,9 +231,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
             if a.slope < T::zero() && b.slope > T::zero() {
                 self.newton(element, p, (a, b), best, table);
             }
-            let (least, most) = (a.curvature.min(b.curvature), a.curvature.max(b.curvature));
-            let convex = least > T::zero() && most < least * lit(1.5);
-            if convex || depth == DEPTH || self.below(element, p, &a, &b) > best.distance - worth {
+            if self.convex(element, p, &a, &b) || depth == DEPTH || self.below(element, p, &a, &b) > best.distance - worth {
                 continue;
             }
             self.sample(element, &[(a.t + b.t) * lit(0.5)], p, table, &mut one);
@@ -247,7 +249,17 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         let square = chord.norm_squared();
         let s = if square > T::zero() { ((p - a.x).dot(&chord) / square).clamp(T::zero(), T::one()) } else { T::zero() };
         let h = b.t - a.t;
-        (a.x + chord * s - p).norm() - self.bend[element] * h * h * lit(0.125)
+        (a.x + chord * s - p).norm() - self.bend[element][0] * h * h * lit(0.125)
+    }
+
+    /// Whether f'' > 0 on the piece, so that f has no second minimum: |f'''| <= 3 |x'| |x''| + |x - p| |x'''| bounds how far
+    /// f'' falls below its mean at the ends.
+    fn convex(&self, element: usize, p: &Vector<N, T>, a: &Sample<N, T>, b: &Sample<N, T>) -> bool {
+        let ([bend, change], h) = (self.bend[element], b.t - a.t);
+        let speed = a.speed.max(b.speed) + bend * h * lit(0.5);
+        let away = (a.x - p).norm().max((b.x - p).norm()) + speed * h * lit(0.5);
+        let slope = speed * bend * lit(3.0) + away * change;
+        a.curvature + b.curvature > slope * h
     }
 
     /// Finds the zero of f' between `a` (f' < 0) and `b` (f' > 0) by Newton's method, bisection where it leaves the bracket.

@@ -355,8 +355,17 @@ fn curve(kind: usize, seed: u64) -> Box<dyn Geometry<1, 2>> {
     }
 }
 
+/// Within a piece of this curve the distance to one of its points has two minima, beside a place where the curve almost stops.
+#[test]
+fn minima_beside_a_place_where_the_curve_almost_stops_are_all_looked_at() {
+    let curve = curve(2, 87);
+    let mut table = MapTable::new();
+    curve.map(3, &[Vector::<1>::new(0.7909364202178917)], Order::Values, &mut table);
+    assert!(closest_point(&*curve, &table.x[0]).unwrap().distance <= 1e-14);
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(crate::random::inputs(400))]
 
     /// Closest points are never farther than brute force plus 1e-9 of the size, and the distance is that of the point.
     #[test]

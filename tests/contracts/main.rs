@@ -11,4 +11,6 @@ mod forwarding;
 mod geometry;
 mod net;
 mod quadrature;
+#[path = "../common/random.rs"]
+mod random;
 mod splines;

@@ -179,7 +179,7 @@ fn moves_do_what_they_say() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(64) })]
+    #![proptest_config(crate::random::inputs(64))]
     #[test]
     fn any_knots_in_any_order_keep_any_curve(
         degree in 1usize..6,

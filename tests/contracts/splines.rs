@@ -102,7 +102,7 @@ fn any_spline(decades: f64, degrees: usize, spans: usize) -> impl Strategy<Value
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(48) })]
+    #![proptest_config(crate::random::inputs(48))]
 
     #[test]
     fn any_spline_sums_to_one_and_is_not_negative(spline in any_spline(3.0, 8, 8)) {

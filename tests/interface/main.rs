@@ -11,5 +11,7 @@ mod merging;
 mod mesh_tied;
 mod obstacle;
 mod patch_test_tied;
+#[path = "../common/random.rs"]
+mod random;
 mod solvers;
 mod third_backend;

@@ -735,7 +735,7 @@ fn an_unknown_tied_to_all_others_comes_last() {
 // ---------------------------------------------------------------------------------------------- properties
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(crate::random::inputs(64))]
 
     #[test]
     fn dissection_of_any_points_and_edges_is_a_permutation_and_its_postorder_fills_the_same(

@@ -1460,7 +1460,7 @@ fn close(a: f64, b: f64, tolerance: f64) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(crate::random::inputs(2000))]
 
     /// Rust's own functions are the reference. pow of whole exponents is by multiplication there and here.
     #[test]

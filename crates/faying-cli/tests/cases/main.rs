@@ -6,6 +6,8 @@ mod case_files;
 mod lessons;
 mod mutated_files;
 mod mutated_runs;
+#[path = "../../../../tests/common/random.rs"]
+mod random;
 mod reference;
 mod run;
 mod twins;
