@@ -77,8 +77,9 @@ impl<T: Real> BSpline<T> {
     /// The splines of degree + `times` with the same breakpoints and regularity, and the coefficients that keep every
     /// function (rows as in [`BSpline::insert`]).
     ///
-    /// The coefficient of function i is the polar form of any of its elements at the knots t_(i+1) .. t_(i+q); the element
-    /// around their mean is taken, in Bernstein form, so that arguments outside it are few.
+    /// The coefficient of function i is the polar form of any of its elements at the knots t_(i+1) .. t_(i+q), computed in
+    /// Bernstein form; of elements \[a, b\] the one is taken that lets rounding grow least, by the product of
+    /// (|b - t| + |t - a|) / (b - a) over these knots.
     ///
     /// Source: L. Ramshaw, Blossoming (1987), DEC SRC report 19.
     ///
@@ -110,22 +111,26 @@ impl<T: Real> BSpline<T> {
                 })
                 .collect()
         };
-        let (mut element, mut piece) = (usize::MAX, Vec::new());
+        let (mut start, mut element, mut piece) = (0, usize::MAX, Vec::new());
         let mut out = Vec::with_capacity(target.num_functions());
-        for (i, mean) in target.greville().into_iter().enumerate() {
-            let mut e = target.find(mean).0;
-            // beside a jump the mean may be found on the other side of it
-            if target.first_active(e) > i {
-                e -= 1;
-            } else if target.first_active(e) + q < i {
-                e += 1;
+        for i in 0..target.num_functions() {
+            let arguments = &target.knots()[i + 1..=i + q];
+            let growth = |e: usize| {
+                let (a, b) = target.interval(e);
+                arguments.iter().fold(T::one(), |g, &t| g * (((b - t) / (b - a)).abs() + ((t - a) / (b - a)).abs()))
+            };
+            while target.first_active(start) + q < i {
+                start += 1;
             }
+            let support = (start..n).take_while(|&e| target.first_active(e) <= i);
+            let least = support.map(|e| (growth(e), e)).reduce(|x, y| if y.0 < x.0 { y } else { x });
+            let (_, e) = least.expect("every function has an element");
             if e != element {
                 (element, piece) = (e, raised(e));
             }
             let (a, b) = target.interval(e);
             let mut c = piece.clone();
-            for (r, &t) in target.knots()[i + 1..=i + q].iter().enumerate() {
+            for (r, &t) in arguments.iter().enumerate() {
                 let u = (t - a) / (b - a);
                 for k in 0..q - r {
                     c[k] = blend(T::one() - u, &c[k], u, &c[k + 1]);
