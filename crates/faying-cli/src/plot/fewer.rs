@@ -6,7 +6,7 @@ use super::sample::Drawn;
 pub(super) type Piece = (Vec<[f64; 2]>, f64);
 
 /// Most pieces of a view.
-const PIECES: usize = 9000;
+pub(super) const PIECES: usize = 9000;
 /// Most lines between elements of a view; a mesh of more is too fine to be seen.
 const LINES: usize = 6000;
 

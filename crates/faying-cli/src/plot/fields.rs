@@ -1,6 +1,6 @@
 //! `fields.svg`: bodies with their curved element edges over a colour field, and a detail view of a small peak.
 
-use super::fewer::{chained, few_lines, joined, straightened};
+use super::fewer::{PIECES, chained, few_lines, joined, straightened};
 use super::frame::{axes, bar, outline};
 use super::sample::{Drawn, boxes, division, divisions, sampled};
 use super::{GREY, INK, PlotError, Root, document, shortened, stroke, text, units};
@@ -10,6 +10,7 @@ use faying::linalg::Vector;
 use faying_files::vtu::Part;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
+use std::collections::BTreeMap;
 
 /// Content of the picture.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +29,8 @@ pub struct FieldPlot<'a> {
 const SMALL: f64 = 0.15;
 /// Share of an element's size that it may bulge beyond its box.
 const BULGE: f64 = 0.1;
+/// Number of colours.
+const LEVELS: f64 = 128.0;
 /// Width and height of the detail in pixels.
 const DETAIL: f64 = 300.0;
 
@@ -59,12 +62,14 @@ pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, 
 /// The bodies with fewer pieces, merged after the scale is made of all values.
 fn fewer(mut bodies: Vec<Vec<Drawn>>) -> Vec<Drawn> {
     let count = |body: &Vec<Drawn>| body.iter().map(|d| d.pieces.len()).sum::<usize>();
-    let total = bodies.iter().map(count).sum::<usize>().max(1) as f64;
-    for body in &mut bodies {
-        let share = count(body) as f64 / total;
-        let pieces = body.iter_mut().flat_map(|d| std::mem::take(&mut d.pieces)).collect();
-        if let Some(first) = body.first_mut() {
-            first.pieces = joined(pieces, share);
+    let total = bodies.iter().map(count).sum::<usize>();
+    if total > PIECES {
+        for body in &mut bodies {
+            let share = count(body) as f64 / total as f64;
+            let pieces = body.iter_mut().flat_map(|d| std::mem::take(&mut d.pieces)).collect();
+            if let Some(first) = body.first_mut() {
+                (first.pieces, first.row) = (joined(pieces, share), 1);
+            }
         }
     }
     bodies.into_iter().flatten().collect()
@@ -103,12 +108,15 @@ impl Scale {
         }
     }
 
+    /// Number of the colour of a value; `None` for one that is not finite.
+    pub fn level(&self, v: f64) -> Option<usize> {
+        let share = if self.uniform { 0.5 } else { (v - self.least) / (self.most - self.least) };
+        v.is_finite().then(|| ((share * LEVELS) as usize).min(LEVELS as usize - 1))
+    }
+
     pub fn color(&self, v: f64) -> RGBColor {
-        match v.is_finite() {
-            false => RGBColor(190, 190, 190),
-            true if self.uniform => ViridisRGB.get_color(0.5),
-            true => ViridisRGB.get_color((v - self.least) / (self.most - self.least)),
-        }
+        let at = |level: usize| ViridisRGB.get_color(level as f64 / (LEVELS - 1.0));
+        self.level(v).map_or(RGBColor(190, 190, 190), at)
     }
 }
 
@@ -184,10 +192,14 @@ fn draw(
 /// Draws the pieces, then the lines between elements if they are few enough, then the outlines, all clipped to the window.
 fn paint(root: &Root<'_, '_>, view: &View, drawn: &[Drawn], scale: &Scale) -> Result<(), PlotError> {
     let by = 0.4 / view.per_length();
-    for (corners, v) in drawn.iter().flat_map(|d| &d.pieces) {
-        let inside = clipped(&overlapping(corners, by), &view.window);
-        if inside.len() > 2 {
-            root.draw(&Polygon::new(inside.iter().map(|p| view.pixel(p)).collect::<Vec<_>>(), scale.color(*v).filled()))?;
+    for d in drawn {
+        for run in d.pieces.chunks(d.row).flat_map(|row| row.chunk_by(|a, b| scale.level(a.1) == scale.level(b.1))) {
+            let corners: Vec<Vec<[f64; 2]>> = run.iter().map(|(corners, _)| overlapping(corners, by)).collect();
+            let inside = clipped(&around_row(corners), &view.window);
+            if inside.len() > 2 {
+                let color = scale.color(run[0].1);
+                root.draw(&Polygon::new(inside.iter().map(|p| view.pixel(p)).collect::<Vec<_>>(), color.filled()))?;
+            }
         }
     }
     let lines = |d: &Drawn, outer: bool| -> Vec<Vec<(i32, i32)>> {
@@ -203,9 +215,15 @@ fn paint(root: &Root<'_, '_>, view: &View, drawn: &[Drawn], scale: &Scale) -> Re
         Ok(())
     };
     if few_lines(drawn) {
+        // lines of elements that are about as wide are one where they follow each other
+        let mut alike: BTreeMap<usize, Vec<Vec<(i32, i32)>>> = BTreeMap::new();
         for d in drawn {
-            let style = inner_edges(d, view.per_length());
-            lines(d, false).iter().try_for_each(|line| trace(line, style))?;
+            alike.entry(shade(d, view.per_length())).or_default().extend(lines(d, false));
+        }
+        for (shade, lines) in alike {
+            let share = shade as f64 / SHADES;
+            let style = stroke(BLACK.mix(0.06 + 0.22 * share), 0.25 + 0.35 * share);
+            chained(lines).iter().try_for_each(|line| trace(line, style))?;
         }
     }
     let outlines = chained(drawn.iter().flat_map(|d| lines(d, true)).collect());
@@ -271,12 +289,25 @@ fn overlapping(corners: &[[f64; 2]], by: f64) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Lines between elements fade where the elements are only a few pixels wide.
-fn inner_edges(element: &Drawn, per_length: f64) -> ShapeStyle {
+/// The outline of quadrilaterals in a row, whose second and third corners are next to the first and fourth of the following one; of one
+/// piece of any shape its corners.
+fn around_row(mut pieces: Vec<Vec<[f64; 2]>>) -> Vec<[f64; 2]> {
+    if pieces.len() == 1 {
+        return pieces.swap_remove(0);
+    }
+    let lower = [pieces[0][0]].into_iter().chain(pieces.iter().map(|corners| corners[1]));
+    let upper = pieces.iter().rev().map(|corners| corners[2]).chain([pieces[0][3]]);
+    lower.chain(upper).collect()
+}
+
+/// Number of shades of lines between elements.
+const SHADES: f64 = 16.0;
+
+/// Shade of the lines of an element: they fade where it is only a few pixels wide.
+fn shade(element: &Drawn, per_length: f64) -> usize {
     let length = |line: &[[f64; 2]]| line.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum::<f64>();
     let width = element.edges.iter().map(|(line, _)| length(line)).fold(f64::INFINITY, f64::min) * per_length;
-    let share = (width / 12.0).clamp(0.0, 1.0);
-    stroke(BLACK.mix(0.06 + 0.22 * share), 0.25 + 0.35 * share)
+    ((width / 12.0).clamp(0.0, 1.0) * SHADES).round() as usize
 }
 
 #[cfg(test)]

@@ -11,14 +11,16 @@ use std::collections::BTreeMap;
 
 /// Coloured pieces and edges of one element.
 pub(super) struct Drawn {
-    /// Corners and value of every piece.
+    /// Corners and value of every piece, row by row.
     pub pieces: Vec<(Vec<[f64; 2]>, f64)>,
+    /// Pieces of a row of quadrilaterals; 1 elsewhere.
+    pub row: usize,
     /// Points along every edge, with whether it is an outer one.
     pub edges: Vec<(Vec<[f64; 2]>, bool)>,
 }
 
 /// Most pieces of a picture; small elements are coloured whole.
-const PIECES: f64 = 7000.0;
+const PIECES: f64 = 5000.0;
 /// Size of a piece in pixels, where that makes not too many.
 const PIECE: f64 = 8.0;
 /// Most pieces per direction of an element.
@@ -93,7 +95,7 @@ pub(super) fn sampled(plot: &FieldPlot<'_>, part: &Part<'_, 2, 2>, divisions: &[
                 Some((at(&(0..=curved).map(along).collect::<Vec<_>>()), kind == Edge::Outer))
             })
             .collect();
-        Drawn { pieces, edges }
+        Drawn { pieces, row: if simplex { 1 } else { m }, edges }
     };
     let each = |table: &mut MapTable<2, 2>, (e, m): (usize, &Option<usize>)| m.map(|m| element(table, e, m));
     let drawn: Vec<Option<Drawn>> = divisions.par_iter().enumerate().map_init(MapTable::new, each).collect();
