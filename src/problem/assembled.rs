@@ -1,49 +1,39 @@
 //! A problem that is ready to be solved, and its solution.
 
-use super::closed_points::left_free;
 use super::data::Exact;
 use super::handles::{BodyId, SideOf};
-use super::matrices::Stiffness;
 use super::model::Model;
 use super::observer::Observer;
 use super::physics::PointState;
 use super::problem_error::ProblemError;
-use super::reactions::reactions;
-use super::resultant::Resultant;
-use super::solver::Solver;
-use super::state::{StepError, StepState, Unsolved};
-use super::step::step;
+use super::solved::{Assembled, Solve, State};
+use super::state::{StepState, Unsolved};
 use crate::assembly::Errors;
-use crate::constraint::{ConstraintSolver, Direct};
-use crate::contact::Transmitted;
+use crate::constraint::ConstraintSolver;
 use crate::linalg::Vector;
-use crate::space::Locator;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// A problem that is ready to be solved: its model, and the matrices of its bodies.
 #[derive(Debug)]
 pub struct System<const S: usize, const N: usize> {
-    problem: u64,
-    model: Arc<Model<S, N>>,
-    stiffness: Option<Stiffness>,
-    solver: Solver,
+    inner: Box<dyn Solve<S, N>>,
 }
 
 impl<const S: usize, const N: usize> System<S, N> {
     pub(super) fn new(model: Model<S, N>, problem: u64) -> Self {
-        Self { problem, model: Arc::new(model), stiffness: None, solver: Solver::new(Box::new(Direct::new())) }
+        Self { inner: Box::new(Assembled::new(model, problem)) }
     }
 
     /// Solves with another constraint solver; by default by factors of the whole system.
     pub fn with_solver(mut self, solver: impl ConstraintSolver + 'static) -> Self {
-        self.solver = Solver::new(Box::new(solver));
+        self.inner.replace_solver(Box::new(solver));
         self
     }
 
     /// The model: all that the problem consists of.
     pub fn model(&self) -> &Model<S, N> {
-        &self.model
+        self.inner.model()
     }
 
     /// Solves the problem at time `t`, beginning with the contacts that are closed in `before`, a solution of this system; one of another
@@ -65,23 +55,14 @@ impl<const S: usize, const N: usize> System<S, N> {
         before: Option<&Solution<S, N>>,
         observer: Observer<'_>,
     ) -> Result<Solution<S, N>, Unsolved<S, N>> {
-        let model = &*self.model;
-        let stiffness = self.stiffness.get_or_insert_with(|| Stiffness::new(model, t));
-        let before = before.filter(|b| Arc::ptr_eq(&b.model, &self.model)).map(|b| &*b.state);
-        let state = step(model, stiffness.at(model, t), &mut self.solver, t, before, observer)?;
-        if let Some(motions) = left_free(model, &state) {
-            return Err(Unsolved { error: StepError::Free { motions }, last: Some(Box::new(state)) });
-        }
-        Ok(Solution { problem: self.problem, model: Arc::clone(&self.model), state: Arc::new(state) })
+        Ok(Solution { inner: self.inner.solve(t, before.map(|b| &*b.inner), observer)? })
     }
 }
 
 /// The solution of a problem at a time.
 #[derive(Clone, Debug)]
 pub struct Solution<const S: usize, const N: usize> {
-    problem: u64,
-    model: Arc<Model<S, N>>,
-    state: Arc<StepState<S, N>>,
+    inner: Arc<dyn State<S, N>>,
 }
 
 /// Pressure and gap of a contact, and what it transmits.
@@ -104,12 +85,12 @@ pub struct ContactResult<const N: usize> {
 impl<const S: usize, const N: usize> Solution<S, N> {
     /// The state: unknowns, multipliers, reactions.
     pub fn state(&self) -> &StepState<S, N> {
-        &self.state
+        self.inner.state()
     }
 
     /// The model that it solves.
     pub fn model(&self) -> &Model<S, N> {
-        &self.model
+        self.inner.model()
     }
 
     /// Displacement (or u) and stress (or flux) at a point of a body; a point outside by less than a quarter of an element moves to the
@@ -118,15 +99,7 @@ impl<const S: usize, const N: usize> Solution<S, N> {
     /// # Errors
     /// [`ProblemError`] for a body of another problem, and for a point that is not in it.
     pub fn at(&self, body: BodyId, x: &[f64; N]) -> Result<PointState<N>, ProblemError> {
-        let patch = self.patch(body)?;
-        let space = patch.body.space();
-        let outside = || {
-            let at = std::array::from_fn(|k| x.get(k).copied().unwrap_or(0.0));
-            ProblemError::Outside { body: patch.name.clone(), at }
-        };
-        let found = Locator::new(&**space).locate(&Vector::from(*x)).map_err(|_| outside())?;
-        let states = patch.physics_at(self.state.t).at(&**space, &patch.field, &self.state.u, found.element, &[found.xi]);
-        states.first().copied().ok_or_else(outside)
+        self.inner.at(body, x)
     }
 
     /// Unknowns of a body: coefficients of its functions, component by component within each.
@@ -134,7 +107,7 @@ impl<const S: usize, const N: usize> Solution<S, N> {
     /// # Errors
     /// [`ProblemError`] for a body of another problem.
     pub fn coefficients(&self, body: BodyId) -> Result<&[f64], ProblemError> {
-        Ok(&self.state.u[self.patch(body)?.range()])
+        self.inner.coefficients(body)
     }
 
     /// Multipliers of a tie or a contact: coefficients of lambda, row by row.
@@ -142,11 +115,7 @@ impl<const S: usize, const N: usize> Solution<S, N> {
     /// # Errors
     /// [`ProblemError`] if there is none of this name.
     pub fn multiplier(&self, name: &str) -> Result<Vec<f64>, ProblemError> {
-        let tie = self.model.ties.iter().find(|t| t.name == name);
-        let ranges = tie.map(|t| t.parts.iter().map(|p| p.first_row..p.first_row + p.num_rows).collect::<Vec<_>>());
-        let contact = || Some(self.model.contacts.iter().find(|c| c.name == name)?.parts.iter().map(|p| p.rows()).collect());
-        let ranges = ranges.or_else(contact).ok_or_else(|| ProblemError::Unknown { name: name.into() })?;
-        Ok(ranges.into_iter().flat_map(|rows| self.state.lambda[rows].to_vec()).collect())
+        self.inner.multiplier(name)
     }
 
     /// Pressure, gap and resultants of a contact.
@@ -154,26 +123,7 @@ impl<const S: usize, const N: usize> Solution<S, N> {
     /// # Errors
     /// [`ProblemError`] if there is none of this name.
     pub fn contact(&self, name: &str) -> Result<ContactResult<N>, ProblemError> {
-        let k = self.model.contacts.iter().position(|c| c.name == name);
-        let k = k.ok_or_else(|| ProblemError::Unknown { name: name.into() })?;
-        let mut sum = ContactResult {
-            force: Vector::zeros(),
-            moment: [0.0; 3],
-            area: 0.0,
-            largest_pressure: f64::NEG_INFINITY,
-            least_gap: f64::INFINITY,
-            active: 0,
-        };
-        for (part, rows) in self.model.contacts[k].parts.iter().zip(&self.state.contacts[k]) {
-            let sent: Transmitted<N> = part.transmitted(rows, &self.state.lambda[part.rows()]);
-            sum.force += sent.force;
-            (0..3).for_each(|k| sum.moment[k] += sent.moment[k]);
-            sum.area += sent.area;
-            sum.largest_pressure = sum.largest_pressure.max(sent.largest_pressure);
-            sum.least_gap = part.gaps(&self.model, rows, &self.state.u).into_iter().flatten().fold(sum.least_gap, f64::min);
-            sum.active += part.rows().filter(|&j| self.state.active[j]).count();
-        }
-        Ok(sum)
+        self.inner.contact(name)
     }
 
     /// Force of a support on its body, per component; zero for a side that is none.
@@ -181,23 +131,11 @@ impl<const S: usize, const N: usize> Solution<S, N> {
     /// # Errors
     /// [`ProblemError`] for a side that does not exist.
     pub fn reaction(&self, side: SideOf<'_>) -> Result<Vec<f64>, ProblemError> {
-        let patch = self.patch(side.body)?;
-        patch.body.trace(side.name).map_err(|error| ProblemError::Side { body: patch.name.clone(), error })?;
-        let label = format!("{}.{}", patch.name, side.name);
-        let all = reactions(&self.model, &self.state, &mut Resultant::default());
-        Ok(all.into_iter().find(|(name, _)| *name == label).map_or_else(|| vec![0.0; self.model.components], |(_, force)| force))
+        self.inner.reaction(side)
     }
 
     /// Norms of the error against an exact solution, per body.
     pub fn errors(&self, exact: &dyn Exact) -> Vec<Errors> {
-        let t = self.state.t;
-        let patches = self.model.patches.iter();
-        patches.map(|p| p.physics_at(t).errors(&**p.body.space(), &p.rules, &self.state.u[p.range()], exact, t)).collect()
-    }
-
-    fn patch(&self, body: BodyId) -> Result<&super::model::PatchModel<S, N>, ProblemError> {
-        // a body may have been added after the system was made
-        let known = self.model.patches.get(body.number).filter(|_| body.problem == self.problem);
-        known.ok_or(ProblemError::OtherProblem)
+        self.inner.errors(exact)
     }
 }

@@ -43,6 +43,7 @@ mod rigid_bodies;
 mod rigid_rows;
 mod side;
 mod solve;
+mod solved;
 mod solver;
 mod start;
 mod state;

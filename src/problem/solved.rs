@@ -1,0 +1,167 @@
+//! What a system and a solution do.
+//!
+//! Behind trait objects: everything is compiled with this crate, for the plane and for space, and no program compiles it again.
+
+use super::assembled::ContactResult;
+use super::closed_points::left_free;
+use super::data::Exact;
+use super::handles::{BodyId, SideOf};
+use super::matrices::Stiffness;
+use super::model::{Model, PatchModel};
+use super::observer::Observer;
+use super::physics::PointState;
+use super::problem_error::ProblemError;
+use super::reactions::reactions;
+use super::resultant::Resultant;
+use super::solver::Solver;
+use super::state::{StepError, StepState, Unsolved};
+use super::step::step;
+use crate::assembly::Errors;
+use crate::constraint::{ConstraintSolver, Direct};
+use crate::contact::Transmitted;
+use crate::linalg::Vector;
+use crate::space::Locator;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// The methods of a system.
+pub(super) trait Solve<const S: usize, const N: usize>: Debug {
+    fn model(&self) -> &Model<S, N>;
+    fn replace_solver(&mut self, solver: Box<dyn ConstraintSolver>);
+    fn solve(&mut self, t: f64, before: Option<&dyn State<S, N>>, observer: Observer<'_>) -> Result<Arc<dyn State<S, N>>, Unsolved<S, N>>;
+}
+
+/// The methods of a solution.
+pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
+    fn state(&self) -> &StepState<S, N>;
+    fn model(&self) -> &Model<S, N>;
+    fn at(&self, body: BodyId, x: &[f64; N]) -> Result<PointState<N>, ProblemError>;
+    fn coefficients(&self, body: BodyId) -> Result<&[f64], ProblemError>;
+    fn multiplier(&self, name: &str) -> Result<Vec<f64>, ProblemError>;
+    fn contact(&self, name: &str) -> Result<ContactResult<N>, ProblemError>;
+    fn reaction(&self, side: SideOf<'_>) -> Result<Vec<f64>, ProblemError>;
+    fn errors(&self, exact: &dyn Exact) -> Vec<Errors>;
+}
+
+/// A model with its matrices and its solver.
+#[derive(Debug)]
+pub(super) struct Assembled<const S: usize, const N: usize> {
+    problem: u64,
+    model: Arc<Model<S, N>>,
+    stiffness: Option<Stiffness>,
+    solver: Solver,
+}
+
+impl<const S: usize, const N: usize> Assembled<S, N> {
+    pub fn new(model: Model<S, N>, problem: u64) -> Self {
+        Self { problem, model: Arc::new(model), stiffness: None, solver: Solver::new(Box::new(Direct::new())) }
+    }
+}
+
+impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
+    fn model(&self) -> &Model<S, N> {
+        &self.model
+    }
+
+    fn replace_solver(&mut self, solver: Box<dyn ConstraintSolver>) {
+        self.solver = Solver::new(solver);
+    }
+
+    fn solve(&mut self, t: f64, before: Option<&dyn State<S, N>>, observer: Observer<'_>) -> Result<Arc<dyn State<S, N>>, Unsolved<S, N>> {
+        let model = &*self.model;
+        let stiffness = self.stiffness.get_or_insert_with(|| Stiffness::new(model, t));
+        let before = before.filter(|b| std::ptr::eq(b.model(), model)).map(|b| b.state());
+        let state = step(model, stiffness.at(model, t), &mut self.solver, t, before, observer)?;
+        if let Some(motions) = left_free(model, &state) {
+            return Err(Unsolved { error: StepError::Free { motions }, last: Some(Box::new(state)) });
+        }
+        Ok(Arc::new(Solved { problem: self.problem, model: Arc::clone(&self.model), state }))
+    }
+}
+
+/// A state of a model.
+#[derive(Debug)]
+pub(super) struct Solved<const S: usize, const N: usize> {
+    problem: u64,
+    model: Arc<Model<S, N>>,
+    state: StepState<S, N>,
+}
+
+impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
+    fn state(&self) -> &StepState<S, N> {
+        &self.state
+    }
+
+    fn model(&self) -> &Model<S, N> {
+        &self.model
+    }
+
+    fn at(&self, body: BodyId, x: &[f64; N]) -> Result<PointState<N>, ProblemError> {
+        let patch = self.patch(body)?;
+        let space = patch.body.space();
+        let outside = || {
+            let at = std::array::from_fn(|k| x.get(k).copied().unwrap_or(0.0));
+            ProblemError::Outside { body: patch.name.clone(), at }
+        };
+        let found = Locator::new(&**space).locate(&Vector::from(*x)).map_err(|_| outside())?;
+        let states = patch.physics_at(self.state.t).at(&**space, &patch.field, &self.state.u, found.element, &[found.xi]);
+        states.first().copied().ok_or_else(outside)
+    }
+
+    fn coefficients(&self, body: BodyId) -> Result<&[f64], ProblemError> {
+        Ok(&self.state.u[self.patch(body)?.range()])
+    }
+
+    fn multiplier(&self, name: &str) -> Result<Vec<f64>, ProblemError> {
+        let tie = self.model.ties.iter().find(|t| t.name == name);
+        let ranges = tie.map(|t| t.parts.iter().map(|p| p.first_row..p.first_row + p.num_rows).collect::<Vec<_>>());
+        let contact = || Some(self.model.contacts.iter().find(|c| c.name == name)?.parts.iter().map(|p| p.rows()).collect());
+        let ranges = ranges.or_else(contact).ok_or_else(|| ProblemError::Unknown { name: name.into() })?;
+        Ok(ranges.into_iter().flat_map(|rows| self.state.lambda[rows].to_vec()).collect())
+    }
+
+    fn contact(&self, name: &str) -> Result<ContactResult<N>, ProblemError> {
+        let k = self.model.contacts.iter().position(|c| c.name == name);
+        let k = k.ok_or_else(|| ProblemError::Unknown { name: name.into() })?;
+        let mut sum = ContactResult {
+            force: Vector::zeros(),
+            moment: [0.0; 3],
+            area: 0.0,
+            largest_pressure: f64::NEG_INFINITY,
+            least_gap: f64::INFINITY,
+            active: 0,
+        };
+        for (part, rows) in self.model.contacts[k].parts.iter().zip(&self.state.contacts[k]) {
+            let sent: Transmitted<N> = part.transmitted(rows, &self.state.lambda[part.rows()]);
+            sum.force += sent.force;
+            (0..3).for_each(|k| sum.moment[k] += sent.moment[k]);
+            sum.area += sent.area;
+            sum.largest_pressure = sum.largest_pressure.max(sent.largest_pressure);
+            sum.least_gap = part.gaps(&self.model, rows, &self.state.u).into_iter().flatten().fold(sum.least_gap, f64::min);
+            sum.active += part.rows().filter(|&j| self.state.active[j]).count();
+        }
+        Ok(sum)
+    }
+
+    fn reaction(&self, side: SideOf<'_>) -> Result<Vec<f64>, ProblemError> {
+        let patch = self.patch(side.body)?;
+        patch.body.trace(side.name).map_err(|error| ProblemError::Side { body: patch.name.clone(), error })?;
+        let label = format!("{}.{}", patch.name, side.name);
+        let all = reactions(&self.model, &self.state, &mut Resultant::default());
+        Ok(all.into_iter().find(|(name, _)| *name == label).map_or_else(|| vec![0.0; self.model.components], |(_, force)| force))
+    }
+
+    fn errors(&self, exact: &dyn Exact) -> Vec<Errors> {
+        let t = self.state.t;
+        let patches = self.model.patches.iter();
+        patches.map(|p| p.physics_at(t).errors(&**p.body.space(), &p.rules, &self.state.u[p.range()], exact, t)).collect()
+    }
+}
+
+impl<const S: usize, const N: usize> Solved<S, N> {
+    fn patch(&self, body: BodyId) -> Result<&PatchModel<S, N>, ProblemError> {
+        // a body may have been added after the system was made
+        let known = self.model.patches.get(body.number).filter(|_| body.problem == self.problem);
+        known.ok_or(ProblemError::OtherProblem)
+    }
+}
