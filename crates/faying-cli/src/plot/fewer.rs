@@ -10,12 +10,12 @@ pub(super) const PIECES: usize = 9000;
 /// Most lines between elements of a view; a mesh of more is too fine to be seen.
 const LINES: usize = 6000;
 
-/// The pieces of one body, at most its `share` of [`PIECES`]: close ones are merged into their convex hull with their mean value.
+/// The pieces of one body, at most `most`: close ones are merged into their convex hull with their mean value.
 ///
 /// Groups are cut in the middle of the longer extent of their centres, the widest group first, so the area decides and not
 /// the number of pieces.
-pub(super) fn joined(pieces: Vec<Piece>, share: f64) -> Vec<Piece> {
-    let most = ((PIECES as f64 * share) as usize).max(1);
+pub(super) fn joined(pieces: Vec<Piece>, most: usize) -> Vec<Piece> {
+    let most = most.max(1);
     if pieces.len() <= most {
         return pieces;
     }
@@ -188,7 +188,7 @@ mod tests {
             .map(|k| (k % n, k / n))
             .map(|(i, j)| (vec![[at(i), at(j)], [at(i + 1), at(j)], [at(i + 1), at(j + 1)], [at(i), at(j + 1)]], at(i)))
             .collect();
-        let few = joined(pieces, 1.0);
+        let few = joined(pieces, PIECES);
         assert_eq!(few.len(), PIECES);
         let area: f64 = few
             .iter()

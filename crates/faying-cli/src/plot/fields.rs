@@ -1,6 +1,6 @@
 //! `fields.svg`: bodies with their curved element edges over a colour field, and a detail view of a small peak.
 
-use super::fewer::{PIECES, chained, few_lines, joined, straightened};
+use super::fewer::{PIECES, Piece, chained, few_lines, joined, straightened};
 use super::frame::{axes, bar, outline};
 use super::sample::{Drawn, boxes, division, divisions, sampled};
 use super::{GREY, INK, PlotError, Root, document, shortened, stroke, text, units};
@@ -64,11 +64,13 @@ fn fewer(mut bodies: Vec<Vec<Drawn>>) -> Vec<Drawn> {
     let count = |body: &Vec<Drawn>| body.iter().map(|d| d.pieces.len()).sum::<usize>();
     let total = bodies.iter().map(count).sum::<usize>();
     if total > PIECES {
+        // a coarse body beside fine ones keeps its pieces: merged across a hollow side they would reach out of it
+        let least = PIECES / (4 * bodies.len());
         for body in &mut bodies {
-            let share = count(body) as f64 / total as f64;
+            let share = PIECES as f64 * count(body) as f64 / total as f64;
             let pieces = body.iter_mut().flat_map(|d| std::mem::take(&mut d.pieces)).collect();
             if let Some(first) = body.first_mut() {
-                (first.pieces, first.row) = (joined(pieces, share), 1);
+                (first.pieces, first.row) = (joined(pieces, least.max(share as usize)), 1);
             }
         }
     }
@@ -194,8 +196,7 @@ fn paint(root: &Root<'_, '_>, view: &View, drawn: &[Drawn], scale: &Scale) -> Re
     let by = 0.4 / view.per_length();
     for d in drawn {
         for run in d.pieces.chunks(d.row).flat_map(|row| row.chunk_by(|a, b| scale.level(a.1) == scale.level(b.1))) {
-            let corners: Vec<Vec<[f64; 2]>> = run.iter().map(|(corners, _)| overlapping(corners, by)).collect();
-            let inside = clipped(&around_row(corners), &view.window);
+            let inside = clipped(&overlapping(&around_row(run), by), &view.window);
             if inside.len() > 2 {
                 let color = scale.color(run[0].1);
                 root.draw(&Polygon::new(inside.iter().map(|p| view.pixel(p)).collect::<Vec<_>>(), color.filled()))?;
@@ -273,30 +274,37 @@ fn runs_inside(line: &[[f64; 2]], window: &Bounds<2>) -> Vec<Vec<[f64; 2]>> {
     runs
 }
 
-/// The polygon pushed out by about `by` along its edges, so that neighbours leave no seam.
-fn overlapping(corners: &[[f64; 2]], by: f64) -> Vec<[f64; 2]> {
+/// The polygon with every edge pushed out by `by`, so that neighbours leave no seam; sharp corners by at most three times as much.
+pub(super) fn overlapping(corners: &[[f64; 2]], by: f64) -> Vec<[f64; 2]> {
     let n = corners.len();
-    let unit = |from: [f64; 2], to: [f64; 2]| {
-        let d = [to[0] - from[0], to[1] - from[1]];
+    let pairs = (0..n).map(|k| (corners[k], corners[(k + 1) % n]));
+    let sign = pairs.clone().map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>().signum();
+    let normal = |(a, b): ([f64; 2], [f64; 2])| {
+        let d = [b[0] - a[0], b[1] - a[1]];
         let length = d[0].hypot(d[1]);
-        if length > 0.0 { [d[0] / length, d[1] / length] } else { [0.0; 2] }
+        if length > 0.0 { [sign * d[1] / length, -sign * d[0] / length] } else { [0.0; 2] }
     };
+    let normals: Vec<[f64; 2]> = pairs.map(normal).collect();
     (0..n)
         .map(|k| {
-            let (a, b) = (unit(corners[(k + n - 1) % n], corners[k]), unit(corners[(k + 1) % n], corners[k]));
-            [corners[k][0] + by * (a[0] + b[0]), corners[k][1] + by * (a[1] + b[1])]
+            let (a, b) = (normals[(k + n - 1) % n], normals[k]);
+            let sum = [a[0] + b[0], a[1] + b[1]];
+            // (a + b) / (1 + a . b) has the component 1 along both; its length is at most 3 where a . b >= -7/9
+            let scale = by / (1.0 + a[0] * b[0] + a[1] * b[1]).max(2.0 / 9.0);
+            [corners[k][0] + scale * sum[0], corners[k][1] + scale * sum[1]]
         })
         .collect()
 }
 
 /// The outline of quadrilaterals in a row, whose second and third corners are next to the first and fourth of the following one; of one
 /// piece of any shape its corners.
-fn around_row(mut pieces: Vec<Vec<[f64; 2]>>) -> Vec<[f64; 2]> {
+fn around_row(pieces: &[Piece]) -> Vec<[f64; 2]> {
+    let first = &pieces[0].0;
     if pieces.len() == 1 {
-        return pieces.swap_remove(0);
+        return first.clone();
     }
-    let lower = [pieces[0][0]].into_iter().chain(pieces.iter().map(|corners| corners[1]));
-    let upper = pieces.iter().rev().map(|corners| corners[2]).chain([pieces[0][3]]);
+    let lower = [first[0]].into_iter().chain(pieces.iter().map(|(corners, _)| corners[1]));
+    let upper = pieces.iter().rev().map(|(corners, _)| corners[2]).chain([first[3]]);
     lower.chain(upper).collect()
 }
 
@@ -325,5 +333,27 @@ mod tests {
         assert!(clipped(&[[2.0, 2.0], [3.0, 2.0], [2.0, 3.0]], &window).is_empty());
         let runs = runs_inside(&[[-1.0, 0.5], [0.5, 0.5], [0.5, 2.0], [0.25, 2.0], [0.25, 0.5]], &window);
         assert_eq!(runs, [vec![[0.0, 0.5], [0.5, 0.5], [0.5, 1.0]], vec![[0.25, 1.0], [0.25, 0.5]]]);
+    }
+    #[test]
+    fn every_edge_is_pushed_out_and_coarse_bodies_keep_their_pieces() {
+        // a square with a corner in the middle of its lower edge, both ways round
+        let mut square = vec![[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let out = [[-0.1, -0.1], [0.5, -0.1], [1.1, -0.1], [1.1, 1.1], [-0.1, 1.1]];
+        let near = |a: &[[f64; 2]], b: &[[f64; 2]]| a.iter().flatten().zip(b.iter().flatten()).all(|(x, y)| (x - y).abs() < 1e-14);
+        assert!(near(&overlapping(&square, 0.1), &out));
+        square.reverse();
+        let back: Vec<_> = out.into_iter().rev().collect();
+        assert!(near(&overlapping(&square, 0.1), &back));
+        let needle = overlapping(&[[0.0, 0.0], [1.0, -0.001], [1.0, 0.001]], 0.1);
+        assert!(needle[0][0] < -0.1 && needle[0][0] > -1.0, "{needle:?}");
+        let body = |n: usize| -> Vec<Drawn> {
+            let at = |k: usize| k as f64 / n as f64;
+            let piece = |k: usize| vec![[at(k), 0.0], [at(k + 1), 0.0], [at(k + 1), 1.0], [at(k), 1.0]];
+            (0..n).map(|k| Drawn { pieces: vec![(piece(k), 0.0)], row: 1, edges: Vec::new() }).collect()
+        };
+        let few = fewer(vec![body(3 * PIECES), body(100)]);
+        let counts: Vec<usize> = few.iter().map(|d| d.pieces.len()).filter(|n| *n > 0).collect();
+        assert_eq!(counts[1], 100);
+        assert!(counts[0] <= PIECES && counts[0] > 9 * PIECES / 10, "{counts:?}");
     }
 }

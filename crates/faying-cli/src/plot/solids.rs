@@ -4,7 +4,7 @@
 //! together with their pieces. Where pieces are more than a picture needs they are put into a raster of small squares, each
 //! coloured as its nearest piece: the size of the file is bounded.
 
-use super::fields::Scale;
+use super::fields::{Scale, overlapping};
 use super::frame::bar;
 use super::{FieldPlot, GREY, INK, PlotError, document, shortened, stroke, text, units};
 use crate::table::short;
@@ -247,10 +247,9 @@ fn draw(plot: &FieldPlot<'_>, all: &[Piece], scale: &Scale, camera: &Camera) -> 
                 while let Some((_, points)) = next.next_if(|s| s.0 < piece.depth()) {
                     root.draw(&PathElement::new(points, line))?;
                 }
-                let (points, color) = (polygon(piece), scale.color(piece.value));
-                // a stroke of its own colour closes the seam to the neighbours
-                root.draw(&PathElement::new([&points[..], &points[..1]].concat(), stroke(color, 0.6)))?;
-                root.draw(&Polygon::new(points, color.filled()))?;
+                let corners: Vec<[f64; 2]> = piece.corners.iter().map(pixel).collect();
+                let points: Vec<_> = overlapping(&corners, 0.3).iter().map(|p| (units(p[0]), units(p[1]))).collect();
+                root.draw(&Polygon::new(points, scale.color(piece.value).filled()))?;
             }
             for (_, points) in next {
                 root.draw(&PathElement::new(points, line))?;
