@@ -37,13 +37,14 @@ where
 /// of threads.
 ///
 /// # Panics
-/// If there are 2^32 unknowns or more.
+/// If there are 2^32 unknowns or more, or if the state of `form` is neither empty nor of the size of the matrix.
 pub fn stiffness<const C: usize, const N: usize, T, S, Q>(space: &S, quadrature: &Q, form: &Form<'_, C, N, T>) -> Csr<T>
 where
     T: Real,
     S: Space<N, N, T> + ?Sized,
     Q: Quadrature<N, T> + ?Sized,
 {
+    form.check_state(space.num_functions());
     let asks = || ask::<N, N, T, S>(space);
     if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
         let two = TensorRule::gauss([2; N]);
@@ -103,6 +104,7 @@ pub fn add_stiffness<const C: usize, const N: usize, T, S, Q>(
     S: Space<N, N, T> + ?Sized,
     Q: Quadrature<N, T> + ?Sized,
 {
+    form.check_state(space.num_functions());
     let asks = || ask::<N, N, T, S>(space);
     match Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
         Some(patches) => patches.stiffness(form, true, matrix),
@@ -123,6 +125,7 @@ where
     S: Space<N, N, T> + ?Sized,
     Q: Quadrature<N, T> + ?Sized,
 {
+    form.check_state(space.num_functions());
     let asks = || ask::<N, N, T, S>(space);
     match Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
         Some(patches) => patches.stiffness(form, false, matrix),
@@ -177,6 +180,7 @@ impl Assembler {
         S: Space<N, N, T> + ?Sized,
         Q: Quadrature<N, T> + ?Sized,
     {
+        form.check_state(space.num_functions());
         if let Some(pattern) = &self.pattern {
             elements(Cells::new(pattern, space, quadrature), pattern, space, quadrature, form, false, matrix);
             return;

@@ -330,12 +330,14 @@ pub fn planar_normal<const S: usize, const N: usize, T: Real>(trace: &Trace<S, N
     let (mut map, mut normal) = (MapTable::new(), None);
     for e in 0..space.num_elements() {
         space.map(e, &rules.rule(e).points, Order::Gradients, &mut map);
-        for jacobian in &map.jacobian {
+        for (jacobian, x) in map.jacobian.iter().zip(&map.x) {
             let here = trace.normal(e, jacobian);
             let there = *normal.get_or_insert(here);
             let distance: T = (here - there).norm();
+            // far from the origin positions are rounded, and directions by that over the element
+            let rounding = T::default_epsilon() * lit(64.0) * x.norm() / jacobian.norm();
             // a side that degenerates to a point has no normal there
-            if distance > lit(SAME_NORMAL) || here.norm() < lit(0.5) {
+            if distance > lit::<T>(SAME_NORMAL) + rounding || here.norm() < lit(0.5) {
                 return None;
             }
         }

@@ -4,6 +4,7 @@ use super::bulk::ask;
 use super::cells::Sums;
 use super::scratch::Scratch;
 use super::tensor::Patches;
+use super::{Coefficient, Form, Tangent};
 use crate::linalg::{Matrix, Real, Vector};
 use crate::quadrature::Quadrature;
 use crate::space::{FieldAt, Space};
@@ -80,4 +81,18 @@ pub(super) fn field_at<const C: usize, const N: usize, T: Real>(scratch: &Scratc
         }
     }
     FieldAt { x: scratch.map.x[q], value, gradient }
+}
+
+/// The tangent of `form` at point `q` of the element in `scratch`.
+#[inline]
+pub(super) fn tangent_at<const C: usize, const N: usize, T: Real>(
+    scratch: &Scratch<N, N, T>,
+    form: &Form<'_, C, N, T>,
+    q: usize,
+) -> Tangent<C, N, T> {
+    let gradient = match form.coefficient {
+        Coefficient::PerState(_) => field_at::<C, N, T>(scratch, form.state, q).gradient,
+        _ => Matrix::zeros(),
+    };
+    form.coefficient.at(&scratch.map.x[q], &gradient)
 }

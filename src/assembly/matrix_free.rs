@@ -1,18 +1,15 @@
 //! The matrix of a form as an operator that stores no matrix.
 
 use super::bulk::ask;
+use super::fields::tangent_at;
 use super::scratch::Scratch;
 use super::tensor::{Free, Patches};
+use super::vectors::add_elements;
 use super::{Form, Pattern, contract, places};
 use crate::linalg::{Matrix, Operator, Real, Vector};
 use crate::quadrature::{Quadrature, TensorRule};
 use crate::space::Space;
-use rayon::prelude::*;
 use std::fmt::Debug;
-
-/// Elements of one task, and tasks whose results are held at a time.
-const ELEMENTS_PER_TASK: usize = 64;
-const TASKS_AT_ONCE: usize = 64;
 
 /// y = A x with the matrix A of a form, computed from the form at every product.
 ///
@@ -25,11 +22,11 @@ const TASKS_AT_ONCE: usize = 64;
 /// | map | tangent | kept per quadrature point |
 /// |---|---|---|
 /// | any | one component | N (N + 1) / 2 numbers, N² where the form is not symmetric |
-/// | any | several components, per point | C N (C N + 1) / 2, or (C N)² |
+/// | any | several components, per point or per state | C N (C N + 1) / 2, or (C N)² |
 /// | product of directions | several components, constant | nothing |
 /// | any other | several components, constant | N² + N + 3 |
 ///
-/// [`lean`](Self::lean) keeps nothing and evaluates map and tangent at every product.
+/// [`lean`](Self::lean) keeps nothing and evaluates map, state and tangent at every product.
 pub struct MatrixFree<'a, const C: usize, const N: usize, T: Real, S: ?Sized, Q: ?Sized> {
     space: &'a S,
     quadrature: &'a Q,
@@ -52,6 +49,9 @@ where
 {
     /// Creates the operator of `form` on `space`, unknown = C * function + component, with data kept at the points as tabulated
     /// in [`MatrixFree`].
+    ///
+    /// # Panics
+    /// If the state of `form` is neither empty nor C times as long as the number of functions.
     pub fn new(space: &'a S, quadrature: &'a Q, form: &'a Form<'a, C, N, T>) -> Self {
         Self::with(space, quadrature, form, true)
     }
@@ -62,6 +62,7 @@ where
     }
 
     fn with(space: &'a S, quadrature: &'a Q, form: &'a Form<'a, C, N, T>, keeps: bool) -> Self {
+        form.check_state(space.num_functions());
         let asks = || ask::<N, N, T, S>(space);
         let map = |e| space.map_structure().map_block(e);
         let grid = Patches::new(space, quadrature, &map, &asks).and_then(|patches| Free::new(patches, form, keeps));
@@ -80,36 +81,6 @@ where
     /// Bytes kept between products, without univariate tables and coordinates of unknowns.
     pub fn bytes(&self) -> usize {
         self.grid.as_ref().map_or(0, Free::bytes)
-    }
-
-    /// Assembles in `y` the element vectors of `kernel`, C numbers per function, elements ascending.
-    fn add_elements(&self, kernel: impl Fn(&mut Scratch<N, N, T>, &mut [Vector<C, T>]) + Sync, y: &mut [T]) {
-        y.fill(T::zero());
-        let elements: Vec<usize> = (0..self.space.num_elements()).collect();
-        for block in elements.chunks(ELEMENTS_PER_TASK * TASKS_AT_ONCE) {
-            let parts: Vec<(Vec<usize>, Vec<Vector<C, T>>)> = block
-                .par_chunks(ELEMENTS_PER_TASK)
-                .map(|chunk| {
-                    let mut scratch = Scratch::<N, N, T>::default();
-                    let (mut ids, mut values) = (Vec::new(), Vec::new());
-                    for &e in chunk {
-                        scratch.gradients(self.space, e, self.quadrature.rule(e));
-                        let first = ids.len();
-                        ids.extend_from_slice(&scratch.ids);
-                        values.resize(ids.len(), Vector::zeros());
-                        kernel(&mut scratch, &mut values[first..]);
-                    }
-                    (ids, values)
-                })
-                .collect();
-            for (ids, values) in &parts {
-                for (&i, value) in ids.iter().zip(values) {
-                    for c in 0..C {
-                        y[C * i + c] += value[c];
-                    }
-                }
-            }
-        }
     }
 }
 
@@ -134,13 +105,14 @@ where
                 for (a, &i) in scratch.ids.iter().enumerate() {
                     gradient += Vector::<C, T>::from_fn(|c, _| x[C * i + c]) * scratch.grad(q, a).transpose();
                 }
-                let stress = contract(&self.form.coefficient.at(&scratch.map.x[q]), &gradient) * scratch.dx[q];
+                let stress = contract(&tangent_at(scratch, self.form, q), &gradient) * scratch.dx[q];
                 for (a, out) in out.iter_mut().enumerate() {
                     *out += stress * scratch.grad(q, a);
                 }
             }
         };
-        self.add_elements(kernel, y);
+        y.fill(T::zero());
+        add_elements(self.space, self.quadrature, kernel, y);
     }
 
     fn diagonal(&self) -> Vec<T> {
@@ -151,7 +123,7 @@ where
         }
         let kernel = |scratch: &mut Scratch<N, N, T>, out: &mut [Vector<C, T>]| {
             for q in 0..scratch.dx.len() {
-                let tangent = self.form.coefficient.at(&scratch.map.x[q]);
+                let tangent = tangent_at(scratch, self.form, q);
                 for (a, out) in out.iter_mut().enumerate() {
                     let g = scratch.grad(q, a);
                     for c in 0..C {
@@ -166,7 +138,7 @@ where
                 }
             }
         };
-        self.add_elements(kernel, &mut diagonal);
+        add_elements(self.space, self.quadrature, kernel, &mut diagonal);
         diagonal
     }
 

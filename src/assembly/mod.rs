@@ -6,6 +6,7 @@ mod cells;
 mod dirichlet;
 mod fields;
 mod graph;
+mod internal_force;
 mod load;
 mod matrix_free;
 pub mod norms;
@@ -19,6 +20,7 @@ mod rules;
 mod scratch;
 mod source;
 mod tensor;
+mod vectors;
 
 use crate::linalg::{Matrix, Real, Vector};
 use std::fmt::Debug;
@@ -28,6 +30,7 @@ pub use bulk::{Assembler, add_stiffness, mass, refill_stiffness, stiffness};
 pub use dirichlet::{DirichletError, Fixed, SideCorner, dirichlet, dirichlet_with, planar_normal, side_corners};
 pub use fields::fields;
 pub(crate) use fields::fields_keeping;
+pub use internal_force::{Collapsed, internal_force};
 pub use load::{Moments, load, load_with_moments, measure, trace_load, trace_springs};
 pub use matrix_free::MatrixFree;
 pub use norms::{Errors, Norms, difference, errors};
@@ -51,6 +54,9 @@ pub enum Coefficient<'a, const C: usize, const N: usize, T: Real = f64> {
     Constant(Tangent<C, N, T>),
     /// A tangent per physical point.
     PerPoint(Box<dyn Fn(&Vector<N, T>) -> Tangent<C, N, T> + Send + Sync + 'a>),
+    /// A tangent per physical point and gradient of [`Form::state`] there, `gradient[(i, j)]` = du_i/dx_j: the linearisation
+    /// of a stress that is not linear in grad u.
+    PerState(Box<dyn Fn(&Vector<N, T>, &Matrix<C, N, T>) -> Tangent<C, N, T> + Send + Sync + 'a>),
 }
 
 impl<const C: usize, const N: usize, T: Real> Debug for Coefficient<'_, C, N, T> {
@@ -58,30 +64,55 @@ impl<const C: usize, const N: usize, T: Real> Debug for Coefficient<'_, C, N, T>
         match self {
             Self::Constant(tangent) => f.debug_tuple("Constant").field(tangent).finish(),
             Self::PerPoint(_) => f.write_str("PerPoint(..)"),
+            Self::PerState(_) => f.write_str("PerState(..)"),
         }
     }
 }
 
 impl<const C: usize, const N: usize, T: Real> Coefficient<'_, C, N, T> {
-    /// The tangent at the physical point `x`.
-    pub fn at(&self, x: &Vector<N, T>) -> Tangent<C, N, T> {
+    /// The tangent at the physical point `x`, where the state has the gradient `gradient`.
+    pub fn at(&self, x: &Vector<N, T>, gradient: &Matrix<C, N, T>) -> Tangent<C, N, T> {
         match self {
             Self::Constant(tangent) => *tangent,
             Self::PerPoint(f) => f(x),
+            Self::PerState(f) => f(x, gradient),
         }
     }
 }
 
 /// The bilinear form a(u, v) = ∫ grad v : tangent : grad u dx.
+///
+/// With [`Coefficient::PerState`] the tangent at a point depends on the gradient of a known field, the state. For the derivative
+/// of a stress with respect to grad u, the matrix of the form is the derivative of [`internal_force`] with respect to its
+/// unknowns, taken at the state. All ways to assemble a form, and [`MatrixFree`], evaluate the state along with the map;
+/// nothing is stored per point, except by [`MatrixFree::new`].
 #[derive(Debug)]
 pub struct Form<'a, const C: usize, const N: usize, T: Real = f64> {
     /// The tangent.
     pub coefficient: Coefficient<'a, C, N, T>,
     /// Whether `tangent[i][j][(k, l)] = tangent[k][l][(i, j)]`.
     pub symmetric: bool,
+    /// The unknowns of the state, unknown = C * function + component, of the space on which the form is assembled; empty: its
+    /// gradient is zero. Only [`Coefficient::PerState`] depends on it.
+    pub state: &'a [T],
 }
 
-impl<const C: usize, const N: usize, T: Real> Form<'_, C, N, T> {
+impl<'a, const C: usize, const N: usize, T: Real> Form<'a, C, N, T> {
+    /// Creates the form of `coefficient` at a state whose gradient is zero.
+    pub fn new(coefficient: Coefficient<'a, C, N, T>, symmetric: bool) -> Self {
+        Self { coefficient, symmetric, state: &[] }
+    }
+
+    /// The form at the state of the unknowns `state`.
+    pub fn with_state(self, state: &'a [T]) -> Self {
+        Self { state, ..self }
+    }
+
+    /// Panics unless the state is empty or has C unknowns for each of the `functions` of a space.
+    fn check_state(&self, functions: usize) {
+        check_field::<C, T>(self.state, functions);
+    }
+
     /// ∫ grad v : grad u dx, component by component.
     pub fn laplace() -> Self {
         let mut tangent = [[Matrix::zeros(); N]; C];
@@ -90,8 +121,14 @@ impl<const C: usize, const N: usize, T: Real> Form<'_, C, N, T> {
                 entry[(i, j)] = T::one();
             }
         }
-        Self { coefficient: Coefficient::Constant(tangent), symmetric: true }
+        Self::new(Coefficient::Constant(tangent), true)
     }
+}
+
+/// Panics unless `u` is empty or has C unknowns for each of the `functions` of a space.
+fn check_field<const C: usize, T>(u: &[T], functions: usize) {
+    let (found, wanted) = (u.len(), C * functions);
+    assert!(found == 0 || found == wanted, "a state of {C} components on {functions} functions has {wanted} unknowns, not {found}");
 }
 
 /// tangent : grad, the stress of the gradient `grad`.

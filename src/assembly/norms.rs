@@ -2,7 +2,7 @@
 
 use super::bulk::ask;
 use super::cells::Sums;
-use super::fields::field_at;
+use super::fields::{field_at, tangent_at};
 use super::tensor::{Patches, Sites};
 use super::{Form, contract, scratch::Scratch};
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
@@ -51,7 +51,8 @@ impl<T: Real> Errors<T> {
 /// Same bits for any number of threads.
 ///
 /// # Panics
-/// If `u` is shorter than C times the number of functions and not empty.
+/// If `u` is shorter than C times the number of functions and not empty, or if the state of `form` is neither empty nor C times as
+/// long as the number of functions.
 pub fn errors<const C: usize, const N: usize, T, S, Q>(
     space: &S,
     quadrature: &Q,
@@ -71,7 +72,8 @@ where
 /// other spaces over the same or a nested grid need no search.
 ///
 /// # Panics
-/// If `u` is shorter than C times the number of functions and not empty.
+/// If `u` is shorter than C times the number of functions and not empty, or if the state of `form` is neither empty nor C times as
+/// long as the number of functions.
 pub fn difference<const C: usize, const N: usize, T, S, Q>(
     space: &S,
     quadrature: &Q,
@@ -84,6 +86,7 @@ where
     S: Space<N, N, T> + ?Sized,
     Q: Quadrature<N, T> + ?Sized,
 {
+    form.check_state(space.num_functions());
     let asks = || ask::<N, N, T, S>(space);
     let answer = |sites: &Sites, out: &mut [f64]| {
         let per_lane = sites.xi.len() / (N * sites.elements.len().max(1));
@@ -115,7 +118,7 @@ where
                 let (dx, x) = (scratch.dx[q], scratch.map.x[q]);
                 let (value, gradient) = other(e, &rule.points[q], &x);
                 let at = field_at::<C, N, T>(scratch, u, q);
-                let tangent = form.coefficient.at(&x);
+                let tangent = tangent_at(scratch, form, q);
                 let (ev, eg) = (at.value - value, at.gradient - gradient);
                 let terms = [
                     ev.norm_squared(),

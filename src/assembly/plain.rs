@@ -6,6 +6,7 @@
 //! is summed in that order, so the result has the same bits for any number of threads and any block
 //! size. It needs no structure of the space and is the reference of every faster path.
 
+use super::fields::tangent_at;
 use super::pattern::Pattern;
 use super::scratch::Scratch;
 use super::{Coefficient, Form};
@@ -94,8 +95,8 @@ pub(crate) fn element_stiffness<const C: usize, const N: usize, T: Real>(
                 let varying;
                 let tangent = match coefficient {
                     Coefficient::Constant(tangent) => tangent,
-                    Coefficient::PerPoint(at) => {
-                        varying = at(&scratch.map.x[q]);
+                    _ => {
+                        varying = tangent_at(scratch, form, q);
                         &varying
                     }
                 };

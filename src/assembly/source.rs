@@ -1,12 +1,12 @@
 //! Type-erased data of forms, so that the SIMD kernels are compiled once and not for every type of form.
 
 use super::{Coefficient, Form, Tangent};
-use crate::linalg::{Real, Vector, lit, to_f64};
+use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
 use std::fmt::Debug;
 
-/// Writes the tangent at a point: entry `((c * C + e) * N + i) * N + j` couples direction i of component c of the test
+/// Writes the tangent at a point with a gradient of the state, component by component (empty: zero): entry `((c * C + e) * N + i) * N + j` couples direction i of component c of the test
 /// function with direction j of component e of the trial function.
-pub(super) type PointTangent<'a> = dyn Fn(&[f64], &mut [f64]) + Sync + 'a;
+pub(super) type PointTangent<'a> = dyn Fn(&[f64], &[f64], &mut [f64]) + Sync + 'a;
 
 /// Integrand of a bulk matrix.
 pub(super) enum Source<'a> {
@@ -14,8 +14,13 @@ pub(super) enum Source<'a> {
     Mass,
     /// One tangent everywhere, in the order of [`PointTangent`].
     Constant(Vec<f64>),
-    /// A tangent per physical point.
-    PerPoint(Box<PointTangent<'a>>),
+    /// A tangent per physical point and gradient of a state.
+    PerPoint {
+        /// The tangent.
+        at: Box<PointTangent<'a>>,
+        /// Unknowns of the state; empty: its gradient is zero, or the tangent does not depend on it.
+        state: Vec<f64>,
+    },
 }
 
 impl<'a> Source<'a> {
@@ -27,7 +32,24 @@ impl<'a> Source<'a> {
                 numbers(tangent, &mut all);
                 Self::Constant(all)
             }
-            Coefficient::PerPoint(at) => Self::PerPoint(Box::new(move |x, out| numbers(&at(&Vector::from_fn(|k, _| lit(x[k]))), out))),
+            Coefficient::PerPoint(at) => {
+                Self::PerPoint { at: Box::new(move |x, _, out| numbers(&at(&Vector::from_fn(|k, _| lit(x[k]))), out)), state: Vec::new() }
+            }
+            Coefficient::PerState(at) => {
+                let of_state = move |x: &[f64], gradient: &[f64], out: &mut [f64]| {
+                    let entry = |c: usize, k: usize| gradient.get(c * N + k).map_or(T::zero(), |&g| lit(g));
+                    numbers(&at(&Vector::from_fn(|k, _| lit(x[k])), &Matrix::from_fn(entry)), out);
+                };
+                Self::PerPoint { at: Box::new(of_state), state: form.state.iter().map(|&u| to_f64(u)).collect() }
+            }
+        }
+    }
+
+    /// The unknowns of the state that the tangent depends on.
+    pub fn state(&self) -> Option<&[f64]> {
+        match self {
+            Self::PerPoint { state, .. } if !state.is_empty() => Some(state),
+            _ => None,
         }
     }
 }
@@ -37,7 +59,7 @@ impl Debug for Source<'_> {
         f.write_str(match self {
             Self::Mass => "Mass",
             Self::Constant(_) => "Constant",
-            Self::PerPoint(_) => "PerPoint",
+            Self::PerPoint { .. } => "PerPoint",
         })
     }
 }

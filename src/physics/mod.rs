@@ -110,7 +110,7 @@ pub fn form<const C: usize, const N: usize, T: Real, M: Material<C, N, T> + ?Siz
     } else {
         Coefficient::PerPoint(Box::new(move |x: &Vector<N, T>| material.respond(x, &Matrix::zeros()).tangent))
     };
-    Ok(Form { coefficient, symmetric: true })
+    Ok(Form::new(coefficient, true))
 }
 
 /// sigma n (k du/dn) at a batch of points as a linear map of unknowns.

@@ -82,7 +82,7 @@ fn dense<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_
             let dx = rule.weights[q] * faying::linalg::determinant(&map.jacobian[q]).abs();
             let inv = faying::linalg::inverse(&map.jacobian[q]).unwrap().transpose();
             let grads: Vec<Vector<N>> = shapes.grads(q).iter().map(|g| inv * g).collect();
-            let tangent = form.coefficient.at(&map.x[q]);
+            let tangent = form.coefficient.at(&map.x[q], &Matrix::zeros());
             for (a, &i) in ids.iter().enumerate() {
                 for (b, &j) in ids.iter().enumerate() {
                     for c in 0..C {
@@ -119,10 +119,10 @@ fn compare<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<
 fn the_bulk_loop_equals_the_plain_formula_for_all_kinds_of_coefficients() {
     let steel = Hooke::<2>::plane_strain(2.0, 0.3).unwrap();
     let brick = Hooke::<3>::solid(2.0, 0.3).unwrap();
-    let varying = Form::<2, 2> {
-        coefficient: Coefficient::PerPoint(Box::new(|x| steel.respond(x, &Matrix::zeros()).tangent.map(|r| r.map(|t| t * (1.0 + x[0]))))),
-        symmetric: true,
-    };
+    let varying = Form::<2, 2>::new(
+        Coefficient::PerPoint(Box::new(|x| steel.respond(x, &Matrix::zeros()).tangent.map(|r| r.map(|t| t * (1.0 + x[0]))))),
+        true,
+    );
     // no symmetry at all
     let skew = |x: &Vector<2>| -> [[Matrix<2, 2>; 2]; 2] {
         std::array::from_fn(|i| std::array::from_fn(|j| Matrix::from_fn(|k, l| 1.0 + (i + 2 * j + 3 * k + 7 * l) as f64 + x[1])))
@@ -133,8 +133,8 @@ fn the_bulk_loop_equals_the_plain_formula_for_all_kinds_of_coefficients() {
             compare::<1, 2>(space, &Form::laplace());
             compare(space, &form(&steel).unwrap());
             compare(space, &varying);
-            compare(space, &Form { coefficient: Coefficient::Constant(skew(&Vector::zeros())), symmetric: false });
-            compare(space, &Form { coefficient: Coefficient::PerPoint(Box::new(skew)), symmetric: false });
+            compare(space, &Form::new(Coefficient::Constant(skew(&Vector::zeros())), false));
+            compare(space, &Form::new(Coefficient::PerPoint(Box::new(skew)), false));
         }
     }
     compare(&splines::<3>(2, [2, 1, 2], 0.1), &form(&brick).unwrap());

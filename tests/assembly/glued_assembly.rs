@@ -28,7 +28,7 @@ fn varying<const C: usize, const N: usize>(symmetric: bool) -> Form<'static, C, 
         };
         std::array::from_fn(|i| std::array::from_fn(|j| Matrix::from_fn(|k, l| entry(i * N + j, k * N + l))))
     };
-    Form { coefficient: Coefficient::PerPoint(Box::new(at)), symmetric }
+    Form::new(Coefficient::PerPoint(Box::new(at)), symmetric)
 }
 
 /// The contraction is the plain loop up to round-off, symmetric to the last bit, the same for any number of threads, when

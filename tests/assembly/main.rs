@@ -11,6 +11,7 @@ mod mesh_cells;
 mod multipatch;
 mod ordering;
 mod patch_test;
+mod states;
 mod storage;
 mod straight;
 mod sums_on_patches;

@@ -56,7 +56,7 @@ fn straight_and_bent_plane_cells_equal_the_plain_loop() {
                     (0..2).for_each(|k| tangent[0][k][(0, k)] = 1.0 + x[0] * x[0]);
                     tangent
                 }));
-                agree::<1, 2>(space, &Form { coefficient: varying, symmetric: true }, &what);
+                agree::<1, 2>(space, &Form::new(varying, true), &what);
             }
         }
     }

@@ -113,8 +113,8 @@ pub fn forms<'a, const C: usize, const N: usize>() -> Vec<Form<'a, C, N>> {
     let origin = Vector::<N>::repeat(0.3);
     let mut all = vec![Form::laplace()];
     for symmetric in [true, false] {
-        all.push(Form { coefficient: Coefficient::Constant(tangent(&origin, symmetric)), symmetric });
-        all.push(Form { coefficient: Coefficient::PerPoint(Box::new(move |x: &Vector<N>| tangent(x, symmetric))), symmetric });
+        all.push(Form::new(Coefficient::Constant(tangent(&origin, symmetric)), symmetric));
+        all.push(Form::new(Coefficient::PerPoint(Box::new(move |x: &Vector<N>| tangent(x, symmetric))), symmetric));
     }
     all
 }

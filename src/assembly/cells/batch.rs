@@ -5,6 +5,7 @@ use super::lanes::{Jacobians, Layout, bent, constant, jacobians, products, pulle
 use super::slots::{BATCH, Batch};
 use super::tables::Tables;
 use crate::assembly::source::{PointTangent, Source};
+use crate::assembly::tensor::physical;
 use pulp::{Simd, WithSimd, bytemuck};
 use std::ops::Range;
 
@@ -33,6 +34,8 @@ pub(super) struct Run<'a, const N: usize> {
     pub tables: &'a Tables<N>,
     pub nodes: &'a Nodes<'a>,
     pub source: &'a Source<'a>,
+    /// Writes the coefficients of the state, as [`Nodes`] writes nodes, if the source has one.
+    pub state: Option<&'a Nodes<'a>>,
     /// Non-zero entries of a constant tangent, per pair of components.
     pub constant: &'a [Entries],
     pub components: usize,
@@ -63,6 +66,10 @@ struct Scratch<V, const N: usize> {
     tested_values: Vec<[V; 1]>,
     /// Tangents per point and pair of components.
     tangents: Vec<[[V; N]; N]>,
+    /// Physical gradient of the state at a point, per component; empty without a state.
+    gradient: Vec<[V; N]>,
+    /// That of one lane.
+    numbers: Vec<f64>,
     ids: Vec<usize>,
     tangent: Vec<f64>,
 }
@@ -78,13 +85,16 @@ fn run<S: Simd, const N: usize>(simd: S, run: Run<'_, N>) {
         weights: Vec::new(),
         tested: Vec::new(),
         tested_values: Vec::new(),
-        tangents: vec![[[zero; N]; N]; if matches!(run.source, Source::PerPoint(_)) { tables.at.weights.len() * pairs } else { 0 }],
+        tangents: vec![[[zero; N]; N]; if matches!(run.source, Source::PerPoint { .. }) { tables.at.weights.len() * pairs } else { 0 }],
+        gradient: vec![[zero; N]; if run.state.is_some() { run.components } else { 0 }],
+        numbers: vec![0.0; if run.state.is_some() { run.components * N } else { 0 }],
         ids: Vec::new(),
         tangent: vec![0.0; pairs * N * N],
     };
     let size = tables.at.functions * padded * pairs;
     let mut out = vec![zero; size * BATCH / lanes];
     let mut nodes = vec![[zero; N]; tables.at.nodes * BATCH / lanes];
+    let mut state = vec![zero; if run.state.is_some() { tables.at.functions * run.components } else { 0 }];
     for member in run.members {
         let batch = &run.batches[member.batch as usize];
         if batch.end <= run.functions.start || batch.least >= run.functions.end {
@@ -107,7 +117,10 @@ fn run<S: Simd, const N: usize>(simd: S, run: Run<'_, N>) {
         }
         let parts = nodes.chunks_exact(tables.at.nodes).zip(out.chunks_exact_mut(size));
         for (part, (nodes, out)) in parts.enumerate().filter(|(part, _)| used(*part) != 0) {
-            simd.vectorize(Part { simd, run: &run, used: used(part), straight, nodes, scratch: &mut scratch, out });
+            if let Some(read) = run.state {
+                read(&elements[part * lanes..][..lanes], &mut scratch.ids, bytemuck::cast_slice_mut(&mut state));
+            }
+            simd.vectorize(Part { simd, run: &run, used: used(part), straight, nodes, state: &state, scratch: &mut scratch, out });
         }
         (run.sink)(batch, member.lanes, Matrices { values: bytemuck::cast_slice(&out), lanes, padded });
     }
@@ -138,6 +151,8 @@ struct Part<'a, 'r, S: Simd, const N: usize> {
     used: usize,
     straight: bool,
     nodes: &'a [[S::f64s; N]],
+    /// `[function * components + component]`.
+    state: &'a [S::f64s],
     scratch: &'a mut Scratch<S::f64s, N>,
     out: &'a mut [S::f64s],
 }
@@ -146,7 +161,7 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Part<'_, '_, S, N> {
     type Output = ();
     #[inline(always)]
     fn call(self) {
-        let Self { simd, run, used, straight, nodes, scratch, out } = self;
+        let Self { simd, run, used, straight, nodes, state, scratch, out } = self;
         let tables = run.tables;
         let is_constant = straight && matches!(run.source, Source::Constant(_));
         let points = if straight { 1 } else { tables.at.weights.len() };
@@ -155,14 +170,14 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Part<'_, '_, S, N> {
         if let Source::Mass = run.source {
             scratch.weights.clear();
             for (q, &w) in tables.at.weights.iter().enumerate() {
-                scratch.weights.push([[simd.mul_f64s(simd.splat_f64s(w), scratch.jacobians.det[at(q)])]]);
+                scratch.weights.push([[simd.mul_f64s(simd.splat_f64s(w), simd.abs_f64s(scratch.jacobians.det[at(q)]))]]);
             }
             let layout = Layout { stride: 1, offset: 0, upper: run.upper };
             products(simd, &tables.values, &scratch.weights, &mut scratch.tested_values, layout, out);
             return;
         }
-        if let Source::PerPoint(tangent) = run.source {
-            tangents(simd, run, tangent, used, nodes, scratch);
+        if let Source::PerPoint { at: tangent, .. } = run.source {
+            tangents(simd, run, tangent, (used, straight), nodes, state, scratch);
         }
         let pairs = run.components * run.components;
         for pair in 0..pairs {
@@ -199,8 +214,9 @@ fn tangents<S: Simd, const N: usize>(
     simd: S,
     run: &Run<'_, N>,
     tangent: &PointTangent<'_>,
-    used: usize,
+    (used, straight): (usize, bool),
     nodes: &[[S::f64s; N]],
+    state: &[S::f64s],
     scratch: &mut Scratch<S::f64s, N>,
 ) {
     let (lanes, numbers) = (S::F64_LANES, run.components * run.components * N * N);
@@ -212,6 +228,8 @@ fn tangents<S: Simd, const N: usize>(
                 x[i] = simd.mul_add_e_f64s(node[i], simd.splat_f64s(value), x[i]);
             }
         }
+        gradients(simd, run, (q, straight), state, scratch);
+        let gradient: &[f64] = bytemuck::cast_slice(scratch.gradient.as_flattened());
         let x: &[f64] = bytemuck::cast_slice(&x);
         let all: &mut [f64] = bytemuck::cast_slice_mut(scratch.tangents.as_flattened_mut().as_flattened_mut());
         let all = &mut all[q * numbers * lanes..][..numbers * lanes];
@@ -221,11 +239,34 @@ fn tangents<S: Simd, const N: usize>(
                 for i in 0..N {
                     at[i] = x[i * lanes + lane];
                 }
-                tangent(&at, &mut scratch.tangent);
+                scratch.numbers.iter_mut().enumerate().for_each(|(k, g)| *g = gradient[k * lanes + lane]);
+                tangent(&at, &scratch.numbers, &mut scratch.tangent);
             }
             for (to, &t) in all.chunks_exact_mut(lanes).zip(&scratch.tangent) {
                 to[lane] = t;
             }
         }
+    }
+}
+
+/// The physical gradient of the state at point `q`, if there is a state.
+#[inline(always)]
+fn gradients<S: Simd, const N: usize>(
+    simd: S,
+    run: &Run<'_, N>,
+    (q, straight): (usize, bool),
+    state: &[S::f64s],
+    scratch: &mut Scratch<S::f64s, N>,
+) {
+    let grads = &run.tables.at.grads[q * run.tables.at.functions..][..run.tables.at.functions];
+    let at = if straight { 0 } else { q };
+    for (c, out) in scratch.gradient.iter_mut().enumerate() {
+        let mut slope = [simd.splat_f64s(0.0); N];
+        for (&u, grad) in state[c..].iter().step_by(run.components).zip(grads) {
+            for k in 0..N {
+                slope[k] = simd.mul_add_e_f64s(u, simd.splat_f64s(grad[k]), slope[k]);
+            }
+        }
+        *out = physical::<S, N>(simd, &scratch.jacobians.adjugate[at], &slope).map(|h| simd.div_f64s(h, scratch.jacobians.det[at]));
     }
 }

@@ -2,9 +2,9 @@
 
 use super::{Cells, Sums};
 use crate::assembly::tensor::Sites;
-use crate::assembly::{Form, Pattern, gauss_rules};
+use crate::assembly::{Coefficient, Form, Pattern, gauss_rules};
 use crate::basis::Cell;
-use crate::linalg::{Csr, Vector};
+use crate::linalg::{Csr, Matrix, Vector};
 use crate::space::{Body, CellBlock, FieldAt, Mapping, Mesh, MeshCells, Space};
 use pulp::x86::{V3, V4};
 
@@ -36,6 +36,11 @@ fn numbers(space: &dyn Space<2, 2>, arch: pulp::Arch) -> Vec<f64> {
     let mut all = matrix.vals().to_vec();
     cells.mass(&pattern, &mut matrix);
     all.extend(matrix.vals());
+    let state: Vec<f64> = (0..space.num_functions()).map(|i| (i as f64).sin()).collect();
+    let tangent = |_: &Vector<2>, h: &Matrix<1, 2>| [[*h * h[0], *h * h[1]]];
+    let stated = Form::<1, 2>::new(Coefficient::PerState(Box::new(tangent)), true).with_state(&state);
+    cells.stiffness(&pattern, &stated, false, &mut matrix);
+    all.extend(matrix.vals());
     let mut sums = Sums::new(space, &rules).expect("cells with reference cells");
     sums.arch = arch;
     let sine = |sites: &Sites, out: &mut [f64]| {
@@ -44,6 +49,15 @@ fn numbers(space: &dyn Space<2, 2>, arch: pulp::Arch) -> Vec<f64> {
     };
     let (load, moments) = sums.load(1, &sine);
     all.extend(sums.deviation(&form, &load, &sine));
+    all.extend(sums.deviation(&stated, &load, &sine));
+    let cubes = |sites: &Sites, out: &mut [f64]| {
+        for (h, out) in sites.gradients.chunks_exact(2).zip(out.chunks_exact_mut(3)) {
+            out.copy_from_slice(&[h[0] + h[0] * h[1], h[1], h[0] * h[0]]);
+        }
+    };
+    let (forces, energy) = sums.internal_force::<1>(&state, &cubes);
+    all.extend(forces);
+    all.push(energy);
     all.extend(load.iter().chain(&moments));
     let states = sums.states(&load, &|(), _, states: &[FieldAt<1, 2>]| {
         states.iter().flat_map(|s| [s.x[0], s.x[1], s.value[0], s.gradient[0], s.gradient[1]]).collect::<Vec<f64>>()

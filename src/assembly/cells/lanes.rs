@@ -11,7 +11,7 @@ use pulp::Simd;
 pub(super) struct Jacobians<V, const N: usize> {
     /// The adjugate of dx/dxi: det times dxi_k/dx_i at `[k][i]`.
     pub adjugate: Vec<[[V; N]; N]>,
-    /// |det|.
+    /// det, of either sign.
     pub det: Vec<V>,
 }
 
@@ -61,7 +61,7 @@ pub(super) fn jacobians<S: Simd, const N: usize>(
             det = simd.mul_add_e_f64s(j[0][k], adjugate[k][0], det);
         }
         out.adjugate.push(adjugate);
-        out.det.push(simd.abs_f64s(det));
+        out.det.push(det);
     }
 }
 
@@ -106,7 +106,7 @@ pub(super) fn pulled_back<S: Simd, const N: usize>(
 ) -> [[S::f64s; N]; N] {
     let adjugate = &jacobians.adjugate[q];
     // a singular map gives values that are not finite
-    let scale = simd.div_f64s(simd.splat_f64s(weight), jacobians.det[q]);
+    let scale = simd.div_f64s(simd.splat_f64s(weight), simd.abs_f64s(jacobians.det[q]));
     let mut d = [[simd.splat_f64s(0.0); N]; N];
     for (i, j, t) in entries {
         let t = simd.mul_f64s(t, scale);

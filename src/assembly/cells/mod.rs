@@ -136,6 +136,13 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
         (values, add): (&mut [T], bool),
     ) {
         let constant = if let Source::Constant(all) = source { entries::<D>(all) } else { Vec::new() };
+        let field = source.state().map(|u| {
+            move |elements: &[u32], _: &mut Vec<usize>, out: &mut [f64]| {
+                for (lane, &e) in elements.iter().enumerate() {
+                    nodes::put(u, C, pattern.ids(e as usize).iter().map(|&i| i as usize), (lane, elements.len()), out);
+                }
+            }
+        });
         let slots = pattern.slots().expect("cells are made of them");
         let ready = if add { values.len() } else { 0 };
         let reach = functions.start as u32..functions.end as u32;
@@ -145,6 +152,7 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
                 tables,
                 nodes: &|elements, ids, out| self.nodes.gather(elements, ids, out),
                 source,
+                state: field.as_ref().map(|field| field as &batch::Nodes<'_>),
                 constant: &constant,
                 components: C,
                 upper: symmetric,

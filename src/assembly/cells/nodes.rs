@@ -4,6 +4,16 @@ use crate::basis::Listed;
 use crate::geometry::Control;
 use crate::linalg::{Real, to_f64};
 
+/// Writes number c of function a of the element of a lane at `(a * width + c) * lanes + lane`, from `width` numbers per function.
+#[inline]
+pub(super) fn put<T: Real>(u: &[T], width: usize, ids: impl Iterator<Item = usize>, (lane, lanes): (usize, usize), out: &mut [f64]) {
+    for (out, i) in out.chunks_exact_mut(width * lanes).zip(ids) {
+        for (c, &x) in u[width * i..width * (i + 1)].iter().enumerate() {
+            out[c * lanes + lane] = to_f64(x);
+        }
+    }
+}
+
 /// A map as functions and points, with the list of its functions where there is one.
 #[derive(Debug)]
 pub(super) struct MapNodes<'a, const D: usize, const N: usize, T: Real> {

@@ -53,7 +53,7 @@ impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
         places.clear();
         places.resize(range.len(), 0..0);
         let nodes = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.nodes.gather(elements, ids, out);
-        let field = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.coefficients::<C>(u, elements, ids, out);
+        let field = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.coefficients::<C, T>(u, elements, ids, out);
         for Group { tables, members } in &self.groups {
             let before = |end: usize| members.partition_point(|&e| (e as usize) < end);
             let (elements, first) = (&members[before(range.start)..before(range.end)], numbers.len());
@@ -65,7 +65,7 @@ impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
                 places[e as usize - range.start] = first + k * length..first + (k + 1) * length;
             }
             let kind = Kind::States((!u.is_empty()).then_some(&field));
-            self.arch.dispatch(Run::<N> { tables, nodes: &nodes, kind, width: C, elements, ids, numbers });
+            self.arch.dispatch(Run::<N> { tables, nodes: &nodes, state: None, kind, width: C, elements, ids, numbers });
         }
     }
 }

@@ -2,13 +2,14 @@
 //!
 //! Cells are added by groups with common tables, then by their numbers: same bits for any number of threads and of lanes.
 
-use super::nodes::MapNodes;
+use super::batch::Nodes;
+use super::nodes::{self, MapNodes};
 use super::points::{self, Group, Kinds, PointTables};
 use super::visit::{Kind, Run};
 use crate::assembly::Form;
 use crate::assembly::source::Source;
 use crate::assembly::tensor::{Answer, Law, SQUARES};
-use crate::linalg::{Real, lit, to_f64};
+use crate::linalg::{Real, lit};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 use rayon::prelude::*;
@@ -57,23 +58,28 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
     /// ∫ f . N dx for forces of `width` components, computed by `answer`, then their moments as
     /// [`Patches::load`](crate::assembly::tensor::Patches::load) has them.
     pub fn load(&self, width: usize, answer: &Answer<'_>) -> (Vec<T>, Vec<f64>) {
+        self.forces(Kind::Load(answer), width, None, width * (D + 1))
+    }
+
+    /// Numbers per function of `kind` with a `state`, added to those of the whole; then the `extra` sums beside them.
+    fn forces(&self, kind: Kind<'_>, width: usize, state: Option<&Nodes<'_>>, extra: usize) -> (Vec<T>, Vec<f64>) {
         let mut out = vec![T::zero(); width * self.space.num_functions()];
-        let mut moments = vec![0.0; width * (D + 1)];
-        self.each(Kind::Load(answer), width, true, |tables, task| {
+        let mut sums = vec![0.0; extra];
+        self.each(kind, width, state, true, |tables, task| {
             let loads = width * tables.functions;
-            for (numbers, ids) in task.numbers.chunks_exact(loads + moments.len()).zip(task.ids.chunks_exact(tables.functions)) {
+            for (numbers, ids) in task.numbers.chunks_exact(loads + extra).zip(task.ids.chunks_exact(tables.functions)) {
                 let (loads, own) = numbers.split_at(loads);
                 for (&i, loads) in ids.iter().zip(loads.chunks_exact(width)) {
                     out[width * i as usize..].iter_mut().zip(loads).for_each(|(out, &load)| *out += lit(load));
                 }
-                moments.iter_mut().zip(own).for_each(|(sum, m)| *sum += m);
+                sums.iter_mut().zip(own).for_each(|(sum, m)| *sum += m);
             }
         });
-        (out, moments)
+        (out, sums)
     }
 
     /// Sums over the cells, task by task.
-    fn each(&self, kind: Kind<'_>, width: usize, ids: bool, mut sink: impl FnMut(&PointTables<D>, &Task)) {
+    fn each(&self, kind: Kind<'_>, width: usize, state: Option<&Nodes<'_>>, ids: bool, mut sink: impl FnMut(&PointTables<D>, &Task)) {
         let mut tasks: Vec<Task> = (0..TASKS_AT_ONCE).map(|_| Task::default()).collect();
         for Group { tables, members } in &self.groups {
             for block in members.chunks(ELEMENTS_PER_TASK * TASKS_AT_ONCE) {
@@ -86,7 +92,7 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
                     }
                     let Task { numbers, own: ids, .. } = task;
                     let nodes = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.nodes.gather(elements, ids, out);
-                    self.arch.dispatch(Run::<D> { tables, nodes: &nodes, kind, width, elements, ids, numbers });
+                    self.arch.dispatch(Run::<D> { tables, nodes: &nodes, state, kind, width, elements, ids, numbers });
                 });
                 tasks[..block.len().div_ceil(ELEMENTS_PER_TASK)].iter().for_each(|task| sink(tables, task));
             }
@@ -101,24 +107,33 @@ impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
         let mut total = [0.0; SQUARES];
         let source = Source::new(form);
         let Some(law) = Law::new::<N>(&source, C) else { return total };
-        let field = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.coefficients::<C>(u, elements, ids, out);
-        self.each(Kind::Squares { law: &law, field: &field, answer }, C, false, |_, task| {
+        let field = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.coefficients::<C, T>(u, elements, ids, out);
+        let state = source.state().map(|state| {
+            move |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.coefficients::<C, f64>(state, elements, ids, out)
+        });
+        let state = state.as_ref().map(|state| state as &Nodes<'_>);
+        self.each(Kind::Squares { law: &law, field: &field, answer }, C, state, false, |_, task| {
             for sums in task.numbers.chunks_exact(SQUARES) {
                 total.iter_mut().zip(sums).for_each(|(total, sum)| *total += sum);
             }
         });
         total
     }
+
+    /// ∫ P : grad N dx for the stress P and the energy density computed by `answer` from the gradient of `u` (empty: zero); then the
+    /// energy.
+    pub fn internal_force<const C: usize>(&self, u: &[T], answer: &Answer<'_>) -> (Vec<T>, f64) {
+        let field = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.coefficients::<C, T>(u, elements, ids, out);
+        let (forces, energy) = self.forces(Kind::Stress(answer), C, Some(&field), 1);
+        (forces, energy.iter().sum())
+    }
+
     /// Writes coefficient c of function a of the element of a lane at `(a * C + c) * lanes + lane`; nothing if `u` is empty.
-    pub(super) fn coefficients<const C: usize>(&self, u: &[T], elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]) {
+    pub(super) fn coefficients<const C: usize, U: Real>(&self, u: &[U], elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]) {
         let lanes = elements.len();
         for (lane, &e) in elements.iter().enumerate().filter(|_| !u.is_empty()) {
             self.space.active(e as usize, ids);
-            for (out, &i) in out.chunks_exact_mut(C * lanes).zip(ids.iter()) {
-                for (c, &x) in u[C * i..C * (i + 1)].iter().enumerate() {
-                    out[c * lanes + lane] = to_f64(x);
-                }
-            }
+            nodes::put(u, C, ids.iter().copied(), (lane, lanes), out);
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use super::batch::Nodes;
 use super::points::PointTables;
-use crate::assembly::tensor::{Answer, Cell, Law, Sites, Squares, add_moments, finish, inverse, numbers_of_map, physical, state_size};
+use crate::assembly::tensor::{
+    Answer, Cell, Law, Physical, Sites, Squares, add_moments, finish, inverse, numbers_of_map, physical, state_size, tested,
+};
 use pulp::{NullaryFnOnce, Simd, WithSimd, bytemuck};
 
 /// Quantity to compute.
@@ -10,6 +12,8 @@ use pulp::{NullaryFnOnce, Simd, WithSimd, bytemuck};
 pub(super) enum Kind<'a> {
     /// Forces times functions, then the moments of the forces.
     Load(&'a Answer<'a>),
+    /// Stresses times gradients of functions, then the energy.
+    Stress(&'a Answer<'a>),
     /// Squares of the difference between a field and the values of `answer`; `field` writes its coefficients as [`Nodes`] writes nodes.
     Squares { law: &'a Law<'a>, field: &'a Nodes<'a>, answer: &'a Answer<'a> },
     /// Position, values and gradients of a field at every point; `None` is the zero field, for any map.
@@ -20,6 +24,8 @@ pub(super) enum Kind<'a> {
 pub(super) struct Run<'a, const D: usize> {
     pub tables: &'a PointTables<D>,
     pub nodes: &'a Nodes<'a>,
+    /// Writes the coefficients of a state as [`Nodes`] writes nodes: its gradient belongs to the points.
+    pub state: Option<&'a Nodes<'a>>,
     pub kind: Kind<'a>,
     /// Components of the force or of the field.
     pub width: usize,
@@ -36,15 +42,18 @@ impl<const D: usize> WithSimd for Run<'_, D> {
         if S::IS_SCALAR {
             return;
         }
-        let Self { tables, nodes, kind, width, elements, ids, numbers } = self;
+        let Self { tables, nodes, state, kind, width, elements, ids, numbers } = self;
         let (zero, lanes, points) = (simd.splat_f64s(0.0), S::F64_LANES, tables.weights.len());
         let mut places = vec![[zero; D]; tables.nodes];
         let mut map = vec![zero; points * numbers_of_map(D)];
         let (mut sites, mut answers, mut out) = (Sites::default(), Vec::new(), Vec::<S::f64s>::new());
         let (mut field, mut g) = (vec![zero; tables.functions * width], vec![zero; points * width * (D + 1)]);
+        let per_state = |n: usize| vec![zero; if state.is_some() { n * width } else { 0 }];
+        let (mut unknowns, mut gradients) = (per_state(tables.functions), per_state(points * D));
         let mut squares = if let Kind::Squares { law, .. } = kind { Some(Squares::new(law, width)) } else { None };
         let (mut which, mut here) = (Vec::with_capacity(lanes), Vec::with_capacity(lanes));
         sites.xi = tables.xi.repeat(lanes);
+        sites.first = vec![0; lanes];
         for batch in elements.chunks(lanes) {
             which.clear();
             sites.elements.clear();
@@ -57,7 +66,13 @@ impl<const D: usize> WithSimd for Run<'_, D> {
             }
             nodes(&here, ids, bytemuck::cast_slice_mut(places.as_flattened_mut()));
             simd.vectorize(Place { simd, tables, nodes: &places, out: &mut map });
-            let cell = Cell { points, map: &map, kept: &[], weight: None };
+            let mut cell = Cell { points, map: &map, kept: &[], weight: None, state: &[] };
+            if let Some(read) = state {
+                read(&here, ids, bytemuck::cast_slice_mut(&mut unknowns));
+                simd.vectorize(Spread::<'_, S, D> { simd, tables, width, field: &unknowns, out: &mut g });
+                simd.vectorize(Physical::<'_, S, D> { simd, cell, width, g: &mut g, out: &mut gradients });
+                cell.state = &gradients;
+            }
             if let Kind::Squares { field: read, .. } | Kind::States(Some(read)) = kind {
                 read(&here, ids, bytemuck::cast_slice_mut(&mut field));
                 simd.vectorize(Spread::<'_, S, D> { simd, tables, width, field: &field, out: &mut g });
@@ -66,6 +81,10 @@ impl<const D: usize> WithSimd for Run<'_, D> {
                 (Kind::Load(answer), _) => {
                     sites.ask::<S, D>(simd, cell, &which, answer, width, &mut answers);
                     simd.vectorize(Load { simd, tables, width, map: &map, forces: &mut answers, out: &mut out });
+                }
+                (Kind::Stress(answer), _) => {
+                    sites.ask::<S, D>(simd, cell, &which, answer, width * D + 1, &mut answers);
+                    simd.vectorize(Force { simd, tables, width, map: &map, answers: &answers, t: &mut g, out: &mut out });
                 }
                 (Kind::Squares { answer, .. }, Some(squares)) => {
                     sites.ask::<S, D>(simd, cell, &which, answer, width * (D + 1), &mut answers);
@@ -147,6 +166,42 @@ impl<S: Simd, const D: usize> NullaryFnOnce for Load<'_, S, D> {
                 let value = simd.splat_f64s(value);
                 for (load, &force) in loads.iter_mut().zip(forces.iter()) {
                     *load = simd.mul_add_e_f64s(value, force, *load);
+                }
+            }
+        }
+    }
+}
+
+/// Stresses times gradients of functions, then the energy.
+struct Force<'a, S: Simd, const D: usize> {
+    simd: S,
+    tables: &'a PointTables<D>,
+    width: usize,
+    map: &'a [S::f64s],
+    /// Stress and energy density per point.
+    answers: &'a [S::f64s],
+    /// Memory of `width * (D + 1)` numbers.
+    t: &'a mut [S::f64s],
+    out: &'a mut Vec<S::f64s>,
+}
+
+impl<S: Simd, const D: usize> NullaryFnOnce for Force<'_, S, D> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let Self { simd, tables, width, map, answers, t, out } = self;
+        out.clear();
+        out.resize(tables.functions * width + 1, simd.splat_f64s(0.0));
+        let (forces, energy) = out.split_at_mut(tables.functions * width);
+        let (t, points) = (&mut t[..width * (D + 1)], map.chunks_exact(numbers_of_map(D)).zip(answers.chunks_exact(width * D + 1)));
+        for ((map, answers), grads) in points.zip(tables.grads.chunks_exact(tables.functions)) {
+            tested::<S, D>(simd, map, None, &answers[..width * D], t);
+            energy[0] = simd.mul_add_e_f64s(answers[width * D], map[D + D * D + 1], energy[0]);
+            for (forces, grad) in forces.chunks_exact_mut(width).zip(grads) {
+                for (force, t) in forces.iter_mut().zip(t.chunks_exact(D + 1)) {
+                    for k in 0..D {
+                        *force = simd.mul_add_e_f64s(simd.splat_f64s(grad[k]), t[k], *force);
+                    }
                 }
             }
         }

@@ -28,7 +28,7 @@ fn elastic<const N: usize>() -> Form<'static, N, N> {
     let same = |a: usize, b: usize| f64::from(u8::from(a == b));
     let entry = |i, j, k, l| 0.6 * same(i, j) * same(k, l) + 0.4 * (same(i, k) * same(j, l) + same(i, l) * same(j, k));
     let tangent = std::array::from_fn(|i| std::array::from_fn(|j| Matrix::from_fn(|k, l| entry(i, j, k, l))));
-    Form { coefficient: Coefficient::Constant(tangent), symmetric: true }
+    Form::new(Coefficient::Constant(tangent), true)
 }
 
 /// The matrix with the lanes of `arch`.
@@ -51,7 +51,14 @@ fn same_bits<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &For
     assert!(narrow.iter().zip(&wide).all(|(a, b)| a.to_bits() == b.to_bits()), "without the matrix");
 }
 
-/// Product, diagonal, load, squares and states with the lanes of `arch`.
+/// A tangent that varies with the gradient of a state.
+fn stated<const N: usize>(state: &[f64]) -> Form<'_, N, N> {
+    let Form { coefficient, .. } = elastic::<N>();
+    let at = move |x: &Vector<N>, h: &Matrix<N, N>| coefficient.at(x, h).map(|row| row.map(|m| m * (1.0 + x[0] * h.norm_squared())));
+    Form::new(Coefficient::PerState(Box::new(at)), true).with_state(state)
+}
+
+/// Product, diagonal, load, internal forces, squares and states with the lanes of `arch`.
 fn sums<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_, C, N>, arch: pulp::Arch) -> Vec<f64> {
     let rules = gauss_rules(space, 0);
     let asks = || -> Box<Ask<'_>> { unreachable!("the map is a net") };
@@ -67,6 +74,15 @@ fn sums<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_,
     let (mut all, moments): (Vec<f64>, _) = patches().load(C, space.num_functions(), &sine);
     let x = all.clone();
     all.extend(moments);
+    let cubes = |sites: &Sites, out: &mut [f64]| {
+        for (h, out) in sites.gradients.chunks_exact(C * N).zip(out.chunks_exact_mut(C * N + 1)) {
+            out.iter_mut().zip(h).for_each(|(out, h)| *out = h + h * h * h);
+            out[C * N] = h.iter().sum();
+        }
+    };
+    let (forces, energy) = patches().internal_force(C, space.num_functions(), &x, &cubes);
+    all.extend(forces);
+    all.push(energy);
     for keeps in [true, false] {
         let free = Free::new(patches(), form, keeps).expect("no merged functions");
         let mut y = vec![0.0; x.len()];
@@ -96,6 +112,8 @@ fn avx2_and_avx512_give_the_same_bits() {
         let splines = ControlPoints { basis: basis.clone(), points: points.clone() };
         same_bits(&splines, &Form::<1, 2>::laplace(), widths);
         same_bits(&splines, &elastic::<2>(), widths);
+        let state: Vec<f64> = (0..2 * splines.points.len()).map(|i| 0.1 * (i as f64).sin()).collect();
+        same_bits(&splines, &stated::<2>(&state), widths);
         same_bits(&ControlPoints { basis: Rational::new::<2>(basis, weights), points }, &Form::<1, 2>::laplace(), widths);
     }
     for degrees in [[2, 2, 2], [3, 2, 1], [3, 3, 3]] {
@@ -103,5 +121,7 @@ fn avx2_and_avx512_give_the_same_bits() {
         let splines = ControlPoints { basis, points };
         same_bits(&splines, &Form::<1, 3>::laplace(), widths);
         same_bits(&splines, &elastic::<3>(), widths);
+        let state: Vec<f64> = (0..3 * splines.points.len()).map(|i| 0.1 * (i as f64).sin()).collect();
+        same_bits(&splines, &stated::<3>(&state), widths);
     }
 }

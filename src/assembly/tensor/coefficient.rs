@@ -8,9 +8,10 @@
 //!
 //! and the result is scaled by w_i w_j: grad R_i = w_i (grad N_i / W - N_i grad W / W²).
 
+use super::law;
 use super::map::numbers;
 use crate::assembly::source::Source;
-use pulp::{Simd, bytemuck};
+use pulp::Simd;
 
 /// A pair of components, or its transpose.
 #[derive(Clone, Copy, Debug)]
@@ -61,20 +62,11 @@ impl Coefficient<'_> {
         }
     }
 
-    /// Tangents of all points of a tile, where they vary: `out[point * C² N² + ..]`, points of the tile in lanes.
-    pub fn tangents<S: Simd, const N: usize>(&self, _simd: S, geo: &[S::f64s], buffer: &mut Vec<f64>, out: &mut [S::f64s]) {
-        let Source::PerPoint(at) = &self.source else { return };
-        let (lanes, size) = (S::F64_LANES, self.components * self.components * N * N);
-        buffer.resize(size, 0.0);
-        let (geo, out): (&[f64], &mut [f64]) = (bytemuck::cast_slice(geo), bytemuck::cast_slice_mut(out));
-        for (geo, out) in geo.chunks_exact(numbers(N) * lanes).zip(out.chunks_exact_mut(size * lanes)) {
-            for lane in 0..lanes {
-                let x: [f64; N] = std::array::from_fn(|k| geo[k * lanes + lane]);
-                at(&x, buffer);
-                for (k, &value) in buffer.iter().enumerate() {
-                    out[k * lanes + lane] = value;
-                }
-            }
+    /// Tangents of all points of a tile, where they vary: `out[point * C² N² + ..]`, points of the tile in lanes; `state` as in
+    /// [`law::tangents`].
+    pub fn tangents<S: Simd, const N: usize>(&self, geo: &[S::f64s], state: &[S::f64s], buffer: &mut Vec<f64>, out: &mut [S::f64s]) {
+        if let Source::PerPoint { at, .. } = &self.source {
+            law::tangents::<S, N>(at, self.components, geo, state, buffer, out);
         }
     }
 
@@ -124,7 +116,7 @@ impl Coefficient<'_> {
                         general::<S, N>(simd, geo, &m, &mut local);
                     }
                 }
-                Source::PerPoint(_) => {
+                Source::PerPoint { .. } => {
                     let here = &tangents[q * size + start..][..N * N];
                     for l in 0..N {
                         for j in 0..N {

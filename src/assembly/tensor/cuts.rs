@@ -42,7 +42,19 @@ fn form<const C: usize, const N: usize>(symmetric: bool, varies: bool) -> Form<'
     let steady = tangent::<C, N>(symmetric);
     let at = move |x: &Vector<N>| steady.map(|row| row.map(|m| m * (1.0 + 0.3 * x[0])));
     let coefficient = if varies { Given::PerPoint(Box::new(at)) } else { Given::Constant(steady) };
-    Form { coefficient, symmetric }
+    Form::new(coefficient, symmetric)
+}
+
+/// Unknowns of a state of C components.
+fn state<const C: usize, const N: usize>(space: &dyn Space<N, N>) -> Vec<f64> {
+    (0..C * space.num_functions()).map(|k| 0.1 * noise(3 * k)).collect()
+}
+
+/// A form with a tangent that varies with the gradient of `state`.
+fn stated<const C: usize, const N: usize>(symmetric: bool, state: &[f64]) -> Form<'_, C, N> {
+    let steady = tangent::<C, N>(symmetric);
+    let at = move |x: &Vector<N>, h: &Matrix<C, N>| steady.map(|row| row.map(|m| m * (1.0 + 0.3 * x[0] + h[(C - 1, 0)] * h[(0, N - 1)])));
+    Form::new(Given::PerState(Box::new(at)), symmetric).with_state(state)
 }
 
 /// Functions of the fast and of the middle direction in a strip, and of the latter in a window.
@@ -57,8 +69,8 @@ fn filled(
     add: bool,
     matrix: &mut Csr,
 ) {
-    let sized = |patch| Plan { strip: [fast, middle], window: [window; 2], ..Plan::new(patch, coefficient) };
-    let plans: Vec<Plan<'_, '_>> = patches.patches.iter().map(sized).collect();
+    let sized = |k| Plan { strip: [fast, middle], window: [window; 2], ..patches.plan(k, coefficient) };
+    let plans: Vec<Plan<'_, '_>> = (0..patches.patches.len()).map(sized).collect();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     pool.install(|| patches.fill_strips(&plans, add, matrix));
 }
@@ -165,6 +177,7 @@ fn strips_of_vector_fields_and_rational_functions_give_the_same_bits() {
     let rational = ControlPoints { basis: Rational::new::<3>(TensorProduct::new(axes()), weights), points };
     for asked in [false, true] {
         check::<1, 3>(&rational, &form(true, asked), asked, false);
+        check::<2, 3>(&rational, &stated(!asked, &state::<2, 3>(&rational)), asked, false);
     }
 }
 
@@ -179,6 +192,7 @@ fn strips_of_glued_patches_and_of_merged_functions() {
     let whole = MultiPatch::try_new(bodies, &[Seam::new((0, "u1"), (1, "u0"))], Near::Exact).expect("one body");
     check::<1, 3>(&**whole.space(), &form(true, false), false, false);
     check::<3, 3>(&**whole.space(), &form(false, false), true, false);
+    check::<2, 3>(&**whole.space(), &stated(true, &state::<2, 3>(&**whole.space())), false, false);
     // collapsed edges: several functions of a patch are one of the whole
     let octant = shapes::sphere_octant([0.0; 3], [1.0, 2.0]).expect("an octant");
     let spec = PatchSpec::new(octant).with_degree([2, 3, 2]).with_elements([4, 3, 2]).with_basis(BasisKind::Nurbs);
@@ -186,6 +200,7 @@ fn strips_of_glued_patches_and_of_merged_functions() {
     assert!(octant.space().structure().patches().is_some(), "sums of products are what is tested");
     check::<1, 3>(&**octant.space(), &form(true, false), false, true);
     check::<3, 3>(&**octant.space(), &form(true, false), false, true);
+    check::<2, 3>(&**octant.space(), &stated(false, &state::<2, 3>(&**octant.space())), false, true);
 }
 
 #[test]
@@ -198,6 +213,7 @@ fn lines_of_the_plane_are_cut_with_the_same_bits() {
         let weights = (0..points.len()).map(|i| 1.0 + 0.3 * noise(i)).collect();
         let rational = ControlPoints { basis: Rational::new::<2>(TensorProduct::new(axes()), weights), points };
         check::<1, 2>(&rational, &form(true, false), p % 2 == 0, false);
+        check::<2, 2>(&rational, &stated(p % 2 == 0, &state::<2, 2>(&rational)), p % 2 == 0, false);
     }
     // a collapsed side: all its functions are one
     let disc = shapes::disc_sector([0.0; 2], 1.0, [0.0, 90.0]).expect("a disc");
@@ -220,7 +236,7 @@ fn long_lines_of_the_plane_are_cut() {
         let patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks).expect("products of splines");
         let form = Form::<1, 2>::laplace();
         let coefficient = Coefficient { components: 1, symmetric: true, source: Source::new(&form) };
-        assert_eq!(Plan::new(&patches.patches[0], &coefficient).strips()[0].len(), strips, "{long} elements");
+        assert_eq!(patches.plan(0, &coefficient).strips()[0].len(), strips, "{long} elements");
     }
 }
 
@@ -235,7 +251,7 @@ fn strips_are_cut_where_sums_are_large_and_not_too_narrow() {
         let form = Form::<1, 3>::laplace();
         let coefficient = Coefficient { components: 1, symmetric: true, source: Source::new(&form) };
         let (patch, functions, active) = (&patches.patches[0], long + p, p + 1);
-        let [fast, middle] = Plan::new(patch, &coefficient).strip;
+        let [fast, middle] = patches.plan(0, &coefficient).strip;
         let bytes = 8 * functions * functions * active * patch.directions().sums(active);
         assert!(fast <= functions && middle <= functions);
         if bytes <= 3 << 20 {

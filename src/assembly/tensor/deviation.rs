@@ -150,7 +150,7 @@ impl Patches<'_> {
             let part = self.part(k, C);
             let read = |from: usize, to: &mut [f64]| part.read(u, from, to);
             let field = Coefficients { axes: &patch.axes, width: C, read: &read };
-            let (grid, law) = (patch.grid(), &law);
+            let (grid, law) = (patch.grid().with_state(part, &source), &law);
             let sums = if N == 2 {
                 patch.arch.dispatch(Run::<2> { grid, field, law, answer })
             } else {

@@ -20,7 +20,7 @@ const TASKS_PER_THREAD: usize = 2;
 /// the overlap of narrower ones costs more than a march shared by threads.
 const NARROW: usize = 3;
 
-impl Patches<'_> {
+impl<'p> Patches<'p> {
     fn functions(&self) -> usize {
         self.glue.as_ref().map_or_else(|| self.patches[0].functions(), |glue| glue.functions)
     }
@@ -55,8 +55,13 @@ impl Patches<'_> {
 
     fn fill<T: Real>(&self, coefficient: &Coefficient<'_>, add: bool, matrix: &mut Csr<T>) {
         assert_eq!(matrix.num_rows(), coefficient.components * self.functions(), "the matrix has the pattern of the basis");
-        let plans: Vec<Plan<'_, '_>> = self.patches.iter().map(|patch| Plan::new(patch, coefficient)).collect();
+        let plans: Vec<Plan<'_, '_>> = (0..self.patches.len()).map(|k| self.plan(k, coefficient)).collect();
         self.fill_strips(&plans, add, matrix);
+    }
+
+    /// The plan of patch `k`.
+    pub(super) fn plan<'a>(&'a self, k: usize, coefficient: &'a Coefficient<'a>) -> Plan<'a, 'p> {
+        Plan::new(&self.patches[k], self.part(k, coefficient.components), coefficient)
     }
 
     /// Writes the matrix of `plans`, one per patch, to the values of `matrix`.

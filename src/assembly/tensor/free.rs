@@ -48,8 +48,11 @@ impl Free {
         }
         let (mut element, mut function) = (0, 0);
         let mut all = Vec::with_capacity(patches.len());
+        let source = Source::new(form);
         for patch in patches {
-            let own = FreePatch::new(patch, element, function, form, keeps);
+            let functions = function..function + patch.functions();
+            let ids = glue.as_ref().map(|glue| &glue.ids[functions.clone()]);
+            let own = FreePatch::new(patch, element, functions, ids, (form, &source), keeps);
             element += own.axes.iter().map(Axis::elements).product::<usize>();
             function = own.functions.end;
             all.push(own);
@@ -70,6 +73,7 @@ impl Free {
     /// y = A x; `asks` returns an evaluator of the map of one element, for maps that are no net and not stored.
     pub fn apply<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &Asks<'_>, x: &[T], y: &mut [T]) {
         y.fill(T::zero());
+        let source = Source::new(form);
         for patch in &self.patches {
             let part = Part { weights: patch.weights(), ..self.part(patch, C) };
             let read = |from: usize, to: &mut [f64]| part.read(x, from, to);
@@ -78,7 +82,7 @@ impl Free {
             part.add(patch.functions.len(), y, |own| {
                 let kinds = (2, 2 * own.len() / slow.functions.max(1));
                 let mut add = |points: Range<usize>, planes: &[f64]| gather::slow(slow, &owners, kinds, planes, points, own);
-                patch.with_law(form, |law| product(patch.grid(asks), law, C, &read, &mut add));
+                patch.with_law::<C, N>(part, &source, asks, |grid, law| product(grid, law, C, &read, &mut add));
             });
         }
     }
@@ -86,8 +90,10 @@ impl Free {
     /// The diagonal.
     pub fn diagonal<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &Asks<'_>, out: &mut [T]) {
         out.fill(T::zero());
+        let source = Source::new(form);
         for patch in &self.patches {
-            self.part(patch, C).add(patch.functions.len(), out, |own| patch.diagonal(form, asks, own));
+            let part = self.part(patch, C);
+            part.add(patch.functions.len(), out, |own| patch.diagonal::<C, N, T>(part, &source, asks, own));
         }
     }
 }
@@ -96,18 +102,18 @@ impl FreePatch {
     fn new<const C: usize, const N: usize, T: Real>(
         patch: Patch<'_>,
         first_element: usize,
-        first_function: usize,
-        form: &Form<'_, C, N, T>,
+        functions: Range<usize>,
+        ids: Option<&[u32]>,
+        (form, source): (&Form<'_, C, N, T>, &Source<'_>),
         keeps: bool,
     ) -> Self {
         // for one component the map costs more than the rest of a product, for several components less
-        let tangents = C == 1 || matches!(form.coefficient, Coefficient::PerPoint(_));
+        let tangents = C == 1 || !matches!(form.coefficient, Coefficient::Constant(_));
         let kept = (keeps && (tangents || matches!(patch.map, Map::Elements(..)))).then(|| {
-            let source = Source::new(form);
-            let law = if tangents { Law::new::<N>(&source, C) } else { None };
-            keep(patch.grid(), law.as_ref(), form.symmetric, C)
+            let law = if tangents { Law::new::<N>(source, C) } else { None };
+            let part = Part { ids, weights: patch.weight.as_ref().map(|(_, weights)| &weights[..]), width: C };
+            keep(patch.grid().with_state(part, source), law.as_ref(), form.symmetric, C)
         });
-        let functions = first_function..first_function + patch.functions();
         let Patch { axes, map, weight, arch, .. } = patch;
         let net = if let (Map::Net(net), None) = (map, &kept) { Some(net) } else { None };
         Self { axes, weight, net, kept, first_element, functions, arch }
@@ -129,28 +135,33 @@ impl FreePatch {
             (None, None) => Points::Elements(asks),
         };
         let weight = self.weight.as_ref().map(|(net, _)| net);
-        Grid { axes: &self.axes, weight, points, first_element: self.first_element, arch: self.arch }
+        Grid { axes: &self.axes, weight, state: None, points, first_element: self.first_element, arch: self.arch }
     }
 
-    /// Calls `work` with the law of `form`, or with that of the tangents that were kept.
-    fn with_law<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, work: impl FnOnce(&Law<'_>)) {
+    /// Calls `work` with the grid and the law of `source`, or that of the tangents that were kept; `part`: the functions of the patch.
+    fn with_law<const C: usize, const N: usize>(
+        &self,
+        part: Part<'_>,
+        source: &Source<'_>,
+        asks: &Asks<'_>,
+        work: impl FnOnce(Grid<'_, '_>, &Law<'_>),
+    ) {
         if let Some(tangent) = self.kept.as_ref().and_then(|kept| kept.tangent) {
-            work(&Law::Kept { symmetric: tangent.symmetric });
-            return;
-        }
-        if let Some(law) = Law::new::<N>(&Source::new(form), C) {
-            work(&law);
+            work(self.grid(asks), &Law::Kept { symmetric: tangent.symmetric });
+        } else if let Some(law) = Law::new::<N>(source, C) {
+            let part = Part { weights: self.weights(), ..part };
+            work(self.grid(asks).with_state(part, source), &law);
         }
     }
 
-    /// Adds the diagonal to `out`, the functions of the patch alone.
-    fn diagonal<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &Asks<'_>, out: &mut [T]) {
+    /// Adds the diagonal to `out`, the functions of the patch alone, `part` of all.
+    fn diagonal<const C: usize, const N: usize, T: Real>(&self, part: Part<'_>, source: &Source<'_>, asks: &Asks<'_>, out: &mut [T]) {
         let slow = &self.axes[N - 1];
         let owners = slow.owners();
         let mut sums = vec![0.0; out.len()];
         let plane = sums.len() / slow.functions.max(1);
-        self.with_law(form, |law| {
-            diagonal::diagonal(self.grid(asks), law, C, &mut |points: Range<usize>, numbers: &[f64]| {
+        self.with_law::<C, N>(part, source, asks, |grid, law| {
+            diagonal::diagonal(grid, law, C, &mut |points: Range<usize>, numbers: &[f64]| {
                 for (q, numbers) in points.zip(numbers.chunks_exact(plane * ORDERS)) {
                     for a in 0..slow.active {
                         let squares = squares(slow, q, a);

@@ -7,9 +7,12 @@ use super::Patch;
 use super::aligned::Aligned;
 use super::axis::Axis;
 use super::fill::{FromNet, ask_cell, fill_asked};
+use super::gradients::{Gradients, State};
 use super::map::{Ask, Asks, Map, numbers};
 use super::net::Net;
+use super::part::Part;
 use super::spread::{self, Coefficients, Spread};
+use crate::assembly::source::Source;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -45,6 +48,8 @@ pub(in crate::assembly) struct Cell<'a, V> {
     pub kept: &'a [V],
     /// W and its derivatives, `[point * (N + 1) + k]`, of a rational basis.
     pub weight: Option<&'a [V]>,
+    /// Physical gradients of the state, `[(point * components + c) * N + k]`; empty if there is none.
+    pub state: &'a [V],
 }
 
 /// Visitor of the cells of the grid, with memory of its own.
@@ -90,6 +95,8 @@ pub(super) struct Grid<'a, 'p> {
     pub axes: &'a [Axis],
     /// The weight function of a rational basis.
     pub weight: Option<&'a Net>,
+    /// The state whose gradients are evaluated; none where other data were stored in place of the map.
+    pub state: Option<State<'a>>,
     /// The map.
     pub points: Points<'a, 'p>,
     /// First element.
@@ -105,7 +112,7 @@ impl<'p> Patch<'p> {
             Map::Elements(asks, _) => Points::Elements(*asks),
         };
         let weight = self.weight.as_ref().map(|(net, _)| net);
-        Grid { axes: &self.axes, weight, points, first_element: self.first_element, arch: self.arch }
+        Grid { axes: &self.axes, weight, state: None, points, first_element: self.first_element, arch: self.arch }
     }
 }
 
@@ -113,6 +120,7 @@ impl<'p> Patch<'p> {
 struct Scratch<'a, V> {
     map: Spread<V>,
     weight: Spread<V>,
+    state: Gradients<V>,
     numbers: Aligned<V>,
     weights: Aligned<V>,
     lanes: Vec<(usize, usize)>,
@@ -122,6 +130,11 @@ struct Scratch<'a, V> {
 }
 
 impl<'a, 'p> Grid<'a, 'p> {
+    /// The grid with the state of `source`, of whose unknowns the patch has the share `part`.
+    pub fn with_state(self, part: Part<'a>, source: &'a Source<'_>) -> Self {
+        Self { state: source.state().map(|u| State { part, u }), ..self }
+    }
+
     /// Walks the grid; every point of the slowest direction has `size` numbers as result.
     pub fn walk<S: Simd, const N: usize, V: Visit<S, N>>(&self, simd: S, size: usize, new: impl Fn() -> V + Sync, sink: &mut Sink<'_>) {
         let lanes = S::F64_LANES;
@@ -170,6 +183,7 @@ impl<'a, 'p> Grid<'a, 'p> {
         Scratch {
             map: Spread::default(),
             weight: Spread::default(),
+            state: Gradients::default(),
             numbers: Aligned::default(),
             weights: Aligned::default(),
             lanes: Vec::new(),
@@ -193,26 +207,22 @@ impl<S: Simd, const N: usize, V: Visit<S, N>> NullaryFnOnce for Tile<'_, '_, S, 
     #[inline(always)]
     fn call(self) {
         let Self { simd, grid, scratch, visit, out } = self;
-        let Scratch { map, weight, numbers: filled, weights, lanes, ask, xi, asked } = scratch;
+        let Scratch { map, weight, state, numbers: filled, weights, lanes, ask, xi, asked } = scratch;
         let axes = grid.axes;
         let (map_net, weight_net) = (if let Points::Net(net) = grid.points { Some(net) } else { None }, grid.weight);
         let (read_map, read_weight) = (reader(map_net), reader(weight_net));
         let of_map = map_net.map(|net| Coefficients { axes: &net.axes, width: net.width, read: &read_map });
         let of_weight = weight_net.map(|net| Coefficients { axes: &net.axes, width: 1, read: &read_weight });
-        if let Some(net) = of_map {
-            map.planes(simd, net, lanes);
-        }
-        if let Some(net) = of_weight {
-            weight.planes(simd, net, lanes);
+        let read_state = |from: usize, to: &mut [f64]| grid.state.iter().for_each(|state| state.read(from, to));
+        let of_state = grid.state.map(|state| Coefficients { axes, width: state.part.width, read: &read_state });
+        for (spread, field) in [(&mut *map, of_map), (&mut *weight, of_weight), (&mut state.spread, of_state)] {
+            field.into_iter().for_each(|field| spread.planes(simd, field, lanes));
         }
         visit.start(simd, lanes);
         let slow = slow_weights(simd, &axes[N - 1], lanes);
         for e in 0..if N == 3 { axes[1].elements() } else { 1 } {
-            if let Some(net) = of_map {
-                map.lines::<S, N>(simd, net, e);
-            }
-            if let Some(net) = of_weight {
-                weight.lines::<S, N>(simd, net, e);
+            for (spread, field) in [(&mut *map, of_map), (&mut *weight, of_weight), (&mut state.spread, of_state)] {
+                field.into_iter().for_each(|field| spread.lines::<S, N>(simd, field, e));
             }
             visit.open(simd, e);
             for (k, q) in (if N == 3 { axes[1].start[e]..axes[1].start[e + 1] } else { 0..1 }).enumerate() {
@@ -226,7 +236,7 @@ impl<S: Simd, const N: usize, V: Visit<S, N>> NullaryFnOnce for Tile<'_, '_, S, 
                 for first in 0..axes[0].elements() {
                     let here = Here { first_element: grid.first_element, first, middle: (q, k), middle_element: e, lanes };
                     let points = axes[0].start[first]..axes[0].start[first + 1];
-                    let mut cell = Cell { points: points.len(), map: &[], kept: &[], weight: None };
+                    let mut cell = Cell { points: points.len(), map: &[], kept: &[], weight: None, state: &[] };
                     let part = |all, size: usize| {
                         let line = size * S::F64_LANES;
                         let all: &[f64] = all;
@@ -252,15 +262,11 @@ impl<S: Simd, const N: usize, V: Visit<S, N>> NullaryFnOnce for Tile<'_, '_, S, 
                     }
                     if let Some(field) = of_weight {
                         weights.resize(points.len() * (N + 1));
-                        let line = weight.line::<N>(field, k);
-                        for (q, out) in points.clone().zip(weights.chunks_exact_mut(N + 1)) {
-                            let (value, slope) = spread::at::<S, N, 1>(simd, &field.axes[0], (q, first), line);
-                            out[0] = value[0];
-                            for k in 0..N {
-                                out[1 + k] = slope[k][0];
-                            }
-                        }
+                        fill_weights::<S, N>(simd, &field.axes[0], (points, first), weight.line::<N>(field, k), weights);
                         cell.weight = Some(weights);
+                    }
+                    if let Some(field) = of_state {
+                        cell.state = state.of::<S, N>(simd, field, here, cell);
                     }
                     visit.cell(simd, here, cell);
                 }
@@ -268,6 +274,24 @@ impl<S: Simd, const N: usize, V: Visit<S, N>> NullaryFnOnce for Tile<'_, '_, S, 
             visit.close(simd, e);
         }
         visit.end(simd, out);
+    }
+}
+
+/// W and its derivatives at the points of a cell.
+#[inline(always)]
+fn fill_weights<S: Simd, const N: usize>(
+    simd: S,
+    axis: &Axis,
+    (points, e): (Range<usize>, usize),
+    line: &[S::f64s],
+    weights: &mut [S::f64s],
+) {
+    for (q, out) in points.zip(weights.chunks_exact_mut(N + 1)) {
+        let (value, slope) = spread::at::<S, N, 1>(simd, axis, (q, e), line);
+        out[0] = value[0];
+        for k in 0..N {
+            out[1 + k] = slope[k][0];
+        }
     }
 }
 

@@ -121,8 +121,8 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, N> {
         let mut all = Buffer::zeros(tiles * points * self.size * S::F64_LANES + NUMBERS);
         let first = offset(&all);
         let mut next = first;
-        // map and tangent do not depend on the weight function
-        let grid = Grid { weight: None, ..self.grid };
+        // map and tangent do not depend on the weight function, but the gradient of a state does
+        let grid = Grid { weight: self.grid.weight.filter(|_| self.grid.state.is_some()), ..self.grid };
         grid.walk::<S, N, _>(simd, points * self.size, new, &mut |_: Range<usize>, numbers: &[f64]| {
             all[next..next + numbers.len()].copy_from_slice(numbers);
             next += numbers.len();

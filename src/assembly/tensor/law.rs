@@ -27,7 +27,7 @@ impl<'a> Law<'a> {
     pub fn new<const N: usize>(source: &'a Source<'a>, components: usize) -> Option<Self> {
         let all = match source {
             Source::Mass => return None,
-            Source::PerPoint(at) => return Some(Self::PerPoint(&**at)),
+            Source::PerPoint { at, .. } => return Some(Self::PerPoint(&**at)),
             Source::Constant(all) => all,
         };
         let c = components;
@@ -64,22 +64,8 @@ impl<'a> Law<'a> {
         out: &mut Vec<S::f64s>,
     ) {
         let Self::PerPoint(at) = self else { return };
-        let (lanes, size) = (S::F64_LANES, components * components * N * N);
-        buffer.resize(size, 0.0);
-        out.resize(cell.points * size, simd.splat_f64s(0.0));
-        let (map, out): (&[f64], &mut [f64]) = (bytemuck::cast_slice(cell.map), bytemuck::cast_slice_mut(out));
-        for (map, out) in map.chunks_exact(numbers(N) * lanes).zip(out.chunks_exact_mut(size * lanes)) {
-            for lane in 0..lanes {
-                let mut x = [0.0; N];
-                for k in 0..N {
-                    x[k] = map[k * lanes + lane];
-                }
-                at(&x, buffer);
-                for (k, &value) in buffer.iter().enumerate() {
-                    out[k * lanes + lane] = value;
-                }
-            }
-        }
+        out.resize(cell.points * components * components * N * N, simd.splat_f64s(0.0));
+        tangents::<S, N>(at, components, cell.map, cell.state, buffer, out);
     }
 
     /// Replaces local gradients `g[component * (N + 1) + d]` (d = N: value, of a rational basis) by the factors of the
@@ -146,14 +132,80 @@ impl<'a> Law<'a> {
             }
         }
         if weight.is_some() {
-            // derivatives of N / W
-            for g in g.chunks_exact_mut(N + 1) {
-                g[N] = zero;
-                for k in 0..N {
-                    g[k] = simd.mul_f64s(g[k], inverse);
-                    g[N] = simd.negate_mul_add_e_f64s(g[k], dw[k], g[N]);
-                }
+            quotients::<S, N>(simd, inverse, &dw, g);
+        }
+    }
+}
+
+/// Tangents at points in lanes, `out[point * C² N² + ..]`, from the map and from the physical gradients of a state,
+/// `state[point * C N + ..]` or nothing.
+#[inline(always)]
+pub(super) fn tangents<S: Simd, const N: usize>(
+    at: &PointTangent<'_>,
+    components: usize,
+    map: &[S::f64s],
+    state: &[S::f64s],
+    buffer: &mut Vec<f64>,
+    out: &mut [S::f64s],
+) {
+    let (lanes, size) = (S::F64_LANES, components * components * N * N);
+    let rows = if state.is_empty() { 0 } else { components * N };
+    buffer.resize(size + rows, 0.0);
+    let (tangent, gradient) = buffer.split_at_mut(size);
+    let (map, state, out): (&[f64], &[f64], &mut [f64]) =
+        (bytemuck::cast_slice(map), bytemuck::cast_slice(state), bytemuck::cast_slice_mut(out));
+    for (q, (map, out)) in map.chunks_exact(numbers(N) * lanes).zip(out.chunks_exact_mut(size * lanes)).enumerate() {
+        let state = &state[q * rows * lanes..][..rows * lanes];
+        for lane in 0..lanes {
+            let mut x = [0.0; N];
+            for k in 0..N {
+                x[k] = map[k * lanes + lane];
             }
+            for (k, g) in gradient.iter_mut().enumerate() {
+                *g = state[k * lanes + lane];
+            }
+            at(&x, gradient, tangent);
+            for (k, &value) in tangent.iter().enumerate() {
+                out[k * lanes + lane] = value;
+            }
+        }
+    }
+}
+
+/// Factors of the derivatives (d = N: of the value) of the test functions for a stress at a point, `t[component * (N + 1) + d]`:
+/// weight |det J| J^-1 stress, for functions over a `weight` function those of their numerators.
+#[inline(always)]
+pub(in crate::assembly) fn tested<S: Simd, const N: usize>(
+    simd: S,
+    map: &[S::f64s],
+    weight: Option<&[S::f64s]>,
+    stress: &[S::f64s],
+    t: &mut [S::f64s],
+) {
+    let zero = simd.splat_f64s(0.0);
+    let (r, dx) = (super::inverse::<S, N>(simd, map), map[N + N * N + 1]);
+    for (t, s) in t.chunks_exact_mut(N + 1).zip(stress.chunks_exact(N)) {
+        local::<S, N>(simd, &r, dx, s, t);
+        t[N] = zero;
+    }
+    if let Some(w) = weight {
+        let inverse = simd.div_f64s(simd.splat_f64s(1.0), w[0]);
+        let mut dw = [zero; N];
+        for k in 0..N {
+            dw[k] = simd.mul_f64s(w[1 + k], inverse);
+        }
+        quotients::<S, N>(simd, inverse, &dw, t);
+    }
+}
+
+/// Factors of derivatives and value of N from those of the derivatives of N / W, with 1 / W and dW / W.
+#[inline(always)]
+fn quotients<S: Simd, const N: usize>(simd: S, inverse: S::f64s, dw: &[S::f64s; N], t: &mut [S::f64s]) {
+    for t in t.chunks_exact_mut(N + 1) {
+        t[N] = simd.splat_f64s(0.0);
+        for k in 0..N {
+            t[k] = simd.mul_f64s(t[k], inverse);
+            t[N] = simd.negate_mul_add_e_f64s(t[k], dw[k], t[N]);
         }
     }
 }

@@ -1,6 +1,8 @@
 //! The first sweep over a layer of elements: tiles of contracted points; sizes and memory of both.
 
 use super::fast;
+use super::gradients::Physical;
+use super::grid::Cell;
 use super::map::{self, ElementScratch, Map, Place, numbers};
 use super::march::Plan;
 use super::net::{Curves, Tile};
@@ -22,11 +24,15 @@ pub(super) struct Layer {
 pub(super) struct Scratch<'a, V> {
     geo: Vec<V>,
     tangents: Vec<V>,
+    /// Physical gradients of the state, and what they come from.
+    state: Vec<V>,
+    slopes: Vec<V>,
     weight: Vec<V>,
     d: Vec<V>,
     pub sums: Vec<V>,
     tile: Tile<V>,
     weight_tile: Tile<V>,
+    state_tile: Tile<V>,
     lanes: Vec<(usize, usize)>,
     element: ElementScratch<'a>,
     numbers: Vec<f64>,
@@ -37,6 +43,7 @@ pub(super) struct Scratch<'a, V> {
 pub(super) struct Lines {
     map: Vec<Curves>,
     weight: Vec<Curves>,
+    state: Vec<Curves>,
     /// Memory of one contraction per point.
     planes: Vec<Vec<f64>>,
 }
@@ -93,16 +100,20 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
         let (patch, form) = (self.plan.patch, self.plan.coefficient);
         let zeros = |n: usize| vec![simd.splat_f64s(0.0); n];
         let points = self.fast.points.len();
-        let varies = matches!(form.source, Source::PerPoint(_));
+        let varies = matches!(form.source, Source::PerPoint { .. });
+        let gradients = self.plan.state.as_ref().map_or(0, |net| points * net.width);
         let rational = patch.weight.is_some();
         Scratch {
             geo: zeros(points * numbers(N)),
             tangents: zeros(if varies { points * form.components * form.components * N * N } else { 0 }),
+            state: zeros(gradients * N),
+            slopes: zeros(gradients * (N + 1)),
             weight: zeros(if rational { points * (N + 1) } else { 0 }),
             d: zeros(points * form.stride::<N>(rational)),
             sums: zeros((2 * self.to.middle.active - 1) * self.points * 4),
             tile: Tile::default(),
             weight_tile: Tile::default(),
+            state_tile: Tile::default(),
             lanes: Vec::with_capacity(self.lanes),
             element: ElementScratch::new(&patch.map),
             numbers: Vec::new(),
@@ -112,16 +123,18 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
     /// Room for the lines of a layer.
     pub fn lines(&self) -> Lines {
         let count = if N == 3 { self.points } else { 1 };
-        Lines { map: vec![Curves::default(); count], weight: vec![Curves::default(); count], planes: vec![Vec::new(); count] }
+        let curves = || vec![Curves::default(); count];
+        Lines { map: curves(), weight: curves(), state: curves(), planes: vec![Vec::new(); count] }
     }
 
-    /// Contracts the nets of map and weights for the points of a layer; in the plane once for all elements of the march, `slow`.
+    /// Contracts the nets of map, weights and state for the points of a layer; in the plane once for all elements of the march, `slow`.
     pub fn fill_lines(&self, layer: &Layer, slow: &Range<usize>, lines: &mut Lines) {
         let patch = self.plan.patch;
         let net = if let Map::Net(net) = &patch.map { Some(net) } else { None };
         let weight = patch.weight.as_ref().map(|w| &w.0);
         let elements = [&self.fast.elements, if N == 3 { &self.middle.elements } else { slow }];
-        for (net, all) in [(net, &mut lines.map), (weight, &mut lines.weight)] {
+        let state = self.plan.state.as_ref();
+        for (net, all) in [(net, &mut lines.map), (weight, &mut lines.weight), (state, &mut lines.state)] {
             let Some(net) = net else { continue };
             if N == 2 && !all[0].is_empty() {
                 continue;
@@ -198,7 +211,17 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Fast<'_, '_, S, N> {
             }
             &scratch.weight[..]
         });
-        plan.coefficient.tangents::<S, N>(simd, &scratch.geo, &mut scratch.numbers, &mut scratch.tangents);
+        if let Some(net) = &plan.state {
+            net.tile(simd, &scratch.lanes, &mut scratch.state_tile);
+            for (k, out) in scratch.slopes.chunks_exact_mut(N + 1).enumerate() {
+                let (value, slope) = net.one::<S, N>(simd, (k / net.width, k % net.width), &lines.state[line], &scratch.state_tile);
+                out[..N].copy_from_slice(&slope);
+                out[N] = value;
+            }
+            let cell = Cell { points: scratch.geo.len() / numbers(N), map: &scratch.geo, kept: &[], weight, state: &[] };
+            simd.vectorize(Physical::<'_, S, N> { simd, cell, width: net.width, g: &mut scratch.slopes, out: &mut scratch.state });
+        }
+        plan.coefficient.tangents::<S, N>(&scratch.geo, &scratch.state, &mut scratch.numbers, &mut scratch.tangents);
         let stride = plan.coefficient.stride::<N>(patch.weight.is_some());
         for (pair, out) in plan.pairs.iter().zip(out.chunks_exact_mut(sweep.chunk)) {
             plan.coefficient.pull::<S, N>(simd, pair, &scratch.geo, &scratch.tangents, weight, &mut scratch.d);

@@ -12,8 +12,11 @@ use super::aligned::Aligned;
 use super::axis::Axis;
 use super::coefficient::{Coefficient, Pair};
 use super::fast::Group;
+use super::gradients::State;
 use super::groups;
 use super::layer::{Layer, Scratch, Sweep};
+use super::net::Net;
+use super::part::Part as Share;
 use super::strip::{self, Strip};
 use super::sums::Add;
 use super::write::{Directions, Sums};
@@ -56,6 +59,8 @@ fn sizes(to: Directions<'_>, bytes: usize) -> [usize; 2] {
 pub(super) struct Plan<'a, 'p> {
     pub patch: &'a Patch<'p>,
     pub coefficient: &'a Coefficient<'a>,
+    /// The state that the tangent depends on.
+    pub state: Option<Net>,
     pub pairs: Vec<Pair>,
     /// Groups of pairs whose D is symmetric, and of the others.
     pub groups: [Vec<Group>; 2],
@@ -66,7 +71,8 @@ pub(super) struct Plan<'a, 'p> {
 }
 
 impl<'a, 'p> Plan<'a, 'p> {
-    pub fn new(patch: &'a Patch<'p>, coefficient: &'a Coefficient<'a>) -> Self {
+    /// Creates the plan of `patch`, which has the share `part` of the unknowns.
+    pub fn new(patch: &'a Patch<'p>, part: Share<'_>, coefficient: &'a Coefficient<'a>) -> Self {
         let extended = patch.weight.is_some();
         let groups = match (&coefficient.source, patch.axes.len()) {
             (Source::Mass, _) => [groups::mass(), groups::mass()],
@@ -77,7 +83,8 @@ impl<'a, 'p> Plan<'a, 'p> {
         let to = patch.directions();
         let per_pair = to.fast.active * to.sums(to.slow.active) * pairs.len() * size_of::<f64>();
         let strip = sizes(to, to.fast.functions * to.middle.functions * per_pair);
-        Self { patch, coefficient, pairs, groups, strip, window: WINDOW }
+        let state = coefficient.source.state().map(|u| State { part, u }.net(patch));
+        Self { patch, coefficient, state, pairs, groups, strip, window: WINDOW }
     }
 
     /// The functions of the fast and of the middle direction in strips.

@@ -21,7 +21,8 @@
 //! | `grid`, `fill`, `sites` | a walk over the points; closures that are called there |
 //! | `spread`, `gather` | interpolation of coefficients to the points, and its transpose |
 //! | `law`, `product`, `diagonal` | the tangent at a point; products without a matrix, and their diagonal |
-//! | `force`, `deviation`, `squares`, `states` | loads; norms of differences; a field and its gradient |
+//! | `force`, `deviation`, `squares`, `states` | loads and internal forces; norms of differences; a field and its gradient |
+//! | `gradients` | the gradient of a form's state |
 //! | `free`, `keep`, `part`, `aligned` | the operator and its stored data; unknowns of a patch; vectors on cache lines |
 //!
 //! Lanes are chosen at run time. They never mix and products are fused at every width, so that a sum has the same terms in
@@ -44,6 +45,7 @@ mod force;
 mod free;
 mod gather;
 mod glue;
+mod gradients;
 mod grid;
 mod groups;
 mod keep;
@@ -74,9 +76,10 @@ use axis::{Axis, COMPILED};
 pub(super) use force::add_moments;
 pub(super) use free::Free;
 pub(super) use glue::Glue;
+pub(super) use gradients::Physical;
 pub(super) use grid::Cell;
 pub(in crate::assembly) use lanes::available as lanes_available;
-pub(super) use law::{Law, physical};
+pub(super) use law::{Law, physical, tested};
 use map::Map;
 pub(super) use map::{Ask, Asks, finish, numbers as numbers_of_map};
 use net::Net;

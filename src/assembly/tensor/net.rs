@@ -157,18 +157,43 @@ impl Net {
         curves: &Curves,
         tile: &Tile<S::f64s>,
     ) -> ([S::f64s; M], [[S::f64s; M]; N]) {
+        Self::some::<S, N, M>(simd, q, curves, tile, (M, 0))
+    }
+
+    /// [`Self::at`] for the number `c` of each function alone.
+    #[inline(always)]
+    pub fn one<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        (q, c): (usize, usize),
+        curves: &Curves,
+        tile: &Tile<S::f64s>,
+    ) -> (S::f64s, [S::f64s; N]) {
+        let ([value], slope) = Self::some::<S, N, 1>(simd, q, curves, tile, (self.width, c));
+        (value, slope.map(|[s]| s))
+    }
+
+    /// M of `width` numbers per function, from the one of number `first` on.
+    #[inline(always)]
+    fn some<S: Simd, const N: usize, const M: usize>(
+        simd: S,
+        q: usize,
+        curves: &Curves,
+        tile: &Tile<S::f64s>,
+        (width, first): (usize, usize),
+    ) -> ([S::f64s; M], [[S::f64s; M]; N]) {
         let zero = simd.splat_f64s(0.0);
         let (mut value, mut slope) = ([zero; M], [[zero; M]; N]);
-        let start = (q * curves.of.len() + tile.first - curves.of.start) * N * M;
-        let lines = curves.numbers[start..start + tile.tables.len() * N * M].chunks_exact(N * M);
+        let start = (q * curves.of.len() + tile.first - curves.of.start) * N * width;
+        let lines = curves.numbers[start..start + tile.tables.len() * N * width].chunks_exact(N * width);
         for (line, [v, s]) in lines.zip(&tile.tables) {
             for c in 0..M {
-                let along = simd.splat_f64s(line[c]);
+                let along = simd.splat_f64s(line[first + c]);
                 value[c] = simd.mul_add_e_f64s(along, *v, value[c]);
                 slope[1][c] = simd.mul_add_e_f64s(along, *s, slope[1][c]);
-                slope[0][c] = simd.mul_add_e_f64s(simd.splat_f64s(line[M + c]), *v, slope[0][c]);
+                slope[0][c] = simd.mul_add_e_f64s(simd.splat_f64s(line[width + first + c]), *v, slope[0][c]);
                 if N == 3 {
-                    slope[2][c] = simd.mul_add_e_f64s(simd.splat_f64s(line[2 * M + c]), *v, slope[2][c]);
+                    slope[2][c] = simd.mul_add_e_f64s(simd.splat_f64s(line[2 * width + first + c]), *v, slope[2][c]);
                 }
             }
         }

@@ -14,6 +14,10 @@ pub(in crate::assembly) struct Sites {
     pub elements: Vec<usize>,
     /// Local points, N numbers each; set by [`Self::locate`] or the caller.
     pub xi: Vec<f64>,
+    /// First point per lane, counted in the rule of its element; set as `xi`.
+    pub first: Vec<usize>,
+    /// Physical gradients of the state, component by component; empty if there is none.
+    pub gradients: Vec<f64>,
     answers: Vec<f64>,
 }
 
@@ -43,6 +47,12 @@ impl Sites {
                 }
             }
         }
+        let rows = cell.state.len() / count.max(1);
+        self.gradients.resize(valid * count * rows, 0.0);
+        let state: &[f64] = bytemuck::cast_slice(cell.state);
+        for (lane, own) in self.gradients.chunks_exact_mut((count * rows).max(1)).enumerate() {
+            own.iter_mut().enumerate().for_each(|(k, g)| *g = state[k * width + lane]);
+        }
         self.answers.resize(valid * count * size, 0.0);
         let mut answers = std::mem::take(&mut self.answers);
         answer(self, &mut answers);
@@ -63,8 +73,11 @@ impl Sites {
         let counts = [axes[0].elements(), if N == 3 { axes[1].elements() } else { 1 }];
         self.elements.clear();
         self.xi.clear();
+        self.first.clear();
+        let middle = if N == 3 { axes[1].start[here.middle_element + 1] - axes[1].start[here.middle_element] } else { 1 };
         for &(q, slow) in here.lanes {
             self.elements.push(here.first_element + here.first + counts[0] * (here.middle_element + counts[1] * slow));
+            self.first.push(along.len() * (here.middle.1 + middle * (q - axes[N - 1].start[slow])));
             for first in along.clone() {
                 self.xi.push(axes[0].xi[first]);
                 if N == 3 {
