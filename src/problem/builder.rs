@@ -5,7 +5,7 @@ use super::contact_part::ContactSetup;
 use super::data::{Data, Exact};
 use super::fixed::Fixed;
 use super::glued::Glued;
-use super::handles::{BodyId, Components, SideOf};
+use super::handles::{BodyId, Components, SideOf, Sides};
 use super::interfaces::{ContactOf, Faced, Opposite, Tie};
 use super::model::{Action, Condition, ContactModel, Model, PatchModel, SideLoad, SideModel, SideSpring, TieModel, Value};
 use super::obstacle::{ObstacleModel, Pressed};
@@ -129,15 +129,11 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         self.condition(side, Components::One(component), &Value::Data(value.into()))
     }
 
-    /// Prescribes the exact solution on a side; [`exact`](Self::exact) comes before it.
+    /// Prescribes the [`exact`](Self::exact) solution on a side.
     ///
     /// # Errors
-    /// [`ProblemError`] for a side or a component that does not exist.
-    ///
-    /// # Panics
-    /// If the problem has no exact solution.
+    /// [`ProblemError`] for a side or a component that does not exist. A problem without an exact solution is not assembled.
     pub fn prescribe_exact(&mut self, side: SideOf<'_>, components: Components) -> Result<(), ProblemError> {
-        assert!(self.exact.is_some(), "the exact solution comes before the sides that take its values");
         self.condition(side, components, &Value::Exact)
     }
 
@@ -151,15 +147,11 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         Ok(())
     }
 
-    /// Applies a component of the traction of the exact solution; [`exact`](Self::exact) comes before it.
+    /// Applies a component of the traction of the [`exact`](Self::exact) solution.
     ///
     /// # Errors
-    /// [`ProblemError`] for a side or a component that does not exist.
-    ///
-    /// # Panics
-    /// If the problem has no exact solution.
+    /// [`ProblemError`] for a side or a component that does not exist. A problem without an exact solution is not assembled.
     pub fn traction_exact(&mut self, side: SideOf<'_>, component: usize) -> Result<(), ProblemError> {
-        assert!(self.exact.is_some(), "the exact solution comes before the sides that take its values");
         let (side, component) = (self.side(side)?, self.component(component)?);
         self.loads.push(SideLoad { side, action: Action::Exact(component) });
         Ok(())
@@ -246,6 +238,13 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         Ok(made)
     }
 
+    fn sides(&mut self, sides: Sides<'_>) -> Result<Vec<Arc<SideModel<S, N>>>, ProblemError> {
+        if sides.0.is_empty() {
+            return Err(ProblemError::NoMaster);
+        }
+        sides.0.into_iter().map(|side| self.side(side)).collect()
+    }
+
     fn condition(&mut self, side: SideOf<'_>, components: Components, value: &Value) -> Result<(), ProblemError> {
         let side = self.side(side)?;
         let all = match components {
@@ -264,6 +263,11 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let components = self.bodies.first().ok_or(ProblemError::Empty)?.field.components;
         if let Some(body) = self.bodies.iter().find(|b| self.exact.is_some() && !b.source.is_empty()) {
             return Err(ProblemError::SourceTwice { body: body.name.clone() });
+        }
+        let prescribed = self.conditions.iter().filter(|c| matches!(c.value, Value::Exact)).map(|c| &c.side);
+        let loaded = self.loads.iter().filter(|l| matches!(l.action, Action::Exact(_))).map(|l| &l.side);
+        if let Some(side) = prescribed.chain(loaded).find(|_| self.exact.is_none()) {
+            return Err(ProblemError::NoExact { side: side.label.clone() });
         }
         let functions = self.bodies.last().map_or(0, |b| b.range().end) / components;
         let mut glued = Glued::new(components, functions, self.bodies.len());
@@ -306,27 +310,27 @@ impl<const S: usize, const N: usize> Problem<S, N> {
 }
 
 impl Problem<1, 2> {
-    /// Ties a slave side to a master side.
+    /// Ties a slave side to a master side, or to several that cover it together.
     ///
     /// # Errors
     /// [`ProblemError`] for a side that does not exist. Sides that do not meet are found when the problem is assembled.
-    pub fn tie(&mut self, slave: SideOf<'_>, master: SideOf<'_>) -> Result<&mut Tie, ProblemError> {
-        let (slave, master) = (self.side(slave)?, self.side(master)?);
-        let name = format!("{} - {}", slave.label, master.label);
-        self.interfaces.ties.push(Tie::new(name, slave, vec![master]));
+    pub fn tie<'a>(&mut self, slave: SideOf<'_>, masters: impl Into<Sides<'a>>) -> Result<&mut Tie, ProblemError> {
+        let (slave, masters) = (self.side(slave)?, self.sides(masters.into())?);
+        let name = format!("{} - {}", slave.label, labels(&masters));
+        self.interfaces.ties.push(Tie::new(name, slave, masters));
         Ok(self.interfaces.ties.last_mut().expect("just pushed"))
     }
 
-    /// Presses a slave side against another side or a rigid obstacle.
+    /// Presses a slave side against another side, several sides or a rigid obstacle.
     ///
     /// # Errors
     /// [`ProblemError`] for a side that does not exist, and in problems of one component.
     pub fn contact<'a>(&mut self, slave: SideOf<'_>, opposite: impl Into<Opposite<'a>>) -> Result<&mut ContactOf, ProblemError> {
         let slave = self.side(slave)?;
         let (opponent, faced) = match opposite.into() {
-            Opposite::Side(master) => {
-                let master = self.side(master)?;
-                (master.label.clone(), Faced::Sides(vec![master]))
+            Opposite::Sides(masters) => {
+                let masters = self.sides(masters)?;
+                (labels(&masters), Faced::Sides(masters))
             }
             Opposite::Obstacle(obstacle) => ("obstacle".to_owned(), Faced::Obstacle(obstacle)),
         };
@@ -479,6 +483,11 @@ impl Problem<2, 3> {
         Self::held(&model)?;
         Ok(System::new(model, self.id))
     }
+}
+
+/// Names of sides in a sentence.
+fn labels<const S: usize, const N: usize>(sides: &[Arc<SideModel<S, N>>]) -> String {
+    sides.iter().map(|s| s.label.as_str()).collect::<Vec<_>>().join(", ")
 }
 
 /// The obstacle of a contact, whose motions and forces have components of the plane.

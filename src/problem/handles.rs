@@ -40,3 +40,25 @@ impl Components {
     /// The third coordinate.
     pub const Z: Self = Self::One(2);
 }
+
+/// One or several sides, such as the masters of a slave side.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sides<'a>(pub Vec<SideOf<'a>>);
+
+impl<'a> From<SideOf<'a>> for Sides<'a> {
+    fn from(side: SideOf<'a>) -> Self {
+        Self(vec![side])
+    }
+}
+
+impl<'a, const K: usize> From<[SideOf<'a>; K]> for Sides<'a> {
+    fn from(sides: [SideOf<'a>; K]) -> Self {
+        Self(sides.into())
+    }
+}
+
+impl<'a> From<Vec<SideOf<'a>>> for Sides<'a> {
+    fn from(sides: Vec<SideOf<'a>>) -> Self {
+        Self(sides)
+    }
+}

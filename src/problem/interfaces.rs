@@ -1,14 +1,14 @@
 //! Ties and contacts of a problem as their author states them.
 
 use super::data::Data;
-use super::handles::SideOf;
+use super::handles::{SideOf, Sides};
 use super::model::{Formulation, SideModel};
 use super::multipliers::{MakeMultiplier, curve_multiplier};
 use super::start::Start;
 use super::tie_part::{InterfaceRules, MakeIntegration};
 use crate::basis::Basis;
 use crate::contact::{Cone, Obstacle};
-use crate::coupling::interface::{MasterSums, MergedCurve, Partners, SlaveRule};
+use crate::coupling::interface::{InterfaceQuadrature, MasterSums, MergedCurve, Partners, SlaveRule};
 use crate::coupling::multiplier::{MultiplierError, MultiplierKind};
 use crate::coupling::{Coupling, Mortar, Penalty};
 use crate::space::Trace;
@@ -29,8 +29,7 @@ pub enum Integration {
 }
 
 impl Integration {
-    /// The rules of a tie, or of a contact.
-    pub(super) fn rules(self, extra_points: usize, contact: bool) -> InterfaceRules<'static, 1, 2> {
+    fn rules(self, extra_points: usize, contact: bool) -> InterfaceRules<'static, 1, 2> {
         let merged: &MakeIntegration<'static, 1, 2> = &|points, partners| Box::new(MergedCurve { points, partners });
         let slave: &MakeIntegration<'static, 1, 2> = &|points, partners| Box::new(SlaveRule { points, partners });
         let sums: &MakeIntegration<'static, 1, 2> = &|points, partners: Partners| Box::new(MasterSums { points, partners });
@@ -39,6 +38,32 @@ impl Integration {
             second: (self == Self::Mixed).then_some(if contact { sums } else { slave }),
             finer: Some(merged),
             extra_points,
+        }
+    }
+}
+
+/// An integration: one of the library, or that of a function.
+#[derive(Clone)]
+pub(super) enum Rule {
+    Kind(Integration),
+    Made(Arc<MakeIntegration<'static, 1, 2>>),
+}
+
+impl Debug for Rule {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Kind(kind) => Debug::fmt(kind, f),
+            Self::Made(_) => f.write_str("Made"),
+        }
+    }
+}
+
+impl Rule {
+    /// The rules of a tie, or of a contact.
+    pub(super) fn rules(&self, extra_points: usize, contact: bool) -> InterfaceRules<'_, 1, 2> {
+        match self {
+            Self::Kind(kind) => kind.rules(extra_points, contact),
+            Self::Made(make) => InterfaceRules { rule: &**make, ..Integration::Merged.rules(extra_points, contact) },
         }
     }
 }
@@ -68,10 +93,57 @@ impl Multiplier {
     }
 }
 
+/// The choices that ties and contacts share.
+macro_rules! setters {
+    () => {
+        /// Names it; by default "slave side - opponent".
+        pub fn named(&mut self, name: &str) -> &mut Self {
+            name.clone_into(&mut self.name);
+            self
+        }
+
+        /// Takes a multiplier of a kind; by default [`MultiplierKind::Auto`].
+        pub fn multiplier(&mut self, kind: MultiplierKind) -> &mut Self {
+            self.multiplier = Multiplier::Kind(kind);
+            self
+        }
+
+        /// Takes a multiplier from a function of the slave side; see [`MakeMultiplier`].
+        pub fn multiplier_of(
+            &mut self,
+            make: impl Fn(&Trace<1, 2>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<1>>, MultiplierError> + Send + Sync + 'static,
+        ) -> &mut Self {
+            self.multiplier = Multiplier::Made(Arc::new(make));
+            self
+        }
+
+        /// Sets the integration; by default over segments of both sides.
+        pub fn integration(&mut self, integration: Integration) -> &mut Self {
+            self.integration = Rule::Kind(integration);
+            self
+        }
+
+        /// Takes the integration from a function of the number of points per piece and the partners; see [`MakeIntegration`].
+        pub fn integration_of(
+            &mut self,
+            make: impl Fn(usize, Partners) -> Box<dyn InterfaceQuadrature<1, 2>> + Send + Sync + 'static,
+        ) -> &mut Self {
+            self.integration = Rule::Made(Arc::new(make));
+            self
+        }
+
+        /// Adds quadrature points per segment.
+        pub fn extra_points(&mut self, points: usize) -> &mut Self {
+            self.extra_points = points;
+            self
+        }
+    };
+}
+
 /// Makes the coupling of a tie each time the problem is assembled.
 type MakeCoupling = Arc<dyn Fn() -> Box<dyn Coupling<1, 2>> + Send + Sync>;
 
-/// A tie of a problem: a slave side on a master side.
+/// A tie of a problem: a slave side on one or several master sides.
 #[derive(Clone)]
 pub struct Tie {
     pub(super) name: String,
@@ -80,7 +152,7 @@ pub struct Tie {
     pub(super) multiplier: Multiplier,
     pub(super) coupling: MakeCoupling,
     pub(super) mortar_rows: bool,
-    pub(super) integration: Integration,
+    pub(super) integration: Rule,
     pub(super) extra_points: usize,
     pub(super) tolerance: Option<f64>,
 }
@@ -100,32 +172,13 @@ impl Tie {
             multiplier: Multiplier::Kind(MultiplierKind::Auto),
             coupling: Arc::new(|| Box::new(Mortar)),
             mortar_rows: true,
-            integration: Integration::default(),
+            integration: Rule::Kind(Integration::default()),
             extra_points: 0,
             tolerance: None,
         }
     }
 
-    /// Names it; by default "slave side - master side".
-    pub fn named(&mut self, name: &str) -> &mut Self {
-        name.clone_into(&mut self.name);
-        self
-    }
-
-    /// Takes a multiplier of a kind; by default [`MultiplierKind::Auto`].
-    pub fn multiplier(&mut self, kind: MultiplierKind) -> &mut Self {
-        self.multiplier = Multiplier::Kind(kind);
-        self
-    }
-
-    /// Takes a multiplier from a function of the slave side; see [`MakeMultiplier`].
-    pub fn multiplier_of(
-        &mut self,
-        make: impl Fn(&Trace<1, 2>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<1>>, MultiplierError> + Send + Sync + 'static,
-    ) -> &mut Self {
-        self.multiplier = Multiplier::Made(Arc::new(make));
-        self
-    }
+    setters!();
 
     /// Couples by the mortar method, softened by a penalty with this factor.
     pub fn penalty(&mut self, factor: f64) -> &mut Self {
@@ -141,18 +194,6 @@ impl Tie {
         self
     }
 
-    /// Sets the integration; by default over segments of both sides.
-    pub fn integration(&mut self, integration: Integration) -> &mut Self {
-        self.integration = integration;
-        self
-    }
-
-    /// Adds quadrature points per segment.
-    pub fn extra_points(&mut self, points: usize) -> &mut Self {
-        self.extra_points = points;
-        self
-    }
-
     /// Ties points up to this distance apart \[length\].
     pub fn tolerance(&mut self, distance: f64) -> &mut Self {
         self.tolerance = Some(distance);
@@ -163,15 +204,27 @@ impl Tie {
 /// Opponent of the slave side of a contact.
 #[derive(Clone, Debug)]
 pub enum Opposite<'a> {
-    /// A side of a body.
-    Side(SideOf<'a>),
+    /// Sides of bodies.
+    Sides(Sides<'a>),
     /// A rigid obstacle.
     Obstacle(Arc<dyn Obstacle<1, 2>>),
 }
 
 impl<'a> From<SideOf<'a>> for Opposite<'a> {
     fn from(side: SideOf<'a>) -> Self {
-        Self::Side(side)
+        Self::Sides(side.into())
+    }
+}
+
+impl<'a, const K: usize> From<[SideOf<'a>; K]> for Opposite<'a> {
+    fn from(sides: [SideOf<'a>; K]) -> Self {
+        Self::Sides(sides.into())
+    }
+}
+
+impl<'a> From<Vec<SideOf<'a>>> for Opposite<'a> {
+    fn from(sides: Vec<SideOf<'a>>) -> Self {
+        Self::Sides(sides.into())
     }
 }
 
@@ -197,7 +250,7 @@ pub struct ContactOf {
     pub(super) multiplier: Multiplier,
     pub(super) formulation: Formulation,
     pub(super) cone: Cone,
-    pub(super) integration: Integration,
+    pub(super) integration: Rule,
     pub(super) extra_points: usize,
     pub(super) gap: Data,
     pub(super) reach: Option<f64>,
@@ -216,7 +269,7 @@ impl ContactOf {
             multiplier: Multiplier::Kind(MultiplierKind::Auto),
             formulation: Formulation::Lagrange,
             cone: Cone::Coefficients,
-            integration: Integration::default(),
+            integration: Rule::Kind(Integration::default()),
             extra_points: 0,
             gap: Data::gap(),
             reach: None,
@@ -227,11 +280,7 @@ impl ContactOf {
         }
     }
 
-    /// Names it; by default "slave side - opponent".
-    pub fn named(&mut self, name: &str) -> &mut Self {
-        name.clone_into(&mut self.name);
-        self
-    }
+    setters!();
 
     /// Sets the method; by default Lagrange multipliers.
     pub fn method(&mut self, method: Formulation) -> &mut Self {
@@ -239,36 +288,9 @@ impl ContactOf {
         self
     }
 
-    /// Takes a multiplier of a kind; by default [`MultiplierKind::Auto`].
-    pub fn multiplier(&mut self, kind: MultiplierKind) -> &mut Self {
-        self.multiplier = Multiplier::Kind(kind);
-        self
-    }
-
-    /// Takes a multiplier from a function of the slave side; see [`MakeMultiplier`].
-    pub fn multiplier_of(
-        &mut self,
-        make: impl Fn(&Trace<1, 2>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<1>>, MultiplierError> + Send + Sync + 'static,
-    ) -> &mut Self {
-        self.multiplier = Multiplier::Made(Arc::new(make));
-        self
-    }
-
     /// Sets the cone of admissible multipliers; by default coefficients without a sign change.
     pub fn cone(&mut self, cone: Cone) -> &mut Self {
         self.cone = cone;
-        self
-    }
-
-    /// Sets the integration; by default over segments of both sides.
-    pub fn integration(&mut self, integration: Integration) -> &mut Self {
-        self.integration = integration;
-        self
-    }
-
-    /// Adds quadrature points per segment.
-    pub fn extra_points(&mut self, points: usize) -> &mut Self {
-        self.extra_points = points;
         self
     }
 

@@ -65,7 +65,7 @@ pub use data::{Data, Derivatives, Exact, Function, Point, field_slope};
 pub use fixed::{Conflict, Fixed};
 pub use function_sums::FunctionSums;
 pub use glued::{Glued, Hinge};
-pub use handles::{BodyId, Components, SideOf};
+pub use handles::{BodyId, Components, SideOf, Sides};
 pub use integrate::on_trace;
 pub use interface_error::InterfaceError;
 pub use interfaces::{ContactOf, Integration, Opposite, Tie};

@@ -116,6 +116,15 @@ pub enum ProblemError {
         /// The body.
         body: String,
     },
+    /// A side that takes values of an exact solution, in a problem without one.
+    #[error("side \"{side}\" takes the values of an exact solution, and the problem has none")]
+    NoExact {
+        /// The side.
+        side: String,
+    },
+    /// A tie or a contact of a slave side with an empty list of masters.
+    #[error("the list of master sides is empty")]
+    NoMaster,
     /// A motion or a force of a contact between bodies.
     #[error("contact \"{name}\" faces a body: only obstacles are moved or pressed")]
     NoObstacle {

@@ -114,4 +114,71 @@ fn what_would_be_answered_in_silence_is_refused() {
     let (half, whole) = (system.solve(0.5, Some(&first)).unwrap(), system.solve(1.0, None).unwrap());
     let (u, v) = (half.at(b, &[0.3, 1.6]).unwrap().u, whole.at(b, &[0.3, 1.6]).unwrap().u);
     assert!((2.0 * u[1] - v[1]).abs() < 1e-12 && v[1] > 0.1);
+    // values of an exact solution that the problem does not have, and no master
+    let (mut p, a, b) = blocks();
+    assert_eq!(p.tie(b.side("v0"), []).unwrap_err(), E::NoMaster);
+    p.tie(b.side("v0"), a.side("v1")).unwrap();
+    p.traction_exact(b.side("v1"), 1).unwrap();
+    assert_eq!(p.assemble().unwrap_err(), E::NoExact { side: "b.v1".into() });
+}
+
+/// A block over two others side by side, pulled by 1: tied or pressed, each has the stress of one bar.
+#[test]
+fn a_slave_side_has_several_masters() {
+    use faying::problem::{Components, Problem};
+    let block = |p: &mut Problem<1, 2>, name: &str, lo: [f64; 2], hi: [f64; 2], n: usize| {
+        let spec = faying::space::PatchSpec::new(faying::geometry::shapes::rectangle(lo, hi).unwrap()).with_elements([n, 2]);
+        p.body(name, faying::space::Patch::try_new(&spec).unwrap(), faying::physics::Hooke::plane_strain(1.0, 0.0).unwrap()).unwrap()
+    };
+    for pressed in [false, true] {
+        let mut p = Problem::<1, 2>::new();
+        let left = block(&mut p, "left", [0.0, 0.0], [0.7, 1.0], 2);
+        let right = block(&mut p, "right", [0.7, 0.0], [2.0, 1.0], 3);
+        let top = block(&mut p, "top", [0.0, 1.0], [2.0, 2.0], 3);
+        for body in [left, right] {
+            p.fix(body.side("v0"), Components::All).unwrap();
+        }
+        p.fix(top.side("u0"), Components::X).unwrap();
+        let (masters, load) = ([left.side("v1"), right.side("v1")], if pressed { -1.0 } else { 1.0 });
+        p.traction(top.side("v1"), 1, load).unwrap();
+        if pressed {
+            p.contact(top.side("v0"), masters).unwrap().named("seam");
+        } else {
+            p.tie(top.side("v0"), masters).unwrap().named("seam");
+        }
+        let solution = p.assemble().unwrap().solve(1.0, None).unwrap();
+        for (body, x) in [(left, [0.3, 0.5]), (right, [1.4, 0.5]), (top, [0.65, 1.5]), (top, [1.9, 1.1])] {
+            let point = solution.at(body, &x).unwrap();
+            assert!(point.u[0].hypot(point.u[1] - load * x[1]) < 1e-12, "{x:?}: {:?}", point.u);
+        }
+        for (body, width) in [(left, 0.7), (right, 1.3)] {
+            assert!((solution.reaction(body.side("v0")).unwrap()[1] + load * width).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_tie_takes_an_integration_from_outside() {
+    use faying::coupling::interface::SlaveRule;
+    use faying::problem::{Components, Integration, Problem};
+    let solved = |choose: &dyn Fn(&mut faying::problem::Tie)| {
+        let mut p = Problem::<1, 2>::new();
+        let (a, b) = (square(&mut p, "a", 0.0), square(&mut p, "b", 1.0));
+        p.fix(a.side("v0"), Components::All).unwrap();
+        p.traction(b.side("v1"), 1, 1.0).unwrap();
+        choose(p.tie(b.side("v0"), a.side("v1")).unwrap());
+        let solution = p.assemble().unwrap().solve(1.0, None).unwrap();
+        solution.coefficients(b).unwrap().to_vec()
+    };
+    let twin = solved(&|tie| {
+        tie.integration(Integration::Slave).extra_points(3);
+    });
+    let own = solved(&|tie| {
+        tie.integration_of(|points, partners| Box::new(SlaveRule { points: points + 3, partners }));
+    });
+    let plain = solved(&|tie| {
+        tie.integration(Integration::Slave);
+    });
+    assert_eq!(own, twin);
+    assert!(own.iter().zip(&plain).all(|(a, b)| (a - b).abs() < 1e-12));
 }
