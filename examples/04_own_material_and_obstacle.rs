@@ -14,11 +14,15 @@ use faying::space::{Patch, PatchSpec};
 /// Plane stress of a material with axes along x and y:
 /// sigma_xx = c11 e_xx + c12 e_yy, sigma_yy = c12 e_xx + c22 e_yy, sigma_xy = 2 g e_xy.
 #[derive(Clone, Debug)]
-struct Orthotropic {
-    c11: f64,
-    c22: f64,
-    c12: f64,
-    g: f64,
+pub struct Orthotropic {
+    /// Stiffness along x [force/area].
+    pub c11: f64,
+    /// Stiffness along y [force/area].
+    pub c22: f64,
+    /// Coupling of both [force/area].
+    pub c12: f64,
+    /// Shear modulus [force/area].
+    pub g: f64,
 }
 
 impl Material<2, 2> for Orthotropic {
@@ -42,10 +46,13 @@ impl Material<2, 2> for Orthotropic {
 
 /// A bar with round ends: the points within `radius` of the segment from `a` to `b`.
 #[derive(Clone, Debug)]
-struct Bar {
-    a: Vector<2>,
-    b: Vector<2>,
-    radius: f64,
+pub struct Bar {
+    /// Begin of the axis.
+    pub a: Vector<2>,
+    /// End of the axis.
+    pub b: Vector<2>,
+    /// Radius [length].
+    pub radius: f64,
 }
 
 impl Obstacle<1, 2> for Bar {
@@ -62,22 +69,27 @@ impl Obstacle<1, 2> for Bar {
     }
 }
 
+/// The block between its support and the bar, which has moved up by 0.01.
+pub fn pressed(wood: Orthotropic, bar: Bar) -> Result<[f64; 4], Box<dyn std::error::Error>> {
+    let mut p = Problem::<1, 2>::new();
+    let block = PatchSpec::new(rectangle([0.0, 0.0], [1.0, 1.0])?).with_elements([16, 8]);
+    let block = p.body("block", Patch::try_new(&block)?, wood)?;
+    p.fix(block.side("v1"), Components::All)?;
+    p.contact(block.side("v0"), bar)?.named("bar").moved(1, 0.01);
+    let solution = p.assemble()?.solve(1.0, None)?;
+    let (contact, support) = (solution.contact("bar")?, solution.reaction(block.side("v1"))?);
+    assert!(contact.force[1] > 0.0 && contact.least_gap > -1e-12);
+    Ok([contact.force[0], contact.force[1], support[0], support[1]])
+}
+
 /// Checks the material and the obstacle, and solves a problem with them: forces balance.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let wood = Orthotropic { c11: 12.0, c22: 1.0, c12: 0.4, g: 0.7 };
     let bar = Bar { a: Vector::from([0.3, -0.1]), b: Vector::from([0.7, -0.1]), radius: 0.1 };
     check::material(&wood, &[Vector::from([0.0, 0.0]), Vector::from([0.2, 0.7])], 1e-3)?;
     check::obstacle(&bar, &[Vector::from([0.1, 0.2]), Vector::from([0.5, 0.3])], 1e-12)?;
-
-    let mut p = Problem::<1, 2>::new();
-    let block = PatchSpec::new(rectangle([0.0, 0.0], [1.0, 1.0])?).with_elements([16, 8]);
-    let block = p.body("block", Patch::try_new(&block)?, wood)?;
-    p.fix(block.side("v1"), Components::All)?;
-    p.contact(block.side("v0"), bar)?.named("bar").moved(1, 0.01); // the bar moves up by 0.01
-    let solution = p.assemble()?.solve(1.0, None)?;
-    let (contact, support) = (solution.contact("bar")?, solution.reaction(block.side("v1"))?);
-    println!("force of the bar {:.6} upwards, of the support {:.6}; {} closed rows", contact.force[1], support[1], contact.active);
-    assert!(contact.force[1] > 0.0 && contact.least_gap > -1e-12);
-    assert!((contact.force[1] + support[1]).abs() < 1e-12 && (contact.force[0] + support[0]).abs() < 1e-12);
+    let [x, y, support_x, support_y] = pressed(wood, bar)?;
+    println!("force of the bar {y:.6} upwards, of the support {support_y:.6}");
+    assert!((y + support_y).abs() < 1e-12 && (x + support_x).abs() < 1e-12);
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Entries of the registry that come with the program.
 
 use super::build::{PLANE_OBSTACLES, patch_fault};
-use super::registry::{Covered, Cut, Family, Fault, MASTER_SUMS, MakeSolver, Names, Obstacles, Polynomials, Registry};
+use super::registry::{Covered, Cut, Family, Fault, MASTER_SUMS, MakeSolver, Names, Polynomials, Registry, Shaped};
 use faying::constraint::{Augmented, Condensed, Direct, Krylov, Schur};
 use faying::coupling::interface::{MasterSums, MergedCurve, SlaveRule};
 use faying::coupling::multiplier::{self, MultiplierKind};
@@ -36,7 +36,7 @@ impl Names<1, 2> {
         names.polynomials = Polynomials(Some(Box::new(curve_multiplier)));
         names.covered = Covered(Some(covered_dual));
         names.cut = Cut(Some(|psi, trace, segments| multiplier::without_slivers(psi, &*trace.space, segments)));
-        names.obstacles = Obstacles(Some(PLANE_OBSTACLES));
+        names.shaped = Shaped(Some(PLANE_OBSTACLES));
         names
             .couplings
             .add("mortar", Box::new(|_| Box::new(Mortar)))

@@ -9,7 +9,7 @@ use faying::coupling::Coupling;
 use faying::coupling::multiplier::{MultiplierError, MultiplierKind};
 use faying::coupling::nitsche::Variant;
 use faying::linalg::Limits;
-use faying::problem::{self, CutMultiplier, MakeCovered};
+use faying::problem::{self, AtRest, CutMultiplier, MakeCovered, Physics};
 use faying::space::{Body, PatchSpec, Trace};
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -91,6 +91,36 @@ impl<F> Family<F> {
     }
 }
 
+/// An entry with keys of its own, which case files give beside its name.
+pub struct Keyed<F> {
+    /// The keys.
+    pub keys: Vec<case::Key>,
+    /// The function that makes it.
+    pub make: F,
+}
+
+impl<F> Debug for Keyed<F> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Keyed").field("keys", &self.keys).finish_non_exhaustive()
+    }
+}
+
+impl<F> Family<Keyed<F>> {
+    /// Names and keys of all entries.
+    fn keys(&self) -> impl Iterator<Item = case::EntryKeys> + '_ {
+        self.entries.iter().map(|(name, entry)| case::EntryKeys { name: name.clone(), keys: entry.keys.clone() })
+    }
+
+    /// Adds an entry with its keys; one of the same name is replaced.
+    pub fn add_keyed(&mut self, name: &str, keys: Vec<case::Key>, make: F) -> &mut Self {
+        self.add(name, Keyed { keys, make })
+    }
+}
+
+/// Makes a material at a time from the values of its keys: see [`Physics::new`] for the number of components.
+pub type MakeMaterial<const N: usize> = Arc<dyn Fn(&case::Given, f64) -> Result<Physics<N>, Fault> + Send + Sync>;
+/// Makes an obstacle, which is a function of the time, from the values of its keys.
+pub type MakeObstacle<const S: usize, const N: usize> = Box<dyn Fn(&case::Given) -> Result<AtRest<S, N>, Fault> + Send + Sync>;
 /// Makes a body of a patch.
 pub type MakeBody<const S: usize, const N: usize> = Box<dyn Fn(&PatchSpec<N>) -> Result<Box<dyn Body<S, N>>, Fault> + Send + Sync>;
 /// Makes the multiplier of one component on a slave side, see [`problem::MakeMultiplier`].
@@ -150,16 +180,20 @@ pub struct Names<const S: usize, const N: usize> {
     pub couplings: Family<MakeCoupling<S, N>>,
     /// Integrations of interfaces and contacts.
     pub integrations: Family<MakeIntegration<S, N>>,
+    /// Laws of materials beside those of the language, of as many components as the physics of a case.
+    pub materials: Family<Keyed<MakeMaterial<N>>>,
+    /// Obstacles beside those of the language; one of the same name as in the other dimension has the same keys.
+    pub obstacles: Family<Keyed<MakeObstacle<S, N>>>,
     /// Obstacles with the shape of a geometry, if available in this dimension.
-    pub obstacles: Obstacles<S, N>,
+    pub shaped: Shaped<S, N>,
 }
 
 /// Makes the obstacle that has the shape of a geometry.
-pub type MakeObstacle<const S: usize, const N: usize> = fn(&case::Geometry) -> Result<Arc<dyn Obstacle<S, N>>, Fault>;
+pub type MakeShaped<const S: usize, const N: usize> = fn(&case::Geometry) -> Result<Arc<dyn Obstacle<S, N>>, Fault>;
 
 /// Function that makes obstacles with the shape of a geometry, if available.
 #[derive(Debug)]
-pub struct Obstacles<const S: usize, const N: usize>(pub Option<MakeObstacle<S, N>>);
+pub struct Shaped<const S: usize, const N: usize>(pub Option<MakeShaped<S, N>>);
 
 /// Function that makes dual multipliers over the covered part of a side, if available.
 #[derive(Debug)]
@@ -189,7 +223,9 @@ impl<const S: usize, const N: usize> Names<S, N> {
             cut: Cut(None),
             couplings: Family::new("coupling"),
             integrations: Family::new("integration"),
-            obstacles: Obstacles(None),
+            materials: Family::new("law"),
+            obstacles: Family::new("obstacle"),
+            shaped: Shaped(None),
         }
     }
 }
@@ -242,7 +278,19 @@ impl Registry {
         for multipliers in [self.plane.multipliers.names(), self.volume.multipliers.names()] {
             case::Names::add(&mut names.multipliers, multipliers);
         }
+        for rules in [self.plane.integrations.names(), self.volume.integrations.names()] {
+            case::Names::add(&mut names.integrations, rules.into_iter().filter(|rule| *rule != MASTER_SUMS));
+        }
         case::Names::add(&mut names.constraints, self.solvers.names());
+        let more = |list: &mut Vec<case::EntryKeys>, entries: &mut dyn Iterator<Item = case::EntryKeys>| {
+            for entry in entries {
+                if list.iter().all(|known| known.name != entry.name) {
+                    list.push(entry);
+                }
+            }
+        };
+        more(&mut names.laws, &mut self.plane.materials.keys().chain(self.volume.materials.keys()));
+        more(&mut names.obstacles, &mut self.plane.obstacles.keys().chain(self.volume.obstacles.keys()));
         names
     }
 }

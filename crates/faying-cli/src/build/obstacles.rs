@@ -6,7 +6,7 @@ use crate::case::{self, ObstacleShape};
 use crate::errors::Diagnostic;
 use crate::formula::{Formula, Point};
 use crate::place::Place;
-use crate::registry::{Fault, MakeObstacle};
+use crate::registry::{Fault, MakeShaped};
 use faying::basis::Order;
 use faying::contact::{HalfPlane, LevelSet, Sphere};
 use faying::geometry::{MapTable, cell};
@@ -40,6 +40,7 @@ pub(super) fn obstacle<const S: usize, const N: usize>(
     let at_rest = at_rest(builder, &obstacle.value, &contact.name.value, obstacle.at)?;
     let of_time = match &obstacle.shape.value {
         ObstacleShape::LevelSet { f, .. } => f.depends_on_time(),
+        ObstacleShape::Entry { given, .. } => given.depends_on_time(),
         _ => false,
     };
     let motion: Vec<Option<Data>> = obstacle.translate.iter().map(|f| f.as_ref().map(|f| f.value.clone().into())).collect();
@@ -90,13 +91,19 @@ fn at_rest<const S: usize, const N: usize>(
             })
         }
         ObstacleShape::Geometry(geometry) => {
-            let Some(make) = builder.names.obstacles.0 else {
+            let Some(make) = builder.names.shaped.0 else {
                 return Err(Box::new(builder.error("E019", "this kind of obstacle is not in this version", obstacle.shape.at)));
             };
             let surface = make(geometry).map_err(|fault: Fault| {
                 Box::new(builder.error(fault.code, format!("the obstacle of contact \"{name}\": {}", fault.message), at))
             })?;
             Box::new(move |_| Box::new(Arc::clone(&surface)))
+        }
+        ObstacleShape::Entry { kind, given } => {
+            let entry = builder.names.obstacles.get(kind).map_err(|e| builder.error("E015", e.to_string(), obstacle.shape.at))?;
+            (entry.make)(given).map_err(|fault| {
+                Box::new(builder.error(fault.code, format!("the obstacle of contact \"{name}\": {}", fault.message), obstacle.shape.at))
+            })?
         }
         other => {
             let text = format!("an obstacle of kind {} is not in this version", other.kind());
@@ -144,4 +151,4 @@ pub(super) fn turned_away<const S: usize, const N: usize>(
 }
 
 /// Builds obstacles from geometries in the plane.
-pub(crate) const PLANE: MakeObstacle<1, 2> = |geometry| Ok(Arc::new(surface(&plane_outline(geometry)?)));
+pub(crate) const PLANE: MakeShaped<1, 2> = |geometry| Ok(Arc::new(surface(&plane_outline(geometry)?)));

@@ -9,7 +9,7 @@ use crate::place::Located;
 use crate::registry::Fault;
 use faying::basis::Cell;
 use faying::geometry::ControlNet;
-use faying::problem::{Changing, PatchModel};
+use faying::problem::{Changing, PatchModel, Physics};
 use faying::space::{Body, PatchSpec, SpecError};
 use std::sync::Arc;
 
@@ -55,8 +55,14 @@ fn one<const S: usize, const N: usize>(
     let material = &case.materials[patch.material.value];
     let assumption = case.model.assumption.value;
     let first_time = case.steps.value.first().copied().unwrap_or(1.0);
-    let physics = material_at(material, assumption, first_time)
-        .map_err(|e| builder.error("E053", format!("material \"{}\": {e}", material.name.value), super::values::key(material, &e)))?;
+    let (physics, changing) = match &material.law {
+        Some(law) => of_law(builder, &material.name.value, law)?,
+        None => {
+            let refused = |e| builder.error("E053", format!("material \"{}\": {e}", material.name.value), super::values::key(material, &e));
+            let changes = super::values::constants(material).iter().any(|f| f.depends_on_time());
+            (material_at(material, assumption, first_time).map_err(refused)?, changes.then(|| changing(material, assumption)))
+        }
+    };
     let source =
         [&case.model.source, &patch.source].into_iter().flatten().flat_map(|s| s.value.iter().map(|f| f.value.clone().into())).collect();
     let accelerations = [&case.model.gravity, &patch.gravity].into_iter().flatten();
@@ -64,7 +70,6 @@ fn one<const S: usize, const N: usize>(
         Some(sum.map_or_else(|| g.value.clone(), |s| s.iter().zip(g.iter()).map(|(a, b)| a + b).collect()))
     });
     let weight = material.density.as_ref().map(|d| d.value.clone().into()).zip(gravity);
-    let changing = super::values::constants(material).iter().any(|f| f.depends_on_time()).then(|| changing(material, assumption));
     let model = PatchModel::new(name.clone(), body.into(), physics, first, patch.discretization.extra_points.value);
     Ok(PatchModel { backend: backend.value.clone(), changing, source, weight, ..model })
 }
@@ -73,6 +78,29 @@ fn one<const S: usize, const N: usize>(
 fn changing<const N: usize>(material: &case::Material, assumption: case::Assumption) -> Changing<N> {
     let material = material.clone();
     Changing(Arc::new(move |t| material_at(&material, assumption, t).expect("constants were checked when the first one was made")))
+}
+
+/// A material of the registry at the first time, and as a function of time if it changes; made for all times of the case.
+fn of_law<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    material: &str,
+    law: &Located<case::Law>,
+) -> Result<(Physics<N>, Option<Changing<N>>), Box<Diagnostic>> {
+    let entry = builder.names.materials.get(&law.name).map_err(|e| builder.error("E015", e.to_string(), law.at))?;
+    let refused = |code: &'static str, text: &str| Box::new(builder.error(code, format!("material \"{material}\": {text}"), law.at));
+    let changes = law.given.depends_on_time();
+    let mut first = None;
+    for &t in super::values::times(builder.case, changes) {
+        let made = (entry.make)(&law.given, t).map_err(|fault| refused(fault.code, &fault.message))?;
+        let (found, wanted) = (made.components(), builder.case.model.components());
+        if found != wanted {
+            return Err(refused("E015", &format!("law \"{}\" has {found} components of the unknown, the physics has {wanted}", law.name)));
+        }
+        first.get_or_insert(made);
+    }
+    let (make, given) = (Arc::clone(&entry.make), law.given.clone());
+    let changing = changes.then(|| Changing(Arc::new(move |t| make(&given, t).expect("it was made at all times of the case"))));
+    Ok((first.expect("a case has a time"), changing))
 }
 
 /// The body of a net.

@@ -6,7 +6,7 @@ use super::couple::{Couple, Couples};
 use super::multipliers::{held_help, judged, multiplier, multiplier_fault};
 use super::sides::Sides;
 use super::values::times;
-use crate::case::{self, Integration, SideRef, Tie};
+use crate::case::{self, SideRef, Tie};
 use crate::errors::Diagnostic;
 use crate::place::{Located, Place};
 use crate::registry::{CouplingOptions, has_mortar_rows, is_glue};
@@ -142,14 +142,15 @@ fn part<const S: usize, const N: usize>(
 /// Returns the rules of an interface by its keywords; `second`: the name of the rule of mixed integration, `None` for that of the first.
 pub(super) fn rules<'a, const S: usize, const N: usize>(
     builder: &Builder<'a, S, N>,
-    integration: &Located<Integration>,
+    integration: &Located<String>,
     extra_points: usize,
     second: Option<&str>,
 ) -> Result<InterfaceRules<'a, S, N>, Box<Diagnostic>> {
     let names = &builder.names.integrations;
     let get = |word: &str| names.get(word).map(|make| &**make).map_err(|e| Box::new(builder.error("E019", e.to_string(), integration.at)));
-    let word = if integration.value == Integration::Merged { "merged" } else { "slave" };
-    let second = (integration.value == Integration::Mixed).then(|| get(second.unwrap_or(word))).transpose()?;
+    let mixed = integration.value == "mixed";
+    let word = if mixed { "slave" } else { integration.value.as_str() };
+    let second = mixed.then(|| get(second.unwrap_or(word))).transpose()?;
     Ok(InterfaceRules { rule: get(word)?, second, finer: get("merged").ok(), extra_points })
 }
 

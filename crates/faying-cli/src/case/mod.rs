@@ -9,6 +9,7 @@ mod changes;
 mod family;
 mod files;
 mod from_file;
+mod key;
 mod keys;
 mod mesh_part;
 mod model;
@@ -42,7 +43,8 @@ use super::place::{Lines, Located, Place};
 
 pub use changes::Changes;
 pub use files::FileRead;
-pub use names::Names;
+pub use key::{Given, Key, KeyKind};
+pub use names::{EntryKeys, Names};
 pub use opened::sha256;
 pub use part::{FilePart, MeshPart};
 pub(crate) use schema::is_key;
@@ -113,6 +115,7 @@ impl Case {
             found: Diagnostics::new(),
             constants: Constants::default(),
             names: Vec::new(),
+            known: options.names.clone(),
             dimension: 2,
             components: 1,
             broken: BTreeSet::new(),

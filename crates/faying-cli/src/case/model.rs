@@ -235,7 +235,16 @@ impl Reader {
 
     /// `[[material]]`; by default one without properties for Poisson.
     pub fn materials(&mut self, root: &mut Block, model: &Model) -> Vec<Material> {
-        let mut materials = self.list(root, "material", keys::MATERIAL, |r, b, k| r.material(b, k, model));
+        let mut known = keys::MATERIAL.to_vec();
+        if !self.known.laws.is_empty() {
+            known.push("law");
+        }
+        for key in self.known.laws.iter().flat_map(|entry| &entry.keys) {
+            if !known.contains(&key.name) {
+                known.push(key.name);
+            }
+        }
+        let mut materials = self.list(root, "material", &known, |r, b, k| r.material(b, k, model));
         if materials.is_empty() && model.physics.value == Physics::Poisson && !root.has("material") {
             let mut table = Table::default();
             table.set("name", Place::NONE, Node::new(Value::Text("default".to_owned()), Place::NONE));
@@ -250,6 +259,12 @@ impl Reader {
     pub fn material(&mut self, b: &mut Block, index: usize, model: &Model) -> Material {
         let name = self.name(b, "material", index, true);
         let poisson = model.physics.value == Physics::Poisson;
+        if let Some(law) = self.law(b) {
+            let density = self.formula(b, "density", Uses::Space);
+            self.density_broken |= density.is_none() && b.has("density");
+            let conductivity = Located::new(Formula::constant(1.0), b.at);
+            return Material { head: b.head(), name, law: Some(law), elastic: None, conductivity, density };
+        }
         let wrong: &[&str] = if poisson { &["young", "poisson", "lambda", "mu", "law"] } else { &["conductivity"] };
         for key in wrong.iter().filter(|k| b.has(k)) {
             let (physics, keys) = if poisson { ("poisson", "conductivity") } else { ("elasticity", "young, poisson, lambda, mu, density") };
@@ -274,7 +289,29 @@ impl Reader {
             self.limit(d, "density", "0 or positive", |v| v >= 0.0, "");
         }
         let elastic = if poisson { None } else { self.elastic(b, model) };
-        Material { head: b.head(), name, elastic, conductivity, density }
+        Material { head: b.head(), name, law: None, elastic, conductivity, density }
+    }
+
+    /// The law of the registry that a material names. Keys of other laws are reported; where a value cannot be read, the law is without.
+    fn law(&mut self, b: &mut Block) -> Option<Located<Law>> {
+        let node = b.node("law").cloned();
+        let named = |n: &Node| matches!(&n.value, Value::Text(word) if word == "hooke");
+        let word = node.as_ref().filter(|n| !named(n)).and_then(|n| self.text_of(n, "law"));
+        let entry = word.as_ref().and_then(|word| self.known.laws.iter().find(|entry| entry.name == word.value).cloned());
+        let own: Vec<&str> = entry.iter().flat_map(|e| &e.keys).map(|k| k.name).collect();
+        let given: Vec<&'static str> = b.keys.iter().copied().filter(|key| b.has(key)).collect();
+        for key in given {
+            let foreign =
+                if entry.is_some() { !["name", "density", "law"].contains(&key) } else { !keys::MATERIAL.contains(&key) && key != "law" };
+            if foreign && !own.contains(&key) {
+                let law = entry.as_ref().map_or("hooke", |e| e.name.as_str());
+                let known = if entry.is_some() { own.join(", ") } else { keys::MATERIAL[1..].join(", ") };
+                self.fault("E015", b.key_at(key), format!("`{key}` is not a key of law {law:?}"), format!("keys here: name, {known}"));
+            }
+        }
+        let (word, entry) = (word?, entry?);
+        let given = self.given(b, &entry.keys).unwrap_or_default();
+        Some(Located::new(Law { name: entry.name, given }, word.at))
     }
 
     fn elastic(&mut self, b: &mut Block, model: &Model) -> Option<Elastic> {

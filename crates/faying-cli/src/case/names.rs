@@ -1,4 +1,6 @@
-//! Names that a case may use for backends, couplings, multipliers and constraint solvers.
+//! Names that a case may use for backends, couplings, multipliers, constraint solvers, materials and obstacles.
+
+use super::key::Key;
 
 /// Known names; a registry adds its own to these.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,8 +11,23 @@ pub struct Names {
     pub couplings: Vec<String>,
     /// `multiplier`, beside `p/p-k` for every k.
     pub multipliers: Vec<String>,
+    /// `integration` of interfaces and contacts.
+    pub integrations: Vec<String>,
     /// `constraint` of the solver.
     pub constraints: Vec<String>,
+    /// `law` of materials, beside those of the language.
+    pub laws: Vec<EntryKeys>,
+    /// `kind` of obstacles, beside those of the language.
+    pub obstacles: Vec<EntryKeys>,
+}
+
+/// Name of an entry of the registry, and its keys.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EntryKeys {
+    /// The name.
+    pub name: String,
+    /// The keys.
+    pub keys: Vec<Key>,
 }
 
 impl Default for Names {
@@ -21,7 +38,10 @@ impl Default for Names {
             backends: list(&["iga", "fe"]),
             couplings: list(&["mortar", "nitsche", "penalty", "glue"]),
             multipliers: list(&["auto", "p/p", "p/p-1", "p/p-2", "constant", "dual"]),
+            integrations: list(&["merged", "segments", "slave", "mixed"]),
             constraints: list(&["auto", "saddle-point", "condensed", "schur", "uzawa"]),
+            laws: Vec::new(),
+            obstacles: Vec::new(),
         }
     }
 }

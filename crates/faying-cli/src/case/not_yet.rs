@@ -68,15 +68,23 @@ impl Reader {
     /// `what` names the block as messages do: `[model]`, `contact`, `patch 0`.
     pub(super) fn later_keys(&mut self, table: &Table, what: &str) -> (Vec<&'static str>, Vec<&'static str>) {
         let block = what.trim_matches(['[', ']', '`']).split(' ').next().unwrap_or_default();
+        // keys of a law of the registry
+        let own: Vec<&str> = match block {
+            "material" => self.known.laws.iter().flat_map(|e| &e.keys).map(|k| k.name).collect(),
+            _ => Vec::new(),
+        };
         let given = later_of(block).filter_map(|later| Some((later, table.get(later.1)?.clone())));
+        let given = given.filter(|(later, _)| !own.contains(&later.1));
+        let laws: Vec<String> = self.known.laws.iter().map(|e| e.name.clone()).collect();
         let (mut plain, mut refused) = (Vec::new(), Vec::new());
         for (&(_, key, allowed, help), entry) in given.collect::<Vec<_>>() {
             let fault = match allowed {
                 Plain::Never => Some((entry.key_at, format!("`{key}`"))),
                 Plain::Zero => (!self.is_zero(&entry.node)).then(|| (entry.key_at, format!("`{key}`"))),
                 Plain::Words(plain, others) => {
-                    let words: Vec<(&str, Option<&str>)> =
-                        plain.iter().map(|w| (*w, None)).chain(others.iter().map(|w| (*w, Some(*w)))).collect();
+                    let laws = laws.iter().filter(|_| (block, key) == ("material", "law"));
+                    let built = plain.iter().copied().chain(laws.map(String::as_str)).map(|w| (w, None));
+                    let words: Vec<(&str, Option<&str>)> = built.chain(others.iter().map(|w| (*w, Some(*w)))).collect();
                     self.word_of(&entry.node, key, &words).flatten().map(|word| (entry.node.at, format!("{key} = {word:?}")))
                 }
             };

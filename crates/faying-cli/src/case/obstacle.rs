@@ -11,8 +11,10 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 impl Reader {
     /// The obstacle and its table with all defaults.
     pub(super) fn obstacle(&mut self, node: &Node) -> Option<(Obstacle, Table)> {
-        let kinds: Vec<(&'static str, &'static [&'static str])> =
-            keys::OBSTACLES.iter().chain(keys::OBSTACLE_GEOMETRIES).copied().collect();
+        let added = self.known.obstacles.clone();
+        let own: Vec<Vec<&'static str>> = added.iter().map(|entry| entry.keys.iter().map(|k| k.name).collect()).collect();
+        let mut kinds: Vec<(&str, &[&'static str])> = keys::OBSTACLES.iter().chain(keys::OBSTACLE_GEOMETRIES).copied().collect();
+        kinds.extend(added.iter().zip(&own).map(|(entry, keys)| (entry.name.as_str(), keys.as_slice())));
         let (mut b, kind) = self.kinded(node, "rigid", &kinds, keys::OBSTACLE)?;
         let at = b.node("kind").map_or(node.at, |k| k.at);
         let plane = self.dimension == 2;
@@ -21,7 +23,10 @@ impl Reader {
             self.fault("E044", at, message, "its cross-section is a sphere (a circle), a half-plane, a level-set or a nurbs curve");
             return None;
         }
-        let shape = self.obstacle_shape(&mut b, kind, at, plane)?;
+        let shape = match added.iter().find(|entry| entry.name == kind) {
+            Some(entry) => ObstacleShape::Entry { kind: entry.name.clone(), given: self.given(&mut b, &entry.keys)? },
+            None => self.obstacle_shape(&mut b, kind, at, plane)?,
+        };
         let n = self.dimension;
         let mut motion = |key: &str| match b.node(key).cloned() {
             Some(node) => self.formulas_of(&node, key, Uses::Time, n),
@@ -37,7 +42,7 @@ impl Reader {
         Some((Obstacle { shape: Located::new(shape, at), translate, force }, b.finish()))
     }
 
-    fn obstacle_shape(&mut self, b: &mut Block, kind: &'static str, at: crate::place::Place, plane: bool) -> Option<ObstacleShape> {
+    fn obstacle_shape(&mut self, b: &mut Block, kind: &str, at: crate::place::Place, plane: bool) -> Option<ObstacleShape> {
         let axis = |r: &mut Self, b: &Block| {
             let v = r.required_vector(b, "axis", "axis = [0, 0, 1]");
             r.unit(v, "axis")

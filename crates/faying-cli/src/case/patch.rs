@@ -168,13 +168,13 @@ impl Reader {
     }
 
     /// Opens a table with a `kind`; keys of other kinds are E015, keys of none E012.
-    pub fn kinded(
+    pub fn kinded<'k>(
         &mut self,
         node: &Node,
         what: &str,
-        kinds: &[(&'static str, &'static [&'static str])],
+        kinds: &[(&'k str, &'k [&'static str])],
         common: &[&'static str],
-    ) -> Option<(Block, &'static str)> {
+    ) -> Option<(Block, &'k str)> {
         let all: Vec<&'static str> =
             std::iter::once("kind").chain(kinds.iter().flat_map(|(_, k)| k.iter().copied())).chain(common.iter().copied()).collect();
         // the kind first: its keys are the ones to suggest

@@ -1,7 +1,7 @@
 //! `faying schema`: the JSON Schema (2020-12) of the case file, made of the reader's own key tables and the known names.
 
 use super::keys;
-use super::names::Names;
+use super::names::{EntryKeys, Names};
 use super::not_yet::{LATER_KEYS, Plain, later_of};
 use super::schema_keys::{ENTRIES, Entry};
 use serde_json::{Map, Value, json};
@@ -32,6 +32,14 @@ pub fn schema(names: &Names) -> Value {
     for (name, known, required) in lists {
         let mut item = block(name, name, known, required);
         also(&mut item, name);
+        if name == "material" && !names.laws.is_empty() {
+            let laws: Vec<&str> = std::iter::once("hooke").chain(names.laws.iter().map(|law| law.name.as_str())).collect();
+            let all = properties(&mut item);
+            all.insert("law".into(), json!({"enum": laws, "description": "law of the material", "default": "hooke"}));
+            for key in names.laws.iter().flat_map(|law| &law.keys) {
+                all.entry(key.name).or_insert_with(|| key.schema());
+            }
+        }
         all.insert(name.into(), described("", name, json!({"type": "array", "items": item})));
     }
     let studies: Map<String, Value> = keys::STUDIES.iter().map(|s| ((*s).to_owned(), block("study", "study", keys::STUDY, &[]))).collect();
@@ -143,6 +151,17 @@ fn kinded(kinds: &[(&'static str, &'static [&'static str])], common: &[(&str, &[
     json!({"type": "object", "oneOf": kinds.iter().map(|(kind, own)| one(kind, own)).collect::<Vec<_>>()})
 }
 
+/// An obstacle of the registry.
+fn added_obstacle(entry: &EntryKeys) -> Value {
+    let mut value = block("obstacle", &entry.name, keys::OBSTACLE, &[]);
+    let all = properties(&mut value);
+    all.insert("kind".into(), json!({"const": entry.name}));
+    all.extend(entry.keys.iter().map(|key| (key.name.to_owned(), key.schema())));
+    let needed = std::iter::once("kind").chain(entry.keys.iter().filter(|k| k.is_required()).map(|k| k.name));
+    value["required"] = json!(needed.collect::<Vec<_>>());
+    value
+}
+
 /// Required keys of a kind.
 fn required(kind: &str) -> &'static [&'static str] {
     match kind {
@@ -166,6 +185,7 @@ fn definitions(names: &Names) -> Value {
     let mut curve = kinded(&[("nurbs-curve", keys::NURBS_CURVE)], &[("motion", keys::PLACING), ("obstacle", keys::OBSTACLE)]);
     curve["oneOf"][0]["properties"]["kind"] = json!({"const": "nurbs"});
     let kinds = obstacle["oneOf"].as_array_mut().expect("a list of kinds");
+    kinds.extend(names.obstacles.iter().map(added_obstacle));
     for more in [&mut shapes, &mut curve] {
         kinds.append(more["oneOf"].as_array_mut().expect("a list of kinds"));
     }
@@ -187,7 +207,7 @@ fn definitions(names: &Names) -> Value {
         "backend": {"enum": names.backends},
         "coupling": {"enum": names.couplings},
         "constraint": {"enum": names.constraints},
-        "integration": {"enum": ["merged", "segments", "slave", "mixed"]},
+        "integration": {"enum": names.integrations},
         "variant": {"enum": ["symmetric", "unsymmetric", "incomplete"]},
         "multiplier": {"anyOf": [{"enum": names.multipliers}, {"type": "string", "pattern": "^p/p-([1-9]|1[0-2])$"},
             block("multiplier", "multiplier", keys::MULTIPLIER, &["degree"])]},

@@ -9,8 +9,6 @@ use crate::errors::{Diagnostic, nearest};
 use crate::formula::{Constants, Formula, Scope};
 use crate::place::Located;
 
-const INTEGRATIONS: &[(&str, Integration)] =
-    &[("merged", Integration::Merged), ("segments", Integration::Merged), ("slave", Integration::Slave), ("mixed", Integration::Mixed)];
 const VARIANTS: &[(&str, Variant)] =
     &[("symmetric", Variant::Symmetric), ("unsymmetric", Variant::Unsymmetric), ("incomplete", Variant::Incomplete)];
 
@@ -46,7 +44,7 @@ impl Reader {
             self.only_default(b, "multiplier", "auto", "coupling = \"nitsche\"", "Nitsche's coupling has no multiplier");
         }
         let multiplier = if glue { none() } else { self.multiplier(b, names) };
-        let integration = if glue { Located::new(Integration::Merged, b.at) } else { self.word(b, "integration", INTEGRATIONS) };
+        let integration = if glue { Located::new("merged".to_owned(), b.at) } else { self.integration(b, names) };
         let extra_points = if glue { Located::new(0, b.at) } else { self.whole(b, "extra_points", 0, 60, 0) };
         let tolerance = self.auto(b, "tolerance");
         let soft = matches!(coupling.value.as_str(), "penalty" | "nitsche");
@@ -69,6 +67,13 @@ impl Reader {
             variant,
             exact,
         }
+    }
+
+    /// `integration`.
+    fn integration(&mut self, b: &mut Block, names: &Names) -> Located<String> {
+        let word = self.registered(b, "integration", &names.integrations, "merged");
+        // another name
+        if word.value == "segments" { Located::new("merged".to_owned(), word.at) } else { word }
     }
 
     /// One `[[contact]]`.
@@ -106,7 +111,7 @@ impl Reader {
             }
         }
         let multiplier = self.multiplier(b, names);
-        let integration = self.word(b, "integration", INTEGRATIONS);
+        let integration = self.integration(b, names);
         let extra_points = self.whole(b, "extra_points", 0, 60, 0);
         let cone = self.word(b, "cone", &[("coefficients", Cone::Coefficients), ("weights", Cone::Weights), ("values", Cone::Values)]);
         let reach = self.auto(b, "reach");

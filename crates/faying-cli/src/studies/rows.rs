@@ -1,7 +1,7 @@
 //! One row of a study: its changes of the case, and its results.
 
 use super::method::Method;
-use crate::case::{Case, Changes, Ends, Integration, Master, Multiplier, ReadOptions};
+use crate::case::{Case, Changes, Ends, Master, Multiplier, ReadOptions};
 use crate::errors::{Diagnostics, Severity};
 use crate::named::Named;
 use crate::registry::Registry;
@@ -269,12 +269,8 @@ impl Row {
                 format!("degree {degree}{regularity}{ends}")
             }
         }));
-        let rules = case.interfaces.iter().map(|t| t.integration.value).chain(case.contacts.iter().map(|c| c.integration.value));
-        self.integration = joined(rules.map(|rule| match rule {
-            Integration::Merged => "merged".to_owned(),
-            Integration::Slave => "slave".to_owned(),
-            Integration::Mixed => "mixed".to_owned(),
-        }));
+        let rules = case.interfaces.iter().map(|t| &t.integration.value).chain(case.contacts.iter().map(|c| &c.integration.value));
+        self.integration = joined(rules.cloned());
         let extra = case.interfaces.iter().map(|t| t.extra_points.value).chain(case.contacts.iter().map(|c| c.extra_points.value));
         self.extra_points = joined(extra.map(|n| n.to_string()));
     }

@@ -897,3 +897,21 @@ fn unknowns_that_loads_and_contact_hold_at_zero_are_no_residual() {
         }
     }
 }
+
+/// Far from the origin the directions of a flat side differ by the rounding of positions.
+#[test]
+fn flat_sides_far_from_the_origin_are_held_along_their_normals() {
+    for backend in ["iga", "fe"] {
+        for angle in [0, 37, 90] {
+            let text = format!(
+                "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+                 [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [1, 1], rotate_deg = {angle}, move = [1e6, -1e6] }}\n\
+                 elements = [4, 4]\nbackend = \"{backend}\"\n[[boundary]]\non = [\"a.bottom\", \"a.left\"]\nfix = [\"normal\"]\n\
+                 [[boundary]]\non = \"a.top\"\npressure = 1.0\n"
+            );
+            // energy of a bar: (1 - nu^2) / 2
+            let energy = run(&text).energy;
+            assert!((energy - 0.455).abs() < 1e-7, "{backend}, {angle}: {energy}");
+        }
+    }
+}

@@ -14,4 +14,5 @@ mod graded_contact;
 mod half_width;
 mod obstacles;
 mod one_factor;
+mod own_entries;
 mod thin;

@@ -11,6 +11,7 @@ pub(in crate::case) use scalars::Sign;
 use crate::case::family::Family;
 use crate::case::files::{FileRead, Opened};
 use crate::case::from_file::FromFile;
+use crate::case::names::Names;
 use crate::case::tree::Node;
 use crate::case::types::{Joint, Meeting};
 use crate::errors::{Diagnostic, Diagnostics, Source};
@@ -30,6 +31,8 @@ pub(in crate::case) struct Reader {
     pub constants: Constants,
     /// Names of blocks, which may hold `-` in formulas of checks.
     pub names: Vec<String>,
+    /// Names of entries of the registry.
+    pub known: Names,
     pub dimension: usize,
     pub components: usize,
     /// Keys and lists with errors, such as `exact` or `patch`: references to them are not reported again.

@@ -1,6 +1,7 @@
 //! `[[contact]]`: slave sides, their masters or obstacles, and the enforcement of contact.
 
-use super::{Components, Geometry, Head, Integration, Multiplier, SideRef, Variant};
+use super::{Components, Geometry, Head, Multiplier, SideRef, Variant};
+use crate::case::key::Given;
 use crate::formula::Formula;
 use crate::place::Located;
 pub use faying::problem::Start;
@@ -52,11 +53,18 @@ pub enum ObstacleShape {
     },
     /// The shape of a patch, placed; `nurbs` and files of curves may have one parameter: the obstacle lies to their right.
     Geometry(Box<Geometry>),
+    /// An obstacle of the registry.
+    Entry {
+        /// Its name.
+        kind: String,
+        /// Its values.
+        given: Given,
+    },
 }
 
 impl ObstacleShape {
     /// The word of its kind.
-    pub fn kind(&self) -> &'static str {
+    pub fn kind(&self) -> &str {
         match self {
             Self::HalfPlane { .. } => "half-plane",
             Self::Sphere { .. } => "sphere",
@@ -64,6 +72,7 @@ impl ObstacleShape {
             Self::Torus { .. } => "torus",
             Self::LevelSet { .. } => "level-set",
             Self::Geometry(geometry) => geometry.shape.value.kind(),
+            Self::Entry { kind, .. } => kind,
         }
     }
 }
@@ -145,8 +154,8 @@ pub struct Contact {
     pub method: Located<Method>,
     /// Multiplier.
     pub multiplier: Located<Multiplier>,
-    /// Integration.
-    pub integration: Located<Integration>,
+    /// Integration, as of ties.
+    pub integration: Located<String>,
     /// Gauss points per segment beyond max(p_slave, p_master) + 1.
     pub extra_points: Located<usize>,
     /// Cone.

@@ -1,6 +1,7 @@
 //! `[model]` and `[[material]]`: the equation and its constants.
 
 use super::Head;
+use crate::case::key::Given;
 use crate::formula::Formula;
 use crate::place::Located;
 use crate::reference::StoredRun;
@@ -66,12 +67,23 @@ pub struct Material {
     pub head: Head,
     /// Its name.
     pub name: Located<String>,
-    /// Elastic constants, `None` for Poisson.
+    /// A law of the registry; the constants below are not its own.
+    pub law: Option<Located<Law>>,
+    /// Elastic constants, `None` for Poisson and for a law of the registry.
     pub elastic: Option<Elastic>,
     /// Conductivity, 1 by default; Poisson only.
     pub conductivity: Located<Formula>,
     /// Mass per volume.
     pub density: Option<Located<Formula>>,
+}
+
+/// A law of the registry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Law {
+    /// Its name.
+    pub name: String,
+    /// Its values.
+    pub given: Given,
 }
 
 /// Elastic constants in one of two pairs.

@@ -33,18 +33,6 @@ pub enum Ends {
     Lowered,
 }
 
-/// Segments of the integration along an interface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Integration {
-    /// Segments of both sides (alias `segments`).
-    Merged,
-    /// The slave's elements.
-    Slave,
-    /// Slave for the constraint, master for the reaction.
-    Mixed,
-}
-
 /// Variant of Nitsche's method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -74,8 +62,9 @@ pub struct Tie {
     pub coupling: Located<String>,
     /// Multiplier.
     pub multiplier: Located<Multiplier>,
-    /// Integration.
-    pub integration: Located<Integration>,
+    /// Integration: `merged` (segments of both sides), `slave` (its elements), `mixed` (slave for the constraint, master for the
+    /// reaction), or a rule of the registry.
+    pub integration: Located<String>,
     /// Gauss points per segment beyond max(p_slave, p_master) + 1.
     pub extra_points: Located<usize>,
     /// Largest distance of the sides (a length), `None`: auto.

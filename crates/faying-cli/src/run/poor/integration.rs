@@ -1,6 +1,6 @@
 //! Warning E065 if the integration of an interface is inexact, by [`faying::coupling::consistency`].
 
-use crate::case::{Case, Integration};
+use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::place::Located;
 use crate::result::RunResult;
@@ -25,16 +25,14 @@ pub fn warnings(case: &Case, result: &RunResult) -> Vec<Diagnostic> {
     found
 }
 
-fn warning(case: &Case, kind: &str, name: &str, error: f64, rule: &Located<Integration>) -> Diagnostic {
+fn warning(case: &Case, kind: &str, name: &str, error: f64, rule: &Located<String>) -> Diagnostic {
     let text = format!(
         "the integration of {kind} \"{name}\" is inexact: its consistency error is {} % of what it integrates, forces may be off by as much",
         percent(error)
     );
-    let help = match rule.value {
-        Integration::Slave => {
-            "write integration = \"merged\"; or raise `extra_points`, or exchange slave and master: the finer side as slave"
-        }
-        Integration::Mixed => "write integration = \"merged\"; or raise `extra_points`; mixed integration goes with p/p",
+    let help = match rule.value.as_str() {
+        "slave" => "write integration = \"merged\"; or raise `extra_points`, or exchange slave and master: the finer side as slave",
+        "mixed" => "write integration = \"merged\"; or raise `extra_points`; mixed integration goes with p/p",
         _ => "raise `extra_points`, or refine the sides: they are curved",
     };
     Diagnostic::warning("E065", text).at(&case.source, rule.at).with_help(help)

@@ -1,0 +1,152 @@
+//! A material and an obstacle from outside have names and keys of their own in case files.
+
+use faying::coupling::interface::{InterfaceQuadrature, SlaveRule};
+use faying::problem::Physics;
+use faying_cli::case::{Given, Key, KeyKind, ReadOptions};
+use faying_cli::{Case, Fault, Registry, case};
+use std::sync::Arc;
+
+#[path = "../../../../examples/04_own_material_and_obstacle.rs"]
+mod lesson;
+
+fn wood(given: &Given, t: f64) -> Result<Physics<2>, Fault> {
+    let stiffer = given.function::<2>("stiffer", t)(&faying::linalg::Vector::zeros());
+    let at = |key: &str| given.number(key) * stiffer;
+    if at("c11") * at("c22") <= at("c12").powi(2) {
+        return Err(Fault::new("E053", "c11 c22 must exceed c12 squared"));
+    }
+    let law = lesson::Orthotropic { c11: at("c11"), c22: at("c22"), c12: at("c12"), g: at("g") };
+    Physics::new::<2>(law).map_err(|e| Fault::new("E015", e.to_string()))
+}
+
+fn registry() -> Registry {
+    let mut registry = Registry::default();
+    let key = Key::new;
+    let constants = vec![
+        key("c11", KeyKind::Positive(None), "stiffness along x [force/area]"),
+        key("c22", KeyKind::Positive(None), "stiffness along y [force/area]"),
+        key("c12", KeyKind::Number(Some(0.0)), "coupling [force/area]"),
+        key("g", KeyKind::Positive(None), "shear modulus [force/area]"),
+        key("stiffer", KeyKind::Formula(Some(1.0)), "factor of all constants, a function of t"),
+    ];
+    registry.plane.materials.add_keyed("orthotropic", constants, Arc::new(wood));
+    let bar = vec![
+        key("from", KeyKind::Vector, "begin of the axis [length]"),
+        key("to", KeyKind::Vector, "end of the axis [length]"),
+        key("radius", KeyKind::Positive(Some(0.1)), "radius [length]"),
+        key("solid", KeyKind::Flag(true), "whether it is no pipe"),
+        key("ends", KeyKind::Word(&["round", "flat"]), "shape of its ends"),
+    ];
+    let make = |given: &Given| {
+        if given.word("ends") == "flat" || !given.flag("solid") {
+            return Err(Fault::new("E019", "only solid bars with round ends are built"));
+        }
+        let shape = lesson::Bar { a: given.vector("from"), b: given.vector("to"), radius: given.number("radius") };
+        Ok(Box::new(move |_: f64| -> Box<dyn faying::contact::Obstacle<1, 2>> { Box::new(shape.clone()) }) as _)
+    };
+    registry.plane.obstacles.add_keyed("bar", bar, Box::new(make));
+    let rule = |points, partners| -> Box<dyn InterfaceQuadrature<1, 2>> { Box::new(SlaveRule { points: points + 3, partners }) };
+    registry.plane.integrations.add("slave-finer", Box::new(rule));
+    registry
+}
+
+const CASE: &str = "[model]\nphysics = \"elasticity\"\ndimension = 2\n\
+    [[material]]\nname = \"wood\"\nlaw = \"orthotropic\"\nc11 = 12.0\nc22 = 1.0\nc12 = 0.4\ng = \"0.35*2\"\n\
+    [[patch]]\nname = \"block\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [16, 8]\n\
+    [[boundary]]\non = \"block.top\"\nfix = [\"x\", \"y\"]\n\
+    [[contact]]\nname = \"bar\"\nslave = \"block.bottom\"\n\
+    rigid = { kind = \"bar\", from = [0.3, -0.1], to = [0.7, -0.1], move = [0, 0.01] }\n";
+
+fn read(text: &str, registry: &Registry) -> Result<Case, String> {
+    Case::parse("case.toml", text, &ReadOptions { names: registry.case_names(), ..ReadOptions::default() }).map_err(|e| e.to_string())
+}
+
+#[test]
+fn they_have_the_numbers_of_the_program() {
+    lesson::main().unwrap();
+    let registry = registry();
+    let case = read(CASE, &registry).unwrap();
+    let result = case.run(&registry).unwrap();
+    assert_eq!(result.exit, 0, "{:?}", result.diagnostics);
+    let wood = lesson::Orthotropic { c11: 12.0, c22: 1.0, c12: 0.4, g: 0.35 * 2.0 };
+    let bar = lesson::Bar { a: [0.3, -0.1].into(), b: [0.7, -0.1].into(), radius: 0.1 };
+    let own = lesson::pressed(wood, bar).unwrap();
+    assert_eq!(result.contact.get("bar").unwrap().force[..2], own[..2]);
+    // the effective case has the defaults and is read again
+    let effective = case.effective_toml();
+    for line in ["c12 = 0.4", "stiffer = 1.0", "radius = 0.1", "solid = true", "ends = \"round\""] {
+        assert!(effective.contains(line), "{line} is not in\n{effective}");
+    }
+    assert_eq!(
+        read(effective, &registry).unwrap().run(&registry).unwrap().contact.get("bar").unwrap().force,
+        result.contact.get("bar").unwrap().force
+    );
+}
+
+#[test]
+fn a_law_from_outside_changes_with_the_time() {
+    let registry = registry();
+    let steps = "[steps]\nt = [1.0, 2.0]\n";
+    let text = format!("{}{steps}", CASE.replace("c22 = 1.0\n", "c22 = 1.0\nstiffer = \"t\"\n"));
+    let (once, twice) = (read(CASE, &registry).unwrap().run(&registry).unwrap(), read(&text, &registry).unwrap().run(&registry).unwrap());
+    let (a, b) = (once.contact.get("bar").unwrap(), twice.contact.get("bar").unwrap());
+    assert!((b.force[1] - 2.0 * a.force[1]).abs() < 1e-11, "{} and {}", a.force[1], b.force[1]);
+    // it is made for every time before anything is solved
+    let text = text.replace("\"t\"", "\"if(t > 1.5, 0, 1)\"");
+    let result = read(&text, &registry).unwrap().run(&registry).unwrap_err().to_string();
+    assert!(result.contains("E053") && result.contains("c11 c22 must exceed c12 squared"), "{result}");
+}
+
+#[test]
+fn their_keys_are_read_as_strictly_as_those_of_the_language() {
+    let registry = registry();
+    for (old, new, parts) in [
+        ("c22 = 1.0\n", "", &["E013", "`c22` is missing"][..]),
+        ("c22 = 1.0", "c22 = -1.0", &["E015", "`c22` must be positive"]),
+        ("c22 = 1.0", "c22 = \"x\"", &["E017"]),
+        ("c12 =", "c21 =", &["E012", "unknown key `c21`"]),
+        ("c12 = 0.4", "young = 0.4", &["E015", "`young` is not a key of law \"orthotropic\""]),
+        ("law = \"orthotropic\"", "young = 1.0\npoisson = 0.3", &["E015", "`c11` is not a key of law \"hooke\""]),
+        ("\"orthotropic\"", "\"orthotropc\"", &["E015", "did you mean \"orthotropic\"?"]),
+        ("from = [0.3, -0.1]", "from = [0.3, -0.1, 1]", &["E044"]),
+        ("from = [0.3, -0.1], ", "", &["E013", "`from` is missing"]),
+        ("\"bar\", from", "\"barr\", from", &["E015", "did you mean \"bar\"?"]),
+        ("move =", "ends = \"sharp\", move =", &["E015", "\"round\", \"flat\""]),
+        ("move =", "axis = [0, 1], move =", &["E015", "`axis` is not a key of kind \"bar\""]),
+    ] {
+        let error = read(&CASE.replace(old, new), &registry).unwrap_err();
+        assert!(parts.iter().all(|p| error.contains(p)), "{new}: {error}");
+    }
+    // faults of the entries have their place
+    for (old, new, parts) in [
+        ("move =", "ends = \"flat\", move =", ["E019", "the obstacle of contact \"bar\": only solid bars"]),
+        ("c12 = 0.4", "c12 = 4", ["E053", "material \"wood\": c11 c22 must exceed"]),
+    ] {
+        let error = read(&CASE.replace(old, new), &registry).unwrap().run(&registry).unwrap_err().to_string();
+        assert!(parts.iter().all(|p| error.contains(p)), "{new}: {error}");
+    }
+    // unknown to the program as it comes
+    assert!(read(CASE, &Registry::default()).unwrap_err().contains("E015"));
+    let schema = case::schema(&registry.case_names()).to_string();
+    assert!(schema.contains("coupling [force/area]") && schema.contains("whether it is no pipe") && schema.contains("orthotropic"));
+}
+
+#[test]
+fn an_integration_from_outside_has_the_numbers_of_its_twin() {
+    let registry = registry();
+    let base = "[[patch]]\nname = \"base\"\nmaterial = \"steel\"\ngeometry = { kind = \"box\", min = [0, 1], max = [1, 2] }\nelements = [7, 4]\n\
+        [[material]]\nname = \"steel\"\nyoung = 100.0\npoisson = 0.3\n\
+        [[boundary]]\non = \"block.left\"\nfix = [\"x\"]\n\
+        [[KIND]]\nname = \"seam\"\nslave = \"block.top\"\nmaster = \"base.bottom\"\nRULE\n";
+    let text = CASE.replace("block.top", "base.top").replace("elements = [16, 8]", "elements = [16, 8]\nmaterial = \"wood\"") + base;
+    for kind in ["interface", "contact"] {
+        let run = |rule: &str| read(&text.replace("KIND", kind).replace("RULE", rule), &registry).unwrap().run(&registry).unwrap();
+        let (own, twin) = (run("integration = \"slave-finer\""), run("integration = \"slave\"\nextra_points = 3"));
+        assert_eq!((own.exit, own.energy), (0, twin.energy), "{kind}: {:?}", own.diagnostics);
+        assert_eq!(own.contact.get("bar").unwrap().force, twin.contact.get("bar").unwrap().force);
+        assert_ne!(own.energy, run("integration = \"slave\"").energy);
+    }
+    let text = text.replace("KIND", "interface");
+    let error = read(&text.replace("RULE", "integration = \"slave-fine\""), &registry).unwrap_err();
+    assert!(error.contains("E015") && error.contains("did you mean \"slave-finer\"?"), "{error}");
+}
