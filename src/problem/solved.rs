@@ -1,4 +1,4 @@
-//! What a system and a solution do.
+//! The work of systems and solutions.
 //!
 //! Behind trait objects: everything is compiled with this crate, for the plane and for space, and no program compiles it again.
 

@@ -68,7 +68,7 @@ struct Scratch<V, const N: usize> {
     tangents: Vec<[[V; N]; N]>,
     /// Physical gradient of the state at a point, per component; empty without a state.
     gradient: Vec<[V; N]>,
-    /// That of one lane.
+    /// The gradient of one lane.
     numbers: Vec<f64>,
     ids: Vec<usize>,
     tangent: Vec<f64>,
