@@ -14,7 +14,9 @@ if [ "${1:-}" = --check ]; then
     shift
 fi
 python=/usr/bin/python3 # Debian's own: another one does not see the package
-if ! "$python" -c 'import dolfinx' >/dev/null 2>&1; then
+# -I: the folder dolfinx/ here is no module
+has_dolfinx() { "$python" -I -c 'import basix, ufl, dolfinx.fem' >/dev/null 2>&1; }
+if ! has_dolfinx; then
     if [ "$(id -u)" != 0 ] || ! command -v apt-get >/dev/null; then
         echo "python3-dolfinx is missing: apt-get install --no-install-recommends python3-dolfinx (Debian), as root"
         exit 3
@@ -23,6 +25,7 @@ if ! "$python" -c 'import dolfinx' >/dev/null 2>&1; then
     (apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends python3-dolfinx gcc) >"$log" 2>&1 \
         || { tail -n 5 "$log"; echo "python3-dolfinx cannot be installed"; exit 3; }
     rm -f "$log"
+    has_dolfinx || { echo "python3-dolfinx is installed, but cannot be imported: $("$python" -I -c 'import basix, ufl, dolfinx.fem' 2>&1 | tail -n 1)"; exit 3; }
 fi
 if [ -z "${FAYING:-}" ]; then
     (cd .. && cargo build --release --locked --bin faying)

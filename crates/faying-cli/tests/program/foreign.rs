@@ -43,7 +43,7 @@ fn gmsh_and_meshio_read_what_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let mut files = Vec::new();
     for name in names {
-        let own = file("data/gmsh").join(format!("{name}.msh"));
+        let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/gmsh").join(format!("{name}.msh"));
         let contents = read(&own, &Limits::default()).unwrap();
         files.push(own);
         for binary in [false, true] {
