@@ -288,7 +288,7 @@ pub const CODES: &[Code] = &[
         "E063",
         3,
         "study needs an interface",
-        "This study looks at an interface or contact; the case has none.",
+        "This study looks at an interface or contact, or at its multiplier; the case has none.",
         "$ faying quadrature plate.toml       # one patch, nothing tied",
         "choose a case with [[interface]] or [[contact]].",
     ),

@@ -248,6 +248,11 @@ pub(super) fn is_glue(coupling: &str) -> bool {
     coupling == "glue"
 }
 
+/// Every coupling of a family, and whether it makes rows.
+fn asked<const S: usize, const N: usize>(couplings: &Family<MakeCoupling<S, N>>) -> Vec<(String, bool)> {
+    couplings.entries.iter().map(|(name, make)| (name.clone(), make(CouplingOptions::default()).has_rows())).collect()
+}
+
 /// Whether the rows of a coupling are those of the mortar method; `false` for added couplings.
 pub(super) fn has_mortar_rows(coupling: &str) -> bool {
     matches!(coupling, "mortar" | "penalty")
@@ -275,6 +280,9 @@ impl Registry {
         for couplings in [self.plane.couplings.names(), self.volume.couplings.names()] {
             case::Names::add(&mut names.couplings, couplings);
         }
+        let asked = [asked(&self.plane.couplings), asked(&self.volume.couplings)].concat();
+        names.rowless.retain(|name| asked.iter().all(|(known, _)| known != name));
+        case::Names::add(&mut names.rowless, asked.into_iter().filter(|(_, has_rows)| !has_rows).map(|(name, _)| name));
         for multipliers in [self.plane.multipliers.names(), self.volume.multipliers.names()] {
             case::Names::add(&mut names.multipliers, multipliers);
         }

@@ -6,7 +6,7 @@ use super::fixed::fixed;
 use super::multipliers::{multiplier, multiplier_fault};
 use super::patches;
 use super::ties::{coupling_of, list, memberships};
-use crate::case::{Case, Method, Multiplier};
+use crate::case::{Case, Multiplier};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::place::Located;
 use crate::registry::{Names, is_glue};
@@ -70,7 +70,6 @@ pub fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: Sla
     for (tie, couples) in case.interfaces.iter().zip(&couples.ties).filter(|(tie, _)| !is_glue(&tie.coupling.value)) {
         match coupling_of(&builder, tie) {
             Ok(coupling) if coupling.has_rows() => {}
-            // nitsche and penalty have no multipliers
             Ok(_) => continue,
             Err(fault) => {
                 faults.push(*fault);
@@ -92,8 +91,7 @@ pub fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: Sla
             }
         }
     }
-    // nitsche has no multipliers
-    for contact in case.contacts.iter().filter(|c| c.method.value != Method::Nitsche) {
+    for contact in case.contacts.iter().filter(|c| c.method.value.has_multiplier()) {
         for slave in &list(&mut builder, &model, &mut sides, &contact.slave) {
             let field = model.patches[slave.patch].field;
             let normals = normals(slave);

@@ -1,6 +1,8 @@
 //! Changes of a case by a row of a study, after `--set`: backends, degrees, levels, multipliers, integration, quantities.
 
+use super::names::Names;
 use super::tree::{Node, Table, Value, parse_value};
+use super::types::Method;
 use crate::place::{Origin, Place};
 
 /// Changes of a case between its `--set` options and its reading; the default changes nothing.
@@ -28,25 +30,28 @@ pub struct Changes {
 
 const AT: Place = Place { origin: Origin::Option, ..Place::NONE };
 
-/// Lists of couplings along sides, their key for the method, and its values without a multiplier.
-const COUPLES: [(&str, &str, &[&str]); 2] = [("interface", "coupling", &["nitsche", "penalty"]), ("contact", "method", &["nitsche"])];
-
-/// Applies the changes.
-pub(super) fn apply(root: &mut Table, changes: &Changes) {
+/// Applies the changes; `names` tells the couplings with a multiplier.
+pub(super) fn apply(root: &mut Table, changes: &Changes, names: &Names) {
     if let Some(backend) = &changes.backend {
         everywhere(root, "backend", Value::Text(backend.clone()));
     }
     if let Some(degree) = changes.degree {
         everywhere(root, "degree", whole(degree));
     }
-    for (list, kind, without) in COUPLES {
+    // a word that is missing is the default, and the reader rejects one that is not known: both have a multiplier
+    let method = |word: &str| Method::WORDS.iter().all(|(known, method)| *known != word || method.has_multiplier());
+    let coupling = |word: &str| names.has_rows(word);
+    for (list, kind, has_multiplier) in [("interface", "coupling", &coupling as &dyn Fn(&str) -> bool), ("contact", "method", &method)] {
         for couple in tables(root, list) {
+            let word = match couple.get(kind).map(|e| &e.node.value) {
+                Some(Value::Text(word)) => word.clone(),
+                _ => String::new(),
+            };
             // glued sides have neither a multiplier nor an integration; couplings without a multiplier are still integrated
-            let is = |word: &str| matches!(couple.get(kind).map(|e| &e.node.value), Some(Value::Text(w)) if w == word);
-            if is("glue") {
+            if word == "glue" {
                 continue;
             }
-            if let Some(pairing) = changes.pairing.as_ref().filter(|_| !without.iter().any(|w| is(w))) {
+            if let Some(pairing) = changes.pairing.as_ref().filter(|_| has_multiplier(&word)) {
                 let value = if pairing.starts_with('{') { parse_value(pairing, AT).ok() } else { None };
                 couple.set("multiplier", AT, value.unwrap_or_else(|| Node::new(Value::Text(pairing.clone()), AT)));
             }

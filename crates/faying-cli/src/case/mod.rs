@@ -135,9 +135,9 @@ impl Case {
             }
         }
         if let Some(backend) = &options.backend {
-            changes::apply(&mut root, &Changes { backend: Some(backend.clone()), ..Changes::default() });
+            changes::apply(&mut root, &Changes { backend: Some(backend.clone()), ..Changes::default() }, &options.names);
         }
-        changes::apply(&mut root, &options.changes);
+        changes::apply(&mut root, &options.changes, &options.names);
         let case = reader.case(root, options);
         let mut found = reader.found;
         found.sort();
@@ -281,6 +281,7 @@ impl Reader {
         let inner: Vec<Joint> = joints.iter().chain(&parted).cloned().collect();
         let boundaries = self.outer(read, &interfaces, &contacts, &inner, &mut patches);
         self.slaves(&interfaces, &contacts, &patches);
+        self.iterations(&contacts);
         self.conditions(&boundaries, &patches, model.components());
         self.exact_data(&boundaries, &model);
         self.weight(&model, &materials, &patches);

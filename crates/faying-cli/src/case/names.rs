@@ -9,6 +9,8 @@ pub struct Names {
     pub backends: Vec<String>,
     /// `coupling` of interfaces.
     pub couplings: Vec<String>,
+    /// Those of `couplings` that make no rows, and so have no multiplier.
+    pub rowless: Vec<String>,
     /// `multiplier`, beside `p/p-k` for every k.
     pub multipliers: Vec<String>,
     /// `integration` of interfaces and contacts.
@@ -37,6 +39,7 @@ impl Default for Names {
         Self {
             backends: list(&["iga", "fe"]),
             couplings: list(&["mortar", "nitsche", "penalty", "glue"]),
+            rowless: list(&["nitsche"]),
             multipliers: list(&["auto", "p/p", "p/p-1", "p/p-2", "constant", "dual"]),
             integrations: list(&["merged", "segments", "slave", "mixed"]),
             constraints: list(&["auto", "saddle-point", "condensed", "schur", "uzawa"]),
@@ -51,6 +54,11 @@ impl Names {
     pub fn has_multiplier(&self, name: &str) -> bool {
         let lowered = name.strip_prefix("p/p-").and_then(|k| k.parse::<usize>().ok());
         lowered.is_some_and(|k| (1..=12).contains(&k)) || self.multipliers.iter().any(|known| known == name)
+    }
+
+    /// Whether an interface of this `coupling` has a multiplier; glued sides share their unknowns instead.
+    pub fn has_rows(&self, coupling: &str) -> bool {
+        coupling != "glue" && self.rowless.iter().all(|name| name != coupling)
     }
 
     /// Adds names that are not known yet.

@@ -9,7 +9,7 @@ use super::reader::Reader;
 use super::sides::{show, sides_of};
 use super::types::*;
 use crate::errors::Diagnostic;
-use crate::place::{Located, Place};
+use crate::place::{Located, Origin, Place};
 
 fn line(at: Place) -> String {
     at.in_file().map_or("in an option".to_owned(), |(l, _)| format!("on line {l}"))
@@ -83,6 +83,24 @@ impl Reader {
                     }
                 }
             }
+        }
+    }
+
+    /// Warns of a `max_iterations` below that of another contact: all contacts settle together, and the largest counts.
+    pub fn iterations(&mut self, contacts: &[Contact]) {
+        let limit = |c: &Contact| c.active_set.max_iterations.value;
+        let Some(most) = contacts.iter().map(limit).max() else { return };
+        let Some(largest) = contacts.iter().find(|c| limit(c) == most) else { return };
+        let by_default = if largest.active_set.max_iterations.at.origin == Origin::Default { ", its default" } else { "" };
+        for c in contacts.iter().filter(|c| limit(c) < most && c.active_set.max_iterations.at.origin != Origin::Default) {
+            let message = format!(
+                "max_iterations = {} of contact {:?} has no effect: all contacts settle together, and the largest counts, {most} of {:?}{by_default}",
+                limit(c),
+                c.name.value,
+                largest.name.value
+            );
+            let warning = Diagnostic::warning("E015", message).with_help("write the same max_iterations in every contact");
+            self.push(c.active_set.max_iterations.at, warning);
         }
     }
 

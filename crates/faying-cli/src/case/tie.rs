@@ -40,8 +40,9 @@ impl Reader {
             self.fault("E015", b.key_at(key), message, "glued sides share their unknowns: there is no multiplier");
         }
         let none = || Located::new(Multiplier::Named("auto".to_owned()), b.at);
-        if coupling.value == "nitsche" {
-            self.only_default(b, "multiplier", "auto", "coupling = \"nitsche\"", "Nitsche's coupling has no multiplier");
+        if !glue && !names.has_rows(&coupling.value) {
+            let kind = format!("coupling = {:?}", coupling.value);
+            self.only_default(b, "multiplier", "auto", &kind, "this coupling has no multiplier");
         }
         let multiplier = if glue { none() } else { self.multiplier(b, names) };
         let integration = if glue { Located::new("merged".to_owned(), b.at) } else { self.integration(b, names) };
@@ -93,10 +94,8 @@ impl Reader {
             }
         };
         let gap = gap.unwrap_or_else(|| Located::new(Formula::constant(0.0), b.at));
-        let methods =
-            [("lagrange", Method::Lagrange), ("penalty", Method::Penalty), ("augmented", Method::Augmented), ("nitsche", Method::Nitsche)];
-        let method = self.word(b, "method", &methods);
-        if method.value == Method::Nitsche {
+        let method = self.word(b, "method", &Method::WORDS);
+        if !method.value.has_multiplier() {
             let why = "Nitsche's method has no multiplier";
             self.only_default(b, "multiplier", "auto", "method = \"nitsche\"", why);
             self.only_default(b, "cone", "coefficients", "method = \"nitsche\"", why);

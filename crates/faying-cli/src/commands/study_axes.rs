@@ -7,6 +7,7 @@ use super::study::Kind;
 use crate::case::{Names, StudyValues};
 use crate::errors::{Diagnostic, nearest};
 use crate::place::Located;
+use crate::registry::is_glue;
 use crate::studies::{Axes, Degrees, Vary, repeated, split};
 
 /// Words of `integration`.
@@ -55,7 +56,8 @@ pub fn axes(kind: &Kind, options: &StudyArguments, table: Option<&Located<StudyV
         r.known("pairings", &pairings, "multiplier", name, &r.names().multipliers)?;
     }
     // the default leaves out `mixed` if the case cannot have it; given values stay
-    let no_mixed = loaded.case.interfaces.iter().any(|t| t.coupling.value == "nitsche");
+    let no_mixed = loaded.case.interfaces.iter().any(|t| !is_glue(&t.coupling.value) && !r.names().has_rows(&t.coupling.value))
+        || loaded.case.contacts.iter().any(|c| !c.method.value.has_multiplier());
     let usual: Vec<&str> = kind.integrations.iter().copied().filter(|w| *w != "mixed" || !no_mixed).collect();
     let integrations = r.list("integration", options.integration.as_deref(), &values.integration, words(&usual))?;
     for name in &integrations.list {
@@ -91,6 +93,8 @@ pub fn axes(kind: &Kind, options: &StudyArguments, table: Option<&Located<StudyV
     let levels = options.levels.map(usize::from).or(values.levels).unwrap_or(kind.levels);
     let sides = !(pairings.list.is_empty() && integrations.list.is_empty() && extra_points.is_empty());
     r.interface(sides || kind.needs_interface)?;
+    let couples_vary = vary.iter().any(|v| v.key.ends_with(".coupling") || v.key.ends_with(".method"));
+    r.multiplier(!pairings.list.is_empty() && !couples_vary)?;
     Ok(Axes {
         backends: backends.list,
         as_written: kind.compares,
@@ -184,5 +188,18 @@ impl Reader<'_> {
         let what = if self.kind.needs_interface { self.kind.command } else { "a study of multipliers and integration" };
         let fault = Diagnostic::error("E063", format!("{what} needs an interface or a contact, and the case has none"));
         Err(fault.with_help("add [[interface]] with slave and master").in_file(&self.loaded.name).into())
+    }
+
+    /// E063 if the axes need a multiplier and no interface or contact of the case has one.
+    fn multiplier(&self, needed: bool) -> Result<(), Ended> {
+        let case = &self.loaded.case;
+        let ties = case.interfaces.iter().map(|t| self.names().has_rows(&t.coupling.value));
+        let contacts = case.contacts.iter().map(|c| c.method.value.has_multiplier());
+        if !needed || ties.chain(contacts).any(|has_one| has_one) {
+            return Ok(());
+        }
+        let fault = Diagnostic::error("E063", "a study of multipliers needs an interface or a contact with a multiplier, and the case has none");
+        let help = "leave the pairings out, or write coupling = \"mortar\" or \"penalty\"";
+        Err(fault.with_help(help).in_file(&self.loaded.name).into())
     }
 }

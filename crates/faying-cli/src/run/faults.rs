@@ -82,7 +82,9 @@ pub fn step_fault<const S: usize, const N: usize>(
     error: &StepError,
     t: f64,
 ) -> (Status, &'static str, Diagnostic) {
-    let contact = case.contacts.first().map(|c| c.active_set.max_iterations.at).unwrap_or_default();
+    // all contacts settle together: the largest limit counts
+    let limits = case.contacts.iter().map(|c| &c.active_set.max_iterations);
+    let contact = limits.rev().max_by_key(|limit| limit.value).map(|limit| limit.at).unwrap_or_default();
     let at = |d: Diagnostic| d.at(&case.source, contact);
     match error {
         StepError::Solve(SolveError::Cycling { first, second, rows, iterations, .. }) => {

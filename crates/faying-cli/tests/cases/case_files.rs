@@ -1590,6 +1590,36 @@ fn warnings_do_not_stop_reading() {
     assert!(d.render().starts_with("warning[E061]: multiplier"));
 }
 
+#[test]
+fn the_largest_limit_of_several_contacts_counts_and_a_warning_says_so() {
+    let contacts = |limits: [&str; 2]| {
+        let second = "[[contact]]\nname = \"wall\"\nslave = \"lower.left\"\nrigid = { kind = \"half-plane\", point = [0, 0], normal = [1, 0] }\n";
+        let limited = |block: &str, limit: &str| match limit {
+            "" => block.to_owned(),
+            _ => format!("{block}active_set = {{ max_iterations = {limit} }}\n"),
+        };
+        let own = "master = \"lower.top\"\n";
+        assert!(BASE.contains(own));
+        format!("{}\n{}", BASE.replace(own, &limited(own, limits[0])), limited(second, limits[1]))
+    };
+    let warnings = |limits: [&str; 2]| Case::parse("a.toml", &contacts(limits), &ReadOptions::default()).unwrap().warnings.items;
+    for limits in [["", ""], ["30", "30"], ["", "200"], ["300", ""]] {
+        assert_eq!(warnings(limits).len(), 0, "{limits:?}");
+    }
+    for (limits, said, at) in [
+        (["30", "40"], "max_iterations = 30 of contact \"pad\"", "the largest counts, 40 of \"wall\""),
+        (["40", "30"], "max_iterations = 30 of contact \"wall\"", "the largest counts, 40 of \"pad\""),
+        (["30", ""], "max_iterations = 30 of contact \"pad\"", "100 of \"wall\", its default"),
+        (["100", "101"], "max_iterations = 100 of contact \"pad\"", "101 of \"wall\""),
+    ] {
+        let found = warnings(limits);
+        assert_eq!(found.len(), 1, "{limits:?}");
+        let text = found[0].render();
+        assert!(found[0].severity == Severity::Warning && text.contains("E015") && text.contains(said) && text.contains(at), "{text}");
+        assert!(found[0].line.is_some() && found[0].help.is_some(), "{text}");
+    }
+}
+
 // every load and support that needs an integral or an equation of its own -----------------------
 
 /// One box 2 x 1 with E = rho = 1 and nu = 0, so that every direction is a bar of its own: answers by hand.

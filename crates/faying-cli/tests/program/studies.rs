@@ -258,6 +258,51 @@ fn every_axis_of_a_side_changes_the_case_of_its_rows() {
 }
 
 #[test]
+fn pairings_of_a_penalty_are_its_multipliers() {
+    let at = folder(&format!("{PAIR}coupling = \"penalty\"\n"));
+    let pairings = ["p/p", "p/p-2", "constant", "dual"];
+    let (exit, study) = told(at.path(), &["convergence", "a.toml", "--levels", "1", "--pairings", &pairings.join(",")]);
+    assert_eq!((exit, rows(&study).len()), (0, pairings.len()), "{study}");
+    // a row is the run with that multiplier, and no two rows are the same
+    for (pairing, row) in pairings.iter().zip(rows(&study)) {
+        let (_, run) = told(at.path(), &["run", "a.toml", "--force", "--set", &format!("interface.seam.multiplier={pairing}")]);
+        for key in ["energy", "errors", "unknowns", "interface"] {
+            assert_eq!(row[key], run[key], "{pairing}: {key}");
+        }
+        assert_eq!(row["pairing"].as_str(), Some(*pairing));
+    }
+    for (k, row) in rows(&study).iter().enumerate() {
+        rows(&study)[..k].iter().for_each(|before| assert_ne!(before["energy"], row["energy"], "{}", row["pairing"]));
+    }
+}
+
+#[test]
+fn pairings_need_a_coupling_with_a_multiplier() {
+    let words = ["convergence", "a.toml", "--levels", "1", "--pairings", "p/p,p/p-2"];
+    for coupling in ["nitsche", "glue"] {
+        // glued sides must match
+        let at = folder(&format!("{}coupling = \"{coupling}\"\n", PAIR.replace("[3, 3]", "[4, 4]")));
+        let (exit, document) = told(at.path(), &words);
+        assert_eq!((exit, document["diagnostics"][0]["code"].as_str()), (3, Some("E063")), "{document}");
+        // as written, and by the key that gives it one
+        let (exit, _) = told(at.path(), &["convergence", "a.toml", "--levels", "1"]);
+        assert_eq!(exit, 0);
+        let varied = [&words[..], &["--force", "--vary", "interface.seam.coupling=mortar,penalty"]].concat();
+        let (exit, study) = told(at.path(), &varied);
+        assert_eq!((exit, rows(&study).len()), (0, 4), "{study}");
+    }
+    // only the sides that have a multiplier get it
+    let third = "[[patch]]\nname = \"third\"\ngeometry = { kind = \"box\", min = [0, 1], max = [1, 2] }\nelements = [3, 3]\n\
+                 [[interface]]\nslave = \"left.top\"\nmaster = \"third.bottom\"\ncoupling = \"nitsche\"\n";
+    let case = format!("{}{third}", PAIR.replace("\"left.top\", ", "\"third.left\", \"third.right\", \"third.top\", "));
+    let at = folder(&case);
+    let (exit, study) = told(at.path(), &words);
+    assert_eq!(exit, 0, "{study}");
+    assert_eq!(rows(&study)[0]["pairing"], "p/p+auto");
+    assert_ne!(rows(&study)[0]["energy"], rows(&study)[1]["energy"]);
+}
+
+#[test]
 fn the_integration_study_has_its_defaults_and_needs_an_interface() {
     let at = folder(PAIR);
     let (_, study) = told(at.path(), &["quadrature", "a.toml", "--levels", "2"]);

@@ -114,6 +114,17 @@ pub enum Method {
     Nitsche,
 }
 
+impl Method {
+    /// Words of `method`, the default first.
+    pub(crate) const WORDS: [(&str, Self); 4] =
+        [("lagrange", Self::Lagrange), ("penalty", Self::Penalty), ("augmented", Self::Augmented), ("nitsche", Self::Nitsche)];
+
+    /// Whether contact has a multiplier.
+    pub fn has_multiplier(self) -> bool {
+        self != Self::Nitsche
+    }
+}
+
 /// The discrete cone of admissible multipliers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]

@@ -4,9 +4,8 @@ use super::sample::{Sample, error, probe};
 use faying::basis::{Basis, Order, ShapeTable};
 use faying::coupling::{Coupling, CouplingBlocks, CouplingError, Interface, Mortar};
 use faying::linalg::Triplets;
-use faying_cli::Case;
-use faying_cli::case::ReadOptions;
-use faying_cli::{Registry, RunResult, Status};
+use faying_cli::case::{Changes, Multiplier, Names, ReadOptions};
+use faying_cli::{Case, Diagnostics, Registry, RunResult, Status};
 
 /// Springs of stiffness k [force/area per length] between the sides: ∫ k [u] . [v] ds, and the rows of mortar where wanted.
 #[derive(Debug)]
@@ -54,13 +53,21 @@ fn run(text: &str) -> RunResult {
 }
 
 fn tried(text: &str) -> RunResult {
+    read(text, Changes::default()).unwrap_or_else(|e| panic!("{e}")).run(&names()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The names of the program and those of these couplings.
+fn names() -> Registry {
     let mut registry = Registry::default();
     for (name, k, rows) in [("springs", 4.0, false), ("springs-and-rows", 4.0, true), ("pushes", -4.0, false)] {
         registry.plane.couplings.add(name, Box::new(move |_| Box::new(Springs { k, rows })));
     }
-    let options = ReadOptions { names: registry.case_names(), ..ReadOptions::default() };
-    let case = Case::parse("case.toml", text, &options).unwrap_or_else(|e| panic!("{e}"));
-    case.run(&registry).unwrap_or_else(|e| panic!("{e}"))
+    registry
+}
+
+fn read(text: &str, changes: Changes) -> Result<Case, Diagnostics> {
+    let options = ReadOptions { names: names().case_names(), changes, ..ReadOptions::default() };
+    Case::parse("case.toml", text, &options)
 }
 
 // Two bars of length 1/2 and k = 1 in a row with springs of 4 between them: q = 1 / (1/2 + 1/4 + 1/2).
@@ -102,4 +109,20 @@ fn a_coupling_with_negative_energy_is_refused_after_the_factorisation() {
         result.status == Status::Singular && result.exit == 5 && said.contains("E072") && said.contains("not positive definite"),
         "{said}"
     );
+}
+
+#[test]
+fn a_pairing_is_given_to_the_couplings_that_make_rows() {
+    assert_eq!(names().case_names().rowless, ["nitsche", "springs", "pushes"]);
+    // the names of the language agree with the couplings of the program
+    assert_eq!(Registry::default().case_names().rowless, Names::default().rowless);
+    for (coupling, given) in [("springs", false), ("pushes", false), ("nitsche", false), ("springs-and-rows", true), ("penalty", true)] {
+        let text = Sample::poisson("y", &format!("coupling = \"{coupling}\"")).text();
+        let changes = Changes { pairing: Some("p/p".into()), ..Changes::default() };
+        let case = read(&text, changes).unwrap_or_else(|e| panic!("{coupling}: {e}"));
+        let expected = Multiplier::Named(if given { "p/p" } else { "auto" }.into());
+        assert_eq!(case.interfaces[0].multiplier.value, expected, "{coupling}");
+        let written = read(&format!("{text}\n").replace("coupling =", "multiplier = \"p/p\"\ncoupling ="), Changes::default());
+        assert_eq!(written.is_ok(), given, "{coupling}");
+    }
 }
