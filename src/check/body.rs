@@ -8,7 +8,8 @@ use crate::space::{Body, SideError, Trace, measure};
 
 /// Checks `body`, its space and the traces of all its sides.
 ///
-/// Rules: side names are listed once; an unknown side is [`SideError::Unknown`]; a trace has one facet and one `outward`
+/// Rules: spaces of body and sides keep those of [`basis`](super::basis()) and [`space`](super::space()), and their functions are continuous
+/// where elements share a facet, which an `active` in another order than the table breaks; side names are listed once; an unknown side is [`SideError::Unknown`]; a trace has one facet and one `outward`
 /// sign per element and one dof per function, no dof twice; its map is the body's through the facets; its functions are
 /// the body's through `dofs`, and the body's other functions vanish there; facets lie on the boundary of their cell;
 /// `outward` leaves it.
@@ -16,7 +17,10 @@ use crate::space::{Body, SideError, Trace, measure};
 /// # Errors
 /// A sentence that names the broken rule and the place.
 pub fn body<const S: usize, const N: usize, T: Real, B: Body<S, N, T> + ?Sized>(body: &B) -> Result<(), String> {
-    super::space::space(&**body.space()).map_err(|e| format!("the body's space: {e}"))?;
+    let of_body = |e: String| format!("the body's space: {e}");
+    super::space::space(&**body.space()).map_err(of_body)?;
+    super::basis::basis(&**body.space()).map_err(of_body)?;
+    super::continuous::continuous(&**body.space()).map_err(of_body)?;
     let sides = body.sides();
     let nowhere = "no-such-side";
     if !matches!(body.trace(nowhere), Err(SideError::Unknown { .. })) {
@@ -68,7 +72,10 @@ pub fn closed_body<const S: usize, const N: usize, T: Real, B: Body<S, N, T> + ?
 }
 
 fn one_trace<const S: usize, const N: usize, T: Real, B: Body<S, N, T> + ?Sized>(body: &B, trace: &Trace<S, N, T>) -> Result<(), String> {
-    super::space::space(&*trace.space).map_err(|e| format!("its space: {e}"))?;
+    let of_side = |e: String| format!("its space: {e}");
+    super::space::space(&*trace.space).map_err(of_side)?;
+    super::basis::basis(&*trace.space).map_err(of_side)?;
+    super::continuous::continuous(&*trace.space).map_err(of_side)?;
     let (elements, functions) = (trace.space.num_elements(), trace.space.num_functions());
     if trace.facets.len() != elements || trace.outward.len() != elements {
         return Err(format!("{} facets and {} signs for {elements} elements", trace.facets.len(), trace.outward.len()));

@@ -6,6 +6,7 @@ mod basis;
 mod block;
 mod body;
 mod continuation;
+mod continuous;
 mod coupling;
 mod flux;
 mod geometry;
