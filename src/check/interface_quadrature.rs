@@ -47,7 +47,11 @@ pub fn interface_quadrature<const D: usize, const N: usize, T: Real>(
     if rule.segments(slave_map, master_map).ok().as_ref() != Some(&segments) {
         return Err("the same sides give different segments when asked again".into());
     }
-    shapes(&segments, slave.num_elements(), master.num_elements())?;
+    segments.well_formed(slave.num_elements(), master.num_elements()).map_err(|e| e.to_string())?;
+    if segments.num_pieces() == 0 {
+        return Err("there are no pieces: no point of the slave has a partner".into());
+    }
+    reported(&segments, slave_map, master_map)?;
     tiling(&segments, slave, own[0], limits.tiling)?;
     places(&segments, slave, master, limits)?;
     if let Some(limit) = limits.columns {
@@ -56,33 +60,24 @@ pub fn interface_quadrature<const D: usize, const N: usize, T: Real>(
     Ok(())
 }
 
-/// Checks that lengths agree, elements exist, and slave elements come in order.
-fn shapes<const D: usize, T: Real>(segments: &Segments<D, T>, slaves: usize, masters: usize) -> Result<(), String> {
-    let (pieces, points) = (segments.num_pieces(), segments.ds.len());
-    if segments.master.len() != pieces || segments.start.len() != pieces + 1 || segments.start.last() != Some(&points) {
-        return Err(format!("{pieces} pieces have {} masters and {} starts", segments.master.len(), segments.start.len()));
+/// Checks that the report says what is measured from the points.
+fn reported<const D: usize, const N: usize, T: Real>(
+    segments: &Segments<D, T>,
+    slave: &dyn Geometry<D, N, T>,
+    master: &dyn Geometry<D, N, T>,
+) -> Result<(), String> {
+    let measured = segments.clone().verified(slave, master).map_err(|e| e.to_string())?.report;
+    let told = &segments.report;
+    if told.share.len() != measured.share.len() {
+        return Err(format!("the report has shares of {} elements, the slave {}", told.share.len(), measured.share.len()));
     }
-    if segments.slave_xi.len() != points || segments.master_xi.len() != points {
-        return Err(format!("{points} weights have {} slave and {} master points", segments.slave_xi.len(), segments.master_xi.len()));
+    match *told == measured {
+        true => Ok(()),
+        false => Err(format!(
+            "the report says that {:?} of {:?} are covered, at distances up to {:?}; the points measure {:?} of {:?}, up to {:?} apart",
+            told.covered, told.slave_measure, told.distance, measured.covered, measured.slave_measure, measured.distance
+        )),
     }
-    for piece in 0..pieces {
-        if segments.slave[piece] >= slaves || segments.master[piece] >= masters {
-            return Err(format!(
-                "piece {piece} names slave element {} and master element {}",
-                segments.slave[piece], segments.master[piece]
-            ));
-        }
-        if piece > 0 && segments.slave[piece] < segments.slave[piece - 1] {
-            return Err(format!("piece {piece} goes back to slave element {}", segments.slave[piece]));
-        }
-    }
-    if let Some(q) = segments.ds.iter().position(|ds| *ds < T::zero() || !ds.is_finite()) {
-        return Err(format!("point {q} has the weight {:?}", segments.ds[q]));
-    }
-    if segments.report.share.len() != slaves {
-        return Err(format!("the report has shares of {} elements, the slave {slaves}", segments.report.share.len()));
-    }
-    Ok(())
 }
 
 /// Checks that pieces of a slave element have the measure of its covered part.

@@ -51,6 +51,9 @@ pub enum CouplingError {
         /// Elements of the multiplier.
         found: usize,
     },
+    /// The segments of a rule are not sound.
+    #[error("the rule of integration returns wrong segments: {0}")]
+    Rule(String),
     /// The coupling needs something the interface does not have.
     #[error("{0}")]
     Missing(String),

@@ -113,10 +113,17 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let partners = Partners::Facing { reach: contact.reach };
         let points = rules.points(slave, &master);
         let make = |make: &super::tie_part::MakeIntegration<'_, S, N>| {
-            make(points, partners).segments(&*slave.trace.space, &*master.trace.space).map_err(InterfaceError::Segments)
+            let (own, other) = (&*slave.trace.space, &*master.trace.space);
+            let segments = make(points, partners).segments(own, other)?;
+            segments.well_formed(own.num_elements(), other.num_elements()).map(|()| segments)
         };
-        let segments = make(rules.rule)?;
-        let second = rules.second.map(make).transpose()?;
+        let verified = |segments: Segments<S>| {
+            let (own, other) = (&*slave.trace.space, &*master.trace.space);
+            segments.opposite(own, other)?;
+            segments.verified(own, other)
+        };
+        let segments = make(rules.rule).and_then(verified).map_err(InterfaceError::Segments)?;
+        let second = rules.second.map(make).transpose().map_err(InterfaceError::Segments)?;
         let finer = rules.finer(slave, &master, partners);
         Ok((Against::Side(master, segments), second, finer))
     }

@@ -26,7 +26,7 @@ pub enum InterfaceError {
         /// Covered share of the slave side.
         share: f64,
     },
-    /// Segments of a contact that cannot be built.
+    /// Segments that cannot be built, or that are not sound.
     #[error(transparent)]
     Segments(CouplingError),
     /// Blocks of a coupling that cannot be built.

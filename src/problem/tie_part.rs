@@ -51,7 +51,9 @@ impl<const S: usize, const N: usize> InterfaceRules<'_, S, N> {
     /// Segments for checking the rows: finer ones, `partners` as far as the caller has checked them.
     pub(super) fn finer(&self, slave: &SideModel<S, N>, master: &SideModel<S, N>, partners: Partners) -> Option<Segments<S>> {
         let make = self.finer?;
-        make(self.points(slave, master) + FINER_POINTS, partners).segments(&*slave.trace.space, &*master.trace.space).ok()
+        let (own, other) = (&*slave.trace.space, &*master.trace.space);
+        let segments = make(self.points(slave, master) + FINER_POINTS, partners).segments(own, other).ok()?;
+        segments.well_formed(own.num_elements(), other.num_elements()).ok().map(|()| segments)
     }
 }
 
@@ -152,6 +154,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
                     // the distance has been checked
                     finer.extend(tie.rules.finer(slave, master, Partners::Touching(Tolerance::Given(f64::INFINITY))));
                 }
+                Err(e @ CouplingError::Rule(_)) => return Err(InterfaceError::Segments(e)),
                 Err(e) => missed = Some(e),
             }
         }
@@ -219,10 +222,15 @@ impl<const S: usize, const N: usize> Model<S, N> {
     ) -> Result<(Segments<S>, Option<Segments<S>>), CouplingError> {
         let points = rules.points(slave, master);
         let (own, other) = (&*slave.trace.space, &*master.trace.space);
-        let first = (rules.rule)(points, Partners::Touching(tolerance)).segments(own, other)?;
+        let first = (rules.rule)(points, Partners::Touching(tolerance)).segments(own, other)?.verified(own, other)?;
+        first.touching(own, other, tolerance)?;
         // a master may be longer than its slave
         let second = match rules.second {
-            Some(make) => Some(make(points, Partners::Near(tolerance)).segments(other, own)?.swapped()),
+            Some(make) => {
+                let along_master = make(points, Partners::Near(tolerance)).segments(other, own)?;
+                along_master.well_formed(other.num_elements(), own.num_elements())?;
+                Some(along_master.swapped())
+            }
             None => None,
         };
         Ok((first, second))

@@ -6,6 +6,7 @@ mod master_sums;
 mod merged_curve;
 mod pairing;
 mod slave;
+mod verified;
 
 use super::CouplingError;
 use crate::geometry::Geometry;

@@ -29,6 +29,17 @@ pub enum Tolerance<T: Real = f64> {
     Given(T),
 }
 
+impl<T: Real> Tolerance<T> {
+    /// The largest distance of sides of this size, between elements of these lengths \[length\].
+    pub(super) fn within(self, size: T, lengths: [T; 2]) -> T {
+        match self {
+            Self::Exact => size * lit(EXACT),
+            Self::Local => (lengths[0].min(lengths[1]) * lit(0.25)).max(size * lit(EXACT)),
+            Self::Given(distance) => distance,
+        }
+    }
+}
+
 /// Pairing rule: which slave points have a partner on the master.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -47,14 +58,9 @@ pub enum Partners<T: Real = f64> {
 impl<T: Real> Partners<T> {
     /// The largest distance of partners on elements of these lengths \[length\], and whether more is an error.
     pub(super) fn allowed(&self, size: T, slave_size: T, lengths: [T; 2]) -> (T, bool) {
-        let within = |tolerance| match tolerance {
-            Tolerance::Exact => size * lit(EXACT),
-            Tolerance::Local => (lengths[0].min(lengths[1]) * lit(0.25)).max(size * lit(EXACT)),
-            Tolerance::Given(distance) => distance,
-        };
         match *self {
-            Self::Touching(tolerance) => (within(tolerance), true),
-            Self::Near(tolerance) => (within(tolerance), false),
+            Self::Touching(tolerance) => (tolerance.within(size, lengths), true),
+            Self::Near(tolerance) => (tolerance.within(size, lengths), false),
             Self::Facing { reach } => (reach.unwrap_or(slave_size), false),
         }
     }
