@@ -33,7 +33,7 @@ use nalgebra::{DMatrix, Dyn, LU};
 /// Gauss points per element beyond three per degree, since arc lengths of curved elements are not polynomials.
 const POINTS: usize = 16;
 /// A lumped weight below this share of the length of its function's elements is not positive.
-const NO_WEIGHT: f64 = 1e-12;
+pub(super) const NO_WEIGHT: f64 = 1e-12;
 /// Largest error of duality, as a share of the largest weight.
 const NOT_DUAL: f64 = 1e-9;
 
