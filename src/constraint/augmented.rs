@@ -11,6 +11,7 @@
 //! Source: Fortin, Glowinski, Augmented Lagrangian Methods (1983), chapter 1; k_i and s_i: [`super::scale`].
 
 use super::scale::{Scaled, gaps, penalty};
+use super::verified::complete;
 use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Free, SolveError};
 use crate::linalg::residual::{RESIDUAL_LIMIT, max, ratio};
 use crate::linalg::{Cg, Ldlt, Limits, LinearError};
@@ -66,6 +67,11 @@ impl Augmented<Free<Cg>> {
 }
 
 impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Augmented<C> {
+    fn tolerance(&self) -> f64 {
+        // a fixed number of iterations promises nothing
+        if self.iterations > 0 { f64::INFINITY } else { self.limits.tolerance }
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let s = Scaled::of(system)?;
         let (n, m) = (s.num_unknowns(), s.num_rows());
@@ -86,6 +92,7 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Augmented<C> {
             self.limits.allow(done, most, size)?;
             let offset: Vec<f64> = (0..m).map(|a| if s.enforced[a] { -r2[a] / s.factor[a] } else { 0.0 }).collect();
             let correction = self.inner.solve(&ConstrainedSystem { load: &r1, offset: &offset, compliance: &compliance, ..*system })?;
+            complete(system, &correction)?;
             done += 1;
             inner += correction.iterations;
             method = correction.method;

@@ -52,6 +52,10 @@ impl Condensed {
 }
 
 impl ConstraintSolver<f64> for Condensed {
+    fn tolerance(&self) -> f64 {
+        self.iterative.as_ref().map_or(RESIDUAL_LIMIT, |limits| limits.tolerance)
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let s = Scaled::of(system)?;
         s.need_symmetry()?;

@@ -21,6 +21,8 @@ pub struct Free<L> {
     /// Solves with K + Cᵀ s⁻¹ C.
     pub linear: L,
     krylov: bool,
+    /// Largest relative residual of its answers.
+    tolerance: f64,
     /// The matrix that `linear` is prepared for.
     matrix: Option<Csr<f64>>,
 }
@@ -28,7 +30,7 @@ pub struct Free<L> {
 impl Free<Ldlt> {
     /// Creates a solver that uses a factor.
     pub fn new() -> Self {
-        Self { linear: Ldlt::new(), krylov: false, matrix: None }
+        Self { linear: Ldlt::new(), krylov: false, tolerance: RESIDUAL_LIMIT, matrix: None }
     }
 }
 
@@ -44,11 +46,15 @@ impl Free<Cg> {
         let mut linear = Cg::new(limits.tolerance).with_gauss_seidel();
         linear.max_iterations = limits.max_iterations;
         linear.stop = limits.stop.clone();
-        Self { linear, krylov: true, matrix: None }
+        Self { linear, krylov: true, tolerance: limits.tolerance, matrix: None }
     }
 }
 
 impl<L: LinearSolver<f64>> ConstraintSolver<f64> for Free<L> {
+    fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let s = Scaled::of(system)?;
         s.need_symmetry()?;

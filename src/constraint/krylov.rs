@@ -161,6 +161,10 @@ impl Krylov {
 }
 
 impl ConstraintSolver<f64> for Krylov {
+    fn tolerance(&self) -> f64 {
+        self.limits.tolerance
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let s = Scaled::of(system)?;
         let (method, answer) = if s.need_symmetry().is_err() {

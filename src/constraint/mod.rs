@@ -16,8 +16,10 @@ mod quasidefinite;
 mod refinement;
 pub mod scale;
 mod schur;
+mod verified;
 
 use crate::coupling::Rows;
+use crate::linalg::residual::RESIDUAL_LIMIT;
 use crate::linalg::{LinearError, Operator, Real};
 use std::fmt::Debug;
 
@@ -31,6 +33,7 @@ pub use krylov::Krylov;
 pub use proximal::Proximal;
 pub use scale::penalty;
 pub use schur::Schur;
+pub use verified::verified;
 
 /// Kind of a constraint row: equality, contact inequality, or not enforced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -284,6 +287,26 @@ pub enum SolveError {
         /// The best iterate, if any.
         best: Option<Box<ConstrainedSolution<f64>>>,
     },
+    /// The answer of a solver does not solve the system.
+    #[error("the answer of the constraint solver leaves the relative residual {residual:.1e}; its tolerance is {tolerance:.1e}")]
+    Residual {
+        /// The true residual.
+        residual: f64,
+        /// The largest one that the solver promises.
+        tolerance: f64,
+    },
+    /// The answer of a solver breaks the conditions of contact.
+    #[error(
+        "the answer of the constraint solver breaks the conditions of contact: row {row} has the multiplier {multiplier:.3e} at the gap {gap:.3e}"
+    )]
+    Conditions {
+        /// The row.
+        row: usize,
+        /// Its multiplier.
+        multiplier: f64,
+        /// Its gap.
+        gap: f64,
+    },
     /// Shapes of the system disagree.
     #[error("{what}: {found} given, {expected} expected")]
     Shape {
@@ -303,6 +326,11 @@ pub trait ConstraintSolver<T: Real = f64>: Debug + Send {
     /// # Errors
     /// [`SolveError`] if no accurate solution was found.
     fn solve(&mut self, system: &ConstrainedSystem<'_, T>) -> Result<ConstrainedSolution<T>, SolveError>;
+
+    /// Largest relative residual of its answers: [`verified`] refuses larger ones. Iterative methods return their tolerance.
+    fn tolerance(&self) -> f64 {
+        RESIDUAL_LIMIT
+    }
 
     /// Solves `system` with a set of contact rows closed and all others open; `closed` has one entry per row, of which those of contact
     /// rows are read. Data may be shared between sets, as the contact rows stay the same. `_again`: the last call was this one with
@@ -341,6 +369,10 @@ pub(crate) fn kinds_of_set(kind: &[RowKind], closed: &[bool]) -> Vec<RowKind> {
 impl<T: Real, X: ConstraintSolver<T> + ?Sized> ConstraintSolver<T> for Box<X> {
     fn solve(&mut self, system: &ConstrainedSystem<'_, T>) -> Result<ConstrainedSolution<T>, SolveError> {
         (**self).solve(system)
+    }
+
+    fn tolerance(&self) -> f64 {
+        (**self).tolerance()
     }
 
     fn solve_set(&mut self, system: &ConstrainedSystem<'_, T>, closed: &[bool], again: bool) -> Result<ConstrainedSolution<T>, SolveError> {

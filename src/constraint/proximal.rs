@@ -10,6 +10,7 @@
 //! (1992) 97-116.
 
 use super::scale::{RowScales, check_shape, combined, gaps, row_scales};
+use super::verified::complete;
 use super::{ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 
 /// Default limit of the updates of the multipliers.
@@ -46,6 +47,10 @@ impl<C> Proximal<C> {
 }
 
 impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Proximal<C> {
+    fn tolerance(&self) -> f64 {
+        self.inner.tolerance().max(self.tolerance)
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         check_shape(system)?;
         let (n, m) = (system.stiffness.size(), system.offset.len());
@@ -65,7 +70,7 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Proximal<C> {
             let offset: Vec<f64> = (0..m).map(|j| system.offset[j] + if own(j) { self.softness[j] * lambda[j] } else { 0.0 }).collect();
             let shifted = ConstrainedSystem { offset: &offset, compliance: &compliance, ..*system };
             let mut solution = match self.inner.solve(&shifted) {
-                Ok(solution) => solution,
+                Ok(solution) => complete(&shifted, &solution).map(|()| solution)?,
                 Err(error) => return Err(with_last(error, system, &report, last)),
             };
             solution.gap = gaps(system, &solution.unknowns);

@@ -263,6 +263,10 @@ impl Parts {
 }
 
 impl ConstraintSolver<f64> for Schur {
+    fn tolerance(&self) -> f64 {
+        self.limits.tolerance
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         self.solve_scaled(system, &Scaled::of(system)?, false)
     }

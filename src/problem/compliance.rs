@@ -66,6 +66,11 @@ impl Softness {
         self.augmented.is_empty()
     }
 
+    /// Error of the multipliers that an augmented Lagrangian makes exact; zero if there are none.
+    pub fn error(&self) -> f64 {
+        if self.is_exact() { 0.0 } else { self.tolerance }
+    }
+
     /// Solves a system with contact rows by `set`, with an augmented Lagrangian iteration if the model asks for it. `eased`: contact rows
     /// at points whose initial active set is arbitrary.
     ///

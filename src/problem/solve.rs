@@ -12,7 +12,7 @@ use super::solver::Solver;
 use super::state::{NO_CONTACT, StepError, StepState, Unsolved};
 use super::system::InterfaceSystem;
 use crate::assembly::{Blocks, Reduced};
-use crate::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, sign_case_of_rows};
+use crate::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError, sign_case_of_rows, verified};
 use crate::coupling::Rows;
 use crate::linalg::{Csr, LinearError};
 use std::ops::ControlFlow;
@@ -76,6 +76,12 @@ pub(super) fn once<const S: usize, const N: usize>(
     } else {
         solver.set.inner.solve(&constrained).map_err(as_stopped)
     };
+    // an augmented Lagrangian closes its rows up to its own tolerance
+    let tolerance = solver.set.inner.tolerance().max(softness.error());
+    let solved = solved.and_then(|solution| match reduced.num_free() + model.rows {
+        0 => Ok(solution),
+        _ => verified(&constrained, solution, tolerance),
+    });
     let finish = |solution: ConstrainedSolution| {
         if let Some(report) = &solution.active_set {
             // a request to stop finds the system solved

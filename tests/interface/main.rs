@@ -4,6 +4,7 @@
 mod common;
 mod contact;
 mod dual;
+mod faults;
 mod inf_sup;
 mod interface_quadrature;
 mod lessons;

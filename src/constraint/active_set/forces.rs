@@ -136,3 +136,18 @@ pub fn sign_case_of_rows(system: &ConstrainedSystem<'_, f64>, solution: &Constra
     }
     cases
 }
+
+/// Returns the first contact row whose multiplier and gap break the conditions of contact by more than `allowed`, relative to the largest
+/// force.
+pub fn violated(system: &ConstrainedSystem<'_, f64>, solution: &ConstrainedSolution<f64>, allowed: f64) -> Option<usize> {
+    if !system.kind.contains(&RowKind::Contact) {
+        return None;
+    }
+    let measure = Measure::of(system);
+    let forces = measure.forces(solution, false);
+    let breaks = |k: usize| {
+        let (p, q) = (forces.multiplier[k], forces.gap[k]);
+        (p - (p + q).min(0.0)).abs() > allowed / ZERO * forces.zero[k]
+    };
+    (0..measure.contact.len()).find(|&k| measure.has_entries(k) && breaks(k)).map(|k| measure.contact[k])
+}

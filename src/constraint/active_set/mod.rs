@@ -23,12 +23,14 @@ mod pivot;
 mod springs;
 
 use super::scale::check_shape;
+use super::verified::complete;
 use super::{ActiveSetEvent, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 use crate::linalg::LinearError;
 use forces::Measure;
 use pivot::{Next, Pivot, Try};
 
 pub use forces::sign_case_of_rows;
+pub(super) use forces::violated;
 
 /// Active set iteration around `inner`; rows of kind `Equal` and `Open` stay what they are.
 ///
@@ -96,6 +98,10 @@ pub struct IterationNews {
 }
 
 impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for ActiveSet<C> {
+    fn tolerance(&self) -> f64 {
+        self.inner.tolerance()
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         self.solve_watched(system, &mut |_| true)
     }
@@ -265,7 +271,10 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
             for (k, &j) in measure.contact.iter().enumerate() {
                 closed[j] = attempt.state[k];
             }
-            match self.inner.solve_set(system, &closed, iteration > 1 || number > 0) {
+            let solved = self.inner.solve_set(system, &closed, iteration > 1 || number > 0);
+            // a solver from outside may return less
+            solved.as_ref().map_or(Ok(()), |solution| complete(system, solution))?;
+            match solved {
                 // with all rows closed there is no other state to try
                 Ok(solution) if attempt.state == all || solution.condition.is_none_or(|c| c * f64::EPSILON < 1.0) => {
                     return Ok(Tried::Solved(number, Box::new(solution)));

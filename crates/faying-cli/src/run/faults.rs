@@ -138,6 +138,12 @@ pub fn step_fault<const S: usize, const N: usize>(
                 Diagnostic::error("E072", text).with_help("lower the multiplier's degree or refine the slave side"),
             )
         }
+        StepError::Solve(SolveError::Residual { .. } | SolveError::Conditions { .. } | SolveError::Shape { .. }) => {
+            let word = &case.solver.constraint;
+            let text = format!("constraint = \"{}\" does not solve the system: {error}", word.value);
+            let help = "faying::check::solver finds what is wrong with a solver; constraint = \"auto\" is that of the program";
+            (Status::NotConverged, "wrong answer", Diagnostic::error("E074", text).at(&case.source, word.at).with_help(help))
+        }
         StepError::Solve(SolveError::Linear(linear)) => linear_fault(case, model.unknowns + model.rows, linear, error.to_string()),
         other => (Status::Singular, "singular", Diagnostic::error("E072", other.to_string())),
     }
