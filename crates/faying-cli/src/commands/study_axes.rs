@@ -198,7 +198,8 @@ impl Reader<'_> {
         if !needed || ties.chain(contacts).any(|has_one| has_one) {
             return Ok(());
         }
-        let fault = Diagnostic::error("E063", "a study of multipliers needs an interface or a contact with a multiplier, and the case has none");
+        let fault =
+            Diagnostic::error("E063", "a study of multipliers needs an interface or a contact with a multiplier, and the case has none");
         let help = "leave the pairings out, or write coupling = \"mortar\" or \"penalty\"";
         Err(fault.with_help(help).in_file(&self.loaded.name).into())
     }

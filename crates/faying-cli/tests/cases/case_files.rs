@@ -1593,7 +1593,8 @@ fn warnings_do_not_stop_reading() {
 #[test]
 fn the_largest_limit_of_several_contacts_counts_and_a_warning_says_so() {
     let contacts = |limits: [&str; 2]| {
-        let second = "[[contact]]\nname = \"wall\"\nslave = \"lower.left\"\nrigid = { kind = \"half-plane\", point = [0, 0], normal = [1, 0] }\n";
+        let second =
+            "[[contact]]\nname = \"wall\"\nslave = \"lower.left\"\nrigid = { kind = \"half-plane\", point = [0, 0], normal = [1, 0] }\n";
         let limited = |block: &str, limit: &str| match limit {
             "" => block.to_owned(),
             _ => format!("{block}active_set = {{ max_iterations = {limit} }}\n"),

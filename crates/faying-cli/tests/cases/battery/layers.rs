@@ -278,6 +278,7 @@ pub fn pressed(r: &mut Random, _folder: &Path) -> Trial {
     let free = walls && closing > 0.0 && stack.layers.len() > 2;
     let sound = stack.is_moderate() && !free && stack.layers.iter().all(|l| l.elements[0] > 1);
     let digits = soft + stack.digits(if walls { closing.abs() / stack.compliance() } else { pressure });
+    let inexact = rough;
     let compare = move |result: &RunResult| {
         let p = if walls { (-closing).max(0.0) / stack.compliance() } else { pressure };
         let scale = if walls { stack.thinnest() / stack.compliance() * 1e-3 } else { pressure };
@@ -286,6 +287,11 @@ pub fn pressed(r: &mut Random, _folder: &Path) -> Trial {
         for (k, (_, c)) in result.contact.0.iter().enumerate() {
             let force = stack.world.back([c.force[0], c.force[1]], unit)[1].abs();
             out.push(known(&format!("force {k}"), force, p * stack.width, digits * p.max(scale) * stack.width));
+            // a rule that does not see the other side's functions moves single pressures by more
+            let unit = stack.world.modulus;
+            let near = (if inexact { 0.5 } else { 30.0 * digits }) * p.max(scale);
+            out.push(known(&format!("greatest pressure {k}"), c.pressure.max / unit, p, near));
+            out.push(known(&format!("least pressure {k}"), c.pressure.min / unit, p, near));
         }
         if !walls {
             let u = -pressure * stack.compliance() - closing;
@@ -339,7 +345,17 @@ pub fn on_a_plane(r: &mut Random, _folder: &Path) -> Trial {
         let c = &result.contact.0[0].1;
         let force = world.back([c.force[0], c.force[1]], unit)[1];
         let scale = if moved { by / stack.compliance() } else { pressure };
-        let mut out = vec![known("force", force, p * stack.width, digits * scale * stack.width)];
+        let near = 30.0 * digits * scale;
+        let mut out = vec![
+            known("force", force, p * stack.width, digits * scale * stack.width),
+            known("greatest pressure", c.pressure.max / world.modulus, p, near),
+            known("least pressure", c.pressure.min / world.modulus, p, near),
+        ];
+        // where it does not touch
+        if moved && p == 0.0 {
+            let gap = distance - by;
+            out.push(known("least gap", c.gap.min / world.length, gap, (digits + 1e-8) * (distance.abs() + by)));
+        }
         if !moved {
             let u = -pressure * stack.compliance() - distance;
             out.push(known("u", stack.along(result, 0), u, digits * (u.abs() + distance.abs())));

@@ -1,4 +1,5 @@
-//! Tied and pressed bodies whose states are known in closed form, in any unit, direction and place: every case is right, refused or warned.
+//! Tied and pressed bodies whose states are known in closed form, and twins that must agree, in any unit, direction and place: every case is
+//! right, refused or warned. Forces, displacements, pressures and gaps are compared.
 //!
 //! A case of moderate numbers must be right. One of extreme numbers (far from the origin, stiffnesses that differ by 1e8, layers far thinner
 //! than their elements) may be refused or warned instead, but no case ends with exit 0, without a word, and a wrong number.
@@ -8,12 +9,15 @@
 mod files;
 mod lame;
 mod layers;
+mod pairs;
 mod rings;
 mod sides;
+mod uniform;
 mod world;
 
 use faying_cli::{Case, Diagnostics};
 use faying_cli::{Registry, RunResult};
+use pairs::Twins;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -86,8 +90,24 @@ fn messages(faults: &Diagnostics) -> String {
     faults.items.iter().map(|d| format!("{} {}", d.code, d.message)).collect::<Vec<_>>().join("; ")
 }
 
-/// Runs `count` cases of a family, tells how they ended, and fails with the first wrong ones.
+/// Runs the cases of a family, tells how they ended, and fails with the first wrong ones.
 fn battery(name: &str, share: usize, make: fn(&mut Random, &Path) -> Trial) {
+    all(name, share, |number, folder| {
+        let trial = make(&mut Random::of(name, number), folder);
+        (end(&trial, folder), trial.text)
+    });
+}
+
+/// As [`battery`], of twins.
+fn twins(name: &str, make: fn(&mut Random) -> Twins) {
+    all(name, 1, |number, folder| {
+        let twins = make(&mut Random::of(name, number));
+        (pairs::end(&twins, folder), twins.text())
+    });
+}
+
+/// Runs `one`, which has the number of a case and a folder and returns its end and its text.
+fn all(name: &str, share: usize, one: impl Fn(usize, &Path) -> (Result<End, String>, String) + Sync) {
     let asked = std::env::var("FAYING_BATTERY").ok().and_then(|n| n.parse::<usize>().ok());
     let only = std::env::var("FAYING_BATTERY_CASE").ok().and_then(|n| n.parse::<usize>().ok());
     let count = asked.unwrap_or(60).div_ceil(share);
@@ -96,8 +116,8 @@ fn battery(name: &str, share: usize, make: fn(&mut Random, &Path) -> Trial) {
         .into_par_iter()
         .map(|number| {
             let folder = tempfile::tempdir().unwrap();
-            let trial = make(&mut Random::of(name, number), folder.path());
-            (number, end(&trial, folder.path()), trial.text)
+            let (end, text) = one(number, folder.path());
+            (number, end, text)
         })
         .collect();
     let mut counts: BTreeMap<End, usize> = BTreeMap::new();
@@ -153,4 +173,51 @@ fn blocks_on_half_planes_take_their_pressure() {
 #[test]
 fn sides_that_cannot_meet_are_refused() {
     battery("sides that cannot meet", 8, sides::that_cannot_meet);
+}
+
+// 2,000 of each kind
+
+#[test]
+fn bodies_of_any_sides_lie_evenly_on_half_planes() {
+    battery("quadrilaterals on half-planes", 1, uniform::on_half_planes);
+}
+
+#[test]
+fn bodies_of_any_sides_lie_evenly_on_boxes() {
+    battery("quadrilaterals on boxes", 1, uniform::on_boxes);
+}
+
+#[test]
+fn bodies_of_any_sides_lie_evenly_on_polylines() {
+    battery("quadrilaterals on polylines", 1, uniform::on_polylines);
+}
+
+#[test]
+fn bodies_of_any_sides_lie_evenly_on_level_sets() {
+    battery("quadrilaterals on level sets", 1, uniform::on_level_sets);
+}
+
+#[test]
+fn bodies_of_any_sides_lie_evenly_on_one_another() {
+    battery("quadrilaterals on their images", 1, uniform::on_their_images);
+}
+
+#[test]
+fn sides_that_are_turned_away_are_refused() {
+    battery("sides that cannot face an obstacle", 1, uniform::turned_away);
+}
+
+#[test]
+fn an_obstacle_in_other_words_presses_the_same() {
+    twins("obstacles in other words", pairs::in_other_words);
+}
+
+#[test]
+fn an_obstacle_that_moves_is_a_body_that_moves_the_other_way() {
+    twins("moved obstacles and bodies", pairs::moved);
+}
+
+#[test]
+fn the_mirror_changes_signs_alone() {
+    twins("twins in the mirror", pairs::mirrored);
 }

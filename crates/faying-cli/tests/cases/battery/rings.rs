@@ -135,7 +135,8 @@ pub fn pressed(r: &mut Random, _folder: &Path) -> Trial {
         let stiff = joints(&nest.rings, &[distance.abs()], [0.0, 0.0])[0].abs().max(pressure);
         let scale = nest.rings[0].displacement([stiff, 0.0], nest.rings[0].radius[0]).abs();
         let found = Nest::bore(&nest.world, result);
-        let force = &result.contact.0[0].1.force;
+        let contact = &result.contact.0[0].1;
+        let force = &contact.force;
         let unit = nest.world.length * nest.world.modulus;
         let force = nest.world.back([force[0], force[1]], unit).map(f64::abs);
         let expected = p * nest.rings[0].radius[1];
@@ -143,6 +144,18 @@ pub fn pressed(r: &mut Random, _folder: &Path) -> Trial {
             Known { what: "u in the bore".into(), found, expected: u, within: within * scale },
             Known { what: "force along x".into(), found: force[0], expected, within: within * stiff },
             Known { what: "force along y".into(), found: force[1], expected, within: within * stiff },
+            Known {
+                what: "greatest pressure".into(),
+                found: contact.pressure.max / nest.world.modulus,
+                expected: p,
+                within: 10.0 * within * stiff,
+            },
+            Known {
+                what: "least pressure".into(),
+                found: contact.pressure.min / nest.world.modulus,
+                expected: p,
+                within: 10.0 * within * stiff,
+            },
         ]
     };
     Trial { text, sound, rough: true, refuse: false, known: Box::new(compare) }
