@@ -113,7 +113,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let partners = Partners::Facing { reach: contact.reach };
         let points = rules.points(slave, &master);
         let make = |make: &super::tie_part::MakeIntegration<'_, S, N>| {
-            make(points, partners).segments(&*slave.trace.space, &*master.trace.space).map_err(InterfaceError::Segments)
+            make(points, partners).segments(&slave.trace.oriented(), &master.trace.oriented()).map_err(InterfaceError::Segments)
         };
         let segments = make(rules.rule)?;
         let second = rules.second.map(make).transpose()?;
@@ -241,10 +241,11 @@ impl<const S: usize, const N: usize> ContactSetup<'_, S, N> {
 /// Returns the points of a slave side that face its opponent at time `t`.
 fn faced<const S: usize, const N: usize>(slave: &SideModel<S, N>, against: &Against<S, N>, reach: Option<f64>, t: f64) -> Segments<S> {
     match against {
-        // a master without tangent is reported when the rows are built
+        // a master without tangent, or a normal that is none, is reported when the rows are built
         Against::Side(master, segments) => {
             Frames::against_master(&slave.trace, &master.trace, segments).map_or_else(|_| segments.clone(), |(segments, _)| segments)
         }
-        Against::Rigid(obstacle, segments) => Frames::against_obstacle(&slave.trace, &*obstacle.target(t, None), segments, reach).0,
+        Against::Rigid(obstacle, segments) => Frames::against_obstacle(&slave.trace, &*obstacle.target(t, None), segments, reach)
+            .map_or_else(|_| segments.clone(), |(segments, _)| segments),
     }
 }

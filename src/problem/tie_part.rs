@@ -51,7 +51,7 @@ impl<const S: usize, const N: usize> InterfaceRules<'_, S, N> {
     /// Segments for checking the rows: finer ones, `partners` as far as the caller has checked them.
     pub(super) fn finer(&self, slave: &SideModel<S, N>, master: &SideModel<S, N>, partners: Partners) -> Option<Segments<S>> {
         let make = self.finer?;
-        make(self.points(slave, master) + FINER_POINTS, partners).segments(&*slave.trace.space, &*master.trace.space).ok()
+        make(self.points(slave, master) + FINER_POINTS, partners).segments(&slave.trace.oriented(), &master.trace.oriented()).ok()
     }
 }
 

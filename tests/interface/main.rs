@@ -7,6 +7,7 @@ mod dual;
 mod inf_sup;
 mod interface_quadrature;
 mod lessons;
+mod level_set;
 mod merging;
 mod mesh_tied;
 mod obstacle;
