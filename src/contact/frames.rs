@@ -99,7 +99,8 @@ impl<const N: usize, T: Real> Frames<N, T> {
                 let near = |hit: &Hit<S, N, T>| !hit.gap.is_finite() || reach.is_none_or(|r| (x - hit.x).norm() <= r);
                 let Some(hit) = opposed(target, x, &slave.normal(element, jacobian)).filter(near) else { continue };
                 if hit.gap.is_finite() && (hit.normal.norm() - T::one()).abs() > lit(UNIT) {
-                    let text = format!("the normal of the obstacle at {:?} has the length {}, not one", hit.x.as_slice(), hit.normal.norm());
+                    let text =
+                        format!("the normal of the obstacle at {:?} has the length {}, not one", hit.x.as_slice(), hit.normal.norm());
                     return Err(CouplingError::Missing(text));
                 }
                 measure[element][0] += segments.ds[q];

@@ -148,7 +148,11 @@ impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send +
             if here == T::zero() || (hi - lo).abs() <= rounding(s) {
                 return Some((from + along * s, direction));
             }
-            if (here > T::zero()) == (value > T::zero()) { lo = s } else { hi = s }
+            if (here > T::zero()) == (value > T::zero()) {
+                lo = s
+            } else {
+                hi = s
+            }
             let step = -here / gradient.dot(along);
             if step.abs() <= rounding(s) {
                 return Some((from + along * (s + step), direction));

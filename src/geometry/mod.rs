@@ -4,6 +4,7 @@ mod bounds;
 mod bvh;
 pub mod cell;
 mod closest;
+mod cone;
 mod control;
 mod embedded;
 mod embedding;

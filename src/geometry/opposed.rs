@@ -12,10 +12,11 @@
 //! the tree of their boxes and cones of normals, so that the work stays far below one visit per element.
 
 use super::closest::{DEPTH, PIECES, SAME_FACE, Sample, WORTH};
+use super::cone::{Cone, turn};
 use super::{Bounds, ClosestPoint, Geometry, MapTable, Projection, Tree};
 use crate::basis::Order;
 use crate::linalg::{Matrix, Real, Vector, lit, num, to_f64};
-use std::f64::consts::{FRAC_PI_3, PI};
+use std::f64::consts::FRAC_PI_3;
 
 /// Cosine of the largest angle between a normal and the reverse of the one that it opposes: 60 degrees.
 const COSINE: f64 = 0.5;
@@ -23,8 +24,6 @@ const COSINE: f64 = 0.5;
 const ROUNDING: f64 = 1e-9;
 /// Local coordinates closer than this to an element's end are at the end.
 const AT_END: f64 = 1e-9;
-/// Round-off of angles.
-const ANGLE: f64 = 1e-6;
 /// Share of the size below which a distance has no direction.
 const NO_DIRECTION: f64 = 1e-6;
 /// A foot behind the point is hidden by what opposes within this share of its distance.
@@ -33,38 +32,6 @@ const NEARER: f64 = 0.1;
 /// Whether two outward unit normals oppose each other: within 60 degrees one is the reverse of the other.
 pub fn opposes<const N: usize, T: Real>(normal: &Vector<N, T>, other: &Vector<N, T>) -> bool {
     normal.dot(other) <= lit(ROUNDING - COSINE)
-}
-
-/// A set of directions in the plane: angles up to `half` from `middle`; all of them from `half` = pi on.
-#[derive(Clone, Copy, Debug)]
-struct Cone {
-    middle: f64,
-    half: f64,
-}
-
-/// The angle in (-pi, pi].
-fn turn(angle: f64) -> f64 {
-    angle - 2.0 * PI * ((angle + PI) / (2.0 * PI)).floor()
-}
-
-impl Cone {
-    const ALL: Self = Self { middle: 0.0, half: PI };
-
-    fn between(lo: f64, hi: f64) -> Self {
-        let half = 0.5 * (hi - lo);
-        if half < PI { Self { middle: turn(0.5 * (lo + hi)), half } } else { Self::ALL }
-    }
-
-    fn join(self, other: Self) -> Self {
-        let apart = turn(other.middle - self.middle);
-        let (lo, hi) = ((-self.half).min(apart - other.half), self.half.max(apart + other.half));
-        Self::between(self.middle + lo, self.middle + hi)
-    }
-
-    /// Whether a direction lies within `more` of the cone.
-    fn holds(&self, angle: f64, more: f64) -> bool {
-        turn(angle - self.middle).abs() <= self.half + more + ANGLE
-    }
 }
 
 /// The outward normals of an oriented curve.
@@ -313,14 +280,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
     }
 
     /// Feet inside of an element: where the derivative of the squared distance changes its sign from minus to plus.
-    fn inner(
-        &self,
-        element: usize,
-        asked: &Asked<'_, N, T>,
-        reach: T,
-        best: &mut Option<Foot<D, N, T>>,
-        table: &mut MapTable<D, N, T>,
-    ) {
+    fn inner(&self, element: usize, asked: &Asked<'_, N, T>, reach: T, best: &mut Option<Foot<D, N, T>>, table: &mut MapTable<D, N, T>) {
         let p = asked.p;
         let samples: [Sample<N, T>; PIECES + 1] = std::array::from_fn(|i| self.nodes[element][i].seen(num::<T>(i) / num(PIECES), p));
         let mut pieces: Vec<(Sample<N, T>, Sample<N, T>, usize)> = samples.windows(2).map(|w| (w[0], w[1], 0)).collect();

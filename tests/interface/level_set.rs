@@ -61,7 +61,8 @@ fn the_gap_of_an_ellipse_is_its_distance_on_both_sides() {
             // the least radius of curvature bounds the depth up to which the foot is the closest point
             let deep = 0.6 * f64::min(a * a / b, b * b / a);
             for d in [-deep, -0.3 * deep, -1e-3 * deep, 1e-3 * deep, 0.5 * b, 3.0 * a] {
-                for (found, name) in [(hit(ellipse, on + normal * d, -normal), "ellipse"), (hit(cubed, on + normal * d, -normal), "cubed")] {
+                for (found, name) in [(hit(ellipse, on + normal * d, -normal), "ellipse"), (hit(cubed, on + normal * d, -normal), "cubed")]
+                {
                     assert!((found.gap - d).abs() < 1e-11 * a.max(b).max(d), "{name} {a} {b} at {k}: {:e} for {d:e}", found.gap);
                     assert!((found.normal - normal).norm() < 1e-6 && (found.x - on).norm() < 1e-6 * a.max(b), "{name} {a} {b} at {k}, {d}");
                 }

@@ -276,8 +276,9 @@ fn contact_fault<const S: usize, const N: usize>(
         ContactError::Gap { .. } => {
             let fault = builder.error("E017", text, contact.gap.at);
             match &contact.master {
-                Master::Rigid(obstacle) if matches!(obstacle.shape.value, case::ObstacleShape::LevelSet { .. }) => fault
-                    .with_help("`f` must have a zero on the line along its gradient from there; `along` takes f itself as the gap"),
+                Master::Rigid(obstacle) if matches!(obstacle.shape.value, case::ObstacleShape::LevelSet { .. }) => {
+                    fault.with_help("`f` must have a zero on the line along its gradient from there; `along` takes f itself as the gap")
+                }
                 _ => fault,
             }
         }

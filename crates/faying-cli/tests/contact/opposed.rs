@@ -225,7 +225,9 @@ fn a_master_list_round_a_corner_presses_as_its_face_alone() {
             for (depth, size, angle) in [(0.01, 1.0, 0.0), (0.05, 1.0, 0.0), (0.01, 1e-3, 0.0), (0.01, 1e3, 25.0), (0.01, 1.0, 90.0)] {
                 let of = |list: &str| force(&run(&on_block(list, range, integration, depth, size, angle)));
                 let face = of("\"a.top\"");
-                for list in ["\"a.top\", \"a.right\"", "\"a.left\", \"a.top\", \"a.right\"", "\"a.right\", \"a.bottom\", \"a.left\", \"a.top\""] {
+                for list in
+                    ["\"a.top\", \"a.right\"", "\"a.left\", \"a.top\", \"a.right\"", "\"a.right\", \"a.bottom\", \"a.left\", \"a.top\""]
+                {
                     let all = of(list);
                     assert!(near(all, face, 1e-8), "{integration} {range:?} {depth} {size} {angle} {list}: {all:?} for {face:?}");
                 }
@@ -321,10 +323,9 @@ fn a_level_set_presses_as_the_surface_on_which_it_vanishes() {
 fn a_level_set_of_a_punch_presses_as_the_box() {
     for depth in [0.01, 0.05] {
         let punch = force(&run(&PLAIN.case(&PLAIN.moved("kind = \"box\", min = [-0.5, 0], max = [0.5, 1.5]", [0.0, -depth]), [0.0; 2])));
-        let level = force(&run(&PLAIN.case(
-            &format!("kind = \"level-set\", f = \"max(abs(x) - 0.5, -y)\", move = {{ y = -{depth:?} }}"),
-            [0.0; 2],
-        )));
+        let level = force(&run(
+            &PLAIN.case(&format!("kind = \"level-set\", f = \"max(abs(x) - 0.5, -y)\", move = {{ y = -{depth:?} }}"), [0.0; 2])
+        ));
         assert!(near(level, punch, 1e-9), "{depth}: {level:?} for {punch:?}");
     }
 }

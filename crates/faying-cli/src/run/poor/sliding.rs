@@ -125,12 +125,16 @@ fn second_order<const S: usize, const N: usize>(part: &ContactPart<S, N>, state:
                 Some((x - foot.x).dot(&master.trace.normal(foot.element, &table.jacobian[0])))
             };
             // the gap along a normal of the slave is not that of the closest point: only the change by the shift counts
-            points.iter().filter_map(|p| Some(p.ds * (gap(&(p.x + p.shift), &p.normal)? - gap(&p.x, &p.normal)? - p.shift.dot(&p.normal)).abs())).sum()
+            points
+                .iter()
+                .filter_map(|p| Some(p.ds * (gap(&(p.x + p.shift), &p.normal)? - gap(&p.x, &p.normal)? - p.shift.dot(&p.normal)).abs()))
+                .sum()
         }
         Against::Rigid(obstacle, _) => {
             let target = obstacle.target(state.t, Some(&state.u));
             let gap = |x: &Vector<N>, normal: &Vector<N>| opposed(&*target, x, &-normal).map(|hit| hit.gap);
-            let moved = |p: &Closed<N>| Some(p.ds * (gap(&(p.x + p.shift), &p.normal)? - gap(&p.x, &p.normal)? - p.shift.dot(&p.normal)).abs());
+            let moved =
+                |p: &Closed<N>| Some(p.ds * (gap(&(p.x + p.shift), &p.normal)? - gap(&p.x, &p.normal)? - p.shift.dot(&p.normal)).abs());
             // level sets given by the case may have no value there
             points.iter().filter_map(moved).filter(|d| d.is_finite()).sum()
         }
