@@ -56,7 +56,7 @@ pub struct Bar {
 }
 
 impl Obstacle<1, 2> for Bar {
-    fn project(&self, x: &Vector<2>) -> Option<Hit<1, 2>> {
+    fn project(&self, x: &Vector<2>, _outward: &Vector<2>) -> Option<Hit<1, 2>> {
         let axis = self.b - self.a;
         let s = ((x - self.a).dot(&axis) / axis.norm_squared()).clamp(0.0, 1.0);
         let foot = self.a + axis * s;

@@ -7,17 +7,15 @@
 //! On a master with kinks the normal is that of the facet of the assigned element: it jumps with the master element, in
 //! the rows and in the gap alike, so both refer to the same plane.
 
-use super::{Hit, Obstacle};
+use super::{Hit, Obstacle, opposed, opposes};
 use crate::basis::Order;
 use crate::coupling::{CouplingError, Segments};
 use crate::geometry::{MapTable, unit_normal};
 use crate::linalg::{Real, Vector, lit};
 use crate::space::Trace;
 
-/// Bound of -n_slave . n_master above which normals oppose each other; orthogonal ones do not.
-const OPPOSITE: f64 = 1e-6;
-/// Cosine of the normals from which on an obstacle is seen from behind; near a corner they may be orthogonal.
-const FROM_BEHIND: f64 = 0.5;
+/// Deviation of the length of an obstacle's normal from one beyond which it is no unit normal.
+const UNIT: f64 = 1e-9;
 
 /// Positions, normals and gaps, one per point of the segments.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +37,7 @@ impl<const N: usize, T: Real> Default for Frames<N, T> {
 impl<const N: usize, T: Real> Frames<N, T> {
     /// Returns the points of `segments` at which `slave` and `master` face each other, and their frames.
     ///
-    /// Outward normals oppose there; points that see the master from behind are dropped, also from the report's covered measure.
+    /// Outward normals oppose there ([`opposes`]); other points are dropped, also from the report's covered measure.
     ///
     /// # Errors
     /// [`CouplingError::Missing`] if the master has no tangent.
@@ -62,7 +60,7 @@ impl<const N: usize, T: Real> Frames<N, T> {
                         "element {other} of the master side has no tangent; its map is degenerate"
                     )));
                 }
-                faces.push(oppose(&slave.normal(element, &here.jacobian[q]), &normal));
+                faces.push(opposes(&slave.normal(element, &here.jacobian[q]), &normal));
                 if faces[faces.len() - 1] {
                     frames.x.push(here.x[q]);
                     frames.normal.push(normal);
@@ -76,13 +74,16 @@ impl<const N: usize, T: Real> Frames<N, T> {
 
     /// Returns the points of `segments` that face `target` within `reach`, and their frames.
     ///
-    /// Points that face nothing, or see the target from behind, are dropped and missing from the report's covered measure.
+    /// Points that face nothing, since nothing there opposes their normal, are dropped and missing from the report's covered measure.
+    ///
+    /// # Errors
+    /// [`CouplingError::Missing`] if a normal of the obstacle has not the length one.
     pub fn against_obstacle<const S: usize>(
         slave: &Trace<S, N, T>,
         target: &dyn Obstacle<S, N, T>,
         segments: &Segments<S, T>,
         reach: Option<T>,
-    ) -> (Segments<S, T>, Self) {
+    ) -> Result<(Segments<S, T>, Self), CouplingError> {
         let (mut kept, mut frames, mut table) = (Segments::new(), Self::default(), MapTable::new());
         let mut report = segments.report.clone();
         let mut measure = vec![[T::zero(); 2]; slave.facets.len()];
@@ -94,13 +95,14 @@ impl<const N: usize, T: Real> Frames<N, T> {
             facing.clear();
             for ((x, jacobian), q) in table.x.iter().zip(&table.jacobian).zip(points) {
                 measure[element][1] += segments.ds[q];
-                let near = |hit: &Hit<S, N, T>| {
-                    let within = reach.is_none_or(|r| (x - hit.x).norm() <= r)
-                        && slave.normal(element, jacobian).dot(&hit.normal) < lit(FROM_BEHIND);
-                    // a gap that is not finite is kept, to be reported
-                    within || !hit.gap.is_finite()
-                };
-                let Some(hit) = target.project(x).filter(near) else { continue };
+                // a gap that is not finite is kept, to be reported
+                let near = |hit: &Hit<S, N, T>| !hit.gap.is_finite() || reach.is_none_or(|r| (x - hit.x).norm() <= r);
+                let Some(hit) = opposed(target, x, &slave.normal(element, jacobian)).filter(near) else { continue };
+                if hit.gap.is_finite() && (hit.normal.norm() - T::one()).abs() > lit(UNIT) {
+                    let text =
+                        format!("the normal of the obstacle at {:?} has the length {}, not one", hit.x.as_slice(), hit.normal.norm());
+                    return Err(CouplingError::Missing(text));
+                }
                 measure[element][0] += segments.ds[q];
                 report.covered += segments.ds[q];
                 report.distance = report.distance.max((x - hit.x).norm());
@@ -115,13 +117,8 @@ impl<const N: usize, T: Real> Frames<N, T> {
         }
         report.share = measure.iter().map(|&[part, all]| if all > T::zero() { part / all } else { T::zero() }).collect();
         kept.report = report;
-        (kept, frames)
+        Ok((kept, frames))
     }
-}
-
-/// Whether two outward normals face each other.
-fn oppose<const N: usize, T: Real>(slave: &Vector<N, T>, opponent: &Vector<N, T>) -> bool {
-    slave.dot(opponent) < lit(-OPPOSITE)
 }
 
 /// Restricts `segments` to the points marked in `keep`.

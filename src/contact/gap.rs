@@ -126,7 +126,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
                 (Some(master), segments, frames)
             }
             Opponent::Rigid(target, reach) => {
-                let (segments, frames) = Frames::against_obstacle(slave.trace, target, &segments, reach);
+                let (segments, frames) = Frames::against_obstacle(slave.trace, target, &segments, reach)?;
                 (None, segments, frames)
             }
         };

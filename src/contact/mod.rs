@@ -5,6 +5,7 @@ mod curves;
 mod frames;
 mod gap;
 mod greville;
+mod level_set;
 pub mod nitsche;
 mod obstacles;
 mod pressed;
@@ -15,12 +16,14 @@ mod width;
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
 
+pub use crate::geometry::opposes;
 pub use cone::{Cone, MOST_FUNCTIONS};
 pub use frames::Frames;
 pub use gap::{Contact, ContactError, Opponent};
 pub use greville::greville_points;
+pub use level_set::LevelSet;
 pub use nitsche::{AtPoints, PointValues, point_values};
-pub use obstacles::{HalfPlane, LevelSet, Moved, Sphere};
+pub use obstacles::{HalfPlane, Moved, Sphere};
 pub use pressure::Transmitted;
 pub use surface::{OutlinePiece, Surface, pieces};
 pub use width::{ClosedSide, half_width};
@@ -49,18 +52,30 @@ pub struct Hit<const D: usize, const N: usize, T: Real = f64> {
 
 /// An obstacle. (D, N) stands for (N - 1, N).
 pub trait Obstacle<const D: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
-    /// Closest point to `x`; `None` if the target does not face it.
-    fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>>;
+    /// Closest point to `x` among what opposes `outward`, the unit normal of the slave at `x` out of its body: normals of the obstacle
+    /// deviate from its reverse by at most 60 degrees ([`opposes`]). `None` where nothing opposes it.
+    ///
+    /// Obstacles with one closest point may ignore `outward`: hits that do not oppose it are dropped ([`opposed`]).
+    fn project(&self, x: &Vector<N, T>, outward: &Vector<N, T>) -> Option<Hit<D, N, T>>;
+}
+
+/// The hit of `obstacle` for a slave point with the normal `outward`, if it opposes that; a gap that is no number is kept, to be reported.
+pub fn opposed<const D: usize, const N: usize, T: Real>(
+    obstacle: &dyn Obstacle<D, N, T>,
+    x: &Vector<N, T>,
+    outward: &Vector<N, T>,
+) -> Option<Hit<D, N, T>> {
+    obstacle.project(x, outward).filter(|hit| opposes(outward, &hit.normal) || !hit.gap.is_finite())
 }
 
 impl<const D: usize, const N: usize, T: Real, X: Obstacle<D, N, T> + ?Sized> Obstacle<D, N, T> for Box<X> {
-    fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
-        (**self).project(x)
+    fn project(&self, x: &Vector<N, T>, outward: &Vector<N, T>) -> Option<Hit<D, N, T>> {
+        (**self).project(x, outward)
     }
 }
 
 impl<const D: usize, const N: usize, T: Real, X: Obstacle<D, N, T> + ?Sized> Obstacle<D, N, T> for std::sync::Arc<X> {
-    fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
-        (**self).project(x)
+    fn project(&self, x: &Vector<N, T>, outward: &Vector<N, T>) -> Option<Hit<D, N, T>> {
+        (**self).project(x, outward)
     }
 }

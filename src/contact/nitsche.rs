@@ -64,7 +64,7 @@ fn faced<'a, const S: usize, const N: usize, T: Real>(
             (Some(master), segments, frames)
         }
         Opponent::Rigid(target, reach) => {
-            let (segments, frames) = Frames::against_obstacle(slave.trace, target, segments, reach);
+            let (segments, frames) = Frames::against_obstacle(slave.trace, target, segments, reach)?;
             (None, segments, frames)
         }
     })

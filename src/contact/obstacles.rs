@@ -1,8 +1,7 @@
-//! Rigid obstacles: half-plane, sphere, level set, and translations of them.
+//! Rigid obstacles: half-plane, sphere, and translations of obstacles.
 
 use super::{Hit, Obstacle};
-use crate::linalg::{Real, Vector, lit};
-use std::fmt::{self, Debug};
+use crate::linalg::{Real, Vector};
 
 /// The points behind a line (2D) or plane (3D).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +18,7 @@ impl<const N: usize, T: Real> HalfPlane<N, T> {
 }
 
 impl<const D: usize, const N: usize, T: Real> Obstacle<D, N, T> for HalfPlane<N, T> {
-    fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
+    fn project(&self, x: &Vector<N, T>, _outward: &Vector<N, T>) -> Option<Hit<D, N, T>> {
         let gap = (x - self.point).dot(&self.normal);
         Some(Hit { x: x - self.normal * gap, normal: self.normal, gap, at: None })
     }
@@ -37,59 +36,12 @@ pub struct Sphere<const N: usize, T: Real = f64> {
 }
 
 impl<const D: usize, const N: usize, T: Real> Obstacle<D, N, T> for Sphere<N, T> {
-    fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
+    fn project(&self, x: &Vector<N, T>, _outward: &Vector<N, T>) -> Option<Hit<D, N, T>> {
         // the centre has no closest point
         let out = unit(x - self.center)?;
         let normal = if self.inside { -out } else { out };
         let closest = self.center + out * self.radius;
         Some(Hit { x: closest, normal, gap: (x - closest).dot(&normal), at: None })
-    }
-}
-
-/// The obstacle f <= 0, for f and its gradient as a function of place.
-///
-/// The gap is f / |grad f| along grad f, exact to second order in the distance; with `along` it is f itself along a
-/// fixed direction. Where f or its gradient is no number, neither is the gap.
-pub struct LevelSet<const N: usize, T: Real, F> {
-    /// Value and gradient of f.
-    pub function: F,
-    /// A fixed unit direction of the gap.
-    along: Option<Vector<N, T>>,
-}
-
-impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send + Sync> LevelSet<N, T, F> {
-    /// The gap f / |grad f|.
-    pub fn new(function: F) -> Self {
-        Self { function, along: None }
-    }
-
-    /// The gap f along `direction` (any length); `None` if it is zero.
-    pub fn try_along(function: F, direction: Vector<N, T>) -> Option<Self> {
-        Some(Self { function, along: Some(unit(direction)?) })
-    }
-}
-
-impl<const N: usize, T: Real, F> Debug for LevelSet<N, T, F> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("LevelSet").field("along", &self.along).finish_non_exhaustive()
-    }
-}
-
-impl<const D: usize, const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send + Sync> Obstacle<D, N, T>
-    for LevelSet<N, T, F>
-{
-    fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
-        let (value, gradient) = (self.function)(x);
-        if !(value.is_finite() && gradient.iter().all(|g| g.is_finite())) {
-            // the gap is NaN, so that the caller can report it
-            let none = lit::<T>(f64::NAN);
-            return Some(Hit { x: Vector::repeat(none), normal: Vector::repeat(none), gap: none, at: None });
-        }
-        let (gap, normal) = match self.along {
-            Some(along) => (value, along),
-            None => (value / gradient.norm(), unit(gradient)?),
-        };
-        gap.is_finite().then(|| Hit { x: x - normal * gap, normal, gap, at: None })
     }
 }
 
@@ -103,8 +55,8 @@ pub struct Moved<X, const N: usize, T: Real = f64> {
 }
 
 impl<X: Obstacle<D, N, T>, const D: usize, const N: usize, T: Real> Obstacle<D, N, T> for Moved<X, N, T> {
-    fn project(&self, x: &Vector<N, T>) -> Option<Hit<D, N, T>> {
-        let hit = self.target.project(&(x - self.by))?;
+    fn project(&self, x: &Vector<N, T>, outward: &Vector<N, T>) -> Option<Hit<D, N, T>> {
+        let hit = self.target.project(&(x - self.by), outward)?;
         Some(Hit { x: hit.x + self.by, ..hit })
     }
 }

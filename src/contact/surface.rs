@@ -2,9 +2,9 @@
 
 use super::curves::Curves;
 use super::{Hit, Location, Obstacle};
-use crate::basis::{Elements, Order};
-use crate::coupling::interface::MasterCurve;
-use crate::geometry::{Geometry, MapTable, unit_normal};
+use crate::basis::Order;
+use crate::coupling::interface::{MasterCurve, Place};
+use crate::geometry::{Geometry, MapTable, Oriented, unit_normal};
 use crate::linalg::{Real, Vector};
 use crate::space::{Space, Trace};
 use std::sync::Arc;
@@ -23,10 +23,10 @@ pub struct OutlinePiece<T: Real = f64> {
     pub outward: T,
 }
 
-/// The closest point of a curved side, with the outward normal of the element that owns it.
+/// The closest point of a curved side among what opposes the slave's normal, with the outward normal of the element that owns it.
 ///
-/// Points beyond an end of the side face nothing. At a kink the fan of points whose closest point is the vertex is
-/// halved between the two elements, each with its own normal. Points inside the obstacle have a negative gap.
+/// Points beyond an end of the side, or of what opposes, face nothing. At a kink between elements that both oppose, the fan of points
+/// whose closest point is the vertex is halved between them, each with its own normal. Points inside the obstacle have a negative gap.
 ///
 /// # Example
 /// The line from (0, 0) to (1, 0) has its obstacle below: the normal is the direction of travel turned by +90 degrees.
@@ -35,14 +35,15 @@ pub struct OutlinePiece<T: Real = f64> {
 /// use std::sync::Arc;
 /// let points = vec![Vector::<2>::new(0.0, 0.0), Vector::<2>::new(1.0, 0.0)];
 /// let line = Surface::left_of(Arc::new(ControlPoints { basis: BSpline::uniform(1, 1, 0), points }), None);
-/// let hit = line.project(&Vector::<2>::new(0.3, 2.0)).expect("the line faces what is above it");
+/// let down = Vector::<2>::new(0.0, -1.0);
+/// let hit = line.project(&Vector::<2>::new(0.3, 2.0), &down).expect("the line faces what is above it");
 /// assert!((hit.gap - 2.0).abs() < 1e-15 && (hit.normal[1] - 1.0).abs() < 1e-15);
-/// assert!(line.project(&Vector::<2>::new(1.5, 2.0)).is_none());
+/// assert!(line.project(&Vector::<2>::new(1.5, 2.0), &down).is_none());
+/// assert!(line.project(&Vector::<2>::new(0.3, 2.0), &-down).is_none());
 /// ```
 #[derive(Debug)]
 pub struct Surface<T: Real = f64> {
-    master: MasterCurve<Curves<Curve<T>>, 2, T>,
-    outward: Vec<T>,
+    master: MasterCurve<Oriented<Curves<Curve<T>>, T>, 2, T>,
     reach: Option<T>,
 }
 
@@ -63,7 +64,25 @@ impl<T: Real> Surface<T> {
     pub fn of_pieces(pieces: Vec<OutlinePiece<T>>, reach: Option<T>) -> Self {
         let outward = pieces.iter().map(|p| p.outward).collect();
         let elements = pieces.into_iter().map(|p| (p.curve, p.element)).collect();
-        Self { master: MasterCurve::new(Curves { elements }, T::zero()), outward, reach }
+        Self { master: MasterCurve::new(Oriented { map: Curves { elements }, outward }, T::zero()), reach }
+    }
+
+    /// The closest point of all, whatever it opposes; `None` beyond an end of the side and beyond the reach.
+    pub fn closest(&self, x: &Vector<2, T>) -> Option<Hit<1, 2, T>> {
+        self.hit(x, self.master.place(x)?)
+    }
+
+    fn hit(&self, x: &Vector<2, T>, place: Place<T>) -> Option<Hit<1, 2, T>> {
+        if place.beyond || self.reach.is_some_and(|r| place.distance > r) {
+            return None;
+        }
+        let (mut eta, mut table) = ([Vector::<1, T>::new(place.xi)], MapTable::new());
+        self.master.feet(place.element, &[*x], &mut eta, &mut table);
+        let geometry = self.master.geometry();
+        geometry.map(place.element, &eta, Order::Gradients, &mut table);
+        let normal = unit_normal(&table.jacobian[0], geometry.outward[place.element]);
+        let foot = table.x[0];
+        Some(Hit { x: foot, normal, gap: (x - foot).dot(&normal), at: Some(Location { element: place.element, xi: eta[0] }) })
     }
 }
 
@@ -75,13 +94,7 @@ pub fn pieces<T: Real>(trace: &Trace<1, 2, T>) -> Vec<OutlinePiece<T>> {
 }
 
 impl<T: Real> Obstacle<1, 2, T> for Surface<T> {
-    fn project(&self, x: &Vector<2, T>) -> Option<Hit<1, 2, T>> {
-        let place = self.master.place(x).filter(|p| !p.beyond && self.reach.is_none_or(|r| p.distance <= r))?;
-        let (mut eta, mut table) = ([Vector::<1, T>::new(place.xi)], MapTable::new());
-        self.master.feet(place.element, &[*x], &mut eta, &mut table);
-        self.master.geometry().map(place.element, &eta, Order::Gradients, &mut table);
-        let normal = unit_normal(&table.jacobian[0], self.outward[place.element]);
-        let foot = table.x[0];
-        Some(Hit { x: foot, normal, gap: (x - foot).dot(&normal), at: Some(Location { element: place.element, xi: eta[0] }) })
+    fn project(&self, x: &Vector<2, T>, outward: &Vector<2, T>) -> Option<Hit<1, 2, T>> {
+        self.hit(x, self.master.place_opposed(x, outward)?)
     }
 }

@@ -97,6 +97,24 @@ impl<const N: usize, T: Real> Tree<N, T> {
         number
     }
 
+    /// What `join` makes of the items below each node, and of every item `of_item`.
+    pub(super) fn gathered<S: Copy>(&self, of_item: impl Fn(usize) -> S, join: impl Fn(S, S) -> S) -> Vec<S> {
+        let mut of_node: Vec<Option<S>> = vec![None; self.nodes.len()];
+        // halves have larger numbers than their node
+        for (number, node) in self.nodes.iter().enumerate().rev() {
+            of_node[number] = match node.halves {
+                Some((a, b)) => of_node[a].zip(of_node[b]).map(|(a, b)| join(a, b)),
+                None => self.items[node.range.0..node.range.1].iter().map(|&i| of_item(i)).reduce(&join),
+            };
+        }
+        of_node.into_iter().flatten().collect()
+    }
+
+    /// The box of a node.
+    pub(super) fn node(&self, number: usize) -> &Bounds<N, T> {
+        &self.nodes[number].bounds
+    }
+
     /// Items whose boxes meet `query`, in increasing order.
     pub fn meeting(&self, query: &Bounds<N, T>) -> Vec<usize> {
         let mut found = Vec::new();
@@ -118,7 +136,12 @@ impl<const N: usize, T: Real> Tree<N, T> {
     /// Visits items by growing distance of their boxes to `x`, as long as that distance is below `reach`.
     ///
     /// `visit(item)` returns the new reach: the distance of the best item so far.
-    pub fn nearest(&self, x: &Vector<N, T>, reach: T, mut visit: impl FnMut(usize) -> T) {
+    pub fn nearest(&self, x: &Vector<N, T>, reach: T, visit: impl FnMut(usize) -> T) {
+        self.nearest_among(x, reach, |_, _| true, visit);
+    }
+
+    /// Visits items as [`Tree::nearest`] does, of nodes (numbers of [`Tree::gathered`]) and items that `keep(number, is_item)` keeps.
+    pub(super) fn nearest_among(&self, x: &Vector<N, T>, reach: T, keep: impl Fn(usize, bool) -> bool, mut visit: impl FnMut(usize) -> T) {
         let mut reach = to_f64(reach);
         let mut queue = BinaryHeap::new();
         if let Some(root) = self.nodes.first() {
@@ -135,12 +158,12 @@ impl<const N: usize, T: Real> Tree<N, T> {
             let node = &self.nodes[next.number];
             match node.halves {
                 Some((a, b)) => {
-                    for n in [a, b] {
+                    for n in [a, b].into_iter().filter(|&n| keep(n, false)) {
                         queue.push(Entry { distance: to_f64(self.nodes[n].bounds.distance(x)), number: n, is_item: false });
                     }
                 }
                 None => {
-                    for &i in &self.items[node.range.0..node.range.1] {
+                    for &i in self.items[node.range.0..node.range.1].iter().filter(|&&i| keep(i, true)) {
                         queue.push(Entry { distance: to_f64(self.boxes[i].distance(x)), number: i, is_item: true });
                     }
                 }

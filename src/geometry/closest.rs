@@ -4,21 +4,23 @@
 //! cut into pieces that are bisected while a bound on the curvature leaves room for a closer point, so the answer is the
 //! closest one, not a local one. Surfaces and volumes start from the best points of a grid.
 
+use super::opposed::Facing;
 use super::{Bounds, Geometry, MapTable, Tree, cell};
 use crate::basis::{Cell, Order};
 use crate::linalg::{Matrix, Real, Vector, lit, num};
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// Pieces of an element of a curve before bisection.
-const PIECES: usize = 8;
+pub(super) const PIECES: usize = 8;
 /// Bisections of a piece of a curve that a bound cannot rule out.
-const DEPTH: usize = 5;
+pub(super) const DEPTH: usize = 5;
 /// Safety factor of the sampled bounds of second and third derivatives, which may miss their peaks.
 const BEND_SAFETY: f64 = 2.0;
 /// Elements are skipped unless they may be nearer than the best point by this share of the size.
-const WORTH: f64 = 1e-11;
+pub(super) const WORTH: f64 = 1e-11;
 /// Faces whose centres are this share of the size apart are the same face.
-const SAME_FACE: f64 = 1e-9;
+pub(super) const SAME_FACE: f64 = 1e-9;
 /// A foot is beyond the rim if the line to it deviates from the right angle by more than this share of the size.
 const BEYOND: f64 = 1e-9;
 /// Steps of Newton's method; it converges in three to six.
@@ -62,14 +64,16 @@ pub struct ClosestPoint<const D: usize, const N: usize, G, T: Real = f64> {
     /// Per element of a curve: bounds of |x''| and |x'''|.
     bend: Vec<[T; 2]>,
     /// Ends of the pieces of every element of a curve, evaluated once for all queries.
-    nodes: Vec<[Node<N, T>; PIECES + 1]>,
+    pub(super) nodes: Vec<[Node<N, T>; PIECES + 1]>,
+    /// Normals of an oriented curve, found when they are first asked for; `None` of other maps.
+    pub(super) facing: OnceLock<Option<Facing>>,
 }
 
 /// x, x' and x'' at an end of a piece.
 #[derive(Clone, Copy, Debug)]
-struct Node<const N: usize, T: Real> {
-    x: Vector<N, T>,
-    d: Vector<N, T>,
+pub(super) struct Node<const N: usize, T: Real> {
+    pub x: Vector<N, T>,
+    pub d: Vector<N, T>,
     dd: Vector<N, T>,
 }
 
@@ -92,11 +96,11 @@ impl<const D: usize, const N: usize, T: Real> Best<D, N, T> {
 
 /// One sample of a curve: parameter, x, |x'|, f', f''.
 #[derive(Clone, Copy)]
-struct Sample<const N: usize, T: Real> {
-    t: T,
-    x: Vector<N, T>,
+pub(super) struct Sample<const N: usize, T: Real> {
+    pub t: T,
+    pub x: Vector<N, T>,
     speed: T,
-    slope: T,
+    pub slope: T,
     curvature: T,
 }
 
@@ -108,7 +112,7 @@ impl<const N: usize, T: Real> Node<N, T> {
     }
 
     /// Position and derivatives of f(t) = |x - p|² / 2 at this point, which has the parameter `t`.
-    fn seen(&self, t: T, p: &Vector<N, T>) -> Sample<N, T> {
+    pub fn seen(&self, t: T, p: &Vector<N, T>) -> Sample<N, T> {
         let away = self.x - p;
         let square = self.d.norm_squared();
         Sample { t, x: self.x, speed: square.sqrt(), slope: away.dot(&self.d), curvature: square + away.dot(&self.dd) }
@@ -134,7 +138,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
                 ([bend, change], std::array::from_fn(|i| Node::of(table, 2 * i)))
             })
             .unzip();
-        Self { geometry, tree, size, loose, bend, nodes }
+        Self { geometry, tree, size, loose, bend, nodes, facing: OnceLock::new() }
     }
 
     /// The map.
@@ -205,7 +209,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         })
     }
 
-    fn sample(&self, element: usize, t: &[T], p: &Vector<N, T>, table: &mut MapTable<D, N, T>, into: &mut Vec<Sample<N, T>>) {
+    pub(super) fn sample(&self, element: usize, t: &[T], p: &Vector<N, T>, table: &mut MapTable<D, N, T>, into: &mut Vec<Sample<N, T>>) {
         let points: Vec<Vector<D, T>> = t.iter().map(|&t| Vector::repeat(t)).collect();
         self.geometry.map(element, &points, Order::Hessians, table);
         into.clear();
@@ -229,7 +233,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
                 continue;
             }
             if a.slope < T::zero() && b.slope > T::zero() {
-                self.newton(element, p, (a, b), best, table);
+                self.newton(element, p, (a, b), table, |s| best.offer(element, Vector::repeat(s.t), s.x, (s.x - p).norm()));
             }
             if self.convex(element, p, &a, &b) || depth == DEPTH || self.below(element, p, &a, &b) > best.distance - worth {
                 continue;
@@ -244,7 +248,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
     }
 
     /// Lower bound of the distance of `p` to the piece: distance to the chord less |x''| h² / 8.
-    fn below(&self, element: usize, p: &Vector<N, T>, a: &Sample<N, T>, b: &Sample<N, T>) -> T {
+    pub(super) fn below(&self, element: usize, p: &Vector<N, T>, a: &Sample<N, T>, b: &Sample<N, T>) -> T {
         let chord = b.x - a.x;
         let square = chord.norm_squared();
         let s = if square > T::zero() { ((p - a.x).dot(&chord) / square).clamp(T::zero(), T::one()) } else { T::zero() };
@@ -254,7 +258,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
 
     /// Whether f'' > 0 on the piece, so that f has no second minimum: |f'''| <= 3 |x'| |x''| + |x - p| |x'''| bounds how far
     /// f'' falls below its mean at the ends.
-    fn convex(&self, element: usize, p: &Vector<N, T>, a: &Sample<N, T>, b: &Sample<N, T>) -> bool {
+    pub(super) fn convex(&self, element: usize, p: &Vector<N, T>, a: &Sample<N, T>, b: &Sample<N, T>) -> bool {
         let ([bend, change], h) = (self.bend[element], b.t - a.t);
         let speed = a.speed.max(b.speed) + bend * h * lit(0.5);
         let away = (a.x - p).norm().max((b.x - p).norm()) + speed * h * lit(0.5);
@@ -262,14 +266,15 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         a.curvature + b.curvature > slope * h
     }
 
-    /// Finds the zero of f' between `a` (f' < 0) and `b` (f' > 0) by Newton's method, bisection where it leaves the bracket.
-    fn newton(
+    /// Finds the zero of f' between `a` (f' < 0) and `b` (f' > 0) by Newton's method, bisection where it leaves the bracket; `see` is
+    /// shown every iterate, the zero last.
+    pub(super) fn newton(
         &self,
         element: usize,
         p: &Vector<N, T>,
         (a, b): (Sample<N, T>, Sample<N, T>),
-        best: &mut Best<D, N, T>,
         table: &mut MapTable<D, N, T>,
+        mut see: impl FnMut(&Sample<N, T>),
     ) {
         let (mut lo, mut hi) = (a.t, b.t);
         let mut t = lo + (hi - lo) * (a.slope / (a.slope - b.slope));
@@ -277,7 +282,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         for _ in 0..STEPS {
             self.sample(element, &[t], p, table, &mut one);
             let s = one[0];
-            best.offer(element, Vector::repeat(s.t), s.x, (s.x - p).norm());
+            see(&s);
             if s.slope == T::zero() {
                 break;
             }

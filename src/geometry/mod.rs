@@ -4,6 +4,7 @@ mod bounds;
 mod bvh;
 pub mod cell;
 mod closest;
+mod cone;
 mod control;
 mod embedded;
 mod embedding;
@@ -11,6 +12,8 @@ mod frame;
 mod hull;
 mod net;
 mod net_moves;
+mod opposed;
+mod oriented;
 mod sag;
 mod sampler;
 pub mod shapes;
@@ -31,6 +34,8 @@ pub use frame::{cross, unit_normal, unit_tangent};
 pub use hull::hull;
 pub use net::{ControlNet, NetError};
 pub use net_moves::{turn, turn_about};
+pub use opposed::opposes;
+pub use oriented::Oriented;
 pub use sag::Sag;
 pub use sampler::Sampler;
 pub use structure::{Control, MapBlock, MapStructure};
@@ -95,6 +100,10 @@ pub trait Geometry<const D: usize, const N: usize, T: Real = f64>: Elements {
     fn extent(&self) -> Option<Bounds<N, T>> {
         self.all_bounds().into_iter().reduce(|a, b| a.union(&b))
     }
+    /// +1 or -1: times the cross product of the element's tangents it points out of the body; `None` where no body is known.
+    fn outward(&self, _element: usize) -> Option<T> {
+        None
+    }
     /// Structure that assembly can use; nothing by default.
     fn map_structure(&self) -> &dyn MapStructure<D, N, T> {
         &NoStructure
@@ -110,6 +119,7 @@ macro_rules! forward_geometry {
             fn bounds(&self, element: usize) -> Bounds<N, T> { (**self).bounds(element) }
             fn all_bounds(&self) -> Vec<Bounds<N, T>> { (**self).all_bounds() }
             fn extent(&self) -> Option<Bounds<N, T>> { (**self).extent() }
+            fn outward(&self, element: usize) -> Option<T> { (**self).outward(element) }
             fn map_structure(&self) -> &dyn MapStructure<D, N, T> { (**self).map_structure() }
         }
     )*};

@@ -8,7 +8,7 @@ use crate::basis::Order;
 use crate::contact::{Contact, Transmitted};
 use crate::coupling::evaluate::jumps;
 use crate::coupling::{Interface, Segments, Side};
-use crate::geometry::{ClosestPoint, Geometry, MapTable};
+use crate::geometry::{ClosestPoint, Geometry, MapTable, Oriented};
 use crate::linalg::Vector;
 use crate::space::Space;
 use std::sync::Arc;
@@ -24,14 +24,14 @@ pub struct ContactField<const S: usize, const N: usize>(Option<WithoutRows<S, N>
 #[derive(Debug)]
 struct WithoutRows<const S: usize, const N: usize> {
     fluxes: ContactFluxes<S, N>,
-    master: Option<ClosestPoint<S, N, Arc<dyn Space<S, N>>>>,
+    master: Option<ClosestPoint<S, N, Oriented<Arc<dyn Space<S, N>>>>>,
 }
 
 impl<const S: usize, const N: usize> ContactField<S, N> {
     /// Creates the evaluator of `part` at time `t`.
     pub fn of(model: &Model<S, N>, part: &ContactPart<S, N>, t: f64) -> Self {
         let master = match &part.against {
-            Against::Side(master, _) => Some(ClosestPoint::new(Arc::clone(&master.trace.space))),
+            Against::Side(master, _) => Some(ClosestPoint::new(master.trace.oriented())),
             Against::Rigid(..) => None,
         };
         Self(part.multiplier.is_none().then(|| WithoutRows { fluxes: part.fluxes(model, t), master }))
@@ -55,11 +55,13 @@ impl<const S: usize, const N: usize> ContactField<S, N> {
         let Some(own) = &self.0 else { return all };
         let (mut segments, mut asked) = (Segments::new(), Vec::new());
         let (mut map, mut there) = (MapTable::new(), MapTable::new());
-        part.slave.trace.space.map(element, xi, Order::Values, &mut map);
+        part.slave.trace.space.map(element, xi, Order::Gradients, &mut map);
         for (q, x) in map.x.iter().enumerate() {
             let (other, eta) = match (&own.master, &part.against) {
                 (Some(closest), Against::Side(master, _)) => {
-                    let Some(foot) = closest.project(x).filter(|foot| contact.reach.is_none_or(|r| foot.distance <= r)) else { continue };
+                    let outward = part.slave.trace.normal(element, &map.jacobian[q]);
+                    let foot = closest.project_opposed(x, &outward, closest.size() * BESIDE);
+                    let Some(foot) = foot.filter(|foot| contact.reach.is_none_or(|r| foot.distance <= r)) else { continue };
                     master.trace.space.map(foot.element, &[foot.xi], Order::Gradients, &mut there);
                     let (apart, normal) = (x - there.x[0], master.trace.normal(foot.element, &there.jacobian[0]));
                     if (apart - normal * apart.dot(&normal)).norm() > BESIDE * apart.norm().max(model.size * BESIDE) {

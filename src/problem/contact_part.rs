@@ -113,8 +113,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let partners = Partners::Facing { reach: contact.reach };
         let points = rules.points(slave, &master);
         let make = |make: &super::tie_part::MakeIntegration<'_, S, N>| {
-            let (own, other) = (&*slave.trace.space, &*master.trace.space);
-            let segments = make(points, partners).segments(own, other)?;
+            let (own, other) = (slave.trace.oriented(), master.trace.oriented());
+            let segments = make(points, partners).segments(&own, &other)?;
             segments.well_formed(own.num_elements(), other.num_elements()).map(|()| segments)
         };
         let verified = |segments: Segments<S>| {
@@ -248,10 +248,11 @@ impl<const S: usize, const N: usize> ContactSetup<'_, S, N> {
 /// Returns the points of a slave side that face its opponent at time `t`.
 fn faced<const S: usize, const N: usize>(slave: &SideModel<S, N>, against: &Against<S, N>, reach: Option<f64>, t: f64) -> Segments<S> {
     match against {
-        // a master without tangent is reported when the rows are built
+        // a master without tangent, or a normal that is none, is reported when the rows are built
         Against::Side(master, segments) => {
             Frames::against_master(&slave.trace, &master.trace, segments).map_or_else(|_| segments.clone(), |(segments, _)| segments)
         }
-        Against::Rigid(obstacle, segments) => Frames::against_obstacle(&slave.trace, &*obstacle.target(t, None), segments, reach).0,
+        Against::Rigid(obstacle, segments) => Frames::against_obstacle(&slave.trace, &*obstacle.target(t, None), segments, reach)
+            .map_or_else(|_| segments.clone(), |(segments, _)| segments),
     }
 }

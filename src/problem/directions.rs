@@ -2,6 +2,7 @@
 
 use super::model::{Against, Model, SideModel};
 use crate::basis::{Order, ShapeTable};
+use crate::contact::opposed;
 use crate::geometry::{ClosestPoint, MapTable, cell};
 use crate::linalg::Vector;
 use std::collections::HashMap;
@@ -43,13 +44,15 @@ pub fn directions<const S: usize, const N: usize>(
     let (space, trace) = (&*side.trace.space, &side.trace);
     let mut other = MapTable::new();
     let (closest, target) = match against {
-        Against::Side(master, _) => (Some(ClosestPoint::new(master.trace.space.clone())), None),
+        Against::Side(master, _) => (Some(ClosestPoint::new(master.trace.oriented())), None),
         Against::Rigid(obstacle, _) => (None, Some(obstacle.target(t, None))),
     };
-    let mut facing = |x: &Vector<N>| match against {
-        Against::Rigid(..) => target.as_ref()?.project(x).map(|hit| hit.normal),
+    let mut facing = |x: &Vector<N>, own: &Vector<N>| match against {
+        Against::Rigid(..) => opposed(&**target.as_ref()?, x, own).map(|hit| hit.normal),
         Against::Side(master, _) => {
-            let foot = closest.as_ref()?.project(x)?;
+            let closest = closest.as_ref()?;
+            // beyond an end of the master its direction there counts
+            let foot = closest.project_opposed(x, own, closest.size())?;
             master.trace.space.map(foot.element, &[foot.xi], Order::Gradients, &mut other);
             Some(master.trace.normal(foot.element, &other.jacobian[0]))
         }
@@ -61,7 +64,8 @@ pub fn directions<const S: usize, const N: usize>(
         space.active(e, &mut ids);
         space.evaluate(e, &points, Order::Gradients, &mut shapes, &mut map);
         for q in 0..points.len() {
-            let normal = facing(&map.x[q]).unwrap_or_else(|| trace.normal(e, &map.jacobian[q]));
+            let own = trace.normal(e, &map.jacobian[q]);
+            let normal = facing(&map.x[q], &own).unwrap_or(own);
             if !normal.iter().all(|v| v.is_finite()) {
                 continue;
             }

@@ -51,8 +51,8 @@ impl<const S: usize, const N: usize> InterfaceRules<'_, S, N> {
     /// Segments for checking the rows: finer ones, `partners` as far as the caller has checked them.
     pub(super) fn finer(&self, slave: &SideModel<S, N>, master: &SideModel<S, N>, partners: Partners) -> Option<Segments<S>> {
         let make = self.finer?;
-        let (own, other) = (&*slave.trace.space, &*master.trace.space);
-        let segments = make(self.points(slave, master) + FINER_POINTS, partners).segments(own, other).ok()?;
+        let (own, other) = (slave.trace.oriented(), master.trace.oriented());
+        let segments = make(self.points(slave, master) + FINER_POINTS, partners).segments(&own, &other).ok()?;
         segments.well_formed(own.num_elements(), other.num_elements()).ok().map(|()| segments)
     }
 }

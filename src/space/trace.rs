@@ -2,7 +2,7 @@
 
 use super::{Over, SideError, Space};
 use crate::basis::{Cell, Order};
-use crate::geometry::{Bounds, ClosestPoint, Embedded, Embedding, MapTable, Tree, cell, cross, unit_normal};
+use crate::geometry::{Bounds, ClosestPoint, Embedded, Embedding, MapTable, Oriented, Tree, cell, cross, unit_normal};
 use crate::linalg::{Matrix, Real, Vector, lit};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -90,6 +90,11 @@ impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
     pub fn lift(&self, element: usize, xi: &Vector<S, T>) -> (usize, Vector<N, T>) {
         let facet = &self.facets[element];
         (facet.element, facet.lift(xi))
+    }
+
+    /// The map of the side with its outward signs.
+    pub fn oriented(&self) -> Oriented<Arc<dyn Space<S, N, T>>, T> {
+        Oriented { map: Arc::clone(&self.space), outward: self.outward.clone() }
     }
 
     /// The unit normal out of the body where the side's map has the Jacobian `jacobian`.

@@ -1,15 +1,17 @@
 //! Segments of two curves: published unit values, tilings of random grids, vertices that nearly coincide.
 
+use faying::assembly::gauss_rules;
 use faying::basis::{BSpline, Basis, Elements, Order, ShapeTable};
 use faying::check::{SegmentLimits, coupling, interface_quadrature, obstacle};
-use faying::contact::{HalfPlane, LevelSet, Moved, Obstacle, Sphere};
-use faying::coupling::interface::{Chain, MasterSums, MergedCurve, SlaveRule, Tolerance, crossing};
+use faying::contact::{Frames, HalfPlane, Hit, Moved, Obstacle, Sphere};
+use faying::coupling::interface::{Chain, MasterSums, MergedCurve, SlaveRule, Tolerance, crossing, slave_segments};
 use faying::coupling::multiplier::{Ends, MultiplierError, MultiplierKind, build, side_ends};
 use faying::coupling::{Coupling, CouplingError, Interface, InterfaceQuadrature, Mortar, Side};
+use faying::geometry::shapes::rectangle;
 use faying::geometry::{Bounds, Geometry, MapTable};
 use faying::linalg::Vector;
 use faying::quadrature::{PerElement, Quadrature, TensorRule};
-use faying::space::{Field, Over, Space, Trace};
+use faying::space::{Body, Field, Over, Patch, PatchSpec, Space, Trace};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -469,18 +471,51 @@ fn obstacles_project_to_their_closest_points() {
     for inside in [false, true] {
         let circle = Sphere { center: Vector::<2>::new(0.05, 0.02), radius: 0.7, inside };
         obstacle::<1, 2, f64>(&circle, &points, 1e-12).unwrap();
-        let hit = Obstacle::<1, 2>::project(&circle, &Vector::<2>::new(0.05, 1.02)).unwrap();
+        let hit = Obstacle::<1, 2>::project(&circle, &Vector::<2>::new(0.05, 1.02), &Vector::<2>::new(0.0, -1.0)).unwrap();
         assert!((hit.gap - if inside { -0.3 } else { 0.3 }).abs() < 1e-14);
     }
-    // gap f / |grad f| of a parabola is exact to second order in the distance
-    let parabola = |x: &Vector<2>| (x[1] - 0.1 * x[0] * x[0], Vector::<2>::new(-0.2 * x[0], 1.0));
-    let near: Vec<Vector<2>> =
-        (0..20).map(|k| Vector::<2>::new(k as f64 * 0.1 - 1.0, 0.1 * (k as f64 * 0.1 - 1.0).powi(2) + 1e-4)).collect();
-    obstacle::<1, 2, f64>(&LevelSet::new(parabola), &near, 1e-8).unwrap();
-    let along = LevelSet::try_along(parabola, Vector::<2>::new(0.0, 2.0)).unwrap();
-    let hit = Obstacle::<1, 2>::project(&along, &Vector::<2>::new(1.0, 0.35)).unwrap();
-    assert!((hit.gap - 0.25).abs() < 1e-15 && hit.normal == Vector::<2>::new(0.0, 1.0));
     assert!(HalfPlane::try_new(Vector::<2>::zeros(), Vector::<2>::zeros()).is_none());
+}
+
+/// A half-plane with a fault in its hits.
+#[derive(Debug)]
+struct Faulty(HalfPlane<2>, fn(&mut Hit<1, 2>));
+
+impl Obstacle<1, 2> for Faulty {
+    fn project(&self, x: &Vector<2>, outward: &Vector<2>) -> Option<Hit<1, 2>> {
+        let mut hit = self.0.project(x, outward)?;
+        (self.1)(&mut hit);
+        Some(hit)
+    }
+}
+
+#[test]
+fn faults_of_obstacles_are_found_by_their_checker_and_where_contact_meets_them() {
+    let plane = HalfPlane::try_new(Vector::<2>::new(0.0, -0.1), Vector::<2>::new(0.0, 1.0)).unwrap();
+    let points: Vec<Vector<2>> = (0..20).map(|k| Vector::<2>::new(0.1 * f64::from(k), 0.03 * f64::from(k))).collect();
+    obstacle(&Faulty(plane, |_| {}), &points, 1e-12).unwrap();
+    let faults: [(fn(&mut Hit<1, 2>), &str); 6] = [
+        (|hit| hit.normal *= 3.0, "length"),
+        (|hit| (hit.normal, hit.gap) = (hit.normal * 3.0, hit.gap * 3.0), "length"),
+        (|hit| hit.normal *= 1.0 - 1e-9, "length"),
+        (|hit| hit.normal = -hit.normal, "along the normal it is"),
+        (|hit| hit.gap = f64::NAN, "the gap at"),
+        (|hit| (hit.x[1], hit.gap) = (hit.x[1] + 0.02, hit.gap - 0.02), "not on the surface"),
+    ];
+    for (fault, words) in faults {
+        let error = obstacle(&Faulty(plane, fault), &points, 1e-12).unwrap_err();
+        assert!(error.contains(words), "{words}: {error}");
+    }
+    // the bottom of a square above the half-plane
+    let square = Patch::<1, 2>::try_new(&PatchSpec::new(rectangle([0.0, 0.0], [1.0, 1.0]).unwrap())).unwrap();
+    let mut trace = square.trace("v0").unwrap();
+    let segments = slave_segments(&*trace.space, &gauss_rules(&*trace.space, 0));
+    let frames = |trace: &Trace<1, 2>, fault| Frames::against_obstacle(trace, &Faulty(plane, fault), &segments, None);
+    assert_eq!(frames(&trace, |_| {}).unwrap().1.x.len(), segments.ds.len());
+    assert!(matches!(frames(&trace, |hit| hit.normal *= 3.0), Err(CouplingError::Missing(text)) if text.contains("length 3")));
+    // a side whose normal points into its body faces nothing
+    trace.outward.iter_mut().for_each(|sign| *sign = -*sign);
+    assert!(frames(&trace, |_| {}).unwrap().1.x.is_empty());
 }
 
 #[test]

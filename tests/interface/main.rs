@@ -8,6 +8,7 @@ mod faults;
 mod inf_sup;
 mod interface_quadrature;
 mod lessons;
+mod level_set;
 mod merging;
 mod mesh_tied;
 mod obstacle;

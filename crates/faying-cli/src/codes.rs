@@ -136,7 +136,7 @@ pub const CODES: &[Code] = &[
         3,
         "sides do not meet",
         "Two sides that are to be tied are farther apart than `tolerance` allows, or the sides of a contact do not face each other: \
-         outward normals must oppose, and an overlap at rest (of bodies, of a body and an obstacle, or by the formula of `gap`) may be up \
+         outward normals must oppose, within 60 degrees, and an overlap at rest (of bodies, of a body and an obstacle, or by the formula of `gap`) may be up \
          to half the thickness of a body. `between` ties sides whose facets explain their distance: \
          a mean of a quarter and at most twice of what facets deviate from the surface they stand for. As a warning: sides that are \
          nearly together are not tied, or named ones are tied across a distance that their facets do not explain. Use [[contact]] if a gap is meant.",

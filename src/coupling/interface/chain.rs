@@ -31,6 +31,8 @@ pub struct Chain<const N: usize, T: Real = f64> {
     pub size: T,
     /// Length of the chord polygon of each element \[length\].
     pub lengths: Vec<T>,
+    /// Unit tangents out of the element at xi = 0 and xi = 1, zero where the derivative vanishes.
+    pub tangents: Vec<[Vector<N, T>; 2]>,
 }
 
 impl<const N: usize, T: Real> Chain<N, T> {
@@ -60,7 +62,8 @@ impl<const N: usize, T: Real> Chain<N, T> {
             at[v].push((k / 2, k % 2));
         }
         let vertices = at.into_iter().map(|at| vertex(at, &ends)).collect();
-        Self { vertices, ends: (0..n).map(|e| [vertex_of[2 * e], vertex_of[2 * e + 1]]).collect(), size, lengths }
+        let tangents = ends.chunks_exact(2).map(|pair| [pair[0].1, pair[1].1]).collect();
+        Self { vertices, ends: (0..n).map(|e| [vertex_of[2 * e], vertex_of[2 * e + 1]]).collect(), size, lengths, tangents }
     }
 
     /// The (element, end) joined to `end` of `element`; `None` on rims and forks.

@@ -5,7 +5,8 @@
 //!   φ(xi) = (x_s(xi) - V) . t
 //!
 //! for the vertices near it. On smooth sides this is where the closest point passes V; at a kink it halves the fan of
-//! points whose closest point is V. Each piece is assigned to the master element of its midpoint; where master elements inside
+//! points whose closest point is V. Where both sides have outward signs, partners oppose each other: where only one of the elements that
+//! meet in V opposes the slave, that one ends in V, and the cut is at right angles to its own tangent. Each piece is assigned to the master element of its midpoint; where master elements inside
 //! a piece are no neighbours (the closest point jumps), bisection finds the jump. Partners are foot points on the continued
 //! curve of the assigned element, never clamped, so a cut misplaced by δ costs O(δ²) even between kinked functions.
 //! Neighbouring pieces share their cut, so they tile the slave element exactly. Cost: n log n.
@@ -153,7 +154,7 @@ impl<'a, const N: usize, T: Real> Sides<'a, N, T> {
 
     /// The pieces that tile a slave element.
     pub fn pieces(&self, element: usize, work: &mut Work<N, T>) -> Vec<Piece<T>> {
-        work.cuts.at_vertices(self.slave, element, &self.master, &mut work.slave);
+        work.cuts.at_vertices(self.slave, element, &self.master, self.partners.outward(self.slave, element), &mut work.slave);
         let mut pieces: Vec<Piece<T>> = Vec::new();
         for k in 1..work.cuts.at.len() {
             self.assign(element, work.cuts.at[k - 1], work.cuts.at[k], JUMP_DEPTH, &mut work.slave, &mut pieces);
@@ -179,8 +180,18 @@ impl<'a, const N: usize, T: Real> Sides<'a, N, T> {
 
     /// Master element paired with `xi`; `None` past the end of the master or beyond the search radius.
     fn owner(&self, element: usize, xi: T, table: &mut MapTable<1, N, T>) -> Option<usize> {
-        self.slave.map(element, &[Vector::<1, T>::new(xi)], Order::Values, table);
-        let place = self.master.place(&table.x[0]).filter(|p| self.partners.face(p, self.master.size()))?;
+        let outward = self.partners.outward(self.slave, element);
+        let place = match outward {
+            None => {
+                self.slave.map(element, &[Vector::<1, T>::new(xi)], Order::Values, table);
+                self.master.place(&table.x[0])
+            }
+            Some(_) => {
+                self.slave.map(element, &[Vector::<1, T>::new(xi)], Order::Gradients, table);
+                self.master.faced_place(&table.x[0], &table.jacobian[0].column(0).into_owned(), outward)
+            }
+        };
+        let place = place.filter(|p| self.partners.face(p, self.master.size()))?;
         let (allowed, _) = self.partners.allowed(self.master.size(), self.slave_size, [T::zero(); 2]);
         // for touching sides the distance is checked later, with the lengths of the piece
         (self.partners.touch() || place.distance <= allowed).then_some(place.element)
@@ -253,11 +264,12 @@ impl<'a, const N: usize, T: Real> Sides<'a, N, T> {
         let lengths = [chords(&work.cuts.x), self.master.chain().lengths[owner]];
         let (allowed, _) = self.partners.allowed(self.master.size(), self.slave_size, lengths);
         // on strongly curved elements these are too few: Newton's method may diverge, or end at another foot
-        let mut again = false;
+        let (mut again, outward) = (false, self.partners.outward(self.slave, part.element));
         for (q, x) in work.slave.x.iter().enumerate() {
             let distance = (x - work.master.x[q]).norm();
             let is_foot = distance <= work.near[q] && (distance <= allowed || !self.partners.touch());
-            if !is_foot && let Some(place) = self.master.place(x).filter(|p| p.element == owner) {
+            let own = || self.master.faced_place(x, &work.slave.jacobian[q].column(0).into_owned(), outward);
+            if !is_foot && let Some(place) = own().filter(|p| p.element == owner) {
                 (work.eta[q][0], again) = (place.xi, true);
             }
         }

@@ -3,7 +3,7 @@
 use super::chain::Chain;
 use crate::basis::Order;
 use crate::coupling::CouplingError;
-use crate::geometry::{Bounds, ClosestPoint, Geometry, MapTable, Tree};
+use crate::geometry::{Bounds, ClosestPoint, Geometry, MapTable, Tree, opposes, unit_tangent};
 use crate::linalg::{Real, Vector, lit, to_f64};
 
 /// Overhang beyond a master's end that counts as round-off, as a share of the size of both sides.
@@ -48,7 +48,8 @@ pub enum Partners<T: Real = f64> {
     Touching(Tolerance<T>),
     /// Sides of which only parts touch: points farther from the other side than the tolerance, or beyond its ends, have no partner.
     Near(Tolerance<T>),
-    /// Sides that may be apart: points farther than `reach` have no partner; `None`: the diagonal of the box around the slave.
+    /// Sides that may be apart: points farther than `reach` have no partner; `None`: the diagonal of the box around the slave. Where both
+    /// sides have outward signs, partners are the closest among what opposes the slave's normal.
     Facing {
         /// Largest distance of partners \[length\].
         reach: Option<T>,
@@ -71,6 +72,11 @@ impl<T: Real> Partners<T> {
     pub(super) fn face(&self, place: &Place<T>, size: T) -> bool {
         let past = place.rim && place.distance > size * lit(EXACT) && matches!(self, Self::Near(_));
         !(place.beyond || past)
+    }
+
+    /// The outward sign of a slave element, if its partners are to oppose it.
+    pub(super) fn outward<const N: usize>(&self, slave: &dyn Geometry<1, N, T>, element: usize) -> Option<T> {
+        if matches!(self, Self::Facing { .. }) { slave.outward(element) } else { None }
     }
 
     /// Whether the sides touch: their closest point then moves along with the point and does not jump.
@@ -161,6 +167,47 @@ impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
         Some(place)
     }
 
+    /// Finds the place of `x` among what opposes `normal`, the outward unit normal there ([`ClosestPoint::project_opposed`]); never
+    /// beyond a rim. `None` where nothing opposes. Without outward signs it is the place of `x`.
+    pub fn place_opposed(&self, x: &Vector<N, T>, normal: &Vector<N, T>) -> Option<Place<T>> {
+        if self.chain.lengths.is_empty() || self.geometry().outward(0).is_none() {
+            return self.place(x);
+        }
+        let hit = self.closest.project_opposed(x, normal, self.size * lit(RIM))?;
+        let mut place = Place { element: hit.element, xi: hit.xi[0], distance: hit.distance, beyond: false, rim: false };
+        let end = if place.xi <= lit(AT_END) {
+            0
+        } else if place.xi >= T::one() - lit::<T>(AT_END) {
+            1
+        } else {
+            return Some(place);
+        };
+        let vertex = &self.chain.vertices[self.chain.ends[hit.element][end]];
+        place.rim = vertex.at.len() == 1;
+        if let (Some(tangent), false) = (&vertex.tangent, place.rim) {
+            let (element, at) = vertex.at[if (x - vertex.x).dot(tangent) > T::zero() { 1 } else { 0 }];
+            if self.end_normal(element, at).is_none_or(|n| opposes(normal, &n)) {
+                place.element = element;
+                place.xi = if at == 0 { T::zero() } else { T::one() };
+            }
+        }
+        Some(place)
+    }
+
+    /// Finds the place of `x` on a curve with this derivative: among what opposes it if it has an outward sign.
+    pub(super) fn faced_place(&self, x: &Vector<N, T>, derivative: &Vector<N, T>, outward: Option<T>) -> Option<Place<T>> {
+        match outward.and_then(|outward| normal(derivative, outward)) {
+            Some(normal) => self.place_opposed(x, &normal),
+            None => self.place(x),
+        }
+    }
+
+    /// The outward unit normal at an end of an element; `None` without outward signs.
+    pub(super) fn end_normal(&self, element: usize, end: usize) -> Option<Vector<N, T>> {
+        let sign = if end == 0 { -T::one() } else { T::one() };
+        normal(&(self.chain.tangents[element][end] * sign), self.geometry().outward(element)?)
+    }
+
     /// Vertices in `bounds`, in ascending order.
     pub(super) fn vertices_in(&self, bounds: &Bounds<N, T>) -> Vec<usize> {
         let mut found = self.vertices.meeting(bounds);
@@ -241,6 +288,12 @@ pub fn crossing<const N: usize, T: Real>(
         }
     }
     xi
+}
+
+/// The outward unit normal of a curve in the plane with this derivative; `None` in space.
+pub(super) fn normal<const N: usize, T: Real>(derivative: &Vector<N, T>, outward: T) -> Option<Vector<N, T>> {
+    let t = unit_tangent(derivative);
+    (N == 2).then(|| Vector::from_fn(|k, _| if k == 0 { t[1] * outward } else { -t[0] * outward }))
 }
 
 /// Diagonal of the box around a curve \[length\].

@@ -80,7 +80,8 @@ impl<const N: usize, T: Real> Sides<'_, N, T> {
     /// Integrates an element at its Gauss points; if the master ends inside it, at those of each of its parts.
     fn element(&self, element: usize, work: &mut Work<N, T>) -> Part<T> {
         let mut part = Part::new(element);
-        work.cuts.at_rims(self.slave, element, &self.master, &mut work.slave);
+        let outward = self.partners.outward(self.slave, element);
+        work.cuts.at_rims(self.slave, element, &self.master, outward, &mut work.slave);
         for k in 1..work.cuts.at.len() {
             let (from, width) = (work.cuts.at[k - 1], work.cuts.at[k] - work.cuts.at[k - 1]);
             work.xi.clear();
@@ -91,7 +92,8 @@ impl<const N: usize, T: Real> Sides<'_, N, T> {
             for (q, &ds) in ds.iter().enumerate() {
                 part.measure += ds;
                 let x = work.slave.x[q];
-                let Some(place) = self.master.place(&x).filter(|p| self.partners.face(p, self.master.size())) else { continue };
+                let place = self.master.faced_place(&x, &work.slave.jacobian[q].column(0).into_owned(), outward);
+                let Some(place) = place.filter(|p| self.partners.face(p, self.master.size())) else { continue };
                 let lengths = [length, self.master.chain().lengths[place.element]];
                 let (allowed, is_error) = self.partners.allowed(self.master.size(), self.slave_size, lengths);
                 if !is_error && place.distance > allowed {

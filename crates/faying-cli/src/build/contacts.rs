@@ -5,7 +5,7 @@ use super::built::Built;
 use super::couple::Couples;
 use super::meant::{meant, overlap};
 use super::multipliers::{has_lowered, held_help, judged, multiplier, multiplier_fault, positive_help};
-use super::obstacles::{num_pressed, obstacle, turned_away};
+use super::obstacles::{num_pressed, obstacle, swallowed, turned_away};
 use super::sides::Sides;
 use super::ties::{list, memberships, nitsche_variant, rules};
 use super::values::times;
@@ -86,7 +86,8 @@ pub(super) fn build<const S: usize, const N: usize>(
                 Err(Missed::Fault(fault)) => builder.faults.push(*fault),
             }
         }
-        if let Some(fault) = built.parts.iter().find_map(|part| overlap(builder, model, &built, part, contact)) {
+        let inside = || built.parts.iter().find_map(|part| swallowed(builder, contact, built.obstacle.as_deref()?, (model, &part.slave)));
+        if let Some(fault) = inside().or_else(|| built.parts.iter().find_map(|part| overlap(builder, model, &built, part, contact))) {
             builder.faults.push(fault);
         }
         for mut fault in behind {
@@ -226,7 +227,7 @@ fn fault<const S: usize, const N: usize>(
         InterfaceError::NothingFaces => {
             let plain = Box::new(contact_fault(builder, contact, slave, masters, &ContactError::NoTarget, at));
             return Missed::Nothing(match &built.obstacle {
-                Some(obstacle) => turned_away(builder, contact, obstacle, slave, plain),
+                Some(obstacle) => turned_away(builder, contact, obstacle, (model, slave), plain),
                 None => meant(model, slave, masters, plain),
             });
         }
@@ -272,7 +273,15 @@ fn contact_fault<const S: usize, const N: usize>(
         ContactError::ConeSize { .. } => {
             builder.error("E081", text, contact.cone.at).with_help("write cone = \"coefficients\", or give the slave side fewer elements")
         }
-        ContactError::Gap { .. } => builder.error("E017", text, contact.gap.at),
+        ContactError::Gap { .. } => {
+            let fault = builder.error("E017", text, contact.gap.at);
+            match &contact.master {
+                Master::Rigid(obstacle) if matches!(obstacle.shape.value, case::ObstacleShape::LevelSet { .. }) => {
+                    fault.with_help("`f` must have a zero on the line along its gradient from there; `along` takes f itself as the gap")
+                }
+                _ => fault,
+            }
+        }
         ContactError::NoTarget if masters.is_empty() => builder
             .error("E023", format!("no part of `{}` faces the obstacle of contact \"{}\"", slave.label, contact.name.value), at)
             .with_help("turn the obstacle's normal towards the body, or raise `reach`"),

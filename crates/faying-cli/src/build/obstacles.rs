@@ -1,21 +1,30 @@
 //! Rigid obstacles: their shape, their position at a given time, and the forces that drive them.
 
 use super::builder::Builder;
-use super::outline::{is_curve, plane_outline, surface};
+use super::outline::{is_closed, is_curve, plane_outline, surface};
+use super::sides::alias;
+use super::values::times;
 use crate::case::{self, ObstacleShape};
 use crate::errors::Diagnostic;
 use crate::formula::{Formula, Point};
 use crate::place::Place;
 use crate::registry::{Fault, MakeShaped};
 use faying::basis::Order;
-use faying::contact::{HalfPlane, LevelSet, Sphere};
+use faying::contact::{HalfPlane, LevelSet, Obstacle, Sphere, opposed};
 use faying::geometry::{MapTable, cell};
 use faying::linalg::Vector;
-use faying::problem::{AtRest, Data, ObstacleModel, Pressed, SideModel};
+use faying::problem::{AtRest, Data, Model, ObstacleModel, Pressed, SideModel};
+use faying::space::Trace;
 use std::sync::Arc;
 
-/// Normals of a slave and of its obstacle have the same direction if their product is above this.
-const SAME_WAY: f64 = 1e-6;
+/// Least share of the facets of a side that must face an obstacle for a suggestion.
+const SEEN: f64 = 0.25;
+/// Sides deeper in an obstacle than this share of their size are no suggestion.
+const DEEP: f64 = 0.1;
+/// Share of the facets that look the same way as the obstacle, for a side that is on the wrong side of it.
+const WHOLE: f64 = 0.999;
+/// Cells of a body that are looked at, whether it lies in an obstacle.
+const LOOKS: usize = 100;
 
 /// Number of obstacles' components that forces press: each is an unknown.
 pub(super) fn num_pressed(case: &case::Case) -> usize {
@@ -112,29 +121,72 @@ fn at_rest<const S: usize, const N: usize>(
     })
 }
 
-/// Returns `plain`, or E023 if all points of the slave that project on the obstacle lie behind it: the wrong side or orientation.
+/// How the facets of a side see an obstacle, at their centres.
+struct Look {
+    /// Share of the facets that face it, by their number.
+    share: f64,
+    /// Share of those that would face it if their normals were reversed.
+    reversed: f64,
+    /// Mean gap of those that face it \[length\].
+    gap: f64,
+}
+
+fn look<const S: usize, const N: usize>(trace: &Trace<S, N>, target: &dyn Obstacle<S, N>) -> Look {
+    let (mut map, facets) = (MapTable::new(), trace.facets.len());
+    let (mut faced, mut reversed, mut gap) = (0.0, 0.0, 0.0);
+    for element in 0..facets {
+        trace.space.map(element, &[cell::center(trace.space.cell(element))], Order::Gradients, &mut map);
+        let (x, normal) = (map.x[0], trace.normal(element, &map.jacobian[0]));
+        let sees = |n: &Vector<N>| opposed(target, &x, n).filter(|hit| hit.gap.is_finite());
+        match sees(&normal) {
+            Some(hit) => {
+                faced += 1.0;
+                gap += hit.gap;
+            }
+            None => reversed += f64::from(u8::from(sees(&-normal).is_some())),
+        }
+    }
+    Look { share: faced / facets as f64, reversed: reversed / facets as f64, gap: if faced > 0.0 { gap / faced } else { 0.0 } }
+}
+
+/// The diagnostic of a slave side that faces nothing of its obstacle: `plain` with the side that was probably meant, or the wrong
+/// side or orientation of the obstacle.
 pub(super) fn turned_away<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     contact: &case::Contact,
-    model: &ObstacleModel<S, N>,
-    slave: &SideModel<S, N>,
+    built: &ObstacleModel<S, N>,
+    (model, slave): (&Model<S, N>, &SideModel<S, N>),
     plain: Box<Diagnostic>,
 ) -> Box<Diagnostic> {
     let case::Master::Rigid(obstacle) = &contact.master else { return plain };
-    let (mut map, trace) = (MapTable::new(), &slave.trace);
-    let target = model.target(builder.case.steps.value.first().copied().unwrap_or(1.0), None);
-    let (mut points, mut behind) = (0, 0);
-    for element in 0..trace.facets.len() {
-        trace.space.map(element, &[cell::center(trace.space.cell(element))], Order::Gradients, &mut map);
-        if let Some(hit) = target.project(&map.x[0]) {
-            points += 1;
-            behind += usize::from(trace.normal(element, &map.jacobian[0]).dot(&hit.normal) >= SAME_WAY);
-        }
-    }
-    if points == 0 || behind < points {
+    let target = built.target(times(builder.case, false)[0], None);
+    let own = look(&slave.trace, &*target);
+    if own.share > 0.0 {
         return plain;
     }
-    let help = match &obstacle.shape.value {
+    let patch = &model.patches[slave.patch];
+    let sides = patch.body.sides().into_iter().filter_map(|name| Some((patch.body.trace(&name).ok()?, name)));
+    let meant = sides
+        .map(|(trace, name)| (look(&trace, &*target), trace.space.extent().map_or(0.0, |b| b.diagonal()), name))
+        .filter(|(look, size, _)| look.share > SEEN && look.gap > -DEEP * size)
+        .min_by(|a, b| a.0.gap.abs().total_cmp(&b.0.gap.abs()));
+    if let Some((_, _, name)) = meant {
+        let help = format!("their normals must oppose, within 60 degrees; `{}.{}` faces it: was that meant?", patch.name, alias(&name, N));
+        return Box::new((*plain).with_help(help));
+    }
+    if own.reversed < WHOLE {
+        return plain;
+    }
+    let text = format!(
+        "`{}` and the obstacle of contact \"{}\" look the same way: the body is on the wrong side of it",
+        slave.label, contact.name.value
+    );
+    Box::new(builder.error("E023", text, obstacle.at).with_help(way_round(&obstacle.shape.value)))
+}
+
+/// What turns an obstacle round.
+fn way_round(shape: &ObstacleShape) -> &'static str {
+    match shape {
         ObstacleShape::HalfPlane { .. } => "`normal` points out of the obstacle: change its sign",
         ObstacleShape::Sphere { .. } => "`inside = true` is for bodies inside of the circle, `inside = false` for those outside",
         ObstacleShape::LevelSet { .. } => "`f` is positive outside of the obstacle, and `along` points out of it: change the sign",
@@ -142,12 +194,45 @@ pub(super) fn turned_away<const S: usize, const N: usize>(
             "the obstacle lies to the right of its curve: reverse the order of the points and weights, and mirror the knots"
         }
         _ => "choose the side of the body that faces the obstacle",
+    }
+}
+
+/// E023 if the body of a slave side lies as a whole in an obstacle with the outline of a curve: that has the wrong way round. Of open
+/// curves that a force presses it may lie behind them.
+pub(super) fn swallowed<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    contact: &case::Contact,
+    built: &ObstacleModel<S, N>,
+    (model, slave): (&Model<S, N>, &SideModel<S, N>),
+) -> Option<Diagnostic> {
+    let case::Master::Rigid(obstacle) = &contact.master else { return None };
+    let ObstacleShape::Geometry(geometry) = &obstacle.shape.value else { return None };
+    if !is_curve(geometry) || !built.pressed.is_empty() && !is_closed(geometry) {
+        return None;
+    }
+    let target = built.target(times(builder.case, false)[0], None);
+    let (space, mut map) = (model.patches[slave.patch].body.space(), MapTable::new());
+    let inside = |x: &Vector<N>| {
+        let hits = around::<N>().into_iter().filter_map(|n| opposed(&*target, x, &n));
+        hits.min_by(|a, b| (x - a.x).norm().total_cmp(&(x - b.x).norm())).is_some_and(|hit| hit.gap < 0.0)
     };
-    let text = format!(
-        "`{}` and the obstacle of contact \"{}\" look the same way: the body is on the wrong side of it",
-        slave.label, contact.name.value
-    );
-    Box::new(builder.error("E023", text, obstacle.at).with_help(help))
+    let cells = space.num_elements();
+    for e in (0..cells).step_by(cells.div_ceil(LOOKS)) {
+        space.map(e, &[cell::center(space.cell(e))], Order::Values, &mut map);
+        if !inside(&map.x[0]) {
+            return None;
+        }
+    }
+    let text = format!("the body of `{}` lies inside of the obstacle of contact \"{}\"", slave.label, contact.name.value);
+    Some(builder.error("E023", text, obstacle.at).with_help(way_round(&obstacle.shape.value)))
+}
+
+/// Unit vectors all around in the plane of the first two axes.
+fn around<const N: usize>() -> [Vector<N>; 8] {
+    std::array::from_fn(|k| {
+        let (s, c) = (std::f64::consts::FRAC_PI_4 * k as f64).sin_cos();
+        Vector::from_fn(|i, _| [c, s].get(i).copied().unwrap_or(0.0))
+    })
 }
 
 /// Builds obstacles from geometries in the plane.

@@ -76,6 +76,19 @@ pub(super) fn is_curve(geometry: &case::Geometry) -> bool {
     }
 }
 
+/// Whether a geometry is a curve that ends where it begins.
+pub(super) fn is_closed(geometry: &case::Geometry) -> bool {
+    match &geometry.shape.value {
+        Shape::Nurbs { knots, points, .. } if knots.len() == 1 => {
+            let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+            let Some((first, rest)) = points.value.split_first() else { return false };
+            let size = rest.iter().map(|p| distance(first, p)).fold(0.0, f64::max);
+            rest.last().is_some_and(|last| distance(first, last) <= TOUCHING * size)
+        }
+        _ => false,
+    }
+}
+
 /// Outline of the obstacle to the right of a curve.
 fn curve(net: ControlNet<1, 2>) -> Result<Vec<OutlinePiece>, Fault> {
     let ControlNet { axes: [axis], points, weights } = net;

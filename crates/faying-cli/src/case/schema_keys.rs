@@ -274,7 +274,7 @@ pub(super) const ENTRIES: &[Entry] = &[
     e("torus", "center", VECTOR, "its centre"),
     e("torus", "axis", VECTOR, "direction of the axis"),
     e("torus", "radius", PAIR, "radius of the circle and of the tube"),
-    e("level-set", "f", FORMULA, "positive outside; the gap is f/|grad f|"),
+    e("level-set", "f", FORMULA, "positive outside; the gap is the distance to f = 0"),
     e("level-set", "along", VECTOR, "with it the gap is f and the normal is this direction"),
     e("steps", "t", NUMBERS, "increasing times"),
     e("steps", "count", r#"{"type":"integer","minimum":1,"maximum":100000}"#, "equal steps up to t = 1"),

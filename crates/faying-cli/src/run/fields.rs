@@ -6,7 +6,7 @@ use crate::formula::Point;
 use crate::output::{ExactCurve, Output, Parts, Picture, RunOptions, SideOutput};
 use crate::table::InterfaceRow;
 use faying::basis::{Basis, Order, ShapeTable};
-use faying::contact::{Obstacle, Surface};
+use faying::contact::{Obstacle, Surface, opposed};
 use faying::geometry::{ClosestPoint, Geometry, MapTable, Projection};
 use faying::linalg::{Vector, measure};
 use faying::physics::von_mises;
@@ -118,8 +118,8 @@ fn normals(solved: &Arc<Plane>, slave: &Arc<Side>, target: Box<dyn Obstacle<1, 2
         (0..xi.len())
             .flat_map(|q| {
                 // points that face nothing show minus the slave's normal
-                let own = -slave.trace.normal(element, &map.jacobian[q]);
-                let n = target.project(&map.x[q]).map_or(own, |hit| hit.normal);
+                let own = slave.trace.normal(element, &map.jacobian[q]);
+                let n = opposed(&*target, &map.x[q], &own).map_or(-own, |hit| hit.normal);
                 [n[0], n[1]]
             })
             .collect()
@@ -147,7 +147,7 @@ fn jumps(solved: &Arc<Plane>, t: usize, p: usize) -> impl Fn(usize, &[Vector<1>]
             .iter()
             .zip(own)
             .map(|(x, own)| {
-                let hits = surfaces.iter().zip(&part.pairings).filter_map(|(s, pairing)| Some((s.project(x)?, &pairing.master)));
+                let hits = surfaces.iter().zip(&part.pairings).filter_map(|(s, pairing)| Some((s.closest(x)?, &pairing.master)));
                 let nearest = hits.min_by(|(a, _), (b, _)| a.gap.abs().total_cmp(&b.gap.abs()));
                 let Some((hit, master)) = nearest else { return 0.0 };
                 let Some(at) = hit.at else { return 0.0 };

@@ -14,5 +14,6 @@ mod graded_contact;
 mod half_width;
 mod obstacles;
 mod one_factor;
+mod opposed;
 mod own_entries;
 mod thin;

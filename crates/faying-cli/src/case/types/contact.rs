@@ -44,7 +44,7 @@ pub enum ObstacleShape {
         /// Radius of the circle and of the tube.
         radius: Located<[f64; 2]>,
     },
-    /// f = 0, gap f/|grad f|, or f along a fixed direction.
+    /// f = 0, gap the distance to it, or f along a fixed direction.
     LevelSet {
         /// The function of x, y, z, t.
         f: Located<Formula>,

@@ -14,12 +14,10 @@ use crate::errors::Diagnostic;
 use crate::formula::Point;
 use crate::words::percent;
 use faying::basis::Order;
-use faying::contact::Contact;
+use faying::contact::{Contact, opposed};
 use faying::geometry::{ClosestPoint, MapTable};
 use faying::linalg::Vector;
 use faying::problem::{Against, ContactModel, ContactPart, Model, StepState, on_trace};
-use faying::space::Space;
-use std::sync::Arc;
 
 /// Error e above which the warning is given.
 const POOR: f64 = 0.1;
@@ -119,21 +117,24 @@ fn closed<const S: usize, const N: usize>(
 fn second_order<const S: usize, const N: usize>(part: &ContactPart<S, N>, state: &StepState<S, N>, points: &[Closed<N>]) -> f64 {
     match &part.against {
         Against::Side(master, _) => {
-            let space: Arc<dyn Space<S, N>> = Arc::clone(&master.trace.space);
-            let surface = ClosestPoint::new(space);
+            let surface = ClosestPoint::new(master.trace.oriented());
             let mut table = MapTable::new();
-            let mut gap = |x: &Vector<N>| {
-                let foot = surface.project(x).filter(|f| !f.rim)?;
+            let mut gap = |x: &Vector<N>, normal: &Vector<N>| {
+                let foot = surface.project_opposed(x, &-normal, 0.0).filter(|f| !f.rim)?;
                 master.trace.space.map(foot.element, &[foot.xi], Order::Gradients, &mut table);
                 Some((x - foot.x).dot(&master.trace.normal(foot.element, &table.jacobian[0])))
             };
             // the gap along a normal of the slave is not that of the closest point: only the change by the shift counts
-            points.iter().filter_map(|p| Some(p.ds * (gap(&(p.x + p.shift))? - gap(&p.x)? - p.shift.dot(&p.normal)).abs())).sum()
+            points
+                .iter()
+                .filter_map(|p| Some(p.ds * (gap(&(p.x + p.shift), &p.normal)? - gap(&p.x, &p.normal)? - p.shift.dot(&p.normal)).abs()))
+                .sum()
         }
         Against::Rigid(obstacle, _) => {
             let target = obstacle.target(state.t, Some(&state.u));
-            let gap = |x: &Vector<N>| target.project(x).map(|hit| hit.gap);
-            let moved = |p: &Closed<N>| Some(p.ds * (gap(&(p.x + p.shift))? - gap(&p.x)? - p.shift.dot(&p.normal)).abs());
+            let gap = |x: &Vector<N>, normal: &Vector<N>| opposed(&*target, x, &-normal).map(|hit| hit.gap);
+            let moved =
+                |p: &Closed<N>| Some(p.ds * (gap(&(p.x + p.shift), &p.normal)? - gap(&p.x, &p.normal)? - p.shift.dot(&p.normal)).abs());
             // level sets given by the case may have no value there
             points.iter().filter_map(moved).filter(|d| d.is_finite()).sum()
         }

@@ -1,0 +1,228 @@
+//! The obstacle f <= 0: its foot by Newton's method along the gradient, then along the surface.
+//!
+//! The foot y of x is where f(y) = 0 and x - y is parallel to grad f(y), so that the gap is the distance |x - y| with the sign of f(x). It
+//! is found in two stages that alternate:
+//!
+//! - on a line along the gradient the zero of f is bracketed by Newton steps and found between its bounds by Newton's method with bisection,
+//!   which converges where f has no slope at its zero, or hardly any far from it;
+//! - from that zero y the point moves along the surface by the tangential part of x - y, with the step length of Barzilai and Borwein (in
+//!   the plane: the secant method), shortened until |x - y| decreases.
+//!
+//! Source: J. Barzilai, J. M. Borwein, IMA J. Numer. Anal. 8 (1988) 141-148.
+
+use super::obstacles::unit;
+use super::{Hit, Obstacle, opposes};
+use crate::linalg::{Real, Vector, lit};
+use std::fmt::{self, Debug};
+
+/// Steps that look for a change of sign; each doubles the last one or is a step of Newton's method.
+const BRACKETING: usize = 100;
+/// Steps of Newton's method, before those that only double.
+const NEWTON: usize = 8;
+/// Steps between the bounds of a zero; bisection alone needs 53 for double precision.
+const NARROWING: usize = 400;
+/// Share of the bounds' distance below which a step of Newton's method is short.
+const CLOSE: f64 = 1e-3;
+/// Steps along the surface; they converge as fast as a secant method.
+const SLIDES: usize = 200;
+/// Quarterings of a step along the surface.
+const SHORTER: usize = 30;
+/// Tangential part of x - y, as a share of |x - y|, that ends the search.
+const AT_RIGHT_ANGLES: f64 = 1e-13;
+/// The share that is good enough where no step brings the foot nearer: the distance is then right to the square of it.
+const GOOD_ENOUGH: f64 = 1e-7;
+
+/// The obstacle f <= 0, for f and its gradient as a function of place.
+///
+/// The gap is the distance to the foot on f = 0 that is found along the gradient, positive where f is; with `along` it is f itself along
+/// a fixed direction. Where that foot does not oppose the slave's normal, one is looked for along that normal. Where f or its gradient is
+/// no number, or no zero of f is found, the gap is NaN, so that the caller can report it.
+pub struct LevelSet<const N: usize, T: Real, F> {
+    /// Value and gradient of f.
+    pub function: F,
+    /// A fixed unit direction of the gap.
+    along: Option<Vector<N, T>>,
+}
+
+/// A point of f = 0 and the unit normal there.
+type OnSurface<const N: usize, T> = (Vector<N, T>, Vector<N, T>);
+
+impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send + Sync> LevelSet<N, T, F> {
+    /// The gap is the distance to f = 0.
+    pub fn new(function: F) -> Self {
+        Self { function, along: None }
+    }
+
+    /// The gap f along `direction` (any length); `None` if it is zero.
+    pub fn try_along(function: F, direction: Vector<N, T>) -> Option<Self> {
+        Some(Self { function, along: Some(unit(direction)?) })
+    }
+
+    /// Value and gradient where both are finite.
+    fn at(&self, x: &Vector<N, T>) -> Option<(T, Vector<N, T>)> {
+        let (value, gradient) = (self.function)(x);
+        (value.is_finite() && gradient.iter().all(|g| g.is_finite())).then_some((value, gradient))
+    }
+
+    /// The foot of `x`; `None` if no zero of f is found.
+    fn foot(&self, x: &Vector<N, T>, outward: &Vector<N, T>) -> Option<OnSurface<N, T>> {
+        let (value, gradient) = self.at(x)?;
+        // where f has no slope, out of the obstacle is towards the body
+        let along = unit(gradient).unwrap_or(-outward);
+        let first = self.zero(x, &along, &along)?;
+        // the gap has the sign of f, but for round-off on the surface
+        let signed = |(y, normal): &OnSurface<N, T>| {
+            let gap = (x - y).dot(normal);
+            gap * value >= T::zero() || gap.abs() <= T::default_epsilon() * lit(16.0) * (x.amax() + y.amax())
+        };
+        let foot = self.slide(x, first).filter(signed)?;
+        if opposes(outward, &foot.1) {
+            return Some(foot);
+        }
+        // near an edge the nearest face is not the one that the body came in by
+        let other = self.zero(x, &-outward, &along).filter(|start| opposes(outward, &start.1)).and_then(|start| self.slide(x, start));
+        Some(other.filter(|found| opposes(outward, &found.1) && signed(found)).unwrap_or(foot))
+    }
+
+    /// The zero of f on the line through `from` along `along`, a unit vector on which f is taken to grow, towards smaller |f|; `normal` is
+    /// the one where f has no slope.
+    fn zero(&self, from: &Vector<N, T>, along: &Vector<N, T>, normal: &Vector<N, T>) -> Option<OnSurface<N, T>> {
+        let (value, gradient) = self.at(from)?;
+        let mut direction = unit(gradient).unwrap_or(*normal);
+        if value == T::zero() {
+            return Some((*from, direction));
+        }
+        let towards = if value > T::zero() { -T::one() } else { T::one() };
+        let newton = |value: T, slope: T| {
+            let step = -value / slope;
+            (step.is_finite() && step * towards > T::zero()).then_some(step)
+        };
+        let length = from.amax();
+        let rounding = |s: T| T::default_epsilon() * lit(4.0) * (length + s.abs());
+        let slope = gradient.dot(along);
+        // f that grows on the way has its zero elsewhere
+        let away = |slope: T| slope * value * towards > T::zero();
+        if away(slope) {
+            return None;
+        }
+        let without_slope = towards * if length > T::zero() { length } else { T::one() };
+        let mut step = newton(value, slope).or_else(|| newton(value, gradient.norm())).unwrap_or(without_slope);
+        let (mut lo, mut hi, mut steps) = (T::zero(), None, 0);
+        for _ in 0..BRACKETING {
+            let s = lo + step;
+            let (next, gradient) = (self.function)(&(from + along * s));
+            let slope = gradient.dot(along);
+            let crosses = || {
+                // what is zero from there on, by underflow, has no zero
+                let beyond = if next == T::zero() { (self.function)(&(from + along * (s + step * lit(CLOSE)))).0 } else { next };
+                beyond != T::zero() && (beyond > T::zero()) != (value > T::zero())
+            };
+            let same = next == T::zero() || (next > T::zero()) == (value > T::zero());
+            if !next.is_finite() || same && away(slope) {
+                // beyond where f is defined, or beyond its least value on the line
+                step *= lit(0.5);
+            } else if crosses() {
+                hi = Some(s);
+                break;
+            } else {
+                let further = newton(next, slope);
+                steps += 1;
+                if let Some(last) = further.filter(|n| next != T::zero() && n.abs() <= rounding(s)) {
+                    return Some((from + along * (s + last), unit(gradient).unwrap_or(direction)));
+                }
+                lo = s;
+                // short steps lead to a zero without a slope: they are stretched after a few
+                step = further.filter(|n| steps < NEWTON || n.abs() > step.abs() * lit(2.0)).unwrap_or(step * lit(2.0));
+            }
+        }
+        let mut hi = hi?;
+        let mut s = (lo + hi) * lit(0.5);
+        let mut steps = [(hi - lo).abs(); 2];
+        for _ in 0..NARROWING {
+            let (here, gradient) = (self.function)(&(from + along * s));
+            if !here.is_finite() {
+                return None;
+            }
+            // a gradient that vanishes at the zero, or has no bound there, is taken beside it
+            direction = unit(gradient).unwrap_or(direction);
+            if here == T::zero() || (hi - lo).abs() <= rounding(s) {
+                return Some((from + along * s, direction));
+            }
+            if (here > T::zero()) == (value > T::zero()) {
+                lo = s
+            } else {
+                hi = s
+            }
+            let step = -here / gradient.dot(along);
+            if step.abs() <= rounding(s) {
+                return Some((from + along * (s + step), direction));
+            }
+            // steps of Newton's method must halve the one before the last, or else the bounds are halved; short ones are doubled, so
+            // that the zero is between close bounds
+            let far = if step.abs() < (hi - lo).abs() * lit(CLOSE) { step * lit(2.0) } else { step };
+            let inside = (s + far - lo) * (s + far - hi) < T::zero();
+            let next = if inside && step.abs() < steps[0] * lit(0.5) { s + far } else { (lo + hi) * lit(0.5) };
+            steps = [steps[1], (next - s).abs()];
+            s = next;
+        }
+        None
+    }
+
+    /// Moves a point of f = 0 along the surface to where its distance to `x` is least.
+    fn slide(&self, x: &Vector<N, T>, (mut y, mut normal): OnSurface<N, T>) -> Option<OnSurface<N, T>> {
+        let tangential = |y: &Vector<N, T>, n: &Vector<N, T>| {
+            let away = x - y;
+            away - n * away.dot(n)
+        };
+        let small = T::default_epsilon() * lit::<T>(4.0) * (x.amax() + y.amax());
+        let (mut residual, mut scale) = (tangential(&y, &normal), T::one());
+        for _ in 0..SLIDES {
+            let distance = (x - y).norm();
+            if residual.norm() <= distance * lit(AT_RIGHT_ANGLES) + small {
+                return Some((y, normal));
+            }
+            let mut moved = None;
+            for _ in 0..SHORTER {
+                let target = y + residual * scale;
+                let along = self.at(&target).and_then(|(_, gradient)| unit(gradient)).unwrap_or(normal);
+                if let Some((next, n)) = self.zero(&target, &along, &normal) {
+                    let (apart, left) = ((x - next).norm(), tangential(&next, &n));
+                    let same = apart <= distance * (T::one() + T::default_epsilon() * lit(4.0));
+                    if apart < distance * (T::one() - T::default_epsilon() * lit(4.0)) || same && left.norm() < residual.norm() {
+                        moved = Some((next, n, left));
+                        break;
+                    }
+                }
+                scale *= lit(0.25);
+            }
+            let Some((next, n, left)) = moved else {
+                return (residual.norm() <= distance * lit(GOOD_ENOUGH)).then_some((y, normal));
+            };
+            let (way, change) = (next - y, residual - left);
+            let quotient = way.norm_squared() / way.dot(&change);
+            scale = if quotient.is_finite() && quotient > T::zero() { quotient } else { T::one() };
+            (y, normal, residual) = (next, n, left);
+        }
+        None
+    }
+}
+
+impl<const N: usize, T: Real, F> Debug for LevelSet<N, T, F> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("LevelSet").field("along", &self.along).finish_non_exhaustive()
+    }
+}
+
+impl<const D: usize, const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send + Sync> Obstacle<D, N, T>
+    for LevelSet<N, T, F>
+{
+    fn project(&self, x: &Vector<N, T>, outward: &Vector<N, T>) -> Option<Hit<D, N, T>> {
+        let found = match self.along {
+            Some(along) => self.at(x).map(|(gap, _)| (x - along * gap, along, gap)),
+            None => self.foot(x, outward).map(|(y, normal)| (y, normal, (x - y).dot(&normal))),
+        };
+        let none = lit::<T>(f64::NAN);
+        let (x, normal, gap) = found.unwrap_or((Vector::repeat(none), Vector::repeat(none), none));
+        Some(Hit { x, normal, gap, at: None })
+    }
+}
