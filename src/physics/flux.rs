@@ -89,14 +89,19 @@ impl<const C: usize, const S: usize, const N: usize, T: Real> Flux<S, N, T> for 
 
     /// The largest eigenvalue of ∫ sigma n . sigma n ds over the facet against the energy of the element.
     fn stabilisation(&self, element: usize) -> T {
-        let parent = self.trace.facets[element].element;
         let outside = element_rule(&*self.trace.space, element, 1);
         let rule = outside.rule(0);
-        let mut table = FluxTable::default();
-        self.tabulate(element, &rule.points, &mut table);
-        let (n, rows) = (table.dofs.len(), rule.points.len() * C);
         let mut ds = Vec::with_capacity(rule.points.len());
         self.each_point(element, &rule.points, |q, _, _, stretch, _| ds.push(rule.weights[q] * stretch));
+        self.stabilisation_of_sum(element, &rule.points, &ds)
+    }
+
+    /// The largest eigenvalue of the sum of ds sigma n . sigma n against the energy of the element.
+    fn stabilisation_of_sum(&self, element: usize, xi: &[Vector<S, T>], ds: &[T]) -> T {
+        let parent = self.trace.facets[element].element;
+        let mut table = FluxTable::default();
+        self.tabulate(element, xi, &mut table);
+        let (n, rows) = (table.dofs.len(), xi.len() * C);
         // the facet's matrix is G Gᵀ, and its rank that of the few columns of G
         let g = DMatrix::from_fn(n, rows, |a, r| ds[r / C].sqrt() * table.values[r * n + a]);
         let none = T::zero() / T::zero();
@@ -116,6 +121,7 @@ impl<const C: usize, const S: usize, const N: usize, T: Real> Flux<S, N, T> for 
         if half.iter().any(|v| !to_f64(*v).is_finite()) {
             return none;
         }
-        SymmetricEigen::new(half.transpose() * &half).eigenvalues.iter().fold(T::zero(), |m, &v| m.max(v))
+        let product = if rows < n { half.transpose() * &half } else { &half * half.transpose() };
+        SymmetricEigen::new(product).eigenvalues.iter().fold(T::zero(), |m, &v| m.max(v))
     }
 }

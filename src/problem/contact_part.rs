@@ -3,6 +3,7 @@
 use super::contact_points::PointSides;
 use super::contact_rows::rows;
 use super::directions::{directions, slides};
+use super::held_part::HeldPart;
 use super::interface_error::InterfaceError;
 use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideModel};
 use super::multipliers::{CutMultiplier, MakeCovered, MakeMultiplier, wrapped};
@@ -217,7 +218,12 @@ impl<const S: usize, const N: usize> Model<S, N> {
             _ => {}
         }
         if psi.num_functions() > free {
-            return Err(InterfaceError::TooMany { multipliers: psi.num_functions(), free, components, by_equations });
+            let part = HeldPart::of(slave, &*psi, &held);
+            if part.free() > free {
+                return Err(InterfaceError::TooMany { multipliers: psi.num_functions(), free, components, by_equations });
+            }
+            psi = part.given(psi);
+            reading = reading.map(|read| part.given(read));
         }
         Ok((psi, reading))
     }

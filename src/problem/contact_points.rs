@@ -33,6 +33,11 @@ impl<const S: usize, const N: usize> Flux<S, N> for JoinedFlux<S, N> {
         let (flux, own) = self.of(element);
         flux.stabilisation(own)
     }
+
+    fn stabilisation_of_sum(&self, element: usize, xi: &[Vector<S>], ds: &[f64]) -> f64 {
+        let (flux, own) = self.of(element);
+        flux.stabilisation_of_sum(own, xi, ds)
+    }
 }
 
 /// Slave side of a contact by Nitsche's method, and its opponent.

@@ -7,9 +7,10 @@
 //! Source: Farkas, J. Reine Angew. Math. 124 (1902) 1-27; conditions of this kind for contact: Kikuchi, Oden, Contact Problems in
 //! Elasticity, SIAM 1988, chapter 6.
 
-use super::model::Model;
+use super::model::{ContactPart, Model};
+use super::rigid::RigidForm;
 use super::rigid_bodies::RigidBodies;
-use super::rigid_rows::contact_forms;
+use super::rigid_rows::{contact_forms, point_forms};
 use super::supports::held;
 use crate::contact::{Cone, Contact};
 use nalgebra::{DMatrix, DVector};
@@ -27,7 +28,16 @@ fn short(x: f64) -> String {
 /// A load on a patch: a force and its moment about the origin.
 type Push = ([f64; 3], [f64; 3]);
 
-/// Reason for which no contact pressure balances the loads, none where one does: `nothing holds body "upper" against its load in ...`.
+/// Loads that no pressure of the multipliers balances.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Unheld {
+    /// Sentence: `nothing holds body "upper" against its load in ...`.
+    pub what: String,
+    /// Whether forces at the points and the ends of the sides would balance them.
+    pub coarse: bool,
+}
+
+/// Loads that no contact pressure balances, none where one does.
 ///
 /// `contacts` at a time, per contact and part; `loads` per patch, then on the obstacle of every contact; `size`: sum of the
 /// sizes of all nodal loads.
@@ -36,7 +46,7 @@ pub(super) fn unheld<const S: usize, const N: usize>(
     contacts: &[Vec<Contact<S, N>>],
     loads: &[Push],
     size: f64,
-) -> Option<String> {
+) -> Option<Unheld> {
     let bodies = RigidBodies::of(model);
     let (modes, forms) = held(model, &bodies);
     let null = modes.null(&forms);
@@ -61,17 +71,24 @@ pub(super) fn unheld<const S: usize, const N: usize>(
     if load.iter().any(|l| !l.is_finite()) {
         return None;
     }
-    let mut columns = Vec::new();
-    for (k, (contact, built)) in model.contacts.iter().zip(contacts).enumerate() {
-        for (part, built) in contact.parts.iter().zip(built) {
-            let forms = contact_forms(model, &modes, &bodies, k, part, built);
-            columns.extend(forms.iter().map(|(form, _)| -(null.transpose() * modes.dense(form))));
-        }
-    }
-    let (_, rest) = crate::linalg::nonnegative_least_squares(&columns, &(null.transpose() * load));
+    let parts: Vec<(usize, &ContactPart<S, N>, &Contact<S, N>)> = model
+        .contacts
+        .iter()
+        .zip(contacts)
+        .enumerate()
+        .flat_map(|(k, (contact, built))| contact.parts.iter().zip(built).map(move |(part, built)| (k, part, built)))
+        .collect();
+    let balance = |forms: Vec<RigidForm>| {
+        let columns: Vec<_> = forms.iter().map(|form| -(null.transpose() * modes.dense(form))).collect();
+        crate::linalg::nonnegative_least_squares(&columns, &(null.transpose() * &load)).1
+    };
+    let of_functions = parts.iter().flat_map(|&(k, part, built)| contact_forms(model, &modes, &bodies, k, part, built));
+    let rest = balance(of_functions.map(|(form, _)| form).collect());
     if rest.norm() <= BALANCED * size {
         return None;
     }
+    let of_points = parts.iter().flat_map(|&(k, part, built)| point_forms(model, &modes, &bodies, k, part, built));
+    let coarse = balance(of_points.collect()).norm() <= BALANCED * size;
     let motion = &null * &rest;
     let sentence = |body: usize| {
         let own = motion.rows(m * body, m).into_owned();
@@ -94,5 +111,5 @@ pub(super) fn unheld<const S: usize, const N: usize>(
         format!("nothing holds {who} against its load in {}: {} is missing", named.join(", "), lacks.join(" and "))
     };
     let moving = (0..modes.num_bodies()).filter(|&b| motion.rows(m * b, m).norm() > STILL * motion.norm());
-    Some(moving.map(sentence).collect::<Vec<_>>().join("; "))
+    Some(Unheld { what: moving.map(sentence).collect::<Vec<_>>().join("; "), coarse })
 }

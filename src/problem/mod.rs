@@ -24,6 +24,7 @@ mod glued;
 mod gluing;
 mod guess;
 mod handles;
+mod held_part;
 mod integrate;
 mod interface_error;
 mod interfaces;

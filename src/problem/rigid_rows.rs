@@ -14,7 +14,7 @@ use super::rigid::{MOST, RigidForm, RigidModes, RigidRow};
 use super::rigid_bodies::{RigidBodies, contact_terms, unit};
 use crate::basis::{Order, ShapeTable};
 use crate::contact::{Cone, Contact};
-use crate::geometry::MapTable;
+use crate::geometry::{MapTable, cell};
 use crate::linalg::Vector;
 
 /// A point from which levers of a patch are measured: its middle.
@@ -115,6 +115,35 @@ pub(super) fn contact_forms<const S: usize, const N: usize>(
                 *size += weight.abs();
                 form.iter().for_each(|(body, own)| add(sum, *body, own, weight));
             }
+        }
+    }
+    forms
+}
+
+/// Forces along the normal at every point of a contact and at the corners of its elements, on rigid motions.
+pub(super) fn point_forms<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    modes: &RigidModes<N>,
+    bodies: &RigidBodies,
+    contact_number: usize,
+    part: &ContactPart<S, N>,
+    contact: &Contact<S, N>,
+) -> Vec<RigidForm> {
+    let (segments, frames, space) = (&contact.segments, &contact.frames, &*part.slave.trace.space);
+    let push = |q: usize, away: Vector<N>| {
+        let mut terms = contact_terms(model, bodies, contact_number, part, contact, q);
+        terms.iter_mut().for_each(|term| term.2 += away);
+        modes.form(&RigidRow { terms, direction: frames.normal[q] })
+    };
+    let (mut forms, mut map) = (Vec::new(), MapTable::new());
+    for piece in 0..segments.num_pieces() {
+        forms.extend(segments.points(piece).map(|q| push(q, Vector::zeros())));
+        let element = segments.slave[piece];
+        space.map(element, &cell::grid(space.cell(element), 2), Order::Values, &mut map);
+        for corner in &map.x {
+            let apart = |q: &usize| (frames.x[*q] - corner).norm();
+            let nearest = segments.points(piece).min_by(|a, b| apart(a).total_cmp(&apart(b)));
+            forms.extend(nearest.map(|q| push(q, corner - frames.x[q])));
         }
     }
     forms

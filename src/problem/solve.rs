@@ -2,7 +2,7 @@
 
 use super::compliance::Softness;
 use super::data::Point;
-use super::equilibrium::unheld;
+use super::equilibrium::{Unheld, unheld};
 use super::integrate::on_trace;
 use super::matrices::Matrices;
 use super::model::Model;
@@ -95,7 +95,13 @@ pub(super) fn once<const S: usize, const N: usize>(
         Err(error) => {
             let last = last_iterate(&error);
             let error = match (missing, StepError::from(error)) {
-                (Some(what), StepError::Solve(e)) if !matches!(e, SolveError::Stopped { .. }) => StepError::Infeasible { what },
+                (Some(Unheld { what, coarse }), StepError::Solve(e)) if !matches!(e, SolveError::Stopped { .. }) => {
+                    if coarse {
+                        StepError::Coarse { what }
+                    } else {
+                        StepError::Infeasible { what }
+                    }
+                }
                 (_, error) => error,
             };
             let usable = last.filter(|l| l.unknowns.len() == reduced.num_free() && l.multipliers.len() == model.rows);
@@ -123,13 +129,13 @@ fn last_iterate(error: &SolveError) -> Option<Box<ConstrainedSolution>> {
     }
 }
 
-/// Reason for which no contact pressure balances the loads; none where one does.
+/// Loads that no contact pressure balances; none where one does.
 fn unheld_load<const S: usize, const N: usize>(
     model: &Model<S, N>,
     system: &InterfaceSystem<S, N>,
     load: &[f64],
     totals: &[Resultant],
-) -> Option<String> {
+) -> Option<Unheld> {
     let pushes: Vec<_> = totals.iter().map(|r| (r.force, r.moment)).collect();
     unheld(model, &system.contacts, &pushes, load.iter().map(|f| f.abs()).sum())
 }

@@ -66,6 +66,12 @@ pub enum StepError {
         /// Sentence with the body, its motion, and the missing force.
         what: String,
     },
+    /// No contact pressure of these multipliers balances the loads, though forces at the ends of the sides would.
+    #[error("the contact side is too coarse for its load: {what}")]
+    Coarse {
+        /// Sentence with the body, its motion, and the missing force.
+        what: String,
+    },
     /// The system was not solved.
     #[error(transparent)]
     Solve(#[from] SolveError),

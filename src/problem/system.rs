@@ -9,6 +9,9 @@ use crate::contact::Contact;
 use crate::coupling::Rows;
 use crate::linalg::Triplets;
 
+/// Gaps at rest below this part of the lengths that they come from are rounding.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// C, B, g and kinds of all rows in all unknowns.
 pub(super) struct InterfaceSystem<const S: usize, const N: usize> {
     pub(super) rows: Rows,
@@ -48,6 +51,7 @@ impl<const S: usize, const N: usize> InterfaceSystem<S, N> {
             append(&mut reaction, part.reaction.as_ref().unwrap_or(&part.rows), part.first_row);
             differs |= part.reaction.is_some();
         }
+        let rounding = ROUNDING * (model.size + model.center.norm());
         let mut eased = vec![false; m];
         let mut contacts = Vec::with_capacity(model.contacts.len());
         for contact in &model.contacts {
@@ -62,6 +66,8 @@ impl<const S: usize, const N: usize> InterfaceSystem<S, N> {
                 let (own, weights) = (built.turned_offset(), built.turned_weights());
                 for (j, (&g, k)) in own.iter().zip(built.kinds()).enumerate() {
                     let row = part.first_row + j;
+                    // sides that touch: what rounding leaves of their gap is none
+                    let g = if g.abs() <= rounding * weights[j].abs() { 0.0 } else { g };
                     (offset[row], kind[row]) = (g, k);
                     guess.take(contact, row, k, g, weights[j]);
                 }

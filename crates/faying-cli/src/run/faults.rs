@@ -129,6 +129,11 @@ pub fn step_fault<const S: usize, const N: usize>(
             "infeasible load",
             Diagnostic::error("E072", format!("infeasible load: {what}")).with_help("support the body beside its contacts, or press it on"),
         ),
+        StepError::Coarse { what } => {
+            let text = format!("the contact side is too coarse for its load, which acts beyond the middle of its last function: {what}");
+            let help = "give the contact side more elements, or take a multiplier of higher degree";
+            (Status::Singular, "side too coarse", Diagnostic::error("E072", text).with_help(help))
+        }
         StepError::Contact(ContactError::Gap { .. }) => (Status::NotFinite, "not-finite", Diagnostic::error("E073", error.to_string())),
         StepError::Solve(SolveError::OverConstrained { row, .. }) => {
             let text = format!("the constraints are redundant: {}", owner(model, *row));

@@ -12,6 +12,7 @@ mod contact_models;
 mod dual_covered;
 mod graded_contact;
 mod half_width;
+mod held_in_part;
 mod obstacles;
 mod one_factor;
 mod opposed;
