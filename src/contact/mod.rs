@@ -11,6 +11,7 @@ mod obstacles;
 mod pressed;
 mod pressure;
 mod surface;
+mod tail;
 mod width;
 
 use crate::linalg::{Real, Vector};
@@ -26,7 +27,7 @@ pub use nitsche::{AtPoints, PointValues, point_values};
 pub use obstacles::{HalfPlane, Moved, Sphere};
 pub use pressure::Transmitted;
 pub use surface::{OutlinePiece, Surface, pieces};
-pub use width::{ClosedSide, half_width};
+pub use width::{ClosedSide, NoHalfWidth, half_width};
 
 /// Position of a point on a surface: element and local coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,25 +1,21 @@
 //! Contact half-width along one side, or along several consecutive sides.
 //!
-//! Each function carries pressure or not, so the zone of the active functions ends between elements. The true end a follows from the
-//! moments of the pressure's tail, which equilibrium keeps accurate even if single values are not. With s_0 the element boundary nearest
-//! to 3.5 sqrt(n) elements before the end, n of them between the middle of the zone and its end, and never before the middle, a and g are
-//! such that
+//! Each function carries pressure or not, so the zone of the active functions ends between elements. The true end follows from the moments
+//! of the pressure's tail ([`super::tail`]), which never begins before the last maximum of the pressure. With n elements between the middle
+//! of the zone and its end the tail is that of the last 3.5 sqrt(n), from 0.5 to 0.8 of the way on. Coarse zones need more of it than that:
+//! where the pressure has the slope of Hertz', it may begin at 0.1. A corner or an edge of the slave or of its opponent at which the zone
+//! ends is its end.
 //!
-//!   ∫ p (s - s_0)^k ds / ∫ p ds over s > s_0   =   the same of sqrt(1 - x²) (1 + g x),   k = 1, 2
-//!
-//! where x runs from -1 at the other end b to 1 at a: between smooth bodies the pressure ends like a square root; Hertz has g = 0, which is
-//! also used if no such pressure is positive. If the zone ends at a corner or an edge of the slave or of its opponent, a is that point, and
-//! b its mirror image there. The result lies within one element of the end of the functions' zone.
-//!
-//! A half cylinder on a plane (a/R from 0.008 to 0.020, degrees 2 and 3, p/p and p/p-2): errors of a below 1 %, of the functions' zone
-//! from -9.1 to 7.2 %.
+//! There is no half width where fewer than four elements lie in the tail, six if it has to begin before 0.8, or where its end is not
+//! within an element of the functions' zone.
 
 use super::Contact;
 use super::curves::Curves;
+use super::tail::{SLOPE_OF_HERTZ, Tail};
 use crate::basis::Order;
 use crate::coupling::interface::Chain;
 use crate::geometry::{Geometry, MapTable};
-use crate::linalg::{Real, Vector, lit, measure, num};
+use crate::linalg::{Real, Vector, lit, measure};
 use crate::quadrature::{Rule, gauss_legendre};
 
 /// Relative size of the pressure up to which it is zero: round-off of Nitsche's method and of soft rows.
@@ -27,19 +23,40 @@ const NO_PRESSURE: f64 = 1e-6;
 /// Elements of a tail over the square root of their number from the middle of the zone to its end: shorter tails deviate less from the
 /// pressure of the model, longer ones average out more of the noise of single elements.
 const TAIL: f64 = 3.5;
+/// Shares of the way from the middle of the zone to its end between which a tail begins, and the least one for a pressure like Hertz'.
+const BEGINS: [f64; 2] = [0.5, 0.8];
+const EARLIEST: f64 = 0.1;
+/// Largest difference of the slope from that of Hertz' pressure, for which ends of a tail from `EARLIEST` on are within 0.8 %.
+const LIKE_HERTZ: f64 = 0.1;
+/// Least number of elements of a tail from the last of `BEGINS` on, and of a longer one, whose elements are larger beside its zone.
+const FEWEST: usize = 4;
+const FEWEST_OF_LONG: usize = 6;
+/// The pressure has a maximum where it falls from there, on the way in, by this share of its greatest value; less is noise.
+const FALL: f64 = 0.05;
 /// Points closer than this fraction of an element coincide.
 const SAME_PLACE: f64 = 1e-6;
 /// Gauss points of an arc length.
 const POINTS: usize = 8;
-/// Fixed-point iterations for both ends, which depend on each other; each gains more than a digit.
-const ROUNDS: usize = 12;
-/// Bisections of an end.
-const BISECTIONS: usize = 60;
-/// Search interval of the tail's length relative to that of an ellipse, and its number of subintervals.
-const AROUND: [f64; 2] = [0.75, 1.35];
-const STEPS: usize = 48;
-/// Difference of second moments, over the square of the half width, below which they are equal.
-const NO_MISS: f64 = 1e-6;
+
+/// The reason why a zone has no half width.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NoHalfWidth {
+    /// Too few elements for the tail of the pressure.
+    #[error(
+        "{elements} of the elements that are pressed lie in the last fifth before an end of the zone and behind the last maximum of the \
+         pressure; the end within an element takes {FEWEST}: refine the side there"
+    )]
+    FewElements {
+        /// Their number.
+        elements: usize,
+    },
+    /// No end near that of the active functions.
+    #[error(
+        "near an end of the zone the pressure does not fall like a root, which tells where it ends within an element: refine the side there"
+    )]
+    NoRoot,
+}
 
 /// A slave side with its contact, the points of it that are closed, and the pressure there.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +76,10 @@ pub struct ClosedSide<'a, const N: usize, T: Real = f64> {
 /// Sides that meet are one curve: a joint between them is no end. Of curves that do not meet the widest zone counts. All pressed
 /// stretches of one curve are one zone; on a closed curve it is the complement of the widest open stretch. With `symmetry` a zone that
 /// ends at an end of the curve is mirrored there, so that its extent is half of the whole.
-pub fn half_width<const N: usize, T: Real>(sides: &[ClosedSide<'_, N, T>], symmetry: bool) -> T {
+///
+/// # Errors
+/// [`NoHalfWidth`] where the pressure does not tell an end.
+pub fn half_width<const N: usize, T: Real>(sides: &[ClosedSide<'_, N, T>], symmetry: bool) -> Result<T, NoHalfWidth> {
     let joined = Curves { elements: sides.iter().flat_map(|s| (0..s.slave.num_elements()).map(|e| (s.slave, e))).collect() };
     let chain = Chain::of(&joined);
     let sections = Section::all(sides, &joined, &chain);
@@ -77,10 +97,10 @@ pub fn half_width<const N: usize, T: Real>(sides: &[ClosedSide<'_, N, T>], symme
             let start = amid_widest_open(&sections, &curve);
             curve.rotate_left(start);
         }
-        widest = widest.max(Unrolled::of(&sections, &curve).half_width(symmetry && !is_loop));
+        widest = widest.max(Unrolled::of(&sections, &curve).half_width(symmetry && !is_loop)?);
         first = k + 1;
     }
-    widest
+    Ok(widest)
 }
 
 /// Position in the walk along a closed curve in the middle of its widest stretch of elements that are not pressed.
@@ -232,16 +252,6 @@ struct End<T: Real> {
     between: [T; 2],
 }
 
-/// The pressure behind an element boundary.
-struct Tail<T: Real> {
-    /// The boundary.
-    begin: T,
-    /// ∫ p (s - begin) ds / ∫ p ds.
-    mean: T,
-    /// ∫ p (s - begin)² ds / ∫ p ds.
-    square: T,
-}
-
 impl<T: Real> Unrolled<T> {
     fn of(sections: &[Section<T>], curve: &[(usize, bool)]) -> Self {
         let mut starts = vec![T::zero()];
@@ -278,136 +288,87 @@ impl<T: Real> Unrolled<T> {
         Some(End { last, first, at, is_corner, of_curve: is_corner && at >= end - same, between })
     }
 
-    /// Moments of the pressure beyond the element boundary at which the tail begins; `None` unless force and moment are positive.
-    fn tail(&self, end: &End<T>, middle: T) -> Option<Tail<T>> {
-        let half = (end.first..=end.last).filter(|&k| self.starts[k + 1] > middle).count();
-        let wanted = middle + (end.at - middle) * lit((1.0 - TAIL / (half as f64).sqrt()).max(0.0));
-        let same = (end.at - middle).abs() * lit(SAME_PLACE);
-        let mut k = end.first;
-        // the first of two at equal distance; a single element has no information about the end within it
-        while k + 1 < end.last && (self.starts[k + 1] - wanted).abs() + same < (self.starts[k] - wanted).abs() {
-            k += 1;
+    /// The end of a zone with the middle `middle`.
+    fn true_end(&self, end: &End<T>, middle: T) -> Result<T, NoHalfWidth> {
+        if end.is_corner {
+            return Ok(end.at);
         }
-        let begin = self.starts[k];
-        let points = self.sections[k..].iter().flat_map(|s| &s.pieces).flat_map(|p| &p.points);
+        let (extent, lowest) = (end.at - middle, self.after_maximum(end));
+        let after = |share: f64| {
+            let s = middle + extent * lit(share) - extent.abs() * lit(SAME_PLACE);
+            (end.first..=end.last).find(|&k| self.starts[k] >= s).unwrap_or(end.last).max(lowest)
+        };
+        let half = (end.first..=end.last).filter(|&k| self.starts[k + 1] > middle).count();
+        let share = 1.0 - TAIL / (half.max(1) as f64).sqrt();
+        let within = |a: &T| *a >= end.between[0] && *a <= end.between[1];
+        if share < BEGINS[0] {
+            let k = after(share.max(EARLIEST));
+            let long = (end.last + 1 >= k + FEWEST_OF_LONG).then(|| self.tail(k, end.last)).flatten().and_then(|tail| tail.fit());
+            let like_hertz = |slope: T| (slope + (end.at - self.starts[k]) / extent * lit(SLOPE_OF_HERTZ)).abs() <= lit(LIKE_HERTZ);
+            if let Some(fit) = long.filter(|fit| like_hertz(fit.slope) && within(&fit.end)) {
+                return Ok(fit.end);
+            }
+        }
+        let k = after(share.clamp(BEGINS[0], BEGINS[1]));
+        let elements = end.last + 1 - k;
+        if elements < FEWEST || (elements < FEWEST_OF_LONG && k < after(BEGINS[1])) {
+            return Err(NoHalfWidth::FewElements { elements: end.last + 1 - after(BEGINS[1]).min(end.last + 1) });
+        }
+        self.tail(k, end.last).and_then(|tail| tail.fit()).map(|fit| fit.end).filter(within).ok_or(NoHalfWidth::NoRoot)
+    }
+
+    /// The pressure from the start of element `first` to the end of `last`; `None` unless its resultant presses.
+    fn tail(&self, first: usize, last: usize) -> Option<Tail<T>> {
+        let begin = self.starts[first];
+        let points = self.sections[first..=last].iter().flat_map(|s| &s.pieces).flat_map(|p| &p.points);
         let [force, moment, square] = points.fold([T::zero(); 3], |[f, m, s], p| {
             let arm = p.s - begin;
             [f + p.force, m + p.force * arm, s + p.force * arm * arm]
         });
-        (force > T::zero() && moment > T::zero()).then(|| Tail { begin, mean: moment / force, square: square / force })
+        (force > T::zero()).then(|| Tail { begin, mean: moment / force, square: square / force })
+    }
+
+    /// The element after the last maximum of the mean pressures of a stretch, its first element if there is none within it.
+    fn after_maximum(&self, end: &End<T>) -> usize {
+        let mean = |k: usize| {
+            let pieces = &self.sections[k].pieces;
+            let length = pieces.iter().fold(T::zero(), |sum, p| sum + (p.to - p.from));
+            let force = pieces.iter().flat_map(|p| &p.points).fold(T::zero(), |sum, p| sum + p.force);
+            if length > T::zero() { force / length } else { T::zero() }
+        };
+        let fall = (end.first..=end.last).map(mean).fold(T::zero(), |most, p| most.max(p)) * lit(FALL);
+        let mut most = (T::zero(), end.last);
+        for k in (end.first..=end.last).rev() {
+            let p = mean(k);
+            if p > most.0 {
+                most = (p, k);
+            } else if p < most.0 - fall {
+                return most.1 + 1;
+            }
+        }
+        end.first
     }
 
     /// Half the extent of the zone, or all of it if it ends at an end of the curve and `symmetry` continues it there.
-    fn half_width(&self, symmetry: bool) -> T {
+    fn half_width(&self, symmetry: bool) -> Result<T, NoHalfWidth> {
         let mirrored = self.mirrored();
-        let (Some(right), Some(left)) = (self.end(), mirrored.end()) else { return T::zero() };
-        let (mut a, mut b) = (right.at, -left.at);
-        // one stretch, whose two ends depend on each other; or several
+        let (Some(right), Some(left)) = (self.end(), mirrored.end()) else { return Ok(T::zero()) };
+        // one stretch, or several, of which the two outer ones have middles of their own; a corner is the middle of a zone that goes on there
         let is_one = right.first + left.last + 1 == self.sections.len();
-        let middle = |corner: bool, end: T, other: T| if corner { other } else { (end + other) * lit(0.5) };
-        let [from_left, from_right] = if is_one { [b, -a] } else { [self.starts[right.first], mirrored.starts[left.first]] };
-        let (left_corner, right_corner) = (is_one && left.is_corner, is_one && right.is_corner);
-        let tails = [
-            self.tail(&right, middle(left_corner, a, from_left)).filter(|_| !right.is_corner),
-            mirrored.tail(&left, middle(right_corner, -b, from_right)).filter(|_| !left.is_corner),
-        ];
-        for _ in 0..ROUNDS {
-            if let Some(tail) = &tails[0] {
-                let other = if is_one { b } else { from_left };
-                a = tail.end(if left_corner { other + other - a } else { other }, right.between);
-            }
-            if let Some(tail) = &tails[1] {
-                let other = if is_one { -a } else { from_right };
-                b = -tail.end(if right_corner { other + other + b } else { other }, left.between);
-            }
-        }
+        let [from_left, from_right] = if is_one { [-left.at, -right.at] } else { [self.starts[right.first], mirrored.starts[left.first]] };
+        let middle = |corner: bool, end: T, other: T| if corner && is_one { other } else { (end + other) * lit(0.5) };
+        let a = self.true_end(&right, middle(left.is_corner, right.at, from_left))?;
+        let b = -mirrored.true_end(&left, middle(right.is_corner, left.at, from_right))?;
         let goes_on = symmetry && (right.of_curve || left.of_curve);
-        (a - b).max(T::zero()) * if goes_on { T::one() } else { lit(0.5) }
+        Ok((a - b).max(T::zero()) * if goes_on { T::one() } else { lit(0.5) })
     }
-}
-
-impl<T: Real> Tail<T> {
-    /// End a of the pressure of the module docs with these moments and the other end b, clamped to the bounds.
-    fn end(&self, b: T, [least, most]: [T; 2]) -> T {
-        let ellipse = self.ellipse(b);
-        let length = ellipse - self.begin;
-        let at = |k: usize| self.begin + length * (lit::<T>(AROUND[0]) + lit::<T>(AROUND[1] - AROUND[0]) * num(k) / num(STEPS));
-        let a = (0..STEPS).filter_map(|k| self.root(b, at(k), at(k + 1)));
-        let nearest = a.reduce(|x, y| if (y - ellipse).abs() < (x - ellipse).abs() { y } else { x });
-        nearest.unwrap_or(ellipse).max(least).min(most)
-    }
-
-    /// End a of sqrt((a - s)(s - b)) with this mean.
-    fn ellipse(&self, b: T) -> T {
-        if b >= self.begin {
-            // the whole zone: its mean is the middle
-            return (self.begin + self.mean) * lit(2.0) - b;
-        }
-        // the mean lies between 2/5 and 1/2 of what is left
-        let (mut low, mut high) = (self.begin + self.mean * lit(2.0), self.begin + self.mean * lit(2.5));
-        for _ in 0..BISECTIONS {
-            let a = (low + high) * lit(0.5);
-            if mean(self.begin, b, a) < self.mean { low = a } else { high = a }
-        }
-        (low + high) * lit(0.5)
-    }
-
-    /// End between `low` and `high` with both moments and a positive pressure; `None` if there is none.
-    fn root(&self, b: T, mut low: T, mut high: T) -> Option<T> {
-        let sign = |a: T| self.misses(b, a).map(|(missed, _)| missed > T::zero());
-        let first = sign(low)?;
-        if first == sign(high)? {
-            return None;
-        }
-        for _ in 0..BISECTIONS {
-            let a = (low + high) * lit(0.5);
-            if sign(a)? == first { low = a } else { high = a }
-        }
-        let a = (low + high) * lit(0.5);
-        // at a pole the sign changes and nothing is zero
-        self.misses(b, a).filter(|(missed, _)| missed.abs() < lit(NO_MISS)).map(|_| a)
-    }
-
-    /// Error of the second moment for the end `a` if the first one is met, and g; `None` if 1 + g x has both signs.
-    fn misses(&self, b: T, a: T) -> Option<(T, T)> {
-        let (middle, half) = ((a + b) * lit(0.5), (a - b) * lit(0.5));
-        let from = (self.begin - middle) / half;
-        let first = from + self.mean / half;
-        let second = from * from + (from * self.mean * lit(2.0) + self.square / half) / half;
-        let of = roots(from);
-        let g = (first * of[0] - of[1]) / (of[2] - first * of[1]);
-        let is_positive = T::one() + g > T::zero() && T::one() + g * from.max(-T::one()) > T::zero();
-        let missed = (of[2] + g * of[3]) / (of[0] + g * of[1]) - second;
-        (half > T::zero() && is_positive).then_some((missed, g))
-    }
-}
-
-/// ∫ sqrt(1 - x²) x^k dx over from < x < 1 for k = 0 to 3.
-fn roots<T: Real>(from: T) -> [T; 4] {
-    let x = from.max(-T::one()).min(T::one());
-    let (one, root) = (T::one(), (T::one() - x * x).max(T::zero()).sqrt());
-    let cube = root * root * root;
-    let angle = x.acos();
-    [
-        (angle - x * root) * lit(0.5),
-        cube / lit(3.0),
-        (angle + x * root * (one - x * x * lit(2.0))) * lit(0.125),
-        cube * (one / lit(3.0) - root * root * lit(0.2)),
-    ]
-}
-
-/// ∫ p (s - begin) ds / ∫ p ds of p = sqrt((a - s)(s - b)) over begin < s < a.
-fn mean<T: Real>(begin: T, b: T, a: T) -> T {
-    let (middle, half) = ((a + b) * lit(0.5), (a - b) * lit(0.5));
-    let [force, moment, ..] = roots((begin - middle) / half);
-    middle + half * moment / force - begin
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const SIZE: f64 = 0.1;
+    const SIZE: f64 = 0.025;
 
     /// ∫ p s^k of p = sqrt((a - s)(s - b)) (1 + g x) from b to `s` for k = 0, 1, 2; x runs from -1 to 1.
     fn moments(s: f64, b: f64, a: f64, g: f64) -> [f64; 3] {
@@ -426,7 +387,7 @@ mod tests {
         [size * m0, size * (middle * m0 + half * m1), size * (middle * middle * m0 + 2.0 * middle * half * m1 + size * m2)]
     }
 
-    /// Twenty elements of a line with zones of pressure, two points with the right moments in each, and `noise` everywhere.
+    /// Eighty elements of a line with zones of pressure, two points with the right moments in each, and `noise` everywhere.
     fn line_of(zones: &[[f64; 2]], g: f64, noise: f64) -> Unrolled<f64> {
         let section = |k: usize| {
             let [from, to] = [k, k + 1].map(|k| SIZE * k as f64);
@@ -437,8 +398,8 @@ mod tests {
             let point = |s: f64| Point { s: s - from, force: 0.5 * (force + noise * SIZE), pressed };
             Section { length: SIZE, pieces: vec![Piece { from: 0.0, to: SIZE, points: vec![point(s - aside), point(s + aside)] }] }
         };
-        let sections: Vec<Section<f64>> = (0..20).map(section).collect();
-        let forth: Vec<(usize, bool)> = (0..20).map(|k| (k, false)).collect();
+        let sections: Vec<Section<f64>> = (0..80).map(section).collect();
+        let forth: Vec<(usize, bool)> = (0..80).map(|k| (k, false)).collect();
         Unrolled::of(&sections, &forth)
     }
 
@@ -451,47 +412,21 @@ mod tests {
     fn zones_of_pressures_that_lean_end_where_they_end() {
         for (k, g) in [-0.6, -0.3, 0.2, 0.5, 0.7].into_iter().enumerate() {
             let (b, a) = (0.41 + 0.013 * k as f64, 1.53 + 0.02 * k as f64);
-            let found = line_of(&[[b, a]], g, 0.0).half_width(false);
-            assert!((found / (0.5 * (a - b)) - 1.0).abs() < 1e-6, "{g}: {found} instead of {}", 0.5 * (a - b));
-        }
-    }
-
-    #[test]
-    fn integrals_of_roots_are_those_of_sums() {
-        for from in [-1.0, -0.4, 0.0, 0.3, 0.95] {
-            let (n, found) = (200_000, roots(from));
-            for (k, found) in found.into_iter().enumerate() {
-                let x = |j: usize| from + (1.0 - from) * (j as f64 + 0.5) / n as f64;
-                let sum: f64 = (0..n).map(|j| (1.0 - x(j) * x(j)).sqrt() * x(j).powi(k as i32)).sum();
-                assert!((sum * (1.0 - from) / n as f64 - found).abs() < 1e-7, "{from} {k}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_mean_of_a_tail_is_that_of_a_sum() {
-        for (begin, b, a) in [(0.2, -1.0, 1.0), (0.9, -1.0, 1.0), (-1.0, -1.0, 1.0), (0.3, -5.0, 0.7)] {
-            let n = 200_000;
-            let (mut sum, mut moment) = (0.0, 0.0);
-            for k in 0..n {
-                let s = begin + (a - begin) * (k as f64 + 0.5) / f64::from(n);
-                let p = ((a - s) * (s - b)).sqrt();
-                (sum, moment) = (sum + p, moment + p * (s - begin));
-            }
-            assert!((mean(begin, b, a) / (moment / sum) - 1.0).abs() < 1e-7, "{begin} {b} {a}");
+            let found = line_of(&[[b, a]], g, 0.0).half_width(false).unwrap();
+            assert!((found / (0.5 * (a - b)) - 1.0).abs() < 3e-3, "{g}: {found} instead of {}", 0.5 * (a - b));
         }
     }
 
     #[test]
     fn ends_are_found_within_elements_from_either_end_and_not_from_noise() {
         for k in 0..40 {
-            // eleven to twelve elements wide, anywhere
+            // about 45 elements wide, anywhere
             let (b, a) = (0.41 + 0.01 * f64::from(k), 1.53 + 0.01 * f64::from(k % 7));
-            let found = line(&[[b, a]], 0.0).half_width(true);
-            assert!((found / (0.5 * (a - b)) - 1.0).abs() < 1e-8, "{b} {a}: {found}");
-            let mirrored = line(&[[2.0 - a, 2.0 - b]], 0.0).half_width(false);
+            let found = line(&[[b, a]], 0.0).half_width(true).unwrap();
+            assert!((found / (0.5 * (a - b)) - 1.0).abs() < 3e-4, "{b} {a}: {found}");
+            let mirrored = line(&[[2.0 - a, 2.0 - b]], 0.0).half_width(false).unwrap();
             assert!((found - mirrored).abs() < 1e-12, "{b} {a}: {found} {mirrored}");
-            let noisy = line(&[[b, a]], 1e-11).half_width(true);
+            let noisy = line(&[[b, a]], 1e-11).half_width(true).unwrap();
             assert!((found - noisy).abs() < 1e-9, "{b} {a}: {found} {noisy}");
         }
     }
@@ -501,16 +436,35 @@ mod tests {
         for k in 0..10 {
             let a = 1.0 + 0.013 * f64::from(k);
             let half = line(&[[-a, a]], 0.0);
-            let [all, part] = [true, false].map(|symmetry| half.half_width(symmetry));
-            assert!((all / a - 1.0).abs() < 1e-8 && part == 0.5 * all, "{a}: {all} {part}");
-            // two feet: the inner ends are known to an element
-            let both = line(&[[0.213, 0.83], [1.17, 1.7 + 0.013 * f64::from(k)]], 0.0).half_width(false);
+            let [all, part] = [true, false].map(|symmetry| half.half_width(symmetry).unwrap());
+            assert!((all / a - 1.0).abs() < 3e-4 && part == 0.5 * all, "{a}: {all} {part}");
+            // two feet
+            let both = line(&[[0.213, 0.83], [1.17, 1.7 + 0.013 * f64::from(k)]], 0.0).half_width(false).unwrap();
             let wanted = 0.5 * (1.487 + 0.013 * f64::from(k));
             assert!((both / wanted - 1.0).abs() < 0.005, "{both} {wanted}");
         }
         // pressed from end to end
-        assert!((line(&[[-9.0, 11.0]], 0.0).half_width(false) - 1.0).abs() < 1e-12);
-        assert_eq!(line(&[], 0.0).half_width(false), 0.0);
+        assert!((line(&[[-9.0, 11.0]], 0.0).half_width(false).unwrap() - 1.0).abs() < 1e-12);
+        assert_eq!(line(&[], 0.0).half_width(false), Ok(0.0));
+    }
+
+    #[test]
+    fn zones_of_few_elements_and_ends_without_a_root_have_no_half_width() {
+        // two elements on either side of the middle
+        assert!(matches!(line(&[[0.951, 1.049]], 0.0).half_width(false), Err(NoHalfWidth::FewElements { .. })));
+        // the greatest pressure near the end: nothing but the tail after it counts, which is short
+        let peaked = line(&[[0.3, 1.5], [1.35, 1.5]], 0.0);
+        assert!(peaked.half_width(false).is_ok(), "a bump that does not fall");
+        let steep = line(&[[0.3, 1.49], [1.4, 1.49], [1.4, 1.49], [1.4, 1.49], [1.4, 1.49], [1.4, 1.49], [1.4, 1.49]], 0.0);
+        assert!(matches!(steep.half_width(false), Err(NoHalfWidth::FewElements { .. })), "{:?}", steep.half_width(false));
+        // a pressure that ends like a wall
+        let wall = |k: usize| {
+            let points = [0.2, 0.8].map(|x| Point { s: x * SIZE, force: SIZE, pressed: (20..60).contains(&k) }).to_vec();
+            Section { length: SIZE, pieces: vec![Piece { from: 0.0, to: SIZE, points }] }
+        };
+        let sections: Vec<Section<f64>> = (0..80).map(wall).collect();
+        let walk: Vec<(usize, bool)> = (0..80).map(|k| (k, false)).collect();
+        assert_eq!(Unrolled::of(&sections, &walk).half_width(false), Err(NoHalfWidth::NoRoot));
     }
 
     #[test]

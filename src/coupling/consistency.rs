@@ -7,7 +7,8 @@
 //!
 //! The first part is the error of the constraint, the second that of the equilibrium: the two consistency errors of
 //! Strang's lemma, in lumped norms (|W^-1/2 r| is the norm of a functional r on multipliers, |M_s^1/2 u| that of u on the
-//! slave side). e is free of units, zero up to round-off where the integration is exact, and falls with its points.
+//! slave side). e is free of units, zero up to round-off where the integration is exact, and falls with its points. Rows that are not
+//! closed hold no constraint: of contacts the first part takes the closed rows alone, and the u of the functions that they weigh.
 //! An estimate: F is exact only up to its own quadrature. Source of the splitting: Brivadis, Buffa, Wohlmuth, Wunderlich,
 //! *The influence of quadrature errors on isogeometric mortar methods* (2015).
 
@@ -61,20 +62,25 @@ impl<T: Real> Finer<T> {
         Ok(all)
     }
 
-    /// Returns the consistency error e (module docs) of constraint rows C and reaction rows B (`None`: C) on a solution u, lambda.
-    /// A part with zero denominator counts as zero.
-    pub fn estimate(&self, constraint: &Rows<T>, reaction: Option<&Rows<T>>, u: &[T], lambda: &[T]) -> T {
+    /// Returns the consistency error e (module docs) of constraint rows C and reaction rows B (`None`: C) on a solution u, lambda, whose
+    /// rows hold where `closed` says so (`None`: everywhere). A part with zero denominator counts as zero.
+    pub fn estimate(&self, constraint: &Rows<T>, reaction: Option<&Rows<T>>, closed: Option<&[bool]>, u: &[T], lambda: &[T]) -> T {
         let zero = T::zero();
+        let holds = |i: usize| closed.is_none_or(|c| c[i]);
         let mut gap = vec![zero; self.multiplier.len()];
         let mut force = vec![zero; self.unknowns.len()];
+        let mut weighed = vec![closed.is_none(); self.unknowns.len()];
         let mut add = |rows: &Rows<T>, sign: T, to_gap: bool, to_force: bool| {
             for &(i, j, v) in rows.slave.entries.iter().chain(&rows.master.entries) {
-                if to_gap {
+                if to_gap && holds(i) {
                     gap[i] += sign * v * u[j];
                 }
                 // functions that vanish at all points of the finer rule have no weight
-                if to_force && let Ok(k) = self.unknowns.binary_search_by_key(&j, |w| w.0) {
-                    force[k] += sign * v * lambda[i];
+                if let Ok(k) = self.unknowns.binary_search_by_key(&j, |w| w.0) {
+                    weighed[k] |= holds(i);
+                    if to_force {
+                        force[k] += sign * v * lambda[i];
+                    }
                 }
             }
         };
@@ -87,7 +93,7 @@ impl<T: Real> Finer<T> {
         let sum = |terms: &mut dyn Iterator<Item = T>| terms.fold(zero, |s, v| s + v).sqrt();
         let gap = sum(&mut gap.iter().zip(&self.multiplier).map(|(&r, &w)| dual(r, w)));
         let force = sum(&mut force.iter().zip(&self.unknowns).map(|(&r, w)| dual(r, w.1)));
-        let u = sum(&mut self.unknowns.iter().filter(|w| w.2).map(|w| w.1 * u[w.0] * u[w.0]));
+        let u = sum(&mut self.unknowns.iter().zip(&weighed).filter(|(w, weighed)| w.2 && **weighed).map(|(w, _)| w.1 * u[w.0] * u[w.0]));
         let lambda = sum(&mut self.multiplier.iter().zip(lambda).map(|(&w, &l)| w * l * l));
         let share = |defect: T, size: T| if size > zero { defect / size } else { zero };
         share(gap, u).max(share(force, lambda))

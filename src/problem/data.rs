@@ -179,6 +179,11 @@ pub trait Exact: Debug + Send + Sync {
     fn depends_on_time(&self) -> bool {
         true
     }
+    /// Value and gradient of a component at `at`, of the piece that holds at `inside`, a point near it. Solutions of pieces override it, or
+    /// have the gradient at `inside`.
+    fn continued(&self, component: usize, at: &Point, inside: &Point) -> Derivatives {
+        self.slope(component, if self.is_piecewise() { inside } else { at })
+    }
     /// Whether it is made of pieces, whose derivatives may jump.
     fn is_piecewise(&self) -> bool {
         false
@@ -189,6 +194,12 @@ pub trait Exact: Debug + Send + Sync {
 pub fn field_slope<const C: usize, const N: usize>(exact: &dyn Exact, at: &Point) -> (Vector<C>, Matrix<C, N>) {
     let all: [Derivatives; C] = std::array::from_fn(|c| exact.slope(c, at));
     (Vector::from_fn(|i, _| all[i].value), Matrix::from_fn(|i, j| all[i].gradient[j]))
+}
+
+/// Gradients at `at` of all C components of an exact solution, of the piece that holds at `inside`: `(i, j)` = du_i/dx_j.
+pub(super) fn continued_gradient<const C: usize, const N: usize>(exact: &dyn Exact, at: &Point, inside: &Point) -> Matrix<C, N> {
+    let all: [Derivatives; C] = std::array::from_fn(|c| exact.continued(c, at, inside));
+    Matrix::from_fn(|i, j| all[i].gradient[j])
 }
 
 /// Gradients and Hessians of all C components of an exact solution: `gradient[(i, j)]` = du_i/dx_j, `hessian[i][(j, k)]` =

@@ -1,6 +1,6 @@
 //! Material of a patch, with one interface for scalar and vector unknowns.
 
-use super::data::{Exact, Point, field_derivatives, field_slope};
+use super::data::{Exact, Point, continued_gradient, field_derivatives, field_slope};
 use super::resultant::Resultant;
 use crate::assembly::{self, Errors, Form};
 use crate::linalg::{Csr, Matrix, Vector};
@@ -207,6 +207,26 @@ impl<const N: usize> Physics<N> {
         match self {
             Self::Scalar(m) => out.copy_from_slice((m.respond(x, &field_slope::<1, N>(exact, at).1).stress * normal).as_slice()),
             Self::Vector(m) => out.copy_from_slice((m.respond(x, &field_slope::<N, N>(exact, at).1).stress * normal).as_slice()),
+        }
+    }
+
+    /// sigma n (k du/dn) at the point `at` of the piece of the exact solution that holds at `inside`, with the moduli at `place`.
+    pub(super) fn piece_traction(
+        &self,
+        exact: &dyn Exact,
+        at: &Point,
+        [inside, place]: [&Vector<N>; 2],
+        normal: &Vector<N>,
+        out: &mut [f64],
+    ) {
+        let own = Point::new(inside.as_slice()).at_time(at.t);
+        match self {
+            Self::Scalar(m) => {
+                out.copy_from_slice((m.respond(place, &continued_gradient::<1, N>(exact, at, &own)).stress * normal).as_slice());
+            }
+            Self::Vector(m) => {
+                out.copy_from_slice((m.respond(place, &continued_gradient::<N, N>(exact, at, &own)).stress * normal).as_slice());
+            }
         }
     }
 

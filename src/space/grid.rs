@@ -3,12 +3,9 @@
 use super::refine::{self, SAME_KNOT};
 use super::{SideError, SpecError};
 use crate::basis::{Basis, Extracted, Rational, Refined, TensorProduct};
-use crate::geometry::{ControlNet, ControlPoints, Embedding, Geometry};
+use crate::geometry::{ControlNet, ControlPoints, Embedding, Geometry, collapsed_faces};
 use crate::linalg::{Matrix, Vector};
 use std::sync::Arc;
-
-/// Control points nearer than this share of the size are one point.
-const SAME_POINT: f64 = 1e-12;
 
 const AXES: [&str; 3] = ["u", "v", "w"];
 
@@ -237,23 +234,9 @@ fn joined(direction: usize, knots: &[f64], wanted: &[f64]) -> Result<Vec<f64>, S
     Ok(refine::joined(knots, wanted))
 }
 
-/// Finds the collapsed faces of a net: all lines along one direction are points.
+/// The collapsed faces of a net.
 fn collapses<const N: usize>(net: &ControlNet<N, N>) -> Vec<Collapse> {
     let counts: [usize; N] = std::array::from_fn(|k| net.axes[k].num_functions());
-    let points = &net.points;
-    let size = crate::geometry::Bounds::around(points).map_or(0.0, |b| b.diagonal());
-    let mut found = Vec::new();
-    for side in SideOf::all(N) {
-        for along in side.along(N) {
-            let is_point = on_side(&counts, side).into_iter().all(|i| {
-                let mut at = split(&counts, i);
-                at[along] = 0;
-                (points[i] - points[join(&counts, &at)]).norm() <= SAME_POINT * size
-            });
-            if is_point {
-                found.push(Collapse { side, along });
-            }
-        }
-    }
-    found
+    let faces = collapsed_faces(&counts, &net.points);
+    faces.into_iter().map(|f| Collapse { side: SideOf { axis: f.axis, end: f.end }, along: f.along }).collect()
 }

@@ -275,7 +275,7 @@ fn answer(result: &mut RunResult, case: &Case, names: &[&str], beta: f64) {
     let mine = |text: &str| matches!(Quantity::parse(text).map(|q| q.kind), Ok(Kind::Beta(pairing)) if names.contains(&pairing.as_str()));
     for probe in case.probes.iter().filter(|p| mine(&p.quantity.value)) {
         let (name, quantity) = (probe.name.value.clone(), probe.quantity.value.clone());
-        result.probes.push(ProbeReport { name, quantity, value: beta, reason: None });
+        result.probes.push(ProbeReport { name, quantity, value: beta, at: None, reason: None });
     }
     let numbers = result.numbers();
     let number = |f: &Formula| -> Result<f64, String> {
@@ -299,6 +299,7 @@ fn answer(result: &mut RunResult, case: &Case, names: &[&str], beta: f64) {
             name: check.name.value.clone(),
             quantity: check.quantity.value.clone(),
             value: f64::NAN,
+            at: None,
             expected: f64::NAN,
             ok: true,
             relation: relation.to_owned(),

@@ -58,6 +58,8 @@ pub struct Output {
     pub parts: Parts,
     /// The field of the picture; `None`: no picture.
     pub picture: Option<Picture>,
+    /// Extremes of that field over the closed elements; `None`: those of the picture's own points.
+    pub range: Option<FieldRange>,
     /// Interfaces and contacts, in the order of the case.
     pub sides: Vec<SideOutput>,
 }
@@ -115,6 +117,15 @@ impl Parts {
             Self::Plane(parts) => plot::fields(plot, parts),
             Self::Volume(parts) => plot::solids(plot, parts),
         }
+    }
+}
+
+/// Least and largest value of a field, found when they are asked for; `None` if it is not finite everywhere.
+pub struct FieldRange(pub Box<dyn Fn() -> Option<[f64; 2]> + Send + Sync>);
+
+impl std::fmt::Debug for FieldRange {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("FieldRange")
     }
 }
 

@@ -224,8 +224,12 @@ pub struct ContactReport {
     /// Pieces that face the master.
     pub segments: SegmentsReport,
     /// Half the extent of the zone along the slave, an arc length found to a fraction of an element; with `symmetry` all of it where the
-    /// zone ends at an end of the side \[length\]. In the plane alone. See [`faying::contact::half_width`].
+    /// zone ends at an end of the side \[length\]. In the plane alone. NaN, with a reason, where the pressure does not tell it. See
+    /// [`faying::contact::half_width`].
     pub half_width: f64,
+    /// Reason for a missing half width.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
     /// Linear systems solved by the active set.
     pub iterations: usize,
     /// Estimate of the integration's consistency error on this solution, as of interfaces; zero against an obstacle.
@@ -311,6 +315,9 @@ pub struct ProbeReport {
     pub quantity: String,
     /// Its value; `null` in the file where it is not finite.
     pub value: f64,
+    /// Place of an extreme \[length\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<Vec<f64>>,
     /// Reason for a missing value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
@@ -325,6 +332,9 @@ pub struct CheckReport {
     pub quantity: String,
     /// The value found; the worse one if both extremes are checked.
     pub value: f64,
+    /// Place of an extreme \[length\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<Vec<f64>>,
     /// The expected value, or the bound.
     pub expected: f64,
     /// Whether it passed.
@@ -403,6 +413,9 @@ pub struct RunResult {
     pub energy: f64,
     /// Every error that can be measured, by its quantity.
     pub errors: Named<f64>,
+    /// Reason for errors without value, where there is another than that they are not finite.
+    #[serde(skip)]
+    pub errors_reason: Option<String>,
     /// Probes in the order of the case.
     pub probes: Vec<ProbeReport>,
     /// Checks in the order of the case.
@@ -447,6 +460,7 @@ impl RunResult {
             balance: Balance::default(),
             energy: 0.0,
             errors: Named::default(),
+            errors_reason: None,
             probes: Vec::new(),
             checks: Vec::new(),
             checks_performed: 0,
@@ -471,6 +485,9 @@ impl RunResult {
     /// Every number of the result under its name, computed or not.
     pub(super) fn numbers(&self) -> serde_json::Value {
         let mut value = serde_json::to_value(self).expect("a result has string keys and plain values only");
+        if let Some(reason) = &self.errors_reason {
+            value["errors"]["reason"] = reason.as_str().into();
+        }
         super::json::add_reasons(&mut value);
         value
     }

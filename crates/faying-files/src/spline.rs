@@ -2,7 +2,7 @@
 
 use super::{FileError, Format};
 use faying::basis::{Rational, TensorProduct};
-use faying::geometry::{ControlNet, ControlPoints, Geometry};
+use faying::geometry::{ControlNet, ControlPoints, Geometry, collapsed_faces};
 use faying::linalg::Vector;
 
 /// A side of a patch of a file.
@@ -59,6 +59,14 @@ impl SplinePatch {
     /// Number of parameters.
     pub fn dimension(&self) -> usize {
         self.degree.len()
+    }
+
+    /// Names of the sides u0, u1, v0, .. that are no lines (surfaces of solids): their points along a direction are one.
+    pub fn collapsed_sides(&self) -> Vec<String> {
+        let functions = self.knots.iter().zip(&self.degree).map(|(u, p)| u.len().saturating_sub(p + 1));
+        let mut faces = collapsed_faces(&functions.collect::<Vec<_>>(), &self.points);
+        faces.dedup_by_key(|f| (f.axis, f.end));
+        faces.into_iter().map(|f| format!("{}{}", ["u", "v", "w"][f.axis.min(2)], f.end)).collect()
     }
 
     /// The net in N coordinates.

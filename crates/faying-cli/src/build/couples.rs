@@ -17,6 +17,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
+/// Sides farther apart than this share of the thickness of the thinner body are not nearly together, however coarse their facets are.
+const SEPARATE: f64 = 0.1;
 /// Search radius of named sides, as a fraction of the facet size.
 const NAMED: f64 = 0.25;
 
@@ -282,7 +284,9 @@ pub(super) fn touching<const S: usize, const N: usize>(
     let floor = boxes.reduce(|a, b| a.union(&b)).map_or(0.0, |b| b.diagonal()) * SAME_PLACE;
     let explained = widest(&sags, floor);
     let Touching { mut shares, touched, near } = touching_sides(&all, tolerance, &sags, floor, &left_out);
-    for ([a, b], found) in near {
+    // facets as coarse as this explain nothing
+    let apart = |[a, b]: [usize; 2]| SEPARATE * near::thickness(patches, &all[a]).min(near::thickness(patches, &all[b]));
+    for ([a, b], found) in near.into_iter().filter(|(pair, found)| found.mean() <= apart(*pair)) {
         let text = format!(
             "`{}` and `{}` are {} apart in the mean, up to {}; their facets explain {} in the mean. They are not tied",
             all[a].label,

@@ -32,6 +32,9 @@ impl Exact for Formulas {
     fn derivatives(&self, component: usize, at: &Point) -> Derivatives {
         derivatives(&self.0[component].jet(at))
     }
+    fn continued(&self, component: usize, at: &Point, inside: &Point) -> Derivatives {
+        derivatives(&self.0[component].continued(at, inside))
+    }
     fn depends_on_time(&self) -> bool {
         self.0.iter().any(Formula::depends_on_time)
     }

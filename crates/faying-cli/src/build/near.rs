@@ -11,11 +11,15 @@ use crate::place::{Located, Place};
 use crate::words::short;
 use faying::geometry::Bounds;
 use faying::problem::{PatchModel, SideModel};
+use faying::space::measure;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Sides nearer than this share of their facets may have been meant to be tied.
+/// Sides nearer than this share of their facets may have been meant to be tied, if they are also nearer than `THIN` of the bodies behind
+/// them: coarse facets alone say nothing about what was meant.
 const NEAR: f64 = 0.1;
+/// Share of the thickness of the thinner body.
+const THIN: f64 = 0.02;
 /// Of one of them more than this share must face the other.
 const COVERED: f64 = 0.5;
 
@@ -37,6 +41,11 @@ impl<const S: usize, const N: usize> Pair<S, N> {
     pub fn is_nearer(&self, other: &Self) -> bool {
         self.found.distance < other.found.distance
     }
+}
+
+/// Mean thickness of the body behind a side: its volume over the area of the side \[length\].
+pub(super) fn thickness<const S: usize, const N: usize>(patches: &[PatchModel<S, N>], side: &SideModel<S, N>) -> f64 {
+    measure::<N, N, f64, _>(&**patches[side.patch].body.space()) / measure::<S, N, f64, _>(&*side.trace.space)
 }
 
 /// The nearest sides of every two of `bodies`, of those that are part of no couple; with `near` only where they are so for the size of
@@ -79,6 +88,9 @@ pub(super) fn nearest<const S: usize, const N: usize>(
             let seen = [(a, b), (b, a)].into_iter().filter_map(|(a, b)| facing(&a.trace, &b.trace, reach));
             let Some(found) = seen.filter(|f| f.share > COVERED).reduce(|a, b| if b.share > a.share { b } else { a }) else { continue };
             if found.gap < 0.0 && known.are_joined(a.patch, b.patch) {
+                continue;
+            }
+            if near && found.distance > THIN * thickness(patches, a).min(thickness(patches, b)) {
                 continue;
             }
             if !near {
@@ -125,7 +137,7 @@ pub(super) fn warn<const S: usize, const N: usize>(
             if builder.faults.items.iter().any(|d| named(&d.message)) {
                 continue;
             }
-            let text = format!("{}, less than {NEAR} of their facets. They are not tied", pair.text());
+            let text = format!("{}, less than {NEAR} of their facets and {THIN} of the bodies behind them. They are not tied", pair.text());
             let help = "if they are meant to be tied, name slave and master of an [[interface]], or give `tolerance`";
             builder.faults.push(builder.warning("E023", text, between.at).with_help(help));
         }

@@ -161,23 +161,3 @@ impl<const N: usize> MeshPart<N> {
         name
     }
 }
-
-const NAMES: [&str; 6] = ["u0", "u1", "v0", "v1", "w0", "w1"];
-
-/// Collapsed sides, no lines (plane) or no surfaces (space): all points along some direction of the side coincide.
-pub(super) fn collapsed_sides(patch: &SplinePatch) -> Vec<&'static str> {
-    let n: Vec<usize> = patch.degree.iter().zip(&patch.knots).map(|(p, u)| u.len().saturating_sub(p + 1)).collect();
-    if n.contains(&0) || n.iter().product::<usize>() != patch.points.len() {
-        return Vec::new();
-    }
-    let stride: Vec<usize> = (0..n.len()).map(|k| n[..k].iter().product()).collect();
-    let index = |i: usize, k: usize| i / stride[k] % n[k];
-    (0..2 * n.len())
-        .filter(|s| {
-            let (axis, end) = (s / 2, if s % 2 == 0 { 0 } else { n[s / 2] - 1 });
-            let on = || (0..patch.points.len()).filter(|i| index(*i, axis) == end);
-            (0..n.len()).filter(|k| *k != axis).any(|k| on().all(|i| patch.points[i] == patch.points[i - index(i, k) * stride[k]]))
-        })
-        .map(|s| NAMES[s])
-        .collect()
-}

@@ -1,15 +1,13 @@
 //! Names of sides: the sides of a patch, their aliases, and references such as `lower.bottom`.
 
 use super::family::Family;
-use super::part::{FilePart, collapsed_sides};
+use super::part::FilePart;
 use super::reader::Reader;
 use super::tree::{Node, Value};
 use super::types::{Patch, Shape, SideRef};
 use crate::errors::{Diagnostic, nearest};
 use crate::place::Located;
-
-/// Control points closer than this share of the size coincide.
-const SAME_POINT: f64 = 1e-12;
+use faying::geometry::collapsed_faces;
 
 const ALL: [&str; 6] = ["u0", "u1", "v0", "v1", "w0", "w1"];
 const PLANE: [(&str, &str); 4] = [("left", "u0"), ("right", "u1"), ("bottom", "v0"), ("top", "v1")];
@@ -17,41 +15,20 @@ const SPATIAL: [(&str, &str); 6] = [("left", "u0"), ("right", "u1"), ("front", "
 
 /// The sides of a shape, without collapsed edges; of a mesh its tags.
 pub(super) fn sides_of(shape: &Shape, dimension: usize) -> Vec<&str> {
-    match shape.part() {
-        Some(part) if part.is_mesh() => part.tags(),
-        Some(FilePart::Spline(patch)) => {
-            let collapsed = collapsed_sides(patch);
-            ALL[..2 * dimension].iter().copied().filter(|s| !collapsed.contains(s)).collect()
-        }
-        _ => ALL[..2 * dimension].iter().copied().filter(|s| !is_collapsed(shape, s, dimension)).collect(),
-    }
+    let collapsed: Vec<usize> = match shape {
+        _ if shape.part().is_some_and(FilePart::is_mesh) => return shape.part().map_or(Vec::new(), FilePart::tags),
+        Shape::DiscSector { .. } => vec![2],
+        Shape::SphereOctant { .. } => vec![3],
+        Shape::Nurbs { degree, knots, points, .. } => collapsed(&degree.value, knots.iter().map(|u| u.len()), points),
+        _ => shape.part().and_then(FilePart::spline).map_or(Vec::new(), |p| collapsed(&p.degree, p.knots.iter().map(Vec::len), &p.points)),
+    };
+    (0..2 * dimension).filter(|face| !collapsed.contains(face)).map(|face| ALL[face]).collect()
 }
 
-fn is_collapsed(shape: &Shape, side: &str, dimension: usize) -> bool {
-    match shape {
-        Shape::DiscSector { .. } => side == "v0",
-        Shape::SphereOctant { .. } => side == "v1",
-        Shape::Nurbs { degree, knots, points, .. } => {
-            let counts: Vec<usize> = knots.iter().zip(&degree.value).map(|(u, p)| u.len() - p - 1).collect();
-            let Some(face) = ALL[..2 * dimension.min(counts.len())].iter().position(|s| *s == side) else { return false };
-            let (axis, end) = (face / 2, face % 2);
-            (0..counts.len()).filter(|&along| along != axis).any(|along| lines_are_points(points, &counts, (axis, end), along))
-        }
-        _ => false,
-    }
-}
-
-/// Whether the lines along `along` of a face (axis, end) of a net collapse to points; `counts` points per direction, the first fastest.
-fn lines_are_points(points: &[Vec<f64>], counts: &[usize], (axis, end): (usize, usize), along: usize) -> bool {
-    let stride = |k: usize| counts[..k].iter().product::<usize>();
-    let index = |i: usize, k: usize| i / stride(k) % counts[k];
-    let extent = |k: usize| points.iter().fold((f64::MAX, f64::MIN), |(a, b), p| (a.min(p[k]), b.max(p[k])));
-    let size = (0..points[0].len()).map(|k| extent(k).1 - extent(k).0).fold(0.0, f64::max);
-    let on_face = (0..points.len()).filter(|&i| index(i, axis) == end * (counts[axis] - 1));
-    on_face.into_iter().all(|i| {
-        let first = i - index(i, along) * stride(along);
-        points[i].iter().zip(&points[first]).all(|(a, b)| (a - b).abs() <= SAME_POINT * size)
-    })
+/// The collapsed sides of a net, numbered u0, u1, v0, ..., with these degrees and numbers of knots.
+fn collapsed<P: AsRef<[f64]>>(degree: &[usize], knots: impl Iterator<Item = usize>, points: &[P]) -> Vec<usize> {
+    let counts: Vec<usize> = knots.zip(degree).map(|(u, p)| u.saturating_sub(p + 1)).collect();
+    collapsed_faces(&counts, points).into_iter().map(|f| 2 * f.axis + f.end).collect()
 }
 
 fn canonical(side: &str, dimension: usize) -> Option<&'static str> {

@@ -43,7 +43,9 @@ pub fn of(output: &Output, with_vtu: bool, trouble: &mut Diagnostics) -> Vec<Nam
         add("fields.vtu".to_owned(), output.parts.vtu().map_err(|e| e.to_string()));
     }
     if let Some(picture) = &output.picture {
-        let plot = FieldPlot { title: &output.title, label: &picture.label, field: &picture.field, component: picture.component };
+        let range = output.range.as_ref().and_then(|range| range.0());
+        let (field, component) = (picture.field.as_str(), picture.component);
+        let plot = FieldPlot { title: &output.title, label: &picture.label, field, component, range };
         add("fields.svg".to_owned(), output.parts.svg(&plot).map(String::into_bytes).map_err(|e| e.to_string()));
     }
     for side in &output.sides {

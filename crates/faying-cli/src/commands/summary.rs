@@ -129,7 +129,8 @@ fn probes(result: &RunResult) -> Table {
     let mut table = Table::new(["probe", "value", "quantity"]);
     for probe in &result.probes {
         let value = if probe.value.is_finite() { short(probe.value, 10) } else { "-".to_owned() };
-        table.row([probe.name.clone(), value, probe.reason.clone().unwrap_or_else(|| probe.quantity.clone())]);
+        let place = probe.at.as_ref().map_or(String::new(), |x| format!(" at {}", vector(x)));
+        table.row([probe.name.clone(), value, probe.reason.clone().unwrap_or_else(|| probe.quantity.clone() + &place)]);
     }
     table
 }

@@ -17,6 +17,7 @@
 //! ```
 
 mod constants;
+mod continued;
 mod jet;
 mod number;
 mod parse;
@@ -183,6 +184,12 @@ impl Formula {
         self.program.slope(at)
     }
 
+    /// Value and gradient at a point, the Hessian zero, of the piece that holds at the point `inside` of the same time: the choices of
+    /// `if`, comparisons, abs, sign, min and max are made there.
+    pub fn continued(&self, at: &Point, inside: &Point) -> Jet {
+        self.program.continued(at, inside)
+    }
+
     /// The quantities it names, in the order of [`Formula::value_with`].
     pub fn quantities(&self) -> &[QuantityRef] {
         &self.quantities
@@ -254,6 +261,24 @@ mod tests {
         assert_eq!(value("2*e^0 + 2e0"), 4.0);
         assert_eq!(value("--x"), 0.5);
         assert_eq!(value("atan2(y, x) - theta"), 0.0);
+    }
+
+    #[test]
+    fn pieces_are_continued_beyond_their_ends() {
+        let c = Constants::default();
+        let jet = |text: &str, x: f64, inside: f64| {
+            let f = Formula::parse(text, &Scope::space(&c)).unwrap();
+            let found = f.continued(&Point::new(&[x, 2.0]), &Point::new(&[inside, 2.0]));
+            (found.value, found.gradient[0])
+        };
+        // x^2 up to 1, beyond it 3 x
+        let forms = ["if(x < 1, x^2, 3*x)", "if(1 <= x, 3*x, x^2)", "(x < 1)*x^2 + (x >= 1)*3*x", "x^2 + (3*x - x^2)*max(0, sign(x - 1))"];
+        for text in forms {
+            assert_eq!((jet(text, 1.0, 0.5), jet(text, 1.0, 1.5), jet(text, 1.2, 0.9)), ((1.0, 2.0), (3.0, 3.0), (1.44, 2.4)), "{text}");
+        }
+        assert_eq!((jet("abs(x - 1)", 1.0, 0.5), jet("abs(x - 1)", 1.0, 1.5)), ((0.0, -1.0), (0.0, 1.0)));
+        assert_eq!((jet("min(x, y - x)", 1.0, 0.5), jet("max(x, y - x)", 1.0, 0.5)), ((1.0, 1.0), (1.0, -1.0)));
+        assert_eq!((jet("if(r < y, r, theta)", 0.0, 1.0).0, jet("sqrt(x)", 4.0, 1.0)), (std::f64::consts::FRAC_PI_2, (2.0, 0.25)));
     }
 
     #[test]

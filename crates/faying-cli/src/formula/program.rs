@@ -1,5 +1,6 @@
 //! Compiled formulas: a flat list of steps on a stack.
 
+use super::continued::Continued;
 use super::jet::Jet;
 use super::number::{Binary, Number, Unary};
 use super::taylor::Taylor;
@@ -75,17 +76,22 @@ impl Program {
     }
 
     pub fn run<N: Number>(&self, at: &Point, quantities: &[f64]) -> N {
+        self.run_with(at, &|k| N::coordinate(at.x[k], k), quantities)
+    }
+
+    /// Runs with the coordinates `axis`; time and gap are those of `at`.
+    fn run_with<N: Number>(&self, at: &Point, axis: &impl Fn(usize) -> N, quantities: &[f64]) -> N {
         if let Some(v) = self.as_constant() {
             return N::constant(v);
         }
         if self.depth <= SHALLOW {
-            self.run_on(&mut [N::constant(0.0); SHALLOW], at, quantities)
+            self.run_on(&mut [N::constant(0.0); SHALLOW], at, axis, quantities)
         } else {
-            self.run_on(&mut vec![N::constant(0.0); self.depth], at, quantities)
+            self.run_on(&mut vec![N::constant(0.0); self.depth], at, axis, quantities)
         }
     }
 
-    fn run_on<N: Number>(&self, stack: &mut [N], at: &Point, quantities: &[f64]) -> N {
+    fn run_on<N: Number>(&self, stack: &mut [N], at: &Point, axis: &impl Fn(usize) -> N, quantities: &[f64]) -> N {
         let (mut top, mut radius, mut angle) = (0, None, None);
         for op in &self.ops {
             match *op {
@@ -96,9 +102,9 @@ impl Program {
                 Op::Variable(v) => {
                     // r and theta are computed once
                     stack[top] = match v {
-                        Variable::R => *radius.get_or_insert_with(|| variable(v, at)),
-                        Variable::Theta => *angle.get_or_insert_with(|| variable(v, at)),
-                        _ => variable(v, at),
+                        Variable::R => *radius.get_or_insert_with(|| variable(v, at, axis)),
+                        Variable::Theta => *angle.get_or_insert_with(|| variable(v, at, axis)),
+                        _ => variable(v, at, axis),
                     };
                     top += 1;
                 }
@@ -122,8 +128,7 @@ impl Program {
     }
 }
 
-fn variable<N: Number>(v: Variable, at: &Point) -> N {
-    let axis = |k: usize| N::coordinate(at.x[k], k);
+fn variable<N: Number>(v: Variable, at: &Point, axis: &impl Fn(usize) -> N) -> N {
     match v {
         Variable::X => axis(0),
         Variable::Y => axis(1),
@@ -186,5 +191,14 @@ impl Program {
     /// Value and first derivatives; the second ones are zero.
     pub fn slope(&self, at: &Point) -> Jet {
         if self.spatial { self.run::<Taylor<3, 0>>(at, &[]).jet() } else { self.run::<Taylor<2, 0>>(at, &[]).jet() }
+    }
+
+    /// Value and first derivatives at `at` of the piece that holds at `inside`; the second derivatives are zero.
+    pub fn continued(&self, at: &Point, inside: &Point) -> Jet {
+        if self.spatial {
+            self.run_with(at, &|k| Continued { here: Taylor::<3, 0>::coordinate(at.x[k], k), inside: inside.x[k] }, &[]).here.jet()
+        } else {
+            self.run_with(at, &|k| Continued { here: Taylor::<2, 0>::coordinate(at.x[k], k), inside: inside.x[k] }, &[]).here.jet()
+        }
     }
 }

@@ -14,7 +14,7 @@ pub use splines::{LabelReport, PatchReport, face, faces, map_of, name_of};
 
 use crate::table::{Table, short};
 pub use faying_files::CellMap;
-use faying_files::{Contents, FileError, Format, MeshFile, SplineFile};
+use faying_files::{Contents, FileError, Format, MeshFile, SplineFile, SplinePatch};
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -99,13 +99,8 @@ fn of_splines(file: &SplineFile) -> Result<Inspection, FileError> {
     }
     let shown = |s: &faying_files::PatchSide| format!("{}.{}", name_of(file, s.patch), s.side);
     let mut notes = file.notes.clone();
-    let collapsed: Vec<String> = patches
-        .iter()
-        .flat_map(|p: &PatchReport| {
-            let largest = p.sides.values().copied().fold(0.0, f64::max);
-            p.sides.iter().filter(move |(_, m)| **m <= 1e-12 * largest).map(move |(side, _)| format!("{}.{side}", p.name))
-        })
-        .collect();
+    let of_patch = |(k, p): (usize, &SplinePatch)| p.collapsed_sides().into_iter().map(move |side| format!("{}.{side}", name_of(file, k)));
+    let collapsed: Vec<String> = file.patches.iter().enumerate().flat_map(of_patch).collect();
     if !collapsed.is_empty() {
         notes.push(format!("collapsed, so no sides: {}", collapsed.join(", ")));
     }

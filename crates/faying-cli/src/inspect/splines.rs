@@ -119,8 +119,10 @@ pub fn patch(name: String, patch: &SplinePatch) -> Result<(PatchReport, Soundnes
     };
     let mut sides = BTreeMap::new();
     if patch.dimension() > 1 {
+        let collapsed = patch.collapsed_sides();
         for (side, face) in faces(patch) {
-            sides.insert(side, size(&face)?);
+            let measure = if collapsed.contains(&side) { 0.0 } else { size(&face)? };
+            sides.insert(side, measure);
         }
     }
     let varies = |w: &Vec<f64>| w.iter().any(|v| *v != w[0]);

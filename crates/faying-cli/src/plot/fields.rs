@@ -23,6 +23,8 @@ pub struct FieldPlot<'a> {
     pub field: &'a str,
     /// Component of it.
     pub component: usize,
+    /// Least and largest value that the colours and the heading show; `None`: those of the points of the picture.
+    pub range: Option<[f64; 2]>,
 }
 
 /// A peak that is smaller than this share of the bodies is shown in detail.
@@ -45,7 +47,7 @@ pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, 
         all.iter().flatten().flat_map(|d| d.edges.iter().flat_map(|(line, _)| line)).map(|p| Vector::<2>::from(*p)).collect();
     let finite: Vec<Vector<2>> = points.into_iter().filter(|p| p.iter().all(|x| x.is_finite())).collect();
     let bounds = Bounds::around(&finite).filter(|b| b.diagonal() > 0.0).ok_or_else(|| PlotError::Empty(plot.title.to_owned()))?;
-    let scale = Scale::of(&all);
+    let scale = Scale::of(&all, plot.range);
     let detail = match peak(&all, &scale, &bounds) {
         None => None,
         Some(window) => {
@@ -90,8 +92,8 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    fn of(drawn: &[Vec<Drawn>]) -> Self {
-        Self::of_values(drawn.iter().flatten().flat_map(|d| d.pieces.iter().map(|(_, v)| *v)))
+    fn of(drawn: &[Vec<Drawn>], range: Option<[f64; 2]>) -> Self {
+        Self::of_values(drawn.iter().flatten().flat_map(|d| d.pieces.iter().map(|(_, v)| *v)).chain(range.into_iter().flatten()))
     }
 
     /// From the least to the largest finite value.

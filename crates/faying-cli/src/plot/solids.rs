@@ -205,7 +205,7 @@ pub fn solids(plot: &FieldPlot<'_>, parts: &[Part<'_, 3, 3>]) -> Result<String, 
     if all.is_empty() {
         return Err(PlotError::Empty(plot.title.to_owned()));
     }
-    let scale = Scale::of_values(all.iter().map(|p| p.value));
+    let scale = Scale::of_values(all.iter().map(|p| p.value).chain(plot.range.into_iter().flatten()));
     // nearest last; equal depths keep their order
     all.sort_by(|a, b| a.depth().total_cmp(&b.depth()));
     draw(plot, &all, &scale, &camera)

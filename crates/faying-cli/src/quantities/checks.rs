@@ -106,13 +106,13 @@ impl<const S: usize, const N: usize> Questions<S, N> {
             .iter()
             .zip(&self.probes)
             .map(|(probe, prepared)| {
-                let (value, reason) = match ask(model, state, prepared, &value) {
-                    Answer::One(v) => (v, None),
-                    Answer::Range(low, _) => (low, None),
-                    Answer::None(reason) => (f64::NAN, Some(reason)),
-                    Answer::Study => (f64::NAN, Some("only studies answer this quantity".to_string())),
+                let (value, at, reason) = match ask(model, state, prepared, &value) {
+                    Answer::One(v) => (v, None, None),
+                    Answer::Placed(v, at) | Answer::Range([(v, at), _]) => (v, Some(at), None),
+                    Answer::None(reason) => (f64::NAN, None, Some(reason)),
+                    Answer::Study => (f64::NAN, None, Some("only studies answer this quantity".to_string())),
                 };
-                ProbeReport { name: probe.name.value.clone(), quantity: probe.quantity.value.clone(), value, reason }
+                ProbeReport { name: probe.name.value.clone(), quantity: probe.quantity.value.clone(), value, at, reason }
             })
             .collect();
     }
@@ -129,7 +129,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
                 let values: Result<Vec<f64>, String> = self.values[k][which]
                     .iter()
                     .map(|p| match ask(model, state, p, &value) {
-                        Answer::One(v) => Ok(v),
+                        Answer::One(v) | Answer::Placed(v, _) => Ok(v),
                         Answer::None(reason) => Err(reason),
                         _ => Err("a value of a check is one number".to_string()),
                     })
@@ -141,6 +141,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
                 name: check.name.value.clone(),
                 quantity: check.quantity.value.clone(),
                 value: f64::NAN,
+                at: None,
                 expected: f64::NAN,
                 ok: false,
                 relation: match check.condition {
@@ -162,8 +163,9 @@ impl<const S: usize, const N: usize> Questions<S, N> {
                 report.reason = Some(elsewhere.map_or("decided by studies".to_string(), |b| format!("only for backend \"{}\"", b.value)));
             } else {
                 let found = match answer {
-                    Answer::One(v) => Ok(vec![v]),
-                    Answer::Range(low, high) => Ok(vec![low, high]),
+                    Answer::One(v) => Ok(vec![(v, None)]),
+                    Answer::Placed(v, at) => Ok(vec![(v, Some(at))]),
+                    Answer::Range(ends) => Ok(ends.map(|(v, at)| (v, Some(at))).to_vec()),
                     Answer::None(reason) => Err(reason),
                     Answer::Study => Err(NO_STUDY.to_string()),
                 };
@@ -181,9 +183,10 @@ impl<const S: usize, const N: usize> Questions<S, N> {
                             Condition::Above(_) => v > expected,
                             Condition::Equals { .. } => (v - expected).abs() <= atol + rtol * expected.abs(),
                         };
-                        report.value = values.iter().copied().fold(values[0], |worst, v| if excess(v) > excess(worst) { v } else { worst });
+                        report.ok = values.iter().all(|(v, _)| passes(*v));
+                        let worst = values.into_iter().reduce(|worst, v| if excess(v.0) > excess(worst.0) { v } else { worst });
+                        (report.value, report.at) = worst.unwrap_or((f64::NAN, None));
                         report.expected = expected;
-                        report.ok = values.iter().all(|&v| passes(v));
                     }
                     Err(reason) => report.reason = Some(reason),
                 }

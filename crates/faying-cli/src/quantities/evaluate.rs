@@ -3,20 +3,10 @@
 use super::grammar::{FieldName, Reduce};
 use super::path::look_up;
 use super::prepare::Prepared;
-use faying::basis::{Cell, Order};
-use faying::geometry::MapTable;
-use faying::linalg::{Vector, measure};
 use faying::physics::von_mises;
-use faying::problem::{ContactField, Model, PointState, StepState, TieField};
-use faying::quadrature::Quadrature;
-use faying::space::Space;
-use rayon::prelude::*;
+use faying::problem::{ContactField, Extreme, Model, PointState, StepState, TieField};
+use faying::space::off_collapsed;
 use serde_json::Value;
-
-/// Volume change of a map, relative to that in the middle of the element, below which the map has collapsed.
-const COLLAPSED: f64 = 1e-12;
-/// Share of the element by which points are moved off a collapsed edge.
-const NUDGE: f64 = 1e-7;
 
 /// The value of a quantity.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,8 +14,10 @@ const NUDGE: f64 = 1e-7;
 pub enum Answer {
     /// One number.
     One(f64),
-    /// Least and largest value of a field.
-    Range(f64, f64),
+    /// An extreme of a field, and its place.
+    Placed(f64, Vec<f64>),
+    /// Least and largest value of a field, each with its place.
+    Range([(f64, Vec<f64>); 2]),
     /// No number, with the reason.
     None(String),
     /// Known to studies only.
@@ -56,19 +48,33 @@ fn finite(value: f64) -> Answer {
     if value.is_finite() { Answer::One(value) } else { Answer::None("the value is not finite".into()) }
 }
 
-/// Returns the point; if the map of the element collapses there, as at the centre of a disc, a point nearer to the middle by 1e-7 of the
-/// element: gradients have a limit there and no value at the point itself. Nearer points lose more to round-off than this distance changes
-/// the field.
-fn off_collapsed<const N: usize>(space: &dyn Space<N, N>, element: usize, xi: &Vector<N>) -> Vector<N> {
-    let middle = match space.cell(element) {
-        Cell::Simplex => 1.0 / (N + 1) as f64,
-        _ => 0.5,
+/// A field over bodies: an extreme with its place, or both.
+fn over<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    state: &StepState<S, N>,
+    field: FieldName,
+    bodies: &[usize],
+    reduce: Reduce,
+) -> Answer {
+    let value = |s: &PointState<N>| component(field, s);
+    // displacements need no derivative
+    let derived = !matches!(field, FieldName::U(_));
+    let of_body = |k: &usize| match reduce {
+        Reduce::MinGauss | Reduce::MaxGauss => model.patches[*k].extremes_at_points(&state.u, state.t, &value),
+        _ => model.patches[*k].extremes(&state.u, state.t, derived, &value),
     };
-    let middle = Vector::<N>::repeat(middle);
-    let mut map = MapTable::new();
-    space.map(element, &[*xi, middle], Order::Gradients, &mut map);
-    let collapsed = measure(&map.jacobian[0]) <= COLLAPSED * measure(&map.jacobian[1]);
-    if collapsed { xi + (middle - xi) * NUDGE } else { *xi }
+    let Some(parts) = bodies.iter().map(of_body).collect::<Option<Vec<[Extreme<N>; 2]>>>() else {
+        return Answer::None("the field is not finite everywhere".into());
+    };
+    let low = parts.iter().map(|p| p[0]).reduce(|a, b| if b.value < a.value { b } else { a });
+    let high = parts.iter().map(|p| p[1]).reduce(|a, b| if b.value > a.value { b } else { a });
+    let (Some(low), Some(high)) = (low, high) else { return Answer::None("there is no body".into()) };
+    let placed = |x: Extreme<N>| (x.value, x.at.as_slice().to_vec());
+    match reduce {
+        Reduce::Min | Reduce::MinGauss => Answer::Placed(low.value, placed(low).1),
+        Reduce::Max | Reduce::MaxGauss => Answer::Placed(high.value, placed(high).1),
+        Reduce::None => Answer::Range([placed(low), placed(high)]),
+    }
 }
 
 /// Evaluates a quantity on `state`; numbers of the result are read from `result`.
@@ -94,41 +100,14 @@ pub fn evaluate<const S: usize, const N: usize>(
             for (e, xi) in &spot.elements {
                 let space = &**patch.body.space();
                 // displacements need no derivative
-                let xi = if matches!(field, FieldName::U(_)) { *xi } else { off_collapsed(space, *e, xi) };
-                let p = physics.at(space, &patch.field, &state.u, *e, &[xi])[0];
+                let xi = if matches!(field, FieldName::U(_)) { vec![*xi] } else { off_collapsed(space, *e, [*xi]) };
+                let p = physics.at(space, &patch.field, &state.u, *e, &xi)[0];
                 mean.u.iter_mut().zip(p.u).for_each(|(m, v)| *m += share * v);
                 mean.stress.iter_mut().zip(p.stress).for_each(|(m, v)| *m += share * v);
             }
             finite(component(*field, &mean))
         }
-        Prepared::Over(field, bodies, reduce) => {
-            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            let mut whole = true;
-            for p in bodies.iter().map(|k| &model.patches[*k]) {
-                let (space, physics) = (&**p.body.space(), p.physics_at(state.t));
-                let parts: Vec<(f64, f64, bool)> = (0..space.num_elements())
-                    .into_par_iter()
-                    .map(|e| {
-                        let points = physics.at(space, &p.field, &state.u, e, &p.rules.rule(e).points);
-                        points
-                            .iter()
-                            .map(|s| component(*field, s))
-                            .fold((f64::INFINITY, f64::NEG_INFINITY, true), |(l, h, ok), v| (l.min(v), h.max(v), ok && v.is_finite()))
-                    })
-                    .collect();
-                for (l, h, ok) in parts {
-                    (low, high, whole) = (low.min(l), high.max(h), whole && ok);
-                }
-            }
-            if !whole {
-                return Answer::None("the field is not finite everywhere".into());
-            }
-            match reduce {
-                Reduce::Min => finite(low),
-                Reduce::Max => finite(high),
-                Reduce::None => Answer::Range(low, high),
-            }
-        }
+        Prepared::Over(field, bodies, reduce) => over(model, state, *field, bodies, *reduce),
         Prepared::Lambda(spot, component) => {
             let part = &model.ties[spot.number].parts[spot.part];
             finite(TieField::of(model, part, state.t).at(model, part, state, spot.element, &[spot.xi])[*component][0])

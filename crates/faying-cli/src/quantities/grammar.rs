@@ -31,10 +31,14 @@ pub enum At {
 pub enum Reduce {
     /// No reduction: a single value at a point, or both extremes if a check holds over all.
     None,
-    /// The least value at the points of integration.
+    /// The least value over the closed elements.
     Min,
-    /// The largest value at the points of integration.
+    /// The largest value over the closed elements.
     Max,
+    /// The least value at the points of integration.
+    MinGauss,
+    /// The largest value at the points of integration.
+    MaxGauss,
 }
 
 /// Kind of a quantity, with its data.
@@ -174,7 +178,8 @@ fn axes(letters: &str) -> Option<(usize, usize)> {
 /// Substitute for a quantity of the contract that this version lacks; `None` for every other path.
 fn later(path: &[String]) -> Option<&'static str> {
     let words: Vec<&str> = path.iter().map(String::as_str).collect();
-    match words.strip_suffix(&["min"]).or_else(|| words.strip_suffix(&["max"])).unwrap_or(&words) {
+    let words = words.strip_suffix(&["gauss"]).unwrap_or(&words);
+    match words.strip_suffix(&["min"]).or_else(|| words.strip_suffix(&["max"])).unwrap_or(words) {
         ["u" | "displacement", "norm"] => Some("ask for the components u.x and u.y"),
         ["principal", "1" | "2" | "3"] => Some("ask for the components stress.xx, stress.yy, stress.xy, or for von_mises"),
         ["strain", c] if axes(c).is_some() => Some("ask for the stress: stress.xx, stress.yy, stress.xy"),
@@ -262,13 +267,16 @@ impl Quantity {
             return Ok(Kind::Later(std::mem::take(path), instead));
         }
         if matches!(path[0].as_str(), "u" | "displacement" | "flux" | "stress" | "von_mises") {
-            let reduce = match path.last().map(String::as_str) {
-                Some("min") => Reduce::Min,
-                Some("max") => Reduce::Max,
-                _ => Reduce::None,
+            let words: Vec<&str> = path.iter().map(String::as_str).collect();
+            let (reduce, length) = match words.as_slice() {
+                [.., "min"] => (Reduce::Min, 1),
+                [.., "max"] => (Reduce::Max, 1),
+                [.., "min", "gauss"] => (Reduce::MinGauss, 2),
+                [.., "max", "gauss"] => (Reduce::MaxGauss, 2),
+                _ => (Reduce::None, 0),
             };
             if reduce != Reduce::None {
-                path.pop();
+                path.truncate(path.len() - length);
                 if placed {
                     return wrong("a value at a point has no extremes; leave out `.min` and `.max`, or `at`");
                 }
@@ -346,6 +354,10 @@ mod tests {
         assert_eq!(
             kind("stress.xy.min in a"),
             Kind::Field { field: FieldName::Stress(0, 1), at: At::Everywhere, patch: Some("a".into()), reduce: Reduce::Min }
+        );
+        assert_eq!(
+            kind("von_mises.max.gauss"),
+            Kind::Field { field: FieldName::VonMises, at: At::Everywhere, patch: None, reduce: Reduce::MaxGauss }
         );
         assert_eq!(
             kind("von_mises at TIP"),

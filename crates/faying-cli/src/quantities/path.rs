@@ -29,24 +29,28 @@ pub fn look_up(value: &Value, path: &[String]) -> Option<Result<f64, String>> {
         let part = |key: &str| value["unknowns"][key].as_f64().unwrap_or(0.0);
         return Some(Ok(part("primal") + part("multipliers")));
     }
-    find(value, &resolve(path))
+    find(value, &resolve(path), "the number is not finite")
 }
 
-fn find(value: &Value, path: &[String]) -> Option<Result<f64, String>> {
+/// `reason`: that for a number without value, of the innermost object that holds it and gives one.
+fn find(value: &Value, path: &[String], reason: &str) -> Option<Result<f64, String>> {
     let Some(first) = path.first() else {
         return match value {
             Value::Number(n) => n.as_f64().map(Ok),
             Value::Bool(b) => Some(Ok(f64::from(u8::from(*b)))),
-            Value::Null => Some(Err("the number is not finite".into())),
+            Value::Null => Some(Err(reason.into())),
             _ => None,
         };
     };
     match value {
-        Value::Object(map) => (1..=path.len()).find_map(|n| map.get(&path[..n].join(".")).and_then(|inner| find(inner, &path[n..]))),
+        Value::Object(map) => {
+            let reason = map.get("reason").and_then(Value::as_str).unwrap_or(reason);
+            (1..=path.len()).find_map(|n| map.get(&path[..n].join(".")).and_then(|inner| find(inner, &path[n..], reason)))
+        }
         Value::Array(items) => {
             let by_name = items.iter().find(|item| item.get("name").and_then(Value::as_str) == Some(first));
             let index = first.parse::<usize>().ok().or_else(|| super::grammar::axis(first));
-            by_name.or_else(|| index.and_then(|k| items.get(k))).and_then(|inner| find(inner, &path[1..]))
+            by_name.or_else(|| index.and_then(|k| items.get(k))).and_then(|inner| find(inner, &path[1..], reason))
         }
         _ => None,
     }

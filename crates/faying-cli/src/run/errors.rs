@@ -1,6 +1,8 @@
 //! Errors of a solved model against exact solutions and multipliers, or against a stored run if there are none.
 
+use super::own_side::OwnSide;
 use crate::build::{Built, OnSide, ReferenceLambda};
+use crate::case::Case;
 use crate::formula::Point;
 use crate::named::Named;
 use faying::assembly::Errors;
@@ -39,6 +41,16 @@ fn is_known<const S: usize, const N: usize>(model: &Built<S, N>, name: &str) -> 
     model.exact.is_some() || model.reference.as_ref().is_some_and(|r| r.lambda_of(name).is_some())
 }
 
+/// Names of the ties and contacts whose lambda `exact` leaves open: their slave sides lie where its pieces meet, and it cannot be told
+/// which of them is meant.
+pub fn left_open<const S: usize, const N: usize>(model: &Built<S, N>, errors: &Named<f64>) -> Vec<String> {
+    let ties = model.ties.iter().filter(|t| t.exact.is_none()).map(|t| &t.name);
+    let contacts = model.contacts.iter().filter(|c| c.exact.is_none()).map(|c| &c.name);
+    let open = |name: &&String| errors.get(&format!("error.{name}.lambda.L2")).is_some_and(|e| e.is_nan());
+    let by_pieces = model.exact.as_ref().is_some_and(|e| e.is_piecewise());
+    ties.chain(contacts).filter(|name| by_pieces && open(name)).cloned().collect()
+}
+
 /// Calls `visit(piece, points, outward normals of the slave)` for the pieces of a slave side.
 fn each_piece<const S: usize, const N: usize>(
     slave: &SideModel<S, N>,
@@ -62,8 +74,24 @@ struct Squares {
     exact: f64,
 }
 
-/// Every error that can be measured, by its quantity.
-pub fn errors<const S: usize, const N: usize>(model: &Built<S, N>, state: &StepState<S, N>) -> Named<f64> {
+/// The exact traction on the slave's side at a point of it with the outward `normal`, from the side's own piece of the solution; NaN
+/// where it is open which one that is.
+fn exact_traction<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    own: &OwnSide<'_, S, N>,
+    slave: &SideModel<S, N>,
+    t: f64,
+    element: usize,
+    [x, normal]: [&Vector<N>; 2],
+) -> [f64; 3] {
+    let Some(exact) = model.exact.as_deref() else { return [0.0; 3] };
+    let physics = model.patches[slave.patch_of(element)].physics_at(t);
+    let found = physics.own_traction(exact, t, x, [normal, &-normal], own.depths(element, 0.0));
+    found.unwrap_or([f64::NAN; 3])
+}
+
+/// Every error that can be measured, by its quantity; NaN where the exact solution is left open ([`left_open`]).
+pub fn errors<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, state: &StepState<S, N>) -> Named<f64> {
     let mut all = Named::default();
     let mut add = |name: String, error: f64, exact: f64| {
         all.push(name.clone(), error);
@@ -90,7 +118,7 @@ pub fn errors<const S: usize, const N: usize>(model: &Built<S, N>, state: &StepS
     for tie in model.ties.iter().filter(|t| t.exact.is_some() || is_known(model, &t.name)) {
         let s = match stored_lambda(model, &tie.name, tie.exact.is_some()) {
             Some(stored) => tie_difference(model, state, tie, stored),
-            None => tie_error(model, state, tie),
+            None => tie_error(case, model, state, tie),
         };
         total = Squares { error: total.error + s.error, exact: total.exact + s.exact };
         add(format!("error.{}.lambda.L2", tie.name), s.error.sqrt(), s.exact.sqrt());
@@ -99,7 +127,7 @@ pub fn errors<const S: usize, const N: usize>(model: &Built<S, N>, state: &StepS
     for (k, contact) in model.contacts.iter().enumerate().filter(|(_, c)| c.exact.is_some() || is_known(model, &c.name)) {
         let s = match stored_lambda(model, &contact.name, contact.exact.is_some()) {
             Some(stored) => contact_difference(model, state, k, stored),
-            None => contact_error(model, state, k),
+            None => contact_error(case, model, state, k),
         };
         total = Squares { error: total.error + s.error, exact: total.exact + s.exact };
         add(format!("error.{}.lambda.L2", contact.name), s.error.sqrt(), s.exact.sqrt());
@@ -111,10 +139,10 @@ pub fn errors<const S: usize, const N: usize>(model: &Built<S, N>, state: &StepS
     all
 }
 
-fn tie_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, tie: &TieModel<S, N>) -> Squares {
+fn tie_error<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, state: &StepState<S, N>, tie: &TieModel<S, N>) -> Squares {
     let mut sum = Squares::default();
     for part in &tie.parts {
-        let physics = model.patches[part.slave.patch].physics_at(state.t);
+        let own = OwnSide::new(case, model, &part.slave);
         let lambda = TieField::of(model, part, state.t);
         for (pairing, s) in part.pairings.iter().map(|p| &p.segments).enumerate() {
             let found = lambda.on_segments(model, part, state, pairing);
@@ -122,14 +150,12 @@ fn tie_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
                 let points = s.points(piece);
                 let mut wanted = vec![0.0; model.components];
                 for (k, q) in points.enumerate() {
-                    let at = Point::new(x[k].as_slice()).at_time(state.t);
-                    match (&tie.exact, &model.exact) {
-                        (Some(list), _) => wanted.iter_mut().zip(list).for_each(|(w, f)| *w = f.value(&at)),
-                        (None, Some(exact)) => {
-                            physics.exact_traction(&**exact, &at, &x[k], &normals[k], &mut wanted);
-                            wanted.iter_mut().for_each(|w| *w = -*w);
-                        }
-                        (None, None) => {}
+                    if let Some(list) = &tie.exact {
+                        let at = Point::new(x[k].as_slice()).at_time(state.t);
+                        wanted.iter_mut().zip(list).for_each(|(w, f)| *w = f.value(&at));
+                    } else {
+                        let traction = exact_traction(model, &own, &part.slave, state.t, s.slave[piece], [&x[k], &normals[k]]);
+                        wanted.iter_mut().zip(traction).for_each(|(w, traction)| *w = -traction);
                     }
                     for (c, w) in wanted.iter().enumerate() {
                         sum.error += s.ds[q] * (found[c][q] - w).powi(2);
@@ -142,25 +168,21 @@ fn tie_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
     sum
 }
 
-fn contact_error<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, number: usize) -> Squares {
+fn contact_error<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, state: &StepState<S, N>, number: usize) -> Squares {
     let contact = &model.contacts[number];
     let mut sum = Squares::default();
     for (part, built) in contact.parts.iter().zip(&state.contacts[number]) {
         let s = &built.segments;
         let pressure = part.transmitted(built, &state.lambda[part.rows()]).pressure;
-        let physics = model.patches[part.slave.patch].physics_at(state.t);
+        let own = OwnSide::new(case, model, &part.slave);
         each_piece(&part.slave, s, |piece, x, normals| {
             let points = s.points(piece);
             for (k, q) in points.enumerate() {
-                let at = Point::new(x[k].as_slice()).at_time(state.t);
-                let wanted = match (&contact.exact, &model.exact) {
-                    (Some(f), _) => f.value(&at),
-                    (None, Some(exact)) => {
-                        let mut traction = vec![0.0; model.components];
-                        physics.exact_traction(&**exact, &at, &x[k], &normals[k], &mut traction);
-                        traction.iter().zip(normals[k].iter()).map(|(t, n)| t * n).sum()
-                    }
-                    (None, None) => 0.0,
+                let wanted = if let Some(f) = &contact.exact {
+                    f.value(&Point::new(x[k].as_slice()).at_time(state.t))
+                } else {
+                    let traction = exact_traction(model, &own, &part.slave, state.t, s.slave[piece], [&x[k], &normals[k]]);
+                    traction.iter().zip(normals[k].iter()).map(|(t, n)| t * n).sum()
                 };
                 sum.error += s.ds[q] * (-pressure[q] - wanted).powi(2);
                 sum.exact += s.ds[q] * wanted.powi(2);

@@ -3,14 +3,16 @@
 use super::Solved;
 use crate::case::Case;
 use crate::formula::Point;
-use crate::output::{ExactCurve, Output, Parts, Picture, RunOptions, SideOutput};
+use crate::output::{ExactCurve, FieldRange, Output, Parts, Picture, RunOptions, SideOutput};
 use crate::table::InterfaceRow;
 use faying::basis::{Basis, Order, ShapeTable};
 use faying::contact::{Obstacle, Surface, opposed};
 use faying::geometry::{ClosestPoint, Geometry, MapTable, Projection};
 use faying::linalg::{Vector, measure};
 use faying::physics::von_mises;
-use faying::problem::{Against, ArcLength, ContactField, PointState, SideModel, TieField, component_rows, multiplier_at, on_trace};
+use faying::problem::{
+    Against, ArcLength, ContactField, Extreme, PointState, SideModel, TieField, component_rows, multiplier_at, on_trace,
+};
 use faying::quadrature::Quadrature;
 use faying_files::vtu::{CellStyle, Part};
 use std::ops::Range;
@@ -36,10 +38,23 @@ pub fn volume_output(case: &Case, solved: &Arc<Solved<2, 3>>, options: &RunOptio
     assembled(case, solved, Parts::Volume(bodies(solved, options)), Vec::new())
 }
 
-fn assembled<const S: usize, const N: usize>(case: &Case, solved: &Solved<S, N>, parts: Parts, sides: Vec<SideOutput>) -> Output {
+fn assembled<const S: usize, const N: usize>(case: &Case, solved: &Arc<Solved<S, N>>, parts: Parts, sides: Vec<SideOutput>) -> Output {
     let title = if case.title.value.is_empty() { case.source.name.clone() } else { case.title.value.clone() };
     let (field, label) = if solved.model.components == 1 { ("u", "u") } else { ("von_mises", "von Mises stress") };
-    Output { title, parts, picture: Some(Picture { field: field.into(), component: 0, label: label.into() }), sides }
+    let picture = Some(Picture { field: field.into(), component: 0, label: label.into() });
+    let solved = Arc::clone(solved);
+    let range = Some(FieldRange(Box::new(move || range(&solved))));
+    Output { title, parts, picture, range, sides }
+}
+
+/// Least and largest value of the field of the picture over the closed elements of all bodies.
+fn range<const S: usize, const N: usize>(solved: &Solved<S, N>) -> Option<[f64; 2]> {
+    let (model, state) = (&solved.model, &solved.state);
+    let scalar = model.components == 1;
+    let value = |s: &PointState<N>| if scalar { s.u[0] } else { von_mises(&s.stress) };
+    let parts = model.patches.iter().map(|p| p.extremes(&state.u, state.t, !scalar, &value));
+    let join = |[a, b]: [f64; 2], [low, high]: [Extreme<N>; 2]| [a.min(low.value), b.max(high.value)];
+    parts.into_iter().try_fold([f64::INFINITY, f64::NEG_INFINITY], |found, part| Some(join(found, part?)))
 }
 
 fn bodies<const S: usize, const N: usize>(solved: &Arc<Solved<S, N>>, options: &RunOptions) -> Vec<Part<'static, N, N>> {

@@ -7,6 +7,7 @@ mod forecast;
 mod iteration;
 mod multipliers;
 mod need;
+mod own_side;
 mod poor;
 mod predict;
 mod report;
@@ -25,7 +26,7 @@ use super::watch::{Progress, Watch};
 use crate::case::Case;
 use crate::errors::{Diagnostic, Diagnostics, Severity};
 use faying::constraint::SolveError;
-use faying::contact::{ClosedSide, half_width};
+use faying::contact::{ClosedSide, NoHalfWidth, half_width};
 use faying::linalg::Csr;
 use faying::problem::{self, ContactModel, Model, StepError, StepState, Stiffness, TieModel, TiePart, step};
 use std::ops::ControlFlow;
@@ -76,7 +77,7 @@ fn in_space(case: &Case) -> bool {
     case.model.dimension.value == 3
 }
 
-fn zone(sides: &[report::Zone<'_, 1, 2>], symmetry: bool) -> f64 {
+fn zone(sides: &[report::Zone<'_, 1, 2>], symmetry: bool) -> Result<f64, NoHalfWidth> {
     let sides: Vec<_> = sides
         .iter()
         .map(|(slave, contact, sent)| ClosedSide { slave: *slave, contact, closed: &sent.closed, pressure: &sent.pressure })
@@ -416,7 +417,7 @@ impl<const S: usize, const N: usize> Measures<'_, S, N> {
             }
         };
         if let Some(state) = state {
-            report::fill(result, model, state, bodies, self.half_width, reason);
+            report::fill(case, result, model, state, bodies, self.half_width, reason);
             poor::of_state(case, model, state, result);
             result.t = case.has_steps().then_some(t);
             if status == Status::Ok && !state.u.iter().chain(&state.lambda).all(|v| v.is_finite()) {

@@ -9,7 +9,7 @@ use crate::result::{
     ActiveSetSummary, Balance, ContactReport, Extremes, Gaps, GeometryReport, InterfaceReport, Kkt, L2, Moment, Norm, RunResult,
     SolveReport, TiedSides, Unknowns,
 };
-use faying::contact::{Contact, Transmitted};
+use faying::contact::{Contact, NoHalfWidth, Transmitted};
 use faying::coupling::Rows;
 use faying::geometry::Geometry;
 use faying::linalg::{Csr, Operator};
@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 /// Slave side, rows of its contact, and the pressure and forces it transmits.
 pub type Zone<'a, const S: usize, const N: usize> = (&'a dyn Geometry<S, N>, &'a Contact<S, N>, Transmitted<N>);
 /// Function for half the width of a contact zone on slave sides of S dimensions; the flag: half model.
-pub type HalfWidth<const S: usize, const N: usize> = fn(&[Zone<'_, S, N>], bool) -> f64;
+pub type HalfWidth<const S: usize, const N: usize> = fn(&[Zone<'_, S, N>], bool) -> Result<f64, NoHalfWidth>;
 
 /// The result before anything is solved: all names, all counts, the geometry.
 pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, model: &Built<S, N>) -> RunResult {
@@ -99,6 +99,7 @@ fn moment<const N: usize>(m: [f64; 3]) -> Moment {
 
 /// Fills `result` from the solution of a step.
 pub fn fill<const S: usize, const N: usize>(
+    case: &Case,
     result: &mut RunResult,
     model: &Built<S, N>,
     state: &StepState<S, N>,
@@ -130,7 +131,7 @@ pub fn fill<const S: usize, const N: usize>(
     result.reactions = Named(reactions(model, state, &mut outside));
     result.balance =
         Balance { force: outside.force[..model.components].to_vec(), moment: (model.components == N).then(|| moment::<N>(outside.moment)) };
-    result.errors = errors(model, state);
+    result.errors = errors(case, model, state);
 }
 
 /// Sum of coupling forces on both bodies, which vanishes: action and reaction.
@@ -185,7 +186,7 @@ fn contacts<const S: usize, const N: usize>(
         let mut pull = Pull::default();
         for (part, rows) in contact.parts.iter().zip(built) {
             let range = part.rows();
-            let lambda = &state.lambda[range.clone()];
+            let (lambda, closed) = (&state.lambda[range.clone()], &state.active[range.clone()]);
             let sent = part.transmitted(rows, lambda);
             for k in 0..N {
                 total.force[k] += sent.force[k];
@@ -212,7 +213,7 @@ fn contacts<const S: usize, const N: usize>(
             report.gap.least = part.point_gaps(model, rows, &state.u).into_iter().fold(report.gap.least, f64::min);
             report.segments.count += rows.segments.num_pieces();
             report.segments.measure += rows.segments.measure();
-            let estimate = part.finer.as_ref().map(|f| f.estimate(&rows.rows, rows.reaction.as_ref(), &state.u, lambda));
+            let estimate = part.finer.as_ref().map(|f| f.estimate(&rows.rows, rows.reaction.as_ref(), Some(closed), &state.u, lambda));
             report.consistency = report.consistency.max(estimate.unwrap_or(0.0));
             if let Against::Side(..) = part.against {
                 pull.add(model, rows.reaction.as_ref().unwrap_or(&rows.rows), lambda);
@@ -227,7 +228,10 @@ fn contacts<const S: usize, const N: usize>(
             zones.push((&*part.slave.trace.space, rows, sent));
         }
         report.balance = pull.defect();
-        report.half_width = half_width.map_or(0.0, |f| f(&zones, contact.symmetry));
+        match half_width.map_or(Ok(0.0), |f| f(&zones, contact.symmetry)) {
+            Ok(found) => report.half_width = found,
+            Err(why) => (report.half_width, report.reason) = (f64::NAN, Some(format!("half_width: {why}"))),
+        }
         report.force = total.force[..N].to_vec();
         report.moment = moment::<N>(total.moment);
         report.displacement = contact.obstacle.as_ref().map(|o| o.displacement(state.t, Some(&state.u)).as_slice().to_vec());
@@ -291,7 +295,7 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
             report.distance = report.distance.max(s.report.distance);
         }
         let lambda = &state.lambda[part.first_row..part.first_row + part.num_rows];
-        let estimate = part.finer.as_ref().map(|f| f.estimate(&part.rows, part.reaction.as_ref(), &state.u, lambda));
+        let estimate = part.finer.as_ref().map(|f| f.estimate(&part.rows, part.reaction.as_ref(), None, &state.u, lambda));
         report.consistency = report.consistency.max(estimate.unwrap_or(0.0));
         pull.add(model, part.reaction.as_ref().unwrap_or(&part.rows), lambda);
         // forces of the added stiffness satisfy action and reaction, too

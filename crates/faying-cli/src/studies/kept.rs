@@ -140,6 +140,7 @@ fn result(document: &Value, command: &str, name: &str) -> Option<RunResult> {
     result.unknowns.multipliers = count(&document["unknowns"]["multipliers"]);
     result.energy = number(&document["energy"]);
     if let Some(map) = document["errors"].as_object() {
+        result.errors_reason = text_of(&document["errors"]["reason"]);
         result.errors = map.iter().filter(|(k, _)| *k != "reason").map(|(k, v)| (k.clone(), number(v))).collect();
     }
     result.probes = document["probes"].as_array()?.iter().map(probe).collect::<Option<_>>()?;
@@ -157,7 +158,12 @@ fn text_of(value: &Value) -> Option<String> {
 
 fn probe(v: &Value) -> Option<ProbeReport> {
     let (name, quantity) = (text_of(&v["name"])?, text_of(&v["quantity"])?);
-    Some(ProbeReport { name, quantity, value: number(&v["value"]), reason: text_of(&v["reason"]) })
+    Some(ProbeReport { name, quantity, value: number(&v["value"]), at: place_of(&v["at"]), reason: text_of(&v["reason"]) })
+}
+
+/// The place of an extreme.
+fn place_of(v: &Value) -> Option<Vec<f64>> {
+    Some(v.as_array()?.iter().map(number).collect())
 }
 
 fn check(v: &Value) -> Option<CheckReport> {
@@ -165,6 +171,7 @@ fn check(v: &Value) -> Option<CheckReport> {
         name: text_of(&v["name"])?,
         quantity: text_of(&v["quantity"])?,
         value: number(&v["value"]),
+        at: place_of(&v["at"]),
         expected: number(&v["expected"]),
         ok: v["ok"].as_bool()?,
         relation: text_of(&v["relation"])?,
@@ -201,7 +208,13 @@ mod tests {
         for (k, x) in [0.1, 1.0 / 3.0, 5e-324, 1.797e308, -7.5e-310, 2.0_f64.sqrt() * 1e-9].into_iter().enumerate() {
             row.result.errors.push(format!("error.{k}"), x);
         }
-        row.result.probes.push(ProbeReport { name: "p".into(), quantity: "energy".into(), value: f64::NAN, reason: None });
+        row.result.probes.push(ProbeReport {
+            name: "p".into(),
+            quantity: "energy".into(),
+            value: f64::NAN,
+            at: Some(vec![0.1, 1.0 / 3.0]),
+            reason: None,
+        });
         row.result.warnings.push(Diagnostic::warning("E061", "unstable").with_help("read").in_file("a.toml"));
         (row.document, row.beta, row.degree) = (row.result.to_value(), Some(0.1), "3x2".into());
         let keys = [Some("k".to_owned())];

@@ -3,6 +3,7 @@
 
 mod battery;
 mod case_files;
+mod extremes;
 mod lessons;
 mod mutated_files;
 mod mutated_runs;

@@ -601,26 +601,26 @@ fn a_start_by_gaps_takes_bodies_that_touch_as_closed() {
 
 #[test]
 fn the_half_width_is_that_of_the_sides_as_one() {
-    // one box of 20 elements, and the same cut at `cut`: the joint is no end of the side
+    // one box of 80 elements, and the same cut at `cut`: the joint is no end of the side
     let case = |cut: f64, left: usize, obstacle: &str| {
         format!(
             "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
-             [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [{cut}, 1] }}\nelements = [{left}, 4]\n\
-             [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [{cut}, 0], max = [1, 1] }}\nelements = [{}, 4]\n\
+             [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [{cut}, 1] }}\nelements = [{left}, 16]\n\
+             [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [{cut}, 0], max = [1, 1] }}\nelements = [{}, 16]\n\
              [[boundary]]\non = [\"a.top\", \"b.top\"]\ndirichlet = [\"0\", \"-0.02\"]\n\
              [[interface]]\nname = \"t\"\nslave = \"a.right\"\nmaster = \"b.left\"\n\
              [[contact]]\nname = \"c\"\nslave = [\"b.bottom\", \"a.bottom\"]\nrigid = {{ {obstacle} }}\n\
              [[probe]]\nname = \"w\"\nquantity = \"contact.c.half_width\"\n",
-            20 - left
+            80 - left
         )
     };
     let plane = "kind = \"half-plane\", point = [0, 0], normal = [0, 1]";
     let round = "kind = \"sphere\", center = [0.5, -2], radius = 2.0";
-    close(probe(&run(&case(0.6, 12, plane)), "w"), 0.5, 1e-9, "half of it");
+    close(probe(&run(&case(0.6, 48, plane)), "w"), 0.5, 1e-9, "half of it");
     // what the same gives with the joint beside the zone, and what one box gives with elements of 1/320: 0.1685
     let width = |cut: f64, left: usize| probe(&run(&case(cut, left, round)), "w");
-    close(width(0.45, 9), width(0.2, 4), 0.2 * 0.05, "a zone over the joint: within a fifth of an element");
-    close(width(0.45, 9), 0.1685, 0.006, "a zone over the joint");
+    close(width(0.45, 36), width(0.2, 16), 0.2 * 0.0125, "a zone over the joint: within a fifth of an element");
+    close(width(0.45, 36), 0.1685, 0.01 * 0.1685, "a zone over the joint");
 }
 
 #[test]

@@ -173,3 +173,97 @@ fn a_rate_that_no_study_finds_fails_in_a_run() {
     assert!(reason.contains("studies") && reason.contains("faying convergence"), "{reason}");
     assert!(check.value.is_nan());
 }
+
+const PLANE: &str = "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1000\npoisson = 0.3\n";
+
+/// Half of a half-plane under half an obstacle that a force presses.
+fn pressed_half_plane(obstacle: &str, [nx, ny]: [usize; 2], force: f64) -> String {
+    format!(
+        "{PLANE}[[patch]]\nname = \"half\"\ngeometry = {{ kind = \"box\", min = [0, -60], max = [60, 0] }}\nelements = [{nx}, {ny}]\n\
+         grade = {{ toward = {{ u = 0, v = 1 }}, ratio = 0.05 }}\n[[boundary]]\non = \"half.left\"\nfix = [\"x\"]\n\
+         [[boundary]]\non = \"half.bottom\"\nfix = [\"y\"]\n[[contact]]\nname = \"c\"\nslave = \"half.top\"\nsymmetry = true\n\
+         rigid = {{ kind = \"level-set\", f = \"{obstacle} - y\", along = [0, -1], force = {{ y = {:?} }} }}\n",
+        -0.5 * force
+    )
+}
+
+/// A layer on a rigid plane, pressed around x = 0: it leaves the plane farther out.
+fn receding_layer([nx, ny]: [usize; 2]) -> String {
+    format!(
+        "{PLANE}[[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [6, 1] }}\nelements = [{nx}, {ny}]\n\
+         [[boundary]]\non = \"a.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"a.top\"\ntraction = {{ y = \"-exp(-(x/0.3)^2)\" }}\n\
+         [[contact]]\nname = \"c\"\nslave = \"a.bottom\"\nrigid = {{ kind = \"half-plane\", point = [0, 0], normal = [0, 1] }}\nsymmetry = true\n"
+    )
+}
+
+/// Half the width of the zone of a flat punch of half width 1 with corners of radius 20 (Ciavarella, Int. J. Solids Struct. 35, 1998).
+fn rounded_punch(force: f64, modulus: f64) -> f64 {
+    let load = |b: f64| {
+        let (from, n) = ((1.0 / b).asin(), 20_000);
+        let step = (0.5 * std::f64::consts::PI - from) / f64::from(n);
+        let part = |k: i32| {
+            let t = from + (f64::from(k) + 0.5) * step;
+            (b * t.sin() - 1.0) * b * t.sin() * step
+        };
+        modulus / 20.0 * (0..n).map(part).sum::<f64>()
+    };
+    let (mut low, mut high) = (1.0, 100.0);
+    for _ in 0..60 {
+        let b = 0.5 * (low + high);
+        if load(b) < force { low = b } else { high = b }
+    }
+    low
+}
+
+/// Zones on several meshes, each with its half width: within 1 % where there is one; how many there are at least.
+fn within_a_hundredth(what: &str, cases: Vec<(String, f64)>, least: usize) {
+    let found: Vec<(f64, Option<String>)> = cases
+        .par_iter()
+        .map(|(text, wanted)| {
+            let result = solve(text, &[]);
+            let c = contact(&result, "c");
+            (c.half_width / wanted - 1.0, c.reason.clone())
+        })
+        .collect();
+    let shown: Vec<String> = found.iter().map(|(e, why)| why.clone().map_or(format!("{:.2} %", 100.0 * e), |_| "-".into())).collect();
+    println!("{what}: {shown:?}");
+    for (error, reason) in &found {
+        assert!(error.is_nan() == reason.is_some(), "{what}: {error} {reason:?}");
+        assert!(error.is_nan() || error.abs() < 0.01, "{what}: {shown:?}");
+        assert!(reason.as_ref().is_none_or(|why| why.contains("half_width") && why.contains("refine")), "{reason:?}");
+    }
+    assert!(found.iter().filter(|f| !f.0.is_nan()).count() >= least, "{what}: {shown:?}");
+}
+
+#[test]
+fn zones_of_wedges_rounded_punches_and_receding_layers_end_within_a_hundredth() {
+    let modulus = 1000.0 / (1.0 - 0.09);
+    let meshes = [[50, 24], [60, 30], [70, 30], [80, 40], [90, 40], [100, 50], [120, 50]];
+    let degrees = ["", "[discretization]\ndegree = 3\n", "[discretization]\nbackend = \"fe\"\ndegree = 2\n"];
+    for more in degrees {
+        let wedges = meshes.iter().flat_map(|n| [14.0, 20.0, 27.0].map(|p| (p, *n)));
+        let wedge = |(p, n): (f64, [usize; 2])| (pressed_half_plane("0.02*abs(x)", n, p) + more, p / (modulus * 0.02));
+        within_a_hundredth(&format!("wedge {more}"), wedges.map(wedge).collect(), 10);
+        let punches = [[80, 40], [120, 50], [140, 50], [180, 50]].into_iter().flat_map(|n| [20.0, 40.0, 80.0].map(|p| (p, n)));
+        let punch = |(p, n): (f64, [usize; 2])| (pressed_half_plane("max(0, x - 1)^2/40", n, p) + more, rounded_punch(p, modulus));
+        within_a_hundredth(&format!("punch {more}"), punches.map(punch).collect(), 7);
+        let fine = contact(&solve(&(receding_layer([600, 30]) + more), &[]), "c").half_width;
+        let layers = [[50, 8], [60, 12], [70, 10], [80, 12], [100, 12], [120, 16], [160, 16]];
+        within_a_hundredth(&format!("layer {more}"), layers.map(|n| (receding_layer(n) + more, fine)).to_vec(), 4);
+    }
+}
+
+#[test]
+fn a_half_width_that_the_pressure_does_not_tell_is_null_with_a_reason() {
+    // three elements between the corner of the punch and the end of its zone
+    let text = pressed_half_plane("max(0, x - 1)^2/40", [80, 40], 10.0)
+        + "[[probe]]\nname = \"b\"\nquantity = \"contact.c.half_width\"\n[[check]]\nquantity = \"contact.c.half_width\"\nabove = 0\n";
+    let result = read(&text, &[]).run(&Registry::default()).unwrap();
+    let document: serde_json::Value = serde_json::from_str(&result.to_json()).unwrap();
+    let c = &document["contact"]["c"];
+    assert!(c["half_width"].is_null() && c["area"].as_f64().unwrap() > 0.0 && c["active"].as_u64().unwrap() > 0, "{c}");
+    for reason in [&c["reason"], &document["probes"][0]["reason"], &document["checks"][0]["reason"]] {
+        assert!(reason.as_str().unwrap().contains("elements that are pressed"), "{reason}");
+    }
+    assert_eq!((result.status, result.checks[0].ok), (Status::CheckFailed, false));
+}

@@ -451,7 +451,7 @@ fn vtk_reads_the_curve_of_a_side_with_its_multiplier() {
 #[test]
 fn pictures_are_svg_documents_of_fixed_bytes() {
     let all = bodies();
-    let plot = plot::FieldPlot { title: "A ring & a <plate>", label: "von Mises", field: "von_mises", component: 0 };
+    let plot = plot::FieldPlot { title: "A ring & a <plate>", label: "von Mises", field: "von_mises", component: 0, range: None };
     let parts = [part("ring", &all[1].1, CellStyle::Bezier), part("triangles", &all[9].1, CellStyle::Lagrange)];
     let svg = plot::fields(&plot, &parts).unwrap();
     assert_eq!(svg, plot::fields(&plot, &parts).unwrap());
@@ -481,7 +481,7 @@ fn pictures_to_look_at_are_written_where_asked() {
     let Some(folder) = std::env::var_os("FAYING_PICTURES") else { return };
     let folder = std::path::Path::new(&folder);
     for (k, (name, space)) in bodies().iter().enumerate() {
-        let plot = plot::FieldPlot { title: name, label: "stress.xx", field: "stress", component: 0 };
+        let plot = plot::FieldPlot { title: name, label: "stress.xx", field: "stress", component: 0, range: None };
         std::fs::write(folder.join(format!("fields_{k}.svg")), plot::fields(&plot, &[part(name, space, CellStyle::Bezier)]).unwrap())
             .unwrap();
     }
@@ -500,7 +500,8 @@ fn pictures_to_look_at_are_written_where_asked() {
     };
     let parts =
         [upper.space(), lower.space()].map(|space| Part::new("body", space.clone(), CellStyle::Bezier).with("von_mises", 1, peak(space)));
-    let plot = plot::FieldPlot { title: "A half cylinder on a block", label: "von Mises stress", field: "von_mises", component: 0 };
+    let plot =
+        plot::FieldPlot { title: "A half cylinder on a block", label: "von Mises stress", field: "von_mises", component: 0, range: None };
     std::fs::write(folder.join("pair.svg"), plot::fields(&plot, &parts).unwrap()).unwrap();
     let trace = upper.trace("v1").unwrap();
     let space = trace.space.clone();

@@ -243,3 +243,177 @@ fn a_contact_that_slides_along_a_curve_farther_than_its_gap_allows_is_told() {
     only(&run(&arch(5e-2)), "E065", &["\"disc\"", "small kinematics"]);
     none(&run(&arch(1e-3)), "a light load");
 }
+
+/// Two bars of moduli 1000 and 1 in series, pulled by 1: the exact solution has a kink at the tie, which is at x = `at`; `slave` is stiff or soft.
+fn bars(at: f64, stiff_is_slave: bool, form: &str) -> String {
+    let sides = ["a.right", "b.left"];
+    let (slave, master) = if stiff_is_slave { (sides[0], sides[1]) } else { (sides[1], sides[0]) };
+    format!("[model]\nphysics = \"elasticity\"\ndimension = 2\nexact = {{ u = [\"{form}\", \"0\"] }}\n")
+        + "[[material]]\nname = \"stiff\"\nyoung = 1000.0\npoisson = 0.0\n[[material]]\nname = \"soft\"\nyoung = 1.0\npoisson = 0.0\n"
+        + &block("a", [0.0, 0.0], [at, 1.0], [3, 3], "material = \"stiff\"")
+        + &block("b", [at, 0.0], [2.0 * at, 1.0], [2, 2], "material = \"soft\"")
+        + &on("\"a.left\"", "fix = [\"x\"]")
+        + &on("[\"a.bottom\", \"b.bottom\"]", "fix = [\"y\"]")
+        + &on("\"b.right\"", "traction = [1.0, 0.0]")
+        + &format!("[[interface]]\nname = \"i\"\nslave = \"{slave}\"\nmaster = \"{master}\"\n")
+}
+
+#[test]
+fn lambda_is_that_of_the_slaves_own_piece_of_the_exact_solution() {
+    for at in [1.0, 1.0 / 3.0, 1e3] {
+        let [less, or_equal] = ["<", "<="].map(|word| format!("if(x {word} {at:?}, x/1000, {at:?}/1000 + x - {at:?})"));
+        let minimum = format!("max(x/1000, {at:?}/1000 + x - {at:?})");
+        for form in [less, or_equal, minimum] {
+            for stiff in [true, false] {
+                let result = run(&bars(at, stiff, &form));
+                none(&result, &form);
+                let found = error(&result, "error.i.lambda.L2.rel");
+                assert!(found < 1e-9, "{form} {stiff}: {found:e}");
+            }
+        }
+    }
+}
+
+/// The flux 1/r through two half rings of conductivities 3 and 1 that meet at r = 1.
+fn half_rings(backend: &str, degree: usize, [inner, outer]: [usize; 2], slave: &str) -> String {
+    let (slave, master) = if slave == "inner" { ("a.v1", "b.v0") } else { ("b.v0", "a.v1") };
+    let ring = |name: &str, radius: [f64; 2], n: usize| {
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"annulus-sector\", radius = {radius:?}, angle_deg = [0, 180] }}\n\
+             elements = [{n}, 3]\nmaterial = \"{name}\"\n"
+        )
+    };
+    format!(
+        "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = {{ u = \"if(r < 1, log(r)/3, log(r))\" }}\n\
+         [discretization]\nbackend = \"{backend}\"\ndegree = {degree}\n\
+         [[material]]\nname = \"a\"\nconductivity = 3.0\n[[material]]\nname = \"b\"\nconductivity = 1.0\n{}{}\
+         [[interface]]\nname = \"i\"\nslave = \"{slave}\"\nmaster = \"{master}\"\n[[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n",
+        ring("a", [0.5, 1.0], inner),
+        ring("b", [1.0, 2.0], outer)
+    )
+}
+
+#[test]
+fn facets_that_leave_the_line_between_two_pieces_have_the_right_lambda_and_no_jump() {
+    for (backend, degree) in [("iga", 2), ("fe", 1), ("fe", 2), ("fe", 3)] {
+        for slave in ["inner", "outer"] {
+            let of = |n: [usize; 2]| {
+                let result = run(&half_rings(backend, degree, n, slave));
+                none(&result, &format!("{backend} {degree} {slave} {n:?}"));
+                error(&result, "error.i.lambda.L2.rel")
+            };
+            // a wrong piece makes the error 0.67 or 2
+            let errors = [[7, 10], [14, 20], [28, 40]].map(of);
+            println!("{backend} {degree} {slave}: {errors:?}");
+            assert!(errors[0] < 0.25 && errors[2] < 0.6 * errors[0], "{backend} {degree} {slave}: {errors:?}");
+        }
+    }
+}
+
+#[test]
+fn a_side_whose_piece_is_open_has_no_error_of_lambda_but_a_warning() {
+    // quarters of a circle as single facets: how far they leave it is not told by their angles
+    let result = run(&half_rings("fe", 1, [2, 2], "outer"));
+    only(&result, "E017", &["\"i\"", "error.i.lambda.L2"]);
+    assert!(error(&result, "error.i.lambda.L2").is_nan() && error(&result, "error.u.L2").is_finite());
+    let document: serde_json::Value = serde_json::from_str(&result.to_json()).unwrap();
+    assert!(document["errors"]["error.i.lambda.L2"].is_null());
+    assert!(document["errors"]["reason"].as_str().unwrap().contains("pieces of `exact`"), "{}", document["errors"]);
+}
+
+/// Rings that fit exactly, squeezed evenly by a pressure.
+fn fitting_rings(radius: f64, move_by: f64, young: f64) -> String {
+    let ring = |name: &str, inner: f64, outer: f64| {
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"annulus-sector\", center = [{move_by:?}, 0], radius = [{:?}, {:?}], angle_deg = [0, 90] }}\n\
+             elements = [2, 1]\n",
+            inner * radius,
+            outer * radius
+        )
+    };
+    format!(
+        "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\nbackend = \"fe\"\ndegree = 1\n[[material]]\nname = \"m\"\nyoung = {young:?}\npoisson = 0.2\n"
+    ) + &ring("outer", 0.6, 1.0)
+        + &ring("inner", 0.2, 0.6)
+        + &on("[\"outer.u0\", \"inner.u0\"]", "fix = [\"y\"]")
+        + &on("[\"outer.u1\", \"inner.u1\"]", "fix = [\"x\"]")
+        + &on("\"outer.v1\"", &format!("pressure = {:?}", 1e-4 * young))
+        + "[[contact]]\nname = \"c\"\nslave = \"inner.v1\"\nmaster = \"outer.v0\"\n"
+}
+
+#[test]
+fn sides_that_fit_to_rounding_neither_slide_nor_leave_their_surface() {
+    for (radius, move_by, young) in [(1.0, 0.0, 1e9), (1e3, 0.0, 1.0), (1e-4, 0.0, 2e11), (1.0, 300.0, 1e3)] {
+        none(&run(&fitting_rings(radius, move_by, young)), &format!("{radius} {move_by} {young}"));
+    }
+}
+
+/// A half cylinder, by its quarter, on a half cylinder below it; far from the zone their sides look away from each other.
+fn cylinders(elements: usize, integration: &str) -> String {
+    let quarter = |name: &str, y: f64, angles: [f64; 2], radius: f64, n: usize, toward: usize| {
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"annulus-sector\", center = [0, {y:?}], radius = [{:?}, {radius:?}], angle_deg = {angles:?} }}\n\
+             elements = [{n}, 12]\ngrade = {{ toward = {{ u = {toward}, v = 1 }}, ratio = 0.05 }}\n",
+            0.2 * radius
+        )
+    };
+    ELASTIC.replace("young = 1.0", "young = 1000.0")
+        + &quarter("upper", 6.0, [-90.0, 0.0], 6.0, elements, 0)
+        + &quarter("lower", -10.0, [0.0, 90.0], 10.0, elements * 5 / 4, 1)
+        + &on("[\"upper.u0\", \"lower.u1\"]", "fix = [\"x\"]")
+        + &on("\"upper.u1\"", "dirichlet = { y = \"-0.1\" }")
+        + &on("\"lower.u0\"", "fix = [\"y\"]")
+        + &format!(
+            "[[contact]]\nname = \"c\"\nslave = \"upper.v1\"\nmaster = \"lower.v1\"\nsymmetry = true\nintegration = \"{integration}\"\n"
+        )
+}
+
+#[test]
+fn the_integration_of_a_contact_is_judged_where_it_is_closed() {
+    for elements in [24, 32, 48] {
+        let result = run(&cylinders(elements, "merged"));
+        println!("{elements}: {:e}", result.contact.get("c").unwrap().consistency);
+        none(&result, &format!("{elements} elements"));
+    }
+}
+
+#[test]
+fn coarse_facets_do_not_make_distant_sides_near() {
+    // beams 100 long and 10 thick in two facets, 2.8 apart from a third that ties them
+    let beams = |gap: f64| {
+        ELASTIC.to_owned()
+            + &block("a", [0.0, 0.0], [100.0, 10.0], [2, 1], "")
+            + &block("b", [0.0, 10.0 + gap], [100.0, 20.0 + gap], [2, 1], "")
+            + &block("c", [100.0, 0.0], [110.0, 20.0 + gap], [1, 2], "")
+            + "[[interface]]\nname = \"i\"\nbetween = \"all\"\n"
+            + &on("\"a.left\"", "fix = [\"x\", \"y\"]")
+            + &on("\"b.left\"", "traction = [0, -1e-6]")
+    };
+    for gap in [2.8, 0.5, 6.0] {
+        none(&run(&beams(gap)), &format!("{gap} apart"));
+    }
+    only(&run(&beams(0.05)), "E023", &["`a.top`", "`b.bottom`", "not tied"]);
+}
+
+#[test]
+fn a_centre_that_is_a_point_to_rounding_is_no_side() {
+    for (size, off) in [(2.0, 6e-17), (2.0, 0.0), (3e5, 1e-11), (1e-6, 2e-22)] {
+        let points = [[off, 0.0], [off, off], [0.0, off], [size, 0.0], [size, size], [0.0, size]];
+        let list: Vec<String> = points.iter().map(|p| format!("{p:?}")).collect();
+        for moved in [0.0, 7.0] {
+            let text = format!(
+                "[model]\nphysics = \"poisson\"\ndimension = 2\nsource = \"1\"\n[[patch]]\nname = \"d\"\n\
+                 geometry = {{ kind = \"nurbs\", degree = [2, 1], knots = [[0, 0, 0, 1, 1, 1], [0, 0, 1, 1]], points = [{}], \
+                 weights = [1, 0.7071067811865476, 1, 1, 0.7071067811865476, 1], move = [{:?}, 0] }}\nelements = [4, 4]\n\
+                 [[boundary]]\non = \"all-outer\"\ndirichlet = 0\n[[probe]]\nname = \"u\"\nquantity = \"u at [{:?}, {:?}]\"\n",
+                list.join(", "),
+                moved * size,
+                (moved + 0.15) * size,
+                0.15 * size
+            );
+            let result = run(&text);
+            none(&result, &text);
+            assert!(result.probes[0].value > 0.0 && result.reactions.len() == 3, "{:?}", result.reactions);
+        }
+    }
+}

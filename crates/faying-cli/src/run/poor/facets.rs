@@ -20,7 +20,7 @@ use faying::problem::{ContactModel, ContactPart, Model};
 const POOR: f64 = 0.1;
 /// Ratio max |g| / h from which on sides do not fit.
 const FIT: f64 = 10.0;
-/// Sags below this fraction of the size of the model are round-off.
+/// Sags and gaps below this fraction of the size of the model, and of its distance from the origin, are round-off.
 const ROUNDING: f64 = 1e-12;
 
 /// Returns at most one warning per contact.
@@ -52,7 +52,8 @@ fn of_part<const S: usize, const N: usize>(
 ) -> Option<(f64, f64)> {
     let sides = part.masters.iter().chain([&part.slave]);
     let sag: f64 = sides.map(|side| sag(case, &model.patches, side).greatest()).sum();
-    if sag <= ROUNDING * model.size {
+    let rounding = ROUNDING * (model.size + model.center.norm());
+    if sag <= rounding {
         return None;
     }
     let t = case.steps.value.first().copied().unwrap_or(1.0);
@@ -65,5 +66,5 @@ fn of_part<const S: usize, const N: usize>(
         largest = largest.max(gap);
     }
     let mean = sum / size;
-    (mean > 0.0 && sag > POOR * mean && largest < FIT * sag).then_some((sag, mean))
+    (mean > rounding && sag > POOR * mean && largest < FIT * sag).then_some((sag, mean))
 }

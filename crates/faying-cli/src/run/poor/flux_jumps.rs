@@ -4,18 +4,22 @@
 //! that are tied, that is not the load of u: the jump on the line is missing, and u is not the solution of the case. Jumps are searched
 //! where the formulas are piecewise, on lines from the middle of every element to its neighbours, by bisection towards the largest change
 //! of the gradient. Where u is continuous, [grad u] = a m with m normal to the line of the jump, which gives the flux to compare: in one
-//! material it jumps whenever the gradient does, between two it need not.
+//! material it jumps whenever the gradient does, between two it need not. Facets leave the line that they stand for: what jumps between
+//! a side and that line is not inside the body, and across a tie each body has its own piece ([`faying::problem::Depths`]).
 
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::formula::Point;
+use crate::run::own_side::OwnSide;
 use crate::words::percent;
 use crate::words::short;
 use faying::basis::{Cell, Order};
-use faying::geometry::{MapTable, cell};
+use faying::geometry::{ClosestPoint, MapTable, cell};
 use faying::linalg::{Matrix, Vector};
-use faying::problem::{Exact, Model, PatchModel, TiePart, field_slope};
+use faying::problem::{Exact, Model, PatchModel, SideModel, TiePart, field_slope};
+use faying::space::Space;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Jumps below this fraction of the largest flux are attributed to round-off.
 const JUMP: f64 = 1e-3;
@@ -53,8 +57,9 @@ pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
         }
     };
     if exact.is_piecewise() {
-        for patch in &model.patches {
-            tell(inside(patch, exact, t), format!("inside patch \"{}\"", patch.name));
+        for (k, patch) in model.patches.iter().enumerate() {
+            let rims = Rims::of(case, model, k);
+            tell(inside(patch, &rims, exact, t), format!("inside patch \"{}\"", patch.name));
         }
     }
     for tie in &model.ties {
@@ -67,7 +72,7 @@ pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
                 .chain([part.slave.patch])
                 .all(|k| model.patches[k].physics.is_homogeneous() && case.patches[k].material.value == material);
             if exact.is_piecewise() || !smooth {
-                tell(across(model, part, exact, t), format!("across interface \"{}\"", tie.name));
+                tell(across(case, model, part, exact, t), format!("across interface \"{}\"", tie.name));
             }
         }
     }
@@ -106,7 +111,7 @@ fn gradient<const N: usize>(exact: &dyn Exact, components: usize, t: f64, x: &Ve
 }
 
 /// The largest jump of the flux inside a patch.
-fn inside<const S: usize, const N: usize>(patch: &PatchModel<S, N>, exact: &dyn Exact, t: f64) -> Jump<N> {
+fn inside<const S: usize, const N: usize>(patch: &PatchModel<S, N>, rims: &Rims<S, N>, exact: &dyn Exact, t: f64) -> Jump<N> {
     let components = patch.field.components;
     let grad = |x: &Vector<N>| gradient(exact, components, t, x);
     let mut worst = Jump { size: 0.0, largest: 0.0, at: Vector::zeros() };
@@ -137,11 +142,40 @@ fn inside<const S: usize, const N: usize>(patch: &PatchModel<S, N>, exact: &dyn 
         let Some(normal) = direction(&(after - before)).filter(|_| (after - before).norm() > JUMP * size) else { continue };
         let (here, there) = (point(left), point(right));
         let jump = distance(&traction(patch, exact, t, &here, &normal), &traction(patch, exact, t, &there, &normal));
-        if jump > worst.size {
+        if jump > worst.size && !rims.hold(&here) {
             (worst.size, worst.at) = (jump, here);
         }
     }
     worst
+}
+
+/// The layers between the sides of a body and the surfaces that their facets stand for.
+struct Rims<const S: usize, const N: usize>(Vec<Rim<S, N>>);
+
+/// A side and the thickness of its layer per element.
+type Rim<const S: usize, const N: usize> = (ClosestPoint<S, N, Arc<dyn Space<S, N>>>, Vec<f64>);
+
+impl<const S: usize, const N: usize> Rims<S, N> {
+    /// The layers of a patch; sides of exact maps have none.
+    fn of(case: &Case, model: &Model<S, N>, number: usize) -> Self {
+        let patch = &model.patches[number];
+        let sides = patch.body.sides().into_iter().filter(|_| !patch.exact_map);
+        let of_side = |name: String| {
+            let side = SideModel::new(patch, number, &name, name.clone()).ok()?;
+            let own = OwnSide::new(case, model, &side);
+            let layer: Vec<f64> = (0..side.trace.facets.len()).map(|e| own.depths(e, 0.0).certain).collect();
+            layer.iter().any(|d| *d > 0.0).then(|| (ClosestPoint::new(Arc::clone(&side.trace.space)), layer))
+        };
+        Self(sides.filter_map(of_side).collect())
+    }
+
+    /// Whether a point lies in one of them.
+    fn hold(&self, x: &Vector<N>) -> bool {
+        self.0.iter().any(|(side, layer)| {
+            let most = layer.iter().copied().fold(0.0, f64::max);
+            side.project_within(x, most).is_some_and(|foot| foot.distance <= layer[foot.element])
+        })
+    }
 }
 
 /// m of a matrix a mᵀ: its longest row, of length one.
@@ -188,19 +222,25 @@ fn lines<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> Vec<[Vecto
 }
 
 /// The largest jump of the flux across a tie.
-fn across<const S: usize, const N: usize>(model: &Model<S, N>, part: &TiePart<S, N>, exact: &dyn Exact, t: f64) -> Jump<N> {
+fn across<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, part: &TiePart<S, N>, exact: &dyn Exact, t: f64) -> Jump<N> {
     let mut worst = Jump { size: 0.0, largest: 0.0, at: Vector::zeros() };
-    let (slave, mut table) = (&model.patches[part.slave.patch], MapTable::new());
+    let (on_slave, mut table) = (OwnSide::new(case, model, &part.slave), MapTable::new());
+    let slave = model.patches[part.slave.patch].physics_at(t);
     for pairing in &part.pairings {
-        let (s, master) = (&pairing.segments, &model.patches[pairing.master.patch]);
+        let (s, on_master) = (&pairing.segments, OwnSide::new(case, model, &pairing.master));
+        let master = model.patches[pairing.master.patch].physics_at(t);
         for piece in 0..s.num_pieces() {
-            let element = s.slave[piece];
+            let (element, opposite) = (s.slave[piece], s.master[piece]);
+            // points of the slave's facets leave those of the master by the deviations of both
+            let depths = [on_slave.depths(element, 0.0), on_master.depths(opposite, on_slave.deviation(element))];
             part.slave.trace.space.map(element, &s.slave_xi[s.points(piece)], Order::Gradients, &mut table);
             for (x, j) in table.x.iter().zip(&table.jacobian) {
                 let normal = part.slave.trace.normal(element, j);
                 let off = normal * (INSIDE * model.size);
-                let own = traction(slave, exact, t, &(x - off), &normal);
-                let other = traction(master, exact, t, &(x + off), &normal);
+                let own = slave.own_traction(exact, t, &(x - off), [&normal, &-normal], depths[0]);
+                let other = master.own_traction(exact, t, &(x + off), [&normal, &normal], depths[1]);
+                // which piece is meant is open there
+                let (Some(own), Some(other)) = (own, other) else { continue };
                 let jump = distance(&own, &other);
                 worst.largest = worst.largest.max(distance(&own, &[0.0; 3])).max(distance(&other, &[0.0; 3]));
                 if jump > worst.size {

@@ -6,6 +6,7 @@
 //! | `patch_test` | stresses, in coarse cells of rational maps that their Gauss points do not integrate |
 //! | `facets` | gaps of sides that nearly fit, where facets leave their surface by as much |
 //! | `flux_jumps` | errors against a piecewise exact solution whose flux jumps: its source is not that of the data |
+//! | `left_open` | errors of lambda against a piecewise exact solution, where it is open which piece a side has |
 //! | `integration` | forces through an interface whose rule does not see the other side's functions |
 //! | `sliding` | contact zones, where bodies slide so far that the normal at rest is no longer theirs |
 //!
@@ -15,10 +16,11 @@ mod aspect;
 mod facets;
 mod flux_jumps;
 mod integration;
+mod left_open;
 mod patch_test;
 mod sliding;
 
-use crate::build::weakly_held;
+use crate::build::{Built, weakly_held};
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::result::RunResult;
@@ -35,8 +37,9 @@ pub fn of_model<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
 }
 
 /// Adds the warnings about a solution; each once over all steps.
-pub fn of_state<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, state: &StepState<S, N>, result: &mut RunResult) {
+pub fn of_state<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, state: &StepState<S, N>, result: &mut RunResult) {
     let mut found = integration::warnings(case, result);
+    found.extend(left_open::warnings(case, model, result));
     found.extend(sliding::warnings(case, model, state));
     for new in found {
         // the figures change from step to step, the source location and the subject do not
