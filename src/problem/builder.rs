@@ -11,7 +11,6 @@ use super::model::{Action, Condition, ContactModel, Model, PatchModel, SideLoad,
 use super::obstacle::{ObstacleModel, Pressed};
 use super::physics::Physics;
 use super::problem_error::ProblemError;
-use super::rigid::FreeBody;
 use super::rigid_bodies::RigidBodies;
 use super::rigid_rows::closed_forms;
 use super::supports::{Ties, free_by, held_by, sentences};
@@ -143,7 +142,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// [`ProblemError`] for a side or a component that does not exist.
     pub fn traction(&mut self, side: SideOf<'_>, component: usize, traction: impl Into<Data>) -> Result<(), ProblemError> {
         let (side, component) = (self.side(side)?, self.component(component)?);
-        self.loads.push(SideLoad { side, action: Action::Traction(component, traction.into()) });
+        self.load(side, Action::Traction(component, traction.into()));
         Ok(())
     }
 
@@ -153,7 +152,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// [`ProblemError`] for a side or a component that does not exist. A problem without an exact solution is not assembled.
     pub fn traction_exact(&mut self, side: SideOf<'_>, component: usize) -> Result<(), ProblemError> {
         let (side, component) = (self.side(side)?, self.component(component)?);
-        self.loads.push(SideLoad { side, action: Action::Exact(component) });
+        self.load(side, Action::Exact(component));
         Ok(())
     }
 
@@ -166,7 +165,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         if side.field.components == 1 {
             return Err(ProblemError::Scalar { name: side.label.clone() });
         }
-        self.loads.push(SideLoad { side, action: Action::Pressure(pressure.into()) });
+        self.load(side, Action::Pressure(pressure.into()));
         Ok(())
     }
 
@@ -177,8 +176,12 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     pub fn force(&mut self, side: SideOf<'_>, component: usize, force: impl Into<Data>) -> Result<(), ProblemError> {
         let (side, component) = (self.side(side)?, self.component(component)?);
         let area = measure(&*side.trace.space, &side.rules);
-        self.loads.push(SideLoad { side, action: Action::Force(component, force.into(), area) });
+        self.load(side, Action::Force(component, force.into(), area));
         Ok(())
+    }
+
+    fn load(&mut self, side: Arc<SideModel<S, N>>, action: Action) {
+        self.loads.push(SideLoad { name: side.label.clone(), side, action });
     }
 
     /// Puts springs [force/area per length] between a side and the ground.
@@ -187,7 +190,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// [`ProblemError`] for a side or a component that does not exist.
     pub fn spring(&mut self, side: SideOf<'_>, component: usize, stiffness: impl Into<Data>) -> Result<(), ProblemError> {
         let (side, component) = (self.side(side)?, self.component(component)?);
-        self.springs.push(SideSpring { side, component, stiffness: stiffness.into() });
+        self.springs.push(SideSpring { name: side.label.clone(), side, component, stiffness: stiffness.into() });
         Ok(())
     }
 
@@ -303,7 +306,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             let (modes, mut forms) = held_by(model, &bodies, &model.springs, Ties::Functions);
             forms.extend(closed_forms(model, &modes, &bodies));
             let left = modes.names(&modes.null(&forms)).into_iter();
-            free = left.map(|f| FreeBody { body: bodies.number(model, f.body), ..f }).collect();
+            free = left.map(|f| bodies.numbered(model, &modes, f)).collect();
         }
         if free.is_empty() { Ok(()) } else { Err(ProblemError::Motions { motions: sentences(model, &free) }) }
     }

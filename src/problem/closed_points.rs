@@ -4,6 +4,7 @@ use super::model::{ContactPart, Model};
 use super::state::StepState;
 use super::supports::{free_motions, sentences};
 use crate::contact::Contact;
+use std::collections::BTreeMap;
 
 /// Rigid motions that the closed contacts of a solution leave, a sentence per body; `None` without any, and without contacts.
 pub fn left_free<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Option<Vec<String>> {
@@ -38,4 +39,24 @@ pub fn closed_points<const S: usize, const N: usize>(
         flags
     };
     model.contacts.iter().zip(contacts).map(|(c, built)| c.parts.iter().zip(built).map(|(p, b)| of_part(p, b)).collect()).collect()
+}
+
+/// Functions of a slave side that carry a contact: those that are closed, and those that face the opponent. Where rows belong to points
+/// they are the elements of these.
+pub fn zone_functions<const S: usize, const N: usize>(
+    part: &ContactPart<S, N>,
+    contact: &Contact<S, N>,
+    closed: &dyn Fn(usize) -> bool,
+) -> (usize, usize) {
+    if let Some(points) = &contact.points {
+        let s = &contact.segments;
+        let mut elements: BTreeMap<usize, bool> = BTreeMap::new();
+        for piece in 0..s.num_pieces() {
+            let any = s.points(piece).any(|q| points.row.get(q).is_some_and(|j| closed(part.first_row + j)));
+            *elements.entry(s.slave[piece]).or_default() |= any;
+        }
+        return (elements.values().filter(|any| **any).count(), elements.len());
+    }
+    let facing = || (0..contact.facing.len()).filter(|&j| contact.facing[j]);
+    (facing().filter(|j| closed(part.first_row + j)).count(), facing().count())
 }

@@ -48,6 +48,10 @@ pub(super) fn unheld<const S: usize, const N: usize>(
     size: f64,
 ) -> Option<Unheld> {
     let bodies = RigidBodies::of(model);
+    // loads are known per patch
+    if !bodies.are_whole() {
+        return None;
+    }
     let (modes, forms) = held(model, &bodies);
     let null = modes.null(&forms);
     // the cones W and E allow tension locally: a test per function does not apply
@@ -58,7 +62,7 @@ pub(super) fn unheld<const S: usize, const N: usize>(
     let mut load = DVector::<f64>::zeros(null.nrows());
     for (patch, (force, moment)) in loads.iter().enumerate() {
         let body = match patch.checked_sub(model.patches.len()) {
-            None => bodies.of_patch(model, patch),
+            None => bodies.of_patch(patch),
             Some(contact) => match bodies.of_obstacle(contact) {
                 Some(body) => body,
                 None => continue,

@@ -11,6 +11,8 @@ use crate::linalg::Vector;
 pub struct Hinge<const N: usize> {
     /// The patches.
     pub patches: [usize; 2],
+    /// A function of each that is not zero there.
+    pub functions: [usize; 2],
     /// The point \[length\].
     pub x: Vector<N>,
 }

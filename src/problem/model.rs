@@ -15,7 +15,7 @@ use crate::coupling::{Coupling, Nitsche, Rows, Segments};
 use crate::geometry::{Bounds, Geometry};
 use crate::linalg::{Triplets, Vector};
 use crate::quadrature::PerElement;
-use crate::space::{Body, Field, Trace};
+use crate::space::{Body, Connected, Field, Trace};
 use std::sync::Arc;
 
 /// A body with its unknowns and its material.
@@ -41,6 +41,8 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub exact_map: bool,
     /// Bounding box; `None` for a body without elements.
     pub extent: Option<Bounds<N>>,
+    /// Its parts, which share no functions.
+    pub parts: Connected,
     /// Body force or source of the patch, one function per component.
     pub source: Vec<Data>,
     /// Density and gravity, where both are given.
@@ -71,6 +73,7 @@ impl<const S: usize, const N: usize> PatchModel<S, N> {
             extra_points: extra_points + curved.into_iter().max().unwrap_or(0),
             exact_map: body.is_exact(),
             extent: body.space().extent(),
+            parts: Connected::of(&**body.space()),
             body,
             physics,
             changing: None,
@@ -186,6 +189,8 @@ pub enum Action {
 /// A load on a side.
 #[derive(Clone, Debug)]
 pub struct SideLoad<const S: usize, const N: usize> {
+    /// Name of the load in results; loads of one name are summed.
+    pub name: String,
     /// The side.
     pub side: Arc<SideModel<S, N>>,
     /// The load.
@@ -204,6 +209,8 @@ pub struct RigidSides<const S: usize, const N: usize> {
 /// Springs between a side and the ground.
 #[derive(Clone, Debug)]
 pub struct SideSpring<const S: usize, const N: usize> {
+    /// Name of the springs in messages.
+    pub name: String,
     /// The side.
     pub side: Arc<SideModel<S, N>>,
     /// The component.

@@ -28,12 +28,14 @@ pub struct RigidRow<const N: usize> {
 pub type RigidForm = Vec<(usize, [f64; MOST])>;
 
 /// Rigid motions left to a body, in words.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FreeBody {
     /// Number of the body.
     pub body: usize,
     /// Names such as "translation x", "rotation", "rotation about (0, 1)", "constant".
     pub motions: Vec<String>,
+    /// Its middle, where it is one of several parts of a body that share no functions.
+    pub middle: Option<[f64; 3]>,
 }
 
 /// Scales and modes of the bodies.
@@ -140,7 +142,7 @@ impl<const N: usize> RigidModes<N> {
         (0..self.num_bodies())
             .filter_map(|body| {
                 let motions = self.name(body, &motions.rows(m * body, m).into_owned());
-                (!motions.is_empty()).then_some(FreeBody { body, motions })
+                (!motions.is_empty()).then_some(FreeBody { body, motions, middle: None })
             })
             .collect()
     }
@@ -228,7 +230,7 @@ fn planes<const N: usize>() -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// Three digits of `x`, rounded to zero below 1e-6 of `scale`.
-fn short(x: f64, scale: f64) -> String {
+pub(super) fn short(x: f64, scale: f64) -> String {
     if x.abs() < 1e-6 * scale {
         return "0".into();
     }

@@ -61,7 +61,7 @@ pub(super) fn tie_forms<const S: usize, const N: usize>(
     bodies: &RigidBodies,
     part: &TiePart<S, N>,
 ) -> Vec<RigidForm> {
-    let (origin, slave) = (origin(model, part.slave.patch), bodies.of_patch(model, part.slave.patch));
+    let (origin, slave) = (origin(model, part.slave.patch), bodies.of_patch(part.slave.patch));
     let mut forms = Vec::new();
     let mut row = 0;
     for (component, psi) in part.multipliers.iter().enumerate().filter(|_| !part.function_sums.is_empty()) {
@@ -74,7 +74,7 @@ pub(super) fn tie_forms<const S: usize, const N: usize>(
             for (pairing, own) in part.pairings.iter().zip(&part.function_sums) {
                 let (sum, lever, direction) = (own[j].sum / size, own[j].lever / size, unit(component));
                 form.push((slave, modes.sums(slave, &direction, sum, &lever, &origin)));
-                let master = bodies.of_patch(model, pairing.master.patch);
+                let master = bodies.of_patch(pairing.master.patch);
                 form.push((master, modes.sums(master, &direction, -sum, &-lever, &origin)));
             }
             forms.push(form);

@@ -4,6 +4,7 @@ use super::compliance::Softness;
 use super::data::Point;
 use super::equilibrium::{Unheld, unheld};
 use super::integrate::on_trace;
+use super::loads::{LoadSum, Loads};
 use super::matrices::Matrices;
 use super::model::Model;
 use super::observer::{Observer, Progress};
@@ -38,7 +39,7 @@ pub(super) fn once<const S: usize, const N: usize>(
     let bodies: Vec<&Csr> = matrices.bodies.iter().chain(&obstacles).collect();
     let matrices = Blocks { bodies: &bodies, between: matrices.between.as_ref() };
     let prescribed = model.prescribed(t).map_err(|e| Unsolved::<S, N>::from(e.0))?;
-    let (load, totals) = model.loads(t);
+    let Loads { vector: load, totals, sums } = model.loads(t);
     let mut total = Resultant::default();
     totals.iter().for_each(|own| total.sum(own));
     let system = InterfaceSystem::of(model, t, before, place)?;
@@ -88,7 +89,7 @@ pub(super) fn once<const S: usize, const N: usize>(
             let _ = observer(&Progress::ActiveSet(report));
         }
         let sign_case = sign_case_of_rows(&constrained, &solution).into_iter().map(|case| case.unwrap_or(NO_CONTACT)).collect();
-        finished(model, matrices, &load, total, &reduced, &system, solution, sign_case, t)
+        finished(model, matrices, &load, total, sums.clone(), &reduced, &system, solution, sign_case, t)
     };
     match solved {
         Ok(solution) => Ok(finish(solution)),
@@ -145,6 +146,7 @@ fn finished<const S: usize, const N: usize>(
     matrices: Blocks<'_>,
     load: &[f64],
     mut total: Resultant,
+    loads: Vec<LoadSum>,
     reduced: &Reduced,
     system: &InterfaceSystem<S, N>,
     solution: ConstrainedSolution,
@@ -182,6 +184,7 @@ fn finished<const S: usize, const N: usize>(
         contacts: system.contacts.clone(),
         support,
         load: total,
+        loads,
         free: reduced.num_free(),
         residual: solution.residual,
         condition: solution.condition,

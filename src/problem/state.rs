@@ -1,5 +1,6 @@
 //! States of a problem, and errors of steps without one.
 
+use super::loads::LoadSum;
 use super::resultant::Resultant;
 use crate::assembly::{DirichletError, ReductionError};
 use crate::constraint::SolveError;
@@ -28,6 +29,8 @@ pub struct StepState<const S: usize, const N: usize> {
     pub support: Vec<f64>,
     /// Sum of all loads, springs included.
     pub load: Resultant,
+    /// Resultant of every load, as integrated.
+    pub loads: Vec<LoadSum>,
     /// Number of unknowns that are free.
     pub free: usize,
     /// Relative residual.

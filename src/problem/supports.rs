@@ -1,7 +1,7 @@
 //! Rigid motions that are left when every contact is closed.
 
 use super::model::{ContactPart, Model, SideModel, SideSpring, TiePart};
-use super::rigid::{FreeBody, RigidForm, RigidModes, RigidRow};
+use super::rigid::{FreeBody, RigidForm, RigidModes, RigidRow, short};
 use super::rigid_bodies::{RigidBodies, contact_terms, unit};
 use super::rigid_rows::tie_forms;
 use crate::basis::Order;
@@ -14,18 +14,18 @@ use std::ops::Range;
 /// Points looked at per side.
 const SAMPLES: usize = 24;
 
-/// Some points of a side.
-fn points<const S: usize, const N: usize>(side: &SideModel<S, N>) -> Vec<Vector<N>> {
+/// Some points of a side, each with its body.
+fn points<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies, side: &SideModel<S, N>) -> Vec<(usize, Vector<N>)> {
     let space = &*side.trace.space;
     let (elements, mut table, mut out) = (space.num_elements(), MapTable::new(), Vec::new());
     for e in (0..elements).step_by(elements.div_ceil(SAMPLES).max(1)) {
         space.map(e, &side.rules.rule(e).points, Order::Values, &mut table);
-        out.extend(table.x.iter().copied());
+        out.extend(table.x.iter().map(|x| (bodies.of_facet(model, side, e), *x)));
     }
     // the last element counts where the step jumped over it
     if elements > 1 {
         space.map(elements - 1, &side.rules.rule(elements - 1).points, Order::Values, &mut table);
-        out.extend(table.x.iter().copied());
+        out.extend(table.x.iter().map(|x| (bodies.of_facet(model, side, elements - 1), *x)));
     }
     out
 }
@@ -55,11 +55,12 @@ pub fn tie_points<const S: usize, const N: usize>(
     part: &TiePart<S, N>,
 ) -> Vec<RigidForm> {
     let (mut table, mut forms) = (MapTable::new(), Vec::new());
-    let slave = bodies.of_patch(model, part.slave.patch);
     for pairing in &part.pairings {
-        let (s, master) = (&pairing.segments, bodies.of_patch(model, pairing.master.patch));
+        let s = &pairing.segments;
         for piece in (0..s.num_pieces()).step_by(s.num_pieces().div_ceil(SAMPLES).max(1)) {
             part.slave.trace.space.map(s.slave[piece], &s.slave_xi[s.points(piece)], Order::Values, &mut table);
+            let slave = bodies.of_facet(model, &part.slave, s.slave[piece]);
+            let master = bodies.of_facet(model, &pairing.master, s.master[piece]);
             for x in &table.x {
                 let row = |c: usize| RigidRow { terms: vec![(slave, 1.0, *x), (master, -1.0, *x)], direction: unit(c) };
                 forms.extend((0..model.components).map(|c| modes.form(&row(c))));
@@ -94,7 +95,7 @@ pub fn free_by<const S: usize, const N: usize>(
             forms.extend(contact_points(model, &modes, &bodies, k, part, contacts[k][p], &|q| closed(k, p, q)));
         }
     }
-    modes.free(&forms).into_iter().map(|f| FreeBody { body: bodies.number(model, f.body), ..f }).collect()
+    modes.free(&forms).into_iter().map(|f| bodies.numbered(model, &modes, f)).collect()
 }
 
 /// A description of ties by rows on rigid motions.
@@ -111,7 +112,7 @@ pub(super) fn floating<const S: usize, const N: usize>(model: &Model<S, N>) -> V
     let bodies = RigidBodies::of(model);
     let (modes, rows) = held(model, &bodies);
     let unknowns = |body: usize| match bodies.first.get(body) {
-        Some(&first) => (0..model.patches.len()).filter(|&k| model.glued.body(k) == first).map(|k| model.patches[k].range()).collect(),
+        Some(_) => bodies.unknowns(model, body),
         None => {
             let obstacle = &model.contacts[bodies.pressed[body - bodies.first.len()]].obstacle;
             obstacle.iter().flat_map(|o| &o.pressed).map(|p| p.unknown..p.unknown + 1).collect()
@@ -132,7 +133,7 @@ pub fn held_by<const S: usize, const N: usize>(
     springs: &[SideSpring<S, N>],
     ties: Ties,
 ) -> (RigidModes<N>, Vec<RigidForm>) {
-    let body = |patch: usize| bodies.of_patch(model, patch);
+    let of = |side: &SideModel<S, N>| points(model, bodies, side);
     let modes = bodies.modes(model);
     let mut rows: Vec<RigidRow<N>> = Vec::new();
     for (k, &contact) in bodies.pressed.iter().enumerate() {
@@ -140,18 +141,20 @@ pub fn held_by<const S: usize, const N: usize>(
     }
     let mut fix = |body: usize, direction: Vector<N>, x: Vector<N>| rows.push(RigidRow { terms: vec![(body, 1.0, x)], direction });
     for c in &model.conditions {
-        for x in points(&c.side) {
-            fix(body(c.side.patch), unit(c.component), x);
+        for (body, x) in of(&c.side) {
+            fix(body, unit(c.component), x);
         }
     }
     for p in &model.pins {
+        let Some(&function) = p.rim.rim.functions().first() else { continue };
+        let body = bodies.of_function(model, p.rim.patch, function);
         for x in p.rim.rim.x.iter().step_by(p.rim.rim.x.len().div_ceil(SAMPLES).max(1)).chain(p.rim.rim.x.last()) {
-            fix(body(p.rim.patch), unit(p.component), *x);
+            fix(body, unit(p.component), *x);
         }
     }
     for s in springs {
-        for x in points(&s.side) {
-            fix(body(s.side.patch), unit(s.component), x);
+        for (body, x) in of(&s.side) {
+            fix(body, unit(s.component), x);
         }
     }
     // equations between components of one function: inclined sliding
@@ -170,27 +173,29 @@ pub fn held_by<const S: usize, const N: usize>(
         }
         let function = (first - field.first) / field.components;
         let side = model.supports.iter().find(|s| s.patch == patch && s.trace.dofs.contains(&function));
-        for x in side.map(|s| points(s)).unwrap_or_default() {
-            fix(body(patch), direction, x);
+        for (body, x) in side.map(|s| of(s)).unwrap_or_default() {
+            fix(body, direction, x);
         }
     }
     // sides that move as one along an axis: all their points move as the first
     for group in &model.rigid_sides {
-        let all: Vec<_> = group.sides.iter().flat_map(|side| points(side).into_iter().map(|x| (body(side.patch), x))).collect();
+        let all: Vec<_> = group.sides.iter().flat_map(|side| of(side)).collect();
         let Some(&(of, at)) = all.first() else { continue };
         let as_first =
             |&(body, x): &(usize, Vector<N>)| RigidRow { terms: vec![(body, 1.0, x), (of, -1.0, at)], direction: unit(group.component) };
         rows.extend(all[1..].iter().map(as_first));
     }
     for h in &model.hinges {
+        let [a, b] = [0, 1].map(|k| bodies.of_function(model, h.patches[k], h.functions[k]));
         for c in 0..model.components {
-            rows.push(RigidRow { terms: vec![(body(h.patches[0]), 1.0, h.x), (body(h.patches[1]), -1.0, h.x)], direction: unit(c) });
+            rows.push(RigidRow { terms: vec![(a, 1.0, h.x), (b, -1.0, h.x)], direction: unit(c) });
         }
     }
     let mut forms: Vec<RigidForm> = rows.iter().map(|row| modes.form(row)).collect();
     for part in model.ties.iter().flat_map(|t| &t.parts) {
         forms.extend(match ties {
-            Ties::Functions if !part.function_sums.is_empty() => tie_forms(model, &modes, bodies, part),
+            // functions may reach over parts that share none
+            Ties::Functions if !part.function_sums.is_empty() && bodies.are_whole() => tie_forms(model, &modes, bodies, part),
             _ => tie_points(model, &modes, bodies, part),
         });
     }
@@ -220,10 +225,17 @@ pub fn sentences<const S: usize, const N: usize>(model: &Model<S, N>, free: &[Fr
                 return format!("the obstacle of contact \"{name}\" can still move: {}", f.motions.join(", "));
             }
             let name = &model.patches[f.body].name;
+            let who = match &f.middle {
+                None => format!("body \"{name}\""),
+                Some(x) => {
+                    let at: Vec<String> = x[..N].iter().map(|x| short(*x, model.size)).collect();
+                    format!("the part around ({}) of body \"{name}\", which shares no node with the rest,", at.join(", "))
+                }
+            };
             if model.components == 1 {
-                format!("the level of body \"{name}\" is not determined")
+                format!("the level of {} is not determined", who.trim_end_matches(','))
             } else {
-                format!("body \"{name}\" can still move: {}", f.motions.join(", "))
+                format!("{who} can still move: {}", f.motions.join(", "))
             }
         })
         .collect()

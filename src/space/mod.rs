@@ -2,6 +2,7 @@
 
 mod cells;
 mod clearance;
+mod connected;
 mod curve;
 mod deformed;
 mod diameter;
@@ -33,6 +34,7 @@ use std::sync::Arc;
 
 pub use cells::{CellBlock, FacetTag, MeshCells};
 pub use clearance::{Clearance, Sight, Skin, SkinPoint, clearance, raised, skin_points};
+pub use connected::{Connected, Unshared, unshared_points};
 pub use deformed::Deformed;
 pub use diameter::diameter;
 pub use field::{FieldAt, Located, Locator, OutsideBody, field_at, locate};

@@ -95,7 +95,8 @@ pub const CODES: &[Code] = &[
         "formula",
         "A quoted formula cannot be read. The caret stands at the character where reading stopped. Formulas know + - * / ^, comparisons, if(c, a, b), the usual functions, pi, e, x, y, z, t, r, theta and the names of [let]. Data of sides and loads must be finite at every point where they are integrated. \
          As a warning: an `exact` made of pieces whose flux jumps inside a body or across an interface. The source that follows from it is taken at points and \
-         lacks the jump, so that the case solves for something else and errors do not fall.",
+         lacks the jump, so that the case solves for something else and errors do not fall. \
+         Or a load, springs or a modulus jump inside of elements, or `where` cuts facets: the rule of integration misses more than 1e-3 of the force, the moment or the stiffness; both values are told.",
         "pressure = \"p*sin(x\"  # a bracket is missing",
         "correct the formula at the caret; define the names it uses in [let].",
     ),
@@ -139,7 +140,8 @@ pub const CODES: &[Code] = &[
          outward normals must oppose, within 60 degrees, and an overlap at rest (of bodies, of a body and an obstacle, or by the formula of `gap`) may be up \
          to half the thickness of a body. `between` ties sides whose facets explain their distance: \
          a mean of a quarter and at most twice of what facets deviate from the surface they stand for. As a warning: sides that are \
-         nearly together are not tied, or named ones are tied across a distance that their facets do not explain. Use [[contact]] if a gap is meant.",
+         nearly together are not tied, or named ones are tied across a distance that their facets do not explain; sides that touch, nearly touch or overlap are joined by nothing; \
+         nodes of a mesh coincide and are not shared, so that the cells on both sides do not hang together. Use [[contact]] if a gap is meant.",
         "[[interface]]\nslave = \"inner.v1\"     # r = 1.5\nmaster = \"outer.v0\"    # r = 1.75",
         "correct the geometry, raise `tolerance` if the gap is meant to be closed, or use [[contact]] if it is to stay.",
     ),
@@ -238,7 +240,7 @@ pub const CODES: &[Code] = &[
         3,
         "no support",
         "A body can still move although every contact is closed. Fix it with [[boundary]], or tie it to something that is fixed. A body that loses contact while iterating ends with exit 5 instead. \
-         As a warning: springs hold a motion of a body with less than 1e-5 of the body's own stiffness, and nothing else does.",
+         A part of a mesh that shares no node with the rest is named by its middle. As a warning: springs hold a motion of a body with less than 1e-5 of the body's own stiffness, and nothing else does.",
         "[[boundary]]\non = \"upper.top\"\npressure = 1.0         # and nothing holds \"upper\" sideways",
         "fix what the message names: fix = [\"x\"] on one side of the body.",
     ),
@@ -309,7 +311,9 @@ pub const CODES: &[Code] = &[
          (interface.NAME.consistency, contact.NAME.consistency). Slave points do not see the kinks of the master's functions; mixed integration does \
          not see those of a multiplier of low degree. Of a patch: on coarse cells of a rational map the Gauss points miss more than 1e-3 of the stress of \
          linear fields; the message says how many extra_points do not. Of a contact: it slides so far along a curved surface that the gap along the \
-         normal at rest is wrong by more than a tenth of what is closed; small kinematics do not see the curve.",
+         normal at rest is wrong by more than a tenth of what is closed; small kinematics do not see the curve. Or fewer than four functions (in space sixteen) carry a zone that \
+         ends inside of its side. Of an interface: its sides are apart, and the forces on both lose a moment about the gap. Of a penalty: bodies sink by more than a hundredth of their size. \
+         Of a patch: more than a hundredth of it has strains or rotations beyond 0.1, which small kinematics do not allow.",
         "integration = \"mixed\"\nmultiplier = \"p/p-2\"",
         "use integration = \"merged\" (the default), or raise extra_points.",
     ),

@@ -306,6 +306,16 @@ pub struct Balance {
     pub moment: Option<Moment>,
 }
 
+/// What a load sums up to, by the rules of integration of the run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct LoadReport {
+    /// The force; of a flux or a source its sum alone \[force\].
+    pub force: Vec<f64>,
+    /// Its moment about the origin [force length]; elasticity only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moment: Option<Moment>,
+}
+
 /// Result of a probe.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProbeReport {
@@ -407,6 +417,9 @@ pub struct RunResult {
     /// Reaction force on the body from the support of every side with Dirichlet data \[force\]; a corner's share is split equally
     /// among the sides that hold it.
     pub reactions: Named<Vec<f64>>,
+    /// Resultant of the loads of every boundary block, by its name, and of what loads the volume of a patch: `PATCH.body_force` with the
+    /// weight, `PATCH.source`.
+    pub loads: Named<LoadReport>,
     /// Sum of all forces.
     pub balance: Balance,
     /// 1/2 a(u, u).
@@ -457,6 +470,7 @@ impl RunResult {
             contact: Named::default(),
             interface: Named::default(),
             reactions: Named::default(),
+            loads: Named::default(),
             balance: Balance::default(),
             energy: 0.0,
             errors: Named::default(),

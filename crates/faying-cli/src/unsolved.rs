@@ -4,6 +4,8 @@ use serde_json::{Map, Value};
 
 /// Members of a result that only a solved step fills.
 const SOLVED: [&str; 6] = ["contact", "interface", "reactions", "balance", "energy", "errors"];
+/// Members that `check` fills, too.
+const CHECKED: [&str; 1] = ["loads"];
 /// Members that are known once the bodies are built.
 const BUILT: [&str; 4] = ["backend", "backends", "unknowns", "geometry"];
 
@@ -14,7 +16,7 @@ pub fn forget(document: &mut Value, command: &str, built: bool) {
         SOLVED.iter().for_each(|key| drop(map.remove(*key)));
     } else {
         let reason = "nothing was solved";
-        for key in SOLVED.iter().chain(&["solve"]) {
+        for key in SOLVED.iter().chain(&CHECKED).chain(&["solve"]) {
             map.get_mut(*key).into_iter().for_each(|inner| blank(inner, reason));
         }
         map.insert("reason".into(), reason.into());

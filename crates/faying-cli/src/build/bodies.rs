@@ -3,7 +3,7 @@
 use super::builder::{Builder, MakeNet};
 use super::built::{Built, Sources};
 use super::couple::Couples;
-use super::{boundary, couples, exact, glue, obstacles, patches, sides, values};
+use super::{boundary, couples, exact, glue, meshes, obstacles, patches, sides, values};
 use crate::errors::Diagnostics;
 use faying::problem::Model;
 
@@ -19,6 +19,7 @@ pub(super) fn supported<const S: usize, const N: usize>(
     let patches = patches::build(builder, net);
     builder.stop()?;
     values::materials(builder, &patches);
+    meshes::unshared(builder);
     let mut sides = sides::Sides::default();
     // patches of files with several patches: their touching sides are glued
     let couples = couples::find(builder, &patches, &mut sides, &case.glued_files());

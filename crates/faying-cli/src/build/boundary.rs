@@ -9,16 +9,18 @@ use super::sides::Sides;
 use super::values::on_side;
 use crate::case::{Boundary, Datum};
 use crate::errors::Diagnostic;
-use crate::formula::Formula;
+use crate::formula::{Formula, Point};
 use crate::place::{Located, Place};
-use crate::words::component_name;
-use faying::assembly::{Equation, measure, planar_normal};
-use faying::linalg::Vector;
-use faying::problem::{Action, Condition, Model, RigidSides, SideLoad, SideModel, SideSpring, Value};
+use crate::words::{component_name, short};
+use faying::assembly::{Equation, Halved, HalvedScratch, measure, planar_normal};
+use faying::linalg::{Matrix, Vector};
+use faying::problem::{Action, Condition, Model, PatchModel, RigidSides, SideLoad, SideModel, SideSpring, Value};
 use std::sync::Arc;
 
 /// Components of a unit normal below this count as zero.
 const PERPENDICULAR: f64 = 1e-9;
+/// Share by which the facets that `where` keeps may differ from the part in which it holds.
+const CUT: f64 = 1e-3;
 
 /// Adds the conditions, loads, springs and equations of all boundary blocks to `model`; errors go to the builder's faults.
 pub(super) fn build<const S: usize, const N: usize>(
@@ -50,6 +52,10 @@ pub(super) fn build<const S: usize, const N: usize>(
                 Err(fault) => builder.faults.push(*fault),
             }
         }
+        if let Some(filter) = block.filter.as_ref().filter(|_| !on.is_empty()) {
+            let cut = cut_facets(builder, &model.patches, sides, block, filter, &on);
+            builder.faults.items.extend(cut);
+        }
         for side in &on {
             if let Err(fault) = one(builder, model, block, side) {
                 builder.faults.push(*fault);
@@ -65,6 +71,39 @@ pub(super) fn build<const S: usize, const N: usize>(
         }
     }
     duplicates(builder, model);
+}
+
+/// Warns of a `where` whose border lies inside of facets, which are kept or left whole.
+fn cut_facets<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    patches: &[PatchModel<S, N>],
+    sides: &mut Sides<S, N>,
+    block: &Boundary,
+    filter: &Located<Formula>,
+    kept: &[Arc<SideModel<S, N>>],
+) -> Option<Diagnostic> {
+    let kept: f64 = kept.iter().map(|side| measure(&*side.trace.space, &side.rules)).sum();
+    let mut scratch = HalvedScratch::default();
+    let holds = |x: &Vector<N>, _: &Matrix<N, S>| [f64::from(u8::from(filter.value.value(&Point::new(x.as_slice())) != 0.0))];
+    let mut exact = 0.0;
+    for wanted in block.on.iter().filter(|side| rims::sides(&side.value.side).is_none()) {
+        let Ok(whole) = sides.get(builder, patches, wanted) else { continue };
+        let halved = Halved::new(&*whole.trace.space, whole.degree() + 1, 1);
+        exact += (0..whole.trace.space.num_elements()).map(|e| halved.element(e, &mut scratch, &holds)[0]).sum::<f64>();
+    }
+    let off = (kept - exact).abs() / kept.max(exact);
+    (off > CUT).then(|| {
+        let what = if N == 2 { "length" } else { "area" };
+        let text = format!(
+            "`where` of \"{}\" cuts facets, which it keeps or leaves whole: a {what} of {} for the {} in which `{}` holds",
+            block.name.value,
+            short(kept),
+            short(exact),
+            filter.value.text()
+        );
+        let help = "let the border of `where` lie on edges of elements: give breakpoints there, or refine the mesh";
+        builder.warning("E017", text, filter.at).with_help(help)
+    })
 }
 
 fn one<const S: usize, const N: usize>(
@@ -104,15 +143,17 @@ fn one<const S: usize, const N: usize>(
                 Action::Traction(component, f.clone().into())
             }
         };
-        model.loads.push(SideLoad { side: side.clone(), action });
+        model.loads.push(SideLoad { name: block.name.value.clone(), side: side.clone(), action });
     }
     if let Some(p) = &block.pressure {
         on_side(builder, side, p, "the pressure")?;
-        model.loads.push(SideLoad { side: side.clone(), action: Action::Pressure(p.value.clone().into()) });
+        let action = Action::Pressure(p.value.clone().into());
+        model.loads.push(SideLoad { name: block.name.value.clone(), side: side.clone(), action });
     }
     for (component, f) in each(&block.spring) {
         on_side(builder, side, f, "the spring")?;
-        model.springs.push(SideSpring { side: side.clone(), component, stiffness: f.value.clone().into() });
+        let name = block.name.value.clone();
+        model.springs.push(SideSpring { name, side: side.clone(), component, stiffness: f.value.clone().into() });
     }
     if model.conditions.len() + model.equations.len() > supports {
         supported(model, side);
@@ -140,7 +181,8 @@ fn resultants<const S: usize, const N: usize>(
             let area = area();
             for side in sides {
                 on_side(builder, side, f, what)?;
-                model.loads.push(SideLoad { side: side.clone(), action: Action::Force(component, f.value.clone().into(), area) });
+                let action = Action::Force(component, f.value.clone().into(), area);
+                model.loads.push(SideLoad { name: block.name.value.clone(), side: side.clone(), action });
             }
         }
     }

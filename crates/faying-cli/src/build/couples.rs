@@ -6,6 +6,7 @@ use super::joined::{Known, disjoint};
 use super::near::{self, nearest};
 use super::sides::Sides;
 use super::touch::{SAME_PLACE, Touching, sag, touching_sides};
+use super::unjoined;
 use crate::case::{SideRef, Tie};
 use crate::errors::Diagnostic;
 use crate::place::{Located, Place};
@@ -101,6 +102,7 @@ pub(super) fn find<const S: usize, const N: usize>(
     let all = couples.ties.iter().flatten().chain(&couples.seams);
     couples.sides = all.flat_map(|c| c.masters.iter().chain([&c.slave])).map(key).collect();
     slave_twice(builder, &couples);
+    unjoined::warn(builder, patches, sides, &couples, &known);
     near::warn(builder, patches, sides, &couples.ties, known);
     couples
 }

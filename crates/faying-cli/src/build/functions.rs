@@ -64,7 +64,7 @@ pub fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, mo
     }
     let largest = loose.iter().map(|l| l.apart).fold(0.0, f64::max);
     for l in loose.iter().filter(|l| l.apart > STILL * largest) {
-        let moving = |patch: &usize| free.iter().find(|f| f.body == bodies.of_patch(model, *patch)).map(|f| (*patch, f));
+        let moving = |patch: &usize| free.iter().find(|f| f.body == bodies.of_patch(*patch)).map(|f| (*patch, f));
         let Some((patch, body)) = moving(&l.patches.0).or_else(|| l.patches.1.iter().find_map(moving)) else { continue };
         let (slave, name) = (&model.patches[l.patches.0].name, &model.patches[patch].name);
         let closed = if model.contacts.is_empty() { "" } else { ", even with every contact closed" };

@@ -37,7 +37,8 @@ pub(super) fn join<const S: usize, const N: usize>(
     for list in &found {
         for pair in list.windows(2) {
             glued.same(pair[0].1, pair[1].1);
-            hinges.push(Hinge { patches: [pair[0].0, pair[1].0], x: pair[0].2 });
+            let own = |(k, function, _): &(usize, usize, Vector<N>)| function - patches[*k].field.first / components.max(1);
+            hinges.push(Hinge { patches: [pair[0].0, pair[1].0], functions: [own(&pair[0]), own(&pair[1])], x: pair[0].2 });
         }
     }
     hinges

@@ -1,11 +1,13 @@
 //! Bodies of patches that are read from meshes: the cells are transformed, refined, and made a Lagrange mesh.
 
 use super::builder::Builder;
-use crate::case::{FilePart, Geometry, Mapping, Patch};
+use crate::case::{FilePart, Geometry, Mapping, Master, Patch, SideRef};
 use crate::errors::Diagnostic;
+use crate::place::Located;
+use crate::words::short;
 use faying::geometry::{turn, turn_about};
 use faying::linalg::Vector;
-use faying::space::{self, Body, Mesh, MeshError, refine_cells};
+use faying::space::{self, Body, Mesh, MeshError, Unshared, refine_cells, unshared_points};
 
 /// Builds the body of a patch that is read from a mesh (backend `fe`).
 pub(super) fn body<const S: usize, const N: usize>(
@@ -39,6 +41,37 @@ pub(super) fn body<const S: usize, const N: usize>(
         builder.error(mesh_code(&error), format!("patch \"{name}\": {error}"), at)
     })?;
     Ok(Box::new(mesh))
+}
+
+/// Warns of meshes with nodes that coincide and are not shared; none where a tie or a contact joins sides of one mesh to each other.
+pub(super) fn unshared<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>) {
+    let case = builder.case;
+    for (k, patch) in case.patches.iter().enumerate() {
+        let of = |list: &[Located<SideRef>]| list.iter().any(|side| side.value.patch == k);
+        let tied = case.interfaces.iter().any(|t| of(&t.slave) && of(&t.master));
+        let pressed = case.contacts.iter().any(|c| of(&c.slave) && matches!(&c.master, Master::Sides(list) if of(list)));
+        let cells = patch.geometry.shape.part().filter(|p| p.is_mesh()).and_then(|p| p.cells::<N>());
+        let Some(found) = cells.filter(|_| !tied && !pressed).and_then(|cells| unshared_points(&cells)) else { continue };
+        let at = placed_points(&[found.at], &patch.geometry).unwrap_or_default();
+        let text = unshared_text(&format!("patch \"{}\"", patch.name.value), &found, at.first().unwrap_or(&found.at));
+        let warning = builder.warning("E023", text, patch.geometry.at).with_help(UNSHARED);
+        builder.faults.push(warning);
+    }
+}
+
+/// Advice for nodes that are not shared.
+const UNSHARED: &str = "merge the nodes where the mesh is made (in Gmsh: fragment the shapes, or remove duplicate nodes); \
+    or give both sides tags and join them by [[interface]], or by [[contact]] if they may part";
+
+/// "nodes of patch "a" coincide and are not shared: 9 pairs, the first at x = 5, y = 0; what is on both sides does not hang together there".
+pub(crate) fn unshared_text<const N: usize>(whose: &str, found: &Unshared<N>, at: &Vector<N>) -> String {
+    let place: Vec<String> = ["x", "y", "z"].iter().zip(at.iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
+    let parts = if found.parts > 1 { format!(" The mesh has {} parts that share no node", found.parts) } else { String::new() };
+    let pairs = if found.pairs == 1 { "1 pair".to_owned() } else { format!("{} pairs", found.pairs) };
+    format!(
+        "nodes of {whose} coincide and are not shared: {pairs}, the first at {}. The cells on both sides are not joined there.{parts}",
+        place.join(", ")
+    )
 }
 
 /// Returns the mesh of a patch, transformed but not refined: its facets determine the sag. `None` if the patch is no refined mesh.

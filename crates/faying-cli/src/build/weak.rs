@@ -37,8 +37,9 @@ pub(crate) fn weakly_held<const S: usize, const N: usize>(case: &Case, model: &M
     let mut springs = DMatrix::<f64>::zeros(n, n);
     let mut table = MapTable::new();
     for spring in &model.springs {
-        let (space, body) = (&*spring.side.trace.space, bodies.of_patch(model, spring.side.patch));
+        let space = &*spring.side.trace.space;
         for e in 0..space.num_elements() {
+            let body = bodies.of_facet(model, &spring.side, e);
             let rule = spring.side.rules.rule(e);
             space.map(e, &rule.points, Order::Gradients, &mut table);
             for ((x, j), w) in table.x.iter().zip(&table.jacobian).zip(&rule.weights) {
@@ -101,7 +102,7 @@ fn body_stiffness<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &
         space.map(0, &[center], Order::Values, &mut table);
         let x: Vector<N> = table.x[0];
         let length = bounds.diagonal();
-        sums[bodies.of_patch(model, k)] += patch.physics.modulus(&x) * faying::space::measure::<N, N, f64, _>(space) / (length * length);
+        sums[bodies.of_patch(k)] += patch.physics.modulus(&x) * faying::space::measure::<N, N, f64, _>(space) / (length * length);
     }
     // a force-driven obstacle has no stiffness of its own: it takes the least of the bodies
     let least = sums.iter().copied().filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);

@@ -1,6 +1,6 @@
 //! The short summary of a run for stdout.
 
-use crate::result::{GluedSides, RunResult};
+use crate::result::{GluedSides, Moment, RunResult};
 use crate::run::bytes;
 use crate::table::{Table, short};
 use std::fmt::Write as _;
@@ -30,7 +30,7 @@ pub fn of(result: &RunResult, folder: Option<&str>) -> String {
             }
         }
     }
-    let numbers = if result.solved { vec![contacts(result), interfaces(result), errors(result)] } else { Vec::new() };
+    let numbers = if result.solved { vec![loads(result), contacts(result), interfaces(result), errors(result)] } else { Vec::new() };
     for table in numbers.into_iter().chain([steps(result), probes(result), checks(result)]) {
         if !table.is_empty() {
             let _ = write!(text, "\n{table}");
@@ -58,9 +58,11 @@ pub fn of_check(result: &RunResult) -> String {
         tied.row([interface.clone(), s.slave.clone(), s.master.clone(), short(s.distance, 3), short(s.share, 6)]);
     }
     let tied = if tied.is_empty() { String::new() } else { format!("{tied}\n") };
+    let loads = loads(result);
+    let loads = if loads.is_empty() { String::new() } else { format!("{loads}\n") };
     let u = &result.unknowns;
     let memory = result.predicted.map_or(String::new(), |p| format!("; about {} of memory", bytes(p.memory)));
-    format!("{}: valid\n\n{table}\n{tied}{} unknowns, {} multipliers{memory}\n", result.case, u.primal, u.multipliers)
+    format!("{}: valid\n\n{table}\n{tied}{loads}{} unknowns, {} multipliers{memory}\n", result.case, u.primal, u.multipliers)
 }
 
 /// Steps shown; `history.csv` has all of them.
@@ -91,6 +93,19 @@ fn status(result: &RunResult) -> String {
 
 fn vector(values: &[f64]) -> String {
     format!("({})", values.iter().map(|v| short(*v, 5)).collect::<Vec<_>>().join(", "))
+}
+
+fn loads(result: &RunResult) -> Table {
+    let mut table = Table::new(["load", "resultant", "moment"]);
+    for (name, load) in result.loads.iter() {
+        let about = match &load.moment {
+            None => "-".to_owned(),
+            Some(Moment::Plane(m)) => short(*m, 5),
+            Some(Moment::Space(m)) => vector(m),
+        };
+        table.row([name.to_owned(), vector(&load.force), about]);
+    }
+    table
 }
 
 fn contacts(result: &RunResult) -> Table {

@@ -2,8 +2,9 @@
 
 use super::CellMap;
 use super::look::{Soundness, is_flat, look};
-use faying::space::measure;
-use faying_files::{MeshBlock, MeshFile};
+use crate::build::unshared_text;
+use faying::space::{measure, unshared_points};
+use faying_files::{Format, MeshBlock, MeshFile};
 use serde::Serialize;
 
 /// Cells of one shape and order.
@@ -61,6 +62,19 @@ pub fn soundness(mesh: &MeshFile) -> Soundness {
         _ => None,
     });
     parts.fold(Soundness::default(), Soundness::and)
+}
+
+/// A note on nodes of a mesh that coincide and are not shared; none for grids of fields, whose cells have nodes of their own.
+pub fn unshared(mesh: &MeshFile) -> Option<String> {
+    let text = match mesh.dimension() {
+        _ if mesh.format == Format::Vtu => None,
+        2 if is_flat(&mesh.points, 2) => {
+            mesh.cells::<2>(None).ok().and_then(|c| unshared_points(&c)).map(|u| unshared_text("the mesh", &u, &u.at))
+        }
+        3 => mesh.cells::<3>(None).ok().and_then(|c| unshared_points(&c)).map(|u| unshared_text("the mesh", &u, &u.at)),
+        _ => None,
+    };
+    text.map(|text| format!("{text}; `run` warns of them (E023)"))
 }
 
 /// Kinds of cells, those of the highest dimension last.

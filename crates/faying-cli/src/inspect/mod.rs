@@ -133,6 +133,7 @@ fn of_mesh(mesh: &MeshFile) -> Inspection {
         notes.push("prisms and pyramids are counted, not measured; no body is made of them".into());
     }
     add_inverted(&quality, &mut notes);
+    notes.extend(meshes::unshared(mesh));
     Inspection {
         format: word(mesh.format).into(),
         kind: "mesh".into(),

@@ -201,6 +201,8 @@ fn check_in<const S: usize, const N: usize>(case: &Case, registry: &Registry, di
         let mut result = report::skeleton("check", case, &model);
         Questions::of(case, &model, &result.numbers())?;
         result.solve = None;
+        let end = case.steps.value.last().copied().unwrap_or(1.0);
+        result.loads = report::loads::<N>(model.components, &model.load_sums(end));
         let prediction = fitting(case, &model, room)?;
         result.predicted = Some(prediction);
         end_early(&mut result, watch);

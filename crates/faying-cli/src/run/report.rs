@@ -6,14 +6,14 @@ use crate::build::Built;
 use crate::case::Case;
 use crate::named::Named;
 use crate::result::{
-    ActiveSetSummary, Balance, ContactReport, Extremes, Gaps, GeometryReport, InterfaceReport, Kkt, L2, Moment, Norm, RunResult,
-    SolveReport, TiedSides, Unknowns,
+    ActiveSetSummary, Balance, ContactReport, Extremes, Gaps, GeometryReport, InterfaceReport, Kkt, L2, LoadReport, Moment, Norm,
+    RunResult, SolveReport, TiedSides, Unknowns,
 };
 use faying::contact::{Contact, NoHalfWidth, Transmitted};
 use faying::coupling::Rows;
 use faying::geometry::Geometry;
 use faying::linalg::{Csr, Operator};
-use faying::problem::{Against, Model, Resultant, SideModel, StepState, TieField, TieModel, on_trace, reactions};
+use faying::problem::{Against, LoadSum, Model, Resultant, SideModel, StepState, TieField, TieModel, on_trace, reactions};
 use faying::quadrature::{PerElement, Quadrature};
 use faying::space::{diameter, measure, quality};
 use std::collections::BTreeMap;
@@ -55,6 +55,7 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, mode
             result.reactions.push(label.clone(), vec![0.0; model.components]);
         }
     }
+    result.loads = loads::<N>(model.components, &model.no_loads());
     result.balance = Balance { force: vec![0.0; model.components], moment: (model.components == N).then(|| moment::<N>([0.0; 3])) };
     for name in error_names(model) {
         result.errors.push(name, 0.0);
@@ -97,6 +98,13 @@ fn moment<const N: usize>(m: [f64; 3]) -> Moment {
     if N == 2 { Moment::Plane(m[2]) } else { Moment::Space(m.to_vec()) }
 }
 
+/// The loads of a problem in N dimensions under their names.
+pub fn loads<const N: usize>(components: usize, sums: &[LoadSum]) -> Named<LoadReport> {
+    let report =
+        |r: &Resultant| LoadReport { force: r.force[..components].to_vec(), moment: (components == N).then(|| moment::<N>(r.moment)) };
+    sums.iter().map(|s| (s.name.clone(), report(&s.resultant))).collect()
+}
+
 /// Fills `result` from the solution of a step.
 pub fn fill<const S: usize, const N: usize>(
     case: &Case,
@@ -129,6 +137,7 @@ pub fn fill<const S: usize, const N: usize>(
         report.multiplier = old.multiplier;
     }
     result.reactions = Named(reactions(model, state, &mut outside));
+    result.loads = loads::<N>(model.components, &state.loads);
     result.balance =
         Balance { force: outside.force[..model.components].to_vec(), moment: (model.components == N).then(|| moment::<N>(outside.moment)) };
     result.errors = errors(case, model, state);

@@ -5,11 +5,14 @@ mod battery;
 mod case_files;
 mod extremes;
 mod lessons;
+mod loads;
 mod mutated_files;
 mod mutated_runs;
 #[path = "../../../../tests/common/random.rs"]
 mod random;
 mod reference;
+mod rough_models;
 mod run;
 mod twins;
+mod unjoined;
 mod volume;

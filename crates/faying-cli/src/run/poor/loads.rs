@@ -1,0 +1,87 @@
+//! Warning E017 if the rule of integration misses a part of a load, of springs or of a modulus that jumps inside of elements, by
+//! [`Model::inexact_integrals`].
+
+use crate::case::{Boundary, Case, Datum};
+use crate::errors::Diagnostic;
+use crate::formula::Formula;
+use crate::place::{Located, Place};
+use crate::words::{component_name, percent, short};
+use faying::problem::{Inexact, Integral, Model, Resultant};
+
+/// Components below this share of the largest are round-off.
+const ROUNDING: f64 = 1e-9;
+const HELP: &str = "let it jump on edges of elements only: give breakpoints there, as in elements = [[0, 0.23, 1], 4], or refine the mesh";
+
+/// Returns one warning per load, spring and material whose integral is inexact.
+pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
+    let default = [1.0];
+    let times = if case.steps.value.is_empty() { &default[..] } else { &case.steps.value };
+    model.inexact_integrals(times).iter().filter_map(|found| warning(case, model, found)).collect()
+}
+
+fn warning<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, found: &Inexact) -> Option<Diagnostic> {
+    let (components, error) = (model.components, percent(found.error));
+    let when = if case.has_steps() { format!(" at t = {}", short(found.t)) } else { String::new() };
+    let [by_rule, finer] = [&found.integrated, &found.finer];
+    let one = |r: &Resultant| short(r.force[0]);
+    let block = |name: &str| case.boundaries.iter().find(|b| b.name.value == name);
+    let (text, at, help) = match &found.of {
+        Integral::Load { name, patch } => {
+            let at = match patch {
+                Some(k) => case.patches[*k].head.at,
+                None => block(name).map_or_else(Place::default, place_of_load),
+            };
+            let text = format!(
+                "the load \"{name}\" is integrated inexactly{when}: {} for {} by a finer rule, {error} % off",
+                resultant::<N>(by_rule, components),
+                resultant::<N>(finer, components)
+            );
+            (text, at, HELP)
+        }
+        Integral::Spring { name, component } => {
+            let at =
+                block(name).map_or_else(Place::default, |b| b.spring.get(*component).and_then(Option::as_ref).map_or(b.head.at, |f| f.at));
+            let text = format!(
+                "the springs of \"{name}\" along {} are integrated inexactly{when}: stiffness {} for {} by a finer rule, {error} % off",
+                component_name(*component, components),
+                one(by_rule),
+                one(finer)
+            );
+            (text, at, HELP)
+        }
+        Integral::Modulus { patch } => {
+            let block = &case.patches[*patch];
+            let text = format!(
+                "the modulus of patch \"{}\" varies inside of elements{when}: their rules see {} for {} in all, and {error} % of it in wrong elements",
+                block.name.value,
+                one(by_rule),
+                one(finer)
+            );
+            (text, block.head.at, "give each material a patch of its own, or breakpoints where it jumps; or refine the mesh")
+        }
+        _ => return None,
+    };
+    Some(Diagnostic::warning("E017", text).at(&case.source, at).with_help(help))
+}
+
+/// The formula of a load that is no number, else its block.
+fn place_of_load(block: &Boundary) -> Place {
+    let varies = |f: &&Located<Formula>| f.value.as_constant().is_none();
+    let tractions = block.traction.iter().flatten().filter(|d| !matches!(&d.value, Datum::Formula(f) if f.as_constant().is_some()));
+    let formulas = block.pressure.iter().chain(block.force.iter().flatten()).filter(varies).map(|f| f.at);
+    tractions.map(|d| d.at).chain(formulas).next().unwrap_or(block.head.at)
+}
+
+/// Force and moment: "(0, -2.278) with the moment -2.6".
+fn resultant<const N: usize>(r: &Resultant, components: usize) -> String {
+    if components == 1 {
+        return short(r.force[0]);
+    }
+    let list = |values: &[f64]| {
+        let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let clean = values.iter().map(|v| if v.abs() > ROUNDING * largest { short(*v) } else { "0".into() });
+        format!("({})", clean.collect::<Vec<_>>().join(", "))
+    };
+    let moment = if N == 2 { short(r.moment[2]) } else { list(&r.moment) };
+    format!("{} with the moment {moment}", list(&r.force[..components]))
+}

@@ -1,0 +1,316 @@
+//! Accuracy of integrals over given data: loads, springs and moduli that jump inside of elements.
+//!
+//! With F, M the force and the moment by the rule of the problem, F*, M* those by elements that are halved ([`Halved`]), moments about the
+//! centre c = ∫ |f| x / ∫ |f| of the load, and L² = ∫ |f| |x - c|² / ∫ |f| its spread, the error of a load is
+//!
+//!   e = max( |F - F*|, |M - M*| / L ) / ∫ |f|.
+//!
+//! Of springs it is |∫ k - ∫* k| / ∫ |k|, of a modulus E, whose errors in different elements do not make up for each other, the sum of
+//! |∫ E - ∫* E| over the elements, over ∫ E. Loads and sources of an exact solution without pieces are smooth: they are left out.
+
+use super::data::{Data, Point};
+use super::loads::LoadSum;
+use super::model::{Action, Model, PatchModel, SideLoad, SideModel};
+use super::resultant::{Resultant, cross};
+use crate::assembly::{Halved, HalvedScratch};
+use crate::geometry::{Bounds, MapTable};
+use crate::linalg::{Matrix, Vector, measure};
+use crate::quadrature::Quadrature;
+use crate::space::Space;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Errors up to this are accepted.
+const ACCEPTED: f64 = 1e-3;
+/// Halvings of every element in which a load may act on a small part only, by the dimension of the integral.
+const LEAST: [usize; 3] = [4, 2, 1];
+/// Moments below this share of those about the middle of the sides are round-off.
+const ROUNDING: f64 = 1e-12;
+/// Most times at which data that change with the time are looked at.
+const TIMES: usize = 16;
+/// Elements handed to one task at a time.
+const ELEMENTS_PER_TASK: usize = 64;
+
+/// Data whose integral is inexact.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Integral {
+    /// The load of this name; the patch whose volume it acts on, if it is not one on sides.
+    Load {
+        /// Its name, as in [`LoadSum`].
+        name: String,
+        /// The patch of a load per volume.
+        patch: Option<usize>,
+    },
+    /// The stiffness of springs on a side along a component.
+    Spring {
+        /// Their name.
+        name: String,
+        /// The component.
+        component: usize,
+    },
+    /// The modulus of the material of a patch.
+    Modulus {
+        /// The patch.
+        patch: usize,
+    },
+}
+
+/// An integral that the rule of a problem misses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inexact {
+    /// What is integrated.
+    pub of: Integral,
+    /// The time at which it is most inexact.
+    pub t: f64,
+    /// The resultant by the rule of the problem; of springs and moduli the first component of the force is their integral.
+    pub integrated: Resultant,
+    /// The same by halved elements.
+    pub finer: Resultant,
+    /// The error e (module docs), free of units.
+    pub error: f64,
+}
+
+/// With r = (x - centre) / length: the force, ∫ r x f, ∫ |f|, ∫ |f| r and ∫ |f| |r|².
+type Sums = [f64; 11];
+
+/// The sums of a density.
+struct Levers<const N: usize> {
+    center: Vector<N>,
+    length: f64,
+}
+
+impl<const N: usize> Levers<N> {
+    fn of(bounds: Option<Bounds<N>>) -> Self {
+        let (center, size) = bounds.map_or((Vector::zeros(), 1.0), |b| (b.center(), b.diagonal()));
+        Self { center, length: (0.5 * size).max(f64::MIN_POSITIVE) }
+    }
+
+    fn density(&self, x: &Vector<N>, f: &[f64]) -> Sums {
+        let (mut one, r) = (Resultant::default(), (x - self.center) / self.length);
+        one.add(&r, f, 1.0);
+        let size = f.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let mut sums = [0.0; 11];
+        sums[..3].copy_from_slice(&one.force);
+        sums[3..6].copy_from_slice(&one.moment);
+        sums[6] = size;
+        (0..N).for_each(|k| sums[7 + k] = size * r[k]);
+        sums[10] = size * r.norm_squared();
+        sums
+    }
+
+    /// The resultant about the origin.
+    fn resultant(&self, sums: &Sums) -> Resultant {
+        let force = [sums[0], sums[1], sums[2]];
+        let mut out = Resultant::default();
+        out.add(&self.center, &force, 1.0);
+        (0..3).for_each(|k| out.moment[k] += self.length * sums[3 + k]);
+        out
+    }
+
+    /// The error of `own` beside `finer`, moments of problems with as many components as coordinates.
+    fn error(own: &Sums, finer: &Sums, components: usize) -> f64 {
+        let off: [f64; 6] = std::array::from_fn(|k| own[k] - finer[k]);
+        let length = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let (force, size) = (length(&off[..3]), finer[6].max(own[6]));
+        if size <= 0.0 {
+            return 0.0;
+        }
+        let center: [f64; 3] = std::array::from_fn(|k| finer[7 + k] / finer[6]);
+        let spread = (finer[10] / finer[6] - center.iter().map(|c| c * c).sum::<f64>()).max(0.0).sqrt();
+        let about = cross(&Vector::<3>::from(center), &off[..3]);
+        let moment = length(&[off[3] - about[0], off[4] - about[1], off[5] - about[2]]);
+        if components == N && moment > ROUNDING * size { force.max(moment / spread) / size } else { force / size }
+    }
+}
+
+/// Sums `f(element)` over all elements, in their order.
+fn over_elements<const K: usize, X: Default>(count: usize, f: impl Fn(usize, &mut X) -> [f64; K] + Sync) -> [f64; K] {
+    let elements: Vec<usize> = (0..count).collect();
+    let of = |chunk: &[usize]| {
+        let (mut scratch, mut sum) = (X::default(), [0.0; K]);
+        for &e in chunk {
+            sum.iter_mut().zip(f(e, &mut scratch)).for_each(|(s, v)| *s += v);
+        }
+        sum
+    };
+    let parts: Vec<[f64; K]> = elements.par_chunks(ELEMENTS_PER_TASK).map(of).collect();
+    let mut total = [0.0; K];
+    parts.iter().for_each(|p| total.iter_mut().zip(p).for_each(|(t, v)| *t += v));
+    total
+}
+
+/// The integral of a density f(x, dx/dxi) over an element by its rule.
+fn by_rule<const D: usize, const N: usize, const K: usize>(
+    space: &dyn Space<D, N>,
+    rules: &dyn Quadrature<D>,
+    element: usize,
+    table: &mut MapTable<D, N>,
+    f: &dyn Fn(&Vector<N>, &Matrix<N, D>) -> [f64; K],
+) -> [f64; K] {
+    let rule = rules.rule(element);
+    space.map(element, &rule.points, crate::basis::Order::Gradients, table);
+    let mut sum = [0.0; K];
+    for ((x, j), w) in table.x.iter().zip(&table.jacobian).zip(&rule.weights) {
+        let ds = w * measure(j);
+        sum.iter_mut().zip(f(x, j)).for_each(|(s, v)| *s += v * ds);
+    }
+    sum
+}
+
+fn most_points<const D: usize, const N: usize>(space: &dyn Space<D, N>) -> usize {
+    if space.num_elements() == 0 { 1 } else { space.degree(0).into_iter().max().unwrap_or(1) + 1 }
+}
+
+/// The times at which data are looked at.
+fn looked_at(times: &[f64], changes: bool) -> impl Iterator<Item = f64> + '_ {
+    let count = if changes { times.len() } else { times.len().min(1) };
+    times[..count].iter().copied().step_by(count.div_ceil(TIMES).max(1))
+}
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// The loads, springs and moduli whose integrals are inexact by more than 1e-3 at one of `times`, each at the worst of them.
+    pub fn inexact_integrals(&self, times: &[f64]) -> Vec<Inexact> {
+        let mut found: Vec<Inexact> = self.no_loads().iter().filter_map(|load| self.inexact_load(load, times)).collect();
+        for spring in &self.springs {
+            let k = |x: &Vector<N>, t: f64| spring.stiffness.value(&Point::new(x.as_slice()).at_time(t));
+            let of = || Integral::Spring { name: spring.name.clone(), component: spring.component };
+            if spring.stiffness.as_constant().is_none() {
+                let at = |t: f64| self.side_sums(&spring.side, false, &|x, _, out| out[0] = k(x, t), 1);
+                found.extend(worst(looked_at(times, spring.stiffness.depends_on_time()), of, 1, at));
+            }
+        }
+        found.extend((0..self.patches.len()).filter_map(|k| self.inexact_modulus(k, times)));
+        found
+    }
+
+    fn inexact_load(&self, load: &LoadSum, times: &[f64]) -> Option<Inexact> {
+        let is_smooth = self.exact.as_ref().is_some_and(|e| !e.is_piecewise());
+        let of = || Integral::Load { name: load.name.clone(), patch: load.patch };
+        let c = self.components;
+        if let Some(k) = load.patch {
+            let patch = &self.patches[k];
+            let data = || patch.source.iter().chain(patch.weight.iter().map(|w| &w.0));
+            let is_constant = self.exact.is_none() && data().all(|f| f.as_constant().is_some());
+            if is_smooth || is_constant {
+                return None;
+            }
+            let changes = self.exact.as_ref().is_some_and(|e| e.depends_on_time()) || data().any(Data::depends_on_time);
+            return worst(looked_at(times, changes), of, c, |t| self.volume_sums(patch, t));
+        }
+        let sides: Vec<&SideLoad<S, N>> = self.loads.iter().filter(|l| l.name == load.name).collect();
+        let smooth = |l: &&SideLoad<S, N>| is_smooth && matches!(l.action, Action::Exact(_));
+        if sides.iter().all(smooth) {
+            return None;
+        }
+        let data = |l: &SideLoad<S, N>| match &l.action {
+            Action::Traction(_, f) | Action::Pressure(f) | Action::Force(_, f, _) => Some(f.clone()),
+            Action::Exact(_) => None,
+        };
+        let changes = sides.iter().any(|l| data(l).is_none_or(|f| f.depends_on_time()));
+        worst(looked_at(times, changes), of, c, |t| {
+            let levers = Levers::of(sides.iter().filter_map(|l| l.side.trace.space.extent()).reduce(|a, b| a.union(&b)));
+            let (mut own, mut finer) = ([0.0; 11], [0.0; 11]);
+            for load in &sides {
+                let physics = self.patches[load.side.patch].physics_at(t);
+                let is_constant = data(load).is_some_and(|f| f.as_constant().is_some());
+                let act = |x: &Vector<N>, n: &Vector<N>, out: &mut [f64]| self.side_force(load, &physics, t, x, n, out);
+                let (a, b) = sums_of_side(&load.side, &levers, is_constant, &act, c);
+                own.iter_mut().zip(a).for_each(|(s, v)| *s += v);
+                finer.iter_mut().zip(b).for_each(|(s, v)| *s += v);
+            }
+            (levers, own, finer)
+        })
+    }
+
+    /// The sums over a side by its rule and by halves.
+    fn side_sums(&self, side: &SideModel<S, N>, is_constant: bool, f: &SideDensity<'_, N>, components: usize) -> (Levers<N>, Sums, Sums) {
+        let levers = Levers::of(side.trace.space.extent());
+        let (own, finer) = sums_of_side(side, &levers, is_constant, f, components);
+        (levers, own, finer)
+    }
+
+    /// The sums over a patch by its rule and by halves.
+    fn volume_sums(&self, patch: &PatchModel<S, N>, t: f64) -> (Levers<N>, Sums, Sums) {
+        let levers = Levers::of(patch.extent);
+        let Some(force) = self.volume_force(patch, t) else { return (levers, [0.0; 11], [0.0; 11]) };
+        let space = &**patch.body.space();
+        let density = |x: &Vector<N>, _: &Matrix<N, N>| {
+            let mut value = [0.0; 3];
+            force(x, &mut value[..self.components]);
+            levers.density(x, &value)
+        };
+        let halved = Halved::new(space, most_points(space), LEAST[N - 1]);
+        let own = over_elements(space.num_elements(), |e, table: &mut MapTable<N, N>| by_rule(space, &patch.rules, e, table, &density));
+        let finer = over_elements(space.num_elements(), |e, scratch: &mut HalvedScratch<N, N>| halved.element(e, scratch, &density));
+        (levers, own, finer)
+    }
+
+    fn inexact_modulus(&self, number: usize, times: &[f64]) -> Option<Inexact> {
+        let patch = &self.patches[number];
+        if patch.physics.is_homogeneous() {
+            return None;
+        }
+        let space = &**patch.body.space();
+        let halved = Halved::new(space, most_points(space), LEAST[N - 1]);
+        let mut found: Option<Inexact> = None;
+        for t in looked_at(times, patch.changing.is_some()) {
+            let physics = patch.physics_at(t);
+            let density = |x: &Vector<N>, _: &Matrix<N, N>| [physics.modulus(x)];
+            let [own, finer, off] = over_elements(space.num_elements(), |e, both: &mut (MapTable<N, N>, HalvedScratch<N, N>)| {
+                let own = by_rule(space, &patch.rules, e, &mut both.0, &density)[0];
+                let finer = halved.element(e, &mut both.1, &density)[0];
+                [own, finer, (own - finer).abs()]
+            });
+            let error = off / finer.abs();
+            if error > found.as_ref().map_or(ACCEPTED, |f| f.error) {
+                let [integrated, finer] = [own, finer].map(|v| Resultant { force: [v, 0.0, 0.0], moment: [0.0; 3] });
+                found = Some(Inexact { of: Integral::Modulus { patch: number }, t, integrated, finer, error });
+            }
+        }
+        found
+    }
+}
+
+/// Force per area at a place with its outward normal, one entry per component.
+type SideDensity<'a, const N: usize> = dyn Fn(&Vector<N>, &Vector<N>, &mut [f64]) + Sync + 'a;
+
+/// The sums over a side by its rule and by halves.
+fn sums_of_side<const S: usize, const N: usize>(
+    side: &SideModel<S, N>,
+    levers: &Levers<N>,
+    is_constant: bool,
+    f: &SideDensity<'_, N>,
+    components: usize,
+) -> (Sums, Sums) {
+    let space: &Arc<dyn Space<S, N>> = &side.trace.space;
+    let halved = Halved::new(&**space, most_points(&**space), if is_constant { 1 } else { LEAST[S - 1] });
+    let density = |e: usize| {
+        move |x: &Vector<N>, j: &Matrix<N, S>| {
+            let mut value = [0.0; 3];
+            f(x, &side.trace.normal(e, j), &mut value[..components]);
+            levers.density(x, &value)
+        }
+    };
+    let own = over_elements(space.num_elements(), |e, table: &mut MapTable<S, N>| by_rule(&**space, &side.rules, e, table, &density(e)));
+    let finer = over_elements(space.num_elements(), |e, scratch: &mut HalvedScratch<S, N>| halved.element(e, scratch, &density(e)));
+    (own, finer)
+}
+
+/// The worst of `times`, if the error is beyond what is accepted there.
+fn worst<const N: usize>(
+    times: impl Iterator<Item = f64>,
+    of: impl Fn() -> Integral,
+    components: usize,
+    at: impl Fn(f64) -> (Levers<N>, Sums, Sums),
+) -> Option<Inexact> {
+    let mut found: Option<Inexact> = None;
+    for t in times {
+        let (levers, own, finer) = at(t);
+        let error = Levers::<N>::error(&own, &finer, components);
+        if error > found.as_ref().map_or(ACCEPTED, |f| f.error) {
+            found = Some(Inexact { of: of(), t, integrated: levers.resultant(&own), finer: levers.resultant(&finer), error });
+        }
+    }
+    found
+}
