@@ -9,7 +9,7 @@ use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideM
 use super::multipliers::{CutMultiplier, MakeCovered, MakeMultiplier, wrapped};
 use super::tie_part::InterfaceRules;
 use crate::assembly::gauss_rules;
-use crate::basis::Basis;
+use crate::basis::{Basis, Elements};
 use crate::contact::{Cone, Frames};
 use crate::coupling::consistency::Finer;
 use crate::coupling::interface::{Partners, slave_segments};

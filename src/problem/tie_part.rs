@@ -6,7 +6,7 @@ use super::model::{Model, Pairing, SideModel, TiePart};
 use super::multipliers::{MakeMultiplier, wrapped};
 use super::rigid_rows::function_sums;
 use super::system::{append, empty};
-use crate::basis::Basis;
+use crate::basis::{Basis, Elements};
 use crate::coupling::consistency::Finer;
 use crate::coupling::interface::{Partners, Tolerance};
 use crate::coupling::multiplier::check_counts;

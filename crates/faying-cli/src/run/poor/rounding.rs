@@ -8,9 +8,8 @@ use crate::errors::Diagnostic;
 use crate::result::RunResult;
 use crate::words::{percent, short};
 use faying::basis::Order;
-use faying::geometry::{Geometry, MapTable, cell};
+use faying::geometry::{MapTable, cell};
 use faying::problem::{Model, PatchModel};
-use faying::space::Space;
 
 /// Bound of the relative error above which the warning is given.
 const POOR: f64 = 1e-6;
