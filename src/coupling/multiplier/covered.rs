@@ -62,7 +62,7 @@ pub struct CoveredDual<const N: usize, T: Real = f64> {
 ///
 /// # Errors
 /// [`MultiplierError::NoDual`] on a smooth spline of degree three or more that is covered in part, and where an element has no dual
-/// functions, or one whose weight ∫ psi_j ds is not positive; [`MultiplierError::NothingLeft`] where constrained ends leave an element without functions.
+/// functions, or one whose weight ∫ psi_j ds vanishes; [`MultiplierError::NothingLeft`] where constrained ends leave an element without functions.
 pub fn dual_covered<const N: usize, T: Real>(
     space: &Arc<dyn Space<1, N, T>>,
     constrained: &[SideEnd],
@@ -92,15 +92,15 @@ pub fn dual_covered<const N: usize, T: Real>(
     }
     let functions = drop_unused(functions, &mut pieces, &mut elements);
     let functions = Piecewise::new(&**space, functions, pieces);
-    positive_weights(&functions, segments)?;
+    refuse_weightless(&functions, segments)?;
     let reading = Reading { space: Arc::clone(space), functions: functions.num_functions(), elements };
     Ok(CoveredDual { functions, reading })
 }
 
-/// Checks that the functions on the covered part have positive weights ∫ psi_j ds over it: a row without weight would count as one that
-/// faces nothing. Weights are those of the N_j where all of these have a multiplier; beside a constrained end on a side of two quadratic
-/// Lagrange elements the function in the middle has none.
-fn positive_weights<T: Real>(psi: &Piecewise<T>, segments: &Segments<1, T>) -> Result<(), MultiplierError> {
+/// Checks that the functions on the covered part have weights ∫ psi_j ds over it: a row without weight would count as one that faces
+/// nothing. Weights are those of the N_j where all of these have a multiplier; on a side of two quadratic Lagrange elements between
+/// constrained ends the function in the middle has none.
+fn refuse_weightless<T: Real>(psi: &Piecewise<T>, segments: &Segments<1, T>) -> Result<(), MultiplierError> {
     // per function: weight, length of what is covered of its elements, an element
     let mut sums = vec![(T::zero(), T::zero(), 0); psi.num_functions()];
     let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
@@ -115,8 +115,8 @@ fn positive_weights<T: Real>(psi: &Piecewise<T>, segments: &Segments<1, T>) -> R
         }
     }
     for (j, (weight, length, element)) in sums.into_iter().enumerate() {
-        if length > T::zero() && to_f64(weight) <= NO_WEIGHT * to_f64(length) {
-            let reason = format!("the weight of function {j} on element {element} is {:.3e}, not positive", to_f64(weight));
+        if length > T::zero() && to_f64(weight.abs()) <= NO_WEIGHT * to_f64(length) {
+            let reason = format!("the weight of function {j} on element {element} is zero");
             return Err(MultiplierError::NoDual { reason, known: String::new() });
         }
     }

@@ -260,7 +260,7 @@ fn every_axis_of_a_side_changes_the_case_of_its_rows() {
 #[test]
 fn pairings_of_a_penalty_are_its_multipliers() {
     let at = folder(&format!("{PAIR}coupling = \"penalty\"\n"));
-    let pairings = ["p/p", "p/p-2", "constant", "dual"];
+    let pairings = ["p/p", "p/p-2", "dual"];
     let (exit, study) = told(at.path(), &["convergence", "a.toml", "--levels", "1", "--pairings", &pairings.join(",")]);
     assert_eq!((exit, rows(&study).len()), (0, pairings.len()), "{study}");
     // a row is the run with that multiplier, and no two rows are the same

@@ -120,7 +120,7 @@ impl Plane {
             }
             Face::Box => {
                 // the face is one of the four sides of a box that is turned and moved
-                let (left, right, depth) = (over(r), over(r), self.length * r.decades(-1.0, 0.5));
+                let (left, right, depth) = (over(r), over(r), self.length * r.decades(0.0, 0.5));
                 let turn = f64::from(r.below(4) as u32) * 90.0;
                 let (width, height) = if turn % 180.0 == 0.0 { (left + right, depth) } else { (depth, left + right) };
                 // its face looks up, before it is turned
@@ -215,6 +215,12 @@ impl Pressed<'_> {
             let is_held = (k + 3 - first) % 3 < held;
             let load = if is_held { prescribed.clone() } else { format!("pressure = {}", world.stress(self.pressure)) };
             out += &format!("[[boundary]]\non = \"{name}.{}\"\n{load}\n", SIDES[*side]);
+        }
+        // one end of the side itself
+        if r.chance(0.3) {
+            let (side, end) = (SIDES[self.contact], r.below(2));
+            let corner = if self.contact < 2 { format!("{side}v{end}") } else { format!("u{end}{side}") };
+            out += &format!("[[boundary]]\non = \"{name}.{corner}\"\n{prescribed}\n");
         }
         out
     }
