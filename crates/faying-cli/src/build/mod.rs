@@ -23,6 +23,7 @@ mod multipliers;
 mod near;
 mod obstacles;
 mod outline;
+mod overlap;
 mod parameters;
 mod patches;
 mod plane;

@@ -8,6 +8,7 @@ use super::builder::Builder;
 use super::couple::Couples;
 use super::joined::{Known, Marks};
 use super::meant::facing;
+use super::overlap;
 use super::sides::Sides;
 use super::touch::{SAME_PLACE, Touching, sag, touching_sides};
 use crate::case::{Master, Physics, SideRef};
@@ -67,11 +68,13 @@ pub(super) fn warn<const S: usize, const N: usize>(
         let met = tree.meeting(tree.item(a)).into_iter().filter(|&b| a < b);
         pairs.extend(met.filter(|&b| allowed(a, b)).map(|b| [a, b]));
     }
-    if pairs.is_empty() {
-        return;
-    }
-    let found = lies(builder, patches, &all, &pairs, &groups);
+    let found = if pairs.is_empty() { BTreeMap::new() } else { lies(builder, patches, &all, &pairs, &groups) };
     tell(builder, &all, &found);
+    let told: BTreeSet<[usize; 2]> = found.keys().map(|&[a, b]| [all[a].side.patch, all[b].side.patch]).collect();
+    overlap::warn(builder, patches, &|a, b| {
+        let groups = [groups[a].min(groups[b]), groups[a].max(groups[b])];
+        groups[0] != groups[1] && !apart.contains(&groups) && !told.contains(&[a, b])
+    });
 }
 
 /// All sides of all patches.

@@ -167,6 +167,12 @@ fn touching_near_and_overlapping_sides_that_nothing_joins_are_told() {
         names(&run(&two(1.0, "")), "a.right", "b.left", "touch", line);
         names(&run(&two(1.01, "")), "a.right", "b.left", "apart", line);
         names(&run(&two(0.99, "")), "a.right", "b.left", "deep in each other", line);
+        // bodies that lie in each other farther than that have no sides that nearly meet
+        for deep in [0.7, 0.3] {
+            let result = run(&two(deep, ""));
+            let [warning] = e023(&result)[..] else { panic!("{deep}: {:?}", result.warnings) };
+            assert!(warning.message.contains("\"a\" and \"b\" overlap"), "{warning:?}");
+        }
         // half of a facet apart: two bodies
         assert!(e023(&run(&two(1.15, ""))).is_empty());
         let tie = "[[interface]]\nname = \"i\"\nslave = \"b.left\"\nmaster = \"a.right\"\n";
