@@ -129,10 +129,10 @@ mod tests {
         let hill =
             |x: &Vector<2>| -(x[0] - 0.3).powi(2) - 3.0 * (x[1] - 0.6).powi(2) + (x[0] - 0.3) * (x[1] - 0.6) + 0.2 * (x[0] - 0.3).powi(3);
         let (x, v, asked) = found(hill, [0.5, 0.5]);
-        assert!(v.abs() < 1e-15 && (x - Vector::from([0.3, 0.6])).norm() < 1e-6 && asked < 120, "{x} {v} {asked}");
+        assert!(v.abs() < 1e-15 && (x - Vector::from([0.3, 0.6])).norm() < 1e-6 && asked < 300, "{x} {v} {asked}");
         let ridge = |x: &Vector<3>| (1.5 * x[0] - (x[1] - 0.7).powi(2)).sin() - (x[2] - 0.2).powi(4);
         let (x, v, asked) = found(ridge, [0.5, 0.5, 0.5]);
-        assert!((v - 1.5f64.sin()).abs() < 1e-13 && x[0] == 1.0 && asked < 900, "{x} {v} {asked}");
+        assert!((v - 1.5f64.sin()).abs() < 1e-13 && x[0] == 1.0 && asked < 1500, "{x} {v} {asked}");
         let (x, _, _) = found(|x: &Vector<3>| (x[0] + 2.0 * x[1] - x[2]).exp(), [0.5, 0.5, 0.5]);
         assert_eq!(x, Vector::from([1.0, 1.0, 0.0]));
         // a kink

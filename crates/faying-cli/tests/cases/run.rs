@@ -687,7 +687,11 @@ fn contact_next_to_a_prescribed_corner_is_the_same_in_a_mirror() {
             assert_eq!((left.status, right.status), (Status::Ok, Status::Ok), "{what}");
             assert_eq!(left.unknowns.multipliers, right.unknowns.multipliers, "{what}");
             for name in ["force", "largest", "end", "width", "u"] {
-                close(probe(&right, name), probe(&left, name), 1e-10, &format!("{what}: {name}"));
+                let [a, b] = [&right, &left].map(|result| probe(result, name));
+                // too coarse a zone has no half width on either side
+                if name != "width" || !(a.is_nan() && b.is_nan()) {
+                    close(a, b, 1e-10, &format!("{what}: {name}"));
+                }
             }
             close(probe(&right, "moment"), -probe(&left, "moment"), 1e-10, &format!("{what}: moment"));
         }

@@ -190,12 +190,13 @@ quantity = "contact.line.pressure at [0.1, 0.005]"
     )
 }
 
-/// Probes, force, moment, greatest pressure, area and half width.
+/// Probes, force, moment, greatest pressure, area and half width, -1 where the zone is too coarse for one.
 fn numbers(r: &RunResult, name: &str) -> Vec<f64> {
     let k = contact(r, name);
     let faying_cli::result::Moment::Plane(moment) = k.moment else { panic!("a plane case") };
     let mut all: Vec<f64> = r.probes.iter().map(|p| p.value).collect();
-    all.extend([k.force[1], moment, k.pressure.max, k.area, k.half_width]);
+    let width = if k.half_width.is_nan() { -1.0 } else { k.half_width };
+    all.extend([k.force[1], moment, k.pressure.max, k.area, width]);
     all
 }
 
@@ -352,7 +353,9 @@ fn nitsche_contact_approaches_the_multiplier_method_on_finer_meshes() {
                 assert!(a.balance.force.iter().all(|f| f.abs() < 1e-10 * l.force[1].abs()), "{:?}", a.balance);
                 assert!(k.kkt.lambda == 0.0 && k.pressure.min == 0.0 && k.active > 0);
                 apart.push((k.pressure.max / l.pressure.max - 1.0).abs());
-                assert!((k.half_width / l.half_width - 1.0).abs() < 0.35, "{} {}", k.half_width, l.half_width);
+                // zones too coarse for a half width have none
+                let ratio = k.half_width / l.half_width;
+                assert!(ratio.is_nan() || (ratio - 1.0).abs() < 0.35, "{} {}", k.half_width, l.half_width);
                 iterations.push([k.iterations, l.iterations]);
                 // a first state of all points does not have to be peeled
                 assert!(k.iterations <= 60, "{variant} {pair:?}: {} iterations", k.iterations);

@@ -298,7 +298,9 @@ fn a_sliver_of_an_element_carries_no_more_pressure_than_its_neighbours() {
                     assert!(c.area <= end + 1e-9 && (!whole || (c.area - end).abs() < 1e-9), "{about}: area {}", c.area);
                     // the pressure has a root singularity at the end; half an element wide means stay below five times the mean
                     assert!(c.pressure.max < 5.0 * force.abs() / end, "{about}: {}", c.pressure.max);
-                    assert!((c.half_width / (0.5 * end) - 1.0).abs() < 0.01, "{about}: {:?}", c.half_width);
+                    // where the last rows are open the zone ends within the slave, too coarse for a half width
+                    let width = c.half_width / (0.5 * end);
+                    assert!((width.is_nan() && !whole) || (width - 1.0).abs() < 0.01, "{about}: {:?}", c.half_width);
                 }
             }
         }

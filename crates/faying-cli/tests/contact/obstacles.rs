@@ -534,7 +534,8 @@ fn lengths_and_moduli_scale_what_a_force_does() {
             let [a, b] = [displacement(&one)[1] * length, displacement(&result)[1]];
             assert!((a - b).abs() < 1e-8 * a.abs(), "{backend} {length:e} {modulus:e}: {a} {b}");
             assert!((report.pressure.max - base.pressure.max * modulus).abs() < 1e-8 * base.pressure.max * modulus);
-            assert!((report.half_width - base.half_width * length).abs() < 1e-8 * base.half_width * length);
+            let wide = report.half_width / (base.half_width * length);
+            assert!((wide - 1.0).abs() < 1e-8 || (report.half_width.is_nan() && base.half_width.is_nan()));
             assert_eq!(report.active, c.active);
             assert!((result.energy - one.energy * modulus * length * length).abs() < 1e-8 * one.energy * modulus * length * length);
         }

@@ -305,7 +305,7 @@ fn facets_that_leave_the_line_between_two_pieces_have_the_right_lambda_and_no_ju
             // a wrong piece makes the error 0.67 or 2
             let errors = [[7, 10], [14, 20], [28, 40]].map(of);
             println!("{backend} {degree} {slave}: {errors:?}");
-            assert!(errors[0] < 0.25 && errors[2] < 0.6 * errors[0], "{backend} {degree} {slave}: {errors:?}");
+            assert!(errors.iter().all(|e| *e < 0.02), "{backend} {degree} {slave}: {errors:?}");
         }
     }
 }
@@ -382,9 +382,9 @@ fn coarse_facets_do_not_make_distant_sides_near() {
     // beams 100 long and 10 thick in two facets, 2.8 apart from a third that ties them
     let beams = |gap: f64| {
         ELASTIC.to_owned()
-            + &block("a", [0.0, 0.0], [100.0, 10.0], [2, 1], "")
-            + &block("b", [0.0, 10.0 + gap], [100.0, 20.0 + gap], [2, 1], "")
-            + &block("c", [100.0, 0.0], [110.0, 20.0 + gap], [1, 2], "")
+            + &block("a", [0.0, 0.0], [100.0, 10.0], [2, 3], "")
+            + &block("b", [0.0, 10.0 + gap], [100.0, 20.0 + gap], [2, 3], "")
+            + &block("c", [100.0, 0.0], [110.0, 20.0 + gap], [1, 5], "")
             + "[[interface]]\nname = \"i\"\nbetween = \"all\"\n"
             + &on("\"a.left\"", "fix = [\"x\", \"y\"]")
             + &on("\"b.left\"", "traction = [0, -1e-6]")
@@ -397,23 +397,33 @@ fn coarse_facets_do_not_make_distant_sides_near() {
 
 #[test]
 fn a_centre_that_is_a_point_to_rounding_is_no_side() {
+    let folder = tempfile::TempDir::new().unwrap();
     for (size, off) in [(2.0, 6e-17), (2.0, 0.0), (3e5, 1e-11), (1e-6, 2e-22)] {
         let points = [[off, 0.0], [off, off], [0.0, off], [size, 0.0], [size, size], [0.0, size]];
-        let list: Vec<String> = points.iter().map(|p| format!("{p:?}")).collect();
+        let list: Vec<String> = points.iter().map(|[x, y]| format!("{x:e} {y:e}")).collect();
+        let file = format!(
+            "<?xml version=\"1.0\"?>\n<xml><Geometry type=\"TensorNurbs2\" id=\"0\"><Basis type=\"TensorNurbsBasis2\">\
+             <Basis type=\"TensorBSplineBasis2\"><Basis type=\"BSplineBasis\" index=\"0\"><KnotVector degree=\"2\">0 0 0 1 1 1</KnotVector></Basis>\
+             <Basis type=\"BSplineBasis\" index=\"1\"><KnotVector degree=\"1\">0 0 1 1</KnotVector></Basis></Basis>\
+             <weights>1 0.7071067811865476 1 1 0.7071067811865476 1</weights></Basis><coefs geoDim=\"2\">{}</coefs></Geometry></xml>\n",
+            list.join(" ")
+        );
+        std::fs::write(folder.path().join("disc.xml"), file).unwrap();
         for moved in [0.0, 7.0] {
             let text = format!(
                 "[model]\nphysics = \"poisson\"\ndimension = 2\nsource = \"1\"\n[[patch]]\nname = \"d\"\n\
-                 geometry = {{ kind = \"nurbs\", degree = [2, 1], knots = [[0, 0, 0, 1, 1, 1], [0, 0, 1, 1]], points = [{}], \
-                 weights = [1, 0.7071067811865476, 1, 1, 0.7071067811865476, 1], move = [{:?}, 0] }}\nelements = [4, 4]\n\
+                 geometry = {{ kind = \"file\", file = \"disc.xml\", move = [{:?}, 0] }}\nelements = [4, 4]\n\
                  [[boundary]]\non = \"all-outer\"\ndirichlet = 0\n[[probe]]\nname = \"u\"\nquantity = \"u at [{:?}, {:?}]\"\n",
-                list.join(", "),
                 moved * size,
                 (moved + 0.15) * size,
                 0.15 * size
             );
-            let result = run(&text);
+            let path = folder.path().join("case.toml");
+            std::fs::write(&path, &text).unwrap();
+            let result = Case::read(&path).unwrap_or_else(|e| panic!("{size} {off}: {e}")).run(&Registry::default()).unwrap();
             none(&result, &text);
-            assert!(result.probes[0].value > 0.0 && result.reactions.len() == 3, "{:?}", result.reactions);
+            assert!((result.probes[0].value / (size * size) - 0.0208159).abs() < 1e-6, "{:?}", result.probes);
+            assert_eq!(result.reactions.len(), 3, "{:?}", result.reactions);
         }
     }
 }

@@ -18,6 +18,7 @@ use faying::geometry::{ClosestPoint, MapTable, cell};
 use faying::linalg::{Matrix, Vector};
 use faying::problem::{Exact, Model, PatchModel, SideModel, TiePart, field_slope};
 use faying::space::Space;
+use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -58,8 +59,9 @@ pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
     };
     if exact.is_piecewise() {
         for (k, patch) in model.patches.iter().enumerate() {
-            let rims = Rims::of(case, model, k);
-            tell(inside(patch, &rims, exact, t), format!("inside patch \"{}\"", patch.name));
+            let rims = OnceCell::new();
+            let in_rim = |x: &Vector<N>| rims.get_or_init(|| Rims::of(case, model, k)).hold(x);
+            tell(inside(patch, &in_rim, exact, t), format!("inside patch \"{}\"", patch.name));
         }
     }
     for tie in &model.ties {
@@ -110,8 +112,13 @@ fn gradient<const N: usize>(exact: &dyn Exact, components: usize, t: f64, x: &Ve
     all
 }
 
-/// The largest jump of the flux inside a patch.
-fn inside<const S: usize, const N: usize>(patch: &PatchModel<S, N>, rims: &Rims<S, N>, exact: &dyn Exact, t: f64) -> Jump<N> {
+/// The largest jump of the flux inside a patch, but at points where `in_rim` holds.
+fn inside<const S: usize, const N: usize>(
+    patch: &PatchModel<S, N>,
+    in_rim: &dyn Fn(&Vector<N>) -> bool,
+    exact: &dyn Exact,
+    t: f64,
+) -> Jump<N> {
     let components = patch.field.components;
     let grad = |x: &Vector<N>| gradient(exact, components, t, x);
     let mut worst = Jump { size: 0.0, largest: 0.0, at: Vector::zeros() };
@@ -142,7 +149,7 @@ fn inside<const S: usize, const N: usize>(patch: &PatchModel<S, N>, rims: &Rims<
         let Some(normal) = direction(&(after - before)).filter(|_| (after - before).norm() > JUMP * size) else { continue };
         let (here, there) = (point(left), point(right));
         let jump = distance(&traction(patch, exact, t, &here, &normal), &traction(patch, exact, t, &there, &normal));
-        if jump > worst.size && !rims.hold(&here) {
+        if jump > worst.size && !in_rim(&here) {
             (worst.size, worst.at) = (jump, here);
         }
     }
