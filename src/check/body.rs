@@ -5,14 +5,15 @@ use crate::geometry::{Geometry, MapTable, cell, cross};
 use crate::linalg::{Matrix, Real, Vector, lit, num};
 use crate::quadrature::{Quadrature, TensorRule, simplex_rule};
 use crate::space::{Body, SideError, Trace, measure};
+use std::collections::HashSet;
 
 /// Checks `body`, its space and the traces of all its sides.
 ///
-/// Rules: spaces of body and sides keep those of [`basis`](super::basis()) and [`space`](super::space()), and their functions are continuous
-/// where elements share a facet, which an `active` in another order than the table breaks; side names are listed once; an unknown side is [`SideError::Unknown`]; a trace has one facet and one `outward`
-/// sign per element and one dof per function, no dof twice; its map is the body's through the facets; its functions are
-/// the body's through `dofs`, and the body's other functions vanish there; facets lie on the boundary of their cell;
-/// `outward` leaves it.
+/// Rules: spaces of body and sides keep those of [`basis`](super::basis()) and [`space`](super::space()), and their functions are
+/// continuous where elements share a facet, which an `active` in another order than the table breaks; side names are listed once; an
+/// unknown side is [`SideError::Unknown`]; a trace has one facet and one `outward` sign per element and one dof per function, no dof
+/// twice; its map is the body's through the facets; its functions are the body's through `dofs`, and the body's other functions vanish
+/// there; facets lie on the boundary of their cell; `outward` leaves it.
 ///
 /// # Errors
 /// A sentence that names the broken rule and the place.
@@ -20,7 +21,7 @@ pub fn body<const S: usize, const N: usize, T: Real, B: Body<S, N, T> + ?Sized>(
     let of_body = |e: String| format!("the body's space: {e}");
     super::space::space(&**body.space()).map_err(of_body)?;
     super::basis::basis(&**body.space()).map_err(of_body)?;
-    super::continuous::continuous(&**body.space()).map_err(of_body)?;
+    super::continuous::continuous(&**body.space(), Some(&outer(body))).map_err(of_body)?;
     let sides = body.sides();
     let nowhere = "no-such-side";
     if !matches!(body.trace(nowhere), Err(SideError::Unknown { .. })) {
@@ -34,6 +35,18 @@ pub fn body<const S: usize, const N: usize, T: Real, B: Body<S, N, T> + ?Sized>(
         one_trace(body, &trace).map_err(|e| format!("side `{name}`: {e}"))?;
     }
     Ok(())
+}
+
+/// Element and face of the facets of all sides.
+fn outer<const S: usize, const N: usize, T: Real, B: Body<S, N, T> + ?Sized>(body: &B) -> HashSet<(usize, usize)> {
+    let mut faces = HashSet::new();
+    for trace in body.sides().iter().filter_map(|name| body.trace(name).ok()) {
+        for (e, facet) in trace.facets.iter().enumerate().filter(|(_, f)| f.element < body.space().num_elements()) {
+            let corners: Vec<Vector<N, T>> = cell::corners::<S, T>(trace.space.cell(e)).iter().map(|c| facet.lift(c)).collect();
+            faces.extend(cell::face_of(body.space().cell(facet.element), &corners, lit(1e-6)).map(|face| (facet.element, face)));
+        }
+    }
+    faces
 }
 
 /// Checks `body` as [`body`] does, and that its sides are its whole boundary: Gauss' theorem.
@@ -75,7 +88,7 @@ fn one_trace<const S: usize, const N: usize, T: Real, B: Body<S, N, T> + ?Sized>
     let of_side = |e: String| format!("its space: {e}");
     super::space::space(&*trace.space).map_err(of_side)?;
     super::basis::basis(&*trace.space).map_err(of_side)?;
-    super::continuous::continuous(&*trace.space).map_err(of_side)?;
+    super::continuous::continuous(&*trace.space, None).map_err(of_side)?;
     let (elements, functions) = (trace.space.num_elements(), trace.space.num_functions());
     if trace.facets.len() != elements || trace.outward.len() != elements {
         return Err(format!("{} facets and {} signs for {elements} elements", trace.facets.len(), trace.outward.len()));

@@ -5,12 +5,14 @@ use crate::basis::{Cell, Order, ShapeTable};
 use crate::geometry::{MapTable, cell};
 use crate::linalg::{Real, Vector, lit, num, to_f64};
 use crate::space::Space;
+use std::collections::HashSet;
 
 /// Largest jump of a function, in units of rounding of the largest value.
 const JUMP: f64 = 1e5;
 
-/// A facet of an element: its corners in local coordinates, in space, and their ids (none if unknown).
+/// A facet of an element: its face, its corners in local coordinates, in space, and their ids (none if unknown).
 struct Facet<const D: usize, const N: usize, T: Real> {
+    face: usize,
     local: Vec<Vector<D, T>>,
     place: Vec<Vector<N, T>>,
     ids: Vec<usize>,
@@ -18,9 +20,13 @@ struct Facet<const D: usize, const N: usize, T: Real> {
 
 /// Checks that functions have one value from both sides of the facets that two elements share.
 ///
-/// Elements with corner ids share the facets whose ids they share, others those at one place. Functions that live on both elements are
-/// compared: the ends of an open ring lie at one place, and no function lives on both.
-pub(super) fn continuous<const D: usize, const N: usize, T: Real>(space: &dyn Space<D, N, T>) -> Result<(), String> {
+/// Elements with corner ids share the facets whose ids they share, others those at one place if as many functions live on both as the
+/// facet has corners. `sides`: element and face of the facets on the boundary, which may lie at one place without being joined, as the
+/// ends of an open ring do; `None` if they are not known, and then only functions that live on both elements are compared.
+pub(super) fn continuous<const D: usize, const N: usize, T: Real>(
+    space: &dyn Space<D, N, T>,
+    sides: Option<&HashSet<(usize, usize)>>,
+) -> Result<(), String> {
     let boxes = space.all_bounds();
     let (mut own, mut other) = (ShapeTable::new(), ShapeTable::new());
     let (mut own_ids, mut other_ids, mut map) = (Vec::new(), Vec::new(), MapTable::new());
@@ -28,7 +34,7 @@ pub(super) fn continuous<const D: usize, const N: usize, T: Real>(space: &dyn Sp
         let near = (boxes[e].diagonal() + boxes[e].lo.amax()) * T::default_epsilon() * num(1000);
         let (around, own_facets) = (boxes[e].inflated(near), facets(space, e, near));
         for f in (0..boxes.len()).filter(|&f| f != e && around.meets(&boxes[f])) {
-            for (here, there) in shared(&own_facets, &facets(space, f, near), near) {
+            for Shared { here, there, faces, named } in shared(&own_facets, &facets(space, f, near), near) {
                 let (a, b) = (points(&here), points(&there));
                 // corners at one place do not make one curve
                 space.map(e, &a, Order::Values, &mut map);
@@ -41,14 +47,20 @@ pub(super) fn continuous<const D: usize, const N: usize, T: Real>(space: &dyn Sp
                 space.active(f, &mut other_ids);
                 space.tabulate(e, &a, Order::Values, &mut own);
                 space.tabulate(f, &b, Order::Values, &mut other);
+                let common = own_ids.iter().filter(|i| other_ids.contains(i)).count();
+                let inside = |sides: &HashSet<(usize, usize)>| !sides.contains(&(e, faces[0])) && !sides.contains(&(f, faces[1]));
+                let joined = sides.is_some_and(inside) && (named || common >= here.len());
                 for q in 0..a.len() {
                     let largest = own.values(q).iter().chain(other.values(q)).fold(0.0, |m: f64, v| m.max(to_f64(v.abs())));
                     let value = |ids: &[usize], table: &ShapeTable<D, T>, i: usize| {
                         ids.iter().position(|&j| j == i).map(|k| to_f64(table.values(q)[k]))
                     };
-                    for &i in &own_ids {
-                        let (Some(left), Some(right)) = (value(&own_ids, &own, i), value(&other_ids, &other, i)) else { continue };
-                        let jump = left - right;
+                    for &i in own_ids.iter().chain(&other_ids) {
+                        let (left, right) = (value(&own_ids, &own, i), value(&other_ids, &other, i));
+                        if !joined && (left.is_none() || right.is_none()) {
+                            continue;
+                        }
+                        let jump = left.unwrap_or(0.0) - right.unwrap_or(0.0);
                         if jump.is_nan() || jump.abs() > JUMP * to_f64(T::default_epsilon()) * largest {
                             return Err(format!(
                                 "function {i} jumps by {jump:e} from element {e} to {f} at {:?}; `active` may list other functions than the table",
@@ -81,6 +93,7 @@ fn facets<const D: usize, const N: usize, T: Real>(space: &dyn Space<D, N, T>, e
         .map(|face| {
             let list: Vec<usize> = (0..corners.len()).filter(|&k| on(face, &corners[k])).collect();
             Facet {
+                face,
                 local: list.iter().map(|&k| corners[k]).collect(),
                 place: list.iter().map(|&k| map.x[k]).collect(),
                 ids: list.iter().filter_map(|&k| ids.get(k).copied()).collect(),
@@ -90,8 +103,13 @@ fn facets<const D: usize, const N: usize, T: Real>(space: &dyn Space<D, N, T>, e
         .collect()
 }
 
-/// A facet in the local coordinates of both elements, its corners in the same order.
-type Shared<const D: usize, T> = (Vec<Vector<D, T>>, Vec<Vector<D, T>>);
+/// A facet in the local coordinates of both elements, its corners in the same order; its faces, and whether both name it by the same ids.
+struct Shared<const D: usize, T: Real> {
+    here: Vec<Vector<D, T>>,
+    there: Vec<Vector<D, T>>,
+    faces: [usize; 2],
+    named: bool,
+}
 
 /// Facets of the first list that are one of the second.
 fn shared<const D: usize, const N: usize, T: Real>(own: &[Facet<D, N, T>], other: &[Facet<D, N, T>], near: T) -> Vec<Shared<D, T>> {
@@ -106,7 +124,8 @@ fn shared<const D: usize, const N: usize, T: Real>(own: &[Facet<D, N, T>], other
             let count = here.place.len();
             let order: Vec<usize> = (0..count).filter_map(|j| (0..count).find(|&k| same(j, k))).collect();
             if order.len() == count {
-                found.push((here.local.clone(), order.into_iter().map(|k| there.local[k]).collect()));
+                let there_too = order.into_iter().map(|k| there.local[k]).collect();
+                found.push(Shared { here: here.local.clone(), there: there_too, faces: [here.face, there.face], named });
             }
         }
     }
