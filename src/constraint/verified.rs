@@ -110,6 +110,6 @@ fn residual(system: &ConstrainedSystem<'_, f64>, solution: &ConstrainedSolution<
         top = max(top, sum.abs() * scale);
         bottom = max(bottom, terms * scale);
     }
-    // rows that fix their unknowns at zero have terms of rounding size only
-    max(equilibrium, if top <= ROUNDING * unknown { 0.0 } else { relative(top, bottom) })
+    // rows that fix their unknowns at zero have terms of rounding size only: their gaps are measured by the largest unknown
+    max(equilibrium, if top <= ROUNDING * unknown { 0.0 } else { relative(top, max(bottom, unknown)) })
 }
