@@ -218,12 +218,12 @@ impl<const S: usize, const N: usize> Model<S, N> {
             _ => {}
         }
         if psi.num_functions() > free {
-            let part = HeldPart::of(slave, &*psi, &held);
-            if part.free() > free {
+            // the pressure of dual multipliers is read through other functions, which say nothing of who has whose
+            let part = Some(HeldPart::of(slave, &*psi, &held)).filter(|part| reading.is_none() && part.free() <= free);
+            let Some(part) = part else {
                 return Err(InterfaceError::TooMany { multipliers: psi.num_functions(), free, components, by_equations });
-            }
+            };
             psi = part.given(psi);
-            reading = reading.map(|read| part.given(read));
         }
         Ok((psi, reading))
     }

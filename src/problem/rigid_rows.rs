@@ -17,6 +17,9 @@ use crate::contact::{Cone, Contact};
 use crate::geometry::{MapTable, cell};
 use crate::linalg::Vector;
 
+/// Part of the way from the outermost points of an element to its corners: at the corners themselves no finer side would press, either.
+const INSIDE: f64 = 0.99;
+
 /// A point from which levers of a patch are measured: its middle.
 fn origin<const S: usize, const N: usize>(model: &Model<S, N>, patch: usize) -> Vector<N> {
     model.patches[patch].extent.map_or(model.center, |b| b.center())
@@ -120,7 +123,7 @@ pub(super) fn contact_forms<const S: usize, const N: usize>(
     forms
 }
 
-/// Forces along the normal at every point of a contact and at the corners of its elements, on rigid motions.
+/// Forces along the normal at every point of a contact and near the corners of its elements, on rigid motions.
 pub(super) fn point_forms<const S: usize, const N: usize>(
     model: &Model<S, N>,
     modes: &RigidModes<N>,
@@ -143,7 +146,7 @@ pub(super) fn point_forms<const S: usize, const N: usize>(
         for corner in &map.x {
             let apart = |q: &usize| (frames.x[*q] - corner).norm();
             let nearest = segments.points(piece).min_by(|a, b| apart(a).total_cmp(&apart(b)));
-            forms.extend(nearest.map(|q| push(q, corner - frames.x[q])));
+            forms.extend(nearest.map(|q| push(q, (corner - frames.x[q]) * INSIDE)));
         }
     }
     forms
