@@ -34,7 +34,9 @@ pub fn obstacle<const D: usize, const N: usize, T: Real>(
             // a point of another hit is a foot of this one only where the line to it is at right angles
             let foot = |other: &Hit<D, N, T>| {
                 let away = x - other.x;
-                to_f64((away - other.normal * away.dot(&other.normal)).norm()) <= tolerance
+                // and at a corner a face that opposes more may be farther
+                let as_much = to_f64(other.normal.dot(&outward) - hit.normal.dot(&outward)) <= 1e-9;
+                as_much && to_f64((away - other.normal * away.dot(&other.normal)).norm()) <= tolerance
             };
             if let Some(other) = hits.iter().flatten().find(|other| to_f64((x - other.x).norm()) < distance - tolerance && foot(other)) {
                 return Err(format!("{x:?} is projected to {:?}, but {:?} is closer", hit.x, other.x));

@@ -23,10 +23,12 @@ const NEWTON: usize = 8;
 const NARROWING: usize = 400;
 /// Share of the bounds' distance below which a step of Newton's method is short.
 const CLOSE: f64 = 1e-3;
+/// Lines along gradients, one after another, on which a zero is looked for.
+const LINES: usize = 40;
 /// Steps along the surface; they converge as fast as a secant method.
 const SLIDES: usize = 200;
-/// Quarterings of a step along the surface.
-const SHORTER: usize = 30;
+/// Times that a step is shortened.
+const SHORTER: usize = 40;
 /// Tangential part of x - y, as a share of |x - y|, that ends the search.
 const AT_RIGHT_ANGLES: f64 = 1e-13;
 /// The share that is good enough where no step brings the foot nearer: the distance is then right to the square of it.
@@ -69,7 +71,7 @@ impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send +
         let (value, gradient) = self.at(x)?;
         // where f has no slope, out of the obstacle is towards the body
         let along = unit(gradient).unwrap_or(-outward);
-        let first = self.zero(x, &along, &along)?;
+        let first = self.surface(x, &along)?;
         // the gap has the sign of f, but for round-off on the surface
         let signed = |(y, normal): &OnSurface<N, T>| {
             let gap = (x - y).dot(normal);
@@ -82,6 +84,30 @@ impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send +
         // near an edge the nearest face is not the one that the body came in by
         let other = self.zero(x, &-outward, &along).filter(|start| opposes(outward, &start.1)).and_then(|start| self.slide(x, start));
         Some(other.filter(|found| opposes(outward, &found.1) && signed(found)).unwrap_or(foot))
+    }
+
+    /// A zero of f from `from` along the gradient; where it misses f = 0, from where a step of Newton's method leads to. `normal` is the one
+    /// where f has no slope.
+    fn surface(&self, from: &Vector<N, T>, normal: &Vector<N, T>) -> Option<OnSurface<N, T>> {
+        let (mut from, mut along) = (*from, *normal);
+        for _ in 0..LINES {
+            let (value, gradient) = self.at(&from)?;
+            let own = unit(gradient);
+            along = own.unwrap_or(along);
+            if let Some(found) = self.zero(&from, &along, &along) {
+                return Some(found);
+            }
+            own?;
+            let mut step = value / gradient.norm();
+            let lower = (0..SHORTER).find_map(|_| {
+                let next = from - along * step;
+                step *= lit(0.5);
+                let (there, _) = (self.function)(&next);
+                (there.is_finite() && there.abs() < value.abs()).then_some(next)
+            });
+            from = lower?;
+        }
+        None
     }
 
     /// The zero of f on the line through `from` along `along`, a unit vector on which f is taken to grow, towards smaller |f|; `normal` is
@@ -184,11 +210,9 @@ impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send +
             let mut moved = None;
             for _ in 0..SHORTER {
                 let target = y + residual * scale;
-                let along = self.at(&target).and_then(|(_, gradient)| unit(gradient)).unwrap_or(normal);
-                if let Some((next, n)) = self.zero(&target, &along, &normal) {
+                if let Some((next, n)) = self.surface(&target, &normal) {
                     let (apart, left) = ((x - next).norm(), tangential(&next, &n));
-                    let same = apart <= distance * (T::one() + T::default_epsilon() * lit(4.0));
-                    if apart < distance * (T::one() - T::default_epsilon() * lit(4.0)) || same && left.norm() < residual.norm() {
+                    if apart < distance - small || apart <= distance + small && left.norm() < residual.norm() {
                         moved = Some((next, n, left));
                         break;
                     }
@@ -196,7 +220,9 @@ impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send +
                 scale *= lit(0.25);
             }
             let Some((next, n, left)) = moved else {
-                return (residual.norm() <= distance * lit(GOOD_ENOUGH)).then_some((y, normal));
+                // the distance is off by the square of the tangential part over twice the distance
+                let off = residual.norm();
+                return (off <= distance * lit(GOOD_ENOUGH) || off * off <= distance * small * lit(2.0)).then_some((y, normal));
             };
             let (way, change) = (next - y, residual - left);
             let quotient = way.norm_squared() / way.dot(&change);

@@ -1,13 +1,20 @@
 //! A rigid obstacle with the shape of a trace, a curve, or the outline of an area.
 
 use super::curves::Curves;
-use super::{Hit, Location, Obstacle};
+use super::{Hit, Location, Obstacle, opposes};
 use crate::basis::Order;
 use crate::coupling::interface::{MasterCurve, Place};
 use crate::geometry::{Geometry, MapTable, Oriented, unit_normal};
-use crate::linalg::{Real, Vector};
+use crate::linalg::{Real, Vector, lit};
 use crate::space::{Space, Trace};
 use std::sync::Arc;
+
+/// Cosine of the turn between two elements above which they have no corner: 10 degrees, more than facets of meshes have.
+const SMOOTH: f64 = 0.984_807_753_012_208;
+/// Cosines that differ by less are the same.
+const ROUNDING: f64 = 1e-9;
+/// The face that opposes more may be farther than the closest one by this factor.
+const FARTHER: f64 = 10.0;
 
 /// A curve as a map of elements.
 type Curve<T> = Arc<dyn Geometry<1, 2, T>>;
@@ -25,8 +32,9 @@ pub struct OutlinePiece<T: Real = f64> {
 
 /// The closest point of a curved side among what opposes the slave's normal, with the outward normal of the element that owns it.
 ///
-/// Points beyond an end of the side, or of what opposes, face nothing. At a kink between elements that both oppose, the fan of points
-/// whose closest point is the vertex is halved between them, each with its own normal. Points inside the obstacle have a negative gap.
+/// Points beyond an end of the side, or of what opposes, face nothing. At a kink between elements that both oppose, the fan of
+/// points whose closest point is the vertex is halved between them, each with its own normal; points with a foot on both faces of a corner
+/// (10 degrees and more) take the one that opposes more. Points inside the obstacle have a negative gap.
 ///
 /// # Example
 /// The line from (0, 0) to (1, 0) has its obstacle below: the normal is the direction of travel turned by +90 degrees.
@@ -72,6 +80,28 @@ impl<T: Real> Surface<T> {
         self.hit(x, self.master.place(x)?)
     }
 
+    /// The hit on the other face of a corner next to `hit`, if that face opposes `outward` more and `x` lies on its side of the line along
+    /// `outward` through the corner; the nearer face is then not the one that the body came in by.
+    fn across_corner(&self, x: &Vector<2, T>, outward: &Vector<2, T>, hit: &Hit<1, 2, T>) -> Option<Hit<1, 2, T>> {
+        let (chain, element) = (self.master.chain(), hit.at?.element);
+        (0..2).find_map(|end| {
+            let (other, at) = chain.neighbour(element, end)?;
+            let (own, out) = (chain.tangents[element][end], chain.tangents[other][at]);
+            let away = x - chain.vertices[chain.ends[element][end]].x;
+            let across = Vector::<2, T>::new(outward[1], -outward[0]);
+            let beside = away.dot(&out) >= T::zero() || away.dot(&across) * out.dot(&across) >= T::zero();
+            if own.dot(&out) < lit(-SMOOTH) || beside {
+                return None;
+            }
+            let xi = if at == 0 { T::zero() } else { T::one() };
+            let found = self.hit(x, Place { element: other, xi, distance: T::zero(), beyond: false, rim: false })?;
+            let eta = found.at?.xi[0];
+            let more = found.normal.dot(outward) < hit.normal.dot(outward) - lit(ROUNDING) && opposes(outward, &found.normal);
+            let near = found.gap.abs() <= hit.gap.abs() * lit(FARTHER) && found.gap * hit.gap > T::zero();
+            (more && near && eta >= T::zero() && eta <= T::one()).then_some(found)
+        })
+    }
+
     fn hit(&self, x: &Vector<2, T>, place: Place<T>) -> Option<Hit<1, 2, T>> {
         if place.beyond || self.reach.is_some_and(|r| place.distance > r) {
             return None;
@@ -95,6 +125,8 @@ pub fn pieces<T: Real>(trace: &Trace<1, 2, T>) -> Vec<OutlinePiece<T>> {
 
 impl<T: Real> Obstacle<1, 2, T> for Surface<T> {
     fn project(&self, x: &Vector<2, T>, outward: &Vector<2, T>) -> Option<Hit<1, 2, T>> {
-        self.hit(x, self.master.place_opposed(x, outward)?)
+        let hit = self.hit(x, self.master.place_opposed(x, outward)?)?;
+        let within = |other: &Hit<1, 2, T>| self.reach.is_none_or(|r| other.gap.abs() <= r);
+        Some(self.across_corner(x, outward, &hit).filter(within).unwrap_or(hit))
     }
 }

@@ -3,12 +3,12 @@
 use faying::assembly::gauss_rules;
 use faying::basis::{BSpline, Basis, Elements, Order, ShapeTable};
 use faying::check::{SegmentLimits, coupling, interface_quadrature, obstacle};
-use faying::contact::{Frames, HalfPlane, Hit, Moved, Obstacle, Sphere};
+use faying::contact::{Frames, HalfPlane, Hit, Moved, Obstacle, Sphere, Surface};
 use faying::coupling::interface::{Chain, MasterSums, MergedCurve, SlaveRule, Tolerance, crossing, slave_segments};
 use faying::coupling::multiplier::{Ends, MultiplierError, MultiplierKind, build, side_ends};
 use faying::coupling::{Coupling, CouplingError, Interface, InterfaceQuadrature, Mortar, Side};
 use faying::geometry::shapes::rectangle;
-use faying::geometry::{Bounds, Geometry, MapTable};
+use faying::geometry::{Bounds, ControlPoints, Geometry, MapTable};
 use faying::linalg::Vector;
 use faying::quadrature::{PerElement, Quadrature, TensorRule};
 use faying::space::{Body, Field, Over, Patch, PatchSpec, Space, Trace};
@@ -477,6 +477,35 @@ fn obstacles_project_to_their_closest_points() {
     assert!(HalfPlane::try_new(Vector::<2>::zeros(), Vector::<2>::zeros()).is_none());
 }
 
+#[test]
+fn a_corner_between_faces_that_both_oppose_gives_the_one_that_opposes_more() {
+    // a punch from above, flat for |x| < 0.5, with chamfers beside; the obstacle is to the right of its outline
+    for degrees in [15.0, 40.0, 58.0] {
+        let (s, c) = f64::to_radians(degrees).sin_cos();
+        let points: Vec<Vector<2>> = [[0.5 + c, s], [0.5, 0.0], [-0.5, 0.0], [-0.5 - c, s]].map(Vector::from).to_vec();
+        let punch = Surface::left_of(Arc::new(ControlPoints { basis: BSpline::uniform(1, 3, 0), points }), None);
+        for depth in [1e-3, 0.05, 0.1] {
+            for beside in [0.02, 0.1, 0.3] {
+                let at = |x: f64| punch.project(&Vector::<2>::new(x, depth), &Vector::<2>::new(0.0, 1.0)).unwrap();
+                for sign in [1.0, -1.0] {
+                    // straight above the flat face, also where a chamfer is nearer
+                    let flat = at(sign * (0.5 - beside * depth));
+                    assert!(
+                        (flat.gap + depth).abs() < 1e-14 && (flat.normal[1] + 1.0).abs() < 1e-14,
+                        "{degrees} {depth} {beside}: {flat:?}"
+                    );
+                    let chamfer = at(sign * (0.5 + beside * depth));
+                    let known = beside * depth * s - depth * c;
+                    assert!(
+                        (chamfer.gap - known).abs() < 1e-14 && chamfer.normal[0] * sign > 0.0,
+                        "{degrees} {depth} {beside}: {chamfer:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 /// A half-plane with a fault in its hits.
 #[derive(Debug)]
 struct Faulty(HalfPlane<2>, fn(&mut Hit<1, 2>));
@@ -500,7 +529,7 @@ fn faults_of_obstacles_are_found_by_their_checker_and_where_contact_meets_them()
         (|hit| hit.normal *= 1.0 - 1e-9, "length"),
         (|hit| hit.normal = -hit.normal, "along the normal it is"),
         (|hit| hit.gap = f64::NAN, "the gap at"),
-        (|hit| (hit.x[1], hit.gap) = (hit.x[1] + 0.02, hit.gap - 0.02), "not on the surface"),
+        (|hit| (hit.x[1], hit.gap) = (hit.x[1] + 0.1 * hit.gap, 0.9 * hit.gap), "not on the surface"),
     ];
     for (fault, words) in faults {
         let error = obstacle(&Faulty(plane, fault), &points, 1e-12).unwrap_err();

@@ -123,6 +123,19 @@ fn a_punch_of_several_teeth_presses_alike_whether_it_moves_or_the_block() {
 }
 
 #[test]
+fn a_punch_with_chamfers_presses_alike_whether_it_moves_or_the_block() {
+    for degrees in [12.0, 30.0, 45.0, 58.0] {
+        let (s, c) = f64::to_radians(degrees).sin_cos();
+        let punch = polyline(&[[0.5 + c, s], [0.5, 0.0], [-0.4, 0.0], [-0.4 - c, s]]);
+        for depth in [0.01, 0.1] {
+            let moved = force(&run(&PLAIN.case(&PLAIN.moved(&punch, [0.0, -depth]), [0.0; 2])));
+            let twin = force(&run(&PLAIN.case(&PLAIN.moved(&punch, [0.0; 2]), [0.0, depth])));
+            assert!(near(moved, twin, 1e-9), "{degrees} {depth}: {moved:?} {twin:?}");
+        }
+    }
+}
+
+#[test]
 fn mirrored_obstacles_have_mirrored_forces() {
     for depth in [0.01, 0.1] {
         for points in [vec![[0.9, 1.0], [0.7, 0.0], [-0.2, 0.0], [-0.5, 0.3], [-0.5, 1.0]], vec![[0.8, 1.0], [0.1, 0.0], [-0.9, 0.9]]] {
@@ -311,7 +324,7 @@ fn a_level_set_presses_as_the_surface_on_which_it_vanishes() {
         }
         let (x, y, r) = (0.3 * size, (1.5 - depth) * size, 1.5 * size);
         let disc = force(&run(&block.case(&format!("kind = \"sphere\", center = [{x:?}, {y:?}], radius = {r:?}"), [0.0; 2])));
-        let u = format!("((x - {x:?})^2 + (y - {y:?})^2)/{:?}", r * r);
+        let u = format!("(((x - {x:?})^2 + (y - {y:?})^2)/{:?})", r * r);
         for f in [format!("{u} - 1"), format!("({u} - 1)^3"), format!("1 - 1/{u}"), format!("log({u})")] {
             let level = force(&run(&block.case(&format!("kind = \"level-set\", f = \"{f}\""), [0.0; 2])));
             assert!(near(level, disc, 1e-9), "{f}: {level:?} for {disc:?}");
