@@ -72,6 +72,10 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Augmented<C> {
         if self.iterations > 0 { f64::INFINITY } else { self.limits.tolerance }
     }
 
+    fn factors(&self) -> usize {
+        self.inner.factors()
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let s = Scaled::of(system)?;
         let (n, m) = (s.num_unknowns(), s.num_rows());

@@ -56,6 +56,10 @@ impl ConstraintSolver<f64> for Condensed {
         self.iterative.as_ref().map_or(RESIDUAL_LIMIT, |limits| limits.tolerance)
     }
 
+    fn factors(&self) -> usize {
+        self.ldlt.factorisations()
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let s = Scaled::of(system)?;
         s.need_symmetry()?;

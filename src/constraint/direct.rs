@@ -12,6 +12,7 @@
 use super::interface::{Interface, InterfaceWork};
 use super::quasidefinite::Layout;
 use super::refinement::Refinement;
+use super::rows_alone::RowsAlone;
 use super::scale::{Kept, Scaled, check_shape, gaps};
 use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError, kinds_of_set};
 use crate::linalg::residual::{InverseIteration, KERNEL, RESIDUAL_LIMIT, Soft, max, ratio};
@@ -34,6 +35,7 @@ const LU_LIMIT: usize = 20_000;
 pub struct Direct {
     ldlt: Ldlt,
     lu: Lu,
+    lu_factors: usize,
     layout: Option<Layout>,
     interface: Interface,
     /// Scaled system kept for its next set of contact rows.
@@ -181,6 +183,7 @@ impl Direct {
         let mut b = s.load.to_vec();
         b.extend((0..m).map(|a| if s.enforced[a] { -s.offset[a] } else { 0.0 }));
         let mut x = vec![0.0; n + m];
+        self.lu_factors += 1;
         self.lu.prepare(&matrix)?;
         self.lu.solve(&matrix, &b, &mut x)?;
         let l: Vec<f64> = (0..m).map(|a| if s.enforced[a] { x[n + a] } else { 0.0 }).collect();
@@ -224,14 +227,29 @@ impl ConstraintSolver<f64> for Direct {
         solved
     }
 
-    fn shares_factor(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<bool, SolveError> {
+    fn rows_alone(
+        &mut self,
+        system: &ConstrainedSystem<'_, f64>,
+        groups: &[Vec<usize>],
+        again: bool,
+    ) -> Result<Option<RowsAlone>, SolveError> {
         check_shape(system)?;
         let kind = kinds_of_set(system.kind, &vec![true; system.kind.len()]);
-        let s = Scaled::of(&ConstrainedSystem { kind: &kind, ..*system })?;
-        match s.interface(system.kind) {
-            Some(contact) => Ok(self.interface.shares(&s, &contact, system.stiffness.places())?),
-            None => Ok(false),
-        }
+        let closed = ConstrainedSystem { kind: &kind, ..*system };
+        let s = match self.kept.take() {
+            Some(kept) if again => kept.with(&closed)?,
+            _ => Scaled::of(&closed)?,
+        };
+        let alone = match s.interface(system.kind) {
+            Some(contact) => self.interface.alone(&s, &contact, groups, system.stiffness.places(), again)?,
+            None => None,
+        };
+        self.kept = Some(s.into());
+        Ok(alone)
+    }
+
+    fn factors(&self) -> usize {
+        self.factorisations() + self.lu_factors
     }
 }
 

@@ -25,12 +25,14 @@ pub struct Free<L> {
     tolerance: f64,
     /// The matrix that `linear` is prepared for.
     matrix: Option<Csr<f64>>,
+    /// Number of factors so far.
+    factors: usize,
 }
 
 impl Free<Ldlt> {
     /// Creates a solver that uses a factor.
     pub fn new() -> Self {
-        Self { linear: Ldlt::new(), krylov: false, tolerance: RESIDUAL_LIMIT, matrix: None }
+        Self { linear: Ldlt::new(), krylov: false, tolerance: RESIDUAL_LIMIT, matrix: None, factors: 0 }
     }
 }
 
@@ -46,13 +48,17 @@ impl Free<Cg> {
         let mut linear = Cg::new(limits.tolerance).with_gauss_seidel();
         linear.max_iterations = limits.max_iterations;
         linear.stop = limits.stop.clone();
-        Self { linear, krylov: true, tolerance: limits.tolerance, matrix: None }
+        Self { linear, krylov: true, tolerance: limits.tolerance, matrix: None, factors: 0 }
     }
 }
 
 impl<L: LinearSolver<f64>> ConstraintSolver<f64> for Free<L> {
     fn tolerance(&self) -> f64 {
         self.tolerance
+    }
+
+    fn factors(&self) -> usize {
+        self.factors
     }
 
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
@@ -67,6 +73,7 @@ impl<L: LinearSolver<f64>> ConstraintSolver<f64> for Free<L> {
         if self.matrix.as_ref() != Some(&matrix) {
             self.matrix = None;
             self.linear.prepare(&matrix)?;
+            self.factors += usize::from(!self.krylov);
             if self.krylov {
                 refuse_motions(&matrix, &inverse_diagonal(&matrix)?, &Limits::default())?;
             }

@@ -15,9 +15,10 @@
 
 use super::direct::{Factor, Inverse, MAX_REFINEMENTS, begin, refuse_kernel, weights};
 use super::quasidefinite::{Layout, REGULARISATION};
+use super::rows_alone::{Row, RowsAlone};
 use super::scale::Scaled;
 use crate::linalg::residual::{InverseIteration, RESIDUAL_LIMIT, SAFE_GROWTH};
-use crate::linalg::{Border, Buffer, Csr, DenseLdlt, Ldlt, LinearError, Sparsity};
+use crate::linalg::{Border, Buffer, Csr, DenseLdlt, Ldlt, LinearError, Sparsity, Triplets};
 use std::sync::Arc;
 
 /// W |C|₁² / k: soft relative to the bodies, far above rounding. The solution does not depend on it.
@@ -27,6 +28,13 @@ const SETS: f64 = 8.0;
 const FACTORS: f64 = 7.0;
 /// Size limit of S: this fraction of the entries of the factor, or `FEW` entries if that is more.
 const SHARE: f64 = 0.1;
+/// Rows are summed over groups if their complement and this many sets cost less than two factors, and as many sets of all rows as `CROWD`
+/// more than one.
+const GROUPED: f64 = 4.0;
+const CROWD: f64 = 16.0;
+/// W |C|₁² / k where rows are summed over groups. What the rows of a group move against their mean keeps its springs, which must be soft
+/// relative to the bodies over the length of a group: over n rows these are n times softer than k, and the springs n times stiffer.
+const HELD: f64 = 1e-8;
 const FEW: usize = 1 << 21;
 /// Corrections of a possible zero-energy mode, as S is not accurate enough to identify one.
 pub(super) const CORRECTIONS: usize = 2;
@@ -81,8 +89,12 @@ struct Held {
     rows: Csr<f64>,
     /// Spring of each contact row, weight of each equality.
     w: Vec<f64>,
-    /// `None` if these values do not permit it.
-    complement: Option<Buffer<f64>>,
+    /// Whether A is as definite as it has to be and, with S, regular.
+    regular: bool,
+    /// S; `None` without a border, and if it failed.
+    complement: Option<Arc<Buffer<f64>>>,
+    /// A⁻¹ r for the load and the equalities of the last system.
+    at_load: Option<Vec<f64>>,
 }
 
 /// Unknowns, scaled multipliers, residual, condition.
@@ -138,6 +150,8 @@ impl Interface {
             self.plan(s, contact, places)?;
         }
         if self.plan.as_ref().is_none_or(|plan| plan.border.is_none()) {
+            // the set gets a factor of its own
+            self.give_up();
             return Ok(None);
         }
         if !again || self.held.is_none() {
@@ -151,12 +165,6 @@ impl Interface {
         answer
     }
 
-    /// Whether the sets of `s` share one factor, from the analysis alone.
-    pub fn shares(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]]) -> Result<bool, LinearError> {
-        self.plan(s, contact, places)?;
-        Ok(self.plan.as_ref().is_some_and(|plan| plan.border.is_some()))
-    }
-
     /// Drops everything, to free memory for non-symmetric systems.
     pub fn forget(&mut self) {
         (self.plan, self.held, self.layout) = (None, None, None);
@@ -168,7 +176,7 @@ impl Interface {
         self.before = [self.analyses(), self.factorisations()];
         self.ldlt = Ldlt::new();
         if let Some(held) = &mut self.held {
-            held.complement = None;
+            (held.regular, held.complement) = (false, None);
         }
     }
 
@@ -195,9 +203,6 @@ impl Interface {
                 }
             }
         }
-        if border.is_none() {
-            self.give_up();
-        }
         let (stiffness, rows) = (s.stiffness.pattern().clone(), s.rows.pattern().clone());
         self.plan = Some(Plan { stiffness, rows, contact: contact.to_vec(), border });
         Ok(())
@@ -205,21 +210,33 @@ impl Interface {
 
     /// Computes factor and Schur complement of `s`; those of the same values are kept.
     fn hold(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]]) -> Result<(), LinearError> {
+        self.factorise(s, contact, places, self.springs)?;
+        let waits = self.held.as_ref().is_some_and(|held| held.regular && held.complement.is_none());
+        let Some(border) = self.plan.as_ref().and_then(|plan| plan.border.as_ref()).filter(|_| waits) else { return Ok(()) };
+        let held = self.held.as_ref().expect("factorised");
+        let regular = self.is_held(s, contact, &held.w)?;
+        let complement = if regular { Some(Arc::new(self.ldlt.complement(border, &s.rows)?)) } else { None };
+        self.work.complements += usize::from(regular);
+        self.held.iter_mut().for_each(|held| (held.regular, held.complement) = (regular, complement.clone()));
+        Ok(())
+    }
+
+    /// Factorises A of `s` with `springs`; a factor of the same values is kept.
+    fn factorise(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]], springs: f64) -> Result<(), LinearError> {
         let layout = Layout::of(&mut self.layout, s, contact);
         let (mut w, f) = weights(s);
         for &a in contact {
-            w[a] = spring(s, a, self.springs);
+            w[a] = spring(s, a, springs);
         }
         let upper = layout.assemble(s, &w, &f);
-        let same = |held: &Held| held.w == w && held.rows.vals() == s.rows.vals();
-        let border = self.plan.as_ref().and_then(|plan| plan.border.as_ref()).expect("planned");
-        let known = self.held.as_ref().is_some_and(same);
-        if known && self.held.as_ref().is_some_and(|held| held.complement.is_none()) {
+        let known = self.held.as_ref().is_some_and(|held| held.w == w && held.rows.vals() == s.rows.vals());
+        if known && self.held.as_ref().is_some_and(|held| !held.regular) {
             return Ok(());
         }
+        let multipliers = layout.multipliers();
         let new = match self.ldlt.factorise_kept(upper, &layout.places(s, places)) {
             Err(LinearError::Singular { .. }) => {
-                self.held = Some(Held { rows: s.rows.clone(), w, complement: None });
+                self.held = Some(Held { rows: s.rows.clone(), w, regular: false, complement: None, at_load: None });
                 return Ok(());
             }
             other => other?,
@@ -228,11 +245,93 @@ impl Interface {
             return Ok(());
         }
         self.held = None;
-        let good = self.ldlt.negative() <= layout.multipliers() && self.is_held(s, contact, &w)?;
-        let complement = if good { Some(self.ldlt.complement(border, &s.rows)?) } else { None };
-        self.work.complements += usize::from(good);
-        self.held = Some(Held { rows: s.rows.clone(), w, complement });
+        let regular = self.ldlt.negative() <= multipliers;
+        self.held = Some(Held { rows: s.rows.clone(), w, regular, complement: None, at_load: None });
         Ok(())
+    }
+
+    /// The contact rows of `s` alone, summed over `groups`; `None` where that takes no less than systems as a whole. Arguments as of
+    /// [`Interface::solve`]; `again`: as of [`super::ConstraintSolver::rows_alone`].
+    ///
+    /// # Errors
+    /// [`LinearError`] if the factor fails.
+    pub fn alone(
+        &mut self,
+        s: &Scaled<'_>,
+        contact: &[usize],
+        groups: &[Vec<usize>],
+        places: &[[f64; 3]],
+        again: bool,
+    ) -> Result<Option<RowsAlone>, LinearError> {
+        self.plan(s, contact, places)?;
+        let single = groups.len() == contact.len() && groups.iter().zip(contact).all(|(group, &a)| group[..] == [a]);
+        let shares = self.plan.as_ref().is_some_and(|plan| plan.border.is_some());
+        // many sets of all rows cost less than a factor for groups
+        let cheap = || shares && CROWD * dense(contact.len()) < self.ldlt.size().1;
+        if single && !shares || !single && (!affordable(groups.len(), 0) || cheap()) {
+            return Ok(None);
+        }
+        let summed = if single { None } else { Some(summed(s, groups)) };
+        let border = match &summed {
+            None => None,
+            Some(rows) => {
+                let layout = Layout::of(&mut self.layout, s, contact);
+                self.ldlt.analyse_upper(&layout.empty(), &layout.places(s, places))?;
+                let border = self.ldlt.border(rows, &(0..groups.len()).collect::<Vec<_>>());
+                let [columns, complement] = border.operations;
+                if columns + complement + GROUPED * dense(groups.len()) > 2.0 * self.ldlt.size().1 {
+                    return Ok(None);
+                }
+                Some(border)
+            }
+        };
+        match border {
+            None => self.hold(s, contact, places)?,
+            Some(_) => self.factorise(s, contact, places, HELD)?,
+        }
+        let layout = self.layout.as_ref().expect("laid out");
+        let Some(held) = self.held.as_mut().filter(|held| held.regular) else { return Ok(None) };
+        if !again || held.at_load.is_none() {
+            let mut x = s.load.to_vec();
+            x.resize(x.len() + layout.multipliers(), 0.0);
+            let (_, f) = weights(s);
+            for (a, number) in layout.numbers().filter(|(a, _)| s.enforced[*a]) {
+                x[s.num_unknowns() + number] = -f[a] * s.offset[a];
+                let (cols, vals) = s.rows.row(a);
+                cols.zip(vals).for_each(|(j, v)| x[j] -= v * held.w[a] * s.offset[a]);
+            }
+            self.ldlt.apply_inverse(&mut x)?;
+            held.at_load = Some(x);
+        }
+        let at_load = held.at_load.as_deref().expect("computed above");
+        let load = |rows: &Csr<f64>, a: usize| {
+            let (cols, vals) = rows.row(a);
+            cols.zip(vals).map(|(j, v)| v * at_load[j]).sum()
+        };
+        let soft = |a: usize| s.compliance[a] + REGULARISATION * s.k[a];
+        let complement = match (&border, &summed, &held.complement) {
+            (Some(border), Some(rows), _) => Arc::new(self.ldlt.complement(border, rows)?),
+            (None, None, Some(complement)) => complement.clone(),
+            _ => return Ok(None),
+        };
+        let row = |g: usize| {
+            let sum = |of: &dyn Fn(usize) -> f64| groups[g].iter().map(|&a| of(a)).sum::<f64>();
+            match &summed {
+                None => {
+                    let a = contact[g];
+                    Row { load: load(&s.rows, a), spring: held.w[a], soft: soft(a), offset: s.offset[a], factor: s.factor[a] }
+                }
+                Some(rows) => Row {
+                    load: load(rows, g),
+                    spring: 1.0 / sum(&|a| 1.0 / (held.w[a] * s.factor[a].powi(2))),
+                    soft: sum(&|a| soft(a) / s.factor[a].powi(2)),
+                    offset: sum(&|a| s.offset[a] / s.factor[a]),
+                    factor: 1.0,
+                },
+            }
+        };
+        let rows = (0..groups.len()).map(row).collect();
+        Ok(Some(RowsAlone { complement, rows, dense: DenseLdlt::default() }))
     }
 
     /// Whether A has no zero-energy mode: inverse iteration on a trial vector does not grow as for such a mode.
@@ -281,6 +380,18 @@ impl Interface {
         let (u, l, size) = answer;
         Ok((right && size <= RESIDUAL_LIMIT).then_some((u, l, size, condition)))
     }
+}
+
+/// Rows of `s` in the caller's units, summed over `groups`.
+fn summed(s: &Scaled<'_>, groups: &[Vec<usize>]) -> Csr<f64> {
+    let mut all = Triplets::new(groups.len(), s.num_unknowns());
+    for (g, group) in groups.iter().enumerate() {
+        for &a in group {
+            let (cols, vals) = s.rows.row(a);
+            all.entries.extend(cols.zip(vals).map(|(j, v)| (g, j, v / s.factor[a])));
+        }
+    }
+    all.to_csr()
 }
 
 /// Operations of the dense factor of m rows.

@@ -165,6 +165,10 @@ impl ConstraintSolver<f64> for Krylov {
         self.limits.tolerance
     }
 
+    fn factors(&self) -> usize {
+        self.symmetric.factorisations()
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let s = Scaled::of(system)?;
         let (method, answer) = if s.need_symmetry().is_err() {

@@ -14,6 +14,7 @@ mod penalised;
 mod proximal;
 mod quasidefinite;
 mod refinement;
+mod rows_alone;
 pub mod scale;
 mod schur;
 mod verified;
@@ -31,6 +32,7 @@ pub use free::Free;
 pub use interface::InterfaceWork;
 pub use krylov::Krylov;
 pub use proximal::Proximal;
+pub use rows_alone::RowsAlone;
 pub use scale::penalty;
 pub use schur::Schur;
 pub use verified::verified;
@@ -98,11 +100,13 @@ pub enum ActiveSetEvent {
         /// Rows that were to change.
         wanted: usize,
     },
-    /// The initial guess was the active set of the system with C in place of B, whose sets share one factor.
+    /// The initial guess was decided by the rows of the system with C in place of B.
     Symmetric {
         /// Number of its sets, which do not count as iterations.
         sets: usize,
     },
+    /// An event among the sets that the rows alone decided; its iterations are numbers of sets.
+    Alone(Box<ActiveSetEvent>),
     /// Every step left a body free: the iteration restarted from the active set found with weak springs to the ground.
     Springs {
         /// The iteration whose system was singular.
@@ -117,7 +121,7 @@ impl ActiveSetEvent {
     pub(crate) fn after(self, before: usize) -> Self {
         match self {
             Self::AllClosed { iteration } => Self::AllClosed { iteration: before + iteration },
-            Self::Symmetric { sets } => Self::Symmetric { sets },
+            Self::Symmetric { .. } | Self::Alone(_) => self,
             Self::Springs { iteration } => Self::Springs { iteration: before + iteration },
             Self::Part { iteration, changed, wanted } => Self::Part { iteration: before + iteration, changed, wanted },
             Self::Cycle(c) => Self::Cycle(Cycle { first: before + c.first, second: before + c.second, rows: c.rows }),
@@ -132,6 +136,8 @@ pub struct ActiveSetReport {
     pub iterations: usize,
     /// Number of active rows in each of them.
     pub history: Vec<usize>,
+    /// Number of active rows, or groups of rows, in each set that the rows alone decided before.
+    pub sets: Vec<usize>,
     /// Sign cases after each of them.
     pub sign_cases: Vec<SignCases>,
     /// Updates of the multipliers by an enclosing augmented Lagrangian; 0 without one.
@@ -160,6 +166,7 @@ impl ActiveSetReport {
         Self {
             iterations: before.iterations + self.iterations,
             history: before.history.iter().copied().chain(self.history).collect(),
+            sets: before.sets.iter().copied().chain(self.sets).collect(),
             sign_cases: before.sign_cases.iter().copied().chain(self.sign_cases).collect(),
             updates: before.updates + self.updates,
             best: before.iterations + self.best,
@@ -347,12 +354,24 @@ pub trait ConstraintSolver<T: Real = f64>: Debug + Send {
         self.solve(&ConstrainedSystem { kind: &kinds_of_set(system.kind, closed), ..*system })
     }
 
-    /// Whether all sets of the contact rows of `system` share one factor in [`ConstraintSolver::solve_set`].
+    /// The contact rows of `system` alone, whose sets take no solution of the unknowns; `groups`: lists of contact rows, each summed up as
+    /// one row. `None` where sets take no less that way. `_again`: the last call was this one with other groups, and the system has not
+    /// changed since.
     ///
     /// # Errors
-    /// [`SolveError`] if the system itself is invalid.
-    fn shares_factor(&mut self, _system: &ConstrainedSystem<'_, T>) -> Result<bool, SolveError> {
-        Ok(false)
+    /// [`SolveError`] if the system itself is invalid, or its factor fails.
+    fn rows_alone(
+        &mut self,
+        _system: &ConstrainedSystem<'_, T>,
+        _groups: &[Vec<usize>],
+        _again: bool,
+    ) -> Result<Option<RowsAlone>, SolveError> {
+        Ok(None)
+    }
+
+    /// Number of factorisations of whole systems so far.
+    fn factors(&self) -> usize {
+        0
     }
 }
 
@@ -379,7 +398,16 @@ impl<T: Real, X: ConstraintSolver<T> + ?Sized> ConstraintSolver<T> for Box<X> {
         (**self).solve_set(system, closed, again)
     }
 
-    fn shares_factor(&mut self, system: &ConstrainedSystem<'_, T>) -> Result<bool, SolveError> {
-        (**self).shares_factor(system)
+    fn rows_alone(
+        &mut self,
+        system: &ConstrainedSystem<'_, T>,
+        groups: &[Vec<usize>],
+        again: bool,
+    ) -> Result<Option<RowsAlone>, SolveError> {
+        (**self).rows_alone(system, groups, again)
+    }
+
+    fn factors(&self) -> usize {
+        (**self).factors()
     }
 }

@@ -267,6 +267,10 @@ impl ConstraintSolver<f64> for Schur {
         self.limits.tolerance
     }
 
+    fn factors(&self) -> usize {
+        self.factorisations()
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         self.solve_scaled(system, &Scaled::of(system)?, false)
     }

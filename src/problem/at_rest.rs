@@ -80,6 +80,7 @@ pub(super) fn at_rest<const S: usize, const N: usize>(
             *new = together(known, new);
         }
         next.iterations += state.iterations;
+        next.factors += state.factors;
         state = next;
     }
     Err(Unsolved { error: StepError::Obstacle { places: MOST_PLACES }, last: Some(Box::new(state)) })
@@ -88,6 +89,7 @@ pub(super) fn at_rest<const S: usize, const N: usize>(
 fn together(mut known: ActiveSetReport, new: &ActiveSetReport) -> ActiveSetReport {
     known.iterations += new.iterations;
     known.history.extend(&new.history);
+    known.sets.extend(&new.sets);
     known.sign_cases.extend(&new.sign_cases);
     known
 }

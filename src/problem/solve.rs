@@ -60,6 +60,7 @@ pub(super) fn once<const S: usize, const N: usize>(
         compliance: &softness.compliance,
     };
     goes_on()?;
+    let factors = solver.set.inner.factors();
     let has_contact = system.kind.iter().any(|k| *k != RowKind::Equal);
     let missing = if has_contact { unheld_load(model, &system, &load, &totals) } else { None };
     let solved = if reduced.num_free() == 0 && model.rows == 0 {
@@ -83,13 +84,15 @@ pub(super) fn once<const S: usize, const N: usize>(
         0 => Ok(solution),
         _ => verified(&constrained, solution, tolerance),
     });
+    let factors = solver.set.inner.factors() - factors;
     let finish = |solution: ConstrainedSolution| {
         if let Some(report) = &solution.active_set {
             // a request to stop finds the system solved
             let _ = observer(&Progress::ActiveSet(report));
         }
         let sign_case = sign_case_of_rows(&constrained, &solution).into_iter().map(|case| case.unwrap_or(NO_CONTACT)).collect();
-        finished(model, matrices, &load, total, sums.clone(), &reduced, &system, solution, sign_case, t)
+        let state = finished(model, matrices, &load, total, sums.clone(), &reduced, &system, solution, sign_case, t);
+        StepState { factors, ..state }
     };
     match solved {
         Ok(solution) => Ok(finish(solution)),
@@ -190,6 +193,7 @@ fn finished<const S: usize, const N: usize>(
         condition: solution.condition,
         method: solution.method,
         iterations: solution.iterations,
+        factors: 0,
         active_set: solution.active_set,
         sign_case,
     }

@@ -41,6 +41,8 @@ pub struct StepState<const S: usize, const N: usize> {
     pub method: String,
     /// Iterations of the linear algebra, 0 if everything was done by factors.
     pub iterations: usize,
+    /// Number of factorisations of whole systems.
+    pub factors: usize,
     /// The active set, where there is contact.
     pub active_set: Option<crate::constraint::ActiveSetReport>,
     /// Sign case 0 to 8 of every row; 9 for rows of ties.

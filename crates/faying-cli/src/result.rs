@@ -94,6 +94,8 @@ pub struct ActiveSetSummary {
     pub iterations: usize,
     /// Active rows in each of them.
     pub history: Vec<usize>,
+    /// Number of active rows, or groups of rows, in each set that the rows alone decided before, without the unknowns.
+    pub sets: Vec<usize>,
     /// Rows that violate the contact conditions after each of them.
     pub wrong: Vec<usize>,
     /// Sign cases after each of them, all contacts together: rows lambda <0, =0, >0; columns gap =0, >0, <0.
@@ -125,6 +127,8 @@ pub struct SolveReport {
     pub condition: Option<f64>,
     /// Iterations of the linear algebra, summed over the active set; 0 for factorisations alone.
     pub iterations: usize,
+    /// Number of factorisations of whole systems.
+    pub factors: usize,
     /// The active set iteration, where there is contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub active_set: Option<ActiveSetSummary>,

@@ -10,7 +10,7 @@ use super::super::{ConstrainedSolution, ConstrainedSystem, RowKind, SignCases};
 use crate::linalg::Csr;
 
 /// Relative size below which forces count as zero.
-const ZERO: f64 = 1e-12;
+pub(super) const ZERO: f64 = 1e-12;
 
 /// Scales and entries of the contact rows, which convert multipliers and gaps to forces.
 #[derive(Debug)]
@@ -53,8 +53,9 @@ impl<'a> Measure<'a> {
         if self.scales.weight[j] > 0.0 { self.scales.stiffness[j] / self.scales.weight[j] } else { 1.0 }
     }
 
-    /// The forces of a solution; `by_construction`: it comes from a system of equalities, closed where it is active.
-    pub fn forces(&self, solution: &ConstrainedSolution<f64>, by_construction: bool) -> Forces {
+    /// The forces of a solution; `by_construction`: it comes from a system of equalities, closed where it is active; `zero`: relative size
+    /// below which they count as zero. A solution without unknowns has the sizes of its gaps for those of the motions they come from.
+    pub fn forces(&self, solution: &ConstrainedSolution<f64>, by_construction: bool, zero: f64) -> Forces {
         let mut forces = Forces { multiplier: Vec::new(), gap: Vec::new(), zero: Vec::new(), closed: Vec::new() };
         let (mut largest, mut own) = (0.0f64, Vec::new());
         for &j in &self.contact {
@@ -65,12 +66,15 @@ impl<'a> Measure<'a> {
             forces.gap.push(if by_construction && closed { 0.0 } else { (solution.gap[j] - soft * lambda) * per_length });
             forces.closed.push(closed);
             let (cols, vals) = self.rows.row(j);
-            let moved: f64 = cols.zip(vals).map(|(i, &c)| (c * solution.unknowns[i]).abs()).sum();
+            let moved = match solution.unknowns.is_empty() {
+                true => (solution.gap[j] - self.offset[j]).abs(),
+                false => cols.zip(vals).map(|(i, &c)| (c * solution.unknowns[i]).abs()).sum(),
+            };
             largest = largest.max(lambda.abs() * self.scales.weight[j]).max(moved * per_length);
             // a far row's initial gap must not hide the small gaps of others
             own.push(self.offset[j].abs() * per_length);
         }
-        forces.zero = own.iter().map(|&g| ZERO * largest.max(g)).collect();
+        forces.zero = own.iter().map(|&g| zero * largest.max(g)).collect();
         forces
     }
 }
@@ -131,7 +135,7 @@ pub fn sign_case_of_rows(system: &ConstrainedSystem<'_, f64>, solution: &Constra
     let mut cases = vec![None; system.offset.len()];
     let complete = [solution.gap.len(), solution.multipliers.len(), solution.active.len()].iter().all(|&l| l == cases.len());
     if complete && solution.unknowns.len() == system.stiffness.size() {
-        let forces = measure.forces(solution, solution.active_set.is_some());
+        let forces = measure.forces(solution, solution.active_set.is_some(), ZERO);
         measure.contact.iter().enumerate().for_each(|(k, &j)| cases[j] = Some(forces.sign_case(k) as u8));
     }
     cases

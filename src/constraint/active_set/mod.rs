@@ -6,7 +6,8 @@
 //! keeps its state: all nine combinations of signs are decided, none by rounding. In a linear system the second term of an active row
 //! and the first of an open one are zero by construction and taken as such: the result does not depend on c.
 //!
-//! - If every set needs its own factor, the active set of a related symmetric system is the initial guess (`first_guess`).
+//! - The contact rows alone decide sets first, without the unknowns (`first_guess`), where there are many by groups of them (`groups`);
+//!   iterations are the systems solved as a whole after that.
 //! - Rows whose functions share an element with an opening row open as well, as long as this makes progress (`pivot`).
 //! - A repeated state is a cycle; single exchanges of least index break it (`pivot`).
 //! - A singular system, or one with a condition above 1 / ε, leaves a body free: part of the rows that were to open stay closed, and a
@@ -19,6 +20,7 @@
 
 mod first_guess;
 mod forces;
+mod groups;
 mod pivot;
 mod springs;
 
@@ -26,7 +28,7 @@ use super::scale::check_shape;
 use super::verified::complete;
 use super::{ActiveSetEvent, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 use crate::linalg::LinearError;
-use forces::Measure;
+use forces::{Measure, ZERO};
 use pivot::{Next, Pivot, Try};
 
 pub use forces::sign_case_of_rows;
@@ -70,12 +72,14 @@ pub struct ActiveSet<C> {
     pub elements: Vec<Vec<usize>>,
     /// Whether steps that leave a body free are tried in part; if false, the first one ends the iteration.
     pub retreat: bool,
+    /// Relative size below which forces count as zero: 1e-12, that of rounding.
+    pub zero: f64,
 }
 
 impl<C> ActiveSet<C> {
     /// Creates a solver with at most 100 iterations, c = 1, all contact rows active at first, and plain steps.
     pub fn new(inner: C) -> Self {
-        Self { inner, max_iterations: 100, c: 1.0, start: Vec::new(), near: false, elements: Vec::new(), retreat: true }
+        Self { inner, max_iterations: 100, c: 1.0, start: Vec::new(), near: false, elements: Vec::new(), retreat: true, zero: ZERO }
     }
 
     /// Sets the first state, one entry per row.
@@ -158,14 +162,16 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
         system: &ConstrainedSystem<'_, f64>,
         goes_on: &mut dyn FnMut(IterationNews) -> bool,
     ) -> Result<ConstrainedSolution<f64>, SolveError> {
-        let Some(guess) = self.guess(system, goes_on)? else { return self.without_guess(system, goes_on) };
-        let start = std::mem::replace(&mut self.start, guess.closed.clone());
+        let Some(mut guess) = self.guess(system, goes_on)? else { return self.without_guess(system, goes_on) };
+        let start = std::mem::replace(&mut self.start, std::mem::take(&mut guess.closed));
         let near = std::mem::replace(&mut self.near, true);
         let ended = self.iterate(system, goes_on);
         (self.start, self.near) = (start, near);
         match ended {
             Ok(mut solution) => {
-                solution.active_set.iter_mut().for_each(|report| guess.told(report));
+                if let Some(report) = &mut solution.active_set {
+                    guess.told(report);
+                }
                 Ok(solution)
             }
             Err(SolveError::Stopped { iterations, best }) => Err(SolveError::Stopped { iterations, best }),
@@ -228,7 +234,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
             } else if taken.changed < wanted {
                 report.events.push(ActiveSetEvent::Part { iteration, changed: taken.changed, wanted });
             }
-            let forces = measure.forces(&solution, true);
+            let forces = measure.forces(&solution, true, self.zero);
             report.iterations = iteration;
             report.history.push(taken.state.iter().filter(|&&a| a).count());
             report.sign_cases.push(forces.sign_cases());

@@ -18,7 +18,8 @@ pub fn of(result: &RunResult, folder: Option<&str>) -> String {
         let _ = writeln!(text, "{}{iterations}; residual {}", solve.linear, short(solve.residual, 2));
         if let Some(set) = &solve.active_set {
             let list = |numbers: &[usize]| numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
-            let _ = writeln!(text, "active set: {} iterations, active rows {}", set.iterations, list(&set.history));
+            let before = if set.sets.is_empty() { String::new() } else { format!(" after {} sets of the rows alone", set.sets.len()) };
+            let _ = writeln!(text, "active set: {} iterations{before}, active rows {}", set.iterations, list(&set.history));
             if set.iterations > 1 {
                 let _ = writeln!(text, "            wrong rows {}", list(&set.wrong));
             }

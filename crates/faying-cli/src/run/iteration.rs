@@ -8,6 +8,7 @@ pub fn summary(report: &ActiveSetReport) -> ActiveSetSummary {
     ActiveSetSummary {
         iterations: report.iterations,
         history: report.history.clone(),
+        sets: report.sets.clone(),
         wrong: report.wrong().collect(),
         sign_cases: report.sign_cases.clone(),
         cycles: report.cycles().count(),
@@ -20,8 +21,9 @@ pub fn summary(report: &ActiveSetReport) -> ActiveSetSummary {
 /// Describes an event other than a nominal step.
 fn note(event: &ActiveSetEvent) -> String {
     match event {
-        ActiveSetEvent::Symmetric { sets: 1 } => "start: the set of the symmetric system, found in one set of one factor".into(),
-        ActiveSetEvent::Symmetric { sets } => format!("start: the set of the symmetric system, found in {sets} sets of one factor"),
+        ActiveSetEvent::Symmetric { sets: 1 } => "start: the set of the symmetric system, found in one set of its rows alone".into(),
+        ActiveSetEvent::Symmetric { sets } => format!("start: the set of the symmetric system, found in {sets} sets of its rows alone"),
+        ActiveSetEvent::Alone(event) => format!("rows alone: {}", note(event).replace("iteration", "set")),
         ActiveSetEvent::AllClosed { iteration: 1 } => "iteration 1: the start left a body free; all rows were closed".into(),
         ActiveSetEvent::AllClosed { iteration } => format!("iteration {iteration}: the step left a body free; all rows were closed"),
         ActiveSetEvent::Part { iteration, changed, wanted } => {
@@ -45,6 +47,10 @@ pub fn lines(report: &ActiveSetReport) -> Vec<String> {
     for (k, ((active, wrong), cases)) in report.history.iter().zip(wrong).zip(&report.sign_cases).enumerate() {
         let row = |r: usize| cases[3 * r..3 * r + 3].iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
         lines.push(format!("  {:3} {active:6} {wrong:6}   {} | {} | {}", k + 1, row(0), row(1), row(2)));
+    }
+    if !report.sets.is_empty() {
+        let closed: Vec<String> = report.sets.iter().map(usize::to_string).collect();
+        lines.push(format!("  decided by the rows alone before: {} sets with {} closed", closed.len(), closed.join(", ")));
     }
     lines.extend(report.events.iter().map(|event| format!("  {}", note(event))));
     lines

@@ -122,6 +122,7 @@ pub fn fill<const S: usize, const N: usize>(
         residual: state.residual,
         condition: state.condition,
         iterations: state.iterations,
+        factors: state.factors,
         active_set: state.active_set.as_ref().map(iteration::summary),
     });
     result.energy = model.patches.iter().zip(matrices).map(|(p, k)| energy(k, &state.u[p.range()])).sum();

@@ -335,7 +335,7 @@ fn a_body_that_contact_alone_holds_converges_from_starts_that_leave_it_free() {
         assert_eq!(result.status, Status::Ok, "{start}: {}", said(&result));
         let set = set(&result);
         if start == "none" || start == "gap" {
-            assert_eq!(set.notes[0], "iteration 1: the start left a body free; all rows were closed");
+            assert_eq!(set.notes[0], "rows alone: set 1: the start left a body free; all rows were closed");
         }
         assert_eq!((set.best, set.history.len(), set.sign_cases.len()), (set.iterations, set.iterations, set.iterations));
         assert_eq!(set.wrong.last(), Some(&0));

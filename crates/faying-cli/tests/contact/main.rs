@@ -10,6 +10,7 @@ mod contact_invariance;
 mod contact_methods;
 mod contact_models;
 mod dual_covered;
+mod few_systems;
 mod graded_contact;
 mod half_width;
 mod held_in_part;

@@ -2,7 +2,7 @@
 //!
 //! `FAYING_ONE_FACTOR=200` takes that many random graded cases (`.ci/long`), 12 otherwise.
 
-use faying::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, InterfaceWork, SolveError};
+use faying::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, InterfaceWork, RowsAlone, SolveError};
 use faying_cli::Case;
 use faying_cli::case::ReadOptions;
 use faying_cli::run::run;
@@ -35,6 +35,14 @@ impl ConstraintSolver for Counted {
         let solution = self.0.solve_set(system, closed, again);
         *self.1.lock().unwrap() = (self.0.interface_work(), self.0.analyses(), self.0.factorisations());
         solution
+    }
+
+    fn rows_alone(&mut self, system: &ConstrainedSystem<'_>, groups: &[Vec<usize>], again: bool) -> Result<Option<RowsAlone>, SolveError> {
+        self.0.rows_alone(system, groups, again)
+    }
+
+    fn factors(&self) -> usize {
+        self.0.factors()
     }
 }
 
@@ -139,17 +147,19 @@ fn random_graded_contacts_take_the_same_sets_to_the_same_answer() {
         let ((one, counts), (other, _)) = (solved(&text, "counted"), solved(&text, "apart"));
         let set = |f: &Finished| f.result.solve.as_ref().unwrap().active_set.clone();
         assert_eq!((one.result.status, one.result.exit), (other.result.status, other.result.exit), "{number}: {}\n{text}", said(&one));
-        assert_eq!(set(&one), set(&other), "{number}: the same sets\n{text}");
         if one.result.status != Status::Ok {
             continue;
         }
+        let (rows, systems) = (set(&one).unwrap(), set(&other).unwrap());
+        assert_eq!(rows.history.last(), systems.history.last(), "{number}: the same set\n{text}");
+        assert!(rows.iterations <= 2, "{number}: {rows:?} and {systems:?}\n{text}");
         converged += 1;
         let difference = apart(&one, &other);
         assert!(difference < 1e-10, "{number}: {difference:e}\n{text}");
         let (work, analyses, own) = *counts.lock().unwrap();
         assert_eq!(analyses, 1, "{number}");
-        assert!(work.sets > 0, "{number}: {work:?}");
-        sets += work.sets;
+        assert!(work.sets > 0 && own == one.result.solve.as_ref().unwrap().factors, "{number}: {work:?}");
+        sets += work.sets + rows.sets.len();
         factors += own;
     }
     println!("{converged} of {count} converged: {sets} sets by {factors} factors");
@@ -168,9 +178,11 @@ fn dense_sets_cost_a_twentieth_of_a_factor_and_the_columns_are_made_forward_alon
     let (finished, counts) = solved(text, "counted");
     assert_eq!(finished.result.status, Status::Ok, "{}", said(&finished));
     let (work, analyses, factors) = *counts.lock().unwrap();
-    println!("{work:?}, {analyses} analyses, {factors} factors");
+    let sets = finished.result.solve.as_ref().unwrap().active_set.as_ref().unwrap().sets.len();
+    println!("{work:?}, {analyses} analyses, {factors} factors, {sets} sets of the rows alone");
     assert_eq!((analyses, factors, work.complements), (1, 1, 1));
-    assert!(work.sets >= 2 && work.dense <= 0.05 * work.factor, "{work:?}");
+    let dense = (work.rows as f64).powi(3) / 3.0;
+    assert!(sets >= 2 && work.sets == 1 && (1 + sets) as f64 * dense <= 0.05 * work.factor, "{work:?}");
     assert!(work.columns + work.complement <= 0.25 * work.factor, "{work:?}");
 }
 

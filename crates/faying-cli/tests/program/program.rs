@@ -367,6 +367,8 @@ fn a_reason_stands_beside_numbers_only() {
         "contact.0.active_set.max_iterations=1",
         "--set",
         "contact.0.active_set.start=all",
+        "--set",
+        "solver.constraint=condensed",
     ];
     let out = faying(at.path(), &words);
     assert_eq!(code(&out), 5);
