@@ -70,6 +70,8 @@ impl ConstraintSolver<f64> for RowsAlone {
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let active: Vec<bool> = system.kind.iter().map(|kind| *kind == RowKind::Equal).collect();
         let (multipliers, gap) = self.of_set(&active)?;
-        Ok(ConstrainedSolution { multipliers, gap, active, ..ConstrainedSolution::default() })
+        // no unknowns are solved for
+        let unknowns = vec![0.0; system.stiffness.size()];
+        Ok(ConstrainedSolution { unknowns, multipliers, gap, active, ..ConstrainedSolution::default() })
     }
 }

@@ -54,7 +54,7 @@ impl<'a> Measure<'a> {
     }
 
     /// The forces of a solution; `by_construction`: it comes from a system of equalities, closed where it is active; `zero`: relative size
-    /// below which they count as zero. A solution without unknowns has the sizes of its gaps for those of the motions they come from.
+    /// below which they count as zero.
     pub fn forces(&self, solution: &ConstrainedSolution<f64>, by_construction: bool, zero: f64) -> Forces {
         let mut forces = Forces { multiplier: Vec::new(), gap: Vec::new(), zero: Vec::new(), closed: Vec::new() };
         let (mut largest, mut own) = (0.0f64, Vec::new());
@@ -66,10 +66,9 @@ impl<'a> Measure<'a> {
             forces.gap.push(if by_construction && closed { 0.0 } else { (solution.gap[j] - soft * lambda) * per_length });
             forces.closed.push(closed);
             let (cols, vals) = self.rows.row(j);
-            let moved = match solution.unknowns.is_empty() {
-                true => (solution.gap[j] - self.offset[j]).abs(),
-                false => cols.zip(vals).map(|(i, &c)| (c * solution.unknowns[i]).abs()).sum(),
-            };
+            let moved: f64 = cols.zip(vals).map(|(i, &c)| (c * solution.unknowns[i]).abs()).sum();
+            // rows alone have no unknowns: their gaps tell how far these move
+            let moved = moved.max((solution.gap[j] - self.offset[j]).abs());
             largest = largest.max(lambda.abs() * self.scales.weight[j]).max(moved * per_length);
             // a far row's initial gap must not hide the small gaps of others
             own.push(self.offset[j].abs() * per_length);
@@ -148,7 +147,7 @@ pub fn violated(system: &ConstrainedSystem<'_, f64>, solution: &ConstrainedSolut
         return None;
     }
     let measure = Measure::of(system);
-    let forces = measure.forces(solution, false);
+    let forces = measure.forces(solution, false, ZERO);
     let breaks = |k: usize| {
         let (p, q) = (forces.multiplier[k], forces.gap[k]);
         (p - (p + q).min(0.0)).abs() > allowed / ZERO * forces.zero[k]
