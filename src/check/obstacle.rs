@@ -65,7 +65,7 @@ fn directions<const N: usize, T: Real>() -> Vec<Vector<N, T>> {
 /// Checks that a hit has a unit normal and a gap along it.
 fn numbers<const D: usize, const N: usize, T: Real>(x: &Vector<N, T>, hit: &Hit<D, N, T>) -> Result<(), String> {
     let length = to_f64(hit.normal.norm());
-    if !((length - 1.0).abs() <= 1e-12) {
+    if !length.is_finite() || (length - 1.0).abs() > 1e-12 {
         return Err(format!("the normal at {x:?} has the length {length:?}"));
     }
     if !(hit.gap.is_finite() && hit.x.iter().all(|v| v.is_finite())) {

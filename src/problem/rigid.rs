@@ -255,7 +255,10 @@ mod tests {
     #[test]
     fn a_body_without_supports_has_all_motions() {
         let free = free(&modes(1), &[]);
-        assert_eq!(free, [FreeBody { body: 0, motions: vec!["translation x".into(), "translation y".into(), "rotation".into()] }]);
+        assert_eq!(
+            free,
+            [FreeBody { body: 0, motions: vec!["translation x".into(), "translation y".into(), "rotation".into()], middle: None }]
+        );
     }
 
     #[test]
@@ -288,7 +291,7 @@ mod tests {
             let at = Vector::from([x, 0.5]);
             rows.push(RigidRow { terms: vec![(1, 1.0, at), (0, -1.0, at)], direction: Vector::from([0.0, 1.0]) });
         }
-        assert_eq!(free(&modes(2), &rows), [FreeBody { body: 1, motions: vec!["translation x".into()] }]);
+        assert_eq!(free(&modes(2), &rows), [FreeBody { body: 1, motions: vec!["translation x".into()], middle: None }]);
     }
     /// Rows of constants on the cells of an n x m grid of the unit square z = 1, for the modes of a block upon it.
     fn constants(n: usize, m: usize) -> Vec<FreeBody> {
