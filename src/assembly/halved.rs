@@ -134,7 +134,7 @@ mod tests {
     use crate::space::{Body, Mesh, Patch, PatchSpec};
 
     fn over<const D: usize, const N: usize>(geometry: &dyn Geometry<D, N>, f: &dyn Fn(&Vector<N>) -> f64) -> f64 {
-        let (halved, mut scratch) = (Halved::new(geometry, 3, 1), HalvedScratch::default());
+        let (halved, mut scratch) = (Halved::new(geometry, 3, 2), HalvedScratch::default());
         (0..geometry.num_elements()).map(|e| halved.element(e, &mut scratch, &|x, _| [f(x)])[0]).sum()
     }
 

@@ -1,4 +1,4 @@
-//! What the library checks of the answer of a constraint solver, and computes itself instead of believing the solver.
+//! Checks of a constraint solver's answer: lengths, residual and the conditions of contact, computed by the library.
 //!
 //!   r1 = f - K u - Bᵀ lambda,   r2 = -g - C u + s lambda on enforced rows,   p - min(0, p + q) on contact rows
 //!

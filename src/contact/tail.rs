@@ -84,7 +84,7 @@ mod tests {
 
     /// The tail from `begin` to `end` of a pressure that is a root at `end`.
     fn tail(begin: f64, end: f64, p: impl Fn(f64) -> f64) -> Tail<f64> {
-        let n = 4_000;
+        let n = 20_000;
         let mut m = [0.0; 3];
         for k in 0..n {
             // s = end - l t² takes the root out of the sums

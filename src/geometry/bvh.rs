@@ -97,7 +97,7 @@ impl<const N: usize, T: Real> Tree<N, T> {
         number
     }
 
-    /// What `join` makes of the items below each node, and of every item `of_item`.
+    /// Values per node: `join` of those of the items below it; of an item `of_item`.
     pub(super) fn gathered<S: Copy>(&self, of_item: impl Fn(usize) -> S, join: impl Fn(S, S) -> S) -> Vec<S> {
         let mut of_node: Vec<Option<S>> = vec![None; self.nodes.len()];
         // halves have larger numbers than their node

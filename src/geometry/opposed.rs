@@ -39,7 +39,7 @@ pub fn opposes<const N: usize, T: Real>(normal: &Vector<N, T>, other: &Vector<N,
 pub(super) struct Facing {
     /// Cones of the normals of every element, with those of its neighbours at their common ends.
     elements: Vec<Cone>,
-    /// The same of every node of the tree.
+    /// Cones of the normals of every node of the tree.
     nodes: Vec<Cone>,
     /// The element and its end that are joined to the ends of every element.
     across: Vec<[Option<(usize, usize)>; 2]>,
@@ -385,7 +385,8 @@ mod tests {
         // teeth at y = 0, a groove of depth 0.5 between them; the obstacle is above
         let teeth = polygon(&[[3.0, 0.0], [1.0, 0.0], [1.0, 0.5], [-1.0, 0.5], [-1.0, 0.0], [-3.0, 0.0]]);
         for x in [-0.99, -0.3, 0.0, 0.9] {
-            assert_eq!(foot(&teeth, [x, -0.01], UP), Some([x, 0.5]));
+            let [found, y] = foot(&teeth, [x, -0.01], UP).unwrap();
+            assert!((found - x).abs() < 1e-14 && (y - 0.5).abs() < 1e-14, "{x}: {found} {y}");
         }
         assert_eq!(foot(&teeth, [1.5, 0.03], UP), Some([1.5, 0.0]));
         // a floor beside a wall whose top is a unit higher: what overlaps the wall is not paired with its top

@@ -20,7 +20,7 @@ pub struct Beyond {
     pub share: f64,
 }
 
-/// How far a body deforms.
+/// Strains and rotations of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deformation {
     /// The largest principal strain of (grad u + grad uᵀ) / 2, by its absolute value.

@@ -19,7 +19,7 @@ const MOST: f64 = 0.5;
 /// Shares that differ from one by less are one.
 const WHOLLY: f64 = 1e-10;
 
-/// Who has the pressure of each function where a side is held in part.
+/// Functions that carry the pressure of each function where a side is held in part.
 #[derive(Debug)]
 pub(super) struct HeldPart {
     /// The function that gets the pressure of each one: itself unless it gives it away.

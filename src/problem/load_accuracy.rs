@@ -8,7 +8,7 @@
 //! Of springs it is |∫ k - ∫* k| / ∫ |k|, of a modulus E, whose errors in different elements do not make up for each other, the sum of
 //! |∫ E - ∫* E| over the elements, over ∫ E. Loads and sources of an exact solution without pieces are smooth: they are left out.
 
-use super::data::{Data, Point};
+use super::data::{Data, Exact, Point};
 use super::loads::LoadSum;
 use super::model::{Action, Model, PatchModel, SideLoad, SideModel};
 use super::resultant::{Resultant, cross};
@@ -26,6 +26,8 @@ const ACCEPTED: f64 = 1e-3;
 const LEAST: [usize; 3] = [4, 2, 1];
 /// Moments below this share of those about the middle of the sides are round-off.
 const ROUNDING: f64 = 1e-12;
+/// Sources and tractions of an exact solution below this share of the terms that make them up are round-off.
+const CANCELLED: f64 = 1e-9;
 /// Most times at which data that change with the time are looked at.
 const TIMES: usize = 16;
 /// Elements handed to one task at a time.
@@ -59,13 +61,13 @@ pub enum Integral {
 /// An integral that the rule of a problem misses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inexact {
-    /// What is integrated.
+    /// The load, spring or modulus.
     pub of: Integral,
     /// The time at which it is most inexact.
     pub t: f64,
     /// The resultant by the rule of the problem; of springs and moduli the first component of the force is their integral.
     pub integrated: Resultant,
-    /// The same by halved elements.
+    /// The resultant by halved elements.
     pub finer: Resultant,
     /// The error e (module docs), free of units.
     pub error: f64,
@@ -215,7 +217,11 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 let physics = self.patches[load.side.patch].physics_at(t);
                 let is_constant = data(load).is_some_and(|f| f.as_constant().is_some());
                 let act = |x: &Vector<N>, n: &Vector<N>, out: &mut [f64]| self.side_force(load, &physics, t, x, n, out);
-                let (a, b) = sums_of_side(&load.side, &levers, is_constant, &act, c);
+                let (mut a, b) = sums_of_side(&load.side, &levers, is_constant, &act, c);
+                if let (Some(exact), Action::Exact(_)) = (&self.exact, &load.action) {
+                    let terms = |x: &Vector<N>, _: &Vector<N>, out: &mut [f64]| out[0] = physics.modulus(x) * slope_size(&**exact, c, x, t);
+                    a[6] = a[6].max(CANCELLED * sums_of_side(&load.side, &levers, true, &terms, 1).0[6]);
+                }
                 own.iter_mut().zip(a).for_each(|(s, v)| *s += v);
                 finer.iter_mut().zip(b).for_each(|(s, v)| *s += v);
             }
@@ -241,8 +247,15 @@ impl<const S: usize, const N: usize> Model<S, N> {
             levers.density(x, &value)
         };
         let halved = Halved::new(space, most_points(space), LEAST[N - 1]);
-        let own = over_elements(space.num_elements(), |e, table: &mut MapTable<N, N>| by_rule(space, &patch.rules, e, table, &density));
+        let mut own = over_elements(space.num_elements(), |e, table: &mut MapTable<N, N>| by_rule(space, &patch.rules, e, table, &density));
         let finer = over_elements(space.num_elements(), |e, scratch: &mut HalvedScratch<N, N>| halved.element(e, scratch, &density));
+        if let Some(exact) = &self.exact {
+            let physics = patch.physics_at(t);
+            let terms = |x: &Vector<N>, _: &Matrix<N, N>| [physics.modulus(x) * bend_size(&**exact, self.components, x, t)];
+            let [size] =
+                over_elements(space.num_elements(), |e, table: &mut MapTable<N, N>| by_rule(space, &patch.rules, e, table, &terms));
+            own[6] = own[6].max(CANCELLED * size);
+        }
         (levers, own, finer)
     }
 
@@ -270,6 +283,18 @@ impl<const S: usize, const N: usize> Model<S, N> {
         }
         found
     }
+}
+
+/// The norm of the gradient of an exact solution.
+fn slope_size<const N: usize>(exact: &dyn Exact, components: usize, x: &Vector<N>, t: f64) -> f64 {
+    let at = Point::new(x.as_slice()).at_time(t);
+    (0..components).flat_map(|c| exact.slope(c, &at).gradient).map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// The norm of its second derivatives.
+fn bend_size<const N: usize>(exact: &dyn Exact, components: usize, x: &Vector<N>, t: f64) -> f64 {
+    let at = Point::new(x.as_slice()).at_time(t);
+    (0..components).flat_map(|c| exact.derivatives(c, &at).hessian.concat()).map(|v| v * v).sum::<f64>().sqrt()
 }
 
 /// Force per area at a place with its outward normal, one entry per component.

@@ -13,7 +13,7 @@ const SAME: f64 = 1e-9;
 /// Depths below a side at which the piece of a solution is asked for \[length\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Depths {
-    /// What holds here is the body's own piece: beyond the deviation of the side from the line it stands for, and rounding.
+    /// Distance from a side at which the body's own piece holds: beyond the deviation of the side from the line it stands for, and rounding.
     pub own: f64,
     /// Down to here the own piece must hold.
     pub certain: f64,

@@ -7,7 +7,7 @@ use super::tie_field::TieField;
 use crate::basis::Order;
 use crate::geometry::MapTable;
 
-/// What a tie across a gap loses.
+/// Moment that a tie across a gap loses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LostMoment {
     /// ∫ (x_slave - x_master) x lambda ds, what the forces on both sides lack to balance in moments [force length].

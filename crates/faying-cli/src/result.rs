@@ -310,7 +310,7 @@ pub struct Balance {
     pub moment: Option<Moment>,
 }
 
-/// What a load sums up to, by the rules of integration of the run.
+/// Resultant of a load, by the rules of integration of the run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct LoadReport {
     /// The force; of a flux or a source its sum alone \[force\].

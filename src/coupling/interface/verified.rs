@@ -1,4 +1,4 @@
-//! What the library checks of the segments that a rule returns, and measures itself instead of believing the rule's report.
+//! Checks of the segments that a rule returns; coverage is measured by the library, not read from the rule's report.
 //!
 //! A slave element is covered where the reference measure of its points, sum ds / |J|, is that of its cell; of others
 //!

@@ -102,8 +102,8 @@ pub(super) fn find<const S: usize, const N: usize>(
     let all = couples.ties.iter().flatten().chain(&couples.seams);
     couples.sides = all.flat_map(|c| c.masters.iter().chain([&c.slave])).map(key).collect();
     slave_twice(builder, &couples);
+    near::warn(builder, patches, sides, &couples.ties, &mut known);
     unjoined::warn(builder, patches, sides, &couples, &known);
-    near::warn(builder, patches, sides, &couples.ties, known);
     couples
 }
 

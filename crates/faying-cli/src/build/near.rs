@@ -117,7 +117,7 @@ pub(super) fn warn<const S: usize, const N: usize>(
     patches: &[PatchModel<S, N>],
     sides: &mut Sides<S, N>,
     ties: &[Vec<Couple<S, N>>],
-    mut known: Known,
+    known: &mut Known,
 ) {
     let case = builder.case;
     for contact in &case.contacts {
@@ -132,7 +132,7 @@ pub(super) fn warn<const S: usize, const N: usize>(
     for (tie, found) in case.interfaces.iter().zip(ties) {
         let Some(between) = tie.between.as_ref().filter(|_| tie.tolerance.value.is_none() && !found.is_empty()) else { continue };
         let Ok(bodies) = wanted(builder, patches, between) else { continue };
-        for pair in nearest(builder, patches, sides, &bodies, &known, true, between.at).values() {
+        for pair in nearest(builder, patches, sides, &bodies, known, true, between.at).values() {
             let named = |message: &str| pair.sides.iter().all(|s| message.contains(&format!("`{}`", s.label)));
             if builder.faults.items.iter().any(|d| named(&d.message)) {
                 continue;

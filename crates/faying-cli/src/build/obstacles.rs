@@ -121,7 +121,7 @@ fn at_rest<const S: usize, const N: usize>(
     })
 }
 
-/// How the facets of a side see an obstacle, at their centres.
+/// View of an obstacle from the centres of the facets of a side.
 struct Look {
     /// Share of the facets that face it, by their number.
     share: f64,
@@ -184,7 +184,7 @@ pub(super) fn turned_away<const S: usize, const N: usize>(
     Box::new(builder.error("E023", text, obstacle.at).with_help(way_round(&obstacle.shape.value)))
 }
 
-/// What turns an obstacle round.
+/// Change of a case that turns an obstacle round.
 fn way_round(shape: &ObstacleShape) -> &'static str {
     match shape {
         ObstacleShape::HalfPlane { .. } => "`normal` points out of the obstacle: change its sign",

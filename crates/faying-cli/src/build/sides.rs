@@ -4,7 +4,7 @@ use super::builder::Builder;
 use crate::case::{SideRef, quoted};
 use crate::errors::Diagnostic;
 use crate::formula::{Formula, Point};
-use crate::place::{Located, Origin};
+use crate::place::Located;
 use faying::basis::{Cell, Order};
 use faying::geometry::{Embedding, MapTable};
 use faying::linalg::{Vector, lit, num};
@@ -56,7 +56,7 @@ impl<const S: usize, const N: usize> Sides<S, N> {
             return Ok(side.clone());
         }
         let patch = &patches[wanted.value.patch];
-        let side = SideModel::new(patch, wanted.value.patch, &wanted.value.side, label(builder, patch, wanted));
+        let side = SideModel::new(patch, wanted.value.patch, &wanted.value.side, label(builder, patch, &wanted.value));
         let side = Arc::new(side.map_err(|e| side_fault(builder, patch, &e, wanted))?);
         self.known.insert(key, side.clone());
         Ok(side)
@@ -99,20 +99,11 @@ impl<const S: usize, const N: usize> Sides<S, N> {
     }
 }
 
-/// Name of a side as written in the case file if given there in full, else by alias on boxes and by direction or tag elsewhere.
-fn label<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patch: &PatchModel<S, N>, wanted: &Located<SideRef>) -> String {
-    let at = wanted.at;
+/// Name of a side in the body's own words: by alias on boxes and by direction or tag elsewhere.
+fn label<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patch: &PatchModel<S, N>, wanted: &SideRef) -> String {
     let case = builder.case;
-    if at.origin == Origin::File && at.line > 0 {
-        let text: String = case.source.lines.line(at.line).unwrap_or("").chars().skip(at.column.max(1) - 1).take(at.length).collect();
-        let inside = |mark: char| text.strip_prefix(mark).and_then(|t| t.strip_suffix(mark));
-        let text = inside('\'').map(str::to_owned).or_else(|| inside('"').map(|t| t.replace("\\\"", "\""))).unwrap_or(text.clone());
-        if case.find_sides(&text) == [wanted.value.clone()] {
-            return text;
-        }
-    }
-    let is_box = case.patches[wanted.value.patch].geometry.value.shape.value.kind() == "box";
-    if is_box { format!("{}.{}", patch.name, alias(&wanted.value.side, N)) } else { case.side_name(&wanted.value) }
+    let is_box = case.patches[wanted.patch].geometry.value.shape.value.kind() == "box";
+    if is_box { format!("{}.{}", patch.name, alias(&wanted.side, N)) } else { case.side_name(wanted) }
 }
 
 fn side_fault<const S: usize, const N: usize>(

@@ -26,7 +26,7 @@ const COVERED: f64 = 0.5;
 /// Most pairs that are named.
 const NAMED: usize = 8;
 
-/// How two sides lie to each other.
+/// Position of two sides to each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Lie {
     Touch,
@@ -143,7 +143,7 @@ fn opposite(a: &str, b: &str) -> bool {
     a != b && a.len() == 2 && a.len() == b.len() && a[..1] == b[..1]
 }
 
-/// How the sides of `pairs` lie to each other, where they touch or nearly do.
+/// Positions of the sides of `pairs` to each other, where they touch or nearly do.
 fn lies<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patches: &[PatchModel<S, N>],

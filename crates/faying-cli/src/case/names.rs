@@ -9,7 +9,7 @@ pub struct Names {
     pub backends: Vec<String>,
     /// `coupling` of interfaces.
     pub couplings: Vec<String>,
-    /// Those of `couplings` that make no rows, and so have no multiplier.
+    /// Names of `couplings` that make no rows, and so have no multiplier.
     pub rowless: Vec<String>,
     /// `multiplier`, beside `p/p-k` for every k.
     pub multipliers: Vec<String>,

@@ -176,7 +176,13 @@ fn affine_fields_are_reproduced_by_every_backend_on_straight_and_on_exact_bodies
         assert!(error < 1e-11, "{geometry} {discretization}: error {error:e}");
         // 2 mu eps_yz = 3/1.3 * 0.5 (0.03 + 0.05)
         for probe in &result.probes {
-            near(probe.value, 3.0 / 1.3 * 0.04, 1e-9, &format!("{geometry} {discretization}: stress.yz"));
+            // beside a pole, where the map collapses, gradients keep half of their digits
+            near(
+                probe.value,
+                3.0 / 1.3 * 0.04,
+                if geometry == octant { 1e-8 } else { 1e-9 },
+                &format!("{geometry} {discretization}: stress.yz"),
+            );
         }
         let balance = result.balance.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         assert!(balance < 1e-9, "{geometry} {discretization}: balance {balance:e}");

@@ -253,7 +253,7 @@ fn where_every_set_is_a_factor_the_symmetric_system_gives_the_first_guess() {
 
 #[test]
 fn a_zone_that_ends_among_smooth_multipliers_opens_in_one_stroke() {
-    // degree 3 with p/p on a Hertz mesh refined twice: 83 rows, of which less than half stay closed
+    // degree 3 with p/p on a Hertz mesh refined twice: 83 rows, of which 76 face the plane and less than half stay closed
     let case = |start: &str| {
         let sets = [
             "let.a_R=0.1",
@@ -270,7 +270,7 @@ fn a_zone_that_ends_among_smooth_multipliers_opens_in_one_stroke() {
     let decided = |f: &Finished| [f.result.solve.as_ref().unwrap().active_set.as_ref().unwrap().sets.clone(), history(f)].concat();
     let (short, long) = (decided(&auto), decided(&all));
     println!("auto {short:?}, all {long:?}");
-    assert_eq!((long[0], *long.last().unwrap()), (83, 37));
+    assert_eq!((long[0], *long.last().unwrap()), (76, 37));
     assert_eq!(difference(&auto, &all), None);
     assert!(short.len() <= 6 && long.len() <= 10, "{short:?} {long:?}");
 }

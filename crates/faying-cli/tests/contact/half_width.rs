@@ -243,12 +243,12 @@ fn zones_of_wedges_rounded_punches_and_receding_layers_end_within_a_hundredth() 
     for more in degrees {
         let wedges = meshes.iter().flat_map(|n| [14.0, 20.0, 27.0].map(|p| (p, *n)));
         let wedge = |(p, n): (f64, [usize; 2])| (pressed_half_plane("0.02*abs(x)", n, p) + more, p / (modulus * 0.02));
-        within_a_hundredth(&format!("wedge {more}"), wedges.map(wedge).collect(), 10);
-        let punches = [[80, 40], [120, 50], [140, 50], [180, 50]].into_iter().flat_map(|n| [20.0, 40.0, 80.0].map(|p| (p, n)));
+        within_a_hundredth(&format!("wedge {more}"), wedges.map(wedge).collect(), 8);
+        let punches = [[80, 40], [120, 50], [140, 50], [180, 50], [220, 60]].into_iter().flat_map(|n| [20.0, 40.0, 80.0].map(|p| (p, n)));
         let punch = |(p, n): (f64, [usize; 2])| (pressed_half_plane("max(0, x - 1)^2/40", n, p) + more, rounded_punch(p, modulus));
         within_a_hundredth(&format!("punch {more}"), punches.map(punch).collect(), 7);
         let fine = contact(&solve(&(receding_layer([600, 30]) + more), &[]), "c").half_width;
-        let layers = [[50, 8], [60, 12], [70, 10], [80, 12], [100, 12], [120, 16], [160, 16]];
+        let layers = [[50, 8], [60, 12], [70, 10], [80, 12], [100, 12], [120, 16], [160, 16], [200, 20]];
         within_a_hundredth(&format!("layer {more}"), layers.map(|n| (receding_layer(n) + more, fine)).to_vec(), 4);
     }
 }

@@ -531,7 +531,7 @@ fn supports_that_share_an_edge_carry_what_they_hold() {
             "[[boundary]]\non = \"b.w0\"\nfix = [\"x\", \"y\", \"z\"]\n[[boundary]]\non = \"b.v1\"\nrigid_force = {{ x = 0 }}\n{}",
             press("w1")
         );
-        go(3, solid, &rest, &[("b.w0", &[0.0, 0.0, 4.0]), ("b.v1", &[0.0; 3])]);
+        go(3, solid, &rest, &[("b.bottom", &[0.0, 0.0, 4.0]), ("b.back", &[0.0; 3])]);
         let rest = format!(
             "[[boundary]]\non = \"b.bottom\"\nfix = [\"x\", \"y\"]\n[[boundary]]\non = \"b.right\"\nrigid_force = {{ x = 0 }}\n{}",
             press("top")
@@ -542,10 +542,10 @@ fn supports_that_share_an_edge_carry_what_they_hold() {
             3,
             &format!("{solid}, rotate_deg = 30, axis = [0, 0, 1]"),
             &rest,
-            &[("b.w0", &[0.0, 0.0, 4.0]), ("b.u0", &[0.0; 3]), ("b.v0", &[0.0; 3])],
+            &[("b.bottom", &[0.0, 0.0, 4.0]), ("b.left", &[0.0; 3]), ("b.front", &[0.0; 3])],
         );
         let rest = format!("{}{}", slide("\"b.bottom\", \"b.u0\""), press("top"));
-        go(2, &format!("{plate}, rotate_deg = 30"), &rest, &[("b.bottom", &[-1.0, root]), ("b.u0", &[0.0; 2])]);
+        go(2, &format!("{plate}, rotate_deg = 30"), &rest, &[("b.bottom", &[-1.0, root]), ("b.left", &[0.0; 2])]);
     }
 }
 
@@ -557,7 +557,11 @@ fn glued_sides_of_different_sizes_carry_a_uniform_stress_by_their_areas() {
                     [[boundary]]\non = [\"b.v0\", \"c.v0\"]\nfix = [\"y\"]\n[[boundary]]\non = [\"b.w1\", \"c.w1\"]\nrigid_force = { z = -6 }\n\
                     [[interface]]\nname = \"g\"\nslave = \"b.u1\"\nmaster = \"c.u0\"\ncoupling = \"glue\"\n";
         let result = run(&block(backend, 3, 0.3, "min = [0, 0, 0], max = [1, 2, 3]", rest));
-        reacts(&result, &[("b.w0", &[0.0, 0.0, 2.0]), ("c.w0", &[0.0, 0.0, 4.0]), ("b.w1", &[0.0; 3]), ("c.w1", &[0.0; 3])], backend);
+        reacts(
+            &result,
+            &[("b.bottom", &[0.0, 0.0, 2.0]), ("c.bottom", &[0.0, 0.0, 4.0]), ("b.top", &[0.0; 3]), ("c.top", &[0.0; 3])],
+            backend,
+        );
         balanced(&result, backend);
     }
 }

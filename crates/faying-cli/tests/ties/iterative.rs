@@ -315,7 +315,8 @@ fn a_tilting_block_opens_as_far_with_every_solver() {
     for (name, make) in ITERATIVE {
         let other = ActiveSet::new(make(Limits::default())).solve(&blocks.system()).unwrap_or_else(|e| panic!("{name}: {e}"));
         assert_eq!(direct.active, other.active, "{name}");
-        assert_eq!(direct.active_set, other.active_set, "{name}");
+        let signs = |s: &ConstrainedSolution| s.active_set.as_ref().unwrap().sign_cases.last().cloned();
+        assert_eq!(signs(&direct), signs(&other), "{name}");
         let d = differences(&blocks, &direct, &other);
         assert!(d.iter().all(|&x| x < 1e-9), "{name}: {d:?}");
         // the sum over the systems of the active set
@@ -488,7 +489,11 @@ fn sample_cases_have_the_same_probes_with_every_solver() {
             let other = run(sets);
             let solve = other.solve.as_ref().unwrap();
             println!("{name}, {}: {} iterations, residual {:e}", solve.linear, solve.iterations, solve.residual);
-            let set = |r: &faying_cli::RunResult| r.solve.as_ref().unwrap().active_set.clone();
+            // the same last set, however it was found
+            let set = |r: &faying_cli::RunResult| {
+                let report = r.solve.as_ref().unwrap().active_set.clone();
+                report.map(|set| (set.history.last().copied(), set.sign_cases.last().cloned(), set.cycles))
+            };
             assert_eq!(set(&reference), set(&other), "{name} {sets:?}");
             for ((key, a), (_, b)) in wanted.iter().zip(probes(&other)) {
                 // numbers that are rounding of others have no digits of their own

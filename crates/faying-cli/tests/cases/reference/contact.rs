@@ -121,7 +121,9 @@ impl Variant<'_> {
             let own = SAFETY * loads.clone().map(own).fold(0.0, f64::max);
             for l in loads.clone() {
                 let Quantity { name, value, error } = &reference.loads[l].quantities[k];
-                let (difference, allowed) = ((of(last, l) - 1.0).abs(), error / value.abs() + own);
+                // the end of a zone that is not Hertz' is known to 0.4 %, whatever the mesh (contact::half_width)
+                let bias = if name.contains("half_width") { 4e-3 } else { 0.0 };
+                let (difference, allowed) = ((of(last, l) - 1.0).abs(), error / value.abs() + own + bias);
                 assert!(
                     difference <= allowed,
                     "{:?} {:?} {name}: {difference:.2e} of {value}, allowed {allowed:.2e}",
