@@ -44,6 +44,10 @@ impl Coupling<1, 2> for Springs {
         let rows = if self.rows { Mortar.assemble(interface, unknowns)? } else { CouplingBlocks::empty(unknowns) };
         Ok(CouplingBlocks { stiffness, ..rows })
     }
+
+    fn has_rows(&self) -> bool {
+        self.rows
+    }
 }
 
 fn run(text: &str) -> RunResult {
