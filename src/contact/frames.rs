@@ -7,12 +7,14 @@
 //! On a master with kinks the normal is that of the facet of the assigned element: it jumps with the master element, in
 //! the rows and in the gap alike, so both refer to the same plane.
 
+use super::depth::{deepest, to_surface};
 use super::{Hit, Obstacle, opposed, opposes};
 use crate::basis::Order;
 use crate::coupling::{CouplingError, Segments};
-use crate::geometry::{MapTable, unit_normal};
+use crate::geometry::{ClosestPoint, MapTable, unit_normal};
 use crate::linalg::{Real, Vector, lit};
 use crate::space::Trace;
+use std::sync::Arc;
 
 /// Deviation of the length of an obstacle's normal from one beyond which it is no unit normal.
 const UNIT: f64 = 1e-9;
@@ -61,13 +63,19 @@ impl<const N: usize, T: Real> Frames<N, T> {
                     )));
                 }
                 faces.push(opposes(&slave.normal(element, &here.jacobian[q]), &normal));
-                if faces[faces.len() - 1] {
-                    frames.x.push(here.x[q]);
-                    frames.normal.push(normal);
-                    frames.gap.push((here.x[q] - there.x[q]).dot(&normal));
-                }
+                frames.x.push(here.x[q]);
+                frames.normal.push(normal);
+                frames.gap.push((here.x[q] - there.x[q]).dot(&normal));
             }
         }
+        let inside = frames.depths(&faces);
+        if !inside.is_empty() {
+            let surface = ClosestPoint::new(Arc::clone(&master.space));
+            let nearest = |q: usize| surface.project(&frames.x[q]).map_or_else(T::zero, |foot| foot.distance);
+            let bound = deepest(&inside, nearest);
+            inside.iter().filter(|(_, depth)| *depth > bound).for_each(|&(q, _)| faces[q] = false);
+        }
+        frames.keep(&faces);
         let kept = if faces.contains(&false) { only(segments, &faces) } else { segments.clone() };
         Ok((kept, frames))
     }
@@ -84,40 +92,70 @@ impl<const N: usize, T: Real> Frames<N, T> {
         segments: &Segments<S, T>,
         reach: Option<T>,
     ) -> Result<(Segments<S, T>, Self), CouplingError> {
-        let (mut kept, mut frames, mut table) = (Segments::new(), Self::default(), MapTable::new());
-        let mut report = segments.report.clone();
-        let mut measure = vec![[T::zero(); 2]; slave.facets.len()];
-        (report.covered, report.distance) = (T::zero(), T::zero());
-        let mut facing = Vec::new();
+        let (mut all, mut faces, mut table) = (Self::default(), Vec::with_capacity(segments.ds.len()), MapTable::new());
+        let mut feet = Vec::with_capacity(segments.ds.len());
         for piece in 0..segments.num_pieces() {
             let (points, element) = (segments.points(piece), segments.slave[piece]);
             slave.space.map(element, &segments.slave_xi[points.clone()], Order::Gradients, &mut table);
-            facing.clear();
-            for ((x, jacobian), q) in table.x.iter().zip(&table.jacobian).zip(points) {
-                measure[element][1] += segments.ds[q];
+            for (x, jacobian) in table.x.iter().zip(&table.jacobian) {
                 // a gap that is not finite is kept, to be reported
                 let near = |hit: &Hit<S, N, T>| !hit.gap.is_finite() || reach.is_none_or(|r| (x - hit.x).norm() <= r);
-                let Some(hit) = opposed(target, x, &slave.normal(element, jacobian)).filter(near) else { continue };
-                if hit.gap.is_finite() && (hit.normal.norm() - T::one()).abs() > lit(UNIT) {
+                let hit = opposed(target, x, &slave.normal(element, jacobian)).filter(near);
+                if let Some(hit) = hit.filter(|hit| hit.gap.is_finite() && (hit.normal.norm() - T::one()).abs() > lit(UNIT)) {
                     let text =
                         format!("the normal of the obstacle at {:?} has the length {}, not one", hit.x.as_slice(), hit.normal.norm());
                     return Err(CouplingError::Missing(text));
                 }
-                measure[element][0] += segments.ds[q];
-                report.covered += segments.ds[q];
-                report.distance = report.distance.max((x - hit.x).norm());
-                facing.push((segments.slave_xi[q], segments.master_xi[q], segments.ds[q]));
-                frames.x.push(*x);
-                frames.normal.push(hit.normal);
-                frames.gap.push(hit.gap);
-            }
-            if !facing.is_empty() {
-                kept.push_piece(element, segments.master[piece], facing.drain(..));
+                faces.push(hit.is_some());
+                let hit = hit.unwrap_or(Hit { x: *x, normal: Vector::zeros(), gap: T::zero(), at: None });
+                all.x.push(*x);
+                all.normal.push(hit.normal);
+                all.gap.push(hit.gap);
+                feet.push(hit.x);
             }
         }
+        let inside = all.depths(&faces);
+        let bound = deepest(&inside, |q| to_surface(target, &all.x[q]).unwrap_or_else(T::zero));
+        inside.iter().filter(|(_, depth)| *depth > bound).for_each(|&(q, _)| faces[q] = false);
+        let mut kept = Segments::new();
+        let mut report = segments.report.clone();
+        let mut measure = vec![[T::zero(); 2]; slave.facets.len()];
+        (report.covered, report.distance) = (T::zero(), T::zero());
+        for piece in 0..segments.num_pieces() {
+            let element = segments.slave[piece];
+            let mut facing = Vec::new();
+            for q in segments.points(piece) {
+                measure[element][1] += segments.ds[q];
+                if faces[q] {
+                    measure[element][0] += segments.ds[q];
+                    report.covered += segments.ds[q];
+                    report.distance = report.distance.max((all.x[q] - feet[q]).norm());
+                    facing.push((segments.slave_xi[q], segments.master_xi[q], segments.ds[q]));
+                }
+            }
+            if !facing.is_empty() {
+                kept.push_piece(element, segments.master[piece], facing);
+            }
+        }
+        all.keep(&faces);
         report.share = measure.iter().map(|&[part, all]| if all > T::zero() { part / all } else { T::zero() }).collect();
         kept.report = report;
-        Ok((kept, frames))
+        Ok((kept, all))
+    }
+
+    /// The points inside of the opponent that face it, with their depths \[length\].
+    fn depths(&self, faces: &[bool]) -> Vec<(usize, T)> {
+        (0..faces.len()).filter(|&q| faces[q] && self.gap[q] < T::zero()).map(|q| (q, -self.gap[q])).collect()
+    }
+
+    /// Keeps the marked points.
+    fn keep(&mut self, marked: &[bool]) {
+        let mut marks = marked.iter();
+        self.x.retain(|_| marks.next() == Some(&true));
+        let mut marks = marked.iter();
+        self.normal.retain(|_| marks.next() == Some(&true));
+        let mut marks = marked.iter();
+        self.gap.retain(|_| marks.next() == Some(&true));
     }
 }
 

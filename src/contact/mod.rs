@@ -2,6 +2,7 @@
 
 mod cone;
 mod curves;
+mod depth;
 mod frames;
 mod gap;
 mod greville;

@@ -46,7 +46,7 @@ pub enum NoHalfWidth {
     /// Too few elements for the tail of the pressure.
     #[error(
         "{elements} of the elements that are pressed lie in the last fifth before an end of the zone and behind the last maximum of the \
-         pressure; the end within an element takes {FEWEST}: refine the side there"
+         pressure, too few for an end within an element: refine the side there"
     )]
     FewElements {
         /// Their number.

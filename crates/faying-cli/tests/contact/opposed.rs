@@ -350,3 +350,38 @@ fn a_level_set_without_a_zero_is_refused_with_the_place() {
         assert!(text.contains("E017") && text.contains("at [") && text.contains("must have a zero"), "{f}: {text}");
     }
 }
+
+/// A block whose left edge lies under an opponent that is sunk `depth` into its top and overhangs that edge; `tool`: as a body.
+fn overhung(slave: &str, depth: f64, n: usize, tool: bool) -> String {
+    let face = 1.0 - depth;
+    let (patch, held, opponent) = if tool {
+        let patch = format!(
+            "[[patch]]\nname = \"t\"\ngeometry = {{ kind = \"box\", min = [-1, {face:?}], max = [0.7, 2] }}\nelements = [{}, {}]\n",
+            n / 2,
+            n / 2
+        );
+        (patch, "[\"b.bottom\", \"t.top\"]", "master = [\"t.bottom\", \"t.right\"]".to_owned())
+    } else {
+        (String::new(), "\"b.bottom\"", format!("rigid = {{ kind = \"box\", min = [-1, {face:?}], max = [0.8, 2] }}"))
+    };
+    format!(
+        "{HEAD}[[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [2, 1] }}\nelements = [{n}, {}]\n{patch}\
+         [[boundary]]\non = {held}\nfix = [\"x\", \"y\"]\n[[contact]]\nname = \"c\"\nslave = {slave}\n{opponent}\n",
+        n / 2
+    )
+}
+
+#[test]
+fn a_side_that_meets_its_opponent_edge_on_beside_the_pressed_one_takes_no_part() {
+    for (depth, n) in [(0.02, 32), (0.02, 80), (0.06, 32)] {
+        for tool in [false, true] {
+            let top = force(&run(&overhung("\"b.top\"", depth, n, tool)));
+            let list = force(&run(&overhung("[\"b.left\", \"b.top\"]", depth, n, tool)));
+            // the multiplier is lowered where two slave sides meet
+            assert!(near(list, top, 0.01), "{depth} {n} {tool}: {list:?} for {top:?}");
+            assert!(top[0].abs() <= 1e-9 * top[1].abs());
+        }
+    }
+    let text = refused(&overhung("\"b.left\"", 0.02, 32, false));
+    assert!(text.contains("E023"), "{text}");
+}
