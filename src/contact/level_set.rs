@@ -154,7 +154,12 @@ impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send +
                 let further = newton(next, slope);
                 steps += 1;
                 if let Some(last) = further.filter(|n| next != T::zero() && n.abs() <= rounding(s)) {
-                    return Some((from + along * (s + last), unit(gradient).unwrap_or(direction)));
+                    let foot = s + last;
+                    // f that only touches zero does not change its sign there
+                    let aside = T::default_epsilon().sqrt() * (length + foot.abs()) * towards;
+                    let beyond = (self.function)(&(from + along * (foot + aside))).0;
+                    let changes = beyond != T::zero() && (beyond > T::zero()) != (value > T::zero());
+                    return changes.then(|| (from + along * foot, unit(gradient).unwrap_or(direction)));
                 }
                 lo = s;
                 // short steps lead to a zero without a slope: they are stretched after a few

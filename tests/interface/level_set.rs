@@ -108,6 +108,9 @@ fn what_has_no_zero_or_no_number_has_no_gap() {
         hit(|x: &Point| ((-x[1]).exp(), Point::new(0.0, -(-x[1]).exp())), Point::new(0.3, 0.7), down),
         hit(|_: &Point| (2.0, Point::zeros()), Point::new(0.3, 0.7), down),
         hit(|x: &Point| (x[1].sqrt() - 1.0, Point::new(0.0, 0.5 / x[1].sqrt())), Point::new(0.3, -0.7), down),
+        // these touch zero and do not change their sign
+        hit(|x: &Point| ((x[1] - 0.2).powi(2), Point::new(0.0, 2.0 * (x[1] - 0.2))), Point::new(0.3, 0.7), down),
+        hit(|x: &Point| ((x.norm() - 1.0).powi(2), x * (2.0 * (x.norm() - 1.0) / x.norm())), Point::new(0.3, 1.7), down),
     ];
     assert!(none.iter().all(|hit| hit.gap.is_nan()), "{none:?}");
     // defined on one side only
