@@ -3,7 +3,7 @@
 //! With d the depths of the points, distances to what opposes them, and r their distances to the nearest surface, whatever it opposes, no
 //! partner is deeper than
 //!
-//!   6 max r
+//!   max(6 max r, L / 100),   L the diagonal of the box around the side
 //!
 //! A side that is pressed in as a whole has d = r in its middle. A side that runs into an opponent edge on, beside the one that is pressed,
 //! lies just below its surface and would find what opposes it at the far end of the opponent.
@@ -13,11 +13,17 @@ use crate::linalg::{Real, Vector, lit};
 
 /// Largest depth over the greatest distance to the nearest surface.
 const DEEPEST: f64 = 6.0;
+/// Share of the size of the side up to which any depth is accepted: fits, facets and round-off.
+const SHALLOW: f64 = 1e-2;
 
-/// Returns the greatest depth of a partner; `depth`: positive ones at the points, `nearest` the distance of one of them to the nearest surface.
-pub(super) fn deepest<T: Real>(depth: &[(usize, T)], mut nearest: impl FnMut(usize) -> T) -> T {
+/// Returns the greatest depth of a partner on a side of this `size`; `depth`: positive ones at the points, `nearest` the distance of one of
+/// them to the nearest surface.
+pub(super) fn deepest<T: Real>(size: T, depth: &[(usize, T)], mut nearest: impl FnMut(usize) -> T) -> T {
     let Some(&(first, most)) = depth.iter().reduce(|a, b| if b.1 > a.1 { b } else { a }) else { return T::zero() };
-    let mut bound = nearest(first) * lit(DEEPEST);
+    let mut bound = size * lit(SHALLOW);
+    if bound < most {
+        bound = bound.max(nearest(first) * lit(DEEPEST));
+    }
     for &(point, _) in depth {
         if bound >= most {
             break;

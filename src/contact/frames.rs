@@ -69,12 +69,12 @@ impl<const N: usize, T: Real> Frames<N, T> {
             }
         }
         let inside = frames.depths(&faces);
-        if !inside.is_empty() {
-            let surface = ClosestPoint::new(Arc::clone(&master.space));
-            let nearest = |q: usize| surface.project(&frames.x[q]).map_or_else(T::zero, |foot| foot.distance);
-            let bound = deepest(&inside, nearest);
-            inside.iter().filter(|(_, depth)| *depth > bound).for_each(|&(q, _)| faces[q] = false);
-        }
+        let mut surface = None;
+        let bound = deepest(extent(slave), &inside, |q| {
+            let surface = surface.get_or_insert_with(|| ClosestPoint::new(Arc::clone(&master.space)));
+            surface.project(&frames.x[q]).map_or_else(T::zero, |foot| foot.distance)
+        });
+        inside.iter().filter(|(_, depth)| *depth > bound).for_each(|&(q, _)| faces[q] = false);
         frames.keep(&faces);
         let kept = if faces.contains(&false) { only(segments, &faces) } else { segments.clone() };
         Ok((kept, frames))
@@ -115,7 +115,7 @@ impl<const N: usize, T: Real> Frames<N, T> {
             }
         }
         let inside = all.depths(&faces);
-        let bound = deepest(&inside, |q| to_surface(target, &all.x[q]).unwrap_or_else(T::zero));
+        let bound = deepest(extent(slave), &inside, |q| to_surface(target, &all.x[q]).unwrap_or_else(T::zero));
         inside.iter().filter(|(_, depth)| *depth > bound).for_each(|&(q, _)| faces[q] = false);
         let mut kept = Segments::new();
         let mut report = segments.report.clone();
@@ -157,6 +157,11 @@ impl<const N: usize, T: Real> Frames<N, T> {
         let mut marks = marked.iter();
         self.gap.retain(|_| marks.next() == Some(&true));
     }
+}
+
+/// The diagonal of the box around a side \[length\].
+fn extent<const S: usize, const N: usize, T: Real>(side: &Trace<S, N, T>) -> T {
+    side.space.extent().map_or_else(T::zero, |bounds| bounds.diagonal())
 }
 
 /// Restricts `segments` to the points marked in `keep`.

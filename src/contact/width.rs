@@ -299,7 +299,7 @@ impl<T: Real> Unrolled<T> {
             let s = middle + extent * lit(share) - extent.abs() * lit(SAME_PLACE);
             (end.first..=end.last).find(|&k| self.starts[k] >= s).unwrap_or(end.last).max(lowest)
         };
-        let half = (end.first..=end.last).filter(|&k| self.starts[k + 1] > middle).count();
+        let half = (end.first..=end.last).filter(|&k| self.starts[k + 1] > middle + extent.abs() * lit(SAME_PLACE)).count();
         let share = 1.0 - TAIL / (half.max(1) as f64).sqrt();
         let within = |a: &T| *a >= end.between[0] && *a <= end.between[1];
         if share < BEGINS[0] {
