@@ -330,11 +330,17 @@ impl<T: Real> Unrolled<T> {
         (force > T::zero()).then(|| Tail { begin, mean: moment / force, square: square / force })
     }
 
-    /// The element after the last maximum of the mean pressures of a stretch, its first element if there is none within it. The means are
-    /// those of an element with both its neighbours: multipliers of the full degree waver from element to element near the end.
+    /// The element after the last maximum of the mean pressures of a stretch, its first element if there is none within it. A maximum counts
+    /// if it is one of the means over three neighbours, too: multipliers of the full degree waver from element to element near the end.
     fn after_maximum(&self, end: &End<T>) -> usize {
+        self.after_maximum_of(end, 0).min(self.after_maximum_of(end, 1))
+    }
+
+    /// The element after the last maximum of the means over an element and `beside` neighbours on both sides.
+    fn after_maximum_of(&self, end: &End<T>, beside: usize) -> usize {
         let mean = |k: usize| {
-            let pieces = || self.sections[k.saturating_sub(1).max(end.first)..=(k + 1).min(end.last)].iter().flat_map(|s| &s.pieces);
+            let of = k.saturating_sub(beside).max(end.first)..=(k + beside).min(end.last);
+            let pieces = || self.sections[of.clone()].iter().flat_map(|s| &s.pieces);
             let length = pieces().fold(T::zero(), |sum, p| sum + (p.to - p.from));
             let force = pieces().flat_map(|p| &p.points).fold(T::zero(), |sum, p| sum + p.force);
             if length > T::zero() { force / length } else { T::zero() }

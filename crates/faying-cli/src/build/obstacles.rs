@@ -159,6 +159,9 @@ pub(super) fn turned_away<const S: usize, const N: usize>(
     plain: Box<Diagnostic>,
 ) -> Box<Diagnostic> {
     let case::Master::Rigid(obstacle) = &contact.master else { return plain };
+    if let Some(found) = swallowed(builder, contact, built, (model, slave)) {
+        return Box::new(found);
+    }
     let target = built.target(times(builder.case, false)[0], None);
     let own = look(&slave.trace, &*target);
     if own.share > 0.0 {

@@ -272,5 +272,6 @@ fn a_zone_that_ends_among_smooth_multipliers_opens_in_one_stroke() {
     println!("auto {short:?}, all {long:?}");
     assert_eq!((long[0], *long.last().unwrap()), (76, 37));
     assert_eq!(difference(&auto, &all), None);
-    assert!(short.len() <= 6 && long.len() <= 10, "{short:?} {long:?}");
+    // sets of the rows alone cost little; the whole system is solved once
+    assert!(short.len() <= 6 && long.len() <= 12 && history(&auto).len() == 1 && history(&all).len() == 1, "{short:?} {long:?}");
 }
