@@ -25,7 +25,7 @@ pub struct Beyond {
 pub struct Deformation {
     /// The largest principal strain of (grad u + grad uᵀ) / 2, by its absolute value.
     pub strain: Beyond,
-    /// The angle of (grad u - grad uᵀ) / 2 [radians].
+    /// The angle of (grad u - grad uᵀ) / 2 \[radians\].
     pub rotation: Beyond,
 }
 
