@@ -294,7 +294,14 @@ impl<T: Real> Unrolled<T> {
         if end.is_corner {
             return Ok(end.at);
         }
-        let (extent, lowest) = (end.at - middle, self.after_maximum(end));
+        let own = self.end_of_tail(end, middle, self.after_maximum(end, 0));
+        // multipliers of the full degree waver from element to element near the end: their maxima are those of means over three
+        own.or_else(|why| self.end_of_tail(end, middle, self.after_maximum(end, 1)).map_err(|_| why))
+    }
+
+    /// The end of a zone by the pressure from the element `lowest` on.
+    fn end_of_tail(&self, end: &End<T>, middle: T, lowest: usize) -> Result<T, NoHalfWidth> {
+        let extent = end.at - middle;
         let after = |share: f64| {
             let s = middle + extent * lit(share) - extent.abs() * lit(SAME_PLACE);
             (end.first..=end.last).find(|&k| self.starts[k] >= s).unwrap_or(end.last).max(lowest)
@@ -330,14 +337,9 @@ impl<T: Real> Unrolled<T> {
         (force > T::zero()).then(|| Tail { begin, mean: moment / force, square: square / force })
     }
 
-    /// The element after the last maximum of the mean pressures of a stretch, its first element if there is none within it. A maximum counts
-    /// if it is one of the means over three neighbours, too: multipliers of the full degree waver from element to element near the end.
-    fn after_maximum(&self, end: &End<T>) -> usize {
-        self.after_maximum_of(end, 0).min(self.after_maximum_of(end, 1))
-    }
-
-    /// The element after the last maximum of the means over an element and `beside` neighbours on both sides.
-    fn after_maximum_of(&self, end: &End<T>, beside: usize) -> usize {
+    /// The element after the last maximum of the mean pressures over an element and `beside` neighbours on both sides, the first element of
+    /// the stretch if there is none within it.
+    fn after_maximum(&self, end: &End<T>, beside: usize) -> usize {
         let mean = |k: usize| {
             let of = k.saturating_sub(beside).max(end.first)..=(k + beside).min(end.last);
             let pieces = || self.sections[of.clone()].iter().flat_map(|s| &s.pieces);
