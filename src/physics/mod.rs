@@ -137,7 +137,7 @@ pub trait Flux<const S: usize, const N: usize, T: Real = f64>: Debug + Send + Sy
     /// A bound of the flux by the energy of the body's element at the facet [modulus / length]:
     /// ∫ |sigma n|² over the facet <= stabilisation ∫ sigma : grad u over the element.
     fn stabilisation(&self, element: usize) -> T;
-    /// That bound for a sum over the facet, sum of `ds` |sigma n|² over the local points `xi`, whose weights may be those of another
+    /// Bound of the sum over the facet of `ds` |sigma n|² over the local points `xi`, whose weights may be those of another
     /// side. By default that of the facet's own measure.
     fn stabilisation_of_sum(&self, element: usize, _xi: &[Vector<S, T>], _ds: &[T]) -> T {
         self.stabilisation(element)
