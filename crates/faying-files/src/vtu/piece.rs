@@ -98,8 +98,11 @@ pub(super) fn each_piece<const D: usize, const N: usize>(
     for first in (0..plans.len()).step_by(AT_ONCE) {
         let some = &plans[first..plans.len().min(first + AT_ONCE)];
         let each = |table: &mut MapTable<D, N>, (k, plan): (usize, &Plan<D>)| piece(table, first + k, plan);
-        let pieces: Vec<Piece<'_>> = some.par_iter().enumerate().map_init(MapTable::new, each).collect::<Result<_, _>>()?;
-        pieces.iter().enumerate().for_each(|(k, piece)| take(first + k, piece));
+        // the error of the first element that has one, whichever thread comes first
+        let pieces: Vec<Result<Piece<'_>, VtuError>> = some.par_iter().enumerate().map_init(MapTable::new, each).collect();
+        for (k, piece) in pieces.into_iter().enumerate() {
+            take(first + k, &piece?);
+        }
     }
     Ok(())
 }
