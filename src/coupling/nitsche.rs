@@ -346,8 +346,7 @@ impl<const S: usize, const N: usize, T: Real> Coupling<S, N, T> for Nitsche {
             }
             Ok(summed(entries))
         };
-        let parts: Vec<Result<Entries<T>, CouplingError>> =
-            interface.segments.runs().into_par_iter().map_init(Work::new, of_run).collect();
+        let parts: Vec<Result<Entries<T>, CouplingError>> = interface.segments.runs().into_par_iter().map_init(Work::new, of_run).collect();
         let mut stiffness = Triplets::new(unknowns, unknowns);
         stiffness.entries = parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
         Ok(CouplingBlocks { stiffness, ..CouplingBlocks::empty(unknowns) })
