@@ -60,6 +60,7 @@ mod tie_field;
 mod tie_fluxes;
 mod tie_moment;
 mod tie_part;
+pub mod touching;
 
 pub use arc_length::ArcLength;
 pub use assembled::{ContactResult, Solution, System};

@@ -37,6 +37,8 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub rules: PerElement<N>,
     /// Gauss points per direction of its sides beyond degree + 1.
     pub extra_points: usize,
+    /// The mesh before its refinement, by whose facets the surface is known; `None` if these are its own.
+    pub unrefined: Option<Arc<dyn Body<S, N>>>,
     /// Whether its sides lie exactly on those of the geometry.
     pub exact_map: bool,
     /// Bounding box; `None` for a body without elements.
@@ -74,6 +76,7 @@ impl<const S: usize, const N: usize> PatchModel<S, N> {
             exact_map: body.is_exact(),
             extent: body.space().extent(),
             parts: Connected::of(&**body.space()),
+            unrefined: None,
             body,
             physics,
             changing: None,

@@ -2,7 +2,7 @@
 
 use super::builder::{Builder, MakeNet};
 use super::built::{Built, Sources};
-use super::couple::Couples;
+use super::couples::Couples;
 use super::{boundary, couples, exact, glue, meshes, obstacles, patches, sides, values};
 use crate::errors::Diagnostics;
 use faying::problem::Model;

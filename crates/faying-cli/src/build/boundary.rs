@@ -2,7 +2,7 @@
 
 use super::builder::Builder;
 use super::built::Built;
-use super::couple::Couples;
+use super::couples::Couples;
 use super::exact::needs_exact;
 use super::rims;
 use super::sides::Sides;

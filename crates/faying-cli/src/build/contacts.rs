@@ -2,7 +2,7 @@
 
 use super::builder::Builder;
 use super::built::Built;
-use super::couple::Couples;
+use super::couples::Couples;
 use super::meant::{meant, overlap};
 use super::multipliers::{has_lowered, held_help, judged, multiplier, multiplier_fault, positive_help};
 use super::obstacles::{num_pressed, obstacle, swallowed, turned_away};

@@ -1,7 +1,7 @@
 //! Gluing of the couples of a case.
 
 use super::builder::Builder;
-use super::couple::{Couple, Couples};
+use super::couples::{CoupleAt, Couples};
 use super::meetings;
 use crate::errors::Diagnostic;
 use crate::words::{labels, short};
@@ -18,7 +18,7 @@ pub(super) fn of<const S: usize, const N: usize>(
     let components = builder.case.model.components();
     let mut glued = Glued::new(components, unknowns / components.max(1), patches.len());
     let mut faults = Vec::new();
-    for couple in couples.glued(builder) {
+    for couple in couples.glued(builder.case) {
         if let Err(error) = glued.add(patches, &couple.slave, &couple.masters, near(patches, couple)) {
             faults.push(fault(builder, couple, &error));
         }
@@ -32,7 +32,7 @@ pub(super) fn of<const S: usize, const N: usize>(
 }
 
 /// Distance of points that are the same.
-fn near<const S: usize, const N: usize>(patches: &[PatchModel<S, N>], couple: &Couple<S, N>) -> Near {
+fn near<const S: usize, const N: usize>(patches: &[PatchModel<S, N>], couple: &CoupleAt<S, N>) -> Near {
     let exact = patches[couple.slave.patch].exact_map && couple.masters.iter().all(|m| patches[m.patch].exact_map);
     match couple.tolerance {
         Some(distance) => Near::Given(distance),
@@ -42,7 +42,7 @@ fn near<const S: usize, const N: usize>(patches: &[PatchModel<S, N>], couple: &C
     }
 }
 
-fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, couple: &Couple<S, N>, error: &GlueError) -> Diagnostic {
+fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, couple: &CoupleAt<S, N>, error: &GlueError) -> Diagnostic {
     let (slave, masters) = (&couple.slave.label, labels(&couple.masters));
     let spot = |at: &[f64; 3]| {
         let list: Vec<String> = ["x", "y", "z"][..N].iter().zip(at).map(|(l, v)| format!("{l} = {}", short(*v))).collect();

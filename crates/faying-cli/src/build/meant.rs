@@ -7,10 +7,11 @@ use crate::case;
 use crate::errors::Diagnostic;
 use crate::words::{labels, short};
 use faying::basis::Order;
-use faying::geometry::{ClosestPoint, MapTable, Sag, cell};
+use faying::geometry::{ClosestPoint, MapTable, cell};
 use faying::linalg::Vector;
+use faying::problem::touching::facing;
 use faying::problem::{Against, ContactModel, ContactPart, Model, PatchModel, SideModel};
-use faying::space::{Skin, Space, Trace, raised, skin_points};
+use faying::space::{Space, Trace};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -67,35 +68,6 @@ fn skins<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> Vec<(Strin
 /// Returns the mean |gap| of the facets of a side that face another; `None` if too few do.
 fn mean_distance<const S: usize, const N: usize>(side: &Trace<S, N>, other: &Trace<S, N>, reach: f64) -> Option<f64> {
     facing(side, other, reach).filter(|f| f.share > SEEN).map(|f| f.distance)
-}
-
-/// The part of a side that sees another.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Facing {
-    /// Its share of the side.
-    pub share: f64,
-    /// The mean of |gap| \[length\].
-    pub distance: f64,
-    /// The mean gap, negative where the sides overlap \[length\].
-    pub gap: f64,
-}
-
-/// The facets of a side that see another within `reach`; none where no facet does.
-pub(super) fn facing<const S: usize, const N: usize>(side: &Trace<S, N>, other: &Trace<S, N>, reach: f64) -> Option<Facing> {
-    let [own, far] = [side, other].map(|t| Sag::none(t.facets.len()));
-    let (skin, mut table) = (Skin::new(other, &far), MapTable::new());
-    let (mut size, mut sum, mut seen, mut all) = (0.0, 0.0, 0.0, 0.0);
-    for (f, bounds) in side.space.all_bounds().iter().enumerate() {
-        let weight = bounds.diagonal().powi(S as i32);
-        all += weight;
-        let middle = raised(side, &own, f, &skin_points(side.space.cell(f))[..1], &mut table)[0];
-        if let Some(sight) = skin.sight(&middle, reach, 0.0, &mut table) {
-            size += sight.gap.abs() * weight;
-            sum += sight.gap * weight;
-            seen += weight;
-        }
-    }
-    (seen > 0.0).then(|| Facing { share: seen / all, distance: size / seen, gap: sum / seen })
 }
 
 /// E023 where a contact overlaps at the first time by more than half the thickness of a body along the normal, at most of the points that

@@ -1,7 +1,7 @@
 //! Sides of bodies by their references in the case, each built once.
 
 use super::builder::Builder;
-use crate::case::{SideRef, quoted};
+use crate::case::{Case, SideRef, quoted};
 use crate::errors::Diagnostic;
 use crate::formula::{Formula, Point};
 use crate::place::Located;
@@ -51,13 +51,19 @@ impl<const S: usize, const N: usize> Sides<S, N> {
         patches: &[PatchModel<S, N>],
         wanted: &Located<SideRef>,
     ) -> Result<Arc<SideModel<S, N>>, Box<Diagnostic>> {
-        let key = (wanted.value.patch, wanted.value.side.clone());
+        let (patch, side) = (wanted.value.patch, &wanted.value.side);
+        let found = self.find(builder.case, patches, patch, side);
+        found.map_err(|e| Box::new(side_fault(builder, &patches[patch], &e, wanted)))
+    }
+
+    /// Returns the side of a patch by its canonical name.
+    pub fn find(&mut self, case: &Case, patches: &[PatchModel<S, N>], patch: usize, side: &str) -> Result<Arc<SideModel<S, N>>, SideError> {
+        let wanted = SideRef { patch, side: side.to_owned() };
+        let key = (patch, wanted.side.clone());
         if let Some(side) = self.known.get(&key) {
             return Ok(side.clone());
         }
-        let patch = &patches[wanted.value.patch];
-        let side = SideModel::new(patch, wanted.value.patch, &wanted.value.side, label(builder, patch, &wanted.value));
-        let side = Arc::new(side.map_err(|e| side_fault(builder, patch, &e, wanted))?);
+        let side = Arc::new(SideModel::new(&patches[patch], patch, side, label(case, &patches[patch], &wanted))?);
         self.known.insert(key, side.clone());
         Ok(side)
     }
@@ -100,13 +106,13 @@ impl<const S: usize, const N: usize> Sides<S, N> {
 }
 
 /// Name of a side in the body's own words: by alias on boxes and by direction or tag elsewhere.
-fn label<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, patch: &PatchModel<S, N>, wanted: &SideRef) -> String {
-    let case = builder.case;
+fn label<const S: usize, const N: usize>(case: &Case, patch: &PatchModel<S, N>, wanted: &SideRef) -> String {
     let is_box = case.patches[wanted.patch].geometry.value.shape.value.kind() == "box";
     if is_box { format!("{}.{}", patch.name, alias(&wanted.side, N)) } else { case.side_name(wanted) }
 }
 
-fn side_fault<const S: usize, const N: usize>(
+/// Builds the diagnostic of a side that cannot be made.
+pub(super) fn side_fault<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: &PatchModel<S, N>,
     error: &SideError,

@@ -2,7 +2,7 @@
 
 use super::builder::Builder;
 use super::built::Built;
-use super::couple::{Couple, Couples};
+use super::couples::{CoupleAt, Couples};
 use super::multipliers::{held_help, judged, multiplier, multiplier_fault};
 use super::sides::Sides;
 use super::values::times;
@@ -113,7 +113,7 @@ fn part<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     model: &Built<S, N>,
     tie: &Tie,
-    couple: &Couple<S, N>,
+    couple: &CoupleAt<S, N>,
     fixed: &Fixed,
     members: &Memberships,
 ) -> Result<(TiePart<S, N>, Option<Diagnostic>), Box<Diagnostic>> {
@@ -159,7 +159,7 @@ fn tie_fault<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     model: &Built<S, N>,
     tie: &Tie,
-    couple: &Couple<S, N>,
+    couple: &CoupleAt<S, N>,
     error: &InterfaceError,
 ) -> Diagnostic {
     let (slave, masters, at, name) = (&couple.slave, &couple.masters[..], couple.at, &tie.name.value);

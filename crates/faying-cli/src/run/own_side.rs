@@ -1,8 +1,8 @@
 //! Depths at which a side is asked for its own piece of the exact solution.
 
-use crate::build::sag;
 use crate::case::Case;
 use faying::geometry::Sag;
+use faying::problem::touching::sag;
 use faying::problem::{Depths, Model, SideModel};
 
 /// Depth at which a point lies in the body and no longer on its side, as a share of the size of the model and of its distance from the
@@ -32,7 +32,7 @@ impl<'a, const S: usize, const N: usize> OwnSide<'a, S, N> {
         let by_pieces = model.exact.as_ref().is_some_and(|exact| exact.is_piecewise());
         let mesh = case.patches[side.patch].geometry.shape.part().is_some_and(|part| part.is_mesh());
         let shaped = by_pieces && !mesh && !model.patches[side.patch].exact_map;
-        let sag = if by_pieces { sag(case, &model.patches, side) } else { Sag::none(side.trace.facets.len()) };
+        let sag = if by_pieces { sag(&model.patches, side) } else { Sag::none(side.trace.facets.len()) };
         Self { side, sag, inside: INSIDE * (model.size + model.center.norm()), shaped }
     }
 

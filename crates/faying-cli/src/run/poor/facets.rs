@@ -8,12 +8,12 @@
 //!
 //! so that sides that touch only in part, as in Hertz' problem, are excluded: there the gap grows beyond any sag.
 
-use crate::build::sag;
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::formula::Point;
 use crate::words::percent;
 use crate::words::short;
+use faying::problem::touching::sag;
 use faying::problem::{ContactModel, ContactPart, Model};
 
 /// Ratio h / mean |g| above which the warning is given.
@@ -51,7 +51,7 @@ fn of_part<const S: usize, const N: usize>(
     part: &ContactPart<S, N>,
 ) -> Option<(f64, f64)> {
     let sides = part.masters.iter().chain([&part.slave]);
-    let sag: f64 = sides.map(|side| sag(case, &model.patches, side).greatest()).sum();
+    let sag: f64 = sides.map(|side| sag(&model.patches, side).greatest()).sum();
     let rounding = ROUNDING * (model.size + model.center.norm());
     if sag <= rounding {
         return None;

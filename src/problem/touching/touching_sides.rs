@@ -1,16 +1,13 @@
 //! Detection of touching sides: facets against the sides nearest to them, pairs of sides by all their distances.
 
-use super::meshes::unrefined;
-use crate::case::Case;
-use faying::geometry::{Bounds, MapTable, Sag, Tree};
-use faying::problem::{PatchModel, SideModel};
-use faying::space::{Clearance, Sight, Skin, SkinPoint, raised, skin_points};
+use super::lengths::SAME_PLACE;
+use crate::geometry::{Bounds, MapTable, Sag, Tree};
+use crate::problem::model::SideModel;
+use crate::space::{Clearance, Sight, Skin, SkinPoint, raised, skin_points};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Distances below this fraction of the size of all sides count as zero.
-pub(super) const SAME_PLACE: f64 = 1e-8;
 /// Sides within this fraction of a facet that do not touch are reported as a warning.
 const CLOSE: f64 = 1e-3;
 /// Search radius of a facet in multiples of its sag: three, and the bulge.
@@ -159,16 +156,4 @@ fn decided<const S: usize, const N: usize>(
     }
     out.near = pairs.iter().filter(|(p, _)| !touches(p[0], p[1])).map(|(p, (all, _))| (*p, *all)).collect();
     out
-}
-
-/// Returns the sag of a side's facets: zero if they are the surface itself; for refined meshes that of the unrefined facets.
-pub fn sag<const S: usize, const N: usize>(case: &Case, patches: &[PatchModel<S, N>], side: &SideModel<S, N>) -> Sag<S, N> {
-    if patches[side.patch].exact_map {
-        return Sag::none(side.trace.facets.len());
-    }
-    let of_parts = || {
-        let whole = unrefined::<S, N>(&case.patches[side.patch])?.trace(&side.side).ok()?;
-        Sag::of(&*whole.space, &whole.outward).of_parts(&*whole.space, &*side.trace.space)
-    };
-    of_parts().unwrap_or_else(|| Sag::of(&*side.trace.space, &side.trace.outward))
 }

@@ -1,8 +1,8 @@
-//! Facets that are paired already: sides may overlap, so that names of sides do not identify them.
+//! Facets that are joined already: sides may overlap, so that names of sides do not identify them.
 
-use super::couple::{Couple, Pair, pair};
-use faying::geometry::cell;
-use faying::problem::SideModel;
+use super::couple::Couple;
+use crate::geometry::cell;
+use crate::problem::model::SideModel;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -22,53 +22,81 @@ fn facet_keys<const S: usize, const N: usize>(side: &SideModel<S, N>) -> impl It
     })
 }
 
+/// Two sides (body, name), the lesser first.
+pub(super) type SidePair = [(usize, String); 2];
+
+/// The pair of two sides.
+pub(super) fn side_pair(a: (usize, &str), b: (usize, &str)) -> SidePair {
+    let [a, b] = if a <= b { [a, b] } else { [b, a] };
+    [a, b].map(|(body, name)| (body, name.to_owned()))
+}
+
+/// The body and the name of a side.
+pub(super) fn key<const S: usize, const N: usize>(side: &SideModel<S, N>) -> (usize, &str) {
+    (side.patch, &side.side)
+}
+
 /// (couple, whether as slave) for every couple that a side is part of.
 pub(super) type Marks = BTreeSet<(usize, bool)>;
 
-/// Side pairs excluded from the search: named elsewhere, or joined already.
-#[derive(Debug, Default)]
-pub(super) struct Known {
-    named: BTreeSet<Pair>,
-    /// Sets of patches that are not joined by their file.
-    lists: Vec<BTreeSet<usize>>,
+/// Bodies that hang together.
+#[derive(Clone, Debug, Default)]
+struct Groups(BTreeMap<usize, usize>);
+
+impl Groups {
+    /// The body that stands for all that a body hangs together with.
+    fn of(&self, body: usize) -> usize {
+        self.0.get(&body).copied().unwrap_or(body)
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let [from, to] = [a, b].map(|k| *self.0.entry(k).or_insert(k));
+        self.0.values_mut().filter(|group| **group == from).for_each(|group| *group = to);
+    }
+}
+
+/// Pairs of sides that are excluded from the search: named elsewhere, or joined already.
+#[derive(Clone, Debug, Default)]
+pub(super) struct JoinedSides {
+    named: BTreeSet<SidePair>,
     /// (couple, whether as slave) for every couple that a facet is part of.
     of_facet: BTreeMap<FacetKey, Vec<(usize, bool)>>,
     couples: usize,
-    /// The patches of couples, each with one of those that it hangs together with.
-    bodies: BTreeMap<usize, usize>,
+    /// Bodies that couples join.
+    tied: Groups,
+    /// Bodies that couples or contacts bring together.
+    met: Groups,
 }
 
-impl Known {
-    /// Creates the list of excluded pairs from pairs of named sides and sets of patches that stay apart.
-    pub fn new(named: BTreeSet<Pair>, lists: Vec<BTreeSet<usize>>) -> Self {
-        Self { named, lists, ..Self::default() }
+impl JoinedSides {
+    /// Excludes a pair of sides.
+    pub fn exclude(&mut self, pair: SidePair) {
+        self.named.insert(pair);
     }
 
-    /// Allows patches of one list to be joined from now on.
-    pub fn join_lists(&mut self) {
-        self.lists.clear();
+    /// Joins the sides of a couple.
+    pub fn join<const S: usize, const N: usize>(&mut self, couple: &Couple<S, N>) {
+        self.contact(std::slice::from_ref(&couple.slave), &couple.masters);
+        couple.masters.iter().for_each(|master| self.tied.join(couple.slave.patch, master.patch));
     }
 
-    /// Marks the facets of a couple as joined.
-    pub fn add<const S: usize, const N: usize>(&mut self, couple: &Couple<S, N>) {
-        self.add_sides(std::slice::from_ref(&couple.slave), &couple.masters);
-    }
-
-    /// Slaves and their masters belong together.
-    pub fn add_sides<const S: usize, const N: usize>(&mut self, slaves: &[Arc<SideModel<S, N>>], masters: &[Arc<SideModel<S, N>>]) {
+    /// Marks the facets of sides that meet, every slave with all masters.
+    pub fn contact<const S: usize, const N: usize>(&mut self, slaves: &[Arc<SideModel<S, N>>], masters: &[Arc<SideModel<S, N>>]) {
         for (side, slave) in masters.iter().map(|m| (m, false)).chain(slaves.iter().map(|s| (s, true))) {
             facet_keys(side).for_each(|f| self.of_facet.entry(f).or_default().push((self.couples, slave)));
         }
         self.couples += 1;
-        for (slave, master) in slaves.iter().flat_map(|s| masters.iter().map(move |m| (s.patch, m.patch))) {
-            let [from, to] = [slave, master].map(|k| *self.bodies.entry(k).or_insert(k));
-            self.bodies.values_mut().filter(|b| **b == from).for_each(|b| *b = to);
-        }
+        slaves.iter().flat_map(|s| masters.iter().map(move |m| (s.patch, m.patch))).for_each(|(a, b)| self.met.join(a, b));
     }
 
-    /// Whether two patches hang together by couples.
-    pub fn are_joined(&self, a: usize, b: usize) -> bool {
-        self.bodies.get(&a).is_some_and(|body| self.bodies.get(&b) == Some(body))
+    /// The body that stands for all that couples join with a body.
+    pub fn group(&self, body: usize) -> usize {
+        self.tied.of(body)
+    }
+
+    /// Whether couples and contacts bring two bodies together.
+    pub fn are_met(&self, a: usize, b: usize) -> bool {
+        self.met.of(a) == self.met.of(b)
     }
 
     /// Returns the couples that share a facet with a side.
@@ -78,10 +106,7 @@ impl Known {
 
     /// Whether a pair of sides, each with its marks, is excluded.
     pub fn hold<const S: usize, const N: usize>(&self, a: (&SideModel<S, N>, &Marks), b: (&SideModel<S, N>, &Marks)) -> bool {
-        let key = |s: &SideModel<S, N>| (s.patch, s.side.clone());
-        self.lists.iter().any(|l| l.contains(&a.0.patch) && l.contains(&b.0.patch))
-            || self.named.contains(&pair(key(a.0), key(b.0)))
-            || a.1.iter().any(|&(couple, slave)| b.1.contains(&(couple, !slave)))
+        self.named.contains(&side_pair(key(a.0), key(b.0))) || a.1.iter().any(|&(couple, slave)| b.1.contains(&(couple, !slave)))
     }
 }
 

@@ -1,0 +1,123 @@
+//! Sentences of what a search for touching sides finds, and of its errors.
+
+use super::builder::Builder;
+use super::sides::side_fault;
+use crate::case::{Physics, SideRef};
+use crate::errors::Diagnostic;
+use crate::place::{Located, Place};
+use crate::words::{labels, short};
+use faying::problem::touching::{Finding, NEAR, NearPair, Position, THIN, TouchError};
+use faying::problem::{PatchModel, SideModel};
+use faying::space::Clearance;
+
+/// Most pairs of unjoined sides that are named.
+const NAMED: usize = 8;
+/// Advice for sides that are not tied.
+const TIE: &str = "if they are meant to be tied, name slave and master of an [[interface]], or give `tolerance`";
+
+/// Builds the diagnostic of a search that fails; `interface` is the name of the one it is for.
+pub(super) fn fault<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    patches: &[PatchModel<S, N>],
+    error: &TouchError<S, N>,
+    interface: &str,
+    at: Place,
+) -> Diagnostic {
+    match error {
+        TouchError::Side { patch, side, error } => {
+            side_fault(builder, &patches[*patch], error, &Located::new(SideRef { patch: *patch, side: side.clone() }, at))
+        }
+        TouchError::Nothing { nearest } => {
+            let nearest = nearest.as_ref().map_or(String::new(), |pair| format!("; the nearest, {}", distance(pair)));
+            let text = format!("no sides of the patches of interface \"{interface}\" touch each other that are not joined yet{nearest}");
+            let help = "name slave and master, or raise `tolerance`; a list of patches parts those that a file or a mesh joins";
+            builder.error("E023", text, at).with_help(help)
+        }
+        other => {
+            builder.error("E023", other.to_string(), at).with_help("name slave and master, or give the touching part one tag of its own")
+        }
+    }
+}
+
+/// Builds the warning of a finding.
+pub(super) fn warning<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, finding: &Finding<S, N>, at: Place) -> Diagnostic {
+    let (text, help) = match finding {
+        Finding::NotTied { sides: [a, b], clearance } => {
+            (format!("`{}` and `{}` are {}. They are not tied", a.label, b.label, apart(clearance)), TIE.to_owned())
+        }
+        Finding::NotExplained { slave, masters, clearance } => (
+            format!("`{}` and {} are {}. They are tied because they are named", slave.label, labels(masters), apart(clearance)),
+            "move the bodies together, refine the sides, or write `tolerance` if they are meant to be tied so".to_owned(),
+        ),
+        Finding::Near(pair) => (
+            format!("{}, less than {NEAR} of their facets and {THIN} of the bodies behind them. They are not tied", distance(pair)),
+            TIE.to_owned(),
+        ),
+        Finding::Unjoined { sides: [a, b], position } => {
+            let how = match position {
+                Position::Touch if a.patch == b.patch => "coincide".to_owned(),
+                Position::Touch => "touch".to_owned(),
+                Position::Apart(d) => format!("are {} apart", short(*d)),
+                Position::Overlap(d) => format!("are {} deep in each other", short(*d)),
+            };
+            (format!("`{}` and `{}` {how}, and nothing joins them", a.label, b.label), joining(builder, a, b))
+        }
+        Finding::Overlap { patches, x } => {
+            let place: Vec<String> = ["x", "y", "z"].iter().zip(x.iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
+            let [a, b] = patches.map(|k| &builder.case.patches[k].name.value);
+            (
+                format!("patches \"{a}\" and \"{b}\" overlap (at {}), and nothing joins them", place.join(", ")),
+                "move them apart, join sides that touch by [[interface]], or press them together by [[contact]]".to_owned(),
+            )
+        }
+    };
+    builder.warning("E023", text, at).with_help(help)
+}
+
+/// Warns of sides and patches that nothing joins, at their patches; beyond [`NAMED`] pairs of sides are counted.
+pub(super) fn unjoined<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, found: &[Finding<S, N>]) {
+    let case = builder.case;
+    let pairs = found.iter().take_while(|f| matches!(f, Finding::Unjoined { .. })).count();
+    let tell = |builder: &mut Builder<'_, S, N>, list: &[Finding<S, N>]| {
+        for finding in list {
+            let warning = warning(builder, finding, case.patches[finding.patches()[1]].head.at);
+            builder.faults.push(warning);
+        }
+    };
+    tell(builder, &found[..pairs.min(NAMED)]);
+    if pairs > NAMED {
+        let text = format!("{} more pairs of sides touch or nearly touch, and nothing joins them", pairs - NAMED);
+        let at = case.patches.first().map_or_else(Default::default, |p| p.head.at);
+        builder.faults.push(builder.warning("E023", text, at).with_help("[[interface]] with between = \"all\" ties all that touch"));
+    }
+    tell(builder, &found[pairs..]);
+}
+
+/// "0.01 apart in the mean, up to 0.02; their facets explain 0.001 in the mean".
+fn apart(c: &Clearance) -> String {
+    let [mean, greatest, allowed] = [c.mean(), c.greatest, c.allowed()].map(short);
+    format!("{mean} apart in the mean, up to {greatest}; their facets explain {allowed} in the mean")
+}
+
+/// "`a.top` and `b.bottom` are 0.001 apart".
+fn distance<const S: usize, const N: usize>(pair: &NearPair<S, N>) -> String {
+    let word = if pair.facing.gap < 0.0 { "deep in each other" } else { "apart" };
+    format!("`{}` and `{}` are {} {word}", pair.sides[0].label, pair.sides[1].label, short(pair.facing.distance))
+}
+
+/// The line that joins two sides.
+fn joining<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, a: &SideModel<S, N>, b: &SideModel<S, N>) -> String {
+    let case = builder.case;
+    if a.patch == b.patch {
+        let (axis, patch) = (&a.side[..1], &case.patches[a.patch].name.value);
+        return format!(
+            "write closed = \"{axis}\" in patch \"{patch}\" to make a ring of it; name both in [[boundary]] if they are to be open"
+        );
+    }
+    let tie = format!("[[interface]] with slave = \"{}\" and master = \"{}\"", b.label, a.label);
+    if case.model.physics.value == Physics::Poisson {
+        format!("write {tie} to tie them; name one in [[boundary]] if they are to be apart")
+    } else {
+        format!("write {tie} to tie them, or [[contact]] with these to let them part; name one in [[boundary]] if they are to be apart")
+    }
+}

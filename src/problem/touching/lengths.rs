@@ -1,0 +1,64 @@
+//! Lengths of sides: the sag of their facets, the size of these, the thickness of the body behind them.
+
+use crate::geometry::{Bounds, Sag};
+use crate::problem::model::{PatchModel, SideModel};
+use crate::space::measure;
+use std::sync::Arc;
+
+/// Distances below this fraction of the size of all sides count as zero.
+pub(super) const SAME_PLACE: f64 = 1e-8;
+
+/// Returns the sag of a side's facets: zero if they are the surface itself; for refined meshes that of the unrefined facets.
+pub fn sag<const S: usize, const N: usize>(patches: &[PatchModel<S, N>], side: &SideModel<S, N>) -> Sag<S, N> {
+    let patch = &patches[side.patch];
+    if patch.exact_map {
+        return Sag::none(side.trace.facets.len());
+    }
+    let of_parts = || {
+        let whole = patch.unrefined.as_ref()?.trace(&side.side).ok()?;
+        Sag::of(&*whole.space, &whole.outward).of_parts(&*whole.space, &*side.trace.space)
+    };
+    of_parts().unwrap_or_else(|| Sag::of(&*side.trace.space, &side.trace.outward))
+}
+
+/// Largest admissible distance of points of faceted sides \[length\]: four times the largest of the `sags`, at least twice `floor`.
+pub(super) fn widest<const S: usize, const N: usize>(sags: &[Sag<S, N>], floor: f64) -> f64 {
+    (4.0 * sags.iter().map(Sag::greatest).fold(0.0, f64::max)).max(2.0 * floor)
+}
+
+/// Diagonal of the box around all `boxes` \[length\].
+pub(super) fn size<const N: usize>(boxes: impl Iterator<Item = Bounds<N>>) -> f64 {
+    boxes.reduce(|a, b| a.union(&b)).map_or(0.0, |b| b.diagonal())
+}
+
+/// Distance that counts as zero \[length\].
+pub(super) fn floor<const S: usize, const N: usize>(sides: &[Arc<SideModel<S, N>>]) -> f64 {
+    size(sides.iter().flat_map(|s| s.trace.space.all_bounds())) * SAME_PLACE
+}
+
+/// Mean thickness of the body behind a side: its volume over the area of the side \[length\].
+pub(super) fn thickness<const S: usize, const N: usize>(patches: &[PatchModel<S, N>], side: &SideModel<S, N>) -> f64 {
+    measure::<N, N, f64, _>(&**patches[side.patch].body.space()) / measure::<S, N, f64, _>(&*side.trace.space)
+}
+
+/// A side with its boxes.
+#[derive(Debug)]
+pub(super) struct Extent<const S: usize, const N: usize> {
+    pub side: Arc<SideModel<S, N>>,
+    /// Box of every facet.
+    pub facets: Vec<Bounds<N>>,
+    /// Box of all facets.
+    pub whole: Bounds<N>,
+    /// Mean size of a facet \[length\].
+    pub facet: f64,
+}
+
+impl<const S: usize, const N: usize> Extent<S, N> {
+    /// Returns the boxes of a side; `None` for one without facets.
+    pub fn of(side: Arc<SideModel<S, N>>) -> Option<Self> {
+        let facets = side.trace.space.all_bounds();
+        let whole = facets.iter().copied().reduce(|a, b| a.union(&b))?;
+        let facet = facets.iter().map(Bounds::diagonal).sum::<f64>() / facets.len() as f64;
+        Some(Self { side, facets, whole, facet })
+    }
+}

@@ -1,0 +1,68 @@
+//! Searches for sides that touch, with what is joined and what was found.
+
+use super::couple::Couple;
+use super::finding::Finding;
+use super::joined_sides::{JoinedSides, SidePair, key, side_pair};
+use crate::problem::model::{PatchModel, SideModel};
+use crate::space::SideError;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// Source of sides: returns the side of a body (its number) by its name.
+pub type SideSource<'a, const S: usize, const N: usize> = dyn FnMut(usize, &str) -> Result<Arc<SideModel<S, N>>, SideError> + 'a;
+
+/// A search for sides that touch, among bodies of which some sides are joined already.
+pub struct Search<'a, const S: usize, const N: usize> {
+    pub(super) patches: &'a [PatchModel<S, N>],
+    sides: &'a mut SideSource<'a, S, N>,
+    pub(super) joined: JoinedSides,
+    told: BTreeSet<SidePair>,
+    /// The findings so far, in their order; whoever takes them out may leave it empty.
+    pub findings: Vec<Finding<S, N>>,
+}
+
+impl<const S: usize, const N: usize> std::fmt::Debug for Search<'_, S, N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Search").field("joined", &self.joined).field("findings", &self.findings).finish_non_exhaustive()
+    }
+}
+
+impl<'a, const S: usize, const N: usize> Search<'a, S, N> {
+    /// A search among `patches`, of which no sides are joined.
+    pub fn new(patches: &'a [PatchModel<S, N>], sides: &'a mut SideSource<'a, S, N>) -> Self {
+        Self { patches, sides, joined: JoinedSides::default(), told: BTreeSet::new(), findings: Vec::new() }
+    }
+
+    /// Returns a side of a body.
+    ///
+    /// # Errors
+    /// [`SideError`] of the source.
+    pub fn side(&mut self, patch: usize, side: &str) -> Result<Arc<SideModel<S, N>>, SideError> {
+        (self.sides)(patch, side)
+    }
+
+    /// Excludes a pair of sides (body, name) from the search.
+    pub fn exclude(&mut self, a: (usize, &str), b: (usize, &str)) {
+        self.joined.exclude(side_pair(a, b));
+    }
+
+    /// Joins two sides whose functions are shared.
+    pub fn glue(&mut self, slave: Arc<SideModel<S, N>>, master: Arc<SideModel<S, N>>) -> Couple<S, N> {
+        let couple = Couple { slave, masters: vec![master], tolerance: None, is_named: false, explained: None };
+        self.joined.join(&couple);
+        couple
+    }
+
+    /// Marks the sides of a contact: they are no candidates for a tie.
+    pub fn contact(&mut self, slaves: &[Arc<SideModel<S, N>>], masters: &[Arc<SideModel<S, N>>]) {
+        self.joined.contact(slaves, masters);
+    }
+
+    /// Notes that a finding or an error names these sides together; returns whether there is a pair that none has named before.
+    pub(super) fn tell(&mut self, sides: &[Arc<SideModel<S, N>>]) -> bool {
+        let pairs = sides.iter().enumerate().flat_map(|(k, a)| sides[k + 1..].iter().map(move |b| side_pair(key(a), key(b))));
+        let before = self.told.len();
+        self.told.extend(pairs);
+        self.told.len() > before
+    }
+}

@@ -1,0 +1,97 @@
+//! Sides that touch, nearly touch or overlap and that nothing joins, and bodies that overlap.
+//!
+//! Looked at are sides of different bodies, and opposite sides of one body, which would close it to a ring. Left out are pairs that are
+//! joined or excluded, bodies that a contact lets touch, whatever its sides are, and outer sides that somebody has thought of.
+
+use super::facing::facing_either;
+use super::finding::{Finding, Position};
+use super::joined_sides::{JoinedSides, Marks};
+use super::lengths::{Extent, SAME_PLACE, sag, size};
+use super::nearest::NEAR;
+use super::overlapping::overlapping;
+use super::search::Search;
+use super::touching_sides::{Touching, touching_sides};
+use crate::geometry::{Sag, Tree};
+use crate::problem::model::SideModel;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+impl<const S: usize, const N: usize> Search<'_, S, N> {
+    /// Finds sides and bodies that nothing joins: [`Finding::Unjoined`], without pairs that a finding or an error has named, then
+    /// [`Finding::Overlap`] of bodies without such sides.
+    ///
+    /// `contacts`: pairs of bodies that a contact lets touch. `outer`: sides that are meant to be open. `closable`: whether opposite sides
+    /// of a body may be joined to a ring.
+    pub fn unjoined(&mut self, contacts: &[[usize; 2]], outer: &[Arc<SideModel<S, N>>], closable: &dyn Fn(usize) -> bool) {
+        let patches = self.patches;
+        let names = (0..patches.len()).flat_map(|patch| patches[patch].body.sides().into_iter().map(move |side| (patch, side)));
+        let all: Vec<_> = names.filter_map(|(patch, side)| Extent::of(self.side(patch, &side).ok()?)).collect();
+        let known = &self.joined;
+        let groups = |a: usize, b: usize| {
+            let (a, b) = (known.group(a), known.group(b));
+            [a.min(b), a.max(b)]
+        };
+        let apart: BTreeSet<[usize; 2]> = contacts.iter().map(|&[a, b]| groups(a, b)).collect();
+        let mut open = JoinedSides::default();
+        open.contact(outer, &[]);
+        let (marks, outside): (Vec<Marks>, Vec<bool>) = all.iter().map(|c| (known.marks(&c.side), !open.marks(&c.side).is_empty())).unzip();
+        let allowed = |a: usize, b: usize| {
+            let (p, q) = (all[a].side.patch, all[b].side.patch);
+            (p != q || opposite(&all[a].side.side, &all[b].side.side) && closable(p))
+                && !(outside[a] || outside[b])
+                && !apart.contains(&groups(p, q))
+                && !known.hold((&all[a].side, &marks[a]), (&all[b].side, &marks[b]))
+        };
+        let tree = Tree::new(all.iter().map(|c| c.whole.inflated(NEAR * c.facet)).collect());
+        let mut pairs: BTreeSet<[usize; 2]> = BTreeSet::new();
+        for a in 0..all.len() {
+            let met = tree.meeting(tree.item(a)).into_iter().filter(|&b| a < b);
+            pairs.extend(met.filter(|&b| allowed(a, b)).map(|b| [a, b]));
+        }
+        let found = if pairs.is_empty() { BTreeMap::new() } else { self.positions(&all, &pairs) };
+        let seen: BTreeSet<[usize; 2]> = found.keys().map(|pair| pair.map(|k| all[k].side.patch)).collect();
+        let overlaps = overlapping(patches, &|a, b| {
+            let [p, q] = groups(a, b);
+            p != q && !apart.contains(&[p, q]) && !seen.contains(&[a, b])
+        });
+        for (pair, position) in found {
+            let sides = pair.map(|k| all[k].side.clone());
+            if self.tell(&sides) {
+                self.findings.push(Finding::Unjoined { sides, position });
+            }
+        }
+        self.findings.extend(overlaps.into_iter().map(|(patches, x)| Finding::Overlap { patches, x }));
+    }
+
+    /// Positions of the sides of `pairs` to each other, if they touch or nearly do.
+    fn positions(&self, all: &[Extent<S, N>], pairs: &BTreeSet<[usize; 2]>) -> BTreeMap<[usize; 2], Position> {
+        let used: Vec<usize> = pairs.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
+        let place: BTreeMap<usize, usize> = used.iter().enumerate().map(|(k, &i)| (i, k)).collect();
+        let sides: Vec<_> = used.iter().map(|&i| all[i].side.clone()).collect();
+        let sags: Vec<Sag<S, N>> = sides.iter().map(|s| sag(self.patches, s)).collect();
+        let floor = size(used.iter().map(|&i| all[i].whole)) * SAME_PLACE;
+        let left_out = |a: usize, b: usize| !pairs.contains(&[used[a].min(used[b]), used[a].max(used[b])]);
+        let Touching { shares, .. } = touching_sides(&sides, None, &sags, floor, &left_out);
+        let mut found = BTreeMap::new();
+        for &[a, b] in pairs {
+            let (k, l) = (place[&a], place[&b]);
+            if shares.contains_key(&(k, l)) || shares.contains_key(&(l, k)) {
+                found.insert([a, b], Position::Touch);
+                continue;
+            }
+            // the far faces of thin bodies that are joined lie in each other, and those of one body are apart
+            if self.joined.group(all[a].side.patch) == self.joined.group(all[b].side.patch) {
+                continue;
+            }
+            let reach = NEAR * all[a].facet.min(all[b].facet);
+            let Some(best) = facing_either(&all[a].side.trace, &all[b].side.trace, reach) else { continue };
+            found.insert([a, b], if best.gap < 0.0 { Position::Overlap(best.distance) } else { Position::Apart(best.distance) });
+        }
+        found
+    }
+}
+
+/// Whether two sides are the ends of one direction: u0 and u1.
+fn opposite(a: &str, b: &str) -> bool {
+    a != b && a.len() == 2 && b.len() == 2 && a.as_bytes()[0] == b.as_bytes()[0]
+}
