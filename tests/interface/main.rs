@@ -17,3 +17,4 @@ mod patch_test_tied;
 mod random;
 mod solvers;
 mod third_backend;
+mod touching;
