@@ -8,7 +8,7 @@ use crate::errors::Diagnostic;
 use crate::place::{Located, Place};
 use crate::registry::is_glue;
 use crate::result::{GluedSides, TiedSides};
-use faying::problem::touching::{Couple, Search, TouchError};
+use faying::problem::touching::{Couple, Search, Share, TouchError};
 use faying::problem::{PatchModel, SideModel};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{Deref, Range};
@@ -60,13 +60,10 @@ impl<const S: usize, const N: usize> Couples<S, N> {
     pub fn glued_sides(&self, case: &Case) -> Vec<GluedSides> {
         let of = |(interface, couple): (&str, &CoupleAt<S, N>)| {
             let slave = &couple.slave.label;
-            let sides = couple.shares().into_iter().map(|s| TiedSides {
-                slave: slave.clone(),
-                master: s.master.label.clone(),
-                distance: s.distance,
-                share: s.share,
-            });
-            sides.map(|sides| GluedSides { interface: interface.to_owned(), sides }).collect::<Vec<_>>()
+            let tied =
+                |s: Share<S, N>| TiedSides { slave: slave.clone(), master: s.master.label.clone(), distance: s.distance, share: s.share };
+            let shares = couple.shares().into_iter();
+            shares.map(|s| GluedSides { interface: interface.to_owned(), sides: tied(s) }).collect::<Vec<_>>()
         };
         self.glued_by_name(case).flat_map(of).collect()
     }
@@ -119,6 +116,11 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, S, N> {
         self.search.side(patch, side).map_err(|error| Box::new(side_fault(self.builder, &self.patches[patch], &error, wanted)))
     }
 
+    /// Returns what a step makes, or adds its error to the builder's faults.
+    fn kept<T>(&mut self, made: Result<T, Box<Diagnostic>>) -> Option<T> {
+        made.map_err(|fault| self.builder.faults.push(*fault)).ok()
+    }
+
     /// Adds what was found since the last call to the builder's faults.
     fn tell(&mut self, at: Place) {
         for finding in std::mem::take(&mut self.search.findings) {
@@ -132,27 +134,19 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, S, N> {
         let case = self.builder.case;
         let mut seams = Vec::new();
         for (patch, closed) in case.patches.iter().enumerate().filter_map(|(k, p)| Some((k, p.closed.as_ref()?))) {
-            match self.ring(patch, closed) {
-                Ok(couple) => seams.push(couple),
-                Err(fault) => self.builder.faults.push(*fault),
-            }
+            let couple = self.ring(patch, closed);
+            seams.extend(self.kept(couple));
         }
         // patches listed by an interface are not glued by their file
         let lists = case.interfaces.iter().filter_map(|t| t.between.as_ref()).filter(|b| !is_all(b));
         let lists: Vec<BTreeSet<usize>> = lists.filter_map(|b| Some(self.bodies(b).ok()?.into_iter().collect())).collect();
         for (range, at) in files {
             let found = self.search.glue_touching(&range.clone().collect::<Vec<_>>(), &lists);
-            self.tell(*at);
-            match found {
-                Ok(found) => seams.extend(found.into_iter().map(|couple| CoupleAt { couple, at: *at })),
-                Err(error) => self.refuse(&error, "", *at),
-            }
+            seams.extend(self.located(found, "", *at));
         }
         for joint in &case.joints {
-            match self.glue(&joint.sides, joint.at) {
-                Ok(couple) => seams.push(couple),
-                Err(fault) => self.builder.faults.push(*fault),
-            }
+            let couple = self.glue(&joint.sides, joint.at);
+            seams.extend(self.kept(couple));
         }
         seams
     }
@@ -174,9 +168,11 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, S, N> {
         Ok(CoupleAt { couple: self.search.glue(slave, master), at })
     }
 
-    fn refuse(&mut self, error: &TouchError<S, N>, interface: &str, at: Place) {
-        let fault = fault(self.builder, self.patches, error, interface, at);
-        self.builder.faults.push(fault);
+    /// Adds the source location to the couples of a search, and what it found and its error to the builder's faults.
+    fn located(&mut self, found: Result<Vec<Couple<S, N>>, TouchError<S, N>>, interface: &str, at: Place) -> Vec<CoupleAt<S, N>> {
+        self.tell(at);
+        let found = found.map_err(|error| Box::new(fault(self.builder, self.patches, &error, interface, at)));
+        self.kept(found).unwrap_or_default().into_iter().map(|couple| CoupleAt { couple, at }).collect()
     }
 
     /// Side pairs of the interfaces: those with named sides first, then those of lists of patches, then of "all".
@@ -209,31 +205,19 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, S, N> {
     }
 
     fn list(&mut self, wanted: &[Located<SideRef>]) -> Vec<(Arc<SideModel<S, N>>, Place)> {
-        let mut out = Vec::new();
-        for side in wanted {
-            match self.side(side) {
-                Ok(found) => out.push((found, side.at)),
-                Err(fault) => self.builder.faults.push(*fault),
-            }
-        }
-        out
+        let found = |wanted: &Located<SideRef>| {
+            let side = self.side(wanted);
+            Some((self.kept(side)?, wanted.at))
+        };
+        wanted.iter().filter_map(found).collect()
     }
 
     /// Returns the touching sides of the patches of an interface.
     fn between(&mut self, tie: &Tie, between: &Located<Vec<String>>) -> Vec<CoupleAt<S, N>> {
-        let bodies = match self.bodies(between) {
-            Ok(bodies) => bodies,
-            Err(fault) => {
-                self.builder.faults.push(*fault);
-                return Vec::new();
-            }
-        };
+        let bodies = self.bodies(between);
+        let Some(bodies) = self.kept(bodies) else { return Vec::new() };
         let found = self.search.tie_touching(&bodies, tie.tolerance.value);
-        self.tell(between.at);
-        if let Err(error) = &found {
-            self.refuse(error, &tie.name.value, between.at);
-        }
-        found.unwrap_or_default().into_iter().map(|couple| CoupleAt { couple, at: between.at }).collect()
+        self.located(found, &tie.name.value, between.at)
     }
 
     /// The patches that `between` names.
