@@ -8,6 +8,7 @@ use super::physics::PointState;
 use super::problem_error::ProblemError;
 use super::solved::{Assembled, Solve, State};
 use super::state::{StepState, Unsolved};
+use super::warnings::Warning;
 use crate::assembly::Errors;
 use crate::constraint::ConstraintSolver;
 use crate::linalg::Vector;
@@ -21,8 +22,9 @@ pub struct System<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> System<S, N> {
-    pub(super) fn new(model: Model<S, N>, problem: u64) -> Self {
-        Self { inner: Box::new(Assembled::new(model, problem)) }
+    /// The problem number `problem` with this model, whose data are of `times`.
+    pub(super) fn new(model: Model<S, N>, problem: u64, times: Vec<f64>) -> Self {
+        Self { inner: Box::new(Assembled::new(model, problem, times)) }
     }
 
     /// Solves with another constraint solver; by default by factors of the whole system.
@@ -34,6 +36,11 @@ impl<const S: usize, const N: usize> System<S, N> {
     /// The model: all that the problem consists of.
     pub fn model(&self) -> &Model<S, N> {
         self.inner.model()
+    }
+
+    /// Doubts about the problem at the times of its data: overlaps, thin cells, inexact integrals, soft supports.
+    pub fn warnings(&self) -> Vec<Warning> {
+        self.inner.warnings()
     }
 
     /// Solves the problem at time `t`, beginning with the contacts that are closed in `before`, a solution of this system; one of another
@@ -132,6 +139,11 @@ impl<const S: usize, const N: usize> Solution<S, N> {
     /// [`ProblemError`] for a side that does not exist.
     pub fn reaction(&self, side: SideOf<'_>) -> Result<Vec<f64>, ProblemError> {
         self.inner.reaction(side)
+    }
+
+    /// Doubts about the solution: large strains, moments that are lost, coarse zones, inexact interfaces, rounding.
+    pub fn warnings(&self) -> Vec<Warning> {
+        self.inner.warnings()
     }
 
     /// Norms of the error against an exact solution, per body.

@@ -384,7 +384,7 @@ impl Problem<1, 2> {
             model.contacts.push(built);
         }
         Self::held(&model)?;
-        Ok(System::new(model, self.id))
+        Ok(System::new(model, self.id, self.times.clone()))
     }
 
     /// Names that are taken, slave sides that are so twice, and motions and forces of contacts.
@@ -484,7 +484,7 @@ impl Problem<2, 3> {
         let model = self.model(0)?;
         Fixed::of(&model, &self.times)?;
         Self::held(&model)?;
-        Ok(System::new(model, self.id))
+        Ok(System::new(model, self.id, self.times.clone()))
     }
 }
 

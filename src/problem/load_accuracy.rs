@@ -55,6 +55,8 @@ pub enum Integral {
     Modulus {
         /// The patch.
         patch: usize,
+        /// Its name.
+        name: String,
     },
 }
 
@@ -278,7 +280,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             let error = off / finer.abs();
             if error > found.as_ref().map_or(ACCEPTED, |f| f.error) {
                 let [integrated, finer] = [own, finer].map(|v| Resultant { force: [v, 0.0, 0.0], moment: [0.0; 3] });
-                found = Some(Inexact { of: Integral::Modulus { patch: number }, t, integrated, finer, error });
+                found = Some(Inexact { of: Integral::Modulus { patch: number, name: patch.name.clone() }, t, integrated, finer, error });
             }
         }
         found

@@ -41,6 +41,8 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub unrefined: Option<Arc<dyn Body<S, N>>>,
     /// Whether its sides lie exactly on those of the geometry.
     pub exact_map: bool,
+    /// Whether its facets stand for a geometry that is known, as those of a mesh made of a patch; not for meshes of cells, nor for exact maps.
+    pub is_shaped: bool,
     /// Bounding box; `None` for a body without elements.
     pub extent: Option<Bounds<N>>,
     /// Its parts, which share no functions.
@@ -77,6 +79,7 @@ impl<const S: usize, const N: usize> PatchModel<S, N> {
             extent: body.space().extent(),
             parts: Connected::of(&**body.space()),
             unrefined: None,
+            is_shaped: false,
             body,
             physics,
             changing: None,

@@ -113,6 +113,18 @@ impl<const N: usize> Physics<N> {
         }
     }
 
+    /// Whether both are homogeneous, with one tangent.
+    pub(super) fn is_uniform_with(&self, other: &Self) -> bool {
+        let x = Vector::zeros();
+        self.is_homogeneous()
+            && other.is_homogeneous()
+            && match (self, other) {
+                (Self::Scalar(a), Self::Scalar(b)) => a.respond(&x, &Matrix::zeros()).tangent == b.respond(&x, &Matrix::zeros()).tangent,
+                (Self::Vector(a), Self::Vector(b)) => a.respond(&x, &Matrix::zeros()).tangent == b.respond(&x, &Matrix::zeros()).tangent,
+                _ => false,
+            }
+    }
+
     /// sigma n of the field numbered by `field` through a side of the body.
     pub(super) fn flux<const S: usize>(&self, space: &Arc<dyn Space<N, N>>, trace: &Trace<S, N>, field: Field) -> Box<dyn Flux<S, N>> {
         match self {

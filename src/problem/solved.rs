@@ -16,6 +16,7 @@ use super::resultant::Resultant;
 use super::solver::Solver;
 use super::state::{StepError, StepState, Unsolved};
 use super::step::step;
+use super::warnings::Warning;
 use crate::assembly::Errors;
 use crate::constraint::{ConstraintSolver, Direct};
 use crate::contact::Transmitted;
@@ -27,6 +28,7 @@ use std::sync::Arc;
 /// The methods of a system.
 pub(super) trait Solve<const S: usize, const N: usize>: Debug {
     fn model(&self) -> &Model<S, N>;
+    fn warnings(&self) -> Vec<Warning>;
     fn replace_solver(&mut self, solver: Box<dyn ConstraintSolver>);
     fn solve(&mut self, t: f64, before: Option<&dyn State<S, N>>, observer: Observer<'_>) -> Result<Arc<dyn State<S, N>>, Unsolved<S, N>>;
 }
@@ -41,6 +43,7 @@ pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
     fn contact(&self, name: &str) -> Result<ContactResult<N>, ProblemError>;
     fn reaction(&self, side: SideOf<'_>) -> Result<Vec<f64>, ProblemError>;
     fn errors(&self, exact: &dyn Exact) -> Vec<Errors>;
+    fn warnings(&self) -> Vec<Warning>;
 }
 
 /// A model with its matrices and its solver.
@@ -48,19 +51,24 @@ pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
 pub(super) struct Assembled<const S: usize, const N: usize> {
     problem: u64,
     model: Arc<Model<S, N>>,
+    times: Vec<f64>,
     stiffness: Option<Stiffness>,
     solver: Solver,
 }
 
 impl<const S: usize, const N: usize> Assembled<S, N> {
-    pub fn new(model: Model<S, N>, problem: u64) -> Self {
-        Self { problem, model: Arc::new(model), stiffness: None, solver: Solver::new(Box::new(Direct::new())) }
+    pub fn new(model: Model<S, N>, problem: u64, times: Vec<f64>) -> Self {
+        Self { problem, model: Arc::new(model), times, stiffness: None, solver: Solver::new(Box::new(Direct::new())) }
     }
 }
 
 impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
     fn model(&self) -> &Model<S, N> {
         &self.model
+    }
+
+    fn warnings(&self) -> Vec<Warning> {
+        self.model.warnings(&self.times)
     }
 
     fn replace_solver(&mut self, solver: Box<dyn ConstraintSolver>) {
@@ -128,7 +136,7 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
             moment: [0.0; 3],
             area: 0.0,
             largest_pressure: f64::NEG_INFINITY,
-            least_gap: f64::INFINITY,
+            least_gap: self.model.contacts[k].least_gap(&self.model, &self.state.contacts[k], &self.state.u),
             active: 0,
         };
         for (part, rows) in self.model.contacts[k].parts.iter().zip(&self.state.contacts[k]) {
@@ -137,7 +145,6 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
             (0..3).for_each(|k| sum.moment[k] += sent.moment[k]);
             sum.area += sent.area;
             sum.largest_pressure = sum.largest_pressure.max(sent.largest_pressure);
-            sum.least_gap = part.gaps(&self.model, rows, &self.state.u).into_iter().flatten().fold(sum.least_gap, f64::min);
             sum.active += part.rows().filter(|&j| self.state.active[j]).count();
         }
         Ok(sum)
@@ -155,6 +162,10 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
         let t = self.state.t;
         let patches = self.model.patches.iter();
         patches.map(|p| p.physics_at(t).errors(&**p.body.space(), &p.rules, &self.state.u[p.range()], exact, t)).collect()
+    }
+
+    fn warnings(&self) -> Vec<Warning> {
+        self.model.state_warnings(&self.state)
     }
 }
 

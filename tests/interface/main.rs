@@ -18,3 +18,4 @@ mod random;
 mod solvers;
 mod third_backend;
 mod touching;
+mod warnings;

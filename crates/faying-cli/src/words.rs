@@ -14,6 +14,11 @@ pub(crate) fn percent(share: f64) -> String {
     text.parse::<f64>().map_or(text, |v| format!("{v}"))
 }
 
+/// Formats a position: "x = 0.25, y = 1".
+pub(crate) fn place(x: &[f64]) -> String {
+    ["x", "y", "z"].iter().zip(x).map(|(name, v)| format!("{name} = {}", short(*v))).collect::<Vec<_>>().join(", ")
+}
+
 /// Names of components in messages.
 pub(crate) fn component_name(component: usize, components: usize) -> &'static str {
     if components == 1 { "u" } else { ["x", "y", "z"][component.min(2)] }

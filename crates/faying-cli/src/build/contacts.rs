@@ -3,12 +3,12 @@
 use super::builder::Builder;
 use super::built::Built;
 use super::couples::Couples;
-use super::meant::{meant, overlap};
 use super::multipliers::{has_lowered, held_help, judged, multiplier, multiplier_fault, positive_help};
 use super::obstacles::{num_pressed, obstacle, swallowed, turned_away};
 use super::sides::Sides;
 use super::ties::{list, memberships, nitsche_variant, rules};
 use super::values::times;
+use super::warned::{meant, tell};
 use crate::case::{self, Cone, Master, Method};
 use crate::errors::{Diagnostic, Severity};
 use crate::place::Place;
@@ -87,8 +87,9 @@ pub(super) fn build<const S: usize, const N: usize>(
             }
         }
         let inside = || built.parts.iter().find_map(|part| swallowed(builder, contact, built.obstacle.as_deref()?, (model, &part.slave)));
-        if let Some(fault) = inside().or_else(|| built.parts.iter().find_map(|part| overlap(builder, model, &built, part, contact))) {
-            builder.faults.push(fault);
+        match inside() {
+            Some(fault) => builder.faults.push(fault),
+            None => tell(builder, model, model.overlap(model.contacts.len(), &built, times(case, true)[0]).as_slice()),
         }
         for mut fault in behind {
             if !built.parts.is_empty() {
@@ -228,7 +229,10 @@ fn fault<const S: usize, const N: usize>(
             let plain = Box::new(contact_fault(builder, contact, slave, masters, &ContactError::NoTarget, at));
             return Missed::Nothing(match &built.obstacle {
                 Some(obstacle) => turned_away(builder, contact, obstacle, (model, slave), plain),
-                None => meant(model, slave, masters, plain),
+                None => match model.meant_sides(slave, masters) {
+                    Some(sides) => Box::new(plain.with_help(meant(model, &sides))),
+                    None => plain,
+                },
             });
         }
         InterfaceError::Held { components, by_equations } => {

@@ -5,16 +5,13 @@ mod boundary;
 mod builder;
 mod built;
 mod contacts;
-mod corners;
 mod couples;
 mod divisions;
 mod exact;
 mod findings;
 mod fixed;
-mod functions;
 mod glue;
 mod materials;
-mod meant;
 mod meetings;
 mod meshes;
 mod multipliers;
@@ -32,7 +29,7 @@ mod ties;
 mod traces;
 mod values;
 mod volume;
-mod weak;
+mod warned;
 
 use super::registry::Names;
 use crate::case::Case;
@@ -51,8 +48,8 @@ pub use reference::{OnSide, Reference, ReferenceLambda, ReferencePatch};
 pub(crate) use sides::canonical as canonical_side;
 pub(crate) use stored::stored_run;
 pub use traces::{SlaveEnds, SlaveSpaces, slave_spaces};
+pub(crate) use values::times;
 pub use volume::volume_net;
-pub(crate) use weak::weakly_held;
 
 /// Builds the model of `case` with the bodies, multipliers and couplings of `names`.
 ///
@@ -65,7 +62,7 @@ pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, n
     model.glued_sides = couples.glued_sides(case);
     ties::build(&mut builder, &mut model, &couples, &fixed);
     builder.stop()?;
-    corners::jumps(&mut builder, &model);
+    warned::tell(&mut builder, &model, &model.corner_values(values::times(case, true)));
     contacts::build(&mut builder, &mut model, &mut sides, &couples, &fixed);
     builder.stop()?;
     supports::check(&mut builder, &model);

@@ -71,8 +71,8 @@ fn one<const S: usize, const N: usize>(
     });
     let weight = material.density.as_ref().map(|d| d.value.clone().into()).zip(gravity);
     let model = PatchModel::new(name.clone(), body.into(), physics, first, patch.discretization.extra_points.value);
-    let unrefined = super::meshes::unrefined(patch).map(Arc::from);
-    Ok(PatchModel { backend: backend.value.clone(), unrefined, changing, source, weight, ..model })
+    let (unrefined, is_shaped) = (super::meshes::unrefined(patch).map(Arc::from), !is_mesh && !model.exact_map);
+    Ok(PatchModel { backend: backend.value.clone(), changing, source, weight, unrefined, is_shaped, ..model })
 }
 
 /// A material of the case as a function of time, its constants checked at the first one.

@@ -2,8 +2,8 @@
 
 use super::builder::Builder;
 use super::built::Built;
-use super::functions;
-use faying::problem::{RigidBodies, Ties, free_by, sentences};
+use super::warned::tell;
+use faying::problem::{Ties, free_by, sentences};
 
 /// E051 for every body that can still move with all points of ties held and all contacts closed; E024 where multipliers hold less than
 /// points.
@@ -11,7 +11,7 @@ pub fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, mo
     let first: Vec<Vec<_>> = model.contacts.iter().map(|c| c.parts.iter().map(|p| &p.first).collect()).collect();
     let free = free_by(model, &first, &|_, _, _| true, Ties::Points);
     if free.is_empty() {
-        return functions::check(builder, model, &RigidBodies::of(model));
+        return tell(builder, model, &model.too_few_functions());
     }
     for (f, sentence) in free.iter().zip(sentences(model, &free)) {
         let obstacle = f.body.checked_sub(model.patches.len());

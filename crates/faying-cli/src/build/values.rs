@@ -34,7 +34,7 @@ fn place_text<const N: usize>(x: &Vector<N>) -> String {
 }
 
 /// Times at which a formula is checked: all of the case if it changes, else the first.
-pub(super) fn times(case: &case::Case, changes: bool) -> &[f64] {
+pub(crate) fn times(case: &case::Case, changes: bool) -> &[f64] {
     match case.steps.value.as_slice() {
         [] => &[1.0],
         all if changes => all,

@@ -1,16 +1,10 @@
 //! Errors of a solved model against exact solutions and multipliers, or against a stored run if there are none.
 
-use super::own_side::OwnSide;
 use crate::build::{Built, OnSide, ReferenceLambda};
-use crate::case::Case;
-use crate::formula::Point;
 use crate::named::Named;
 use faying::assembly::Errors;
-use faying::basis::Order;
-use faying::coupling::Segments;
-use faying::geometry::MapTable;
 use faying::linalg::Vector;
-use faying::problem::{ContactField, Model, SideModel, StepState, TieField, TieModel};
+use faying::problem::{ContactField, Model, SquaredError, StepState, TieField, TieModel};
 
 /// Errors that can be measured.
 pub fn error_names<const S: usize, const N: usize>(model: &Built<S, N>) -> Vec<String> {
@@ -41,57 +35,8 @@ fn is_known<const S: usize, const N: usize>(model: &Built<S, N>, name: &str) -> 
     model.exact.is_some() || model.reference.as_ref().is_some_and(|r| r.lambda_of(name).is_some())
 }
 
-/// Names of the ties and contacts whose lambda `exact` leaves open: their slave sides lie where its pieces meet, and it cannot be told
-/// which of them is meant.
-pub fn left_open<const S: usize, const N: usize>(model: &Built<S, N>, errors: &Named<f64>) -> Vec<String> {
-    let ties = model.ties.iter().filter(|t| t.exact.is_none()).map(|t| &t.name);
-    let contacts = model.contacts.iter().filter(|c| c.exact.is_none()).map(|c| &c.name);
-    let open = |name: &&String| errors.get(&format!("error.{name}.lambda.L2")).is_some_and(|e| e.is_nan());
-    let by_pieces = model.exact.as_ref().is_some_and(|e| e.is_piecewise());
-    ties.chain(contacts).filter(|name| by_pieces && open(name)).cloned().collect()
-}
-
-/// Calls `visit(piece, points, outward normals of the slave)` for the pieces of a slave side.
-fn each_piece<const S: usize, const N: usize>(
-    slave: &SideModel<S, N>,
-    segments: &Segments<S>,
-    mut visit: impl FnMut(usize, &[Vector<N>], &[Vector<N>]),
-) {
-    let (mut map, mut normals) = (MapTable::new(), Vec::new());
-    for piece in 0..segments.num_pieces() {
-        let element = segments.slave[piece];
-        slave.trace.space.map(element, &segments.slave_xi[segments.points(piece)], Order::Gradients, &mut map);
-        normals.clear();
-        normals.extend(map.jacobian.iter().map(|j| slave.trace.normal(element, j)));
-        visit(piece, &map.x, &normals);
-    }
-}
-
-/// Squares of an error and of the exact size.
-#[derive(Clone, Copy, Debug, Default)]
-struct Squares {
-    error: f64,
-    exact: f64,
-}
-
-/// The exact traction on the slave's side at a point of it with the outward `normal`, from the side's own piece of the solution; NaN
-/// where it is open which one that is.
-fn exact_traction<const S: usize, const N: usize>(
-    model: &Model<S, N>,
-    own: &OwnSide<'_, S, N>,
-    slave: &SideModel<S, N>,
-    t: f64,
-    element: usize,
-    [x, normal]: [&Vector<N>; 2],
-) -> [f64; 3] {
-    let Some(exact) = model.exact.as_deref() else { return [0.0; 3] };
-    let physics = model.patches[slave.patch_of(element)].physics_at(t);
-    let found = physics.own_traction(exact, t, x, [normal, &-normal], own.depths(element, 0.0));
-    found.unwrap_or([f64::NAN; 3])
-}
-
-/// Every error that can be measured, by its quantity; NaN where the exact solution is left open ([`left_open`]).
-pub fn errors<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, state: &StepState<S, N>) -> Named<f64> {
+/// Every error that can be measured, by its quantity; NaN where the exact solution is left open.
+pub fn errors<const S: usize, const N: usize>(model: &Built<S, N>, state: &StepState<S, N>) -> Named<f64> {
     let mut all = Named::default();
     let mut add = |name: String, error: f64, exact: f64| {
         all.push(name.clone(), error);
@@ -113,23 +58,23 @@ pub fn errors<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, 
         add("error.u.H1".into(), sum.error.h1, sum.exact.h1);
         add("error.u.energy".into(), sum.error.energy, sum.exact.energy);
     }
-    let mut total = Squares::default();
+    let mut total = SquaredError::default();
     let mut any = false;
     for tie in model.ties.iter().filter(|t| t.exact.is_some() || is_known(model, &t.name)) {
         let s = match stored_lambda(model, &tie.name, tie.exact.is_some()) {
             Some(stored) => tie_difference(model, state, tie, stored),
-            None => tie_error(case, model, state, tie),
+            None => tie.lambda_error(model, state),
         };
-        total = Squares { error: total.error + s.error, exact: total.exact + s.exact };
+        total = SquaredError { error: total.error + s.error, exact: total.exact + s.exact };
         add(format!("error.{}.lambda.L2", tie.name), s.error.sqrt(), s.exact.sqrt());
         any = true;
     }
     for (k, contact) in model.contacts.iter().enumerate().filter(|(_, c)| c.exact.is_some() || is_known(model, &c.name)) {
         let s = match stored_lambda(model, &contact.name, contact.exact.is_some()) {
             Some(stored) => contact_difference(model, state, k, stored),
-            None => contact_error(case, model, state, k),
+            None => contact.lambda_error(model, &state.contacts[k], state),
         };
-        total = Squares { error: total.error + s.error, exact: total.exact + s.exact };
+        total = SquaredError { error: total.error + s.error, exact: total.exact + s.exact };
         add(format!("error.{}.lambda.L2", contact.name), s.error.sqrt(), s.exact.sqrt());
         any = true;
     }
@@ -139,66 +84,13 @@ pub fn errors<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, 
     all
 }
 
-fn tie_error<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, state: &StepState<S, N>, tie: &TieModel<S, N>) -> Squares {
-    let mut sum = Squares::default();
-    for part in &tie.parts {
-        let own = OwnSide::new(case, model, &part.slave);
-        let lambda = TieField::of(model, part, state.t);
-        for (pairing, s) in part.pairings.iter().map(|p| &p.segments).enumerate() {
-            let found = lambda.on_segments(model, part, state, pairing);
-            each_piece(&part.slave, s, |piece, x, normals| {
-                let points = s.points(piece);
-                let mut wanted = vec![0.0; model.components];
-                for (k, q) in points.enumerate() {
-                    if let Some(list) = &tie.exact {
-                        let at = Point::new(x[k].as_slice()).at_time(state.t);
-                        wanted.iter_mut().zip(list).for_each(|(w, f)| *w = f.value(&at));
-                    } else {
-                        let traction = exact_traction(model, &own, &part.slave, state.t, s.slave[piece], [&x[k], &normals[k]]);
-                        wanted.iter_mut().zip(traction).for_each(|(w, traction)| *w = -traction);
-                    }
-                    for (c, w) in wanted.iter().enumerate() {
-                        sum.error += s.ds[q] * (found[c][q] - w).powi(2);
-                        sum.exact += s.ds[q] * w.powi(2);
-                    }
-                }
-            });
-        }
-    }
-    sum
-}
-
-fn contact_error<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, state: &StepState<S, N>, number: usize) -> Squares {
-    let contact = &model.contacts[number];
-    let mut sum = Squares::default();
-    for (part, built) in contact.parts.iter().zip(&state.contacts[number]) {
-        let s = &built.segments;
-        let pressure = part.transmitted(built, &state.lambda[part.rows()]).pressure;
-        let own = OwnSide::new(case, model, &part.slave);
-        each_piece(&part.slave, s, |piece, x, normals| {
-            let points = s.points(piece);
-            for (k, q) in points.enumerate() {
-                let wanted = if let Some(f) = &contact.exact {
-                    f.value(&Point::new(x[k].as_slice()).at_time(state.t))
-                } else {
-                    let traction = exact_traction(model, &own, &part.slave, state.t, s.slave[piece], [&x[k], &normals[k]]);
-                    traction.iter().zip(normals[k].iter()).map(|(t, n)| t * n).sum()
-                };
-                sum.error += s.ds[q] * (-pressure[q] - wanted).powi(2);
-                sum.exact += s.ds[q] * wanted.powi(2);
-            }
-        });
-    }
-    sum
-}
-
 /// lambda of the stored run, where nothing exact stands before it.
 fn stored_lambda<'a, const S: usize, const N: usize>(model: &'a Built<S, N>, name: &str, exact: bool) -> Option<&'a ReferenceLambda<S>> {
     model.reference.as_ref().filter(|_| !exact && model.exact.is_none())?.lambda_of(name)
 }
 
 /// Adds squares of error and stored lambda over the pieces `on`; `found(element, points)` returns lambda, `[component][point]`.
-fn add_difference<const S: usize>(sum: &mut Squares, on: &OnSide<S>, found: impl Fn(usize, &[Vector<S>]) -> Vec<Vec<f64>>) {
+fn add_difference<const S: usize>(sum: &mut SquaredError, on: &OnSide<S>, found: impl Fn(usize, &[Vector<S>]) -> Vec<Vec<f64>>) {
     let s = &on.segments;
     for piece in 0..s.num_pieces() {
         let points = s.points(piece);
@@ -217,8 +109,8 @@ fn tie_difference<const S: usize, const N: usize>(
     state: &StepState<S, N>,
     tie: &TieModel<S, N>,
     stored: &ReferenceLambda<S>,
-) -> Squares {
-    let mut sum = Squares::default();
+) -> SquaredError {
+    let mut sum = SquaredError::default();
     for (part, sides) in tie.parts.iter().zip(&stored.parts) {
         let lambda = TieField::of(model, part, state.t);
         sides.iter().for_each(|on| add_difference(&mut sum, on, |e, xi| lambda.at(model, part, state, e, xi)));
@@ -231,8 +123,8 @@ fn contact_difference<const S: usize, const N: usize>(
     state: &StepState<S, N>,
     number: usize,
     stored: &ReferenceLambda<S>,
-) -> Squares {
-    let mut sum = Squares::default();
+) -> SquaredError {
+    let mut sum = SquaredError::default();
     let contact = &model.contacts[number];
     for (part, sides) in contact.parts.iter().zip(&stored.parts) {
         let lambda = ContactField::of(model, part, state.t);

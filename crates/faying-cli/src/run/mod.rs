@@ -7,7 +7,6 @@ mod forecast;
 mod iteration;
 mod multipliers;
 mod need;
-mod own_side;
 mod poor;
 mod predict;
 mod report;
@@ -28,7 +27,7 @@ use crate::errors::{Diagnostic, Diagnostics, Severity};
 use faying::constraint::SolveError;
 use faying::contact::{ClosedSide, NoHalfWidth, half_width};
 use faying::linalg::Csr;
-use faying::problem::{self, ContactModel, Model, StepError, StepState, Stiffness, TieModel, TiePart, step};
+use faying::problem::{self, ContactModel, Model, StepError, StepState, Stiffness, TieModel, TiePart, Warning, step};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -353,7 +352,7 @@ fn solve_case<const S: usize, const N: usize>(
     let mut stiffness = Stiffness::new(&model, times.first().copied().unwrap_or(1.0));
     let mut solver = solver(registry, &case.solver, watch).expect("made once before the model was built");
     let (model, mut solved) = (Arc::new(model), Vec::<Arc<Solved<S, N>>>::new());
-    let measures = Measures { case, model: &model, questions: &questions, half_width: dimension.half_width };
+    let mut measures = Measures { case, model: &model, questions: &questions, half_width: dimension.half_width, told: Vec::new() };
     let mut finished = false;
     for (k, &t) in times.iter().enumerate() {
         if let Some(stop) = watch.stop() {
@@ -402,11 +401,13 @@ struct Measures<'a, const S: usize, const N: usize> {
     model: &'a Built<S, N>,
     questions: &'a Questions<S, N>,
     half_width: Option<HalfWidth<S, N>>,
+    /// Warnings about the states so far.
+    told: Vec<Warning>,
 }
 
 impl<const S: usize, const N: usize> Measures<'_, S, N> {
     /// Enters step `k` into the result: its status, numbers and diagnostics, the probes and, of the last step, the checks.
-    fn enter(&self, k: usize, bodies: &[Csr], state: Option<&StepState<S, N>>, failure: Option<&StepError>, result: &mut RunResult) {
+    fn enter(&mut self, k: usize, bodies: &[Csr], state: Option<&StepState<S, N>>, failure: Option<&StepError>, result: &mut RunResult) {
         let (case, model, times) = (self.case, self.model, &self.case.steps.value);
         let t = times[k];
         let when = |d: Diagnostic| if case.has_steps() { at_step(d, k, t) } else { d };
@@ -419,8 +420,8 @@ impl<const S: usize, const N: usize> Measures<'_, S, N> {
             }
         };
         if let Some(state) = state {
-            report::fill(case, result, model, state, bodies, self.half_width, reason);
-            poor::of_state(case, model, state, result);
+            report::fill(result, model, state, bodies, self.half_width, reason);
+            poor::of_state(case, model, state, &mut self.told, result);
             result.t = case.has_steps().then_some(t);
             if status == Status::Ok && !state.u.iter().chain(&state.lambda).all(|v| v.is_finite()) {
                 (status, reason) = (Status::NotFinite, "not-finite");

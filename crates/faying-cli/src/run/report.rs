@@ -13,7 +13,7 @@ use faying::contact::{Contact, NoHalfWidth, Transmitted};
 use faying::coupling::Rows;
 use faying::geometry::Geometry;
 use faying::linalg::{Csr, Operator};
-use faying::problem::{Against, LoadSum, Model, Resultant, SideModel, StepState, TieField, TieModel, on_trace, reactions};
+use faying::problem::{Against, LoadSum, Model, Resultant, SideModel, StepState, TieField, TieModel, reactions};
 use faying::quadrature::{PerElement, Quadrature};
 use faying::space::{diameter, measure, quality};
 use std::collections::BTreeMap;
@@ -107,7 +107,6 @@ pub fn loads<const N: usize>(components: usize, sums: &[LoadSum]) -> Named<LoadR
 
 /// Fills `result` from the solution of a step.
 pub fn fill<const S: usize, const N: usize>(
-    case: &Case,
     result: &mut RunResult,
     model: &Built<S, N>,
     state: &StepState<S, N>,
@@ -141,7 +140,7 @@ pub fn fill<const S: usize, const N: usize>(
     result.loads = loads::<N>(model.components, &state.loads);
     result.balance =
         Balance { force: outside.force[..model.components].to_vec(), moment: (model.components == N).then(|| moment::<N>(outside.moment)) };
-    result.errors = errors(case, model, state);
+    result.errors = errors(model, state);
 }
 
 /// Sum of coupling forces on both bodies, which vanishes: action and reaction.
@@ -196,7 +195,7 @@ fn contacts<const S: usize, const N: usize>(
         let mut pull = Pull::default();
         for (part, rows) in contact.parts.iter().zip(built) {
             let range = part.rows();
-            let (lambda, closed) = (&state.lambda[range.clone()], &state.active[range.clone()]);
+            let lambda = &state.lambda[range.clone()];
             let sent = part.transmitted(rows, lambda);
             for k in 0..N {
                 total.force[k] += sent.force[k];
@@ -223,8 +222,6 @@ fn contacts<const S: usize, const N: usize>(
             report.gap.least = part.point_gaps(model, rows, &state.u).into_iter().fold(report.gap.least, f64::min);
             report.segments.count += rows.segments.num_pieces();
             report.segments.measure += rows.segments.measure();
-            let estimate = part.finer.as_ref().map(|f| f.estimate(&rows.rows, rows.reaction.as_ref(), Some(closed), &state.u, lambda));
-            report.consistency = report.consistency.max(estimate.unwrap_or(0.0));
             if let Against::Side(..) = part.against {
                 pull.add(model, rows.reaction.as_ref().unwrap_or(&rows.rows), lambda);
             }
@@ -237,6 +234,7 @@ fn contacts<const S: usize, const N: usize>(
             }
             zones.push((&*part.slave.trace.space, rows, sent));
         }
+        report.consistency = contact.consistency(built, state);
         report.balance = pull.defect();
         match half_width.map_or(Ok(0.0), |f| f(&zones, contact.symmetry)) {
             Ok(found) => report.half_width = found,
@@ -280,33 +278,11 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
             for values in lambda.on_segments(model, part, state, k) {
                 report.lambda.norm += s.ds.iter().zip(&values).map(|(ds, v)| ds * v.powi(2)).sum::<f64>();
             }
-            for piece in 0..s.num_pieces() {
-                let points = s.points(piece);
-                let own = on_trace(
-                    &part.slave.trace,
-                    model.patches[part.slave.patch].field,
-                    &state.u,
-                    s.slave[piece],
-                    &s.slave_xi[points.clone()],
-                );
-                let other = on_trace(
-                    &pairing.master.trace,
-                    model.patches[pairing.master.patch].field,
-                    &state.u,
-                    s.master[piece],
-                    &s.master_xi[points.clone()],
-                );
-                for (k, q) in points.clone().enumerate() {
-                    report.jump.l2 += s.ds[q] * (0..3).map(|c| (own[k][c] - other[k][c]).powi(2)).sum::<f64>();
-                }
-            }
             report.segments.count += s.num_pieces();
             report.segments.measure += s.measure();
             report.distance = report.distance.max(s.report.distance);
         }
         let lambda = &state.lambda[part.first_row..part.first_row + part.num_rows];
-        let estimate = part.finer.as_ref().map(|f| f.estimate(&part.rows, part.reaction.as_ref(), None, &state.u, lambda));
-        report.consistency = report.consistency.max(estimate.unwrap_or(0.0));
         pull.add(model, part.reaction.as_ref().unwrap_or(&part.rows), lambda);
         // forces of the added stiffness satisfy action and reaction, too
         let mut forces: BTreeMap<usize, f64> = BTreeMap::new();
@@ -317,7 +293,8 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
         forces.iter().for_each(|(&i, &force)| pull.push(model, i, force));
     }
     report.lambda = Norm { norm: report.lambda.norm.sqrt() };
-    report.jump = L2 { l2: report.jump.l2.sqrt() };
+    report.jump = L2 { l2: tie.jump(model, &state.u) };
+    report.consistency = tie.consistency(state);
     report.balance = pull.defect();
     report
 }

@@ -1,5 +1,4 @@
-//! Warning E017 if the rule of integration misses a part of a load, of springs or of a modulus that jumps inside of elements, by
-//! [`Model::inexact_integrals`].
+//! Diagnostics of loads, springs and moduli that jump inside of elements, of which the rule of integration misses a part.
 
 use crate::case::{Boundary, Case, Datum};
 use crate::errors::Diagnostic;
@@ -12,14 +11,8 @@ use faying::problem::{Inexact, Integral, Model, Resultant};
 const ROUNDING: f64 = 1e-9;
 const HELP: &str = "let it jump on edges of elements only: give breakpoints there, as in elements = [[0, 0.23, 1], 4], or refine the mesh";
 
-/// Returns one warning per load, spring and material whose integral is inexact.
-pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
-    let default = [1.0];
-    let times = if case.steps.value.is_empty() { &default[..] } else { &case.steps.value };
-    model.inexact_integrals(times).iter().filter_map(|found| warning(case, model, found)).collect()
-}
-
-fn warning<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, found: &Inexact) -> Option<Diagnostic> {
+/// Returns the diagnostic of a load, springs or a material whose integral is inexact.
+pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, found: &Inexact) -> Option<Diagnostic> {
     let (components, error) = (model.components, percent(found.error));
     let when = if case.has_steps() { format!(" at t = {}", short(found.t)) } else { String::new() };
     let [by_rule, finer] = [&found.integrated, &found.finer];
@@ -49,15 +42,14 @@ fn warning<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, fou
             );
             (text, at, HELP)
         }
-        Integral::Modulus { patch } => {
-            let block = &case.patches[*patch];
+        Integral::Modulus { patch, name } => {
             let text = format!(
                 "the modulus of patch \"{}\" varies inside of elements{when}: their rules see {} for {} in all, and {error} % of it in wrong elements",
-                block.name.value,
+                name,
                 one(by_rule),
                 one(finer)
             );
-            (text, block.head.at, "give each material a patch of its own, or breakpoints where it jumps; or refine the mesh")
+            (text, case.patches[*patch].head.at, "give each material a patch of its own, or breakpoints where it jumps; or refine the mesh")
         }
         _ => return None,
     };

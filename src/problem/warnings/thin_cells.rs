@@ -1,37 +1,26 @@
-//! Warning E041 for cells so thin that round-off affects the result.
+//! Cells so thin that round-off affects the result.
 //!
 //! The aspect of a cell is its longest edge over its least height, by the Jacobian at its centre. Entries of its stiffness differ by the
 //! square of the aspect, so that at 1e8 no digit of the small ones is left beside the large ones.
 
-use crate::case::Case;
-use crate::errors::Diagnostic;
-use crate::words::short;
-use faying::basis::{Cell, Order};
-use faying::geometry::{MapTable, cell};
-use faying::linalg::{Matrix, Vector, determinant};
-use faying::problem::{Model, PatchModel};
+use super::warning::{Subject, Warning};
+use crate::basis::{Cell, Order};
+use crate::geometry::{MapTable, cell};
+use crate::linalg::{Matrix, Vector, determinant};
+use crate::problem::{Model, PatchModel};
 use rayon::prelude::*;
 
 /// Largest aspect without a warning: the inverse of its square is the round-off of a double.
 const MOST: f64 = 1e8;
 
-/// Returns one warning per patch with such cells.
-pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
-    let mut found = Vec::new();
-    for (patch, block) in model.patches.iter().zip(&case.patches) {
-        let (aspect, element, at) = worst(patch);
-        if aspect > MOST {
-            let place: Vec<String> = ["x", "y", "z"].iter().zip(at.iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
-            let text = format!(
-                "cells of patch \"{}\" are very thin: element {element} (at {}) has an aspect of {aspect:.1e}; beyond {MOST:.0e} rounding spoils the result",
-                patch.name,
-                place.join(", ")
-            );
-            let help = "give the patch more elements along its length, or fewer across; a larger `ratio` of `grade` makes its least cells less thin";
-            found.push(Diagnostic::warning("E041", text).at(&case.source, block.head.at).with_help(help));
-        }
-    }
-    found
+/// Finds the patches with such cells.
+pub(super) fn thin_cells<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<Warning> {
+    let of = |k: usize| {
+        let (aspect, element, x) = worst(&model.patches[k]);
+        let x = x.as_slice().to_vec();
+        (aspect > MOST).then(|| Warning::ThinCells { of: Subject::body(model, k), aspect, allowed: MOST, element, x })
+    };
+    (0..model.patches.len()).filter_map(of).collect()
 }
 
 /// Returns the largest aspect, the first element that has it, and its position.

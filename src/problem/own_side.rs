@@ -1,9 +1,9 @@
 //! Depths at which a side is asked for its own piece of the exact solution.
 
-use crate::case::Case;
-use faying::geometry::Sag;
-use faying::problem::touching::sag;
-use faying::problem::{Depths, Model, SideModel};
+use super::model::{Model, SideModel};
+use super::own_piece::Depths;
+use super::touching::sag;
+use crate::geometry::{Geometry, Sag};
 
 /// Depth at which a point lies in the body and no longer on its side, as a share of the size of the model and of its distance from the
 /// origin.
@@ -18,7 +18,7 @@ const COARSE: f64 = 0.25;
 
 /// A side with the deviation of its facets.
 #[derive(Debug)]
-pub struct OwnSide<'a, const S: usize, const N: usize> {
+pub(super) struct OwnSide<'a, const S: usize, const N: usize> {
     side: &'a SideModel<S, N>,
     sag: Sag<S, N>,
     inside: f64,
@@ -27,11 +27,10 @@ pub struct OwnSide<'a, const S: usize, const N: usize> {
 }
 
 impl<'a, const S: usize, const N: usize> OwnSide<'a, S, N> {
-    /// Measures a side of the model of `case`; where the exact solution has no pieces there is nothing to measure.
-    pub fn new(case: &Case, model: &'a Model<S, N>, side: &'a SideModel<S, N>) -> Self {
+    /// Measures a side of a model; where the exact solution has no pieces there is nothing to measure.
+    pub fn new(model: &'a Model<S, N>, side: &'a SideModel<S, N>) -> Self {
         let by_pieces = model.exact.as_ref().is_some_and(|exact| exact.is_piecewise());
-        let mesh = case.patches[side.patch].geometry.shape.part().is_some_and(|part| part.is_mesh());
-        let shaped = by_pieces && !mesh && !model.patches[side.patch].exact_map;
+        let shaped = by_pieces && model.patches[side.patch].is_shaped;
         let sag = if by_pieces { sag(&model.patches, side) } else { Sag::none(side.trace.facets.len()) };
         Self { side, sag, inside: INSIDE * (model.size + model.center.norm()), shaped }
     }

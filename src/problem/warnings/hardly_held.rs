@@ -6,22 +6,19 @@
 //! motion with μ much smaller than 1 is dominated by the round-off of the bodies' stiffness, 1e-16 of it times the number of elements
 //! squared.
 
-use crate::case::Case;
-use crate::errors::Diagnostic;
-use crate::formula::Point;
-use crate::words::short;
-use faying::basis::Order;
-use faying::geometry::MapTable;
-use faying::linalg::{Vector, measure};
-use faying::problem::{Model, RigidBodies, RigidModes, RigidRow, Ties, closed_forms, held_by, unit};
-use faying::quadrature::Quadrature;
+use super::warning::{Subject, Warning};
+use crate::basis::Order;
+use crate::geometry::{MapTable, cell};
+use crate::linalg::{Vector, measure};
+use crate::problem::{Model, Point, RigidBodies, RigidModes, RigidRow, Ties, closed_forms, held_by, unit};
+use crate::quadrature::Quadrature;
 use nalgebra::{DMatrix, DVector};
 
 /// Springs with less than this fraction of the stiffness of the bodies they hold are soft.
 const SOFT: f64 = 1e-5;
 
-/// Returns warnings (E051) for motions that springs hold with too small a fraction of the bodies' stiffness.
-pub(crate) fn weakly_held<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
+/// Finds the motions that springs hold with too small a fraction of the bodies' stiffness at time `t`.
+pub(super) fn hardly_held<const S: usize, const N: usize>(model: &Model<S, N>, t: f64) -> Vec<Warning> {
     if model.springs.is_empty() {
         return Vec::new();
     }
@@ -33,7 +30,6 @@ pub(crate) fn weakly_held<const S: usize, const N: usize>(case: &Case, model: &M
         return Vec::new();
     }
     let n = left.nrows();
-    let t = case.steps.value.first().copied().unwrap_or(1.0);
     let mut springs = DMatrix::<f64>::zeros(n, n);
     let mut table = MapTable::new();
     for spring in &model.springs {
@@ -59,35 +55,26 @@ pub(crate) fn weakly_held<const S: usize, const N: usize>(case: &Case, model: &M
     let mut found = Vec::new();
     for (k, &share) in eigen.eigenvalues.iter().enumerate().filter(|(_, share)| **share < SOFT) {
         let motion = &left * (inverse.transpose() * eigen.eigenvectors.column(k));
-        found.extend(sentence(case, model, &bodies, &modes, &motion, share));
+        found.extend(warning(model, &bodies, &modes, &motion, share));
     }
     found
 }
 
-/// Warning for a motion, naming the body that moves most.
-fn sentence<const S: usize, const N: usize>(
-    case: &Case,
+/// Warning for a motion, about the body that moves most.
+fn warning<const S: usize, const N: usize>(
     model: &Model<S, N>,
     bodies: &RigidBodies,
     rigid: &RigidModes<N>,
     motion: &DVector<f64>,
     share: f64,
-) -> Option<Diagnostic> {
+) -> Option<Warning> {
     let modes = rigid.modes();
     let size = |body: usize| motion.rows(modes * body, modes).norm();
     let most = (0..motion.len() / modes).max_by(|&a, &b| size(a).total_cmp(&size(b)).then(b.cmp(&a)))?;
-    let patch = model.patches.get(bodies.number(model, most))?;
+    let patch = Some(bodies.number(model, most)).filter(|k| *k < model.patches.len())?;
     let own = motion.rows(modes * most, modes).into_owned() / size(most);
-    let name = rigid.name(most, &DMatrix::from_column_slice(modes, 1, own.as_slice())).join(", ");
-    let text = format!(
-        "body \"{}\" is hardly held: springs hold its {name} with {} of its own stiffness; rounding is that much larger there",
-        patch.name,
-        short(share.max(0.0))
-    );
-    let help = "fix the motion, or make the springs stiffer where they stand for a support";
-    let block = case.boundaries.iter().find(|b| b.spring.iter().any(Option::is_some));
-    let at = block.map_or(case.patches[bodies.number(model, most)].head.at, |b| b.head.at);
-    Some(Diagnostic::warning("E051", text).at(&case.source, at).with_help(help))
+    let motions = rigid.name(most, &DMatrix::from_column_slice(modes, 1, own.as_slice()));
+    Some(Warning::HardlyHeld { of: Subject::body(model, patch), motions, share: share.max(0.0) })
 }
 
 /// E V / L² of every body: modulus at the middle of its first element, volume, size; for obstacles the least of the bodies.
@@ -97,12 +84,12 @@ fn body_stiffness<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &
         let space = &**patch.body.space();
         let bounds = space.all_bounds().into_iter().reduce(|a, b| a.union(&b));
         let (Some(bounds), true) = (bounds, space.num_elements() > 0) else { continue };
-        let center = faying::geometry::cell::center::<N, f64>(space.cell(0));
+        let center = cell::center::<N, f64>(space.cell(0));
         let mut table = MapTable::new();
         space.map(0, &[center], Order::Values, &mut table);
         let x: Vector<N> = table.x[0];
         let length = bounds.diagonal();
-        sums[bodies.of_patch(k)] += patch.physics.modulus(&x) * faying::space::measure::<N, N, f64, _>(space) / (length * length);
+        sums[bodies.of_patch(k)] += patch.physics.modulus(&x) * crate::space::measure::<N, N, f64, _>(space) / (length * length);
     }
     // a force-driven obstacle has no stiffness of its own: it takes the least of the bodies
     let least = sums.iter().copied().filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);

@@ -1,7 +1,7 @@
-//! Warning E065 if the Gauss points of a patch do not integrate linear fields on its rational cells.
+//! Gauss points of a patch that do not integrate linear fields on its rational cells.
 //!
 //! A linear field u = a . x has the forces F_i a with F_i = ∫ ∇N_i dx = ∫ cof(J) ∇̂N_i dξ. For polynomial maps the integrand is a
-//! polynomial, which the rules integrate exactly ([`faying::assembly::points_of_curved_cells`]); for rational maps it is not. Per element,
+//! polynomial, which the rules integrate exactly ([`crate::assembly::points_of_curved_cells`]); for rational maps it is not. Per element,
 //! with F by the rule and F* by one of many more points, the defect is
 //!
 //!   e = sqrt( Σ_i |F_i - F*_i|² / K_ii ) / sqrt(V),   K_ii = ∫ |∇N_i|² dx,  V the volume:
@@ -9,17 +9,14 @@
 //! the size of the stress that balances the defect, relative to that of the field. Nearly straight cells are not examined: the defect falls
 //! with the angle they span to the power 2p + 2.
 
-use crate::case::Case;
-use crate::errors::Diagnostic;
-use crate::words::percent;
-use crate::words::short;
-use faying::assembly::element_rule;
-use faying::basis::{Cell, Order, ShapeTable};
-use faying::geometry::{MapTable, cell};
-use faying::linalg::{Vector, determinant, inverse};
-use faying::problem::{Model, PatchModel};
-use faying::quadrature::{Quadrature, Rule};
-use faying::space::Space;
+use super::warning::{Subject, Warning};
+use crate::assembly::element_rule;
+use crate::basis::{Cell, Order, ShapeTable};
+use crate::geometry::{MapTable, cell};
+use crate::linalg::{Vector, determinant, inverse};
+use crate::problem::{Model, PatchModel};
+use crate::quadrature::{Quadrature, Rule};
+use crate::space::Space;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -37,43 +34,31 @@ const FIRST_LOOK: usize = 3;
 /// Largest number of elements that are examined: the most bent ones.
 const LOOKED_AT: usize = 128;
 
-/// Returns at most one warning per patch.
-pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
-    let mut found = Vec::new();
-    // other maps are polynomials
-    for (patch, block) in model.patches.iter().zip(&case.patches).filter(|(p, _)| p.exact_map) {
+/// Finds the patches with such cells.
+pub(super) fn patch_test<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<Warning> {
+    let of = |k: usize| {
+        // other maps are polynomials
+        let patch = Some(&model.patches[k]).filter(|p| p.exact_map)?;
         let space = &**patch.body.space();
         let own_rule = |e: usize| patch.rules.rule(e).clone();
         let mut bent = defects(space, &most_bent(space), FIRST_LOOK, &own_rule);
         bent.retain(|d| d.1 > GOOD);
         let bent: Vec<usize> = bent.into_iter().map(|d| d.0).collect();
-        let Some((e, missed)) = worst(space, &bent, &own_rule).filter(|w| w.1 > MISSED) else { continue };
-        let own = block.discretization.extra_points.value;
-        let mut help = "give the patch more elements along its bend".to_string();
-        if let Some((extra, left)) = enough(patch, &bent, own) {
-            help = format!("write extra_points = {extra} in the patch: {} % then; or give it more elements along its bend", percent(left));
-        }
-        let center = cell::center::<N, f64>(space.cell(e));
+        let (element, missed) = worst(space, &bent, &own_rule).filter(|w| w.1 > MISSED)?;
         let mut table = MapTable::new();
-        space.map(e, &[center], Order::Values, &mut table);
-        let at: Vec<String> = ["x", "y", "z"].iter().zip(table.x[0].iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
-        let text = format!(
-            "the integration of patch \"{}\" is inexact: on element {e} (at {}) its Gauss points miss {} % of the stress of linear fields",
-            patch.name,
-            at.join(", "),
-            percent(missed)
-        );
-        found.push(Diagnostic::warning("E065", text).at(&case.source, block.head.at).with_help(help));
-    }
-    found
+        space.map(element, &[cell::center::<N, f64>(space.cell(element))], Order::Values, &mut table);
+        let x = table.x[0].as_slice().to_vec();
+        Some(Warning::PatchTest { of: Subject::body(model, k), element, x, missed, enough: enough(patch, &bent) })
+    };
+    (0..model.patches.len()).filter_map(of).collect()
 }
 
-/// Returns the least number of extra points, more than `own`, with which the defect is small, and the defect that is left.
-fn enough<const S: usize, const N: usize>(patch: &PatchModel<S, N>, bent: &[usize], own: usize) -> Option<(usize, f64)> {
+/// Returns the least number of more points with which the defect is small, and the defect that is left.
+fn enough<const S: usize, const N: usize>(patch: &PatchModel<S, N>, bent: &[usize]) -> Option<(usize, f64)> {
     let space = &**patch.body.space();
     // added to the points of the case and of curved cells
     let more = |e: usize, k: usize| element_rule(space, e, patch.extra_points + k).rule(0).clone();
-    (1..BEYOND).find_map(|k| worst(space, bent, &|e| more(e, k)).filter(|w| w.1 <= GOOD).map(|w| (own + k, w.1)))
+    (1..BEYOND).find_map(|k| worst(space, bent, &|e| more(e, k)).filter(|w| w.1 <= GOOD).map(|w| (k, w.1)))
 }
 
 /// Elements whose map is bent, at most [`LOOKED_AT`], ascending.

@@ -1,4 +1,4 @@
-//! Warning E065 if a contact slides so far along a curved surface that its gap at rest is no longer correct.
+//! Contacts that slide so far along a curved surface that their gap at rest is no longer correct.
 //!
 //! Small kinematics take the gap along the normal at rest, g + (u_slave - u_master) . n. A point that moves by u_t along a surface of
 //! radius R is |u_t|² / 2R farther from it (nearer, inside of a hole). With d the distance neglected by this first order, measured at the
@@ -10,15 +10,12 @@
 //! zone are wrong by about as much. A rotation of the master itself is not detected, nor are distances below the rounding of places: in
 //! bodies that fit exactly both sums are nothing else.
 
-use crate::case::Case;
-use crate::errors::Diagnostic;
-use crate::formula::Point;
-use crate::words::percent;
-use faying::basis::Order;
-use faying::contact::{Contact, opposed};
-use faying::geometry::{ClosestPoint, MapTable};
-use faying::linalg::Vector;
-use faying::problem::{Against, ContactModel, ContactPart, Model, StepState, on_trace};
+use super::warning::{Subject, Warning};
+use crate::basis::Order;
+use crate::contact::{Contact, opposed};
+use crate::geometry::{ClosestPoint, MapTable};
+use crate::linalg::Vector;
+use crate::problem::{Against, ContactModel, ContactPart, Model, Point, StepState, on_trace};
 
 /// Error e above which the warning is given.
 const POOR: f64 = 0.1;
@@ -42,10 +39,10 @@ struct Closed<const N: usize> {
     ds: f64,
 }
 
-/// Returns at most one warning per contact.
-pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Diagnostic> {
+/// Finds the contacts that slide too far.
+pub(super) fn sliding<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Warning> {
     let mut found = Vec::new();
-    for ((contact, built), block) in model.contacts.iter().zip(&state.contacts).zip(&case.contacts) {
+    for (number, (contact, built)) in model.contacts.iter().zip(&state.contacts).enumerate() {
         let (mut left_out, mut scale, mut length) = (0.0, 0.0, 0.0);
         for (part, rows) in contact.parts.iter().zip(built) {
             let points = closed(model, contact, part, rows, state);
@@ -61,14 +58,7 @@ pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>
         }
         let rounding = ROUNDING * (model.size + model.center.norm()) * length;
         if left_out > (POOR * scale).max(rounding) {
-            let text = format!(
-                "contact \"{}\" slides too far for small kinematics: along the normals at rest its gaps are wrong by {} % of what is closed; \
-                 so are the area of the zone and its pressure",
-                contact.name,
-                percent(left_out / scale)
-            );
-            let help = "let the bodies begin nearer to their places in contact, hold them against sliding, or load them less";
-            found.push(Diagnostic::warning("E065", text).at(&case.source, block.head.at).with_help(help));
+            found.push(Warning::Sliding { of: Subject::contact(model, number), error: left_out / scale });
         }
     }
     found

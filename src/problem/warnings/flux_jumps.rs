@@ -1,23 +1,19 @@
-//! Warning E017 if the flux of the exact solution jumps.
+//! Jumps of the flux of the exact solution.
 //!
 //! The source derived from `exact` is -div sigma(u) at points. If the flux sigma n jumps across a line, inside of a body or between two
 //! that are tied, that is not the load of u: the jump on the line is missing, and u is not the solution of the case. Jumps are searched
 //! where the formulas are piecewise, on lines from the middle of every element to its neighbours, by bisection towards the largest change
 //! of the gradient. Where u is continuous, [grad u] = a m with m normal to the line of the jump, which gives the flux to compare: in one
 //! material it jumps whenever the gradient does, between two it need not. Facets leave the line that they stand for: what jumps between
-//! a side and that line is not inside the body, and across a tie each body has its own piece ([`faying::problem::Depths`]).
+//! a side and that line is not inside the body, and across a tie each body has its own piece ([`crate::problem::Depths`]).
 
-use crate::case::Case;
-use crate::errors::Diagnostic;
-use crate::formula::Point;
-use crate::run::own_side::OwnSide;
-use crate::words::percent;
-use crate::words::short;
-use faying::basis::{Cell, Order};
-use faying::geometry::{ClosestPoint, MapTable, cell};
-use faying::linalg::{Matrix, Vector};
-use faying::problem::{Exact, Model, PatchModel, SideModel, TiePart, field_slope};
-use faying::space::Space;
+use super::warning::{Subject, Warning};
+use crate::basis::{Cell, Order};
+use crate::geometry::{ClosestPoint, MapTable, cell};
+use crate::linalg::{Matrix, Vector};
+use crate::problem::own_side::OwnSide;
+use crate::problem::{Exact, Model, PatchModel, Point, SideModel, TiePart, field_slope};
+use crate::space::Space;
 use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -39,42 +35,28 @@ struct Jump<const N: usize> {
     at: Vector<N>,
 }
 
-/// Returns one warning for the largest jump inside each patch and one for that across each tie.
-pub fn warnings<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
-    let (Some(exact), Some(given)) = (model.exact.as_deref(), &case.model.exact) else { return Vec::new() };
-    let t = case.steps.value.first().copied().unwrap_or(1.0);
+/// Finds the largest jump inside each patch and that across each tie, at time `t`.
+pub(super) fn flux_jumps<const S: usize, const N: usize>(model: &Model<S, N>, t: f64) -> Vec<Warning> {
+    let Some(exact) = model.exact.as_deref() else { return Vec::new() };
     let mut found = Vec::new();
-    let mut tell = |jump: Jump<N>, where_: String| {
+    let mut tell = |jump: Jump<N>, of: Subject| {
         if jump.size > JUMP * jump.largest {
-            let at: Vec<String> = ["x", "y", "z"].iter().zip(jump.at.iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
-            let text = format!(
-                "the flux of `exact` jumps {where_}: at {} by {} % of its largest; the source that follows from it lacks the jump",
-                at.join(", "),
-                percent(jump.size / jump.largest)
-            );
-            let help = "a solution has a continuous flux (sigma n, k du/dn) across every line inside and every tie; choose the pieces so that it is, \
-                        or give source and data instead of `exact`";
-            found.push(Diagnostic::warning("E017", text).at(&case.source, given.at).with_help(help));
+            found.push(Warning::FluxJump { of, x: jump.at.as_slice().to_vec(), share: jump.size / jump.largest });
         }
     };
     if exact.is_piecewise() {
         for (k, patch) in model.patches.iter().enumerate() {
             let rims = OnceCell::new();
-            let in_rim = |x: &Vector<N>| rims.get_or_init(|| Rims::of(case, model, k)).hold(x);
-            tell(inside(patch, &in_rim, exact, t), format!("inside patch \"{}\"", patch.name));
+            let in_rim = |x: &Vector<N>| rims.get_or_init(|| Rims::of(model, k)).hold(x);
+            tell(inside(patch, &in_rim, exact, t), Subject::body(model, k));
         }
     }
-    for tie in &model.ties {
+    for (k, tie) in model.ties.iter().enumerate() {
         for part in &tie.parts {
-            let material = case.patches[part.slave.patch].material.value;
-            let smooth = part
-                .pairings
-                .iter()
-                .map(|p| p.master.patch)
-                .chain([part.slave.patch])
-                .all(|k| model.patches[k].physics.is_homogeneous() && case.patches[k].material.value == material);
-            if exact.is_piecewise() || !smooth {
-                tell(across(case, model, part, exact, t), format!("across interface \"{}\"", tie.name));
+            let own = &model.patches[part.slave.patch].physics;
+            let is_smooth = part.pairings.iter().all(|p| own.is_uniform_with(&model.patches[p.master.patch].physics));
+            if exact.is_piecewise() || !is_smooth {
+                tell(across(model, part, exact, t), Subject::tie(model, k));
             }
         }
     }
@@ -164,12 +146,12 @@ type Rim<const S: usize, const N: usize> = (ClosestPoint<S, N, Arc<dyn Space<S, 
 
 impl<const S: usize, const N: usize> Rims<S, N> {
     /// The layers of a patch; sides of exact maps have none.
-    fn of(case: &Case, model: &Model<S, N>, number: usize) -> Self {
+    fn of(model: &Model<S, N>, number: usize) -> Self {
         let patch = &model.patches[number];
         let sides = patch.body.sides().into_iter().filter(|_| !patch.exact_map);
         let of_side = |name: String| {
             let side = SideModel::new(patch, number, &name, name.clone()).ok()?;
-            let own = OwnSide::new(case, model, &side);
+            let own = OwnSide::new(model, &side);
             let layer: Vec<f64> = (0..side.trace.facets.len()).map(|e| own.depths(e, 0.0).certain).collect();
             layer.iter().any(|d| *d > 0.0).then(|| (ClosestPoint::new(Arc::clone(&side.trace.space)), layer))
         };
@@ -229,12 +211,12 @@ fn lines<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> Vec<[Vecto
 }
 
 /// The largest jump of the flux across a tie.
-fn across<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, part: &TiePart<S, N>, exact: &dyn Exact, t: f64) -> Jump<N> {
+fn across<const S: usize, const N: usize>(model: &Model<S, N>, part: &TiePart<S, N>, exact: &dyn Exact, t: f64) -> Jump<N> {
     let mut worst = Jump { size: 0.0, largest: 0.0, at: Vector::zeros() };
-    let (on_slave, mut table) = (OwnSide::new(case, model, &part.slave), MapTable::new());
+    let (on_slave, mut table) = (OwnSide::new(model, &part.slave), MapTable::new());
     let slave = model.patches[part.slave.patch].physics_at(t);
     for pairing in &part.pairings {
-        let (s, on_master) = (&pairing.segments, OwnSide::new(case, model, &pairing.master));
+        let (s, on_master) = (&pairing.segments, OwnSide::new(model, &pairing.master));
         let master = model.patches[pairing.master.patch].physics_at(t);
         for piece in 0..s.num_pieces() {
             let (element, opposite) = (s.slave[piece], s.master[piece]);

@@ -1,0 +1,89 @@
+//! Diagnostics of warnings that are found while a case is built.
+
+use super::builder::Builder;
+use super::built::Built;
+use super::sides::alias;
+use super::values::time_text;
+use crate::errors::Diagnostic;
+use crate::words::{component_name, place, short};
+use faying::problem::{Model, Subject, SubjectKind, Warning};
+
+/// Adds the diagnostics of warnings to the builder's faults.
+pub(super) fn tell<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Built<S, N>, found: &[Warning]) {
+    for warning in found {
+        let diagnostic = match warning {
+            Warning::CornerValues { conditions, sides: [a, b], component, values: [u, v], x, t } => {
+                let at: Vec<String> = x.iter().map(|x| format!("{x}")).collect();
+                let text = format!(
+                    "component {} is prescribed as {} on `{a}` and as {} on `{b}` at their common point ({}{}), where the bodies are tied: \
+                     the multiplier has to carry the jump",
+                    component_name(*component, model.components),
+                    short(*u),
+                    short(*v),
+                    at.join(", "),
+                    time_text(builder.case.steps.value.len() > 1, *t)
+                );
+                let warning = builder.warning("E052", text, model.sources.of(conditions[1]));
+                Some(warning.with_help("make the values equal there, or prescribe one of them"))
+            }
+            Warning::Overlap { .. } => overlap(builder, model, warning),
+            Warning::TooFewFunctions { .. } => too_few_functions(builder, model, warning),
+            _ => None,
+        };
+        builder.faults.items.extend(diagnostic);
+    }
+}
+
+/// Help that names sides which face each other.
+pub(super) fn meant<const S: usize, const N: usize>(model: &Model<S, N>, sides: &[(usize, String); 2]) -> String {
+    let [a, b] = sides.each_ref().map(|(patch, side)| format!("{}.{}", model.patches[*patch].name, alias(side, N)));
+    format!("their normals must oppose; `{a}` on `{b}` would face each other: were these meant?")
+}
+
+/// E023 of an overlap.
+fn overlap<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>, found: &Warning) -> Option<Diagnostic> {
+    let Warning::Overlap { of, slave, masters, depth, x, by_formula, meant: better } = found else { return None };
+    let contact = &builder.case.contacts[of.number];
+    let bodies: Vec<String> = masters.iter().map(|label| format!("`{label}`")).collect();
+    let (opponent, help) = match bodies.as_slice() {
+        [] => (
+            format!("the obstacle of contact \"{}\"", of.name),
+            "move the obstacle out of the body, or choose the side that faces it; what `move` prescribes may grow over [steps]",
+        ),
+        _ => (format!("the body of {}", bodies.join(", ")), "move the bodies apart, or choose the sides that face each other"),
+    };
+    let by = if *by_formula { " by the formula of `gap`" } else { "" };
+    let text = format!("`{slave}` lies {} deep in {opponent}{by} (at {}): more than half of a body's thickness", short(*depth), place(x));
+    let at = if *by_formula { contact.gap.at } else { contact.head.at };
+    let fault = builder.error("E023", text, at);
+    Some(match better {
+        Some(sides) => fault.with_help(meant(model, sides)),
+        None if *by_formula => fault.with_help("`gap` is a length: g is the distance of the sides, \"g - 0.001\" a press fit"),
+        None => fault.with_help(help),
+    })
+}
+
+/// E024 of a multiplier with too few functions.
+fn too_few_functions<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    model: &Model<S, N>,
+    found: &Warning,
+) -> Option<Diagnostic> {
+    let Warning::TooFewFunctions { of: Subject { kind, number, name }, slave, slave_body, functions, body, motions } = found else {
+        return None;
+    };
+    let (along, at) = match kind {
+        SubjectKind::Contact => (" along the normal", builder.case.contacts[*number].multiplier.at),
+        _ => (" per component", builder.case.interfaces.iter().find(|t| t.name.value == *name)?.multiplier.at),
+    };
+    let closed = if model.contacts.is_empty() { "" } else { ", even with every contact closed" };
+    let number = if *functions == 1 { "one function".to_string() } else { format!("{functions} functions") } + along;
+    let text = format!(
+        "the multiplier of \"{name}\" on `{slave}` has too few functions ({number}) to hold body \"{}\", which can still move: {}{closed}",
+        body.name,
+        motions.join(", ")
+    );
+    let help =
+        format!("give patch \"{}\" more elements along `{slave}`, or take a multiplier with more functions, such as p/p", slave_body.name);
+    Some(builder.error("E024", text, at).with_help(help))
+}

@@ -1,0 +1,79 @@
+//! Diagnostics of warnings about a model.
+
+use super::loads;
+use crate::case::Case;
+use crate::errors::Diagnostic;
+use crate::words::{percent, place, short};
+use faying::problem::{Model, SubjectKind, Warning};
+
+/// Returns the diagnostic of a warning about the accuracy of a model.
+pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, warning: &Warning) -> Option<Diagnostic> {
+    if let Warning::Inexact(found) = warning {
+        return loads::diagnostic(case, model, found);
+    }
+    let of = warning.subject()?;
+    let name = &of.name;
+    let block = |number: usize| case.patches[number].head.at;
+    let (code, text, at, help): (_, _, _, String) = match warning {
+        Warning::ThinCells { aspect, allowed, element, x, .. } => (
+            "E041",
+            format!(
+                "cells of patch \"{name}\" are very thin: element {element} (at {}) has an aspect of {aspect:.1e}; beyond {allowed:.0e} rounding spoils the result",
+                place(x)
+            ),
+            block(of.number),
+            "give the patch more elements along its length, or fewer across; a larger `ratio` of `grade` makes its least cells less thin"
+                .into(),
+        ),
+        Warning::PatchTest { element, x, missed, enough, .. } => {
+            let own = case.patches[of.number].discretization.extra_points.value;
+            let help = match enough {
+                Some((more, left)) => {
+                    let extra = own + more;
+                    format!("write extra_points = {extra} in the patch: {} % then; or give it more elements along its bend", percent(*left))
+                }
+                None => "give the patch more elements along its bend".into(),
+            };
+            let text = format!(
+                "the integration of patch \"{name}\" is inexact: on element {element} (at {}) its Gauss points miss {} % of the stress of linear fields",
+                place(x),
+                percent(*missed)
+            );
+            ("E065", text, block(of.number), help)
+        }
+        Warning::Facets { sag, gap, .. } => (
+            "E065",
+            format!(
+                "the facets of contact \"{name}\" leave the surface that they stand for by up to {}, {} % of the mean gap {}: facets decide what touches",
+                short(*sag),
+                percent(sag / gap),
+                short(*gap)
+            ),
+            case.contacts[of.number].head.at,
+            "take more elements along the sides, degree 2 or more, mapping = \"exact\", or backend = \"iga\"".into(),
+        ),
+        Warning::HardlyHeld { motions, share, .. } => {
+            let springs = case.boundaries.iter().find(|b| b.spring.iter().any(Option::is_some));
+            let text = format!(
+                "body \"{name}\" is hardly held: springs hold its {} with {} of its own stiffness; rounding is that much larger there",
+                motions.join(", "),
+                short(*share)
+            );
+            let help = "fix the motion, or make the springs stiffer where they stand for a support";
+            ("E051", text, springs.map_or(block(of.number), |b| b.head.at), help.into())
+        }
+        Warning::FluxJump { x, share, .. } => {
+            let where_ = if of.kind == SubjectKind::Body { "inside patch" } else { "across interface" };
+            let text = format!(
+                "the flux of `exact` jumps {where_} \"{name}\": at {} by {} % of its largest; the source that follows from it lacks the jump",
+                place(x),
+                percent(*share)
+            );
+            let help = "a solution has a continuous flux (sigma n, k du/dn) across every line inside and every tie; choose the pieces so that it is, \
+                        or give source and data instead of `exact`";
+            ("E017", text, case.model.exact.as_ref()?.at, help.into())
+        }
+        _ => return None,
+    };
+    Some(Diagnostic::warning(code, text).at(&case.source, at).with_help(help))
+}

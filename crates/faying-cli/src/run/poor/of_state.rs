@@ -1,0 +1,130 @@
+//! Diagnostics of warnings about a solution.
+
+use crate::case::Case;
+use crate::errors::Diagnostic;
+use crate::words::{percent, short};
+use faying::problem::{Subject, SubjectKind, Warning};
+
+/// Moduli that differ by less are not named.
+const CONTRAST: f64 = 100.0;
+
+/// "pieces of `exact` meet so near to the slave side of "a" that it is open which one is its own".
+pub fn left_open(name: &str) -> String {
+    format!("pieces of `exact` meet so near to the slave side of \"{name}\" that it is open which one is its own")
+}
+
+/// Returns the diagnostic of a warning about a solution.
+pub fn diagnostic(case: &Case, warning: &Warning) -> Option<Diagnostic> {
+    let of = warning.subject()?;
+    let name = &of.name;
+    let is_contact = of.kind == SubjectKind::Contact;
+    let tie = || case.interfaces.iter().find(|t| t.name.value == *name);
+    let block = || match of.kind {
+        SubjectKind::Body => Some(case.patches[of.number].head.at),
+        SubjectKind::Contact => Some(case.contacts[of.number].head.at),
+        _ => tie().map(|t| t.head.at),
+    };
+    let (code, text, at, help) = match warning {
+        Warning::Integration { error, .. } => {
+            let (kind, rule) =
+                if is_contact { ("contact", &case.contacts[of.number].integration) } else { ("interface", &tie()?.integration) };
+            let text = format!(
+                "the integration of {kind} \"{name}\" is inexact: its consistency error is {} % of what it integrates, forces may be off by as much",
+                percent(*error)
+            );
+            let help = match rule.value.as_str() {
+                "slave" => "write integration = \"merged\"; or raise `extra_points`, or exchange slave and master: the finer side as slave",
+                "mixed" => "write integration = \"merged\"; or raise `extra_points`; mixed integration goes with p/p",
+                _ => "raise `extra_points`, or refine the sides: they are curved",
+            };
+            ("E065", text, rule.at, help)
+        }
+        Warning::LeftOpen { .. } => (
+            "E017",
+            format!("{}: error.{name}.lambda.L2 has no value", left_open(name)),
+            case.model.exact.as_ref()?.at,
+            "take more elements along the side, mapping = \"exact\" or backend = \"iga\", or give lambda as `exact` of the interface",
+        ),
+        _ => {
+            let (text, help) = of_interface(warning, of).or_else(|| of_body(warning, name))?;
+            ("E065", text, block()?, help)
+        }
+    };
+    Some(Diagnostic::warning(code, text).at(&case.source, at).with_help(help))
+}
+
+/// Text and help of a warning about a tie or a contact.
+fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str)> {
+    let name = &of.name;
+    Some(match warning {
+        Warning::Sliding { error, .. } => (
+            format!(
+                "contact \"{name}\" slides too far for small kinematics: along the normals at rest its gaps are wrong by {} % of what is closed; \
+                 so are the area of the zone and its pressure",
+                percent(*error)
+            ),
+            "let the bodies begin nearer to their places in contact, hold them against sliding, or load them less",
+        ),
+        Warning::CoarseZone { closed, least, .. } => (
+            format!(
+                "the zone of contact \"{name}\" is too coarse: {closed} functions of the slave carry it, fewer than {least}; its force, pressure and \
+                 extent may be off by tens of percent"
+            ),
+            "give the slave side smaller elements where it touches (elements, grade, refine)",
+        ),
+        Warning::LostMoment { apart, moment, share, .. } => (
+            format!(
+                "interface \"{name}\" loses a moment: its sides are up to {} apart, and its forces on both have the moment {} about that gap, \
+                 {} % of what they have about the middle of the side; `balance.moment` lacks it",
+                short(*apart),
+                short(*moment),
+                percent(*share)
+            ),
+            "move the bodies together, or fill the gap with a body",
+        ),
+        Warning::SoftPenalty { apart, size, .. } => {
+            let [depth, share, size] = [short(*apart), percent(apart / size), short(*size)];
+            let (text, help) = if of.kind == SubjectKind::Contact {
+                let text = format!(
+                    "the penalty of contact \"{name}\" is soft: bodies sink into each other by {depth}, {share} % of their size {size}"
+                );
+                (text, "raise `factor`, or write method = \"lagrange\" or \"augmented\"")
+            } else {
+                let text = format!(
+                    "the penalty of interface \"{name}\" is soft: its sides come apart by {depth} in the mean, {share} % of the size {size} of a body"
+                );
+                (text, "raise `factor`, or write coupling = \"mortar\"")
+            };
+            (text, help)
+        }
+        _ => return None,
+    })
+}
+
+/// Text and help of a warning about a body.
+fn of_body(warning: &Warning, name: &str) -> Option<(String, &'static str)> {
+    Some(match warning {
+        Warning::Rounding { soft, contrast, condition, error, .. } => {
+            let why = match *contrast > CONTRAST {
+                true => format!("; patch \"{name}\" is {} times as stiff as \"{}\"", short(*contrast), soft.name),
+                false => String::new(),
+            };
+            let text = format!(
+                "rounding is not small: the condition number {} of the system lets the solution be wrong by up to {} %{why}",
+                short(*condition),
+                percent(error.min(1.0))
+            );
+            let help = "let moduli differ less: a body that hardly deforms may be a rigid obstacle, or a side that moves as one; cells may be too thin, springs too soft";
+            (text, help)
+        }
+        Warning::Kinematics { strain, rotation, allowed, .. } => {
+            let list = [(strain, "strains", ""), (rotation, "rotations", " rad")].into_iter().filter_map(|(b, word, unit)| {
+                let b = b.as_ref()?;
+                Some(format!("{word} up to {}{unit}, beyond {allowed} in {} % of it", short(b.largest), percent(b.share)))
+            });
+            let text = format!("patch \"{name}\" deforms too far for small kinematics: {}", list.collect::<Vec<_>>().join("; "));
+            (text, "load it less; lengths, moduli and forces may be in units that do not fit")
+        }
+        _ => return None,
+    })
+}

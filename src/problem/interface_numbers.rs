@@ -1,0 +1,55 @@
+//! Numbers of ties and contacts by which their accuracy is judged.
+
+use super::integrate::on_trace;
+use super::model::{ContactModel, ContactPart, Model, TieModel, TiePart};
+use super::state::StepState;
+use crate::contact::Contact;
+
+impl<const S: usize, const N: usize> TieModel<S, N> {
+    /// The largest [consistency error](crate::coupling::consistency) of its slave sides; zero where the rows are not mortar rows.
+    pub fn consistency(&self, state: &StepState<S, N>) -> f64 {
+        let of = |part: &TiePart<S, N>| {
+            let lambda = &state.lambda[part.first_row..part.first_row + part.num_rows];
+            part.finer.as_ref().map(|f| f.estimate(&part.rows, part.reaction.as_ref(), None, &state.u, lambda))
+        };
+        self.parts.iter().filter_map(of).fold(0.0, f64::max)
+    }
+
+    /// The L2 norm of u_slave - u_master over its segments.
+    pub fn jump(&self, model: &Model<S, N>, u: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for part in &self.parts {
+            for pairing in &part.pairings {
+                let (s, [slave, master]) = (&pairing.segments, [&part.slave, &pairing.master]);
+                let [of_slave, of_master] = [slave, master].map(|side| model.patches[side.patch].field);
+                for piece in 0..s.num_pieces() {
+                    let points = s.points(piece);
+                    let own = on_trace(&slave.trace, of_slave, u, s.slave[piece], &s.slave_xi[points.clone()]);
+                    let other = on_trace(&master.trace, of_master, u, s.master[piece], &s.master_xi[points.clone()]);
+                    for (k, q) in points.enumerate() {
+                        sum += s.ds[q] * (0..3).map(|c| (own[k][c] - other[k][c]).powi(2)).sum::<f64>();
+                    }
+                }
+            }
+        }
+        sum.sqrt()
+    }
+}
+
+impl<const S: usize, const N: usize> ContactModel<S, N> {
+    /// The largest [consistency error](crate::coupling::consistency) of its slave sides, `built` at the time of the state; zero against
+    /// obstacles and for Nitsche's method.
+    pub fn consistency(&self, built: &[Contact<S, N>], state: &StepState<S, N>) -> f64 {
+        let of = |(part, rows): (&ContactPart<S, N>, &Contact<S, N>)| {
+            let (lambda, closed) = (&state.lambda[part.rows()], &state.active[part.rows()]);
+            part.finer.as_ref().map(|f| f.estimate(&rows.rows, rows.reaction.as_ref(), Some(closed), &state.u, lambda))
+        };
+        self.parts.iter().zip(built).filter_map(of).fold(0.0, f64::max)
+    }
+
+    /// The least gap of a row \[length\], `built` at the time of `u`; inf where nothing is faced.
+    pub fn least_gap(&self, model: &Model<S, N>, built: &[Contact<S, N>], u: &[f64]) -> f64 {
+        let parts = self.parts.iter().zip(built);
+        parts.flat_map(|(part, rows)| part.gaps(model, rows, u)).flatten().fold(f64::INFINITY, f64::min)
+    }
+}

@@ -1,0 +1,29 @@
+//! Zones that too few functions of the slave carry for their force and extent to be right.
+//!
+//! The end of a zone lies anywhere within an element, the end of its functions does not: with n functions across it, force and width are off
+//! by about 1/n of themselves. Zones that are all of what faces the opponent end with the side and are not looked at.
+
+use super::warning::{Subject, Warning};
+use crate::problem::{Model, StepState, zone_functions};
+
+/// Least number of functions across a zone.
+const FEWEST: usize = 4;
+
+/// Finds the contacts with such zones.
+pub(super) fn coarse_zones<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Warning> {
+    let mut found = Vec::new();
+    for (k, (contact, built)) in model.contacts.iter().zip(&state.contacts).enumerate() {
+        let (mut closed, mut facing) = (0, 0);
+        for (part, rows) in contact.parts.iter().zip(built) {
+            let (own, all) = zone_functions(part, rows, &|row| state.active[row]);
+            closed += own;
+            facing += all;
+        }
+        // a half model has half of the zone, in one direction
+        let least = FEWEST.pow(S as u32) / if contact.symmetry { 2 } else { 1 };
+        if 0 < closed && closed < least && closed != facing {
+            found.push(Warning::CoarseZone { of: Subject::contact(model, k), closed, least });
+        }
+    }
+    found
+}

@@ -1,0 +1,132 @@
+//! Sentences of warnings.
+
+use super::warning::{Subject, SubjectKind, Warning};
+use crate::problem::rigid::short;
+use crate::problem::{Inexact, Integral};
+use std::fmt::{Display, Formatter, Result};
+
+impl Display for Subject {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let kind = match self.kind {
+            SubjectKind::Body => "body",
+            SubjectKind::Tie => "tie",
+            SubjectKind::Contact => "contact",
+        };
+        write!(f, "{kind} \"{}\"", self.name)
+    }
+}
+
+/// A number of three digits.
+fn digits(x: f64) -> String {
+    short(x, 0.0)
+}
+
+/// A share in percent.
+fn percent(share: f64) -> String {
+    format!("{} %", digits(100.0 * share))
+}
+
+/// A place: "(0, 0.5)".
+fn place(x: &[f64]) -> String {
+    format!("({})", x.iter().map(|v| digits(*v)).collect::<Vec<_>>().join(", "))
+}
+
+impl Display for Warning {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Inexact(found) => inexact(found, f),
+            Self::Integration { .. }
+            | Self::LeftOpen { .. }
+            | Self::Sliding { .. }
+            | Self::Rounding { .. }
+            | Self::CoarseZone { .. }
+            | Self::LostMoment { .. }
+            | Self::SoftPenalty { .. }
+            | Self::Kinematics { .. } => of_state(self, f),
+            _ => of_model(self, f),
+        }
+    }
+}
+
+fn of_model(warning: &Warning, f: &mut Formatter<'_>) -> Result {
+    match warning {
+        Warning::CornerValues { sides: [a, b], component, values, x, t, .. } => {
+            let ([u, v], at) = (values.map(digits), place(x));
+            write!(
+                f,
+                "component {component} is {u} on {a} and {v} on {b} in their common corner {at} at t = {}, where they are tied",
+                digits(*t)
+            )
+        }
+        Warning::Overlap { of, slave, depth, x, .. } => {
+            write!(f, "{of}: {slave} lies {} deep in its opponent at {}, more than half of a body's thickness", digits(*depth), place(x))
+        }
+        Warning::TooFewFunctions { of, slave, functions, body, motions, .. } => {
+            write!(f, "{of}: {functions} functions on {slave} do not hold {body}, which can still move: {}", motions.join(", "))
+        }
+        Warning::ThinCells { of, aspect, allowed, element, .. } => {
+            write!(
+                f,
+                "{of} has thin cells: element {element} is {} times as long as it is high, more than {}",
+                digits(*aspect),
+                digits(*allowed)
+            )
+        }
+        Warning::PatchTest { of, element, missed, .. } => {
+            write!(f, "the Gauss points of {of} miss {} of the stress of linear fields on element {element}", percent(*missed))
+        }
+        Warning::Facets { of, sag, gap } => {
+            write!(f, "{of}: facets leave the surface that they stand for by {}, of a mean gap of {}", digits(*sag), digits(*gap))
+        }
+        Warning::HardlyHeld { of, motions, share } => {
+            let motions = motions.join(", ");
+            write!(f, "{of} is hardly held: springs hold its {motions} with {} of the bodies' stiffness", digits(*share))
+        }
+        Warning::FluxJump { of, x, share } => {
+            write!(f, "the flux of the exact solution jumps in {of} at {} by {} of its largest", place(x), percent(*share))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn of_state(warning: &Warning, f: &mut Formatter<'_>) -> Result {
+    match warning {
+        Warning::Integration { of, error } => write!(f, "the integration of {of} is inexact: its consistency error is {}", percent(*error)),
+        Warning::LeftOpen { of } => write!(f, "pieces of the exact solution meet so near to {of} that its error is open"),
+        Warning::Sliding { of, error } => {
+            write!(f, "{of} slides too far for small kinematics: gaps are wrong by {} of what is closed", percent(*error))
+        }
+        Warning::Rounding { of, soft, contrast, condition, error } => {
+            let [contrast, condition] = [contrast, condition].map(|v| digits(*v));
+            write!(f, "rounding may be {} of the solution, at a condition number of {condition}; ", percent(*error))?;
+            write!(f, "{of} is {contrast} times as stiff as {soft}")
+        }
+        Warning::CoarseZone { of, closed, least } => {
+            write!(f, "the zone of {of} is too coarse: {closed} functions of the slave carry it, fewer than {least}")
+        }
+        Warning::LostMoment { of, apart, moment, share } => {
+            let (apart, moment) = (digits(*apart), digits(*moment));
+            write!(f, "{of} loses the moment {moment}, {}: its sides are up to {apart} apart", percent(*share))
+        }
+        Warning::SoftPenalty { of, apart, size } => {
+            let word = if of.kind == SubjectKind::Contact { "deep in each other" } else { "apart in the mean" };
+            write!(f, "the penalty of {of} is soft: bodies are {} {word}, of a size of {}", digits(*apart), digits(*size))
+        }
+        Warning::Kinematics { of, strain, rotation, allowed } => {
+            let list = [(strain, "strains"), (rotation, "rotations")].into_iter().filter_map(|(b, word)| b.map(|b| (b, word)));
+            let list: Vec<_> =
+                list.map(|(b, word)| format!("{word} up to {}, in {} beyond {allowed}", digits(b.largest), percent(b.share))).collect();
+            write!(f, "{of} deforms too far for small kinematics: {}", list.join("; "))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn inexact(found: &Inexact, f: &mut Formatter<'_>) -> Result {
+    match &found.of {
+        Integral::Load { name, .. } => write!(f, "the load {name}")?,
+        Integral::Spring { name, component } => write!(f, "the springs of {name} along component {component}")?,
+        Integral::Modulus { name, .. } => write!(f, "the modulus of body \"{name}\"")?,
+    }
+    write!(f, " is integrated inexactly at t = {}, by {}", digits(found.t), percent(found.error))
+}

@@ -1,0 +1,84 @@
+//! Warnings about problems that are solved all the same: from the model, and from the solution.
+//!
+//! | file | warning |
+//! | --- | --- |
+//! | `corner_values` | prescribed values of bodies that are tied jump in a common corner |
+//! | `overlap` | contacts that overlap deeper than half a body: wrong sides face each other, and `meant` finds better ones |
+//! | `too_few_functions` | multipliers hold less than their points |
+//! | `thin_cells` | digits, in cells that are thinner than 1e-8 of their length |
+//! | `patch_test` | stresses, in coarse cells of rational maps that their Gauss points do not integrate |
+//! | `facets` | gaps of sides that nearly fit, where facets leave their surface by as much |
+//! | `hardly_held` | motions that only soft springs hold |
+//! | `flux_jumps` | errors against a piecewise exact solution whose flux jumps: its source is not that of the data |
+//! | `integration` | forces through an interface whose rule does not see the other side's functions |
+//! | `left_open` | errors of lambda against a piecewise exact solution, where it is open which piece a side has |
+//! | `sliding` | contact zones, where bodies slide so far that the normal at rest is no longer theirs |
+//! | `rounding` | digits, where the condition number is large: moduli of high contrast |
+//! | `coarse_zone` | forces and extents of zones that few functions of the slave carry |
+//! | `lost_moment` | moments that ties across a gap lose |
+//! | `soft_penalty` | places of bodies that a soft penalty lets sink into each other |
+//! | `kinematics` | all, where bodies deform too far for small kinematics |
+//!
+//! Loads, springs and moduli that jump inside of elements are found by [`Model::inexact_integrals`].
+
+mod coarse_zone;
+mod corner_values;
+mod display;
+mod facets;
+mod flux_jumps;
+mod hardly_held;
+mod integration;
+mod kinematics;
+mod left_open;
+mod lost_moment;
+mod meant;
+mod overlap;
+mod patch_test;
+mod rounding;
+mod sliding;
+mod soft_penalty;
+mod thin_cells;
+mod too_few_functions;
+mod warning;
+
+use super::model::Model;
+use super::state::StepState;
+
+pub use warning::{Subject, SubjectKind, Warning};
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// Warnings about the model at `times`, at least one: all that is found without a solution.
+    pub fn warnings(&self, times: &[f64]) -> Vec<Warning> {
+        let first = times.first().copied().unwrap_or(1.0);
+        let mut found = self.corner_values(times);
+        found.extend(self.contacts.iter().enumerate().filter_map(|(k, contact)| self.overlap(k, contact, first)));
+        found.extend(self.too_few_functions());
+        found.extend(self.accuracy_warnings(times));
+        found
+    }
+
+    /// Warnings about the accuracy that the model lets a solution have, at `times`, at least one: cells, integrals, springs, data.
+    pub fn accuracy_warnings(&self, times: &[f64]) -> Vec<Warning> {
+        let first = times.first().copied().unwrap_or(1.0);
+        let mut found = thin_cells::thin_cells(self);
+        found.extend(patch_test::patch_test(self));
+        found.extend(facets::facets(self, first));
+        found.extend(hardly_held::hardly_held(self, first));
+        found.extend(flux_jumps::flux_jumps(self, first));
+        found.extend(self.inexact_integrals(times).into_iter().map(Warning::Inexact));
+        found
+    }
+
+    /// Warnings about a solution.
+    pub fn state_warnings(&self, state: &StepState<S, N>) -> Vec<Warning> {
+        let mut found = integration::integration(self, state);
+        found.extend(left_open::left_open(self, state));
+        found.extend(sliding::sliding(self, state));
+        found.extend(rounding::rounding(self, state));
+        found.extend(coarse_zone::coarse_zones(self, state));
+        found.extend(lost_moment::lost_moments(self, state));
+        found.extend(soft_penalty::soft_penalties(self, state));
+        found.extend(kinematics::kinematics(self, state));
+        found
+    }
+}

@@ -1,0 +1,259 @@
+//! Warnings as data.
+
+use crate::problem::{Beyond, Inexact, Model};
+
+/// A kind of part of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SubjectKind {
+    /// A body, of [`Model::patches`].
+    Body,
+    /// A tie, of [`Model::ties`].
+    Tie,
+    /// A contact, of [`Model::contacts`].
+    Contact,
+}
+
+/// A body, tie or contact of a model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Subject {
+    /// Its kind.
+    pub kind: SubjectKind,
+    /// Its place in the model's list of its kind.
+    pub number: usize,
+    /// Its name.
+    pub name: String,
+}
+
+impl Subject {
+    /// A body of a model.
+    pub(super) fn body<const S: usize, const N: usize>(model: &Model<S, N>, number: usize) -> Self {
+        Self { kind: SubjectKind::Body, number, name: model.patches[number].name.clone() }
+    }
+
+    /// A tie of a model.
+    pub(super) fn tie<const S: usize, const N: usize>(model: &Model<S, N>, number: usize) -> Self {
+        Self { kind: SubjectKind::Tie, number, name: model.ties[number].name.clone() }
+    }
+
+    /// A contact of a model.
+    pub(super) fn contact<const S: usize, const N: usize>(model: &Model<S, N>, number: usize) -> Self {
+        Self { kind: SubjectKind::Contact, number, name: model.contacts[number].name.clone() }
+    }
+}
+
+/// A doubt about a problem or its solution, which is solved all the same.
+///
+/// Places are positions in space, one coordinate per dimension \[length\]; shares and errors are relative, free of units.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// Prescribed values of two bodies that are tied differ by more than 1e-9 of the largest in a corner that they share: the multiplier
+    /// has to carry the jump.
+    CornerValues {
+        /// The two conditions, of [`Model::conditions`].
+        conditions: [usize; 2],
+        /// Labels of their sides.
+        sides: [String; 2],
+        /// The component.
+        component: usize,
+        /// Its values by both.
+        values: [f64; 2],
+        /// The corner.
+        x: Vec<f64>,
+        /// The first time at which they differ.
+        t: f64,
+    },
+    /// A contact overlaps at the first time by more than half the thickness of a body along the normal, at more than half of the area that
+    /// overlaps: the wrong sides may face each other.
+    Overlap {
+        /// The contact.
+        of: Subject,
+        /// Label of the slave side.
+        slave: String,
+        /// Labels of the master sides; none against an obstacle.
+        masters: Vec<String>,
+        /// The greatest depth \[length\].
+        depth: f64,
+        /// Its place.
+        x: Vec<f64>,
+        /// Whether the gap formula makes it that deep, not the place of the sides.
+        by_formula: bool,
+        /// Sides of both bodies, by body and name, that face each other at less than half the distance of the named ones.
+        meant: Option<[(usize, String); 2]>,
+    },
+    /// The functions of a multiplier hold less of the rigid motions of bodies than its points would.
+    TooFewFunctions {
+        /// The tie or contact.
+        of: Subject,
+        /// Label of the slave side.
+        slave: String,
+        /// The body of the slave side.
+        slave_body: Subject,
+        /// Number of functions, of a tie per component.
+        functions: usize,
+        /// The body that can move.
+        body: Subject,
+        /// Its motions in words.
+        motions: Vec<String>,
+    },
+    /// Cells whose longest edge is more than 1e8 times their least height: rounding is of the size of their stiffness.
+    ThinCells {
+        /// The body.
+        of: Subject,
+        /// The largest aspect.
+        aspect: f64,
+        /// The largest aspect without a warning.
+        allowed: f64,
+        /// The first element that has the largest.
+        element: usize,
+        /// Its middle.
+        x: Vec<f64>,
+    },
+    /// Gauss points that miss more than 1e-3 of the stress of linear fields on a cell of a rational map.
+    PatchTest {
+        /// The body.
+        of: Subject,
+        /// The element with the largest defect.
+        element: usize,
+        /// Its middle.
+        x: Vec<f64>,
+        /// The defect sqrt( Σ_i |F_i - F*_i|² / K_ii ) / sqrt(V).
+        missed: f64,
+        /// The least number of more points per direction with which the defect is below 1e-4, and the defect then.
+        enough: Option<(usize, f64)>,
+    },
+    /// Facets of sides that nearly fit leave the surface that they stand for by h > 0.1 mean |g|, where max |g| < 10 h: facets decide what
+    /// touches.
+    Facets {
+        /// The contact.
+        of: Subject,
+        /// h, the sum of the greatest deviations of both sides \[length\].
+        sag: f64,
+        /// mean |g| \[length\].
+        gap: f64,
+    },
+    /// A rigid motion that springs alone hold, with less than 1e-5 of the stiffness of the bodies that move.
+    HardlyHeld {
+        /// The body that moves most.
+        of: Subject,
+        /// Its motion in words.
+        motions: Vec<String>,
+        /// Stiffness of the springs over that of the bodies.
+        share: f64,
+    },
+    /// The flux of the exact solution jumps inside of a body or across a tie by more than 1e-3 of its largest: the source that follows from
+    /// it lacks the jump.
+    FluxJump {
+        /// The body or the tie.
+        of: Subject,
+        /// The place of the largest jump.
+        x: Vec<f64>,
+        /// The jump over the largest flux.
+        share: f64,
+    },
+    /// An integral of a load, of springs or of a modulus that is wrong by more than 1e-3.
+    Inexact(Inexact),
+    /// The [consistency error](crate::coupling::consistency) of an interface is above 1e-2: its forces may be wrong by as much.
+    Integration {
+        /// The tie or contact.
+        of: Subject,
+        /// The consistency error.
+        error: f64,
+    },
+    /// Pieces of the exact solution meet so near to a slave side that it is open which one is its own: lambda has no error there.
+    LeftOpen {
+        /// The tie or contact.
+        of: Subject,
+    },
+    /// A contact slides along a curved surface so far that its gap along the normal at rest is wrong by more than 0.1 of what is closed.
+    Sliding {
+        /// The contact.
+        of: Subject,
+        /// The mean distance neglected over the closing distance.
+        error: f64,
+    },
+    /// The condition number κ of the system lets rounding be wrong by κ ε / 2 > 1e-6 of the solution, ε the rounding of a double.
+    Rounding {
+        /// The body of the largest modulus.
+        of: Subject,
+        /// The body of the least modulus.
+        soft: Subject,
+        /// The largest modulus over the least.
+        contrast: f64,
+        /// κ.
+        condition: f64,
+        /// κ ε / 2.
+        error: f64,
+    },
+    /// Fewer than 4 functions per direction of the slave carry a contact zone that ends within the side; half as many of a half model.
+    CoarseZone {
+        /// The contact.
+        of: Subject,
+        /// Number of functions that are closed.
+        closed: usize,
+        /// The least number without a warning.
+        least: usize,
+    },
+    /// A tie over a gap loses a moment of more than 1e-3 of its force times half the size of the slave side.
+    LostMoment {
+        /// The tie.
+        of: Subject,
+        /// The largest distance of its sides \[length\].
+        apart: f64,
+        /// The moment [force length].
+        moment: f64,
+        /// The moment over the force times half the size.
+        share: f64,
+    },
+    /// A penalty that lets bodies of a contact sink into each other, or sides of a tie come apart in the mean, by more than 1e-2 of the
+    /// smaller body's size.
+    SoftPenalty {
+        /// The tie or contact.
+        of: Subject,
+        /// The depth of a contact, the mean distance of a tie \[length\].
+        apart: f64,
+        /// Size of the smaller body \[length\].
+        size: f64,
+    },
+    /// Strains or rotations beyond 0.1 in more than 1e-2 of a body: small kinematics do not hold.
+    Kinematics {
+        /// The body.
+        of: Subject,
+        /// Strains, where they are too large.
+        strain: Option<Beyond>,
+        /// Rotations \[radians\], where they are too large.
+        rotation: Option<Beyond>,
+        /// The largest strain and rotation of small kinematics.
+        allowed: f64,
+    },
+}
+
+impl Warning {
+    /// The body, tie or contact that it is about, if it is one.
+    pub fn subject(&self) -> Option<&Subject> {
+        match self {
+            Self::Overlap { of, .. }
+            | Self::TooFewFunctions { of, .. }
+            | Self::ThinCells { of, .. }
+            | Self::PatchTest { of, .. }
+            | Self::Facets { of, .. }
+            | Self::HardlyHeld { of, .. }
+            | Self::FluxJump { of, .. }
+            | Self::Integration { of, .. }
+            | Self::LeftOpen { of }
+            | Self::Sliding { of, .. }
+            | Self::Rounding { of, .. }
+            | Self::CoarseZone { of, .. }
+            | Self::LostMoment { of, .. }
+            | Self::SoftPenalty { of, .. }
+            | Self::Kinematics { of, .. } => Some(of),
+            Self::CornerValues { .. } | Self::Inexact(_) => None,
+        }
+    }
+
+    /// Whether both are of one kind and about one body, tie or contact, whatever their figures are.
+    pub fn repeats(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other) && self.subject().is_some() && self.subject() == other.subject()
+    }
+}
