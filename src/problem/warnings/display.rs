@@ -34,91 +34,72 @@ fn place(x: &[f64]) -> String {
 impl Display for Warning {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
+            Self::CornerValues { sides: [a, b], component, values, x, t, .. } => {
+                let ([u, v], at) = (values.map(digits), place(x));
+                write!(
+                    f,
+                    "component {component} is {u} on {a} and {v} on {b}, which are tied, in their common corner {at} at t = {}",
+                    digits(*t)
+                )
+            }
+            Self::Overlap { of, slave, depth, x, .. } => {
+                write!(
+                    f,
+                    "{of}: {slave} lies {} deep in its opponent at {}, more than half of a body's thickness",
+                    digits(*depth),
+                    place(x)
+                )
+            }
+            Self::TooFewFunctions { of, slave, functions, body, motions, .. } => {
+                write!(f, "{of}: {functions} functions on {slave} do not hold {body}, which can still move: {}", motions.join(", "))
+            }
+            Self::ThinCells { of, aspect, element, .. } => {
+                write!(f, "{of} has thin cells: element {element} is {} times as long as it is high", digits(*aspect))
+            }
+            Self::PatchTest { of, element, missed, .. } => {
+                write!(f, "the Gauss points of {of} miss {} of the stress of linear fields on element {element}", percent(*missed))
+            }
+            Self::Facets { of, sag, gap } => {
+                write!(f, "{of}: facets leave the surface that they stand for by {}, of a mean gap of {}", digits(*sag), digits(*gap))
+            }
+            Self::HardlyHeld { of, motions, share } => {
+                let motions = motions.join(", ");
+                write!(f, "{of} is hardly held: springs hold its {motions} with {} of the bodies' stiffness", digits(*share))
+            }
+            Self::FluxJump { of, x, share } => {
+                write!(f, "the flux of the exact solution jumps in {of} at {} by {} of its largest", place(x), percent(*share))
+            }
             Self::Inexact(found) => inexact(found, f),
-            Self::Integration { .. }
-            | Self::LeftOpen { .. }
-            | Self::Sliding { .. }
-            | Self::Rounding { .. }
-            | Self::CoarseZone { .. }
-            | Self::LostMoment { .. }
-            | Self::SoftPenalty { .. }
-            | Self::Kinematics { .. } => of_state(self, f),
-            _ => of_model(self, f),
+            Self::Integration { of, error } => {
+                write!(f, "the integration of {of} is inexact: its consistency error is {}", percent(*error))
+            }
+            Self::LeftOpen { of } => write!(f, "pieces of the exact solution meet so near to {of} that it is open which one is its own"),
+            Self::Sliding { of, error } => {
+                write!(f, "{of} slides too far for small kinematics: gaps are wrong by {} of what is closed", percent(*error))
+            }
+            Self::Rounding { of, soft, contrast, condition, error } => {
+                let [contrast, condition, error] = [digits(*contrast), digits(*condition), percent(*error)];
+                write!(f, "rounding may be {error} at a condition number of {condition}: {of} is {contrast} times as stiff as {soft}")
+            }
+            Self::CoarseZone { of, closed, least } => {
+                write!(f, "the zone of {of} is too coarse: {closed} functions of the slave carry it, fewer than {least}")
+            }
+            Self::LostMoment { of, apart, moment, share } => {
+                let (apart, moment) = (digits(*apart), digits(*moment));
+                write!(f, "{of} loses the moment {moment}, {}: its sides are up to {apart} apart", percent(*share))
+            }
+            Self::SoftPenalty { of, apart, size } => {
+                let word = if of.kind == SubjectKind::Contact { "deep in each other" } else { "apart in the mean" };
+                write!(f, "the penalty of {of} is soft: bodies are {} {word}, of a size of {}", digits(*apart), digits(*size))
+            }
+            Self::Kinematics { of, strain, rotation, allowed } => {
+                write!(f, "{of} deforms too far for small kinematics")?;
+                let beyond = [(strain, "strains"), (rotation, "rotations")].into_iter().filter_map(|(b, word)| b.map(|b| (b, word)));
+                beyond
+                    .into_iter()
+                    .try_for_each(|(b, word)| write!(f, "; {word} up to {}, beyond {allowed} in {}", digits(b.largest), percent(b.share)))
+            }
         }
-    }
-}
-
-fn of_model(warning: &Warning, f: &mut Formatter<'_>) -> Result {
-    match warning {
-        Warning::CornerValues { sides: [a, b], component, values, x, t, .. } => {
-            let ([u, v], at) = (values.map(digits), place(x));
-            write!(
-                f,
-                "component {component} is {u} on {a} and {v} on {b} in their common corner {at} at t = {}, where they are tied",
-                digits(*t)
-            )
-        }
-        Warning::Overlap { of, slave, depth, x, .. } => {
-            write!(f, "{of}: {slave} lies {} deep in its opponent at {}, more than half of a body's thickness", digits(*depth), place(x))
-        }
-        Warning::TooFewFunctions { of, slave, functions, body, motions, .. } => {
-            write!(f, "{of}: {functions} functions on {slave} do not hold {body}, which can still move: {}", motions.join(", "))
-        }
-        Warning::ThinCells { of, aspect, allowed, element, .. } => {
-            write!(
-                f,
-                "{of} has thin cells: element {element} is {} times as long as it is high, more than {}",
-                digits(*aspect),
-                digits(*allowed)
-            )
-        }
-        Warning::PatchTest { of, element, missed, .. } => {
-            write!(f, "the Gauss points of {of} miss {} of the stress of linear fields on element {element}", percent(*missed))
-        }
-        Warning::Facets { of, sag, gap } => {
-            write!(f, "{of}: facets leave the surface that they stand for by {}, of a mean gap of {}", digits(*sag), digits(*gap))
-        }
-        Warning::HardlyHeld { of, motions, share } => {
-            let motions = motions.join(", ");
-            write!(f, "{of} is hardly held: springs hold its {motions} with {} of the bodies' stiffness", digits(*share))
-        }
-        Warning::FluxJump { of, x, share } => {
-            write!(f, "the flux of the exact solution jumps in {of} at {} by {} of its largest", place(x), percent(*share))
-        }
-        _ => Ok(()),
-    }
-}
-
-fn of_state(warning: &Warning, f: &mut Formatter<'_>) -> Result {
-    match warning {
-        Warning::Integration { of, error } => write!(f, "the integration of {of} is inexact: its consistency error is {}", percent(*error)),
-        Warning::LeftOpen { of } => write!(f, "pieces of the exact solution meet so near to {of} that its error is open"),
-        Warning::Sliding { of, error } => {
-            write!(f, "{of} slides too far for small kinematics: gaps are wrong by {} of what is closed", percent(*error))
-        }
-        Warning::Rounding { of, soft, contrast, condition, error } => {
-            let [contrast, condition] = [contrast, condition].map(|v| digits(*v));
-            write!(f, "rounding may be {} of the solution, at a condition number of {condition}; ", percent(*error))?;
-            write!(f, "{of} is {contrast} times as stiff as {soft}")
-        }
-        Warning::CoarseZone { of, closed, least } => {
-            write!(f, "the zone of {of} is too coarse: {closed} functions of the slave carry it, fewer than {least}")
-        }
-        Warning::LostMoment { of, apart, moment, share } => {
-            let (apart, moment) = (digits(*apart), digits(*moment));
-            write!(f, "{of} loses the moment {moment}, {}: its sides are up to {apart} apart", percent(*share))
-        }
-        Warning::SoftPenalty { of, apart, size } => {
-            let word = if of.kind == SubjectKind::Contact { "deep in each other" } else { "apart in the mean" };
-            write!(f, "the penalty of {of} is soft: bodies are {} {word}, of a size of {}", digits(*apart), digits(*size))
-        }
-        Warning::Kinematics { of, strain, rotation, allowed } => {
-            let list = [(strain, "strains"), (rotation, "rotations")].into_iter().filter_map(|(b, word)| b.map(|b| (b, word)));
-            let list: Vec<_> =
-                list.map(|(b, word)| format!("{word} up to {}, in {} beyond {allowed}", digits(b.largest), percent(b.share))).collect();
-            write!(f, "{of} deforms too far for small kinematics: {}", list.join("; "))
-        }
-        _ => Ok(()),
     }
 }
 
