@@ -37,7 +37,7 @@ pub(super) fn build<const S: usize, const N: usize>(
     let case = builder.case;
     let seams = seams(builder, model, sides);
     let mut next_unknown = model.unknowns - num_pressed(case);
-    for contact in &case.contacts {
+    for (number, contact) in case.contacts.iter().enumerate() {
         if let Err(fault) = known(builder, contact, model) {
             builder.faults.push(*fault);
             continue;
@@ -89,7 +89,7 @@ pub(super) fn build<const S: usize, const N: usize>(
         let inside = || built.parts.iter().find_map(|part| swallowed(builder, contact, built.obstacle.as_deref()?, (model, &part.slave)));
         match inside() {
             Some(fault) => builder.faults.push(fault),
-            None => tell(builder, model, model.overlap(model.contacts.len(), &built, times(case, true)[0]).as_slice()),
+            None => tell(builder, model, model.overlap(number, &built, times(case, true)[0]).as_slice()),
         }
         for mut fault in behind {
             if !built.parts.is_empty() {
