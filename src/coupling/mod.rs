@@ -51,6 +51,9 @@ pub enum CouplingError {
         /// Elements of the multiplier.
         found: usize,
     },
+    /// Rules of the library on surfaces.
+    #[error("ties and contacts of surfaces are not in this version")]
+    Surfaces,
     /// The segments of a rule are not sound.
     #[error("the rule of integration returns wrong segments: {0}")]
     Rule(String),
@@ -137,6 +140,11 @@ pub trait Coupling<const S: usize, const N: usize, T: Real = f64>: Debug + Send 
         true
     }
 
+    /// Whether its rows are those of the mortar method: integrals of the multiplier's functions times the jump.
+    fn rows_are_mortar(&self) -> bool {
+        false
+    }
+
     /// Multiplier field of a coupling without rows: lambda at the points of the segments for the solution `unknowns`,
     /// `[component][point]`, in the sign of a multiplier \[force/area\]. By default minus the slave's traction.
     ///
@@ -153,6 +161,9 @@ impl<const S: usize, const N: usize, T: Real, X: Coupling<S, N, T> + ?Sized> Cou
     }
     fn has_rows(&self) -> bool {
         (**self).has_rows()
+    }
+    fn rows_are_mortar(&self) -> bool {
+        (**self).rows_are_mortar()
     }
     fn lambda(&self, interface: &Interface<'_, S, N, T>, unknowns: &[T]) -> Result<Vec<Vec<T>>, CouplingError> {
         (**self).lambda(interface, unknowns)

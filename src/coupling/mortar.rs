@@ -21,6 +21,9 @@ use std::ops::Range;
 pub struct Mortar;
 
 impl<const S: usize, const N: usize, T: Real> Coupling<S, N, T> for Mortar {
+    fn rows_are_mortar(&self) -> bool {
+        true
+    }
     fn assemble(&self, interface: &Interface<'_, S, N, T>, unknowns: usize) -> Result<CouplingBlocks<T>, CouplingError> {
         let rows = RowNumbers::of(interface)?;
         let constraint = mortar_rows(interface, &rows, interface.segments, [true, true], unknowns);

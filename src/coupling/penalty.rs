@@ -32,6 +32,9 @@ impl Default for Penalty {
 }
 
 impl<const S: usize, const N: usize, T: Real> Coupling<S, N, T> for Penalty {
+    fn rows_are_mortar(&self) -> bool {
+        true
+    }
     fn assemble(&self, interface: &Interface<'_, S, N, T>, unknowns: usize) -> Result<CouplingBlocks<T>, CouplingError> {
         if !(self.factor > 0.0 && self.factor.is_finite()) {
             return Err(CouplingError::Missing(format!("the factor of a penalty must be positive, found {}", self.factor)));

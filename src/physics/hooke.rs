@@ -263,6 +263,14 @@ impl<const N: usize, T: Real> Material<N, N, T> for Hooke<N, T> {
     fn is_homogeneous(&self) -> bool {
         matches!(self.law, Law::Constant(..))
     }
+    fn check(&self, x: &Vector<N, T>) -> Result<(), MaterialError> {
+        let Law::Varying(at) = &self.law else { return Ok(()) };
+        let values = match at(x) {
+            Elastic::Young { young, poisson } => Elastic::Young { young: young.value, poisson: poisson.value },
+            Elastic::Lame { lambda, mu } => Elastic::Lame { lambda: lambda.value, mu: mu.value },
+        };
+        values.check(self.assumption)
+    }
     fn spatial_stress(&self, x: &Vector<N, T>, grad_u: &Matrix<N, N, T>) -> [T; 6] {
         let (lambda, mu) = self.lame(x);
         let stress = stress(lambda.value, mu.value, grad_u);

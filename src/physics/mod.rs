@@ -41,6 +41,13 @@ pub trait Material<const C: usize, const N: usize, T: Real = f64>: Debug + Send 
     fn is_homogeneous(&self) -> bool {
         false
     }
+    /// Whether its constants make a stable material at `x`; asked at quadrature points before anything is assembled.
+    ///
+    /// # Errors
+    /// [`MaterialError`] with the constant that is beyond its limits.
+    fn check(&self, _x: &Vector<N, T>) -> Result<(), MaterialError> {
+        Ok(())
+    }
     /// The stress in space, xx yy zz xy yz xz [force/area]: components that a plane model leaves out are added here.
     fn spatial_stress(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> [T; 6] {
         let stress = self.respond(x, grad_u).stress;
@@ -73,6 +80,7 @@ macro_rules! forward_material {
             fn modulus(&self, x: &Vector<N, T>) -> T { (**self).modulus(x) }
             fn is_linear(&self) -> bool { (**self).is_linear() }
             fn is_homogeneous(&self) -> bool { (**self).is_homogeneous() }
+            fn check(&self, x: &Vector<N, T>) -> Result<(), MaterialError> { (**self).check(x) }
             fn spatial_stress(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> [T; 6] { (**self).spatial_stress(x, grad_u) }
             fn divergence(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>, hessian: &[Matrix<N, N, T>; C]) -> Vector<C, T> {
                 (**self).divergence(x, grad_u, hessian)

@@ -71,6 +71,9 @@ impl<const N: usize, T: Real> Material<1, N, T> for Conductor<N, T> {
     fn is_homogeneous(&self) -> bool {
         matches!(self.law, Law::Constant(_))
     }
+    fn check(&self, x: &Vector<N, T>) -> Result<(), MaterialError> {
+        Self::try_new(self.conductivity(x).value).map(|_| ())
+    }
     fn divergence(&self, x: &Vector<N, T>, grad_u: &Matrix<1, N, T>, hessian: &[Matrix<N, N, T>; 1]) -> Vector<1, T> {
         let k = self.conductivity(x);
         let along = (0..N).fold(T::zero(), |s, j| s + k.gradient[j] * grad_u[(0, j)]);

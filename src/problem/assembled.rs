@@ -1,11 +1,12 @@
 //! A problem that is ready to be solved, and its solution.
 
 use super::data::Exact;
-use super::handles::{BodyId, SideOf};
+use super::error::ProblemError;
+use super::handles::{BodyId, Region};
 use super::model::Model;
 use super::observer::Observer;
 use super::physics::PointState;
-use super::problem_error::ProblemError;
+use super::regions::Regions;
 use super::solved::{Assembled, Solve, State};
 use super::state::{StepState, Unsolved};
 use super::warnings::Warning;
@@ -23,8 +24,8 @@ pub struct System<const S: usize, const N: usize> {
 
 impl<const S: usize, const N: usize> System<S, N> {
     /// The problem number `problem` with this model, whose data are of `times`.
-    pub(super) fn new(model: Model<S, N>, problem: u64, times: Vec<f64>) -> Self {
-        Self { inner: Box::new(Assembled::new(model, problem, times)) }
+    pub(super) fn new(model: Model<S, N>, problem: u64, regions: Regions<S, N>, times: Vec<f64>) -> Self {
+        Self { inner: Box::new(Assembled::new(model, problem, regions, times)) }
     }
 
     /// Solves with another constraint solver; by default by factors of the whole system.
@@ -133,12 +134,12 @@ impl<const S: usize, const N: usize> Solution<S, N> {
         self.inner.contact(name)
     }
 
-    /// Force of a support on its body, per component; zero for a side that is none.
+    /// Force of the supports of a region on its body, per component; zero for a region without any.
     ///
     /// # Errors
-    /// [`ProblemError`] for a side that does not exist.
-    pub fn reaction(&self, side: SideOf<'_>) -> Result<Vec<f64>, ProblemError> {
-        self.inner.reaction(side)
+    /// [`ProblemError`] for a side that does not exist, and for a region that was made after the system.
+    pub fn reaction<'a>(&self, on: impl Into<Region<'a>>) -> Result<Vec<f64>, ProblemError> {
+        self.inner.reaction(on.into())
     }
 
     /// Doubts about the solution: large strains, moments that are lost, coarse zones, inexact interfaces, rounding.

@@ -2,19 +2,22 @@
 
 use super::contact_points::PointSides;
 use super::contact_rows::rows;
+use super::coupled::Contact;
 use super::directions::{directions, slides};
 use super::held_part::HeldPart;
 use super::interface_error::InterfaceError;
+use super::interface_side::InterfaceSide;
 use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideModel};
-use super::multipliers::{CutMultiplier, MakeCovered, MakeMultiplier, wrapped};
-use super::tie_part::InterfaceRules;
+use super::multipliers::{unstable_pairing, wrapped};
+use super::tie_part::{finer_segments, points_of};
 use crate::assembly::gauss_rules;
 use crate::basis::{Basis, Elements};
 use crate::contact::{Cone, Frames};
 use crate::coupling::consistency::Finer;
-use crate::coupling::interface::{Partners, slave_segments};
+use crate::coupling::interface::{InterfaceQuadrature, Partners, slave_segments};
 use crate::coupling::{CouplingError, Interface, Nitsche, Segments, Side};
 use crate::linalg::Vector;
+use crate::space::Trace;
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -22,21 +25,13 @@ use std::sync::Arc;
 const PERPENDICULAR: f64 = 1e-9;
 
 /// A slave side of a contact to be built.
-pub struct ContactSetup<'a, const S: usize, const N: usize> {
+pub(super) struct SlaveOf<'a, const S: usize, const N: usize> {
+    /// The contact as it was stated.
+    pub contact: &'a Contact<S, N>,
     /// The side that carries the multiplier.
     pub slave: &'a Arc<SideModel<S, N>>,
     /// The sides it faces; none against an obstacle.
     pub masters: &'a [Arc<SideModel<S, N>>],
-    /// The multiplier.
-    pub multiplier: &'a MakeMultiplier<'a, S, N>,
-    /// Dual multipliers over what is covered, in place of `multiplier` wherever something is.
-    pub covered: Option<MakeCovered<S, N>>,
-    /// Removal of functions on slivers of what is covered.
-    pub cut: Option<CutMultiplier<S, N>>,
-    /// Cone of admissible multipliers.
-    pub cone: Cone,
-    /// The integration.
-    pub rules: InterfaceRules<'a, S, N>,
     /// All times, in order; at least one.
     pub times: &'a [f64],
     /// Whether an unknown (function of the body, component) is prescribed, or its function tied.
@@ -45,24 +40,25 @@ pub struct ContactSetup<'a, const S: usize, const N: usize> {
     pub on_seam: &'a dyn Fn(usize) -> bool,
 }
 
-impl<const S: usize, const N: usize> std::fmt::Debug for ContactSetup<'_, S, N> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("ContactSetup").field("slave", &self.slave.label).finish_non_exhaustive()
-    }
-}
-
-/// A multiplier with the functions through which it is read.
-type Chosen<const S: usize> = (Box<dyn Basis<S>>, Option<Box<dyn Basis<S>>>);
+/// A multiplier, the functions through which it is read, and the unstable pairing that it is under another name.
+type Chosen<const S: usize> = (Box<dyn Basis<S>>, Option<Box<dyn Basis<S>>>, Option<(usize, usize)>);
 
 /// The opponent, its second segments, and finer ones.
 type Faced<const S: usize, const N: usize> = (Against<S, N>, Option<Segments<S>>, Option<Segments<S>>);
 
-impl<const S: usize, const N: usize> Model<S, N> {
+impl<const S: usize, const N: usize> Model<S, N>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     /// Builds a slave side of `contact`; its rows are not counted among those of the model yet.
     ///
     /// # Errors
     /// [`InterfaceError`] for sides that do not face each other, and for multipliers that do not exist or are too many.
-    pub fn contact_part(&self, contact: &ContactModel<S, N>, setup: &ContactSetup<'_, S, N>) -> Result<ContactPart<S, N>, InterfaceError> {
+    pub(super) fn contact_part(
+        &self,
+        contact: &ContactModel<S, N>,
+        setup: &SlaveOf<'_, S, N>,
+    ) -> Result<ContactPart<S, N>, InterfaceError> {
         let slave = setup.slave;
         let (against, second, finer) = self.opponent(contact, setup)?;
         if let Formulation::Nitsche(method) = &contact.formulation {
@@ -74,21 +70,23 @@ impl<const S: usize, const N: usize> Model<S, N> {
             let text = format!("the factor of a penalty must be positive, found {factor}");
             return Err(InterfaceError::Factor(CouplingError::Missing(text)));
         }
-        let (psi, reading) = self.contact_multiplier(contact, setup, &against)?;
+        let (psi, reading, unstable) = self.contact_multiplier(contact, setup, &against)?;
         let moves = contact.obstacle.as_ref().is_some_and(|o| o.changes);
         let changes = moves || contact.gap.depends_on_time();
         // an obstacle may come within reach later
         for &t in setup.times_of(moves) {
-            let chosen = (&*psi, setup.cone, second.as_ref());
+            let chosen = (&*psi, setup.contact.own.cone, second.as_ref());
             let first = rows(self, slave, &against, chosen, &contact.gap, contact.reach, t, None).map_err(InterfaceError::Contact)?;
             if first.facing.contains(&true) {
                 let finer = finer.and_then(|segments| self.finer_contact(slave, &against, &*psi, &segments));
                 return Ok(ContactPart {
+                    number: 0,
                     slave: slave.clone(),
                     num_rows: psi.num_functions(),
                     multiplier: Some(psi),
                     reading,
-                    cone: setup.cone,
+                    unstable,
+                    cone: setup.contact.own.cone,
                     against,
                     second,
                     finer,
@@ -103,19 +101,19 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 
     /// The opponent with its segments.
-    fn opponent(&self, contact: &ContactModel<S, N>, setup: &ContactSetup<'_, S, N>) -> Result<Faced<S, N>, InterfaceError> {
-        let (slave, rules) = (setup.slave, &setup.rules);
+    fn opponent(&self, contact: &ContactModel<S, N>, setup: &SlaveOf<'_, S, N>) -> Result<Faced<S, N>, InterfaceError> {
+        let (slave, rule, extra_points) = (setup.slave, &setup.contact.rule, setup.contact.extra_points);
         // an obstacle has no quadrature points of its own: mixed integration uses those of the slave
         if let Some(obstacle) = &contact.obstacle {
-            let points = gauss_rules(&*slave.trace.space, rules.extra_points);
+            let points = gauss_rules(&*slave.trace.space, extra_points);
             return Ok((Against::Rigid(Arc::clone(obstacle), slave_segments(&*slave.trace.space, &points)), None, None));
         }
         let master = SideModel::joined(self, setup.masters).ok_or(InterfaceError::NoMaster)?;
         let partners = Partners::Facing { reach: contact.reach };
-        let points = rules.points(slave, &master);
-        let make = |make: &super::tie_part::MakeIntegration<'_, S, N>| {
+        let points = points_of(slave, &master, extra_points);
+        let make = |rule: Box<dyn InterfaceQuadrature<S, N>>| {
             let (own, other) = (slave.trace.oriented(), master.trace.oriented());
-            let segments = make(points, partners).segments(&own, &other)?;
+            let segments = rule.segments(&own, &other)?;
             segments.well_formed(own.num_elements(), other.num_elements()).map(|()| segments)
         };
         let verified = |segments: Segments<S>| {
@@ -123,9 +121,10 @@ impl<const S: usize, const N: usize> Model<S, N> {
             segments.opposite(own, other)?;
             segments.verified(own, other)
         };
-        let segments = make(rules.rule).and_then(verified).map_err(InterfaceError::Segments)?;
-        let second = rules.second.map(make).transpose().map_err(InterfaceError::Segments)?;
-        let finer = rules.finer(slave, &master, partners);
+        let segments = make(rule.first(points, partners)).and_then(verified).map_err(InterfaceError::Segments)?;
+        let sums = rule.is_mixed().then(|| Trace::<S, N>::master_sums(points, partners));
+        let second = sums.map(make).transpose().map_err(InterfaceError::Segments)?;
+        let finer = finer_segments(slave, &master, points, partners);
         Ok((Against::Side(master, segments), second, finer))
     }
 
@@ -133,7 +132,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     fn point_part(
         &self,
         contact: &ContactModel<S, N>,
-        setup: &ContactSetup<'_, S, N>,
+        setup: &SlaveOf<'_, S, N>,
         method: &Nitsche,
         against: Against<S, N>,
     ) -> Result<ContactPart<S, N>, InterfaceError> {
@@ -148,10 +147,12 @@ impl<const S: usize, const N: usize> Model<S, N> {
             let first = sides.contact(self, method, &contact.gap, contact.reach, t).map_err(InterfaceError::Contact)?;
             if first.facing.contains(&true) {
                 return Ok(ContactPart {
+                    number: 0,
                     slave: setup.slave.clone(),
                     num_rows: first.offset.len(),
                     multiplier: None,
                     reading: None,
+                    unstable: None,
                     cone: Cone::Coefficients,
                     second: None,
                     finer: None,
@@ -170,7 +171,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     fn contact_multiplier(
         &self,
         contact: &ContactModel<S, N>,
-        setup: &ContactSetup<'_, S, N>,
+        setup: &SlaveOf<'_, S, N>,
         against: &Against<S, N>,
     ) -> Result<Chosen<S>, InterfaceError> {
         let (slave, taken) = (setup.slave, setup.taken);
@@ -200,22 +201,24 @@ impl<const S: usize, const N: usize> Model<S, N> {
             return Err(InterfaceError::Held { components, by_equations });
         }
         let refused = |error| InterfaceError::Multiplier { component: None, error };
-        let mut psi = wrapped(self, slave, &stuck, (setup.multiplier)(&slave.trace, &stuck).map_err(refused)?);
+        let mut psi = wrapped(self, slave, &stuck, setup.contact.multiplier.make(&slave.trace, &stuck).map_err(refused)?);
         let mut reading = None;
+        let nameless = setup.contact.multiplier.is_nameless();
+        let unstable = if nameless { unstable_pairing(&*slave.trace.space, &*psi) } else { None };
+        let is_dual = setup.contact.multiplier.is_dual();
         // what faces something at the first time at which anything does
         let faced = match against {
-            Against::Side(_, segments) if setup.covered.is_none() => Some(segments.clone()).filter(|s| !s.ds.is_empty()),
+            Against::Side(_, segments) if !is_dual => Some(segments.clone()).filter(|s| !s.ds.is_empty()),
             _ => times.iter().map(|&t| faced(slave, against, contact.reach, t)).find(|s| !s.ds.is_empty()),
         };
-        match (&faced, setup.covered, setup.cut) {
-            (Some(segments), Some(make), _) => {
-                let (functions, read) =
-                    make(&slave.trace, &stuck, segments).map_err(|error| InterfaceError::Multiplier { component: None, error })?;
+        match &faced {
+            Some(segments) if is_dual => {
+                let (functions, read) = slave.trace.covered_dual(&stuck, segments).map_err(refused)?;
                 psi = wrapped(self, slave, &stuck, functions);
                 reading = Some(wrapped(self, slave, &stuck, read)).filter(|read| read.num_functions() == psi.num_functions());
             }
-            (Some(segments), None, Some(cut)) => psi = cut(psi, &slave.trace, segments),
-            _ => {}
+            Some(segments) => psi = slave.trace.without_slivers(psi, segments),
+            None => {}
         }
         if psi.num_functions() > free {
             // the pressure of dual multipliers is read through other functions, which say nothing of who has whose
@@ -225,7 +228,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             };
             psi = part.given(psi);
         }
-        Ok((psi, reading))
+        Ok((psi, reading, unstable))
     }
 
     /// Rows on finer segments, against which the consistency error is estimated.
@@ -244,7 +247,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 }
 
-impl<const S: usize, const N: usize> ContactSetup<'_, S, N> {
+impl<const S: usize, const N: usize> SlaveOf<'_, S, N> {
     /// All times if something changes with them, else the first.
     fn times_of(&self, changes: bool) -> &[f64] {
         if changes { self.times } else { &self.times[..self.times.len().min(1)] }

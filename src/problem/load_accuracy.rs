@@ -9,6 +9,7 @@
 //! |∫ E - ∫* E| over the elements, over ∫ E. Loads and sources of an exact solution without pieces are smooth: they are left out.
 
 use super::data::{Data, Exact, Point};
+use super::handles::Statement;
 use super::loads::LoadSum;
 use super::model::{Action, Model, PatchModel, SideLoad, SideModel};
 use super::resultant::{Resultant, cross};
@@ -39,13 +40,17 @@ const ELEMENTS_PER_TASK: usize = 64;
 pub enum Integral {
     /// The load of this name; the patch whose volume it acts on, if it is not one on sides.
     Load {
-        /// Its name, as in [`LoadSum`].
+        /// Its first statement, as in [`LoadSum`].
+        of: Statement,
+        /// Its name.
         name: String,
         /// The patch of a load per volume.
         patch: Option<usize>,
     },
     /// The stiffness of springs on a side along a component.
     Spring {
+        /// The statement.
+        of: Statement,
         /// Their name.
         name: String,
         /// The component.
@@ -178,7 +183,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let mut found: Vec<Inexact> = self.no_loads().iter().filter_map(|load| self.inexact_load(load, times)).collect();
         for spring in &self.springs {
             let k = |x: &Vector<N>, t: f64| spring.stiffness.value(&Point::new(x.as_slice()).at_time(t));
-            let of = || Integral::Spring { name: spring.name.clone(), component: spring.component };
+            let of = || Integral::Spring { of: spring.of, name: spring.name.clone(), component: spring.component };
             if spring.stiffness.as_constant().is_none() {
                 let at = |t: f64| self.side_sums(&spring.side, false, &|x, _, out| out[0] = k(x, t), 1);
                 found.extend(worst(looked_at(times, spring.stiffness.depends_on_time()), of, 1, at));
@@ -190,11 +195,11 @@ impl<const S: usize, const N: usize> Model<S, N> {
 
     fn inexact_load(&self, load: &LoadSum, times: &[f64]) -> Option<Inexact> {
         let is_smooth = self.exact.as_ref().is_some_and(|e| !e.is_piecewise());
-        let of = || Integral::Load { name: load.name.clone(), patch: load.patch };
+        let of = || Integral::Load { of: load.of, name: load.name.clone(), patch: load.patch };
         let c = self.components;
         if let Some(k) = load.patch {
             let patch = &self.patches[k];
-            let data = || patch.source.iter().chain(patch.weight.iter().map(|w| &w.0));
+            let data = || patch.source.iter().chain(patch.weights.iter().map(|w| &w.0));
             let is_constant = self.exact.is_none() && data().all(|f| f.as_constant().is_some());
             if is_smooth || is_constant {
                 return None;
@@ -202,7 +207,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             let changes = self.exact.as_ref().is_some_and(|e| e.depends_on_time()) || data().any(Data::depends_on_time);
             return worst(looked_at(times, changes), of, c, |t| self.volume_sums(patch, t));
         }
-        let sides: Vec<&SideLoad<S, N>> = self.loads.iter().filter(|l| l.name == load.name).collect();
+        let sides: Vec<&SideLoad<S, N>> = self.loads.iter().filter(|l| l.group == load.of).collect();
         let smooth = |l: &&SideLoad<S, N>| is_smooth && matches!(l.action, Action::Exact(_));
         if sides.iter().all(smooth) {
             return None;

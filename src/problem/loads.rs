@@ -1,6 +1,7 @@
 //! Loads of a model at a time, and their resultant.
 
 use super::data::Point;
+use super::handles::Statement;
 use super::integrate::over_side;
 use super::model::{Action, Model, PatchModel, SideLoad};
 use super::physics::Physics;
@@ -10,6 +11,8 @@ use crate::linalg::Vector;
 /// A load and what it sums up to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadSum {
+    /// The first statement of the load, or the body whose volume it acts on.
+    pub of: Statement,
     /// Its name: that of the load, or of a patch with `.body_force`, in problems of one component `.source`.
     pub name: String,
     /// The patch whose volume it acts on; `None` for loads on sides.
@@ -39,10 +42,10 @@ impl<const S: usize, const N: usize> Model<S, N> {
             let physics = patch.physics_at(t);
             return Some(Box::new(move |x: &Vector<N>, out: &mut [f64]| physics.exact_source(&**exact, &place(x, t), x, out)));
         }
-        if patch.source.is_empty() && patch.weight.is_none() {
+        if patch.source.is_empty() && patch.weights.is_empty() {
             return None;
         }
-        let (source, weight) = (patch.source.clone(), patch.weight.clone());
+        let (source, weights) = (patch.source.clone(), patch.weights.clone());
         Some(Box::new(move |x: &Vector<N>, out: &mut [f64]| {
             let at = place(x, t);
             out.fill(0.0);
@@ -51,9 +54,9 @@ impl<const S: usize, const N: usize> Model<S, N> {
             for (k, f) in source.iter().enumerate() {
                 out[k % components] += f.value(&at);
             }
-            if let Some((density, gravity)) = &weight {
+            for (density, gravity) in &weights {
                 let rho = density.value(&at);
-                for (o, g) in out.iter_mut().zip(gravity) {
+                for (o, g) in out.iter_mut().zip(gravity.iter()) {
                     *o += rho * g;
                 }
             }
@@ -109,7 +112,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 totals[side.patch].add(x, &value, ds);
                 own.add(x, &value, ds);
             });
-            let sum = sums.iter_mut().find(|s| s.patch.is_none() && s.name == side_load.name).expect("every load has a sum");
+            let sum = sums.iter_mut().find(|s| s.of == side_load.group).expect("every load has a sum");
             sum.resultant.sum(&own);
         }
         // forces on obstacles: their moments are carried by the guides, which prevent rotations
@@ -126,13 +129,13 @@ impl<const S: usize, const N: usize> Model<S, N> {
     /// All loads with the resultant zero: those of the bodies' volumes, then those of sides, each name once.
     pub fn no_loads(&self) -> Vec<LoadSum> {
         let kind = if self.components == 1 { "source" } else { "body_force" };
-        let loaded = |p: &PatchModel<S, N>| self.exact.is_some() || !p.source.is_empty() || p.weight.is_some();
+        let loaded = |p: &PatchModel<S, N>| self.exact.is_some() || !p.source.is_empty() || !p.weights.is_empty();
         let volumes = self.patches.iter().enumerate().filter(|(_, p)| loaded(p));
-        let sum = |name: String, patch| LoadSum { name, patch, resultant: Resultant::default() };
-        let mut all: Vec<LoadSum> = volumes.map(|(k, p)| sum(format!("{}.{kind}", p.name), Some(k))).collect();
+        let sum = |of, name: String, patch| LoadSum { of, name, patch, resultant: Resultant::default() };
+        let mut all: Vec<LoadSum> = volumes.map(|(k, p)| sum(p.id.into(), format!("{}.{kind}", p.name), Some(k))).collect();
         for load in &self.loads {
-            if !all.iter().any(|s| s.patch.is_none() && s.name == load.name) {
-                all.push(sum(load.name.clone(), None));
+            if !all.iter().any(|s| s.of == load.group) {
+                all.push(sum(load.group, load.name.clone(), None));
             }
         }
         all

@@ -4,6 +4,7 @@ use super::corners::SharedCorner;
 use super::data::{Data, Exact};
 use super::function_sums::FunctionSums;
 use super::glued::{Glued, Hinge};
+use super::handles::{BodyId, ContactId, Statement, TieId};
 use super::obstacle::ObstacleModel;
 use super::physics::Physics;
 use super::start::Start;
@@ -21,6 +22,8 @@ use std::sync::Arc;
 /// A body with its unknowns and its material.
 #[derive(Clone, Debug)]
 pub struct PatchModel<const S: usize, const N: usize> {
+    /// Its handle.
+    pub id: BodyId,
     /// Its name.
     pub name: String,
     /// Name of the backend that made it; empty if it has none.
@@ -32,7 +35,7 @@ pub struct PatchModel<const S: usize, const N: usize> {
     /// Its material at the first time; [`PatchModel::physics_at`] at any other.
     pub physics: Physics<N>,
     /// The material as a function of time; `None` if it does not change.
-    pub changing: Option<Changing<N>>,
+    pub changing: Option<Changing<Physics<N>>>,
     /// Rules of the bulk integrals.
     pub rules: PerElement<N>,
     /// Gauss points per direction of its sides beyond degree + 1.
@@ -49,15 +52,20 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub parts: Connected,
     /// Body force or source of the patch, one function per component.
     pub source: Vec<Data>,
-    /// Density and gravity, where both are given.
-    pub weight: Option<(Data, Vec<f64>)>,
+    /// Density and gravity, one pair per weight.
+    pub weights: Vec<(Data, Vector<N>)>,
 }
 
-/// A material that changes with the time.
-#[derive(Clone)]
-pub struct Changing<const N: usize>(pub Arc<dyn Fn(f64) -> Physics<N> + Send + Sync>);
+/// A material or an obstacle as a function of time.
+pub struct Changing<V>(pub Arc<dyn Fn(f64) -> V + Send + Sync>);
 
-impl<const N: usize> std::fmt::Debug for Changing<N> {
+impl<V> Clone for Changing<V> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl<V> std::fmt::Debug for Changing<V> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str("Changing")
     }
@@ -66,9 +74,10 @@ impl<const N: usize> std::fmt::Debug for Changing<N> {
 impl<const S: usize, const N: usize> PatchModel<S, N> {
     /// A body whose unknowns begin at `first`, without loads; `extra_points` Gauss points per direction beyond those that its degree and its
     /// curved cells need.
-    pub fn new(name: String, body: Arc<dyn Body<S, N>>, physics: Physics<N>, first: usize, extra_points: usize) -> Self {
+    pub(super) fn new(id: BodyId, name: String, body: Arc<dyn Body<S, N>>, physics: Physics<N>, first: usize, extra_points: usize) -> Self {
         let curved = points_of_curved_cells(&**body.space());
         Self {
+            id,
             name,
             backend: String::new(),
             field: Field { first, components: physics.components() },
@@ -84,7 +93,7 @@ impl<const S: usize, const N: usize> PatchModel<S, N> {
             physics,
             changing: None,
             source: Vec::new(),
-            weight: None,
+            weights: Vec::new(),
         }
     }
 
@@ -144,9 +153,23 @@ pub enum Value {
     Data(Data),
 }
 
+impl From<Data> for Value {
+    fn from(data: Data) -> Self {
+        if data.as_constant() == Some(0.0) { Self::Zero } else { Self::Data(data) }
+    }
+}
+
+impl From<f64> for Value {
+    fn from(value: f64) -> Self {
+        Data::from(value).into()
+    }
+}
+
 /// A component prescribed on a side.
 #[derive(Clone, Debug)]
 pub struct Condition<const S: usize, const N: usize> {
+    /// The statement.
+    pub of: Statement,
     /// The side.
     pub side: Arc<SideModel<S, N>>,
     /// The component.
@@ -171,6 +194,8 @@ pub struct RimModel<const N: usize> {
 /// A component prescribed on an edge or in a corner.
 #[derive(Clone, Debug)]
 pub struct Pin<const N: usize> {
+    /// The statement.
+    pub of: Statement,
     /// The edge or the corner.
     pub rim: Arc<RimModel<N>>,
     /// The component.
@@ -195,7 +220,11 @@ pub enum Action {
 /// A load on a side.
 #[derive(Clone, Debug)]
 pub struct SideLoad<const S: usize, const N: usize> {
-    /// Name of the load in results; loads of one name are summed.
+    /// The statement.
+    pub of: Statement,
+    /// The first statement of its name; loads of one are summed in results.
+    pub group: Statement,
+    /// Name of the load in results.
     pub name: String,
     /// The side.
     pub side: Arc<SideModel<S, N>>,
@@ -215,6 +244,8 @@ pub struct RigidSides<const S: usize, const N: usize> {
 /// Springs between a side and the ground.
 #[derive(Clone, Debug)]
 pub struct SideSpring<const S: usize, const N: usize> {
+    /// The statement.
+    pub of: Statement,
     /// Name of the springs in messages.
     pub name: String,
     /// The side.
@@ -243,8 +274,10 @@ pub struct TiePart<const S: usize, const N: usize> {
     pub slave: Arc<SideModel<S, N>>,
     /// One multiplier space per component; empty if the coupling has no rows.
     pub multipliers: Vec<Box<dyn Basis<S>>>,
+    /// (p, k) if the multiplier is the unstable pairing p/p-k under another name.
+    pub unstable: Option<(usize, usize)>,
     /// The coupling of the sides.
-    pub coupling: Box<dyn Coupling<S, N>>,
+    pub coupling: Arc<dyn Coupling<S, N>>,
     /// The master sides.
     pub pairings: Vec<Pairing<S, N>>,
     /// C in unknowns of the model.
@@ -268,6 +301,8 @@ pub struct TiePart<const S: usize, const N: usize> {
 /// A tied interface.
 #[derive(Debug)]
 pub struct TieModel<const S: usize, const N: usize> {
+    /// Its handle.
+    pub id: TieId,
     /// Its name.
     pub name: String,
     /// One part per slave side.
@@ -296,12 +331,16 @@ impl<const S: usize, const N: usize> std::fmt::Debug for Against<S, N> {
 /// A slave side of a contact.
 #[derive(Debug)]
 pub struct ContactPart<const S: usize, const N: usize> {
+    /// Place of the slave side in the statement.
+    pub number: usize,
     /// The side that carries the multiplier.
     pub slave: Arc<SideModel<S, N>>,
     /// Multiplier space; `None` for Nitsche's method, whose rows belong to points.
     pub multiplier: Option<Box<dyn Basis<S>>>,
     /// Functions by which the pressure is evaluated; `None`: those of the multiplier.
     pub reading: Option<Box<dyn Basis<S>>>,
+    /// (p, k) if the multiplier is the unstable pairing p/p-k under another name.
+    pub unstable: Option<(usize, usize)>,
     /// Cone of admissible multipliers.
     pub cone: Cone,
     /// The opponent.
@@ -359,6 +398,10 @@ pub enum Formulation {
 /// A contact.
 #[derive(Debug)]
 pub struct ContactModel<const S: usize, const N: usize> {
+    /// Its handle.
+    pub id: ContactId,
+    /// Slave sides, by their places in the statement, that face nothing while others do.
+    pub idle: Vec<usize>,
     /// Its name.
     pub name: String,
     /// One part per slave side.

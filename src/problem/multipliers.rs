@@ -1,11 +1,10 @@
 //! Multiplier spaces of slave sides.
 
 use super::model::{Model, SideModel};
-use crate::basis::{Basis, Extracted, Order, ShapeTable};
-use crate::coupling::Segments;
-use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind, side_ends};
+use crate::basis::{Basis, Cell, Extracted, Order, Polynomials, ShapeTable};
+use crate::coupling::multiplier::{MultiplierError, side_ends};
 use crate::linalg::Vector;
-use crate::space::Trace;
+use crate::space::{Space, Trace};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Function values below this count as zero.
@@ -13,43 +12,12 @@ const NO_VALUE: f64 = 1e-10;
 
 /// Makes the multiplier space of one component on a slave side; the closure returns whether a function of the body is constrained in that
 /// component.
-pub type MakeMultiplier<'a, const S: usize, const N: usize> =
-    dyn Fn(&Trace<S, N>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> + Send + Sync + 'a;
+pub type MakeMultiplier<const S: usize, const N: usize> =
+    dyn Fn(&Trace<S, N>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> + Send + Sync;
 /// Dual multipliers of a contact, and the functions by which their pressure is evaluated.
 pub type DualPair<const S: usize> = (Box<dyn Basis<S>>, Box<dyn Basis<S>>);
-/// Makes dual multipliers over the part of a slave side that the segments cover; the closure is that of [`MakeMultiplier`].
-pub type MakeCovered<const S: usize, const N: usize> =
-    fn(&Trace<S, N>, &dyn Fn(usize) -> bool, &Segments<S>) -> Result<DualPair<S>, MultiplierError>;
-/// Gives functions of a multiplier that live on slivers of what the segments cover to their neighbours.
-pub type CutMultiplier<const S: usize, const N: usize> = fn(Box<dyn Basis<S>>, &Trace<S, N>, &Segments<S>) -> Box<dyn Basis<S>>;
-
-/// The multiplier `kind` on a curve; an end is constrained if a function that does not vanish there is.
-///
-/// # Errors
-/// [`MultiplierError`] if there is none of this kind.
-pub fn curve_multiplier<const N: usize>(
-    kind: MultiplierKind,
-    trace: &Trace<1, N>,
-    constrained: &dyn Fn(usize) -> bool,
-) -> Result<Box<dyn Basis<1>>, MultiplierError> {
-    multiplier::build(&trace.space, kind, &constrained_ends(trace, constrained))
-}
-
-/// Dual multipliers of a contact on a curve, see [`MakeCovered`].
-///
-/// # Errors
-/// [`MultiplierError`] if there are none.
-pub fn covered_dual<const N: usize>(
-    trace: &Trace<1, N>,
-    constrained: &dyn Fn(usize) -> bool,
-    segments: &Segments<1>,
-) -> Result<DualPair<1>, MultiplierError> {
-    let made = multiplier::build_covered(&trace.space, &constrained_ends(trace, constrained), segments)?;
-    Ok((Box::new(made.functions), Box::new(made.reading)))
-}
-
 /// Returns, per end of a curve, whether a function that does not vanish there is constrained.
-fn constrained_ends<const N: usize>(trace: &Trace<1, N>, constrained: &dyn Fn(usize) -> bool) -> Vec<bool> {
+pub(super) fn constrained_ends<const N: usize>(trace: &Trace<1, N>, constrained: &dyn Fn(usize) -> bool) -> Vec<bool> {
     let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
     side_ends(&*trace.space)
         .iter()
@@ -59,6 +27,27 @@ fn constrained_ends<const N: usize>(trace: &Trace<1, N>, constrained: &dyn Fn(us
             ids.iter().zip(table.values(0)).any(|(&i, value)| value.abs() > NO_VALUE && constrained(trace.dofs[i]))
         })
         .collect()
+}
+
+/// The degree of the side and k, if `psi` is the unstable pairing p/p-k of `space` under another name: constants, or polynomials given by
+/// degree.
+///
+/// k = 1 is unstable on every side of tensor cells, k = 3, 5, ... on those of splines with one function per element: continuous
+/// functions of degree 3 have bubbles enough for constants. On triangles p/p-1 is another space.
+pub(super) fn unstable_pairing<const S: usize, const N: usize>(space: &dyn Space<S, N>, psi: &dyn Basis<S>) -> Option<(usize, usize)> {
+    if S > 1 && (0..space.num_elements()).any(|e| space.cell(e) != Cell::Tensor) {
+        return None;
+    }
+    let least = |basis: &dyn Fn(usize) -> [usize; S]| (0..space.num_elements()).flat_map(basis).min();
+    let degree = least(&|e| space.degree(e))?;
+    let lowered = degree.checked_sub((0..space.num_elements()).flat_map(|e| psi.degree(e)).max()?)?;
+    let smooth = || {
+        let grow = |axis: &dyn Basis<1>| axis.num_functions() == axis.num_elements() + axis.degree(0)[0];
+        space.structure().block(0).is_some_and(|b| b.axes.iter().all(|axis| grow(*axis)))
+    };
+    let unstable = lowered == 1 || (lowered % 2 == 1 && smooth());
+    let same = space.polynomials(Polynomials::Lowered(lowered)).is_none_or(|named| named.num_functions() == psi.num_functions());
+    (unstable && same).then_some((degree, lowered))
 }
 
 /// Returns `psi` on a side that is glued to itself: its functions that belong to one function of the trace where the side closes become

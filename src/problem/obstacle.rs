@@ -1,11 +1,9 @@
 //! Rigid obstacles: their shape, motion, and the forces that press them.
 
 use super::data::{Data, Point};
+use super::model::Changing;
 use crate::contact::{Moved, Obstacle};
 use crate::linalg::Vector;
-
-/// The obstacle without its motion, as a function of time.
-pub type AtRest<const S: usize, const N: usize> = Box<dyn Fn(f64) -> Box<dyn Obstacle<S, N>> + Send + Sync>;
 
 /// A component in which a force presses an obstacle: its translation is an unknown.
 #[derive(Clone, Debug)]
@@ -21,7 +19,7 @@ pub struct Pressed {
 /// A rigid obstacle: it translates, as prescribed or as forces want.
 pub struct ObstacleModel<const S: usize, const N: usize> {
     /// The obstacle without its motion, as a function of time.
-    pub at_rest: AtRest<S, N>,
+    pub at_rest: Changing<Box<dyn Obstacle<S, N>>>,
     /// Prescribed translation per component.
     pub motion: Vec<Option<Data>>,
     /// Components in which forces press it.
@@ -49,6 +47,6 @@ impl<const S: usize, const N: usize> ObstacleModel<S, N> {
 
     /// The obstacle where it is at time `t`.
     pub fn target(&self, t: f64, unknowns: Option<&[f64]>) -> Box<dyn Obstacle<S, N>> {
-        Box::new(Moved { target: (self.at_rest)(t), by: self.displacement(t, unknowns) })
+        Box::new(Moved { target: (self.at_rest.0)(t), by: self.displacement(t, unknowns) })
     }
 }

@@ -4,7 +4,7 @@ use super::data::{Exact, Point, continued_gradient, field_derivatives, field_slo
 use super::resultant::Resultant;
 use crate::assembly::{self, Errors, Form};
 use crate::linalg::{Csr, Matrix, Vector};
-use crate::physics::{self, BodyFlux, Flux, Material, NotLinear};
+use crate::physics::{self, BodyFlux, Flux, Material, MaterialError, NotLinear};
 use crate::quadrature::Quadrature;
 use crate::space::{Field, Space, Trace};
 use std::any::Any;
@@ -102,6 +102,17 @@ impl<const N: usize> Physics<N> {
         match self {
             Self::Scalar(m) => m.modulus(x),
             Self::Vector(m) => m.modulus(x),
+        }
+    }
+
+    /// Whether its constants are within their limits at `x`.
+    ///
+    /// # Errors
+    /// [`MaterialError`] with the constant that is not.
+    pub(super) fn check(&self, x: &Vector<N>) -> Result<(), MaterialError> {
+        match self {
+            Self::Scalar(m) => m.check(x),
+            Self::Vector(m) => m.check(x),
         }
     }
 

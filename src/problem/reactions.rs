@@ -1,6 +1,7 @@
 //! Reactions of supports: forces on the bodies per side, edge and corner.
 
 use super::model::{Model, SideModel};
+use super::regions::Piece;
 use super::resultant::{Resultant, cross};
 use super::state::StepState;
 use crate::basis::{Order, ShapeTable};
@@ -29,6 +30,22 @@ struct Hold<const N: usize> {
     weight: Option<f64>,
 }
 
+/// The force of a support on its body.
+#[derive(Clone, Debug)]
+pub struct Reaction<const S: usize, const N: usize> {
+    /// The side, edge or corner.
+    pub(super) on: Piece<S, N>,
+    /// The force, one entry per component of the unknown.
+    pub force: Vec<f64>,
+}
+
+impl<const S: usize, const N: usize> Reaction<S, N> {
+    /// Name of the side, edge or corner.
+    pub fn label(&self) -> &str {
+        self.on.label()
+    }
+}
+
 /// Computes the reactions per support, and adds them to `outside`, the sum of the external forces.
 ///
 /// The force F at a function is carried along the directions in which supports hold it: axes of prescribed components,
@@ -41,7 +58,7 @@ pub fn reactions<const S: usize, const N: usize>(
     model: &Model<S, N>,
     state: &StepState<S, N>,
     outside: &mut Resultant,
-) -> Vec<(String, Vec<f64>)> {
+) -> Vec<Reaction<S, N>> {
     let n = model.components;
     // coefficients of 1 and of the coordinates on held functions: forces and moments in any basis
     let mut one = vec![1.0; model.unknowns / n.max(1)];
@@ -54,8 +71,8 @@ pub fn reactions<const S: usize, const N: usize>(
             place[i][k] = v;
         }
     }
-    let (labels, holds) = holds(model);
-    let mut forces = vec![vec![0.0; n]; labels.len()];
+    let (supports, holds) = holds(model);
+    let mut forces = vec![vec![0.0; n]; supports.len()];
     for group in holds.chunk_by(|a, b| a.function == b.function) {
         let i = group[0].function;
         let force = Vector::<N>::from_fn(|c, _| if c < n { state.support[n * i + c] } else { 0.0 });
@@ -69,11 +86,11 @@ pub fn reactions<const S: usize, const N: usize>(
             }
         }
     }
-    let mut all: Vec<(String, Vec<f64>)> = Vec::new();
-    for (label, force) in labels.into_iter().zip(forces) {
-        match all.iter_mut().find(|(known, _)| known == label) {
-            Some((_, sum)) => sum.iter_mut().zip(&force).for_each(|(s, f)| *s += f),
-            None => all.push((label.to_owned(), force)),
+    let mut all: Vec<Reaction<S, N>> = Vec::new();
+    for (on, force) in supports.into_iter().zip(forces) {
+        match all.iter_mut().find(|known| known.on.is(&on)) {
+            Some(known) => known.force.iter_mut().zip(&force).for_each(|(s, f)| *s += f),
+            None => all.push(Reaction { on, force }),
         }
     }
     all
@@ -83,12 +100,12 @@ fn axis<const N: usize>(component: usize) -> Vector<N> {
     Vector::from_fn(|k, _| f64::from(u8::from(k == component)))
 }
 
-/// Returns the names of all supports, and the directions they hold, ascending by function.
-fn holds<const S: usize, const N: usize>(model: &Model<S, N>) -> (Vec<&str>, Vec<Hold<N>>) {
-    let (mut labels, mut all) = (Vec::new(), Vec::new());
+/// Returns all supports, and the directions they hold, ascending by function.
+fn holds<const S: usize, const N: usize>(model: &Model<S, N>) -> (Vec<Piece<S, N>>, Vec<Hold<N>>) {
+    let (mut supports, mut all) = (Vec::new(), Vec::new());
     for side in &model.supports {
-        let support = labels.len();
-        labels.push(side.label.as_str());
+        let support = supports.len();
+        supports.push(Piece::Side(side.clone()));
         let conditions = model.conditions.iter().filter(|d| Arc::ptr_eq(&d.side, side)).map(|d| axis(d.component));
         let directions: Vec<Vector<N>> = conditions.chain(model.held.iter().filter(|h| Arc::ptr_eq(&h.0, side)).map(|h| h.1)).collect();
         for (function, weight) in integrals(model, side) {
@@ -96,15 +113,15 @@ fn holds<const S: usize, const N: usize>(model: &Model<S, N>) -> (Vec<&str>, Vec
         }
     }
     for pin in &model.pins {
-        let support = labels.len();
-        labels.push(pin.rim.label.as_str());
+        let support = supports.len();
+        supports.push(Piece::Rim(pin.rim.clone()));
         let mut functions: Vec<usize> = pin.rim.rim.functions().iter().map(|&i| model.function(pin.rim.patch, i)).collect();
         functions.sort_unstable();
         functions.dedup();
         all.extend(functions.into_iter().map(|function| Hold { function, support, direction: axis(pin.component), weight: None }));
     }
     all.sort_by_key(|h| h.function);
-    (labels, all)
+    (supports, all)
 }
 
 /// Returns (function, its integral over the side \[area\]), ascending; `None` if it is not positive.

@@ -5,13 +5,14 @@
 use super::assembled::ContactResult;
 use super::closed_points::left_free;
 use super::data::Exact;
-use super::handles::{BodyId, SideOf};
+use super::error::{ErrorKind, ProblemError};
+use super::handles::{BodyId, Region};
 use super::matrices::Stiffness;
 use super::model::{Model, PatchModel};
 use super::observer::Observer;
 use super::physics::PointState;
-use super::problem_error::ProblemError;
 use super::reactions::reactions;
+use super::regions::Regions;
 use super::resultant::Resultant;
 use super::solver::Solver;
 use super::state::{StepError, StepState, Unsolved};
@@ -41,7 +42,7 @@ pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
     fn coefficients(&self, body: BodyId) -> Result<&[f64], ProblemError>;
     fn multiplier(&self, name: &str) -> Result<Vec<f64>, ProblemError>;
     fn contact(&self, name: &str) -> Result<ContactResult<N>, ProblemError>;
-    fn reaction(&self, side: SideOf<'_>) -> Result<Vec<f64>, ProblemError>;
+    fn reaction(&self, on: Region<'_>) -> Result<Vec<f64>, ProblemError>;
     fn errors(&self, exact: &dyn Exact) -> Vec<Errors>;
     fn warnings(&self) -> Vec<Warning>;
 }
@@ -50,6 +51,7 @@ pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
 #[derive(Debug)]
 pub(super) struct Assembled<const S: usize, const N: usize> {
     problem: u64,
+    regions: Arc<Regions<S, N>>,
     model: Arc<Model<S, N>>,
     times: Vec<f64>,
     stiffness: Option<Stiffness>,
@@ -57,8 +59,15 @@ pub(super) struct Assembled<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> Assembled<S, N> {
-    pub fn new(model: Model<S, N>, problem: u64, times: Vec<f64>) -> Self {
-        Self { problem, model: Arc::new(model), times, stiffness: None, solver: Solver::new(Box::new(Direct::new())) }
+    pub fn new(model: Model<S, N>, problem: u64, regions: Regions<S, N>, times: Vec<f64>) -> Self {
+        Self {
+            problem,
+            regions: Arc::new(regions),
+            model: Arc::new(model),
+            times,
+            stiffness: None,
+            solver: Solver::new(Box::new(Direct::new())),
+        }
     }
 }
 
@@ -83,7 +92,7 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
         if let Some(motions) = left_free(model, &state) {
             return Err(Unsolved { error: StepError::Free { motions }, last: Some(Box::new(state)) });
         }
-        Ok(Arc::new(Solved { problem: self.problem, model: Arc::clone(&self.model), state }))
+        Ok(Arc::new(Solved { problem: self.problem, regions: Arc::clone(&self.regions), model: Arc::clone(&self.model), state }))
     }
 }
 
@@ -91,6 +100,7 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
 #[derive(Debug)]
 pub(super) struct Solved<const S: usize, const N: usize> {
     problem: u64,
+    regions: Arc<Regions<S, N>>,
     model: Arc<Model<S, N>>,
     state: StepState<S, N>,
 }
@@ -109,7 +119,7 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
         let space = patch.body.space();
         let outside = || {
             let at = std::array::from_fn(|k| x.get(k).copied().unwrap_or(0.0));
-            ProblemError::Outside { body: patch.name.clone(), at }
+            ProblemError::new(ErrorKind::Outside { x: at }, vec![body.into()], vec![patch.name.clone()])
         };
         let found = Locator::new(&**space).locate(&Vector::from(*x)).map_err(|_| outside())?;
         let states = patch.physics_at(self.state.t).at(&**space, &patch.field, &self.state.u, found.element, &[found.xi]);
@@ -124,13 +134,13 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
         let tie = self.model.ties.iter().find(|t| t.name == name);
         let ranges = tie.map(|t| t.parts.iter().map(|p| p.first_row..p.first_row + p.num_rows).collect::<Vec<_>>());
         let contact = || Some(self.model.contacts.iter().find(|c| c.name == name)?.parts.iter().map(|p| p.rows()).collect());
-        let ranges = ranges.or_else(contact).ok_or_else(|| ProblemError::Unknown { name: name.into() })?;
+        let ranges = ranges.or_else(contact).ok_or_else(|| ProblemError::named(ErrorKind::NoInterface, &[name]))?;
         Ok(ranges.into_iter().flat_map(|rows| self.state.lambda[rows].to_vec()).collect())
     }
 
     fn contact(&self, name: &str) -> Result<ContactResult<N>, ProblemError> {
         let k = self.model.contacts.iter().position(|c| c.name == name);
-        let k = k.ok_or_else(|| ProblemError::Unknown { name: name.into() })?;
+        let k = k.ok_or_else(|| ProblemError::named(ErrorKind::NoInterface, &[name]))?;
         let mut sum = ContactResult {
             force: Vector::zeros(),
             moment: [0.0; 3],
@@ -150,12 +160,27 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
         Ok(sum)
     }
 
-    fn reaction(&self, side: SideOf<'_>) -> Result<Vec<f64>, ProblemError> {
-        let patch = self.patch(side.body)?;
-        patch.body.trace(side.name).map_err(|error| ProblemError::Side { body: patch.name.clone(), error })?;
-        let label = format!("{}.{}", patch.name, side.name);
-        let all = reactions(&self.model, &self.state, &mut Resultant::default());
-        Ok(all.into_iter().find(|(name, _)| *name == label).map_or_else(|| vec![0.0; self.model.components], |(_, force)| force))
+    fn reaction(&self, on: Region<'_>) -> Result<Vec<f64>, ProblemError> {
+        let other = || ProblemError::named(ErrorKind::OtherProblem, &[]);
+        let number = match on {
+            Region::Side(side) => {
+                let patch = self.patch(side.body)?;
+                let refused = |error| ProblemError::new(ErrorKind::Side(error), vec![side.body.into()], vec![patch.name.clone()]);
+                patch.body.trace(side.name).map_err(refused)?;
+                self.regions.known(side.body.number, side.name)
+            }
+            Region::Made(region) if region.problem == self.problem && self.regions.has(region.number) => Some(region.number),
+            Region::Made(_) => return Err(other()),
+        };
+        let mut sum = vec![0.0; self.model.components];
+        let Some(number) = number else { return Ok(sum) };
+        let pieces = self.regions.pieces(number);
+        for reaction in reactions(&self.model, &self.state, &mut Resultant::default()) {
+            if pieces.iter().any(|piece| piece.is(&reaction.on)) {
+                sum.iter_mut().zip(&reaction.force).for_each(|(s, f)| *s += f);
+            }
+        }
+        Ok(sum)
     }
 
     fn errors(&self, exact: &dyn Exact) -> Vec<Errors> {
@@ -173,6 +198,6 @@ impl<const S: usize, const N: usize> Solved<S, N> {
     fn patch(&self, body: BodyId) -> Result<&PatchModel<S, N>, ProblemError> {
         // a body may have been added after the system was made
         let known = self.model.patches.get(body.number).filter(|_| body.problem == self.problem);
-        known.ok_or(ProblemError::OtherProblem)
+        known.ok_or_else(|| ProblemError::named(ErrorKind::OtherProblem, &[]))
     }
 }

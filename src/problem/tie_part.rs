@@ -1,17 +1,20 @@
 //! Construction of a tied slave side: multipliers, segments and rows.
 
+use super::coupled::{Tie, TiePair};
 use super::fixed::Fixed;
 use super::interface_error::InterfaceError;
+use super::interface_side::InterfaceSide;
 use super::model::{Model, Pairing, SideModel, TiePart};
-use super::multipliers::{MakeMultiplier, wrapped};
+use super::multipliers::{unstable_pairing, wrapped};
 use super::rigid_rows::function_sums;
 use super::system::{append, empty};
 use crate::basis::{Basis, Elements};
 use crate::coupling::consistency::Finer;
 use crate::coupling::interface::{Partners, Tolerance};
 use crate::coupling::multiplier::check_counts;
-use crate::coupling::{Coupling, CouplingError, Interface, InterfaceQuadrature, Segments, Side};
+use crate::coupling::{CouplingError, Interface, Segments, Side};
 use crate::linalg::Triplets;
+use crate::space::Trace;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -20,71 +23,28 @@ const UNCOVERED: f64 = 1e-6;
 /// Points per segment of the finer rule beyond those of the rule whose consistency error it estimates.
 const FINER_POINTS: usize = 2;
 
-/// Makes an integration of interfaces with that many points per piece.
-pub type MakeIntegration<'a, const S: usize, const N: usize> =
-    dyn Fn(usize, Partners) -> Box<dyn InterfaceQuadrature<S, N>> + Send + Sync + 'a;
-
-/// Integration of a tie or a contact.
-pub struct InterfaceRules<'a, const S: usize, const N: usize> {
-    /// The rule of the constraint.
-    pub rule: &'a MakeIntegration<'a, S, N>,
-    /// Mixed integration: of ties the rule of the reaction along the master, of contacts that of the integrals over the master.
-    pub second: Option<&'a MakeIntegration<'a, S, N>>,
-    /// The rule against which the consistency error is estimated.
-    pub finer: Option<&'a MakeIntegration<'a, S, N>>,
-    /// Points per direction of a piece beyond the larger degree of its sides + 1.
-    pub extra_points: usize,
+/// Points per direction of a piece of two sides.
+pub(super) fn points_of<const S: usize, const N: usize>(slave: &SideModel<S, N>, master: &SideModel<S, N>, extra_points: usize) -> usize {
+    slave.degree().max(master.degree()) + 1 + extra_points
 }
 
-impl<const S: usize, const N: usize> std::fmt::Debug for InterfaceRules<'_, S, N> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("InterfaceRules").field("extra_points", &self.extra_points).finish_non_exhaustive()
-    }
+/// Segments for checking the rows: finer ones, `partners` as far as the caller has checked them.
+pub(super) fn finer_segments<const S: usize, const N: usize>(
+    slave: &SideModel<S, N>,
+    master: &SideModel<S, N>,
+    points: usize,
+    partners: Partners,
+) -> Option<Segments<S>>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
+    let (own, other) = (slave.trace.oriented(), master.trace.oriented());
+    let segments = Trace::<S, N>::merged(points + FINER_POINTS, partners).segments(&own, &other).ok()?;
+    segments.well_formed(own.num_elements(), other.num_elements()).ok().map(|()| segments)
 }
 
-impl<const S: usize, const N: usize> InterfaceRules<'_, S, N> {
-    /// Points per direction of a piece of two sides.
-    pub(super) fn points(&self, slave: &SideModel<S, N>, master: &SideModel<S, N>) -> usize {
-        slave.degree().max(master.degree()) + 1 + self.extra_points
-    }
-
-    /// Segments for checking the rows: finer ones, `partners` as far as the caller has checked them.
-    pub(super) fn finer(&self, slave: &SideModel<S, N>, master: &SideModel<S, N>, partners: Partners) -> Option<Segments<S>> {
-        let make = self.finer?;
-        let (own, other) = (slave.trace.oriented(), master.trace.oriented());
-        let segments = make(self.points(slave, master) + FINER_POINTS, partners).segments(&own, &other).ok()?;
-        segments.well_formed(own.num_elements(), other.num_elements()).ok().map(|()| segments)
-    }
-}
-
-/// A tied slave side to be built.
-pub struct TieSetup<'a, const S: usize, const N: usize> {
-    /// The side that carries the multiplier.
-    pub slave: &'a Arc<SideModel<S, N>>,
-    /// The sides it is tied to.
-    pub masters: &'a [Arc<SideModel<S, N>>],
-    /// The coupling.
-    pub coupling: Box<dyn Coupling<S, N>>,
-    /// Whether its rows are those of the mortar method.
-    pub mortar_rows: bool,
-    /// The multiplier of each component.
-    pub multiplier: &'a MakeMultiplier<'a, S, N>,
-    /// The integration.
-    pub rules: InterfaceRules<'a, S, N>,
-    /// Largest distance of points that are tied \[length\]; `None`: rounding of sides that lie exactly on their geometry, else that of
-    /// their facets.
-    pub tolerance: Option<f64>,
-    /// Largest distance of tied points of facets, if the facets explain it \[length\].
-    pub explained: Option<f64>,
-    /// First time.
-    pub t: f64,
-}
-
-impl<const S: usize, const N: usize> std::fmt::Debug for TieSetup<'_, S, N> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("TieSetup").field("slave", &self.slave.label).finish_non_exhaustive()
-    }
-}
+/// Multipliers of the components, and the unstable pairing p/p-k (p, k) that they are under another name.
+type TieMultipliers<const S: usize> = (Vec<Box<dyn Basis<S>>>, Option<(usize, usize)>);
 
 /// Number of sides of tied interfaces on which each function of a body lies.
 #[derive(Debug, Default)]
@@ -115,44 +75,36 @@ impl<const S: usize, const N: usize> Model<S, N> {
             || (by_equations && self.supports.iter().any(|s| own(s)))
     }
 
-    /// Builds a tied slave side; its rows are not counted among those of the model yet.
+    /// Builds a tied slave side at time `t`; its rows are not counted among those of the model yet.
     ///
     /// # Errors
     /// [`InterfaceError`] for sides that do not meet, and for multipliers that do not exist or are too many.
-    pub fn tie_part(&self, tie: TieSetup<'_, S, N>, fixed: &Fixed, members: &Memberships) -> Result<TiePart<S, N>, InterfaceError> {
-        let TieSetup { slave, masters, coupling, .. } = tie;
-        let field = self.patches[slave.patch].field;
-        // multipliers, one per component: ends are constrained per component
-        let mut multipliers = Vec::with_capacity(self.components);
-        for c in (0..self.components).filter(|_| coupling.has_rows()) {
-            let by_equations = !self.equations.is_empty();
-            if slave.trace.dofs.iter().all(|&function| fixed.is(field.unknown(function, c))) && self.is_supported(slave, &[c], by_equations)
-            {
-                return Err(InterfaceError::Held { components: vec![c], by_equations });
-            }
-            let constrained = |function: usize| fixed.is(field.unknown(function, c)) || members.count(self, slave.patch, function) > 1;
-            let component = Some(c).filter(|_| self.components > 1);
-            let psi = (tie.multiplier)(&slave.trace, &constrained).map_err(|error| InterfaceError::Multiplier { component, error })?;
-            multipliers.push(wrapped(self, slave, &constrained, psi));
-        }
-        // functions that are glued to each other count once
-        let mut known = HashSet::new();
-        let twins: HashSet<usize> = slave.trace.dofs.iter().copied().filter(|&f| !known.insert(self.function(slave.patch, f))).collect();
-        let counted = |function: usize, c: usize| fixed.is(field.unknown(function, c)) || twins.contains(&function);
-        if coupling.has_rows() {
-            let borrowed: Vec<&dyn Basis<S>> = multipliers.iter().map(|m| &**m).collect();
-            check_counts(&slave.trace, self.components, &borrowed, &counted).map_err(InterfaceError::Counts)?;
-        }
+    pub(super) fn tie_part(
+        &self,
+        tie: &Tie<S, N>,
+        pair: &TiePair<S, N>,
+        t: f64,
+        fixed: &Fixed,
+        members: &Memberships,
+    ) -> Result<TiePart<S, N>, InterfaceError>
+    where
+        Trace<S, N>: InterfaceSide<S, N>,
+    {
+        let (TiePair { slave, masters, .. }, coupling) = (pair, &tie.own.coupling);
+        let (multipliers, unstable) =
+            if coupling.has_rows() { self.tie_multipliers(tie, slave, fixed, members)? } else { (Vec::new(), None) };
         // segments against every master
         let mut pairings: Vec<Pairing<S, N>> = Vec::new();
         let mut finer: Vec<Segments<S>> = Vec::new();
         let mut missed: Option<CouplingError> = None;
         for master in masters {
-            match self.segments(&tie.rules, slave, master, self.tolerance(slave, master, tie.tolerance, tie.explained)) {
+            let tolerance = self.tolerance(slave, master, tie.own.tolerance, pair.explained);
+            match self.segments(tie, slave, master, tolerance) {
                 Ok((segments, second)) => {
                     pairings.push(Pairing { master: master.clone(), segments, second });
                     // the distance has been checked
-                    finer.extend(tie.rules.finer(slave, master, Partners::Touching(Tolerance::Given(f64::INFINITY))));
+                    let points = points_of(slave, master, tie.extra_points);
+                    finer.extend(finer_segments(slave, master, points, Partners::Touching(Tolerance::Given(f64::INFINITY))));
                 }
                 Err(e @ CouplingError::Rule(_)) => return Err(InterfaceError::Segments(e)),
                 Err(e) => missed = Some(e),
@@ -169,7 +121,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let mut part = TiePart {
             slave: slave.clone(),
             multipliers,
-            coupling,
+            unstable,
+            coupling: Arc::clone(coupling),
             pairings,
             rows: empty(0, self.unknowns),
             reaction: None,
@@ -181,7 +134,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             num_rows: 0,
         };
         let (mut reaction, mut differs) = (empty(0, self.unknowns), false);
-        let fluxes = part.fluxes(self, tie.t);
+        let fluxes = part.fluxes(self, t);
         for k in 0..part.pairings.len() {
             let blocks = part.blocks(&*part.coupling, self, k, &fluxes).map_err(InterfaceError::Coupling)?;
             differs |= blocks.reaction.is_some();
@@ -194,12 +147,50 @@ impl<const S: usize, const N: usize> Model<S, N> {
             part.multipliers.clear();
         }
         part.reaction = differs.then_some(reaction);
-        if tie.mortar_rows {
+        if coupling.rows_are_mortar() {
             part.function_sums = function_sums(self, &part);
             part.finer = if finer.len() == part.pairings.len() { self.finer_tie(&part, &finer) } else { None };
         }
         part.num_rows = part.multipliers.iter().map(|m| m.num_functions()).sum();
         Ok(part)
+    }
+
+    /// One multiplier per component, and the unstable pairing that it is under another name.
+    fn tie_multipliers(
+        &self,
+        tie: &Tie<S, N>,
+        slave: &SideModel<S, N>,
+        fixed: &Fixed,
+        members: &Memberships,
+    ) -> Result<TieMultipliers<S>, InterfaceError>
+    where
+        Trace<S, N>: InterfaceSide<S, N>,
+    {
+        let field = self.patches[slave.patch].field;
+        // ends are constrained per component
+        let (mut multipliers, mut unstable) = (Vec::with_capacity(self.components), None);
+        for c in 0..self.components {
+            let by_equations = !self.equations.is_empty();
+            if slave.trace.dofs.iter().all(|&function| fixed.is(field.unknown(function, c))) && self.is_supported(slave, &[c], by_equations)
+            {
+                return Err(InterfaceError::Held { components: vec![c], by_equations });
+            }
+            let constrained = |function: usize| fixed.is(field.unknown(function, c)) || members.count(self, slave.patch, function) > 1;
+            let component = Some(c).filter(|_| self.components > 1);
+            let psi = tie.multiplier.make(&slave.trace, &constrained).map_err(|error| InterfaceError::Multiplier { component, error })?;
+            let psi = wrapped(self, slave, &constrained, psi);
+            if c == 0 && tie.multiplier.is_nameless() {
+                unstable = unstable_pairing(&*slave.trace.space, &*psi);
+            }
+            multipliers.push(psi);
+        }
+        // functions that are glued to each other count once
+        let mut known = HashSet::new();
+        let twins: HashSet<usize> = slave.trace.dofs.iter().copied().filter(|&f| !known.insert(self.function(slave.patch, f))).collect();
+        let counted = |function: usize, c: usize| fixed.is(field.unknown(function, c)) || twins.contains(&function);
+        let borrowed: Vec<&dyn Basis<S>> = multipliers.iter().map(|m| &**m).collect();
+        check_counts(&slave.trace, self.components, &borrowed, &counted).map_err(InterfaceError::Counts)?;
+        Ok((multipliers, unstable))
     }
 
     /// Largest distance of tied points of two sides.
@@ -212,28 +203,27 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 
     /// Segments of the constraint, and those of the reaction for mixed integration.
-    #[allow(clippy::type_complexity)]
     fn segments(
         &self,
-        rules: &InterfaceRules<'_, S, N>,
+        tie: &Tie<S, N>,
         slave: &SideModel<S, N>,
         master: &SideModel<S, N>,
         tolerance: Tolerance,
-    ) -> Result<(Segments<S>, Option<Segments<S>>), CouplingError> {
-        let points = rules.points(slave, master);
+    ) -> Result<(Segments<S>, Option<Segments<S>>), CouplingError>
+    where
+        Trace<S, N>: InterfaceSide<S, N>,
+    {
+        let points = points_of(slave, master, tie.extra_points);
         let (own, other) = (&*slave.trace.space, &*master.trace.space);
-        let first = (rules.rule)(points, Partners::Touching(tolerance)).segments(own, other)?.verified(own, other)?;
+        let first = tie.rule.first(points, Partners::Touching(tolerance)).segments(own, other)?.verified(own, other)?;
         first.touching(own, other, tolerance)?;
+        if !tie.rule.is_mixed() {
+            return Ok((first, None));
+        }
         // a master may be longer than its slave
-        let second = match rules.second {
-            Some(make) => {
-                let along_master = make(points, Partners::Near(tolerance)).segments(other, own)?;
-                along_master.well_formed(other.num_elements(), own.num_elements())?;
-                Some(along_master.swapped())
-            }
-            None => None,
-        };
-        Ok((first, second))
+        let along_master = Trace::<S, N>::slave_rule(points, Partners::Near(tolerance)).segments(other, own)?;
+        along_master.well_formed(other.num_elements(), own.num_elements())?;
+        Ok((first, Some(along_master.swapped())))
     }
 
     /// Rows on finer segments, one list per master, against which the consistency error is estimated.

@@ -12,7 +12,7 @@ use faying::geometry::Geometry;
 use faying::geometry::shapes::rectangle;
 use faying::linalg::{LinearError, Vector};
 use faying::physics::Hooke;
-use faying::problem::{BodyId, Components, Problem, ProblemError, StepError};
+use faying::problem::{BodyId, Components, ErrorKind, Problem, ProblemError, Rule, StepError};
 use faying::space::{Body, Field, Over, Patch, PatchSpec, SideError, Space, Trace};
 use std::sync::Arc;
 
@@ -227,13 +227,13 @@ fn blocks(pressed: bool, rule: Option<&'static str>) -> Blocks {
         p.traction(upper.side("v1"), 1, -1.0).unwrap();
         let contact = p.contact(upper.side("v0"), lower.side("v1")).unwrap();
         if let Some(fault) = rule {
-            contact.integration_of(move |points, partners| Box::new(FaultyRule { inner: MergedCurve { points, partners }, fault }));
+            contact.rule(Rule::of(move |points, partners| Box::new(FaultyRule { inner: MergedCurve { points, partners }, fault })));
         }
     } else {
         p.traction(upper.side("v1"), 1, 1.0).unwrap();
         let tie = p.tie(upper.side("v0"), lower.side("v1")).unwrap();
         if let Some(fault) = rule {
-            tie.integration_of(move |points, partners| Box::new(FaultyRule { inner: MergedCurve { points, partners }, fault }));
+            tie.rule(Rule::of(move |points, partners| Box::new(FaultyRule { inner: MergedCurve { points, partners }, fault })));
         }
     }
     Blocks { problem: p, upper }
@@ -256,8 +256,10 @@ fn the_library_refuses_faulty_rules_and_measures_what_they_cover() {
             let blocks = blocks(pressed, Some(fault));
             let refused = match blocks.problem.assemble() {
                 Ok(_) => false,
-                Err(ProblemError::Interface { .. }) => true,
-                Err(other) => panic!("{fault}: {other}"),
+                Err(errors) => {
+                    assert!(matches!(errors.0[..], [ProblemError { kind: ErrorKind::Interface { .. }, .. }]), "{fault}: {errors}");
+                    true
+                }
             };
             assert_eq!(refused, if pressed { in_contact } else { tied }, "{fault}, pressed {pressed}");
             if fault == "no report" {

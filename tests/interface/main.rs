@@ -16,6 +16,7 @@ mod patch_test_tied;
 #[path = "../common/random.rs"]
 mod random;
 mod solvers;
+mod statements;
 mod third_backend;
 mod touching;
 mod warnings;

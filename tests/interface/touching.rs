@@ -3,7 +3,7 @@
 use faying::geometry::shapes::{annulus_sector, brick};
 use faying::physics::Conductor;
 use faying::problem::touching::{Couple, Finding, Position, Search, TouchError, sag};
-use faying::problem::{PatchModel, Physics, SideModel};
+use faying::problem::{PatchModel, Problem, SideModel};
 use faying::space::{Body, Mesh, Patch, PatchSpec};
 use std::sync::Arc;
 
@@ -35,15 +35,16 @@ where
     Mesh<S, N>: Body<S, N>,
     Patch<S, N>: Body<S, N>,
 {
-    let model = |(k, b): (usize, &Block<N>)| {
+    let mut problem = Problem::new();
+    for (k, b) in blocks.iter().enumerate() {
         let spec = PatchSpec::new(brick(b.min, b.max).unwrap()).with_degree([1; N]).with_elements([b.elements; N]);
         let body: Arc<dyn Body<S, N>> = match b.is_mesh {
             true => Arc::new(Mesh::from_patch(&spec).unwrap()),
             false => Arc::new(Patch::try_new(&spec).unwrap()),
         };
-        PatchModel::new(format!("b{k}"), body, Physics::new::<1>(Conductor::try_new(1.0).unwrap()).unwrap(), 0, 0)
-    };
-    blocks.iter().enumerate().map(model).collect()
+        problem.body::<1>(&format!("b{k}"), body, Conductor::<N>::try_new(1.0).unwrap()).unwrap();
+    }
+    problem.bodies_and_sides().0.to_vec()
 }
 
 /// Lets `ask` search among the blocks.
@@ -195,9 +196,11 @@ fn bodies_that_overlap_are_told_unless_a_contact_or_an_open_side_says_so() {
 #[test]
 fn named_sides_are_tied_and_told_if_nothing_explains_their_distance() {
     let tie = |body: &dyn Fn(f64, usize) -> Arc<dyn Body<1, 2>>, gap: f64| {
-        let physics = Physics::new::<1>(Conductor::try_new(1.0).unwrap()).unwrap();
-        let patches: Vec<_> =
-            [(0.0, 4), (1.0 + gap, 6)].map(|(low, n)| PatchModel::<1, 2>::new(String::new(), body(low, n), physics.clone(), 0, 0)).into();
+        let mut problem = Problem::<1, 2>::new();
+        for (name, low, n) in [("inner", 0.0, 4), ("outer", 1.0 + gap, 6)] {
+            problem.body::<1>(name, body(low, n), Conductor::<2>::try_new(1.0).unwrap()).unwrap();
+        }
+        let patches = problem.bodies_and_sides().0.to_vec();
         let mut side = |k: usize, name: &str| Ok(Arc::new(SideModel::new(&patches[k], k, name, name.to_owned())?));
         let mut search = Search::new(&patches, &mut side);
         let (slave, master) = (search.side(1, "v0").unwrap(), search.side(0, "v1").unwrap());

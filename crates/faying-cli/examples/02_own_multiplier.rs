@@ -152,6 +152,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
 
     {
         use faying::coupling::multiplier::side_ends;
+        use faying::problem::Multiplier;
         use faying_cli::infsup::{InfSupOptions, constants};
         use faying_cli::{Case, case::ReadOptions};
         use faying_cli::{Registry, Status, Watch};
@@ -159,7 +160,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         let mut registry = Registry::default();
         registry.plane.multipliers.add(
             "coarse",
-            Box::new(|trace, is_constrained| {
+            Multiplier::of(|trace, is_constrained| {
                 let ends = side_ends(&*trace.space);
                 let held = |at: usize| {
                     let (mut ids, mut table) = (Vec::new(), ShapeTable::new());

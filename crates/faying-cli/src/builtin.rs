@@ -1,12 +1,11 @@
 //! Entries of the registry that come with the program.
 
 use super::build::{PLANE_OBSTACLES, patch_fault};
-use super::registry::{Covered, Cut, Family, Fault, MASTER_SUMS, MakeSolver, Names, Polynomials, Registry, Shaped};
+use super::registry::{Family, Fault, MakeSolver, Names, Registry, Shaped};
 use faying::constraint::{Augmented, Condensed, Direct, Krylov, Schur};
-use faying::coupling::interface::{MasterSums, MergedCurve, SlaveRule};
-use faying::coupling::multiplier::{self, MultiplierKind};
+use faying::coupling::multiplier::MultiplierKind;
 use faying::coupling::{Mortar, Nitsche, Penalty};
-use faying::problem::{covered_dual, curve_multiplier};
+use faying::problem::Integration;
 use faying::space::{Mesh, Patch};
 
 impl<const S: usize, const N: usize> Names<S, N> {
@@ -31,22 +30,15 @@ impl Names<1, 2> {
         let mut kinds = vec![MultiplierKind::Auto, MultiplierKind::Constant, MultiplierKind::Dual];
         kinds.extend((0..=HIGHEST_PAIRING).map(MultiplierKind::Lowered));
         for kind in kinds {
-            names.multipliers.add(&kind.to_string(), Box::new(move |trace, constrained| curve_multiplier(kind, trace, constrained)));
+            names.multipliers.add(&kind.to_string(), kind.into());
         }
-        names.polynomials = Polynomials(Some(Box::new(curve_multiplier)));
-        names.covered = Covered(Some(covered_dual));
-        names.cut = Cut(Some(|psi, trace, segments| multiplier::without_slivers(psi, &*trace.space, segments)));
         names.shaped = Shaped(Some(PLANE_OBSTACLES));
         names
             .couplings
             .add("mortar", Box::new(|_| Box::new(Mortar)))
             .add("nitsche", Box::new(|o| Box::new(Nitsche { factor: o.factor.unwrap_or(Nitsche::AUTO), variant: o.variant })))
             .add("penalty", Box::new(|o| Box::new(Penalty { factor: o.factor.unwrap_or(Penalty::AUTO) })));
-        names
-            .integrations
-            .add("merged", Box::new(|points, partners| Box::new(MergedCurve { points, partners })))
-            .add("slave", Box::new(|points, partners| Box::new(SlaveRule { points, partners })))
-            .add(MASTER_SUMS, Box::new(|points, partners| Box::new(MasterSums { points, partners })));
+        names.integrations.add("merged", Integration::Merged.into()).add("slave", Integration::Slave.into());
         names
     }
 }

@@ -1,6 +1,6 @@
 //! `faying infsup`: inf-sup constants of the slave sides of a case, and a study of them.
 
-use super::build::{SlaveEnds, SlaveSpaces, plane_net, slave_spaces};
+use super::build::{SlaveSpaces, plane_net, slave_spaces};
 use super::quantities::{Kind, Quantity, look_up};
 use super::registry::Registry;
 use super::result::{CheckReport, ProbeReport, RunResult, Status};
@@ -13,6 +13,7 @@ use crate::formula::Formula;
 use crate::table::short;
 use faying::coupling::inf_sup::{InfSup, InfSupError, Measure, Norm, Question, ZERO, degree_exponent, inf_sup, slope, verdict};
 use faying::linalg::LinearError;
+use faying::problem::SlaveEnds;
 
 /// Options of the inf-sup test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -83,12 +84,14 @@ pub fn constants(case: &Case, registry: &Registry, options: &InfSupOptions, watc
 }
 
 fn constant(s: &SlaveSpaces, options: &InfSupOptions) -> Result<Constant, InfSupError> {
-    let space = &*s.side.trace.space;
-    let by = |measure| inf_sup(space, &s.functions, &*s.multiplier, &Question { measure, norm: options.norm, ..Question::default() });
+    let space = &*s.spaces.side.trace.space;
+    let by = |measure| {
+        inf_sup(space, &s.spaces.functions, &*s.spaces.multiplier, &Question { measure, norm: options.norm, ..Question::default() })
+    };
     Ok(Constant {
         name: s.name.clone(),
-        side: s.side.label.clone(),
-        patch: s.side.patch,
+        side: s.spaces.side.label.clone(),
+        patch: s.spaces.side.patch,
         component: s.component,
         pairing: s.pairing.clone(),
         elements: space.num_elements(),
@@ -104,7 +107,7 @@ fn fault(case: &Case, s: &SlaveSpaces, error: &InfSupError) -> Diagnostic {
         InfSupError::NotSettled { .. } => "E074",
         _ => "E072",
     };
-    Diagnostic::error(code, format!("\"{}\" on `{}`: {error}", s.name, s.side.label)).in_file(&case.source.name)
+    Diagnostic::error(code, format!("\"{}\" on `{}`: {error}", s.name, s.spaces.side.label)).in_file(&case.source.name)
 }
 
 /// The rows of `infsup`: one per interface or contact, its smallest constant over sides and components.

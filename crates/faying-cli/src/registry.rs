@@ -2,15 +2,13 @@
 
 use crate::case;
 use crate::errors::nearest;
-use faying::basis::Basis;
 use faying::constraint::ConstraintSolver;
 use faying::contact::Obstacle;
 use faying::coupling::Coupling;
-use faying::coupling::multiplier::{MultiplierError, MultiplierKind};
 use faying::coupling::nitsche::Variant;
 use faying::linalg::Limits;
-use faying::problem::{self, AtRest, CutMultiplier, MakeCovered, Physics};
-use faying::space::{Body, PatchSpec, Trace};
+use faying::problem::{Multiplier, Physics, Rule};
+use faying::space::{Body, PatchSpec};
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -119,15 +117,12 @@ impl<F> Family<Keyed<F>> {
 
 /// Makes a material at a time from the values of its keys: see [`Physics::new`] for the number of components.
 pub type MakeMaterial<const N: usize> = Arc<dyn Fn(&case::Given, f64) -> Result<Physics<N>, Fault> + Send + Sync>;
+/// An obstacle without its motion, as a function of time.
+pub type AtRest<const S: usize, const N: usize> = Box<dyn Fn(f64) -> Box<dyn Obstacle<S, N>> + Send + Sync>;
 /// Makes an obstacle, which is a function of the time, from the values of its keys.
 pub type MakeObstacle<const S: usize, const N: usize> = Box<dyn Fn(&case::Given) -> Result<AtRest<S, N>, Fault> + Send + Sync>;
 /// Makes a body of a patch.
 pub type MakeBody<const S: usize, const N: usize> = Box<dyn Fn(&PatchSpec<N>) -> Result<Box<dyn Body<S, N>>, Fault> + Send + Sync>;
-/// Makes the multiplier of one component on a slave side, see [`problem::MakeMultiplier`].
-pub type MakeMultiplier<const S: usize, const N: usize> = Box<problem::MakeMultiplier<'static, S, N>>;
-/// Makes a multiplier of a degree and a continuity, arguments after the first as in [`MakeMultiplier`].
-pub type MakePolynomial<const S: usize, const N: usize> =
-    Box<dyn Fn(MultiplierKind, &Trace<S, N>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> + Send + Sync>;
 /// Options of a coupling with a factor: penalty, Nitsche's method.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -140,10 +135,6 @@ pub struct CouplingOptions {
 
 /// Makes a coupling.
 pub type MakeCoupling<const S: usize, const N: usize> = Box<dyn Fn(CouplingOptions) -> Box<dyn Coupling<S, N>> + Send + Sync>;
-/// Name of the integration over the master in mixed contact; not a keyword of case files.
-pub const MASTER_SUMS: &str = "master";
-/// Makes an integration of interfaces with that many points per piece.
-pub type MakeIntegration<const S: usize, const N: usize> = Box<problem::MakeIntegration<'static, S, N>>;
 /// Options of a constraint solver.
 #[derive(Clone, Debug)]
 pub struct SolverOptions {
@@ -169,17 +160,11 @@ pub struct Names<const S: usize, const N: usize> {
     /// Bodies of patches.
     pub backends: Family<MakeBody<S, N>>,
     /// Multiplier spaces.
-    pub multipliers: Family<MakeMultiplier<S, N>>,
-    /// Multiplier spaces given by degree and continuity, if available in this dimension.
-    pub polynomials: Polynomials<S, N>,
-    /// Multiplier `dual` of contacts, whose elements may be covered in part; if not available, `dual` is that of ties.
-    pub covered: Covered<S, N>,
-    /// Multipliers of contact without functions on slivers of what is covered; `None`: as they are.
-    pub cut: Cut<S, N>,
+    pub multipliers: Family<Multiplier<S, N>>,
     /// Couplings of interfaces.
     pub couplings: Family<MakeCoupling<S, N>>,
     /// Integrations of interfaces and contacts.
-    pub integrations: Family<MakeIntegration<S, N>>,
+    pub integrations: Family<Rule<S, N>>,
     /// Laws of materials beside those of the language, of as many components as the physics of a case.
     pub materials: Family<Keyed<MakeMaterial<N>>>,
     /// Obstacles beside those of the language; one of the same name as in the other dimension has the same keys.
@@ -195,32 +180,12 @@ pub type MakeShaped<const S: usize, const N: usize> = fn(&case::Geometry) -> Res
 #[derive(Debug)]
 pub struct Shaped<const S: usize, const N: usize>(pub Option<MakeShaped<S, N>>);
 
-/// Function that makes dual multipliers over the covered part of a side, if available.
-#[derive(Debug)]
-pub struct Covered<const S: usize, const N: usize>(pub Option<MakeCovered<S, N>>);
-
-/// [`CutMultiplier`] of a dimension, if there is one.
-#[derive(Debug)]
-pub struct Cut<const S: usize, const N: usize>(pub Option<CutMultiplier<S, N>>);
-
-/// Function that makes multipliers given by data, if available.
-pub struct Polynomials<const S: usize, const N: usize>(pub Option<MakePolynomial<S, N>>);
-
-impl<const S: usize, const N: usize> Debug for Polynomials<S, N> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(if self.0.is_some() { "Polynomials(Some)" } else { "Polynomials(None)" })
-    }
-}
-
 impl<const S: usize, const N: usize> Names<S, N> {
     /// Creates empty families.
     pub fn empty() -> Self {
         Self {
             backends: Family::new("backend"),
             multipliers: Family::new("multiplier"),
-            polynomials: Polynomials(None),
-            covered: Covered(None),
-            cut: Cut(None),
             couplings: Family::new("coupling"),
             integrations: Family::new("integration"),
             materials: Family::new("law"),
@@ -253,11 +218,6 @@ fn asked<const S: usize, const N: usize>(couplings: &Family<MakeCoupling<S, N>>)
     couplings.entries.iter().map(|(name, make)| (name.clone(), make(CouplingOptions::default()).has_rows())).collect()
 }
 
-/// Whether the rows of a coupling are those of the mortar method; `false` for added couplings.
-pub(super) fn has_mortar_rows(coupling: &str) -> bool {
-    matches!(coupling, "mortar" | "penalty")
-}
-
 /// All names a case file may use.
 #[derive(Debug)]
 pub struct Registry {
@@ -287,7 +247,7 @@ impl Registry {
             case::Names::add(&mut names.multipliers, multipliers);
         }
         for rules in [self.plane.integrations.names(), self.volume.integrations.names()] {
-            case::Names::add(&mut names.integrations, rules.into_iter().filter(|rule| *rule != MASTER_SUMS));
+            case::Names::add(&mut names.integrations, rules);
         }
         case::Names::add(&mut names.constraints, self.solvers.names());
         let more = |list: &mut Vec<case::EntryKeys>, entries: &mut dyn Iterator<Item = case::EntryKeys>| {

@@ -62,6 +62,9 @@ pub enum MultiplierError {
         /// Multipliers available on this side.
         known: String,
     },
+    /// Multipliers of the library on surfaces.
+    #[error("multipliers on surfaces are not in this version")]
+    Surfaces,
     /// The degree cannot be lowered at an end.
     #[error(
         "the multiplier has degree {degree} on element {element} at the end of the side, too little to be lowered there; refine the side"

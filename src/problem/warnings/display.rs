@@ -106,7 +106,7 @@ impl Display for Warning {
 fn inexact(found: &Inexact, f: &mut Formatter<'_>) -> Result {
     match &found.of {
         Integral::Load { name, .. } => write!(f, "the load {name}")?,
-        Integral::Spring { name, component } => write!(f, "the springs of {name} along component {component}")?,
+        Integral::Spring { name, component, .. } => write!(f, "the springs of {name} along component {component}")?,
         Integral::Modulus { name, .. } => write!(f, "the modulus of body \"{name}\"")?,
     }
     write!(f, " is integrated inexactly at t = {}, by {}", digits(found.t), percent(found.error))

@@ -5,7 +5,7 @@ use faying::constraint::{Condensed, ConstraintSolver, Direct};
 use faying::coupling::multiplier::MultiplierKind;
 use faying::linalg::{Matrix, Vector};
 use faying::physics::{Hooke, Material};
-use faying::problem::{Components, Derivatives, Exact, Point, Problem, SideOf, Solution, component_rows, multiplier_at};
+use faying::problem::{Derivatives, Exact, Point, Problem, SideOf, Solution, Value, component_rows, multiplier_at};
 use faying::space::Body;
 use std::sync::Arc;
 
@@ -61,9 +61,9 @@ fn problem(parts: &[Part; 2], exact: Linear, fixed: impl Fn(usize, usize) -> Vec
             let (side, fixed) = (bodies[b].side(parts[b].sides[k]), fixed(b, k));
             for c in 0..2 {
                 if fixed.contains(&c) {
-                    p.prescribe_exact(side, Components::One(c)).expect("a side");
+                    p.prescribe(side, c, Value::Exact).expect("a side");
                 } else {
-                    p.traction_exact(side, c).expect("a side");
+                    p.traction(side, c, Value::Exact).expect("a side");
                 }
             }
         }

@@ -1,40 +1,37 @@
 //! Bodies with their gluing, boundary conditions and loads, without ties and contacts.
 
 use super::builder::{Builder, MakeNet};
-use super::built::{Built, Sources};
 use super::couples::Couples;
-use super::{boundary, couples, exact, glue, meshes, obstacles, patches, sides, values};
+use super::places::Places;
+use super::sides::Sides;
+use super::{boundary, couples, exact, glue, meshes, patches, values};
 use crate::errors::Diagnostics;
-use faying::problem::Model;
+use faying::problem::Problem;
 
-/// A model without ties and contacts, the sides made for it, and which sides are coupled.
-pub(super) type Supported<const S: usize, const N: usize> = (Built<S, N>, sides::Sides<S, N>, Couples<S, N>);
+/// A problem without ties and contacts, the places of its statements, and which sides are coupled.
+pub(super) type Supported<const S: usize, const N: usize> = (Problem<S, N>, Places, Couples<S, N>);
 
-/// Builds bodies, gluing, boundary conditions and loads.
+/// Says bodies, gluing, boundary conditions and loads.
 pub(super) fn supported<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
     net: MakeNet<N>,
 ) -> Result<Supported<S, N>, Diagnostics> {
     let case = builder.case;
-    let patches = patches::build(builder, net);
+    let (mut problem, mut places) = (Problem::new(), Places::default());
+    problem.times(values::times(case, true));
+    let most = case.contacts.iter().map(|c| c.active_set.max_iterations.value).max().unwrap_or(1);
+    problem.active_set(case.contacts.first().map_or(1.0, |c| c.active_set.c.value), most);
+    if let Some(exact) = &case.model.exact {
+        problem.exact(exact::of(&exact.value));
+    }
+    patches::say(builder, net, &mut problem, &mut places);
     builder.stop()?;
-    values::materials(builder, &patches);
     meshes::unshared(builder);
-    let mut sides = sides::Sides::default();
+    let (bodies, regions) = problem.bodies_and_sides();
     // patches of files with several patches: their touching sides are glued
-    let couples = couples::find(builder, &patches, &mut sides, &case.glued_files());
-    let (glued, hinges) = glue::of(builder, &patches, &couples);
+    let couples = couples::find(builder, bodies, &mut Sides { regions }, &case.glued_files());
+    glue::say(builder, &mut problem, &mut places, &couples);
     builder.stop()?;
-    let mut model = Model::new(patches, glued, hinges);
-    model.components = case.model.components();
-    model.unknowns += obstacles::num_pressed(case);
-    model.exact = case.model.exact.as_ref().map(|e| exact::of(&e.value));
-    model.max_iterations = case.contacts.iter().map(|c| c.active_set.max_iterations.value).max().unwrap_or(1);
-    model.c = case.contacts.first().map_or(1.0, |c| c.active_set.c.value);
-    let mut model = Built { model, glued_sides: Vec::new(), reference: None, sources: Sources::default(), warnings: Diagnostics::new() };
-    boundary::build(builder, &mut model, &mut sides, &couples);
-    model.find_corners();
-    values::in_bodies(builder, &model);
-    builder.stop()?;
-    Ok((model, sides, couples))
+    boundary::say(builder, &mut problem, &mut places, &couples);
+    Ok((problem, places, couples))
 }

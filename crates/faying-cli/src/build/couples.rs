@@ -75,11 +75,10 @@ impl<const S: usize, const N: usize> Couples<S, N> {
 pub(super) fn find<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
     patches: &[PatchModel<S, N>],
-    sides: &mut Sides<S, N>,
+    sides: &mut Sides<'_, S, N>,
     files: &[(Range<usize>, Place)],
 ) -> Couples<S, N> {
-    let case = builder.case;
-    let mut source = |patch: usize, side: &str| sides.find(case, patches, patch, side);
+    let mut source = |patch: usize, side: &str| sides.find(patches, patch, side);
     let mut finder = Finder { search: Search::new(patches, &mut source), builder, patches };
     finder.exclude_named();
     let seams = finder.seams(files);

@@ -1,21 +1,16 @@
 //! The exact solution of a case, by derivatives of its formulas.
 
-use super::builder::Builder;
-use crate::errors::Diagnostic;
 use crate::formula::{Formula, Jet, Point};
 use crate::place::Located;
-use crate::place::Place;
-use faying::problem::Model;
 use faying::problem::{Derivatives, Exact};
-use std::sync::Arc;
 
 /// One formula per component.
 #[derive(Clone, Debug)]
 struct Formulas(Vec<Formula>);
 
 /// The exact solution of a case.
-pub(super) fn of(formulas: &[Located<Formula>]) -> Arc<dyn Exact> {
-    Arc::new(Formulas(formulas.iter().map(|f| f.value.clone()).collect()))
+pub(super) fn of(formulas: &[Located<Formula>]) -> impl Exact + use<> {
+    Formulas(formulas.iter().map(|f| f.value.clone()).collect())
 }
 
 fn derivatives(jet: &Jet) -> Derivatives {
@@ -40,19 +35,5 @@ impl Exact for Formulas {
     }
     fn is_piecewise(&self) -> bool {
         self.0.iter().any(Formula::is_piecewise)
-    }
-}
-
-/// Refuses "exact" (E062) in a case without an exact solution.
-pub(super) fn needs_exact<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
-    model: &Model<S, N>,
-    at: Place,
-) -> Result<(), Box<Diagnostic>> {
-    match model.exact {
-        Some(_) => Ok(()),
-        None => Err(Box::new(
-            builder.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]"),
-        )),
     }
 }

@@ -3,32 +3,38 @@
 use super::builder::Builder;
 use super::couples::{CoupleAt, Couples};
 use super::meetings;
+use super::places::{Places, Said};
 use crate::errors::Diagnostic;
-use crate::words::{labels, short};
-use faying::problem::{Glued, Hinge, PatchModel};
+use crate::place::Place;
+use crate::words::short;
+use faying::problem::{PatchModel, Problem, SideModel};
 use faying::space::{GlueError, Near};
 
-/// Glues the couples of the case, and the points in which patches of one mesh meet; returns these beside it.
-pub(super) fn of<const S: usize, const N: usize>(
+/// Says the couples of the case that are glued, and the points in which patches of one mesh meet.
+pub(super) fn say<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
-    patches: &[PatchModel<S, N>],
+    problem: &mut Problem<S, N>,
+    places: &mut Places,
     couples: &Couples<S, N>,
-) -> (Glued, Vec<Hinge<N>>) {
-    let unknowns = patches.last().map_or(0, |p| p.range().end);
-    let components = builder.case.model.components();
-    let mut glued = Glued::new(components, unknowns / components.max(1), patches.len());
+) {
     let mut faults = Vec::new();
     for couple in couples.glued(builder.case) {
-        if let Err(error) = glued.add(patches, &couple.slave, &couple.masters, near(patches, couple)) {
-            faults.push(fault(builder, couple, &error));
+        let side = |side: &'_ SideModel<S, N>| (places.bodies[side.patch], side.side.clone());
+        let (slave, masters): (_, Vec<_>) = (side(&couple.slave), couple.masters.iter().map(|m| side(m)).collect());
+        let masters: Vec<_> = masters.iter().map(|(body, name)| body.side(name)).collect();
+        let near = near(problem.bodies_and_sides().0, couple);
+        match problem.glue(slave.0.side(&slave.1), masters, Some(near)) {
+            Ok(said) => places.keep(said, Said { at: couple.at, ..Said::default() }),
+            Err(error) => faults.push(builder.error("E015", error.to_string(), couple.at)),
         }
     }
-    for found in faults {
-        builder.faults.push(found);
+    builder.faults.items.extend(faults);
+    for (functions, x) in meetings::found(builder.case, problem.bodies_and_sides().0) {
+        let functions: Vec<_> = functions.into_iter().map(|(patch, function)| (places.bodies[patch], function)).collect();
+        if let Err(error) = problem.share(&functions, x.into()) {
+            builder.faults.push(builder.error("E015", error.to_string(), Place::default()));
+        }
     }
-    let hinges = meetings::join(builder.case, patches, components, &mut glued);
-    glued.finish();
-    (glued, hinges)
 }
 
 /// Distance of points that are the same.
@@ -42,35 +48,39 @@ fn near<const S: usize, const N: usize>(patches: &[PatchModel<S, N>], couple: &C
     }
 }
 
-fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, couple: &CoupleAt<S, N>, error: &GlueError) -> Diagnostic {
-    let (slave, masters) = (&couple.slave.label, labels(&couple.masters));
-    let spot = |at: &[f64; 3]| {
-        let list: Vec<String> = ["x", "y", "z"][..N].iter().zip(at).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
+/// The diagnostic of sides that cannot be glued: `names` of the slave and its masters.
+pub(super) fn fault<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    at: Place,
+    names: &[String],
+    error: &GlueError,
+) -> Diagnostic {
+    let (slave, masters) = (&names[0], names[1..].iter().map(|m| format!("`{m}`")).collect::<Vec<_>>().join(", "));
+    let spot = |x: &[f64; 3]| {
+        let list: Vec<String> = ["x", "y", "z"][..N].iter().zip(x).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
         list.join(", ")
     };
     let mortar = "use coupling = \"mortar\", which ties any two sides";
     match error {
-        GlueError::Apart { distance, at, allowed } => {
+        GlueError::Apart { distance, at: x, allowed } => {
             let text =
-                format!("`{slave}` and {masters} are up to {} apart (at {}); allowed {}", short(*distance), spot(at), short(*allowed));
-            builder
-                .error("E023", text, couple.at)
-                .with_help("move the bodies together or raise `tolerance`; use [[contact]] if a gap is meant")
+                format!("`{slave}` and {masters} are up to {} apart (at {}); allowed {}", short(*distance), spot(x), short(*allowed));
+            builder.error("E023", text, at).with_help("move the bodies together or raise `tolerance`; use [[contact]] if a gap is meant")
         }
-        GlueError::Grids { element, at } => {
+        GlueError::Grids { element, at: x } => {
             let text = format!(
                 "`{slave}` and {masters} cannot be glued: their grids do not match at element {element} of `{slave}` (around {})",
-                spot(at)
+                spot(x)
             );
-            builder.error("E015", text, couple.at).with_help(format!("give both the same breakpoints along the seam, or {mortar}"))
+            builder.error("E015", text, at).with_help(format!("give both the same breakpoints along the seam, or {mortar}"))
         }
-        GlueError::Functions { element, at, difference } => {
+        GlueError::Functions { element, at: x, difference } => {
             let text = format!(
                 "`{slave}` and {masters} cannot be glued: their functions differ on element {element} of `{slave}` (around {}): {difference}",
-                spot(at)
+                spot(x)
             );
-            builder.error("E015", text, couple.at).with_help(format!("give both the same degree, continuity and weights, or {mortar}"))
+            builder.error("E015", text, at).with_help(format!("give both the same degree, continuity and weights, or {mortar}"))
         }
-        _ => builder.error("E015", format!("`{slave}` and {masters} cannot be glued: {error}"), couple.at).with_help(mortar),
+        _ => builder.error("E015", format!("`{slave}` and {masters} cannot be glued: {error}"), at).with_help(mortar),
     }
 }

@@ -5,7 +5,7 @@ use crate::case::Case;
 use faying::basis::{Order, ShapeTable};
 use faying::geometry::{Bounds, MapTable, Tree};
 use faying::linalg::Vector;
-use faying::problem::{Glued, Hinge, PatchModel};
+use faying::problem::PatchModel;
 use std::collections::BTreeMap;
 
 /// Distance within which a corner of an element is a point of the file, as a fraction of the element size.
@@ -13,35 +13,22 @@ const AT_THE_POINT: f64 = 1e-6;
 /// Function values below this count as zero.
 const NO_VALUE: f64 = 1e-10;
 
-/// Makes the functions of the meeting points one; returns where that holds two patches together.
-pub(super) fn join<const S: usize, const N: usize>(
-    case: &Case,
-    patches: &[PatchModel<S, N>],
-    components: usize,
-    glued: &mut Glued,
-) -> Vec<Hinge<N>> {
+/// Functions (patch, function) of patches of one mesh that are one, with their point.
+pub(super) fn found<const S: usize, const N: usize>(case: &Case, patches: &[PatchModel<S, N>]) -> Vec<(Vec<(usize, usize)>, Vector<N>)> {
     let mut wanted: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (m, meeting) in case.meetings.iter().enumerate() {
         meeting.patches.iter().for_each(|k| wanted.entry(*k).or_default().push(m));
     }
-    let mut found: Vec<Vec<(usize, usize, Vector<N>)>> = vec![Vec::new(); case.meetings.len()];
+    let mut found: Vec<(Vec<(usize, usize)>, Vector<N>)> = vec![(Vec::new(), Vector::zeros()); case.meetings.len()];
     for (&k, meetings) in &wanted {
         let places: Vec<(usize, Vector<N>)> =
             meetings.iter().filter_map(|&m| Some((m, point_of::<N>(&case.patches[k], case.meetings[m].point)?))).collect();
-        let first = patches[k].field.first / components.max(1);
         for (m, function, x) in functions_at(&patches[k], &places) {
-            found[m].push((k, first + function, x));
+            found[m].0.push((k, function));
+            found[m].1 = x;
         }
     }
-    let mut hinges = Vec::new();
-    for list in &found {
-        for pair in list.windows(2) {
-            glued.same(pair[0].1, pair[1].1);
-            let own = |(k, function, _): &(usize, usize, Vector<N>)| function - patches[*k].field.first / components.max(1);
-            hinges.push(Hinge { patches: [pair[0].0, pair[1].0], functions: [own(&pair[0]), own(&pair[1])], x: pair[0].2 });
-        }
-    }
-    hinges
+    found
 }
 
 /// Returns (key, function, position) of the functions whose node is one of `places`; one pass over the elements.

@@ -6,10 +6,9 @@ mod builder;
 mod built;
 mod contacts;
 mod couples;
-mod divisions;
 mod exact;
+mod faults;
 mod findings;
-mod fixed;
 mod glue;
 mod materials;
 mod meetings;
@@ -19,9 +18,10 @@ mod obstacles;
 mod outline;
 mod parameters;
 mod patches;
+mod places;
 mod plane;
 mod reference;
-mod rims;
+mod refused;
 mod sides;
 mod stored;
 mod supports;
@@ -36,18 +36,20 @@ use crate::case::Case;
 use crate::errors::Diagnostics;
 use bodies::supported;
 use builder::Builder;
+use faying::problem::InterfaceSide;
+use faying::space::Trace;
 
 pub use builder::MakeNet;
 pub use built::Built;
-pub(crate) use divisions::elements_along;
 pub(crate) use meshes::{counts as mesh_counts, named_point, unshared_text};
 pub(crate) use obstacles::PLANE as PLANE_OBSTACLES;
+pub(crate) use patches::elements_along;
 pub use patches::patch_fault;
 pub use plane::plane_net;
 pub use reference::{OnSide, Reference, ReferenceLambda, ReferencePatch};
 pub(crate) use sides::canonical as canonical_side;
 pub(crate) use stored::stored_run;
-pub use traces::{SlaveEnds, SlaveSpaces, slave_spaces};
+pub use traces::{SlaveSpaces, slave_spaces};
 pub(crate) use values::times;
 pub use volume::volume_net;
 
@@ -55,15 +57,27 @@ pub use volume::volume_net;
 ///
 /// # Errors
 /// Everything that is wrong with the case, with its places.
-pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, net: MakeNet<N>) -> Result<Built<S, N>, Diagnostics> {
+pub fn build<const S: usize, const N: usize>(case: &Case, names: &Names<S, N>, net: MakeNet<N>) -> Result<Built<S, N>, Diagnostics>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     let mut builder = Builder { case, names, faults: Diagnostics::new() };
-    let (mut model, mut sides, couples) = supported(&mut builder, net)?;
-    let fixed = fixed::fixed(&builder, &model).map_err(|fault| Diagnostics::from(*fault))?;
-    model.glued_sides = couples.glued_sides(case);
-    ties::build(&mut builder, &mut model, &couples, &fixed);
+    let (mut problem, mut places, couples) = supported(&mut builder, net)?;
+    ties::say(&mut builder, &mut problem, &mut places, &couples);
+    contacts::say(&mut builder, &mut problem, &mut places);
     builder.stop()?;
+    let built = problem.built().map_err(|errors| faults::refused(&builder, &problem, &places, &errors));
+    let model = match built {
+        Ok(model) => model,
+        Err(found) => {
+            builder.faults.items.extend(found);
+            return Err(builder.faults);
+        }
+    };
+    let mut model = Built { model, glued_sides: couples.glued_sides(case), reference: None, places, warnings: Diagnostics::new() };
+    multipliers::check(&mut builder, &model);
     warned::tell(&mut builder, &model, &model.corner_values(values::times(case, true)));
-    contacts::build(&mut builder, &mut model, &mut sides, &couples, &fixed);
+    contacts::check(&mut builder, &problem, &model);
     builder.stop()?;
     supports::check(&mut builder, &model);
     builder.stop()?;

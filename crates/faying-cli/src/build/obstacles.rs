@@ -6,14 +6,14 @@ use super::sides::alias;
 use super::values::times;
 use crate::case::{self, ObstacleShape};
 use crate::errors::Diagnostic;
-use crate::formula::{Formula, Point};
-use crate::place::Place;
-use crate::registry::{Fault, MakeShaped};
+use crate::formula::Point;
+use crate::place::{Located, Place};
+use crate::registry::{AtRest, Fault, MakeShaped};
 use faying::basis::Order;
 use faying::contact::{HalfPlane, LevelSet, Obstacle, Sphere, opposed};
 use faying::geometry::{MapTable, cell};
 use faying::linalg::Vector;
-use faying::problem::{AtRest, Data, Model, ObstacleModel, Pressed, SideModel};
+use faying::problem::{Changing, Model, ObstacleModel, Opponent, SideModel};
 use faying::space::Trace;
 use std::sync::Arc;
 
@@ -26,39 +26,19 @@ const WHOLE: f64 = 0.999;
 /// Cells of a body that are looked at, whether it lies in an obstacle.
 const LOOKS: usize = 100;
 
-/// Number of obstacles' components that forces press: each is an unknown.
-pub(super) fn num_pressed(case: &case::Case) -> usize {
-    case.contacts.iter().map(|c| forces(c).count()).sum()
-}
-
-fn forces(contact: &case::Contact) -> impl Iterator<Item = (usize, &Formula)> {
-    let force = match &contact.master {
-        case::Master::Rigid(obstacle) => obstacle.force.as_slice(),
-        _ => &[],
-    };
-    force.iter().enumerate().filter_map(|(k, f)| Some((k, &f.as_ref()?.value)))
-}
-
-/// Builds the obstacle of a contact, its force-driven unknowns numbered from `first`; `None` for a deformable master.
-pub(super) fn obstacle<const S: usize, const N: usize>(
+/// The obstacle of a contact without its motion.
+pub(super) fn opponent<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    contact: &case::Contact,
-    first: usize,
-) -> Result<Option<Arc<ObstacleModel<S, N>>>, Box<Diagnostic>> {
-    let case::Master::Rigid(obstacle) = &contact.master else { return Ok(None) };
-    let at_rest = at_rest(builder, &obstacle.value, &contact.name.value, obstacle.at)?;
-    let of_time = match &obstacle.shape.value {
+    obstacle: &Located<case::Obstacle>,
+    name: &str,
+) -> Result<Opponent<'static, S, N>, Box<Diagnostic>> {
+    let at_rest = at_rest(builder, &obstacle.value, name, obstacle.at)?;
+    let changes = match &obstacle.shape.value {
         ObstacleShape::LevelSet { f, .. } => f.depends_on_time(),
         ObstacleShape::Entry { given, .. } => given.depends_on_time(),
         _ => false,
     };
-    let motion: Vec<Option<Data>> = obstacle.translate.iter().map(|f| f.as_ref().map(|f| f.value.clone().into())).collect();
-    let changes = of_time || motion.iter().flatten().any(Data::depends_on_time);
-    let pressed = forces(contact)
-        .enumerate()
-        .map(|(k, (component, force))| Pressed { component, unknown: first + k, force: force.clone().into() })
-        .collect();
-    Ok(Some(Arc::new(ObstacleModel { at_rest, motion, pressed, changes })))
+    Ok(if changes { Opponent::Changing(Changing(Arc::from(at_rest))) } else { Opponent::Obstacle(Arc::from(at_rest(0.0))) })
 }
 
 fn vector<const N: usize>(list: &[f64]) -> Vector<N> {

@@ -1,16 +1,16 @@
 //! Bodies: the net of a patch, its elements, its space, its material.
 
 use super::builder::{Builder, MakeNet};
-use super::divisions::{breakpoints, grade_of};
 use super::materials::material as material_at;
+use super::places::{Places, Said};
 use crate::case::{self, Cells, Patch};
 use crate::errors::Diagnostic;
 use crate::place::Located;
 use crate::registry::Fault;
 use faying::basis::Cell;
 use faying::geometry::ControlNet;
-use faying::problem::{Changing, PatchModel, Physics};
-use faying::space::{Body, PatchSpec, SpecError};
+use faying::problem::{BodyMaterial, BodySpec, Changing, Physics, Problem, ProblemError};
+use faying::space::{Body, Divisions, Grading, PatchSpec, SpecError, divided};
 use std::sync::Arc;
 
 /// Code and message of an error of a built-in backend.
@@ -24,69 +24,81 @@ pub fn patch_fault(error: &SpecError) -> Fault {
     Fault::new(code, error.to_string())
 }
 
-/// Builds all bodies of the case; errors go to the builder's faults.
-pub(super) fn build<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, net: MakeNet<N>) -> Vec<PatchModel<S, N>> {
-    let mut patches = Vec::new();
-    let mut first = 0;
+/// Says all bodies of the case, with their sources and weights; errors go to the builder's faults.
+pub(super) fn say<const S: usize, const N: usize>(
+    builder: &mut Builder<'_, S, N>,
+    net: MakeNet<N>,
+    problem: &mut Problem<S, N>,
+    places: &mut Places,
+) {
     for k in 0..builder.case.patches.len() {
-        match one(builder, k, first, net) {
-            Ok(patch) => {
-                first += patch.num_unknowns();
-                patches.push(patch);
-            }
-            Err(fault) => builder.faults.push(*fault),
+        if let Err(fault) = one(builder, k, net, problem, places) {
+            builder.faults.push(*fault);
         }
     }
-    patches
 }
 
 fn one<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     number: usize,
-    first: usize,
     net: MakeNet<N>,
-) -> Result<PatchModel<S, N>, Box<Diagnostic>> {
+    problem: &mut Problem<S, N>,
+    places: &mut Places,
+) -> Result<(), Box<Diagnostic>> {
     let case = builder.case;
     let patch = &case.patches[number];
-    let name = &patch.name.value;
     let backend = &patch.discretization.backend;
     let is_mesh = patch.geometry.shape.part().is_some_and(case::FilePart::is_mesh);
     let body = if is_mesh { super::meshes::body(builder, patch)? } else { of_net(builder, patch, net, backend)? };
     let material = &case.materials[patch.material.value];
     let assumption = case.model.assumption.value;
-    let first_time = case.steps.value.first().copied().unwrap_or(1.0);
-    let (physics, changing) = match &material.law {
+    let first_time = super::values::times(case, false)[0];
+    let law = match &material.law {
         Some(law) => of_law(builder, &material.name.value, law)?,
         None => {
             let refused = |e| builder.error("E053", format!("material \"{}\": {e}", material.name.value), super::values::key(material, &e));
+            let first = material_at(material, assumption, first_time).map_err(refused)?;
             let changes = super::values::constants(material).iter().any(|f| f.depends_on_time());
-            (material_at(material, assumption, first_time).map_err(refused)?, changes.then(|| changing(material, assumption)))
+            if changes { BodyMaterial::Changing(changing(material, assumption)) } else { BodyMaterial::Constant(first) }
         }
     };
-    let source =
-        [&case.model.source, &patch.source].into_iter().flatten().flat_map(|s| s.value.iter().map(|f| f.value.clone().into())).collect();
-    let accelerations = [&case.model.gravity, &patch.gravity].into_iter().flatten();
-    let gravity = accelerations.fold(None, |sum: Option<Vec<f64>>, g| {
-        Some(sum.map_or_else(|| g.value.clone(), |s| s.iter().zip(g.iter()).map(|(a, b)| a + b).collect()))
-    });
-    let weight = material.density.as_ref().map(|d| d.value.clone().into()).zip(gravity);
-    let model = PatchModel::new(name.clone(), body.into(), physics, first, patch.discretization.extra_points.value);
-    let (unrefined, is_shaped) = (super::meshes::unrefined(patch).map(Arc::from), !is_mesh && !model.exact_map);
-    Ok(PatchModel { backend: backend.value.clone(), changing, source, weight, unrefined, is_shaped, ..model })
+    let spec = BodySpec {
+        extra_points: patch.discretization.extra_points.value,
+        unrefined: super::meshes::unrefined(patch).map(Arc::from),
+        is_shaped: !is_mesh,
+        side_names: Some(super::sides::names(case, number)),
+        backend: backend.value.clone(),
+        ..BodySpec::new(&patch.name.value, body.into(), law)
+    };
+    let refused = |at| move |error: ProblemError| Box::new(builder.error("E015", error.to_string(), at));
+    let id = problem.add(spec).map_err(refused(patch.head.at))?;
+    places.bodies.push(id);
+    places.keep(id.into(), Said { at: patch.head.at, ..Said::default() });
+    for source in [&case.model.source, &patch.source].into_iter().flatten() {
+        let said = problem.source(id, source.value.iter().map(|f| f.value.clone().into()).collect()).map_err(refused(source.at))?;
+        places.keep(said, Said { at: source.at, what: "source", formulas: source.value.clone(), ..Said::default() });
+    }
+    let gravity = [&case.model.gravity, &patch.gravity].into_iter().flatten();
+    let sum = gravity.fold(None, |sum: Option<[f64; N]>, g| Some(std::array::from_fn(|k| sum.map_or(g.value[k], |s| s[k] + g.value[k]))));
+    if let (Some(density), Some(g)) = (&material.density, sum) {
+        let said = problem.gravity(id, density.value.clone(), g).map_err(refused(density.at))?;
+        places.keep(said, Said { at: density.at, what: "density", formulas: vec![density.clone()], ..Said::default() });
+    }
+    Ok(())
 }
 
 /// A material of the case as a function of time, its constants checked at the first one.
-fn changing<const N: usize>(material: &case::Material, assumption: case::Assumption) -> Changing<N> {
+fn changing<const N: usize>(material: &case::Material, assumption: case::Assumption) -> Changing<Physics<N>> {
     let material = material.clone();
     Changing(Arc::new(move |t| material_at(&material, assumption, t).expect("constants were checked when the first one was made")))
 }
 
-/// A material of the registry at the first time, and as a function of time if it changes; made for all times of the case.
+/// A material of the registry, made for all times of the case.
 fn of_law<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     material: &str,
     law: &Located<case::Law>,
-) -> Result<(Physics<N>, Option<Changing<N>>), Box<Diagnostic>> {
+) -> Result<BodyMaterial<N>, Box<Diagnostic>> {
     let entry = builder.names.materials.get(&law.name).map_err(|e| builder.error("E015", e.to_string(), law.at))?;
     let refused = |code: &'static str, text: &str| Box::new(builder.error(code, format!("material \"{material}\": {text}"), law.at));
     let changes = law.given.depends_on_time();
@@ -100,8 +112,10 @@ fn of_law<const S: usize, const N: usize>(
         first.get_or_insert(made);
     }
     let (make, given) = (Arc::clone(&entry.make), law.given.clone());
-    let changing = changes.then(|| Changing(Arc::new(move |t| make(&given, t).expect("it was made at all times of the case"))));
-    Ok((first.expect("a case has a time"), changing))
+    if changes {
+        return Ok(BodyMaterial::changing(move |t| make(&given, t).expect("it was made at all times of the case")));
+    }
+    Ok(BodyMaterial::Constant(first.expect("a case has a time")))
 }
 
 /// The body of a net.
@@ -137,9 +151,15 @@ pub(super) fn specification<const S: usize, const N: usize>(
     let mut lists: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
     for (k, list) in lists.iter_mut().enumerate() {
         let own = net.axes[k].breakpoints();
-        let (toward, ratio) = grade_of(patch.grade.as_ref().map(|g| &g.value), k);
+        let grade = patch.grade.as_ref().map(|g| &g.value);
+        let grading = grade.and_then(|g| Some(Grading { toward: g.toward.get(k).copied().flatten()?, ratio: g.ratio }));
         let divisions = &patch.elements.value[k];
-        *list = breakpoints(own, &divisions.value, total, toward, ratio, patch.refine.value)
+        let wanted = match &divisions.value {
+            case::Divisions::Count(n) if total => Divisions::Total(*n),
+            case::Divisions::Count(n) => Divisions::PerSpan(*n),
+            case::Divisions::Breakpoints(list) => Divisions::Breakpoints(list.clone()),
+        };
+        *list = divided(own, &wanted, grading, patch.refine.value)
             .map_err(|e| builder.error("E015", format!("elements of patch \"{}\": {e}", patch.name.value), divisions.at))?;
     }
     let mut spec = PatchSpec::new(net).with_breakpoints(lists);
@@ -177,4 +197,16 @@ pub(super) fn shares<const S: usize, const N: usize>(
     let points = &spec.breakpoints[1 - across];
     let length = points.last()? - points.first()?;
     Some(points.windows(2).map(|p| (p[1] - p[0]) / length).collect())
+}
+
+/// Returns the number of elements of `patch` in direction `axis` that [`divided`] makes of the geometry's breakpoints `own`; for a list
+/// an upper bound. `f64`, because repeated halving can exceed the range of integers.
+pub(crate) fn elements_along(patch: &Patch, own: &[f64], axis: usize) -> Option<f64> {
+    let pieces = own.len().checked_sub(1).filter(|&n| n > 0)?;
+    let base = match &patch.elements.value.get(axis)?.value {
+        case::Divisions::Count(n) if patch.geometry.value.shape.value.is_built_in() => n.div_ceil(pieces) as f64 * pieces as f64,
+        case::Divisions::Count(n) => *n as f64 * pieces as f64,
+        case::Divisions::Breakpoints(list) => (list.len().saturating_sub(1) + pieces - 1) as f64,
+    };
+    Some(base * f64::exp2(patch.refine.value as f64))
 }

@@ -12,7 +12,7 @@ use faying::coupling::Segments;
 use faying::coupling::interface::{Partners, Tolerance};
 use faying::geometry::{ClosestPoint, Embedding};
 use faying::linalg::{Matrix, Vector};
-use faying::problem::{Model, OtherField, SideModel};
+use faying::problem::{InterfaceSide, Model, OtherField, SideModel};
 use faying::quadrature::{PerElement, Quadrature, Rule, TensorRule, gauss_legendre};
 use faying::space::{Body, Field, PatchSpec, Space, Trace, field_at};
 use std::sync::Arc;
@@ -138,7 +138,10 @@ pub(super) fn build<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     model: &Model<S, N>,
     net: MakeNet<N>,
-) -> Result<Option<Reference<S, N>>, Box<Diagnostic>> {
+) -> Result<Option<Reference<S, N>>, Box<Diagnostic>>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     let (Some(run), Some(file)) = (&builder.case.model.stored, &builder.case.model.reference) else { return Ok(None) };
     let refused = |code: &'static str, text: String| Box::new(builder.error(code, format!("{}: {text}", file.value), file.at));
     is_same_problem(builder.case, run).map_err(|(code, text)| refused(code, text))?;
@@ -159,7 +162,7 @@ pub(super) fn build<const S: usize, const N: usize>(
         }
         let of_name = |text: String| refused("E015", format!("`{name}` of the stored run {text}"));
         let sides = sides(model, &patches, &stored, components).map_err(of_name)?;
-        let parts: Result<Vec<_>, String> = slaves.iter().map(|slave| on_sides(builder, slave, &sides)).collect();
+        let parts: Result<Vec<_>, String> = slaves.iter().map(|slave| on_sides(slave, &sides)).collect();
         lambda.push(ReferenceLambda { name: name.clone(), parts: parts.map_err(of_name)? });
     }
     Ok(Some(Reference { patches, lambda }))
@@ -327,18 +330,16 @@ fn sides<'a, const S: usize, const N: usize>(
 }
 
 /// The common refinement of a slave side and those sides of the run that lie on it.
-fn on_sides<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
-    slave: &SideModel<S, N>,
-    sides: &[Side<'_, S, N>],
-) -> Result<Vec<OnSide<S>>, String> {
-    let make = builder.names.integrations.get("merged").map_err(|e| e.to_string())?;
+fn on_sides<const S: usize, const N: usize>(slave: &SideModel<S, N>, sides: &[Side<'_, S, N>]) -> Result<Vec<OnSide<S>>, String>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     let (mut found, mut covered) = (Vec::new(), 0.0);
     let whole = faying::space::measure::<S, N, f64, _>(&*slave.trace.space);
     let own = slave.runs.iter().map(|r| r.1);
     for side in sides.iter().filter(|side| own.clone().any(|patch| patch == side.patch)) {
         let points = slave.degree().max(side.stored.degree) + 1 + EXTRA_POINTS;
-        let quadrature = make(points, Partners::Near(Tolerance::Local));
+        let quadrature = Trace::<S, N>::merged(points, Partners::Near(Tolerance::Local));
         let segments = quadrature.segments(&*slave.trace.space, &*side.trace.space).map_err(|e| e.to_string())?;
         covered += segments.measure();
         let (components, degree, values) = (side.stored.components, side.stored.degree, Arc::clone(&side.values));

@@ -23,7 +23,7 @@ pub(super) fn tell<const S: usize, const N: usize>(builder: &mut Builder<'_, S, 
                     at.join(", "),
                     time_text(builder.case.steps.value.len() > 1, *t)
                 );
-                let warning = builder.warning("E052", text, model.sources.of(conditions[1]));
+                let warning = builder.warning("E052", text, model.places.at(model.conditions[conditions[1]].of));
                 Some(warning.with_help("make the values equal there, or prescribe one of them"))
             }
             Warning::Overlap { .. } => overlap(builder, model, warning),

@@ -34,7 +34,6 @@ use self::ended::{Ended, plain_failure};
 use self::streams::Streams;
 use self::study::Order;
 use crate::Registry;
-use crate::build::SlaveEnds;
 use crate::case::StudyValues;
 use crate::errors::Diagnostic;
 use crate::infsup::{Constants, InfSupOptions};
@@ -42,6 +41,7 @@ use crate::studies::{Method, Runs};
 use clap::error::ErrorKind;
 use clap::{Parser, ValueEnum};
 use faying::coupling::inf_sup::Norm;
+use faying::problem::SlaveEnds;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
@@ -117,7 +117,7 @@ fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words:
                 let ends = command.ends.or_else(|| EndsChoice::from_str(word(|v| &v.ends)?, false).ok());
                 let norm = if norm == Some(NormChoice::HHalf) { Norm::HHalf } else { Norm::L2 };
                 let ends = match ends.unwrap_or_default() {
-                    EndsChoice::Case => SlaveEnds::Case,
+                    EndsChoice::Case => SlaveEnds::Stated,
                     EndsChoice::Zero => SlaveEnds::Zero,
                     EndsChoice::Free => SlaveEnds::Free,
                 };

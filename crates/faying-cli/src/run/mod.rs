@@ -27,7 +27,8 @@ use crate::errors::{Diagnostic, Diagnostics, Severity};
 use faying::constraint::SolveError;
 use faying::contact::{ClosedSide, NoHalfWidth, half_width};
 use faying::linalg::Csr;
-use faying::problem::{self, ContactModel, Model, StepError, StepState, Stiffness, TieModel, TiePart, Warning, step};
+use faying::problem::{self, ContactModel, InterfaceSide, Model, StepError, StepState, Stiffness, TieModel, TiePart, Warning, step};
+use faying::space::Trace;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -126,7 +127,10 @@ fn run_in<const S: usize, const N: usize>(
     dimension: &Dimension<'_, S, N>,
     options: &RunOptions,
     watch: &Watch,
-) -> Finished {
+) -> Finished
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     match solve_case("run", case, registry, dimension, watch) {
         Ok((mut result, solved)) => {
             let output = solved.last().map(|last| {
@@ -178,7 +182,10 @@ fn slaves_in<const S: usize, const N: usize>(
     case: &Case,
     registry: &Registry,
     dimension: &Dimension<'_, S, N>,
-) -> Result<Vec<bool>, Diagnostics> {
+) -> Result<Vec<bool>, Diagnostics>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     let model = built(case, registry, dimension, &Watch::default(), Room::least(None))?;
     let ties = model.ties.iter().flat_map(|t| &t.parts).map(|part| part.slave.patch);
     let contacts = model.contacts.iter().flat_map(|c| &c.parts).map(|part| part.slave.patch);
@@ -192,7 +199,10 @@ pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &Wa
     if in_space(case) { check_in(case, registry, &volume(registry), watch) } else { check_in(case, registry, &plane(registry), watch) }
 }
 
-fn check_in<const S: usize, const N: usize>(case: &Case, registry: &Registry, dimension: &Dimension<'_, S, N>, watch: &Watch) -> Finished {
+fn check_in<const S: usize, const N: usize>(case: &Case, registry: &Registry, dimension: &Dimension<'_, S, N>, watch: &Watch) -> Finished
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     let outcome = || -> Result<RunResult, Diagnostics> {
         watch.phase("build");
         let room = Room::least(watch.max_memory);
@@ -258,7 +268,10 @@ fn built<const S: usize, const N: usize>(
     dimension: &Dimension<'_, S, N>,
     watch: &Watch,
     room: Option<Room>,
-) -> Result<Built<S, N>, Diagnostics> {
+) -> Result<Built<S, N>, Diagnostics>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     let word = &case.solver.constraint;
     let mut solver =
         solver(registry, &case.solver, watch).map_err(|fault| Diagnostic::error(fault.code, fault.message).at(&case.source, word.at))?;
@@ -332,7 +345,10 @@ fn solve_case<const S: usize, const N: usize>(
     registry: &Registry,
     dimension: &Dimension<'_, S, N>,
     watch: &Watch,
-) -> Result<Outcome<S, N>, Diagnostics> {
+) -> Result<Outcome<S, N>, Diagnostics>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     watch.phase("build");
     // determined before the model takes memory
     let room = Room::least(watch.max_memory);

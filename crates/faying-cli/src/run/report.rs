@@ -136,7 +136,14 @@ pub fn fill<const S: usize, const N: usize>(
     for ((_, report), (_, old)) in result.interface.0.iter_mut().zip(known.0) {
         report.multiplier = old.multiplier;
     }
-    result.reactions = Named(reactions(model, state, &mut outside));
+    let mut sums: Named<Vec<f64>> = Named::default();
+    for reaction in reactions(model, state, &mut outside) {
+        match sums.0.iter_mut().find(|(label, _)| label == reaction.label()) {
+            Some((_, sum)) => sum.iter_mut().zip(&reaction.force).for_each(|(s, f)| *s += f),
+            None => sums.push(reaction.label().to_owned(), reaction.force),
+        }
+    }
+    result.reactions = sums;
     result.loads = loads::<N>(model.components, &state.loads);
     result.balance =
         Balance { force: outside.force[..model.components].to_vec(), moment: (model.components == N).then(|| moment::<N>(outside.moment)) };

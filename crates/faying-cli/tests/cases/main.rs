@@ -8,6 +8,7 @@ mod lessons;
 mod loads;
 mod mutated_files;
 mod mutated_runs;
+mod parity;
 #[path = "../../../../tests/common/random.rs"]
 mod random;
 mod reference;

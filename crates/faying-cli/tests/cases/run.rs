@@ -701,6 +701,7 @@ fn names_of_a_registry_from_outside_run_from_a_case_file() {
     use faying::constraint::Direct;
     use faying::coupling::Mortar;
     use faying::coupling::multiplier::{MultiplierKind, build};
+    use faying::problem::Multiplier;
     use faying::space::Patch;
     let mut registry = Registry::default();
     // a backend that makes splines one degree higher than asked for, and the other families under new names
@@ -711,7 +712,7 @@ fn names_of_a_registry_from_outside_run_from_a_case_file() {
             Ok(Box::new(Patch::<1, 2>::try_new(&spec).map_err(|e| faying_cli::Fault::new("E015", e.to_string()))?))
         }),
     );
-    registry.plane.multipliers.add("mine", Box::new(|trace, _| build(&trace.space, MultiplierKind::Constant, &[])));
+    registry.plane.multipliers.add("mine", Multiplier::of(|trace, _| build(&trace.space, MultiplierKind::Constant, &[])));
     registry.plane.couplings.add("dowels", Box::new(|_| Box::new(Mortar)));
     registry.solvers.add("direct", Box::new(|_| Ok(Box::new(Direct::new()))));
     let text = pair(

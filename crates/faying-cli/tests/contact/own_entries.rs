@@ -1,7 +1,7 @@
 //! A material and an obstacle from outside have names and keys of their own in case files.
 
 use faying::coupling::interface::{InterfaceQuadrature, SlaveRule};
-use faying::problem::Physics;
+use faying::problem::{Physics, Rule};
 use faying_cli::case::{Given, Key, KeyKind, ReadOptions};
 use faying_cli::{Case, Fault, Registry, case};
 use std::sync::Arc;
@@ -46,7 +46,7 @@ fn registry() -> Registry {
     };
     registry.plane.obstacles.add_keyed("bar", bar, Box::new(make));
     let rule = |points, partners| -> Box<dyn InterfaceQuadrature<1, 2>> { Box::new(SlaveRule { points: points + 3, partners }) };
-    registry.plane.integrations.add("slave-finer", Box::new(rule));
+    registry.plane.integrations.add("slave-finer", Rule::of(rule));
     registry
 }
 

@@ -2,6 +2,7 @@
 
 use crate::common::json_schema;
 use faying::coupling::multiplier::PiecewiseConstant;
+use faying::problem::Multiplier;
 use faying_cli::Case;
 use faying_cli::case::ReadOptions;
 use faying_cli::infsup::{InfSupOptions, constants};
@@ -200,7 +201,7 @@ fn too_many_multipliers_are_an_error_of_run_and_zero_here() {
 #[test]
 fn a_multiplier_from_outside_is_tested_by_its_name() {
     let mut registry = Registry::default();
-    registry.plane.multipliers.add("mine", Box::new(|side, _| Ok(Box::new(PiecewiseConstant::of(&*side.space)))));
+    registry.plane.multipliers.add("mine", Multiplier::of(|side, _| Ok(Box::new(PiecewiseConstant::of(&*side.space)))));
     let options = ReadOptions { names: registry.case_names(), ..ReadOptions::default() };
     let case = Case::parse("a.toml", &BOXES.replace("name = \"seam\"", "name = \"seam\"\nmultiplier = \"mine\""), &options).unwrap();
     let found = constants(&case, &registry, &InfSupOptions::default(), &Watch::default()).unwrap();

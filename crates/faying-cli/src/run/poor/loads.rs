@@ -1,28 +1,29 @@
 //! Diagnostics of loads, springs and moduli that jump inside of elements, of which the rule of integration misses a part.
 
+use crate::build::Built;
 use crate::case::{Boundary, Case, Datum};
 use crate::errors::Diagnostic;
 use crate::formula::Formula;
 use crate::place::{Located, Place};
 use crate::words::{component_name, percent, short};
-use faying::problem::{Inexact, Integral, Model, Resultant};
+use faying::problem::{Inexact, Integral, Resultant, Statement};
 
 /// Components below this share of the largest are round-off.
 const ROUNDING: f64 = 1e-9;
 const HELP: &str = "let it jump on edges of elements only: give breakpoints there, as in elements = [[0, 0.23, 1], 4], or refine the mesh";
 
 /// Returns the diagnostic of a load, springs or a material whose integral is inexact.
-pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, found: &Inexact) -> Option<Diagnostic> {
+pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, found: &Inexact) -> Option<Diagnostic> {
     let (components, error) = (model.components, percent(found.error));
     let when = if case.has_steps() { format!(" at t = {}", short(found.t)) } else { String::new() };
     let [by_rule, finer] = [&found.integrated, &found.finer];
     let one = |r: &Resultant| short(r.force[0]);
-    let block = |name: &str| case.boundaries.iter().find(|b| b.name.value == name);
+    let block = |of: &Statement| model.places.said(*of).and_then(|said| case.boundaries.get(said.block?));
     let (text, at, help) = match &found.of {
-        Integral::Load { name, patch } => {
+        Integral::Load { of, name, patch } => {
             let at = match patch {
                 Some(k) => case.patches[*k].head.at,
-                None => block(name).map_or_else(Place::default, place_of_load),
+                None => block(of).map_or_else(Place::default, place_of_load),
             };
             let text = format!(
                 "the load \"{name}\" is integrated inexactly{when}: {} for {} by a finer rule, {error} % off",
@@ -31,9 +32,9 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Model<S, 
             );
             (text, at, HELP)
         }
-        Integral::Spring { name, component } => {
+        Integral::Spring { of, name, component } => {
             let at =
-                block(name).map_or_else(Place::default, |b| b.spring.get(*component).and_then(Option::as_ref).map_or(b.head.at, |f| f.at));
+                block(of).map_or_else(Place::default, |b| b.spring.get(*component).and_then(Option::as_ref).map_or(b.head.at, |f| f.at));
             let text = format!(
                 "the springs of \"{name}\" along {} are integrated inexactly{when}: stiffness {} for {} by a finer rule, {error} % off",
                 component_name(*component, components),

@@ -4,14 +4,14 @@ mod loads;
 mod of_model;
 mod of_state;
 
-use crate::build::times;
+use crate::build::{Built, times};
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::result::RunResult;
 use faying::problem::{Model, StepState, Warning};
 
 /// Returns the warnings about a model before it is solved.
-pub fn of_model<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>) -> Vec<Diagnostic> {
+pub fn of_model<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>) -> Vec<Diagnostic> {
     model.accuracy_warnings(times(case, true)).iter().filter_map(|w| of_model::diagnostic(case, model, w)).collect()
 }
 

@@ -1,13 +1,14 @@
 //! Diagnostics of warnings about a model.
 
 use super::loads;
+use crate::build::Built;
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::words::{percent, place, short};
-use faying::problem::{Model, SubjectKind, Warning};
+use faying::problem::{SubjectKind, Warning};
 
 /// Returns the diagnostic of a warning about the accuracy of a model.
-pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, warning: &Warning) -> Option<Diagnostic> {
+pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, warning: &Warning) -> Option<Diagnostic> {
     if let Warning::Inexact(found) = warning {
         return loads::diagnostic(case, model, found);
     }

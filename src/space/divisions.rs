@@ -1,45 +1,54 @@
-//! Breakpoints of a patch: counts, explicit lists, grading, halving.
+//! Breakpoints of a direction of a patch: counts, explicit lists, grading, halving.
 
-use crate::case::{Divisions, Grade, Patch};
+/// Elements of a direction.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Divisions {
+    /// Their number, rounded up to a multiple of the geometry's spans.
+    Total(usize),
+    /// Their number per span of the geometry.
+    PerSpan(usize),
+    /// Increasing breakpoints, the ends of the direction included; the geometry's own are added.
+    Breakpoints(Vec<f64>),
+}
 
-/// Error message for breakpoints that cannot be built.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct DivisionError(pub String);
+/// Sizes of elements that grow geometrically away from a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grading {
+    /// The place, 0..1 of the direction.
+    pub toward: f64,
+    /// Size of the first element there over the uniform size, 0..1.
+    pub ratio: f64,
+}
+
+/// Error of a list of breakpoints that does not span its direction.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("the breakpoints go from {} to {}, the direction from {} to {}", .list[0], .list[1], .direction[0], .direction[1])]
+pub struct DivisionError {
+    /// Ends of the list.
+    pub list: [f64; 2],
+    /// Ends of the direction.
+    pub direction: [f64; 2],
+}
 
 /// Points closer than this fraction of the direction's length coincide.
 const SAME: f64 = 1e-10;
 
-/// Breakpoints of one direction whose geometry has the breakpoints `own` (its ends included).
+/// Breakpoints of a direction whose geometry has the breakpoints `own`, its ends included; every element is halved `refine` times.
 ///
-/// A count is in total for built-in shapes (`total`), rounded up to a multiple of the geometry's pieces, else per piece.
 /// The geometry's own breakpoints are always among the result, because the map is only smooth between them.
 ///
 /// # Errors
 /// [`DivisionError`] where a list does not span the direction.
-pub fn breakpoints(
-    own: &[f64],
-    divisions: &Divisions,
-    total: bool,
-    toward: Option<f64>,
-    ratio: f64,
-    refine: usize,
-) -> Result<Vec<f64>, DivisionError> {
+pub fn divided(own: &[f64], divisions: &Divisions, grading: Option<Grading>, refine: usize) -> Result<Vec<f64>, DivisionError> {
     let (first, last) = (own[0], own[own.len() - 1]);
     let length = last - first;
     let mut points = match divisions {
-        Divisions::Count(n) => {
-            let pieces = own.len() - 1;
-            let per_piece = if total { n.div_ceil(pieces) } else { *n };
-            match toward {
-                None => uniform(own, per_piece),
-                Some(at) => graded(own, per_piece * pieces, at, ratio),
-            }
-        }
+        Divisions::Total(n) => of_spans(own, n.div_ceil(own.len() - 1), grading),
+        Divisions::PerSpan(n) => of_spans(own, *n, grading),
         Divisions::Breakpoints(list) => {
             let (a, b) = (list.first().copied().unwrap_or(first), list.last().copied().unwrap_or(last));
             if (a - first).abs() > SAME * length || (b - last).abs() > SAME * length {
-                return Err(DivisionError(format!("the breakpoints go from {a} to {b}, the direction from {first} to {last}")));
+                return Err(DivisionError { list: [a, b], direction: [first, last] });
             }
             let mut all: Vec<f64> = list[1..list.len() - 1].to_vec();
             all.extend_from_slice(&own[1..own.len() - 1]);
@@ -55,8 +64,6 @@ pub fn breakpoints(
             points.push(last);
             points
         }
-        #[allow(unreachable_patterns)] // the enum may grow
-        _ => return Err(DivisionError("this kind of `elements` is not in this version".into())),
     };
     for _ in 0..refine {
         points = halved(&points);
@@ -64,23 +71,12 @@ pub fn breakpoints(
     Ok(points)
 }
 
-/// Returns the number of elements of `patch` in direction `axis` that [`breakpoints`] makes of the geometry's breakpoints `own`; for a list
-/// an upper bound. `f64`, because repeated halving can exceed the range of integers.
-pub fn elements_along(patch: &Patch, own: &[f64], axis: usize) -> Option<f64> {
-    let pieces = own.len().checked_sub(1).filter(|&n| n > 0)?;
-    let base = match &patch.elements.value.get(axis)?.value {
-        Divisions::Count(n) if patch.geometry.value.shape.value.is_built_in() => n.div_ceil(pieces) as f64 * pieces as f64,
-        Divisions::Count(n) => *n as f64 * pieces as f64,
-        Divisions::Breakpoints(list) => (list.len().saturating_sub(1) + pieces - 1) as f64,
-        #[allow(unreachable_patterns)] // the enum may grow
-        _ => return None,
-    };
-    Some(base * f64::exp2(patch.refine.value as f64))
-}
-
-/// Returns position (`None` for a direction without grading) and size ratio of a grading in direction `axis`.
-pub fn grade_of(grade: Option<&Grade>, axis: usize) -> (Option<f64>, f64) {
-    grade.map_or((None, 1.0), |g| (g.toward.get(axis).copied().flatten(), g.ratio))
+/// Elements of a number per span, graded as a whole.
+fn of_spans(own: &[f64], per_span: usize, grading: Option<Grading>) -> Vec<f64> {
+    match grading {
+        None => uniform(own, per_span),
+        Some(g) => graded(own, per_span * (own.len() - 1), g.toward, g.ratio),
+    }
 }
 
 fn uniform(own: &[f64], per_piece: usize) -> Vec<f64> {
@@ -173,13 +169,13 @@ mod tests {
     use super::*;
 
     fn of(own: &[f64], n: usize, toward: Option<f64>, ratio: f64) -> Vec<f64> {
-        breakpoints(own, &Divisions::Count(n), true, toward, ratio, 0).unwrap()
+        divided(own, &Divisions::Total(n), toward.map(|toward| Grading { toward, ratio }), 0).unwrap()
     }
 
     #[test]
     fn counts_are_rounded_up_to_the_pieces_of_the_geometry() {
         assert_eq!(of(&[0.0, 0.5, 1.0], 3, None, 1.0), [0.0, 0.25, 0.5, 0.75, 1.0]);
-        assert_eq!(breakpoints(&[0.0, 1.0], &Divisions::Count(1), false, None, 1.0, 2).unwrap(), [0.0, 0.25, 0.5, 0.75, 1.0]);
+        assert_eq!(divided(&[0.0, 1.0], &Divisions::PerSpan(1), None, 2).unwrap(), [0.0, 0.25, 0.5, 0.75, 1.0]);
     }
 
     #[test]
@@ -205,8 +201,8 @@ mod tests {
     #[test]
     fn a_list_keeps_the_knots_of_the_geometry() {
         let list = Divisions::Breakpoints(vec![0.0, 0.2, 1.0]);
-        assert_eq!(breakpoints(&[0.0, 0.5, 1.0], &list, true, None, 1.0, 0).unwrap(), [0.0, 0.2, 0.5, 1.0]);
+        assert_eq!(divided(&[0.0, 0.5, 1.0], &list, None, 0).unwrap(), [0.0, 0.2, 0.5, 1.0]);
         let short = Divisions::Breakpoints(vec![0.0, 0.9]);
-        assert!(breakpoints(&[0.0, 1.0], &short, true, None, 1.0, 0).is_err());
+        assert!(divided(&[0.0, 1.0], &short, None, 0).is_err());
     }
 }

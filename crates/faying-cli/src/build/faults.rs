@@ -1,0 +1,101 @@
+//! Diagnostics for what a problem refuses.
+
+use super::builder::Builder;
+use super::glue;
+use super::places::{Places, Said};
+use super::refused::{Source, slave_fault};
+use super::values::{constants, key, time_text};
+use crate::errors::Diagnostic;
+use crate::words::{component_name, short};
+use faying::assembly::DirichletError;
+use faying::linalg::LinearError;
+use faying::problem::{ErrorKind, Problem, ProblemError, ProblemErrors};
+
+/// Formats a point: "x = 0.25, y = 1".
+fn place_text<const N: usize>(x: &[f64; 3]) -> String {
+    ["x", "y", "z"][..N].iter().zip(x).map(|(name, v)| format!("{name} = {}", short(*v))).collect::<Vec<_>>().join(", ")
+}
+
+/// One diagnostic per error of a problem.
+pub(super) fn refused<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    problem: &Problem<S, N>,
+    places: &Places,
+    errors: &ProblemErrors,
+) -> Vec<Diagnostic> {
+    let model = problem.model(0).ok();
+    let one = |error: &ProblemError| match (&error.kind, &model, error.of.last()) {
+        (ErrorKind::Interface { slave, error: of_slave }, Some(model), Some(of)) => {
+            slave_fault(builder, &Source { problem, model, places }, *of, *slave, of_slave)
+        }
+        _ => None,
+    };
+    errors.0.iter().map(|error| one(error).unwrap_or_else(|| fault(builder, places, error))).collect()
+}
+
+/// The diagnostic of an error.
+fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &Places, error: &ProblemError) -> Diagnostic {
+    let (case, components) = (builder.case, builder.case.model.components());
+    let said = |k: usize| error.of.get(k).and_then(|of| places.said(*of));
+    let at = error.of.last().map(|of| places.at(*of)).unwrap_or_default();
+    let patch = || error.of.iter().find_map(|of| places.patch(*of));
+    match &error.kind {
+        ErrorKind::OutOfLimits { error: limit, x, t } => {
+            let Some(number) = patch() else { return builder.error("E053", error.to_string(), at) };
+            let (patch, material) = (&case.patches[number].name.value, &case.materials[case.patches[number].material.value]);
+            let changes = constants(material).iter().any(|f| f.depends_on_time());
+            let place = place_text::<N>(x) + &time_text(changes, *t);
+            let text = format!("material \"{}\" in patch \"{patch}\", at {place}: {limit}", material.name.value);
+            builder
+                .error("E053", text, key(material, limit))
+                .with_help("formulas of materials are checked at the quadrature points of the patches that use them")
+        }
+        ErrorKind::NotFinite { x, t, value, component } => {
+            let Some(Said { what, formulas, .. }) = said(0) else { return builder.error("E017", error.to_string(), at) };
+            let Some(formula) = formulas.get(*component).or(formulas.first()) else {
+                return builder.error("E017", error.to_string(), at);
+            };
+            let of = match patch() {
+                Some(number) => format!("{what} in patch \"{}\"", case.patches[number].name.value),
+                None => format!("{what} of `{}`", error.names()[1]),
+            };
+            let f = &formula.value;
+            let place = place_text::<N>(x) + &time_text(f.depends_on_time(), *t);
+            let text = format!("{of}: `{}` is not finite at {place} (found {value})", f.text());
+            let help = "loads are integrated over the whole side or patch: give a formula that has a value at each of its points";
+            builder.error("E017", text, formula.at).with_help(help)
+        }
+        ErrorKind::Twice { component } => {
+            let name = component_name(*component, components);
+            let line = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(", first in line {line}"));
+            let text = format!("component {name} of `{}` is prescribed twice{line}", error.names()[0]);
+            builder.error("E052", text, at).with_help("drop one of the two")
+        }
+        ErrorKind::Glue(of_sides) => glue::fault(builder, at, error.names(), of_sides),
+        ErrorKind::NoExact => {
+            builder.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]")
+        }
+        ErrorKind::Prescribed { error: conflict, t, changes } => {
+            let first = said(0).map(|s| s.at).unwrap_or_default();
+            match conflict {
+                DirichletError::Conflict { component, at: x, first_value, second_value, .. } => {
+                    let name = component_name(*component, components);
+                    let place: Vec<String> = x[..N].iter().map(|x| format!("{x}")).collect();
+                    let lines = first.in_file().map_or(String::new(), |(line, _)| format!(" (line {line})"));
+                    let text = format!(
+                        "component {name} is prescribed as {first_value}{lines} and as {second_value} at the common point ({}{})",
+                        place.join(", "),
+                        time_text(*changes, *t)
+                    );
+                    builder.error("E052", text, at).with_help("make the values equal there, or prescribe one of them")
+                }
+                DirichletError::Projection { source: LinearError::NotFinite, .. } => {
+                    let text = format!("a prescribed value is not finite somewhere on its side{}", time_text(*changes, *t));
+                    builder.error("E017", text, at)
+                }
+                other => builder.error("E072", other.to_string(), at),
+            }
+        }
+        _ => builder.error("E015", error.to_string(), at),
+    }
+}

@@ -1,0 +1,199 @@
+//! Diagnostics of ties and contacts that cannot be built.
+
+use super::builder::Builder;
+use super::multipliers::{has_lowered, held_help, multiplier_fault, positive_help, too_many};
+use super::obstacles::turned_away;
+use super::places::Places;
+use super::warned::meant;
+use crate::case::{self, Master, Tie};
+use crate::errors::Diagnostic;
+use crate::place::Place;
+use crate::words::{component_name, labels, short};
+use faying::contact::ContactError;
+use faying::coupling::CouplingError;
+use faying::coupling::multiplier::MultiplierError;
+use faying::problem::{InterfaceError, Model, Problem, SideModel, Statement};
+use std::sync::Arc;
+
+/// Source of a refusal: the problem, its model without ties and contacts, and the places of its statements.
+pub(super) struct Source<'a, const S: usize, const N: usize> {
+    pub problem: &'a Problem<S, N>,
+    pub model: &'a Model<S, N>,
+    pub places: &'a Places,
+}
+
+/// The diagnostic of a slave side, the one with the number `slave` of the tie or contact `of`.
+pub(super) fn slave_fault<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    source: &Source<'_, S, N>,
+    of: Statement,
+    number: usize,
+    error: &InterfaceError,
+) -> Option<Diagnostic> {
+    let said = source.places.said(of)?;
+    let at = said.slaves.get(number).copied().unwrap_or(said.at);
+    let (slave, masters) = source.problem.slave_and_masters(of, number)?;
+    if source.problem.is_tie(of) {
+        let tie = builder.case.interfaces.get(said.block?)?;
+        return Some(tie_fault(builder, source, tie, (&slave, &masters, at), error));
+    }
+    let contact = builder.case.contacts.get(said.block?)?;
+    Some(*fault(builder, source, contact, of, (&slave, &masters, at), error))
+}
+
+/// Builds the diagnostic of a tie that cannot be built.
+fn tie_fault<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    source: &Source<'_, S, N>,
+    tie: &Tie,
+    (slave, masters, at): (&SideModel<S, N>, &[Arc<SideModel<S, N>>], Place),
+    error: &InterfaceError,
+) -> Diagnostic {
+    let (name, components) = (&tie.name.value, source.model.components);
+    match error {
+        InterfaceError::Held { components: held, by_equations } => {
+            let text = format!(
+                "the multiplier of \"{name}\" on `{}` is over-constrained: component {} has 0 free unknowns",
+                slave.label,
+                component_name(held[0], components)
+            );
+            let fault = builder.error("E024", text, at);
+            match held_help((source.model, source.places), slave, held, *by_equations) {
+                Some(help) => fault.with_help(help),
+                None => fault,
+            }
+        }
+        InterfaceError::Multiplier { component, error } => {
+            let mut fault = multiplier_fault(builder, name, slave, error, tie.multiplier.at, N.max(2));
+            if let (MultiplierError::NothingLeft { .. }, Some(c)) = (error, component) {
+                fault.message = format!("{} (component {})", fault.message, component_name(*c, 2));
+            }
+            fault
+        }
+        InterfaceError::Counts(error) => multiplier_fault(builder, name, slave, error, tie.multiplier.at, components),
+        InterfaceError::Apart(error) => apart(builder, slave, masters, error, at),
+        InterfaceError::Uncovered { share } => {
+            let text = format!("only {} % of the slave side `{}` meets {}", percent(*share), slave.label, labels(masters));
+            builder
+                .error("E025", text, at)
+                .with_help("a tied slave must be covered: swap slave and master, or add the missing master sides")
+        }
+        other => builder.error("E015", format!("interface \"{name}\": {other}"), tie.head.at),
+    }
+}
+
+fn apart<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    slave: &SideModel<S, N>,
+    masters: &[Arc<SideModel<S, N>>],
+    error: &CouplingError,
+    at: Place,
+) -> Diagnostic {
+    let help = "move the bodies together or raise `tolerance`; use [[contact]] if a gap is meant";
+    let masters = labels(masters);
+    match error {
+        CouplingError::Apart { distance, at: place, allowed } => {
+            let coordinates: Vec<String> = ["x", "y", "z"][..N].iter().zip(place).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
+            let text = format!(
+                "`{}` and {masters} are up to {} apart (at {}); allowed {}",
+                slave.label,
+                short(*distance),
+                coordinates.join(", "),
+                short(*allowed)
+            );
+            builder.error("E023", text, at).with_help(help)
+        }
+        other => builder.error("E023", format!("`{}` and {masters} do not meet: {other}", slave.label), at).with_help(help),
+    }
+}
+
+/// Formats a share in percent, rounded down to four decimals but for round-off.
+fn percent(share: f64) -> String {
+    format!("{}", (share * 1e6 + 1e-3).floor() / 1e4)
+}
+
+/// Builds the diagnostic of a slave side of a contact that cannot be built.
+fn fault<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    source: &Source<'_, S, N>,
+    contact: &case::Contact,
+    of: Statement,
+    (slave, masters, at): (&SideModel<S, N>, &[Arc<SideModel<S, N>>], Place),
+    error: &InterfaceError,
+) -> Box<Diagnostic> {
+    let (name, model) = (&contact.name.value, source.model);
+    Box::new(match error {
+        InterfaceError::Factor(e) => builder.error("E015", format!("contact \"{name}\": {e}"), contact.factor.at),
+        InterfaceError::PressedAtPoints => {
+            let text = "method = \"nitsche\" against an obstacle that a `force` presses is not in this version";
+            builder.error("E019", text, contact.method.at).with_help("write method = \"lagrange\", or give the obstacle a `move`")
+        }
+        InterfaceError::Segments(e) => builder.error("E023", format!("contact \"{name}\": {e}"), at),
+        InterfaceError::Contact(e) => contact_fault(builder, contact, slave, masters, e, at),
+        InterfaceError::NothingFaces => {
+            let plain = Box::new(contact_fault(builder, contact, slave, masters, &ContactError::NoTarget, at));
+            return match source.problem.obstacle(of) {
+                Some(obstacle) => turned_away(builder, contact, &obstacle, (model, slave), plain),
+                None => match model.meant_sides(slave, masters) {
+                    Some(sides) => Box::new(plain.with_help(meant(model, &sides))),
+                    None => plain,
+                },
+            };
+        }
+        InterfaceError::Held { components, by_equations } => {
+            let text =
+                format!("the multiplier of \"{name}\" on `{}` is over-constrained: the normal direction has 0 free unknowns", slave.label);
+            let help = held_help((model, source.places), slave, components, *by_equations);
+            builder.error("E024", text, at).with_help(help.unwrap_or_else(|| "free the side, or give it more elements".into()))
+        }
+        InterfaceError::TooMany { multipliers, free, components, by_equations } => {
+            let fault = too_many(builder, name, slave, "the normal direction", (*multipliers, *free), contact.multiplier.at);
+            match held_help((model, source.places), slave, components, *by_equations) {
+                Some(help) => fault.with_help(help),
+                None => fault,
+            }
+        }
+        InterfaceError::Multiplier { error, .. } => multiplier_fault(builder, name, slave, error, contact.multiplier.at, N.max(2)),
+        other => builder.error("E041", format!("contact \"{name}\": {other}"), at),
+    })
+}
+
+pub(super) fn contact_fault<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    contact: &case::Contact,
+    slave: &SideModel<S, N>,
+    masters: &[Arc<SideModel<S, N>>],
+    error: &ContactError,
+    at: Place,
+) -> Diagnostic {
+    let text = format!("contact \"{}\": {error}", contact.name.value);
+    match error {
+        ContactError::Weight { .. } => builder.error("E064", text, contact.multiplier.at).with_help(positive_help(slave)),
+        ContactError::NoGreville => builder.error("E064", text, contact.cone.at).with_help(format!(
+            "write cone = \"weights\" or \"coefficients\", or take a multiplier such as {}",
+            if has_lowered(slave) { "p/p-2" } else { "p/p" }
+        )),
+        ContactError::ConeWeight { .. } => {
+            builder.error("E064", text, contact.cone.at).with_help("take a multiplier of lower degree, or cone = \"coefficients\"")
+        }
+        ContactError::ConeSize { .. } => {
+            builder.error("E081", text, contact.cone.at).with_help("write cone = \"coefficients\", or give the slave side fewer elements")
+        }
+        ContactError::Gap { .. } => {
+            let fault = builder.error("E017", text, contact.gap.at);
+            match &contact.master {
+                Master::Rigid(obstacle) if matches!(obstacle.shape.value, case::ObstacleShape::LevelSet { .. }) => {
+                    fault.with_help("`f` must have a zero on the line along its gradient from there; `along` takes f itself as the gap")
+                }
+                _ => fault,
+            }
+        }
+        ContactError::NoTarget if masters.is_empty() => builder
+            .error("E023", format!("no part of `{}` faces the obstacle of contact \"{}\"", slave.label, contact.name.value), at)
+            .with_help("turn the obstacle's normal towards the body, or raise `reach`"),
+        ContactError::NoTarget => builder
+            .error("E023", format!("no part of `{}` faces {}", slave.label, labels(masters)), at)
+            .with_help("raise `reach`, or choose the sides that face each other"),
+        _ => builder.error("E041", text, at),
+    }
+}

@@ -1,0 +1,278 @@
+//! Assembly of a problem: ties and contacts of its model, and the checks of the whole.
+
+use super::assembled::System;
+use super::builder::Problem;
+use super::contact_part::SlaveOf;
+use super::coupled::{Contact, Faced};
+use super::data::Data;
+use super::error::{ErrorKind, ProblemError, ProblemErrors};
+use super::fixed::Fixed;
+use super::handles::Statement;
+use super::interface_error::InterfaceError;
+use super::interface_side::InterfaceSide;
+use super::model::{ContactModel, Model, SideModel, TieModel};
+use super::obstacle::{ObstacleModel, Pressed};
+use super::rigid_bodies::RigidBodies;
+use super::rigid_rows::closed_forms;
+use super::supports::{Ties, free_by, held_by, sentences};
+use super::tie_part::Memberships;
+use crate::space::Trace;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::sync::Arc;
+
+impl<const S: usize, const N: usize> Problem<S, N>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
+    /// Builds ties and contacts and checks the whole problem: prescribed values, sides that meet, multipliers, rigid motions.
+    ///
+    /// # Errors
+    /// All that is wrong; of supports, ties, contacts and rigid motions those that come first hide what follows.
+    pub fn assemble(&self) -> Result<System<S, N>, ProblemErrors> {
+        let model = self.built()?;
+        Self::held(&model)?;
+        Ok(System::new(model, self.id, self.regions.clone(), self.times.clone()))
+    }
+
+    /// The model of the problem, as [`assemble`](Self::assemble) makes it, without the check of rigid motions.
+    ///
+    /// # Errors
+    /// Those of [`assemble`](Self::assemble).
+    #[doc(hidden)]
+    pub fn built(&self) -> Result<Model<S, N>, ProblemErrors> {
+        Trace::<S, N>::model_of(self)
+    }
+
+    /// The work of [`built`](Self::built).
+    pub(super) fn assembled(&self) -> Result<Model<S, N>, ProblemErrors> {
+        some(self.check_interfaces())?;
+        let pressed = self.contacts.iter().map(|c| c.own.forces.len()).sum();
+        let mut model = self.model(pressed)?;
+        let fixed = self.fixed(&model)?;
+        let members = self.memberships(&model);
+        some(self.build_ties(&mut model, &fixed, &members))?;
+        some(self.build_contacts(&mut model, pressed, &fixed, &members))?;
+        Ok(model)
+    }
+
+    /// Builds all ties; returns what is wrong.
+    fn build_ties(&self, model: &mut Model<S, N>, fixed: &Fixed, members: &Memberships) -> Vec<ProblemError> {
+        let mut errors = Vec::new();
+        for tie in &self.ties {
+            let mut parts = Vec::new();
+            for (k, pair) in tie.own.pairs.iter().enumerate() {
+                match model.tie_part(tie, pair, self.times[0], fixed, members) {
+                    Ok(part) => {
+                        model.rows += part.num_rows;
+                        parts.push(part);
+                    }
+                    Err(error) => errors.push(of_slave(tie.id(), k, &tie.name, &pair.slave, error)),
+                }
+            }
+            let exact = (!tie.exact.is_empty()).then(|| tie.exact.clone());
+            model.ties.push(TieModel { id: tie.id(), name: tie.name.clone(), parts, exact });
+        }
+        errors
+    }
+
+    /// Builds all contacts; returns what is wrong.
+    fn build_contacts(&self, model: &mut Model<S, N>, pressed: usize, fixed: &Fixed, tied: &Memberships) -> Vec<ProblemError> {
+        let (mut errors, seams) = (Vec::new(), self.seams(model));
+        let mut next = model.unknowns - pressed;
+        for contact in &self.contacts {
+            let (obstacle, masters) = match &contact.own.faced {
+                Faced::Sides(masters) => (None, masters.as_slice()),
+                Faced::Obstacle { .. } => (Some(Arc::new(obstacle(contact, next))), &[][..]),
+            };
+            next += contact.own.forces.len();
+            let mut built = ContactModel {
+                id: contact.id(),
+                idle: Vec::new(),
+                name: contact.name.clone(),
+                parts: Vec::new(),
+                obstacle,
+                gap: contact.own.gap.clone(),
+                reach: contact.own.reach,
+                exact: contact.exact.first().cloned(),
+                symmetry: contact.own.symmetry,
+                start: contact.own.start,
+                formulation: contact.own.formulation,
+            };
+            let mut behind = Vec::new();
+            for (k, slave) in contact.own.slaves.iter().enumerate() {
+                let field = model.patches[slave.patch].field;
+                let taken =
+                    |function: usize, c: usize| fixed.is(field.unknown(function, c)) || tied.count(model, slave.patch, function) > 0;
+                let on_seam = |function: usize| seams.contains(&model.function(slave.patch, function));
+                let setup = SlaveOf { contact, slave, masters, times: &self.times, taken: &taken, on_seam: &on_seam };
+                match model.contact_part(&built, &setup) {
+                    Ok(mut part) => {
+                        part.number = k;
+                        model.rows += part.num_rows;
+                        built.parts.push(part);
+                    }
+                    Err(InterfaceError::NothingFaces) => {
+                        built.idle.push(k);
+                        behind.push(of_slave(contact.id(), k, &contact.name, slave, InterfaceError::NothingFaces));
+                    }
+                    Err(error) => errors.push(of_slave(contact.id(), k, &contact.name, slave, error)),
+                }
+            }
+            // a side that faces nothing is none of the contact where others face something
+            if built.parts.is_empty() {
+                errors.extend(behind);
+            }
+            model.contacts.push(built);
+        }
+        errors
+    }
+
+    /// Checks that nothing can move as a rigid body with every contact closed: neither where points of ties hold nor where only the
+    /// functions of multipliers do.
+    fn held(model: &Model<S, N>) -> Result<(), ProblemErrors> {
+        let first: Vec<Vec<_>> = model.contacts.iter().map(|c| c.parts.iter().map(|p| &p.first).collect()).collect();
+        let mut free = free_by(model, &first, &|_, _, _| true, Ties::Points);
+        if free.is_empty() {
+            let bodies = RigidBodies::of(model);
+            let (modes, mut forms) = held_by(model, &bodies, &model.springs, Ties::Functions);
+            forms.extend(closed_forms(model, &modes, &bodies));
+            let left = modes.names(&modes.null(&forms)).into_iter();
+            free = left.map(|f| bodies.numbered(model, &modes, f)).collect();
+        }
+        if free.is_empty() { Ok(()) } else { Err(ProblemError::named(ErrorKind::Motions(sentences(model, &free)), &[]).into()) }
+    }
+}
+
+impl<const S: usize, const N: usize> Problem<S, N> {
+    /// Names that are taken, slave sides that are so twice, and motions and forces of contacts.
+    fn check_interfaces(&self) -> Vec<ProblemError> {
+        let mut errors = Vec::new();
+        let (ties, contacts) = (&self.ties, &self.contacts);
+        let mut names: HashMap<&str, Statement> = HashMap::new();
+        let all = ties.iter().map(|t| (&t.name, t.id().into())).chain(contacts.iter().map(|c| (&c.name, c.id().into())));
+        for (name, id) in all {
+            if let Some(&first) = names.get(name.as_str()) {
+                errors.push(ProblemError::new(ErrorKind::NameTaken, vec![first, id], vec![name.clone()]));
+            }
+            names.insert(name, id);
+        }
+        let mut slaves: HashMap<*const SideModel<S, N>, Statement> = HashMap::new();
+        for (slave, id) in ties.iter().flat_map(|t| t.own.pairs.iter().map(|p| (&p.slave, t.id().into()))) {
+            if let Some(&first) = slaves.get(&Arc::as_ptr(slave)) {
+                errors.push(ProblemError::new(ErrorKind::SlaveTwice, vec![first, id], vec![slave.label.clone()]));
+            }
+            slaves.insert(Arc::as_ptr(slave), id);
+        }
+        let mut pairs: BTreeMap<[*const SideModel<S, N>; 2], Statement> = BTreeMap::new();
+        let of_ties =
+            ties.iter().flat_map(|t| t.own.pairs.iter().flat_map(move |p| p.masters.iter().map(move |m| (&p.slave, m, t.id().into()))));
+        let of_contacts = contacts.iter().flat_map(|c| {
+            let masters = if let Faced::Sides(masters) = &c.own.faced { masters.as_slice() } else { &[] };
+            c.own.slaves.iter().flat_map(move |s| masters.iter().map(move |m| (s, m, Statement::from(c.id()))))
+        });
+        for (slave, master, id) in of_ties.chain(of_contacts) {
+            pairs.insert([Arc::as_ptr(slave), Arc::as_ptr(master)], id);
+            if let Some(&first) = pairs.get(&[Arc::as_ptr(master), Arc::as_ptr(slave)]) {
+                errors.push(ProblemError::new(ErrorKind::BothWays, vec![first, id], vec![slave.label.clone(), master.label.clone()]));
+            }
+        }
+        for contact in contacts {
+            let driven = || contact.own.motion.iter().chain(&contact.own.forces).map(|(component, _)| *component);
+            let mut refuse = |kind| errors.push(ProblemError::new(kind, vec![contact.id().into()], vec![contact.name.clone()]));
+            if matches!(contact.own.faced, Faced::Sides(_)) && driven().next().is_some() {
+                refuse(ErrorKind::NoObstacle);
+            } else if let Some(component) = driven().find(|c| *c >= N || driven().filter(|other| other == c).count() > 1) {
+                refuse(ErrorKind::Driven { component });
+            }
+        }
+        errors
+    }
+
+    /// Number of tied sides of every function, of couplings with rows: others constrain no functions.
+    pub(super) fn memberships(&self, model: &Model<S, N>) -> Memberships {
+        let mut members = Memberships::default();
+        for tie in self.ties.iter().filter(|t| t.own.coupling.has_rows()) {
+            // a side in two lists of one tie counts once
+            let mut seen = BTreeSet::new();
+            for side in tie.own.pairs.iter().flat_map(|p| p.masters.iter().chain([&p.slave])) {
+                if seen.insert((side.patch, &side.side)) {
+                    members.add(model, side);
+                }
+            }
+        }
+        members
+    }
+
+    /// Functions of the model that slave sides of contacts on different bodies share: each would get two multipliers.
+    fn seams(&self, model: &Model<S, N>) -> HashSet<usize> {
+        let (mut first, mut shared) = (HashMap::new(), HashSet::new());
+        if model.glued.is_empty() {
+            return shared;
+        }
+        for side in self.contacts.iter().flat_map(|c| &c.own.slaves) {
+            for &dof in &side.trace.dofs {
+                let function = model.function(side.patch, dof);
+                if *first.entry(function).or_insert(side.patch) != side.patch {
+                    shared.insert(function);
+                }
+            }
+        }
+        shared
+    }
+}
+
+/// Sides behind handles, for messages.
+impl<const S: usize, const N: usize> Problem<S, N> {
+    /// Whether a statement is a tie.
+    #[doc(hidden)]
+    pub fn is_tie(&self, of: Statement) -> bool {
+        self.ties.iter().any(|t| of == t.id().into())
+    }
+
+    /// The slave side with a number of a tie or a contact, and its masters; none of an obstacle.
+    #[doc(hidden)]
+    #[allow(clippy::type_complexity)]
+    pub fn slave_and_masters(&self, of: Statement, slave: usize) -> Option<(Arc<SideModel<S, N>>, Vec<Arc<SideModel<S, N>>>)> {
+        if let Some(tie) = self.ties.iter().find(|t| of == t.id().into()) {
+            return tie.own.pairs.get(slave).map(|p| (p.slave.clone(), p.masters.clone()));
+        }
+        let contact = self.contacts.iter().find(|c| of == c.id().into())?;
+        let masters = if let Faced::Sides(masters) = &contact.own.faced { masters.clone() } else { Vec::new() };
+        Some((contact.own.slaves.get(slave)?.clone(), masters))
+    }
+
+    /// The obstacle of a contact.
+    #[doc(hidden)]
+    pub fn obstacle(&self, of: Statement) -> Option<ObstacleModel<S, N>> {
+        let contact = self.contacts.iter().find(|c| of == c.id().into())?;
+        matches!(contact.own.faced, Faced::Obstacle { .. }).then(|| obstacle(contact, 0))
+    }
+}
+
+fn some(errors: Vec<ProblemError>) -> Result<(), ProblemErrors> {
+    if errors.is_empty() { Ok(()) } else { Err(ProblemErrors(errors)) }
+}
+
+/// The error of a slave side, the one with the number `slave` of its tie or contact.
+fn of_slave<const S: usize, const N: usize>(
+    id: impl Into<Statement>,
+    slave: usize,
+    name: &str,
+    side: &SideModel<S, N>,
+    error: InterfaceError,
+) -> ProblemError {
+    ProblemError::new(ErrorKind::Interface { slave, error }, vec![id.into()], vec![name.to_owned(), side.label.clone()])
+}
+
+/// The obstacle of a contact, whose unknowns begin at `unknown`.
+fn obstacle<const S: usize, const N: usize>(contact: &Contact<S, N>, unknown: usize) -> ObstacleModel<S, N> {
+    let Faced::Obstacle { at_rest, changes } = &contact.own.faced else { unreachable!("the contact faces an obstacle") };
+    let pressed = contact.own.forces.iter().enumerate();
+    let pressed = pressed.map(|(k, (component, force))| Pressed { component: *component, unknown: unknown + k, force: force.clone() });
+    let mut motion = vec![None; N];
+    for (component, by) in &contact.own.motion {
+        motion[*component] = Some(by.clone());
+    }
+    let changes = *changes || motion.iter().flatten().any(Data::depends_on_time);
+    ObstacleModel { at_rest: at_rest.clone(), motion, pressed: pressed.collect(), changes }
+}

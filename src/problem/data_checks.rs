@@ -1,0 +1,128 @@
+//! Checks of data at quadrature points: limits of materials, values that are not finite, components prescribed twice.
+
+use super::builder::Problem;
+use super::data::{Data, Point};
+use super::error::{ErrorKind, ProblemError};
+use super::handles::Statement;
+use super::model::Action;
+use crate::basis::Order;
+use crate::geometry::{Geometry, MapTable};
+use crate::linalg::Vector;
+use crate::quadrature::Quadrature;
+use rayon::prelude::*;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// The first quadrature point, elements ascending, at which `wrong` returns something.
+fn first_wrong<const D: usize, const N: usize, E: Send>(
+    space: &dyn Geometry<D, N>,
+    rules: &dyn Quadrature<D>,
+    wrong: &(dyn Fn(&Vector<N>) -> Option<E> + Sync),
+) -> Option<([f64; 3], E)> {
+    (0..space.num_elements()).into_par_iter().find_map_first(|e| {
+        let mut map = MapTable::new();
+        space.map(e, &rules.rule(e).points, Order::Values, &mut map);
+        map.x.iter().find_map(|x| wrong(x).map(|found| (Point::new(x.as_slice()).x, found)))
+    })
+}
+
+impl<const S: usize, const N: usize> Problem<S, N> {
+    /// All times if data change with them, else the first.
+    fn times_of(&self, changes: bool) -> &[f64] {
+        if changes { &self.times } else { &self.times[..1] }
+    }
+
+    /// A point and a time at which data are not finite.
+    fn not_finite<const D: usize>(
+        &self,
+        space: &dyn Geometry<D, N>,
+        rules: &dyn Quadrature<D>,
+        data: &Data,
+        component: usize,
+    ) -> Option<ErrorKind> {
+        if data.as_constant().is_some_and(f64::is_finite) {
+            return None;
+        }
+        self.times_of(data.depends_on_time()).iter().find_map(|&t| {
+            let value = |x: &Vector<N>| Some(data.value(&Point::new(x.as_slice()).at_time(t))).filter(|v| !v.is_finite());
+            first_wrong(space, rules, &value).map(|(x, value)| ErrorKind::NotFinite { x, t, value, component })
+        })
+    }
+
+    /// Materials beyond their limits.
+    pub(super) fn check_materials(&self, errors: &mut Vec<ProblemError>) {
+        for body in &self.bodies {
+            let wrong = self.times_of(body.changing.is_some()).iter().find_map(|&t| {
+                let physics = body.physics_at(t);
+                if physics.is_homogeneous() {
+                    return None;
+                }
+                let found = first_wrong(&**body.body.space(), &body.rules, &|x: &Vector<N>| physics.check(x).err());
+                found.map(|(x, error)| ErrorKind::OutOfLimits { error, x, t })
+            });
+            errors.extend(wrong.map(|kind| ProblemError::new(kind, vec![body.id.into()], vec![body.name.clone()])));
+        }
+    }
+
+    /// Loads, springs, sources and densities that are not finite, each statement once.
+    pub(super) fn check_values(&self, errors: &mut Vec<ProblemError>) {
+        let mut told: HashSet<Statement> = HashSet::new();
+        let loads = self.said.loads.iter().filter_map(|l| match &l.action {
+            Action::Traction(c, f) | Action::Force(c, f, _) => Some((l.of, &l.name, &l.side, f, *c)),
+            Action::Pressure(f) => Some((l.of, &l.name, &l.side, f, 0)),
+            Action::Exact(_) => None,
+        });
+        let springs = self.said.springs.iter().map(|s| (s.of, &s.name, &s.side, &s.stiffness, s.component));
+        for (of, name, side, f, component) in loads.chain(springs) {
+            if told.contains(&of) {
+                continue;
+            }
+            if let Some(kind) = self.not_finite(&*side.trace.space, &side.rules, f, component) {
+                told.insert(of);
+                errors.push(ProblemError::new(kind, vec![of], vec![name.clone(), side.label.clone()]));
+            }
+        }
+        let components = self.components();
+        let mut number = vec![0; self.bodies.len()];
+        let sources = self.volume_loads.iter().flat_map(|&(of, body)| {
+            let first = number[body];
+            number[body] += components;
+            (0..components).map(move |c| (of, body, first + c, c)).collect::<Vec<_>>()
+        });
+        let sources: Vec<_> = sources.map(|(of, body, k, c)| (of, body, &self.bodies[body].source[k], c)).collect();
+        let mut number = vec![0; self.bodies.len()];
+        let weights = self.weight_loads.iter().map(|&(of, body)| {
+            number[body] += 1;
+            (of, body, &self.bodies[body].weights[number[body] - 1].0, 0)
+        });
+        for (of, body, f, component) in sources.into_iter().chain(weights) {
+            let body = &self.bodies[body];
+            if let Some(kind) = self.not_finite(&**body.body.space(), &body.rules, f, component) {
+                errors.push(ProblemError::new(kind, vec![of, body.id.into()], vec![body.name.clone(), body.name.clone()]));
+            }
+        }
+    }
+
+    /// Components of a side, an edge or a corner that are prescribed twice, and exact data without an exact solution.
+    pub(super) fn check_conditions(&self, errors: &mut Vec<ProblemError>) {
+        let sides = self.said.conditions.iter().map(|c| (Arc::as_ptr(&c.side).cast::<()>(), c.component, c.of, &c.side.label, &c.value));
+        let pins = self.said.pins.iter().map(|p| (Arc::as_ptr(&p.rim).cast::<()>(), p.component, p.of, &p.rim.label, &p.value));
+        let mut first: HashMap<(*const (), usize), Statement> = HashMap::new();
+        for (at, component, of, label, value) in sides.chain(pins) {
+            if let (super::model::Value::Exact, None) = (value, &self.exact) {
+                errors.push(ProblemError::new(ErrorKind::NoExact, vec![of], vec![label.clone()]));
+            }
+            if let Some(&before) = first.get(&(at, component)) {
+                errors.push(ProblemError::new(ErrorKind::Twice { component }, vec![before, of], vec![label.clone()]));
+            } else {
+                first.insert((at, component), of);
+            }
+        }
+        for load in self.said.loads.iter().filter(|l| self.exact.is_none() && matches!(l.action, Action::Exact(_))) {
+            errors.push(ProblemError::new(ErrorKind::NoExact, vec![load.of], vec![load.side.label.clone()]));
+        }
+        for body in self.bodies.iter().filter(|b| self.exact.is_some() && !(b.source.is_empty() && b.weights.is_empty())) {
+            errors.push(ProblemError::new(ErrorKind::SourceTwice, vec![body.id.into()], vec![body.name.clone()]));
+        }
+    }
+}

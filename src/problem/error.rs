@@ -1,0 +1,236 @@
+//! Errors of problems before they are solved.
+
+use super::fixed::Conflict;
+use super::handles::Statement;
+use super::interface_error::InterfaceError;
+use super::physics::PhysicsError;
+use crate::assembly::DirichletError;
+use crate::physics::MaterialError;
+use crate::space::{GlueError, SideError};
+use std::fmt::{Display, Formatter};
+
+/// An error of a problem: its kind, and the statements that it is about.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ProblemError {
+    /// The error.
+    pub kind: ErrorKind,
+    /// The statements, the one that is wrong last; of a call that fails those that it refers to.
+    pub of: Vec<Statement>,
+    /// Names of the statements or of what the call referred to, in the order of the sentence.
+    pub(super) names: Vec<String>,
+}
+
+/// All errors that [`Problem::assemble`](super::Problem::assemble) finds, at least one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProblemErrors(pub Vec<ProblemError>);
+
+/// Kinds of errors.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// A problem without bodies.
+    Empty,
+    /// A body, a region or a solution of another problem.
+    OtherProblem,
+    /// Two bodies, two ties or two contacts of one name.
+    NameTaken,
+    /// No tie or contact has this name.
+    NoInterface,
+    /// A material that problems do not take.
+    Material(PhysicsError),
+    /// Constants of a material beyond their limits.
+    OutOfLimits {
+        /// The limit.
+        error: MaterialError,
+        /// A quadrature point \[length\]; coordinates beyond the dimension are zero.
+        x: [f64; 3],
+        /// The time.
+        t: f64,
+    },
+    /// Bodies with different numbers of components.
+    Mixed {
+        /// Number of components of the body.
+        found: usize,
+        /// Number of components of the other bodies.
+        expected: usize,
+    },
+    /// A component that the unknown does not have.
+    NoComponent {
+        /// The component, from 0.
+        component: usize,
+        /// Number of components.
+        components: usize,
+    },
+    /// A function that the body does not have.
+    NoFunction {
+        /// The function, from 0.
+        function: usize,
+        /// Number of functions.
+        functions: usize,
+    },
+    /// A side that the body does not have.
+    Side(SideError),
+    /// Sides that have no edge and no corner in common.
+    NoRegion,
+    /// A part of a side with triangles and quadrilaterals.
+    MixedCells,
+    /// A load, a spring or a normal on an edge or in a corner.
+    NotASide,
+    /// Sliding along a side that is curved.
+    NotPlanar,
+    /// A contact, a pressure, a weight or sliding in a problem of one component.
+    Scalar,
+    /// Prescribed values that contradict each other or do not exist.
+    Prescribed {
+        /// The reason.
+        error: DirichletError,
+        /// The time.
+        t: f64,
+        /// Whether values change with the time.
+        changes: bool,
+    },
+    /// A component of a side, an edge or a corner that is prescribed twice.
+    Twice {
+        /// The component.
+        component: usize,
+    },
+    /// Values of an exact solution, in a problem without one.
+    NoExact,
+    /// A source or a weight beside an exact solution, which has its own.
+    SourceTwice,
+    /// Data that are not finite at a quadrature point.
+    NotFinite {
+        /// The point \[length\]; coordinates beyond the dimension are zero.
+        x: [f64; 3],
+        /// The time.
+        t: f64,
+        /// The value.
+        value: f64,
+        /// Which of the functions of the statement, from 0.
+        component: usize,
+    },
+    /// Sides that cannot be glued.
+    Glue(GlueError),
+    /// A slave side of a tie or a contact that cannot be built.
+    Interface {
+        /// Its place in the list of slave sides.
+        slave: usize,
+        /// The reason.
+        error: InterfaceError,
+    },
+    /// A side that is the slave of two ties.
+    SlaveTwice,
+    /// A side that meets itself, or two sides that are slave and master of each other.
+    BothWays,
+    /// A tie or a contact of a slave side with an empty list of masters.
+    NoMaster,
+    /// A motion or a force of a contact between bodies.
+    NoObstacle,
+    /// A component in which an obstacle cannot be moved or pressed, or is so twice.
+    Driven {
+        /// The component, from 0.
+        component: usize,
+    },
+    /// Bodies that can still move as rigid bodies with every contact closed: a sentence per body.
+    Motions(Vec<String>),
+    /// A point in no element of a body.
+    Outside {
+        /// The point \[length\]; coordinates beyond the dimension are zero.
+        x: [f64; 3],
+    },
+}
+
+impl ProblemError {
+    /// An error of `of`, with `names` for its sentence.
+    pub(super) fn new(kind: ErrorKind, of: Vec<Statement>, names: Vec<String>) -> Self {
+        Self { kind, of, names }
+    }
+
+    /// An error of what has no handle, such as a call that failed.
+    pub(super) fn named(kind: ErrorKind, names: &[&str]) -> Self {
+        Self { kind, of: Vec::new(), names: names.iter().map(|n| (*n).to_owned()).collect() }
+    }
+
+    /// Names of what the error is about: labels of sides and regions, names of bodies, ties, contacts and loads.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+}
+
+impl Display for ProblemError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        let name = |k: usize| self.names.get(k).map_or("?", String::as_str);
+        let (one, other) = (name(0), name(1));
+        match &self.kind {
+            ErrorKind::Empty => write!(f, "the problem has no body"),
+            ErrorKind::OtherProblem => write!(f, "this body or region belongs to another problem"),
+            ErrorKind::NameTaken => write!(f, "the name \"{one}\" is taken"),
+            ErrorKind::NoInterface => write!(f, "there is no contact and no tie \"{one}\""),
+            ErrorKind::Material(error) => write!(f, "body \"{one}\": {error}"),
+            ErrorKind::OutOfLimits { error, x, t } => write!(f, "body \"{one}\", material at {x:?}, t = {t}: {error}"),
+            ErrorKind::Mixed { found, expected } => {
+                write!(f, "body \"{one}\" has {found} components of the unknown, the bodies before it {expected}")
+            }
+            ErrorKind::NoComponent { component, components } => write!(f, "there is no component {component} of {components}"),
+            ErrorKind::NoFunction { function, functions } => write!(f, "body \"{one}\" has no function {function} of {functions}"),
+            ErrorKind::Side(error) => write!(f, "body \"{one}\": {error}"),
+            ErrorKind::NoRegion => write!(f, "{} have no edge and no corner in common", self.names.join(", ")),
+            ErrorKind::MixedCells => write!(f, "parts of `{one}`, a side of triangles and quadrilaterals, are not in this version"),
+            ErrorKind::NotASide => write!(f, "`{one}` is an edge or a corner: loads, springs and normals are those of sides"),
+            ErrorKind::NotPlanar => write!(f, "`{one}` is curved: bodies slide along planar sides only"),
+            ErrorKind::Scalar => write!(f, "\"{one}\" needs one component per coordinate"),
+            ErrorKind::Prescribed { error, t, .. } => write!(f, "{error} (t = {t})"),
+            ErrorKind::Twice { component } => write!(f, "component {component} of `{one}` is prescribed twice"),
+            ErrorKind::NoExact => write!(f, "\"{one}\" takes the values of an exact solution, and the problem has none"),
+            ErrorKind::SourceTwice => write!(f, "body \"{one}\" has a source; the exact solution has its own"),
+            ErrorKind::NotFinite { x, t, value, .. } => write!(f, "\"{one}\" on `{other}`: {value} at {x:?}, t = {t}"),
+            ErrorKind::Glue(error) => write!(f, "`{one}` and {} cannot be glued: {error}", self.names[1..].join(", ")),
+            ErrorKind::Interface { error, .. } => write!(f, "\"{one}\", slave side `{other}`: {error}"),
+            ErrorKind::SlaveTwice => write!(f, "`{one}` is slave twice; make it the master of one of them"),
+            ErrorKind::BothWays => write!(f, "`{one}` on `{other}`: a side meets another one, and one of the two is the slave"),
+            ErrorKind::NoMaster => write!(f, "the list of master sides is empty"),
+            ErrorKind::NoObstacle => write!(f, "contact \"{one}\" faces a body: only obstacles are moved or pressed"),
+            ErrorKind::Driven { component } => write!(
+                f,
+                "the obstacle of contact \"{one}\" is driven in component {component}: give each of its own once, either a motion or a force"
+            ),
+            ErrorKind::Motions(motions) => f.write_str(&motions.join("; ")),
+            ErrorKind::Outside { x } => write!(f, "the point {x:?} is not in body \"{one}\""),
+        }
+    }
+}
+
+impl std::error::Error for ProblemError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        Some(match &self.kind {
+            ErrorKind::Material(error) => error,
+            ErrorKind::OutOfLimits { error, .. } => error,
+            ErrorKind::Side(error) => error,
+            ErrorKind::Prescribed { error, .. } => error,
+            ErrorKind::Glue(error) => error,
+            ErrorKind::Interface { error, .. } => error,
+            _ => return None,
+        })
+    }
+}
+
+impl Display for ProblemErrors {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
+    }
+}
+
+impl std::error::Error for ProblemErrors {}
+
+impl From<ProblemError> for ProblemErrors {
+    fn from(error: ProblemError) -> Self {
+        Self(vec![error])
+    }
+}
+
+impl From<Box<Conflict>> for ErrorKind {
+    fn from(conflict: Box<Conflict>) -> Self {
+        Self::Prescribed { error: conflict.error, t: conflict.t, changes: conflict.changes }
+    }
+}

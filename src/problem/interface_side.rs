@@ -1,0 +1,103 @@
+//! The part of ties and contacts that differs between curves and surfaces.
+
+use super::builder::Problem;
+use super::error::ProblemErrors;
+use super::model::Model;
+use super::multipliers::{DualPair, constrained_ends};
+use crate::basis::Basis;
+use crate::coupling::interface::{InterfaceQuadrature, MasterSums, MergedCurve, Partners, SlaveRule};
+use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind};
+use crate::coupling::{CouplingError, Segments};
+use crate::geometry::Geometry;
+use crate::space::Trace;
+
+/// Rules and multipliers of slave sides, and what is compiled once per dimension.
+pub trait InterfaceSide<const S: usize, const N: usize>: Sized {
+    /// The rule on segments of both sides, with that many points per direction of a piece.
+    fn merged(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<S, N>>;
+    /// The rule on the elements of the slave side.
+    fn slave_rule(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<S, N>>;
+    /// The rule of integrals over the master side, for mixed integration of contacts.
+    fn master_sums(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<S, N>>;
+
+    /// The multiplier of a kind; `constrained`: whether a function of the body is constrained in its component.
+    ///
+    /// # Errors
+    /// [`MultiplierError`] if there is none of this kind.
+    fn multiplier(&self, kind: MultiplierKind, constrained: &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError>;
+
+    /// Dual multipliers over the part of a side that the segments cover, and the functions by which their pressure is read.
+    ///
+    /// # Errors
+    /// [`MultiplierError`] if there are none.
+    fn covered_dual(&self, constrained: &dyn Fn(usize) -> bool, faced: &Segments<S>) -> Result<DualPair<S>, MultiplierError>;
+
+    /// A multiplier whose functions on slivers of what the segments cover are given to their neighbours.
+    fn without_slivers(&self, psi: Box<dyn Basis<S>>, faced: &Segments<S>) -> Box<dyn Basis<S>>;
+
+    /// The model of a problem, see [`Problem::assemble`].
+    ///
+    /// # Errors
+    /// All that is wrong.
+    fn model_of(problem: &Problem<S, N>) -> Result<Model<S, N>, ProblemErrors>;
+}
+
+impl InterfaceSide<1, 2> for Trace<1, 2> {
+    fn merged(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<1, 2>> {
+        Box::new(MergedCurve { points, partners })
+    }
+    fn slave_rule(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<1, 2>> {
+        Box::new(SlaveRule { points, partners })
+    }
+    fn master_sums(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<1, 2>> {
+        Box::new(MasterSums { points, partners })
+    }
+    fn multiplier(&self, kind: MultiplierKind, constrained: &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<1>>, MultiplierError> {
+        multiplier::build(&self.space, kind, &constrained_ends(self, constrained))
+    }
+    fn covered_dual(&self, constrained: &dyn Fn(usize) -> bool, faced: &Segments<1>) -> Result<DualPair<1>, MultiplierError> {
+        let made = multiplier::build_covered(&self.space, &constrained_ends(self, constrained), faced)?;
+        Ok((Box::new(made.functions), Box::new(made.reading)))
+    }
+    fn without_slivers(&self, psi: Box<dyn Basis<1>>, faced: &Segments<1>) -> Box<dyn Basis<1>> {
+        multiplier::without_slivers(psi, &*self.space, faced)
+    }
+    fn model_of(problem: &Problem<1, 2>) -> Result<Model<1, 2>, ProblemErrors> {
+        problem.assembled()
+    }
+}
+
+/// A rule on surfaces, which is not in this version.
+#[derive(Clone, Copy, Debug)]
+struct NoRule;
+
+impl InterfaceQuadrature<2, 3> for NoRule {
+    fn segments(&self, _: &dyn Geometry<2, 3>, _: &dyn Geometry<2, 3>) -> Result<Segments<2>, CouplingError> {
+        Err(CouplingError::Surfaces)
+    }
+}
+
+/// Rules and multipliers of the library are those of curves; those from outside serve on surfaces, too.
+impl InterfaceSide<2, 3> for Trace<2, 3> {
+    fn merged(_: usize, _: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
+        Box::new(NoRule)
+    }
+    fn slave_rule(_: usize, _: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
+        Box::new(NoRule)
+    }
+    fn master_sums(_: usize, _: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
+        Box::new(NoRule)
+    }
+    fn multiplier(&self, _: MultiplierKind, _: &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<2>>, MultiplierError> {
+        Err(MultiplierError::Surfaces)
+    }
+    fn covered_dual(&self, _: &dyn Fn(usize) -> bool, _: &Segments<2>) -> Result<DualPair<2>, MultiplierError> {
+        Err(MultiplierError::Surfaces)
+    }
+    fn without_slivers(&self, psi: Box<dyn Basis<2>>, _: &Segments<2>) -> Box<dyn Basis<2>> {
+        psi
+    }
+    fn model_of(problem: &Problem<2, 3>) -> Result<Model<2, 3>, ProblemErrors> {
+        problem.assembled()
+    }
+}

@@ -1,0 +1,295 @@
+//! Statements about regions: prescribed values, sliding, rigid sides, tractions, forces, springs.
+
+use super::builder::Problem;
+use super::data::Data;
+use super::error::{ErrorKind, ProblemError};
+use super::handles::{Components, Kind, Region, Statement, Unknown};
+use super::model::{Action, Condition, Pin, RigidSides, SideLoad, SideModel, SideSpring, Value};
+use super::regions::Piece;
+use crate::assembly::{Equation, measure, planar_normal};
+use crate::linalg::Vector;
+use std::sync::Arc;
+
+/// Components of a unit normal below this count as zero.
+const PERPENDICULAR: f64 = 1e-9;
+
+/// Supports, loads and springs, in the order in which they were said.
+#[derive(Clone, Debug)]
+pub(super) struct Said<const S: usize, const N: usize> {
+    pub conditions: Vec<Condition<S, N>>,
+    pub pins: Vec<Pin<N>>,
+    /// Sides with at least one prescribed component.
+    pub supports: Vec<Arc<SideModel<S, N>>>,
+    pub equations: Vec<Equation>,
+    pub held: Vec<(Arc<SideModel<S, N>>, Vector<N>)>,
+    pub rigid_sides: Vec<RigidSides<S, N>>,
+    pub loads: Vec<SideLoad<S, N>>,
+    pub springs: Vec<SideSpring<S, N>>,
+}
+
+impl<const S: usize, const N: usize> Default for Said<S, N> {
+    fn default() -> Self {
+        Self {
+            conditions: Vec::new(),
+            pins: Vec::new(),
+            supports: Vec::new(),
+            equations: Vec::new(),
+            held: Vec::new(),
+            rigid_sides: Vec::new(),
+            loads: Vec::new(),
+            springs: Vec::new(),
+        }
+    }
+}
+
+impl<const S: usize, const N: usize> Said<S, N> {
+    fn support(&mut self, side: &Arc<SideModel<S, N>>) {
+        if !self.supports.iter().any(|s| Arc::ptr_eq(s, side)) {
+            self.supports.push(side.clone());
+        }
+    }
+
+    fn condition(&mut self, of: Statement, piece: &Piece<S, N>, component: usize, value: Value) {
+        match piece {
+            Piece::Side(side) => {
+                self.conditions.push(Condition { of, side: side.clone(), component, value });
+                self.support(side);
+            }
+            Piece::Rim(rim) => self.pins.push(Pin { of, rim: rim.clone(), component, value }),
+        }
+    }
+}
+
+impl<const S: usize, const N: usize> Problem<S, N> {
+    /// A new handle of a support, a load, or of what joins bodies.
+    pub(super) fn statement(&mut self) -> Statement {
+        self.statements += 1;
+        Statement { problem: self.id, kind: Kind::Other, number: self.statements - 1 }
+    }
+
+    fn component(&self, component: usize) -> Result<usize, ProblemError> {
+        let components = self.components();
+        if component < components { Ok(component) } else { Err(ProblemError::named(ErrorKind::NoComponent { component, components }, &[])) }
+    }
+
+    /// Names a load or springs in results and messages, in place of the label of their region. Loads of one such name are one in results.
+    pub fn name(&mut self, of: Statement, name: &str) {
+        let group = *self.groups.entry(name.to_owned()).or_insert(of);
+        for load in self.said.loads.iter_mut().filter(|l| l.of == of) {
+            (load.group, load.name) = (group, name.to_owned());
+        }
+        self.said.springs.iter_mut().filter(|s| s.of == of).for_each(|s| name.clone_into(&mut s.name));
+    }
+
+    /// Prescribes components to be zero on a side, an edge or in a corner.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Side`], [`ErrorKind::NoComponent`], [`ErrorKind::OtherProblem`].
+    pub fn fix<'a>(&mut self, on: impl Into<Region<'a>>, components: Components) -> Result<Statement, ProblemError> {
+        let all = match components {
+            Components::All => 0..self.components(),
+            Components::One(c) => self.component(c)?..c + 1,
+        };
+        self.prescribed(on.into(), all, &Value::Zero)
+    }
+
+    /// Prescribes a component on a side, an edge or in a corner: a number, a function, or [`Value::Exact`].
+    ///
+    /// # Errors
+    /// Those of [`fix`](Self::fix). A problem without the exact solution that it asks for is not assembled.
+    pub fn prescribe<'a>(
+        &mut self,
+        on: impl Into<Region<'a>>,
+        component: usize,
+        value: impl Into<Value>,
+    ) -> Result<Statement, ProblemError> {
+        let component = self.component(component)?;
+        self.prescribed(on.into(), component..component + 1, &value.into())
+    }
+
+    fn prescribed(&mut self, on: Region<'_>, components: std::ops::Range<usize>, value: &Value) -> Result<Statement, ProblemError> {
+        let pieces = self.pieces(on)?;
+        let of = self.statement();
+        for piece in &pieces {
+            components.clone().for_each(|c| self.said.condition(of, piece, c, value.clone()));
+        }
+        Ok(of)
+    }
+
+    /// Prescribes n . u = 0 on a planar side with the normal n.
+    ///
+    /// # Errors
+    /// Those of [`fix`](Self::fix), [`ErrorKind::NotPlanar`], [`ErrorKind::NotASide`], [`ErrorKind::Scalar`].
+    pub fn fix_normal<'a>(&mut self, on: impl Into<Region<'a>>) -> Result<Statement, ProblemError> {
+        self.sliding(on.into(), true)
+    }
+
+    /// Prescribes u - (n . u) n = 0 on a planar side with the normal n.
+    ///
+    /// # Errors
+    /// Those of [`fix_normal`](Self::fix_normal).
+    pub fn fix_tangential<'a>(&mut self, on: impl Into<Region<'a>>) -> Result<Statement, ProblemError> {
+        self.sliding(on.into(), false)
+    }
+
+    /// Conditions where the normal is an axis, equations elsewhere.
+    fn sliding(&mut self, on: Region<'_>, along_normal: bool) -> Result<Statement, ProblemError> {
+        let sides = self.only_sides(on)?;
+        let mut normals = Vec::with_capacity(sides.len());
+        for side in &sides {
+            if side.field.components == 1 {
+                return Err(ProblemError::named(ErrorKind::Scalar, &[&side.label]));
+            }
+            let normal = planar_normal(&side.trace);
+            normals.push(normal.ok_or_else(|| ProblemError::named(ErrorKind::NotPlanar, &[&side.label]))?);
+        }
+        let of = self.statement();
+        for (side, normal) in sides.iter().zip(normals) {
+            if let Some(axis) = (0..N).find(|&k| (normal[k].abs() - 1.0).abs() < PERPENDICULAR) {
+                for component in (0..N).filter(|&c| (c == axis) == along_normal) {
+                    self.said.condition(of, &Piece::Side(side.clone()), component, Value::Zero);
+                }
+                continue;
+            }
+            let directions: Vec<Vector<N>> = if along_normal { vec![normal] } else { tangents(&normal) };
+            self.said.held.extend(directions.iter().map(|d| (side.clone(), *d)));
+            let mut dofs = side.trace.dofs.clone();
+            dofs.sort_unstable();
+            dofs.dedup();
+            for dof in dofs {
+                for d in &directions {
+                    let terms = (0..N).filter(|&c| d[c].abs() > PERPENDICULAR).map(|c| (side.field.unknown(dof, c), d[c])).collect();
+                    self.said.equations.push(Equation { terms, value: 0.0 });
+                }
+            }
+            self.said.support(side);
+        }
+        Ok(of)
+    }
+
+    /// Prescribes a linear combination of unknowns: the sum of factor times unknown is `value`. Rigid motions that it prevents are seen
+    /// if its unknowns are components of one function on a side with a support.
+    ///
+    /// # Errors
+    /// [`ErrorKind::NoComponent`], [`ErrorKind::NoFunction`], [`ErrorKind::OtherProblem`].
+    pub fn equation(&mut self, terms: &[(Unknown, f64)], value: f64) -> Result<Statement, ProblemError> {
+        let mut all = Vec::with_capacity(terms.len());
+        for (unknown, factor) in terms {
+            let (body, component) = (self.number(unknown.body)?, self.component(unknown.component)?);
+            let body = &self.bodies[body];
+            let functions = body.body.space().num_functions();
+            if unknown.function >= functions {
+                let kind = ErrorKind::NoFunction { function: unknown.function, functions };
+                return Err(ProblemError::new(kind, vec![unknown.body.into()], vec![body.name.clone()]));
+            }
+            all.push((body.field.unknown(unknown.function, component), *factor));
+        }
+        self.said.equations.push(Equation { terms: all, value });
+        Ok(self.statement())
+    }
+
+    /// Applies a component of a traction [force/area], or of a flux k du/dn: a number, a function, or [`Value::Exact`].
+    ///
+    /// # Errors
+    /// Those of [`fix`](Self::fix), and [`ErrorKind::NotASide`]. A problem without the exact solution that it asks for is not assembled.
+    pub fn traction<'a>(
+        &mut self,
+        on: impl Into<Region<'a>>,
+        component: usize,
+        traction: impl Into<Value>,
+    ) -> Result<Statement, ProblemError> {
+        let (sides, component) = (self.only_sides(on.into())?, self.component(component)?);
+        let action = match traction.into() {
+            Value::Zero => Action::Traction(component, 0.0.into()),
+            Value::Data(f) => Action::Traction(component, f),
+            Value::Exact => Action::Exact(component),
+        };
+        Ok(self.load(&sides, &action))
+    }
+
+    /// Applies a pressure [force/area] along minus the outward normal.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Side`], [`ErrorKind::NotASide`], [`ErrorKind::Scalar`], [`ErrorKind::OtherProblem`].
+    pub fn pressure<'a>(&mut self, on: impl Into<Region<'a>>, pressure: impl Into<Data>) -> Result<Statement, ProblemError> {
+        let sides = self.only_sides(on.into())?;
+        if let Some(side) = sides.iter().find(|s| s.field.components == 1) {
+            return Err(ProblemError::named(ErrorKind::Scalar, &[&side.label]));
+        }
+        Ok(self.load(&sides, &Action::Pressure(pressure.into())))
+    }
+
+    /// Applies a component of a force, spread evenly over the sides of the region.
+    ///
+    /// # Errors
+    /// Those of [`fix`](Self::fix), and [`ErrorKind::NotASide`].
+    pub fn force<'a>(&mut self, on: impl Into<Region<'a>>, component: usize, force: impl Into<Data>) -> Result<Statement, ProblemError> {
+        let (sides, component) = (self.only_sides(on.into())?, self.component(component)?);
+        let area = sides.iter().map(|side| measure(&*side.trace.space, &side.rules)).sum();
+        Ok(self.load(&sides, &Action::Force(component, force.into(), area)))
+    }
+
+    /// Puts springs [force/area per length] between sides and the ground.
+    ///
+    /// # Errors
+    /// Those of [`fix`](Self::fix), and [`ErrorKind::NotASide`].
+    pub fn spring<'a>(
+        &mut self,
+        on: impl Into<Region<'a>>,
+        component: usize,
+        stiffness: impl Into<Data>,
+    ) -> Result<Statement, ProblemError> {
+        let (sides, component, stiffness) = (self.only_sides(on.into())?, self.component(component)?, stiffness.into());
+        let of = self.statement();
+        for side in sides {
+            self.said.springs.push(SideSpring { of, name: side.label.clone(), side, component, stiffness: stiffness.clone() });
+        }
+        Ok(of)
+    }
+
+    /// Makes all sides of the region move as one in a component, driven by a resultant, spread evenly.
+    ///
+    /// # Errors
+    /// Those of [`fix`](Self::fix), and [`ErrorKind::NotASide`].
+    pub fn rigid<'a>(&mut self, on: impl Into<Region<'a>>, component: usize, force: impl Into<Data>) -> Result<Statement, ProblemError> {
+        let region = on.into();
+        let of = self.force(region, component, force)?;
+        let sides = self.only_sides(region)?;
+        // functions of a side sum to one: equal coefficients are a constant
+        let mut unknowns: Vec<usize> =
+            sides.iter().flat_map(|side| side.trace.dofs.iter().map(|&dof| side.field.unknown(dof, component))).collect();
+        unknowns.sort_unstable();
+        unknowns.dedup();
+        let Some((&first, rest)) = unknowns.split_first() else { return Ok(of) };
+        self.said.equations.extend(rest.iter().map(|&i| Equation { terms: vec![(i, 1.0), (first, -1.0)], value: 0.0 }));
+        for side in &sides {
+            self.said.support(side);
+            self.said.held.push((side.clone(), Vector::from_fn(|k, _| f64::from(u8::from(k == component)))));
+        }
+        self.said.rigid_sides.push(RigidSides { sides, component });
+        Ok(of)
+    }
+
+    fn load(&mut self, sides: &[Arc<SideModel<S, N>>], action: &Action) -> Statement {
+        let of = self.statement();
+        let load =
+            |side: &Arc<SideModel<S, N>>| SideLoad { of, group: of, name: side.label.clone(), side: side.clone(), action: action.clone() };
+        self.said.loads.extend(sides.iter().map(load));
+        of
+    }
+}
+
+/// Unit vectors perpendicular to `normal` and to each other.
+fn tangents<const N: usize>(normal: &Vector<N>) -> Vec<Vector<N>> {
+    let mut basis: Vec<Vector<N>> = vec![*normal];
+    for k in 0..N {
+        let mut v = Vector::<N>::from_fn(|i, _| f64::from(u8::from(i == k)));
+        for b in &basis {
+            v -= b * b.dot(&v);
+        }
+        if v.norm() > 0.1 && basis.len() < N {
+            basis.push(v / v.norm());
+        }
+    }
+    basis.split_off(1)
+}
