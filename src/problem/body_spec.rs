@@ -62,7 +62,7 @@ impl<const S: usize, const N: usize> BodySpec<S, N> {
 /// A material, the same at all times or a function of time.
 #[derive(Clone, Debug)]
 pub enum BodyMaterial<const N: usize> {
-    /// The same at all times.
+    /// Independent of time.
     Constant(Physics<N>),
     /// A function of time.
     Changing(Changing<Physics<N>>),

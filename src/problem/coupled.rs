@@ -38,7 +38,7 @@ pub type MakeIntegration<const S: usize, const N: usize> = dyn Fn(usize, Partner
 pub enum Rule<const S: usize, const N: usize> {
     /// One of the library.
     Kind(Integration),
-    /// That of a function.
+    /// Made by a function.
     Made(Arc<MakeIntegration<S, N>>),
 }
 
@@ -87,7 +87,7 @@ where
 pub enum Multiplier<const S: usize, const N: usize> {
     /// One of the library.
     Kind(MultiplierKind),
-    /// That of a function of the slave side, see [`MakeMultiplier`].
+    /// Made by a function of the slave side, see [`MakeMultiplier`].
     Made(Arc<MakeMultiplier<S, N>>),
 }
 

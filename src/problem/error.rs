@@ -107,7 +107,7 @@ pub enum ErrorKind {
         t: f64,
         /// The value.
         value: f64,
-        /// Which of the functions of the statement, from 0.
+        /// Number of the function in the statement, from 0.
         component: usize,
     },
     /// Sides that cannot be glued.

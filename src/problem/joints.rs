@@ -64,7 +64,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         Ok(self.statement())
     }
 
-    /// What glued bodies share.
+    /// Functions that glued bodies share.
     pub(super) fn joined(&self, errors: &mut Vec<ProblemError>) -> (Glued, Vec<Hinge<N>>) {
         let components = self.components().max(1);
         let functions = self.bodies.last().map_or(0, |b| b.range().end) / components;

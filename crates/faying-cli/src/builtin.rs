@@ -1,6 +1,6 @@
 //! Entries of the registry that come with the program.
 
-use super::build::{PLANE_OBSTACLES, patch_fault};
+use super::lower::{PLANE_OBSTACLES, patch_fault};
 use super::registry::{Family, Fault, MakeSolver, Names, Registry, Shaped};
 use faying::constraint::{Augmented, Condensed, Direct, Krylov, Schur};
 use faying::coupling::multiplier::MultiplierKind;

@@ -1,6 +1,6 @@
 //! `faying infsup`: inf-sup constants of the slave sides of a case, and a study of them.
 
-use super::build::{SlaveSpaces, plane_net, slave_spaces};
+use super::lower::{SlaveSpaces, plane_net, slave_spaces};
 use super::quantities::{Kind, Quantity, look_up};
 use super::registry::Registry;
 use super::result::{CheckReport, ProbeReport, RunResult, Status};

@@ -16,7 +16,6 @@
 //!
 //! To add names of your own, put them into a [`Registry`] and pass it to [`main`].
 
-pub mod build;
 mod builtin;
 pub mod case;
 pub mod codes;
@@ -28,6 +27,7 @@ pub mod guide;
 pub mod infsup;
 pub mod inspect;
 mod json;
+pub mod lower;
 mod named;
 pub mod output;
 pub mod place;

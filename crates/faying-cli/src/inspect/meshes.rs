@@ -2,7 +2,7 @@
 
 use super::CellMap;
 use super::look::{Soundness, is_flat, look};
-use crate::build::unshared_text;
+use crate::lower::unshared_text;
 use faying::space::{measure, unshared_points};
 use faying_files::{Format, MeshBlock, MeshFile};
 use serde::Serialize;

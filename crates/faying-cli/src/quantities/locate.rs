@@ -1,6 +1,6 @@
 //! Elements of a model's patches by points.
 
-use crate::build::Built;
+use crate::lower::Built;
 use faying::geometry::{Bounds, Embedded, Embedding, closest_point};
 use faying::linalg::{Matrix, Vector};
 use faying::space::{Locator, Space};

@@ -3,10 +3,10 @@
 use super::grammar::{At, FieldName, Kind, Quantity, Reduce};
 use super::locate::{Locators, Spot};
 use super::path::{known, look_up};
-use crate::build::{Built, canonical_side, named_point};
 use crate::case::{Case, Multiplier};
 use crate::errors::{Diagnostic, nearest};
 use crate::formula::{Formula, Scope};
+use crate::lower::{Built, canonical_side, named_point};
 use crate::place::Place;
 use faying::geometry::ClosestPoint;
 use faying::linalg::Vector;

@@ -13,12 +13,17 @@
 //! Coefficients and lambda are rounded to 2^-44 (6e-14) of the largest of their list; all other numbers are exact.
 
 mod numbers;
+pub(crate) mod on_case;
+mod parameters;
 mod read;
+mod stored;
 mod write;
 
 use serde::{Deserialize, Serialize};
 
+pub use on_case::{OnSide, Reference, ReferenceLambda, ReferencePatch};
 pub use read::read;
+pub(crate) use stored::stored_run;
 pub use write::write;
 
 /// First bytes of every file of a stored run.

@@ -1,7 +1,8 @@
 //! Errors of a solved model against exact solutions and multipliers, or against a stored run if there are none.
 
-use crate::build::{Built, OnSide, ReferenceLambda};
+use crate::lower::Built;
 use crate::named::Named;
+use crate::reference::{OnSide, ReferenceLambda};
 use faying::assembly::Errors;
 use faying::linalg::Vector;
 use faying::problem::{ContactField, Model, SquaredError, StepState, TieField, TieModel};

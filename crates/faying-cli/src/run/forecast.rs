@@ -5,9 +5,9 @@
 use super::need::Need;
 use super::predict::{Prediction, bytes};
 use super::room::Room;
-use crate::build::{MakeNet, elements_along, mesh_counts};
 use crate::case::{Case, Linear, Patch};
 use crate::errors::Diagnostic;
+use crate::lower::{MakeNet, elements_along, mesh_counts};
 use crate::registry::is_spline;
 
 /// Largest number of unknowns in this version: columns are 32 bits wide.

@@ -16,7 +16,7 @@ mod solver;
 use faults::{floating, memory_limit, step_fault, stopped};
 use forecast::avoids_factors;
 
-use super::build::{self, Built, MakeNet, plane_net, volume_net};
+use super::lower::{self, Built, MakeNet, plane_net, volume_net};
 use super::output::{Finished, Output, RunOptions, StepOutput};
 use super::quantities::Questions;
 use super::registry::{Names, Registry};
@@ -141,7 +141,7 @@ where
             let good = matches!(result.status, Status::Ok | Status::CheckFailed);
             let stored = solved.last().filter(|_| options.keep && good).and_then(|last| {
                 let state = (last.state.u.as_slice(), last.state.lambda.as_slice(), last.state.t);
-                build::stored_run(case, dimension.names, dimension.net, &last.model, state).ok()
+                crate::reference::stored_run(case, dimension.names, dimension.net, &last.model, state).ok()
             });
             let steps = if case.has_steps() {
                 solved.into_iter().map(|s| step_output(case, s, dimension.output, *options)).collect()
@@ -278,7 +278,7 @@ where
     if let Some(fault) = too_large(case, dimension.net, room, !avoids_factors(case)) {
         return Err(fault.into());
     }
-    let model = build::build(case, dimension.names, dimension.net)?;
+    let model = lower::build(case, dimension.names, dimension.net)?;
     let mixed = |part: &TiePart<S, N>| part.reaction.is_some();
     let (tie, contact) = leaning(&model);
     if let Some(tie) = tie.filter(|_| solver.needs_symmetry()) {

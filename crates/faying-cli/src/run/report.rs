@@ -2,8 +2,8 @@
 
 use super::errors::{error_names, errors};
 use super::iteration;
-use crate::build::Built;
 use crate::case::Case;
+use crate::lower::Built;
 use crate::named::Named;
 use crate::result::{
     ActiveSetSummary, Balance, ContactReport, Extremes, Gaps, GeometryReport, InterfaceReport, Kkt, L2, LoadReport, Moment, Norm,

@@ -1,9 +1,9 @@
 //! Diagnostics of loads, springs and moduli that jump inside of elements, of which the rule of integration misses a part.
 
-use crate::build::Built;
 use crate::case::{Boundary, Case, Datum};
 use crate::errors::Diagnostic;
 use crate::formula::Formula;
+use crate::lower::Built;
 use crate::place::{Located, Place};
 use crate::words::{component_name, percent, short};
 use faying::problem::{Inexact, Integral, Resultant, Statement};

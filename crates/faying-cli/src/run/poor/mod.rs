@@ -4,9 +4,9 @@ mod loads;
 mod of_model;
 mod of_state;
 
-use crate::build::{Built, times};
 use crate::case::Case;
 use crate::errors::Diagnostic;
+use crate::lower::{Built, times};
 use crate::result::RunResult;
 use faying::problem::{Model, StepState, Warning};
 

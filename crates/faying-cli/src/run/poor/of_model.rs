@@ -1,9 +1,9 @@
 //! Diagnostics of warnings about a model.
 
 use super::loads;
-use crate::build::Built;
 use crate::case::Case;
 use crate::errors::Diagnostic;
+use crate::lower::Built;
 use crate::words::{percent, place, short};
 use faying::problem::{SubjectKind, Warning};
 

@@ -1,8 +1,8 @@
 //! A case as a problem, with the source locations and comparisons that the problem itself does not know.
 
 use super::places::Places;
-use super::reference::Reference;
 use crate::errors::Diagnostics;
+use crate::reference::Reference;
 use crate::result::GluedSides;
 use faying::problem::Model;
 use std::ops::{Deref, DerefMut};

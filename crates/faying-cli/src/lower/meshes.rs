@@ -10,7 +10,7 @@ use faying::linalg::Vector;
 use faying::space::{self, Body, Mesh, MeshError, Unshared, refine_cells, unshared_points};
 
 /// Builds the body of a patch that is read from a mesh (backend `fe`).
-pub(super) fn body<const S: usize, const N: usize>(
+pub(crate) fn body<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: &Patch,
 ) -> Result<Box<dyn Body<S, N>>, Box<Diagnostic>> {
@@ -157,7 +157,7 @@ pub(crate) fn named_point<const N: usize>(patch: &Patch, name: &str) -> Option<V
 }
 
 /// Position of a point of the mesh that a patch is read from, by its index in the file.
-pub(super) fn point_of<const N: usize>(patch: &Patch, point: usize) -> Option<Vector<N>> {
+pub(crate) fn point_of<const N: usize>(patch: &Patch, point: usize) -> Option<Vector<N>> {
     let geometry = &patch.geometry;
     let x = geometry.shape.part()?.place_of::<N>(point)?;
     Some(moved(&x, geometry, &turn_of(geometry).ok()?))

@@ -1,9 +1,8 @@
 //! A solved model as a stored run, and the fingerprint of a geometry.
 
-use super::builder::{Builder, MakeNet};
-use super::patches::specification;
 use crate::case::{self, Case, FilePart};
 use crate::errors::Diagnostics;
+use crate::lower::{Builder, MakeNet, point_of, specification};
 use crate::reference::{Fingerprint, StoredPatch, StoredRun, StoredSide, nodes};
 use faying::basis::{Basis, Cell, Order, ShapeTable};
 use faying::geometry::Embedding;
@@ -205,7 +204,7 @@ pub(super) fn of_cells<const N: usize>(patch: &case::Patch) -> Fingerprint {
         counts.extend([usize::from(block.cell == Cell::Simplex), block.order, block.nodes.len()]);
         counts.extend(&block.nodes);
     }
-    let places = (0..points.len()).filter_map(|k| super::meshes::point_of::<N>(patch, k));
+    let places = (0..points.len()).filter_map(|k| point_of::<N>(patch, k));
     fingerprint(&counts, places.flat_map(|x| x.iter().copied().collect::<Vec<f64>>()))
 }
 

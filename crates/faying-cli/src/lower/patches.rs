@@ -141,7 +141,7 @@ fn of_net<const S: usize, const N: usize>(
 }
 
 /// Returns the specification of a patch for a backend.
-pub(super) fn specification<const S: usize, const N: usize>(
+pub(crate) fn specification<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: &Patch,
     net: ControlNet<N, N>,

@@ -1,10 +1,10 @@
 //! Stored run as a reference solution: its bodies on the geometry of the case, and its multipliers on the slave sides of the case.
 
-use super::builder::{Builder, MakeNet};
 use super::parameters::Parameters;
 use super::stored::{BASES, CELLS, MAPPINGS, of_cells, of_net, physics_word, same_geometry, spec_of};
 use crate::case;
 use crate::errors::Diagnostic;
+use crate::lower::{Builder, MakeNet, mesh_body, mesh_counts};
 use crate::reference::{StoredPatch, StoredRun, StoredSide, weights};
 use faying::assembly::gauss_rules;
 use faying::basis::{Basis, Cell};
@@ -134,7 +134,7 @@ impl<const S: usize> OnSide<S> {
 ///
 /// # Errors
 /// E044 for another dimension, E015 where the run is of another problem, of other bodies, or ends at another time.
-pub(super) fn build<const S: usize, const N: usize>(
+pub(crate) fn build<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     model: &Model<S, N>,
     net: MakeNet<N>,
@@ -228,11 +228,11 @@ fn patch<const S: usize, const N: usize>(
         None => {
             let mut halved = words.clone();
             halved.refine.value = stored.refine;
-            enough_for(super::meshes::counts::<N>(&halved).map_or(0.0, |n| n.iter().sum()), stored)?;
+            enough_for(mesh_counts::<N>(&halved).map_or(0.0, |n| n.iter().sum()), stored)?;
             halved.discretization.degree.value = stored.degree.clone();
             let exact = stored.mapping == "exact";
             halved.discretization.mapping.value = if exact { case::Mapping::Exact } else { case::Mapping::Isoparametric };
-            (super::meshes::body(builder, &halved).map_err(|fault| format!("cannot be made: {}", fault.message))?, None)
+            (mesh_body(builder, &halved).map_err(|fault| format!("cannot be made: {}", fault.message))?, None)
         }
     };
     let functions = body.space().num_functions();
