@@ -3,7 +3,7 @@
 use super::assembled::System;
 use super::builder::Problem;
 use super::contact_part::SlaveOf;
-use super::coupled::{Contact, Faced};
+use super::coupled::{Contact, Faced, Tie};
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
 use super::fixed::Fixed;
@@ -16,7 +16,10 @@ use super::rigid_bodies::RigidBodies;
 use super::rigid_rows::closed_forms;
 use super::supports::{Ties, free_by, held_by, sentences};
 use super::tie_part::Memberships;
-use crate::space::Trace;
+use super::touching::Search;
+use super::touching_bodies;
+use super::warnings::Warning;
+use crate::space::{SideError, Trace};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
@@ -50,15 +53,17 @@ where
         let mut model = self.model(pressed)?;
         let fixed = self.fixed(&model)?;
         let members = self.memberships(&model);
-        some(self.build_ties(&mut model, &fixed, &members))?;
+        let (ties, found) = self.explained_ties();
+        model.findings.extend(found);
+        some(self.build_ties(&ties, &mut model, &fixed, &members))?;
         some(self.build_contacts(&mut model, pressed, &fixed, &members))?;
         Ok(model)
     }
 
     /// Builds all ties; returns what is wrong.
-    fn build_ties(&self, model: &mut Model<S, N>, fixed: &Fixed, members: &Memberships) -> Vec<ProblemError> {
+    fn build_ties(&self, ties: &[Tie<S, N>], model: &mut Model<S, N>, fixed: &Fixed, members: &Memberships) -> Vec<ProblemError> {
         let mut errors = Vec::new();
-        for tie in &self.ties {
+        for tie in ties {
             let mut parts = Vec::new();
             for (k, pair) in tie.own.pairs.iter().enumerate() {
                 match model.tie_part(tie, pair, self.times[0], fixed, members) {
@@ -186,6 +191,20 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             }
         }
         errors
+    }
+
+    /// The ties, with the distances that the facets of named sides explain, and warnings of those that they do not.
+    fn explained_ties(&self) -> (Vec<Tie<S, N>>, Vec<Warning>) {
+        let (mut ties, mut found) = (self.ties.clone(), Vec::new());
+        let mut none = |_: usize, name: &str| Err(SideError::Unknown { side: name.to_owned(), known: String::new() });
+        let mut search = Search::new(&self.bodies, &mut none);
+        for tie in ties.iter_mut().filter(|t| t.own.tolerance.is_none()) {
+            for pair in tie.own.pairs.iter_mut().filter(|p| p.is_asked) {
+                pair.explained = search.tie(pair.slave.clone(), pair.masters.clone(), None).explained;
+            }
+        }
+        found.extend(search.findings.iter().filter_map(touching_bodies::warning));
+        (ties, found)
     }
 
     /// Number of tied sides of every function, of couplings with rows: others constrain no functions.

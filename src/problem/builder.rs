@@ -9,6 +9,7 @@ use super::joints::{Gluing, Shared};
 use super::model::{Model, PatchModel, SideModel};
 use super::regions::Regions;
 use super::supports_and_loads::Said;
+use super::warnings::Warning;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -35,6 +36,8 @@ pub struct Problem<const S: usize, const N: usize> {
     /// The first statement of every name that loads were given.
     pub(super) groups: HashMap<String, Statement>,
     pub(super) exact: Option<Arc<dyn Exact>>,
+    /// Warnings of searches for touching sides.
+    pub(super) findings: Vec<Warning>,
     pub(super) ties: Vec<Tie<S, N>>,
     pub(super) contacts: Vec<Contact<S, N>>,
     pub(super) times: Vec<f64>,
@@ -65,6 +68,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             statements: 0,
             groups: HashMap::new(),
             exact: None,
+            findings: Vec::new(),
             ties: Vec::new(),
             contacts: Vec::new(),
             times: vec![1.0],
@@ -134,6 +138,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let mut model = Model::new(bodies, glued, hinges);
         model.unknowns += pressed;
         model.exact.clone_from(&self.exact);
+        model.findings.clone_from(&self.findings);
         let Said { conditions, pins, supports, equations, held, rigid_sides, loads, springs } = self.said.clone();
         (model.conditions, model.pins, model.supports) = (conditions, pins, supports);
         (model.equations, model.held, model.rigid_sides) = (equations, held, rigid_sides);

@@ -200,6 +200,8 @@ pub struct TiePair<const S: usize, const N: usize> {
     pub masters: Vec<Arc<SideModel<S, N>>>,
     /// Largest distance of tied points of facets, if the facets explain it \[length\].
     pub explained: Option<f64>,
+    /// Whether that distance is to be found when the problem is assembled.
+    pub is_asked: bool,
 }
 
 /// Choices of a tie.
@@ -313,6 +315,11 @@ impl<const S: usize, const N: usize> Coupled<S, N, ContactOptions<S, N>> {
         ContactId { problem: self.problem, number: self.number }
     }
 
+    /// The sides that it faces, none of an obstacle.
+    pub(super) fn masters(&self) -> &[Arc<SideModel<S, N>>] {
+        if let Faced::Sides(masters) = &self.own.faced { masters } else { &[] }
+    }
+
     /// Sets the method; by default Lagrange multipliers.
     pub fn method(&mut self, method: Formulation) -> &mut Self {
         self.own.formulation = method;
@@ -370,7 +377,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// assembled.
     pub fn tie<'a, 'b>(&mut self, slaves: impl Into<Sides<'a>>, masters: impl Into<Sides<'b>>) -> Result<&mut Tie<S, N>, ProblemError> {
         let (slaves, masters) = (self.sides(slaves.into())?, self.sides(masters.into())?);
-        let pair = |slave| TiePair { slave, masters: masters.clone(), explained: None };
+        let pair = |slave| TiePair { slave, masters: masters.clone(), explained: None, is_asked: true };
         Ok(self.tie_pairs(slaves.into_iter().map(pair).collect()))
     }
 

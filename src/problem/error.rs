@@ -123,6 +123,13 @@ pub enum ErrorKind {
     SlaveTwice,
     /// A side that meets itself, or two sides that are slave and master of each other.
     BothWays,
+    /// No sides of bodies touch that are not joined yet.
+    NothingTouches {
+        /// The distance of the nearest sides \[length\]; `None` if no two face each other.
+        distance: Option<f64>,
+    },
+    /// A side that touches another one beyond the sides with which it shares facets.
+    TouchesBeyond,
     /// A tie or a contact of a slave side with an empty list of masters.
     NoMaster,
     /// A motion or a force of a contact between bodies.
@@ -189,6 +196,12 @@ impl Display for ProblemError {
             ErrorKind::Interface { error, .. } => write!(f, "\"{one}\", slave side `{other}`: {error}"),
             ErrorKind::SlaveTwice => write!(f, "`{one}` is slave twice; make it the master of one of them"),
             ErrorKind::BothWays => write!(f, "`{one}` on `{other}`: a side meets another one, and one of the two is the slave"),
+            ErrorKind::NothingTouches { distance: None } => write!(f, "no sides of the bodies touch each other that are not joined yet"),
+            ErrorKind::NothingTouches { distance: Some(d) } => write!(
+                f,
+                "no sides of the bodies touch each other that are not joined yet; the nearest, `{one}` and `{other}`, are {d:.3e} apart"
+            ),
+            ErrorKind::TouchesBeyond => write!(f, "`{one}` touches `{other}` beyond the sides with which it shares facets"),
             ErrorKind::NoMaster => write!(f, "the list of master sides is empty"),
             ErrorKind::NoObstacle => write!(f, "contact \"{one}\" faces a body: only obstacles are moved or pressed"),
             ErrorKind::Driven { component } => write!(

@@ -12,10 +12,10 @@ use std::sync::Arc;
 /// A slave side that shares the functions of master sides.
 #[derive(Clone, Debug)]
 pub(super) struct Gluing<const S: usize, const N: usize> {
-    of: Statement,
-    slave: Arc<SideModel<S, N>>,
-    masters: Vec<Arc<SideModel<S, N>>>,
-    near: Option<Near>,
+    pub of: Statement,
+    pub slave: Arc<SideModel<S, N>>,
+    pub masters: Vec<Arc<SideModel<S, N>>>,
+    pub near: Option<Near>,
 }
 
 /// Functions of bodies that are one.

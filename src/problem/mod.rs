@@ -72,6 +72,7 @@ mod tie_fluxes;
 mod tie_moment;
 mod tie_part;
 pub mod touching;
+mod touching_bodies;
 mod warnings;
 
 pub use arc_length::ArcLength;

@@ -8,6 +8,7 @@ use super::handles::{BodyId, ContactId, Statement, TieId};
 use super::obstacle::ObstacleModel;
 use super::physics::Physics;
 use super::start::Start;
+use super::warnings::Warning;
 use crate::assembly::{Equation, Rim, gauss_rules_along, points_of_curved_cells};
 use crate::basis::Basis;
 use crate::contact::{Cone, Contact};
@@ -453,6 +454,8 @@ pub struct Model<const S: usize, const N: usize> {
     pub loads: Vec<SideLoad<S, N>>,
     /// Springs on sides.
     pub springs: Vec<SideSpring<S, N>>,
+    /// Warnings of the searches for touching sides from which the problem was made.
+    pub findings: Vec<Warning>,
     /// Manufactured solution.
     pub exact: Option<Arc<dyn Exact>>,
     /// Tied interfaces.
@@ -491,6 +494,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             rigid_sides: Vec::new(),
             loads: Vec::new(),
             springs: Vec::new(),
+            findings: Vec::new(),
             exact: None,
             ties: Vec::new(),
             contacts: Vec::new(),

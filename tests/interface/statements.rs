@@ -4,7 +4,7 @@ use faying::geometry::shapes::{brick, rectangle};
 use faying::geometry::turn;
 use faying::linalg::Vector;
 use faying::physics::{Assumption, Elastic, Hooke, Jet};
-use faying::problem::{BodyId, BodyMaterial, BodySpec, Components, Data, ErrorKind, Problem, Region, Unknown, Value};
+use faying::problem::{BodyId, BodyMaterial, BodySpec, Components, Data, ErrorKind, Problem, Region, Unknown, Value, Warning};
 use faying::space::{Body, Mesh, MultiPatch, Near, Patch, PatchSpec, Seam};
 use std::sync::Arc;
 
@@ -246,4 +246,60 @@ fn errors_refer_to_statements() {
     let other = p.prescribe(a.side("u0"), 0, 0.3).unwrap();
     let error = p.assemble().unwrap_err().0.remove(0);
     assert!(matches!(error.kind, ErrorKind::Prescribed { .. }) && error.of == [one, other], "{error}");
+}
+
+/// A block on two others: the sides that touch are found, glued or tied, and one hears of those that nearly do.
+#[test]
+fn sides_that_touch_are_found() {
+    for (is_mesh, is_glued) in [(false, false), (true, false), (true, true)] {
+        let mut p = Problem::<1, 2>::new();
+        let block = |p: &mut Problem<1, 2>, name: &str, x: [f64; 2], y: [f64; 2]| {
+            p.body(name, plane([x[0], y[0]], [x[1], y[1]], is_mesh), steel(1.0)).unwrap()
+        };
+        let left = block(&mut p, "left", [0.0, 1.0], [0.0, 1.0]);
+        let top = block(&mut p, "top", [0.0, 1.0], [1.0, 2.0]);
+        let far = block(&mut p, "far", [5.0, 6.0], [0.0, 1.0]);
+        p.fix(left.side("v0"), Components::All).unwrap();
+        p.fix(far.side("v0"), Components::All).unwrap();
+        p.traction(top.side("v1"), 1, 1.0).unwrap();
+        let error = p.tie_touching(&[left, far], None).unwrap_err();
+        assert!(matches!(error.kind, ErrorKind::NothingTouches { distance: Some(d) } if (d - 4.0).abs() < 1e-12), "{error}");
+        assert_eq!(error.names(), ["left.u1", "far.u0"]);
+        if is_glued {
+            p.glue_touching(&[left, top, far], None).unwrap();
+        } else {
+            let tie = p.tie_touching(&[left, top, far], None).unwrap().named("found").id();
+            assert_eq!(p.pairs(tie).unwrap(), [("left.v1", vec!["top.v0"])]);
+        }
+        assert!(p.is_coupled(top.side("v0")).unwrap() && !p.is_coupled(far.side("v1")).unwrap());
+        // what is joined is not found again
+        assert!(matches!(p.tie_touching(&[left, top], None).unwrap_err().kind, ErrorKind::NothingTouches { .. }));
+        let mut system = p.assemble().unwrap();
+        assert_eq!(system.warnings(), []);
+        let s = system.solve(1.0, None).unwrap();
+        near(&s.at(top, &[0.4, 2.0]).unwrap().u[..2], &[0.0, 2.0]);
+    }
+}
+
+/// Named arcs of chords: as far apart as their facets explain they are tied in silence, farther with a warning.
+#[test]
+fn facets_of_named_sides_explain_their_distance_or_one_hears_of_it() {
+    let warned = |gap: f64| {
+        let mut p = Problem::<1, 2>::new();
+        let ring = |a: f64, b: f64, n: usize| {
+            let net = faying::geometry::shapes::annulus_sector([0.0; 2], [a, b], [0.0, 90.0]).unwrap();
+            Mesh::<1, 2>::from_patch(&PatchSpec::new(net).with_degree([1, 1]).with_elements([n, 2])).unwrap()
+        };
+        let inner = p.body("inner", ring(1.0, 2.0, 4), steel(1.0)).unwrap();
+        let outer = p.body("outer", ring(2.0 + gap, 3.0, 6), steel(1.0)).unwrap();
+        p.fix(inner.side("v0"), Components::All).unwrap();
+        p.pressure(outer.side("v1"), 0.1).unwrap();
+        p.tie(outer.side("v0"), inner.side("v1")).unwrap();
+        let system = p.assemble().ok()?;
+        let found = system.warnings().iter().filter(|w| matches!(w, Warning::FacetsApart { is_tied: true, .. })).count();
+        Some(found)
+    };
+    assert_eq!(warned(0.0), Some(0));
+    assert!([0.02, 0.03, 0.04, 0.06].iter().any(|&gap| warned(gap) == Some(1)));
+    assert_eq!(warned(1.0), None);
 }

@@ -53,6 +53,11 @@ impl<'a, const S: usize, const N: usize> Search<'a, S, N> {
         couple
     }
 
+    /// Joins the sides of a couple that was found or named before.
+    pub fn join(&mut self, couple: &Couple<S, N>) {
+        self.joined.join(couple);
+    }
+
     /// Marks the sides of a contact: they are no candidates for a tie.
     pub fn contact(&mut self, slaves: &[Arc<SideModel<S, N>>], masters: &[Arc<SideModel<S, N>>]) {
         self.joined.contact(slaves, masters);

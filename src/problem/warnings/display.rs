@@ -69,6 +69,11 @@ impl Display for Warning {
             Self::FluxJump { of, x, share } => {
                 write!(f, "the flux of the exact solution jumps in {of} at {} by {} of its largest", place(x), percent(*share))
             }
+            Self::FacetsApart { sides, mean, greatest, explained, is_tied } => {
+                let tied = if *is_tied { "they are tied because they are named" } else { "they are not tied" };
+                let [mean, greatest, explained] = [mean, greatest, explained].map(|x| digits(*x));
+                write!(f, "{} are {mean} apart on average, up to {greatest}; faceting would explain {explained}: {tied}", sides.join(", "))
+            }
             Self::Inexact(found) => inexact(found, f),
             Self::Integration { of, error } => {
                 write!(f, "the integration of {of} is inexact: its consistency error is {}", percent(*error))

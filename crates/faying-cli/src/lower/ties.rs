@@ -29,8 +29,12 @@ pub(super) fn say<const S: usize, const N: usize>(
                 continue;
             }
         };
-        let pair =
-            |c: &super::couples::CoupleAt<S, N>| TiePair { slave: c.slave.clone(), masters: c.masters.clone(), explained: c.explained };
+        let pair = |c: &super::couples::CoupleAt<S, N>| TiePair {
+            slave: c.slave.clone(),
+            masters: c.masters.clone(),
+            explained: c.explained,
+            is_asked: false,
+        };
         let said = problem.tie_pairs(list.iter().map(pair).collect());
         said.named(&tie.name.value).coupling(coupling).multiplier(multiplier).rule(rule).extra_points(tie.extra_points.value);
         said.exact(tie.exact.iter().flat_map(|list| &list.value).map(|f| f.value.clone().into()).collect());
