@@ -34,12 +34,14 @@ pub struct Fault {
     pub code: &'static str,
     /// Message: the problem, its place, the allowed values.
     pub message: String,
+    /// Key of the case's block that is wrong, such as "elements" of a patch; may be empty.
+    pub key: &'static str,
 }
 
 impl Fault {
     /// A fault with a code.
     pub fn new(code: &'static str, message: impl Into<String>) -> Self {
-        Self { code, message: message.into() }
+        Self { code, message: message.into(), key: "" }
     }
 }
 

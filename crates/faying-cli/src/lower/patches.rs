@@ -21,7 +21,8 @@ pub fn patch_fault(error: &SpecError) -> Fault {
         SpecError::Weights(_) => "E034",
         _ => "E015",
     };
-    Fault::new(code, error.to_string())
+    let of_elements = matches!(error, SpecError::BreakpointOutside { .. } | SpecError::BreakpointsFall { .. });
+    Fault { key: if of_elements { "elements" } else { "" }, ..Fault::new(code, error.to_string()) }
 }
 
 /// Says all bodies of the case, with their sources and weights; errors go to the builder's faults.
@@ -133,7 +134,7 @@ fn of_net<const S: usize, const N: usize>(
     make(&spec).map_err(|fault| {
         let at = match fault.code {
             "E041" => patch.geometry.at,
-            _ if fault.message.contains("breakpoint") => patch.elements.at,
+            _ if fault.key == "elements" => patch.elements.at,
             _ => patch.discretization.degree.at,
         };
         Box::new(builder.error(fault.code, format!("patch \"{name}\": {}", fault.message), at))

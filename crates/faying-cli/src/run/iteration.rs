@@ -23,18 +23,25 @@ fn note(event: &ActiveSetEvent) -> String {
     match event {
         ActiveSetEvent::Symmetric { sets: 1 } => "start: the set of the symmetric system, found in one set of its rows alone".into(),
         ActiveSetEvent::Symmetric { sets } => format!("start: the set of the symmetric system, found in {sets} sets of its rows alone"),
-        ActiveSetEvent::Alone(event) => format!("rows alone: {}", note(event).replace("iteration", "set")),
-        ActiveSetEvent::AllClosed { iteration: 1 } => "iteration 1: the start left a body free; all rows were closed".into(),
-        ActiveSetEvent::AllClosed { iteration } => format!("iteration {iteration}: the step left a body free; all rows were closed"),
+        ActiveSetEvent::Alone(event) => format!("rows alone: {}", note_of("set", event)),
+        event => note_of("iteration", event),
+    }
+}
+
+/// Describes an event of what is counted as `one`: an iteration, or a set of the rows alone.
+fn note_of(one: &str, event: &ActiveSetEvent) -> String {
+    match event {
+        ActiveSetEvent::AllClosed { iteration: 1 } => format!("{one} 1: the start left a body free; all rows were closed"),
+        ActiveSetEvent::AllClosed { iteration } => format!("{one} {iteration}: the step left a body free; all rows were closed"),
         ActiveSetEvent::Part { iteration, changed, wanted } => {
-            format!("iteration {iteration}: the step left a body free; {changed} of {wanted} rows changed")
+            format!("{one} {iteration}: the step left a body free; {changed} of {wanted} rows changed")
         }
         ActiveSetEvent::Springs { iteration } => {
-            format!("iteration {iteration}: every step left a body free; weak springs found the rows that hold it, and were taken away")
+            format!("{one} {iteration}: every step left a body free; weak springs found the rows that hold it, and were taken away")
         }
         ActiveSetEvent::Cycle(c) => {
             let (first, second) = (c.first, c.second);
-            format!("iteration {second}: the state of iteration {first} came back, {} rows flip; single exchanges follow", c.rows.len())
+            format!("{one} {second}: the state of {one} {first} came back, {} rows flip; single exchanges follow", c.rows.len())
         }
         other => format!("{other:?}"),
     }
