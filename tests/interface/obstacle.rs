@@ -118,3 +118,33 @@ fn obstacle_problem_by_condensation_ends_in_the_same_state() {
         assert!((a.multipliers[i] - b.multipliers[i]).abs() < 1e-9 * 1e3, "multipliers are of the order 1e3");
     }
 }
+
+/// Two squares side by side are one rectangle without a seam; a curve has its obstacle to its right.
+#[test]
+fn outlines_are_the_boundary_of_all_areas() {
+    use faying::contact::{Surface, area_outline, curve_outline, opposed, without_seams};
+    use faying::geometry::ControlNet;
+    use faying::geometry::shapes::rectangle;
+    use faying::linalg::Vector;
+    use faying::space::{Body, Patch, PatchSpec};
+    let mut all = Vec::new();
+    for x in [0.0, 1.0] {
+        let spec = PatchSpec::new(rectangle([x, 0.0], [x + 1.0, 1.0]).unwrap()).with_elements([2, 2]);
+        let square = Patch::<1, 2>::try_new(&spec).unwrap();
+        all.extend(area_outline(&square, square.sides()).unwrap());
+    }
+    assert_eq!(all.len(), 16);
+    let outer = without_seams(all);
+    assert_eq!(outer.len(), 12);
+    let box_of_two = Surface::of_pieces(outer, None);
+    let hit = opposed(&box_of_two, &Vector::from([1.0, 1.5]), &Vector::from([0.0, -1.0])).unwrap();
+    assert!((hit.gap - 0.5).abs() < 1e-14 && (hit.normal - Vector::<2>::from([0.0, 1.0])).norm() < 1e-14);
+    let line =
+        |points: [[f64; 2]; 2]| ControlNet::from_knots([1], [vec![0.0, 0.0, 1.0, 1.0]], points.map(Vector::from).into(), None).unwrap();
+    let floor = Surface::of_pieces(curve_outline(line([[0.0, 0.0], [1.0, 0.0]])).unwrap(), None);
+    let hit = opposed(&floor, &Vector::from([0.3, 0.2]), &Vector::from([0.0, -1.0])).unwrap();
+    assert!((hit.gap - 0.2).abs() < 1e-14);
+    assert!(opposed(&floor, &Vector::from([0.3, -0.2]), &Vector::from([0.0, 1.0])).is_none());
+    let stuck = curve_outline(line([[2.0, 1.0], [2.0, 1.0]])).unwrap_err();
+    assert!(stuck.to_string().contains("stands still at (2, 1)"), "{stuck}");
+}

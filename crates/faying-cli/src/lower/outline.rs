@@ -5,21 +5,13 @@ use super::patches::patch_fault;
 use super::plane::{net_fault, placed, plane_shape};
 use crate::case::{self, FilePart, Shape};
 use crate::registry::Fault;
-use faying::basis::{Elements, Order, Rational};
-use faying::contact::{OutlinePiece, Surface, pieces};
-use faying::geometry::{Bounds, ClosestPoint, ControlNet, ControlPoints, Geometry, MapTable, Tree, unit_normal};
+use faying::contact::{OutlineError, OutlinePiece, Surface, area_outline, curve_outline, without_seams};
+use faying::geometry::ControlNet;
 use faying::linalg::Vector;
 use faying::space::{BasisKind, Body, Mapping, Mesh, MeshCells, Patch, PatchSpec};
-use std::sync::Arc;
 
-/// Pieces nearer than this share of the outline's size touch.
+/// Ends of a curve nearer than this share of its size are one.
 const TOUCHING: f64 = 1e-8;
-/// Touching pieces of two areas have opposite normals: their product is below this.
-const OPPOSITE: f64 = -0.5;
-/// Tangents shorter than this fraction of the curve's size count as zero.
-const STANDS_STILL: f64 = 1e-12;
-/// Points of an element at which its tangent is checked.
-const LOOKS: usize = 5;
 
 /// Returns the outline of a geometry of a plane case.
 ///
@@ -89,37 +81,13 @@ pub(super) fn is_closed(geometry: &case::Geometry) -> bool {
     }
 }
 
-/// Outline of the obstacle to the right of a curve.
-fn curve(net: ControlNet<1, 2>) -> Result<Vec<OutlinePiece>, Fault> {
-    let ControlNet { axes: [axis], points, weights } = net;
-    let map: Arc<dyn Geometry<1, 2>> = match weights {
-        Some(weights) => {
-            let basis = Rational::try_new::<1>(axis, weights).map_err(|e| Fault::new("E034", e.to_string()))?;
-            Arc::new(ControlPoints { basis, points })
-        }
-        None => Arc::new(ControlPoints { basis: axis, points }),
-    };
-    let size = map.extent().map_or(0.0, |b| b.diagonal());
-    let looks: Vec<Vector<1>> = (0..LOOKS).map(|k| Vector::<1>::new(k as f64 / (LOOKS - 1) as f64)).collect();
-    let mut table = MapTable::new();
-    for e in 0..map.num_elements() {
-        map.map(e, &looks, Order::Gradients, &mut table);
-        if let Some(q) = table.jacobian.iter().position(|j| j.norm().is_nan() || j.norm() <= STANDS_STILL * size) {
-            let x = table.x[q];
-            let text = format!("element {e} of the curve stands still at ({}, {}): it has no normal there", x[0], x[1]);
-            return Err(Fault::new("E041", text));
-        }
-    }
-    Ok((0..map.num_elements()).map(|element| OutlinePiece { curve: Arc::clone(&map), element, outward: -1.0 }).collect())
-}
-
 /// Outline of an area: its boundary.
 fn area(net: ControlNet<2, 2>) -> Result<Vec<OutlinePiece>, Fault> {
     // only the map is needed, which is the same for all degrees
     let mut spec = PatchSpec::new(net).with_degree([1, 1]);
     spec.basis = BasisKind::BSpline;
     let patch = Patch::<1, 2>::try_new(&spec).map_err(|e| patch_fault(&e))?;
-    outline_of(&patch, patch.sides())
+    area_outline(&patch, patch.sides()).map_err(|e| Fault::new("E041", e.to_string()))
 }
 
 /// Outline of the cells of a mesh: their boundary.
@@ -132,65 +100,13 @@ fn cells(part: &FilePart, geometry: &case::Geometry) -> Result<Vec<OutlinePiece>
     let cells = MeshCells { points, tags: Vec::new(), ..found };
     let mesh = Mesh::<1, 2>::from_cells(&cells, 1, Mapping::Exact)
         .map_err(|error| Fault::new(mesh_code(&error), in_numbers_of(part, error, 0).to_string()))?;
-    outline_of(&mesh, mesh.untagged().map(str::to_owned))
+    area_outline(&mesh, mesh.untagged().map(str::to_owned)).map_err(|e| Fault::new("E041", e.to_string()))
 }
 
-fn outline_of(body: &dyn Body<1, 2>, sides: impl IntoIterator<Item = String>) -> Result<Vec<OutlinePiece>, Fault> {
-    let mut all = Vec::new();
-    for side in sides {
-        all.extend(pieces(&body.trace(&side).map_err(|e| Fault::new("E041", e.to_string()))?));
-    }
-    Ok(all)
-}
-
-/// Returns the pieces that touch no other; seams between areas, or of an area with itself, are interior.
-fn without_seams(all: Vec<OutlinePiece>) -> Vec<OutlinePiece> {
-    let bounds: Vec<Bounds<2>> = all.iter().map(|p| p.curve.bounds(p.element)).collect();
-    let tree = Tree::new(bounds);
-    let tolerance = TOUCHING * tree.bounds().map_or(0.0, |b| b.diagonal());
-    let (middle, mut table) = ([Vector::<1>::new(0.5)], MapTable::new());
-    let mut at = |p: &OutlinePiece, xi: &[Vector<1>; 1]| {
-        p.curve.map(p.element, xi, Order::Gradients, &mut table);
-        (table.x[0], unit_normal(&table.jacobian[0], p.outward))
-    };
-    let inside: Vec<bool> = (0..all.len())
-        .map(|k| {
-            let (x, normal) = at(&all[k], &middle);
-            let near = tree.meeting(&Bounds { lo: x, hi: x }.inflated(tolerance));
-            near.into_iter().filter(|&j| j != k).any(|j| {
-                let one = OneElement { piece: &all[j] };
-                let foot = ClosestPoint::<1, 2, _>::new(one).project_within(&x, 2.0 * tolerance);
-                foot.is_some_and(|f| f.distance <= tolerance && normal.dot(&at(&all[j], &[f.xi]).1) < OPPOSITE)
-            })
-        })
-        .collect();
-    all.into_iter().zip(inside).filter(|(_, inside)| !inside).map(|(p, _)| p).collect()
-}
-
-/// One element of a curve as a curve.
-struct OneElement<'a> {
-    piece: &'a OutlinePiece,
-}
-
-impl std::fmt::Debug for OneElement<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("OneElement").field(&self.piece.element).finish()
-    }
-}
-
-impl Elements for OneElement<'_> {
-    fn num_elements(&self) -> usize {
-        1
-    }
-}
-
-impl Geometry<1, 2> for OneElement<'_> {
-    fn map(&self, _: usize, xi: &[Vector<1>], order: Order, table: &mut MapTable<1, 2>) {
-        self.piece.curve.map(self.piece.element, xi, order, table);
-    }
-    fn bounds(&self, _: usize) -> Bounds<2> {
-        self.piece.curve.bounds(self.piece.element)
-    }
+/// Outline of the obstacle to the right of a curve.
+fn curve(net: ControlNet<1, 2>) -> Result<Vec<OutlinePiece>, Fault> {
+    let code = |error: &OutlineError| if matches!(error, OutlineError::Weights(_)) { "E034" } else { "E041" };
+    curve_outline(net).map_err(|error| Fault::new(code(&error), error.to_string()))
 }
 
 /// Builds the obstacle with this outline.
