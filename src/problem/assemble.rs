@@ -6,6 +6,7 @@ use super::contact_part::SlaveOf;
 use super::coupled::{Contact, Faced, Tie};
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
+use super::facets_apart::FacetsApart;
 use super::fixed::Fixed;
 use super::handles::Statement;
 use super::interface_error::InterfaceError;
@@ -18,7 +19,6 @@ use super::supports::{Ties, free_by, held_by, sentences};
 use super::tie_part::Memberships;
 use super::touching::Search;
 use super::touching_bodies;
-use super::warnings::Warning;
 use crate::space::{SideError, Trace};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
@@ -194,7 +194,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// The ties, with the distances that the facets of named sides explain, and warnings of those that they do not.
-    fn explained_ties(&self) -> (Vec<Tie<S, N>>, Vec<Warning>) {
+    fn explained_ties(&self) -> (Vec<Tie<S, N>>, Vec<FacetsApart>) {
         let (mut ties, mut found) = (self.ties.clone(), Vec::new());
         let mut none = |_: usize, name: &str| Err(SideError::Unknown { side: name.to_owned(), known: String::new() });
         let mut search = Search::new(&self.bodies, &mut none);
@@ -203,7 +203,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
                 pair.explained = search.tie(pair.slave.clone(), pair.masters.clone(), None).explained;
             }
         }
-        found.extend(search.findings.iter().filter_map(touching_bodies::warning));
+        found.extend(search.findings.iter().filter_map(touching_bodies::apart));
         (ties, found)
     }
 

@@ -1,10 +1,11 @@
 //! Bodies of a problem: materials, sources and weights.
 
 use super::builder::Problem;
+use super::changing::Changing;
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{BodyId, Statement};
-use super::model::{Changing, PatchModel};
+use super::model::PatchModel;
 use super::physics::{Physics, PhysicsError};
 use super::regions::SideNames;
 use crate::linalg::Vector;

@@ -3,13 +3,12 @@
 use super::coupled::{Contact, Tie};
 use super::data::Exact;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
+use super::facets_apart::FacetsApart;
 use super::fixed::Fixed;
 use super::handles::{Sides, Statement};
-use super::joints::{Gluing, Shared};
 use super::model::{Model, PatchModel, SideModel};
 use super::regions::Regions;
-use super::supports_and_loads::Said;
-use super::warnings::Warning;
+use super::said::{Gluing, Said, Shared};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -37,7 +36,7 @@ pub struct Problem<const S: usize, const N: usize> {
     pub(super) groups: HashMap<String, Statement>,
     pub(super) exact: Option<Arc<dyn Exact>>,
     /// Warnings of searches for touching sides.
-    pub(super) findings: Vec<Warning>,
+    pub(super) findings: Vec<FacetsApart>,
     pub(super) ties: Vec<Tie<S, N>>,
     pub(super) contacts: Vec<Contact<S, N>>,
     pub(super) times: Vec<f64>,

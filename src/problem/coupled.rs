@@ -1,18 +1,16 @@
 //! Ties and contacts of a problem as their author states them.
 
-use super::builder::Problem;
+use super::changing::Changing;
 use super::data::Data;
-use super::error::{ErrorKind, ProblemError};
 use super::handles::{ContactId, SideOf, Sides, TieId};
-use super::interface_side::InterfaceSide;
-use super::model::{Changing, Formulation, SideModel};
+use super::model::{Formulation, SideModel};
 use super::multipliers::MakeMultiplier;
 use super::start::Start;
 use crate::basis::Basis;
 use crate::contact::{Cone, Obstacle};
+use crate::coupling::Coupling;
 use crate::coupling::interface::{InterfaceQuadrature, Partners};
 use crate::coupling::multiplier::{MultiplierError, MultiplierKind};
-use crate::coupling::{Coupling, Mortar};
 use crate::space::Trace;
 use std::fmt::{Debug, Formatter};
 use std::sync::Arc;
@@ -64,24 +62,6 @@ impl<const S: usize, const N: usize> Rule<S, N> {
     }
 }
 
-impl<const S: usize, const N: usize> Rule<S, N>
-where
-    Trace<S, N>: InterfaceSide<S, N>,
-{
-    /// The rule of the constraint.
-    pub(super) fn first(&self, points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<S, N>> {
-        match self {
-            Self::Kind(Integration::Merged) => Trace::<S, N>::merged(points, partners),
-            Self::Kind(_) => Trace::<S, N>::slave_rule(points, partners),
-            Self::Made(make) => make(points, partners),
-        }
-    }
-
-    pub(super) fn is_mixed(&self) -> bool {
-        matches!(self, Self::Kind(Integration::Mixed))
-    }
-}
-
 /// A multiplier: one of a kind, or that of a function.
 #[derive(Clone)]
 pub enum Multiplier<const S: usize, const N: usize> {
@@ -124,18 +104,6 @@ impl<const S: usize, const N: usize> Multiplier<S, N> {
     }
 }
 
-impl<const S: usize, const N: usize> Multiplier<S, N>
-where
-    Trace<S, N>: InterfaceSide<S, N>,
-{
-    pub(super) fn make(&self, trace: &Trace<S, N>, constrained: &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> {
-        match self {
-            Self::Kind(kind) => trace.multiplier(*kind, constrained),
-            Self::Made(make) => make(trace, constrained),
-        }
-    }
-}
-
 /// A tie or a contact of a problem: choices that both have, and those of its own `K`.
 #[derive(Clone, Debug)]
 pub struct Coupled<const S: usize, const N: usize, K> {
@@ -155,7 +123,7 @@ pub type Tie<const S: usize = 1, const N: usize = 2> = Coupled<S, N, TieOptions<
 pub type Contact<const S: usize = 1, const N: usize = 2> = Coupled<S, N, ContactOptions<S, N>>;
 
 impl<const S: usize, const N: usize, K> Coupled<S, N, K> {
-    fn new(problem: u64, number: usize, name: String, own: K) -> Self {
+    pub(super) fn new(problem: u64, number: usize, name: String, own: K) -> Self {
         let (multiplier, rule) = (MultiplierKind::Auto.into(), Integration::default().into());
         Self { problem, number, name, multiplier, rule, extra_points: 0, exact: Vec::new(), own }
     }
@@ -367,74 +335,4 @@ impl<const S: usize, const N: usize> Coupled<S, N, ContactOptions<S, N>> {
         self.own.forces.push((component, force.into()));
         self
     }
-}
-
-impl<const S: usize, const N: usize> Problem<S, N> {
-    /// Ties slave sides to master sides: every slave to all masters, which together cover it.
-    ///
-    /// # Errors
-    /// [`ErrorKind::Side`], [`ErrorKind::NoMaster`], [`ErrorKind::OtherProblem`]. Sides that do not meet are found when the problem is
-    /// assembled.
-    pub fn tie<'a, 'b>(&mut self, slaves: impl Into<Sides<'a>>, masters: impl Into<Sides<'b>>) -> Result<&mut Tie<S, N>, ProblemError> {
-        let (slaves, masters) = (self.sides(slaves.into())?, self.sides(masters.into())?);
-        let pair = |slave| TiePair { slave, masters: masters.clone(), explained: None, is_asked: true };
-        Ok(self.tie_pairs(slaves.into_iter().map(pair).collect()))
-    }
-
-    /// Ties pairs of sides, found by a search.
-    #[doc(hidden)]
-    pub fn tie_pairs(&mut self, pairs: Vec<TiePair<S, N>>) -> &mut Tie<S, N> {
-        let name = pairs.first().map_or_else(String::new, |p| format!("{} - {}", p.slave.label, labels(&p.masters)));
-        let own = TieOptions { pairs, coupling: Arc::new(Mortar), tolerance: None };
-        let number = self.ties.len();
-        self.ties.push(Coupled::new(self.id, number, name, own));
-        &mut self.ties[number]
-    }
-
-    /// Presses slave sides against other sides or a rigid obstacle.
-    ///
-    /// # Errors
-    /// [`ErrorKind::Side`], [`ErrorKind::NoMaster`], [`ErrorKind::OtherProblem`], and [`ErrorKind::Scalar`] in problems of one component.
-    pub fn contact<'a, 'b>(
-        &mut self,
-        slaves: impl Into<Sides<'a>>,
-        opponent: impl Into<Opponent<'b, S, N>>,
-    ) -> Result<&mut Contact<S, N>, ProblemError> {
-        let slaves = self.sides(slaves.into())?;
-        let (text, faced) = match opponent.into() {
-            Opponent::Sides(masters) => {
-                let masters = self.sides(masters)?;
-                (labels(&masters), Faced::Sides(masters))
-            }
-            Opponent::Obstacle(shape) => {
-                let at_rest = Changing(Arc::new(move |_| Box::new(Arc::clone(&shape)) as Box<dyn Obstacle<S, N>>));
-                ("obstacle".to_owned(), Faced::Obstacle { at_rest, changes: false })
-            }
-            Opponent::Changing(at_rest) => ("obstacle".to_owned(), Faced::Obstacle { at_rest, changes: true }),
-        };
-        let name = format!("{} - {text}", labels(&slaves));
-        if self.components() == 1 {
-            return Err(ProblemError::named(ErrorKind::Scalar, &[&name]));
-        }
-        let own = ContactOptions {
-            slaves,
-            faced,
-            formulation: Formulation::Lagrange,
-            cone: Cone::Coefficients,
-            gap: Data::gap(),
-            reach: None,
-            start: Start::default(),
-            symmetry: false,
-            motion: Vec::new(),
-            forces: Vec::new(),
-        };
-        let number = self.contacts.len();
-        self.contacts.push(Coupled::new(self.id, number, name, own));
-        Ok(&mut self.contacts[number])
-    }
-}
-
-/// Names of sides in a sentence.
-fn labels<const S: usize, const N: usize>(sides: &[Arc<SideModel<S, N>>]) -> String {
-    sides.iter().map(|s| s.label.as_str()).collect::<Vec<_>>().join(", ")
 }

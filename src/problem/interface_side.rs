@@ -1,6 +1,7 @@
 //! The part of ties and contacts that differs between curves and surfaces.
 
 use super::builder::Problem;
+use super::coupled::{Integration, Multiplier, Rule};
 use super::error::ProblemErrors;
 use super::model::Model;
 use super::multipliers::{DualPair, constrained_ends};
@@ -40,6 +41,36 @@ pub trait InterfaceSide<const S: usize, const N: usize>: Sized {
     /// # Errors
     /// All that is wrong.
     fn model_of(problem: &Problem<S, N>) -> Result<Model<S, N>, ProblemErrors>;
+}
+
+impl<const S: usize, const N: usize> Rule<S, N>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
+    /// The rule of the constraint.
+    pub(super) fn first(&self, points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<S, N>> {
+        match self {
+            Self::Kind(Integration::Merged) => Trace::<S, N>::merged(points, partners),
+            Self::Kind(_) => Trace::<S, N>::slave_rule(points, partners),
+            Self::Made(make) => make(points, partners),
+        }
+    }
+
+    pub(super) fn is_mixed(&self) -> bool {
+        matches!(self, Self::Kind(Integration::Mixed))
+    }
+}
+
+impl<const S: usize, const N: usize> Multiplier<S, N>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
+    pub(super) fn make(&self, trace: &Trace<S, N>, constrained: &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> {
+        match self {
+            Self::Kind(kind) => trace.multiplier(*kind, constrained),
+            Self::Made(make) => make(trace, constrained),
+        }
+    }
 }
 
 impl InterfaceSide<1, 2> for Trace<1, 2> {

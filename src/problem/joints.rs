@@ -4,26 +4,9 @@ use super::builder::Problem;
 use super::error::{ErrorKind, ProblemError};
 use super::glued::{Glued, Hinge};
 use super::handles::{BodyId, Sides, Statement};
-use super::model::SideModel;
+use super::said::{Gluing, Shared};
 use crate::linalg::Vector;
 use crate::space::Near;
-use std::sync::Arc;
-
-/// A slave side that shares the functions of master sides.
-#[derive(Clone, Debug)]
-pub(super) struct Gluing<const S: usize, const N: usize> {
-    pub of: Statement,
-    pub slave: Arc<SideModel<S, N>>,
-    pub masters: Vec<Arc<SideModel<S, N>>>,
-    pub near: Option<Near>,
-}
-
-/// Functions of bodies that are one.
-#[derive(Clone, Debug)]
-pub(super) struct Shared<const N: usize> {
-    functions: Vec<(usize, usize)>,
-    x: Vector<N>,
-}
 
 impl<const S: usize, const N: usize> Problem<S, N> {
     /// Glues sides to others of the same grid and functions, which together cover them: they share their unknowns. `near`: distance of

@@ -1,14 +1,15 @@
 //! Bodies, conditions, loads, interfaces and contacts, ready to be assembled.
 
+use super::changing::Changing;
 use super::corners::SharedCorner;
 use super::data::{Data, Exact};
+use super::facets_apart::FacetsApart;
 use super::function_sums::FunctionSums;
 use super::glued::{Glued, Hinge};
 use super::handles::{BodyId, ContactId, Statement, TieId};
 use super::obstacle::ObstacleModel;
 use super::physics::Physics;
 use super::start::Start;
-use super::warnings::Warning;
 use crate::assembly::{Equation, Rim, gauss_rules_along, points_of_curved_cells};
 use crate::basis::Basis;
 use crate::contact::{Cone, Contact};
@@ -55,21 +56,6 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub source: Vec<Data>,
     /// Density and gravity, one pair per weight.
     pub weights: Vec<(Data, Vector<N>)>,
-}
-
-/// A material or an obstacle as a function of time.
-pub struct Changing<V>(pub Arc<dyn Fn(f64) -> V + Send + Sync>);
-
-impl<V> Clone for Changing<V> {
-    fn clone(&self) -> Self {
-        Self(Arc::clone(&self.0))
-    }
-}
-
-impl<V> std::fmt::Debug for Changing<V> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("Changing")
-    }
 }
 
 impl<const S: usize, const N: usize> PatchModel<S, N> {
@@ -455,7 +441,7 @@ pub struct Model<const S: usize, const N: usize> {
     /// Springs on sides.
     pub springs: Vec<SideSpring<S, N>>,
     /// Warnings of the searches for touching sides from which the problem was made.
-    pub findings: Vec<Warning>,
+    pub findings: Vec<FacetsApart>,
     /// Manufactured solution.
     pub exact: Option<Arc<dyn Exact>>,
     /// Tied interfaces.

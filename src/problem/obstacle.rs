@@ -1,7 +1,7 @@
 //! Rigid obstacles: their shape, motion, and the forces that press them.
 
+use super::changing::Changing;
 use super::data::{Data, Point};
-use super::model::Changing;
 use crate::contact::{Moved, Obstacle};
 use crate::linalg::Vector;
 

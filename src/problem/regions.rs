@@ -1,14 +1,8 @@
-//! Regions: sides of bodies, parts of them, edges, corners, and several of these as one. Each is made once.
+//! The regions of a problem by their numbers, and the sides of its bodies, each made once.
 
-use super::builder::Problem;
-use super::error::{ErrorKind, ProblemError};
-use super::handles::{BodyId, Region, RegionId, SideOf};
+use super::handles::RegionId;
 use super::model::{PatchModel, RimModel, SideModel};
-use crate::assembly::Rim;
-use crate::basis::{Cell, Order};
-use crate::geometry::{Embedding, MapTable, cell};
-use crate::linalg::Vector;
-use crate::space::{SideError, Trace};
+use crate::space::SideError;
 use std::collections::HashMap;
 use std::fmt::{Debug, Formatter};
 use std::sync::Arc;
@@ -48,7 +42,7 @@ impl<const S: usize, const N: usize> Piece<S, N> {
 pub struct Regions<const S: usize, const N: usize> {
     list: Vec<Vec<Piece<S, N>>>,
     sides: HashMap<(usize, String), usize>,
-    rims: HashMap<(usize, String), usize>,
+    pub(super) rims: HashMap<(usize, String), usize>,
     /// Per body.
     names: Vec<Option<SideNames>>,
 }
@@ -89,7 +83,7 @@ impl<const S: usize, const N: usize> Regions<S, N> {
         self.sides.get(&(body, side.to_owned())).copied()
     }
 
-    fn number(&mut self, bodies: &[PatchModel<S, N>], body: usize, side: &str) -> Result<usize, SideError> {
+    pub(super) fn number(&mut self, bodies: &[PatchModel<S, N>], body: usize, side: &str) -> Result<usize, SideError> {
         if let Some(known) = self.known(body, side) {
             return Ok(known);
         }
@@ -122,135 +116,5 @@ impl<const S: usize, const N: usize> Regions<S, N> {
             [Piece::Side(side)] => Ok(side.clone()),
             _ => unreachable!("a side is one piece"),
         }
-    }
-}
-
-impl<const S: usize, const N: usize> Problem<S, N> {
-    /// The region of a side, to refer to it by a handle; the same for the same side.
-    ///
-    /// # Errors
-    /// [`ErrorKind::Side`] for a side that does not exist, [`ErrorKind::OtherProblem`].
-    pub fn region<'a>(&mut self, on: impl Into<Region<'a>>) -> Result<RegionId, ProblemError> {
-        let number = match on.into() {
-            Region::Side(side) => self.side_number(side)?,
-            Region::Made(region) if region.problem == self.id => region.number,
-            Region::Made(_) => return Err(ProblemError::named(ErrorKind::OtherProblem, &[])),
-        };
-        Ok(RegionId { problem: self.id, number })
-    }
-
-    /// The facets of a side with their centres where `keep` holds; `None` if there are none. `what` says in labels which they are:
-    /// "a.u0 where x > 0.5".
-    ///
-    /// # Errors
-    /// [`ErrorKind::Side`] for a side that does not exist, [`ErrorKind::MixedCells`] for one of triangles and quadrilaterals.
-    pub fn part(&mut self, side: SideOf<'_>, what: &str, keep: &dyn Fn(&Vector<N>) -> bool) -> Result<Option<RegionId>, ProblemError> {
-        let whole = self.side(side)?;
-        let space = &*whole.trace.space;
-        let mut table = MapTable::new();
-        // facets by shape of cell: meshes may have both
-        let mut facets: [Vec<Embedding<S, N>>; 2] = [Vec::new(), Vec::new()];
-        for e in 0..space.num_elements() {
-            space.map(e, &[cell::center(space.cell(e))], Order::Values, &mut table);
-            if keep(&table.x[0]) {
-                facets[usize::from(space.cell(e) == Cell::Simplex)].push(whole.trace.facets[e]);
-            }
-        }
-        let (kind, facets) = match facets {
-            [a, b] if a.is_empty() && b.is_empty() => return Ok(None),
-            [a, b] if b.is_empty() => (Cell::Tensor, a),
-            [a, b] if a.is_empty() => (Cell::Simplex, b),
-            _ => return Err(ProblemError::named(ErrorKind::MixedCells, &[&whole.label])),
-        };
-        let body = &self.bodies[whole.patch];
-        let refused = |error| ProblemError::named(ErrorKind::Side(error), &[&body.name]);
-        let trace = Trace::from_facets(body.body.space(), facets, kind).map_err(refused)?;
-        let label = format!("{} where {what}", whole.label);
-        let part = SideModel::of_trace(body, whole.patch, side.name, label, trace);
-        Ok(Some(self.new_region(vec![Piece::Side(Arc::new(part))])))
-    }
-
-    /// The edge or the corner in which sides of a body meet: two in the plane, two or three in space. The same for the same sides.
-    ///
-    /// # Errors
-    /// [`ErrorKind::Side`] for a side that does not exist, [`ErrorKind::NoRegion`] for sides of several bodies, of another number, and
-    /// for those that share no function in an edge or a corner.
-    pub fn meeting(&mut self, sides: &[SideOf<'_>]) -> Result<RegionId, ProblemError> {
-        let met: Vec<Arc<SideModel<S, N>>> = sides.iter().map(|side| self.side(*side)).collect::<Result<_, _>>()?;
-        let labels: Vec<&str> = met.iter().map(|s| s.label.as_str()).collect();
-        let none = || ProblemError::named(ErrorKind::NoRegion, &labels);
-        if !(2..=S + 1).contains(&met.len()) || met.iter().any(|s| s.patch != met[0].patch) {
-            return Err(none());
-        }
-        let (patch, name) = (met[0].patch, sides.iter().map(|s| s.name).collect::<String>());
-        if let Some(&number) = self.regions.rims.get(&(patch, name.clone())) {
-            return Ok(RegionId { problem: self.id, number });
-        }
-        let others: Vec<_> = met[1..].iter().map(|s| &s.trace).collect();
-        let rim = Rim::shared(&met[0].trace, &others, self.bodies[patch].extra_points);
-        if rim.x.is_empty() {
-            return Err(none());
-        }
-        let label = format!("{}.{name}", self.bodies[patch].name);
-        let region = self.new_region(vec![Piece::Rim(Arc::new(RimModel { patch, name: name.clone(), label, rim }))]);
-        self.regions.rims.insert((patch, name), region.number);
-        Ok(region)
-    }
-
-    /// Several regions as one: a force is spread over all of it, and a rigid side is all of it.
-    ///
-    /// # Errors
-    /// Those of [`region`](Self::region).
-    pub fn union<'a>(&mut self, regions: impl IntoIterator<Item = Region<'a>>) -> Result<RegionId, ProblemError> {
-        let mut all: Vec<Piece<S, N>> = Vec::new();
-        for region in regions {
-            let number = self.region(region)?.number;
-            for piece in self.regions.pieces(number) {
-                if !all.iter().any(|known| known.is(piece)) {
-                    all.push(piece.clone());
-                }
-            }
-        }
-        Ok(self.new_region(all))
-    }
-
-    fn new_region(&mut self, pieces: Vec<Piece<S, N>>) -> RegionId {
-        RegionId { problem: self.id, number: self.regions.add(pieces) }
-    }
-
-    /// Number of a body.
-    pub(super) fn number(&self, body: BodyId) -> Result<usize, ProblemError> {
-        if body.problem == self.id { Ok(body.number) } else { Err(ProblemError::named(ErrorKind::OtherProblem, &[])) }
-    }
-
-    fn side_number(&mut self, side: SideOf<'_>) -> Result<usize, ProblemError> {
-        let body = self.number(side.body)?;
-        let found = self.regions.number(&self.bodies, body, side.name);
-        found.map_err(|error| ProblemError::new(ErrorKind::Side(error), vec![side.body.into()], vec![self.bodies[body].name.clone()]))
-    }
-
-    /// A side, made once.
-    pub(super) fn side(&mut self, side: SideOf<'_>) -> Result<Arc<SideModel<S, N>>, ProblemError> {
-        let number = self.side_number(side)?;
-        match self.regions.pieces(number) {
-            [Piece::Side(side)] => Ok(side.clone()),
-            _ => unreachable!("a side is one piece"),
-        }
-    }
-
-    /// The pieces of a region.
-    pub(super) fn pieces(&mut self, on: Region<'_>) -> Result<Vec<Piece<S, N>>, ProblemError> {
-        let number = self.region(on)?.number;
-        Ok(self.regions.pieces(number).to_vec())
-    }
-
-    /// The sides of a region without edges and corners.
-    pub(super) fn only_sides(&mut self, on: Region<'_>) -> Result<Vec<Arc<SideModel<S, N>>>, ProblemError> {
-        let pieces = self.pieces(on)?;
-        let side = |piece: Piece<S, N>| match piece {
-            Piece::Side(side) => Ok(side),
-            Piece::Rim(rim) => Err(ProblemError::named(ErrorKind::NotASide, &[&rim.label])),
-        };
-        pieces.into_iter().map(side).collect()
     }
 }

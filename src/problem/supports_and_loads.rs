@@ -4,7 +4,7 @@ use super::builder::Problem;
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{Components, Kind, Region, Statement, Unknown};
-use super::model::{Action, Condition, Pin, RigidSides, SideLoad, SideModel, SideSpring, Value};
+use super::model::{Action, RigidSides, SideLoad, SideModel, SideSpring, Value};
 use super::regions::Piece;
 use crate::assembly::{Equation, measure, planar_normal};
 use crate::linalg::Vector;
@@ -12,53 +12,6 @@ use std::sync::Arc;
 
 /// Components of a unit normal below this count as zero.
 const PERPENDICULAR: f64 = 1e-9;
-
-/// Supports, loads and springs, in the order in which they were said.
-#[derive(Clone, Debug)]
-pub(super) struct Said<const S: usize, const N: usize> {
-    pub conditions: Vec<Condition<S, N>>,
-    pub pins: Vec<Pin<N>>,
-    /// Sides with at least one prescribed component.
-    pub supports: Vec<Arc<SideModel<S, N>>>,
-    pub equations: Vec<Equation>,
-    pub held: Vec<(Arc<SideModel<S, N>>, Vector<N>)>,
-    pub rigid_sides: Vec<RigidSides<S, N>>,
-    pub loads: Vec<SideLoad<S, N>>,
-    pub springs: Vec<SideSpring<S, N>>,
-}
-
-impl<const S: usize, const N: usize> Default for Said<S, N> {
-    fn default() -> Self {
-        Self {
-            conditions: Vec::new(),
-            pins: Vec::new(),
-            supports: Vec::new(),
-            equations: Vec::new(),
-            held: Vec::new(),
-            rigid_sides: Vec::new(),
-            loads: Vec::new(),
-            springs: Vec::new(),
-        }
-    }
-}
-
-impl<const S: usize, const N: usize> Said<S, N> {
-    fn support(&mut self, side: &Arc<SideModel<S, N>>) {
-        if !self.supports.iter().any(|s| Arc::ptr_eq(s, side)) {
-            self.supports.push(side.clone());
-        }
-    }
-
-    fn condition(&mut self, of: Statement, piece: &Piece<S, N>, component: usize, value: Value) {
-        match piece {
-            Piece::Side(side) => {
-                self.conditions.push(Condition { of, side: side.clone(), component, value });
-                self.support(side);
-            }
-            Piece::Rim(rim) => self.pins.push(Pin { of, rim: rim.clone(), component, value }),
-        }
-    }
-}
 
 impl<const S: usize, const N: usize> Problem<S, N> {
     /// A new handle of a support, a load, or of what joins bodies.

@@ -3,10 +3,10 @@
 use super::builder::Problem;
 use super::coupled::{Tie, TiePair};
 use super::error::{ErrorKind, ProblemError};
+use super::facets_apart::FacetsApart;
 use super::handles::{BodyId, Kind, SideOf, Statement};
-use super::joints::Gluing;
+use super::said::Gluing;
 use super::touching::{Couple, Finding, Search, TouchError};
-use super::warnings::Warning;
 use crate::space::Near;
 
 impl<const S: usize, const N: usize> Problem<S, N> {
@@ -95,7 +95,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             }
         }
         let found = ask(&mut search);
-        findings.extend(search.findings.iter().filter_map(warning));
+        findings.extend(search.findings.iter().filter_map(apart));
         found
     }
 
@@ -115,8 +115,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 }
 
-/// The warning of a finding about sides that are, or are not, tied.
-pub(super) fn warning<const S: usize, const N: usize>(finding: &Finding<S, N>) -> Option<Warning> {
+/// The data of a finding about sides that are, or are not, tied.
+pub(super) fn apart<const S: usize, const N: usize>(finding: &Finding<S, N>) -> Option<FacetsApart> {
     let (sides, clearance, is_tied) = match finding {
         Finding::NotTied { sides, clearance } => (sides.iter().map(|s| s.label.clone()).collect(), clearance, false),
         Finding::NotExplained { slave, masters, clearance } => {
@@ -124,5 +124,5 @@ pub(super) fn warning<const S: usize, const N: usize>(finding: &Finding<S, N>) -
         }
         _ => return None,
     };
-    Some(Warning::FacetsApart { sides, mean: clearance.mean(), greatest: clearance.greatest, explained: clearance.allowed(), is_tied })
+    Some(FacetsApart { sides, mean: clearance.mean(), greatest: clearance.greatest, explained: clearance.allowed(), is_tied })
 }

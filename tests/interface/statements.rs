@@ -4,7 +4,7 @@ use faying::geometry::shapes::{brick, rectangle};
 use faying::geometry::turn;
 use faying::linalg::Vector;
 use faying::physics::{Assumption, Elastic, Hooke, Jet};
-use faying::problem::{BodyId, BodyMaterial, BodySpec, Components, Data, ErrorKind, Problem, Region, Unknown, Value, Warning};
+use faying::problem::{BodyId, BodyMaterial, BodySpec, Components, Data, ErrorKind, FacetsApart, Problem, Region, Unknown, Value, Warning};
 use faying::space::{Body, Mesh, MultiPatch, Near, Patch, PatchSpec, Seam};
 use std::sync::Arc;
 
@@ -296,7 +296,7 @@ fn facets_of_named_sides_explain_their_distance_or_one_hears_of_it() {
         p.pressure(outer.side("v1"), 0.1).unwrap();
         p.tie(outer.side("v0"), inner.side("v1")).unwrap();
         let system = p.assemble().ok()?;
-        let found = system.warnings().iter().filter(|w| matches!(w, Warning::FacetsApart { is_tied: true, .. })).count();
+        let found = system.warnings().iter().filter(|w| matches!(w, Warning::FacetsApart(FacetsApart { is_tied: true, .. }))).count();
         Some(found)
     };
     assert_eq!(warned(0.0), Some(0));

@@ -2,7 +2,7 @@
 
 use super::warning::{Subject, SubjectKind, Warning};
 use crate::problem::rigid::short;
-use crate::problem::{Inexact, Integral};
+use crate::problem::{FacetsApart, Inexact, Integral};
 use std::fmt::{Display, Formatter, Result};
 
 impl Display for Subject {
@@ -69,7 +69,7 @@ impl Display for Warning {
             Self::FluxJump { of, x, share } => {
                 write!(f, "the flux of the exact solution jumps in {of} at {} by {} of its largest", place(x), percent(*share))
             }
-            Self::FacetsApart { sides, mean, greatest, explained, is_tied } => {
+            Self::FacetsApart(FacetsApart { sides, mean, greatest, explained, is_tied }) => {
                 let tied = if *is_tied { "they are tied because they are named" } else { "they are not tied" };
                 let [mean, greatest, explained] = [mean, greatest, explained].map(|x| digits(*x));
                 write!(f, "{} are {mean} apart on average, up to {greatest}; faceting would explain {explained}: {tied}", sides.join(", "))

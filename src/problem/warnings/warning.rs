@@ -1,6 +1,6 @@
 //! Warnings as data.
 
-use crate::problem::{Beyond, Inexact, Model};
+use crate::problem::{Beyond, FacetsApart, Inexact, Model};
 
 /// A kind of part of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,19 +152,8 @@ pub enum Warning {
         /// The jump over the largest flux.
         share: f64,
     },
-    /// Sides whose facets do not explain their distance: named ones that are tied all the same, or sides that nearly touch and are not.
-    FacetsApart {
-        /// Labels of the sides, of a tie the slave first.
-        sides: Vec<String>,
-        /// The mean distance \[length\].
-        mean: f64,
-        /// The greatest distance \[length\].
-        greatest: f64,
-        /// The mean distance that the facets explain \[length\].
-        explained: f64,
-        /// Whether they are tied.
-        is_tied: bool,
-    },
+    /// Sides whose facets do not explain their distance.
+    FacetsApart(FacetsApart),
     /// An integral of a load, of springs or of a modulus that is wrong by more than 1e-3.
     Inexact(Inexact),
     /// The [consistency error](crate::coupling::consistency) of an interface is above 1e-2: its forces may be wrong by as much.
@@ -261,7 +250,7 @@ impl Warning {
             | Self::LostMoment { of, .. }
             | Self::SoftPenalty { of, .. }
             | Self::Kinematics { of, .. } => Some(of),
-            Self::CornerValues { .. } | Self::FacetsApart { .. } | Self::Inexact(_) => None,
+            Self::CornerValues { .. } | Self::FacetsApart(_) | Self::Inexact(_) => None,
         }
     }
 

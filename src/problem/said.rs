@@ -1,0 +1,72 @@
+//! Supports, loads and joints of a problem as they were said.
+
+use super::handles::Statement;
+use super::model::{Condition, Pin, RigidSides, SideLoad, SideModel, SideSpring, Value};
+use super::regions::Piece;
+use crate::assembly::Equation;
+use crate::linalg::Vector;
+use crate::space::Near;
+use std::sync::Arc;
+
+/// Supports, loads and springs, in the order in which they were said.
+#[derive(Clone, Debug)]
+pub(super) struct Said<const S: usize, const N: usize> {
+    pub conditions: Vec<Condition<S, N>>,
+    pub pins: Vec<Pin<N>>,
+    /// Sides with at least one prescribed component.
+    pub supports: Vec<Arc<SideModel<S, N>>>,
+    pub equations: Vec<Equation>,
+    pub held: Vec<(Arc<SideModel<S, N>>, Vector<N>)>,
+    pub rigid_sides: Vec<RigidSides<S, N>>,
+    pub loads: Vec<SideLoad<S, N>>,
+    pub springs: Vec<SideSpring<S, N>>,
+}
+
+impl<const S: usize, const N: usize> Default for Said<S, N> {
+    fn default() -> Self {
+        Self {
+            conditions: Vec::new(),
+            pins: Vec::new(),
+            supports: Vec::new(),
+            equations: Vec::new(),
+            held: Vec::new(),
+            rigid_sides: Vec::new(),
+            loads: Vec::new(),
+            springs: Vec::new(),
+        }
+    }
+}
+
+impl<const S: usize, const N: usize> Said<S, N> {
+    pub fn support(&mut self, side: &Arc<SideModel<S, N>>) {
+        if !self.supports.iter().any(|s| Arc::ptr_eq(s, side)) {
+            self.supports.push(side.clone());
+        }
+    }
+
+    pub fn condition(&mut self, of: Statement, piece: &Piece<S, N>, component: usize, value: Value) {
+        match piece {
+            Piece::Side(side) => {
+                self.conditions.push(Condition { of, side: side.clone(), component, value });
+                self.support(side);
+            }
+            Piece::Rim(rim) => self.pins.push(Pin { of, rim: rim.clone(), component, value }),
+        }
+    }
+}
+
+/// A slave side that shares the functions of master sides.
+#[derive(Clone, Debug)]
+pub(super) struct Gluing<const S: usize, const N: usize> {
+    pub of: Statement,
+    pub slave: Arc<SideModel<S, N>>,
+    pub masters: Vec<Arc<SideModel<S, N>>>,
+    pub near: Option<Near>,
+}
+
+/// Functions of bodies that are one.
+#[derive(Clone, Debug)]
+pub(super) struct Shared<const N: usize> {
+    pub functions: Vec<(usize, usize)>,
+    pub x: Vector<N>,
+}
