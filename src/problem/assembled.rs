@@ -102,12 +102,28 @@ impl<const S: usize, const N: usize> Solution<S, N> {
     }
 
     /// Displacement (or u) and stress (or flux) at a point of a body; a point outside by less than a quarter of an element moves to the
-    /// nearest one of the body.
+    /// nearest one of the body. The first point that is asked for in a body builds a tree over its elements, which all solutions of the
+    /// system share.
     ///
     /// # Errors
-    /// [`ProblemError`] for a body of another problem, and for a point that is not in it.
+    /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) for a body of another problem,
+    /// [`ErrorKind::Outside`](super::ErrorKind::Outside) for a point that is not in the body.
     pub fn at(&self, body: BodyId, x: &[f64; N]) -> Result<PointState<N>, ProblemError> {
         self.inner.at(body, x)
+    }
+
+    /// The answers of [`at`](Self::at) for many points of a body, found on all threads.
+    pub fn at_many(&self, body: BodyId, x: &[[f64; N]]) -> Vec<Result<PointState<N>, ProblemError>> {
+        self.inner.at_many(body, x)
+    }
+
+    /// Displacement (or u) and stress (or flux) at points of an element of a body, given by their coordinates in the reference cell.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) for a body of another problem,
+    /// [`ErrorKind::NoElement`](super::ErrorKind::NoElement) for an element that the body does not have.
+    pub fn in_element(&self, body: BodyId, element: usize, xi: &[[f64; N]]) -> Result<Vec<PointState<N>>, ProblemError> {
+        self.inner.in_element(body, element, xi)
     }
 
     /// Unknowns of a body: coefficients of its functions, component by component within each.

@@ -69,6 +69,13 @@ pub enum ErrorKind {
         /// Number of functions.
         functions: usize,
     },
+    /// An element that the body does not have.
+    NoElement {
+        /// The element, from 0.
+        element: usize,
+        /// Number of elements.
+        elements: usize,
+    },
     /// A side that the body does not have.
     Side(SideError),
     /// Sides that have no edge and no corner in common.
@@ -181,6 +188,7 @@ impl Display for ProblemError {
             }
             ErrorKind::NoComponent { component, components } => write!(f, "there is no component {component} of {components}"),
             ErrorKind::NoFunction { function, functions } => write!(f, "body \"{one}\" has no function {function} of {functions}"),
+            ErrorKind::NoElement { element, elements } => write!(f, "body \"{one}\" has no element {element} of {elements}"),
             ErrorKind::Side(error) => write!(f, "body \"{one}\": {error}"),
             ErrorKind::NoRegion => write!(f, "{} have no edge and no corner in common", self.names.join(", ")),
             ErrorKind::MixedCells => write!(f, "parts of `{one}`, a side of triangles and quadrilaterals, are not in this version"),

@@ -51,6 +51,7 @@ mod obstacle;
 mod own_piece;
 mod own_side;
 mod physics;
+mod places;
 mod prescribed;
 mod reactions;
 mod region_statements;

@@ -10,7 +10,8 @@ use super::handles::{BodyId, Region};
 use super::matrices::Stiffness;
 use super::model::{Model, PatchModel};
 use super::observer::Observer;
-use super::physics::PointState;
+use super::physics::{Physics, PointState};
+use super::places::Places;
 use super::reactions::reactions;
 use super::regions::Regions;
 use super::resultant::Resultant;
@@ -22,7 +23,7 @@ use crate::assembly::Errors;
 use crate::constraint::{ConstraintSolver, Direct};
 use crate::contact::Transmitted;
 use crate::linalg::Vector;
-use crate::space::Locator;
+use rayon::prelude::*;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -39,6 +40,8 @@ pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
     fn state(&self) -> &StepState<S, N>;
     fn model(&self) -> &Model<S, N>;
     fn at(&self, body: BodyId, x: &[f64; N]) -> Result<PointState<N>, ProblemError>;
+    fn at_many(&self, body: BodyId, x: &[[f64; N]]) -> Vec<Result<PointState<N>, ProblemError>>;
+    fn in_element(&self, body: BodyId, element: usize, xi: &[[f64; N]]) -> Result<Vec<PointState<N>>, ProblemError>;
     fn coefficients(&self, body: BodyId) -> Result<&[f64], ProblemError>;
     fn multiplier(&self, name: &str) -> Result<Vec<f64>, ProblemError>;
     fn contact(&self, name: &str) -> Result<ContactResult<N>, ProblemError>;
@@ -52,6 +55,7 @@ pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
 pub(super) struct Assembled<const S: usize, const N: usize> {
     problem: u64,
     regions: Arc<Regions<S, N>>,
+    places: Arc<Places<N>>,
     model: Arc<Model<S, N>>,
     times: Vec<f64>,
     stiffness: Option<Stiffness>,
@@ -63,6 +67,7 @@ impl<const S: usize, const N: usize> Assembled<S, N> {
         Self {
             problem,
             regions: Arc::new(regions),
+            places: Arc::new(Places::new(model.patches.len())),
             model: Arc::new(model),
             times,
             stiffness: None,
@@ -92,7 +97,8 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
         if let Some(motions) = left_free(model, &state) {
             return Err(Unsolved { error: StepError::Free { motions }, last: Some(Box::new(state)) });
         }
-        Ok(Arc::new(Solved { problem: self.problem, regions: Arc::clone(&self.regions), model: Arc::clone(&self.model), state }))
+        let (regions, places, model) = (Arc::clone(&self.regions), Arc::clone(&self.places), Arc::clone(&self.model));
+        Ok(Arc::new(Solved { problem: self.problem, regions, places, model, state }))
     }
 }
 
@@ -101,6 +107,7 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
 pub(super) struct Solved<const S: usize, const N: usize> {
     problem: u64,
     regions: Arc<Regions<S, N>>,
+    places: Arc<Places<N>>,
     model: Arc<Model<S, N>>,
     state: StepState<S, N>,
 }
@@ -116,14 +123,27 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
 
     fn at(&self, body: BodyId, x: &[f64; N]) -> Result<PointState<N>, ProblemError> {
         let patch = self.patch(body)?;
-        let space = patch.body.space();
-        let outside = || {
-            let at = std::array::from_fn(|k| x.get(k).copied().unwrap_or(0.0));
-            ProblemError::new(ErrorKind::Outside { x: at }, vec![body.into()], vec![patch.name.clone()])
+        self.place(patch, &patch.physics_at(self.state.t), x)
+    }
+
+    fn at_many(&self, body: BodyId, x: &[[f64; N]]) -> Vec<Result<PointState<N>, ProblemError>> {
+        let patch = match self.patch(body) {
+            Ok(patch) => patch,
+            Err(error) => return vec![Err(error); x.len()],
         };
-        let found = Locator::new(&**space).locate(&Vector::from(*x)).map_err(|_| outside())?;
-        let states = patch.physics_at(self.state.t).at(&**space, &patch.field, &self.state.u, found.element, &[found.xi]);
-        states.first().copied().ok_or_else(outside)
+        let physics = patch.physics_at(self.state.t);
+        self.places.of(patch);
+        x.par_iter().map(|x| self.place(patch, &physics, x)).collect()
+    }
+
+    fn in_element(&self, body: BodyId, element: usize, xi: &[[f64; N]]) -> Result<Vec<PointState<N>>, ProblemError> {
+        let patch = self.patch(body)?;
+        let (space, elements) = (patch.body.space(), patch.body.space().num_elements());
+        if element >= elements {
+            return Err(ProblemError::new(ErrorKind::NoElement { element, elements }, vec![body.into()], vec![patch.name.clone()]));
+        }
+        let xi: Vec<Vector<N>> = xi.iter().map(|xi| Vector::from(*xi)).collect();
+        Ok(patch.physics_at(self.state.t).at(&**space, &patch.field, &self.state.u, element, &xi))
     }
 
     fn coefficients(&self, body: BodyId) -> Result<&[f64], ProblemError> {
@@ -199,5 +219,16 @@ impl<const S: usize, const N: usize> Solved<S, N> {
         // a body may have been added after the system was made
         let known = self.model.patches.get(body.number).filter(|_| body.problem == self.problem);
         known.ok_or_else(|| ProblemError::named(ErrorKind::OtherProblem, &[]))
+    }
+
+    /// The state at a point of a body with its material at the time of the state.
+    fn place(&self, patch: &PatchModel<S, N>, physics: &Physics<N>, x: &[f64; N]) -> Result<PointState<N>, ProblemError> {
+        let outside = || {
+            let at = std::array::from_fn(|k| x.get(k).copied().unwrap_or(0.0));
+            ProblemError::new(ErrorKind::Outside { x: at }, vec![patch.id.into()], vec![patch.name.clone()])
+        };
+        let found = self.places.of(patch).locate(&Vector::from(*x)).map_err(|_| outside())?;
+        let states = physics.at(&**patch.body.space(), &patch.field, &self.state.u, found.element, &[found.xi]);
+        states.first().copied().ok_or_else(outside)
     }
 }

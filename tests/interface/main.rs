@@ -1,6 +1,7 @@
 //! Interfaces: segments, multipliers, ties, contact, and the solvers of their systems.
 #![allow(clippy::unwrap_used)]
 
+mod answers;
 mod common;
 mod contact;
 mod dual;

@@ -1,0 +1,65 @@
+//! Answers of solutions: fields at points, results of ties and contacts, and errors with the best state.
+
+use faying::geometry::shapes::rectangle;
+use faying::physics::Hooke;
+use faying::problem::{BodyId, Components, Data, ErrorKind, Problem, Solution};
+use faying::space::{Patch, PatchSpec, locate};
+
+fn steel() -> Hooke<2> {
+    Hooke::plane_strain(1.0, 0.3).unwrap()
+}
+
+/// A square of n x n bilinear elements, bent by a traction that changes along its top.
+fn bent(n: usize) -> (Solution<1, 2>, BodyId) {
+    let spec = PatchSpec::new(rectangle([0.0, 0.0], [1.0, 1.0]).unwrap()).with_degree([1, 1]).with_elements([n, n]);
+    let mut p = Problem::<1, 2>::new();
+    let body = p.body("square", Patch::try_new(&spec).unwrap(), steel()).unwrap();
+    p.fix(body.side("v0"), Components::All).unwrap();
+    p.traction(body.side("v1"), 0, Data::of(|x, _| 0.1 * x[0])).unwrap();
+    (p.assemble().unwrap().solve(1.0, None).unwrap(), body)
+}
+
+#[test]
+fn many_points_have_the_answers_of_single_points() {
+    let (solution, body) = bent(80);
+    // of the 1,000 points some are outside
+    let points: Vec<[f64; 2]> = (0..1000).map(|k| [(k as f64 * 0.618_034).fract() * 1.05, (k as f64 * 0.414_214).fract()]).collect();
+    let many = solution.at_many(body, &points);
+    assert_eq!(many.len(), points.len());
+    let mut outside = 0;
+    for (x, found) in points.iter().zip(&many) {
+        let bits =
+            |s: &faying::problem::PointState<2>| s.x.iter().chain(&s.u).chain(s.stress.iter()).map(|v| v.to_bits()).collect::<Vec<_>>();
+        match (found, solution.at(body, x)) {
+            (Ok(a), Ok(b)) => assert_eq!(bits(a), bits(&b), "{x:?}"),
+            (Err(a), Err(b)) => {
+                assert_eq!(a, &b);
+                outside += 1;
+            }
+            (a, b) => panic!("{a:?}, {b:?}"),
+        }
+    }
+    assert!(outside > 20 && outside < 100, "{outside}");
+    // the same as without the tree that is kept
+    let space = solution.model().patches[0].body.space();
+    for x in points.iter().take(3) {
+        let (element, xi) = locate(&**space, &(*x).into()).unwrap();
+        assert_eq!(solution.in_element(body, element, &[xi.into()]).unwrap(), [solution.at(body, x).unwrap()]);
+    }
+}
+
+#[test]
+fn elements_answer_by_number() {
+    let (solution, body) = bent(4);
+    let states = solution.in_element(body, 5, &[[0.25, 0.5], [0.75, 0.5]]).unwrap();
+    assert_eq!(states.len(), 2);
+    for state in states {
+        let found = solution.at(body, &state.x.into()).unwrap();
+        assert!((0..2).all(|c| (state.u[c] - found.u[c]).abs() < 1e-14), "{state:?}, {found:?}");
+    }
+    assert_eq!(solution.in_element(body, 16, &[[0.5; 2]]).unwrap_err().kind, ErrorKind::NoElement { element: 16, elements: 16 });
+    let (_, other) = bent(1);
+    assert_eq!(solution.in_element(other, 0, &[]).unwrap_err().kind, ErrorKind::OtherProblem);
+    let errors = solution.at_many(other, &[[0.5; 2]; 3]);
+    assert!(errors.len() == 3 && errors.iter().all(|e| e.as_ref().is_err_and(|e| e.kind == ErrorKind::OtherProblem)));
+}
