@@ -48,22 +48,23 @@ impl<const S: usize, const N: usize> System<S, N> {
     /// system is not looked at.
     ///
     /// # Errors
-    /// [`Unsolved`], with the last state if there is one.
-    pub fn solve(&mut self, t: f64, before: Option<&Solution<S, N>>) -> Result<Solution<S, N>, Unsolved<S, N>> {
+    /// [`Unsolved`], with the best solution that was reached, if there is one.
+    pub fn solve(&mut self, t: f64, before: Option<&Solution<S, N>>) -> Result<Solution<S, N>, Unsolved<Solution<S, N>>> {
         self.solve_observed(t, before, &|_| ControlFlow::Continue(()))
     }
 
     /// Solves as [`solve`](Self::solve) does; `observer` is told of the progress and may cancel.
     ///
     /// # Errors
-    /// [`Unsolved`], with the last state if there is one.
+    /// [`Unsolved`], with the best solution that was reached, if there is one.
     pub fn solve_observed(
         &mut self,
         t: f64,
         before: Option<&Solution<S, N>>,
         observer: Observer<'_>,
-    ) -> Result<Solution<S, N>, Unsolved<S, N>> {
-        Ok(Solution { inner: self.inner.solve(t, before.map(|b| &*b.inner), observer)? })
+    ) -> Result<Solution<S, N>, Unsolved<Solution<S, N>>> {
+        let solution = |inner| Solution { inner };
+        self.inner.solve(t, before.map(|b| &*b.inner), observer).map(solution).map_err(|unsolved| unsolved.map(solution))
     }
 }
 

@@ -56,7 +56,7 @@ pub(super) fn at_rest<const S: usize, const N: usize>(
     t: f64,
     before: Option<&StepState<S, N>>,
     observer: Observer<'_>,
-) -> Result<StepState<S, N>, Unsolved<S, N>> {
+) -> Result<StepState<S, N>, Unsolved<Box<StepState<S, N>>>> {
     let mut state = once(model, matrices, solver, t, before, before.map(|b| b.u.as_slice()), observer)?;
     if !model.has_pressed() {
         return Ok(state);
@@ -83,7 +83,7 @@ pub(super) fn at_rest<const S: usize, const N: usize>(
         next.factors += state.factors;
         state = next;
     }
-    Err(Unsolved { error: StepError::Obstacle { places: MOST_PLACES }, last: Some(Box::new(state)) })
+    Err(Unsolved { error: StepError::Obstacle { places: MOST_PLACES }, best: Some(Box::new(state)) })
 }
 
 fn together(mut known: ActiveSetReport, new: &ActiveSetReport) -> ActiveSetReport {

@@ -27,7 +27,7 @@ pub(super) fn once<const S: usize, const N: usize>(
     before: Option<&StepState<S, N>>,
     place: Option<&[f64]>,
     observer: Observer<'_>,
-) -> Result<StepState<S, N>, Unsolved<S, N>> {
+) -> Result<StepState<S, N>, Unsolved<Box<StepState<S, N>>>> {
     let goes_on = || match observer(&Progress::System) {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(SolveError::Stopped { iterations: 0, best: None }),
@@ -38,7 +38,7 @@ pub(super) fn once<const S: usize, const N: usize>(
     let obstacles = model.has_pressed().then(|| model.pressed_block());
     let bodies: Vec<&Csr> = matrices.bodies.iter().chain(&obstacles).collect();
     let matrices = Blocks { bodies: &bodies, between: matrices.between.as_ref() };
-    let prescribed = model.prescribed(t).map_err(|e| Unsolved::<S, N>::from(e.0))?;
+    let prescribed = model.prescribed(t).map_err(|e| Unsolved::<Box<StepState<S, N>>>::from(e.0))?;
     let Loads { vector: load, totals, sums } = model.loads(t);
     let mut total = Resultant::default();
     totals.iter().for_each(|own| total.sum(own));
@@ -109,7 +109,7 @@ pub(super) fn once<const S: usize, const N: usize>(
                 (_, error) => error,
             };
             let usable = last.filter(|l| l.unknowns.len() == reduced.num_free() && l.multipliers.len() == model.rows);
-            Err(Unsolved { error, last: usable.map(|l| Box::new(finish(*l))) })
+            Err(Unsolved { error, best: usable.map(|l| Box::new(finish(*l))) })
         }
     }
 }

@@ -27,12 +27,15 @@ use rayon::prelude::*;
 use std::fmt::Debug;
 use std::sync::Arc;
 
+/// A state, or an error with the best one.
+type Solves<const S: usize, const N: usize> = Result<Arc<dyn State<S, N>>, Unsolved<Arc<dyn State<S, N>>>>;
+
 /// The methods of a system.
 pub(super) trait Solve<const S: usize, const N: usize>: Debug {
     fn model(&self) -> &Model<S, N>;
     fn warnings(&self) -> Vec<Warning>;
     fn replace_solver(&mut self, solver: Box<dyn ConstraintSolver>);
-    fn solve(&mut self, t: f64, before: Option<&dyn State<S, N>>, observer: Observer<'_>) -> Result<Arc<dyn State<S, N>>, Unsolved<S, N>>;
+    fn solve(&mut self, t: f64, before: Option<&dyn State<S, N>>, observer: Observer<'_>) -> Solves<S, N>;
 }
 
 /// The methods of a solution.
@@ -89,16 +92,20 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
         self.solver = Solver::new(solver);
     }
 
-    fn solve(&mut self, t: f64, before: Option<&dyn State<S, N>>, observer: Observer<'_>) -> Result<Arc<dyn State<S, N>>, Unsolved<S, N>> {
+    fn solve(&mut self, t: f64, before: Option<&dyn State<S, N>>, observer: Observer<'_>) -> Solves<S, N> {
         let model = &*self.model;
         let stiffness = self.stiffness.get_or_insert_with(|| Stiffness::new(model, t));
         let before = before.filter(|b| std::ptr::eq(b.model(), model)).map(|b| b.state());
-        let state = step(model, stiffness.at(model, t), &mut self.solver, t, before, observer)?;
-        if let Some(motions) = left_free(model, &state) {
-            return Err(Unsolved { error: StepError::Free { motions }, last: Some(Box::new(state)) });
+        let stepped = step(model, stiffness.at(model, t), &mut self.solver, t, before, observer);
+        let solution = |state| -> Arc<dyn State<S, N>> {
+            let (regions, places, model) = (Arc::clone(&self.regions), Arc::clone(&self.places), Arc::clone(&self.model));
+            Arc::new(Solved { problem: self.problem, regions, places, model, state })
+        };
+        let state = stepped.map_err(|unsolved| unsolved.map(|state| solution(*state)))?;
+        match left_free(model, &state) {
+            Some(motions) => Err(Unsolved { error: StepError::Free { motions }, best: Some(solution(state)) }),
+            None => Ok(solution(state)),
         }
-        let (regions, places, model) = (Arc::clone(&self.regions), Arc::clone(&self.places), Arc::clone(&self.model));
-        Ok(Arc::new(Solved { problem: self.problem, regions, places, model, state }))
     }
 }
 

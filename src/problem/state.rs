@@ -6,6 +6,8 @@ use crate::assembly::{DirichletError, ReductionError};
 use crate::constraint::SolveError;
 use crate::contact::{Contact, ContactError};
 use crate::coupling::CouplingError;
+use std::error::Error;
+use std::fmt::{Debug, Display, Formatter};
 
 /// Sign case of rows without one: of ties, and of contact rows that face nothing.
 pub(super) const NO_CONTACT: u8 = 9;
@@ -94,18 +96,43 @@ pub enum StepError {
     },
 }
 
-/// A step that was not solved, with the last state, if there is one.
-#[derive(Debug, thiserror::Error)]
-#[error("{error}")]
-pub struct Unsolved<const S: usize, const N: usize> {
+/// An error of a step, with the best state that was reached: a [`Solution`](super::Solution), or a [`StepState`] of [`step`](super::step).
+///
+/// Its texts, `{}` and `{:?}`, are the sentence of the error alone.
+pub struct Unsolved<L> {
     /// The error.
     pub error: StepError,
-    /// The last state computed.
-    pub last: Option<Box<StepState<S, N>>>,
+    /// The best state of the iteration, the last one where none is better; `None` if there is no state.
+    pub best: Option<L>,
 }
 
-impl<const S: usize, const N: usize, E: Into<StepError>> From<E> for Unsolved<S, N> {
+impl<L> Unsolved<L> {
+    /// The same error with another form of the state.
+    pub(super) fn map<M>(self, form: impl FnOnce(L) -> M) -> Unsolved<M> {
+        Unsolved { error: self.error, best: self.best.map(form) }
+    }
+}
+
+impl<L> Display for Unsolved<L> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        Display::fmt(&self.error, f)
+    }
+}
+
+impl<L> Debug for Unsolved<L> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        Display::fmt(&self.error, f)
+    }
+}
+
+impl<L> Error for Unsolved<L> {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        Some(&self.error)
+    }
+}
+
+impl<L, E: Into<StepError>> From<E> for Unsolved<L> {
     fn from(error: E) -> Self {
-        Self { error: error.into(), last: None }
+        Self { error: error.into(), best: None }
     }
 }

@@ -14,7 +14,7 @@ use crate::constraint::SolveError;
 /// set that holds a body in one step may leave it free in the next.
 ///
 /// # Errors
-/// [`Unsolved`], with the last state of an active set that did not settle or that was cancelled.
+/// [`Unsolved`], with the best state of an active set that did not settle or that was cancelled.
 pub fn step<const S: usize, const N: usize>(
     model: &Model<S, N>,
     matrices: &Matrices,
@@ -22,7 +22,7 @@ pub fn step<const S: usize, const N: usize>(
     t: f64,
     before: Option<&StepState<S, N>>,
     observer: Observer<'_>,
-) -> Result<StepState<S, N>, Unsolved<S, N>> {
+) -> Result<StepState<S, N>, Unsolved<Box<StepState<S, N>>>> {
     let before = before.filter(|_| !model.contacts.is_empty());
     let solved = at_rest(model, matrices, solver, t, before, observer);
     match &solved {

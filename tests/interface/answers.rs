@@ -1,9 +1,12 @@
 //! Answers of solutions: fields at points, results of ties and contacts, and errors with the best state.
 
+use faying::contact::HalfPlane;
 use faying::geometry::shapes::rectangle;
+use faying::linalg::Vector;
 use faying::physics::Hooke;
 use faying::problem::{BodyId, Components, Data, ErrorKind, Problem, Solution};
 use faying::space::{Patch, PatchSpec, locate};
+use std::error::Error;
 
 fn steel() -> Hooke<2> {
     Hooke::plane_strain(1.0, 0.3).unwrap()
@@ -62,4 +65,30 @@ fn elements_answer_by_number() {
     assert_eq!(solution.in_element(other, 0, &[]).unwrap_err().kind, ErrorKind::OtherProblem);
     let errors = solution.at_many(other, &[[0.5; 2]; 3]);
     assert!(errors.len() == 3 && errors.iter().all(|e| e.as_ref().is_err_and(|e| e.kind == ErrorKind::OtherProblem)));
+}
+
+/// A beam over a floor, pulled off it near its fixed end and pressed on it beyond.
+fn half_pressed() -> (Problem<1, 2>, BodyId) {
+    let spec = PatchSpec::new(rectangle([0.0, 0.0], [4.0, 1.0]).unwrap()).with_elements([12, 2]);
+    let mut p = Problem::<1, 2>::new();
+    let beam = p.body("beam", Patch::try_new(&spec).unwrap(), steel()).unwrap();
+    p.fix(beam.side("u0"), Components::All).unwrap();
+    p.traction(beam.side("v1"), 1, Data::of(|x, _| if x[0] < 2.0 { 1e-2 } else { -1e-2 })).unwrap();
+    let floor = HalfPlane::try_new(Vector::from([0.0, 0.0]), Vector::from([0.0, 1.0])).unwrap();
+    p.contact(beam.side("v0"), floor).unwrap().named("floor");
+    (p, beam)
+}
+
+#[test]
+fn an_unsolved_step_says_its_error_alone_and_carries_the_best_solution() {
+    let (mut p, beam) = half_pressed();
+    p.active_set(1.0, 1);
+    let unsolved = p.assemble().unwrap().solve(1.0, None).unwrap_err();
+    let text = format!("{unsolved:?}");
+    assert!(text.len() < 400 && text == unsolved.to_string(), "{text}");
+    assert_eq!(unsolved.source().map(ToString::to_string), Some(text.clone()));
+    let best = unsolved.best.as_ref().unwrap();
+    assert!(best.at(beam, &[3.0, 1.0]).unwrap().u[1] != 0.0);
+    let boxed: Box<dyn Error + Send + Sync> = unsolved.into();
+    assert_eq!(format!("{boxed:?}"), text);
 }

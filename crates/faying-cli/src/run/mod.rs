@@ -384,7 +384,7 @@ where
         let before = solved.last().map(|s| &s.state);
         let (state, failure) = match step(&model, matrices, &mut solver, t, before, &observer(watch)) {
             Ok(state) => (Some(state), None),
-            Err(unsolved) => (unsolved.last.map(|b| *b), Some(unsolved.error)),
+            Err(unsolved) => (unsolved.best.map(|b| *b), Some(unsolved.error)),
         };
         watch.phase("measure");
         finished = k + 1 == times.len();
