@@ -34,7 +34,7 @@ where
     pub fn assemble(&self) -> Result<System<S, N>, ProblemErrors> {
         let model = self.built()?;
         Self::held(&model)?;
-        Ok(System::new(model, self.id, self.regions.clone(), self.times.clone()))
+        Ok(System::new(model, self.identity.clone(), self.regions.clone(), self.times.clone()))
     }
 
     /// The model of the problem, as [`assemble`](Self::assemble) makes it, without the check of rigid motions.

@@ -3,6 +3,7 @@
 use super::data::Exact;
 use super::error::ProblemError;
 use super::handles::{BodyId, Region};
+use super::identity::Identity;
 use super::model::Model;
 use super::observer::Observer;
 use super::physics::PointState;
@@ -16,16 +17,16 @@ use crate::linalg::Vector;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// A problem that is ready to be solved: its model, and the matrices of its bodies.
+/// A problem that is ready to be solved: its model, and the matrices of its bodies. It owns all that it needs, and may go to another thread.
 #[derive(Debug)]
 pub struct System<const S: usize, const N: usize> {
     inner: Box<dyn Solve<S, N>>,
 }
 
 impl<const S: usize, const N: usize> System<S, N> {
-    /// The problem number `problem` with this model, whose data are of `times`.
-    pub(super) fn new(model: Model<S, N>, problem: u64, regions: Regions<S, N>, times: Vec<f64>) -> Self {
-        Self { inner: Box::new(Assembled::new(model, problem, regions, times)) }
+    /// The problem of this identity with this model, whose data are of `times`.
+    pub(super) fn new(model: Model<S, N>, identity: Identity, regions: Regions<S, N>, times: Vec<f64>) -> Self {
+        Self { inner: Box::new(Assembled::new(model, identity, regions, times)) }
     }
 
     /// Solves with another constraint solver; by default by factors of the whole system.

@@ -121,7 +121,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             return Err(ProblemError::named(ErrorKind::Mixed { found, expected }, &[&name]));
         }
         let first = self.bodies.last().map_or(0, |b| b.range().end);
-        let id = BodyId { problem: self.id, number: self.bodies.len() };
+        let id = self.body_id(self.bodies.len());
         let mut model = PatchModel::new(id, name, body, physics, first, extra_points);
         if let Some(rules) = rules {
             model.rules = rules;

@@ -6,12 +6,12 @@ use super::error::{ErrorKind, ProblemError, ProblemErrors};
 use super::facets_apart::FacetsApart;
 use super::fixed::Fixed;
 use super::handles::{Sides, Statement};
+use super::identity::Identity;
 use super::model::{Model, PatchModel, SideModel};
 use super::regions::Regions;
 use super::said::{Gluing, Said, Shared};
 use std::collections::HashMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A problem of bodies with materials, supports, loads, ties and contacts.
 ///
@@ -19,9 +19,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// materials first; what needs the whole problem is checked by [`assemble`](Self::assemble), which returns all errors. Data are numbers or
 /// functions of position and time, see [`Data`](super::Data). Components are those of the unknown: one for conduction (Poisson), one per coordinate for
 /// elasticity.
+///
+/// A clone goes its own way and knows the handles of the problem that it was cloned from; handles that either of both makes later belong
+/// to it alone.
 #[derive(Debug)]
 pub struct Problem<const S: usize, const N: usize> {
-    pub(super) id: u64,
+    pub(super) identity: Identity,
     pub(super) bodies: Vec<PatchModel<S, N>>,
     pub(super) regions: Regions<S, N>,
     pub(super) said: Said<S, N>,
@@ -43,8 +46,29 @@ pub struct Problem<const S: usize, const N: usize> {
     active_set: (f64, usize),
 }
 
-/// Number of problems made so far.
-static MADE: AtomicU64 = AtomicU64::new(0);
+impl<const S: usize, const N: usize> Clone for Problem<S, N> {
+    fn clone(&self) -> Self {
+        let counts = [self.bodies.len(), self.regions.len(), self.ties.len(), self.contacts.len(), self.statements];
+        Self {
+            identity: self.identity.heir(counts),
+            bodies: self.bodies.clone(),
+            regions: self.regions.clone(),
+            said: self.said.clone(),
+            volume_loads: self.volume_loads.clone(),
+            weight_loads: self.weight_loads.clone(),
+            gluings: self.gluings.clone(),
+            shared: self.shared.clone(),
+            statements: self.statements,
+            groups: self.groups.clone(),
+            exact: self.exact.clone(),
+            findings: self.findings.clone(),
+            ties: self.ties.clone(),
+            contacts: self.contacts.clone(),
+            times: self.times.clone(),
+            active_set: self.active_set,
+        }
+    }
+}
 
 impl<const S: usize, const N: usize> Default for Problem<S, N> {
     fn default() -> Self {
@@ -56,7 +80,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// A problem without bodies.
     pub fn new() -> Self {
         Self {
-            id: MADE.fetch_add(1, Ordering::Relaxed),
+            identity: Identity::new(),
             bodies: Vec::new(),
             regions: Regions::default(),
             said: Said::default(),

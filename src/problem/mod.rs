@@ -35,6 +35,7 @@ mod gluing;
 mod guess;
 mod handles;
 mod held_part;
+mod identity;
 mod integrate;
 mod interface_error;
 mod interface_numbers;

@@ -2,7 +2,7 @@
 
 use super::builder::Problem;
 use super::error::{ErrorKind, ProblemError};
-use super::handles::{BodyId, Region, RegionId, SideOf};
+use super::handles::{BodyId, Kind, Region, RegionId, SideOf};
 use super::model::{RimModel, SideModel};
 use super::regions::Piece;
 use crate::assembly::Rim;
@@ -20,10 +20,10 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     pub fn region<'a>(&mut self, on: impl Into<Region<'a>>) -> Result<RegionId, ProblemError> {
         let number = match on.into() {
             Region::Side(side) => self.side_number(side)?,
-            Region::Made(region) if region.problem == self.id => region.number,
+            Region::Made(region) if self.identity.knows(region) => region.number,
             Region::Made(_) => return Err(ProblemError::named(ErrorKind::OtherProblem, &[])),
         };
-        Ok(RegionId { problem: self.id, number })
+        Ok(self.region_id(number))
     }
 
     /// The facets of a side with their centres where `keep` holds; `None` if there are none. `what` says in labels which they are:
@@ -71,7 +71,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
         let (patch, name) = (met[0].patch, sides.iter().map(|s| s.name).collect::<String>());
         if let Some(&number) = self.regions.rims.get(&(patch, name.clone())) {
-            return Ok(RegionId { problem: self.id, number });
+            return Ok(self.region_id(number));
         }
         let others: Vec<_> = met[1..].iter().map(|s| &s.trace).collect();
         let rim = Rim::shared(&met[0].trace, &others, self.bodies[patch].extra_points);
@@ -102,12 +102,22 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     fn new_region(&mut self, pieces: Vec<Piece<S, N>>) -> RegionId {
-        RegionId { problem: self.id, number: self.regions.add(pieces) }
+        let number = self.regions.add(pieces);
+        self.region_id(number)
+    }
+
+    fn region_id(&self, number: usize) -> RegionId {
+        RegionId { problem: self.identity.maker(Kind::Region, number), number }
+    }
+
+    /// Handle of a body.
+    pub(super) fn body_id(&self, number: usize) -> BodyId {
+        BodyId { problem: self.identity.maker(Kind::Body, number), number }
     }
 
     /// Number of a body.
     pub(super) fn number(&self, body: BodyId) -> Result<usize, ProblemError> {
-        if body.problem == self.id { Ok(body.number) } else { Err(ProblemError::named(ErrorKind::OtherProblem, &[])) }
+        if self.identity.knows(body) { Ok(body.number) } else { Err(ProblemError::named(ErrorKind::OtherProblem, &[])) }
     }
 
     fn side_number(&mut self, side: SideOf<'_>) -> Result<usize, ProblemError> {

@@ -74,8 +74,8 @@ impl<const S: usize, const N: usize> Regions<S, N> {
         &self.list[number]
     }
 
-    pub(super) fn has(&self, number: usize) -> bool {
-        number < self.list.len()
+    pub(super) fn len(&self) -> usize {
+        self.list.len()
     }
 
     /// The region of a side, if it was made.

@@ -7,6 +7,7 @@ use super::closed_points::left_free;
 use super::data::Exact;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{BodyId, Region};
+use super::identity::Identity;
 use super::matrices::Stiffness;
 use super::model::{Model, PatchModel};
 use super::observer::Observer;
@@ -31,7 +32,7 @@ use std::sync::Arc;
 type Solves<const S: usize, const N: usize> = Result<Arc<dyn State<S, N>>, Unsolved<Arc<dyn State<S, N>>>>;
 
 /// The methods of a system.
-pub(super) trait Solve<const S: usize, const N: usize>: Debug {
+pub(super) trait Solve<const S: usize, const N: usize>: Debug + Send {
     fn model(&self) -> &Model<S, N>;
     fn warnings(&self) -> Vec<Warning>;
     fn replace_solver(&mut self, solver: Box<dyn ConstraintSolver>);
@@ -56,7 +57,7 @@ pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
 /// A model with its matrices and its solver.
 #[derive(Debug)]
 pub(super) struct Assembled<const S: usize, const N: usize> {
-    problem: u64,
+    identity: Arc<Identity>,
     regions: Arc<Regions<S, N>>,
     places: Arc<Places<N>>,
     model: Arc<Model<S, N>>,
@@ -66,9 +67,9 @@ pub(super) struct Assembled<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> Assembled<S, N> {
-    pub fn new(model: Model<S, N>, problem: u64, regions: Regions<S, N>, times: Vec<f64>) -> Self {
+    pub fn new(model: Model<S, N>, identity: Identity, regions: Regions<S, N>, times: Vec<f64>) -> Self {
         Self {
-            problem,
+            identity: Arc::new(identity),
             regions: Arc::new(regions),
             places: Arc::new(Places::new(model.patches.len())),
             model: Arc::new(model),
@@ -98,8 +99,8 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
         let before = before.filter(|b| std::ptr::eq(b.model(), model)).map(|b| b.state());
         let stepped = step(model, stiffness.at(model, t), &mut self.solver, t, before, observer);
         let solution = |state| -> Arc<dyn State<S, N>> {
-            let (regions, places, model) = (Arc::clone(&self.regions), Arc::clone(&self.places), Arc::clone(&self.model));
-            Arc::new(Solved { problem: self.problem, regions, places, model, state })
+            let (identity, regions) = (Arc::clone(&self.identity), Arc::clone(&self.regions));
+            Arc::new(Solved { identity, regions, places: Arc::clone(&self.places), model: Arc::clone(&self.model), state })
         };
         let state = stepped.map_err(|unsolved| unsolved.map(|state| solution(*state)))?;
         match left_free(model, &state) {
@@ -112,7 +113,7 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
 /// A state of a model.
 #[derive(Debug)]
 pub(super) struct Solved<const S: usize, const N: usize> {
-    problem: u64,
+    identity: Arc<Identity>,
     regions: Arc<Regions<S, N>>,
     places: Arc<Places<N>>,
     model: Arc<Model<S, N>>,
@@ -196,7 +197,7 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
                 patch.body.trace(side.name).map_err(refused)?;
                 self.regions.known(side.body.number, side.name)
             }
-            Region::Made(region) if region.problem == self.problem && self.regions.has(region.number) => Some(region.number),
+            Region::Made(region) if self.identity.knows(region) && region.number < self.regions.len() => Some(region.number),
             Region::Made(_) => return Err(other()),
         };
         let mut sum = vec![0.0; self.model.components];
@@ -224,7 +225,7 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
 impl<const S: usize, const N: usize> Solved<S, N> {
     fn patch(&self, body: BodyId) -> Result<&PatchModel<S, N>, ProblemError> {
         // a body may have been added after the system was made
-        let known = self.model.patches.get(body.number).filter(|_| body.problem == self.problem);
+        let known = self.model.patches.get(body.number).filter(|_| self.identity.knows(body));
         known.ok_or_else(|| ProblemError::named(ErrorKind::OtherProblem, &[]))
     }
 

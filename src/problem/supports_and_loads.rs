@@ -17,7 +17,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// A new handle of a support, a load, or of what joins bodies.
     pub(super) fn statement(&mut self) -> Statement {
         self.statements += 1;
-        Statement { problem: self.id, kind: Kind::Other, number: self.statements - 1 }
+        let number = self.statements - 1;
+        Statement { problem: self.identity.maker(Kind::Other, number), kind: Kind::Other, number }
     }
 
     fn component(&self, component: usize) -> Result<usize, ProblemError> {

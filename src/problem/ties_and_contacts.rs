@@ -5,7 +5,7 @@ use super::changing::Changing;
 use super::coupled::{Contact, ContactOptions, Coupled, Faced, Opponent, Tie, TieOptions, TiePair};
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
-use super::handles::Sides;
+use super::handles::{Kind, Sides};
 use super::model::{Formulation, SideModel};
 use super::start::Start;
 use crate::contact::{Cone, Obstacle};
@@ -30,7 +30,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let name = pairs.first().map_or_else(String::new, |p| format!("{} - {}", p.slave.label, labels(&p.masters)));
         let own = TieOptions { pairs, coupling: Arc::new(Mortar), tolerance: None };
         let number = self.ties.len();
-        self.ties.push(Coupled::new(self.id, number, name, own));
+        let maker = self.identity.maker(Kind::Tie, number);
+        self.ties.push(Coupled::new(maker, number, name, own));
         &mut self.ties[number]
     }
 
@@ -72,7 +73,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             forces: Vec::new(),
         };
         let number = self.contacts.len();
-        self.contacts.push(Coupled::new(self.id, number, name, own));
+        let maker = self.identity.maker(Kind::Contact, number);
+        self.contacts.push(Coupled::new(maker, number, name, own));
         Ok(&mut self.contacts[number])
     }
 }

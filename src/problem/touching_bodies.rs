@@ -52,7 +52,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// [`ErrorKind::OtherProblem`] for what is no tie of this problem.
     pub fn pairs(&self, tie: impl Into<Statement>) -> Result<Vec<(&str, Vec<&str>)>, ProblemError> {
         let of = tie.into();
-        let tie = self.ties.get(of.number).filter(|_| of.problem == self.id && of.kind == Kind::Tie);
+        let tie = self.ties.get(of.number).filter(|_| of.kind == Kind::Tie && self.identity.knows(of));
         let tie = tie.ok_or_else(|| ProblemError::named(ErrorKind::OtherProblem, &[]))?;
         let pairs = tie.own.pairs.iter();
         Ok(pairs.map(|pair| (pair.slave.label.as_str(), pair.masters.iter().map(|m| m.label.as_str()).collect())).collect())

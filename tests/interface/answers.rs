@@ -4,7 +4,7 @@ use faying::contact::HalfPlane;
 use faying::geometry::shapes::rectangle;
 use faying::linalg::Vector;
 use faying::physics::Hooke;
-use faying::problem::{BodyId, Components, Data, ErrorKind, Problem, Solution};
+use faying::problem::{BodyId, Components, Data, ErrorKind, Problem, Solution, System};
 use faying::space::{Patch, PatchSpec, locate};
 use std::error::Error;
 
@@ -91,4 +91,47 @@ fn an_unsolved_step_says_its_error_alone_and_carries_the_best_solution() {
     assert!(best.at(beam, &[3.0, 1.0]).unwrap().u[1] != 0.0);
     let boxed: Box<dyn Error + Send + Sync> = unsolved.into();
     assert_eq!(format!("{boxed:?}"), text);
+}
+
+#[test]
+fn problems_systems_and_solutions_go_between_threads() {
+    fn send<T: Send>() {}
+    fn shared<T: Send + Sync + Clone>() {}
+    send::<System<1, 2>>();
+    send::<System<2, 3>>();
+    shared::<Problem<1, 2>>();
+    shared::<Problem<2, 3>>();
+    shared::<Solution<1, 2>>();
+    shared::<Solution<2, 3>>();
+    let (p, beam) = half_pressed();
+    let here = p.assemble().unwrap().solve(1.0, None).unwrap();
+    let mut system = p.clone().assemble().unwrap();
+    let there = std::thread::spawn(move || system.solve(1.0, None).unwrap()).join().unwrap();
+    assert_eq!(here.coefficients(beam).unwrap(), there.coefficients(beam).unwrap());
+}
+
+#[test]
+fn a_clone_knows_the_handles_of_its_original_and_no_later_ones() {
+    let (mut p, beam) = half_pressed();
+    let top = p.region(beam.side("v1")).unwrap();
+    let mut copy = p.clone();
+    assert_eq!(copy.region(beam.side("v1")).unwrap(), top);
+    let square = |p: &mut Problem<1, 2>, name: &str| {
+        let spec = PatchSpec::new(rectangle([9.0, 0.0], [10.0, 1.0]).unwrap());
+        let body = p.body(name, Patch::try_new(&spec).unwrap(), steel()).unwrap();
+        p.fix(body.side("v0"), Components::All).unwrap();
+        body
+    };
+    let (of_original, of_copy) = (square(&mut p, "one"), square(&mut copy, "other"));
+    assert_ne!(of_original, of_copy);
+    let refused = |p: &mut Problem<1, 2>, body: BodyId| p.fix(body.side("u0"), Components::X).unwrap_err().kind;
+    assert_eq!(refused(&mut copy, of_original), ErrorKind::OtherProblem);
+    assert_eq!(refused(&mut p, of_copy), ErrorKind::OtherProblem);
+    let later = p.region(of_original.side("v1")).unwrap();
+    assert_eq!(copy.pressure(later, 1.0).unwrap_err().kind, ErrorKind::OtherProblem);
+    // the copy is loaded twice as much at its top, its original as before
+    copy.pressure(top, 1e-2).unwrap();
+    let [one, two] = [p, copy].map(|p| p.assemble().unwrap().solve(1.0, None).unwrap());
+    assert!(two.at(of_copy, &[9.5, 0.5]).is_ok() && two.at(of_original, &[9.5, 0.5]).is_err());
+    assert!(one.at(beam, &[4.0, 1.0]).unwrap().u[1] > two.at(beam, &[4.0, 1.0]).unwrap().u[1]);
 }
