@@ -75,9 +75,9 @@ pub fn pressed(wood: Orthotropic, bar: Bar) -> Result<[f64; 4], Box<dyn std::err
     let block = PatchSpec::new(rectangle([0.0, 0.0], [1.0, 1.0])?).with_elements([16, 8]);
     let block = p.body("block", Patch::try_new(&block)?, wood)?;
     p.fix(block.side("v1"), Components::All)?;
-    p.contact(block.side("v0"), bar)?.named("bar").moved(1, 0.01);
+    let bar = p.contact(block.side("v0"), bar)?.moved(1, 0.01).id();
     let solution = p.assemble()?.solve(1.0, None)?;
-    let (contact, support) = (solution.contact("bar")?, solution.reaction(block.side("v1"))?);
+    let (contact, support) = (solution.contact(bar)?, solution.reaction(block.side("v1"))?);
     assert!(contact.force[1] > 0.0 && contact.least_gap > -1e-12);
     Ok([contact.force[0], contact.force[1], support[0], support[1]])
 }

@@ -2,8 +2,9 @@
 
 use super::data::Exact;
 use super::error::ProblemError;
-use super::handles::{BodyId, Region};
+use super::handles::{BodyId, ContactId, InterfaceId, Region, TieId};
 use super::identity::Identity;
+use super::interface_results::{ContactResult, TieResult};
 use super::model::Model;
 use super::observer::Observer;
 use super::physics::PointState;
@@ -13,7 +14,6 @@ use super::state::{StepState, Unsolved};
 use super::warnings::Warning;
 use crate::assembly::Errors;
 use crate::constraint::ConstraintSolver;
-use crate::linalg::Vector;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -75,23 +75,6 @@ pub struct Solution<const S: usize, const N: usize> {
     inner: Arc<dyn State<S, N>>,
 }
 
-/// Pressure and gap of a contact, and what it transmits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactResult<const N: usize> {
-    /// Force on the slave body \[force\].
-    pub force: Vector<N>,
-    /// Moment of it about the origin, about x, y, z.
-    pub moment: [f64; 3],
-    /// Area of the slave side under pressure.
-    pub area: f64,
-    /// Largest pressure [force/area]; -inf where nothing is faced.
-    pub largest_pressure: f64,
-    /// Least gap of a row \[length\]; inf where nothing is faced.
-    pub least_gap: f64,
-    /// Number of closed rows.
-    pub active: usize,
-}
-
 impl<const S: usize, const N: usize> Solution<S, N> {
     /// The state: unknowns, multipliers, reactions.
     pub fn state(&self) -> &StepState<S, N> {
@@ -136,20 +119,29 @@ impl<const S: usize, const N: usize> Solution<S, N> {
         self.inner.coefficients(body)
     }
 
-    /// Multipliers of a tie or a contact: coefficients of lambda, row by row.
+    /// Multipliers of a tie or a contact: coefficients of lambda [force/area], row by row.
     ///
     /// # Errors
-    /// [`ProblemError`] if there is none of this name.
-    pub fn multiplier(&self, name: &str) -> Result<Vec<f64>, ProblemError> {
-        self.inner.multiplier(name)
+    /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) for one of another problem, and for one that was said after the system
+    /// was made.
+    pub fn multiplier(&self, of: impl Into<InterfaceId>) -> Result<Vec<f64>, ProblemError> {
+        self.inner.multiplier(of.into())
     }
 
-    /// Pressure, gap and resultants of a contact.
+    /// Jump and resultant of a tie.
     ///
     /// # Errors
-    /// [`ProblemError`] if there is none of this name.
-    pub fn contact(&self, name: &str) -> Result<ContactResult<N>, ProblemError> {
-        self.inner.contact(name)
+    /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) as for [`multiplier`](Self::multiplier).
+    pub fn tie(&self, tie: TieId) -> Result<TieResult, ProblemError> {
+        self.inner.tie(tie)
+    }
+
+    /// Pressure, gap and resultant of a contact.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) as for [`multiplier`](Self::multiplier).
+    pub fn contact(&self, contact: ContactId) -> Result<ContactResult<N>, ProblemError> {
+        self.inner.contact(contact)
     }
 
     /// Force of the supports of a region on its body, per component; zero for a region without any.

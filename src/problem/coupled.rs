@@ -128,7 +128,7 @@ impl<const S: usize, const N: usize, K> Coupled<S, N, K> {
         Self { problem, number, name, multiplier, rule, extra_points: 0, exact: Vec::new(), own }
     }
 
-    /// Names it in results and messages; by default its sides are its name.
+    /// Names it in messages and in the texts of results; by default its sides are its name.
     pub fn named(&mut self, name: &str) -> &mut Self {
         self.name = name.into();
         self

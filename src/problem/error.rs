@@ -31,12 +31,10 @@ pub struct ProblemErrors(pub Vec<ProblemError>);
 pub enum ErrorKind {
     /// A problem without bodies.
     Empty,
-    /// A body, a region or a solution of another problem.
+    /// A body, a region, a tie or a contact of another problem, or one that was made after the system.
     OtherProblem,
     /// Two bodies, two ties or two contacts of one name.
     NameTaken,
-    /// No tie or contact has this name.
-    NoInterface,
     /// A material that problems do not take.
     Material(PhysicsError),
     /// Constants of a material beyond their limits.
@@ -178,9 +176,10 @@ impl Display for ProblemError {
         let (one, other) = (name(0), name(1));
         match &self.kind {
             ErrorKind::Empty => write!(f, "the problem has no body"),
-            ErrorKind::OtherProblem => write!(f, "this body or region belongs to another problem"),
+            ErrorKind::OtherProblem => {
+                write!(f, "this body, region, tie or contact belongs to another problem, or was made after the system")
+            }
             ErrorKind::NameTaken => write!(f, "the name \"{one}\" is taken"),
-            ErrorKind::NoInterface => write!(f, "there is no contact and no tie \"{one}\""),
             ErrorKind::Material(error) => write!(f, "body \"{one}\": {error}"),
             ErrorKind::OutOfLimits { error, x, t } => write!(f, "body \"{one}\", material at {x:?}, t = {t}: {error}"),
             ErrorKind::Mixed { found, expected } => {

@@ -37,6 +37,27 @@ pub struct ContactId {
     pub(super) number: usize,
 }
 
+/// A tie or a contact of a problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum InterfaceId {
+    /// A tie.
+    Tie(TieId),
+    /// A contact.
+    Contact(ContactId),
+}
+
+impl From<TieId> for InterfaceId {
+    fn from(tie: TieId) -> Self {
+        Self::Tie(tie)
+    }
+}
+
+impl From<ContactId> for InterfaceId {
+    fn from(contact: ContactId) -> Self {
+        Self::Contact(contact)
+    }
+}
+
 /// A statement of a problem: a body, a region, a tie, a contact, a support, a load, or what holds bodies together. Errors and results refer to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Statement {
@@ -76,6 +97,15 @@ impl From<TieId> for Statement {
 impl From<ContactId> for Statement {
     fn from(contact: ContactId) -> Self {
         Self { problem: contact.problem, kind: Kind::Contact, number: contact.number }
+    }
+}
+
+impl From<InterfaceId> for Statement {
+    fn from(of: InterfaceId) -> Self {
+        match of {
+            InterfaceId::Tie(tie) => tie.into(),
+            InterfaceId::Contact(contact) => contact.into(),
+        }
     }
 }
 

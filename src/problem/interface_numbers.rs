@@ -1,6 +1,5 @@
 //! Numbers of ties and contacts by which their accuracy is judged.
 
-use super::integrate::on_trace;
 use super::model::{ContactModel, ContactPart, Model, TieModel, TiePart};
 use super::state::StepState;
 use crate::contact::Contact;
@@ -13,26 +12,6 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
             part.finer.as_ref().map(|f| f.estimate(&part.rows, part.reaction.as_ref(), None, &state.u, lambda))
         };
         self.parts.iter().filter_map(of).fold(0.0, f64::max)
-    }
-
-    /// The L2 norm of u_slave - u_master over its segments.
-    pub fn jump(&self, model: &Model<S, N>, u: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for part in &self.parts {
-            for pairing in &part.pairings {
-                let (s, [slave, master]) = (&pairing.segments, [&part.slave, &pairing.master]);
-                let [of_slave, of_master] = [slave, master].map(|side| model.patches[side.patch].field);
-                for piece in 0..s.num_pieces() {
-                    let points = s.points(piece);
-                    let own = on_trace(&slave.trace, of_slave, u, s.slave[piece], &s.slave_xi[points.clone()]);
-                    let other = on_trace(&master.trace, of_master, u, s.master[piece], &s.master_xi[points.clone()]);
-                    for (k, q) in points.enumerate() {
-                        sum += s.ds[q] * (0..3).map(|c| (own[k][c] - other[k][c]).powi(2)).sum::<f64>();
-                    }
-                }
-            }
-        }
-        sum.sqrt()
     }
 }
 

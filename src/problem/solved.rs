@@ -2,14 +2,14 @@
 //!
 //! Behind trait objects: everything is compiled with this crate, for the plane and for space, and no program compiles it again.
 
-use super::assembled::ContactResult;
 use super::closed_points::left_free;
 use super::data::Exact;
 use super::error::{ErrorKind, ProblemError};
-use super::handles::{BodyId, Region};
+use super::handles::{BodyId, ContactId, InterfaceId, Region, TieId};
 use super::identity::Identity;
+use super::interface_results::{ContactResult, TieResult};
 use super::matrices::Stiffness;
-use super::model::{Model, PatchModel};
+use super::model::{ContactModel, ContactPart, Model, PatchModel, TieModel};
 use super::observer::Observer;
 use super::physics::{Physics, PointState};
 use super::places::Places;
@@ -22,7 +22,6 @@ use super::step::step;
 use super::warnings::Warning;
 use crate::assembly::Errors;
 use crate::constraint::{ConstraintSolver, Direct};
-use crate::contact::Transmitted;
 use crate::linalg::Vector;
 use rayon::prelude::*;
 use std::fmt::Debug;
@@ -47,8 +46,9 @@ pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
     fn at_many(&self, body: BodyId, x: &[[f64; N]]) -> Vec<Result<PointState<N>, ProblemError>>;
     fn in_element(&self, body: BodyId, element: usize, xi: &[[f64; N]]) -> Result<Vec<PointState<N>>, ProblemError>;
     fn coefficients(&self, body: BodyId) -> Result<&[f64], ProblemError>;
-    fn multiplier(&self, name: &str) -> Result<Vec<f64>, ProblemError>;
-    fn contact(&self, name: &str) -> Result<ContactResult<N>, ProblemError>;
+    fn multiplier(&self, of: InterfaceId) -> Result<Vec<f64>, ProblemError>;
+    fn tie(&self, tie: TieId) -> Result<TieResult, ProblemError>;
+    fn contact(&self, contact: ContactId) -> Result<ContactResult<N>, ProblemError>;
     fn reaction(&self, on: Region<'_>) -> Result<Vec<f64>, ProblemError>;
     fn errors(&self, exact: &dyn Exact) -> Vec<Errors>;
     fn warnings(&self) -> Vec<Warning>;
@@ -158,38 +158,23 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
         Ok(&self.state.u[self.patch(body)?.range()])
     }
 
-    fn multiplier(&self, name: &str) -> Result<Vec<f64>, ProblemError> {
-        let tie = self.model.ties.iter().find(|t| t.name == name);
-        let ranges = tie.map(|t| t.parts.iter().map(|p| p.first_row..p.first_row + p.num_rows).collect::<Vec<_>>());
-        let contact = || Some(self.model.contacts.iter().find(|c| c.name == name)?.parts.iter().map(|p| p.rows()).collect());
-        let ranges = ranges.or_else(contact).ok_or_else(|| ProblemError::named(ErrorKind::NoInterface, &[name]))?;
-        Ok(ranges.into_iter().flat_map(|rows| self.state.lambda[rows].to_vec()).collect())
+    fn multiplier(&self, of: InterfaceId) -> Result<Vec<f64>, ProblemError> {
+        let rows: Vec<_> = match of {
+            InterfaceId::Tie(tie) => self.of_tie(tie)?.parts.iter().map(|p| p.first_row..p.first_row + p.num_rows).collect(),
+            InterfaceId::Contact(contact) => self.of_contact(contact)?.parts.iter().map(ContactPart::rows).collect(),
+        };
+        Ok(rows.into_iter().flat_map(|rows| &self.state.lambda[rows]).copied().collect())
     }
 
-    fn contact(&self, name: &str) -> Result<ContactResult<N>, ProblemError> {
-        let k = self.model.contacts.iter().position(|c| c.name == name);
-        let k = k.ok_or_else(|| ProblemError::named(ErrorKind::NoInterface, &[name]))?;
-        let mut sum = ContactResult {
-            force: Vector::zeros(),
-            moment: [0.0; 3],
-            area: 0.0,
-            largest_pressure: f64::NEG_INFINITY,
-            least_gap: self.model.contacts[k].least_gap(&self.model, &self.state.contacts[k], &self.state.u),
-            active: 0,
-        };
-        for (part, rows) in self.model.contacts[k].parts.iter().zip(&self.state.contacts[k]) {
-            let sent: Transmitted<N> = part.transmitted(rows, &self.state.lambda[part.rows()]);
-            sum.force += sent.force;
-            (0..3).for_each(|k| sum.moment[k] += sent.moment[k]);
-            sum.area += sent.area;
-            sum.largest_pressure = sum.largest_pressure.max(sent.largest_pressure);
-            sum.active += part.rows().filter(|&j| self.state.active[j]).count();
-        }
-        Ok(sum)
+    fn tie(&self, tie: TieId) -> Result<TieResult, ProblemError> {
+        Ok(self.of_tie(tie)?.result(&self.model, &self.state))
+    }
+
+    fn contact(&self, contact: ContactId) -> Result<ContactResult<N>, ProblemError> {
+        Ok(self.of_contact(contact)?.result(&self.model, &self.state.contacts[contact.number], &self.state))
     }
 
     fn reaction(&self, on: Region<'_>) -> Result<Vec<f64>, ProblemError> {
-        let other = || ProblemError::named(ErrorKind::OtherProblem, &[]);
         let number = match on {
             Region::Side(side) => {
                 let patch = self.patch(side.body)?;
@@ -198,7 +183,7 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
                 self.regions.known(side.body.number, side.name)
             }
             Region::Made(region) if self.identity.knows(region) && region.number < self.regions.len() => Some(region.number),
-            Region::Made(_) => return Err(other()),
+            Region::Made(_) => return Err(other_problem()),
         };
         let mut sum = vec![0.0; self.model.components];
         let Some(number) = number else { return Ok(sum) };
@@ -225,8 +210,15 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
 impl<const S: usize, const N: usize> Solved<S, N> {
     fn patch(&self, body: BodyId) -> Result<&PatchModel<S, N>, ProblemError> {
         // a body may have been added after the system was made
-        let known = self.model.patches.get(body.number).filter(|_| self.identity.knows(body));
-        known.ok_or_else(|| ProblemError::named(ErrorKind::OtherProblem, &[]))
+        self.model.patches.get(body.number).filter(|_| self.identity.knows(body)).ok_or_else(other_problem)
+    }
+
+    fn of_tie(&self, tie: TieId) -> Result<&TieModel<S, N>, ProblemError> {
+        self.model.ties.get(tie.number).filter(|_| self.identity.knows(tie)).ok_or_else(other_problem)
+    }
+
+    fn of_contact(&self, contact: ContactId) -> Result<&ContactModel<S, N>, ProblemError> {
+        self.model.contacts.get(contact.number).filter(|_| self.identity.knows(contact)).ok_or_else(other_problem)
     }
 
     /// The state at a point of a body with its material at the time of the state.
@@ -239,4 +231,9 @@ impl<const S: usize, const N: usize> Solved<S, N> {
         let states = physics.at(&**patch.body.space(), &patch.field, &self.state.u, found.element, &[found.xi]);
         states.first().copied().ok_or_else(outside)
     }
+}
+
+/// The error of a handle that the solved problem does not have.
+fn other_problem() -> ProblemError {
+    ProblemError::named(ErrorKind::OtherProblem, &[])
 }

@@ -1,10 +1,11 @@
 //! Answers of solutions: fields at points, results of ties and contacts, and errors with the best state.
 
 use faying::contact::HalfPlane;
+use faying::coupling::{Coupling, Mortar, Nitsche, Penalty};
 use faying::geometry::shapes::rectangle;
 use faying::linalg::Vector;
 use faying::physics::Hooke;
-use faying::problem::{BodyId, Components, Data, ErrorKind, Problem, Solution, System};
+use faying::problem::{BodyId, Components, Data, ErrorKind, InterfaceId, Problem, Solution, System, TieId};
 use faying::space::{Patch, PatchSpec, locate};
 use std::error::Error;
 
@@ -134,4 +135,60 @@ fn a_clone_knows_the_handles_of_its_original_and_no_later_ones() {
     let [one, two] = [p, copy].map(|p| p.assemble().unwrap().solve(1.0, None).unwrap());
     assert!(two.at(of_copy, &[9.5, 0.5]).is_ok() && two.at(of_original, &[9.5, 0.5]).is_err());
     assert!(one.at(beam, &[4.0, 1.0]).unwrap().u[1] > two.at(beam, &[4.0, 1.0]).unwrap().u[1]);
+}
+
+/// Two squares, the upper one pulled upwards by 2 and to the right by 0.6.
+fn pulled(coupling: impl Coupling<1, 2> + 'static) -> (Problem<1, 2>, TieId, BodyId) {
+    let block = |p: &mut Problem<1, 2>, name: &str, low: f64, n: usize| {
+        let spec = PatchSpec::new(rectangle([0.0, low], [2.0, low + 1.0]).unwrap()).with_elements([n, 2]);
+        p.body(name, Patch::try_new(&spec).unwrap(), steel()).unwrap()
+    };
+    let mut p = Problem::<1, 2>::new();
+    let (lower, upper) = (block(&mut p, "lower", 0.0, 3), block(&mut p, "upper", 1.0, 4));
+    p.fix(lower.side("v0"), Components::All).unwrap();
+    p.traction(upper.side("v1"), 1, 1.0).unwrap();
+    p.traction(upper.side("u1"), 0, 0.6).unwrap();
+    let tie = p.tie(upper.side("v0"), lower.side("v1")).unwrap().coupling(coupling).id();
+    (p, tie, lower)
+}
+
+#[test]
+fn a_tie_answers_with_force_and_jump_by_every_coupling() {
+    let check = |(p, tie, lower): (Problem<1, 2>, TieId, BodyId), rows: bool, soft: bool| {
+        let solution = p.assemble().unwrap().solve(1.0, None).unwrap();
+        let (result, support) = (solution.tie(tie).unwrap(), solution.reaction(lower.side("v0")).unwrap());
+        // the supports hold what the tie holds; about the origin the load turns by 2 x 1 - 0.6 x 1.5
+        for (c, load) in [0.6, 2.0].into_iter().enumerate() {
+            assert!((support[c] + load).abs() < 1e-10 && (result.force[c] + load).abs() < 1e-10, "{result:?}, {support:?}");
+        }
+        assert!((result.moment[2] + 2.0 - 0.9).abs() < 1e-10 && result.moment[..2] == [0.0; 2], "{result:?}");
+        assert!((result.area - 2.0).abs() < 1e-12 && result.distance < 1e-12, "{result:?}");
+        assert!(result.multiplier > 2.0_f64.sqrt() && result.jump <= result.largest_jump * 2.0_f64.sqrt(), "{result:?}");
+        assert!(result.largest_jump > 0.0 && (result.largest_jump < 0.5) && (!soft || result.largest_jump > 1e-3), "{result:?}");
+        assert_eq!(!solution.multiplier(tie).unwrap().is_empty(), rows);
+    };
+    check(pulled(Mortar), true, false);
+    check(pulled(Penalty { factor: 10.0 }), true, true);
+    check(pulled(Nitsche::default()), false, false);
+}
+
+#[test]
+fn ties_and_contacts_of_other_problems_are_refused() {
+    let (mut p, tie, lower) = pulled(Mortar);
+    let solution = p.assemble().unwrap().solve(1.0, None).unwrap();
+    let (mut other, _) = half_pressed();
+    let floor = other.contact(lower.side("u0"), HalfPlane::try_new(Vector::from([0.0, 0.0]), Vector::from([0.0, 1.0])).unwrap());
+    assert_eq!(floor.unwrap_err().kind, ErrorKind::OtherProblem);
+    let pressed = other.assemble().unwrap().solve(1.0, None).unwrap();
+    let contact = pressed.model().contacts[0].id;
+    assert!(pressed.contact(contact).unwrap().force[1] > 0.0 && !pressed.multiplier(contact).unwrap().is_empty());
+    assert_eq!(pressed.tie(tie).unwrap_err().kind, ErrorKind::OtherProblem);
+    assert_eq!(pressed.multiplier(tie).unwrap_err().kind, ErrorKind::OtherProblem);
+    assert_eq!(solution.contact(contact).unwrap_err().kind, ErrorKind::OtherProblem);
+    // one that was said after the system
+    let plane = HalfPlane::try_new(Vector::from([0.0, 0.0]), Vector::from([1.0, 0.0])).unwrap();
+    let later = p.contact(lower.side("u0"), plane).unwrap().id();
+    assert_eq!(solution.contact(later).unwrap_err().kind, ErrorKind::OtherProblem);
+    let InterfaceId::Contact(same) = later.into() else { panic!("a contact") };
+    assert_eq!(same, later);
 }

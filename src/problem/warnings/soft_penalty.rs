@@ -23,7 +23,7 @@ pub(super) fn soft_penalties<const S: usize, const N: usize>(model: &Model<S, N>
     for (k, tie) in model.ties.iter().enumerate().filter(|(_, tie)| soft(tie)) {
         let size = size(&mut tie.parts.iter().flat_map(|p| p.pairings.iter().map(|m| m.master.patch).chain([p.slave.patch])));
         let measure: f64 = tie.parts.iter().flat_map(|p| &p.pairings).map(|p| p.segments.measure()).sum();
-        let jump = tie.jump(model, &state.u) / measure.sqrt();
+        let jump = tie.jumps(model, &state.u).0 / measure.sqrt();
         if jump > DEEP * size {
             found.push(Warning::SoftPenalty { of: Subject::tie(model, k), apart: jump, size });
         }

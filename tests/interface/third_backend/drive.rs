@@ -113,9 +113,9 @@ pub fn contact_patch(parts: &[Part; 2], slave: usize, condensed: bool) -> Outcom
         (0, 2) => vec![1],
         _ => vec![],
     });
-    problem.contact(sides[slave], sides[1 - slave]).expect("sides").named("pad").multiplier(MultiplierKind::Constant);
+    let pad = problem.contact(sides[slave], sides[1 - slave]).expect("sides").multiplier(MultiplierKind::Constant).id();
     let solution = solved(&problem, condensed);
-    let worst = solution.multiplier("pad").expect("a contact").iter().map(|l| (l + p).abs()).fold(0.0, f64::max);
+    let worst = solution.multiplier(pad).expect("a contact").iter().map(|l| (l + p).abs()).fold(0.0, f64::max);
     let iterations = solution.state().active_set.as_ref().map_or(0, |a| a.iterations);
     Outcome { displacement: displacement(&solution, exact), multiplier: worst, iterations }
 }

@@ -13,7 +13,7 @@ use faying::contact::{Contact, NoHalfWidth, Transmitted};
 use faying::coupling::Rows;
 use faying::geometry::Geometry;
 use faying::linalg::{Csr, Operator};
-use faying::problem::{Against, LoadSum, Model, Resultant, SideModel, StepState, TieField, TieModel, reactions};
+use faying::problem::{Against, LoadSum, Model, Resultant, SideModel, StepState, TieModel, reactions};
 use faying::quadrature::{PerElement, Quadrature};
 use faying::space::{diameter, measure, quality};
 use std::collections::BTreeMap;
@@ -276,19 +276,10 @@ fn tied<const S: usize, const N: usize>(tie: &TieModel<S, N>) -> InterfaceReport
 }
 
 fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, tie: &TieModel<S, N>) -> InterfaceReport {
-    let mut report = tied(tie);
+    let (mut report, result) = (tied(tie), tie.result(model, state));
     let mut pull = Pull::default();
     for part in &tie.parts {
-        let lambda = TieField::of(model, part, state.t);
-        for (k, pairing) in part.pairings.iter().enumerate() {
-            let s = &pairing.segments;
-            for values in lambda.on_segments(model, part, state, k) {
-                report.lambda.norm += s.ds.iter().zip(&values).map(|(ds, v)| ds * v.powi(2)).sum::<f64>();
-            }
-            report.segments.count += s.num_pieces();
-            report.segments.measure += s.measure();
-            report.distance = report.distance.max(s.report.distance);
-        }
+        report.segments.count += part.pairings.iter().map(|p| p.segments.num_pieces()).sum::<usize>();
         let lambda = &state.lambda[part.first_row..part.first_row + part.num_rows];
         pull.add(model, part.reaction.as_ref().unwrap_or(&part.rows), lambda);
         // forces of the added stiffness satisfy action and reaction, too
@@ -299,9 +290,10 @@ fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepSt
         }
         forces.iter().for_each(|(&i, &force)| pull.push(model, i, force));
     }
-    report.lambda = Norm { norm: report.lambda.norm.sqrt() };
-    report.jump = L2 { l2: tie.jump(model, &state.u) };
-    report.consistency = tie.consistency(state);
+    report.segments.measure = result.area;
+    report.lambda = Norm { norm: result.multiplier };
+    report.jump = L2 { l2: result.jump };
+    report.consistency = result.consistency;
     report.balance = pull.defect();
     report
 }

@@ -65,7 +65,8 @@ fn same<const S: usize, const N: usize>(
 }
 
 fn same_contact<const S: usize, const N: usize>(result: &RunResult, solution: &Solution<S, N>, name: &str) {
-    let (own, report) = (solution.contact(name).unwrap(), result.contact.get(name).unwrap());
+    let contact = solution.model().contacts.iter().find(|c| c.name == name).unwrap().id;
+    let (own, report) = (solution.contact(contact).unwrap(), result.contact.get(name).unwrap());
     assert_eq!(own.force.as_slice(), &report.force[..]);
     assert_eq!(own.area, report.area);
     assert_eq!(own.active, report.active);
@@ -530,8 +531,8 @@ fn a_multiplier_from_outside_has_no_functions_on_slivers() {
         p.fix(lower.side("u0"), Components::X).unwrap();
         p.fix(upper.side("u0"), Components::X).unwrap();
         p.prescribe(upper.side("v1"), 1, -1e-3).unwrap();
-        p.contact(upper.side("v0"), lower.side("v1")).unwrap().named("pad").multiplier(multiplier);
-        p.assemble().unwrap().solve(1.0, None).unwrap().contact("pad").unwrap().largest_pressure
+        let pad = p.contact(upper.side("v0"), lower.side("v1")).unwrap().multiplier(multiplier).id();
+        p.assemble().unwrap().solve(1.0, None).unwrap().contact(pad).unwrap().largest_pressure
     };
     let case = |word: &str| {
         let registry = own_names();
