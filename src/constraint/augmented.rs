@@ -12,7 +12,7 @@
 
 use super::scale::{Scaled, gaps, penalty};
 use super::verified::complete;
-use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Free, SolveError};
+use super::{Abilities, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Free, SolveError};
 use crate::linalg::residual::{RESIDUAL_LIMIT, max, ratio};
 use crate::linalg::{Cg, Ldlt, Limits, LinearError};
 
@@ -67,6 +67,10 @@ impl Augmented<Free<Cg>> {
 }
 
 impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Augmented<C> {
+    fn abilities(&self) -> Abilities {
+        Abilities { contact: false, ..self.inner.abilities() }
+    }
+
     fn tolerance(&self) -> f64 {
         // a fixed number of iterations promises nothing
         if self.iterations > 0 { f64::INFINITY } else { self.limits.tolerance }

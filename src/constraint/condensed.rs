@@ -8,7 +8,7 @@
 
 use super::penalised::{inverse_diagonal, refuse_motions};
 use super::scale::{Scaled, gaps};
-use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
+use super::{Abilities, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 use crate::linalg::residual::RESIDUAL_LIMIT;
 use crate::linalg::{Csr, Ldlt, Limits, LinearError, LinearSolver, Lu, Operator, Upper, conjugate_gradients, gauss_seidel, product};
 use std::cmp::Reverse;
@@ -52,6 +52,10 @@ impl Condensed {
 }
 
 impl ConstraintSolver<f64> for Condensed {
+    fn abilities(&self) -> Abilities {
+        Abilities::default()
+    }
+
     fn tolerance(&self) -> f64 {
         self.iterative.as_ref().map_or(RESIDUAL_LIMIT, |limits| limits.tolerance)
     }

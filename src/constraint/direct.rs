@@ -14,7 +14,7 @@ use super::quasidefinite::Layout;
 use super::refinement::Refinement;
 use super::rows_alone::RowsAlone;
 use super::scale::{Kept, Scaled, check_shape, gaps};
-use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError, kinds_of_set};
+use super::{Abilities, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError, kinds_of_set};
 use crate::linalg::residual::{InverseIteration, KERNEL, RESIDUAL_LIMIT, Soft, max, ratio};
 use crate::linalg::{Csr, Ldlt, LinearError, LinearSolver, Lu, Upper};
 
@@ -195,6 +195,10 @@ impl Direct {
 }
 
 impl ConstraintSolver<f64> for Direct {
+    fn abilities(&self) -> Abilities {
+        Abilities { contact: false, unsymmetric: true, more_rows_than_unknowns: true }
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         self.solve_alone(system, &Scaled::of(system)?)
     }

@@ -4,7 +4,7 @@
 
 use super::penalised::{inverse_diagonal, penalised, refuse_motions};
 use super::scale::{Scaled, gaps};
-use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
+use super::{Abilities, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 use crate::linalg::residual::RESIDUAL_LIMIT;
 use crate::linalg::{Cg, Csr, Ldlt, Limits, LinearError, LinearSolver};
 
@@ -53,6 +53,10 @@ impl Free<Cg> {
 }
 
 impl<L: LinearSolver<f64>> ConstraintSolver<f64> for Free<L> {
+    fn abilities(&self) -> Abilities {
+        Abilities { more_rows_than_unknowns: true, ..Abilities::default() }
+    }
+
     fn tolerance(&self) -> f64 {
         self.tolerance
     }

@@ -13,7 +13,7 @@
 use super::direct::Direct;
 use super::penalised::{inverse_diagonal, penalised, refuse_motions};
 use super::scale::{Scaled, gaps};
-use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
+use super::{Abilities, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 use crate::linalg::{Limits, LinearError, Operator, conjugate_gradients, gauss_seidel, gmres, minres, sum};
 
 /// Residual tolerance of the iteration of one correction; the next correction continues from there.
@@ -161,6 +161,10 @@ impl Krylov {
 }
 
 impl ConstraintSolver<f64> for Krylov {
+    fn abilities(&self) -> Abilities {
+        Abilities { contact: false, unsymmetric: true, more_rows_than_unknowns: true }
+    }
+
     fn tolerance(&self) -> f64 {
         self.limits.tolerance
     }

@@ -2,6 +2,7 @@
 //!
 //!   K u + Bᵀ lambda = f,   rows C u + g: zero, compliant, or a non-negative gap
 
+mod abilities;
 mod active_set;
 mod augmented;
 mod complement;
@@ -24,6 +25,7 @@ use crate::linalg::residual::RESIDUAL_LIMIT;
 use crate::linalg::{LinearError, Operator, Real};
 use std::fmt::Debug;
 
+pub use abilities::Abilities;
 pub use active_set::{ActiveSet, IterationNews, sign_case_of_rows};
 pub use augmented::{Augmented, Uzawa};
 pub use condensed::Condensed;
@@ -334,6 +336,9 @@ pub trait ConstraintSolver<T: Real = f64>: Debug + Send {
     /// [`SolveError`] if no accurate solution was found.
     fn solve(&mut self, system: &ConstrainedSystem<'_, T>) -> Result<ConstrainedSolution<T>, SolveError>;
 
+    /// What it solves and what it refuses; the answer is the same before and after every system.
+    fn abilities(&self) -> Abilities;
+
     /// Largest relative residual of its answers: [`verified`] refuses larger ones. Iterative methods return their tolerance.
     fn tolerance(&self) -> f64 {
         RESIDUAL_LIMIT
@@ -388,6 +393,10 @@ pub(crate) fn kinds_of_set(kind: &[RowKind], closed: &[bool]) -> Vec<RowKind> {
 impl<T: Real, X: ConstraintSolver<T> + ?Sized> ConstraintSolver<T> for Box<X> {
     fn solve(&mut self, system: &ConstrainedSystem<'_, T>) -> Result<ConstrainedSolution<T>, SolveError> {
         (**self).solve(system)
+    }
+
+    fn abilities(&self) -> Abilities {
+        (**self).abilities()
     }
 
     fn tolerance(&self) -> f64 {

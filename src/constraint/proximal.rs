@@ -11,7 +11,7 @@
 
 use super::scale::{RowScales, check_shape, combined, gaps, row_scales};
 use super::verified::complete;
-use super::{ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
+use super::{Abilities, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 
 /// Default limit of the updates of the multipliers.
 const MAX_UPDATES: usize = 200;
@@ -47,6 +47,10 @@ impl<C> Proximal<C> {
 }
 
 impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for Proximal<C> {
+    fn abilities(&self) -> Abilities {
+        self.inner.abilities()
+    }
+
     fn tolerance(&self) -> f64 {
         self.inner.tolerance().max(self.tolerance)
     }

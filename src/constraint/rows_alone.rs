@@ -6,7 +6,7 @@
 //! Rows may be groups: sums of neighbouring rows of the system, which share one multiplier. A set costs a dense factor of the rows. Its
 //! answers are not refined: they choose sets, whose systems are solved and checked as a whole.
 
-use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError};
+use super::{Abilities, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError};
 use crate::linalg::{Buffer, DenseLdlt, LinearError};
 use std::sync::Arc;
 
@@ -67,6 +67,10 @@ impl RowsAlone {
 }
 
 impl ConstraintSolver<f64> for RowsAlone {
+    fn abilities(&self) -> Abilities {
+        Abilities { more_rows_than_unknowns: true, ..Abilities::default() }
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let active: Vec<bool> = system.kind.iter().map(|kind| *kind == RowKind::Equal).collect();
         let (multipliers, gap) = self.of_set(&active)?;

@@ -22,7 +22,7 @@
 use super::complement::{Complement, border};
 use super::penalised::penalised;
 use super::scale::{Kept, Scaled, gaps};
-use super::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError, kinds_of_set};
+use super::{Abilities, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError, kinds_of_set};
 use crate::linalg::{
     Csr, DenseLdlt, Ldlt, Limits, LinearError, LinearSolver, Operator, Sparsity, Upper, conjugate_gradients, product, sum,
 };
@@ -263,6 +263,10 @@ impl Parts {
 }
 
 impl ConstraintSolver<f64> for Schur {
+    fn abilities(&self) -> Abilities {
+        Abilities { more_rows_than_unknowns: true, ..Abilities::default() }
+    }
+
     fn tolerance(&self) -> f64 {
         self.limits.tolerance
     }

@@ -4,7 +4,8 @@ use super::model::{Formulation, Model};
 use super::observer::{Observer, Progress};
 use crate::assembly::Blocks;
 use crate::constraint::{
-    ActiveSet, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, IterationNews, Proximal, SolveError, penalty,
+    Abilities, ActiveSet, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, IterationNews, Proximal, SolveError,
+    penalty,
 };
 use crate::contact::Contact;
 use crate::coupling::Rows;
@@ -148,6 +149,10 @@ fn unsettled(error: SolveError) -> Result<Option<Box<ConstrainedSolution>>, Solv
 }
 
 impl ConstraintSolver<f64> for Watched<'_> {
+    fn abilities(&self) -> Abilities {
+        self.set.abilities()
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
         let (eased, most) = (std::mem::take(&mut self.eased), self.set.max_iterations);
         let mut before = ActiveSetReport::default();

@@ -65,7 +65,7 @@ pub(super) fn once<const S: usize, const N: usize>(
     let missing = if has_contact { unheld_load(model, &system, &load, &totals) } else { None };
     let solved = if reduced.num_free() == 0 && model.rows == 0 {
         Ok(ConstrainedSolution { method: "nothing to solve".into(), ..ConstrainedSolution::default() })
-    } else if has_contact && !(solver.decides && softness.is_exact()) {
+    } else if has_contact && !(solver.abilities().contact && softness.is_exact()) {
         let active_set = &mut solver.set;
         active_set.start.clone_from(&system.start);
         active_set.near = before.is_some();

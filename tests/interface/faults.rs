@@ -4,7 +4,7 @@ use super::common::coupled::Kind;
 use faying::assembly::gauss_rules;
 use faying::basis::{Basis, Cell, Elements, Order, ShapeTable};
 use faying::check::{self, SegmentLimits};
-use faying::constraint::{ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, SolveError};
+use faying::constraint::{Abilities, ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, SolveError};
 use faying::coupling::interface::{MergedCurve, Partners, Tolerance};
 use faying::coupling::multiplier::{MultiplierKind, build};
 use faying::coupling::{Coupling, CouplingBlocks, CouplingError, Interface, InterfaceQuadrature, Mortar, Segments, Side};
@@ -279,6 +279,10 @@ struct Spoiled<C> {
 }
 
 impl<C: ConstraintSolver> ConstraintSolver for Spoiled<C> {
+    fn abilities(&self) -> Abilities {
+        self.inner.abilities()
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
         let mut solution = self.inner.solve(system)?;
         (self.spoil)(&mut solution);
@@ -345,6 +349,10 @@ fn wrong_answers_of_solvers_are_refused() {
 struct Careless(bool);
 
 impl ConstraintSolver for Careless {
+    fn abilities(&self) -> Abilities {
+        Abilities { contact: true, ..Direct::new().abilities() }
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
         Direct::new().solve_set(system, &vec![self.0; system.kind.len()], false)
     }

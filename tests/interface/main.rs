@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod answers;
+mod abilities;
 mod common;
 mod contact;
 mod dual;

@@ -1,6 +1,8 @@
 //! The obstacle problem of deal.II's tutorial step-41: the active set alone, with sizes that others published.
 
-use faying::constraint::{ActiveSet, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, RowKind, SolveError};
+use faying::constraint::{
+    Abilities, ActiveSet, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, RowKind, SolveError,
+};
 use faying::coupling::Rows;
 use faying::linalg::{Csr, Triplets};
 
@@ -85,6 +87,10 @@ impl Obstacle {
 struct Whole(Direct);
 
 impl ConstraintSolver for Whole {
+    fn abilities(&self) -> Abilities {
+        self.0.abilities()
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
         self.0.solve(system)
     }

@@ -5,8 +5,8 @@ use blocks::{Blocks, contact_blocks, difference, differences, largest};
 use faying::basis::{BSpline, Basis, LagrangeLine, Order, ShapeTable};
 use faying::check;
 use faying::constraint::{
-    ActiveSet, ActiveSetEvent, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Cycle, Direct, RowKind, SolveError,
-    penalty,
+    Abilities, ActiveSet, ActiveSetEvent, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Cycle, Direct, RowKind,
+    SolveError, penalty,
 };
 use faying::coupling::Rows;
 use faying::linalg::{Cg, Csr, Ldlt, LinearError, LinearSolver, Lu, Operator, Triplets, ordering, product};
@@ -43,6 +43,10 @@ fn constraint_solvers_keep_their_contract() {
 #[derive(Debug)]
 struct Wrong(Direct, fn(&mut ConstrainedSolution));
 impl ConstraintSolver for Wrong {
+    fn abilities(&self) -> Abilities {
+        self.0.abilities()
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
         let mut solution = self.0.solve(system)?;
         (self.1)(&mut solution);
@@ -346,6 +350,10 @@ fn contact_does_not_depend_on_units_or_on_the_first_state() {
 struct Doubtful(Direct, bool);
 
 impl ConstraintSolver for Doubtful {
+    fn abilities(&self) -> Abilities {
+        self.0.abilities()
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
         let first = std::mem::take(&mut self.1);
         let solution = self.0.solve(system)?;
@@ -466,6 +474,10 @@ fn least_violation(system: &ConstrainedSystem<'_>) -> usize {
 struct Silent(Direct);
 
 impl ConstraintSolver for Silent {
+    fn abilities(&self) -> Abilities {
+        self.0.abilities()
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
         self.0.solve(system)
     }
@@ -489,6 +501,10 @@ fn a_first_guess_that_fails_does_not_fail_the_solution() {
 struct Spy<'a>(&'a mut Vec<ConstrainedSolution>);
 
 impl ConstraintSolver for Spy<'_> {
+    fn abilities(&self) -> Abilities {
+        Direct::new().abilities()
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
         let solution = Direct::new().solve(system)?;
         self.0.push(solution.clone());

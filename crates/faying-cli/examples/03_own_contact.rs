@@ -13,7 +13,7 @@
 //! `cargo run --release --example 03_own_contact`
 
 use faying::constraint::scale::row_scales;
-use faying::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, RowKind, SolveError};
+use faying::constraint::{Abilities, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, RowKind, SolveError};
 use faying::linalg::LinearError;
 use std::error::Error;
 
@@ -137,6 +137,10 @@ impl Point {
 }
 
 impl ConstraintSolver for InteriorPoint {
+    fn abilities(&self) -> Abilities {
+        Abilities { contact: true, ..self.equalities.abilities() }
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
         if !system.kind.contains(&RowKind::Contact) {
             return self.equalities.solve(system);

@@ -26,7 +26,7 @@ mod springs;
 
 use super::scale::check_shape;
 use super::verified::complete;
-use super::{ActiveSetEvent, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
+use super::{Abilities, ActiveSetEvent, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 use crate::linalg::LinearError;
 use forces::{Measure, ZERO};
 use pivot::{Next, Pivot, Try};
@@ -102,6 +102,10 @@ pub struct IterationNews {
 }
 
 impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for ActiveSet<C> {
+    fn abilities(&self) -> Abilities {
+        Abilities { contact: true, ..self.inner.abilities() }
+    }
+
     fn tolerance(&self) -> f64 {
         self.inner.tolerance()
     }

@@ -273,7 +273,7 @@ where
     Trace<S, N>: InterfaceSide<S, N>,
 {
     let word = &case.solver.constraint;
-    let mut solver =
+    let solver =
         solver(registry, &case.solver, watch).map_err(|fault| Diagnostic::error(fault.code, fault.message).at(&case.source, word.at))?;
     if let Some(fault) = too_large(case, dimension.net, room, !avoids_factors(case)) {
         return Err(fault.into());
@@ -281,10 +281,10 @@ where
     let model = lower::build(case, dimension.names, dimension.net)?;
     let mixed = |part: &TiePart<S, N>| part.reaction.is_some();
     let (tie, contact) = leaning(&model);
-    if let Some(tie) = tie.filter(|_| solver.needs_symmetry()) {
+    if let Some(tie) = tie.filter(|_| !solver.abilities().unsymmetric) {
         return Err(faults::not_symmetric(case, &format!("interface \"{}\"", tie.name), tie.parts.iter().any(mixed)).into());
     }
-    if let Some(contact) = contact.filter(|_| solver.needs_symmetry()) {
+    if let Some(contact) = contact.filter(|_| !solver.abilities().unsymmetric) {
         return Err(match contact.parts.iter().any(|part| part.second.is_some()) {
             true => faults::not_symmetric(case, &format!("contact \"{}\"", contact.name), true),
             false => faults::contact_not_symmetric(case, &contact.name),
@@ -292,7 +292,7 @@ where
         .into());
     }
     let contact = model.contacts.iter().find(|c| c.parts.iter().any(|part| part.first.points.is_some()));
-    if let Some(contact) = contact.filter(|_| solver.needs_independent_rows()) {
+    if let Some(contact) = contact.filter(|_| !solver.abilities().more_rows_than_unknowns) {
         return Err(faults::rows_at_points(case, &contact.name).into());
     }
     Ok(model)

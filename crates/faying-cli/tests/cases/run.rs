@@ -737,6 +737,10 @@ fn names_of_a_registry_from_outside_run_from_a_case_file() {
 struct Fickle(faying::constraint::Direct);
 
 impl faying::constraint::ConstraintSolver for Fickle {
+    fn abilities(&self) -> faying::constraint::Abilities {
+        self.0.abilities()
+    }
+
     fn solve(
         &mut self,
         system: &faying::constraint::ConstrainedSystem<'_>,

@@ -2,7 +2,9 @@
 //!
 //! `FAYING_ONE_FACTOR=200` takes that many random graded cases (`.ci/long`), 12 otherwise.
 
-use faying::constraint::{ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, InterfaceWork, RowsAlone, SolveError};
+use faying::constraint::{
+    Abilities, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, InterfaceWork, RowsAlone, SolveError,
+};
 use faying_cli::Case;
 use faying_cli::case::ReadOptions;
 use faying_cli::run::run;
@@ -14,6 +16,10 @@ use std::sync::{Arc, Mutex};
 struct Apart(Direct);
 
 impl ConstraintSolver for Apart {
+    fn abilities(&self) -> Abilities {
+        self.0.abilities()
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
         self.0.solve(system)
     }
@@ -27,6 +33,10 @@ type Counts = Arc<Mutex<(InterfaceWork, usize, usize)>>;
 struct Counted(Direct, Counts);
 
 impl ConstraintSolver for Counted {
+    fn abilities(&self) -> Abilities {
+        self.0.abilities()
+    }
+
     fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
         self.0.solve(system)
     }
