@@ -1,12 +1,12 @@
 //! Linear combinations of the functions of another basis.
 
-use super::{Basis, BasisStructure, Cell, Elements, Order, ShapeTable, TensorPatch};
+use super::{Basis, BasisStructure, Cell, Elements, Order, Polynomials, ShapeTable, TensorPatch};
 use crate::linalg::{Real, Vector};
 
 /// N_k = sum_i c_ik B_i: end-lowered, dual and truncated bases, Bezier extraction.
 ///
-/// Active functions are listed with rising ids. There is no block and there are no polynomials: combinations may have
-/// any sign and any order. Plain sums, where every inner function is in one of them, keep the patches.
+/// Active functions are listed with rising ids. There is no block: combinations may have any sign and any order. Plain sums, where every
+/// inner function is in one of them, keep the patches, and on curves the polynomials that nothing joins where they are summed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extracted<B, T: Real = f64> {
     /// The underlying basis.
@@ -29,6 +29,14 @@ impl<B, T: Real> Extracted<B, T> {
         assert_eq!(rows.len(), inner.num_functions(), "one row per inner function");
         assert!(rows.iter().flatten().all(|&(k, _)| k < functions), "rows name functions below {functions}");
         Self { inner, functions, rows }
+    }
+
+    /// The function that inner function `i` is part of, if it is part of one, as a whole.
+    fn plain(&self, i: usize) -> Option<usize> {
+        match self.rows[i][..] {
+            [(k, c)] if c == T::one() => Some(k),
+            _ => None,
+        }
     }
 
     /// Appends the new functions to the inner ids in `ids`; returns the number of inner ones.
@@ -98,17 +106,19 @@ impl<const D: usize, B: Basis<D, T>, T: Real> Basis<D, T> for Extracted<B, T> {
     fn structure(&self) -> &dyn BasisStructure<D, T> {
         self
     }
+    fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
+        // sums are continuous where inner functions meet; of a lower degree, or without continuity, nothing joins them there
+        let apart = matches!(wanted, Polynomials::Lowered(1..) | Polynomials::Uniform { continuity: -1, .. });
+        let sums = D == 1 && (0..self.rows.len()).all(|i| self.plain(i).is_some());
+        if apart && sums { self.inner.polynomials(wanted) } else { None }
+    }
 }
 
 impl<const D: usize, B: Basis<D, T>, T: Real> BasisStructure<D, T> for Extracted<B, T> {
     fn patches(&self) -> Option<Vec<TensorPatch<'_, D, T>>> {
         let mut patches = self.inner.structure().patches()?;
         for patch in &mut patches {
-            let number = |&i: &usize| match self.rows[i][..] {
-                [(k, c)] if c == T::one() => Some(k),
-                _ => None,
-            };
-            patch.ids = patch.ids.iter().map(number).collect::<Option<_>>()?;
+            patch.ids = patch.ids.iter().map(|&i| self.plain(i)).collect::<Option<_>>()?;
         }
         Some(patches)
     }

@@ -3,6 +3,7 @@
 
 mod answers;
 mod abilities;
+mod auto_multiplier;
 mod common;
 mod contact;
 mod dual;

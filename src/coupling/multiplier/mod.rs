@@ -105,7 +105,7 @@ pub enum Ends {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MultiplierKind {
-    /// `p/p-2`, and `p/p` at degree 1.
+    /// `p/p-2` from degree 2 on, `p/p` at degree 1: the choice of [`MultiplierKind::resolved`], which depends on the space alone.
     #[default]
     Auto,
     /// `p/p-k`; k = 0 is `p/p` with lowered ends.
@@ -175,7 +175,11 @@ impl MultiplierKind {
         matches!(self, Self::Lowered(k) if k % 2 == 1)
     }
 
-    /// Resolves `auto` on this basis: `p/p-2` if available, else `p/p`; every other kind is returned unchanged.
+    /// Resolves `auto` on this basis; every other kind is returned unchanged. This is the one place of the choice.
+    ///
+    /// With p the least degree of the elements, `auto` is `p/p-2` for p >= 2 and `p/p` for p < 2. Number and order of the elements, the kind of
+    /// body and the other side do not matter: equal spaces of splines and of meshes have the same multiplier. A basis from outside that
+    /// offers no [polynomials](Basis::polynomials) has `p/p` on its own functions at any degree.
     pub fn resolved<T: Real>(&self, basis: &dyn Basis<1, T>) -> Self {
         if *self != Self::Auto {
             return *self;
@@ -183,18 +187,18 @@ impl MultiplierKind {
         if least_degree(basis) >= 2 && basis.polynomials(Polynomials::Lowered(2)).is_some() { Self::Lowered(2) } else { Self::Lowered(0) }
     }
 
-    /// Whether [`build`] removes a function and a degree at constrained ends for this kind on a trace of least degree `degree`.
-    pub fn lowers_ends(&self, degree: usize) -> bool {
-        match self {
-            Self::Auto => degree < 2,
-            Self::Lowered(k) => *k == 0,
-            Self::Constant => false,
+    /// Whether [`build`] removes a function and a degree at constrained ends for this kind on `basis`.
+    pub fn lowers_ends<T: Real>(&self, basis: &dyn Basis<1, T>) -> bool {
+        match self.resolved(basis) {
+            Self::Lowered(k) => k == 0,
             Self::Dual => true,
-            Self::Uniform { degree: own, ends, .. } => match ends {
+            Self::Uniform { degree, ends, .. } => match ends {
                 Ends::Full => false,
                 Ends::Lowered => true,
-                Ends::Auto => *own >= degree,
+                Ends::Auto => degree >= least_degree(basis),
             },
+            // `auto` is resolved
+            Self::Constant | Self::Auto => false,
         }
     }
 }
@@ -268,7 +272,7 @@ pub fn build<const N: usize, T: Real>(
     };
     let found =
         found.ok_or_else(|| MultiplierError::NotHere { wanted: kind.to_string(), degree, known: known_here(degree, offers).join(", ") })?;
-    if !kind.lowers_ends(degree) {
+    if !kind.lowers_ends(basis) {
         return Ok(found);
     }
     let always = matches!(kind, MultiplierKind::Uniform { ends: Ends::Lowered, .. });
