@@ -10,19 +10,12 @@
 //!
 //! Source: J. Barzilai, J. M. Borwein, IMA J. Numer. Anal. 8 (1988) 141-148.
 
+use super::line_zero::{Line, OnSurface};
 use super::obstacles::unit;
 use super::{Hit, Obstacle, opposes};
 use crate::linalg::{Real, Vector, lit};
 use std::fmt::{self, Debug};
 
-/// Steps that look for a change of sign; each doubles the last one or is a step of Newton's method.
-const BRACKETING: usize = 100;
-/// Steps of Newton's method, before those that only double.
-const NEWTON: usize = 8;
-/// Steps between the bounds of a zero; bisection alone needs 53 for double precision.
-const NARROWING: usize = 400;
-/// Share of the bounds' distance below which a step of Newton's method is short.
-const CLOSE: f64 = 1e-3;
 /// Lines along gradients, one after another, on which a zero is looked for.
 const LINES: usize = 40;
 /// Steps along the surface; they converge as fast as a secant method.
@@ -45,9 +38,6 @@ pub struct LevelSet<const N: usize, T: Real, F> {
     /// A fixed unit direction of the gap.
     along: Option<Vector<N, T>>,
 }
-
-/// A point of f = 0 and the unit normal there.
-type OnSurface<const N: usize, T> = (Vector<N, T>, Vector<N, T>);
 
 impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send + Sync> LevelSet<N, T, F> {
     /// The gap is the distance to f = 0.
@@ -114,89 +104,11 @@ impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send +
     /// the one where f has no slope.
     fn zero(&self, from: &Vector<N, T>, along: &Vector<N, T>, normal: &Vector<N, T>) -> Option<OnSurface<N, T>> {
         let (value, gradient) = self.at(from)?;
-        let mut direction = unit(gradient).unwrap_or(*normal);
+        let direction = unit(gradient).unwrap_or(*normal);
         if value == T::zero() {
             return Some((*from, direction));
         }
-        let towards = if value > T::zero() { -T::one() } else { T::one() };
-        let newton = |value: T, slope: T| {
-            let step = -value / slope;
-            (step.is_finite() && step * towards > T::zero()).then_some(step)
-        };
-        let length = from.amax();
-        let rounding = |s: T| T::default_epsilon() * lit(4.0) * (length + s.abs());
-        let slope = gradient.dot(along);
-        // f that grows on the way has its zero elsewhere
-        let away = |slope: T| slope * value * towards > T::zero();
-        if away(slope) {
-            return None;
-        }
-        let without_slope = towards * if length > T::zero() { length } else { T::one() };
-        let mut step = newton(value, slope).or_else(|| newton(value, gradient.norm())).unwrap_or(without_slope);
-        let (mut lo, mut hi, mut steps) = (T::zero(), None, 0);
-        for _ in 0..BRACKETING {
-            let s = lo + step;
-            let (next, gradient) = (self.function)(&(from + along * s));
-            let slope = gradient.dot(along);
-            let crosses = || {
-                // what is zero from there on, by underflow, has no zero
-                let beyond = if next == T::zero() { (self.function)(&(from + along * (s + step * lit(CLOSE)))).0 } else { next };
-                beyond != T::zero() && (beyond > T::zero()) != (value > T::zero())
-            };
-            let same = next == T::zero() || (next > T::zero()) == (value > T::zero());
-            if !next.is_finite() || same && away(slope) {
-                // beyond where f is defined, or beyond its least value on the line
-                step *= lit(0.5);
-            } else if crosses() {
-                hi = Some(s);
-                break;
-            } else {
-                let further = newton(next, slope);
-                steps += 1;
-                if let Some(last) = further.filter(|n| next != T::zero() && n.abs() <= rounding(s)) {
-                    let foot = s + last;
-                    // f that only touches zero does not change its sign there
-                    let aside = T::default_epsilon().sqrt() * (length + foot.abs()) * towards;
-                    let beyond = (self.function)(&(from + along * (foot + aside))).0;
-                    let changes = beyond != T::zero() && (beyond > T::zero()) != (value > T::zero());
-                    return changes.then(|| (from + along * foot, unit(gradient).unwrap_or(direction)));
-                }
-                lo = s;
-                // short steps lead to a zero without a slope: they are stretched after a few
-                step = further.filter(|n| steps < NEWTON || n.abs() > step.abs() * lit(2.0)).unwrap_or(step * lit(2.0));
-            }
-        }
-        let mut hi = hi?;
-        let mut s = (lo + hi) * lit(0.5);
-        let mut steps = [(hi - lo).abs(); 2];
-        for _ in 0..NARROWING {
-            let (here, gradient) = (self.function)(&(from + along * s));
-            if !here.is_finite() {
-                return None;
-            }
-            // a gradient that vanishes at the zero, or has no bound there, is taken beside it
-            direction = unit(gradient).unwrap_or(direction);
-            if here == T::zero() || (hi - lo).abs() <= rounding(s) {
-                return Some((from + along * s, direction));
-            }
-            if (here > T::zero()) == (value > T::zero()) {
-                lo = s
-            } else {
-                hi = s
-            }
-            let step = -here / gradient.dot(along);
-            if step.abs() <= rounding(s) {
-                return Some((from + along * (s + step), direction));
-            }
-            // steps of Newton's method must halve the one before the last, or else the bounds are halved; short ones are doubled, so
-            // that the zero is between close bounds
-            let far = if step.abs() < (hi - lo).abs() * lit(CLOSE) { step * lit(2.0) } else { step };
-            let inside = (s + far - lo) * (s + far - hi) < T::zero();
-            let next = if inside && step.abs() < steps[0] * lit(0.5) { s + far } else { (lo + hi) * lit(0.5) };
-            steps = [steps[1], (next - s).abs()];
-            s = next;
-        }
-        None
+        Line { function: &self.function, from, along, value, length: from.amax() }.zero(&gradient, direction)
     }
 
     /// Moves a point of f = 0 along the surface to where its distance to `x` is least.

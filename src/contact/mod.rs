@@ -7,6 +7,7 @@ mod frames;
 mod gap;
 mod greville;
 mod level_set;
+mod line_zero;
 pub mod nitsche;
 mod obstacles;
 mod outline;
