@@ -4,7 +4,7 @@ use super::evaluate::{Answer, evaluate};
 use super::grammar::Reduce;
 use super::locate::Locators;
 use super::prepare::{Prepared, Preparer};
-use crate::case::{Case, Condition};
+use crate::case::{Case, Check, Condition};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::formula::Formula;
 use crate::lower::Built;
@@ -121,40 +121,12 @@ impl<const S: usize, const N: usize> Questions<S, N> {
     pub fn checks(&self, case: &Case, model: &Model<S, N>, state: Option<&StepState<S, N>>, result: &mut RunResult) -> bool {
         // probes are numbers of the result: checks may name them
         let value = result.numbers();
+        let answered = |prepared: &Prepared<S, N>| ask(model, state, prepared, &value);
         let mut reports = Vec::with_capacity(case.checks.len());
-        for (k, check) in case.checks.iter().enumerate() {
-            let [wanted, rtol, atol] = formulas(&check.condition);
-            let number = |f: Option<&Located<Formula>>, which: usize| -> Result<f64, String> {
-                let Some(f) = f else { return Ok(0.0) };
-                let values: Result<Vec<f64>, String> = self.values[k][which]
-                    .iter()
-                    .map(|p| match ask(model, state, p, &value) {
-                        Answer::One(v) | Answer::Placed(v, _) => Ok(v),
-                        Answer::None(reason) => Err(reason),
-                        _ => Err("a value of a check is one number".to_string()),
-                    })
-                    .collect();
-                let v = f.value.value_with(&values?);
-                if v.is_finite() { Ok(v) } else { Err(format!("`{}` is not finite", f.value.text())) }
-            };
-            let mut report = CheckReport {
-                name: check.name.value.clone(),
-                quantity: check.quantity.value.clone(),
-                value: f64::NAN,
-                at: None,
-                expected: f64::NAN,
-                ok: false,
-                relation: match check.condition {
-                    Condition::Below(_) => "below",
-                    Condition::Above(_) => "above",
-                    Condition::Equals { .. } => "equals",
-                }
-                .into(),
-                reason: None,
-                skipped: false,
-            };
+        for ((check, prepared), values) in case.checks.iter().zip(&self.checks).zip(&self.values) {
+            let mut report = undecided(check);
             let elsewhere = check.backend.as_ref().filter(|b| model.patches.iter().any(|p| p.backend != b.value));
-            let answer = ask(model, state, &self.checks[k], &value);
+            let answer = answered(prepared);
             // after a run there is no study that could decide it later
             let later = answer == Answer::Study && result.command != "run";
             if later || elsewhere.is_some() {
@@ -162,32 +134,9 @@ impl<const S: usize, const N: usize> Questions<S, N> {
                 report.ok = true;
                 report.reason = Some(elsewhere.map_or("decided by studies".to_string(), |b| format!("only for backend \"{}\"", b.value)));
             } else {
-                let found = match answer {
-                    Answer::One(v) => Ok(vec![(v, None)]),
-                    Answer::Placed(v, at) => Ok(vec![(v, Some(at))]),
-                    Answer::Range(ends) => Ok(ends.map(|(v, at)| (v, Some(at))).to_vec()),
-                    Answer::None(reason) => Err(reason),
-                    Answer::Study => Err(NO_STUDY.to_string()),
-                };
-                let all = found.and_then(|v| Ok((v, number(wanted, 0)?, number(rtol, 1)?, number(atol, 2)?)));
+                let all = found(answer).and_then(|found| Ok((found, numbers(&check.condition, values, &answered)?)));
                 match all {
-                    Ok((values, expected, rtol, atol)) => {
-                        // how far a value is on the wrong side; the worst one is reported
-                        let excess = |v: f64| match check.condition {
-                            Condition::Below(_) => v - expected,
-                            Condition::Above(_) => expected - v,
-                            Condition::Equals { .. } => (v - expected).abs(),
-                        };
-                        let passes = |v: f64| match check.condition {
-                            Condition::Below(_) => v < expected,
-                            Condition::Above(_) => v > expected,
-                            Condition::Equals { .. } => (v - expected).abs() <= atol + rtol * expected.abs(),
-                        };
-                        report.ok = values.iter().all(|(v, _)| passes(*v));
-                        let worst = values.into_iter().reduce(|worst, v| if excess(v.0) > excess(worst.0) { v } else { worst });
-                        (report.value, report.at) = worst.unwrap_or((f64::NAN, None));
-                        report.expected = expected;
-                    }
+                    Ok((found, numbers)) => decide(&check.condition, found, numbers, &mut report),
                     Err(reason) => report.reason = Some(reason),
                 }
             }
@@ -200,4 +149,82 @@ impl<const S: usize, const N: usize> Questions<S, N> {
         result.checks = reports;
         passed
     }
+}
+
+/// A value, and its place if it is an extreme.
+type Found = (f64, Option<Vec<f64>>);
+
+/// The report of a check before it is decided.
+fn undecided(check: &Check) -> CheckReport {
+    CheckReport {
+        name: check.name.value.clone(),
+        quantity: check.quantity.value.clone(),
+        value: f64::NAN,
+        at: None,
+        expected: f64::NAN,
+        ok: false,
+        relation: match check.condition {
+            Condition::Below(_) => "below",
+            Condition::Above(_) => "above",
+            Condition::Equals { .. } => "equals",
+        }
+        .into(),
+        reason: None,
+        skipped: false,
+    }
+}
+
+/// The values that a check holds to its condition, or the reason why there are none.
+fn found(answer: Answer) -> Result<Vec<Found>, String> {
+    match answer {
+        Answer::One(v) => Ok(vec![(v, None)]),
+        Answer::Placed(v, at) => Ok(vec![(v, Some(at))]),
+        Answer::Range(ends) => Ok(ends.map(|(v, at)| (v, Some(at))).to_vec()),
+        Answer::None(reason) => Err(reason),
+        Answer::Study => Err(NO_STUDY.to_string()),
+    }
+}
+
+/// Bound or value, rtol and atol of a condition, zero where it has none; `quantities`: those named by each.
+fn numbers<const S: usize, const N: usize>(
+    condition: &Condition,
+    quantities: &[Vec<Prepared<S, N>>; 3],
+    answered: &dyn Fn(&Prepared<S, N>) -> Answer,
+) -> Result<[f64; 3], String> {
+    let mut numbers = [0.0; 3];
+    for ((number, formula), quantities) in numbers.iter_mut().zip(formulas(condition)).zip(quantities) {
+        let Some(f) = formula else { continue };
+        let values: Result<Vec<f64>, String> = quantities
+            .iter()
+            .map(|p| match answered(p) {
+                Answer::One(v) | Answer::Placed(v, _) => Ok(v),
+                Answer::None(reason) => Err(reason),
+                _ => Err("a value of a check is one number".to_string()),
+            })
+            .collect();
+        *number = f.value.value_with(&values?);
+        if !number.is_finite() {
+            return Err(format!("`{}` is not finite", f.value.text()));
+        }
+    }
+    Ok(numbers)
+}
+
+/// Decides a check by the values found; the worst one is reported.
+fn decide(condition: &Condition, values: Vec<Found>, [expected, rtol, atol]: [f64; 3], report: &mut CheckReport) {
+    // how far a value is on the wrong side
+    let excess = |v: f64| match condition {
+        Condition::Below(_) => v - expected,
+        Condition::Above(_) => expected - v,
+        Condition::Equals { .. } => (v - expected).abs(),
+    };
+    let passes = |v: f64| match condition {
+        Condition::Below(_) => v < expected,
+        Condition::Above(_) => v > expected,
+        Condition::Equals { .. } => (v - expected).abs() <= atol + rtol * expected.abs(),
+    };
+    report.ok = values.iter().all(|(v, _)| passes(*v));
+    let worst = values.into_iter().reduce(|worst, v| if excess(v.0) > excess(worst.0) { v } else { worst });
+    (report.value, report.at) = worst.unwrap_or((f64::NAN, None));
+    report.expected = expected;
 }
