@@ -6,7 +6,7 @@
 //! | [`formula`] | formulas of x, y, z and t |
 //! | [`errors`], [`codes`], [`place`] | diagnostics with code, place and help |
 //! | [`registry`] | names of backends, couplings, multipliers, solvers |
-//! | [`build`] | models built from cases |
+//! | [`lower`] | models built from cases |
 //! | [`run`], [`studies`], [`infsup`] | solution of models, studies, inf-sup tests |
 //! | [`quantities`] | quantities of probes and checks |
 //! | [`mod@reference`] | stored runs, against which others are compared |
