@@ -151,6 +151,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let (glued, hinges) = self.joined(&mut errors);
         self.check_conditions(&mut errors);
         self.check_values(&mut errors);
+        self.check_obstacles(&mut errors);
         if !errors.is_empty() {
             return Err(ProblemErrors(errors));
         }

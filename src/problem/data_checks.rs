@@ -32,20 +32,23 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         if changes { &self.times } else { &self.times[..1] }
     }
 
-    /// A point and a time at which data are not finite.
-    fn not_finite<const D: usize>(
+    /// A point and a time at which data are not finite, or negative where they must not be.
+    fn wrong_value<const D: usize>(
         &self,
         space: &dyn Geometry<D, N>,
         rules: &dyn Quadrature<D>,
-        data: &Data,
-        component: usize,
+        (data, component, may_be_negative): (&Data, usize, bool),
     ) -> Option<ErrorKind> {
-        if data.as_constant().is_some_and(f64::is_finite) {
+        let sound = |v: f64| v.is_finite() && (may_be_negative || v >= 0.0);
+        if data.as_constant().is_some_and(sound) {
             return None;
         }
         self.times_of(data.depends_on_time()).iter().find_map(|&t| {
-            let value = |x: &Vector<N>| Some(data.value(&Point::new(x.as_slice()).at_time(t))).filter(|v| !v.is_finite());
-            first_wrong(space, rules, &value).map(|(x, value)| ErrorKind::NotFinite { x, t, value, component })
+            let value = |x: &Vector<N>| Some(data.value(&Point::new(x.as_slice()).at_time(t))).filter(|v| !sound(*v));
+            first_wrong(space, rules, &value).map(|(x, value)| match value.is_finite() {
+                true => ErrorKind::Negative { x, t, value, component },
+                false => ErrorKind::NotFinite { x, t, value, component },
+            })
         })
     }
 
@@ -64,20 +67,23 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
     }
 
-    /// Loads, springs, sources and densities that are not finite, each statement once.
+    /// Loads, springs, sources and densities that are not finite, springs and densities that are negative; each statement once.
     pub(super) fn check_values(&self, errors: &mut Vec<ProblemError>) {
         let mut told: HashSet<Statement> = HashSet::new();
         let loads = self.said.loads.iter().filter_map(|l| match &l.action {
-            Action::Traction(c, f) | Action::Force(c, f, _) => Some((l.of, &l.name, &l.side, f, *c)),
-            Action::Pressure(f) => Some((l.of, &l.name, &l.side, f, 0)),
+            Action::Traction(c, f) | Action::Force(c, f, _) => Some((l.of, &l.name, &l.side, (f, *c, true))),
+            Action::Pressure(f) => Some((l.of, &l.name, &l.side, (f, 0, true))),
             Action::Exact(_) => None,
         });
-        let springs = self.said.springs.iter().map(|s| (s.of, &s.name, &s.side, &s.stiffness, s.component));
-        for (of, name, side, f, component) in loads.chain(springs) {
+        let springs = self.said.springs.iter().map(|s| (s.of, &s.name, &s.side, (&s.stiffness, s.component, false)));
+        let mut all: Vec<_> = loads.chain(springs).collect();
+        // as they were said
+        all.sort_by_key(|(of, ..)| *of);
+        for (of, name, side, data) in all {
             if told.contains(&of) {
                 continue;
             }
-            if let Some(kind) = self.not_finite(&*side.trace.space, &side.rules, f, component) {
+            if let Some(kind) = self.wrong_value(&*side.trace.space, &side.rules, data) {
                 told.insert(of);
                 errors.push(ProblemError::new(kind, vec![of], vec![name.clone(), side.label.clone()]));
             }
@@ -89,16 +95,29 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             number[body] += components;
             (0..components).map(move |c| (of, body, first + c, c)).collect::<Vec<_>>()
         });
-        let sources: Vec<_> = sources.map(|(of, body, k, c)| (of, body, &self.bodies[body].source[k], c)).collect();
+        let sources: Vec<_> = sources.map(|(of, body, k, c)| (of, body, (&self.bodies[body].source[k], c, true))).collect();
         let mut number = vec![0; self.bodies.len()];
         let weights = self.weight_loads.iter().map(|&(of, body)| {
             number[body] += 1;
-            (of, body, &self.bodies[body].weights[number[body] - 1].0, 0)
+            (of, body, (&self.bodies[body].weights[number[body] - 1].0, 0, false))
         });
-        for (of, body, f, component) in sources.into_iter().chain(weights) {
+        for (of, body, data) in sources.into_iter().chain(weights) {
             let body = &self.bodies[body];
-            if let Some(kind) = self.not_finite(&**body.body.space(), &body.rules, f, component) {
+            if let Some(kind) = self.wrong_value(&**body.body.space(), &body.rules, data) {
                 errors.push(ProblemError::new(kind, vec![of, body.id.into()], vec![body.name.clone(), body.name.clone()]));
+            }
+        }
+    }
+
+    /// Motions and forces of obstacles that are not finite.
+    pub(super) fn check_obstacles(&self, errors: &mut Vec<ProblemError>) {
+        for contact in &self.contacts {
+            for (component, f) in contact.own.motion.iter().chain(&contact.own.forces) {
+                let value = |t: f64| f.value(&Point::default().at_time(t));
+                if let Some(&t) = self.times_of(f.depends_on_time()).iter().find(|t| !value(**t).is_finite()) {
+                    let kind = ErrorKind::NotFinite { x: [0.0; 3], t, value: value(t), component: *component };
+                    errors.push(ProblemError::new(kind, vec![contact.id().into()], vec![contact.name.clone(), contact.name.clone()]));
+                }
             }
         }
     }

@@ -115,6 +115,17 @@ pub enum ErrorKind {
         /// Number of the function in the statement, from 0.
         component: usize,
     },
+    /// A stiffness of springs, or a density, that is negative at a quadrature point.
+    Negative {
+        /// The point \[length\]; coordinates beyond the dimension are zero.
+        x: [f64; 3],
+        /// The time.
+        t: f64,
+        /// The value.
+        value: f64,
+        /// Number of the function in the statement, from 0.
+        component: usize,
+    },
     /// Sides that cannot be glued.
     Glue(GlueError),
     /// A slave side of a tie or a contact that cannot be built.
@@ -199,6 +210,7 @@ impl Display for ProblemError {
             ErrorKind::NoExact => write!(f, "\"{one}\" takes the values of an exact solution, and the problem has none"),
             ErrorKind::SourceTwice => write!(f, "body \"{one}\" has a source; the exact solution has its own"),
             ErrorKind::NotFinite { x, t, value, .. } => write!(f, "\"{one}\" on `{other}`: {value} at {x:?}, t = {t}"),
+            ErrorKind::Negative { x, t, value, .. } => write!(f, "\"{one}\" on `{other}` is negative: {value} at {x:?}, t = {t}"),
             ErrorKind::Glue(error) => write!(f, "`{one}` and {} cannot be glued: {error}", self.names[1..].join(", ")),
             ErrorKind::Interface { error, .. } => write!(f, "\"{one}\", slave side `{other}`: {error}"),
             ErrorKind::SlaveTwice => write!(f, "`{one}` is slave twice; make it the master of one of them"),

@@ -31,7 +31,8 @@ impl Fixed {
     /// [`Conflict`] at the first time that has one.
     pub fn of<const S: usize, const N: usize>(model: &Model<S, N>, times: &[f64]) -> Result<Self, Box<Conflict>> {
         let mut taken = vec![false; model.unknowns];
-        let changes = model.conditions.iter().any(|c| match &c.value {
+        let values = model.conditions.iter().map(|c| &c.value).chain(model.pins.iter().map(|p| &p.value));
+        let changes = values.into_iter().any(|value| match value {
             Value::Zero => false,
             Value::Exact => model.exact.as_ref().is_some_and(|e| e.depends_on_time()),
             Value::Data(f) => f.depends_on_time(),

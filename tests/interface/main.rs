@@ -1,8 +1,8 @@
 //! Interfaces: segments, multipliers, ties, contact, and the solvers of their systems.
 #![allow(clippy::unwrap_used)]
 
-mod answers;
 mod abilities;
+mod answers;
 mod auto_multiplier;
 mod common;
 mod contact;

@@ -1,7 +1,7 @@
 //! Zones that too few functions of the slave carry for their force and extent to be right.
 //!
 //! The end of a zone lies anywhere within an element, the end of its functions does not: with n functions across it, force and width are off
-//! by about 1/n of themselves. Zones that are all of what faces the opponent end with the side and are not looked at.
+//! by about 1/n of themselves. Points in the opponent while no function is closed are a zone that was missed. Zones that are all of what faces the opponent end with the side and are not looked at.
 
 use super::warning::{Subject, Warning};
 use crate::problem::{Model, StepState, zone_functions};
@@ -9,19 +9,24 @@ use crate::problem::{Model, StepState, zone_functions};
 /// Least number of functions across a zone.
 const FEWEST: usize = 4;
 
+/// Depth of points in the opponent, relative to the size of the model, beyond which a zone without functions was missed.
+const MISSED: f64 = 1e-6;
+
 /// Finds the contacts with such zones.
 pub(super) fn coarse_zones<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Warning> {
     let mut found = Vec::new();
     for (k, (contact, built)) in model.contacts.iter().zip(&state.contacts).enumerate() {
-        let (mut closed, mut facing) = (0, 0);
+        let (mut closed, mut facing, mut deepest) = (0, 0, 0.0_f64);
         for (part, rows) in contact.parts.iter().zip(built) {
+            deepest = part.point_gaps(model, rows, &state.u).into_iter().fold(deepest, |d, gap| d.max(-gap));
             let (own, all) = zone_functions(part, rows, &|row| state.active[row]);
             closed += own;
             facing += all;
         }
         // a half model has half of the zone, in one direction
         let least = FEWEST.pow(S as u32) / if contact.symmetry { 2 } else { 1 };
-        if 0 < closed && closed < least && closed != facing {
+        let missed = closed == 0 && deepest > MISSED * model.size;
+        if missed || 0 < closed && closed < least && closed != facing {
             found.push(Warning::CoarseZone { of: Subject::contact(model, k), closed, least });
         }
     }

@@ -31,7 +31,6 @@ pub(super) fn supported<const S: usize, const N: usize>(
     // patches of files with several patches: their touching sides are glued
     let couples = couples::find(builder, bodies, &mut Sides { regions }, &case.glued_files());
     glue::say(builder, &mut problem, &mut places, &couples);
-    builder.stop()?;
     boundary::say(builder, &mut problem, &mut places, &couples);
     Ok((problem, places, couples))
 }

@@ -8,7 +8,7 @@ use crate::case::{Boundary, Components, Datum, SideRef};
 use crate::errors::Diagnostic;
 use crate::formula::{Formula, Point};
 use crate::place::{Located, Place};
-use crate::words::short;
+use crate::words::{place, short};
 use faying::assembly::{Halved, HalvedScratch, measure};
 use faying::linalg::{Matrix, Vector};
 use faying::problem::{ErrorKind, Problem, ProblemError, Region, RegionId, SideModel, Statement, Value};
@@ -80,10 +80,21 @@ impl<const S: usize, const N: usize> Block<'_, '_, S, N> {
     /// The side of a reference, or the part of it that `where` keeps, if any.
     fn side(&mut self, wanted: &Located<SideRef>) -> Result<Option<RegionId>, Box<Diagnostic>> {
         let side = self.places.bodies[wanted.value.patch].side(&wanted.value.side);
+        let undefined = std::cell::Cell::new(None);
         let made = match &self.block.filter {
             None => self.problem.region(side).map(Some),
-            Some(f) => self.problem.part(side, &f.value.text(), &|x| f.value.value(&Point::new(x.as_slice())) != 0.0),
+            Some(f) => self.problem.part(side, &f.value.text(), &|x| {
+                let value = f.value.value(&Point::new(x.as_slice()));
+                if value.is_nan() {
+                    undefined.set(Some(*x));
+                }
+                value != 0.0
+            }),
         };
+        if let (Some(x), Some(filter)) = (undefined.get(), &self.block.filter) {
+            let text = format!("`where`: `{}` has no value at the centre of a facet ({})", filter.value.text(), place(x.as_slice()));
+            return Err(Box::new(self.error("E017", text, filter.at).with_help("give a formula that has a value everywhere")));
+        }
         made.map_err(|error| {
             Box::new(match (&error.kind, &self.block.filter) {
                 (ErrorKind::Side(error), _) => {

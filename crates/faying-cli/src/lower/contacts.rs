@@ -12,7 +12,8 @@ use super::values::times;
 use super::warned::tell;
 use crate::case::{self, Cone, Contact, Master, Method, SideRef};
 use crate::errors::{Diagnostic, Severity};
-use crate::place::Located;
+use crate::formula::Formula;
+use crate::place::{Located, Place};
 use faying::constraint::Proximal;
 use faying::contact::{self, ContactError};
 use faying::coupling::multiplier::MultiplierKind;
@@ -94,8 +95,20 @@ fn one<const S: usize, const N: usize>(
         }
     }
     let slaves = contact.slave.iter().map(|s| s.at).collect();
-    places.keep(said.id().into(), Said { at: contact.head.at, block: Some(number), slaves, ..Said::default() });
+    let formulas = match &contact.master {
+        Master::Rigid(obstacle) => driven(obstacle),
+        Master::Sides(_) => Vec::new(),
+    };
+    places.keep(said.id().into(), Said { at: contact.head.at, block: Some(number), what: "the drive of the obstacle", formulas, slaves });
     Ok(())
+}
+
+/// Motion or force of an obstacle per component, zero where there is none.
+fn driven(obstacle: &case::Obstacle) -> Vec<Located<Formula>> {
+    let none = || Located::new(Formula::constant(0.0), Place::default());
+    let count = obstacle.translate.len().max(obstacle.force.len());
+    let of = |list: &[Option<Located<Formula>>], k: usize| list.get(k).cloned().flatten();
+    (0..count).map(|k| of(&obstacle.translate, k).or_else(|| of(&obstacle.force, k)).unwrap_or_else(none)).collect()
 }
 
 /// Method, multiplier and rule of a contact.

@@ -268,7 +268,7 @@ fn contacts(case: &Case) -> impl Iterator<Item = (&[Located<SideRef>], &[Located
 }
 
 fn is_all(between: &Located<Vec<String>>) -> bool {
-    between.value.iter().any(|name| name == "all")
+    matches!(&between.value[..], [word] if word == "all")
 }
 
 /// Reports E026 if a side found by the search is slave already.

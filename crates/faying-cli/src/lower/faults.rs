@@ -5,7 +5,7 @@ use super::glue;
 use super::places::{Places, Said};
 use super::refused::{Source, slave_fault};
 use super::values::{constants, key, time_text};
-use crate::errors::Diagnostic;
+use crate::errors::{Diagnostic, Diagnostics};
 use crate::words::{component_name, short};
 use faying::assembly::DirichletError;
 use faying::linalg::LinearError;
@@ -31,6 +31,33 @@ pub(super) fn refused<const S: usize, const N: usize>(
         _ => None,
     };
     errors.0.iter().map(|error| one(error).unwrap_or_else(|| fault(builder, places, error))).collect()
+}
+
+/// The builder's faults and those of `errors`.
+pub(super) fn all<const S: usize, const N: usize>(
+    builder: &mut Builder<'_, S, N>,
+    problem: &Problem<S, N>,
+    places: &Places,
+    errors: &ProblemErrors,
+) -> Diagnostics {
+    let found = refused(builder, problem, places, errors);
+    builder.faults.items.extend(found);
+    std::mem::take(&mut builder.faults)
+}
+
+/// Returns the builder's faults as `Err` if there is an error among them, with those of the bodies, loads and joints of the problem.
+pub(super) fn stop<const S: usize, const N: usize>(
+    builder: &mut Builder<'_, S, N>,
+    problem: &Problem<S, N>,
+    places: &Places,
+) -> Result<(), Diagnostics> {
+    if !builder.faults.has_errors() {
+        return Ok(());
+    }
+    Err(match problem.model(0) {
+        Ok(_) => std::mem::take(&mut builder.faults),
+        Err(errors) => all(builder, problem, places, &errors),
+    })
 }
 
 /// The diagnostic of an error.
@@ -64,6 +91,17 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
             let text = format!("{of}: `{}` is not finite at {place} (found {value})", f.text());
             let help = "loads are integrated over the whole side or patch: give a formula that has a value at each of its points";
             builder.error("E017", text, formula.at).with_help(help)
+        }
+        ErrorKind::Negative { x, t, value, component } => {
+            let Some(Said { what, formulas, .. }) = said(0) else { return builder.error("E015", error.to_string(), at) };
+            let Some(formula) = formulas.get(*component).or(formulas.first()) else {
+                return builder.error("E015", error.to_string(), at);
+            };
+            let place = place_text::<N>(x) + &time_text(formula.value.depends_on_time(), *t);
+            let text = format!("{what} of `{}` must not be negative, found {value:?} at {place}", error.names()[1]);
+            builder.error("E015", text, formula.at).with_help(
+                "a spring pulls back with the force stiffness times displacement, and weight is density times gravity: both are positive",
+            )
         }
         ErrorKind::Twice { component } => {
             let name = component_name(*component, components);

@@ -61,15 +61,8 @@ where
     let (mut problem, mut places, couples) = supported(&mut builder, net)?;
     ties::say(&mut builder, &mut problem, &mut places, &couples);
     contacts::say(&mut builder, &mut problem, &mut places);
-    builder.stop()?;
-    let built = problem.built().map_err(|errors| faults::refused(&builder, &problem, &places, &errors));
-    let model = match built {
-        Ok(model) => model,
-        Err(found) => {
-            builder.faults.items.extend(found);
-            return Err(builder.faults);
-        }
-    };
+    faults::stop(&mut builder, &problem, &places)?;
+    let model = problem.built().map_err(|errors| faults::all(&mut builder, &problem, &places, &errors))?;
     let mut model = Built { model, glued_sides: couples.glued_sides(case), reference: None, places, warnings: Diagnostics::new() };
     multipliers::check(&mut builder, &model);
     warned::tell(&mut builder, &model, &model.corner_values(values::times(case, true)));

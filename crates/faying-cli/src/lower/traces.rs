@@ -2,7 +2,7 @@
 
 use super::bodies::supported;
 use super::builder::{Builder, MakeNet};
-use super::faults::refused;
+use super::faults::{refused, stop};
 use super::{contacts, patches, ties};
 use crate::case::{Case, Multiplier};
 use crate::errors::{Diagnostic, Diagnostics};
@@ -35,7 +35,7 @@ pub fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: Sla
     let (mut problem, mut places, couples) = supported(&mut builder, net)?;
     ties::say(&mut builder, &mut problem, &mut places, &couples);
     contacts::say(&mut builder, &mut problem, &mut places);
-    builder.stop()?;
+    stop(&mut builder, &problem, &places)?;
     let found = problem.slave_spaces(ends).map_err(|errors| {
         let mut faults: Vec<Diagnostic> = Vec::new();
         for fault in refused(&builder, &problem, &places, &errors) {
