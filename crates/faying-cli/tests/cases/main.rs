@@ -14,6 +14,7 @@ mod random;
 mod reference;
 mod rough_models;
 mod run;
+mod said_at_once;
 mod twins;
 mod unjoined;
 mod volume;

@@ -1,0 +1,114 @@
+//! Errors of bodies, boundary blocks and interfaces come together, each once and in its line; data are checked at all times and points.
+
+use faying_cli::Case;
+use faying_cli::case::ReadOptions;
+use faying_cli::errors::Diagnostic;
+use faying_cli::{Registry, RunResult};
+
+const MODEL: &str = "[model]\nphysics = \"elasticity\"\ndimension = 2\n";
+const STEEL: &str = "[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n";
+
+fn block(name: &str, min: [f64; 2], max: [f64; 2]) -> String {
+    format!("[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = {min:?}, max = {max:?} }}\nelements = [4, 2]\n")
+}
+
+/// Two blocks on each other, the lower one held.
+fn blocks() -> String {
+    let (lo, up) = (block("lo", [0.0, 0.0], [1.0, 0.5]), block("up", [0.0, 0.5], [1.0, 1.0]));
+    format!("{MODEL}{STEEL}{lo}{up}[[boundary]]\non = \"lo.bottom\"\nfix = [\"x\", \"y\"]\n")
+}
+
+const TIE: &str = "[[interface]]\nname = \"g\"\nslave = \"up.bottom\"\nmaster = \"lo.top\"\n";
+
+fn run(text: &str) -> Result<RunResult, Vec<Diagnostic>> {
+    let case = Case::parse("case.toml", text, &ReadOptions::default()).map_err(|e| e.items)?;
+    case.run(&Registry::default()).map_err(|e| e.items)
+}
+
+/// Code, and the text of the line, of every error.
+#[track_caller]
+fn refused(text: &str) -> Vec<(&'static str, String)> {
+    let found = run(text).expect_err("the case is wrong");
+    found.iter().filter(|d| d.exit() != 0).map(|d| (d.code, d.snippet.clone().unwrap_or_default())).collect()
+}
+
+#[test]
+fn errors_of_all_blocks_come_together() {
+    let soft = "[[material]]\nname = \"soft\"\nyoung = 1.0\npoisson = \"0.3 + 0.3*x\"\n";
+    let weak = block("weak", [5.0, 0.0], [6.0, 1.0]) + "material = \"soft\"\n";
+    let far = block("far", [5.0, 3.0], [6.0, 4.0]);
+    let text = blocks().replace("elements = [4, 2]\n", "elements = [4, 2]\nmaterial = \"m\"\n")
+        + soft
+        + &weak
+        + &far.replace("elements = [4, 2]\n", "elements = [4, 2]\nmaterial = \"m\"\n")
+        + TIE
+        + "[[interface]]\nname = \"none\"\nbetween = [\"weak\", \"far\"]\n\
+           [[boundary]]\non = \"up.top\"\nspring = { x = \"1/(x - 1/8)^0.5\" }\n\
+           [[boundary]]\non = \"up.right\"\ntraction = { y = \"log(y - 2)\" }\n\
+           [[boundary]]\non = \"up.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"up.left\"\ndirichlet = { x = 0.1 }\n";
+    let mut found = refused(&text);
+    found.sort();
+    let lines: Vec<(&str, &str)> = found.iter().map(|(code, line)| (*code, line.as_str())).collect();
+    assert_eq!(
+        lines,
+        [
+            ("E017", "spring = { x = \"1/(x - 1/8)^0.5\" }"),
+            ("E017", "traction = { y = \"log(y - 2)\" }"),
+            ("E023", "between = [\"weak\", \"far\"]"),
+            ("E052", "dirichlet = { x = 0.1 }"),
+            ("E053", "poisson = \"0.3 + 0.3*x\""),
+        ]
+    );
+}
+
+#[test]
+fn data_are_checked_at_all_times_and_points() {
+    let steps = "[steps]\ntimes = [0.5, 1, 2]\n";
+    let floor = "kind = \"half-plane\", point = [0, 2], normal = [0, -1]";
+    let ball = |drive: &str| format!("[[contact]]\nname = \"k\"\nslave = \"up.top\"\nrigid = {{ {floor}, {drive} }}\n");
+    let spring = |k: &str| format!("[[boundary]]\non = \"up.top\"\nspring = {{ y = \"{k}\" }}\n");
+    let filter = |rule: &str| format!("[[boundary]]\non = \"up.top\"\nwhere = \"{rule}\"\npressure = 0.01\n");
+    let corner = "[[boundary]]\non = \"up.u0v1\"\ndirichlet = { x = \"0.1*(t - 0.5)\" }\n[[boundary]]\non = \"up.left\"\nfix = [\"x\"]\n";
+    for (tail, code) in [
+        (ball("move = [0, \"1/(t - 2)\"]"), "E017"),
+        (ball("force = [0, \"-1/(2 - t)\"]"), "E017"),
+        (spring("x - 0.5"), "E015"),
+        (spring("1.5 - t"), "E015"),
+        (filter("sqrt(x - 0.5)"), "E017"),
+        (filter("x < t"), "E017"),
+        (corner.to_owned(), "E052"),
+    ] {
+        let found = refused(&format!("{}{TIE}{tail}{steps}", blocks()));
+        assert_eq!(found.iter().map(|d| d.0).collect::<Vec<_>>(), [code], "{tail}: {found:?}");
+        assert!(!found[0].1.is_empty(), "{tail}");
+    }
+}
+
+#[test]
+fn a_patch_may_be_called_all() {
+    let text = |between: &str| {
+        let right = block("r", [1.0, 0.5], [2.0, 1.0]);
+        let text = blocks().replace("\"lo\"", "\"all\"").replace("lo.bottom", "all.bottom") + &right;
+        let held = "[[boundary]]\non = \"r.right\"\nfix = [\"x\", \"y\"]\n";
+        text + held + &format!("[[interface]]\nname = \"n\"\nbetween = {between}\n")
+    };
+    let sides = |between: &str| run(&text(between)).unwrap().interface.get("n").unwrap().sides.len();
+    assert_eq!((sides("[\"all\", \"up\"]"), sides("\"all\"")), (1, 2));
+}
+
+#[test]
+fn a_zone_between_the_functions_of_a_coarse_side_is_told() {
+    let text = |f: &str| {
+        let one = block("a", [0.0, 0.0], [1.0, 0.5]);
+        let contact = format!("[[contact]]\nname = \"k\"\nslave = \"a.top\"\nrigid = {{ kind = \"level-set\", f = \"{f}\" }}\n");
+        format!("{MODEL}{STEEL}{one}[[boundary]]\non = \"a.bottom\"\nfix = [\"x\", \"y\"]\n{contact}")
+    };
+    let told = |f: &str| {
+        let result = run(&text(f)).unwrap();
+        let force = result.contact.get("k").unwrap().force[1];
+        (force, result.warnings.iter().filter(|d| d.code == "E065" && d.message.contains("too coarse")).count())
+    };
+    // 0.001 deep over 0.2 of the side; 0.001 above it
+    assert_eq!(told("0.499 - y + 0.1*(x - 0.5)^2"), (0.0, 1));
+    assert_eq!(told("0.501 - y + 0.1*(x - 0.5)^2"), (0.0, 0));
+}
