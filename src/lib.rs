@@ -99,3 +99,6 @@ pub mod physics;
 pub mod problem;
 pub mod quadrature;
 pub mod space;
+
+/// Crate of the vectors and matrices in signatures ([`linalg::Vector`], [`linalg::Matrix`]), in the version that this crate takes.
+pub use nalgebra;

@@ -106,6 +106,7 @@ impl<'a, const C: usize, const N: usize, T: Real> Form<'a, C, N, T> {
     }
 
     /// The form at the state of the unknowns `state`.
+    #[must_use]
     pub fn with_state(self, state: &'a [T]) -> Self {
         Self { state, ..self }
     }

@@ -23,6 +23,7 @@ pub struct Norms<T: Real = f64> {
 
 impl<T: Real> Norms<T> {
     /// The norms over two bodies from the norms over each.
+    #[must_use]
     pub fn hypot(self, other: Self) -> Self {
         let h = |a: T, b: T| (a * a + b * b).sqrt();
         Self { l2: h(self.l2, other.l2), h1: h(self.h1, other.h1), energy: h(self.energy, other.energy) }
@@ -40,6 +41,7 @@ pub struct Errors<T: Real = f64> {
 
 impl<T: Real> Errors<T> {
     /// The norms over two bodies from the norms over each.
+    #[must_use]
     pub fn hypot(self, other: Self) -> Self {
         Self { error: self.error.hypot(other.error), exact: self.exact.hypot(other.exact) }
     }

@@ -1,6 +1,8 @@
 //! Augmented Lagrangian (Uzawa) iteration around a solver of penalised constraints.
 //!
-//!   (K + Bᵀ W C) u = f - Bᵀ lambda - Bᵀ W g,   lambda <- lambda + W (C u + g),   W = factor k_i / s_i²
+//! ```text
+//! (K + Bᵀ W C) u = f - Bᵀ lambda - Bᵀ W g,   lambda <- lambda + W (C u + g),   W = factor k_i / s_i²
+//! ```
 //!
 //! One iteration is a system of rows with the compliance 1 / W and the offset g + lambda / W; its multiplier is the next one. Here the
 //! iteration runs on residuals summed in twice the working precision, so its limit does not depend on W.

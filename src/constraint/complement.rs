@@ -1,10 +1,14 @@
 //! Explicit Schur complement of all constraint rows over one factor, reused for every set of open rows.
 //!
-//!   A = K + Cᵀ V C,   S = C A⁻¹ Cᵀ;   V = 0, or penalty springs on all rows if bodies float
+//! ```text
+//! A = K + Cᵀ V C,   S = C A⁻¹ Cᵀ;   V = 0, or penalty springs on all rows if bodies float
+//! ```
 //!
 //! The springs of the open rows O are removed: A' = A - Oᵀ V O, and
 //!
-//!   A'⁻¹ r = A⁻¹ (r - Oᵀ nu),   (S_oo - V⁻¹) nu = O A⁻¹ r,   S' = S_cc - S_co (S_oo - V⁻¹)⁻¹ S_oc
+//! ```text
+//! A'⁻¹ r = A⁻¹ (r - Oᵀ nu),   (S_oo - V⁻¹) nu = O A⁻¹ r,   S' = S_cc - S_co (S_oo - V⁻¹)⁻¹ S_oc
+//! ```
 //!
 //! Source: Hager, SIAM Review 31 (1989) 221-239.
 

@@ -1,6 +1,8 @@
 //! Condensation: every row eliminates one slave unknown, and an SPD system is left.
 //!
-//!   C_P u_P = -g - C_R u_R + s l,   u = T y + u_0,   Tᵀ K T y = Tᵀ (f - K u_0),   lambda = -C_Pᵀ⁻¹ (K u - f)_P
+//! ```text
+//! C_P u_P = -g - C_R u_R + s l,   u = T y + u_0,   Tᵀ K T y = Tᵀ (f - K u_0),   lambda = -C_Pᵀ⁻¹ (K u - f)_P
+//! ```
 //!
 //! P holds one slave unknown per row, chosen by pivoting: the slave block is not square for multipliers of lower degree
 //! or beside fixed ends. A soft row keeps its multiplier as an unknown with s on the diagonal.

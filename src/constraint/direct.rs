@@ -1,7 +1,9 @@
 //! The saddle-point system by one quasi-definite LDLᵀ and refinement on the true system.
 //!
-//!   [ K + Cᵀ W C   Cᵀ F       ]     W = min(1 / k, 1 / 2s),  F = 1 - W s   (exact rows: s = 0, F = 1)
-//!   [ F C          -F s - e k ]     e = 1e-8; rows scaled as in [`super::scale`], s their compliance
+//! ```text
+//! [ K + Cᵀ W C   Cᵀ F       ]     W = min(1 / k, 1 / 2s),  F = 1 - W s   (exact rows: s = 0, F = 1)
+//! [ F C          -F s - e k ]     e = 1e-8; rows scaled as in super::scale, s their compliance
+//! ```
 //!
 //! Strongly quasi-definite, so every symmetric permutation has an LDLᵀ without pivoting. Open rows keep their entries
 //! as zeros: pattern and analysis stay while contact opens and closes. The factor serves for refinement only:

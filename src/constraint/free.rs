@@ -1,6 +1,8 @@
 //! Systems whose rows are all soft: their multipliers are eliminated, and an unconstrained system is left.
 //!
-//!   lambda = s⁻¹ (C u + g),   (K + Cᵀ s⁻¹ C) u = f - Cᵀ s⁻¹ g
+//! ```text
+//! lambda = s⁻¹ (C u + g),   (K + Cᵀ s⁻¹ C) u = f - Cᵀ s⁻¹ g
+//! ```
 
 use super::penalised::{inverse_diagonal, penalised, refuse_motions};
 use super::scale::{Scaled, gaps};

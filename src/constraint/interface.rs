@@ -1,12 +1,18 @@
 //! One factor for all sets of contact: the Schur complement of the rows that may close.
 //!
-//!   A = [ K + Eᵀ V E + Cᵀ W C   Eᵀ F ]       E: equalities, V and F theirs (see [`super::direct`]);  C: all contact rows, open or closed
-//!       [ F E                   -F s - e k ]       W = 1e-2 k / |C|₁²: springs that hold bodies which contact alone supports
+//! ```text
+//! A = [ K + Eᵀ V E + Cᵀ W C   Eᵀ F ]       E: equalities, V and F theirs (see super::direct);  C: all contact rows, open or closed
+//!     [ F E                   -F s - e k ]       W = 1e-2 k / |C|₁²: springs that hold bodies which contact alone supports
+//! ```
 //!
-//!   S = C A⁻¹ Cᵀ,   h = C A⁻¹ r,   (S + diag d) nu = h - b,   u = A⁻¹ (r - Cᵀ nu)
+//! ```text
+//! S = C A⁻¹ Cᵀ,   h = C A⁻¹ r,   (S + diag d) nu = h - b,   u = A⁻¹ (r - Cᵀ nu)
+//! ```
 //!
-//!   closed rows: d = t / (1 - t W), b = r₂ / (1 - t W), lambda = (nu + W r₂) / (1 - t W),   t = compliance + e k
-//!   open rows:   d = -1 / W,        b = 0,              lambda = 0                          (the spring gives way)
+//! ```text
+//! closed rows: d = t / (1 - t W), b = r₂ / (1 - t W), lambda = (nu + W r₂) / (1 - t W),   t = compliance + e k
+//! open rows:   d = -1 / W,        b = 0,              lambda = 0                          (the spring gives way)
+//! ```
 //!
 //! This is the system of the set for every W. S + diag d is quasi-definite, and singular exactly if that system is. A is
 //! factorised once and S computed by forward elimination alone; a set costs a dense factor and a few substitutions.

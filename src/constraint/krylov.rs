@@ -2,8 +2,10 @@
 //!
 //! Symmetric: MINRES without any factor, on the augmented form of [`super::schur`]'s head,
 //!
-//!   [ K_W   Cᵀ F ]              [ (D + L) D⁻¹ (D + Lᵀ) of K_W            ]
-//!   [ F C   -F s ]  against     [                             W⁻¹ F      ],   K_W = K + Cᵀ W C,  F = 1 - W s
+//! ```text
+//! [ K_W   Cᵀ F ]              [ (D + L) D⁻¹ (D + Lᵀ) of K_W            ]
+//! [ F C   -F s ]  against     [                             W⁻¹ F      ],   K_W = K + Cᵀ W C,  F = 1 - W s
+//! ```
 //!
 //! whose blocks are positive definite even if bodies float. Without exact rows: conjugate gradients on K_W alone.
 //!

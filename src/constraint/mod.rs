@@ -1,6 +1,8 @@
 //! Floor 9: algorithms for constrained linear systems, given as matrices only.
 //!
-//!   K u + Bᵀ lambda = f,   rows C u + g: zero, compliant, or a non-negative gap
+//! ```text
+//! K u + Bᵀ lambda = f,   rows C u + g: zero, compliant, or a non-negative gap
+//! ```
 
 mod abilities;
 mod active_set;
@@ -164,6 +166,7 @@ impl ActiveSetReport {
 
 impl ActiveSetReport {
     /// Appends this report to `before`.
+    #[must_use]
     pub fn after(self, before: &Self) -> Self {
         Self {
             iterations: before.iterations + self.iterations,
@@ -204,6 +207,7 @@ pub struct ConstrainedSolution<T: Real = f64> {
 
 impl<T: Real> ConstrainedSolution<T> {
     /// Prepends the report `before` to that of this solution.
+    #[must_use]
     pub fn done_after(mut self, before: &ActiveSetReport) -> Self {
         self.active_set = Some(self.active_set.take().unwrap_or_default().after(before));
         self

@@ -1,6 +1,8 @@
 //! Contact rows made exact by an augmented Lagrangian: Uzawa's iteration with projection, around any solver of soft contact rows.
 //!
-//!   lambda <- min(0, lambda + W (C u + g)),   (K + Bᵀ W C on closed rows) u = f - Bᵀ (lambda + W g)
+//! ```text
+//! lambda <- min(0, lambda + W (C u + g)),   (K + Bᵀ W C on closed rows) u = f - Bᵀ (lambda + W g)
+//! ```
 //!
 //! One update is a system of contact rows with the compliance 1 / W and the offset g + lambda / W; its multiplier is the next one, and the
 //! inner active set decides the projection. This is the proximal point method for the multipliers: it converges for every W > 0, the

@@ -1,7 +1,9 @@
 //! The quasi-definite matrix that [`super::direct`] factorises.
 //!
-//!   [ K + Cᵀ W C   Cᵀ F       ]
-//!   [ F C          -F s - e k ]
+//! ```text
+//! [ K + Cᵀ W C   Cᵀ F       ]
+//! [ F C          -F s - e k ]
+//! ```
 //!
 //! Its upper triangle; the pattern holds all rows, so that it stays while rows open and close. Rows may be springs alone: they have their
 //! part in Cᵀ W C and no multiplier.

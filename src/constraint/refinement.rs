@@ -1,6 +1,8 @@
 //! Iterative refinement of a constrained solution on its true residual, by a factor or by an iterative method.
 //!
-//!   r1 = f - K u - Bᵀ l,   r2 = -g - C u + s l   in the scaled rows of [`super::scale`], summed in twice the working precision
+//! ```text
+//! r1 = f - K u - Bᵀ l,   r2 = -g - C u + s l   in the scaled rows of super::scale, summed in twice the working precision
+//! ```
 
 use super::scale::Scaled;
 use crate::linalg::residual::{RESIDUAL_LIMIT, max, ratio, relative};

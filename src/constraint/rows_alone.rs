@@ -1,7 +1,9 @@
 //! Contact rows alone: multipliers and gaps of any set from the Schur complement, without the unknowns.
 //!
-//!   (S + diag d) nu = h - b      d, b, lambda of closed and open rows as in [`super::interface`]
-//!   gap of open rows: g - nu / W
+//! ```text
+//! (S + diag d) nu = h - b      d, b, lambda of closed and open rows as in super::interface
+//! gap of open rows: g - nu / W
+//! ```
 //!
 //! Rows may be groups: sums of neighbouring rows of the system, which share one multiplier. A set costs a dense factor of the rows. Its
 //! answers are not refined: they choose sets, whose systems are solved and checked as a whole.

@@ -1,7 +1,9 @@
 //! Row scales of constraints, and the constrained system in scaled rows.
 //!
-//!   k_i = sum_j |C_ij| K_jj / sum_j |C_ij|   over the slave: the stiffness a row acts on
-//!   r_i = k_i / max_j |C_ij|                 factor of row i; lambda_i = r_i l_i
+//! ```text
+//! k_i = sum_j |C_ij| K_jj / sum_j |C_ij|   over the slave: the stiffness a row acts on
+//! r_i = k_i / max_j |C_ij|                 factor of row i; lambda_i = r_i l_i
+//! ```
 //!
 //! The largest entry of a scaled row equals the stiffness k_i, whatever the units and the stiffness contrast.
 

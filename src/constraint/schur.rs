@@ -1,7 +1,9 @@
 //! The Schur complement of the multipliers by preconditioned conjugate gradients, with a factor of the stiffness inside.
 //!
-//!   S lambda = C K⁻¹ f + g,   S = C K⁻¹ Cᵀ + s,   u = K⁻¹ (f - Cᵀ lambda)
-//!   M⁻¹ = N⁻¹ (C Q⁻¹ K Q⁻¹ Cᵀ + s) N⁻¹,   N = C Q⁻¹ Cᵀ + s,   Q = diag K
+//! ```text
+//! S lambda = C K⁻¹ f + g,   S = C K⁻¹ Cᵀ + s,   u = K⁻¹ (f - Cᵀ lambda)
+//! M⁻¹ = N⁻¹ (C Q⁻¹ K Q⁻¹ Cᵀ + s) N⁻¹,   N = C Q⁻¹ Cᵀ + s,   Q = diag K
+//! ```
 //!
 //! M⁻¹ equals S⁻¹ with the right inverse K⁻¹ Cᵀ S⁻¹ of C replaced by Q⁻¹ Cᵀ N⁻¹: the lumped preconditioner of FETI, weighted for rows
 //! that are not signed Boolean. K is factorised once, however many rows open and close.
@@ -9,7 +11,9 @@
 //! A stiffness that leaves bodies floating is singular; then K_W = K + Cᵀ W C is factorised in its place. With W = min(1/k, 1/2s) and
 //! F = 1 - W s the same system reads
 //!
-//!   S_W lambda = F C K_W⁻¹ (f - Cᵀ W g) + F g,   S_W = F C K_W⁻¹ Cᵀ F + F s,   S_W⁻¹ = S⁻¹ + W F⁻¹
+//! ```text
+//! S_W lambda = F C K_W⁻¹ (f - Cᵀ W g) + F g,   S_W = F C K_W⁻¹ Cᵀ F + F s,   S_W⁻¹ = S⁻¹ + W F⁻¹
+//! ```
 //!
 //! so that M⁻¹ + W F⁻¹ preconditions it: the iteration count grows by about ten with every halving of the element size.
 //!

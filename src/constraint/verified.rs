@@ -1,6 +1,8 @@
 //! Checks of a constraint solver's answer: lengths, residual and the conditions of contact, computed by the library.
 //!
-//!   r1 = f - K u - Bᵀ lambda,   r2 = -g - C u + s lambda on enforced rows,   p - min(0, p + q) on contact rows
+//! ```text
+//! r1 = f - K u - Bᵀ lambda,   r2 = -g - C u + s lambda on enforced rows,   p - min(0, p + q) on contact rows
+//! ```
 //!
 //! each relative to its terms; p and q are multipliers and gaps as forces, as in [`super::active_set`].
 

@@ -3,7 +3,9 @@
 //! With d the depths of the points, distances to what opposes them, and r their distances to the nearest surface, whatever it opposes, no
 //! partner is deeper than
 //!
-//!   max(6 max r, L / 100),   L the diagonal of the box around the side
+//! ```text
+//! max(6 max r, L / 100),   L the diagonal of the box around the side
+//! ```
 //!
 //! A side that is pressed in as a whole has d = r in its middle. A side that runs into an opponent edge on, beside the one that is pressed,
 //! lies just below its surface and would find what opposes it at the far end of the opponent.

@@ -2,7 +2,9 @@
 //!
 //! The normal n points out of the master (or the obstacle) at the slave point's partner, and
 //!
-//!   g = (x_slave - x_master) . n          \[length\], positive when open
+//! ```text
+//! g = (x_slave - x_master) . n          [length], positive when open
+//! ```
 //!
 //! On a master with kinks the normal is that of the facet of the assigned element: it jumps with the master element, in
 //! the rows and in the gap alike, so both refer to the same plane.

@@ -1,9 +1,11 @@
 //! Contact of a slave side with a master side or an obstacle as rows and a weighted gap.
 //!
-//!   rows     C_j = ∫ ψ_j (u_slave - u_master) . n ds
-//!   offset   g_j = ∫ g' ψ_j ds,   g' = the gap formula of the geometric gap g
-//!   weights  w_j = ∫ ψ_j ds
-//!   gap_j = (C u + g)_j / w_j     lumped \[length\], positive is open
+//! ```text
+//! rows     C_j = ∫ ψ_j (u_slave - u_master) . n ds
+//! offset   g_j = ∫ g' ψ_j ds,   g' = the gap formula of the geometric gap g
+//! weights  w_j = ∫ ψ_j ds
+//! gap_j = (C u + g)_j / w_j     lumped [length], positive is open
+//! ```
 //!
 //! Mixed integration (seed: B*, B) keeps these slave-side sums for the constraint and takes the master part of the reaction from
 //! master-side sums.

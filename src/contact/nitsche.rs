@@ -1,15 +1,21 @@
 //! Contact by Nitsche's method: soft rows at the points of the segments, stiffness beside them, no multiplier functions.
 //!
-//!   P(u) = sigma(u) + γ g(u),   lambda = min(0, P(u))      (lambda = sigma, lambda <= 0 <= g, lambda g = 0 in one equation)
-//!   a(u, v) - ∫ θ/γ sigma(u) sigma(v) ds + ∫ lambda (\[v\] . n + θ/γ sigma(v)) ds = f(v)
+//! ```text
+//! P(u) = sigma(u) + γ g(u),   lambda = min(0, P(u))      (lambda = sigma, lambda <= 0 <= g, lambda g = 0 in one equation)
+//! a(u, v) - ∫ θ/γ sigma(u) sigma(v) ds + ∫ lambda ([v] . n + θ/γ sigma(v)) ds = f(v)
+//! ```
 //!
-//!   sigma = -{t} . n,   g = g' + \[u\] . n,   \[u\] = u_slave - u_master,   n out of the master
+//! ```text
+//! sigma = -{t} . n,   g = g' + [u] . n,   [u] = u_slave - u_master,   n out of the master
+//! ```
 //!
 //! {t}, its weights, γ and θ are those of [`crate::coupling::nitsche`]: symmetric, unsymmetric, incomplete. With every point closed this is
 //! the coupling's normal part. A point q of weight w is one contact row with the compliance w / γ:
 //!
-//!   C_q = w (\[.\] . n + sigma / γ),   offset w g',   B_q = w (\[.\] . n + θ sigma / γ)
-//!   (C u + g)_q = w/γ P = compliance lambda   where closed,
+//! ```text
+//! C_q = w ([.] . n + sigma / γ),   offset w g',   B_q = w ([.] . n + θ sigma / γ)
+//! (C u + g)_q = w/γ P = compliance lambda   where closed,
+//! ```
 //!
 //! and open where (C u + g)_q >= 0. So the active set over these rows is the semismooth Newton iteration of the equation above, and the
 //! rows may be combined with exact, soft and tied ones. Only the symmetric variant has B = C; K is symmetric for all three.

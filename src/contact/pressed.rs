@@ -1,6 +1,8 @@
 //! Force-driven rigid obstacles, whose translation is an unknown of the system.
 //!
-//!   gap_j = C_j u + g_j,   C_jd = -∫ ψ_j n . e ds   for the translation d along e
+//! ```text
+//! gap_j = C_j u + g_j,   C_jd = -∫ ψ_j n . e ds   for the translation d along e
+//! ```
 //!
 //! The row of d in K u + Cᵀ lambda = f is the equilibrium of the obstacle: ∫ lambda n . e ds = -F, where F is the force on it.
 

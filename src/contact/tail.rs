@@ -3,7 +3,9 @@
 //! Between smooth bodies the pressure ends at a like p = sqrt(d) (1 + g u), u = d / l, d = a - s, l = a - s_0, whatever it is farther inside.
 //! With the moments over s > s_0
 //!
-//!   m_k = ∫ p (s - s_0)^k ds / ∫ p ds = l^k (A_k + g B_1k) / (A_0 + g B_10),   A_k = B_0k,   B_jk = ∫ u^(j + 1/2) (1 - u)^k du over 0 < u < 1,
+//! ```text
+//! m_k = ∫ p (s - s_0)^k ds / ∫ p ds = l^k (A_k + g B_1k) / (A_0 + g B_10),   A_k = B_0k,   B_jk = ∫ u^(j + 1/2) (1 - u)^k du over 0 < u < 1,
+//! ```
 //!
 //! eliminating g from k = 1 and 2 leaves a quadratic equation for l, l² - 7 m_1 l + 63/8 m_2 = 0, of which l is the smaller root. Equilibrium
 //! keeps moments accurate even if single pressures are not. From 0.8 of the zone on, errors of a with exact pressures are below 0.02 % for

@@ -3,7 +3,9 @@
 //! With C and B the rows of an integration (B = C unless it is mixed), F the rows of a finer one, and the diagonals
 //! W_j = ∫ |ψ_j| ds of the multipliers, M_i = ∫ |N_i| ds of both sides, M_s of the slave's unknowns alone:
 //!
-//!   e = max( |W^-1/2 (C - F) u| / |M_s^1/2 u| ,  |M^-1/2 (B - F)ᵀ lambda| / |W^1/2 lambda| )
+//! ```text
+//! e = max( |W^-1/2 (C - F) u| / |M_s^1/2 u| ,  |M^-1/2 (B - F)ᵀ lambda| / |W^1/2 lambda| )
+//! ```
 //!
 //! The first part is the error of the constraint, the second that of the equilibrium: the two consistency errors of
 //! Strang's lemma, in lumped norms (|W^-1/2 r| is the norm of a functional r on multipliers, |M_s^1/2 u| that of u on the

@@ -1,9 +1,13 @@
 //! Nitsche's coupling of two sides: stiffness instead of multipliers.
 //!
-//!   a(u, v) - ∫ {t(u)} . \[v\] ds - θ ∫ {t(v)} . \[u\] ds + ∫ γ \[u\] . \[v\] ds
+//! ```text
+//! a(u, v) - ∫ {t(u)} . [v] ds - θ ∫ {t(v)} . [u] ds + ∫ γ [u] . [v] ds
+//! ```
 //!
-//!   \[u\] = u_slave - u_master,   {t} = w_s t_s - w_m t_m,   t_s = sigma(u_s) n_s,  t_m = sigma(u_m) n_m   (outward normals; exact: t_m = -t_s)
-//!   w_s = d_m / (d_s + d_m),   w_m = d_s / (d_s + d_m),   γ = factor d_s d_m / (d_s + d_m)
+//! ```text
+//! [u] = u_slave - u_master,   {t} = w_s t_s - w_m t_m,   t_s = sigma(u_s) n_s,  t_m = sigma(u_m) n_m   (outward normals; exact: t_m = -t_s)
+//! w_s = d_m / (d_s + d_m),   w_m = d_s / (d_s + d_m),   γ = factor d_s d_m / (d_s + d_m)
+//! ```
 //!
 //! θ = 1 symmetric, -1 unsymmetric, 0 incomplete. d \[modulus/length\] is the bound of the flux by the energy of the element
 //! behind the facet, ∫ |t|² ds <= d a(u, u), from a local eigenvalue ([`Flux::stabilisation`](crate::physics::Flux)); on the master

@@ -1,6 +1,8 @@
 //! Penalty coupling: the rows of mortar, softened by a compliance.
 //!
-//!   C u = S lambda,   S diagonal,   s_i = w_i² / (factor k_i)
+//! ```text
+//! C u = S lambda,   S diagonal,   s_i = w_i² / (factor k_i)
+//! ```
 //!
 //! w_i = sum_j |C_ij| is the weight of row i, k_i the mean stiffness of its slave unknowns
 //! ([`constraint::penalty`](crate::constraint::penalty)). With elements of size h and a modulus E the jump is about

@@ -27,6 +27,7 @@ impl Cone {
     }
 
     /// A cone around both.
+    #[must_use]
     pub fn join(self, other: Self) -> Self {
         let apart = turn(other.middle - self.middle);
         let (lo, hi) = ((-self.half).min(apart - other.half), self.half.max(apart + other.half));

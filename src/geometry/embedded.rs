@@ -40,6 +40,7 @@ impl<const S: usize, const D: usize, X, T: Real> Embedded<S, D, X, T> {
     ///
     /// # Panics
     /// If there is not one list per cell.
+    #[must_use]
     pub fn with_corners(mut self, corners: Vec<Vec<usize>>) -> Self {
         assert_eq!(corners.len(), self.cells.len(), "one list of corners per cell");
         self.corners = corners;
@@ -47,6 +48,7 @@ impl<const S: usize, const D: usize, X, T: Real> Embedded<S, D, X, T> {
     }
 
     /// Removes the functions that vanish on all cells; also returns the former ids of the others.
+    #[must_use]
     pub fn restricted(mut self) -> (Self, Vec<usize>)
     where
         X: Basis<D, T>,

@@ -6,23 +6,27 @@ use crate::linalg::{Matrix, Real, Vector, lit};
 
 impl<const D: usize, const N: usize, T: Real> ControlNet<D, N, T> {
     /// x -> factor x.
+    #[must_use]
     pub fn scale(self, factor: T) -> Self {
         self.scale_axes(&Vector::repeat(factor))
     }
 
     /// x_k -> factors_k x_k.
+    #[must_use]
     pub fn scale_axes(mut self, factors: &Vector<N, T>) -> Self {
         self.points.iter_mut().for_each(|x| *x = x.component_mul(factors));
         self
     }
 
     /// x -> Q x, for instance with Q of [`turn`] or [`turn_about`].
+    #[must_use]
     pub fn rotate(mut self, rotation: &Matrix<N, N, T>) -> Self {
         self.points.iter_mut().for_each(|x| *x = rotation * *x);
         self
     }
 
     /// x -> x + by.
+    #[must_use]
     pub fn translate(mut self, by: &Vector<N, T>) -> Self {
         self.points.iter_mut().for_each(|x| *x += by);
         self

@@ -38,6 +38,7 @@ impl<T: Real> Gmres<T> {
     }
 
     /// Sets the number of vectors kept before a restart.
+    #[must_use]
     pub fn with_restart(mut self, restart: usize) -> Self {
         self.restart = restart;
         self

@@ -34,6 +34,7 @@ impl<T: Real> Cg<T> {
     }
 
     /// Uses symmetric Gauss-Seidel sweeps as M.
+    #[must_use]
     pub fn with_gauss_seidel(mut self) -> Self {
         self.preconditioner = Preconditioner::GaussSeidel;
         self

@@ -44,6 +44,7 @@ impl Limits {
     }
 
     /// Sets the iteration limit.
+    #[must_use]
     pub fn within(mut self, max_iterations: usize) -> Self {
         self.max_iterations = max_iterations;
         self

@@ -30,6 +30,7 @@ impl<const S: usize, const N: usize> System<S, N> {
     }
 
     /// Solves with another constraint solver; by default by factors of the whole system.
+    #[must_use]
     pub fn with_solver(mut self, solver: impl ConstraintSolver + 'static) -> Self {
         self.inner.replace_solver(Box::new(solver));
         self

@@ -32,11 +32,13 @@ impl Point {
     }
 
     /// Moves the point to another time.
+    #[must_use]
     pub fn at_time(self, t: f64) -> Self {
         Self { t, ..self }
     }
 
     /// Gives the point a gap.
+    #[must_use]
     pub fn with_gap(self, g: f64) -> Self {
         Self { g, ..self }
     }

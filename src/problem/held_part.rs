@@ -1,6 +1,8 @@
 //! Multipliers of contact sides that are held along the normal in part.
 //!
-//!   share_j = sum over held functions i of |∫ ψ_j N_i ds| over the same sum of all functions of the side
+//! ```text
+//! share_j = sum over held functions i of |∫ ψ_j N_i ds| over the same sum of all functions of the side
+//! ```
 //!
 //! Beside a held part, a function of share above one half has hardly a displacement to act on: its pressure goes to the neighbour with which
 //! it shares most of the displacements that are free, as where an end is lowered. Functions of share one have no free displacement of the

@@ -3,7 +3,9 @@
 //! With F, M the force and the moment by the rule of the problem, F*, M* those by elements that are halved ([`Halved`]), moments about the
 //! centre c = ∫ |f| x / ∫ |f| of the load, and L² = ∫ |f| |x - c|² / ∫ |f| its spread, the error of a load is
 //!
-//!   e = max( |F - F*|, |M - M*| / L ) / ∫ |f|.
+//! ```text
+//! e = max( |F - F*|, |M - M*| / L ) / ∫ |f|.
+//! ```
 //!
 //! Of springs it is |∫ k - ∫* k| / ∫ |k|, of a modulus E, whose errors in different elements do not make up for each other, the sum of
 //! |∫ E - ∫* E| over the elements, over ∫ E. Loads and sources of an exact solution without pieces are smooth: they are left out.

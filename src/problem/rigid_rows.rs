@@ -2,7 +2,9 @@
 //!
 //! R: the rigid motions of the bodies. They lie in the bodies' spaces, so that row j of a tie is on them
 //!
-//!   ∫ ψ_j d . (u_slave - u_master) ds = d . (t_s - t_m) ∫ ψ_j ds + ...  ∫ ψ_j (x - c) ds,
+//! ```text
+//! ∫ ψ_j d . (u_slave - u_master) ds = d . (t_s - t_m) ∫ ψ_j ds + ...  ∫ ψ_j (x - c) ds,
+//! ```
 //!
 //! whatever the functions of the sides are: both bodies are looked at in the place of the slave, so that sides that are a little apart hold
 //! no more than sides that touch. Counting rows or points says too little: one constant per component has a row for each translation and

@@ -88,42 +88,49 @@ impl<const N: usize> PatchSpec<N> {
     }
 
     /// Sets the degree per direction.
+    #[must_use]
     pub fn with_degree(mut self, degree: [usize; N]) -> Self {
         self.degree = degree;
         self
     }
 
     /// Sets `elements` equal elements per direction in total, rounded up to a multiple of the net's spans.
+    #[must_use]
     pub fn with_elements(mut self, elements: [usize; N]) -> Self {
         self.breakpoints = self.net.breakpoints_total(elements);
         self
     }
 
     /// Sets the breakpoints per direction.
+    #[must_use]
     pub fn with_breakpoints(mut self, breakpoints: [Vec<f64>; N]) -> Self {
         self.breakpoints = breakpoints;
         self
     }
 
     /// Sets the continuity at knots.
+    #[must_use]
     pub fn with_continuity(mut self, continuity: usize) -> Self {
         self.continuity = Some(continuity);
         self
     }
 
     /// Sets the kind of spline functions.
+    #[must_use]
     pub fn with_basis(mut self, basis: BasisKind) -> Self {
         self.basis = basis;
         self
     }
 
     /// Sets the shape of the cells.
+    #[must_use]
     pub fn with_cells(mut self, cells: Cell) -> Self {
         self.cells = cells;
         self
     }
 
     /// Sets the map of a Lagrange mesh.
+    #[must_use]
     pub fn with_mapping(mut self, mapping: Mapping) -> Self {
         self.mapping = mapping;
         self
@@ -133,6 +140,7 @@ impl<const N: usize> PatchSpec<N> {
     ///
     /// # Panics
     /// If more than 2^32 elements would come out in one direction.
+    #[must_use]
     pub fn refined(mut self, times: usize) -> Self {
         for (k, b) in self.breakpoints.iter_mut().enumerate() {
             // knots of the net first, or halving would not see the elements they cut

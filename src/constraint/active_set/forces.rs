@@ -1,6 +1,8 @@
 //! Multipliers and gaps of contact rows as forces, and the tolerance below which they count as zero.
 //!
-//!   p_j = lambda_j s_j,   q_j = k_j (gap_j - compliance_j lambda_j) / s_j      k_j, s_j: [`row_scales`]
+//! ```text
+//! p_j = lambda_j s_j,   q_j = k_j (gap_j - compliance_j lambda_j) / s_j      k_j, s_j: row_scales
+//! ```
 //!
 //! In a linear system with equalities q_j of a closed row and p_j of an open one are zero by construction. They are set to zero here, so
 //! that rounding does not decide, whatever the factor between p and q.

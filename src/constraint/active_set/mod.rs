@@ -1,6 +1,8 @@
 //! Primal-dual active set iteration around any solver of equalities: a semismooth Newton method.
 //!
-//!   row j is active next iff lambda_j s_j + c k_j (gap_j - compliance_j lambda_j) / s_j < 0      (both terms are forces)
+//! ```text
+//! row j is active next iff lambda_j s_j + c k_j (gap_j - compliance_j lambda_j) / s_j < 0      (both terms are forces)
+//! ```
 //!
 //! k_j, s_j: stiffness and weight of the row ([`super::scale::row_scales`]). Where both terms are within 1e-12 of their scale the row
 //! keeps its state: all nine combinations of signs are decided, none by rounding. In a linear system the second term of an active row
@@ -36,7 +38,9 @@ pub(super) use forces::violated;
 
 /// Active set iteration around `inner`; rows of kind `Equal` and `Open` stay what they are.
 ///
-///   row j is active next iff lambda_j s_j + c k_j (gap_j - compliance_j lambda_j) / s_j < 0
+/// ```text
+/// row j is active next iff lambda_j s_j + c k_j (gap_j - compliance_j lambda_j) / s_j < 0
+/// ```
 ///
 /// with the stiffness k_j and the weight s_j of [`row_scales`](super::scale::row_scales): both terms are forces, c is a pure number. One of
 /// them is zero by construction in every row, so the result does not depend on c.
@@ -83,6 +87,7 @@ impl<C> ActiveSet<C> {
     }
 
     /// Sets the first state, one entry per row.
+    #[must_use]
     pub fn starting_from(mut self, start: Vec<bool>) -> Self {
         self.start = start;
         self

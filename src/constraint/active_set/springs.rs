@@ -1,6 +1,8 @@
 //! Restart with weak springs to the ground, for bodies held by contact alone if even partial steps leave them free.
 //!
-//!   (K + δ diag K) u + Bᵀ lambda = f
+//! ```text
+//! (K + δ diag K) u + Bᵀ lambda = f
+//! ```
 //!
 //! is regular for every set of closed rows. If δ is small against the stiffness of the bodies, its active set is that of K. It is the
 //! start of the iteration without springs, so that the solution contains none.

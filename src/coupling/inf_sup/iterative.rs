@@ -2,8 +2,10 @@
 //!
 //! (B G_W⁻¹ Bᵀ - sigma G_M) phi = G_M v is solved as
 //!
-//!   [ G_W  Bᵀ        ] [w  ]   [ 0       ]
-//!   [ B    sigma G_M ] [phi] = [ -G_M v  ]
+//! ```text
+//! [ G_W  Bᵀ        ] [w  ]   [ 0       ]
+//! [ B    sigma G_M ] [phi] = [ -G_M v  ]
+//! ```
 //!
 //! Below zero the matrix is quasi-definite: LDLᵀ needs no pivots, and eigenvalues near zero stand apart at once. Then the
 //! shift moves up to just below the smallest Ritz value, where LU takes over: edges of bands, where eigenvalues lie as close as

@@ -1,13 +1,17 @@
 //! The discrete inf-sup constant of a multiplier space on a side (the test of Chapelle and Bathe).
 //!
-//!   beta = min over phi in M, max over w in W of  (phi, w) / (|phi|_M |w|_W)
+//! ```text
+//! beta = min over phi in M, max over w in W of  (phi, w) / (|phi|_M |w|_W)
+//! ```
 //!
 //! W is the trace space without its constrained functions, M the multiplier space; both are real functions on one side,
 //! so vector problems are tested component by component. With the Gram matrices G_W, G_M of the norms and
 //! B_jk = ∫ ψ_j N_k ds, beta is the smallest singular value of L_M⁻¹ B L_W⁻ᵀ (G = L Lᵀ), its square the smallest
 //! eigenvalue of
 //!
-//!   B G_W⁻¹ Bᵀ phi = beta² G_M phi.
+//! ```text
+//! B G_W⁻¹ Bᵀ phi = beta² G_M phi.
+//! ```
 //!
 //! No unknown of the bulk takes part. beta stays away from zero under refinement where the pair is stable.
 //!

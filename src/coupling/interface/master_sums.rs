@@ -2,11 +2,15 @@
 //!
 //! A master point x_m with tangent t = x_m' faces the slave point whose closest point it is,
 //!
-//!   (x_s(xi) - x_m(eta)) . t(eta) = 0,
+//! ```text
+//! (x_s(xi) - x_m(eta)) . t(eta) = 0,
+//! ```
 //!
 //! and differentiating gives the slave's measure in the master's coordinate, with the curvature x_m'' of the master:
 //!
-//!   ds = |x_s'| |dxi/deta| deta,   dxi/deta = (|t|² - (x_s - x_m) . x_m'') / (x_s' . t)
+//! ```text
+//! ds = |x_s'| |dxi/deta| deta,   dxi/deta = (|t|² - (x_s - x_m) . x_m'') / (x_s' . t)
+//! ```
 //!
 //! so the sums tend to the same integrals over the slave as slave-side and merged ones. Elements are integrated from end to end, with no
 //! regard to the slave's knots: that is the error of this rule. An element is cut only where a side ends, or where the closest point of

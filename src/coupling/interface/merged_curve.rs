@@ -2,7 +2,9 @@
 //!
 //! A master vertex V with mean tangent t defines the plane (x - V) . t = 0. A slave element is cut at the roots of
 //!
-//!   φ(xi) = (x_s(xi) - V) . t
+//! ```text
+//! φ(xi) = (x_s(xi) - V) . t
+//! ```
 //!
 //! for the vertices near it. On smooth sides this is where the closest point passes V; at a kink it halves the fan of
 //! points whose closest point is V. Where both sides have outward signs, partners oppose each other: where only one of the elements that

@@ -115,6 +115,7 @@ impl<const D: usize, T: Real> Segments<D, T> {
     }
 
     /// Exchanges slave and master: for mixed integration, with segments made by the master's rule.
+    #[must_use]
     pub fn swapped(self) -> Self {
         Self { slave: self.master, master: self.slave, slave_xi: self.master_xi, master_xi: self.slave_xi, ..self }
     }

@@ -2,7 +2,9 @@
 //!
 //! A slave element is covered where the reference measure of its points, sum ds / |J|, is that of its cell; of others
 //!
-//!   share = sum ds / ∫ |J|
+//! ```text
+//! share = sum ds / ∫ |J|
+//! ```
 //!
 //! A report that agrees is kept as it is, any other one is replaced.
 

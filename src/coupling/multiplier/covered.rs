@@ -3,7 +3,9 @@
 //! On such an element the functions of [`dual`](super::dual()) have weights ∫ psi_j ds over the covered part that may be negative. So
 //! duality is required over that part,
 //!
-//!   ∫ psi_j N_i ds = delta_ij d_i,   d_i = ∫ N_i ds > 0,   both over the covered part, by the points of the rows themselves:
+//! ```text
+//! ∫ psi_j N_i ds = delta_ij d_i,   d_i = ∫ N_i ds > 0,   both over the covered part, by the points of the rows themselves:
+//! ```
 //!
 //! weights are those of the N_i, the psi_j sum to one, and D is diagonal. This requires N_i >= 0: Lagrange functions of degree two and more
 //! are replaced by the Bernstein polynomials of the same numbers on such elements, in the order of the nodes, in which D is diagonal there.
@@ -12,7 +14,9 @@
 //! monomials; functions of smooth splines reach 904 at 1 % (degree 2) and 5e5 (degree 3). Where |psi| exceeds [`MOST`] the function of
 //! least weight is merged into its neighbour,
 //!
-//!   N_j' = N_j + N_i,   one function and one degree less,   down to psi = 1 for a sliver;
+//! ```text
+//! N_j' = N_j + N_i,   one function and one degree less,   down to psi = 1 for a sliver;
+//! ```
 //!
 //! and so is, on an element covered in part, the function of a constrained end. Smooth splines of degree three and more are an error.
 //!

@@ -2,7 +2,9 @@
 //!
 //! On an element with functions N_0 .. N_p take polynomials q_k that span P_p, and with s the arc length
 //!
-//!   G_ki = ∫ q_k N_i ds,   d_i = ∫ N_i ds,   psi_j = sum_k A_jk q_k,   A = diag(d) G⁻¹
+//! ```text
+//! G_ki = ∫ q_k N_i ds,   d_i = ∫ N_i ds,   psi_j = sum_k A_jk q_k,   A = diag(d) G⁻¹
+//! ```
 //!
 //! so that ∫ psi_j N_i ds = delta_ij d_i on every element, and D of the mortar rows is diagonal with the lumped weights
 //! W_i = sum of d_i. The psi_j sum to one: the q_k may be chosen with sum one, then 1ᵀ G = dᵀ because the constant is one

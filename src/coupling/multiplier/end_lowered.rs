@@ -3,7 +3,9 @@
 //! On an end element with functions N_0 .. N_p (N_0 the one at the end) let c_i be the coefficient of xi^p of N_i. Two
 //! neighbours at a time cancel it, with one function less in total:
 //!
-//!   N_i' = h_i N_i + (1 - h_{i+1}) N_{i+1},   i = 0 .. p-1,   h_i = (c_0 + .. + c_i) / c_i,   h_p = 0
+//! ```text
+//! N_i' = h_i N_i + (1 - h_{i+1}) N_{i+1},   i = 0 .. p-1,   h_i = (c_0 + .. + c_i) / c_i,   h_p = 0
+//! ```
 //!
 //! They still sum to one: sum_i c_i = 0 because the N_i do. For B-splines the c_i alternate and their partial sums follow
 //! (they are top coefficients of degree p - 1), so 0 <= h_i <= 1 and the N_i' stay non-negative; on Bernstein functions this

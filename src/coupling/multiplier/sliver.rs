@@ -4,7 +4,9 @@
 //! there: a hat function over 1e-4 of its element takes a tenth of the force with 5,000 times the mean pressure. So a function that lives on
 //! elements covered in part alone, with less than [`SLIVER`] of its integral over these elements,
 //!
-//!   ∫ |N_j| ds over what is covered  <  SLIVER ∫ |N_j| ds over the whole elements,
+//! ```text
+//! ∫ |N_j| ds over what is covered  <  SLIVER ∫ |N_j| ds over the whole elements,
+//! ```
 //!
 //! gives its share to the neighbour with most of what is covered: N_k' = N_k + N_j. The functions stay non-negative and sum to one. Where all
 //! functions of an element are of that kind the neighbour is one of the element beside it, and without one they stay.

@@ -4,7 +4,9 @@
 //! or the interference of the curve is. With h the sum of the greatest sags of both sides and g the gap by the gap formula, the warning is
 //! given if
 //!
-//!   h > 0.1 mean |g|   and   max |g| < 10 h,
+//! ```text
+//! h > 0.1 mean |g|   and   max |g| < 10 h,
+//! ```
 //!
 //! so that sides that touch only in part, as in Hertz' problem, are excluded: there the gap grows beyond any sag.
 

@@ -4,7 +4,9 @@
 //! polynomial, which the rules integrate exactly ([`crate::assembly::points_of_curved_cells`]); for rational maps it is not. Per element,
 //! with F by the rule and F* by one of many more points, the defect is
 //!
-//!   e = sqrt( Σ_i |F_i - F*_i|² / K_ii ) / sqrt(V),   K_ii = ∫ |∇N_i|² dx,  V the volume:
+//! ```text
+//! e = sqrt( Σ_i |F_i - F*_i|² / K_ii ) / sqrt(V),   K_ii = ∫ |∇N_i|² dx,  V the volume:
+//! ```
 //!
 //! the size of the stress that balances the defect, relative to that of the field. Nearly straight cells are not examined: the defect falls
 //! with the angle they span to the power 2p + 2.

@@ -4,7 +4,9 @@
 //! radius R is |u_t|² / 2R farther from it (nearer, inside of a hole). With d the distance neglected by this first order, measured at the
 //! closed points by the closest point of the surface at rest to their position moved by u_slave - u_master,
 //!
-//!   e = mean |d| / ( mean |g| + mean |u_master . n - its mean| ),
+//! ```text
+//! e = mean |d| / ( mean |g| + mean |u_master . n - its mean| ),
+//! ```
 //!
 //! the error of the gap over the closing distance: the initial gaps, and the yielding of the master. The area and the half width of the
 //! zone are wrong by about as much. A rotation of the master itself is not detected, nor are distances below the rounding of places: in
