@@ -1,5 +1,6 @@
 //! Answers of solutions: fields at points, results of ties and contacts, and errors with the best state.
 
+use faying::constraint::{Abilities, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, SolveError};
 use faying::contact::HalfPlane;
 use faying::coupling::{Coupling, Mortar, Nitsche, Penalty};
 use faying::geometry::shapes::rectangle;
@@ -58,7 +59,8 @@ fn elements_answer_by_number() {
     let states = solution.in_element(body, 5, &[[0.25, 0.5], [0.75, 0.5]]).unwrap();
     assert_eq!(states.len(), 2);
     for state in states {
-        let found = solution.at(body, &state.x.into()).unwrap();
+        let x: faying::nalgebra::SVector<f64, 2> = state.x;
+        let found = solution.at(body, &x.into()).unwrap();
         assert!((0..2).all(|c| (state.u[c] - found.u[c]).abs() < 1e-14), "{state:?}, {found:?}");
     }
     assert_eq!(solution.in_element(body, 16, &[[0.5; 2]]).unwrap_err().kind, ErrorKind::NoElement { element: 16, elements: 16 });
@@ -80,16 +82,31 @@ fn half_pressed() -> (Problem<1, 2>, BodyId) {
     (p, beam)
 }
 
+/// A solver that never is content with its answer.
+#[derive(Debug)]
+struct Never;
+
+impl ConstraintSolver for Never {
+    fn abilities(&self) -> Abilities {
+        Direct::new().abilities()
+    }
+
+    fn solve(&mut self, system: &ConstrainedSystem<'_>) -> Result<ConstrainedSolution, SolveError> {
+        let best = Box::new(Direct::new().solve(system)?);
+        Err(SolveError::TooManyIterations { iterations: 7, best })
+    }
+}
+
 #[test]
 fn an_unsolved_step_says_its_error_alone_and_carries_the_best_solution() {
-    let (mut p, beam) = half_pressed();
-    p.active_set(1.0, 1);
-    let unsolved = p.assemble().unwrap().solve(1.0, None).unwrap_err();
+    let (p, tie, lower) = pulled(Mortar);
+    let unsolved = p.assemble().unwrap().with_solver(Never).solve(1.0, None).unwrap_err();
     let text = format!("{unsolved:?}");
-    assert!(text.len() < 400 && text == unsolved.to_string(), "{text}");
+    assert!(text.len() < 400 && text.contains('7') && text == unsolved.to_string(), "{text}");
     assert_eq!(unsolved.source().map(ToString::to_string), Some(text.clone()));
-    let best = unsolved.best.as_ref().unwrap();
-    assert!(best.at(beam, &[3.0, 1.0]).unwrap().u[1] != 0.0);
+    let (best, right) = (unsolved.best.as_ref().unwrap(), p.assemble().unwrap().solve(1.0, None).unwrap());
+    assert_eq!(best.at(lower, &[1.3, 0.6]).unwrap(), right.at(lower, &[1.3, 0.6]).unwrap());
+    assert_eq!(best.tie(tie).unwrap(), right.tie(tie).unwrap());
     let boxed: Box<dyn Error + Send + Sync> = unsolved.into();
     assert_eq!(format!("{boxed:?}"), text);
 }
