@@ -56,7 +56,7 @@ pub(super) fn names(case: &Case, patch: usize) -> SideNames {
     if case.patches[patch].geometry.value.shape.value.kind() == "box" {
         return Arc::new(move |side| alias(side, dimension).to_owned());
     }
-    Arc::new(|side| quoted(side).into())
+    Arc::new(quoted)
 }
 
 pub(super) fn side_fault<const S: usize, const N: usize>(
