@@ -1,4 +1,4 @@
-//! What a constraint solver can solve, said before it is asked to.
+//! Abilities of constraint solvers, said before they are asked to solve.
 
 /// Abilities of a constraint solver, beyond symmetric systems whose rows are independent equalities.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -340,7 +340,7 @@ pub trait ConstraintSolver<T: Real = f64>: Debug + Send {
     /// [`SolveError`] if no accurate solution was found.
     fn solve(&mut self, system: &ConstrainedSystem<'_, T>) -> Result<ConstrainedSolution<T>, SolveError>;
 
-    /// What it solves and what it refuses; the answer is the same before and after every system.
+    /// Systems that it solves; the answer is the same before and after every system.
     fn abilities(&self) -> Abilities;
 
     /// Largest relative residual of its answers: [`verified`] refuses larger ones. Iterative methods return their tolerance.

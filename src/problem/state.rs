@@ -107,7 +107,7 @@ pub struct Unsolved<L> {
 }
 
 impl<L> Unsolved<L> {
-    /// The same error with another form of the state.
+    /// Keeps the error with another form of the state.
     pub(super) fn map<M>(self, form: impl FnOnce(L) -> M) -> Unsolved<M> {
         Unsolved { error: self.error, best: self.best.map(form) }
     }

@@ -27,14 +27,7 @@ impl Reader {
             }
             Some(node) => self.sides(&node, "on", patches),
         };
-        let filter = self.formula(b, "where", Uses::Space).filter(|f| {
-            let changes = f.value.depends_on_time();
-            if changes {
-                let message = "`where` must not depend on t: its facets are chosen once".to_owned();
-                self.fault("E017", f.at, message, "write loads that move as formulas of t, which are zero elsewhere");
-            }
-            !changes
-        });
+        let filter = self.filter(b);
         let mut dirichlet: Components<Datum> = (0..n).map(|_| None).collect();
         let (mut fix_normal, mut fix_tangential) = (None, None);
         if let Some(node) = b.node("fix").cloned() {
@@ -97,6 +90,17 @@ impl Reader {
             rigid_force,
         };
         Read { boundary, all_outer }
+    }
+
+    /// `where`, which is asked once.
+    fn filter(&mut self, b: &Block) -> Option<Located<Formula>> {
+        let filter = self.formula(b, "where", Uses::Space)?;
+        if filter.value.depends_on_time() {
+            let message = "`where` must not depend on t: its facets are chosen once".to_owned();
+            self.fault("E017", filter.at, message, "write loads that move as formulas of t, which are zero elsewhere");
+            return None;
+        }
+        Some(filter)
     }
 
     fn fix(
