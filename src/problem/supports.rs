@@ -13,6 +13,8 @@ use std::ops::Range;
 
 /// Points looked at per side.
 const SAMPLES: usize = 24;
+/// Relative deviation of parallel directions.
+const PARALLEL: f64 = 1e-9;
 
 /// Some points of a side, each with its body.
 fn points<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies, side: &SideModel<S, N>) -> Vec<(usize, Vector<N>)> {
@@ -172,7 +174,11 @@ pub fn held_by<const S: usize, const N: usize>(
             direction[(i - field.first) % field.components] = value;
         }
         let function = (first - field.first) / field.components;
-        let side = model.supports.iter().find(|s| s.patch == patch && s.trace.dofs.contains(&function));
+        let has = |s: &SideModel<S, N>| s.patch == patch && s.trace.dofs.contains(&function);
+        // in a corner of two such sides each has its own direction
+        let along = |d: &Vector<N>| (direction - d * direction.dot(d) / d.norm_squared()).norm() <= PARALLEL * direction.norm();
+        let own = model.held.iter().find(|(side, d)| has(side) && along(d)).map(|(side, _)| side);
+        let side = own.or_else(|| model.supports.iter().find(|s| has(s)));
         for (body, x) in side.map(|s| of(s)).unwrap_or_default() {
             fix(body, direction, x);
         }

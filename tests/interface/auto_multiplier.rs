@@ -5,7 +5,7 @@ use faying::coupling::multiplier::{MultiplierKind, build};
 use faying::geometry::ControlNet;
 use faying::geometry::shapes::rectangle;
 use faying::linalg::Vector;
-use faying::space::{Body, Mesh, MultiPatch, Near, Patch, PatchSpec, Seam, Trace};
+use faying::space::{Body, Mapping, Mesh, MultiPatch, Near, Patch, PatchSpec, Seam, Trace};
 use std::sync::Arc;
 
 type AnyBody = Arc<dyn Body<1, 2>>;
@@ -77,7 +77,7 @@ fn drop() -> ControlNet<2, 2> {
 fn closed_sides_of_any_number_of_elements_have_the_multiplier_of_their_degree() {
     for degree in 2..=4 {
         for elements in [1, 2, 4] {
-            let spec = PatchSpec::new(drop()).with_degree([degree; 2]).with_elements([elements, 1]);
+            let spec = PatchSpec::new(drop()).with_degree([degree; 2]).with_elements([elements, 1]).with_mapping(Mapping::Exact);
             let bodies: [AnyBody; 2] = [Arc::new(Patch::try_new(&spec).unwrap()), Arc::new(Mesh::from_patch(&spec).unwrap())];
             for body in bodies {
                 let ring = MultiPatch::try_new(vec![("a".into(), body)], &[Seam::new((0, "u0"), (0, "u1"))], Near::Exact).unwrap();

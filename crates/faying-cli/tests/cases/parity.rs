@@ -26,7 +26,7 @@ fn samples() -> PathBuf {
 fn sample(name: &str, points: &[(&str, &[f64])]) -> (Case, RunResult) {
     let path = samples().join(name);
     let mut text = std::fs::read_to_string(&path).unwrap();
-    text.push_str(&probes(points, text.contains("poisson")));
+    text.push_str(&probes(points, text.contains("physics = \"poisson\"")));
     let options = ReadOptions { folder: Some(samples()), ..ReadOptions::default() };
     let case = Case::parse(path.to_str().unwrap(), &text, &options).unwrap_or_else(|e| panic!("{name}: {e}"));
     let result = case.run(&Registry::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -39,7 +39,7 @@ fn probes(points: &[(&str, &[f64])], scalar: bool) -> String {
     for (k, (patch, x)) in points.iter().enumerate() {
         let components = if scalar { &["u"][..] } else { &["u.x", "u.y", "u.z"][..x.len()] };
         for c in components {
-            text += &format!("[[probe]]\nname = \"parity-{k}-{c}\"\nquantity = \"{c} at {x:?} in {patch}\"\n", c = c);
+            text += &format!("[[probe]]\nname = \"parity-{k}-{}\"\nquantity = \"{c} at {x:?} in {patch}\"\n", c.replace('.', "-"));
         }
     }
     text
