@@ -292,7 +292,8 @@ fn a_cylinder_on_a_block() {
 
 #[test]
 fn a_pipe_as_three_solids() {
-    let points: &[(&str, &[f64])] = &[("nurbs", &[1.03, 0.47, 0.41]), ("hexahedra", &[1.03, 0.47, 2.17]), ("tetrahedra", &[1.03, 0.47, 3.71])];
+    let points: &[(&str, &[f64])] =
+        &[("nurbs", &[1.03, 0.47, 0.41]), ("hexahedra", &[1.03, 0.47, 2.17]), ("tetrahedra", &[1.03, 0.47, 3.71])];
     let (case, result) = sample("solid.toml", points);
     let words = Words::of(&case);
     let mut p = Problem::<2, 3>::new();
