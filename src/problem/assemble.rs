@@ -13,9 +13,6 @@ use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
 use super::model::{ContactModel, Model, SideModel, TieModel};
 use super::obstacle::{ObstacleModel, Pressed};
-use super::rigid_bodies::RigidBodies;
-use super::rigid_rows::closed_forms;
-use super::supports::{Ties, free_by, held_by, sentences};
 use super::tie_part::Memberships;
 use super::touching::Search;
 use super::touching_bodies;
@@ -32,22 +29,26 @@ where
     /// # Errors
     /// All that is wrong; of supports, ties, contacts and rigid motions those that come first hide what follows.
     pub fn assemble(&self) -> Result<System<S, N>, ProblemErrors> {
-        let model = self.built()?;
-        Self::held(&model)?;
-        Ok(System::new(model, self.identity.clone(), self.regions.clone(), self.times.clone()))
+        let system = self.assemble_movable()?;
+        system.held()?;
+        Ok(system)
     }
 
-    /// The model of the problem, as [`assemble`](Self::assemble) makes it, without the check of rigid motions.
+    /// The system of the problem, as [`assemble`](Self::assemble) makes it, whatever may still move as a rigid body:
+    /// [`System::rigid_motions`] lists it.
     ///
     /// # Errors
-    /// Those of [`assemble`](Self::assemble).
-    #[doc(hidden)]
-    pub fn built(&self) -> Result<Model<S, N>, ProblemErrors> {
-        Trace::<S, N>::model_of(self)
+    /// Those of [`assemble`](Self::assemble), but for rigid motions.
+    pub fn assemble_movable(&self) -> Result<System<S, N>, ProblemErrors> {
+        Trace::<S, N>::system_of(self)
     }
 
-    /// The work of [`built`](Self::built).
-    pub(super) fn assembled(&self) -> Result<Model<S, N>, ProblemErrors> {
+    /// The work of [`assemble_movable`](Self::assemble_movable).
+    pub(super) fn system(&self) -> Result<System<S, N>, ProblemErrors> {
+        Ok(System::new(self.built()?, self.identity.clone(), self.regions.clone(), self.times.clone()))
+    }
+
+    fn built(&self) -> Result<Model<S, N>, ProblemErrors> {
         some(self.check_interfaces())?;
         let pressed = self.contacts.iter().map(|c| c.own.forces.len()).sum();
         let mut model = self.model(pressed)?;
@@ -130,21 +131,6 @@ where
             model.contacts.push(built);
         }
         errors
-    }
-
-    /// Checks that nothing can move as a rigid body with every contact closed: neither where points of ties hold nor where only the
-    /// functions of multipliers do.
-    fn held(model: &Model<S, N>) -> Result<(), ProblemErrors> {
-        let first: Vec<Vec<_>> = model.contacts.iter().map(|c| c.parts.iter().map(|p| &p.first).collect()).collect();
-        let mut free = free_by(model, &first, &|_, _, _| true, Ties::Points);
-        if free.is_empty() {
-            let bodies = RigidBodies::of(model);
-            let (modes, mut forms) = held_by(model, &bodies, &model.springs, Ties::Functions);
-            forms.extend(closed_forms(model, &modes, &bodies));
-            let left = modes.names(&modes.null(&forms)).into_iter();
-            free = left.map(|f| bodies.numbered(model, &modes, f)).collect();
-        }
-        if free.is_empty() { Ok(()) } else { Err(ProblemError::named(ErrorKind::Motions(sentences(model, &free)), &[]).into()) }
     }
 }
 

@@ -1,14 +1,18 @@
 //! A problem that is ready to be solved, and its solution.
 
 use super::data::Exact;
-use super::error::ProblemError;
+use super::error::{ProblemError, ProblemErrors};
+use super::forecast::Forecast;
 use super::handles::{BodyId, ContactId, InterfaceId, Region, TieId};
 use super::identity::Identity;
 use super::interface_results::{ContactResult, TieResult};
+use super::loads::LoadSum;
 use super::model::Model;
 use super::observer::Observer;
 use super::physics::PointState;
 use super::regions::Regions;
+use super::rigid_motions::RigidMotion;
+use super::row_names::ContactRows;
 use super::solved::{Assembled, Solve, State};
 use super::state::{StepState, Unsolved};
 use super::warnings::Warning;
@@ -32,8 +36,13 @@ impl<const S: usize, const N: usize> System<S, N> {
     /// Solves with another constraint solver; by default by factors of the whole system.
     #[must_use]
     pub fn with_solver(mut self, solver: impl ConstraintSolver + 'static) -> Self {
-        self.inner.replace_solver(Box::new(solver));
+        self.set_solver(solver);
         self
+    }
+
+    /// Replaces the constraint solver, as [`with_solver`](Self::with_solver) does.
+    pub fn set_solver(&mut self, solver: impl ConstraintSolver + 'static) {
+        self.inner.replace_solver(Box::new(solver));
     }
 
     /// The model: all that the problem consists of.
@@ -41,9 +50,65 @@ impl<const S: usize, const N: usize> System<S, N> {
         self.inner.model()
     }
 
-    /// Doubts about the problem at the times of its data: overlaps, thin cells, inexact integrals, soft supports.
+    /// Doubts about the problem at the times of its data: those of [`statement_warnings`](Self::statement_warnings) and of
+    /// [`accuracy_warnings`](Self::accuracy_warnings).
     pub fn warnings(&self) -> Vec<Warning> {
-        self.inner.warnings()
+        let mut found = self.statement_warnings();
+        found.extend(self.accuracy_warnings());
+        found
+    }
+
+    /// Doubts about what is stated: facets that do not explain a distance, values that jump in a corner, overlaps, multipliers with too few
+    /// functions.
+    pub fn statement_warnings(&self) -> Vec<Warning> {
+        self.inner.statement_warnings()
+    }
+
+    /// Doubts about the accuracy of solutions: thin cells, inexact integrals, soft supports, fluxes that jump.
+    pub fn accuracy_warnings(&self) -> Vec<Warning> {
+        self.inner.accuracy_warnings()
+    }
+
+    /// The memory that a run of a number of `steps` takes, whose solutions are kept; `factor`: whether a factor of the system is computed.
+    pub fn forecast(&self, factor: bool, steps: usize) -> Forecast {
+        self.inner.forecast(factor, steps)
+    }
+
+    /// Bodies, and obstacles that forces press, that can still move as rigid bodies with all points of ties held and all contacts closed;
+    /// none of a system from [`Problem::assemble`](super::Problem::assemble).
+    pub fn rigid_motions(&self) -> Vec<RigidMotion> {
+        self.inner.rigid_motions()
+    }
+
+    /// Rigid motions that are left at time `t` with the contact rows `open`, numbered as those of the system, and all others closed.
+    pub fn motions_with_open(&self, t: f64, open: &[usize]) -> Vec<RigidMotion> {
+        self.inner.motions_with_open(t, open)
+    }
+
+    /// Those of `rows` of the system that belong to contacts, side by side.
+    pub fn contact_rows(&self, rows: &[usize]) -> Vec<ContactRows<N>> {
+        self.inner.contact_rows(rows)
+    }
+
+    /// The tie or contact that a row of the system belongs to, its name, and the number of the row among those of its slave side; `None`
+    /// beyond the last row.
+    pub fn row_owner(&self, row: usize) -> Option<(InterfaceId, &str, usize)> {
+        self.inner.row_owner(row)
+    }
+
+    /// Force and moment of every load at time `t`, as the rules of the problem integrate it.
+    pub fn loads(&self, t: f64) -> Vec<LoadSum> {
+        self.inner.loads(t)
+    }
+
+    /// Assembles the matrices of the bodies at time `t`; [`solve`](Self::solve) does the same where it has not been done.
+    pub fn assemble_at(&mut self, t: f64) {
+        self.inner.assemble_at(t);
+    }
+
+    /// Checks that nothing can move as a rigid body with every contact closed.
+    pub(super) fn held(&self) -> Result<(), ProblemErrors> {
+        self.inner.held()
     }
 
     /// Solves the problem at time `t`, beginning with the contacts that are closed in `before`, a solution of this system; one of another
@@ -156,6 +221,11 @@ impl<const S: usize, const N: usize> Solution<S, N> {
     /// Doubts about the solution: large strains, moments that are lost, coarse zones, inexact interfaces, rounding.
     pub fn warnings(&self) -> Vec<Warning> {
         self.inner.warnings()
+    }
+
+    /// 1/2 uᵀ K u of all bodies, their springs included \[force length\].
+    pub fn energy(&self) -> f64 {
+        self.inner.energy()
     }
 
     /// Norms of the error against an exact solution, per body.

@@ -1,9 +1,9 @@
 //! The part of ties and contacts that differs between curves and surfaces.
 
+use super::assembled::System;
 use super::builder::Problem;
 use super::coupled::{Integration, Multiplier, Rule};
 use super::error::ProblemErrors;
-use super::model::Model;
 use super::multipliers::{DualPair, constrained_ends};
 use crate::basis::Basis;
 use crate::coupling::interface::{InterfaceQuadrature, MasterSums, MergedCurve, Partners, SlaveRule};
@@ -36,11 +36,11 @@ pub trait InterfaceSide<const S: usize, const N: usize>: Sized {
     /// A multiplier whose functions on slivers of what the segments cover are given to their neighbours.
     fn without_slivers(&self, psi: Box<dyn Basis<S>>, faced: &Segments<S>) -> Box<dyn Basis<S>>;
 
-    /// The model of a problem, see [`Problem::assemble`].
+    /// The system of a problem, without the check of rigid motions; see [`Problem::assemble`].
     ///
     /// # Errors
     /// All that is wrong.
-    fn model_of(problem: &Problem<S, N>) -> Result<Model<S, N>, ProblemErrors>;
+    fn system_of(problem: &Problem<S, N>) -> Result<System<S, N>, ProblemErrors>;
 }
 
 impl<const S: usize, const N: usize> Rule<S, N>
@@ -93,8 +93,8 @@ impl InterfaceSide<1, 2> for Trace<1, 2> {
     fn without_slivers(&self, psi: Box<dyn Basis<1>>, faced: &Segments<1>) -> Box<dyn Basis<1>> {
         multiplier::without_slivers(psi, &*self.space, faced)
     }
-    fn model_of(problem: &Problem<1, 2>) -> Result<Model<1, 2>, ProblemErrors> {
-        problem.assembled()
+    fn system_of(problem: &Problem<1, 2>) -> Result<System<1, 2>, ProblemErrors> {
+        problem.system()
     }
 }
 
@@ -128,7 +128,7 @@ impl InterfaceSide<2, 3> for Trace<2, 3> {
     fn without_slivers(&self, psi: Box<dyn Basis<2>>, _: &Segments<2>) -> Box<dyn Basis<2>> {
         psi
     }
-    fn model_of(problem: &Problem<2, 3>) -> Result<Model<2, 3>, ProblemErrors> {
-        problem.assembled()
+    fn system_of(problem: &Problem<2, 3>) -> Result<System<2, 3>, ProblemErrors> {
+        problem.system()
     }
 }

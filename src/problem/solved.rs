@@ -4,10 +4,12 @@
 
 use super::closed_points::left_free;
 use super::data::Exact;
-use super::error::{ErrorKind, ProblemError};
+use super::error::{ErrorKind, ProblemError, ProblemErrors};
+use super::forecast::Forecast;
 use super::handles::{BodyId, ContactId, InterfaceId, Region, TieId};
 use super::identity::Identity;
 use super::interface_results::{ContactResult, TieResult};
+use super::loads::LoadSum;
 use super::matrices::Stiffness;
 use super::model::{ContactModel, ContactPart, Model, PatchModel, TieModel};
 use super::observer::Observer;
@@ -16,13 +18,15 @@ use super::places::Places;
 use super::reactions::reactions;
 use super::regions::Regions;
 use super::resultant::Resultant;
+use super::rigid_motions::RigidMotion;
+use super::row_names::ContactRows;
 use super::solver::Solver;
 use super::state::{StepError, StepState, Unsolved};
 use super::step::step;
 use super::warnings::Warning;
 use crate::assembly::Errors;
 use crate::constraint::{ConstraintSolver, Direct};
-use crate::linalg::Vector;
+use crate::linalg::{Csr, Operator, Vector};
 use rayon::prelude::*;
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -33,8 +37,17 @@ type Solves<const S: usize, const N: usize> = Result<Arc<dyn State<S, N>>, Unsol
 /// The methods of a system.
 pub(super) trait Solve<const S: usize, const N: usize>: Debug + Send {
     fn model(&self) -> &Model<S, N>;
-    fn warnings(&self) -> Vec<Warning>;
+    fn statement_warnings(&self) -> Vec<Warning>;
+    fn accuracy_warnings(&self) -> Vec<Warning>;
+    fn forecast(&self, factor: bool, steps: usize) -> Forecast;
+    fn rigid_motions(&self) -> Vec<RigidMotion>;
+    fn motions_with_open(&self, t: f64, open: &[usize]) -> Vec<RigidMotion>;
+    fn held(&self) -> Result<(), ProblemErrors>;
+    fn contact_rows(&self, rows: &[usize]) -> Vec<ContactRows<N>>;
+    fn row_owner(&self, row: usize) -> Option<(InterfaceId, &str, usize)>;
+    fn loads(&self, t: f64) -> Vec<LoadSum>;
     fn replace_solver(&mut self, solver: Box<dyn ConstraintSolver>);
+    fn assemble_at(&mut self, t: f64);
     fn solve(&mut self, t: f64, before: Option<&dyn State<S, N>>, observer: Observer<'_>) -> Solves<S, N>;
 }
 
@@ -50,6 +63,7 @@ pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
     fn tie(&self, tie: TieId) -> Result<TieResult, ProblemError>;
     fn contact(&self, contact: ContactId) -> Result<ContactResult<N>, ProblemError>;
     fn reaction(&self, on: Region<'_>) -> Result<Vec<f64>, ProblemError>;
+    fn energy(&self) -> f64;
     fn errors(&self, exact: &dyn Exact) -> Vec<Errors>;
     fn warnings(&self) -> Vec<Warning>;
 }
@@ -85,22 +99,60 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
         &self.model
     }
 
-    fn warnings(&self) -> Vec<Warning> {
-        self.model.warnings(&self.times)
+    fn statement_warnings(&self) -> Vec<Warning> {
+        self.model.statement_warnings(&self.times)
+    }
+
+    fn accuracy_warnings(&self) -> Vec<Warning> {
+        self.model.accuracy_warnings(&self.times)
+    }
+
+    fn forecast(&self, factor: bool, steps: usize) -> Forecast {
+        self.model.forecast(factor, steps)
+    }
+
+    fn rigid_motions(&self) -> Vec<RigidMotion> {
+        self.model.rigid_motions()
+    }
+
+    fn motions_with_open(&self, t: f64, open: &[usize]) -> Vec<RigidMotion> {
+        self.model.motions_with_open(t, open)
+    }
+
+    fn held(&self) -> Result<(), ProblemErrors> {
+        self.model.held()
+    }
+
+    fn contact_rows(&self, rows: &[usize]) -> Vec<ContactRows<N>> {
+        self.model.contact_rows(rows)
+    }
+
+    fn row_owner(&self, row: usize) -> Option<(InterfaceId, &str, usize)> {
+        self.model.row_owner(row)
+    }
+
+    fn loads(&self, t: f64) -> Vec<LoadSum> {
+        self.model.load_sums(t)
     }
 
     fn replace_solver(&mut self, solver: Box<dyn ConstraintSolver>) {
         self.solver = Solver::new(solver);
     }
 
+    fn assemble_at(&mut self, t: f64) {
+        self.stiffness.get_or_insert_with(|| Stiffness::new(&self.model, t)).at(&self.model, t);
+    }
+
     fn solve(&mut self, t: f64, before: Option<&dyn State<S, N>>, observer: Observer<'_>) -> Solves<S, N> {
         let model = &*self.model;
         let stiffness = self.stiffness.get_or_insert_with(|| Stiffness::new(model, t));
         let before = before.filter(|b| std::ptr::eq(b.model(), model)).map(|b| b.state());
-        let stepped = step(model, stiffness.at(model, t), &mut self.solver, t, before, observer);
-        let solution = |state| -> Arc<dyn State<S, N>> {
+        let matrices = stiffness.at(model, t);
+        let stepped = step(model, matrices, &mut self.solver, t, before, observer);
+        let solution = |state: StepState<S, N>| -> Arc<dyn State<S, N>> {
             let (identity, regions) = (Arc::clone(&self.identity), Arc::clone(&self.regions));
-            Arc::new(Solved { identity, regions, places: Arc::clone(&self.places), model: Arc::clone(&self.model), state })
+            let energy = model.patches.iter().zip(&matrices.bodies).map(|(p, k)| energy(k, &state.u[p.range()])).sum();
+            Arc::new(Solved { identity, regions, places: Arc::clone(&self.places), model: Arc::clone(&self.model), state, energy })
         };
         let state = stepped.map_err(|unsolved| unsolved.map(|state| solution(*state)))?;
         match left_free(model, &state) {
@@ -118,6 +170,15 @@ pub(super) struct Solved<const S: usize, const N: usize> {
     places: Arc<Places<N>>,
     model: Arc<Model<S, N>>,
     state: StepState<S, N>,
+    /// 1/2 uᵀ K u of all bodies.
+    energy: f64,
+}
+
+/// 1/2 uᵀ K u.
+fn energy(matrix: &Csr, u: &[f64]) -> f64 {
+    let mut y = vec![0.0; u.len()];
+    matrix.apply(u, &mut y);
+    0.5 * u.iter().zip(&y).map(|(a, b)| a * b).sum::<f64>()
 }
 
 impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
@@ -194,6 +255,10 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
             }
         }
         Ok(sum)
+    }
+
+    fn energy(&self) -> f64 {
+        self.energy
     }
 
     fn errors(&self, exact: &dyn Exact) -> Vec<Errors> {

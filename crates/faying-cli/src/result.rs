@@ -1,8 +1,8 @@
 //! Results of a run: the public, serialisable content of `result.json`.
 
 use super::named::Named;
-use super::run::Prediction;
 use crate::errors::Diagnostic;
+use faying::problem::Forecast;
 use serde::Serialize;
 
 /// Status of a finished command.
@@ -374,6 +374,23 @@ pub struct StepReport {
     pub probes: Vec<ProbeReport>,
     /// The contacts at its end.
     pub contact: Named<ContactReport>,
+}
+
+/// Predicted size of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Prediction {
+    /// Entries of the stiffness.
+    pub entries: u64,
+    /// Entries of its factor, within a factor of about 1.5.
+    pub factor: u64,
+    /// Peak memory in bytes.
+    pub memory: u64,
+}
+
+impl From<Forecast> for Prediction {
+    fn from(forecast: Forecast) -> Self {
+        Self { entries: forecast.entries, factor: forecast.factor, memory: forecast.memory }
+    }
 }
 
 /// The content of `result.json`.

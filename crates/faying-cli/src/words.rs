@@ -14,6 +14,18 @@ pub(crate) fn percent(share: f64) -> String {
     text.parse::<f64>().map_or(text, |v| format!("{v}"))
 }
 
+/// Formats a number of bytes.
+pub fn bytes(n: u64) -> String {
+    let x = n as f64;
+    if x >= 1e9 {
+        format!("{:.1} GB", x / 1e9)
+    } else if x >= 1e6 {
+        format!("{:.0} MB", x / 1e6)
+    } else {
+        format!("{:.0} kB", x / 1e3)
+    }
+}
+
 /// Formats a position: "x = 0.25, y = 1".
 pub(crate) fn place(x: &[f64]) -> String {
     ["x", "y", "z"].iter().zip(x).map(|(name, v)| format!("{name} = {}", short(*v))).collect::<Vec<_>>().join(", ")

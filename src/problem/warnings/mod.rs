@@ -47,14 +47,13 @@ use super::state::StepState;
 pub use warning::{Subject, SubjectKind, Warning};
 
 impl<const S: usize, const N: usize> Model<S, N> {
-    /// Warnings about the model at `times`, at least one: all that is found without a solution.
-    pub fn warnings(&self, times: &[f64]) -> Vec<Warning> {
+    /// Warnings about what is stated, at `times`, at least one.
+    pub fn statement_warnings(&self, times: &[f64]) -> Vec<Warning> {
         let first = times.first().copied().unwrap_or(1.0);
         let mut found: Vec<Warning> = self.findings.iter().cloned().map(Warning::FacetsApart).collect();
         found.extend(self.corner_values(times));
         found.extend(self.contacts.iter().enumerate().filter_map(|(k, contact)| self.overlap(k, contact, first)));
         found.extend(self.too_few_functions());
-        found.extend(self.accuracy_warnings(times));
         found
     }
 

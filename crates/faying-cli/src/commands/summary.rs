@@ -1,8 +1,8 @@
 //! The short summary of a run for stdout.
 
 use crate::result::{GluedSides, Moment, RunResult};
-use crate::run::bytes;
 use crate::table::{Table, short};
+use crate::words::bytes;
 use std::fmt::Write as _;
 
 /// A few lines and tables: the case, the active set, sides, errors, probes, checks.

@@ -4,14 +4,14 @@ use super::places::Places;
 use crate::errors::Diagnostics;
 use crate::reference::Reference;
 use crate::result::GluedSides;
-use faying::problem::Model;
-use std::ops::{Deref, DerefMut};
+use faying::problem::{Model, System};
+use std::ops::Deref;
 
 /// A case as a problem. Derefs to its model.
 #[derive(Debug)]
 pub struct Built<const S: usize, const N: usize> {
     /// The problem.
-    pub model: Model<S, N>,
+    pub system: System<S, N>,
     /// Sides that interfaces of the case glue.
     pub glued_sides: Vec<GluedSides>,
     /// A stored run that replaces an exact solution.
@@ -25,12 +25,6 @@ pub struct Built<const S: usize, const N: usize> {
 impl<const S: usize, const N: usize> Deref for Built<S, N> {
     type Target = Model<S, N>;
     fn deref(&self) -> &Self::Target {
-        &self.model
-    }
-}
-
-impl<const S: usize, const N: usize> DerefMut for Built<S, N> {
-    fn deref_mut(&mut self) -> &mut Self::Target {
-        &mut self.model
+        self.system.model()
     }
 }

@@ -8,7 +8,6 @@ use super::places::{Places, Said};
 use super::refused::contact_fault;
 use super::sides::Sides;
 use super::ties::{nitsche_variant, rule};
-use super::values::times;
 use super::warned::tell;
 use crate::case::{self, Cone, Contact, Master, Method, SideRef};
 use crate::errors::{Diagnostic, Severity};
@@ -18,7 +17,7 @@ use faying::constraint::Proximal;
 use faying::contact::{self, ContactError};
 use faying::coupling::multiplier::MultiplierKind;
 use faying::coupling::{Nitsche, Penalty};
-use faying::problem::{self, ErrorKind, Formulation, Multiplier, Opponent, Problem, Rule};
+use faying::problem::{self, ErrorKind, Formulation, Multiplier, Opponent, Problem, Rule, Warning};
 
 /// Says all contacts of the case; errors go to the builder's faults.
 pub(super) fn say<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, problem: &mut Problem<S, N>, places: &mut Places) {
@@ -153,7 +152,12 @@ fn known<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, contact: &
 }
 
 /// Warns of unstable multipliers and of slave sides that face nothing, and refuses overlaps that are no press fits.
-pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, problem: &Problem<S, N>, model: &Built<S, N>) {
+pub(super) fn check<const S: usize, const N: usize>(
+    builder: &mut Builder<'_, S, N>,
+    problem: &Problem<S, N>,
+    model: &Built<S, N>,
+    found: &[Warning],
+) {
     let case = builder.case;
     for (number, (contact, built)) in case.contacts.iter().zip(&model.contacts).enumerate() {
         for part in &built.parts {
@@ -164,7 +168,10 @@ pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
         let inside = || built.parts.iter().find_map(|part| swallowed(builder, contact, built.obstacle.as_deref()?, (model, &part.slave)));
         match inside() {
             Some(fault) => builder.faults.push(fault),
-            None => tell(builder, model, model.overlap(number, built, times(case, true)[0]).as_slice()),
+            None => {
+                let own = |w: &&Warning| matches!(w, Warning::Overlap { of, .. } if of.number == number);
+                tell(builder, model, found.iter().filter(own));
+            }
         }
         for &slave in &built.idle {
             let at = contact.slave.get(slave).map_or(contact.head.at, |s| s.at);

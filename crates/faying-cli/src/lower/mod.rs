@@ -34,7 +34,7 @@ use crate::errors::Diagnostics;
 use crate::reference::on_case;
 use bodies::supported;
 pub(crate) use builder::Builder;
-use faying::problem::InterfaceSide;
+use faying::problem::{InterfaceSide, Warning};
 use faying::space::Trace;
 
 pub use builder::MakeNet;
@@ -46,7 +46,6 @@ pub(crate) use patches::{elements_along, specification};
 pub use plane::plane_net;
 pub(crate) use sides::canonical as canonical_side;
 pub use traces::{SlaveSpaces, slave_spaces};
-pub(crate) use values::times;
 pub use volume::volume_net;
 
 /// Builds the model of `case` with the bodies, multipliers and couplings of `names`.
@@ -62,13 +61,14 @@ where
     ties::say(&mut builder, &mut problem, &mut places, &couples);
     contacts::say(&mut builder, &mut problem, &mut places);
     faults::stop(&mut builder, &problem, &places)?;
-    let model = problem.built().map_err(|errors| faults::all(&mut builder, &problem, &places, &errors))?;
-    let mut model = Built { model, glued_sides: couples.glued_sides(case), reference: None, places, warnings: Diagnostics::new() };
+    let system = problem.assemble_movable().map_err(|errors| faults::all(&mut builder, &problem, &places, &errors))?;
+    let mut model = Built { system, glued_sides: couples.glued_sides(case), reference: None, places, warnings: Diagnostics::new() };
     multipliers::check(&mut builder, &model);
-    warned::tell(&mut builder, &model, &model.corner_values(values::times(case, true)));
-    contacts::check(&mut builder, &problem, &model);
+    let found = model.system.statement_warnings();
+    warned::tell(&mut builder, &model, found.iter().filter(|w| matches!(w, Warning::CornerValues { .. })));
+    contacts::check(&mut builder, &problem, &model, &found);
     builder.stop()?;
-    supports::check(&mut builder, &model);
+    supports::check(&mut builder, &model, &found);
     builder.stop()?;
     model.reference = on_case::build(&builder, &model, net).map_err(|fault| Diagnostics::from(*fault))?;
     model.warnings.extend(std::mem::take(&mut builder.faults));

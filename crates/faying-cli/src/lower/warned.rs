@@ -9,7 +9,11 @@ use crate::words::{component_name, place, short};
 use faying::problem::{Model, Subject, SubjectKind, Warning};
 
 /// Adds the diagnostics of warnings to the builder's faults.
-pub(super) fn tell<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Built<S, N>, found: &[Warning]) {
+pub(super) fn tell<'w, const S: usize, const N: usize>(
+    builder: &mut Builder<'_, S, N>,
+    model: &Built<S, N>,
+    found: impl Iterator<Item = &'w Warning>,
+) {
     for warning in found {
         let diagnostic = match warning {
             Warning::CornerValues { conditions, sides: [a, b], component, values: [u, v], x, t } => {

@@ -10,7 +10,7 @@ use crate::formula::Formula;
 use crate::lower::Built;
 use crate::place::Located;
 use crate::result::{CheckReport, ProbeReport, RunResult};
-use faying::problem::{Model, StepState};
+use faying::problem::Solution;
 use serde_json::{Value, json};
 
 /// Probes and checks of a case, prepared for evaluation.
@@ -33,15 +33,10 @@ fn formulas(condition: &Condition) -> [Option<&Located<Formula>>; 3] {
     }
 }
 
-/// Evaluates a quantity on a state, if there is one.
-fn ask<const S: usize, const N: usize>(
-    model: &Model<S, N>,
-    state: Option<&StepState<S, N>>,
-    prepared: &Prepared<S, N>,
-    numbers: &Value,
-) -> Answer {
-    match (state, prepared) {
-        (Some(state), _) => evaluate(prepared, model, state, numbers),
+/// Evaluates a quantity on a solution, if there is one.
+fn ask<const S: usize, const N: usize>(solution: Option<&Solution<S, N>>, prepared: &Prepared<S, N>, numbers: &Value) -> Answer {
+    match (solution, prepared) {
+        (Some(solution), _) => evaluate(prepared, solution, numbers),
         (None, Prepared::Study) => Answer::Study,
         (None, _) => Answer::None("nothing was solved".into()),
     }
@@ -98,15 +93,15 @@ impl<const S: usize, const N: usize> Questions<S, N> {
         if faults.has_errors() { Err(faults) } else { Ok(Self { probes, checks, values }) }
     }
 
-    /// Evaluates all probes on a state into `result`.
-    pub fn probes(&self, case: &Case, model: &Model<S, N>, state: Option<&StepState<S, N>>, result: &mut RunResult) {
+    /// Evaluates all probes on a solution into `result`.
+    pub fn probes(&self, case: &Case, solution: Option<&Solution<S, N>>, result: &mut RunResult) {
         let value = result.numbers();
         result.probes = case
             .probes
             .iter()
             .zip(&self.probes)
             .map(|(probe, prepared)| {
-                let (value, at, reason) = match ask(model, state, prepared, &value) {
+                let (value, at, reason) = match ask(solution, prepared, &value) {
                     Answer::One(v) => (v, None, None),
                     Answer::Placed(v, at) | Answer::Range([(v, at), _]) => (v, Some(at), None),
                     Answer::None(reason) => (f64::NAN, None, Some(reason)),
@@ -117,15 +112,15 @@ impl<const S: usize, const N: usize> Questions<S, N> {
             .collect();
     }
 
-    /// Evaluates all checks on a state into `result`; returns whether every check that was decided passed.
-    pub fn checks(&self, case: &Case, model: &Model<S, N>, state: Option<&StepState<S, N>>, result: &mut RunResult) -> bool {
+    /// Evaluates all checks on a solution into `result`; returns whether every check that was decided passed.
+    pub fn checks(&self, case: &Case, solution: Option<&Solution<S, N>>, result: &mut RunResult) -> bool {
         // probes are numbers of the result: checks may name them
         let value = result.numbers();
-        let answered = |prepared: &Prepared<S, N>| ask(model, state, prepared, &value);
+        let answered = |prepared: &Prepared<S, N>| ask(solution, prepared, &value);
         let mut reports = Vec::with_capacity(case.checks.len());
         for ((check, prepared), values) in case.checks.iter().zip(&self.checks).zip(&self.values) {
             let mut report = undecided(check);
-            let elsewhere = check.backend.as_ref().filter(|b| model.patches.iter().any(|p| p.backend != b.value));
+            let elsewhere = check.backend.as_ref().filter(|b| result.backends.0.iter().any(|(_, used)| *used != b.value));
             let answer = answered(prepared);
             // after a run there is no study that could decide it later
             let later = answer == Answer::Study && result.command != "run";

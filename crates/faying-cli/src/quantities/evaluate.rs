@@ -4,7 +4,7 @@ use super::grammar::{FieldName, Reduce};
 use super::path::look_up;
 use super::prepare::Prepared;
 use faying::physics::von_mises;
-use faying::problem::{ContactField, Extreme, Model, PointState, StepState, TieField};
+use faying::problem::{ContactField, Extreme, Model, PointState, Solution, StepState, TieField};
 use faying::space::off_collapsed;
 use serde_json::Value;
 
@@ -77,13 +77,9 @@ fn over<const S: usize, const N: usize>(
     }
 }
 
-/// Evaluates a quantity on `state`; numbers of the result are read from `result`.
-pub fn evaluate<const S: usize, const N: usize>(
-    prepared: &Prepared<S, N>,
-    model: &Model<S, N>,
-    state: &StepState<S, N>,
-    result: &Value,
-) -> Answer {
+/// Evaluates a quantity on a solution; numbers of the result are read from `result`.
+pub fn evaluate<const S: usize, const N: usize>(prepared: &Prepared<S, N>, solution: &Solution<S, N>, result: &Value) -> Answer {
+    let (model, state) = (solution.model(), solution.state());
     match prepared {
         Prepared::Study => Answer::Study,
         Prepared::Number(value) => finite(*value),

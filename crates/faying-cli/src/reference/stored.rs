@@ -7,7 +7,7 @@ use crate::reference::{Fingerprint, StoredPatch, StoredRun, StoredSide, nodes};
 use faying::basis::{Basis, Cell, Order, ShapeTable};
 use faying::geometry::Embedding;
 use faying::linalg::Vector;
-use faying::problem::{Model, PatchModel, SideModel};
+use faying::problem::{Model, PatchModel, SideModel, Solution};
 use faying::space::{MeshCells, PatchSpec};
 
 /// Keywords of the case file for spline bases.
@@ -31,7 +31,7 @@ fn word<T: PartialEq>(words: &[(&str, T)], value: &T) -> String {
     words.iter().find(|(_, v)| v == value).expect("every value has a word").0.to_owned()
 }
 
-/// Returns the model of `case` with the unknowns `u` and multipliers `lambda` at time `t` as data for a file.
+/// Returns a solution of `case` as data for a file.
 ///
 /// # Errors
 /// Errors of the geometry, which a model that is built does not have.
@@ -39,9 +39,10 @@ pub(crate) fn stored_run<const S: usize, const N: usize>(
     case: &Case,
     names: &crate::registry::Names<S, N>,
     net: MakeNet<N>,
-    model: &Model<S, N>,
-    (u, lambda, t): (&[f64], &[f64], f64),
+    solution: &Solution<S, N>,
 ) -> Result<StoredRun, Diagnostics> {
+    let model = solution.model();
+    let (u, lambda, t) = (&solution.state().u, &solution.state().lambda, solution.state().t);
     let builder = Builder { case, names, faults: Diagnostics::new() };
     let mut patches = Vec::with_capacity(model.patches.len());
     for (patch, words) in model.patches.iter().zip(&case.patches) {

@@ -2,25 +2,26 @@
 
 use crate::lower::Built;
 use crate::named::Named;
-use crate::reference::{OnSide, ReferenceLambda};
+use crate::reference::{OnSide, Reference, ReferenceLambda};
 use faying::assembly::Errors;
 use faying::linalg::Vector;
-use faying::problem::{ContactField, Model, SquaredError, StepState, TieField, TieModel};
+use faying::problem::{ContactField, Model, Solution, SquaredError, StepState, TieField, TieModel};
 
 /// Errors that can be measured.
-pub fn error_names<const S: usize, const N: usize>(model: &Built<S, N>) -> Vec<String> {
+pub fn error_names<const S: usize, const N: usize>(built: &Built<S, N>) -> Vec<String> {
+    let (model, reference) = (built.system.model(), built.reference.as_ref());
     let mut names = Vec::new();
     let mut add = |name: String| {
         names.push(name.clone());
         names.push(format!("{name}.rel"));
     };
-    if model.exact.is_some() || model.reference.is_some() {
+    if model.exact.is_some() || reference.is_some() {
         for norm in ["L2", "H1", "energy"] {
             add(format!("error.u.{norm}"));
         }
     }
-    let ties = model.ties.iter().filter(|t| t.exact.is_some() || is_known(model, &t.name)).map(|t| &t.name);
-    let contacts = model.contacts.iter().filter(|c| c.exact.is_some() || is_known(model, &c.name)).map(|c| &c.name);
+    let ties = model.ties.iter().filter(|t| t.exact.is_some() || is_known(model, reference, &t.name)).map(|t| &t.name);
+    let contacts = model.contacts.iter().filter(|c| c.exact.is_some() || is_known(model, reference, &c.name)).map(|c| &c.name);
     let interfaces: Vec<&String> = ties.chain(contacts).collect();
     for name in &interfaces {
         add(format!("error.{name}.lambda.L2"));
@@ -32,12 +33,13 @@ pub fn error_names<const S: usize, const N: usize>(model: &Built<S, N>) -> Vec<S
 }
 
 /// Whether the exact solution or the stored run has lambda of an interface or contact.
-fn is_known<const S: usize, const N: usize>(model: &Built<S, N>, name: &str) -> bool {
-    model.exact.is_some() || model.reference.as_ref().is_some_and(|r| r.lambda_of(name).is_some())
+fn is_known<const S: usize, const N: usize>(model: &Model<S, N>, reference: Option<&Reference<S, N>>, name: &str) -> bool {
+    model.exact.is_some() || reference.is_some_and(|r| r.lambda_of(name).is_some())
 }
 
 /// Every error that can be measured, by its quantity; NaN where the exact solution is left open.
-pub fn errors<const S: usize, const N: usize>(model: &Built<S, N>, state: &StepState<S, N>) -> Named<f64> {
+pub fn errors<const S: usize, const N: usize>(solution: &Solution<S, N>, reference: Option<&Reference<S, N>>) -> Named<f64> {
+    let (model, state) = (solution.model(), solution.state());
     let mut all = Named::default();
     let mut add = |name: String, error: f64, exact: f64| {
         all.push(name.clone(), error);
@@ -47,7 +49,7 @@ pub fn errors<const S: usize, const N: usize>(model: &Built<S, N>, state: &StepS
         let p = &model.patches[k];
         let (physics, space, u) = (p.physics_at(state.t), &**p.body.space(), &state.u[p.range()]);
         let stored = || {
-            let other = &model.reference.as_ref()?.patches[k];
+            let other = &reference?.patches[k];
             Some(physics.difference(space, &other.rules, u, other))
         };
         model.exact.as_ref().map(|exact| physics.errors(space, &p.rules, u, &**exact, state.t)).or_else(stored)
@@ -61,8 +63,8 @@ pub fn errors<const S: usize, const N: usize>(model: &Built<S, N>, state: &StepS
     }
     let mut total = SquaredError::default();
     let mut any = false;
-    for tie in model.ties.iter().filter(|t| t.exact.is_some() || is_known(model, &t.name)) {
-        let s = match stored_lambda(model, &tie.name, tie.exact.is_some()) {
+    for tie in model.ties.iter().filter(|t| t.exact.is_some() || is_known(model, reference, &t.name)) {
+        let s = match stored_lambda(model, reference, &tie.name, tie.exact.is_some()) {
             Some(stored) => tie_difference(model, state, tie, stored),
             None => tie.lambda_error(model, state),
         };
@@ -70,8 +72,8 @@ pub fn errors<const S: usize, const N: usize>(model: &Built<S, N>, state: &StepS
         add(format!("error.{}.lambda.L2", tie.name), s.error.sqrt(), s.exact.sqrt());
         any = true;
     }
-    for (k, contact) in model.contacts.iter().enumerate().filter(|(_, c)| c.exact.is_some() || is_known(model, &c.name)) {
-        let s = match stored_lambda(model, &contact.name, contact.exact.is_some()) {
+    for (k, contact) in model.contacts.iter().enumerate().filter(|(_, c)| c.exact.is_some() || is_known(model, reference, &c.name)) {
+        let s = match stored_lambda(model, reference, &contact.name, contact.exact.is_some()) {
             Some(stored) => contact_difference(model, state, k, stored),
             None => contact.lambda_error(model, &state.contacts[k], state),
         };
@@ -86,8 +88,13 @@ pub fn errors<const S: usize, const N: usize>(model: &Built<S, N>, state: &StepS
 }
 
 /// lambda of the stored run, where nothing exact stands before it.
-fn stored_lambda<'a, const S: usize, const N: usize>(model: &'a Built<S, N>, name: &str, exact: bool) -> Option<&'a ReferenceLambda<S>> {
-    model.reference.as_ref().filter(|_| !exact && model.exact.is_none())?.lambda_of(name)
+fn stored_lambda<'a, const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    reference: Option<&'a Reference<S, N>>,
+    name: &str,
+    exact: bool,
+) -> Option<&'a ReferenceLambda<S>> {
+    reference.filter(|_| !exact && model.exact.is_none())?.lambda_of(name)
 }
 
 /// Adds squares of error and stored lambda over the pieces `on`; `found(element, points)` returns lambda, `[component][point]`.

@@ -1,17 +1,15 @@
 //! Errors of a run as diagnostics with codes and messages.
 
-use super::predict::{Prediction, bytes};
 use super::room::Room;
 use crate::case::{Case, Method, Variant};
 use crate::errors::Diagnostic;
-use crate::result::{RunResult, Status};
+use crate::result::{Prediction, RunResult, Status};
 use crate::watch::Stop;
-use crate::words::short;
+use crate::words::{bytes, place};
 use faying::constraint::SolveError;
 use faying::contact::ContactError;
 use faying::linalg::LinearError;
-use faying::problem::{ContactModel, ContactPart, Model, StepError, StepState, closed_points, free_motions, left_free, sentences};
-use std::collections::HashSet;
+use faying::problem::{Model, StepError, System};
 
 /// Builds E081 for a prediction that exceeds the available memory.
 pub fn memory_limit<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, prediction: &Prediction, room: &Room) -> Diagnostic {
@@ -78,7 +76,7 @@ pub fn stopped(result: &mut RunResult, stop: Stop) {
 /// Returns status, reason and diagnostic of a failed step.
 pub fn step_fault<const S: usize, const N: usize>(
     case: &Case,
-    model: &Model<S, N>,
+    system: &System<S, N>,
     error: &StepError,
     t: f64,
 ) -> (Status, &'static str, Diagnostic) {
@@ -91,7 +89,7 @@ pub fn step_fault<const S: usize, const N: usize>(
             let text = format!(
                 "contact does not settle: the active set visited the same state twice (iterations {first} and {second}), and single \
                  exchanges did not end within {iterations} iterations; {}",
-                flipping(model, rows)
+                flipping(system, rows)
             );
             (
                 Status::NotConverged,
@@ -110,8 +108,7 @@ pub fn step_fault<const S: usize, const N: usize>(
             (Status::NotConverged, "iterations", Diagnostic::error("E074", error.to_string()).at(&case.source, key).with_help(help))
         }
         StepError::Solve(SolveError::RigidMotion { iteration, open, .. }) => {
-            let open: HashSet<usize> = open.iter().copied().collect();
-            let bodies = loose_bodies(model, &open, t);
+            let bodies: Vec<String> = system.motions_with_open(t, open).into_iter().map(|motion| motion.sentence).collect();
             let who = if bodies.is_empty() { "a body lost its support".to_string() } else { bodies.join("; ") };
             let text = format!("rigid motion left: {who} (iteration {iteration} of the active set, {} contact rows open)", open.len());
             (
@@ -134,9 +131,13 @@ pub fn step_fault<const S: usize, const N: usize>(
             let help = "give the contact side more elements, or take a multiplier of higher degree";
             (Status::Singular, "side too coarse", Diagnostic::error("E072", text).with_help(help))
         }
+        StepError::Free { motions } => {
+            let text = format!("rigid motion left: {}", motions.join("; "));
+            (Status::Singular, "singular", Diagnostic::error("E072", text).with_help("every contact that held it has opened"))
+        }
         StepError::Contact(ContactError::Gap { .. }) => (Status::NotFinite, "not-finite", Diagnostic::error("E073", error.to_string())),
         StepError::Solve(SolveError::OverConstrained { row, .. }) => {
-            let text = format!("the constraints are redundant: {}", owner(model, *row));
+            let text = format!("the constraints are redundant: {}", owner(system, *row));
             (
                 Status::Singular,
                 "singular",
@@ -149,7 +150,9 @@ pub fn step_fault<const S: usize, const N: usize>(
             let help = "faying::check::solver finds what is wrong with a solver; constraint = \"auto\" is that of the program";
             (Status::NotConverged, "wrong answer", Diagnostic::error("E074", text).at(&case.source, word.at).with_help(help))
         }
-        StepError::Solve(SolveError::Linear(linear)) => linear_fault(case, model.unknowns + model.rows, linear, error.to_string()),
+        StepError::Solve(SolveError::Linear(linear)) => {
+            linear_fault(case, system.model().unknowns + system.model().rows, linear, error.to_string())
+        }
         other => (Status::Singular, "singular", Diagnostic::error("E072", other.to_string())),
     }
 }
@@ -189,75 +192,19 @@ fn linear_fault(case: &Case, size: usize, error: &LinearError, message: String) 
     }
 }
 
-/// Sentences on the bodies that have a rigid motion at time t with the contact rows `open`.
-fn loose_bodies<const S: usize, const N: usize>(model: &Model<S, N>, open: &HashSet<usize>, t: f64) -> Vec<String> {
-    let at_time =
-        |c: &ContactModel<S, N>| -> Vec<_> { c.parts.iter().map(|p| c.at(model, p, t).unwrap_or_else(|_| p.first.clone())).collect() };
-    let contacts: Vec<Vec<_>> = model.contacts.iter().map(at_time).collect();
-    let contacts: Vec<Vec<_>> = contacts.iter().map(|c| c.iter().collect()).collect();
-    // a point counts as closed if an enforced function is active there
-    let closed = closed_points(model, &contacts, &|row| !open.contains(&row));
-    let free = free_motions(model, &contacts, &|k, p, q| closed[k][p][q]);
-    sentences(model, &free)
-}
-
 /// Describes a row: its number within an interface or contact, and the name of that.
-fn owner<const S: usize, const N: usize>(model: &Model<S, N>, row: usize) -> String {
-    let ties = model.ties.iter().flat_map(|t| t.parts.iter().map(move |p| (&t.name, p.first_row, p.num_rows)));
-    let contacts = model.contacts.iter().flat_map(|c| c.parts.iter().map(move |p| (&c.name, p.first_row, p.num_rows)));
-    ties.chain(contacts)
-        .find(|(_, first, n)| (*first..first + n).contains(&row))
-        .map_or_else(|| format!("row {row}"), |(name, first, _)| format!("row {} of \"{name}\"", row - first))
+fn owner<const S: usize, const N: usize>(system: &System<S, N>, row: usize) -> String {
+    system.row_owner(row).map_or_else(|| format!("row {row}"), |(_, name, number)| format!("row {number} of \"{name}\""))
 }
 
-fn flipping<const S: usize, const N: usize>(model: &Model<S, N>, rows: &[usize]) -> String {
-    let mut lists: Vec<String> = Vec::new();
-    for c in &model.contacts {
-        for p in &c.parts {
-            let range = p.rows();
-            let mine: Vec<usize> = rows.iter().copied().filter(|r| range.contains(r)).collect();
-            if mine.is_empty() {
-                continue;
-            }
-            let numbers: Vec<String> = mine.iter().take(8).map(|r| (r - p.first_row).to_string()).collect();
-            let more = if mine.len() > 8 { format!(" and {} more", mine.len() - 8) } else { String::new() };
-            let place = place_of(p, mine[0] - p.first_row).map_or(String::new(), |x| format!(" (near {x})"));
-            let what = if p.multiplier.is_some() { "functions" } else { "points" };
-            lists.push(format!("{what} {}{more} of \"{}\" on `{}` flip{place}", numbers.join(", "), c.name, p.slave.label));
-        }
-    }
-    lists.join("; ")
-}
-
-/// Place of a multiplier function of a contact: its point of largest weight.
-fn place_of<const S: usize, const N: usize>(part: &ContactPart<S, N>, function: usize) -> Option<String> {
-    let s = &part.first.segments;
-    let (mut best, mut pieces): (Option<(f64, usize)>, _) = (None, 0..s.num_pieces());
-    let (mut ids, mut table) = (Vec::new(), faying::basis::ShapeTable::new());
-    if let Some(points) = &part.first.points {
-        best = points.row.iter().position(|&j| j == function).map(|q| (1.0, q));
-        pieces = 0..0;
-    }
-    for piece in pieces {
-        let psi = part.multiplier.as_ref()?;
-        psi.active(s.slave[piece], &mut ids);
-        let Some(a) = ids.iter().position(|&j| j == function) else { continue };
-        psi.tabulate(s.slave[piece], &s.slave_xi[s.points(piece)], faying::basis::Order::Values, &mut table);
-        for (k, q) in s.points(piece).enumerate() {
-            let value = table.values(k)[a];
-            if best.is_none_or(|b| value > b.0) {
-                best = Some((value, q));
-            }
-        }
-    }
-    let (_, q) = best?;
-    let list: Vec<String> =
-        ["x", "y", "z"][..N].iter().zip(part.first.frames.x[q].iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
-    Some(list.join(", "))
-}
-
-/// Returns E072 if the final active set leaves a body a rigid motion, so that its position is not determined.
-pub fn floating<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Option<Diagnostic> {
-    let text = format!("rigid motion left: {}", left_free(model, state)?.join("; "));
-    Some(Diagnostic::error("E072", text).with_help("every contact that held it has opened"))
+/// Describes contact rows that change from set to set.
+fn flipping<const S: usize, const N: usize>(system: &System<S, N>, rows: &[usize]) -> String {
+    let of_side = |rows: faying::problem::ContactRows<N>| {
+        let numbers: Vec<String> = rows.numbers.iter().take(8).map(usize::to_string).collect();
+        let more = if rows.numbers.len() > 8 { format!(" and {} more", rows.numbers.len() - 8) } else { String::new() };
+        let near = rows.place.map_or(String::new(), |x| format!(" (near {})", place(x.as_slice())));
+        let what = if rows.at_points { "points" } else { "functions" };
+        format!("{what} {}{more} of \"{}\" on `{}` flip{near}", numbers.join(", "), rows.contact, rows.slave)
+    };
+    system.contact_rows(rows).into_iter().map(of_side).collect::<Vec<_>>().join("; ")
 }

@@ -24,11 +24,11 @@ type Side = SideModel<1, 2>;
 /// Collects the output of a plane case for its files.
 pub fn plane_output(case: &Case, solved: &Arc<Plane>, options: &RunOptions) -> Output {
     let mut sides: Vec<SideOutput> = Vec::new();
-    for t in 0..solved.model.ties.len() {
-        sides.extend((0..solved.model.ties[t].parts.len()).map(|p| tied_side(solved, t, p, options)));
+    for t in 0..solved.solution.model().ties.len() {
+        sides.extend((0..solved.solution.model().ties[t].parts.len()).map(|p| tied_side(solved, t, p, options)));
     }
-    for c in 0..solved.model.contacts.len() {
-        sides.extend((0..solved.model.contacts[c].parts.len()).map(|p| contact_side(solved, c, p, options)));
+    for c in 0..solved.solution.model().contacts.len() {
+        sides.extend((0..solved.solution.model().contacts[c].parts.len()).map(|p| contact_side(solved, c, p, options)));
     }
     assembled(case, solved, Parts::Plane(bodies(solved, options)), sides)
 }
@@ -40,7 +40,7 @@ pub fn volume_output(case: &Case, solved: &Arc<Solved<2, 3>>, options: &RunOptio
 
 fn assembled<const S: usize, const N: usize>(case: &Case, solved: &Arc<Solved<S, N>>, parts: Parts, sides: Vec<SideOutput>) -> Output {
     let title = if case.title.value.is_empty() { case.source.name.clone() } else { case.title.value.clone() };
-    let (field, label) = if solved.model.components == 1 { ("u", "u") } else { ("von_mises", "von Mises stress") };
+    let (field, label) = if solved.solution.model().components == 1 { ("u", "u") } else { ("von_mises", "von Mises stress") };
     let picture = Some(Picture { field: field.into(), component: 0, label: label.into() });
     let solved = Arc::clone(solved);
     let range = Some(FieldRange(Box::new(move || range(&solved))));
@@ -49,7 +49,7 @@ fn assembled<const S: usize, const N: usize>(case: &Case, solved: &Arc<Solved<S,
 
 /// Least and largest value of the field of the picture over the closed elements of all bodies.
 fn range<const S: usize, const N: usize>(solved: &Solved<S, N>) -> Option<[f64; 2]> {
-    let (model, state) = (&solved.model, &solved.state);
+    let (model, state) = (solved.solution.model(), solved.solution.state());
     let scalar = model.components == 1;
     let value = |s: &PointState<N>| if scalar { s.u[0] } else { von_mises(&s.stress) };
     let parts = model.patches.iter().map(|p| p.extremes(&state.u, state.t, !scalar, &value));
@@ -58,21 +58,21 @@ fn range<const S: usize, const N: usize>(solved: &Solved<S, N>) -> Option<[f64; 
 }
 
 fn bodies<const S: usize, const N: usize>(solved: &Arc<Solved<S, N>>, options: &RunOptions) -> Vec<Part<'static, N, N>> {
-    (0..solved.model.patches.len()).map(|k| body(solved, k, options)).collect()
+    (0..solved.solution.model().patches.len()).map(|k| body(solved, k, options)).collect()
 }
 
 fn body<const S: usize, const N: usize>(solved: &Arc<Solved<S, N>>, k: usize, options: &RunOptions) -> Part<'static, N, N> {
-    let patch = &solved.model.patches[k];
+    let patch = &solved.solution.model().patches[k];
     let at = |solved: &Arc<Solved<S, N>>| {
         let solved = Arc::clone(solved);
         move |element: usize, xi: &[Vector<N>]| {
-            let patch = &solved.model.patches[k];
-            patch.physics_at(solved.state.t).at(&**patch.body.space(), &patch.field, &solved.state.u, element, xi)
+            let patch = &solved.solution.model().patches[k];
+            patch.physics_at(solved.solution.state().t).at(&**patch.body.space(), &patch.field, &solved.solution.state().u, element, xi)
         }
     };
     let (values, stresses, equivalent, all) = (at(solved), at(solved), at(solved), at(solved));
     let part = Part::new(patch.name.clone(), Arc::clone(patch.body.space()), options.cells.unwrap_or(CellStyle::Lagrange));
-    if solved.model.components == 1 {
+    if solved.solution.model().components == 1 {
         return part.with_exact("u", 1, move |e, xi| values(e, xi).iter().map(|p| p.u[0]).collect());
     }
     part.with_exact("displacement", N, move |e, xi| values(e, xi).iter().flat_map(|p| p.u.into_iter().take(N)).collect())
@@ -151,13 +151,13 @@ fn side_cells(options: &RunOptions) -> CellStyle {
 fn jumps(solved: &Arc<Plane>, t: usize, p: usize) -> impl Fn(usize, &[Vector<1>]) -> Vec<f64> + Send + Sync + use<> {
     let solved = Arc::clone(solved);
     let surfaces: Vec<Surface> =
-        solved.model.ties[t].parts[p].pairings.iter().map(|pairing| Surface::new(&pairing.master.trace, None)).collect();
+        solved.solution.model().ties[t].parts[p].pairings.iter().map(|pairing| Surface::new(&pairing.master.trace, None)).collect();
     move |element, xi| {
-        let model = &solved.model;
+        let model = solved.solution.model();
         let part = &model.ties[t].parts[p];
         let mut map = MapTable::new();
         part.slave.trace.space.map(element, xi, Order::Values, &mut map);
-        let own = on_trace(&part.slave.trace, model.patches[part.slave.patch].field, &solved.state.u, element, xi);
+        let own = on_trace(&part.slave.trace, model.patches[part.slave.patch].field, &solved.solution.state().u, element, xi);
         map.x
             .iter()
             .zip(own)
@@ -166,7 +166,7 @@ fn jumps(solved: &Arc<Plane>, t: usize, p: usize) -> impl Fn(usize, &[Vector<1>]
                 let nearest = hits.min_by(|(a, _), (b, _)| a.gap.abs().total_cmp(&b.gap.abs()));
                 let Some((hit, master)) = nearest else { return 0.0 };
                 let Some(at) = hit.at else { return 0.0 };
-                let other = on_trace(&master.trace, model.patches[master.patch].field, &solved.state.u, at.element, &[at.xi])[0];
+                let other = on_trace(&master.trace, model.patches[master.patch].field, &solved.solution.state().u, at.element, &[at.xi])[0];
                 match model.components {
                     1 => own[0] - other[0],
                     _ => (0..2).map(|k| (own[k] - other[k]) * hit.normal[k]).sum(),
@@ -177,15 +177,15 @@ fn jumps(solved: &Arc<Plane>, t: usize, p: usize) -> impl Fn(usize, &[Vector<1>]
 }
 
 fn tied_side(solved: &Arc<Plane>, t: usize, p: usize, options: &RunOptions) -> SideOutput {
-    let tie = &solved.model.ties[t];
+    let tie = &solved.solution.model().ties[t];
     let part = &tie.parts[p];
-    let components = solved.model.components;
+    let components = solved.solution.model().components;
     let lambda = |solved: &Arc<Plane>, sign: f64| {
         let solved = Arc::clone(solved);
-        let field = TieField::of(&solved.model, &solved.model.ties[t].parts[p], solved.state.t);
+        let field = TieField::of(solved.solution.model(), &solved.solution.model().ties[t].parts[p], solved.solution.state().t);
         move |element: usize, xi: &[Vector<1>]| {
-            let part = &solved.model.ties[t].parts[p];
-            let per_component = field.at(&solved.model, part, &solved.state, element, xi);
+            let part = &solved.solution.model().ties[t].parts[p];
+            let per_component = field.at(solved.solution.model(), part, solved.solution.state(), element, xi);
             (0..xi.len()).flat_map(|q| per_component.iter().map(move |v| sign * v[q]).collect::<Vec<_>>()).collect::<Vec<f64>>()
         }
     };
@@ -201,7 +201,7 @@ fn tied_side(solved: &Arc<Plane>, t: usize, p: usize, options: &RunOptions) -> S
         drawn = drawn.with("normal", 2, normals(solved, &part.slave, Box::new(Surface::new(&pairing.master.trace, None))));
     }
     let exact: Option<ExactCurve> = tie.exact.clone().filter(|list| list.len() == 1).map(|list| -> ExactCurve {
-        let t = solved.state.t;
+        let t = solved.solution.state().t;
         Box::new(move |x| list[0].value(&Point::new(x.as_slice()).at_time(t)))
     });
     let name = part_name(&tie.name, p, tie.parts.len());
@@ -223,7 +223,7 @@ fn tied_side(solved: &Arc<Plane>, t: usize, p: usize, options: &RunOptions) -> S
         .enumerate()
         .map(|(j, (s, x))| {
             let lambda = if rows.iter().all(|r| r.len() == rows[richest].len()) {
-                rows.iter().map(|r| solved.state.lambda[r.start + j]).collect()
+                rows.iter().map(|r| solved.solution.state().lambda[r.start + j]).collect()
             } else {
                 at_centre(solved, t, p, slave.project(&arc.point(s)))
             };
@@ -235,7 +235,7 @@ fn tied_side(solved: &Arc<Plane>, t: usize, p: usize, options: &RunOptions) -> S
 
 /// Returns the table of a tie without multiplier: one line per point of its segments, along the slave.
 fn without_rows(solved: &Arc<Plane>, t: usize, p: usize) -> Vec<InterfaceRow> {
-    let (model, state) = (&solved.model, &solved.state);
+    let (model, state) = (solved.solution.model(), solved.solution.state());
     let part = &model.ties[t].parts[p];
     let arc = ArcLength::new(&*part.slave.trace.space);
     let (field, jump) = (TieField::of(model, part, state.t), jumps(solved, t, p));
@@ -263,22 +263,22 @@ fn without_rows(solved: &Arc<Plane>, t: usize, p: usize) -> Vec<InterfaceRow> {
 
 /// Returns the multipliers of all components at a point of the slave, for components with different functions.
 fn at_centre(solved: &Arc<Plane>, t: usize, p: usize, at: Option<Projection<1, 2>>) -> Vec<f64> {
-    let part = &solved.model.ties[t].parts[p];
+    let part = &solved.solution.model().ties[t].parts[p];
     let Some(found) = at else { return vec![0.0; part.multipliers.len()] };
     part.multipliers
         .iter()
         .zip(component_rows(part))
-        .map(|(psi, rows)| multiplier_at(&**psi, &solved.state.lambda[rows], found.element, &[found.xi])[0])
+        .map(|(psi, rows)| multiplier_at(&**psi, &solved.solution.state().lambda[rows], found.element, &[found.xi])[0])
         .collect()
 }
 
 fn contact_side(solved: &Arc<Plane>, c: usize, p: usize, options: &RunOptions) -> SideOutput {
-    let contact = &solved.model.contacts[c];
+    let contact = &solved.solution.model().contacts[c];
     let part = &contact.parts[p];
     let target = |solved: &Arc<Plane>| -> Box<dyn Obstacle<1, 2>> {
-        match &solved.model.contacts[c].parts[p].against {
+        match &solved.solution.model().contacts[c].parts[p].against {
             Against::Side(master, _) => Box::new(Surface::new(&master.trace, None)),
-            Against::Rigid(obstacle, _) => obstacle.target(solved.state.t, Some(&solved.state.u)),
+            Against::Rigid(obstacle, _) => obstacle.target(solved.solution.state().t, Some(&solved.solution.state().u)),
         }
     };
     let facing = normals(solved, &part.slave, target(solved));
@@ -305,7 +305,7 @@ fn contact_side(solved: &Arc<Plane>, c: usize, p: usize, options: &RunOptions) -
         })
         .with("normal", 2, normals(solved, &part.slave, target(solved)));
     let exact: Option<ExactCurve> = contact.exact.clone().map(|f| -> ExactCurve {
-        let t = solved.state.t;
+        let t = solved.solution.state().t;
         Box::new(move |x| f.value(&Point::new(x.as_slice()).at_time(t)))
     });
     SideOutput { name, contact: true, part: drawn, rows, exact }
@@ -316,18 +316,18 @@ type SideField = Box<dyn Fn(usize, &[Vector<1>]) -> Vec<f64> + Send + Sync>;
 
 /// Returns lambda, gap, status and lambda again of a contact with multiplier functions, and one line of its table per function.
 fn by_functions(solved: &Arc<Plane>, c: usize, p: usize) -> ([SideField; 4], Vec<InterfaceRow>) {
-    let part = &solved.model.contacts[c].parts[p];
+    let part = &solved.solution.model().contacts[c].parts[p];
     let rows: Range<usize> = part.rows();
-    let gaps = part.gaps(&solved.model, &solved.state.contacts[c][p], &solved.state.u);
+    let gaps = part.gaps(solved.solution.model(), &solved.solution.state().contacts[c][p], &solved.solution.state().u);
     let field = |coefficients: Vec<f64>| -> SideField {
         let solved = Arc::clone(solved);
         Box::new(move |element, xi| {
-            let read = solved.model.contacts[c].parts[p].read_through();
+            let read = solved.solution.model().contacts[c].parts[p].read_through();
             read.map_or_else(Vec::new, |read| multiplier_at(read, &coefficients, element, xi))
         })
     };
-    let lambda: Vec<f64> = solved.state.lambda[rows.clone()].to_vec();
-    let shown = field(rows.clone().map(|j| f64::from(u8::from(solved.state.active[j]))).collect());
+    let lambda: Vec<f64> = solved.solution.state().lambda[rows.clone()].to_vec();
+    let shown = field(rows.clone().map(|j| f64::from(u8::from(solved.solution.state().active[j]))).collect());
     let active: SideField = Box::new(move |e, xi| shown(e, xi).iter().map(|v| f64::from(u8::from(*v > 0.5))).collect());
     let fields = [field(lambda.clone()), field(gaps.iter().map(|g| g.unwrap_or(0.0)).collect()), active, field(lambda.clone())];
     let centres = part.multiplier.as_ref().map_or_else(Vec::new, |psi| centres(&part.slave, &**psi));
@@ -336,7 +336,7 @@ fn by_functions(solved: &Arc<Plane>, c: usize, p: usize) -> ([SideField; 4], Vec
         x,
         lambda: vec![lambda[j]],
         gap: gaps[j],
-        active: solved.state.active[rows.start + j],
+        active: solved.solution.state().active[rows.start + j],
     };
     (fields, centres.into_iter().enumerate().map(line).collect())
 }
@@ -344,19 +344,23 @@ fn by_functions(solved: &Arc<Plane>, c: usize, p: usize) -> ([SideField; 4], Vec
 /// Returns lambda, gap, status and lambda again of a contact by Nitsche's method, and one line of its table per point of the segments,
 /// along the slave.
 fn by_points(solved: &Arc<Plane>, c: usize, p: usize) -> ([SideField; 4], Vec<InterfaceRow>) {
-    let (state, part) = (&solved.state, &solved.model.contacts[c].parts[p]);
+    let (state, part) = (solved.solution.state(), &solved.solution.model().contacts[c].parts[p]);
     let field = |of: fn([f64; 2]) -> f64| -> SideField {
         let solved = Arc::clone(solved);
-        let field = ContactField::of(&solved.model, &solved.model.contacts[c].parts[p], solved.state.t);
+        let field = ContactField::of(solved.solution.model(), &solved.solution.model().contacts[c].parts[p], solved.solution.state().t);
         Box::new(move |element, xi| {
-            let contact = &solved.model.contacts[c];
-            field.at(&solved.model, contact, &contact.parts[p], &solved.state, element, xi).into_iter().map(of).collect()
+            let contact = &solved.solution.model().contacts[c];
+            field
+                .at(solved.solution.model(), contact, &contact.parts[p], solved.solution.state(), element, xi)
+                .into_iter()
+                .map(of)
+                .collect()
         })
     };
     let (lambda, gap) = (|[l, _]: [f64; 2]| l, |[_, g]: [f64; 2]| g);
     let fields = [field(lambda), field(gap), field(|[l, _]| f64::from(u8::from(l < 0.0))), field(lambda)];
     let (built, first) = (&state.contacts[c][p], part.first_row);
-    let gaps = part.gaps(&solved.model, built, &state.u);
+    let gaps = part.gaps(solved.solution.model(), built, &state.u);
     let arc = ArcLength::new(&*part.slave.trace.space);
     let segments = &built.segments;
     let rows_of_points = built.points.as_ref().map_or(&[][..], |points| &points.row);

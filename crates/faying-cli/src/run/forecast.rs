@@ -2,30 +2,30 @@
 //!
 //! Counts are `f64`, so that products of large counts do not overflow.
 
-use super::need::Need;
-use super::predict::{Prediction, bytes};
 use super::room::Room;
 use crate::case::{Case, Linear, Patch};
 use crate::errors::Diagnostic;
 use crate::lower::{MakeNet, elements_along, mesh_counts};
 use crate::registry::is_spline;
+use crate::words::bytes;
+use faying::problem::Sizes;
 
 /// Largest number of unknowns in this version: columns are 32 bits wide.
 const MOST_UNKNOWNS: f64 = u32::MAX as f64;
 
-/// Estimated need of a case.
+/// Estimated sizes of a case.
 #[derive(Clone, Copy, Debug, Default)]
 struct Forecast {
-    need: Need,
+    sizes: Sizes,
     /// The patch with the most unknowns.
     largest: usize,
 }
 
 /// Estimates unknowns, entries and factor of a patch; `None` if its geometry is invalid, which is reported when the body is built.
-fn of_patch<const N: usize>(case: &Case, patch: &Patch, net: MakeNet<N>) -> Option<Need> {
+fn of_patch<const N: usize>(case: &Case, patch: &Patch, net: MakeNet<N>) -> Option<Sizes> {
     let d = &patch.discretization;
     if let Some(cells) = mesh_counts::<N>(patch) {
-        return Some(Need::of_mesh(cells, N, d.degree.value.first().copied()?, case.model.components()));
+        return Some(Sizes::of_mesh(cells, N, d.degree.value.first().copied()?, case.model.components()));
     }
     let net = net(&patch.geometry.value).ok()?;
     let spline = is_spline(&d.backend.value);
@@ -35,7 +35,7 @@ fn of_patch<const N: usize>(case: &Case, patch: &Patch, net: MakeNet<N>) -> Opti
         let smooth = if spline { d.continuity.value.unwrap_or(p.saturating_sub(1)).min(p.saturating_sub(1)) } else { 0 };
         *size = (elements_along(patch, net.axes[k].breakpoints(), k)?, p, smooth);
     }
-    Some(Need::of_patch(&sizes, case.model.components()))
+    Some(Sizes::of_patch(&sizes, case.model.components()))
 }
 
 impl Forecast {
@@ -43,11 +43,11 @@ impl Forecast {
         let mut all = Self::default();
         let mut most = 0.0;
         for (k, patch) in case.patches.iter().enumerate() {
-            let Some(need) = of_patch(case, patch, net) else { continue };
-            if need.unknowns > most {
-                (most, all.largest) = (need.unknowns, k);
+            let Some(sizes) = of_patch(case, patch, net) else { continue };
+            if sizes.unknowns() > most {
+                (most, all.largest) = (sizes.unknowns(), k);
             }
-            all.need = all.need.and(&need);
+            all.sizes = all.sizes.and(&sizes);
         }
         all
     }
@@ -62,12 +62,12 @@ pub fn avoids_factors(case: &Case) -> bool {
 pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, room: Option<Room>, factor: bool) -> Option<Diagnostic> {
     let mut forecast = Forecast::of(case, net);
     if !factor {
-        forecast.need = forecast.need.without_factor();
+        forecast.sizes = forecast.sizes.without_factor();
     }
-    let need = &forecast.need;
-    let Prediction { memory, .. } = need.prediction();
+    let sizes = &forecast.sizes;
+    let memory = sizes.forecast().memory;
     // the limit of this version comes first: it cannot be exceeded by raising the limit on memory
-    let fixed = need.unknowns > MOST_UNKNOWNS;
+    let fixed = sizes.unknowns() > MOST_UNKNOWNS;
     let short = room.filter(|room| memory > room.bytes && !fixed);
     let why = match short {
         _ if fixed => format!("this version holds up to {MOST_UNKNOWNS:.1e} unknowns"),
@@ -75,7 +75,7 @@ pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, room: Option<Room
         None => return None,
     };
     let patch = case.patches.get(forecast.largest)?;
-    let unknowns = if need.unknowns < 1e15 { format!("{:.0}", need.unknowns) } else { format!("{:.1e}", need.unknowns) };
+    let unknowns = if sizes.unknowns() < 1e15 { format!("{:.0}", sizes.unknowns()) } else { format!("{:.1e}", sizes.unknowns()) };
     let text = format!("about {unknowns} unknowns need about {} of memory; {why}", bytes(memory));
     let mut help = format!("give patch \"{}\" fewer elements", patch.name.value);
     if patch.refine.value > 0 {

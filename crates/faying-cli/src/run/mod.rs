@@ -1,4 +1,4 @@
-//! Running a case: build, predict, assemble, solve, measure.
+//! Running a case: build, forecast, assemble, solve, measure.
 
 mod errors;
 mod faults;
@@ -6,45 +6,40 @@ mod fields;
 mod forecast;
 mod iteration;
 mod multipliers;
-mod need;
 mod poor;
-mod predict;
 mod report;
 mod room;
 mod solver;
 
-use faults::{floating, memory_limit, step_fault, stopped};
+use faults::{memory_limit, step_fault, stopped};
 use forecast::avoids_factors;
 
 use super::lower::{self, Built, MakeNet, plane_net, volume_net};
 use super::output::{Finished, Output, RunOptions, StepOutput};
 use super::quantities::Questions;
 use super::registry::{Names, Registry};
-use super::result::{RunResult, Status, StepReport};
+use super::result::{Prediction, RunResult, Status, StepReport};
 use super::watch::{Progress, Watch};
 use crate::case::Case;
 use crate::errors::{Diagnostic, Diagnostics, Severity};
+use crate::reference::Reference;
 use faying::constraint::SolveError;
 use faying::contact::{ClosedSide, NoHalfWidth, half_width};
-use faying::linalg::Csr;
-use faying::problem::{self, ContactModel, InterfaceSide, Model, StepError, StepState, Stiffness, TieModel, TiePart, Warning, step};
+use faying::problem::{self, ContactModel, InterfaceSide, Model, Solution, StepError, System, TieModel, TiePart, Unsolved, Warning};
 use faying::space::Trace;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 pub(crate) use forecast::too_large;
-pub use predict::{Prediction, bytes, predict};
 pub use report::{HalfWidth, Zone};
 pub(crate) use room::{Room, memory_for_files, most_threads};
 pub use solver::solver;
 
-/// A model with its solution.
+/// The solution of a step.
 #[derive(Debug)]
 pub struct Solved<const S: usize, const N: usize> {
-    /// The model.
-    pub model: Arc<Built<S, N>>,
-    /// The state at the end of a step.
-    pub state: StepState<S, N>,
+    /// The solution.
+    pub solution: Solution<S, N>,
     /// The number of the step, from 1.
     pub step: usize,
 }
@@ -139,10 +134,10 @@ where
             });
             end_early(&mut result, watch);
             let good = matches!(result.status, Status::Ok | Status::CheckFailed);
-            let stored = solved.last().filter(|_| options.keep && good).and_then(|last| {
-                let state = (last.state.u.as_slice(), last.state.lambda.as_slice(), last.state.t);
-                crate::reference::stored_run(case, dimension.names, dimension.net, &last.model, state).ok()
-            });
+            let stored = solved
+                .last()
+                .filter(|_| options.keep && good)
+                .and_then(|last| crate::reference::stored_run(case, dimension.names, dimension.net, &last.solution).ok());
             let steps = if case.has_steps() {
                 solved.into_iter().map(|s| step_output(case, s, dimension.output, *options)).collect()
             } else {
@@ -211,7 +206,7 @@ where
         Questions::of(case, &model, &result.numbers())?;
         result.solve = None;
         let end = case.steps.value.last().copied().unwrap_or(1.0);
-        result.loads = report::loads::<N>(model.components, &model.load_sums(end));
+        result.loads = report::loads::<N>(model.components, &model.system.loads(end));
         let prediction = fitting(case, &model, room)?;
         result.predicted = Some(prediction);
         end_early(&mut result, watch);
@@ -231,7 +226,7 @@ fn step_output<const S: usize, const N: usize>(
     output: MakeOutput<S, N>,
     options: RunOptions,
 ) -> StepOutput {
-    let (case, number, t) = (case.clone(), solved.step, solved.state.t);
+    let (case, number, t) = (case.clone(), solved.step, solved.solution.state().t);
     StepOutput { number, t, make: Box::new(move || output(&case, &solved, &options)) }
 }
 
@@ -278,7 +273,7 @@ where
     if let Some(fault) = too_large(case, dimension.net, room, !avoids_factors(case)) {
         return Err(fault.into());
     }
-    let model = lower::build(case, dimension.names, dimension.net)?;
+    let mut model = lower::build(case, dimension.names, dimension.net)?;
     let mixed = |part: &TiePart<S, N>| part.reaction.is_some();
     let (tie, contact) = leaning(&model);
     if let Some(tie) = tie.filter(|_| !solver.abilities().unsymmetric) {
@@ -295,6 +290,7 @@ where
     if let Some(contact) = contact.filter(|_| !solver.abilities().more_rows_than_unknowns) {
         return Err(faults::rows_at_points(case, &contact.name).into());
     }
+    model.system.set_solver(solver);
     Ok(model)
 }
 
@@ -310,9 +306,9 @@ fn leaning<const S: usize, const N: usize>(model: &Model<S, N>) -> (Option<&TieM
 ///
 /// # Errors
 /// E081 if the memory exceeds `room`.
-fn fitting<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, room: Option<Room>) -> Result<Prediction, Diagnostics> {
+fn fitting<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, room: Option<Room>) -> Result<Prediction, Diagnostics> {
     let factor = !avoids_factors(case) || !matches!(leaning(model), (None, None));
-    let prediction = predict(model, case.steps.value.len(), factor);
+    let prediction: Prediction = model.system.forecast(factor, case.steps.value.len()).into();
     match room.filter(|room| prediction.memory > room.bytes) {
         Some(room) => Err(memory_limit(case, model, &prediction, &room).into()),
         None => Ok(prediction),
@@ -352,7 +348,7 @@ where
     watch.phase("build");
     // determined before the model takes memory
     let room = Room::least(watch.max_memory);
-    let model = built(case, registry, dimension, watch, room)?;
+    let mut model = built(case, registry, dimension, watch, room)?;
     let mut result = report::skeleton(command, case, &model);
     if let Some(one) = dimension.multipliers {
         multipliers::describe(case, &model, one, &mut result);
@@ -364,11 +360,9 @@ where
         return Ok((result, Vec::new()));
     }
     let times = &case.steps.value;
-    watch.phase("assemble");
-    let mut stiffness = Stiffness::new(&model, times.first().copied().unwrap_or(1.0));
-    let mut solver = solver(registry, &case.solver, watch).expect("made once before the model was built");
-    let (model, mut solved) = (Arc::new(model), Vec::<Arc<Solved<S, N>>>::new());
-    let mut measures = Measures { case, model: &model, questions: &questions, half_width: dimension.half_width, told: Vec::new() };
+    let (system, reference) = (&mut model.system, model.reference.as_ref());
+    let mut solved = Vec::<Arc<Solved<S, N>>>::new();
+    let mut measures = Measures { case, reference, questions: &questions, half_width: dimension.half_width, told: Vec::new() };
     let mut finished = false;
     for (k, &t) in times.iter().enumerate() {
         if let Some(stop) = watch.stop() {
@@ -379,34 +373,34 @@ where
             watch.report(Progress::Step { step: k + 1, of: times.len() });
         }
         watch.phase("assemble");
-        let matrices = stiffness.at(&model, t);
+        system.assemble_at(t);
         watch.phase("solve");
-        let before = solved.last().map(|s| &s.state);
-        let (state, failure) = match step(&model, matrices, &mut solver, t, before, &observer(watch)) {
-            Ok(state) => (Some(state), None),
-            Err(unsolved) => (unsolved.best.map(|b| *b), Some(unsolved.error)),
+        let before = solved.last().map(|s| &s.solution);
+        let (solution, failure) = match system.solve_observed(t, before, &observer(watch)) {
+            Ok(solution) => (Some(solution), None),
+            Err(Unsolved { error, best }) => (best, Some(error)),
         };
         watch.phase("measure");
         finished = k + 1 == times.len();
-        measures.enter(k, &matrices.bodies, state.as_ref(), failure.as_ref(), &mut result);
+        measures.enter(k, system, solution.as_ref(), failure.as_ref(), &mut result);
         end_early(&mut result, watch);
         let status = result.status;
         if case.has_steps() {
-            let contact = state.as_ref().map(|_| result.contact.clone()).unwrap_or_default();
+            let contact = solution.as_ref().map(|_| result.contact.clone()).unwrap_or_default();
             result.steps.push(StepReport { t, status, probes: result.probes.clone(), contact });
         }
-        if let Some(state) = state {
+        if let Some(solution) = solution {
             if !case.has_steps() {
                 solved.clear();
             }
-            solved.push(Arc::new(Solved { model: Arc::clone(&model), state, step: k + 1 }));
+            solved.push(Arc::new(Solved { solution, step: k + 1 }));
         }
         if !matches!(status, Status::Ok | Status::CheckFailed) {
             break;
         }
     }
     if !finished {
-        questions.checks(case, &model, None, &mut result);
+        questions.checks(case, None, &mut result);
     }
     Ok((result, solved))
 }
@@ -414,7 +408,7 @@ where
 /// Measures of the steps of a run.
 struct Measures<'a, const S: usize, const N: usize> {
     case: &'a Case,
-    model: &'a Built<S, N>,
+    reference: Option<&'a Reference<S, N>>,
     questions: &'a Questions<S, N>,
     half_width: Option<HalfWidth<S, N>>,
     /// Warnings about the states so far.
@@ -423,37 +417,43 @@ struct Measures<'a, const S: usize, const N: usize> {
 
 impl<const S: usize, const N: usize> Measures<'_, S, N> {
     /// Enters step `k` into the result: its status, numbers and diagnostics, the probes and, of the last step, the checks.
-    fn enter(&mut self, k: usize, bodies: &[Csr], state: Option<&StepState<S, N>>, failure: Option<&StepError>, result: &mut RunResult) {
-        let (case, model, times) = (self.case, self.model, &self.case.steps.value);
+    fn enter(
+        &mut self,
+        k: usize,
+        system: &System<S, N>,
+        solution: Option<&Solution<S, N>>,
+        failure: Option<&StepError>,
+        result: &mut RunResult,
+    ) {
+        let (case, times) = (self.case, &self.case.steps.value);
         let t = times[k];
         let when = |d: Diagnostic| if case.has_steps() { at_step(d, k, t) } else { d };
-        let (mut status, mut reason, fault) = match failure {
+        let (mut status, mut reason, mut fault) = match failure {
             None => (Status::Ok, "converged", None),
             Some(StepError::Solve(SolveError::Stopped { .. })) => (Status::Ok, "stopped", None),
             Some(error) => {
-                let (status, reason, fault) = step_fault(case, model, error, t);
+                let (status, reason, fault) = step_fault(case, system, error, t);
                 (status, reason, Some(fault))
             }
         };
-        if let Some(state) = state {
-            report::fill(result, model, state, bodies, self.half_width, reason);
-            poor::of_state(case, model, state, &mut self.told, result);
+        if let Some(solution) = solution {
+            report::fill(result, solution, self.reference, self.half_width, reason);
+            poor::of_solution(case, solution, &mut self.told, result);
             result.t = case.has_steps().then_some(t);
-            if status == Status::Ok && !state.u.iter().chain(&state.lambda).all(|v| v.is_finite()) {
+            let state = solution.state();
+            let solved = matches!(failure, None | Some(StepError::Solve(SolveError::Stopped { .. }) | StepError::Free { .. }));
+            if solved && !state.u.iter().chain(&state.lambda).all(|v| v.is_finite()) {
                 (status, reason) = (Status::NotFinite, "not-finite");
-                result.diagnostics.push(when(Diagnostic::error("E073", "the solution is not finite")));
-            } else if let Some(left) = floating(model, state).filter(|_| status == Status::Ok) {
-                (status, reason) = (Status::Singular, "singular");
-                result.diagnostics.push(when(left));
+                fault = Some(Diagnostic::error("E073", "the solution is not finite"));
             }
         }
         if let Some(solve) = &mut result.solve {
             solve.reason = reason.into();
         }
         result.diagnostics.extend(fault.map(when));
-        self.questions.probes(case, model, state, result);
+        self.questions.probes(case, solution, result);
         // checks refer to the end: the last step, or the one that ended the run
-        if k + 1 == times.len() && !self.questions.checks(case, model, state, result) && status == Status::Ok {
+        if k + 1 == times.len() && !self.questions.checks(case, solution, result) && status == Status::Ok {
             status = Status::CheckFailed;
         }
         result.status = status;

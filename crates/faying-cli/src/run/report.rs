@@ -5,6 +5,7 @@ use super::iteration;
 use crate::case::Case;
 use crate::lower::Built;
 use crate::named::Named;
+use crate::reference::Reference;
 use crate::result::{
     ActiveSetSummary, Balance, ContactReport, Extremes, Gaps, GeometryReport, InterfaceReport, Kkt, L2, LoadReport, Moment, Norm,
     RunResult, SolveReport, TiedSides, Unknowns,
@@ -12,8 +13,7 @@ use crate::result::{
 use faying::contact::{Contact, NoHalfWidth, Transmitted};
 use faying::coupling::Rows;
 use faying::geometry::Geometry;
-use faying::linalg::{Csr, Operator};
-use faying::problem::{Against, LoadSum, Model, Resultant, SideModel, StepState, TieModel, reactions};
+use faying::problem::{Against, LoadSum, Model, Resultant, SideModel, Solution, StepState, TieModel, reactions};
 use faying::quadrature::{PerElement, Quadrature};
 use faying::space::{diameter, measure, quality};
 use std::collections::BTreeMap;
@@ -108,12 +108,12 @@ pub fn loads<const N: usize>(components: usize, sums: &[LoadSum]) -> Named<LoadR
 /// Fills `result` from the solution of a step.
 pub fn fill<const S: usize, const N: usize>(
     result: &mut RunResult,
-    model: &Built<S, N>,
-    state: &StepState<S, N>,
-    matrices: &[Csr],
+    solution: &Solution<S, N>,
+    reference: Option<&Reference<S, N>>,
     half_width: Option<HalfWidth<S, N>>,
     reason: &str,
 ) {
+    let (model, state) = (solution.model(), solution.state());
     result.solved = true;
     result.solve = Some(SolveReport {
         reason: reason.into(),
@@ -124,7 +124,7 @@ pub fn fill<const S: usize, const N: usize>(
         factors: state.factors,
         active_set: state.active_set.as_ref().map(iteration::summary),
     });
-    result.energy = model.patches.iter().zip(matrices).map(|(p, k)| energy(k, &state.u[p.range()])).sum();
+    result.energy = solution.energy();
     let mut outside = state.load;
     let known = std::mem::take(&mut result.contact);
     result.contact = contacts(model, state, half_width, &mut outside);
@@ -147,7 +147,7 @@ pub fn fill<const S: usize, const N: usize>(
     result.loads = loads::<N>(model.components, &state.loads);
     result.balance =
         Balance { force: outside.force[..model.components].to_vec(), moment: (model.components == N).then(|| moment::<N>(outside.moment)) };
-    result.errors = errors(model, state);
+    result.errors = errors(solution, reference);
 }
 
 /// Sum of coupling forces on both bodies, which vanishes: action and reaction.
@@ -174,13 +174,6 @@ impl Pull {
     fn defect(&self) -> f64 {
         if self.size > 0.0 { self.sum.iter().fold(0.0, |m: f64, d| m.max(d.abs())) / self.size } else { 0.0 }
     }
-}
-
-/// 1/2 uᵀ K u.
-fn energy(matrix: &Csr, u: &[f64]) -> f64 {
-    let mut y = vec![0.0; u.len()];
-    matrix.apply(u, &mut y);
-    0.5 * u.iter().zip(&y).map(|(a, b)| a * b).sum::<f64>()
 }
 
 fn contacts<const S: usize, const N: usize>(

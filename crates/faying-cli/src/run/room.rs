@@ -2,7 +2,8 @@
 //!
 //! Limits are read from files, where the system has them (Linux); elsewhere there are none.
 
-use super::predict::{PROGRAM, bytes};
+use crate::words::bytes;
+use faying::problem::Forecast;
 use std::path::{Path, PathBuf};
 
 /// Share of the memory of a machine or of a control group that a run may be predicted to need: the rest is the system's.
@@ -42,8 +43,8 @@ impl Room {
         let share = |limit: u64, whose| Self { bytes: (SHARE * limit as f64) as u64, limit, whose };
         let of_process = |name, taken, whose| {
             let limit = process_limit(&read("/proc/self/limits")?, name)?;
-            // PROGRAM is part of the prediction, and is taken already
-            let left = limit.saturating_sub(status(&read("/proc/self/status")?, taken)?) + PROGRAM as u64;
+            // the program is part of the forecast, and is taken already
+            let left = limit.saturating_sub(status(&read("/proc/self/status")?, taken)?) + Forecast::PROGRAM;
             Some(Self { bytes: left.min(limit), limit, whose })
         };
         let asked = match asked {

@@ -6,24 +6,23 @@ mod of_state;
 
 use crate::case::Case;
 use crate::errors::Diagnostic;
-use crate::lower::{Built, times};
+use crate::lower::Built;
 use crate::result::RunResult;
-use faying::problem::{Model, StepState, Warning};
+use faying::problem::{Solution, Warning};
 
 /// Returns the warnings about a model before it is solved.
 pub fn of_model<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>) -> Vec<Diagnostic> {
-    model.accuracy_warnings(times(case, true)).iter().filter_map(|w| of_model::diagnostic(case, model, w)).collect()
+    model.system.accuracy_warnings().iter().filter_map(|w| of_model::diagnostic(case, model, w)).collect()
 }
 
 /// Adds the warnings about a solution, each once over all steps: those that were `told` are not repeated with other figures.
-pub fn of_state<const S: usize, const N: usize>(
+pub fn of_solution<const S: usize, const N: usize>(
     case: &Case,
-    model: &Model<S, N>,
-    state: &StepState<S, N>,
+    solution: &Solution<S, N>,
     told: &mut Vec<Warning>,
     result: &mut RunResult,
 ) {
-    let found = model.state_warnings(state);
+    let found = solution.warnings();
     let open = found.iter().filter(|w| matches!(w, Warning::LeftOpen { .. })).filter_map(Warning::subject);
     let open: Vec<String> = open.map(|of| of_state::left_open(&of.name)).collect();
     result.errors_reason = (!open.is_empty()).then(|| open.join("; "));

@@ -2,7 +2,7 @@
 //!
 //! Counts are `f64`, so that products of large counts do not overflow.
 
-use faying::space::Space;
+use crate::space::Space;
 
 /// Entries of the factor per unknown and component in the plane: 5.8 w^1.6 (log2 n - 4.5) for n functions with overlap w, fitted at or
 /// above the factors of 14 matrices of splines, quadrilaterals and triangles of degree 1 to 4, by at most 35 %.
@@ -39,18 +39,21 @@ const NUMBER: f64 = 8.0;
 const FEW_SQUARE: f64 = (1 << 21) as f64;
 const SHARE_OF_FACTOR: f64 = 0.1;
 
-/// Sizes that a prediction is computed from.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Need {
-    pub unknowns: f64,
-    pub entries: f64,
+/// Estimated sizes of a system, from numbers of elements alone: bodies need not be built.
+///
+/// Sizes of several bodies add up by [`and`](Self::and); [`forecast`](Self::forecast) is the memory that they take.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sizes {
+    pub(super) unknowns: f64,
+    pub(super) entries: f64,
     /// Bytes of the matrices of the bodies, of the reduced one and of the triangle that is factorised.
-    pub matrices: f64,
-    pub factor: f64,
+    pub(super) matrices: f64,
+    /// Entries of the factor.
+    pub(super) factor: f64,
     /// Bytes that the factorisation takes beside the factor: graphs of orderings, the stack of update matrices.
-    pub beside: f64,
+    pub(super) beside: f64,
     /// Bytes of everything else.
-    pub other: f64,
+    pub(super) other: f64,
 }
 
 /// Properties of a space that determine its entries per function and their fill-in.
@@ -71,8 +74,14 @@ struct Kind {
 /// separators three functions wide, a sixteenth for one, beyond what the bytes of the factor itself include.
 const BYTES_WAITING: f64 = 1.0;
 
-impl Need {
-    /// Need of a patch with `sizes`: elements, degree and continuity of each direction.
+impl Sizes {
+    /// Number of unknowns.
+    pub fn unknowns(&self) -> f64 {
+        self.unknowns
+    }
+
+    /// Sizes of a spline patch or of a mesh of product cells; `sizes`: number of elements, degree and continuity (0 for Lagrange functions)
+    /// of each direction. `components` of the unknown.
     pub fn of_patch(sizes: &[(f64, usize, usize)], components: usize) -> Self {
         // a knot of continuity k carries p - k functions
         let lines: Vec<(f64, f64, f64)> = sizes
@@ -82,7 +91,7 @@ impl Need {
         Self::of_lines(&lines, components, 1.0)
     }
 
-    /// Need of a tensor product with `lines`: elements, functions of an element, functions of each direction.
+    /// Sizes of a tensor product with `lines`: elements, functions of an element, functions of each direction.
     fn of_lines(lines: &[(f64, f64, f64)], components: usize, free: f64) -> Self {
         let (mut functions, mut elements, mut pairs, mut own, mut overlap) = (1.0, 1.0, 1.0, 1.0f64, 1.0f64);
         for &(n, active, line) in lines {
@@ -113,7 +122,7 @@ impl Need {
         need
     }
 
-    /// Need of a mesh with `cells` (product, simplex) of `dimension`, Lagrange functions of degree `p`.
+    /// Sizes of a mesh of `cells`, numbers of product cells and of simplices, of `dimension` 2 or 3, with Lagrange functions of degree `p`.
     pub fn of_mesh(cells: [f64; 2], dimension: usize, p: usize, components: usize) -> Self {
         // number of product cells that the simplices fill: two simplices each, or about six
         let filled = cells[0] + cells[1] / if dimension == 3 { 6.0 } else { 2.0 };
@@ -124,8 +133,8 @@ impl Need {
         Self::of(functions, mesh_pairs(cells, dimension, degree), kind)
     }
 
-    /// Need of a space that is built, with the share `free` of its unknowns free.
-    pub fn of_space<const N: usize>(space: &dyn Space<N, N>, components: usize, free: f64) -> Self {
+    /// Sizes of a space that is built, with the share `free` of its unknowns free.
+    pub(super) fn of_space<const N: usize>(space: &dyn Space<N, N>, components: usize, free: f64) -> Self {
         let (elements, functions) = (space.num_elements() as f64, space.num_functions() as f64);
         if elements == 0.0 {
             return Self { unknowns: components as f64 * functions, ..Self::default() };
@@ -167,7 +176,7 @@ impl Need {
     }
 
     /// Adds `count` entries between bodies, stored one by one.
-    pub fn add_entries(&mut self, count: f64) {
+    pub(super) fn add_entries(&mut self, count: f64) {
         self.entries += count;
         self.matrices += count * (2.0 * (NUMBER + INDEX) + 2.0 * NUMBER);
     }
@@ -175,19 +184,21 @@ impl Need {
     /// Adds the Schur complement of `rows` contact rows for one factor of all bodies: itself and its dense factor, and the rows of
     /// separators kept while it is computed, no more than the square root of the factor's entries at a time. With many rows, every active
     /// set has a factor instead.
-    pub fn add_interface(&mut self, rows: f64) {
+    pub(super) fn add_interface(&mut self, rows: f64) {
         let square = rows * rows;
         if square <= FEW_SQUARE.max(SHARE_OF_FACTOR * self.factor) {
             self.beside += NUMBER * (3.0 * square + rows * self.factor.sqrt());
         }
     }
 
-    /// Need of the same system solved by iterations: vectors of the method in place of the factor.
+    /// Sizes of the same system solved by iterations: vectors of the method in place of the factor.
+    #[must_use]
     pub fn without_factor(self) -> Self {
         Self { factor: 0.0, beside: 0.0, other: self.other + BYTES_OF_ITERATION * self.unknowns, ..self }
     }
 
-    /// Sum of both needs.
+    /// Sum of both.
+    #[must_use]
     pub fn and(&self, other: &Self) -> Self {
         Self {
             unknowns: self.unknowns + other.unknowns,

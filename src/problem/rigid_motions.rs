@@ -1,0 +1,69 @@
+//! Rigid motions that are left to a system, by bodies and obstacles.
+
+use super::closed_points::closed_points;
+use super::error::{ErrorKind, ProblemError, ProblemErrors};
+use super::handles::Statement;
+use super::model::{ContactModel, Model};
+use super::rigid::FreeBody;
+use super::rigid_bodies::RigidBodies;
+use super::rigid_rows::closed_forms;
+use super::supports::{Ties, free_by, free_motions, held_by, sentences};
+use std::collections::HashSet;
+
+/// A body, or an obstacle that a force presses, that can still move as a rigid body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigidMotion {
+    /// The body, or the contact of the obstacle.
+    pub of: Statement,
+    /// Names of its motions: "translation x", "rotation", "rotation about (0, 1)", "constant".
+    pub motions: Vec<String>,
+    /// A sentence about them: `body "upper" can still move: translation x, rotation`.
+    pub sentence: String,
+}
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// Motions that are left with all points of ties held and all contacts closed.
+    pub(super) fn rigid_motions(&self) -> Vec<RigidMotion> {
+        self.motions(self.left_by_points())
+    }
+
+    fn left_by_points(&self) -> Vec<FreeBody> {
+        let first: Vec<Vec<_>> = self.contacts.iter().map(|c| c.parts.iter().map(|p| &p.first).collect()).collect();
+        free_by(self, &first, &|_, _, _| true, Ties::Points)
+    }
+
+    /// Checks that nothing can move as a rigid body with every contact closed: neither where points of ties hold nor where only the
+    /// functions of multipliers do.
+    pub(super) fn held(&self) -> Result<(), ProblemErrors> {
+        let mut free = self.left_by_points();
+        if free.is_empty() {
+            let bodies = RigidBodies::of(self);
+            let (modes, mut forms) = held_by(self, &bodies, &self.springs, Ties::Functions);
+            forms.extend(closed_forms(self, &modes, &bodies));
+            let left = modes.names(&modes.null(&forms)).into_iter();
+            free = left.map(|f| bodies.numbered(self, &modes, f)).collect();
+        }
+        if free.is_empty() { Ok(()) } else { Err(ProblemError::named(ErrorKind::Motions(sentences(self, &free)), &[]).into()) }
+    }
+
+    /// Motions that are left at time `t` with the contact rows `open`, all others closed.
+    pub(super) fn motions_with_open(&self, t: f64, open: &[usize]) -> Vec<RigidMotion> {
+        let open: HashSet<usize> = open.iter().copied().collect();
+        let at_time =
+            |c: &ContactModel<S, N>| -> Vec<_> { c.parts.iter().map(|p| c.at(self, p, t).unwrap_or_else(|_| p.first.clone())).collect() };
+        let contacts: Vec<Vec<_>> = self.contacts.iter().map(at_time).collect();
+        let contacts: Vec<Vec<_>> = contacts.iter().map(|c| c.iter().collect()).collect();
+        // a point counts as closed if an enforced function is active there
+        let closed = closed_points(self, &contacts, &|row| !open.contains(&row));
+        self.motions(free_motions(self, &contacts, &|k, p, q| closed[k][p][q]))
+    }
+
+    fn motions(&self, free: Vec<FreeBody>) -> Vec<RigidMotion> {
+        let sentences = sentences(self, &free);
+        let of = |f: &FreeBody| match f.body.checked_sub(self.patches.len()) {
+            Some(contact) => self.contacts[contact].id.into(),
+            None => self.patches[f.body].id.into(),
+        };
+        free.into_iter().zip(sentences).map(|(f, sentence)| RigidMotion { of: of(&f), motions: f.motions, sentence }).collect()
+    }
+}
