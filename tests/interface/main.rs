@@ -20,6 +20,5 @@ mod patch_test_tied;
 mod random;
 mod solvers;
 mod statements;
-mod third_backend;
 mod touching;
 mod warnings;

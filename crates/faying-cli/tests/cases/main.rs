@@ -15,6 +15,5 @@ mod reference;
 mod rough_models;
 mod run;
 mod said_at_once;
-mod twins;
 mod unjoined;
 mod volume;

@@ -1,12 +1,5 @@
-//! Poisson on (0,1)^2 cut at y = 1/2, tied across the cut: what the mortar validation suites share.
+//! Poisson on (0,1)^2 cut at y = 1/2, tied across the cut: as a case file.
 #![allow(dead_code, clippy::unwrap_used)]
-
-use faying_cli::Case;
-use faying_cli::case::ReadOptions;
-use faying_cli::{Registry, Status};
-
-/// The solution of benchmarks that others published rates for.
-pub const SMOOTH: &str = "cos(3*x + 0.3)*exp(y) + sin(2*pi*x*y)";
 
 /// A backend with its cells and basis, as a case writes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,19 +56,6 @@ pub struct Squares {
     /// Lines of the interface: multiplier, integration, coupling, ...
     pub interface: String,
     pub exact: &'static str,
-    /// Neumann data on the four sides that meet the interface; Dirichlet data there otherwise.
-    pub neumann: bool,
-}
-
-/// What a run gives.
-#[derive(Clone, Copy, Debug)]
-pub struct Errors {
-    /// Errors of u in L2 and H1, of lambda in L2.
-    pub errors: [f64; 3],
-    pub balance: f64,
-    pub consistency: f64,
-    /// u at a point of each half.
-    pub probes: [f64; 2],
 }
 
 impl Squares {
@@ -85,18 +65,10 @@ impl Squares {
     }
 
     pub fn text(&self) -> String {
-        let [a, b] = if self.neumann {
-            [
-                "[[boundary]]\non = [\"lower.v0\", \"upper.v1\"]\ndirichlet = \"exact\"\n",
-                "[[boundary]]\non = \"all-outer\"\nneumann = \"exact\"\n",
-            ]
-        } else {
-            ["[[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n", ""]
-        };
         let (slave, master) = if self.slave_is_lower { ("lower.v1", "upper.v0") } else { ("upper.v0", "lower.v1") };
         let mut text = format!(
-            "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = {{ u = \"{}\" }}\n[[material]]\nname = \"m\"\n{}{}{a}{b}\
-             [[interface]]\nname = \"i\"\nslave = \"{slave}\"\nmaster = \"{master}\"\n{}\n",
+            "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = {{ u = \"{}\" }}\n[[material]]\nname = \"m\"\n{}{}\
+             [[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n[[interface]]\nname = \"i\"\nslave = \"{slave}\"\nmaster = \"{master}\"\n{}\n",
             self.exact,
             self.half("lower"),
             self.half("upper"),
@@ -107,20 +79,4 @@ impl Squares {
         }
         text
     }
-
-    pub fn run(&self) -> Result<Errors, String> {
-        let case = Case::parse("case.toml", &self.text(), &ReadOptions::default()).map_err(|e| e.to_string())?;
-        let result = case.run(&Registry::default()).map_err(|e| e.to_string())?;
-        if result.status != Status::Ok {
-            return Err(format!("{:?} {:?}", result.status, result.diagnostics));
-        }
-        let v: Vec<f64> = result.probes.iter().map(|p| p.value).collect();
-        let i = result.interface.get("i").unwrap();
-        Ok(Errors { errors: [v[0], v[1], v[2]], balance: i.balance, consistency: i.consistency, probes: [v[3], v[4]] })
-    }
-}
-
-/// log2 of the errors of a level over those of the next.
-pub fn rates(coarse: &Errors, fine: &Errors) -> [f64; 3] {
-    std::array::from_fn(|k| (coarse.errors[k] / fine.errors[k]).log2())
 }

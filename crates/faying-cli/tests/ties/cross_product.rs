@@ -143,7 +143,7 @@ fn run(text: &str) -> Result<RunResult, Vec<&'static str>> {
 
 /// The H1 error of a half whose four sides have exact data.
 fn alone(half: Half, k: usize) -> f64 {
-    let both = Squares { lower: half, upper: half, slave_is_lower: true, interface: String::new(), exact: EXACT, neumann: false };
+    let both = Squares { lower: half, upper: half, slave_is_lower: true, interface: String::new(), exact: EXACT };
     let patch = both.half(["lower", "upper"][k]);
     let text = format!(
         "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = {{ u = \"{EXACT}\" }}\n[[material]]\nname = \"m\"\n{patch}\
@@ -170,7 +170,7 @@ fn solve(c: &Combination) -> Result<Found, Vec<&'static str>> {
         interface += &format!("multiplier = \"{multiplier}\"\n");
     }
     let [lower, upper] = c.halves;
-    let result = run(&Squares { lower, upper, slave_is_lower: c.slave == 0, interface, exact: EXACT, neumann: false }.text())?;
+    let result = run(&Squares { lower, upper, slave_is_lower: c.slave == 0, interface, exact: EXACT }.text())?;
     let v: Vec<f64> = result.probes.iter().map(|p| p.value).collect();
     let at = |k: usize| (v[3 + k] - exact(PROBES[k])).abs();
     let i = result.interface.get("i").unwrap();

@@ -10,7 +10,6 @@ mod held;
 mod integration;
 mod iterative;
 mod mortar_balance;
-mod mortar_rates;
 mod multipliers;
 mod poor_numbers;
 mod skeletons;

@@ -1,14 +1,8 @@
 //! Smooth problems: every backend and tied bodies approach what FEniCSx finds with a high degree, at the order of theory.
 
-use super::document::{asked, document, run, texts};
+use crate::cases::values as found;
+use crate::document::{Known, document, known as known_of, texts};
 use serde_json::Value;
-
-/// A value of the reference with its estimated error.
-struct Known {
-    quantity: String,
-    value: f64,
-    error: f64,
-}
 
 /// The order that theory gives a quantity of this kind for functions of degree `p`, where the solution has `regularity`
 /// (an exponent of a corner, or none) and the pair of multiplier and spaces loses `loss` in the energy norm.
@@ -31,11 +25,7 @@ fn order(kind: &str, p: f64, multiplier: f64, regularity: f64, loss: f64) -> f64
 
 /// The quantities of one kind in a document.
 fn known(document: &Value, kind: &str) -> Vec<Known> {
-    let of_kind = document["quantities"].as_array().unwrap().iter().filter(|e| e["kind"] == kind);
-    let number = |entry: &Value, key: &str| entry[key].as_f64().unwrap();
-    of_kind
-        .map(|e| Known { quantity: e["quantity"].as_str().unwrap().into(), value: number(e, "value"), error: number(e, "error") })
-        .collect()
+    document["quantities"].as_array().unwrap().iter().filter(|e| e["kind"] == kind).map(known_of).collect()
 }
 
 /// Runs the levels of every variant of a document, and compares with its values.
@@ -58,7 +48,7 @@ fn approaches(name: &str) {
         let quantities: Vec<String> = all.iter().flat_map(|(_, list)| list.iter().map(|k| k.quantity.clone())).collect();
         let levels = variant["levels"].as_array().unwrap().iter().map(|level| {
             let sets: Vec<String> = texts(&variant["sets"]).into_iter().chain(texts(level)).collect();
-            asked(&run(variant["case"].as_str().unwrap(), &sets, &quantities))
+            found(variant["case"].as_str().unwrap(), &sets, &quantities)
         });
         let levels: Vec<Vec<f64>> = levels.collect();
         assert!(levels.len() >= 3 && levels.iter().all(|l| l.len() == quantities.len()), "{label}");

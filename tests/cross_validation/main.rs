@@ -1,0 +1,21 @@
+//! Cross-validation: the two backends against each other, against FEniCSx, against theory, and with backends from outside; all through
+//! `Problem`.
+#![allow(clippy::unwrap_used)]
+
+mod answers;
+mod backends;
+mod cases;
+mod choices;
+mod contact;
+mod contact_twins;
+mod converged;
+mod document;
+mod exact;
+mod interface;
+mod mortar_rates;
+mod pressed;
+mod same_mesh;
+mod setting;
+mod singular;
+mod third_backend;
+mod tied;
