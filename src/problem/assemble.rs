@@ -45,7 +45,8 @@ where
 
     /// The work of [`assemble_movable`](Self::assemble_movable).
     pub(super) fn system(&self) -> Result<System<S, N>, ProblemErrors> {
-        Ok(System::new(self.built()?, self.identity.clone(), self.regions.clone(), self.times.clone()))
+        let model = self.built()?;
+        Ok(System::new(model, self.identity.clone(), self.regions.clone(), self.times.clone(), Trace::<S, N>::half_width))
     }
 
     fn built(&self) -> Result<Model<S, N>, ProblemErrors> {

@@ -1,23 +1,31 @@
 //! A problem that is ready to be solved, and its solution.
 
+use super::contents::Contents;
 use super::data::Exact;
 use super::error::{ProblemError, ProblemErrors};
+use super::extremes::Extreme;
 use super::forecast::Forecast;
 use super::handles::{BodyId, ContactId, InterfaceId, Region, TieId};
 use super::identity::Identity;
 use super::interface_results::{ContactResult, TieResult};
+use super::interface_side::HalfWidth;
+use super::lambda_error::SquaredError;
+use super::lambda_field::LambdaField;
 use super::loads::LoadSum;
 use super::model::Model;
 use super::observer::Observer;
-use super::physics::PointState;
+use super::physics::{OtherField, PointState};
+use super::reactions::Reaction;
 use super::regions::Regions;
+use super::resultant::Resultant;
 use super::rigid_motions::RigidMotion;
 use super::row_names::ContactRows;
 use super::solved::{Assembled, Solve, State};
 use super::state::{StepState, Unsolved};
 use super::warnings::Warning;
 use crate::assembly::Errors;
-use crate::constraint::ConstraintSolver;
+use crate::constraint::{ActiveSetReport, ConstraintSolver};
+use crate::quadrature::Quadrature;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -29,8 +37,14 @@ pub struct System<const S: usize, const N: usize> {
 
 impl<const S: usize, const N: usize> System<S, N> {
     /// The problem of this identity with this model, whose data are of `times`.
-    pub(super) fn new(model: Model<S, N>, identity: Identity, regions: Regions<S, N>, times: Vec<f64>) -> Self {
-        Self { inner: Box::new(Assembled::new(model, identity, regions, times)) }
+    pub(super) fn new(
+        model: Model<S, N>,
+        identity: Identity,
+        regions: Regions<S, N>,
+        times: Vec<f64>,
+        half_width: HalfWidth<S, N>,
+    ) -> Self {
+        Self { inner: Box::new(Assembled::new(model, identity, regions, times, half_width)) }
     }
 
     /// Solves with another constraint solver; by default by factors of the whole system.
@@ -48,6 +62,11 @@ impl<const S: usize, const N: usize> System<S, N> {
     /// The model: all that the problem consists of.
     pub fn model(&self) -> &Model<S, N> {
         self.inner.model()
+    }
+
+    /// Bodies, ties, contacts and supports, and their sizes.
+    pub fn contents(&self) -> Contents<'_, S, N> {
+        Contents { model: self.inner.model() }
     }
 
     /// Doubts about the problem at the times of its data: those of [`statement_warnings`](Self::statement_warnings) and of
@@ -101,6 +120,11 @@ impl<const S: usize, const N: usize> System<S, N> {
         self.inner.loads(t)
     }
 
+    /// All loads as [`loads`](Self::loads) lists them, with the resultant zero.
+    pub fn no_loads(&self) -> Vec<LoadSum> {
+        self.inner.model().no_loads()
+    }
+
     /// Assembles the matrices of the bodies at time `t`; [`solve`](Self::solve) does the same where it has not been done.
     pub fn assemble_at(&mut self, t: f64) {
         self.inner.assemble_at(t);
@@ -138,10 +162,59 @@ impl<const S: usize, const N: usize> System<S, N> {
 /// The solution of a problem at a time.
 #[derive(Clone, Debug)]
 pub struct Solution<const S: usize, const N: usize> {
-    inner: Arc<dyn State<S, N>>,
+    pub(super) inner: Arc<dyn State<S, N>>,
 }
 
 impl<const S: usize, const N: usize> Solution<S, N> {
+    /// Bodies, ties, contacts and supports of the system, and their sizes.
+    pub fn contents(&self) -> Contents<'_, S, N> {
+        Contents { model: self.inner.model() }
+    }
+
+    /// Its time.
+    pub fn t(&self) -> f64 {
+        self.inner.state().t
+    }
+
+    /// All unknowns, body by body: coefficients of their functions, component by component within each; then the places of obstacles that
+    /// forces press.
+    pub fn unknowns(&self) -> &[f64] {
+        &self.inner.state().u
+    }
+
+    /// The multipliers of all rows: coefficients of lambda [force/area].
+    pub fn multipliers(&self) -> &[f64] {
+        &self.inner.state().lambda
+    }
+
+    /// The linear algebra that found it.
+    pub fn linear(&self) -> Linear<'_> {
+        let state = self.inner.state();
+        let (residual, condition) = (state.residual, state.condition);
+        Linear { method: &state.method, residual, condition, iterations: state.iterations, factors: state.factors, free: state.free }
+    }
+
+    /// The iteration that found the closed rows of contacts; `None` without contacts.
+    pub fn active_set(&self) -> Option<&ActiveSetReport> {
+        self.inner.state().active_set.as_ref()
+    }
+
+    /// Force and moment of every load, as the rules of the problem integrate it.
+    pub fn loads(&self) -> &[LoadSum] {
+        &self.inner.state().loads
+    }
+
+    /// Forces of all supports on their bodies: sides first, then edges and corners.
+    pub fn reactions(&self) -> &[Reaction<S, N>] {
+        self.inner.reactions()
+    }
+
+    /// Sum of all external forces and of their moments about the origin: loads, springs, reactions, and forces of obstacles. It vanishes
+    /// up to rounding.
+    pub fn balance(&self) -> Resultant {
+        self.inner.balance()
+    }
+
     /// The state: unknowns, multipliers, reactions.
     pub fn state(&self) -> &StepState<S, N> {
         self.inner.state()
@@ -228,8 +301,78 @@ impl<const S: usize, const N: usize> Solution<S, N> {
         self.inner.energy()
     }
 
+    /// lambda on the slave side with a number, from 0, of a tie or a contact; `None` if there is no such side. The first points that are
+    /// asked for where there is no multiplier build a tree over the elements of the masters.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) as for [`multiplier`](Self::multiplier).
+    pub fn lambda(&self, of: impl Into<InterfaceId>, side: usize) -> Result<Option<LambdaField<S>>, ProblemError> {
+        Arc::clone(&self.inner).lambda_field(of.into(), side)
+    }
+
+    /// Squares of the L2 norms of the error of lambda over the slave sides, and of the exact lambda: the own one of the tie or the contact,
+    /// else that of the problem's exact solution, zero without any; NaN if it is open which piece of it a slave side has.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) as for [`multiplier`](Self::multiplier).
+    pub fn lambda_error(&self, of: impl Into<InterfaceId>) -> Result<SquaredError, ProblemError> {
+        self.inner.lambda_error(of.into())
+    }
+
+    /// The least and the greatest value of `field` over the closed elements of a body, with their places; `None` if it is not finite
+    /// everywhere, or there are no elements. `derived`: whether the field takes derivatives of u, which have no value where a map
+    /// collapses.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) for a body of another problem.
+    pub fn extremes(
+        &self,
+        body: BodyId,
+        derived: bool,
+        field: &(dyn Fn(&PointState<N>) -> f64 + Sync),
+    ) -> Result<Option<[Extreme<N>; 2]>, ProblemError> {
+        self.inner.extremes(body, Some(derived), field)
+    }
+
+    /// As [`extremes`](Self::extremes), over the points of integration alone.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) for a body of another problem.
+    pub fn extremes_at_points(
+        &self,
+        body: BodyId,
+        field: &(dyn Fn(&PointState<N>) -> f64 + Sync),
+    ) -> Result<Option<[Extreme<N>; 2]>, ProblemError> {
+        self.inner.extremes(body, None, field)
+    }
+
+    /// Norms of the difference from another field on a body, by `rules` on its elements.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) for a body of another problem.
+    pub fn difference(&self, body: BodyId, rules: &dyn Quadrature<N>, other: &dyn OtherField<N>) -> Result<Errors, ProblemError> {
+        self.inner.difference(body, rules, other)
+    }
+
     /// Norms of the error against an exact solution, per body.
     pub fn errors(&self, exact: &dyn Exact) -> Vec<Errors> {
         self.inner.errors(exact)
     }
+}
+
+/// The linear algebra of a solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linear<'a> {
+    /// Description of the method.
+    pub method: &'a str,
+    /// Relative residual of the system.
+    pub residual: f64,
+    /// Condition number of the scaled system, if a factor provides it.
+    pub condition: Option<f64>,
+    /// Iterations of the linear algebra, 0 if everything was done by factors.
+    pub iterations: usize,
+    /// Number of factorisations of whole systems.
+    pub factors: usize,
+    /// Number of unknowns that are free.
+    pub free: usize,
 }

@@ -1,14 +1,17 @@
 //! Results of ties and contacts: forces between the bodies, and how well they meet.
 
+use super::coupling_balance::CouplingBalance;
 use super::integrate::on_trace;
-use super::model::{ContactModel, Model, TieModel};
+use super::interface_side::{ContactZone, HalfWidth};
+use super::model::{Against, ContactModel, Model, TieModel};
 use super::resultant::Resultant;
-use super::state::StepState;
+use super::state::{NO_CONTACT, StepState};
 use super::tie_field::TieField;
 use crate::basis::Order;
-use crate::contact::{Contact, Transmitted};
+use crate::contact::{Contact, NoHalfWidth};
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::Vector;
+use std::collections::BTreeMap;
 
 /// Force that a tie transmits, and jump of the unknown across it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,10 +32,14 @@ pub struct TieResult {
     pub distance: f64,
     /// The largest [consistency error](crate::coupling::consistency) of the slave sides; zero where the rows are not mortar rows.
     pub consistency: f64,
+    /// Sum of the forces on both sides over the sum of their magnitudes: round-off unless the integration is mixed.
+    pub balance: f64,
+    /// Number of pieces of integration.
+    pub pieces: usize,
 }
 
 /// Pressure and gap of a contact, and the force that it transmits.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ContactResult<const N: usize> {
     /// Force on the slave body \[force\].
     pub force: Vector<N>,
@@ -40,20 +47,62 @@ pub struct ContactResult<const N: usize> {
     pub moment: [f64; 3],
     /// Area of the slave side under pressure.
     pub area: f64,
+    /// Least pressure at a point of integration [force/area]; inf where nothing is faced.
+    pub least_pressure: f64,
     /// Largest pressure [force/area]; -inf where nothing is faced.
     pub largest_pressure: f64,
     /// Least gap of a row \[length\]; inf where nothing is faced.
     pub least_gap: f64,
+    /// Least gap at a point of integration \[length\]; inf where nothing is faced.
+    pub least_point_gap: f64,
     /// Number of closed rows.
     pub active: usize,
+    /// Violation of the conditions of contact.
+    pub violation: Violation,
+    /// Number of rows per sign case: lambda < 0, = 0, > 0 by gap = 0, > 0, < 0.
+    pub sign_cases: [usize; 9],
+    /// Number of pieces of integration, which face the opponent.
+    pub pieces: usize,
+    /// Their measure [length^S].
+    pub measure: f64,
+    /// Half the extent of the zone along the slave sides \[length\], see [`crate::contact::half_width`]; `None` on surfaces.
+    pub half_width: Option<Result<f64, NoHalfWidth>>,
+    /// Translation of a rigid obstacle, prescribed or found \[length\]; `None` between bodies.
+    pub displacement: Option<Vector<N>>,
+    /// The largest [consistency error](crate::coupling::consistency) of the slave sides; zero against obstacles and for Nitsche's method.
+    pub consistency: f64,
+    /// Sum of the forces on both bodies over the sum of their magnitudes: round-off unless the integration is mixed; zero against
+    /// obstacles.
+    pub balance: f64,
+}
+
+/// Violation of the conditions lambda <= 0, gap >= 0, lambda gap = 0 by the rows of a contact, in the variables of its cone.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Violation {
+    /// Largest positive multiplier.
+    pub lambda: f64,
+    /// Largest negative gap, as a positive number \[length\].
+    pub gap: f64,
+    /// Largest |lambda gap|.
+    pub product: f64,
 }
 
 impl<const S: usize, const N: usize> TieModel<S, N> {
     /// Its result in a state.
     pub fn result(&self, model: &Model<S, N>, state: &StepState<S, N>) -> TieResult {
         let (mut result, mut pull, mut squares) = (TieResult::default(), Resultant::default(), 0.0);
-        let mut map = MapTable::new();
+        let (mut map, mut balance) = (MapTable::new(), CouplingBalance::default());
         for part in &self.parts {
+            result.pieces += part.pairings.iter().map(|p| p.segments.num_pieces()).sum::<usize>();
+            let lambda = &state.lambda[part.first_row..part.first_row + part.num_rows];
+            balance.add(model, part.reaction.as_ref().unwrap_or(&part.rows), lambda);
+            // forces of the added stiffness satisfy action and reaction, too
+            let mut forces: BTreeMap<usize, f64> = BTreeMap::new();
+            let changed = if part.changes(model) { part.stiffness_at(model, state.t).ok() } else { None };
+            for &(i, j, value) in &changed.as_ref().unwrap_or(&part.stiffness).entries {
+                *forces.entry(i).or_default() += value * state.u[j];
+            }
+            forces.iter().for_each(|(&i, &force)| balance.push(model, i, force));
             let (space, field) = (&part.slave.trace.space, TieField::of(model, part, state.t));
             for (k, pairing) in part.pairings.iter().enumerate() {
                 let s = &pairing.segments;
@@ -79,6 +128,7 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
         }
         (result.jump, result.largest_jump) = self.jumps(model, &state.u);
         result.consistency = self.consistency(state);
+        result.balance = balance.defect();
         result
     }
 
@@ -106,24 +156,63 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
 }
 
 impl<const S: usize, const N: usize> ContactModel<S, N> {
-    /// Its result in a state, `built` at the time of the state.
-    pub(super) fn result(&self, model: &Model<S, N>, built: &[Contact<S, N>], state: &StepState<S, N>) -> ContactResult<N> {
+    /// Its result in a state, `built` at the time of the state; `half_width` of zones.
+    pub(super) fn result(
+        &self,
+        model: &Model<S, N>,
+        built: &[Contact<S, N>],
+        state: &StepState<S, N>,
+        half_width: HalfWidth<S, N>,
+    ) -> ContactResult<N> {
         let mut sum = ContactResult {
             force: Vector::zeros(),
             moment: [0.0; 3],
             area: 0.0,
+            least_pressure: f64::INFINITY,
             largest_pressure: f64::NEG_INFINITY,
-            least_gap: self.least_gap(model, built, &state.u),
+            least_gap: f64::INFINITY,
+            least_point_gap: f64::INFINITY,
             active: 0,
+            violation: Violation::default(),
+            sign_cases: [0; 9],
+            pieces: 0,
+            measure: 0.0,
+            half_width: None,
+            displacement: self.obstacle.as_ref().map(|o| o.displacement(state.t, Some(&state.u))),
+            consistency: self.consistency(built, state),
+            balance: 0.0,
         };
+        let (mut zones, mut balance) = (Vec::new(), CouplingBalance::default());
         for (part, rows) in self.parts.iter().zip(built) {
-            let sent: Transmitted<N> = part.transmitted(rows, &state.lambda[part.rows()]);
+            let lambda = &state.lambda[part.rows()];
+            let sent = part.transmitted(rows, lambda);
             sum.force += sent.force;
             (0..3).for_each(|k| sum.moment[k] += sent.moment[k]);
             sum.area += sent.area;
+            sum.least_pressure = sum.least_pressure.min(sent.least_pressure);
             sum.largest_pressure = sum.largest_pressure.max(sent.largest_pressure);
-            sum.active += part.rows().filter(|&j| state.active[j]).count();
+            for ((gap, &l), j) in part.gaps(model, rows, &state.u).into_iter().zip(&state.mu[part.rows()]).zip(part.rows()) {
+                sum.active += usize::from(state.active[j]);
+                if state.sign_case[j] < NO_CONTACT {
+                    sum.sign_cases[usize::from(state.sign_case[j])] += 1;
+                }
+                let Some(gap) = gap else { continue };
+                sum.least_gap = sum.least_gap.min(gap);
+                let worst = &mut sum.violation;
+                worst.lambda = worst.lambda.max(l);
+                worst.gap = worst.gap.max(-gap);
+                worst.product = worst.product.max((l * gap).abs());
+            }
+            sum.least_point_gap = part.point_gaps(model, rows, &state.u).into_iter().fold(sum.least_point_gap, f64::min);
+            sum.pieces += rows.segments.num_pieces();
+            sum.measure += rows.segments.measure();
+            if let Against::Side(..) = part.against {
+                balance.add(model, rows.reaction.as_ref().unwrap_or(&rows.rows), lambda);
+            }
+            zones.push(ContactZone { slave: &*part.slave.trace.space, contact: rows, sent });
         }
+        sum.balance = balance.defect();
+        sum.half_width = half_width(&zones, self.symmetry);
         sum
     }
 }

@@ -6,6 +6,7 @@ use super::coupled::{Integration, Multiplier, Rule};
 use super::error::ProblemErrors;
 use super::multipliers::{DualPair, constrained_ends};
 use crate::basis::Basis;
+use crate::contact::{ClosedSide, Contact, NoHalfWidth, Transmitted, half_width};
 use crate::coupling::interface::{InterfaceQuadrature, MasterSums, MergedCurve, Partners, SlaveRule};
 use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind};
 use crate::coupling::{CouplingError, Segments};
@@ -36,12 +37,29 @@ pub trait InterfaceSide<const S: usize, const N: usize>: Sized {
     /// A multiplier whose functions on slivers of what the segments cover are given to their neighbours.
     fn without_slivers(&self, psi: Box<dyn Basis<S>>, faced: &Segments<S>) -> Box<dyn Basis<S>>;
 
+    /// Half the extent of the contact zone along slave sides that are one curve or several; `None` on surfaces.
+    fn half_width(zones: &[ContactZone<'_, S, N>], symmetry: bool) -> Option<Result<f64, NoHalfWidth>>;
+
     /// The system of a problem, without the check of rigid motions; see [`Problem::assemble`].
     ///
     /// # Errors
     /// All that is wrong.
     fn system_of(problem: &Problem<S, N>) -> Result<System<S, N>, ProblemErrors>;
 }
+
+/// A slave side of a contact with its rows, and what these transmit.
+#[derive(Debug)]
+pub struct ContactZone<'a, const S: usize, const N: usize> {
+    /// The side.
+    pub slave: &'a dyn Geometry<S, N>,
+    /// Its rows and points.
+    pub contact: &'a Contact<S, N>,
+    /// Pressure and closed points.
+    pub sent: Transmitted<N>,
+}
+
+/// Half the extent of a zone, with the symmetry of the contact.
+pub(super) type HalfWidth<const S: usize, const N: usize> = fn(&[ContactZone<'_, S, N>], bool) -> Option<Result<f64, NoHalfWidth>>;
 
 impl<const S: usize, const N: usize> Rule<S, N>
 where
@@ -93,6 +111,13 @@ impl InterfaceSide<1, 2> for Trace<1, 2> {
     fn without_slivers(&self, psi: Box<dyn Basis<1>>, faced: &Segments<1>) -> Box<dyn Basis<1>> {
         multiplier::without_slivers(psi, &*self.space, faced)
     }
+    fn half_width(zones: &[ContactZone<'_, 1, 2>], symmetry: bool) -> Option<Result<f64, NoHalfWidth>> {
+        let closed = zones.iter().map(|zone| {
+            let sent = &zone.sent;
+            ClosedSide { slave: zone.slave, contact: zone.contact, closed: &sent.closed, pressure: &sent.pressure }
+        });
+        Some(half_width(&closed.collect::<Vec<_>>(), symmetry))
+    }
     fn system_of(problem: &Problem<1, 2>) -> Result<System<1, 2>, ProblemErrors> {
         problem.system()
     }
@@ -127,6 +152,9 @@ impl InterfaceSide<2, 3> for Trace<2, 3> {
     }
     fn without_slivers(&self, psi: Box<dyn Basis<2>>, _: &Segments<2>) -> Box<dyn Basis<2>> {
         psi
+    }
+    fn half_width(_: &[ContactZone<'_, 2, 3>], _: bool) -> Option<Result<f64, NoHalfWidth>> {
+        None
     }
     fn system_of(problem: &Problem<2, 3>) -> Result<System<2, 3>, ProblemErrors> {
         problem.system()

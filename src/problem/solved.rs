@@ -5,17 +5,21 @@
 use super::closed_points::left_free;
 use super::data::Exact;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
+use super::extremes::Extreme;
 use super::forecast::Forecast;
 use super::handles::{BodyId, ContactId, InterfaceId, Region, TieId};
 use super::identity::Identity;
 use super::interface_results::{ContactResult, TieResult};
+use super::interface_side::HalfWidth;
+use super::lambda_error::SquaredError;
+use super::lambda_field::LambdaField;
 use super::loads::LoadSum;
 use super::matrices::Stiffness;
-use super::model::{ContactModel, ContactPart, Model, PatchModel, TieModel};
+use super::model::{Against, ContactModel, ContactPart, Model, PatchModel, TieModel};
 use super::observer::Observer;
-use super::physics::{Physics, PointState};
+use super::physics::{OtherField, Physics, PointState};
 use super::places::Places;
-use super::reactions::reactions;
+use super::reactions::{Reaction, reactions};
 use super::regions::Regions;
 use super::resultant::Resultant;
 use super::rigid_motions::RigidMotion;
@@ -27,9 +31,10 @@ use super::warnings::Warning;
 use crate::assembly::Errors;
 use crate::constraint::{ConstraintSolver, Direct};
 use crate::linalg::{Csr, Operator, Vector};
+use crate::quadrature::Quadrature;
 use rayon::prelude::*;
 use std::fmt::Debug;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A state, or an error with the best one.
 type Solves<const S: usize, const N: usize> = Result<Arc<dyn State<S, N>>, Unsolved<Arc<dyn State<S, N>>>>;
@@ -63,10 +68,19 @@ pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
     fn tie(&self, tie: TieId) -> Result<TieResult, ProblemError>;
     fn contact(&self, contact: ContactId) -> Result<ContactResult<N>, ProblemError>;
     fn reaction(&self, on: Region<'_>) -> Result<Vec<f64>, ProblemError>;
+    fn reactions(&self) -> &[Reaction<S, N>];
+    fn balance(&self) -> Resultant;
     fn energy(&self) -> f64;
     fn errors(&self, exact: &dyn Exact) -> Vec<Errors>;
+    fn difference(&self, body: BodyId, rules: &dyn Quadrature<N>, other: &dyn OtherField<N>) -> Result<Errors, ProblemError>;
+    fn extremes(&self, body: BodyId, derived: Option<bool>, field: Scalar<'_, N>) -> Result<Option<[Extreme<N>; 2]>, ProblemError>;
+    fn lambda_field(self: Arc<Self>, of: InterfaceId, side: usize) -> Result<Option<LambdaField<S>>, ProblemError>;
+    fn lambda_error(&self, of: InterfaceId) -> Result<SquaredError, ProblemError>;
     fn warnings(&self) -> Vec<Warning>;
 }
+
+/// A number of the state at a point.
+type Scalar<'a, const N: usize> = &'a (dyn Fn(&PointState<N>) -> f64 + Sync);
 
 /// A model with its matrices and its solver.
 #[derive(Debug)]
@@ -78,10 +92,11 @@ pub(super) struct Assembled<const S: usize, const N: usize> {
     times: Vec<f64>,
     stiffness: Option<Stiffness>,
     solver: Solver,
+    half_width: HalfWidth<S, N>,
 }
 
 impl<const S: usize, const N: usize> Assembled<S, N> {
-    pub fn new(model: Model<S, N>, identity: Identity, regions: Regions<S, N>, times: Vec<f64>) -> Self {
+    pub fn new(model: Model<S, N>, identity: Identity, regions: Regions<S, N>, times: Vec<f64>, half_width: HalfWidth<S, N>) -> Self {
         Self {
             identity: Arc::new(identity),
             regions: Arc::new(regions),
@@ -90,6 +105,7 @@ impl<const S: usize, const N: usize> Assembled<S, N> {
             times,
             stiffness: None,
             solver: Solver::new(Box::new(Direct::new())),
+            half_width,
         }
     }
 }
@@ -152,7 +168,8 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
         let solution = |state: StepState<S, N>| -> Arc<dyn State<S, N>> {
             let (identity, regions) = (Arc::clone(&self.identity), Arc::clone(&self.regions));
             let energy = model.patches.iter().zip(&matrices.bodies).map(|(p, k)| energy(k, &state.u[p.range()])).sum();
-            Arc::new(Solved { identity, regions, places: Arc::clone(&self.places), model: Arc::clone(&self.model), state, energy })
+            let (places, model) = (Arc::clone(&self.places), Arc::clone(&self.model));
+            Arc::new(Solved { identity, regions, places, model, state, energy, half_width: self.half_width, outside: OnceLock::new() })
         };
         let state = stepped.map_err(|unsolved| unsolved.map(|state| solution(*state)))?;
         match left_free(model, &state) {
@@ -168,10 +185,13 @@ pub(super) struct Solved<const S: usize, const N: usize> {
     identity: Arc<Identity>,
     regions: Arc<Regions<S, N>>,
     places: Arc<Places<N>>,
-    model: Arc<Model<S, N>>,
-    state: StepState<S, N>,
+    pub(super) model: Arc<Model<S, N>>,
+    pub(super) state: StepState<S, N>,
     /// 1/2 uᵀ K u of all bodies.
     energy: f64,
+    half_width: HalfWidth<S, N>,
+    /// Reactions, and the sum of all external forces.
+    outside: OnceLock<(Vec<Reaction<S, N>>, Resultant)>,
 }
 
 /// 1/2 uᵀ K u.
@@ -232,7 +252,7 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
     }
 
     fn contact(&self, contact: ContactId) -> Result<ContactResult<N>, ProblemError> {
-        Ok(self.of_contact(contact)?.result(&self.model, &self.state.contacts[contact.number], &self.state))
+        Ok(self.of_contact(contact)?.result(&self.model, &self.state.contacts[contact.number], &self.state, self.half_width))
     }
 
     fn reaction(&self, on: Region<'_>) -> Result<Vec<f64>, ProblemError> {
@@ -249,12 +269,20 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
         let mut sum = vec![0.0; self.model.components];
         let Some(number) = number else { return Ok(sum) };
         let pieces = self.regions.pieces(number);
-        for reaction in reactions(&self.model, &self.state, &mut Resultant::default()) {
+        for reaction in self.reactions() {
             if pieces.iter().any(|piece| piece.is(&reaction.on)) {
                 sum.iter_mut().zip(&reaction.force).for_each(|(s, f)| *s += f);
             }
         }
         Ok(sum)
+    }
+
+    fn reactions(&self) -> &[Reaction<S, N>] {
+        &self.outside().0
+    }
+
+    fn balance(&self) -> Resultant {
+        self.outside().1
     }
 
     fn energy(&self) -> f64 {
@@ -265,6 +293,32 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
         let t = self.state.t;
         let patches = self.model.patches.iter();
         patches.map(|p| p.physics_at(t).errors(&**p.body.space(), &p.rules, &self.state.u[p.range()], exact, t)).collect()
+    }
+
+    fn difference(&self, body: BodyId, rules: &dyn Quadrature<N>, other: &dyn OtherField<N>) -> Result<Errors, ProblemError> {
+        let patch = self.patch(body)?;
+        Ok(patch.physics_at(self.state.t).difference(&**patch.body.space(), rules, &self.state.u[patch.range()], other))
+    }
+
+    fn extremes(&self, body: BodyId, derived: Option<bool>, field: Scalar<'_, N>) -> Result<Option<[Extreme<N>; 2]>, ProblemError> {
+        let (patch, state) = (self.patch(body)?, &self.state);
+        Ok(match derived {
+            Some(derived) => patch.extremes(&state.u, state.t, derived, field),
+            None => patch.extremes_at_points(&state.u, state.t, field),
+        })
+    }
+
+    fn lambda_field(self: Arc<Self>, of: InterfaceId, side: usize) -> Result<Option<LambdaField<S>>, ProblemError> {
+        LambdaField::of(self, of, side)
+    }
+
+    fn lambda_error(&self, of: InterfaceId) -> Result<SquaredError, ProblemError> {
+        Ok(match of {
+            InterfaceId::Tie(tie) => self.of_tie(tie)?.lambda_error(&self.model, &self.state),
+            InterfaceId::Contact(contact) => {
+                self.of_contact(contact)?.lambda_error(&self.model, &self.state.contacts[contact.number], &self.state)
+            }
+        })
     }
 
     fn warnings(&self) -> Vec<Warning> {
@@ -278,11 +332,29 @@ impl<const S: usize, const N: usize> Solved<S, N> {
         self.model.patches.get(body.number).filter(|_| self.identity.knows(body)).ok_or_else(other_problem)
     }
 
-    fn of_tie(&self, tie: TieId) -> Result<&TieModel<S, N>, ProblemError> {
+    /// Reactions, and the sum of all external forces: of loads, obstacles and supports.
+    fn outside(&self) -> &(Vec<Reaction<S, N>>, Resultant) {
+        self.outside.get_or_init(|| {
+            let mut outside = self.state.load;
+            for (contact, built) in self.model.contacts.iter().zip(&self.state.contacts) {
+                for (part, rows) in contact.parts.iter().zip(built).filter(|(part, _)| matches!(part.against, Against::Rigid(..))) {
+                    let sent = part.transmitted(rows, &self.state.lambda[part.rows()]);
+                    let mut force = [0.0; 3];
+                    force[..N].copy_from_slice(sent.force.as_slice());
+                    // the force that drives the obstacle is among the loads
+                    contact.obstacle.iter().flat_map(|o| &o.pressed).for_each(|p| force[p.component] = 0.0);
+                    outside.sum(&Resultant { force, moment: sent.moment });
+                }
+            }
+            (reactions(&self.model, &self.state, &mut outside), outside)
+        })
+    }
+
+    pub(super) fn of_tie(&self, tie: TieId) -> Result<&TieModel<S, N>, ProblemError> {
         self.model.ties.get(tie.number).filter(|_| self.identity.knows(tie)).ok_or_else(other_problem)
     }
 
-    fn of_contact(&self, contact: ContactId) -> Result<&ContactModel<S, N>, ProblemError> {
+    pub(super) fn of_contact(&self, contact: ContactId) -> Result<&ContactModel<S, N>, ProblemError> {
         self.model.contacts.get(contact.number).filter(|_| self.identity.knows(contact)).ok_or_else(other_problem)
     }
 

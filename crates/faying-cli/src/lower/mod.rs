@@ -70,7 +70,7 @@ where
     builder.stop()?;
     supports::check(&mut builder, &model, &found);
     builder.stop()?;
-    model.reference = on_case::build(&builder, &model, net).map_err(|fault| Diagnostics::from(*fault))?;
+    model.reference = on_case::build(&builder, &model.system.contents(), net).map_err(|fault| Diagnostics::from(*fault))?;
     model.warnings.extend(std::mem::take(&mut builder.faults));
     Ok(model)
 }

@@ -2,9 +2,9 @@
 
 use super::grammar::{FieldName, Reduce};
 use super::path::look_up;
-use super::prepare::Prepared;
+use super::prepare::{Prepared, SideSpot};
 use faying::physics::von_mises;
-use faying::problem::{ContactField, Extreme, Model, PointState, Solution, StepState, TieField};
+use faying::problem::{Extreme, PointState, Solution};
 use faying::space::off_collapsed;
 use serde_json::Value;
 
@@ -49,19 +49,17 @@ fn finite(value: f64) -> Answer {
 }
 
 /// A field over bodies: an extreme with its place, or both.
-fn over<const S: usize, const N: usize>(
-    model: &Model<S, N>,
-    state: &StepState<S, N>,
-    field: FieldName,
-    bodies: &[usize],
-    reduce: Reduce,
-) -> Answer {
+fn over<const S: usize, const N: usize>(solution: &Solution<S, N>, field: FieldName, bodies: &[usize], reduce: Reduce) -> Answer {
     let value = |s: &PointState<N>| component(field, s);
     // displacements need no derivative
     let derived = !matches!(field, FieldName::U(_));
-    let of_body = |k: &usize| match reduce {
-        Reduce::MinGauss | Reduce::MaxGauss => model.patches[*k].extremes_at_points(&state.u, state.t, &value),
-        _ => model.patches[*k].extremes(&state.u, state.t, derived, &value),
+    let of_body = |k: &usize| {
+        let body = solution.contents().body(*k).id();
+        let found = match reduce {
+            Reduce::MinGauss | Reduce::MaxGauss => solution.extremes_at_points(body, &value),
+            _ => solution.extremes(body, derived, &value),
+        };
+        found.ok().flatten()
     };
     let Some(parts) = bodies.iter().map(of_body).collect::<Option<Vec<[Extreme<N>; 2]>>>() else {
         return Answer::None("the field is not finite everywhere".into());
@@ -79,7 +77,6 @@ fn over<const S: usize, const N: usize>(
 
 /// Evaluates a quantity on a solution; numbers of the result are read from `result`.
 pub fn evaluate<const S: usize, const N: usize>(prepared: &Prepared<S, N>, solution: &Solution<S, N>, result: &Value) -> Answer {
-    let (model, state) = (solution.model(), solution.state());
     match prepared {
         Prepared::Study => Answer::Study,
         Prepared::Number(value) => finite(*value),
@@ -89,31 +86,29 @@ pub fn evaluate<const S: usize, const N: usize>(prepared: &Prepared<S, N>, solut
             None => Answer::None("the result has no such number".into()),
         },
         Prepared::At(field, spot) => {
-            let patch = &model.patches[spot.patch];
+            let body = solution.contents().body(spot.patch);
             let mut mean = PointState::<N> { x: faying::linalg::Vector::zeros(), u: [0.0; 3], stress: [0.0; 6] };
             let share = 1.0 / spot.elements.len() as f64;
-            let physics = patch.physics_at(state.t);
             for (e, xi) in &spot.elements {
-                let space = &**patch.body.space();
                 // displacements need no derivative
-                let xi = if matches!(field, FieldName::U(_)) { vec![*xi] } else { off_collapsed(space, *e, [*xi]) };
-                let p = physics.at(space, &patch.field, &state.u, *e, &xi)[0];
+                let xi = if matches!(field, FieldName::U(_)) { *xi } else { off_collapsed(&**body.space(), *e, [*xi])[0] };
+                let p = solution.in_element(body.id(), *e, &[xi.into()]).expect("an element of the body")[0];
                 mean.u.iter_mut().zip(p.u).for_each(|(m, v)| *m += share * v);
                 mean.stress.iter_mut().zip(p.stress).for_each(|(m, v)| *m += share * v);
             }
             finite(component(*field, &mean))
         }
-        Prepared::Over(field, bodies, reduce) => over(model, state, *field, bodies, *reduce),
-        Prepared::Lambda(spot, component) => {
-            let part = &model.ties[spot.number].parts[spot.part];
-            finite(TieField::of(model, part, state.t).at(model, part, state, spot.element, &[spot.xi])[*component][0])
-        }
+        Prepared::Over(field, bodies, reduce) => over(solution, *field, bodies, *reduce),
+        Prepared::Lambda(spot, component) => finite(lambda(solution, spot, *component)),
         Prepared::Pressure(spot, pressure) => {
-            let contact = &model.contacts[spot.number];
-            let part = &contact.parts[spot.part];
-            let field = ContactField::of(model, part, state.t);
-            let [lambda, _] = field.at(model, contact, part, state, spot.element, &[spot.xi])[0];
+            let lambda = lambda(solution, spot, 0);
             finite(if *pressure { -lambda } else { lambda })
         }
     }
+}
+
+/// A component of lambda at a place of a slave side.
+fn lambda<const S: usize, const N: usize>(solution: &Solution<S, N>, spot: &SideSpot<S>, component: usize) -> f64 {
+    let field = solution.lambda(spot.of, spot.side).ok().flatten();
+    field.map_or(f64::NAN, |field| field.at(spot.element, &[spot.xi])[component][0])
 }

@@ -3,6 +3,7 @@
 use crate::lower::Built;
 use faying::geometry::{Bounds, Embedded, Embedding, closest_point};
 use faying::linalg::{Matrix, Vector};
+use faying::problem::Contents;
 use faying::space::{Locator, Space};
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -19,29 +20,34 @@ pub struct Spot<const N: usize> {
 /// Finds elements of the patches of a model by points; the search structure of a patch is built when first used.
 #[derive(Debug)]
 pub struct Locators<'a, const S: usize, const N: usize> {
-    model: &'a Built<S, N>,
+    built: &'a Built<S, N>,
     each: Vec<OnceCell<Locator<N, Arc<dyn Space<N, N>>>>>,
 }
 
 impl<'a, const S: usize, const N: usize> Locators<'a, S, N> {
-    /// For the patches of `model`.
-    pub fn new(model: &'a Built<S, N>) -> Self {
-        Self { model, each: model.patches.iter().map(|_| OnceCell::new()).collect() }
+    /// For the bodies of `built`.
+    pub fn new(built: &'a Built<S, N>) -> Self {
+        Self { built, each: built.system.contents().bodies().map(|_| OnceCell::new()).collect() }
     }
 
-    /// The model.
-    pub fn model(&self) -> &'a Built<S, N> {
-        self.model
+    /// What is built.
+    pub fn contents(&self) -> Contents<'a, S, N> {
+        self.built.system.contents()
+    }
+
+    /// Whether there is a stored run to compare with.
+    pub fn has_reference(&self) -> bool {
+        self.built.reference.is_some()
     }
 
     /// Locator of a patch, built at the first call.
     pub fn of(&self, patch: usize) -> &Locator<N, Arc<dyn Space<N, N>>> {
-        self.each[patch].get_or_init(|| Locator::new(self.model.patches[patch].body.space().clone()))
+        self.each[patch].get_or_init(|| Locator::new(self.contents().body(patch).space().clone()))
     }
 
     /// Returns all elements of a patch that contain the point `x`, which was found in `element` at `xi`.
     pub fn around(&self, patch: usize, element: usize, xi: Vector<N>, x: &Vector<N>) -> Vec<(usize, Vector<N>)> {
-        let space = self.model.patches[patch].body.space();
+        let space = self.contents().body(patch).space();
         let tree = self.of(patch).closest().tree();
         let mut all = vec![(element, xi)];
         // no element is larger than the patch

@@ -6,14 +6,13 @@ use super::path::{known, look_up};
 use crate::case::{Case, Multiplier};
 use crate::errors::{Diagnostic, nearest};
 use crate::formula::{Formula, Scope};
-use crate::lower::{Built, canonical_side, named_point};
+use crate::lower::{canonical_side, named_point};
 use crate::place::Place;
 use faying::geometry::ClosestPoint;
 use faying::linalg::Vector;
-use faying::problem::SideModel;
+use faying::problem::{Contents, InterfaceId, InterfaceView};
 use faying::space::measure;
 use serde_json::Value;
-use std::sync::Arc;
 
 /// Distance from a body, as a fraction of an element, within which a point moves to the nearest point of the body.
 const OFF: f64 = 0.25;
@@ -23,10 +22,10 @@ const POINT: [&str; 2] = ["[x, y]", "[x, y, z]"];
 /// Point on a slave side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideSpot<const S: usize> {
-    /// Index of the interface or contact.
-    pub number: usize,
-    /// Index of its part.
-    pub part: usize,
+    /// The interface or contact.
+    pub of: InterfaceId,
+    /// Number of its slave side.
+    pub side: usize,
     /// The element.
     pub element: usize,
     /// Local coordinates.
@@ -57,7 +56,7 @@ pub enum Prepared<const S: usize, const N: usize> {
 #[derive(Debug)]
 pub struct Preparer<'a, const S: usize, const N: usize> {
     case: &'a Case,
-    model: &'a Built<S, N>,
+    contents: Contents<'a, S, N>,
     locators: &'a Locators<'a, S, N>,
     skeleton: &'a Value,
 }
@@ -65,7 +64,7 @@ pub struct Preparer<'a, const S: usize, const N: usize> {
 impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     /// Creates the preparer; `skeleton`: the JSON of a result before it is filled.
     pub fn new(case: &'a Case, locators: &'a Locators<'a, S, N>, skeleton: &'a Value) -> Self {
-        Self { case, model: locators.model(), locators, skeleton }
+        Self { case, contents: locators.contents(), locators, skeleton }
     }
 
     fn fault(&self, code: &'static str, message: String, at: Place) -> Box<Diagnostic> {
@@ -85,14 +84,14 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         match quantity.kind {
             Kind::Beta(pairing) => self.beta(text, &pairing, at),
             Kind::Rate(inner) => self.rate(&inner, at),
-            Kind::Later(path, _) if path[0] == "contact" && !self.model.contacts.iter().any(|c| c.name == path[1]) => {
+            Kind::Later(path, _) if path[0] == "contact" && !self.contents.contacts().any(|c| c.name() == path[1]) => {
                 self.path(text, path, at)
             }
             Kind::Later(_, instead) => Err(Box::new(self.fault("E019", format!("`{text}` is not in this version"), at).with_help(instead))),
             Kind::Path(path) => self.path(text, path, at),
             Kind::SideMeasure(side) => self.side_measure(text, &side, at),
             Kind::Multiplier { pressure, name, component, at: place } => {
-                if self.model.ties.iter().any(|t| t.name == name) {
+                if self.contents.ties().any(|t| t.name() == name) {
                     self.lambda(text, &name, component, &place, at)
                 } else {
                     self.pressure(text, &name, pressure, &place, at)
@@ -102,7 +101,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
                 self.field_exists(text, field, at)?;
                 let bodies = match &patch {
                     Some(name) => self.bodies(name, at)?,
-                    None => (0..self.model.patches.len()).collect(),
+                    None => (0..self.contents.bodies().len()).collect(),
                 };
                 match (&place, reduce, both) {
                     (At::Everywhere, Reduce::None, false) => Err(Box::new(
@@ -118,7 +117,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     }
 
     fn field_exists(&self, text: &str, field: FieldName, at: Place) -> Result<(), Box<Diagnostic>> {
-        let scalar = self.model.components == 1;
+        let scalar = self.contents.components() == 1;
         let wrong = match field {
             FieldName::U(Some(_)) if scalar => Some("u has no components in Poisson problems; write u"),
             FieldName::U(None) if !scalar => Some("u has components in elasticity; write u.x or u.y"),
@@ -139,7 +138,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     }
 
     fn patch(&self, name: &str, at: Place) -> Result<usize, Box<Diagnostic>> {
-        let names: Vec<&str> = self.model.patches.iter().map(|p| p.name.as_str()).collect();
+        let names: Vec<&str> = self.contents.bodies().map(|b| b.name()).collect();
         names.iter().position(|n| *n == name).ok_or_else(|| {
             let near = nearest(name, names.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
             self.fault("E021", format!("there is no patch \"{name}\"; patches are {}{near}", names.join(", ")), at)
@@ -194,7 +193,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
             match self.locators.of(k).locate(&x) {
                 Ok(found) => {
                     // patches that touch in the point: the first one is taken
-                    let better = best.as_ref().is_none_or(|b| found.distance < b.0 - 1e-9 * self.model.size);
+                    let better = best.as_ref().is_none_or(|b| found.distance < b.0 - 1e-9 * self.contents.size().diagonal);
                     if better {
                         best = Some((found.distance, k, found.element, found.xi, found.x));
                     }
@@ -205,7 +204,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         let Some((_, patch, element, xi, x)) = best else {
             let coordinates: Vec<String> = x.iter().map(|v| format!("{v}")).collect();
             let whole = match bodies {
-                [one] if self.model.patches.len() > 1 => format!("patch \"{}\"", self.model.patches[*one].name),
+                [one] if self.contents.bodies().len() > 1 => format!("patch \"{}\"", self.contents.body(*one).name()),
                 _ => "every body".to_owned(),
             };
             let message = format!("the point ({}) is outside {whole}, {nearest_body:.3e} away", coordinates.join(", "));
@@ -223,8 +222,9 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         if !sides.is_empty() {
             let mut sum = 0.0;
             for s in &sides {
-                let p = &self.model.patches[s.patch];
-                let trace = p.body.trace(&s.side).map_err(|e| self.fault("E021", format!("`{text}`: patch \"{}\": {e}", p.name), at))?;
+                let p = self.contents.body(s.patch);
+                let trace = p.body().trace(&s.side);
+                let trace = trace.map_err(|e| self.fault("E021", format!("`{text}`: patch \"{}\": {e}", p.name()), at))?;
                 sum += measure::<S, N, f64, _>(&*trace.space);
             }
             return Ok(Prepared::Number(sum));
@@ -232,11 +232,11 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         if let Some(measured) = self.measure_of(side).filter(|_| !text.trim_start().starts_with("length")) {
             return Ok(measured);
         }
-        for p in &self.model.patches {
-            if let Some(rest) = side.strip_prefix(&format!("{}.", p.name)) {
-                return match p.body.trace(canonical_side(rest, N)) {
+        for p in self.contents.bodies() {
+            if let Some(rest) = side.strip_prefix(&format!("{}.", p.name())) {
+                return match p.body().trace(canonical_side(rest, N)) {
                     Ok(trace) => Ok(Prepared::Number(measure::<S, N, f64, _>(&*trace.space))),
-                    Err(e) => Err(self.fault("E021", format!("`{text}`: patch \"{}\": {e}", p.name), at)),
+                    Err(e) => Err(self.fault("E021", format!("`{text}`: patch \"{}\": {e}", p.name()), at)),
                 };
             }
         }
@@ -248,7 +248,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     /// The area (volume in 3D) of the patches that a name stands for.
     fn measure_of(&self, name: &str) -> Option<Prepared<S, N>> {
         let patches = self.case.find_patches(name);
-        let of = |k: &usize| measure::<N, N, f64, _>(&**self.model.patches[*k].body.space());
+        let of = |k: &usize| measure::<N, N, f64, _>(&**self.contents.body(*k).space());
         (!patches.is_empty()).then(|| Prepared::Number(patches.iter().map(of).sum()))
     }
 
@@ -264,9 +264,9 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         }
         // results of probes and checks are numbers of the result, too
         if let Some((place, help)) = self.lacks_exact(&path) {
-            let help = match &self.model.reference {
-                Some(_) => format!("the stored run has no multiplier there; {help}"),
-                None => help.to_owned(),
+            let help = match self.locators.has_reference() {
+                true => format!("the stored run has no multiplier there; {help}"),
+                false => help.to_owned(),
             };
             let fault = Diagnostic::error("E062", format!("`{text}` needs `exact` {place}, or `reference` in [model]"));
             return Err(Box::new(fault.at(&self.case.source, at).with_help(help)));
@@ -278,7 +278,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     }
 
     fn fields(&self) -> &'static [&'static str] {
-        match self.model.components {
+        match self.contents.components() {
             1 => &["u", "flux.x", "flux.y"],
             _ => &["u.x", "u.y", "stress.xx", "stress.yy", "stress.xy", "von_mises"],
         }
@@ -290,11 +290,11 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         let words = words.strip_suffix(&["rel"]).unwrap_or(&words);
         let manufactured = "give a manufactured solution";
         match words {
-            ["error", "u", "L2" | "H1" | "energy"] if self.model.exact.is_none() => Some(("in [model]".into(), manufactured)),
+            ["error", "u", "L2" | "H1" | "energy"] if self.contents.exact().is_none() => Some(("in [model]".into(), manufactured)),
             ["error", name @ .., "lambda", "L2"] => {
                 let name = name.join(".");
-                let tie = self.model.ties.iter().any(|t| name.is_empty() || t.name == name);
-                let contact = self.model.contacts.iter().any(|c| name.is_empty() || c.name == name);
+                let tie = self.contents.ties().any(|t| name.is_empty() || t.name() == name);
+                let contact = self.contents.contacts().any(|c| name.is_empty() || c.name() == name);
                 let block = match (tie, contact) {
                     (true, true) => "[[interface]] or [[contact]]",
                     (true, false) => "[[interface]]",
@@ -341,11 +341,14 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         let named = |list: &[&str], names: &[&str]| -> Vec<String> {
             names.iter().flat_map(|n| list.iter().map(move |form| form.replace("NAME", n))).collect()
         };
-        let patches: Vec<&str> = self.model.patches.iter().map(|p| p.name.as_str()).collect();
-        let ties: Vec<&str> = self.model.ties.iter().map(|t| t.name.as_str()).collect();
-        let contacts: Vec<&str> = self.model.contacts.iter().map(|c| c.name.as_str()).collect();
-        let lambda: &[&str] =
-            if self.model.components == 1 { &["interface.NAME.lambda"] } else { &["interface.NAME.lambda.x", "interface.NAME.lambda.y"] };
+        let patches: Vec<&str> = self.contents.bodies().map(|b| b.name()).collect();
+        let ties: Vec<&str> = self.contents.ties().map(|t| t.name()).collect();
+        let contacts: Vec<&str> = self.contents.contacts().map(|c| c.name()).collect();
+        let lambda: &[&str] = if self.contents.components() == 1 {
+            &["interface.NAME.lambda"]
+        } else {
+            &["interface.NAME.lambda.x", "interface.NAME.lambda.y"]
+        };
         let mut candidates: Vec<String> = self.fields().iter().map(|f| (*f).to_owned()).collect();
         candidates.extend(["energy", "unknowns"].map(String::from));
         candidates.extend(known(self.skeleton));
@@ -367,84 +370,72 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
 
     /// Converts `reaction.PATCH.SIDE.c` to the label used in the result, for any alias.
     fn support(&self, path: Vec<String>) -> Vec<String> {
+        let found = |label: &str, rest: &[String]| {
+            let mut out = vec!["reactions".to_string(), label.to_owned()];
+            out.extend_from_slice(rest);
+            if self.contents.components() == 1 && out.len() == 2 {
+                out.push("0".into());
+            }
+            out
+        };
         // the component may be left out in Poisson problems
         for end in [path.len() - 1, path.len()] {
             if end < 2 {
                 continue;
             }
             let [wanted] = &self.case.find_sides(&path[1..end].join("."))[..] else { continue };
-            let mut supports = self.model.supports.iter().filter(|s| s.patch == wanted.patch && s.side == wanted.side);
+            let mut supports = self.contents.supports().filter(|s| s.is_side && s.body == wanted.patch && s.name == wanted.side);
             // several parts of one side are distinguished by their labels only
             if let (Some(support), None) = (supports.next(), supports.next()) {
-                let mut out = vec!["reactions".to_string(), support.label.clone()];
-                out.extend_from_slice(&path[end..]);
-                if self.model.components == 1 && out.len() == 2 {
-                    out.push("0".into());
-                }
-                return out;
+                return found(support.label, &path[end..]);
             }
         }
         // edges and corners
-        for (k, p) in self.model.patches.iter().enumerate() {
-            let n = p.name.split('.').count();
-            if path.len() < n + 2 || path[1..=n].join(".") != p.name {
+        for (k, p) in self.contents.bodies().enumerate() {
+            let n = p.name().split('.').count();
+            if path.len() < n + 2 || path[1..=n].join(".") != p.name() {
                 continue;
             }
-            if let Some(pin) = self.model.pins.iter().find(|pin| pin.rim.patch == k && pin.rim.name == path[n + 1]) {
-                let mut out = vec!["reactions".to_string(), pin.rim.label.clone()];
-                out.extend_from_slice(&path[n + 2..]);
-                if self.model.components == 1 && out.len() == 2 {
-                    out.push("0".into());
-                }
-                return out;
+            if let Some(support) = self.contents.supports().find(|s| !s.is_side && s.body == k && s.name == path[n + 1]) {
+                return found(support.label, &path[n + 2..]);
             }
         }
         path
     }
 
     fn lambda(&self, text: &str, name: &str, component: Option<usize>, place: &At, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
-        let number = self.model.ties.iter().position(|t| t.name == name).unwrap_or(0);
-        let component = match (component, self.model.components) {
+        let component = match (component, self.contents.components()) {
             (None, 1) => 0,
             (Some(c), n) if n > 1 && c < n => c,
             (None, _) => return Err(self.fault("E018", format!("`{text}`: lambda has components; write interface.{name}.lambda.x"), at)),
             _ => return Err(self.fault("E018", format!("`{text}`: lambda has no such component"), at)),
         };
         let x = self.point(text, place, at)?;
-        let sides: Vec<_> = self.model.ties[number].parts.iter().map(|p| &p.slave).collect();
-        let (part, element, xi) = self.on_sides(text, &sides, &x, at)?;
-        Ok(Prepared::Lambda(SideSpot { number, part, element, xi }, component))
+        let Some(tie) = self.contents.ties().find(|t| t.name() == name) else {
+            return Err(self.fault("E018", format!("`{text}`: there is no interface \"{name}\""), at));
+        };
+        Ok(Prepared::Lambda(self.on_sides(text, &tie, &x, at)?, component))
     }
 
     fn pressure(&self, text: &str, name: &str, pressure: bool, place: &At, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
-        let Some(number) = self.model.contacts.iter().position(|c| c.name == name) else {
-            let names: Vec<&str> =
-                self.model.ties.iter().map(|t| t.name.as_str()).chain(self.model.contacts.iter().map(|c| c.name.as_str())).collect();
+        let Some(contact) = self.contents.contacts().find(|c| c.name() == name) else {
+            let names: Vec<&str> = self.contents.interfaces().map(|of| of.name()).collect();
             let near = nearest(name, names.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
             return Err(self.fault("E018", format!("`{text}`: there is no interface or contact \"{name}\"{near}"), at));
         };
         let x = self.point(text, place, at)?;
-        let sides: Vec<_> = self.model.contacts[number].parts.iter().map(|p| &p.slave).collect();
-        let (part, element, xi) = self.on_sides(text, &sides, &x, at)?;
-        Ok(Prepared::Pressure(SideSpot { number, part, element, xi }, pressure))
+        Ok(Prepared::Pressure(self.on_sides(text, &contact, &x, at)?, pressure))
     }
 
-    fn on_sides(
-        &self,
-        text: &str,
-        sides: &[&Arc<SideModel<S, N>>],
-        x: &Vector<N>,
-        at: Place,
-    ) -> Result<(usize, usize, Vector<S>), Box<Diagnostic>> {
-        let mut best: Option<(f64, usize, usize, Vector<S>)> = None;
-        for (part, side) in sides.iter().enumerate() {
-            let closest = ClosestPoint::new(side.trace.space.clone());
-            let Some(p) = closest.project(x) else { continue };
-            if p.distance <= OFF * side.trace.space.bounds(p.element).diagonal() && best.as_ref().is_none_or(|b| p.distance < b.0) {
-                best = Some((p.distance, part, p.element, p.xi));
+    fn on_sides(&self, text: &str, of: &InterfaceView<'_, S, N>, x: &Vector<N>, at: Place) -> Result<SideSpot<S>, Box<Diagnostic>> {
+        let mut best: Option<(f64, SideSpot<S>)> = None;
+        for (number, slave) in of.sides().into_iter().enumerate() {
+            let space = slave.side().trace().space.clone();
+            let Some(p) = ClosestPoint::new(space.clone()).project(x) else { continue };
+            if p.distance <= OFF * space.bounds(p.element).diagonal() && best.as_ref().is_none_or(|b| p.distance < b.0) {
+                best = Some((p.distance, SideSpot { of: of.id(), side: number, element: p.element, xi: p.xi }));
             }
         }
-        best.map(|(_, part, element, xi)| (part, element, xi))
-            .ok_or_else(|| self.fault("E022", format!("`{text}`: the point is not on the slave side"), at))
+        best.map(|(_, spot)| spot).ok_or_else(|| self.fault("E022", format!("`{text}`: the point is not on the slave side"), at))
     }
 }

@@ -12,7 +12,7 @@ use faying::coupling::Segments;
 use faying::coupling::interface::{Partners, Tolerance};
 use faying::geometry::{ClosestPoint, Embedding};
 use faying::linalg::{Matrix, Vector};
-use faying::problem::{InterfaceSide, Model, OtherField, SideModel};
+use faying::problem::{Contents, InterfaceId, InterfaceSide, OtherField, SideView};
 use faying::quadrature::{PerElement, Quadrature, Rule, TensorRule, gauss_legendre};
 use faying::space::{Body, Field, PatchSpec, Space, Trace, field_at};
 use std::sync::Arc;
@@ -136,7 +136,7 @@ impl<const S: usize> OnSide<S> {
 /// E044 for another dimension, E015 where the run is of another problem, of other bodies, or ends at another time.
 pub(crate) fn build<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    model: &Model<S, N>,
+    contents: &Contents<'_, S, N>,
     net: MakeNet<N>,
 ) -> Result<Option<Reference<S, N>>, Box<Diagnostic>>
 where
@@ -145,25 +145,25 @@ where
     let (Some(run), Some(file)) = (&builder.case.model.stored, &builder.case.model.reference) else { return Ok(None) };
     let refused = |code: &'static str, text: String| Box::new(builder.error(code, format!("{}: {text}", file.value), file.at));
     is_same_problem(builder.case, run).map_err(|(code, text)| refused(code, text))?;
-    let mut patches = Vec::with_capacity(model.patches.len());
+    let mut patches = Vec::with_capacity(contents.bodies().len());
     for (k, words) in builder.case.patches.iter().enumerate() {
         let name = &words.name.value;
         let stored = run.patches.iter().find(|p| p.name == *name).expect("the names were compared");
-        let patch = patch(builder, model, (k, words), stored, net);
+        let patch = patch(builder, contents, (k, words), stored, net);
         patches.push(patch.map_err(|text| refused("E015", format!("patch \"{name}\" of the stored run {text}")))?);
     }
     let mut lambda = Vec::new();
-    let ties = model.ties.iter().map(|t| (&t.name, t.parts.iter().map(|p| &p.slave).collect::<Vec<_>>(), model.components));
-    let contacts = model.contacts.iter().map(|c| (&c.name, c.parts.iter().map(|p| &p.slave).collect::<Vec<_>>(), 1));
-    for (name, slaves, components) in ties.chain(contacts) {
-        let stored: Vec<&StoredSide> = run.sides.iter().filter(|s| s.name == *name).collect();
+    for of in contents.interfaces() {
+        let components = if matches!(of.id(), InterfaceId::Tie(_)) { contents.components() } else { 1 };
+        let name = of.name();
+        let stored: Vec<&StoredSide> = run.sides.iter().filter(|s| s.name == name).collect();
         if stored.is_empty() {
             continue;
         }
         let of_name = |text: String| refused("E015", format!("`{name}` of the stored run {text}"));
-        let sides = sides(model, &patches, &stored, components).map_err(of_name)?;
-        let parts: Result<Vec<_>, String> = slaves.iter().map(|slave| on_sides(slave, &sides)).collect();
-        lambda.push(ReferenceLambda { name: name.clone(), parts: parts.map_err(of_name)? });
+        let sides = sides(contents, &patches, &stored, components).map_err(of_name)?;
+        let parts: Result<Vec<_>, String> = of.sides().iter().map(|slave| on_sides(&slave.side(), &sides)).collect();
+        lambda.push(ReferenceLambda { name: name.to_owned(), parts: parts.map_err(of_name)? });
     }
     Ok(Some(Reference { patches, lambda }))
 }
@@ -197,7 +197,7 @@ fn value_of<T: Copy>(words: &[(&str, T)], word: &str) -> Result<T, String> {
 
 fn patch<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    model: &Model<S, N>,
+    contents: &Contents<'_, S, N>,
     (number, words): (usize, &case::Patch),
     stored: &StoredPatch,
     net: MakeNet<N>,
@@ -207,7 +207,7 @@ fn patch<const S: usize, const N: usize>(
     if !same_geometry(&geometry, &stored.geometry) {
         return Err("has another geometry; store the run again".into());
     }
-    if Some(stored.coefficients.len()) != model.components.checked_mul(stored.functions) {
+    if Some(stored.coefficients.len()) != contents.components().checked_mul(stored.functions) {
         return Err(format!("has {} coefficients for {} functions", stored.coefficients.len(), stored.functions));
     }
     let (body, grids) = match own {
@@ -239,20 +239,20 @@ fn patch<const S: usize, const N: usize>(
     if functions != stored.functions {
         return Err(format!("has {} functions, its elements carry {functions}", stored.functions));
     }
-    let current = &model.patches[number];
-    let (here, there) = (&**current.body.space(), &**body.space());
+    let current = contents.body(number);
+    let (here, there) = (&**current.space(), &**body.space());
     let grids = grids.filter(|g| Parameters::agree((&g[0], here), (&g[1], there)));
     let parts: [usize; N] = std::array::from_fn(|k| match &grids {
         Some(g) => g[1].count(k).div_ceil(g[0].count(k)).clamp(1, MOST_PARTS),
         None => ((there.num_elements() as f64 / here.num_elements() as f64).powf(1.0 / N as f64).ceil() as usize).clamp(1, MOST_PARTS),
     });
     let degree = (0..there.num_elements()).flat_map(|e| there.degree(e)).max().unwrap_or(1);
-    let rules = rules(here, degree, current.extra_points + EXTRA_POINTS, parts);
+    let rules = rules(here, degree, current.extra_points() + EXTRA_POINTS, parts);
     let way = match grids {
         Some(grids) => Way::Parameters(Box::new(grids)),
         None => Way::Closest(Box::new(ClosestPoint::new(Arc::clone(body.space())))),
     };
-    let field = Field { first: 0, components: model.components };
+    let field = Field { first: 0, components: contents.components() };
     Ok(ReferencePatch { body, field, u: stored.coefficients.clone(), way, rules })
 }
 
@@ -299,7 +299,7 @@ struct Side<'a, const S: usize, const N: usize> {
 }
 
 fn sides<'a, const S: usize, const N: usize>(
-    model: &Model<S, N>,
+    contents: &Contents<'_, S, N>,
     patches: &[ReferencePatch<S, N>],
     stored: &[&'a StoredSide],
     components: usize,
@@ -309,7 +309,7 @@ fn sides<'a, const S: usize, const N: usize>(
         if side.components != components {
             return Err(format!("has a multiplier of {} components instead of {components}", side.components));
         }
-        let patch = model.patches.iter().position(|p| p.name == side.patch);
+        let patch = contents.bodies().position(|p| p.name() == side.patch);
         let patch = patch.ok_or_else(|| format!("has its multiplier on `{}`, which is no patch", side.patch.escape_default()))?;
         let space = patches[patch].body.space();
         let count = side.elements(N);
@@ -330,17 +330,17 @@ fn sides<'a, const S: usize, const N: usize>(
 }
 
 /// The common refinement of a slave side and those sides of the run that lie on it.
-fn on_sides<const S: usize, const N: usize>(slave: &SideModel<S, N>, sides: &[Side<'_, S, N>]) -> Result<Vec<OnSide<S>>, String>
+fn on_sides<const S: usize, const N: usize>(slave: &SideView<S, N>, sides: &[Side<'_, S, N>]) -> Result<Vec<OnSide<S>>, String>
 where
     Trace<S, N>: InterfaceSide<S, N>,
 {
     let (mut found, mut covered) = (Vec::new(), 0.0);
-    let whole = faying::space::measure::<S, N, f64, _>(&*slave.trace.space);
-    let own = slave.runs.iter().map(|r| r.1);
+    let whole = faying::space::measure::<S, N, f64, _>(&*slave.trace().space);
+    let own = slave.runs().iter().map(|r| r.1);
     for side in sides.iter().filter(|side| own.clone().any(|patch| patch == side.patch)) {
         let points = slave.degree().max(side.stored.degree) + 1 + EXTRA_POINTS;
         let quadrature = Trace::<S, N>::merged(points, Partners::Near(Tolerance::Local));
-        let segments = quadrature.segments(&*slave.trace.space, &*side.trace.space).map_err(|e| e.to_string())?;
+        let segments = quadrature.segments(&*slave.trace().space, &*side.trace.space).map_err(|e| e.to_string())?;
         covered += segments.measure();
         let (components, degree, values) = (side.stored.components, side.stored.degree, Arc::clone(&side.values));
         found.push(OnSide { segments, components, degree, values });
@@ -349,7 +349,7 @@ where
         let share = (100.0 * covered / whole).floor();
         let has: Vec<&str> = sides.iter().map(|s| s.stored.patch.as_str()).collect();
         let has = has.join(", ");
-        return Err(format!("has its multiplier on {has} and covers {share} % of `{}`, the slave side here", slave.label));
+        return Err(format!("has its multiplier on {has} and covers {share} % of `{}`, the slave side here", slave.label()));
     }
     Ok(found)
 }

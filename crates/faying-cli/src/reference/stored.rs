@@ -7,8 +7,8 @@ use crate::reference::{Fingerprint, StoredPatch, StoredRun, StoredSide, nodes};
 use faying::basis::{Basis, Cell, Order, ShapeTable};
 use faying::geometry::Embedding;
 use faying::linalg::Vector;
-use faying::problem::{Model, PatchModel, SideModel, Solution};
-use faying::space::{MeshCells, PatchSpec};
+use faying::problem::{BodyView, Contents, SideView, Solution};
+use faying::space::{Body, MeshCells, PatchSpec};
 
 /// Keywords of the case file for spline bases.
 pub(super) const BASES: [(&str, faying::space::BasisKind); 3] =
@@ -41,41 +41,34 @@ pub(crate) fn stored_run<const S: usize, const N: usize>(
     net: MakeNet<N>,
     solution: &Solution<S, N>,
 ) -> Result<StoredRun, Diagnostics> {
-    let model = solution.model();
-    let (u, lambda, t) = (&solution.state().u, &solution.state().lambda, solution.state().t);
+    let (contents, lambda) = (solution.contents(), solution.multipliers());
     let builder = Builder { case, names, faults: Diagnostics::new() };
-    let mut patches = Vec::with_capacity(model.patches.len());
-    for (patch, words) in model.patches.iter().zip(&case.patches) {
-        patches.push(stored_patch(&builder, patch, words, net, u).map_err(|fault| Diagnostics::from(*fault))?);
+    let mut patches = Vec::with_capacity(case.patches.len());
+    for (body, words) in contents.bodies().zip(&case.patches) {
+        patches.push(stored_patch(&builder, &body, words, net, solution.unknowns()).map_err(|fault| Diagnostics::from(*fault))?);
     }
     let mut run = StoredRun {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         physics: physics_word(case).to_owned(),
         dimension: N,
-        components: model.components,
-        t,
+        components: contents.components(),
+        t: solution.t(),
         patches,
         sides: Vec::new(),
     };
-    for tie in &model.ties {
-        for part in &tie.parts {
-            let mut first = part.first_row;
-            let fields: Vec<(&dyn Basis<S>, &[f64])> = part
-                .multipliers
-                .iter()
+    for of in contents.interfaces() {
+        for slave in of.sides() {
+            let mut first = slave.rows().start;
+            let fields: Vec<(&dyn Basis<S>, &[f64])> = slave
+                .read_through()
+                .into_iter()
                 .map(|m| {
                     let range = first..first + m.num_functions();
                     first = range.end;
-                    (&**m, &lambda[range])
+                    (m, &lambda[range])
                 })
                 .collect();
-            run.sides.extend(stored_sides(model, &tie.name, &part.slave, &fields));
-        }
-    }
-    for contact in &model.contacts {
-        for part in &contact.parts {
-            let field = part.read_through().map(|read| (read, &lambda[part.rows()]));
-            run.sides.extend(stored_sides(model, &contact.name, &part.slave, field.as_slice()));
+            run.sides.extend(stored_sides(&contents, of.name(), &slave.side(), &fields));
         }
     }
     Ok(run)
@@ -83,18 +76,17 @@ pub(crate) fn stored_run<const S: usize, const N: usize>(
 
 fn stored_patch<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    patch: &PatchModel<S, N>,
+    body: &BodyView<'_, S, N>,
     words: &case::Patch,
     net: MakeNet<N>,
     u: &[f64],
 ) -> Result<StoredPatch, Box<crate::errors::Diagnostic>> {
-    let space = patch.body.space();
     let mut stored = StoredPatch {
-        name: patch.name.clone(),
-        backend: patch.backend.clone(),
-        functions: space.num_functions(),
-        row: row(patch),
-        coefficients: u[patch.range()].to_vec(),
+        name: body.name().to_owned(),
+        backend: body.backend().to_owned(),
+        functions: body.space().num_functions(),
+        row: row(&**body.body()),
+        coefficients: u[body.unknowns()].to_vec(),
         ..StoredPatch::default()
     };
     let (bases, mappings) = (BASES, MAPPINGS);
@@ -136,30 +128,30 @@ pub(super) fn spec_of<const S: usize, const N: usize>(
 }
 
 /// Number of functions in a row of a grid: those of the third side (v0), if they are the first of the body, else 0.
-fn row<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> usize {
-    let first = patch.body.sides().get(2).and_then(|side| patch.body.trace(side).ok());
+fn row<const S: usize, const N: usize>(body: &dyn Body<S, N>) -> usize {
+    let first = body.sides().get(2).and_then(|side| body.trace(side).ok());
     first.filter(|trace| trace.dofs.iter().enumerate().all(|(k, &f)| k == f)).map_or(0, |trace| trace.dofs.len())
 }
 
 /// Multiplier of a slave side, in parts on single patches; empty without multiplier.
 fn stored_sides<const S: usize, const N: usize>(
-    model: &Model<S, N>,
+    contents: &Contents<'_, S, N>,
     name: &str,
-    slave: &SideModel<S, N>,
+    slave: &SideView<S, N>,
     fields: &[(&dyn Basis<S>, &[f64])],
 ) -> Vec<StoredSide> {
     // curves only: there are no multipliers on surfaces yet
     if fields.is_empty() || S != 1 {
         return Vec::new();
     }
-    let elements = slave.trace.space.num_elements();
-    let ends = slave.runs.iter().skip(1).map(|r| r.0).chain([elements]);
+    let elements = slave.trace().space.num_elements();
+    let ends = slave.runs().iter().skip(1).map(|r| r.0).chain([elements]);
     let degree = fields.iter().flat_map(|(m, _)| (0..elements).map(|e| m.degree(e).into_iter().max().unwrap_or(0))).max().unwrap_or(0);
     let points: Vec<Vector<S>> = nodes(degree).into_iter().map(Vector::<S>::repeat).collect();
     let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
     let mut all = Vec::new();
-    for (&(first, patch), end) in slave.runs.iter().zip(ends) {
-        let facets: Vec<&Embedding<S, N>> = slave.trace.facets[first..end].iter().collect();
+    for (&(first, patch), end) in slave.runs().iter().zip(ends) {
+        let facets: Vec<&Embedding<S, N>> = slave.trace().facets[first..end].iter().collect();
         let elements = facets.iter().map(|f| f.element as f64);
         let origins = (0..N).flat_map(|k| facets.iter().map(move |f| f.origin[k]));
         let axes = (0..S).flat_map(|s| (0..N).map(move |k| (k, s))).flat_map(|(k, s)| facets.iter().map(move |f| f.axes[(k, s)]));
@@ -176,7 +168,7 @@ fn stored_sides<const S: usize, const N: usize>(
         }
         all.push(StoredSide {
             name: name.to_owned(),
-            patch: model.patches[patch].name.clone(),
+            patch: contents.body(patch).name().to_owned(),
             components: fields.len(),
             degree,
             facets: elements.chain(origins).chain(axes).collect(),

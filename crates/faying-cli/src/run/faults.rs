@@ -9,14 +9,20 @@ use crate::words::{bytes, place};
 use faying::constraint::SolveError;
 use faying::contact::ContactError;
 use faying::linalg::LinearError;
-use faying::problem::{Model, StepError, System};
+use faying::problem::{StepError, System};
 
 /// Builds E081 for a prediction that exceeds the available memory.
-pub fn memory_limit<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, prediction: &Prediction, room: &Room) -> Diagnostic {
-    let largest = (0..model.patches.len()).max_by_key(|&k| model.patches[k].num_unknowns()).unwrap_or(0);
+pub fn memory_limit<const S: usize, const N: usize>(
+    case: &Case,
+    system: &System<S, N>,
+    prediction: &Prediction,
+    room: &Room,
+) -> Diagnostic {
+    let contents = system.contents();
+    let largest = (0..contents.bodies().len()).max_by_key(|&k| contents.body(k).unknowns().len()).unwrap_or(0);
     let at = case.patches.get(largest).map(|p| p.elements.at).unwrap_or_default();
-    let name = model.patches.get(largest).map_or("", |p| p.name.as_str());
-    let text = format!("{} unknowns need about {} of memory; {}", model.unknowns, bytes(prediction.memory), room.why());
+    let name = contents.bodies().nth(largest).map_or("", |b| b.name());
+    let text = format!("{} unknowns need about {} of memory; {}", contents.size().unknowns, bytes(prediction.memory), room.why());
     Diagnostic::error("E081", text).at(&case.source, at).with_help(format!("{}, or give patch \"{name}\" fewer elements", room.raise()))
 }
 
@@ -151,7 +157,7 @@ pub fn step_fault<const S: usize, const N: usize>(
             (Status::NotConverged, "wrong answer", Diagnostic::error("E074", text).at(&case.source, word.at).with_help(help))
         }
         StepError::Solve(SolveError::Linear(linear)) => {
-            linear_fault(case, system.model().unknowns + system.model().rows, linear, error.to_string())
+            linear_fault(case, system.contents().size().unknowns + system.contents().size().rows, linear, error.to_string())
         }
         other => (Status::Singular, "singular", Diagnostic::error("E072", other.to_string())),
     }

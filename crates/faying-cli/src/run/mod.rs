@@ -24,14 +24,12 @@ use crate::case::Case;
 use crate::errors::{Diagnostic, Diagnostics, Severity};
 use crate::reference::Reference;
 use faying::constraint::SolveError;
-use faying::contact::{ClosedSide, NoHalfWidth, half_width};
-use faying::problem::{self, ContactModel, InterfaceSide, Model, Solution, StepError, System, TieModel, TiePart, Unsolved, Warning};
+use faying::problem::{self, InterfaceId, InterfaceSide, InterfaceView, Solution, StepError, System, Unsolved, Warning};
 use faying::space::Trace;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 pub(crate) use forecast::too_large;
-pub use report::{HalfWidth, Zone};
 pub(crate) use room::{Room, memory_for_files, most_threads};
 pub use solver::solver;
 
@@ -48,36 +46,21 @@ pub struct Solved<const S: usize, const N: usize> {
 struct Dimension<'a, const S: usize, const N: usize> {
     names: &'a Names<S, N>,
     net: MakeNet<N>,
-    half_width: Option<HalfWidth<S, N>>,
     multipliers: Option<multipliers::Describe<S, N>>,
     output: MakeOutput<S, N>,
 }
 
 fn plane(registry: &Registry) -> Dimension<'_, 1, 2> {
-    Dimension {
-        names: &registry.plane,
-        net: plane_net,
-        half_width: Some(zone),
-        multipliers: Some(multipliers::on_curves),
-        output: fields::plane_output,
-    }
+    Dimension { names: &registry.plane, net: plane_net, multipliers: Some(multipliers::on_curves), output: fields::plane_output }
 }
 
 fn volume(registry: &Registry) -> Dimension<'_, 2, 3> {
-    Dimension { names: &registry.volume, net: volume_net, half_width: None, multipliers: None, output: fields::volume_output }
+    Dimension { names: &registry.volume, net: volume_net, multipliers: None, output: fields::volume_output }
 }
 
 /// Whether a case is one of space; every other is one of the plane.
 fn in_space(case: &Case) -> bool {
     case.model.dimension.value == 3
-}
-
-fn zone(sides: &[report::Zone<'_, 1, 2>], symmetry: bool) -> Result<f64, NoHalfWidth> {
-    let sides: Vec<_> = sides
-        .iter()
-        .map(|(slave, contact, sent)| ClosedSide { slave: *slave, contact, closed: &sent.closed, pressure: &sent.pressure })
-        .collect();
-    half_width(&sides, symmetry)
 }
 
 impl Case {
@@ -182,10 +165,8 @@ where
     Trace<S, N>: InterfaceSide<S, N>,
 {
     let model = built(case, registry, dimension, &Watch::default(), Room::least(None))?;
-    let ties = model.ties.iter().flat_map(|t| &t.parts).map(|part| part.slave.patch);
-    let contacts = model.contacts.iter().flat_map(|c| &c.parts).map(|part| part.slave.patch);
     let mut slave = vec![false; case.patches.len()];
-    ties.chain(contacts).for_each(|patch| slave[patch] = true);
+    model.system.contents().interfaces().flat_map(|of| of.sides()).for_each(|of| slave[of.side().number()] = true);
     Ok(slave)
 }
 
@@ -206,7 +187,7 @@ where
         Questions::of(case, &model, &result.numbers())?;
         result.solve = None;
         let end = case.steps.value.last().copied().unwrap_or(1.0);
-        result.loads = report::loads::<N>(model.components, &model.system.loads(end));
+        result.loads = report::loads::<N>(model.system.contents().components(), &model.system.loads(end));
         let prediction = fitting(case, &model, room)?;
         result.predicted = Some(prediction);
         end_early(&mut result, watch);
@@ -226,7 +207,7 @@ fn step_output<const S: usize, const N: usize>(
     output: MakeOutput<S, N>,
     options: RunOptions,
 ) -> StepOutput {
-    let (case, number, t) = (case.clone(), solved.step, solved.solution.state().t);
+    let (case, number, t) = (case.clone(), solved.step, solved.solution.t());
     StepOutput { number, t, make: Box::new(move || output(&case, &solved, &options)) }
 }
 
@@ -274,32 +255,22 @@ where
         return Err(fault.into());
     }
     let mut model = lower::build(case, dimension.names, dimension.net)?;
-    let mixed = |part: &TiePart<S, N>| part.reaction.is_some();
-    let (tie, contact) = leaning(&model);
-    if let Some(tie) = tie.filter(|_| !solver.abilities().unsymmetric) {
-        return Err(faults::not_symmetric(case, &format!("interface \"{}\"", tie.name), tie.parts.iter().any(mixed)).into());
-    }
-    if let Some(contact) = contact.filter(|_| !solver.abilities().unsymmetric) {
-        return Err(match contact.parts.iter().any(|part| part.second.is_some()) {
-            true => faults::not_symmetric(case, &format!("contact \"{}\"", contact.name), true),
-            false => faults::contact_not_symmetric(case, &contact.name),
+    let abilities = solver.abilities();
+    let leaning = model.system.contents().interfaces().find(|of| !of.is_symmetric()).filter(|_| !abilities.unsymmetric);
+    if let Some(of) = leaning {
+        return Err(match (of.id(), of.is_mixed()) {
+            (InterfaceId::Tie(_), mixed) => faults::not_symmetric(case, &format!("interface \"{}\"", of.name()), mixed),
+            (InterfaceId::Contact(_), true) => faults::not_symmetric(case, &format!("contact \"{}\"", of.name()), true),
+            (InterfaceId::Contact(_), false) => faults::contact_not_symmetric(case, of.name()),
         }
         .into());
     }
-    let contact = model.contacts.iter().find(|c| c.parts.iter().any(|part| part.first.points.is_some()));
-    if let Some(contact) = contact.filter(|_| !solver.abilities().more_rows_than_unknowns) {
-        return Err(faults::rows_at_points(case, &contact.name).into());
+    let at_points = model.system.contents().contacts().find(InterfaceView::has_rows_at_points);
+    if let Some(contact) = at_points.filter(|_| !abilities.more_rows_than_unknowns) {
+        return Err(faults::rows_at_points(case, contact.name()).into());
     }
     model.system.set_solver(solver);
     Ok(model)
-}
-
-/// The first tie and the first contact that make the system one without symmetry.
-fn leaning<const S: usize, const N: usize>(model: &Model<S, N>) -> (Option<&TieModel<S, N>>, Option<&ContactModel<S, N>>) {
-    let leans = |part: &TiePart<S, N>| part.reaction.is_some() || !part.stiffness.to_csr().is_symmetric(faying::linalg::NO_SYMMETRY);
-    let tie = model.ties.iter().find(|tie| tie.parts.iter().any(leans));
-    let contact = model.contacts.iter().find(|c| c.parts.iter().any(|part| part.first.reaction.is_some()));
-    (tie, contact)
 }
 
 /// Predicts the size of the system and checks its memory.
@@ -307,10 +278,10 @@ fn leaning<const S: usize, const N: usize>(model: &Model<S, N>) -> (Option<&TieM
 /// # Errors
 /// E081 if the memory exceeds `room`.
 fn fitting<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, room: Option<Room>) -> Result<Prediction, Diagnostics> {
-    let factor = !avoids_factors(case) || !matches!(leaning(model), (None, None));
+    let factor = !avoids_factors(case) || model.system.contents().interfaces().any(|of| !of.is_symmetric());
     let prediction: Prediction = model.system.forecast(factor, case.steps.value.len()).into();
     match room.filter(|room| prediction.memory > room.bytes) {
-        Some(room) => Err(memory_limit(case, model, &prediction, &room).into()),
+        Some(room) => Err(memory_limit(case, &model.system, &prediction, &room).into()),
         None => Ok(prediction),
     }
 }
@@ -351,7 +322,7 @@ where
     let mut model = built(case, registry, dimension, watch, room)?;
     let mut result = report::skeleton(command, case, &model);
     if let Some(one) = dimension.multipliers {
-        multipliers::describe(case, &model, one, &mut result);
+        multipliers::describe(case, &model.system.contents(), one, &mut result);
     }
     let questions = Questions::of(case, &model, &result.numbers())?;
     fitting(case, &model, room)?;
@@ -362,7 +333,7 @@ where
     let times = &case.steps.value;
     let (system, reference) = (&mut model.system, model.reference.as_ref());
     let mut solved = Vec::<Arc<Solved<S, N>>>::new();
-    let mut measures = Measures { case, reference, questions: &questions, half_width: dimension.half_width, told: Vec::new() };
+    let mut measures = Measures { case, reference, questions: &questions, told: Vec::new() };
     let mut finished = false;
     for (k, &t) in times.iter().enumerate() {
         if let Some(stop) = watch.stop() {
@@ -410,7 +381,6 @@ struct Measures<'a, const S: usize, const N: usize> {
     case: &'a Case,
     reference: Option<&'a Reference<S, N>>,
     questions: &'a Questions<S, N>,
-    half_width: Option<HalfWidth<S, N>>,
     /// Warnings about the states so far.
     told: Vec<Warning>,
 }
@@ -437,12 +407,11 @@ impl<const S: usize, const N: usize> Measures<'_, S, N> {
             }
         };
         if let Some(solution) = solution {
-            report::fill(result, solution, self.reference, self.half_width, reason);
+            report::fill(result, solution, self.reference, reason);
             poor::of_solution(case, solution, &mut self.told, result);
             result.t = case.has_steps().then_some(t);
-            let state = solution.state();
             let solved = matches!(failure, None | Some(StepError::Solve(SolveError::Stopped { .. }) | StepError::Free { .. }));
-            if solved && !state.u.iter().chain(&state.lambda).all(|v| v.is_finite()) {
+            if solved && !solution.unknowns().iter().chain(solution.multipliers()).all(|v| v.is_finite()) {
                 (status, reason) = (Status::NotFinite, "not-finite");
                 fault = Some(Diagnostic::error("E073", "the solution is not finite"));
             }

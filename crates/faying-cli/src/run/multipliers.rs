@@ -4,26 +4,28 @@ use crate::case::{self, Case};
 use crate::result::{MultiplierReport, RunResult};
 use faying::basis::Basis;
 use faying::coupling::multiplier::{MultiplierKind, reproduction};
-use faying::problem::{Model, SideModel};
+use faying::problem::{Contents, InterfaceView};
+use faying::space::Trace;
 
 /// Describes the multipliers of one slave side, one space per component, that the case calls by a name.
-pub type Describe<const S: usize, const N: usize> = fn(&SideModel<S, N>, &case::Multiplier, &[&dyn Basis<S>]) -> MultiplierReport;
+pub type Describe<const S: usize, const N: usize> = fn(&Trace<S, N>, &case::Multiplier, &[&dyn Basis<S>]) -> MultiplierReport;
 
 /// Fills in the multipliers of every interface and contact that has some.
-pub fn describe<const S: usize, const N: usize>(case: &Case, model: &Model<S, N>, one: Describe<S, N>, result: &mut RunResult) {
-    for (tie, words) in model.ties.iter().filter_map(|t| Some((t, case.interfaces.iter().find(|c| c.name.value == t.name)?))) {
-        let parts = tie.parts.iter().map(|p| {
-            let all: Vec<&dyn Basis<S>> = p.multipliers.iter().map(|m| &**m).collect();
-            one(&p.slave, &words.multiplier.value, &all)
-        });
-        if let Some((_, report)) = result.interface.0.iter_mut().find(|(name, _)| *name == tie.name) {
-            report.multiplier = together(parts);
+pub fn describe<const S: usize, const N: usize>(case: &Case, contents: &Contents<'_, S, N>, one: Describe<S, N>, result: &mut RunResult) {
+    let of = |of: &InterfaceView<'_, S, N>, words: &case::Multiplier| {
+        let sides = of.sides().into_iter().filter(|side| !side.multipliers().is_empty());
+        together(sides.map(|side| one(side.side().trace(), words, &side.multipliers())))
+    };
+    for tie in contents.ties() {
+        let Some(words) = case.interfaces.iter().find(|c| c.name.value == tie.name()) else { continue };
+        if let Some((_, report)) = result.interface.0.iter_mut().find(|(name, _)| name == tie.name()) {
+            report.multiplier = of(&tie, &words.multiplier.value);
         }
     }
-    for (contact, words) in model.contacts.iter().filter_map(|c| Some((c, case.contacts.iter().find(|k| k.name.value == c.name)?))) {
-        let parts = contact.parts.iter().filter_map(|p| Some(one(&p.slave, &words.multiplier.value, &[&**p.multiplier.as_ref()?])));
-        if let Some((_, report)) = result.contact.0.iter_mut().find(|(name, _)| *name == contact.name) {
-            report.multiplier = together(parts);
+    for contact in contents.contacts() {
+        let Some(words) = case.contacts.iter().find(|c| c.name.value == contact.name()) else { continue };
+        if let Some((_, report)) = result.contact.0.iter_mut().find(|(name, _)| name == contact.name()) {
+            report.multiplier = of(&contact, &words.multiplier.value);
         }
     }
 }
@@ -39,8 +41,8 @@ fn together(parts: impl Iterator<Item = MultiplierReport>) -> Option<MultiplierR
 }
 
 /// The description of multipliers on a curve.
-pub fn on_curves(slave: &SideModel<1, 2>, words: &case::Multiplier, spaces: &[&dyn Basis<1>]) -> MultiplierReport {
-    let space = &*slave.trace.space;
+pub fn on_curves(slave: &Trace<1, 2>, words: &case::Multiplier, spaces: &[&dyn Basis<1>]) -> MultiplierReport {
+    let space = &*slave.space;
     let name = match words {
         case::Multiplier::Named(word) => match word.parse::<MultiplierKind>() {
             Ok(kind @ MultiplierKind::Auto) => kind.resolved(space as &dyn Basis<1>).to_string(),

@@ -8,62 +8,57 @@ use crate::named::Named;
 use crate::reference::Reference;
 use crate::result::{
     ActiveSetSummary, Balance, ContactReport, Extremes, Gaps, GeometryReport, InterfaceReport, Kkt, L2, LoadReport, Moment, Norm,
-    RunResult, SolveReport, TiedSides, Unknowns,
+    RunResult, SegmentsReport, SolveReport, TiedSides, Unknowns,
 };
-use faying::contact::{Contact, NoHalfWidth, Transmitted};
-use faying::coupling::Rows;
-use faying::geometry::Geometry;
-use faying::problem::{Against, LoadSum, Model, Resultant, SideModel, Solution, StepState, TieModel, reactions};
+use faying::problem::{
+    ContactResult, Contents, InterfaceId, InterfaceView, LoadSum, PairView, Resultant, SideView, Solution, TieResult, Violation,
+};
 use faying::quadrature::{PerElement, Quadrature};
 use faying::space::{diameter, measure, quality};
-use std::collections::BTreeMap;
-
-/// Slave side, rows of its contact, and the pressure and forces it transmits.
-pub type Zone<'a, const S: usize, const N: usize> = (&'a dyn Geometry<S, N>, &'a Contact<S, N>, Transmitted<N>);
-/// Function for half the width of a contact zone on slave sides of S dimensions; the flag: half model.
-pub type HalfWidth<const S: usize, const N: usize> = fn(&[Zone<'_, S, N>], bool) -> Result<f64, NoHalfWidth>;
 
 /// The result before anything is solved: all names, all counts, the geometry.
-pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, model: &Built<S, N>) -> RunResult {
-    let mut result = RunResult::new(command, &case.source.name);
-    result.backend = backend(model);
-    result.backends = model.patches.iter().map(|p| (p.name.clone(), p.backend.clone())).collect();
-    result.unknowns = Unknowns { primal: model.num_primal(), multipliers: model.num_multipliers() };
-    let soundness = model.patches.iter().map(|p| match p.body.known_quality() {
+pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, built: &Built<S, N>) -> RunResult {
+    let (mut result, contents) = (RunResult::new(command, &case.source.name), built.system.contents());
+    let bodies = || contents.bodies();
+    result.backend = backend(&contents);
+    result.backends = bodies().map(|b| (b.name().to_owned(), b.backend().to_owned())).collect();
+    let size = contents.size();
+    result.unknowns = Unknowns { primal: size.primal, multipliers: size.multipliers };
+    let soundness = bodies().map(|b| match b.body().known_quality() {
         Some(known) => known.least_jacobian,
-        None => quality(&**p.body.space()).map_or(f64::NAN, |q| q.least_jacobian),
+        None => quality(&**b.space()).map_or(f64::NAN, |q| q.least_jacobian),
     });
     result.geometry = GeometryReport {
-        measure: model.patches.iter().map(|p| (p.name.clone(), measure::<N, N, f64, _>(&**p.body.space()))).collect(),
+        measure: bodies().map(|b| (b.name().to_owned(), measure::<N, N, f64, _>(&**b.space()))).collect(),
         least_jacobian: soundness.fold(f64::INFINITY, f64::min),
-        points: model.patches.iter().map(|p| (p.name.clone(), gauss_points(&p.rules))).collect(),
-        elements: model.patches.iter().map(|p| p.body.space().num_elements()).sum(),
-        h: model.patches.iter().map(|p| diameter::<N, f64, _>(&**p.body.space())).fold(0.0, f64::max),
-        glued: model.glued_sides.clone(),
+        points: bodies().map(|b| (b.name().to_owned(), gauss_points(b.rules()))).collect(),
+        elements: bodies().map(|b| b.space().num_elements()).sum(),
+        h: bodies().map(|b| diameter::<N, f64, _>(&**b.space())).fold(0.0, f64::max),
+        glued: built.glued_sides.clone(),
     };
-    result.contact = model
-        .contacts
-        .iter()
-        .map(|c| {
-            let displacement = c.obstacle.as_ref().map(|_| vec![0.0; N]);
-            (c.name.clone(), ContactReport { force: vec![0.0; N], moment: moment::<N>([0.0; 3]), displacement, ..Default::default() })
-        })
-        .collect();
-    result.interface = model.ties.iter().map(|t| (t.name.clone(), tied(t))).collect();
-    for label in model.supports.iter().map(|s| &s.label).chain(model.pins.iter().map(|p| &p.rim.label)) {
-        if result.reactions.get(label).is_none() {
-            result.reactions.push(label.clone(), vec![0.0; model.components]);
+    let contact = |c: InterfaceView<'_, S, N>| {
+        let displacement = c.has_obstacle().then(|| vec![0.0; N]);
+        let report = ContactReport { force: vec![0.0; N], moment: moment::<N>([0.0; 3]), displacement, ..Default::default() };
+        (c.name().to_owned(), report)
+    };
+    result.contact = contents.contacts().map(contact).collect();
+    result.interface = contents.ties().map(|t| (t.name().to_owned(), tied(&t))).collect();
+    let components = contents.components();
+    for support in contents.supports() {
+        if result.reactions.get(support.label).is_none() {
+            result.reactions.push(support.label.to_owned(), vec![0.0; components]);
         }
     }
-    result.loads = loads::<N>(model.components, &model.no_loads());
-    result.balance = Balance { force: vec![0.0; model.components], moment: (model.components == N).then(|| moment::<N>([0.0; 3])) };
-    for name in error_names(model) {
+    result.loads = loads::<N>(components, &built.system.no_loads());
+    result.balance = Balance { force: vec![0.0; components], moment: (components == N).then(|| moment::<N>([0.0; 3])) };
+    for name in error_names(built) {
         result.errors.push(name, 0.0);
     }
-    result.solve = Some(SolveReport { active_set: (!model.contacts.is_empty()).then(ActiveSetSummary::default), ..Default::default() });
+    let active_set = (contents.contacts().len() > 0).then(ActiveSetSummary::default);
+    result.solve = Some(SolveReport { active_set, ..Default::default() });
     result.checks_expected = case.checks.len();
-    result.warnings.extend(case.warnings.items.iter().chain(&model.warnings.items).cloned());
-    result.warnings.extend(super::poor::of_model(case, model));
+    result.warnings.extend(case.warnings.items.iter().chain(&built.warnings.items).cloned());
+    result.warnings.extend(super::poor::of_model(case, built));
     result
 }
 
@@ -75,18 +70,15 @@ fn gauss_points<const N: usize>(rules: &PerElement<N>) -> Vec<usize> {
 }
 
 /// Name of the backend: that of all patches, "slave+master" if all side pairs have the same two different backends, else "mixed".
-fn backend<const S: usize, const N: usize>(model: &Model<S, N>) -> String {
-    let first = model.patches.first().map_or("", |p| &p.backend);
-    if model.patches.iter().all(|p| p.backend == first) {
+fn backend<const S: usize, const N: usize>(contents: &Contents<'_, S, N>) -> String {
+    let first = contents.bodies().next().map_or("", |b| b.backend());
+    if contents.bodies().all(|b| b.backend() == first) {
         return first.into();
     }
-    let name = |side: &SideModel<S, N>| model.patches[side.patch].backend.as_str();
-    let ties = model.ties.iter().flat_map(|t| &t.parts).flat_map(|p| p.pairings.iter().map(|m| (name(&p.slave), name(&m.master))));
-    let contacts = model.contacts.iter().flat_map(|c| &c.parts).filter_map(|p| match &p.against {
-        Against::Side(master, _) => Some((name(&p.slave), name(master))),
-        Against::Rigid(..) => None,
-    });
-    let mut pairs: Vec<(&str, &str)> = ties.chain(contacts).collect();
+    let name = |side: &SideView<S, N>| contents.body(side.number()).backend();
+    let slaves = contents.interfaces().flat_map(|of| of.sides());
+    let mut pairs: Vec<(&str, &str)> =
+        slaves.flat_map(|s| s.pairs().iter().map(|pair| (name(&s.side()), name(pair.master()))).collect::<Vec<_>>()).collect();
     pairs.dedup();
     match pairs.as_slice() {
         [(slave, master)] if slave != master => format!("{slave}+{master}"),
@@ -110,183 +102,102 @@ pub fn fill<const S: usize, const N: usize>(
     result: &mut RunResult,
     solution: &Solution<S, N>,
     reference: Option<&Reference<S, N>>,
-    half_width: Option<HalfWidth<S, N>>,
     reason: &str,
 ) {
-    let (model, state) = (solution.model(), solution.state());
+    let (contents, linear) = (solution.contents(), solution.linear());
     result.solved = true;
     result.solve = Some(SolveReport {
         reason: reason.into(),
-        linear: state.method.clone(),
-        residual: state.residual,
-        condition: state.condition,
-        iterations: state.iterations,
-        factors: state.factors,
-        active_set: state.active_set.as_ref().map(iteration::summary),
+        linear: linear.method.to_owned(),
+        residual: linear.residual,
+        condition: linear.condition,
+        iterations: linear.iterations,
+        factors: linear.factors,
+        active_set: solution.active_set().map(iteration::summary),
     });
     result.energy = solution.energy();
-    let mut outside = state.load;
-    let known = std::mem::take(&mut result.contact);
-    result.contact = contacts(model, state, half_width, &mut outside);
-    for ((_, report), (_, old)) in result.contact.0.iter_mut().zip(known.0) {
-        report.multiplier = old.multiplier;
-    }
-    let known = std::mem::take(&mut result.interface);
-    result.interface = model.ties.iter().map(|t| (t.name.clone(), interface(model, state, t))).collect();
-    for ((_, report), (_, old)) in result.interface.0.iter_mut().zip(known.0) {
-        report.multiplier = old.multiplier;
+    let iterations = solution.active_set().map_or(0, |a| a.iterations);
+    let (mut ties, mut contacts) = (result.interface.0.iter_mut(), result.contact.0.iter_mut());
+    for of in contents.interfaces() {
+        match of.id() {
+            InterfaceId::Tie(tie) => {
+                let (Some((_, report)), Ok(found)) = (ties.next(), solution.tie(tie)) else { continue };
+                *report = interface_report(std::mem::take(report), found);
+            }
+            InterfaceId::Contact(contact) => {
+                let (Some((_, report)), Ok(found)) = (contacts.next(), solution.contact(contact)) else { continue };
+                *report = ContactReport { multiplier: report.multiplier.take(), ..contact_report(found, iterations) };
+            }
+        }
     }
     let mut sums: Named<Vec<f64>> = Named::default();
-    for reaction in reactions(model, state, &mut outside) {
+    for reaction in solution.reactions() {
         match sums.0.iter_mut().find(|(label, _)| label == reaction.label()) {
             Some((_, sum)) => sum.iter_mut().zip(&reaction.force).for_each(|(s, f)| *s += f),
-            None => sums.push(reaction.label().to_owned(), reaction.force),
+            None => sums.push(reaction.label().to_owned(), reaction.force.clone()),
         }
     }
     result.reactions = sums;
-    result.loads = loads::<N>(model.components, &state.loads);
+    let (components, outside) = (contents.components(), solution.balance());
+    result.loads = loads::<N>(components, solution.loads());
     result.balance =
-        Balance { force: outside.force[..model.components].to_vec(), moment: (model.components == N).then(|| moment::<N>(outside.moment)) };
+        Balance { force: outside.force[..components].to_vec(), moment: (components == N).then(|| moment::<N>(outside.moment)) };
     result.errors = errors(solution, reference);
 }
 
-/// Sum of coupling forces on both bodies, which vanishes: action and reaction.
-#[derive(Debug, Default)]
-struct Pull {
-    sum: [f64; 3],
-    size: f64,
-}
-
-impl Pull {
-    fn push<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, unknown: usize, force: f64) {
-        let of = model.patches.iter().find(|p| p.range().contains(&unknown));
-        self.sum[of.map_or(0, |p| (unknown - p.field.first) % p.field.components)] += force;
-        self.size += force.abs();
+fn contact_report<const N: usize>(result: ContactResult<N>, iterations: usize) -> ContactReport {
+    let (half_width, reason) = match result.half_width {
+        Some(Err(why)) => (f64::NAN, Some(format!("half_width: {why}"))),
+        Some(Ok(found)) => (found, None),
+        None => (0.0, None),
+    };
+    let Violation { lambda, gap, product } = result.violation;
+    ContactReport {
+        force: result.force.as_slice().to_vec(),
+        moment: moment::<N>(result.moment),
+        displacement: result.displacement.map(|by| by.as_slice().to_vec()),
+        area: result.area,
+        pressure: Extremes { min: result.least_pressure, max: result.largest_pressure },
+        gap: Gaps { min: result.least_gap, least: result.least_point_gap },
+        active: result.active,
+        kkt: Kkt { lambda, gap, product },
+        sign_cases: result.sign_cases,
+        segments: SegmentsReport { count: result.pieces, measure: result.measure },
+        half_width,
+        reason,
+        iterations,
+        consistency: result.consistency,
+        balance: result.balance,
+        multiplier: None,
     }
-
-    fn add<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, rows: &Rows, lambda: &[f64]) {
-        for &(i, j, value) in rows.slave.entries.iter().chain(&rows.master.entries) {
-            self.push(model, j, value * lambda[i]);
-        }
-    }
-
-    /// Returns the largest component of the sum, as a share of all forces.
-    fn defect(&self) -> f64 {
-        if self.size > 0.0 { self.sum.iter().fold(0.0, |m: f64, d| m.max(d.abs())) / self.size } else { 0.0 }
-    }
-}
-
-fn contacts<const S: usize, const N: usize>(
-    model: &Model<S, N>,
-    state: &StepState<S, N>,
-    half_width: Option<HalfWidth<S, N>>,
-    outside: &mut Resultant,
-) -> Named<ContactReport> {
-    let mut all = Named::default();
-    for (contact, built) in model.contacts.iter().zip(&state.contacts) {
-        let mut total = Resultant::default();
-        let mut report = ContactReport {
-            pressure: Extremes { min: f64::INFINITY, max: f64::NEG_INFINITY },
-            gap: Gaps { min: f64::INFINITY, least: f64::INFINITY },
-            iterations: state.active_set.as_ref().map_or(0, |a| a.iterations),
-            ..Default::default()
-        };
-        let mut zones: Vec<Zone<'_, S, N>> = Vec::new();
-        let mut pull = Pull::default();
-        for (part, rows) in contact.parts.iter().zip(built) {
-            let range = part.rows();
-            let lambda = &state.lambda[range.clone()];
-            let sent = part.transmitted(rows, lambda);
-            for k in 0..N {
-                total.force[k] += sent.force[k];
-            }
-            for k in 0..3 {
-                total.moment[k] += sent.moment[k];
-            }
-            report.area += sent.area;
-            report.pressure.min = report.pressure.min.min(sent.least_pressure);
-            report.pressure.max = report.pressure.max.max(sent.largest_pressure);
-            for ((gap, &l), j) in part.gaps(model, rows, &state.u).into_iter().zip(&state.mu[range.clone()]).zip(range) {
-                report.active += usize::from(state.active[j]);
-                if state.sign_case[j] < 9 {
-                    report.sign_cases[usize::from(state.sign_case[j])] += 1;
-                }
-                let Some(gap) = gap else { continue };
-                report.gap.min = report.gap.min.min(gap);
-                report.kkt = Kkt {
-                    lambda: report.kkt.lambda.max(l),
-                    gap: report.kkt.gap.max(-gap),
-                    product: report.kkt.product.max((l * gap).abs()),
-                };
-            }
-            report.gap.least = part.point_gaps(model, rows, &state.u).into_iter().fold(report.gap.least, f64::min);
-            report.segments.count += rows.segments.num_pieces();
-            report.segments.measure += rows.segments.measure();
-            if let Against::Side(..) = part.against {
-                pull.add(model, rows.reaction.as_ref().unwrap_or(&rows.rows), lambda);
-            }
-            if matches!(part.against, Against::Rigid(..)) {
-                let mut force = [0.0; 3];
-                force[..N].copy_from_slice(sent.force.as_slice());
-                // the force that drives the obstacle is among the loads
-                contact.obstacle.iter().flat_map(|o| &o.pressed).for_each(|p| force[p.component] = 0.0);
-                outside.sum(&Resultant { force, moment: sent.moment });
-            }
-            zones.push((&*part.slave.trace.space, rows, sent));
-        }
-        report.consistency = contact.consistency(built, state);
-        report.balance = pull.defect();
-        match half_width.map_or(Ok(0.0), |f| f(&zones, contact.symmetry)) {
-            Ok(found) => report.half_width = found,
-            Err(why) => (report.half_width, report.reason) = (f64::NAN, Some(format!("half_width: {why}"))),
-        }
-        report.force = total.force[..N].to_vec();
-        report.moment = moment::<N>(total.moment);
-        report.displacement = contact.obstacle.as_ref().map(|o| o.displacement(state.t, Some(&state.u)).as_slice().to_vec());
-        all.push(contact.name.clone(), report);
-    }
-    all
 }
 
 /// Report of an interface before anything is solved.
-fn tied<const S: usize, const N: usize>(tie: &TieModel<S, N>) -> InterfaceReport {
+fn tied<const S: usize, const N: usize>(tie: &InterfaceView<'_, S, N>) -> InterfaceReport {
     let mut report = InterfaceReport::default();
     let mut whole = 0.0;
     let mut covered = 0.0;
-    for part in &tie.parts {
-        whole += part.pairings.first().map_or(0.0, |p| p.segments.report.slave_measure);
-        for pairing in &part.pairings {
-            let seen = &pairing.segments.report;
-            covered += seen.covered;
-            report.distance = report.distance.max(seen.distance);
-            let share = if seen.slave_measure > 0.0 { seen.covered / seen.slave_measure } else { 0.0 };
-            let (slave, master) = (part.slave.label.clone(), pairing.master.label.clone());
-            report.sides.push(TiedSides { slave, master, distance: seen.distance, share });
+    for slave in tie.sides() {
+        whole += slave.pairs().first().map_or(0.0, PairView::slave_measure);
+        for pair in slave.pairs() {
+            covered += pair.covered();
+            report.distance = report.distance.max(pair.distance());
+            let share = if pair.slave_measure() > 0.0 { pair.covered() / pair.slave_measure() } else { 0.0 };
+            let (slave, master) = (slave.side().label().to_owned(), pair.master().label().to_owned());
+            report.sides.push(TiedSides { slave, master, distance: pair.distance(), share });
         }
     }
     report.share = if whole > 0.0 { covered / whole } else { 0.0 };
     report
 }
 
-fn interface<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>, tie: &TieModel<S, N>) -> InterfaceReport {
-    let (mut report, result) = (tied(tie), tie.result(model, state));
-    let mut pull = Pull::default();
-    for part in &tie.parts {
-        report.segments.count += part.pairings.iter().map(|p| p.segments.num_pieces()).sum::<usize>();
-        let lambda = &state.lambda[part.first_row..part.first_row + part.num_rows];
-        pull.add(model, part.reaction.as_ref().unwrap_or(&part.rows), lambda);
-        // forces of the added stiffness satisfy action and reaction, too
-        let mut forces: BTreeMap<usize, f64> = BTreeMap::new();
-        let changed = if part.changes(model) { part.stiffness_at(model, state.t).ok() } else { None };
-        for &(i, j, value) in &changed.as_ref().unwrap_or(&part.stiffness).entries {
-            *forces.entry(i).or_default() += value * state.u[j];
-        }
-        forces.iter().for_each(|(&i, &force)| pull.push(model, i, force));
+fn interface_report(report: InterfaceReport, result: TieResult) -> InterfaceReport {
+    InterfaceReport {
+        segments: SegmentsReport { count: result.pieces, measure: result.area },
+        lambda: Norm { norm: result.multiplier },
+        jump: L2 { l2: result.jump },
+        consistency: result.consistency,
+        balance: result.balance,
+        ..report
     }
-    report.segments.measure = result.area;
-    report.lambda = Norm { norm: result.multiplier };
-    report.jump = L2 { l2: result.jump };
-    report.consistency = result.consistency;
-    report.balance = pull.defect();
-    report
 }

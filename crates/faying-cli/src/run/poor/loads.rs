@@ -14,7 +14,7 @@ const HELP: &str = "let it jump on edges of elements only: give breakpoints ther
 
 /// Returns the diagnostic of a load, springs or a material whose integral is inexact.
 pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, found: &Inexact) -> Option<Diagnostic> {
-    let (components, error) = (model.components, percent(found.error));
+    let (components, error) = (model.system.contents().components(), percent(found.error));
     let when = if case.has_steps() { format!(" at t = {}", short(found.t)) } else { String::new() };
     let [by_rule, finer] = [&found.integrated, &found.finer];
     let one = |r: &Resultant| short(r.force[0]);
