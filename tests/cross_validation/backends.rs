@@ -15,6 +15,9 @@ use faying::physics::{Hooke, Material};
 use faying::problem::{Components, ContactId, Data, Exact, InterfaceId, Opponent, Solution, Value};
 use faying::space::{BasisKind, Body, Mapping, Mesh, Patch};
 
+/// Where bodies are moved to.
+const MOVED: [f64; 2] = [5.0, -7.0];
+
 /// The two discretisations of one space.
 fn twins(degree: usize) -> [Discretisation; 2] {
     let splines = Discretisation { continuity: Some(0), basis: BasisKind::BSpline, degree, ..Discretisation::default() };
@@ -116,6 +119,8 @@ fn one_body_has_the_same_solution_on_both_backends() {
         ("box", rectangle([0.0, 0.0], [1.0, 0.6]).unwrap(), [3, 2]),
         ("ring", annulus_sector([0.0, 0.0], [1.0, 2.0], [10.0, 100.0]).unwrap(), [4, 3]),
         ("plate", plate_with_hole(0.5, 2.0).unwrap(), [4, 3]),
+        ("ring, mirrored", annulus_sector([0.0, 0.0], [1.0, 2.0], [100.0, 10.0]).unwrap(), [4, 3]),
+        ("ring, moved", annulus_sector(MOVED, [1.0, 2.0], [10.0, 100.0]).unwrap(), [4, 3]),
     ];
     let (sides, solve): ([&[&str]; 2], _) = ([&["u0", "u1", "v1"], &["v0"]], |s: &Setting<1, 2>| crate::cases::solved(&s.problem));
     for p in 1..=4 {
@@ -129,7 +134,7 @@ fn one_body_has_the_same_solution_on_both_backends() {
             pairs += 2;
         }
     }
-    assert_eq!(pairs, 24);
+    assert_eq!(pairs, 40);
 }
 
 #[test]
@@ -158,10 +163,14 @@ fn one_solid_has_the_same_solution_on_both_backends() {
 #[test]
 fn tied_bodies_have_the_same_solution_and_multipliers_on_both_backends() {
     let mut pairs = 0;
-    let ring = |radius| annulus_sector([0.0, 0.0], radius, [0.0, 90.0]).unwrap();
+    let rings = |angles| [[1.0, 1.5], [1.5, 2.0]].map(|radius| annulus_sector([0.0, 0.0], radius, angles).unwrap());
+    let boxes = [[0.0, 0.5], [0.5, 1.0]].map(|[low, high]| rectangle([0.0, low], [1.0, high]).unwrap());
+    // supports of u0 and u1
     let shapes = [
-        ("boxes", rectangle([0.0, 0.0], [1.0, 0.5]).unwrap(), rectangle([0.0, 0.5], [1.0, 1.0]).unwrap()),
-        ("rings", ring([1.0, 1.5]), ring([1.5, 2.0])),
+        ("boxes", boxes, [Components::Y, Components::X]),
+        ("rings", rings([0.0, 90.0]), [Components::Y, Components::X]),
+        ("rings, mirrored", rings([90.0, 0.0]), [Components::X, Components::Y]),
+        ("rings, moved", rings([0.0, 90.0]).map(|net| net.translate(&MOVED.into())), [Components::Y, Components::X]),
     ];
     let steel = || Hooke::plane_strain(1.0, 0.3).unwrap();
     for p in 1..=4 {
@@ -169,14 +178,14 @@ fn tied_bodies_have_the_same_solution_and_multipliers_on_both_backends() {
             if p == 1 && lowered == 2 {
                 continue;
             }
-            for (name, lower, upper) in &shapes {
+            for (name, [lower, upper], supports) in &shapes {
                 let both = twins(p).map(|twin| {
                     let (mut s, none) = (Setting::<1, 2>::new(), Choices::of(&[]));
                     let a = s.shape(&none, shape("a", lower, [5, 3], twin), steel());
                     let b = s.shape(&none, shape("b", upper, [4, 2], twin), steel());
                     for body in [a, b] {
-                        s.problem.fix(body.side("u0"), Components::Y).unwrap();
-                        s.problem.fix(body.side("u1"), Components::X).unwrap();
+                        s.problem.fix(body.side("u0"), supports[0]).unwrap();
+                        s.problem.fix(body.side("u1"), supports[1]).unwrap();
                     }
                     s.problem.pressure(a.side("v0"), Data::of(|x, _| 1.0 + 0.3 * x[0])).unwrap();
                     let tie = s.problem.tie(a.side("v1"), b.side("v0")).unwrap().multiplier(MultiplierKind::Lowered(lowered)).id();
@@ -189,7 +198,7 @@ fn tied_bodies_have_the_same_solution_and_multipliers_on_both_backends() {
             }
         }
     }
-    assert_eq!(pairs, 14);
+    assert_eq!(pairs, 28);
 }
 
 /// Compares both backends in contact; `say` adds supports, loads and the contact. A part of the side is open, a part closed.
@@ -208,15 +217,18 @@ fn pressed(what: &str, net: &ControlNet<2, 2>, elements: [usize; 2], p: usize, s
 
 #[test]
 fn a_disc_on_a_plane_has_the_same_solution_and_active_set_on_both_backends() {
-    let net = annulus_sector([0.0, 1.0], [0.3, 1.0], [-90.0, 0.0]).unwrap();
-    for p in 1..=4 {
-        pressed("plane", &net, [10, 4], p, |s| {
-            let body = s.bodies[0].id;
-            s.problem.fix(body.side("u0"), Components::X).unwrap();
-            s.problem.prescribe(body.side("u1"), 1, -0.02).unwrap();
-            let plane = HalfPlane::try_new(Vector::from([0.0, 0.0]), Vector::from([0.0, 1.0])).unwrap();
-            s.problem.contact(body.side("v1"), plane).unwrap().id()
-        });
+    // as it is, and mirrored in its parameters
+    for (angles, [middle, top]) in [([-90.0, 0.0], ["u0", "u1"]), ([0.0, -90.0], ["u1", "u0"])] {
+        let net = annulus_sector([0.0, 1.0], [0.3, 1.0], angles).unwrap();
+        for p in 1..=4 {
+            pressed("plane", &net, [10, 4], p, |s| {
+                let body = s.bodies[0].id;
+                s.problem.fix(body.side(middle), Components::X).unwrap();
+                s.problem.prescribe(body.side(top), 1, -0.02).unwrap();
+                let plane = HalfPlane::try_new(Vector::from([0.0, 0.0]), Vector::from([0.0, 1.0])).unwrap();
+                s.problem.contact(body.side("v1"), plane).unwrap().id()
+            });
+        }
     }
 }
 
