@@ -8,7 +8,7 @@ use super::data::Data;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
 use super::facets_apart::FacetsApart;
 use super::fixed::Fixed;
-use super::handles::Statement;
+use super::handles::{InterfaceId, Statement};
 use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
 use super::model::{ContactModel, Model, SideModel, TieModel};
@@ -229,15 +229,14 @@ impl<const S: usize, const N: usize> Problem<S, N> {
 
 /// Sides behind handles, for messages.
 impl<const S: usize, const N: usize> Problem<S, N> {
-    /// Whether a statement is a tie.
-    #[doc(hidden)]
-    pub fn is_tie(&self, of: Statement) -> bool {
-        self.ties.iter().any(|t| of == t.id().into())
+    /// The tie or the contact that a statement is; `None` of any other.
+    pub fn interface(&self, of: Statement) -> Option<InterfaceId> {
+        let tie = self.ties.iter().map(|t| InterfaceId::from(t.id()));
+        tie.chain(self.contacts.iter().map(|c| c.id().into())).find(|id| of == (*id).into())
     }
 
-    /// The slave side with a number of a tie or a contact, and its masters; none of an obstacle.
-    #[doc(hidden)]
-    #[allow(clippy::type_complexity)]
+    /// The slave side with a number, from 0, of a tie or a contact, and its masters; no masters against an obstacle. `None` if there is no
+    /// such side.
     pub fn slave_and_masters(&self, of: Statement, slave: usize) -> Option<(Arc<SideModel<S, N>>, Vec<Arc<SideModel<S, N>>>)> {
         if let Some(tie) = self.ties.iter().find(|t| of == t.id().into()) {
             return tie.own.pairs.get(slave).map(|p| (p.slave.clone(), p.masters.clone()));
@@ -248,8 +247,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// The obstacle of a contact.
-    #[doc(hidden)]
-    pub fn obstacle(&self, of: Statement) -> Option<ObstacleModel<S, N>> {
+    pub(super) fn obstacle(&self, of: Statement) -> Option<ObstacleModel<S, N>> {
         let contact = self.contacts.iter().find(|c| of == c.id().into())?;
         matches!(contact.own.faced, Faced::Obstacle { .. }).then(|| obstacle(contact, 0))
     }

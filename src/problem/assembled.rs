@@ -21,7 +21,7 @@ use super::resultant::Resultant;
 use super::rigid_motions::RigidMotion;
 use super::row_names::ContactRows;
 use super::solved::{Assembled, Solve, State};
-use super::state::{StepState, Unsolved};
+use super::state::Unsolved;
 use super::warnings::Warning;
 use crate::assembly::Errors;
 use crate::constraint::{ActiveSetReport, ConstraintSolver};
@@ -57,11 +57,6 @@ impl<const S: usize, const N: usize> System<S, N> {
     /// Replaces the constraint solver, as [`with_solver`](Self::with_solver) does.
     pub fn set_solver(&mut self, solver: impl ConstraintSolver + 'static) {
         self.inner.replace_solver(Box::new(solver));
-    }
-
-    /// The model: all that the problem consists of.
-    pub fn model(&self) -> &Model<S, N> {
-        self.inner.model()
     }
 
     /// Bodies, ties, contacts and supports, and their sizes.
@@ -213,16 +208,6 @@ impl<const S: usize, const N: usize> Solution<S, N> {
     /// up to rounding.
     pub fn balance(&self) -> Resultant {
         self.inner.balance()
-    }
-
-    /// The state: unknowns, multipliers, reactions.
-    pub fn state(&self) -> &StepState<S, N> {
-        self.inner.state()
-    }
-
-    /// The model that it solves.
-    pub fn model(&self) -> &Model<S, N> {
-        self.inner.model()
     }
 
     /// Displacement (or u) and stress (or flux) at a point of a body; a point outside by less than a quarter of an element moves to the

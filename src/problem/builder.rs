@@ -1,5 +1,6 @@
 //! Statement of a problem: bodies, supports, loads, ties, contacts.
 
+use super::contents::BodyView;
 use super::coupled::{Contact, Tie};
 use super::data::Exact;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
@@ -131,18 +132,41 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         sides.0.into_iter().map(|side| self.side(side)).collect()
     }
 
-    /// The bodies, and their sides by number and name.
-    #[doc(hidden)]
-    pub fn bodies_and_sides(&mut self) -> (&[PatchModel<S, N>], &mut Regions<S, N>) {
-        (&self.bodies, &mut self.regions)
+    /// The bodies, in the order in which they were said.
+    pub fn bodies(&self) -> impl ExactSizeIterator<Item = BodyView<'_, S, N>> {
+        self.bodies.iter().map(|patch| BodyView { patch })
+    }
+
+    /// Checks what is said of bodies, supports, loads and what is glued, without ties and contacts.
+    ///
+    /// # Errors
+    /// All that is wrong.
+    pub fn check(&self) -> Result<(), ProblemErrors> {
+        self.model(0).map(|_| ())
+    }
+
+    /// Supports that prescribe components of a side, with the component.
+    pub fn supports_of(&self, side: &SideModel<S, N>) -> Vec<(Statement, usize)> {
+        let of_side = self.said.conditions.iter().filter(|c| c.side.patch == side.patch && c.side.side == side.side);
+        of_side.map(|c| (c.of, c.component)).collect()
+    }
+
+    /// Whether supports hold a side, in components or along its normal or tangents.
+    pub fn is_supported(&self, side: &SideModel<S, N>) -> bool {
+        self.said.supports.iter().any(|s| s.patch == side.patch && s.side == side.side)
+    }
+
+    /// Sides of the bodies of `slave` and of `masters`, by body and name, that face each other best; `None` if they are no closer than half
+    /// the distance of the named ones, which may be right but too far apart, and while bodies, supports or loads are wrong.
+    pub fn meant_sides(&self, slave: &SideModel<S, N>, masters: &[Arc<SideModel<S, N>>]) -> Option<[(usize, String); 2]> {
+        self.model(0).ok()?.meant_sides(slave, masters)
     }
 
     /// The model without ties and contacts, with room for `pressed` unknowns of obstacles.
     ///
     /// # Errors
     /// All that is wrong with bodies, supports, loads and what is glued.
-    #[doc(hidden)]
-    pub fn model(&self, pressed: usize) -> Result<Model<S, N>, ProblemErrors> {
+    pub(super) fn model(&self, pressed: usize) -> Result<Model<S, N>, ProblemErrors> {
         if self.bodies.is_empty() {
             return Err(ProblemError::named(ErrorKind::Empty, &[]).into());
         }

@@ -1,10 +1,9 @@
 //! Contents of a system: its bodies, ties, contacts and supports, and their sizes.
 
 use super::data::Exact;
-use super::handles::{BodyId, Statement};
+use super::handles::BodyId;
 use super::interface_view::InterfaceView;
 use super::model::{Model, PatchModel};
-use super::side_view::SideView;
 use crate::quadrature::PerElement;
 use crate::space::{Body, Space};
 use std::ops::Range;
@@ -73,12 +72,6 @@ impl<'a, const S: usize, const N: usize> Contents<'a, S, N> {
         let rims = self.model.pins.iter().map(|p| &p.rim);
         sides.chain(rims.map(|r| SupportView { body: r.patch, name: &r.name, label: &r.label, is_side: false }))
     }
-
-    /// Statements that prescribe components of a side, with the component.
-    pub fn prescribed(&self, side: &SideView<S, N>) -> Vec<(Statement, usize)> {
-        let of_side = self.model.conditions.iter().filter(|c| c.side.patch == side.number() && c.side.side == side.name());
-        of_side.map(|c| (c.of, c.component)).collect()
-    }
 }
 
 /// Numbers of unknowns and rows of a system, and the size of its bodies.
@@ -96,10 +89,10 @@ pub struct SizeModel {
     pub diagonal: f64,
 }
 
-/// A body of a system.
+/// A body of a problem or a system.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyView<'a, const S: usize, const N: usize> {
-    patch: &'a PatchModel<S, N>,
+    pub(super) patch: &'a PatchModel<S, N>,
 }
 
 impl<'a, const S: usize, const N: usize> BodyView<'a, S, N> {

@@ -2,8 +2,7 @@
 
 use super::data::Data;
 use super::handles::InterfaceId;
-use super::model::{Against, ContactModel, ContactPart, TieModel, TiePart};
-use super::side_view::SideView;
+use super::model::{Against, ContactModel, ContactPart, SideModel, TieModel, TiePart};
 use crate::basis::Basis;
 use crate::coupling::Segments;
 use crate::linalg::NO_SYMMETRY;
@@ -59,9 +58,10 @@ impl<'a, const S: usize, const N: usize> InterfaceView<'a, S, N> {
 
     /// Its slave sides; of a contact those that face something.
     pub fn sides(&self) -> Vec<SlaveSide<'a, S, N>> {
+        let side = |(place, part)| SlaveSide { part, place };
         match self.0 {
-            Of::Tie(tie) => tie.parts.iter().map(|part| SlaveSide(Part::Tie(part))).collect(),
-            Of::Contact(contact) => contact.parts.iter().map(|part| SlaveSide(Part::Contact(part))).collect(),
+            Of::Tie(tie) => tie.parts.iter().map(Part::Tie).enumerate().map(side).collect(),
+            Of::Contact(contact) => contact.parts.iter().map(Part::Contact).enumerate().map(side).collect(),
         }
     }
 
@@ -97,7 +97,10 @@ impl<'a, const S: usize, const N: usize> InterfaceView<'a, S, N> {
 
 /// A slave side of a tie or a contact.
 #[derive(Clone, Copy, Debug)]
-pub struct SlaveSide<'a, const S: usize, const N: usize>(Part<'a, S, N>);
+pub struct SlaveSide<'a, const S: usize, const N: usize> {
+    part: Part<'a, S, N>,
+    place: usize,
+}
 
 #[derive(Clone, Copy, Debug)]
 enum Part<'a, const S: usize, const N: usize> {
@@ -107,16 +110,24 @@ enum Part<'a, const S: usize, const N: usize> {
 
 impl<'a, const S: usize, const N: usize> SlaveSide<'a, S, N> {
     /// The side.
-    pub fn side(&self) -> SideView<S, N> {
-        match self.0 {
-            Part::Tie(part) => (&part.slave).into(),
-            Part::Contact(part) => (&part.slave).into(),
+    pub fn side(&self) -> &'a SideModel<S, N> {
+        match self.part {
+            Part::Tie(part) => &part.slave,
+            Part::Contact(part) => &part.slave,
+        }
+    }
+
+    /// Its place, from 0, among the slave sides of the statement.
+    pub fn number(&self) -> usize {
+        match self.part {
+            Part::Tie(_) => self.place,
+            Part::Contact(part) => part.number,
         }
     }
 
     /// Its multipliers: of ties one space per component, of contacts one; none where the method has no multiplier.
     pub fn multipliers(&self) -> Vec<&'a dyn Basis<S>> {
-        match self.0 {
+        match self.part {
             Part::Tie(part) => part.multipliers.iter().map(|m| &**m).collect(),
             Part::Contact(part) => part.multiplier.as_deref().into_iter().collect(),
         }
@@ -124,7 +135,7 @@ impl<'a, const S: usize, const N: usize> SlaveSide<'a, S, N> {
 
     /// The functions through which lambda is read at points, in place of [`multipliers`](Self::multipliers) and with their coefficients.
     pub fn read_through(&self) -> Vec<&'a dyn Basis<S>> {
-        match self.0 {
+        match self.part {
             Part::Tie(_) => self.multipliers(),
             Part::Contact(part) => part.read_through().into_iter().collect(),
         }
@@ -132,7 +143,7 @@ impl<'a, const S: usize, const N: usize> SlaveSide<'a, S, N> {
 
     /// (p, k) if the multiplier is the unstable pairing p/p-k under another name.
     pub fn unstable(&self) -> Option<(usize, usize)> {
-        match self.0 {
+        match self.part {
             Part::Tie(part) => part.unstable,
             Part::Contact(part) => part.unstable,
         }
@@ -140,7 +151,7 @@ impl<'a, const S: usize, const N: usize> SlaveSide<'a, S, N> {
 
     /// Its rows among those of the system.
     pub fn rows(&self) -> Range<usize> {
-        match self.0 {
+        match self.part {
             Part::Tie(part) => part.first_row..part.first_row + part.num_rows,
             Part::Contact(part) => part.rows(),
         }
@@ -148,10 +159,10 @@ impl<'a, const S: usize, const N: usize> SlaveSide<'a, S, N> {
 
     /// The master sides, each with its common segments; of a contact all as one, against an obstacle none.
     pub fn pairs(&self) -> Vec<PairView<'a, S, N>> {
-        match self.0 {
-            Part::Tie(part) => part.pairings.iter().map(|p| PairView { master: (&p.master).into(), segments: &p.segments }).collect(),
+        match self.part {
+            Part::Tie(part) => part.pairings.iter().map(|p| PairView { master: &p.master, segments: &p.segments }).collect(),
             Part::Contact(part) => match &part.against {
-                Against::Side(master, segments) => vec![PairView { master: master.into(), segments }],
+                Against::Side(master, segments) => vec![PairView { master, segments }],
                 Against::Rigid(..) => Vec::new(),
             },
         }
@@ -159,16 +170,16 @@ impl<'a, const S: usize, const N: usize> SlaveSide<'a, S, N> {
 }
 
 /// A master side of a slave side.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct PairView<'a, const S: usize, const N: usize> {
-    master: SideView<S, N>,
+    master: &'a SideModel<S, N>,
     segments: &'a Segments<S>,
 }
 
-impl<const S: usize, const N: usize> PairView<'_, S, N> {
+impl<'a, const S: usize, const N: usize> PairView<'a, S, N> {
     /// The master side.
-    pub fn master(&self) -> &SideView<S, N> {
-        &self.master
+    pub fn master(&self) -> &'a SideModel<S, N> {
+        self.master
     }
 
     /// Largest distance of paired points at rest \[length\].

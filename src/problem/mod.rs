@@ -1,7 +1,8 @@
-//! Problems: bodies with materials, supports, loads, ties and contacts, their systems and states.
+//! Problems: bodies with materials, supports, loads, ties and contacts, their systems and solutions.
 //!
-//! [`Model`] holds what a problem is made of, [`step`] solves it at a time, [`StepState`] is the solution. Fields, reactions and what
-//! contacts transmit follow from a state.
+//! A [`Problem`] is said call by call; [`Problem::assemble`] checks it and makes a [`System`], which is solved at a time. Fields, forces of
+//! ties and contacts, reactions and errors are answers of its [`Solution`], by the handles of the statements; [`Contents`] shows what a
+//! system consists of.
 
 mod arc_length;
 mod assemble;
@@ -31,9 +32,11 @@ mod equilibrium;
 mod error;
 mod extremes;
 mod facets_apart;
+mod facing_obstacle;
 mod fixed;
 mod forecast;
 mod function_sums;
+mod functions_at;
 mod glued;
 mod gluing;
 mod guess;
@@ -73,7 +76,6 @@ mod row_names;
 mod said;
 mod side;
 mod side_field;
-mod side_view;
 mod sizes;
 mod slave_spaces;
 mod solve;
@@ -95,15 +97,11 @@ pub mod touching;
 mod touching_bodies;
 mod warnings;
 
-pub use arc_length::ArcLength;
 pub use assembled::{Linear, Solution, System};
 pub use body_spec::{BodyMaterial, BodySpec};
 pub use builder::Problem;
 pub use changing::Changing;
-pub use closed_points::{closed_points, left_free, zone_functions};
-pub use contact_field::ContactField;
 pub use contents::{BodyView, Contents, SizeModel, SupportView};
-pub use corners::SharedCorner;
 pub use coupled::{
     ChangingObstacle, Contact, ContactOptions, Coupled, Integration, MakeIntegration, Multiplier, Opponent, Rule, Tie, TieOptions, TiePair,
 };
@@ -112,11 +110,9 @@ pub use deformation::{Beyond, Deformation};
 pub use error::{ErrorKind, ProblemError, ProblemErrors};
 pub use extremes::Extreme;
 pub use facets_apart::FacetsApart;
+pub use facing_obstacle::TurnedAway;
 pub use forecast::Forecast;
-pub use function_sums::FunctionSums;
-pub use glued::{Glued, Hinge};
 pub use handles::{BodyId, Components, ContactId, InterfaceId, Region, RegionId, SideOf, Sides, Statement, TieId, Unknown};
-pub use integrate::on_trace;
 pub use interface_error::InterfaceError;
 pub use interface_results::{ContactResult, TieResult, Violation};
 pub use interface_side::{ContactZone, InterfaceSide};
@@ -125,35 +121,20 @@ pub use lambda_error::SquaredError;
 pub use lambda_field::LambdaField;
 pub use load_accuracy::{Inexact, Integral};
 pub use loads::LoadSum;
-pub use matrices::{Matrices, Stiffness};
-pub use model::{
-    Action, Against, Condition, ContactModel, ContactPart, Formulation, Model, Pairing, PatchModel, Pin, RigidSides, RimModel, SideLoad,
-    SideModel, SideSpring, TieModel, TiePart, Value,
-};
+pub use model::{Formulation, SideModel as SideView, Value};
 pub use multipliers::{DualPair, MakeMultiplier};
 pub use observer::{Observer, Progress};
-pub use obstacle::{ObstacleModel, Pressed};
 pub use own_piece::Depths;
 pub use physics::{OtherField, Physics, PhysicsError, PointState};
-pub use prescribed::Conditions;
-pub use reactions::{Reaction, reactions};
-pub use regions::{Regions, SideNames};
+pub use reactions::Reaction;
+pub use regions::SideNames;
 pub use resultant::Resultant;
-pub use rigid::{FreeBody, RigidForm, RigidModes, RigidRow};
-pub use rigid_bodies::{RigidBodies, unit};
 pub use rigid_motions::RigidMotion;
-pub use rigid_rows::closed_forms;
 pub use row_names::ContactRows;
 pub use side_field::{SideField, SidePoint};
-pub use side_view::SideView;
 pub use sizes::Sizes;
 pub use slave_spaces::{SlaveEnds, SlaveSpace};
-pub use solver::Solver;
 pub use start::Start;
-pub use state::{StepError, StepState, Unsolved};
-pub use step::step;
-pub use supports::{Ties, contact_points, free_by, free_motions, held_by, sentences, tie_points};
-pub use tie_field::{TieField, component_rows, multiplier_at};
-pub use tie_fluxes::Fluxes;
+pub use state::{StepError, Unsolved};
 pub use tie_moment::LostMoment;
 pub use warnings::{Subject, SubjectKind, Warning};

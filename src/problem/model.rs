@@ -103,28 +103,28 @@ impl<const S: usize, const N: usize> PatchModel<S, N> {
     }
 }
 
-/// A side of a body.
+/// A side of a body, or several sides of a contact as one.
 #[derive(Debug)]
 pub struct SideModel<const S: usize, const N: usize> {
     /// The patch.
-    pub patch: usize,
+    pub(crate) patch: usize,
     /// Canonical name of the side: u0, v1, ...
-    pub side: String,
+    pub(crate) side: String,
     /// Name in results: "lower.bottom".
-    pub label: String,
+    pub(crate) label: String,
     /// Functions, map and facets.
-    pub trace: Trace<S, N>,
+    pub(crate) trace: Trace<S, N>,
     /// Place of the unknowns of the trace's functions among those of the model.
-    pub field: Field,
+    pub(crate) field: Field,
     /// (first element, patch) of every run of elements; one run, unless several sides are joined.
-    pub runs: Vec<(usize, usize)>,
+    pub(crate) runs: Vec<(usize, usize)>,
     /// Rules of integrals over the side.
-    pub rules: PerElement<S>,
+    pub(crate) rules: PerElement<S>,
 }
 
 impl<const S: usize, const N: usize> SideModel<S, N> {
     /// The patch behind an element of the side.
-    pub fn patch_of(&self, element: usize) -> usize {
+    pub(crate) fn patch_of(&self, element: usize) -> usize {
         self.runs[self.runs.partition_point(|r| r.0 <= element) - 1].1
     }
 }

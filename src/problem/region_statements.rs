@@ -5,10 +5,10 @@ use super::error::{ErrorKind, ProblemError};
 use super::handles::{BodyId, Kind, Region, RegionId, SideOf};
 use super::model::{RimModel, SideModel};
 use super::regions::Piece;
-use crate::assembly::Rim;
+use crate::assembly::{Halved, HalvedScratch, Rim, measure};
 use crate::basis::{Cell, Order};
 use crate::geometry::{Embedding, MapTable, cell};
-use crate::linalg::Vector;
+use crate::linalg::{Matrix, Vector};
 use crate::space::Trace;
 use std::sync::Arc;
 
@@ -126,8 +126,11 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         found.map_err(|error| ProblemError::new(ErrorKind::Side(error), vec![side.body.into()], vec![self.bodies[body].name.clone()]))
     }
 
-    /// A side, made once.
-    pub(super) fn side(&mut self, side: SideOf<'_>) -> Result<Arc<SideModel<S, N>>, ProblemError> {
+    /// A side, which is made once.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Side`], [`ErrorKind::OtherProblem`].
+    pub fn side(&mut self, side: SideOf<'_>) -> Result<Arc<SideModel<S, N>>, ProblemError> {
         let number = self.side_number(side)?;
         match self.regions.pieces(number) {
             [Piece::Side(side)] => Ok(side.clone()),
@@ -139,6 +142,30 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     pub(super) fn pieces(&mut self, on: Region<'_>) -> Result<Vec<Piece<S, N>>, ProblemError> {
         let number = self.region(on)?.number;
         Ok(self.regions.pieces(number).to_vec())
+    }
+
+    /// Measure of the sides of a region, without edges and corners [length^S].
+    ///
+    /// # Errors
+    /// [`ErrorKind::OtherProblem`].
+    pub fn measure<'a>(&mut self, on: impl Into<Region<'a>>) -> Result<f64, ProblemError> {
+        let pieces = self.pieces(on.into())?;
+        let of = |piece: &Piece<S, N>| match piece {
+            Piece::Side(side) => measure(&*side.trace.space, &side.rules),
+            Piece::Rim(_) => 0.0,
+        };
+        Ok(pieces.iter().map(of).sum())
+    }
+
+    /// Measure of the part of a side in which `holds` [length^S], which cuts through facets: they are halved where it jumps.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Side`], [`ErrorKind::OtherProblem`].
+    pub fn measure_where(&mut self, side: SideOf<'_>, holds: &dyn Fn(&Vector<N>) -> bool) -> Result<f64, ProblemError> {
+        let (whole, mut scratch) = (self.side(side)?, HalvedScratch::default());
+        let share = |x: &Vector<N>, _: &Matrix<N, S>| [f64::from(u8::from(holds(x)))];
+        let halved = Halved::new(&*whole.trace.space, whole.degree() + 1, 1);
+        Ok((0..whole.trace.space.num_elements()).map(|e| halved.element(e, &mut scratch, &share)[0]).sum())
     }
 
     /// The sides of a region without edges and corners.

@@ -1,6 +1,5 @@
 //! The regions of a problem by their numbers, and the sides of its bodies, each made once.
 
-use super::handles::RegionId;
 use super::model::{PatchModel, RimModel, SideModel};
 use crate::space::SideError;
 use std::collections::HashMap;
@@ -95,15 +94,6 @@ impl<const S: usize, const N: usize> Regions<S, N> {
         let number = self.add(vec![Piece::Side(made)]);
         self.sides.insert((body, side.to_owned()), number);
         Ok(number)
-    }
-
-    /// The sides of a region, without edges and corners.
-    pub fn sides_of(&self, region: RegionId) -> Vec<Arc<SideModel<S, N>>> {
-        let side = |piece: &Piece<S, N>| match piece {
-            Piece::Side(side) => Some(side.clone()),
-            Piece::Rim(_) => None,
-        };
-        self.list[region.number].iter().filter_map(side).collect()
     }
 
     /// A side of one of `bodies`, by their numbers.

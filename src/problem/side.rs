@@ -10,18 +10,18 @@ impl<const S: usize, const N: usize> SideModel<S, N> {
     ///
     /// # Errors
     /// [`SideError`] of the body.
-    pub fn new(patch: &PatchModel<S, N>, number: usize, side: &str, label: String) -> Result<Self, SideError> {
+    pub(crate) fn new(patch: &PatchModel<S, N>, number: usize, side: &str, label: String) -> Result<Self, SideError> {
         Ok(Self::of_trace(patch, number, side, label, patch.body.trace(side)?))
     }
 
     /// The part `trace` of a side, arguments before it as in [`SideModel::new`].
-    pub fn of_trace(patch: &PatchModel<S, N>, number: usize, side: &str, label: String, trace: Trace<S, N>) -> Self {
+    pub(crate) fn of_trace(patch: &PatchModel<S, N>, number: usize, side: &str, label: String, trace: Trace<S, N>) -> Self {
         let rules = gauss_rules(&*trace.space, patch.extra_points);
         Self { patch: number, side: side.to_owned(), label, field: patch.field, runs: vec![(0, number)], trace, rules }
     }
 
     /// Several sides as one surface, in functions of the model: glued functions are one; `None` without sides.
-    pub fn joined(model: &Model<S, N>, sides: &[Arc<Self>]) -> Option<Arc<Self>> {
+    pub(crate) fn joined(model: &Model<S, N>, sides: &[Arc<Self>]) -> Option<Arc<Self>> {
         let (first, others) = sides.split_first()?;
         if others.is_empty() {
             return Some(first.clone());
@@ -46,6 +46,31 @@ impl<const S: usize, const N: usize> SideModel<S, N> {
         let label = sides.iter().map(|s| s.label.as_str()).collect::<Vec<_>>().join(", ");
         let field = Field { first: 0, components: model.components };
         Some(Arc::new(Self { patch: first.patch, side: first.side.clone(), label, field, runs, trace, rules }))
+    }
+
+    /// Number of its body, of several sides that of the first.
+    pub fn body(&self) -> usize {
+        self.patch
+    }
+
+    /// Its name in the body: u0, v1, a tag.
+    pub fn name(&self) -> &str {
+        &self.side
+    }
+
+    /// Its name in results: "lower.v0".
+    pub fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// Functions, map and facets.
+    pub fn trace(&self) -> &Trace<S, N> {
+        &self.trace
+    }
+
+    /// (first element, number of the body) of every run of elements; one run, unless several sides are one.
+    pub fn runs(&self) -> &[(usize, usize)] {
+        &self.runs
     }
 
     /// Highest degree of its functions.

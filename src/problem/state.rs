@@ -96,7 +96,7 @@ pub enum StepError {
     },
 }
 
-/// An error of a step, with the best state that was reached: a [`Solution`](super::Solution), or a [`StepState`] of [`step`](super::step).
+/// An error of a step, with the best state that was reached: a [`Solution`](super::Solution).
 ///
 /// Its texts, `{}` and `{:?}`, are the sentence of the error alone.
 pub struct Unsolved<L> {

@@ -25,8 +25,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// Ties pairs of sides, found by a search.
-    #[doc(hidden)]
-    pub fn tie_pairs(&mut self, pairs: Vec<TiePair<S, N>>) -> &mut Tie<S, N> {
+    pub(super) fn tie_pairs(&mut self, pairs: Vec<TiePair<S, N>>) -> &mut Tie<S, N> {
         let name = pairs.first().map_or_else(String::new, |p| format!("{} - {}", p.slave.label, labels(&p.masters)));
         let own = TieOptions { pairs, coupling: Arc::new(Mortar), tolerance: None };
         let number = self.ties.len();

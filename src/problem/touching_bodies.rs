@@ -20,8 +20,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let numbers = self.numbers(bodies)?;
         let found = self.search(|search| search.tie_touching(&numbers, tolerance));
         let couples = found.map_err(|error| self.not_found(&error, bodies))?;
-        let pair = |c: Couple<S, N>| TiePair { slave: c.slave, masters: c.masters, explained: c.explained, is_asked: false };
-        let tie = self.tie_pairs(couples.into_iter().map(pair).collect());
+        let tie = self.tie_couples(couples);
         if let Some(distance) = tolerance {
             tie.tolerance(distance);
         }
@@ -38,12 +37,39 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let found = self.search(|search| search.tie_touching(&numbers, tolerance));
         let couples = found.map_err(|error| self.not_found(&error, bodies))?;
         let of = self.statement();
-        for Couple { slave, masters, .. } in couples {
-            let exact = masters.iter().chain([&slave]).all(|side| self.bodies[side.patch].exact_map);
-            let near = tolerance.map_or(if exact { Near::Exact } else { Near::Facets }, Near::Given);
-            self.gluings.push(Gluing { of, slave, masters, near: Some(near) });
-        }
+        couples.into_iter().for_each(|couple| self.push_couple(of, couple));
         Ok(of)
+    }
+
+    /// Glues the sides of a couple that a search found.
+    pub fn glue_couple(&mut self, couple: Couple<S, N>) -> Statement {
+        let of = self.statement();
+        self.push_couple(of, couple);
+        of
+    }
+
+    fn push_couple(&mut self, of: Statement, couple: Couple<S, N>) {
+        let exact = couple.masters.iter().chain([&couple.slave]).all(|side| self.bodies[side.patch].exact_map);
+        let near = match couple.tolerance {
+            Some(distance) => Near::Given(distance),
+            None if exact => Near::Exact,
+            None if couple.is_named => Near::Corners,
+            None => Near::Facets,
+        };
+        self.gluings.push(Gluing { of, slave: couple.slave, masters: couple.masters, near: Some(near) });
+    }
+
+    /// Ties the slaves of couples that a search found to their masters.
+    pub fn tie_couples(&mut self, couples: Vec<Couple<S, N>>) -> &mut Tie<S, N> {
+        let pair = |c: Couple<S, N>| TiePair { slave: c.slave, masters: c.masters, explained: c.explained, is_asked: false };
+        self.tie_pairs(couples.into_iter().map(pair).collect())
+    }
+
+    /// Lets `ask` search among the bodies for sides that touch; the search begins with no sides joined, and states nothing.
+    pub fn look_for_touching<R>(&mut self, ask: impl FnOnce(&mut Search<'_, S, N>) -> R) -> R {
+        let Self { bodies, regions, .. } = self;
+        let mut source = |body: usize, name: &str| regions.side(bodies, body, name);
+        ask(&mut Search::new(bodies, &mut source))
     }
 
     /// The slave sides of a tie with their masters, by labels.

@@ -46,7 +46,7 @@ fn many_points_have_the_answers_of_single_points() {
     }
     assert!(outside > 20 && outside < 100, "{outside}");
     // the same as without the tree that is kept
-    let space = solution.model().patches[0].body.space();
+    let space = solution.contents().body(0).space();
     for x in points.iter().take(3) {
         let (element, xi) = locate(&**space, &(*x).into()).unwrap();
         assert_eq!(solution.in_element(body, element, &[xi.into()]).unwrap(), [solution.at(body, x).unwrap()]);
@@ -197,7 +197,7 @@ fn ties_and_contacts_of_other_problems_are_refused() {
     let floor = other.contact(lower.side("u0"), HalfPlane::try_new(Vector::from([0.0, 0.0]), Vector::from([0.0, 1.0])).unwrap());
     assert_eq!(floor.unwrap_err().kind, ErrorKind::OtherProblem);
     let pressed = other.assemble().unwrap().solve(1.0, None).unwrap();
-    let contact = pressed.model().contacts[0].id;
+    let InterfaceId::Contact(contact) = pressed.contents().contacts().next().unwrap().id() else { unreachable!() };
     assert!(pressed.contact(contact).unwrap().force[1] > 0.0 && !pressed.multiplier(contact).unwrap().is_empty());
     assert_eq!(pressed.tie(tie).unwrap_err().kind, ErrorKind::OtherProblem);
     assert_eq!(pressed.multiplier(tie).unwrap_err().kind, ErrorKind::OtherProblem);

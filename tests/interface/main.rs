@@ -7,6 +7,7 @@ mod auto_multiplier;
 mod common;
 mod contact;
 mod dual;
+mod exact_answers;
 mod faults;
 mod inf_sup;
 mod interface_quadrature;

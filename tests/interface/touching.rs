@@ -2,8 +2,8 @@
 
 use faying::geometry::shapes::{annulus_sector, brick};
 use faying::physics::Conductor;
-use faying::problem::touching::{Couple, Finding, Position, Search, TouchError, sag};
-use faying::problem::{PatchModel, Problem, SideModel};
+use faying::problem::Problem;
+use faying::problem::touching::{Couple, Finding, Position, Search, TouchError};
 use faying::space::{Body, Mesh, Patch, PatchSpec};
 use std::sync::Arc;
 
@@ -30,7 +30,8 @@ fn block<const N: usize>(along: f64, low: f64, elements: usize, is_mesh: bool) -
     Block { min, max: min.map(|x| x + 1.0), elements, is_mesh }
 }
 
-fn models<const S: usize, const N: usize>(blocks: &[Block<N>]) -> Vec<PatchModel<S, N>>
+/// Lets `ask` search among the blocks.
+fn search<const S: usize, const N: usize, R>(blocks: &[Block<N>], ask: impl FnOnce(&mut Search<'_, S, N>) -> R) -> R
 where
     Mesh<S, N>: Body<S, N>,
     Patch<S, N>: Body<S, N>,
@@ -44,19 +45,12 @@ where
         };
         problem.body::<1>(&format!("b{k}"), body, Conductor::<N>::try_new(1.0).unwrap()).unwrap();
     }
-    problem.bodies_and_sides().0.to_vec()
-}
-
-/// Lets `ask` search among the blocks.
-fn search<const S: usize, const N: usize, R>(blocks: &[Block<N>], ask: impl FnOnce(&mut Search<'_, S, N>) -> R) -> R {
-    let patches = models(blocks);
-    let mut side = |k: usize, name: &str| Ok(Arc::new(SideModel::new(&patches[k], k, name, format!("b{k}.{name}"))?));
-    ask(&mut Search::new(&patches, &mut side))
+    problem.look_for_touching(ask)
 }
 
 /// Slaves with their masters, by label.
 fn names<const S: usize, const N: usize>(couples: &[Couple<S, N>]) -> Vec<(&str, Vec<&str>)> {
-    couples.iter().map(|c| (c.slave.label.as_str(), c.masters.iter().map(|m| m.label.as_str()).collect())).collect()
+    couples.iter().map(|c| (c.slave.label(), c.masters.iter().map(|m| m.label()).collect())).collect()
 }
 
 /// Bottom and top side.
@@ -128,7 +122,7 @@ fn near_boxes<const S: usize, const N: usize>(is_mesh: bool) {
         let TouchError::Nothing { nearest: Some(pair) } = &error else { panic!("{error}") };
         assert!((pair.facing.distance - gap).abs() < 1e-9 && (pair.facing.gap - gap).abs() < 1e-9 && pair.facing.share == 1.0);
         let [bottom, top] = ends(N);
-        assert_eq!(pair.sides.each_ref().map(|s| (s.patch, s.side.as_str())), [(0, top), (1, bottom)]);
+        assert_eq!(pair.sides.each_ref().map(|s| (s.body(), s.name())), [(0, top), (1, bottom)]);
         // near enough to be told at once, and then no more
         assert!(matches!(&search.findings[..], [Finding::NotTied { clearance, .. }] if (clearance.mean() - gap).abs() < 1e-9));
         search.findings.clear();
@@ -181,7 +175,7 @@ fn overlapping_boxes<const S: usize, const N: usize>(is_mesh: bool) {
     let press = [block(0.25, 0.0, 4, is_mesh), block(0.0, 0.99, 4, is_mesh)];
     let list = found(&press, &[], None);
     let [Finding::Unjoined { sides: [a, b], position: Position::Overlap(depth) }] = &list[..] else { panic!("{list:?}") };
-    assert!(a.side == top && b.side == bottom && (depth - 0.01).abs() < 1e-9);
+    assert!(a.name() == top && b.name() == bottom && (depth - 0.01).abs() < 1e-9);
     assert!(found(&press, &[], Some((0, top))).is_empty());
 }
 
@@ -200,13 +194,12 @@ fn named_sides_are_tied_and_told_if_nothing_explains_their_distance() {
         for (name, low, n) in [("inner", 0.0, 4), ("outer", 1.0 + gap, 6)] {
             problem.body::<1>(name, body(low, n), Conductor::<2>::try_new(1.0).unwrap()).unwrap();
         }
-        let patches = problem.bodies_and_sides().0.to_vec();
-        let mut side = |k: usize, name: &str| Ok(Arc::new(SideModel::new(&patches[k], k, name, name.to_owned())?));
-        let mut search = Search::new(&patches, &mut side);
-        let (slave, master) = (search.side(1, "v0").unwrap(), search.side(0, "v1").unwrap());
-        let greatest = sag(&patches, &slave).greatest();
-        let couple = search.tie(slave, vec![master], None);
-        (couple, greatest, std::mem::take(&mut search.findings))
+        problem.look_for_touching(|search| {
+            let (slave, master) = (search.side(1, "v0").unwrap(), search.side(0, "v1").unwrap());
+            let greatest = search.sag(&slave).greatest();
+            let couple = search.tie(slave, vec![master], None);
+            (couple, greatest, std::mem::take(&mut search.findings))
+        })
     };
     // an annulus of chords, whose inner ring ends where the outer one begins
     let chords = |low: f64, n: usize| -> Arc<dyn Body<1, 2>> {

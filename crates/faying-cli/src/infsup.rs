@@ -84,14 +84,14 @@ pub fn constants(case: &Case, registry: &Registry, options: &InfSupOptions, watc
 }
 
 fn constant(s: &SlaveSpaces, options: &InfSupOptions) -> Result<Constant, InfSupError> {
-    let space = &*s.spaces.side.trace.space;
+    let space = &*s.spaces.side.trace().space;
     let by = |measure| {
         inf_sup(space, &s.spaces.functions, &*s.spaces.multiplier, &Question { measure, norm: options.norm, ..Question::default() })
     };
     Ok(Constant {
         name: s.name.clone(),
-        side: s.spaces.side.label.clone(),
-        patch: s.spaces.side.patch,
+        side: s.spaces.side.label().to_owned(),
+        patch: s.spaces.side.body(),
         component: s.component,
         pairing: s.pairing.clone(),
         elements: space.num_elements(),
@@ -107,7 +107,7 @@ fn fault(case: &Case, s: &SlaveSpaces, error: &InfSupError) -> Diagnostic {
         InfSupError::NotSettled { .. } => "E074",
         _ => "E072",
     };
-    Diagnostic::error(code, format!("\"{}\" on `{}`: {error}", s.name, s.spaces.side.label)).in_file(&case.source.name)
+    Diagnostic::error(code, format!("\"{}\" on `{}`: {error}", s.name, s.spaces.side.label())).in_file(&case.source.name)
 }
 
 /// The rows of `infsup`: one per interface or contact, its smallest constant over sides and components.

@@ -1,6 +1,6 @@
 //! Numbers, components and sides in messages.
 
-use faying::problem::SideModel;
+use faying::problem::SideView;
 use std::sync::Arc;
 
 /// Formats a number with four digits.
@@ -37,6 +37,6 @@ pub(crate) fn component_name(component: usize, components: usize) -> &'static st
 }
 
 /// Labels of sides in messages.
-pub(crate) fn labels<const S: usize, const N: usize>(sides: &[Arc<SideModel<S, N>>]) -> String {
-    sides.iter().map(|s| format!("`{}`", s.label)).collect::<Vec<_>>().join(", ")
+pub(crate) fn labels<const S: usize, const N: usize>(sides: &[Arc<SideView<S, N>>]) -> String {
+    sides.iter().map(|s| format!("`{}`", s.label())).collect::<Vec<_>>().join(", ")
 }

@@ -20,6 +20,6 @@ mod unjoined;
 pub use couple::{Couple, Share};
 pub use facing::{Facing, facing};
 pub use finding::{Finding, NearPair, Position, TouchError};
-pub use lengths::sag;
+pub(super) use lengths::sag;
 pub use nearest::{NEAR, THIN};
-pub use search::{Search, SideSource};
+pub use search::Search;

@@ -3,13 +3,16 @@
 use super::couple::Couple;
 use super::finding::Finding;
 use super::joined_sides::{JoinedSides, SidePair, key, side_pair};
+use super::lengths::sag;
+use crate::geometry::Sag;
+use crate::problem::contents::BodyView;
 use crate::problem::model::{PatchModel, SideModel};
 use crate::space::SideError;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Source of sides: returns the side of a body (its number) by its name.
-pub type SideSource<'a, const S: usize, const N: usize> = dyn FnMut(usize, &str) -> Result<Arc<SideModel<S, N>>, SideError> + 'a;
+pub(crate) type SideSource<'a, const S: usize, const N: usize> = dyn FnMut(usize, &str) -> Result<Arc<SideModel<S, N>>, SideError> + 'a;
 
 /// A search for sides that touch, among bodies of which some sides are joined already.
 pub struct Search<'a, const S: usize, const N: usize> {
@@ -29,8 +32,16 @@ impl<const S: usize, const N: usize> std::fmt::Debug for Search<'_, S, N> {
 
 impl<'a, const S: usize, const N: usize> Search<'a, S, N> {
     /// A search among `patches`, of which no sides are joined.
-    pub fn new(patches: &'a [PatchModel<S, N>], sides: &'a mut SideSource<'a, S, N>) -> Self {
+    pub(crate) fn new(patches: &'a [PatchModel<S, N>], sides: &'a mut SideSource<'a, S, N>) -> Self {
         Self { patches, sides, joined: JoinedSides::default(), told: BTreeSet::new(), findings: Vec::new() }
+    }
+
+    /// The body with a number.
+    ///
+    /// # Panics
+    /// If there are fewer bodies.
+    pub fn body(&self, number: usize) -> BodyView<'a, S, N> {
+        BodyView { patch: &self.patches[number] }
     }
 
     /// Returns a side of a body.
@@ -39,6 +50,11 @@ impl<'a, const S: usize, const N: usize> Search<'a, S, N> {
     /// [`SideError`] of the source.
     pub fn side(&mut self, patch: usize, side: &str) -> Result<Arc<SideModel<S, N>>, SideError> {
         (self.sides)(patch, side)
+    }
+
+    /// The sag of the facets of a side: zero if they are the surface itself; for refined meshes that of the unrefined facets.
+    pub fn sag(&self, side: &SideModel<S, N>) -> Sag<S, N> {
+        sag(self.patches, side)
     }
 
     /// Excludes a pair of sides (body, name) from the search.

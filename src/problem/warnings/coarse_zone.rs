@@ -4,7 +4,9 @@
 //! by about 1/n of themselves. Points in the opponent while no function is closed are a zone that was missed. Zones that are all of what faces the opponent end with the side and are not looked at.
 
 use super::warning::{Subject, Warning};
-use crate::problem::{Model, StepState, zone_functions};
+use crate::problem::closed_points::zone_functions;
+use crate::problem::model::Model;
+use crate::problem::state::StepState;
 
 /// Least number of functions across a zone.
 const FEWEST: usize = 4;

@@ -4,7 +4,7 @@ use super::warning::Warning;
 use crate::basis::Order;
 use crate::geometry::{MapTable, cell};
 use crate::linalg::Vector;
-use crate::problem::Model;
+use crate::problem::model::Model;
 
 /// Values that differ by less than this share of the largest are equal.
 const EQUAL_VALUES: f64 = 1e-9;
@@ -38,7 +38,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 }
                 *told = true;
                 found.push(Warning::CornerValues {
-                    conditions,
+                    of: conditions.map(|k| self.conditions[k].of),
                     sides: conditions.map(|k| self.conditions[k].side.label.clone()),
                     component: self.conditions[conditions[0]].component,
                     values,

@@ -11,8 +11,9 @@
 //! so that sides that touch only in part, as in Hertz' problem, are excluded: there the gap grows beyond any sag.
 
 use super::warning::{Subject, Warning};
+use crate::problem::Point;
+use crate::problem::model::{ContactModel, ContactPart, Model};
 use crate::problem::touching::sag;
-use crate::problem::{ContactModel, ContactPart, Model, Point};
 
 /// Ratio h / mean |g| above which the warning is given.
 const POOR: f64 = 0.1;

@@ -10,7 +10,12 @@ use super::warning::{Subject, Warning};
 use crate::basis::Order;
 use crate::geometry::{MapTable, cell};
 use crate::linalg::{Vector, measure};
-use crate::problem::{Model, Point, RigidBodies, RigidModes, RigidRow, Ties, closed_forms, held_by, unit};
+use crate::problem::Point;
+use crate::problem::model::Model;
+use crate::problem::rigid::{RigidModes, RigidRow};
+use crate::problem::rigid_bodies::{RigidBodies, unit};
+use crate::problem::rigid_rows::closed_forms;
+use crate::problem::supports::{Ties, held_by};
 use crate::quadrature::Quadrature;
 use nalgebra::{DMatrix, DVector};
 

@@ -1,7 +1,8 @@
 //! Interfaces whose integration is inexact, by [`crate::coupling::consistency`].
 
 use super::warning::{Subject, Warning};
-use crate::problem::{Model, StepState};
+use crate::problem::model::Model;
+use crate::problem::state::StepState;
 
 /// Consistency error above which the warning is given.
 const INEXACT: f64 = 1e-2;

@@ -4,7 +4,9 @@
 //! bound. A manufactured solution solves the equations of small kinematics whatever its size is.
 
 use super::warning::{Subject, Warning};
-use crate::problem::{Beyond, Model, StepState};
+use crate::problem::Beyond;
+use crate::problem::model::Model;
+use crate::problem::state::StepState;
 
 /// Largest strain, and largest rotation in radians, of small kinematics.
 const SMALL: f64 = 0.1;

@@ -1,7 +1,8 @@
 //! Slave sides of which the exact solution leaves open which of its pieces they have: errors of lambda have no value there.
 
 use super::warning::{Subject, Warning};
-use crate::problem::{Model, StepState};
+use crate::problem::model::Model;
+use crate::problem::state::StepState;
 
 /// Finds the ties and contacts with such sides.
 pub(super) fn left_open<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Warning> {

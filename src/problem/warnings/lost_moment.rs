@@ -2,7 +2,8 @@
 
 use super::warning::{Subject, Warning};
 use crate::geometry::Geometry;
-use crate::problem::{Model, StepState};
+use crate::problem::model::Model;
+use crate::problem::state::StepState;
 
 /// Lost moment over the force through the tie times half its size, above which the warning is given.
 const LOST: f64 = 1e-3;

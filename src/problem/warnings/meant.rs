@@ -1,7 +1,7 @@
 //! Sides that were probably meant, where those that are named do not face each other.
 
+use crate::problem::model::{Model, PatchModel, SideModel};
 use crate::problem::touching::facing;
-use crate::problem::{Model, PatchModel, SideModel};
 use crate::space::Trace;
 use std::collections::BTreeSet;
 use std::sync::Arc;

@@ -4,7 +4,7 @@ use super::warning::{Subject, SubjectKind, Warning};
 use crate::basis::Order;
 use crate::geometry::{ClosestPoint, MapTable, cell};
 use crate::linalg::Vector;
-use crate::problem::{Against, ContactModel, ContactPart, Model};
+use crate::problem::model::{Against, ContactModel, ContactPart, Model};
 use crate::space::{Space, Trace};
 use std::collections::BTreeSet;
 use std::sync::Arc;

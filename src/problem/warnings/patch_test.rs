@@ -16,7 +16,7 @@ use crate::assembly::element_rule;
 use crate::basis::{Cell, Order, ShapeTable};
 use crate::geometry::{MapTable, cell};
 use crate::linalg::{Vector, determinant, inverse};
-use crate::problem::{Model, PatchModel};
+use crate::problem::model::{Model, PatchModel};
 use crate::quadrature::{Quadrature, Rule};
 use crate::space::Space;
 use rayon::prelude::*;

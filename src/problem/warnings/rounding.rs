@@ -6,7 +6,8 @@
 use super::warning::{Subject, Warning};
 use crate::basis::Order;
 use crate::geometry::{MapTable, cell};
-use crate::problem::{Model, PatchModel, StepState};
+use crate::problem::model::{Model, PatchModel};
+use crate::problem::state::StepState;
 use std::cmp::Ordering;
 
 /// Bound of the relative error above which the warning is given.

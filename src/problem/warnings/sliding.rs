@@ -17,7 +17,10 @@ use crate::basis::Order;
 use crate::contact::{Contact, opposed};
 use crate::geometry::{ClosestPoint, MapTable};
 use crate::linalg::Vector;
-use crate::problem::{Against, ContactModel, ContactPart, Model, Point, StepState, on_trace};
+use crate::problem::Point;
+use crate::problem::integrate::on_trace;
+use crate::problem::model::{Against, ContactModel, ContactPart, Model};
+use crate::problem::state::StepState;
 
 /// Error e above which the warning is given.
 const POOR: f64 = 0.1;

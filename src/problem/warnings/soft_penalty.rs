@@ -1,7 +1,9 @@
 //! Penalties that let bodies sink into each other, or come apart, by more than a hundredth of their size.
 
 use super::warning::{Subject, Warning};
-use crate::problem::{Formulation, Model, StepState, TieModel};
+use crate::problem::Formulation;
+use crate::problem::model::{Model, TieModel};
+use crate::problem::state::StepState;
 
 /// Share of the smaller body's size that bodies may sink.
 const DEEP: f64 = 1e-2;

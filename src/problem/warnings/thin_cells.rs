@@ -7,7 +7,7 @@ use super::warning::{Subject, Warning};
 use crate::basis::{Cell, Order};
 use crate::geometry::{MapTable, cell};
 use crate::linalg::{Matrix, Vector, determinant};
-use crate::problem::{Model, PatchModel};
+use crate::problem::model::{Model, PatchModel};
 use rayon::prelude::*;
 
 /// Largest aspect without a warning: the inverse of its square is the round-off of a double.

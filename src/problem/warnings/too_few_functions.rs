@@ -1,7 +1,11 @@
 //! Multipliers whose functions hold less than their points would.
 
 use super::warning::{Subject, Warning};
-use crate::problem::{Model, RigidBodies, RigidForm, RigidModes, Ties, closed_forms, contact_points, held_by, tie_points};
+use crate::problem::model::Model;
+use crate::problem::rigid::{RigidForm, RigidModes};
+use crate::problem::rigid_bodies::RigidBodies;
+use crate::problem::rigid_rows::closed_forms;
+use crate::problem::supports::{Ties, contact_points, held_by, tie_points};
 use nalgebra::DMatrix;
 
 /// Parts whose relative motion is below this fraction of the largest are not named.

@@ -1,16 +1,17 @@
 //! Warnings as data.
 
-use crate::problem::{Beyond, FacetsApart, Inexact, Model};
+use crate::problem::model::Model;
+use crate::problem::{Beyond, FacetsApart, Inexact, Statement};
 
 /// A kind of part of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SubjectKind {
-    /// A body, of [`Model::patches`].
+    /// A body, in the order in which they were said.
     Body,
-    /// A tie, of [`Model::ties`].
+    /// A tie, as bodies.
     Tie,
-    /// A contact, of [`Model::contacts`].
+    /// A contact, as bodies.
     Contact,
 }
 
@@ -51,8 +52,8 @@ pub enum Warning {
     /// Prescribed values of two bodies that are tied differ by more than 1e-9 of the largest in a corner that they share: the multiplier
     /// has to carry the jump.
     CornerValues {
-        /// The two conditions, of [`Model::conditions`].
-        conditions: [usize; 2],
+        /// The two supports.
+        of: [Statement; 2],
         /// Labels of their sides.
         sides: [String; 2],
         /// The component.

@@ -3,7 +3,6 @@
 use super::builder::{Builder, MakeNet};
 use super::couples::Couples;
 use super::places::Places;
-use super::sides::Sides;
 use super::{boundary, couples, exact, glue, meshes, patches, values};
 use crate::errors::Diagnostics;
 use faying::problem::Problem;
@@ -27,9 +26,8 @@ pub(super) fn supported<const S: usize, const N: usize>(
     patches::say(builder, net, &mut problem, &mut places);
     builder.stop()?;
     meshes::unshared(builder);
-    let (bodies, regions) = problem.bodies_and_sides();
     // patches of files with several patches: their touching sides are glued
-    let couples = couples::find(builder, bodies, &mut Sides { regions }, &case.glued_files());
+    let couples = couples::find(builder, &mut problem, &case.glued_files());
     glue::say(builder, &mut problem, &mut places, &couples);
     boundary::say(builder, &mut problem, &mut places, &couples);
     Ok((problem, places, couples))

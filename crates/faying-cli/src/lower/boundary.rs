@@ -3,16 +3,14 @@
 use super::builder::Builder;
 use super::couples::Couples;
 use super::places::{Places, Said};
-use super::sides::{Sides, side_fault};
+use super::sides::refused;
 use crate::case::{Boundary, Components, Datum, SideRef};
 use crate::errors::Diagnostic;
 use crate::formula::{Formula, Point};
 use crate::place::{Located, Place};
 use crate::words::{place, short};
-use faying::assembly::{Halved, HalvedScratch, measure};
-use faying::linalg::{Matrix, Vector};
-use faying::problem::{ErrorKind, Problem, ProblemError, Region, RegionId, SideModel, Statement, Value};
-use std::sync::Arc;
+use faying::linalg::Vector;
+use faying::problem::{ErrorKind, Problem, ProblemError, Region, RegionId, Statement, Value};
 
 /// Share by which the facets that `where` keeps may differ from the part in which it holds.
 const CUT: f64 = 1e-3;
@@ -97,9 +95,7 @@ impl<const S: usize, const N: usize> Block<'_, '_, S, N> {
         }
         made.map_err(|error| {
             Box::new(match (&error.kind, &self.block.filter) {
-                (ErrorKind::Side(error), _) => {
-                    side_fault(self.builder, &self.problem.bodies_and_sides().0[wanted.value.patch], error, wanted)
-                }
+                (ErrorKind::Side(_), _) => refused(self.builder, self.problem, &error, wanted),
                 (_, Some(filter)) => {
                     let text = format!("`where` on `{}`, a side of triangles and quadrilaterals, is not in this version", error.names()[0]);
                     self.error("E019", text, filter.at).with_help("give the part a tag of its own in the mesh")
@@ -133,7 +129,7 @@ impl<const S: usize, const N: usize> Block<'_, '_, S, N> {
         let body = self.places.bodies[patch];
         let met: Vec<_> = names.iter().map(|name| body.side(name)).collect();
         let region = self.problem.meeting(&met).map_err(|error| match &error.kind {
-            ErrorKind::Side(of_side) => Box::new(side_fault(self.builder, &self.problem.bodies_and_sides().0[patch], of_side, wanted)),
+            ErrorKind::Side(_) => Box::new(refused(self.builder, self.problem, &error, wanted)),
             _ => {
                 let text = format!("there is no {what} `{label}`: {} share no function there", error.names().join(" and "));
                 Box::new(self.error("E021", text, wanted.at))
@@ -230,17 +226,12 @@ impl<const S: usize, const N: usize> Block<'_, '_, S, N> {
 
     /// Warns of a `where` whose border lies inside of facets, which are kept or left whole.
     fn cut_facets(&mut self, filter: &Located<Formula>, kept: &[RegionId]) -> Option<Diagnostic> {
-        let length = |side: &Arc<SideModel<S, N>>| measure(&*side.trace.space, &side.rules);
-        let (bodies, regions) = self.problem.bodies_and_sides();
-        let kept: f64 = kept.iter().flat_map(|region| regions.sides_of(*region)).map(|side| length(&side)).sum();
-        let mut sides = Sides { regions };
-        let mut scratch = HalvedScratch::default();
-        let holds = |x: &Vector<N>, _: &Matrix<N, S>| [f64::from(u8::from(filter.value.value(&Point::new(x.as_slice())) != 0.0))];
+        let kept: f64 = kept.iter().filter_map(|region| self.problem.measure(*region).ok()).sum();
+        let holds = |x: &Vector<N>| filter.value.value(&Point::new(x.as_slice())) != 0.0;
         let mut exact = 0.0;
         for wanted in self.block.on.iter().filter(|side| meeting_sides(&side.value.side).is_none()) {
-            let Ok(whole) = sides.get(self.builder, bodies, wanted) else { continue };
-            let halved = Halved::new(&*whole.trace.space, whole.degree() + 1, 1);
-            exact += (0..whole.trace.space.num_elements()).map(|e| halved.element(e, &mut scratch, &holds)[0]).sum::<f64>();
+            let side = self.places.bodies[wanted.value.patch].side(&wanted.value.side);
+            exact += self.problem.measure_where(side, &holds).unwrap_or(0.0);
         }
         let off = (kept - exact).abs() / kept.max(exact);
         (off > CUT).then(|| {

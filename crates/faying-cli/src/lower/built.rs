@@ -1,16 +1,15 @@
-//! A case as a problem, with the source locations and comparisons that the problem itself does not know.
+//! A case as a system, with the source locations and comparisons that the system itself does not know.
 
 use super::places::Places;
 use crate::errors::Diagnostics;
 use crate::reference::Reference;
 use crate::result::GluedSides;
-use faying::problem::{Model, System};
-use std::ops::Deref;
+use faying::problem::System;
 
-/// A case as a problem. Derefs to its model.
+/// A case as a system.
 #[derive(Debug)]
 pub struct Built<const S: usize, const N: usize> {
-    /// The problem.
+    /// The system.
     pub system: System<S, N>,
     /// Sides that interfaces of the case glue.
     pub glued_sides: Vec<GluedSides>,
@@ -20,11 +19,4 @@ pub struct Built<const S: usize, const N: usize> {
     pub places: Places,
     /// Warnings found while building.
     pub warnings: Diagnostics,
-}
-
-impl<const S: usize, const N: usize> Deref for Built<S, N> {
-    type Target = Model<S, N>;
-    fn deref(&self) -> &Self::Target {
-        self.system.model()
-    }
 }

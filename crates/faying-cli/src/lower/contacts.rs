@@ -6,7 +6,7 @@ use super::multipliers::{multiplier, unstable};
 use super::obstacles::{opponent, swallowed};
 use super::places::{Places, Said};
 use super::refused::contact_fault;
-use super::sides::Sides;
+use super::sides::side;
 use super::ties::{nitsche_variant, rule};
 use super::warned::tell;
 use crate::case::{self, Cone, Contact, Master, Method, SideRef};
@@ -38,11 +38,10 @@ fn sides<'a>(places: &Places, wanted: &'a [Located<SideRef>]) -> problem::Sides<
 fn named<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     problem: &mut Problem<S, N>,
+    places: &Places,
     wanted: &[Located<SideRef>],
 ) -> Result<(), Vec<Diagnostic>> {
-    let (bodies, regions) = problem.bodies_and_sides();
-    let mut sides = Sides { regions };
-    let faults: Vec<_> = wanted.iter().filter_map(|side| sides.get(builder, bodies, side).err()).map(|fault| *fault).collect();
+    let faults: Vec<_> = wanted.iter().filter_map(|of| side(builder, problem, places, of).err()).map(|fault| *fault).collect();
     if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
@@ -55,11 +54,11 @@ fn one<const S: usize, const N: usize>(
 ) -> Result<(), Vec<Diagnostic>> {
     let refused = |fault: Box<Diagnostic>| vec![*fault];
     known(builder, contact).map_err(refused)?;
-    named(builder, problem, &contact.slave)?;
+    named(builder, problem, places, &contact.slave)?;
     let (method, multiplier, rule) = choices(builder, contact).map_err(refused)?;
     let faced: Opponent<'_, S, N> = match &contact.master {
         Master::Sides(wanted) => {
-            named(builder, problem, wanted)?;
+            named(builder, problem, places, wanted)?;
             Opponent::Sides(sides(places, wanted))
         }
         Master::Rigid(obstacle) => opponent(builder, obstacle, &contact.name.value).map_err(refused)?,
@@ -155,27 +154,26 @@ fn known<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, contact: &
 pub(super) fn check<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
     problem: &Problem<S, N>,
-    model: &Built<S, N>,
+    built: &Built<S, N>,
     found: &[Warning],
 ) {
     let case = builder.case;
-    for (number, (contact, built)) in case.contacts.iter().zip(&model.contacts).enumerate() {
-        for part in &built.parts {
-            let found = unstable(builder, &contact.name.value, &part.slave, &contact.multiplier, part.unstable)
-                .filter(|_| part.multiplier.is_some());
+    for (number, (contact, of)) in case.contacts.iter().zip(built.system.contents().contacts()).enumerate() {
+        let sides = of.sides();
+        for slave in sides.iter().filter(|slave| !slave.multipliers().is_empty()) {
+            let found = unstable(builder, &contact.name.value, slave.side(), &contact.multiplier, slave.unstable());
             builder.faults.items.extend(found);
         }
-        let inside = || built.parts.iter().find_map(|part| swallowed(builder, contact, built.obstacle.as_deref()?, (model, &part.slave)));
-        match inside() {
+        match sides.iter().find_map(|slave| swallowed(builder, contact, problem, of.id(), slave.number())) {
             Some(fault) => builder.faults.push(fault),
             None => {
                 let own = |w: &&Warning| matches!(w, Warning::Overlap { of, .. } if of.number == number);
-                tell(builder, model, found.iter().filter(own));
+                tell(builder, &built.places, found.iter().filter(own));
             }
         }
-        for &slave in &built.idle {
+        for &slave in of.idle() {
             let at = contact.slave.get(slave).map_or(contact.head.at, |s| s.at);
-            let Some((slave, masters)) = problem.slave_and_masters(built.id.into(), slave) else { continue };
+            let Some((slave, masters)) = problem.slave_and_masters(of.id().into(), slave) else { continue };
             let mut fault = contact_fault(builder, contact, &slave, &masters, &ContactError::NoTarget, at);
             fault.severity = Severity::Warning;
             builder.faults.push(fault.with_help("leave the side out of `slave`"));

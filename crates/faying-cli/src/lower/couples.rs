@@ -2,14 +2,14 @@
 
 use super::builder::Builder;
 use super::findings::{fault, unjoined, warning};
-use super::sides::{Sides, side_fault};
+use super::sides::side_fault;
 use crate::case::{Case, Master, SideRef, Tie};
 use crate::errors::Diagnostic;
 use crate::place::{Located, Place};
 use crate::registry::is_glue;
 use crate::result::{GluedSides, TiedSides};
 use faying::problem::touching::{Couple, Search, Share, TouchError};
-use faying::problem::{PatchModel, SideModel};
+use faying::problem::{Problem, SideView};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{Deref, Range};
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// A couple with its source location in the case.
 #[derive(Clone, Debug)]
 pub(super) struct CoupleAt<const S: usize, const N: usize> {
-    couple: Couple<S, N>,
+    pub couple: Couple<S, N>,
     pub at: Place,
 }
 
@@ -59,9 +59,13 @@ impl<const S: usize, const N: usize> Couples<S, N> {
     /// Distance and share of every pair of sides glued by an interface; closed patches and seams of files are left out.
     pub fn glued_sides(&self, case: &Case) -> Vec<GluedSides> {
         let of = |(interface, couple): (&str, &CoupleAt<S, N>)| {
-            let slave = &couple.slave.label;
-            let tied =
-                |s: Share<S, N>| TiedSides { slave: slave.clone(), master: s.master.label.clone(), distance: s.distance, share: s.share };
+            let slave = couple.slave.label();
+            let tied = |s: Share<S, N>| TiedSides {
+                slave: slave.to_owned(),
+                master: s.master.label().to_owned(),
+                distance: s.distance,
+                share: s.share,
+            };
             let shares = couple.shares().into_iter();
             shares.map(|s| GluedSides { interface: interface.to_owned(), sides: tied(s) }).collect::<Vec<_>>()
         };
@@ -74,31 +78,31 @@ impl<const S: usize, const N: usize> Couples<S, N> {
 /// `files` lists the patches that came from one file, with the source location of its name: their touching sides are glued.
 pub(super) fn find<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
-    patches: &[PatchModel<S, N>],
-    sides: &mut Sides<'_, S, N>,
+    problem: &mut Problem<S, N>,
     files: &[(Range<usize>, Place)],
 ) -> Couples<S, N> {
-    let mut source = |patch: usize, side: &str| sides.find(patches, patch, side);
-    let mut finder = Finder { search: Search::new(patches, &mut source), builder, patches };
-    finder.exclude_named();
-    let seams = finder.seams(files);
-    let ties = finder.ties();
-    slave_twice(finder.builder, &ties);
-    finder.near_sides(&ties);
-    finder.unjoined_sides();
-    let sides = |c: &CoupleAt<S, N>| c.masters.iter().chain([&c.slave]).map(|s| (s.patch, s.side.clone())).collect::<Vec<_>>();
+    let (ties, seams) = problem.look_for_touching(|search| {
+        let mut finder = Finder { search, builder };
+        finder.exclude_named();
+        let seams = finder.seams(files);
+        let ties = finder.ties();
+        slave_twice(finder.builder, &ties);
+        finder.near_sides(&ties);
+        finder.unjoined_sides();
+        (ties, seams)
+    });
+    let sides = |c: &CoupleAt<S, N>| c.masters.iter().chain([&c.slave]).map(|s| (s.body(), s.name().to_owned())).collect::<Vec<_>>();
     let sides = ties.iter().flatten().chain(&seams).flat_map(sides).collect();
     Couples { ties, seams, sides }
 }
 
 /// The search for the sides of a case.
-struct Finder<'a, 'b, 'c, const S: usize, const N: usize> {
+struct Finder<'a, 'b, 'c, 'd, const S: usize, const N: usize> {
     builder: &'b mut Builder<'c, S, N>,
-    patches: &'a [PatchModel<S, N>],
-    search: Search<'a, S, N>,
+    search: &'d mut Search<'a, S, N>,
 }
 
-impl<const S: usize, const N: usize> Finder<'_, '_, '_, S, N> {
+impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
     /// Excludes the side pairs that interfaces and contacts of the case name.
     fn exclude_named(&mut self) {
         let case = self.builder.case;
@@ -110,9 +114,9 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, S, N> {
         }
     }
 
-    fn side(&mut self, wanted: &Located<SideRef>) -> Result<Arc<SideModel<S, N>>, Box<Diagnostic>> {
+    fn side(&mut self, wanted: &Located<SideRef>) -> Result<Arc<SideView<S, N>>, Box<Diagnostic>> {
         let (patch, side) = (wanted.value.patch, &wanted.value.side);
-        self.search.side(patch, side).map_err(|error| Box::new(side_fault(self.builder, &self.patches[patch], &error, wanted)))
+        self.search.side(patch, side).map_err(|error| Box::new(side_fault(self.builder, &self.search.body(patch), &error, wanted)))
     }
 
     /// Returns what a step makes, or adds its error to the builder's faults.
@@ -170,7 +174,7 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, S, N> {
     /// Adds the source location to the couples of a search, and what it found and its error to the builder's faults.
     fn located(&mut self, found: Result<Vec<Couple<S, N>>, TouchError<S, N>>, interface: &str, at: Place) -> Vec<CoupleAt<S, N>> {
         self.tell(at);
-        let found = found.map_err(|error| Box::new(fault(self.builder, self.patches, &error, interface, at)));
+        let found = found.map_err(|error| Box::new(fault(self.builder, self.search, &error, interface, at)));
         self.kept(found).unwrap_or_default().into_iter().map(|couple| CoupleAt { couple, at }).collect()
     }
 
@@ -203,7 +207,7 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, S, N> {
         slaves.into_iter().map(couple).collect()
     }
 
-    fn list(&mut self, wanted: &[Located<SideRef>]) -> Vec<(Arc<SideModel<S, N>>, Place)> {
+    fn list(&mut self, wanted: &[Located<SideRef>]) -> Vec<(Arc<SideView<S, N>>, Place)> {
         let found = |wanted: &Located<SideRef>| {
             let side = self.side(wanted);
             Some((self.kept(side)?, wanted.at))
@@ -222,10 +226,14 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, S, N> {
     /// The patches that `between` names.
     fn bodies(&self, between: &Located<Vec<String>>) -> Result<Vec<usize>, Box<Diagnostic>> {
         if is_all(between) {
-            return Ok((0..self.patches.len()).collect());
+            return Ok((0..self.builder.case.patches.len()).collect());
         }
         let unknown = |name: &str| Box::new(self.builder.error("E021", format!("there is no patch {name:?}"), between.at));
-        between.value.iter().map(|name| self.patches.iter().position(|p| p.name == *name).ok_or_else(|| unknown(name))).collect()
+        between
+            .value
+            .iter()
+            .map(|name| self.builder.case.patches.iter().position(|p| p.name.value == *name).ok_or_else(|| unknown(name)))
+            .collect()
     }
 
     /// Warns of sides that `between` leaves apart though they are near for the size of their facets.
@@ -277,10 +285,10 @@ fn slave_twice<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, 
     let case = builder.case;
     for (k, (list, tie)) in ties.iter().zip(&case.interfaces).enumerate() {
         for couple in list {
-            let before = first.insert((couple.slave.patch, &couple.slave.side), k);
+            let before = first.insert((couple.slave.body(), couple.slave.name()), k);
             if let Some(before) = before.filter(|_| tie.between.is_some()) {
                 let names = [&case.interfaces[before].name.value, &tie.name.value];
-                let text = format!("`{}` is slave twice: in interfaces \"{}\" and \"{}\"", couple.slave.label, names[0], names[1]);
+                let text = format!("`{}` is slave twice: in interfaces \"{}\" and \"{}\"", couple.slave.label(), names[0], names[1]);
                 let fault = builder.error("E026", text, couple.at).with_help("name slaves and masters in place of `between`");
                 builder.faults.push(fault);
             }

@@ -3,7 +3,7 @@
 use super::builder::Builder;
 use super::glue;
 use super::places::{Places, Said};
-use super::refused::{Source, slave_fault};
+use super::refused::slave_fault;
 use super::values::{constants, key, time_text};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::words::{component_name, short};
@@ -23,11 +23,8 @@ pub(super) fn refused<const S: usize, const N: usize>(
     places: &Places,
     errors: &ProblemErrors,
 ) -> Vec<Diagnostic> {
-    let model = problem.model(0).ok();
-    let one = |error: &ProblemError| match (&error.kind, &model, error.of.last()) {
-        (ErrorKind::Interface { slave, error: of_slave }, Some(model), Some(of)) => {
-            slave_fault(builder, &Source { problem, model, places }, *of, *slave, of_slave)
-        }
+    let one = |error: &ProblemError| match (&error.kind, error.of.last()) {
+        (ErrorKind::Interface { slave, error: of_slave }, Some(of)) => slave_fault(builder, (problem, places), *of, *slave, of_slave),
         _ => None,
     };
     errors.0.iter().map(|error| one(error).unwrap_or_else(|| fault(builder, places, error))).collect()
@@ -54,7 +51,7 @@ pub(super) fn stop<const S: usize, const N: usize>(
     if !builder.faults.has_errors() {
         return Ok(());
     }
-    Err(match problem.model(0) {
+    Err(match problem.check() {
         Ok(_) => std::mem::take(&mut builder.faults),
         Err(errors) => all(builder, problem, places, &errors),
     })

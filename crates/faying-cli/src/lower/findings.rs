@@ -6,8 +6,8 @@ use crate::case::{Physics, SideRef};
 use crate::errors::Diagnostic;
 use crate::place::{Located, Place};
 use crate::words::{labels, short};
-use faying::problem::touching::{Finding, NEAR, NearPair, Position, THIN, TouchError};
-use faying::problem::{PatchModel, SideModel};
+use faying::problem::SideView;
+use faying::problem::touching::{Finding, NEAR, NearPair, Position, Search, THIN, TouchError};
 use faying::space::Clearance;
 
 /// Most pairs of unjoined sides that are named.
@@ -18,14 +18,14 @@ const TIE: &str = "if they are meant to be tied, name slave and master of an [[i
 /// Builds the diagnostic of a search that fails; `interface` is the name of the one it is for.
 pub(super) fn fault<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    patches: &[PatchModel<S, N>],
+    search: &Search<'_, S, N>,
     error: &TouchError<S, N>,
     interface: &str,
     at: Place,
 ) -> Diagnostic {
     match error {
         TouchError::Side { patch, side, error } => {
-            side_fault(builder, &patches[*patch], error, &Located::new(SideRef { patch: *patch, side: side.clone() }, at))
+            side_fault(builder, &search.body(*patch), error, &Located::new(SideRef { patch: *patch, side: side.clone() }, at))
         }
         TouchError::Nothing { nearest } => {
             let nearest = nearest.as_ref().map_or(String::new(), |pair| format!("; the nearest, {}", distance(pair)));
@@ -43,10 +43,10 @@ pub(super) fn fault<const S: usize, const N: usize>(
 pub(super) fn warning<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, finding: &Finding<S, N>, at: Place) -> Diagnostic {
     let (text, help) = match finding {
         Finding::NotTied { sides: [a, b], clearance } => {
-            (format!("`{}` and `{}` are {}. They are not tied", a.label, b.label, apart(clearance)), TIE.to_owned())
+            (format!("`{}` and `{}` are {}. They are not tied", a.label(), b.label(), apart(clearance)), TIE.to_owned())
         }
         Finding::NotExplained { slave, masters, clearance } => (
-            format!("`{}` and {} are {}. They are tied because they are named", slave.label, labels(masters), apart(clearance)),
+            format!("`{}` and {} are {}. They are tied because they are named", slave.label(), labels(masters), apart(clearance)),
             "move the bodies together, refine the sides, or write `tolerance` if they are meant to be tied so".to_owned(),
         ),
         Finding::Near(pair) => (
@@ -55,12 +55,12 @@ pub(super) fn warning<const S: usize, const N: usize>(builder: &Builder<'_, S, N
         ),
         Finding::Unjoined { sides: [a, b], position } => {
             let how = match position {
-                Position::Touch if a.patch == b.patch => "coincide".to_owned(),
+                Position::Touch if a.body() == b.body() => "coincide".to_owned(),
                 Position::Touch => "touch".to_owned(),
                 Position::Apart(d) => format!("are {} apart", short(*d)),
                 Position::Overlap(d) => format!("are {} deep in each other", short(*d)),
             };
-            (format!("`{}` and `{}` {how}, and nothing joins them", a.label, b.label), joining(builder, a, b))
+            (format!("`{}` and `{}` {how}, and nothing joins them", a.label(), b.label()), joining(builder, a, b))
         }
         Finding::Overlap { patches, x } => {
             let place: Vec<String> = ["x", "y", "z"].iter().zip(x.iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
@@ -102,19 +102,19 @@ fn apart(c: &Clearance) -> String {
 /// "`a.top` and `b.bottom` are 0.001 apart".
 fn distance<const S: usize, const N: usize>(pair: &NearPair<S, N>) -> String {
     let word = if pair.facing.gap < 0.0 { "deep in each other" } else { "apart" };
-    format!("`{}` and `{}` are {} {word}", pair.sides[0].label, pair.sides[1].label, short(pair.facing.distance))
+    format!("`{}` and `{}` are {} {word}", pair.sides[0].label(), pair.sides[1].label(), short(pair.facing.distance))
 }
 
 /// The line that joins two sides.
-fn joining<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, a: &SideModel<S, N>, b: &SideModel<S, N>) -> String {
+fn joining<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, a: &SideView<S, N>, b: &SideView<S, N>) -> String {
     let case = builder.case;
-    if a.patch == b.patch {
-        let (axis, patch) = (&a.side[..1], &case.patches[a.patch].name.value);
+    if a.body() == b.body() {
+        let (axis, patch) = (&a.name()[..1], &case.patches[a.body()].name.value);
         return format!(
             "write closed = \"{axis}\" in patch \"{patch}\" to make a ring of it; name both in [[boundary]] if they are to be open"
         );
     }
-    let tie = format!("[[interface]] with slave = \"{}\" and master = \"{}\"", b.label, a.label);
+    let tie = format!("[[interface]] with slave = \"{}\" and master = \"{}\"", b.label(), a.label());
     if case.model.physics.value == Physics::Poisson {
         format!("write {tie} to tie them; name one in [[boundary]] if they are to be apart")
     } else {

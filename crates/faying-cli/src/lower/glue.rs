@@ -1,14 +1,14 @@
 //! Gluing of the couples of a case.
 
 use super::builder::Builder;
-use super::couples::{CoupleAt, Couples};
+use super::couples::Couples;
 use super::meetings;
 use super::places::{Places, Said};
 use crate::errors::Diagnostic;
 use crate::place::Place;
 use crate::words::short;
-use faying::problem::{PatchModel, Problem, SideModel};
-use faying::space::{GlueError, Near};
+use faying::problem::Problem;
+use faying::space::GlueError;
 
 /// Says the couples of the case that are glued, and the points in which patches of one mesh meet.
 pub(super) fn say<const S: usize, const N: usize>(
@@ -17,34 +17,15 @@ pub(super) fn say<const S: usize, const N: usize>(
     places: &mut Places,
     couples: &Couples<S, N>,
 ) {
-    let mut faults = Vec::new();
     for couple in couples.glued(builder.case) {
-        let side = |side: &'_ SideModel<S, N>| (places.bodies[side.patch], side.side.clone());
-        let (slave, masters): (_, Vec<_>) = (side(&couple.slave), couple.masters.iter().map(|m| side(m)).collect());
-        let masters: Vec<_> = masters.iter().map(|(body, name)| body.side(name)).collect();
-        let near = near(problem.bodies_and_sides().0, couple);
-        match problem.glue(slave.0.side(&slave.1), masters, Some(near)) {
-            Ok(said) => places.keep(said, Said { at: couple.at, ..Said::default() }),
-            Err(error) => faults.push(builder.error("E015", error.to_string(), couple.at)),
-        }
+        let said = problem.glue_couple(couple.couple.clone());
+        places.keep(said, Said { at: couple.at, ..Said::default() });
     }
-    builder.faults.items.extend(faults);
-    for (functions, x) in meetings::found(builder.case, problem.bodies_and_sides().0) {
+    for (functions, x) in meetings::found(builder.case, problem) {
         let functions: Vec<_> = functions.into_iter().map(|(patch, function)| (places.bodies[patch], function)).collect();
         if let Err(error) = problem.share(&functions, x.into()) {
             builder.faults.push(builder.error("E015", error.to_string(), Place::default()));
         }
-    }
-}
-
-/// Distance of points that are the same.
-fn near<const S: usize, const N: usize>(patches: &[PatchModel<S, N>], couple: &CoupleAt<S, N>) -> Near {
-    let exact = patches[couple.slave.patch].exact_map && couple.masters.iter().all(|m| patches[m.patch].exact_map);
-    match couple.tolerance {
-        Some(distance) => Near::Given(distance),
-        None if exact => Near::Exact,
-        None if couple.is_named => Near::Corners,
-        None => Near::Facets,
     }
 }
 

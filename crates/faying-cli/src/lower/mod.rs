@@ -62,15 +62,15 @@ where
     contacts::say(&mut builder, &mut problem, &mut places);
     faults::stop(&mut builder, &problem, &places)?;
     let system = problem.assemble_movable().map_err(|errors| faults::all(&mut builder, &problem, &places, &errors))?;
-    let mut model = Built { system, glued_sides: couples.glued_sides(case), reference: None, places, warnings: Diagnostics::new() };
-    multipliers::check(&mut builder, &model);
-    let found = model.system.statement_warnings();
-    warned::tell(&mut builder, &model, found.iter().filter(|w| matches!(w, Warning::CornerValues { .. })));
-    contacts::check(&mut builder, &problem, &model, &found);
+    let mut built = Built { system, glued_sides: couples.glued_sides(case), reference: None, places, warnings: Diagnostics::new() };
+    let (found, contents) = (built.system.statement_warnings(), built.system.contents());
+    multipliers::check(&mut builder, &contents);
+    warned::tell(&mut builder, &built.places, found.iter().filter(|w| matches!(w, Warning::CornerValues { .. })));
+    contacts::check(&mut builder, &problem, &built, &found);
     builder.stop()?;
-    supports::check(&mut builder, &model, &found);
+    supports::check(&mut builder, &built, &found);
     builder.stop()?;
-    model.reference = on_case::build(&builder, &model.system.contents(), net).map_err(|fault| Diagnostics::from(*fault))?;
-    model.warnings.extend(std::mem::take(&mut builder.faults));
-    Ok(model)
+    built.reference = on_case::build(&builder, &contents, net).map_err(|fault| Diagnostics::from(*fault))?;
+    built.warnings.extend(std::mem::take(&mut builder.faults));
+    Ok(built)
 }

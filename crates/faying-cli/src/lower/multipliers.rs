@@ -9,7 +9,7 @@ use crate::registry::is_glue;
 use crate::words::component_name;
 use faying::basis::Polynomials;
 use faying::coupling::multiplier::{Ends, MultiplierError, MultiplierKind};
-use faying::problem::{self, Model, SideModel};
+use faying::problem::{self, Contents, Problem, SideView};
 
 /// Returns the multiplier `wanted` by the case.
 pub(super) fn multiplier<const S: usize, const N: usize>(
@@ -40,7 +40,7 @@ pub(super) fn multiplier<const S: usize, const N: usize>(
 pub(super) fn unstable<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     name: &str,
-    slave: &SideModel<S, N>,
+    slave: &SideView<S, N>,
     wanted: &Located<Multiplier>,
     pairing: Option<(usize, usize)>,
 ) -> Option<Diagnostic> {
@@ -64,30 +64,30 @@ pub(super) fn unstable<const S: usize, const N: usize>(
 }
 
 /// Warns of unstable multipliers of ties.
-pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, model: &Model<S, N>) {
+pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, contents: &Contents<'_, S, N>) {
     let ties = builder.case.interfaces.iter().filter(|t| !is_glue(&t.coupling.value));
-    for (read, tie) in ties.zip(&model.ties) {
-        for part in tie.parts.iter().filter(|part| !part.multipliers.is_empty()) {
-            let found = unstable(builder, &tie.name, &part.slave, &read.multiplier, part.unstable);
+    for (read, tie) in ties.zip(contents.ties()) {
+        for slave in tie.sides().iter().filter(|slave| !slave.multipliers().is_empty()) {
+            let found = unstable(builder, tie.name(), slave.side(), &read.multiplier, slave.unstable());
             builder.faults.items.extend(found);
         }
     }
 }
 
 /// Whether p/p-2 exists on this side; p/p does on every side.
-pub(super) fn has_lowered<const S: usize, const N: usize>(slave: &SideModel<S, N>) -> bool {
-    let space = &*slave.trace.space;
+pub(super) fn has_lowered<const S: usize, const N: usize>(slave: &SideView<S, N>) -> bool {
+    let space = &*slave.trace().space;
     let least = (0..space.num_elements()).flat_map(|e| space.degree(e)).min();
     least >= Some(2) && space.polynomials(Polynomials::Lowered(2)).is_some()
 }
 
 /// A multiplier with positive functions that exists on this side.
-pub(super) fn positive_help<const S: usize, const N: usize>(slave: &SideModel<S, N>) -> &'static str {
+pub(super) fn positive_help<const S: usize, const N: usize>(slave: &SideView<S, N>) -> &'static str {
     if has_lowered(slave) { "write multiplier = \"p/p-2\"" } else { "write multiplier = \"p/p\"" }
 }
 
 /// The stable multipliers of this side, in place of an unstable one.
-fn stable_help<const S: usize, const N: usize>(slave: &SideModel<S, N>) -> &'static str {
+fn stable_help<const S: usize, const N: usize>(slave: &SideView<S, N>) -> &'static str {
     if has_lowered(slave) { "use p/p or p/p-2" } else { "use p/p, or raise the degree of the slave" }
 }
 
@@ -95,28 +95,28 @@ fn stable_help<const S: usize, const N: usize>(slave: &SideModel<S, N>) -> &'sta
 pub(super) fn multiplier_fault<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     name: &str,
-    slave: &SideModel<S, N>,
+    slave: &SideView<S, N>,
     error: &MultiplierError,
     at: Place,
     components: usize,
 ) -> Diagnostic {
-    let patch = slave.label.split('.').next().unwrap_or(&slave.label);
+    let patch = slave.label().split('.').next().unwrap_or(slave.label());
     match error {
         MultiplierError::NoDual { .. } => {
-            builder.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label), at).with_help(positive_help(slave))
+            builder.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label()), at).with_help(positive_help(slave))
         }
         MultiplierError::NothingLeft { .. } => builder
-            .error("E024", format!("the multiplier of \"{name}\" on `{}` cannot be lowered at an end: {error}", slave.label), at)
+            .error("E024", format!("the multiplier of \"{name}\" on `{}` cannot be lowered at an end: {error}", slave.label()), at)
             .with_help(format!(
                 "give patch \"{patch}\" more elements along `{}`{}",
-                slave.label,
+                slave.label(),
                 if has_lowered(slave) { ", or take p/p-2" } else { "" }
             )),
         MultiplierError::TooMany { component, multipliers, free } => {
             let direction = format!("component {}", component_name(*component, components));
             too_many(builder, name, slave, &direction, (*multipliers, *free), at)
         }
-        _ => builder.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label), at),
+        _ => builder.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label()), at),
     }
 }
 
@@ -124,42 +124,42 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
 pub(super) fn too_many<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     name: &str,
-    slave: &SideModel<S, N>,
+    slave: &SideView<S, N>,
     direction: &str,
     (multipliers, free): (usize, usize),
     at: Place,
 ) -> Diagnostic {
-    let patch = slave.label.split('.').next().unwrap_or(&slave.label);
+    let patch = slave.label().split('.').next().unwrap_or(slave.label());
     let text = format!(
         "the multiplier of \"{name}\" on `{}` is over-constrained: {direction} has {multipliers} functions for {free} free unknowns",
-        slave.label
+        slave.label()
     );
     builder
         .error("E024", text, at)
-        .with_help(format!("give patch \"{patch}\" more elements along `{}`, or take a multiplier of lower degree", slave.label))
+        .with_help(format!("give patch \"{patch}\" more elements along `{}`, or take a multiplier of lower degree", slave.label()))
 }
 
 /// Help text for a side prescribed in one of `components` itself, naming the conditions; `None` if there are none.
 pub(super) fn held_help<const S: usize, const N: usize>(
-    (model, places): (&Model<S, N>, &Places),
-    slave: &SideModel<S, N>,
+    (problem, places): (&Problem<S, N>, &Places),
+    slave: &SideView<S, N>,
     components: &[usize],
     slides: bool,
 ) -> Option<String> {
-    let all = model.conditions.iter().map(|c| (c, places.at(c.of)));
-    let mine = all.filter(|(c, _)| c.side.patch == slave.patch && c.side.side == slave.side);
-    let mut places: Vec<String> = mine
-        .filter(|(c, _)| components.contains(&c.component))
-        .map(|(c, at)| {
-            let line = at.in_file().map_or(String::new(), |(line, _)| format!(" (line {line})"));
-            format!("component {} by `fix` or `dirichlet`{line}", component_name(c.component, model.components))
+    let mut places: Vec<String> = problem
+        .supports_of(slave)
+        .into_iter()
+        .filter(|(_, component)| components.contains(component))
+        .map(|(of, component)| {
+            let line = places.at(of).in_file().map_or(String::new(), |(line, _)| format!(" (line {line})"));
+            format!("component {} by `fix` or `dirichlet`{line}", component_name(component, problem.components()))
         })
         .collect();
     places.dedup();
-    if places.is_empty() && slides && model.supports.iter().any(|s| s.patch == slave.patch && s.side == slave.side) {
+    if places.is_empty() && slides && problem.is_supported(slave) {
         places.push("by fix = [\"normal\"] or fix = [\"tangential\"]".into());
     }
     (!places.is_empty()).then(|| {
-        format!("`{}` is prescribed itself: {}; drop that condition, or let another side be the slave", slave.label, places.join(", "))
+        format!("`{}` is prescribed itself: {}; drop that condition, or let another side be the slave", slave.label(), places.join(", "))
     })
 }

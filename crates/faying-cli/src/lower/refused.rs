@@ -12,53 +12,54 @@ use crate::words::{component_name, labels, short};
 use faying::contact::ContactError;
 use faying::coupling::CouplingError;
 use faying::coupling::multiplier::MultiplierError;
-use faying::problem::{InterfaceError, Model, Problem, SideModel, Statement};
+use faying::problem::{InterfaceError, InterfaceId, Problem, SideView, Statement};
 use std::sync::Arc;
 
-/// Source of a refusal: the problem, its model without ties and contacts, and the places of its statements.
-pub(super) struct Source<'a, const S: usize, const N: usize> {
-    pub problem: &'a Problem<S, N>,
-    pub model: &'a Model<S, N>,
-    pub places: &'a Places,
-}
+/// A problem, and the places of its statements.
+type Source<'a, const S: usize, const N: usize> = (&'a Problem<S, N>, &'a Places);
 
 /// The diagnostic of a slave side, the one with the number `slave` of the tie or contact `of`.
 pub(super) fn slave_fault<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    source: &Source<'_, S, N>,
+    source: Source<'_, S, N>,
     of: Statement,
     number: usize,
     error: &InterfaceError,
 ) -> Option<Diagnostic> {
-    let said = source.places.said(of)?;
+    let (problem, places) = source;
+    let said = places.said(of)?;
     let at = said.slaves.get(number).copied().unwrap_or(said.at);
-    let (slave, masters) = source.problem.slave_and_masters(of, number)?;
-    if source.problem.is_tie(of) {
-        let tie = builder.case.interfaces.get(said.block?)?;
-        return Some(tie_fault(builder, source, tie, (&slave, &masters, at), error));
+    let (slave, masters) = problem.slave_and_masters(of, number)?;
+    match problem.interface(of)? {
+        InterfaceId::Tie(_) => {
+            let tie = builder.case.interfaces.get(said.block?)?;
+            Some(tie_fault(builder, source, tie, (&slave, &masters, at), error))
+        }
+        id @ InterfaceId::Contact(_) => {
+            let contact = builder.case.contacts.get(said.block?)?;
+            Some(*fault(builder, source, contact, (id, number), (&slave, &masters, at), error))
+        }
     }
-    let contact = builder.case.contacts.get(said.block?)?;
-    Some(*fault(builder, source, contact, of, (&slave, &masters, at), error))
 }
 
 /// Builds the diagnostic of a tie that cannot be built.
 fn tie_fault<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    source: &Source<'_, S, N>,
+    source: Source<'_, S, N>,
     tie: &Tie,
-    (slave, masters, at): (&SideModel<S, N>, &[Arc<SideModel<S, N>>], Place),
+    (slave, masters, at): (&SideView<S, N>, &[Arc<SideView<S, N>>], Place),
     error: &InterfaceError,
 ) -> Diagnostic {
-    let (name, components) = (&tie.name.value, source.model.components);
+    let (name, components) = (&tie.name.value, builder.case.components());
     match error {
         InterfaceError::Held { components: held, by_equations } => {
             let text = format!(
                 "the multiplier of \"{name}\" on `{}` is over-constrained: component {} has 0 free unknowns",
-                slave.label,
+                slave.label(),
                 component_name(held[0], components)
             );
             let fault = builder.error("E024", text, at);
-            match held_help((source.model, source.places), slave, held, *by_equations) {
+            match held_help(source, slave, held, *by_equations) {
                 Some(help) => fault.with_help(help),
                 None => fault,
             }
@@ -73,7 +74,7 @@ fn tie_fault<const S: usize, const N: usize>(
         InterfaceError::Counts(error) => multiplier_fault(builder, name, slave, error, tie.multiplier.at, components),
         InterfaceError::Apart(error) => apart(builder, slave, masters, error, at),
         InterfaceError::Uncovered { share } => {
-            let text = format!("only {} % of the slave side `{}` meets {}", percent(*share), slave.label, labels(masters));
+            let text = format!("only {} % of the slave side `{}` meets {}", percent(*share), slave.label(), labels(masters));
             builder
                 .error("E025", text, at)
                 .with_help("a tied slave must be covered: swap slave and master, or add the missing master sides")
@@ -84,8 +85,8 @@ fn tie_fault<const S: usize, const N: usize>(
 
 fn apart<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    slave: &SideModel<S, N>,
-    masters: &[Arc<SideModel<S, N>>],
+    slave: &SideView<S, N>,
+    masters: &[Arc<SideView<S, N>>],
     error: &CouplingError,
     at: Place,
 ) -> Diagnostic {
@@ -96,14 +97,14 @@ fn apart<const S: usize, const N: usize>(
             let coordinates: Vec<String> = ["x", "y", "z"][..N].iter().zip(place).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
             let text = format!(
                 "`{}` and {masters} are up to {} apart (at {}); allowed {}",
-                slave.label,
+                slave.label(),
                 short(*distance),
                 coordinates.join(", "),
                 short(*allowed)
             );
             builder.error("E023", text, at).with_help(help)
         }
-        other => builder.error("E023", format!("`{}` and {masters} do not meet: {other}", slave.label), at).with_help(help),
+        other => builder.error("E023", format!("`{}` and {masters} do not meet: {other}", slave.label()), at).with_help(help),
     }
 }
 
@@ -115,13 +116,13 @@ fn percent(share: f64) -> String {
 /// Builds the diagnostic of a slave side of a contact that cannot be built.
 fn fault<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    source: &Source<'_, S, N>,
+    source: Source<'_, S, N>,
     contact: &case::Contact,
-    of: Statement,
-    (slave, masters, at): (&SideModel<S, N>, &[Arc<SideModel<S, N>>], Place),
+    (of, number): (InterfaceId, usize),
+    (slave, masters, at): (&SideView<S, N>, &[Arc<SideView<S, N>>], Place),
     error: &InterfaceError,
 ) -> Box<Diagnostic> {
-    let (name, model) = (&contact.name.value, source.model);
+    let name = &contact.name.value;
     Box::new(match error {
         InterfaceError::Factor(e) => builder.error("E015", format!("contact \"{name}\": {e}"), contact.factor.at),
         InterfaceError::PressedAtPoints => {
@@ -132,23 +133,25 @@ fn fault<const S: usize, const N: usize>(
         InterfaceError::Contact(e) => contact_fault(builder, contact, slave, masters, e, at),
         InterfaceError::NothingFaces => {
             let plain = Box::new(contact_fault(builder, contact, slave, masters, &ContactError::NoTarget, at));
-            return match source.problem.obstacle(of) {
-                Some(obstacle) => turned_away(builder, contact, &obstacle, (model, slave), plain),
-                None => match model.meant_sides(slave, masters) {
-                    Some(sides) => Box::new(plain.with_help(meant(model, &sides))),
-                    None => plain,
-                },
+            if masters.is_empty() {
+                return turned_away(builder, contact, source.0, (of, number), slave, plain);
+            }
+            return match source.0.meant_sides(slave, masters) {
+                Some(sides) => Box::new(plain.with_help(meant(builder, &sides))),
+                None => plain,
             };
         }
         InterfaceError::Held { components, by_equations } => {
-            let text =
-                format!("the multiplier of \"{name}\" on `{}` is over-constrained: the normal direction has 0 free unknowns", slave.label);
-            let help = held_help((model, source.places), slave, components, *by_equations);
+            let text = format!(
+                "the multiplier of \"{name}\" on `{}` is over-constrained: the normal direction has 0 free unknowns",
+                slave.label()
+            );
+            let help = held_help(source, slave, components, *by_equations);
             builder.error("E024", text, at).with_help(help.unwrap_or_else(|| "free the side, or give it more elements".into()))
         }
         InterfaceError::TooMany { multipliers, free, components, by_equations } => {
             let fault = too_many(builder, name, slave, "the normal direction", (*multipliers, *free), contact.multiplier.at);
-            match held_help((model, source.places), slave, components, *by_equations) {
+            match held_help(source, slave, components, *by_equations) {
                 Some(help) => fault.with_help(help),
                 None => fault,
             }
@@ -161,8 +164,8 @@ fn fault<const S: usize, const N: usize>(
 pub(super) fn contact_fault<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     contact: &case::Contact,
-    slave: &SideModel<S, N>,
-    masters: &[Arc<SideModel<S, N>>],
+    slave: &SideView<S, N>,
+    masters: &[Arc<SideView<S, N>>],
     error: &ContactError,
     at: Place,
 ) -> Diagnostic {
@@ -189,10 +192,10 @@ pub(super) fn contact_fault<const S: usize, const N: usize>(
             }
         }
         ContactError::NoTarget if masters.is_empty() => builder
-            .error("E023", format!("no part of `{}` faces the obstacle of contact \"{}\"", slave.label, contact.name.value), at)
+            .error("E023", format!("no part of `{}` faces the obstacle of contact \"{}\"", slave.label(), contact.name.value), at)
             .with_help("turn the obstacle's normal towards the body, or raise `reach`"),
         ContactError::NoTarget => builder
-            .error("E023", format!("no part of `{}` faces {}", slave.label, labels(masters)), at)
+            .error("E023", format!("no part of `{}` faces {}", slave.label(), labels(masters)), at)
             .with_help("raise `reach`, or choose the sides that face each other"),
         _ => builder.error("E041", text, at),
     }

@@ -1,18 +1,13 @@
 //! Sides of bodies by their references in the case, each built once.
 
 use super::builder::Builder;
+use super::places::Places;
 use crate::case::{Case, SideRef, quoted};
 use crate::errors::Diagnostic;
 use crate::place::Located;
-use faying::problem::{PatchModel, Regions, SideModel, SideNames};
+use faying::problem::{BodyView, ErrorKind, Problem, ProblemError, SideNames, SideView};
 use faying::space::SideError;
 use std::sync::Arc;
-
-/// Sides of the bodies of a problem, each made once.
-#[derive(Debug)]
-pub(super) struct Sides<'p, const S: usize, const N: usize> {
-    pub regions: &'p mut Regions<S, N>,
-}
 
 /// The short name of a side of a box: left, right, bottom, top, front, back.
 pub(crate) fn alias(side: &str, dimension: usize) -> &str {
@@ -32,21 +27,27 @@ pub(crate) fn canonical(side: &str, dimension: usize) -> &str {
     ["u0", "u1", "v0", "v1", "w0", "w1"].into_iter().find(|s| alias(s, dimension) == side).unwrap_or(side)
 }
 
-impl<const S: usize, const N: usize> Sides<'_, S, N> {
-    /// Returns the side of a reference.
-    pub fn get(
-        &mut self,
-        builder: &Builder<'_, S, N>,
-        patches: &[PatchModel<S, N>],
-        wanted: &Located<SideRef>,
-    ) -> Result<Arc<SideModel<S, N>>, Box<Diagnostic>> {
-        let (patch, side) = (wanted.value.patch, &wanted.value.side);
-        self.find(patches, patch, side).map_err(|error| Box::new(side_fault(builder, &patches[patch], &error, wanted)))
-    }
+/// Looks up a side of a reference.
+pub(super) fn side<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    problem: &mut Problem<S, N>,
+    places: &Places,
+    wanted: &Located<SideRef>,
+) -> Result<Arc<SideView<S, N>>, Box<Diagnostic>> {
+    let body = places.bodies[wanted.value.patch];
+    problem.side(body.side(&wanted.value.side)).map_err(|error| Box::new(refused(builder, problem, &error, wanted)))
+}
 
-    /// Returns the side of a patch by its canonical name.
-    pub fn find(&mut self, patches: &[PatchModel<S, N>], patch: usize, side: &str) -> Result<Arc<SideModel<S, N>>, SideError> {
-        self.regions.side(patches, patch, side)
+/// The diagnostic of a side that a problem refuses.
+pub(super) fn refused<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    problem: &Problem<S, N>,
+    error: &ProblemError,
+    wanted: &Located<SideRef>,
+) -> Diagnostic {
+    match (&error.kind, problem.bodies().nth(wanted.value.patch)) {
+        (ErrorKind::Side(of_side), Some(body)) => side_fault(builder, &body, of_side, wanted),
+        _ => builder.error("E015", error.to_string(), wanted.at),
     }
 }
 
@@ -61,13 +62,13 @@ pub(super) fn names(case: &Case, patch: usize) -> SideNames {
 
 pub(super) fn side_fault<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    patch: &PatchModel<S, N>,
+    body: &BodyView<'_, S, N>,
     error: &SideError,
     wanted: &Located<SideRef>,
 ) -> Diagnostic {
     let part = builder.case.patches[wanted.value.patch].geometry.shape.part().filter(|p| p.is_mesh());
-    let sides = part.map_or_else(|| patch.body.sides(), |p| p.outer_tags().into_iter().map(quoted).collect());
-    let patch = &patch.name;
+    let sides = part.map_or_else(|| body.body().sides(), |p| p.outer_tags().into_iter().map(quoted).collect());
+    let patch = body.name();
     let known = match (part.is_some(), sides.is_empty()) {
         (true, true) => format!("no tag of \"{patch}\" is a side; \"all-outer\" is its whole boundary"),
         (true, false) => {

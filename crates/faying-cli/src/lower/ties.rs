@@ -11,7 +11,7 @@ use crate::registry::{CouplingOptions, is_glue};
 use faying::coupling::Coupling;
 use faying::coupling::multiplier::MultiplierKind;
 use faying::coupling::nitsche::Variant;
-use faying::problem::{Integration, Multiplier, Problem, Rule, TiePair};
+use faying::problem::{Integration, Multiplier, Problem, Rule};
 
 /// Says all ties of the case; errors go to the builder's faults.
 pub(super) fn say<const S: usize, const N: usize>(
@@ -29,13 +29,7 @@ pub(super) fn say<const S: usize, const N: usize>(
                 continue;
             }
         };
-        let pair = |c: &super::couples::CoupleAt<S, N>| TiePair {
-            slave: c.slave.clone(),
-            masters: c.masters.clone(),
-            explained: c.explained,
-            is_asked: false,
-        };
-        let said = problem.tie_pairs(list.iter().map(pair).collect());
+        let said = problem.tie_couples(list.iter().map(|c| c.couple.clone()).collect());
         said.named(&tie.name.value).coupling(coupling).multiplier(multiplier).rule(rule).extra_points(tie.extra_points.value);
         said.exact(tie.exact.iter().flat_map(|list| &list.value).map(|f| f.value.clone().into()).collect());
         if let Some(distance) = tie.tolerance.value {

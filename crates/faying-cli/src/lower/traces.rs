@@ -54,13 +54,13 @@ pub fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: Sla
         };
         let pairing = match &multiplier.value {
             Multiplier::Named(word) => {
-                let kind = word.parse::<MultiplierKind>().map(|kind| kind.resolved(&*spaces.side.trace.space).to_string());
+                let kind = word.parse::<MultiplierKind>().map(|kind| kind.resolved(&*spaces.side.trace().space).to_string());
                 Some(kind.unwrap_or_else(|_| word.clone()))
             }
             _ => None,
         };
-        let n = spaces.side.trace.space.num_elements();
-        let own = patches::shares(&builder, spaces.side.patch, &spaces.side.side, net);
+        let n = spaces.side.trace().space.num_elements();
+        let own = patches::shares(&builder, spaces.side.body(), spaces.side.name(), net);
         let shares = own.filter(|s| s.len() == n).unwrap_or_else(|| vec![1.0 / n as f64; n]);
         let component = spaces.component.map_or("normal", |c| component_name(c, components));
         Some(SlaveSpaces { name: name.clone(), component, pairing, shares, spaces })

@@ -1,37 +1,37 @@
 //! Diagnostics of warnings that are found while a case is built.
 
 use super::builder::Builder;
-use super::built::Built;
+use super::places::Places;
 use super::sides::alias;
 use super::values::time_text;
 use crate::errors::Diagnostic;
 use crate::words::{component_name, place, short};
-use faying::problem::{Model, Subject, SubjectKind, Warning};
+use faying::problem::{Subject, SubjectKind, Warning};
 
 /// Adds the diagnostics of warnings to the builder's faults.
 pub(super) fn tell<'w, const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
-    model: &Built<S, N>,
+    places: &Places,
     found: impl Iterator<Item = &'w Warning>,
 ) {
     for warning in found {
         let diagnostic = match warning {
-            Warning::CornerValues { conditions, sides: [a, b], component, values: [u, v], x, t } => {
+            Warning::CornerValues { of, sides: [a, b], component, values: [u, v], x, t } => {
                 let at: Vec<String> = x.iter().map(|x| format!("{x}")).collect();
                 let text = format!(
                     "component {} is prescribed as {} on `{a}` and as {} on `{b}` at their common point ({}{}), where the bodies are tied: \
                      the multiplier has to carry the jump",
-                    component_name(*component, model.components),
+                    component_name(*component, builder.case.components()),
                     short(*u),
                     short(*v),
                     at.join(", "),
                     time_text(builder.case.steps.value.len() > 1, *t)
                 );
-                let warning = builder.warning("E052", text, model.places.at(model.conditions[conditions[1]].of));
+                let warning = builder.warning("E052", text, places.at(of[1]));
                 Some(warning.with_help("make the values equal there, or prescribe one of them"))
             }
-            Warning::Overlap { .. } => overlap(builder, model, warning),
-            Warning::TooFewFunctions { .. } => too_few_functions(builder, model, warning),
+            Warning::Overlap { .. } => overlap(builder, warning),
+            Warning::TooFewFunctions { .. } => too_few_functions(builder, warning),
             _ => None,
         };
         builder.faults.items.extend(diagnostic);
@@ -39,13 +39,13 @@ pub(super) fn tell<'w, const S: usize, const N: usize>(
 }
 
 /// Help that names sides which face each other.
-pub(super) fn meant<const S: usize, const N: usize>(model: &Model<S, N>, sides: &[(usize, String); 2]) -> String {
-    let [a, b] = sides.each_ref().map(|(patch, side)| format!("{}.{}", model.patches[*patch].name, alias(side, N)));
+pub(super) fn meant<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, sides: &[(usize, String); 2]) -> String {
+    let [a, b] = sides.each_ref().map(|(patch, side)| format!("{}.{}", builder.case.patches[*patch].name.value, alias(side, N)));
     format!("their normals must oppose; `{a}` on `{b}` would face each other: were these meant?")
 }
 
 /// E023 of an overlap.
-fn overlap<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &Model<S, N>, found: &Warning) -> Option<Diagnostic> {
+fn overlap<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, found: &Warning) -> Option<Diagnostic> {
     let Warning::Overlap { of, slave, masters, depth, x, by_formula, meant: better } = found else { return None };
     let contact = &builder.case.contacts[of.number];
     let bodies: Vec<String> = masters.iter().map(|label| format!("`{label}`")).collect();
@@ -61,18 +61,14 @@ fn overlap<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, model: &
     let at = if *by_formula { contact.gap.at } else { contact.head.at };
     let fault = builder.error("E023", text, at);
     Some(match better {
-        Some(sides) => fault.with_help(meant(model, sides)),
+        Some(sides) => fault.with_help(meant(builder, sides)),
         None if *by_formula => fault.with_help("`gap` is a length: g is the distance of the sides, \"g - 0.001\" a press fit"),
         None => fault.with_help(help),
     })
 }
 
 /// E024 of a multiplier with too few functions.
-fn too_few_functions<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
-    model: &Model<S, N>,
-    found: &Warning,
-) -> Option<Diagnostic> {
+fn too_few_functions<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, found: &Warning) -> Option<Diagnostic> {
     let Warning::TooFewFunctions { of: Subject { kind, number, name }, slave, slave_body, functions, body, motions } = found else {
         return None;
     };
@@ -80,7 +76,7 @@ fn too_few_functions<const S: usize, const N: usize>(
         SubjectKind::Contact => (" along the normal", builder.case.contacts[*number].multiplier.at),
         _ => (" per component", builder.case.interfaces.iter().find(|t| t.name.value == *name)?.multiplier.at),
     };
-    let closed = if model.contacts.is_empty() { "" } else { ", even with every contact closed" };
+    let closed = if builder.case.contacts.is_empty() { "" } else { ", even with every contact closed" };
     let number = if *functions == 1 { "one function".to_string() } else { format!("{functions} functions") } + along;
     let text = format!(
         "the multiplier of \"{name}\" on `{slave}` has too few functions ({number}) to hold body \"{}\", which can still move: {}{closed}",

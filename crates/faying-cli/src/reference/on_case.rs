@@ -162,7 +162,7 @@ where
         }
         let of_name = |text: String| refused("E015", format!("`{name}` of the stored run {text}"));
         let sides = sides(contents, &patches, &stored, components).map_err(of_name)?;
-        let parts: Result<Vec<_>, String> = of.sides().iter().map(|slave| on_sides(&slave.side(), &sides)).collect();
+        let parts: Result<Vec<_>, String> = of.sides().iter().map(|slave| on_sides(slave.side(), &sides)).collect();
         lambda.push(ReferenceLambda { name: name.to_owned(), parts: parts.map_err(of_name)? });
     }
     Ok(Some(Reference { patches, lambda }))

@@ -68,7 +68,7 @@ pub(crate) fn stored_run<const S: usize, const N: usize>(
                     (m, &lambda[range])
                 })
                 .collect();
-            run.sides.extend(stored_sides(&contents, of.name(), &slave.side(), &fields));
+            run.sides.extend(stored_sides(&contents, of.name(), slave.side(), &fields));
         }
     }
     Ok(run)

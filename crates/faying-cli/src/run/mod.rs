@@ -166,7 +166,7 @@ where
 {
     let model = built(case, registry, dimension, &Watch::default(), Room::least(None))?;
     let mut slave = vec![false; case.patches.len()];
-    model.system.contents().interfaces().flat_map(|of| of.sides()).for_each(|of| slave[of.side().number()] = true);
+    model.system.contents().interfaces().flat_map(|of| of.sides()).for_each(|of| slave[of.side().body()] = true);
     Ok(slave)
 }
 

@@ -75,10 +75,10 @@ fn backend<const S: usize, const N: usize>(contents: &Contents<'_, S, N>) -> Str
     if contents.bodies().all(|b| b.backend() == first) {
         return first.into();
     }
-    let name = |side: &SideView<S, N>| contents.body(side.number()).backend();
+    let name = |side: &SideView<S, N>| contents.body(side.body()).backend();
     let slaves = contents.interfaces().flat_map(|of| of.sides());
     let mut pairs: Vec<(&str, &str)> =
-        slaves.flat_map(|s| s.pairs().iter().map(|pair| (name(&s.side()), name(pair.master()))).collect::<Vec<_>>()).collect();
+        slaves.flat_map(|s| s.pairs().iter().map(|pair| (name(s.side()), name(pair.master()))).collect::<Vec<_>>()).collect();
     pairs.dedup();
     match pairs.as_slice() {
         [(slave, master)] if slave != master => format!("{slave}+{master}"),

@@ -9,8 +9,8 @@ use faying::geometry::shapes::{annulus_sector, disc_sector, rectangle};
 use faying::linalg::Vector;
 use faying::physics::{Conductor, Hooke, Jet};
 use faying::problem::{
-    BodyId, Components, Contact, Data, Derivatives, Exact, Formulation, Integration, Multiplier, Point, Problem, Region, Solution, Start,
-    Tie, Value,
+    BodyId, Components, Contact, Data, Derivatives, Exact, Formulation, Integration, InterfaceId, Multiplier, Point, Problem, Region,
+    Solution, Start, Tie, Value,
 };
 use faying::space::{Divisions, Grading, Mapping, Mesh, MeshCells, Patch, PatchSpec, Trace, divided};
 use faying_cli::case::ReadOptions;
@@ -65,7 +65,7 @@ fn same<const S: usize, const N: usize>(
 }
 
 fn same_contact<const S: usize, const N: usize>(result: &RunResult, solution: &Solution<S, N>, name: &str) {
-    let contact = solution.model().contacts.iter().find(|c| c.name == name).unwrap().id;
+    let InterfaceId::Contact(contact) = solution.contents().contacts().find(|c| c.name() == name).unwrap().id() else { unreachable!() };
     let (own, report) = (solution.contact(contact).unwrap(), result.contact.get(name).unwrap());
     assert_eq!(own.force.as_slice(), &report.force[..]);
     assert_eq!(own.area, report.area);

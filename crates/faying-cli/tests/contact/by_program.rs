@@ -38,7 +38,7 @@ fn a_program_and_a_case_have_the_same_numbers_by_every_method() {
             assert_eq!((own.largest_pressure, own.least_gap, own.area), (known.pressure.max, known.gap.min, known.area), "{word}, {name}");
             assert_eq!(own.active, known.active, "{word}, {name}");
         }
-        let set = (solution.state().active_set.as_ref().map(|s| s.iterations), solution.state().residual);
+        let set = (solution.active_set().map(|s| s.iterations), solution.linear().residual);
         let solve = result.solve.unwrap();
         assert_eq!(set, (solve.active_set.map(|s| s.iterations), solve.residual), "{word}");
     }
