@@ -67,8 +67,8 @@
 //! - [`Uzawa`](constraint::Uzawa) is [`Augmented`](constraint::Augmented) around an unconstrained solve, and penalty is its first iteration.
 //! - The two lists of mixed integration are cut where the other side ends, so that either side may be the longer one.
 //! - Nitsche's method for contact is a list of soft contact rows, one per point, beside stiffness: the active set over them is its Newton
-//!   iteration, and it needs no loop of its own. Augmented Lagrangian is a proximal iteration around that active set
-//!   ([`Proximal`](constraint::Proximal)).
+//!   iteration, and it needs no loop of its own. Augmented Lagrangian is a proximal iteration around that active set: a method of contact says
+//!   what its rows are from system to system ([`ContactMethod`](contact::ContactMethod), [`Outer`](constraint::Outer)).
 //! - A solver may decide contact rows itself: it is asked once, and used as it is. All others stand inside the
 //!   [`ActiveSet`](constraint::ActiveSet), whose errors carry the best iterate.
 //! - The matrix of a discrete cone is never formed: its inverse is banded, and rows are solved with it ([`Cone`](contact::Cone)).

@@ -5,7 +5,7 @@ use crate::run::{Options, own_record};
 use faying::assembly::{Fixed, Reduced, dirichlet, gauss_rules, stiffness};
 use faying::basis::BSpline;
 use faying::constraint::{ActiveSet, ConstrainedSystem, ConstraintSolver, Direct};
-use faying::contact::{Contact, Opponent};
+use faying::contact::{ContactRows, Opponent};
 use faying::coupling::interface::{InterfaceQuadrature, MergedCurve};
 use faying::coupling::multiplier::{MultiplierKind, build};
 use faying::coupling::{Rows, Side};
@@ -68,7 +68,7 @@ fn solve(bodies: &[Box<dyn Body<1, 2>>; 2], sides: &[Trace<1, 2>; 2], held: &[Tr
     let ((contact, multiplier), rows) = timed(|| {
         let multiplier = build(&sides[0].space, MultiplierKind::Auto, &[]).unwrap();
         let segments = MergedCurve::facing(p + 1, None).segments(&*sides[0].space, &*sides[1].space).unwrap();
-        let contact = Contact::new(side(0), Opponent::Master(side(1)), &*multiplier, segments, &|_, g| g, unknowns).unwrap();
+        let contact = ContactRows::new(side(0), Opponent::Master(side(1)), &*multiplier, segments, &|_, g| g, unknowns).unwrap();
         (contact, multiplier)
     });
     let ((reduced, constraint, offset, prescribed), eliminate) = timed(|| {

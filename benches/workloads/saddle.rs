@@ -7,7 +7,7 @@ use crate::run::Options;
 use crate::solvers::{System, export};
 use faying::assembly::{Fixed, Reduced, dirichlet, gauss_rules, load, stiffness};
 use faying::constraint::{ConstrainedSystem, ConstraintSolver, Direct, RowKind};
-use faying::contact::{Contact, Opponent};
+use faying::contact::{ContactRows, Opponent};
 use faying::coupling::interface::{InterfaceQuadrature, MergedCurve, Tolerance};
 use faying::coupling::multiplier::{Ends, MultiplierKind, build};
 use faying::coupling::{Coupling, Interface, Mortar, Rows, Side};
@@ -102,7 +102,7 @@ fn pressed(backend: Backend, p: usize, n: usize) -> Saddle {
     let segments = MergedCurve::facing(p + 1, None).segments(&*sides[0].space, &*sides[1].space).unwrap();
     let fields = [0, matrices[0].num_rows()].map(|first| Field { first, components: 2 });
     let side = |k: usize| Side { trace: &sides[k], field: fields[k], flux: None };
-    let contact = Contact::new(side(0), Opponent::Master(side(1)), &*multiplier, segments, &|_, g| g, force.len()).unwrap();
+    let contact = ContactRows::new(side(0), Opponent::Master(side(1)), &*multiplier, segments, &|_, g| g, force.len()).unwrap();
     Saddle::reduced(&matrices, &force, &prescribed, &contact.rows, &contact.offset)
 }
 

@@ -5,6 +5,7 @@
 mod basis;
 mod block;
 mod body;
+mod contact_method;
 mod continuation;
 mod continuous;
 mod coupling;
@@ -23,6 +24,7 @@ mod space;
 
 pub use basis::{basis, non_negative, partition_of_unity};
 pub use body::{body, closed_body};
+pub use contact_method::contact_method;
 pub use coupling::coupling;
 pub use flux::flux;
 pub use geometry::geometry;

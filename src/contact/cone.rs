@@ -47,7 +47,7 @@
 //! Cost: a solve per unknown of both sides, entries of decayed columns dropped at round-off; at most [`MOST_FUNCTIONS`] functions.
 //! Source: Brivadis, defence slides, Pavia 2017.
 
-use super::{Contact, ContactError, greville::greville_points};
+use super::{ContactError, ContactRows, greville::greville_points};
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::coupling::Rows;
 use crate::linalg::{Csr, ProfileFault, ProfileLu, Real, Triplets, lit, to_f64};
@@ -87,7 +87,7 @@ pub(super) struct Turn<T: Real> {
     weights: Vec<T>,
 }
 
-impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
+impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     /// Sets the cone of the multipliers; `multiplier`: the multiplier functions of the rows.
     ///
     /// # Errors

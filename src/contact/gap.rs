@@ -14,12 +14,12 @@
 //! A function whose support faces nothing has weight zero; its row stays open.
 
 use super::cone::Turn;
-use super::{AtPoints, Frames, Obstacle};
+use super::{Frames, Obstacle};
 use crate::basis::Basis;
 use crate::constraint::RowKind;
 use crate::coupling::mortar::{multiplier_weights, weighted_sums};
 use crate::coupling::{Coupling, CouplingError, Interface, Mortar, Rows, Segments, Side};
-use crate::linalg::{Real, Vector, lit, to_f64};
+use crate::linalg::{Real, Triplets, Vector, lit, to_f64};
 
 /// Relative weight, against the largest one, below which a function faces nothing.
 const FACES_NOTHING: f64 = 1e-10;
@@ -61,6 +61,12 @@ pub enum ContactError {
         /// The limit.
         most: usize,
     },
+    /// Rows of multiplier functions without multiplier.
+    #[error("the rows of this method are those of multiplier functions, and there is no multiplier")]
+    NoMultiplier,
+    /// Rows of a method that do not fit together.
+    #[error("the rows of the method of contact are not sound: {0}")]
+    Rows(String),
     /// The gap formula, or the obstacle, gave no finite number.
     #[error("the gap, by its formula or its obstacle, is no number at {at:?}")]
     Gap {
@@ -78,14 +84,55 @@ pub enum Opponent<'a, const S: usize, const N: usize, T: Real = f64> {
     Rigid(&'a dyn Obstacle<S, N, T>, Option<T>),
 }
 
-/// A contact side ready for a constraint solver.
+/// The opponent if it has a body, the segments of the points that face it, and their frames.
+pub(super) type Faced<'a, const S: usize, const N: usize, T> = (Option<Side<'a, S, N, T>>, Segments<S, T>, Frames<N, T>);
+
+impl<'a, const S: usize, const N: usize, T: Real> Opponent<'a, S, N, T> {
+    /// What of `segments` of `slave` faces it.
+    pub(super) fn faced_by(self, slave: Side<'_, S, N, T>, segments: &Segments<S, T>) -> Result<Faced<'a, S, N, T>, ContactError> {
+        Ok(match self {
+            Opponent::Master(master) => {
+                let (segments, frames) = Frames::against_master(slave.trace, master.trace, segments)?;
+                (Some(master), segments, frames)
+            }
+            Opponent::Rigid(target, reach) => {
+                let (segments, frames) = Frames::against_obstacle(slave.trace, target, segments, reach)?;
+                (None, segments, frames)
+            }
+        })
+    }
+}
+
+/// g' at every point.
+pub(super) fn wanted<const N: usize, T: Real>(frames: &Frames<N, T>, gap: &dyn Fn(&Vector<N, T>, T) -> T) -> Result<Vec<T>, ContactError> {
+    let wanted: Vec<T> = frames.x.iter().zip(&frames.gap).map(|(x, &g)| gap(x, g)).collect();
+    match wanted.iter().position(|g| !g.is_finite()) {
+        None => Ok(wanted),
+        Some(q) => Err(ContactError::Gap { at: std::array::from_fn(|k| if k < N { to_f64(frames.x[q][k]) } else { 0.0 }) }),
+    }
+}
+
+/// What the rows of a contact belong to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum RowsAt {
+    /// Multiplier functions, one row each.
+    Functions,
+    /// Points.
+    Points {
+        /// Row of every point of the segments; points that face nothing have a row as well.
+        row: Vec<usize>,
+    },
+}
+
+/// Rows of a contact side, ready for a constraint solver.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Contact<const S: usize, const N: usize, T: Real = f64> {
+pub struct ContactRows<const S: usize, const N: usize, T: Real = f64> {
     /// Segments of slave and master; points that face nothing are left out.
     pub segments: Segments<S, T>,
     /// Position, normal and geometric gap per point.
     pub frames: Frames<N, T>,
-    /// C, one row per multiplier function.
+    /// C, one row per multiplier function, or per point.
     pub rows: Rows<T>,
     /// B if it differs from C: mixed integration, Nitsche's method.
     pub reaction: Option<Rows<T>>,
@@ -99,13 +146,17 @@ pub struct Contact<const S: usize, const N: usize, T: Real = f64> {
     pub translations: Vec<(Vector<N, T>, usize, T)>,
     /// Whether the support of ψ_j faces the opponent and ψ_j belongs to the cone.
     pub facing: Vec<bool>,
-    /// Data of rows that belong to points instead of multiplier functions (Nitsche's method).
-    pub points: Option<AtPoints<T>>,
+    /// What the rows belong to.
+    pub at: RowsAt,
+    /// Gap over lambda of every row that holds by itself; empty: all are exact. The method of the contact may choose others.
+    pub compliance: Vec<T>,
+    /// Matrix in all unknowns that is added to the stiffness; `None`: nothing is.
+    pub stiffness: Option<Triplets<T>>,
     /// T of the cone; rows, offset and weights are those of lambda for every T.
     pub(super) turn: Turn<T>,
 }
 
-impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
+impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     /// Assembles rows, offsets and weights of `slave` against `opponent` in a system of `unknowns` unknowns.
     ///
     /// `segments`: of both sides ([`crate::coupling::interface::MergedCurve`]) or of the slave alone
@@ -122,20 +173,8 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         gap: &dyn Fn(&Vector<N, T>, T) -> T,
         unknowns: usize,
     ) -> Result<Self, ContactError> {
-        let (master, segments, frames) = match opponent {
-            Opponent::Master(master) => {
-                let (segments, frames) = Frames::against_master(slave.trace, master.trace, &segments)?;
-                (Some(master), segments, frames)
-            }
-            Opponent::Rigid(target, reach) => {
-                let (segments, frames) = Frames::against_obstacle(slave.trace, target, &segments, reach)?;
-                (None, segments, frames)
-            }
-        };
-        let wanted: Vec<T> = frames.x.iter().zip(&frames.gap).map(|(x, &g)| gap(x, g)).collect();
-        if let Some(q) = wanted.iter().position(|g| !g.is_finite()) {
-            return Err(ContactError::Gap { at: std::array::from_fn(|k| if k < N { to_f64(frames.x[q][k]) } else { 0.0 }) });
-        }
+        let (master, segments, frames) = opponent.faced_by(slave, &segments)?;
+        let wanted = wanted(&frames, gap)?;
         let interface = Interface {
             slave,
             master,
@@ -153,9 +192,100 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
             return Err(ContactError::Weight { function, weight: to_f64(weights[function]) });
         }
         let facing = weights.iter().map(|&w| w > threshold).collect();
-        let (at_rest, translations) = (wanted, Vec::new());
-        let turn = Turn::identity();
-        Ok(Self { segments, frames, rows, reaction: None, offset, weights, at_rest, translations, facing, points: None, turn })
+        Ok(Self {
+            segments,
+            frames,
+            rows,
+            reaction: None,
+            offset,
+            weights,
+            at_rest: wanted,
+            translations: Vec::new(),
+            facing,
+            at: RowsAt::Functions,
+            compliance: Vec::new(),
+            stiffness: None,
+            turn: Turn::identity(),
+        })
+    }
+
+    /// Rows at points: one per point that faces the opponent or not.
+    ///
+    /// `segments`, `frames`, `at_rest`: the points that face something, their frames and their gaps g'; `row`: the row of each of them;
+    /// `rows`, `offset`, `weights`, `facing`: C, g, w and whether the point faces something, one per row. See [`ContactRows::reaction`],
+    /// [`ContactRows::compliance`] and [`ContactRows::stiffness`] for what may be added.
+    ///
+    /// # Panics
+    /// If the lengths differ.
+    pub fn at_points(
+        (segments, frames, at_rest): (Segments<S, T>, Frames<N, T>, Vec<T>),
+        row: Vec<usize>,
+        rows: Rows<T>,
+        (offset, weights, facing): (Vec<T>, Vec<T>, Vec<bool>),
+    ) -> Self {
+        assert!(row.len() == segments.ds.len() && at_rest.len() == row.len(), "{} rows of {} points", row.len(), segments.ds.len());
+        assert!(weights.len() == offset.len() && facing.len() == offset.len(), "{} weights of {} rows", weights.len(), offset.len());
+        Self {
+            segments,
+            frames,
+            rows,
+            reaction: None,
+            offset,
+            weights,
+            at_rest,
+            translations: Vec::new(),
+            facing,
+            at: RowsAt::Points { row },
+            compliance: Vec::new(),
+            stiffness: None,
+            turn: Turn::identity(),
+        }
+    }
+
+    /// Checks that all parts have the same number of rows: that of `functions` of a multiplier, or, without one, rows at points.
+    ///
+    /// # Errors
+    /// [`ContactError::Rows`].
+    pub(crate) fn sound(&self, functions: Option<usize>, unknowns: usize) -> Result<(), ContactError> {
+        let wrong = |what: String| Err(ContactError::Rows(what));
+        let (m, points) = (self.offset.len(), self.segments.ds.len());
+        match (functions, self.row_of_points()) {
+            (Some(n), None) if n != m => return wrong(format!("{m} rows for {n} multiplier functions")),
+            (Some(_), Some(_)) => return wrong("rows at points, though the method asked for a multiplier".into()),
+            (None, None) => return wrong("rows of multiplier functions, though the method asked for no multiplier".into()),
+            (None, Some(row)) if row.len() != points => return wrong(format!("rows of {} points, the segments have {points}", row.len())),
+            (None, Some(row)) => {
+                if let Some(j) = row.iter().find(|j| **j >= m) {
+                    return wrong(format!("a point belongs to row {j} of {m}"));
+                }
+            }
+            (Some(_), None) => {}
+        }
+        let parts = [&self.rows].into_iter().chain(&self.reaction).flat_map(|rows| [&rows.slave, &rows.master]);
+        if let Some(part) = parts.clone().find(|part| (part.rows, part.cols) != (m, unknowns)) {
+            return wrong(format!("a part of {} x {} entries; there are {m} rows and {unknowns} unknowns", part.rows, part.cols));
+        }
+        if let Some(e) = parts.flat_map(|part| &part.entries).find(|e| e.0 >= m || e.1 >= unknowns || !e.2.is_finite()) {
+            return wrong(format!("the entry {e:?} of {m} rows and {unknowns} unknowns"));
+        }
+        let short = |of: usize, may_be_empty: bool| of != m && !(may_be_empty && of == 0);
+        if short(self.weights.len(), false) || short(self.facing.len(), false) || short(self.compliance.len(), true) {
+            return wrong(format!(
+                "{m} offsets, {} weights, {} flags, {} compliances",
+                self.weights.len(),
+                self.facing.len(),
+                self.compliance.len()
+            ));
+        }
+        Ok(())
+    }
+
+    /// Row of every point of the segments, where rows belong to points.
+    pub fn row_of_points(&self) -> Option<&[usize]> {
+        match &self.at {
+            RowsAt::Points { row } => Some(row),
+            RowsAt::Functions => None,
+        }
     }
 
     /// Integrates the master part of the reaction by other points: B = [D, -M'] with C = [D, -M] (mixed integration).

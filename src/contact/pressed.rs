@@ -6,12 +6,12 @@
 //!
 //! The row of d in K u + Cᵀ lambda = f is the equilibrium of the obstacle: ∫ lambda n . e ds = -F, where F is the force on it.
 
-use super::Contact;
+use super::ContactRows;
 use crate::basis::Basis;
 use crate::coupling::mortar::weighted_sums;
 use crate::linalg::{Real, Vector};
 
-impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
+impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     /// Lets the obstacle translate along `direction` by the value of `unknown`, whose present value is `at` \[length\].
     ///
     /// Normals and gaps stay those of the position `at`: exact for half-planes; for others build the contact again at the new

@@ -8,7 +8,7 @@
 //! P) is one inside, zero outside, and falls over the overlap of the outermost functions. Its integral is the area; the zone ends where
 //! χ = 1/2. The whole support of those functions would add up to half their width at either end.
 
-use super::Contact;
+use super::ContactRows;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::linalg::{Real, Vector, lit};
 
@@ -39,7 +39,7 @@ pub struct Transmitted<const N: usize, T: Real = f64> {
     pub closed: Vec<bool>,
 }
 
-impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
+impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     /// Pressure at the points of the segments for the multipliers `lambda`.
     pub fn pressure(&self, multiplier: &dyn Basis<S, T>, lambda: &[T]) -> Vec<T> {
         self.combined(multiplier, |j| -lambda[j])
@@ -63,7 +63,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         self.transmitted_as_read(multiplier, multiplier, lambda)
     }
 
-    /// [`Contact::transmitted`] with pressures and zone evaluated with the functions `reading`, as many as there are multipliers.
+    /// [`ContactRows::transmitted`] with pressures and zone evaluated with the functions `reading`, as many as there are multipliers.
     pub fn transmitted_as_read(&self, multiplier: &dyn Basis<S, T>, reading: &dyn Basis<S, T>, lambda: &[T]) -> Transmitted<N, T> {
         let mu = self.in_cone(lambda);
         let threshold = threshold(&mu);

@@ -9,7 +9,7 @@
 //! There is no half width where fewer than four elements lie in the tail, seven if it has to begin before 0.8, or where its end does not lie
 //! in the last two elements of the functions' zone or the one after.
 
-use super::Contact;
+use super::ContactRows;
 use super::curves::Curves;
 use super::tail::Tail;
 use crate::basis::Order;
@@ -65,7 +65,7 @@ pub struct ClosedSide<'a, const N: usize, T: Real = f64> {
     /// The side.
     pub slave: &'a dyn Geometry<1, N, T>,
     /// Its rows and points.
-    pub contact: &'a Contact<1, N, T>,
+    pub contact: &'a ContactRows<1, N, T>,
     /// Whether each point of the segments lies in the closed zone, as in [`super::Transmitted`].
     pub closed: &'a [bool],
     /// The pressure at each of them [force/area].

@@ -103,7 +103,7 @@ where
                 exact: contact.exact.first().cloned(),
                 symmetry: contact.own.symmetry,
                 start: contact.own.start,
-                formulation: contact.own.formulation,
+                method: Arc::clone(&contact.own.method),
             };
             let mut behind = Vec::new();
             for (k, slave) in contact.own.slaves.iter().enumerate() {

@@ -11,6 +11,7 @@ use super::interface_results::{ContactResult, TieResult};
 use super::interface_side::HalfWidth;
 use super::lambda_error::SquaredError;
 use super::lambda_field::LambdaField;
+use super::linearised::Linearised;
 use super::loads::LoadSum;
 use super::model::Model;
 use super::observer::Observer;
@@ -19,12 +20,12 @@ use super::reactions::Reaction;
 use super::regions::Regions;
 use super::resultant::Resultant;
 use super::rigid_motions::RigidMotion;
-use super::row_names::ContactRows;
+use super::row_names::RowsOfSide;
 use super::solved::{Assembled, Solve, State};
-use super::state::Unsolved;
+use super::state::{StepError, Unsolved};
 use super::warnings::Warning;
 use crate::assembly::Errors;
-use crate::constraint::{ActiveSetReport, ConstraintSolver};
+use crate::constraint::{ActiveSetReport, ConstrainedSolution, ConstraintSolver};
 use crate::quadrature::Quadrature;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -100,7 +101,7 @@ impl<const S: usize, const N: usize> System<S, N> {
     }
 
     /// Those of `rows` of the system that belong to contacts, side by side.
-    pub fn contact_rows(&self, rows: &[usize]) -> Vec<ContactRows<N>> {
+    pub fn contact_rows(&self, rows: &[usize]) -> Vec<RowsOfSide<N>> {
         self.inner.contact_rows(rows)
     }
 
@@ -151,6 +152,26 @@ impl<const S: usize, const N: usize> System<S, N> {
     ) -> Result<Solution<S, N>, Unsolved<Solution<S, N>>> {
         let solution = |inner| Solution { inner };
         self.inner.solve(t, before.map(|b| &*b.inner), observer).map(solution).map_err(|unsolved| unsolved.map(solution))
+    }
+
+    /// Linearises the problem at time `t` about `before`, a solution of this system, or about rest: matrices, load and rows for a solver of
+    /// one's own. Obstacles that forces press stand where `before` has them; their rows are those of that place.
+    ///
+    /// # Errors
+    /// [`StepError`] where data, ties or contacts have no value at this time.
+    pub fn linearise(&mut self, t: f64, before: Option<&Solution<S, N>>) -> Result<Linearised<S, N>, StepError> {
+        self.inner.linearise(t, before.map(|b| &*b.inner))
+    }
+
+    /// Takes an answer to a linearised system. Its residual and its rows are checked, whoever solved it; all results are as of
+    /// [`solve`](Self::solve).
+    ///
+    /// # Errors
+    /// [`StepError::OtherSystem`] for a linearised system of another system, [`StepError::Solve`] for an answer that does not solve it, and
+    /// [`StepError::Free`] where the closed contacts leave a body free.
+    pub fn accept(&mut self, system: &Linearised<S, N>, answer: ConstrainedSolution) -> Result<Solution<S, N>, Unsolved<Solution<S, N>>> {
+        let solution = |inner| Solution { inner };
+        self.inner.accept(system, answer).map(solution).map_err(|unsolved| unsolved.map(solution))
     }
 }
 

@@ -10,7 +10,7 @@ use super::solve::once;
 use super::solver::Solver;
 use super::state::{StepError, StepState, Unsolved};
 use crate::constraint::ActiveSetReport;
-use crate::contact::Contact;
+use crate::contact::ContactRows;
 use crate::linalg::{Csr, Triplets, Vector};
 
 /// Largest number of positions at which a contact is built.
@@ -95,7 +95,7 @@ fn together(mut known: ActiveSetReport, new: &ActiveSetReport) -> ActiveSetRepor
 }
 
 /// Whether the contact in another position has the same rows, and the same gaps up to `tolerance` for the unknowns `u`.
-fn agree<const S: usize, const N: usize>(a: &Contact<S, N>, b: &Contact<S, N>, u: &[f64], tolerance: f64) -> bool {
+fn agree<const S: usize, const N: usize>(a: &ContactRows<S, N>, b: &ContactRows<S, N>, u: &[f64], tolerance: f64) -> bool {
     let rows = |a: &Triplets, b: &Triplets| {
         let largest = a.entries.iter().fold(0.0_f64, |m, e| m.max(e.2.abs()));
         a.entries.len() == b.entries.len()

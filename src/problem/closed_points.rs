@@ -3,7 +3,7 @@
 use super::model::{ContactPart, Model};
 use super::state::StepState;
 use super::supports::{free_motions, sentences};
-use crate::contact::Contact;
+use crate::contact::ContactRows;
 use std::collections::BTreeMap;
 
 /// Rigid motions that the closed contacts of a solution leave, a sentence per body; `None` without any, and without contacts.
@@ -20,14 +20,14 @@ pub fn left_free<const S: usize, const N: usize>(model: &Model<S, N>, state: &St
 /// Returns one flag per point of `contacts`: whether a function active there has a closed row.
 pub fn closed_points<const S: usize, const N: usize>(
     model: &Model<S, N>,
-    contacts: &[Vec<&Contact<S, N>>],
+    contacts: &[Vec<&ContactRows<S, N>>],
     closed: &dyn Fn(usize) -> bool,
 ) -> Vec<Vec<Vec<bool>>> {
     let mut ids = Vec::new();
-    let mut of_part = |p: &ContactPart<S, N>, contact: &Contact<S, N>| {
+    let mut of_part = |p: &ContactPart<S, N>, contact: &ContactRows<S, N>| {
         let s = &contact.segments;
-        if let Some(points) = &contact.points {
-            return points.row.iter().map(|j| closed(p.first_row + j)).collect();
+        if let Some(row) = contact.row_of_points() {
+            return row.iter().map(|j| closed(p.first_row + j)).collect();
         }
         let mut flags = vec![false; s.ds.len()];
         for piece in 0..s.num_pieces() {
@@ -45,14 +45,14 @@ pub fn closed_points<const S: usize, const N: usize>(
 /// they are the elements of these.
 pub fn zone_functions<const S: usize, const N: usize>(
     part: &ContactPart<S, N>,
-    contact: &Contact<S, N>,
+    contact: &ContactRows<S, N>,
     closed: &dyn Fn(usize) -> bool,
 ) -> (usize, usize) {
-    if let Some(points) = &contact.points {
+    if let Some(row) = contact.row_of_points() {
         let s = &contact.segments;
         let mut elements: BTreeMap<usize, bool> = BTreeMap::new();
         for piece in 0..s.num_pieces() {
-            let any = s.points(piece).any(|q| points.row.get(q).is_some_and(|j| closed(part.first_row + j)));
+            let any = s.points(piece).any(|q| row.get(q).is_some_and(|j| closed(part.first_row + j)));
             *elements.entry(s.slave[piece]).or_default() |= any;
         }
         return (elements.values().filter(|any| **any).count(), elements.len());

@@ -54,13 +54,13 @@ fn by_functions(state: &Plane, [c, p]: [usize; 2]) -> ([Field; 4], Vec<SidePoint
     (fields, centres.map(point).collect())
 }
 
-/// lambda, gap, status and lambda again of a contact by Nitsche's method, and one point per point of the segments, along the slave.
+/// lambda, gap, status and lambda again of a contact without multiplier, and one point per point of the segments, along the slave.
 fn by_points(state: &Plane, [c, p]: [usize; 2]) -> ([Field; 4], Vec<SidePoint>) {
     let (model, solved) = (state.model(), state.state());
     let part = &model.contacts[c].parts[p];
     let field = |of: fn([f64; 2]) -> f64| -> Field {
         let state = Arc::clone(state);
-        let field = ContactField::of(model, part, solved.t);
+        let field = ContactField::of(model, &model.contacts[c], part, solved.t);
         Box::new(move |element, xi| {
             let contact = &state.model().contacts[c];
             field.at(state.model(), contact, &contact.parts[p], state.state(), element, xi).into_iter().map(of).collect()
@@ -72,7 +72,7 @@ fn by_points(state: &Plane, [c, p]: [usize; 2]) -> ([Field; 4], Vec<SidePoint>) 
     let gaps = part.gaps(model, built, &solved.u);
     let arc = ArcLength::new(&*part.slave.trace.space);
     let segments = &built.segments;
-    let rows_of_points = built.points.as_ref().map_or(&[][..], |points| &points.row);
+    let rows_of_points = built.row_of_points().unwrap_or_default();
     let mut rows: Vec<SidePoint> = Vec::new();
     for piece in 0..segments.num_pieces() {
         for q in segments.points(piece) {

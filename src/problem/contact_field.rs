@@ -1,11 +1,11 @@
-//! Pressure at any point of a contact's slave side: that of its multiplier, or where it has none, that of the fluxes by Nitsche's method.
+//! Pressure at any point of a contact's slave side: that of its multiplier, or where it has none, that of its method.
 
-use super::contact_points::ContactFluxes;
+use super::contact_fluxes::ContactFluxes;
 use super::model::{Against, ContactModel, ContactPart, Model};
 use super::state::StepState;
 use super::tie_field::multiplier_at;
 use crate::basis::Order;
-use crate::contact::{Contact, Transmitted};
+use crate::contact::{ContactRows, Transmitted};
 use crate::coupling::evaluate::jumps;
 use crate::coupling::{Interface, Segments, Side};
 use crate::geometry::{ClosestPoint, Geometry, MapTable, Oriented};
@@ -23,22 +23,23 @@ pub struct ContactField<const S: usize, const N: usize>(Option<WithoutRows<S, N>
 /// Fluxes at the time, and the search for partners on the master.
 #[derive(Debug)]
 struct WithoutRows<const S: usize, const N: usize> {
-    fluxes: ContactFluxes<S, N>,
+    fluxes: Option<ContactFluxes<S, N>>,
     master: Option<ClosestPoint<S, N, Oriented<Arc<dyn Space<S, N>>>>>,
 }
 
 impl<const S: usize, const N: usize> ContactField<S, N> {
     /// Creates the evaluator of `part` at time `t`.
-    pub fn of(model: &Model<S, N>, part: &ContactPart<S, N>, t: f64) -> Self {
+    pub fn of(model: &Model<S, N>, contact: &ContactModel<S, N>, part: &ContactPart<S, N>, t: f64) -> Self {
         let master = match &part.against {
             Against::Side(master, _) => Some(ClosestPoint::new(master.trace.oriented())),
             Against::Rigid(..) => None,
         };
-        Self(part.multiplier.is_none().then(|| WithoutRows { fluxes: part.fluxes(model, t), master }))
+        let fluxes = || contact.method.needs().fluxes.then(|| part.sides().fluxes(model, t));
+        Self(part.multiplier.is_none().then(|| WithoutRows { fluxes: fluxes(), master }))
     }
 
-    /// Returns (lambda, gap) at local points of a slave element. The gap is that of Nitsche's method, NaN for multipliers; with Nitsche's
-    /// method both are zero where nothing is faced.
+    /// Returns (lambda, gap) at local points of a slave element. The gap is that of a method without multiplier, NaN for multipliers;
+    /// without multiplier both are zero where nothing is faced.
     pub fn at(
         &self,
         model: &Model<S, N>,
@@ -74,8 +75,8 @@ impl<const S: usize, const N: usize> ContactField<S, N> {
             segments.push_piece(element, other, [(xi[q], eta, 1.0)]);
             asked.push(q);
         }
-        if let Some((kept, values)) = contact.at_points(model, part, &own.fluxes, &segments, &state.u, state.t) {
-            for (k, &point) in kept.iter().enumerate() {
+        if let Some(values) = contact.values(model, part, own.fluxes.as_ref(), &segments, (&state.u, state.t)) {
+            for (k, &point) in values.point.iter().enumerate() {
                 all[asked[point]] = [values.lambda[k], values.gap[k]];
             }
         }
@@ -85,25 +86,25 @@ impl<const S: usize, const N: usize> ContactField<S, N> {
 
 impl<const S: usize, const N: usize> ContactPart<S, N> {
     /// Pressure, force and moment that the part transmits by the multipliers `lambda` of its rows.
-    pub fn transmitted(&self, built: &Contact<S, N>, lambda: &[f64]) -> Transmitted<N> {
-        match (&self.multiplier, &built.points) {
-            (Some(psi), _) => built.transmitted_as_read(&**psi, self.read_through().unwrap_or(&**psi), lambda),
-            (None, points) => built.transmitted_at_points(&points.as_ref().map_or_else(Vec::new, |p| p.of_points(lambda))),
+    pub fn transmitted(&self, built: &ContactRows<S, N>, lambda: &[f64]) -> Transmitted<N> {
+        match &self.multiplier {
+            Some(psi) => built.transmitted_as_read(&**psi, self.read_through().unwrap_or(&**psi), lambda),
+            None => built.transmitted_at_points(&built.row_of_points().unwrap_or_default().iter().map(|&j| lambda[j]).collect::<Vec<_>>()),
         }
     }
 
     /// Returns the gap of every row \[length\]: lumped over a multiplier function, or at its point; `None` if nothing is faced.
-    pub fn gaps(&self, model: &Model<S, N>, built: &Contact<S, N>, u: &[f64]) -> Vec<Option<f64>> {
-        let Some(points) = &built.points else { return built.lumped_gap(u) };
+    pub fn gaps(&self, model: &Model<S, N>, built: &ContactRows<S, N>, u: &[f64]) -> Vec<Option<f64>> {
+        let Some(row) = built.row_of_points() else { return built.lumped_gap(u) };
         let mut gaps = vec![None; built.offset.len()];
-        for (&j, gap) in points.row.iter().zip(self.point_gaps(model, built, u)) {
+        for (&j, gap) in row.iter().zip(self.point_gaps(model, built, u)) {
             gaps[j] = Some(gap);
         }
         gaps
     }
 
     /// Returns the gap at every point of the segments \[length\].
-    pub fn point_gaps(&self, model: &Model<S, N>, built: &Contact<S, N>, u: &[f64]) -> Vec<f64> {
+    pub fn point_gaps(&self, model: &Model<S, N>, built: &ContactRows<S, N>, u: &[f64]) -> Vec<f64> {
         let side = |trace, field| Side { trace, field, flux: None };
         let interface = Interface {
             slave: side(&self.slave.trace, model.patches[self.slave.patch].field),

@@ -1,13 +1,12 @@
 //! Construction of a slave side of a contact: multiplier, opponent and rows.
 
-use super::contact_points::PointSides;
-use super::contact_rows::rows;
+use super::contact_rows::ContactSides;
 use super::coupled::Contact;
 use super::directions::{directions, slides};
 use super::held_part::HeldPart;
 use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
-use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideModel};
+use super::model::{Against, ContactModel, ContactPart, Model, SideModel};
 use super::multipliers::{unstable_pairing, wrapped};
 use super::tie_part::{finer_segments, points_of};
 use crate::assembly::gauss_rules;
@@ -15,7 +14,7 @@ use crate::basis::{Basis, Elements};
 use crate::contact::{Cone, Frames};
 use crate::coupling::consistency::Finer;
 use crate::coupling::interface::{InterfaceQuadrature, Partners, slave_segments};
-use crate::coupling::{CouplingError, Interface, Nitsche, Segments, Side};
+use crate::coupling::{Interface, Segments, Side};
 use crate::linalg::Vector;
 use crate::space::Trace;
 use std::collections::HashSet;
@@ -59,38 +58,39 @@ where
         contact: &ContactModel<S, N>,
         setup: &SlaveOf<'_, S, N>,
     ) -> Result<ContactPart<S, N>, InterfaceError> {
-        let slave = setup.slave;
+        let (slave, needs) = (setup.slave, contact.method.needs());
+        contact.method.check().map_err(InterfaceError::Method)?;
+        let refused = (contact.is_pressed() && !needs.pressed, setup.contact.rule.is_mixed() && !needs.mixed);
+        if refused != (false, false) {
+            return Err(InterfaceError::Refused { pressed: refused.0, mixed: refused.1 });
+        }
         let (against, second, finer) = self.opponent(contact, setup)?;
-        if let Formulation::Nitsche(method) = &contact.formulation {
-            return self.point_part(contact, setup, method, against);
-        }
-        if let Formulation::Penalty { factor } | Formulation::Augmented { factor, .. } = contact.formulation
-            && !(factor > 0.0 && factor.is_finite())
-        {
-            let text = format!("the factor of a penalty must be positive, found {factor}");
-            return Err(InterfaceError::Factor(CouplingError::Missing(text)));
-        }
-        let (psi, reading, unstable) = self.contact_multiplier(contact, setup, &against)?;
+        let (multiplier, reading, unstable) = match needs.multiplier {
+            true => self.contact_multiplier(contact, setup, &against).map(|(psi, reading, unstable)| (Some(psi), reading, unstable))?,
+            false => (None, None, None),
+        };
+        let cone = if needs.multiplier { setup.contact.own.cone } else { Cone::default() };
+        let (psi, masters) = (multiplier.as_deref(), setup.masters);
+        let sides = ContactSides { slave, against: &against, masters, multiplier: psi, cone, second: second.as_ref() };
         let moves = contact.obstacle.as_ref().is_some_and(|o| o.changes);
-        let changes = moves || contact.gap.depends_on_time();
+        let changes = moves || contact.gap.depends_on_time() || (needs.fluxes && sides.change(self));
         // an obstacle may come within reach later
         for &t in setup.times_of(moves) {
-            let chosen = (&*psi, setup.contact.own.cone, second.as_ref());
-            let first = rows(self, slave, &against, chosen, &contact.gap, contact.reach, t, None).map_err(InterfaceError::Contact)?;
+            let first = contact.rows(self, &sides, t, None).map_err(InterfaceError::Contact)?;
             if first.facing.contains(&true) {
-                let finer = finer.and_then(|segments| self.finer_contact(slave, &against, &*psi, &segments));
+                let finer = finer.zip(psi).and_then(|(segments, psi)| self.finer_contact(slave, &against, psi, &segments));
                 return Ok(ContactPart {
                     number: 0,
                     slave: slave.clone(),
-                    num_rows: psi.num_functions(),
-                    multiplier: Some(psi),
+                    num_rows: first.offset.len(),
+                    multiplier,
                     reading,
                     unstable,
-                    cone: setup.contact.own.cone,
+                    cone,
                     against,
                     second,
                     finer,
-                    masters: setup.masters.to_vec(),
+                    masters: masters.to_vec(),
                     first,
                     changes,
                     first_row: self.rows,
@@ -126,45 +126,6 @@ where
         let second = sums.map(make).transpose().map_err(InterfaceError::Segments)?;
         let finer = finer_segments(slave, &master, points, partners);
         Ok((Against::Side(master, segments), second, finer))
-    }
-
-    /// The part of Nitsche's method, without multipliers.
-    fn point_part(
-        &self,
-        contact: &ContactModel<S, N>,
-        setup: &SlaveOf<'_, S, N>,
-        method: &Nitsche,
-        against: Against<S, N>,
-    ) -> Result<ContactPart<S, N>, InterfaceError> {
-        method.check_factor().map_err(InterfaceError::Factor)?;
-        if contact.is_pressed() {
-            return Err(InterfaceError::PressedAtPoints);
-        }
-        let sides = PointSides { slave: setup.slave, against: &against, masters: setup.masters };
-        let moves = contact.obstacle.as_ref().is_some_and(|o| o.changes);
-        let changes = moves || contact.gap.depends_on_time() || sides.change(self);
-        for &t in setup.times_of(moves) {
-            let first = sides.contact(self, method, &contact.gap, contact.reach, t).map_err(InterfaceError::Contact)?;
-            if first.facing.contains(&true) {
-                return Ok(ContactPart {
-                    number: 0,
-                    slave: setup.slave.clone(),
-                    num_rows: first.offset.len(),
-                    multiplier: None,
-                    reading: None,
-                    unstable: None,
-                    cone: Cone::Coefficients,
-                    second: None,
-                    finer: None,
-                    masters: setup.masters.to_vec(),
-                    first,
-                    changes,
-                    first_row: self.rows,
-                    against,
-                });
-            }
-        }
-        Err(InterfaceError::NothingFaces)
     }
 
     /// The multiplier of a slave side, lowered where it cannot move along the normals of its opponent.

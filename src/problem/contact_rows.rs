@@ -1,57 +1,102 @@
-//! Rows, offsets and weights of contacts at a time and at a place of their obstacles.
+//! Rows, offsets and weights of contacts at a time and at a place of their obstacles, as their method makes them.
 
-use super::data::{Data, Point};
-use super::model::{Against, ContactModel, ContactPart, Formulation, Model, SideModel};
+use super::contact_fluxes::ContactFluxes;
+use super::data::Point;
+use super::model::{Against, ContactModel, ContactPart, Model, SideModel};
 use super::rigid_bodies::unit;
 use crate::basis::Basis;
-use crate::contact::{self, Contact, ContactError, Opponent};
+use crate::contact::{Cone, ContactAt, ContactError, ContactRows, Opponent, PointValues, RowsAt, Translation};
 use crate::coupling::{Segments, Side};
 use crate::linalg::Vector;
+use std::sync::Arc;
 
-/// Rows of a slave side against what it faces, at time `t` and where `place` has the obstacle.
-///
-/// # Errors
-/// [`ContactError`] if the gap has no value, or the cone does not exist on these multipliers.
-pub fn rows<const S: usize, const N: usize>(
-    model: &Model<S, N>,
-    slave: &SideModel<S, N>,
-    against: &Against<S, N>,
-    (psi, cone, second): (&dyn Basis<S>, contact::Cone, Option<&Segments<S>>),
-    gap: &Data,
-    reach: Option<f64>,
-    t: f64,
-    place: Option<&[f64]>,
-) -> Result<Contact<S, N>, ContactError> {
-    let side = Side { trace: &slave.trace, field: model.patches[slave.patch].field, flux: None };
-    let gap = |x: &Vector<N>, g: f64| gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(g));
-    let built = match against {
-        Against::Side(master, segments) => {
-            let master = Side { trace: &master.trace, field: master.field, flux: None };
-            let built = Contact::new(side, Opponent::Master(master), psi, segments.clone(), &gap, model.unknowns)?;
-            match second {
-                Some(second) => built.with_master_sums(side, master, psi, second, model.unknowns)?,
-                None => built,
-            }
+/// A slave side of a contact, what it faces, and its multiplier.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ContactSides<'a, const S: usize, const N: usize> {
+    /// The slave side.
+    pub slave: &'a SideModel<S, N>,
+    /// The opponent.
+    pub against: &'a Against<S, N>,
+    /// Master sides, joined into one in `against`.
+    pub masters: &'a [Arc<SideModel<S, N>>],
+    /// The multiplier space, if the method needs one.
+    pub multiplier: Option<&'a dyn Basis<S>>,
+    /// Cone of admissible multipliers.
+    pub cone: Cone,
+    /// The master's own points, for mixed integration.
+    pub second: Option<&'a Segments<S>>,
+}
+
+impl<const S: usize, const N: usize> ContactPart<S, N> {
+    /// The slave side and what it faces.
+    pub(super) fn sides(&self) -> ContactSides<'_, S, N> {
+        ContactSides {
+            slave: &self.slave,
+            against: &self.against,
+            masters: &self.masters,
+            multiplier: self.multiplier.as_deref(),
+            cone: self.cone,
+            second: self.second.as_ref(),
         }
-        Against::Rigid(obstacle, segments) => {
-            let target = obstacle.target(t, place);
-            let mut built = Contact::new(side, Opponent::Rigid(&*target, reach), psi, segments.clone(), &gap, model.unknowns)?;
-            for p in &obstacle.pressed {
-                let at = place.and_then(|u| u.get(p.unknown)).copied().unwrap_or(0.0);
-                built.let_obstacle_move(psi, &unit(p.component), p.unknown, at);
-            }
-            built
-        }
-    };
-    built.with_cone(cone, psi)
+    }
 }
 
 impl<const S: usize, const N: usize> ContactModel<S, N> {
+    /// Asks the method about sides at time `t`, on `segments` or on those of the sides, where `place` has the obstacle.
+    fn seen<R>(
+        &self,
+        model: &Model<S, N>,
+        sides: &ContactSides<'_, S, N>,
+        fluxes: Option<&ContactFluxes<S, N>>,
+        segments: Option<&Segments<S>>,
+        (t, place): (f64, Option<&[f64]>),
+        ask: impl FnOnce(&ContactAt<'_, S, N>) -> R,
+    ) -> R {
+        let flux = fluxes.map(ContactFluxes::slave);
+        let slave = Side { trace: &sides.slave.trace, field: model.patches[sides.slave.patch].field, flux };
+        let gap = |x: &Vector<N>, g: f64| self.gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(g));
+        let at = |opponent, own, translations| ContactAt {
+            second: sides.second,
+            cone: sides.cone,
+            translations,
+            ..ContactAt::new(slave, opponent, segments.unwrap_or(own), sides.multiplier, &gap, model.unknowns)
+        };
+        match sides.against {
+            Against::Side(master, own) => {
+                let master = Side { trace: &master.trace, field: master.field, flux: fluxes.map(ContactFluxes::master) };
+                ask(&at(Opponent::Master(master), own, &[]))
+            }
+            Against::Rigid(obstacle, own) => {
+                let target = obstacle.target(t, place);
+                let stands = |unknown: usize| place.and_then(|u| u.get(unknown)).copied().unwrap_or(0.0);
+                let pressed = obstacle.pressed.iter();
+                let pressed = pressed.map(|p| Translation { direction: unit(p.component), unknown: p.unknown, at: stands(p.unknown) });
+                ask(&at(Opponent::Rigid(&*target, self.reach), own, &pressed.collect::<Vec<_>>()))
+            }
+        }
+    }
+
+    /// Rows of sides at time `t`, where `place` has the obstacle.
+    ///
+    /// # Errors
+    /// [`ContactError`] of the method.
+    pub(super) fn rows(
+        &self,
+        model: &Model<S, N>,
+        sides: &ContactSides<'_, S, N>,
+        t: f64,
+        place: Option<&[f64]>,
+    ) -> Result<ContactRows<S, N>, ContactError> {
+        let fluxes = self.method.needs().fluxes.then(|| sides.fluxes(model, t));
+        let rows = self.seen(model, sides, fluxes.as_ref(), None, (t, place), |at| self.method.rows(at))?;
+        rows.sound(sides.multiplier.map(Basis::num_functions), model.unknowns).map(|()| rows)
+    }
+
     /// Rows, offsets and weights of a part at time `t`, obstacles that forces press at rest.
     ///
     /// # Errors
     /// [`ContactError`] where the gap has no value.
-    pub fn at(&self, model: &Model<S, N>, part: &ContactPart<S, N>, t: f64) -> Result<Contact<S, N>, ContactError> {
+    pub fn at(&self, model: &Model<S, N>, part: &ContactPart<S, N>, t: f64) -> Result<ContactRows<S, N>, ContactError> {
         self.at_place(model, part, t, None)
     }
 
@@ -65,23 +110,34 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
         part: &ContactPart<S, N>,
         t: f64,
         unknowns: Option<&[f64]>,
-    ) -> Result<Contact<S, N>, ContactError> {
+    ) -> Result<ContactRows<S, N>, ContactError> {
         let place = unknowns.filter(|_| self.is_pressed());
-        if !part.changes && place.is_none() {
-            return Ok(part.first.clone());
-        }
-        match (&self.formulation, &part.multiplier) {
-            (_, Some(psi)) => {
-                let chosen = (&**psi, part.cone, part.second.as_ref());
-                rows(model, &part.slave, &part.against, chosen, &self.gap, self.reach, t, place)
-            }
-            (Formulation::Nitsche(method), None) => part.point_sides().contact(model, method, &self.gap, self.reach, t),
-            _ => Ok(part.first.clone()),
-        }
+        if !part.changes && place.is_none() { Ok(part.first.clone()) } else { self.rows(model, &part.sides(), t, place) }
+    }
+
+    /// lambda and gap at the points of `segments` that face something; `None` of methods with multipliers, and where the method has no
+    /// value.
+    pub(super) fn values(
+        &self,
+        model: &Model<S, N>,
+        part: &ContactPart<S, N>,
+        fluxes: Option<&ContactFluxes<S, N>>,
+        segments: &Segments<S>,
+        (u, t): (&[f64], f64),
+    ) -> Option<PointValues> {
+        self.seen(model, &part.sides(), fluxes, Some(segments), (t, None), |at| self.method.values(at, u))?.ok()
     }
 
     /// Whether a force presses its obstacle.
     pub fn is_pressed(&self) -> bool {
         self.obstacle.as_ref().is_some_and(|o| !o.pressed.is_empty())
+    }
+
+    /// Whether bodies sink into each other by the compliance of rows of multiplier functions, which no iteration takes back: a penalty.
+    pub(super) fn is_soft(&self) -> bool {
+        self.parts.iter().filter(|part| part.first.at == RowsAt::Functions).any(|part| {
+            let begun = self.method.begin(&part.first, &|_| 1.0);
+            begun.iteration.is_none() && begun.compliance.iter().any(|c| *c > 0.0)
+        })
     }
 }

@@ -3,11 +3,11 @@
 use super::changing::Changing;
 use super::data::Data;
 use super::handles::{ContactId, SideOf, Sides, TieId};
-use super::model::{Formulation, SideModel};
+use super::model::SideModel;
 use super::multipliers::MakeMultiplier;
 use super::start::Start;
 use crate::basis::Basis;
-use crate::contact::{Cone, Obstacle};
+use crate::contact::{Cone, ContactMethod, Obstacle};
 use crate::coupling::Coupling;
 use crate::coupling::interface::{InterfaceQuadrature, Partners};
 use crate::coupling::multiplier::{MultiplierError, MultiplierKind};
@@ -267,7 +267,7 @@ pub(super) enum Faced<const S: usize, const N: usize> {
 pub struct ContactOptions<const S: usize, const N: usize> {
     pub(super) slaves: Vec<Arc<SideModel<S, N>>>,
     pub(super) faced: Faced<S, N>,
-    pub(super) formulation: Formulation,
+    pub(super) method: Arc<dyn ContactMethod<S, N>>,
     pub(super) cone: Cone,
     pub(super) gap: Data,
     pub(super) reach: Option<f64>,
@@ -289,8 +289,8 @@ impl<const S: usize, const N: usize> Coupled<S, N, ContactOptions<S, N>> {
     }
 
     /// Sets the method; by default Lagrange multipliers.
-    pub fn method(&mut self, method: Formulation) -> &mut Self {
-        self.own.formulation = method;
+    pub fn method(&mut self, method: impl ContactMethod<S, N> + 'static) -> &mut Self {
+        self.own.method = Arc::new(method);
         self
     }
 

@@ -12,7 +12,7 @@ use super::rigid::RigidForm;
 use super::rigid_bodies::RigidBodies;
 use super::rigid_rows::{contact_forms, point_forms};
 use super::supports::held;
-use crate::contact::{Cone, Contact};
+use crate::contact::{Cone, ContactRows};
 use nalgebra::{DMatrix, DVector};
 
 /// A missing force below this fraction of the sum of all nodal loads is round-off.
@@ -43,7 +43,7 @@ pub(super) struct Unheld {
 /// sizes of all nodal loads.
 pub(super) fn unheld<const S: usize, const N: usize>(
     model: &Model<S, N>,
-    contacts: &[Vec<Contact<S, N>>],
+    contacts: &[Vec<ContactRows<S, N>>],
     loads: &[Push],
     size: f64,
 ) -> Option<Unheld> {
@@ -75,7 +75,7 @@ pub(super) fn unheld<const S: usize, const N: usize>(
     if load.iter().any(|l| !l.is_finite()) {
         return None;
     }
-    let parts: Vec<(usize, &ContactPart<S, N>, &Contact<S, N>)> = model
+    let parts: Vec<(usize, &ContactPart<S, N>, &ContactRows<S, N>)> = model
         .contacts
         .iter()
         .zip(contacts)

@@ -55,7 +55,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             all.add_entries(part.stiffness.entries.len() as f64);
         }
         for part in self.contacts.iter().flat_map(|c| &c.parts) {
-            let points = part.first.points.as_ref().map_or(0, |p| p.stiffness.entries.len());
+            let points = part.first.stiffness.as_ref().map_or(0, |stiffness| stiffness.entries.len());
             all.add_entries((points + part.first.rows.slave.entries.len() + part.first.rows.master.entries.len()) as f64);
         }
         if factor {

@@ -1,6 +1,6 @@
 //! Errors of ties and contacts.
 
-use crate::contact::ContactError;
+use crate::contact::{ContactError, MethodError};
 use crate::coupling::CouplingError;
 use crate::coupling::multiplier::MultiplierError;
 
@@ -11,12 +11,17 @@ pub enum InterfaceError {
     /// A contact without a master.
     #[error("there is no master side")]
     NoMaster,
-    /// A method with a factor that is not positive.
+    /// A method of contact whose own numbers are wrong.
     #[error(transparent)]
-    Factor(CouplingError),
-    /// Nitsche's method against an obstacle that a force presses.
-    #[error("Nitsche's method against an obstacle that a force presses is not in this version")]
-    PressedAtPoints,
+    Method(MethodError),
+    /// A method of contact that does not accept what was asked for.
+    #[error("this method of contact accepts {}", refused(*.pressed, *.mixed))]
+    Refused {
+        /// Whether it is an obstacle that a force presses.
+        pressed: bool,
+        /// Whether it is mixed integration.
+        mixed: bool,
+    },
     /// Sides that do not meet.
     #[error("the sides do not meet: {0}")]
     Apart(CouplingError),
@@ -69,4 +74,13 @@ pub enum InterfaceError {
         /// Whether equations between components hold functions of the side.
         by_equations: bool,
     },
+}
+
+/// What a method does not accept, in words.
+fn refused(pressed: bool, mixed: bool) -> &'static str {
+    match (pressed, mixed) {
+        (true, true) => "neither an obstacle that a force presses nor mixed integration",
+        (true, false) => "no obstacle that a force presses",
+        _ => "no mixed integration",
+    }
 }

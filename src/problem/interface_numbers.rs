@@ -2,7 +2,7 @@
 
 use super::model::{ContactModel, ContactPart, Model, TieModel, TiePart};
 use super::state::StepState;
-use crate::contact::Contact;
+use crate::contact::ContactRows;
 
 impl<const S: usize, const N: usize> TieModel<S, N> {
     /// The largest [consistency error](crate::coupling::consistency) of its slave sides; zero where the rows are not mortar rows.
@@ -17,9 +17,9 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
 
 impl<const S: usize, const N: usize> ContactModel<S, N> {
     /// The largest [consistency error](crate::coupling::consistency) of its slave sides, `built` at the time of the state; zero against
-    /// obstacles and for Nitsche's method.
-    pub fn consistency(&self, built: &[Contact<S, N>], state: &StepState<S, N>) -> f64 {
-        let of = |(part, rows): (&ContactPart<S, N>, &Contact<S, N>)| {
+    /// obstacles and without multiplier.
+    pub fn consistency(&self, built: &[ContactRows<S, N>], state: &StepState<S, N>) -> f64 {
+        let of = |(part, rows): (&ContactPart<S, N>, &ContactRows<S, N>)| {
             let (lambda, closed) = (&state.lambda[part.rows()], &state.active[part.rows()]);
             part.finer.as_ref().map(|f| f.estimate(&rows.rows, rows.reaction.as_ref(), Some(closed), &state.u, lambda))
         };
@@ -27,7 +27,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
     }
 
     /// The least gap of a row \[length\], `built` at the time of `u`; inf where nothing is faced.
-    pub fn least_gap(&self, model: &Model<S, N>, built: &[Contact<S, N>], u: &[f64]) -> f64 {
+    pub fn least_gap(&self, model: &Model<S, N>, built: &[ContactRows<S, N>], u: &[f64]) -> f64 {
         let parts = self.parts.iter().zip(built);
         parts.flat_map(|(part, rows)| part.gaps(model, rows, u)).flatten().fold(f64::INFINITY, f64::min)
     }

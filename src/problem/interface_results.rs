@@ -8,7 +8,7 @@ use super::resultant::Resultant;
 use super::state::{NO_CONTACT, StepState};
 use super::tie_field::TieField;
 use crate::basis::Order;
-use crate::contact::{Contact, NoHalfWidth};
+use crate::contact::{ContactRows, NoHalfWidth};
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::Vector;
 use std::collections::BTreeMap;
@@ -69,7 +69,7 @@ pub struct ContactResult<const N: usize> {
     pub half_width: Option<Result<f64, NoHalfWidth>>,
     /// Translation of a rigid obstacle, prescribed or found \[length\]; `None` between bodies.
     pub displacement: Option<Vector<N>>,
-    /// The largest [consistency error](crate::coupling::consistency) of the slave sides; zero against obstacles and for Nitsche's method.
+    /// The largest [consistency error](crate::coupling::consistency) of the slave sides; zero against obstacles and without multiplier.
     pub consistency: f64,
     /// Sum of the forces on both bodies over the sum of their magnitudes: round-off unless the integration is mixed; zero against
     /// obstacles.
@@ -160,7 +160,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
     pub(super) fn result(
         &self,
         model: &Model<S, N>,
-        built: &[Contact<S, N>],
+        built: &[ContactRows<S, N>],
         state: &StepState<S, N>,
         half_width: HalfWidth<S, N>,
     ) -> ContactResult<N> {

@@ -6,7 +6,7 @@ use super::coupled::{Integration, Multiplier, Rule};
 use super::error::ProblemErrors;
 use super::multipliers::{DualPair, constrained_ends};
 use crate::basis::Basis;
-use crate::contact::{ClosedSide, Contact, NoHalfWidth, Transmitted, half_width};
+use crate::contact::{ClosedSide, ContactRows, NoHalfWidth, Transmitted, half_width};
 use crate::coupling::interface::{InterfaceQuadrature, MasterSums, MergedCurve, Partners, SlaveRule};
 use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind};
 use crate::coupling::{CouplingError, Segments};
@@ -53,7 +53,7 @@ pub struct ContactZone<'a, const S: usize, const N: usize> {
     /// The side.
     pub slave: &'a dyn Geometry<S, N>,
     /// Its rows and points.
-    pub contact: &'a Contact<S, N>,
+    pub contact: &'a ContactRows<S, N>,
     /// Pressure and closed points.
     pub sent: Transmitted<N>,
 }

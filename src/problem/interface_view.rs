@@ -91,7 +91,7 @@ impl<'a, const S: usize, const N: usize> InterfaceView<'a, S, N> {
 
     /// Whether its rows belong to points, of which there may be more than unknowns.
     pub fn has_rows_at_points(&self) -> bool {
-        matches!(self.0, Of::Contact(contact) if contact.parts.iter().any(|part| part.first.points.is_some()))
+        matches!(self.0, Of::Contact(contact) if contact.parts.iter().any(|part| part.first.row_of_points().is_some()))
     }
 }
 

@@ -6,7 +6,7 @@ use super::own_side::OwnSide;
 use super::state::StepState;
 use super::tie_field::TieField;
 use crate::basis::Order;
-use crate::contact::Contact;
+use crate::contact::ContactRows;
 use crate::coupling::Segments;
 use crate::geometry::MapTable;
 use crate::linalg::Vector;
@@ -88,7 +88,7 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
 impl<const S: usize, const N: usize> ContactModel<S, N> {
     /// The error of the pressure against its exact data, or else against the exact solution of the model, `built` at the time of the state;
     /// NaN if it is open which piece of that a slave side has.
-    pub fn lambda_error(&self, model: &Model<S, N>, built: &[Contact<S, N>], state: &StepState<S, N>) -> SquaredError {
+    pub fn lambda_error(&self, model: &Model<S, N>, built: &[ContactRows<S, N>], state: &StepState<S, N>) -> SquaredError {
         let mut sum = SquaredError::default();
         for (part, rows) in self.parts.iter().zip(built) {
             let s = &rows.segments;

@@ -9,7 +9,7 @@ use crate::linalg::Vector;
 use std::fmt::{Debug, Formatter};
 use std::sync::Arc;
 
-/// lambda on a slave side: that of its multiplier, or where it has none, that of the fluxes by its coupling or by Nitsche's method
+/// lambda on a slave side: that of its multiplier, or where it has none, that of its coupling or its method of contact
 /// [force/area]. It keeps its solution.
 #[derive(Clone)]
 pub struct LambdaField<const S: usize>(Arc<dyn Lambda<S>>);
@@ -27,10 +27,13 @@ impl<const S: usize> LambdaField<S> {
                 let field = TieField::of(&model, part, t);
                 Self(Arc::new(OfTie { solved: Arc::clone(&solved), place: [tie.number, side], field }))
             }),
-            InterfaceId::Contact(contact) => solved.of_contact(contact)?.parts.get(side).map(|part| {
-                let field = ContactField::of(&model, part, t);
-                Self(Arc::new(OfContact { solved: Arc::clone(&solved), place: [contact.number, side], field }))
-            }),
+            InterfaceId::Contact(id) => {
+                let contact = solved.of_contact(id)?;
+                contact.parts.get(side).map(|part| {
+                    let field = ContactField::of(&model, contact, part, t);
+                    Self(Arc::new(OfContact { solved: Arc::clone(&solved), place: [id.number, side], field }))
+                })
+            }
         })
     }
 

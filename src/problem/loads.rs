@@ -22,6 +22,7 @@ pub struct LoadSum {
 }
 
 /// The loads of a model at a time.
+#[derive(Debug)]
 pub(super) struct Loads {
     /// f in all unknowns.
     pub vector: Vec<f64>,

@@ -4,6 +4,7 @@ use super::data::Point;
 use super::model::Model;
 use super::state::StepError;
 use super::tie_fluxes::between;
+use crate::assembly::Blocks;
 use crate::linalg::{Csr, Vector};
 use std::borrow::Cow;
 
@@ -44,13 +45,32 @@ impl Stiffness {
             for k in (0..self.changes.len()).filter(|&k| self.changes[k]) {
                 self.matrices.bodies[k] = assembled(model, k, t);
             }
-            let contacts = model.contacts.iter().flat_map(|c| &c.parts).any(|part| part.changes && part.first.points.is_some());
+            let contacts = model.contacts.iter().flat_map(|c| &c.parts).any(|part| part.changes && part.first.stiffness.is_some());
             if contacts || model.ties.iter().flat_map(|tie| &tie.parts).any(|part| part.changes(model)) {
                 (self.matrices.between, self.matrices.fault) = added(model, t, false);
             }
             self.t = t;
         }
         &self.matrices
+    }
+}
+
+impl Matrices {
+    /// Calls `use_them` with the blocks of the bodies and of the obstacles that forces press, and what lies between them.
+    ///
+    /// # Errors
+    /// [`StepError`] of a tie or a contact that has no stiffness at this time.
+    pub(super) fn with_blocks<const S: usize, const N: usize, R>(
+        &self,
+        model: &Model<S, N>,
+        use_them: impl FnOnce(Blocks<'_>) -> R,
+    ) -> Result<R, StepError> {
+        if let Some(fault) = &self.fault {
+            return Err(fault.clone());
+        }
+        let obstacles = model.has_pressed().then(|| model.pressed_block());
+        let bodies: Vec<&Csr> = self.bodies.iter().chain(&obstacles).collect();
+        Ok(use_them(Blocks { bodies: &bodies, between: self.between.as_ref() }))
     }
 }
 
@@ -64,9 +84,9 @@ fn added<const S: usize, const N: usize>(model: &Model<S, N>, t: f64, first: boo
         }
     }
     for contact in &model.contacts {
-        for part in contact.parts.iter().filter(|part| part.first.points.is_some()) {
+        for part in contact.parts.iter().filter(|part| part.first.stiffness.is_some()) {
             match contact.at(model, part, t) {
-                Ok(built) => parts.extend(built.points.map(|points| Cow::Owned(points.stiffness))),
+                Ok(built) => parts.extend(built.stiffness.map(Cow::Owned)),
                 Err(fault) => return (None, Some(fault.into())),
             }
         }

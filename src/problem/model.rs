@@ -12,9 +12,9 @@ use super::physics::Physics;
 use super::start::Start;
 use crate::assembly::{Equation, Rim, gauss_rules_along, points_of_curved_cells};
 use crate::basis::Basis;
-use crate::contact::{Cone, Contact};
+use crate::contact::{Cone, ContactMethod, ContactRows};
 use crate::coupling::consistency::Finer;
-use crate::coupling::{Coupling, Nitsche, Rows, Segments};
+use crate::coupling::{Coupling, Rows, Segments};
 use crate::geometry::{Bounds, Geometry};
 use crate::linalg::{Triplets, Vector};
 use crate::quadrature::PerElement;
@@ -322,7 +322,7 @@ pub struct ContactPart<const S: usize, const N: usize> {
     pub number: usize,
     /// The side that carries the multiplier.
     pub slave: Arc<SideModel<S, N>>,
-    /// Multiplier space; `None` for Nitsche's method, whose rows belong to points.
+    /// Multiplier space; `None` for methods whose rows belong to points.
     pub multiplier: Option<Box<dyn Basis<S>>>,
     /// Functions by which the pressure is evaluated; `None`: those of the multiplier.
     pub reading: Option<Box<dyn Basis<S>>>,
@@ -334,12 +334,12 @@ pub struct ContactPart<const S: usize, const N: usize> {
     pub against: Against<S, N>,
     /// Segments for the integrals over the master, for mixed integration.
     pub second: Option<Segments<S>>,
-    /// Rows of a finer integration, for the consistency error; `None` against an obstacle and for Nitsche's method.
+    /// Rows of a finer integration, for the consistency error; `None` against an obstacle and without multiplier.
     pub finer: Option<Finer>,
     /// Deformable master sides, joined into one in `against`.
     pub masters: Vec<Arc<SideModel<S, N>>>,
     /// Rows, offsets and weights at the first time at which a point of the side faces the opponent.
-    pub first: Contact<S, N>,
+    pub first: ContactRows<S, N>,
     /// Whether they change with the time.
     pub changes: bool,
     /// First row in the system.
@@ -349,7 +349,7 @@ pub struct ContactPart<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> ContactPart<S, N> {
-    /// The functions through which lambda is read at points, one per multiplier; none of Nitsche's method.
+    /// The functions through which lambda is read at points, one per multiplier; none without multiplier.
     pub fn read_through(&self) -> Option<&dyn Basis<S>> {
         self.reading.as_deref().or(self.multiplier.as_deref())
     }
@@ -358,28 +358,6 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
     pub fn rows(&self) -> std::ops::Range<usize> {
         self.first_row..self.first_row + self.num_rows
     }
-}
-
-/// A method that keeps bodies apart.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Formulation {
-    /// Lagrange multipliers: rows that hold exactly.
-    Lagrange,
-    /// Rows softened by the stiffness of their slave unknowns times a factor.
-    Penalty {
-        /// Penalty stiffness over that of the slave's elements, a pure number.
-        factor: f64,
-    },
-    /// Rows softened as by a penalty and made exact by an iteration of the multipliers.
-    Augmented {
-        /// Penalty stiffness over that of the slave's elements, a pure number.
-        factor: f64,
-        /// Error of the multipliers at which the iteration ends, relative to the largest.
-        tolerance: f64,
-    },
-    /// Nitsche's method: rows at points, and fluxes of the bodies, instead of multipliers.
-    Nitsche(Nitsche),
 }
 
 /// A contact.
@@ -406,7 +384,7 @@ pub struct ContactModel<const S: usize, const N: usize> {
     /// First guess of the active set.
     pub start: Start,
     /// The method by which it is enforced.
-    pub formulation: Formulation,
+    pub method: Arc<dyn ContactMethod<S, N>>,
 }
 
 /// A problem, ready to be assembled.
@@ -497,7 +475,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         self.glued.root(self.patches[patch].field.first / self.components + function)
     }
 
-    /// Number of multipliers: rows of all interfaces and contacts except those at points (Nitsche's method).
+    /// Number of multipliers: rows of all interfaces and contacts except those at points.
     pub fn num_multipliers(&self) -> usize {
         let at_points = self.contacts.iter().flat_map(|c| &c.parts).filter(|part| part.multiplier.is_none());
         self.rows - at_points.map(|part| part.num_rows).sum::<usize>()

@@ -2,7 +2,7 @@
 
 use super::model::{Against, ContactPart, Model, SideModel};
 use super::rigid::{FreeBody, RigidModes};
-use crate::contact::Contact;
+use crate::contact::ContactRows;
 use crate::geometry::Bounds;
 use crate::linalg::Vector;
 use std::collections::{BTreeMap, BTreeSet};
@@ -191,7 +191,7 @@ pub(super) fn contact_terms<const S: usize, const N: usize>(
     bodies: &RigidBodies,
     contact_number: usize,
     part: &ContactPart<S, N>,
-    contact: &Contact<S, N>,
+    contact: &ContactRows<S, N>,
     q: usize,
 ) -> Vec<(usize, f64, Vector<N>)> {
     let (frames, segments) = (&contact.frames, &contact.segments);

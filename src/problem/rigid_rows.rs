@@ -15,7 +15,7 @@ use super::model::{ContactPart, Model, TiePart};
 use super::rigid::{MOST, RigidForm, RigidModes, RigidRow};
 use super::rigid_bodies::{RigidBodies, contact_terms, unit};
 use crate::basis::{Order, ShapeTable};
-use crate::contact::{Cone, Contact};
+use crate::contact::{Cone, ContactRows};
 use crate::geometry::{MapTable, cell};
 use crate::linalg::Vector;
 
@@ -96,7 +96,7 @@ pub(super) fn contact_forms<const S: usize, const N: usize>(
     bodies: &RigidBodies,
     contact_number: usize,
     part: &ContactPart<S, N>,
-    contact: &Contact<S, N>,
+    contact: &ContactRows<S, N>,
 ) -> Vec<(RigidForm, f64)> {
     let segments = &contact.segments;
     let push = |q: usize| {
@@ -132,7 +132,7 @@ pub(super) fn point_forms<const S: usize, const N: usize>(
     bodies: &RigidBodies,
     contact_number: usize,
     part: &ContactPart<S, N>,
-    contact: &Contact<S, N>,
+    contact: &ContactRows<S, N>,
 ) -> Vec<RigidForm> {
     let (segments, frames, space) = (&contact.segments, &contact.frames, &*part.slave.trace.space);
     let push = |q: usize, away: Vector<N>| {

@@ -7,7 +7,7 @@ use crate::linalg::Vector;
 
 /// Some rows of one slave side of a contact.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ContactRows<const N: usize> {
+pub struct RowsOfSide<const N: usize> {
     /// Name of the contact.
     pub contact: String,
     /// Name of the slave side in results.
@@ -22,14 +22,14 @@ pub struct ContactRows<const N: usize> {
 
 impl<const S: usize, const N: usize> Model<S, N> {
     /// Those of `rows` that belong to contacts, side by side in the order of the contacts.
-    pub(super) fn contact_rows(&self, rows: &[usize]) -> Vec<ContactRows<N>> {
+    pub(super) fn contact_rows(&self, rows: &[usize]) -> Vec<RowsOfSide<N>> {
         let mut all = Vec::new();
         for contact in &self.contacts {
             for part in &contact.parts {
                 let range = part.rows();
                 let numbers: Vec<usize> = rows.iter().filter(|r| range.contains(r)).map(|r| r - part.first_row).collect();
                 let Some(&first) = numbers.first() else { continue };
-                all.push(ContactRows {
+                all.push(RowsOfSide {
                     contact: contact.name.clone(),
                     slave: part.slave.label.clone(),
                     numbers,
@@ -55,8 +55,8 @@ fn place_of<const S: usize, const N: usize>(part: &ContactPart<S, N>, row: usize
     let s = &part.first.segments;
     let (mut best, mut pieces): (Option<(f64, usize)>, _) = (None, 0..s.num_pieces());
     let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
-    if let Some(points) = &part.first.points {
-        best = points.row.iter().position(|&j| j == row).map(|q| (1.0, q));
+    if let Some(of_points) = part.first.row_of_points() {
+        best = of_points.iter().position(|&j| j == row).map(|q| (1.0, q));
         pieces = 0..0;
     }
     for piece in pieces {

@@ -6,7 +6,7 @@ use super::error::{ErrorKind, ProblemError, ProblemErrors};
 use super::fixed::Fixed;
 use super::handles::Statement;
 use super::interface_error::InterfaceError;
-use super::model::{Formulation, Model, SideModel};
+use super::model::{Model, SideModel};
 use super::multipliers::wrapped;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::coupling::multiplier::{MultiplierError, side_ends};
@@ -85,7 +85,7 @@ impl Problem<1, 2> {
                 errors.extend(told);
             }
         }
-        for contact in self.contacts.iter().filter(|c| !matches!(c.own.formulation, Formulation::Nitsche(_))) {
+        for contact in self.contacts.iter().filter(|c| c.own.method.needs().multiplier) {
             for (number, slave) in contact.own.slaves.iter().enumerate() {
                 let normals = normals(slave);
                 let taken = |function: usize, c: usize| {

@@ -13,8 +13,9 @@ use super::interface_results::{ContactResult, TieResult};
 use super::interface_side::HalfWidth;
 use super::lambda_error::SquaredError;
 use super::lambda_field::LambdaField;
+use super::linearised::{Linearised, StepSystem};
 use super::loads::LoadSum;
-use super::matrices::Stiffness;
+use super::matrices::{Matrices, Stiffness};
 use super::model::{Against, ContactModel, ContactPart, Model, PatchModel, TieModel};
 use super::observer::Observer;
 use super::physics::{OtherField, Physics, PointState};
@@ -23,13 +24,14 @@ use super::reactions::{Reaction, reactions};
 use super::regions::Regions;
 use super::resultant::Resultant;
 use super::rigid_motions::RigidMotion;
-use super::row_names::ContactRows;
+use super::row_names::RowsOfSide;
 use super::solver::Solver;
 use super::state::{StepError, StepState, Unsolved};
 use super::step::step;
 use super::warnings::Warning;
 use crate::assembly::Errors;
-use crate::constraint::{ConstraintSolver, Direct};
+use crate::constraint::{ConstrainedSolution, ConstraintSolver, Direct, verified};
+use crate::linalg::residual::RESIDUAL_LIMIT;
 use crate::linalg::{Csr, Operator, Vector};
 use crate::quadrature::Quadrature;
 use rayon::prelude::*;
@@ -48,12 +50,14 @@ pub(super) trait Solve<const S: usize, const N: usize>: Debug + Send {
     fn rigid_motions(&self) -> Vec<RigidMotion>;
     fn motions_with_open(&self, t: f64, open: &[usize]) -> Vec<RigidMotion>;
     fn held(&self) -> Result<(), ProblemErrors>;
-    fn contact_rows(&self, rows: &[usize]) -> Vec<ContactRows<N>>;
+    fn contact_rows(&self, rows: &[usize]) -> Vec<RowsOfSide<N>>;
     fn row_owner(&self, row: usize) -> Option<(InterfaceId, &str, usize)>;
     fn loads(&self, t: f64) -> Vec<LoadSum>;
     fn replace_solver(&mut self, solver: Box<dyn ConstraintSolver>);
     fn assemble_at(&mut self, t: f64);
     fn solve(&mut self, t: f64, before: Option<&dyn State<S, N>>, observer: Observer<'_>) -> Solves<S, N>;
+    fn linearise(&mut self, t: f64, before: Option<&dyn State<S, N>>) -> Result<Linearised<S, N>, StepError>;
+    fn accept(&mut self, system: &Linearised<S, N>, solution: ConstrainedSolution) -> Solves<S, N>;
 }
 
 /// The methods of a solution.
@@ -139,7 +143,7 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
         self.model.held()
     }
 
-    fn contact_rows(&self, rows: &[usize]) -> Vec<ContactRows<N>> {
+    fn contact_rows(&self, rows: &[usize]) -> Vec<RowsOfSide<N>> {
         self.model.contact_rows(rows)
     }
 
@@ -165,16 +169,73 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
         let before = before.filter(|b| std::ptr::eq(b.model(), model)).map(|b| b.state());
         let matrices = stiffness.at(model, t);
         let stepped = step(model, matrices, &mut self.solver, t, before, observer);
-        let solution = |state: StepState<S, N>| -> Arc<dyn State<S, N>> {
-            let (identity, regions) = (Arc::clone(&self.identity), Arc::clone(&self.regions));
-            let energy = model.patches.iter().zip(&matrices.bodies).map(|(p, k)| energy(k, &state.u[p.range()])).sum();
-            let (places, model) = (Arc::clone(&self.places), Arc::clone(&self.model));
-            Arc::new(Solved { identity, regions, places, model, state, energy, half_width: self.half_width, outside: OnceLock::new() })
+        let shared = Shared {
+            identity: &self.identity,
+            regions: &self.regions,
+            places: &self.places,
+            model: &self.model,
+            half_width: self.half_width,
+            matrices,
         };
-        let state = stepped.map_err(|unsolved| unsolved.map(|state| solution(*state)))?;
-        match left_free(model, &state) {
-            Some(motions) => Err(Unsolved { error: StepError::Free { motions }, best: Some(solution(state)) }),
-            None => Ok(solution(state)),
+        let state = stepped.map_err(|unsolved| unsolved.map(|state| shared.solution(*state)))?;
+        shared.held(state)
+    }
+
+    fn linearise(&mut self, t: f64, before: Option<&dyn State<S, N>>) -> Result<Linearised<S, N>, StepError> {
+        let model = &*self.model;
+        let stiffness = self.stiffness.get_or_insert_with(|| Stiffness::new(model, t));
+        let before = before.filter(|b| std::ptr::eq(b.model(), model) && !model.contacts.is_empty()).map(|b| b.state());
+        let place = before.map(|b| b.u.as_slice());
+        let inner = stiffness.at(model, t).with_blocks(model, |blocks| StepSystem::of(model, blocks, t, before, place))??;
+        Ok(Linearised { model: Arc::clone(&self.model), inner })
+    }
+
+    fn accept(&mut self, system: &Linearised<S, N>, solution: ConstrainedSolution) -> Solves<S, N> {
+        if !Arc::ptr_eq(&self.model, &system.model) {
+            return Err(StepError::OtherSystem.into());
+        }
+        let (model, inner) = (&*self.model, &system.inner);
+        let iterated = inner.enforced.iterations.iter().map(|(_, iteration)| iteration.tolerance());
+        let checked = verified(&inner.constrained(), solution, iterated.fold(RESIDUAL_LIMIT, f64::max)).map_err(StepError::Solve)?;
+        let matrices = self.stiffness.get_or_insert_with(|| Stiffness::new(model, inner.t)).at(model, inner.t);
+        let state = matrices.with_blocks(model, |blocks| inner.finished(model, blocks, checked))?;
+        let shared = Shared {
+            identity: &self.identity,
+            regions: &self.regions,
+            places: &self.places,
+            model: &self.model,
+            half_width: self.half_width,
+            matrices,
+        };
+        shared.held(state)
+    }
+}
+
+/// What all solutions of a system have in common, and the matrices of a time.
+struct Shared<'a, const S: usize, const N: usize> {
+    identity: &'a Arc<Identity>,
+    regions: &'a Arc<Regions<S, N>>,
+    places: &'a Arc<Places<N>>,
+    model: &'a Arc<Model<S, N>>,
+    half_width: HalfWidth<S, N>,
+    matrices: &'a Matrices,
+}
+
+impl<const S: usize, const N: usize> Shared<'_, S, N> {
+    /// A state with its answers.
+    fn solution(&self, state: StepState<S, N>) -> Arc<dyn State<S, N>> {
+        let bodies = self.model.patches.iter().zip(&self.matrices.bodies);
+        let energy = bodies.map(|(p, k)| energy(k, &state.u[p.range()])).sum();
+        let (identity, regions) = (Arc::clone(self.identity), Arc::clone(self.regions));
+        let (places, model) = (Arc::clone(self.places), Arc::clone(self.model));
+        Arc::new(Solved { identity, regions, places, model, state, energy, half_width: self.half_width, outside: OnceLock::new() })
+    }
+
+    /// The solution, if its closed contacts hold all bodies.
+    fn held(&self, state: StepState<S, N>) -> Solves<S, N> {
+        match left_free(self.model, &state) {
+            Some(motions) => Err(Unsolved { error: StepError::Free { motions }, best: Some(self.solution(state)) }),
+            None => Ok(self.solution(state)),
         }
     }
 }

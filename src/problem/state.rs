@@ -4,7 +4,7 @@ use super::loads::LoadSum;
 use super::resultant::Resultant;
 use crate::assembly::{DirichletError, ReductionError};
 use crate::constraint::SolveError;
-use crate::contact::{Contact, ContactError};
+use crate::contact::{ContactError, ContactRows};
 use crate::coupling::CouplingError;
 use std::error::Error;
 use std::fmt::{Debug, Display, Formatter};
@@ -26,7 +26,7 @@ pub struct StepState<const S: usize, const N: usize> {
     /// Whether each row is enforced.
     pub active: Vec<bool>,
     /// Rows, weights and points of every contact part at this time.
-    pub contacts: Vec<Vec<Contact<S, N>>>,
+    pub contacts: Vec<Vec<ContactRows<S, N>>>,
     /// Reactions of supports on the bodies, per unknown.
     pub support: Vec<f64>,
     /// Sum of all loads, springs included.
@@ -79,6 +79,9 @@ pub enum StepError {
         /// Sentence with the body, its motion, and the missing force.
         what: String,
     },
+    /// An answer to a linearised system of another problem.
+    #[error("the linearised system is one of another system")]
+    OtherSystem,
     /// The system was not solved.
     #[error(transparent)]
     Solve(#[from] SolveError),

@@ -5,7 +5,7 @@ use super::rigid::{FreeBody, RigidForm, RigidModes, RigidRow, short};
 use super::rigid_bodies::{RigidBodies, contact_terms, unit};
 use super::rigid_rows::tie_forms;
 use crate::basis::Order;
-use crate::contact::Contact;
+use crate::contact::ContactRows;
 use crate::geometry::MapTable;
 use crate::linalg::Vector;
 use crate::quadrature::Quadrature;
@@ -39,7 +39,7 @@ pub fn contact_points<const S: usize, const N: usize>(
     bodies: &RigidBodies,
     contact_number: usize,
     part: &ContactPart<S, N>,
-    contact: &Contact<S, N>,
+    contact: &ContactRows<S, N>,
     closed: &dyn Fn(usize) -> bool,
 ) -> Vec<RigidForm> {
     let row = |q: usize| {
@@ -77,7 +77,7 @@ pub fn tie_points<const S: usize, const N: usize>(
 /// `contacts` at a time, per contact and part; of them the points in `closed`.
 pub fn free_motions<const S: usize, const N: usize>(
     model: &Model<S, N>,
-    contacts: &[Vec<&Contact<S, N>>],
+    contacts: &[Vec<&ContactRows<S, N>>],
     closed: &dyn Fn(usize, usize, usize) -> bool,
 ) -> Vec<FreeBody> {
     free_by(model, contacts, closed, Ties::Functions)
@@ -86,7 +86,7 @@ pub fn free_motions<const S: usize, const N: usize>(
 /// Computes [`free_motions`] with ties by points or by functions.
 pub fn free_by<const S: usize, const N: usize>(
     model: &Model<S, N>,
-    contacts: &[Vec<&Contact<S, N>>],
+    contacts: &[Vec<&ContactRows<S, N>>],
     closed: &dyn Fn(usize, usize, usize) -> bool,
     ties: Ties,
 ) -> Vec<FreeBody> {

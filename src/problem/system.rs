@@ -2,10 +2,9 @@
 
 use super::guess::Guess;
 use super::model::Model;
-use super::start::Start;
 use super::state::{StepError, StepState};
 use crate::constraint::RowKind;
-use crate::contact::Contact;
+use crate::contact::ContactRows;
 use crate::coupling::Rows;
 use crate::linalg::Triplets;
 
@@ -13,6 +12,7 @@ use crate::linalg::Triplets;
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// C, B, g and kinds of all rows in all unknowns.
+#[derive(Debug)]
 pub(super) struct InterfaceSystem<const S: usize, const N: usize> {
     pub(super) rows: Rows,
     pub(super) reaction: Option<Rows>,
@@ -21,9 +21,7 @@ pub(super) struct InterfaceSystem<const S: usize, const N: usize> {
     pub(super) start: Vec<bool>,
     /// Rows whose multiplier functions share an element of the slave side, one list per element.
     pub(super) elements: Vec<Vec<usize>>,
-    /// Rows at points that start closed whatever their gap is.
-    pub(super) eased: Vec<bool>,
-    pub(super) contacts: Vec<Vec<Contact<S, N>>>,
+    pub(super) contacts: Vec<Vec<ContactRows<S, N>>>,
 }
 
 pub(super) fn empty(rows: usize, unknowns: usize) -> Rows {
@@ -52,7 +50,6 @@ impl<const S: usize, const N: usize> InterfaceSystem<S, N> {
             differs |= part.reaction.is_some();
         }
         let rounding = ROUNDING * (model.size + model.center.norm());
-        let mut eased = vec![false; m];
         let mut contacts = Vec::with_capacity(model.contacts.len());
         for contact in &model.contacts {
             let mut parts = Vec::with_capacity(contact.parts.len());
@@ -78,13 +75,12 @@ impl<const S: usize, const N: usize> InterfaceSystem<S, N> {
                         functions.iter().map(|j| part.first_row + j).collect()
                     }));
                 }
-                eased[part.rows()].fill(built.points.is_some() && matches!(contact.start, Start::Auto | Start::All) && before.is_none());
                 parts.push(built);
             }
             contacts.push(parts);
         }
         guess.close_nearest(&rows);
         let (start, reaction) = (guess.closed, differs.then_some(reaction));
-        Ok(Self { rows, reaction, offset, kind, start, elements, eased, contacts })
+        Ok(Self { rows, reaction, offset, kind, start, elements, contacts })
     }
 }

@@ -6,9 +6,9 @@ use super::coupled::{Contact, ContactOptions, Coupled, Faced, Opponent, Tie, Tie
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{Kind, Sides};
-use super::model::{Formulation, SideModel};
+use super::model::SideModel;
 use super::start::Start;
-use crate::contact::{Cone, Obstacle};
+use crate::contact::{Cone, Lagrange, Obstacle};
 use crate::coupling::Mortar;
 use std::sync::Arc;
 
@@ -62,7 +62,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let own = ContactOptions {
             slaves,
             faced,
-            formulation: Formulation::Lagrange,
+            method: Arc::new(Lagrange),
             cone: Cone::Coefficients,
             gap: Data::gap(),
             reach: None,

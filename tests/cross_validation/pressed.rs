@@ -5,14 +5,14 @@ use crate::setting::{Member, Setting};
 use crate::tied::{combined, points_of};
 use faying::assembly::gauss_rules;
 use faying::basis::Basis;
-use faying::contact::{ClosedSide, Cone, Contact, Frames, Obstacle, Opponent, Transmitted, half_width, point_values};
+use faying::contact::{ClosedSide, Cone, ContactAt, ContactMethod, ContactRows, Frames, Obstacle, Opponent, Transmitted, half_width};
 use faying::coupling::interface::{MergedCurve, Partners, slave_segments};
 use faying::coupling::multiplier::MultiplierKind;
 use faying::coupling::{InterfaceQuadrature, Nitsche, Segments};
 use faying::geometry::{ClosestPoint, Geometry, MapTable};
 use faying::linalg::Vector;
 use faying::physics::Flux;
-use faying::problem::{BodyId, ContactId, Data, Formulation, InterfaceSide, Point, Solution};
+use faying::problem::{BodyId, ContactId, Data, InterfaceSide, Point, Solution};
 use faying::space::Trace;
 use std::sync::Arc;
 
@@ -53,12 +53,9 @@ impl Setting<1, 2> {
         let contact = contact.unwrap().named(name).gap(gap.clone()).symmetry();
         match method {
             Method::Lagrange(kind, cone) => contact.multiplier(kind).cone(cone),
-            Method::Penalty(factor) => contact.method(Formulation::Penalty { factor }),
-            Method::Augmented => {
-                let (factor, tolerance) = (faying::constraint::Proximal::<()>::FACTOR, faying::constraint::Proximal::<()>::TOLERANCE);
-                contact.method(Formulation::Augmented { factor, tolerance })
-            }
-            Method::Nitsche => contact.method(Formulation::Nitsche(Nitsche::default())),
+            Method::Penalty(factor) => contact.method(faying::coupling::Penalty { factor }),
+            Method::Augmented => contact.method(faying::contact::Augmented::default()),
+            Method::Nitsche => contact.method(Nitsche::default()),
         };
         let id = contact.id();
         self.contacts.push(Pressed { name: name.into(), id, slave: (slave.0, slave.1.into()), faced, method, gap });
@@ -75,7 +72,7 @@ struct Sides<'a> {
 pub struct InState<'a> {
     pressed: &'a Pressed<1, 2>,
     sides: Sides<'a>,
-    rows: Contact<1, 2>,
+    rows: ContactRows<1, 2>,
     /// Functions of the multiplier, and those by which its pressure is read; none at points.
     spaces: Option<(Box<dyn Basis<1>>, Box<dyn Basis<1>>)>,
     lambda: Vec<f64>,
@@ -121,7 +118,7 @@ impl Pressed<1, 2> {
         let (gap, opponent) = (|x: &Vector<2>, g: f64| self.gap(x, g), self.opponent(&sides));
         let (lambda, unknowns) = (solution.multiplier(self.id).unwrap(), setting.unknowns(solution));
         let (rows, spaces) = if self.method == Method::Nitsche {
-            (Contact::nitsche(&Nitsche::default(), side, opponent, &segments, &gap, unknowns.len()).unwrap(), None)
+            (ContactRows::nitsche(&Nitsche::default(), side, opponent, &segments, &gap, unknowns.len()).unwrap(), None)
         } else {
             let (kind, cone) = match self.method {
                 Method::Lagrange(kind, cone) => (kind, cone),
@@ -129,7 +126,7 @@ impl Pressed<1, 2> {
             };
             let spaces = self.spaces(&sides, kind, &segments);
             assert_eq!(spaces.0.num_functions(), lambda.len(), "{}: space of the multiplier", self.name);
-            let rows = Contact::new(side, opponent, &*spaces.0, segments, &gap, unknowns.len()).unwrap();
+            let rows = ContactRows::new(side, opponent, &*spaces.0, segments, &gap, unknowns.len()).unwrap();
             (rows.with_cone(cone, &*spaces.0).unwrap(), Some(spaces))
         };
         InState { pressed: self, sides, rows, spaces, lambda, unknowns }
@@ -157,7 +154,9 @@ impl InState<'_> {
     pub fn transmitted(&self) -> Transmitted<2> {
         match &self.spaces {
             Some((functions, reading)) => self.rows.transmitted_as_read(&**functions, &**reading, &self.lambda),
-            None => self.rows.transmitted_at_points(&self.rows.points.as_ref().unwrap().of_points(&self.lambda)),
+            None => {
+                self.rows.transmitted_at_points(&self.rows.row_of_points().unwrap().iter().map(|&j| self.lambda[j]).collect::<Vec<_>>())
+            }
         }
     }
 
@@ -187,7 +186,8 @@ impl InState<'_> {
         segments.push_piece(foot.element, partner.0, [(foot.xi, partner.1, 1.0)]);
         let (gap, side) = (|x: &Vector<2>, g: f64| self.pressed.gap(x, g), member.side(trace, Some(&**flux)));
         let opponent = self.pressed.opponent(&self.sides);
-        let (_, values) = point_values(&Nitsche::default(), side, opponent, &segments, &gap, &self.unknowns).unwrap();
+        let at = ContactAt::new(side, opponent, &segments, None, &gap, self.unknowns.len());
+        let values = Nitsche::default().values(&at, &self.unknowns).unwrap().unwrap();
         values.lambda.first().map_or(0.0, |l| -l)
     }
 }

@@ -2,7 +2,7 @@
 
 use faying::check;
 use faying::constraint::{
-    Abilities, ActiveSet, Augmented, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, Free, Krylov, Proximal,
+    Abilities, ActiveSet, Augmented, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, Free, Krylov, Outer,
     Schur, SolveError,
 };
 use faying::linalg::Limits;
@@ -32,7 +32,7 @@ fn solvers_say_what_they_solve_and_solve_what_they_say() {
         let around = || ActiveSet::new(make());
         assert_eq!(around().abilities(), Abilities { contact: true, ..expected }, "{name}");
         check::solver(|| Box::new(around())).unwrap_or_else(|e| panic!("{name} in an active set: {e}"));
-        assert_eq!(Proximal::new(around(), Vec::new()).abilities(), around().abilities(), "{name}");
+        assert_eq!(Outer::new(around(), Vec::new()).abilities(), around().abilities(), "{name}");
     }
     for uzawa in [&Augmented::uzawa(Limits::default()) as &dyn ConstraintSolver, &Augmented::uzawa_iterative(Limits::default())] {
         assert_eq!(uzawa.abilities(), ROWS);

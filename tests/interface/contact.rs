@@ -5,7 +5,7 @@ use coupled::{Bodies, KINDS, Kind};
 use faying::assembly::{gauss_rules, trace_load};
 use faying::basis::Basis;
 use faying::constraint::{ActiveSet, Condensed, ConstrainedSolution, ConstraintSolver, Direct};
-use faying::contact::{ClosedSide, Contact, HalfPlane, Obstacle, Opponent, Surface, Transmitted, half_width};
+use faying::contact::{ClosedSide, ContactRows, HalfPlane, Obstacle, Opponent, Surface, Transmitted, half_width};
 use faying::coupling::interface::{MergedCurve, slave_segments};
 use faying::coupling::multiplier::{MultiplierKind, build};
 use faying::coupling::{InterfaceQuadrature, Side};
@@ -34,7 +34,7 @@ fn press(model: &mut Bodies<2>, body: usize, side: &str, p: f64) {
 struct Pressed {
     solution: ConstrainedSolution,
     transmitted: Transmitted<2>,
-    contact: Contact<1, 2>,
+    contact: ContactRows<1, 2>,
 }
 
 /// Solves a model with one contact: slave side against a master side or an obstacle; rows with a gap below `start` are
@@ -57,7 +57,7 @@ fn solve(
         }
         Err(target) => (slave_segments(&*side.space, &gauss_rules(&*side.space, points)), Opponent::Rigid(target, None)),
     };
-    let contact = Contact::new(as_side(slave, side), opponent, multiplier, segments, gap, model.unknowns()).unwrap();
+    let contact = ContactRows::new(as_side(slave, side), opponent, multiplier, segments, gap, model.unknowns()).unwrap();
     let at_rest = contact.lumped_gap(&vec![0.0; model.unknowns()]);
     let mut solver = make(at_rest.iter().map(|g| g.is_some_and(|g| g < start)).collect());
     let solution = model.solve(&contact.rows, None, &contact.offset, &contact.kinds(), &mut *solver).unwrap_or_else(|e| panic!("{e}"));

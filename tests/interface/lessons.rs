@@ -12,6 +12,14 @@ mod contact;
 #[path = "../../examples/04_own_material_and_obstacle.rs"]
 mod own_material_and_obstacle;
 
+#[path = "../../examples/05_contact_method.rs"]
+pub mod contact_method;
+
+#[test]
+fn lesson_5_a_method_of_contact_from_outside() {
+    contact_method::main().unwrap();
+}
+
 #[test]
 fn lesson_1_poisson() {
     poisson::main().unwrap();
@@ -80,7 +88,7 @@ fn wrong_problems_are_refused_with_what_is_wrong() {
 #[test]
 fn what_would_be_answered_in_silence_is_refused() {
     use faying::coupling::multiplier::MultiplierKind;
-    use faying::problem::{Components, Data, ErrorKind as E, Formulation, Problem, Value};
+    use faying::problem::{Components, Data, ErrorKind as E, Problem, Value};
     let blocks = || {
         let mut p = Problem::<1, 2>::new();
         let (a, b) = (square(&mut p, "a", 0.0), square(&mut p, "b", 1.0));
@@ -97,7 +105,7 @@ fn what_would_be_answered_in_silence_is_refused() {
     assert_eq!(refused(&p).kind, E::BothWays);
     let (mut p, a, b) = blocks();
     p.fix(b.side("u0"), Components::X).unwrap();
-    p.contact(b.side("v0"), a.side("v1")).unwrap().method(Formulation::Penalty { factor: -1.0 });
+    p.contact(b.side("v0"), a.side("v1")).unwrap().method(faying::coupling::Penalty { factor: -1.0 });
     assert!(matches!(refused(&p).kind, E::Interface { .. }));
     // one constant per component lets the upper block turn
     let (mut p, a, b) = blocks();

@@ -6,6 +6,7 @@ mod answers;
 mod auto_multiplier;
 mod common;
 mod contact;
+mod contact_methods;
 mod dual;
 mod exact_answers;
 mod faults;

@@ -1,12 +1,16 @@
 //! Entries of the registry that come with the program.
 
+use super::case::{self, Given};
 use super::lower::{PLANE_OBSTACLES, patch_fault};
-use super::registry::{Family, Fault, MakeSolver, Names, Registry, Shaped};
+use super::registry::{Family, Fault, MakeMethod, MakeSolver, Names, Registry, Shaped};
 use faying::constraint::{Augmented, Condensed, Direct, Krylov, Schur};
+use faying::contact::{self, Lagrange};
 use faying::coupling::multiplier::MultiplierKind;
+use faying::coupling::nitsche::Variant;
 use faying::coupling::{Mortar, Nitsche, Penalty};
 use faying::problem::Integration;
 use faying::space::{Mesh, Patch};
+use std::sync::Arc;
 
 impl<const S: usize, const N: usize> Names<S, N> {
     /// Creates the built-in backends, without other names.
@@ -16,8 +20,37 @@ impl<const S: usize, const N: usize> Names<S, N> {
             .backends
             .add("iga", Box::new(|spec| Ok(Box::new(Patch::<S, N>::try_new(spec).map_err(|e| patch_fault(&e))?))))
             .add("fe", Box::new(|spec| Ok(Box::new(Mesh::<S, N>::from_patch(spec).map_err(|e| patch_fault(&e))?))));
+        for method in case::built_in_methods() {
+            let make: MakeMethod<S, N> = match method.entry.name.as_str() {
+                "penalty" => Box::new(|given| Ok(Arc::new(penalty(given)))),
+                "augmented" => Box::new(|given| Ok(Arc::new(augmented(given)))),
+                "nitsche" => Box::new(|given| Ok(Arc::new(nitsche(given)))),
+                _ => Box::new(|_| Ok(Arc::new(Lagrange))),
+            };
+            names.methods.add_keyed(&method.entry.name, method.entry.keys, make);
+        }
         names
     }
+}
+
+fn penalty(given: &Given) -> Penalty {
+    Penalty { factor: given.auto("factor").unwrap_or(Penalty::AUTO) }
+}
+
+fn augmented(given: &Given) -> contact::Augmented {
+    contact::Augmented {
+        factor: given.auto("factor").unwrap_or(contact::Augmented::FACTOR),
+        tolerance: given.auto("tolerance").unwrap_or(contact::Augmented::TOLERANCE),
+    }
+}
+
+fn nitsche(given: &Given) -> Nitsche {
+    let variant = match given.word("variant") {
+        "unsymmetric" => Variant::Unsymmetric,
+        "incomplete" => Variant::Incomplete,
+        _ => Variant::Symmetric,
+    };
+    Nitsche { factor: given.auto("factor").unwrap_or(Nitsche::AUTO), variant }
 }
 
 /// Highest k of the built-in pairings p/p-k: the highest degree of a patch.
@@ -33,11 +66,12 @@ impl Names<1, 2> {
             names.multipliers.add(&kind.to_string(), kind.into());
         }
         names.shaped = Shaped(Some(PLANE_OBSTACLES));
+        let keys = |name: &str| case::built_in_couplings().into_iter().find(|e| e.name == name).map_or_else(Vec::new, |e| e.keys);
         names
             .couplings
-            .add("mortar", Box::new(|_| Box::new(Mortar)))
-            .add("nitsche", Box::new(|o| Box::new(Nitsche { factor: o.factor.unwrap_or(Nitsche::AUTO), variant: o.variant })))
-            .add("penalty", Box::new(|o| Box::new(Penalty { factor: o.factor.unwrap_or(Penalty::AUTO) })));
+            .add_keyed("mortar", Vec::new(), Box::new(|_| Ok(Box::new(Mortar))))
+            .add_keyed("nitsche", keys("nitsche"), Box::new(|given| Ok(Box::new(nitsche(given)))))
+            .add_keyed("penalty", keys("penalty"), Box::new(|given| Ok(Box::new(penalty(given)))));
         names.integrations.add("merged", Integration::Merged.into()).add("slave", Integration::Slave.into());
         names
     }

@@ -3,9 +3,8 @@
 use crate::case;
 use crate::errors::nearest;
 use faying::constraint::ConstraintSolver;
-use faying::contact::Obstacle;
+use faying::contact::{ContactMethod, Needs, Obstacle};
 use faying::coupling::Coupling;
-use faying::coupling::nitsche::Variant;
 use faying::linalg::Limits;
 use faying::problem::{Multiplier, Physics, Rule};
 use faying::space::{Body, PatchSpec};
@@ -111,6 +110,18 @@ impl<F> Family<Keyed<F>> {
         self.entries.iter().map(|(name, entry)| case::EntryKeys { name: name.clone(), keys: entry.keys.clone() })
     }
 
+    /// Every entry with what its function makes of the defaults of its keys; `None` where it refuses them, or one has no default.
+    fn made<R>(&self) -> Vec<(case::EntryKeys, Option<R>)>
+    where
+        F: std::ops::Deref<Target: Fn(&case::Given) -> Result<R, Fault>>,
+    {
+        let make = |entry: &Keyed<F>| {
+            let whole = entry.keys.iter().all(|key| !key.is_required());
+            whole.then(|| (*entry.make)(&case::Given::of_defaults(&entry.keys)).ok()).flatten()
+        };
+        self.keys().zip(&self.entries).map(|(keys, (_, entry))| (keys, make(entry))).collect()
+    }
+
     /// Adds an entry with its keys; one of the same name is replaced.
     pub fn add_keyed(&mut self, name: &str, keys: Vec<case::Key>, make: F) -> &mut Self {
         self.add(name, Keyed { keys, make })
@@ -125,18 +136,11 @@ pub type AtRest<const S: usize, const N: usize> = Box<dyn Fn(f64) -> Box<dyn Obs
 pub type MakeObstacle<const S: usize, const N: usize> = Box<dyn Fn(&case::Given) -> Result<AtRest<S, N>, Fault> + Send + Sync>;
 /// Makes a body of a patch.
 pub type MakeBody<const S: usize, const N: usize> = Box<dyn Fn(&PatchSpec<N>) -> Result<Box<dyn Body<S, N>>, Fault> + Send + Sync>;
-/// Options of a coupling with a factor: penalty, Nitsche's method.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[non_exhaustive]
-pub struct CouplingOptions {
-    /// The factor, a pure number; `None` for the automatic one.
-    pub factor: Option<f64>,
-    /// The variant of Nitsche's method.
-    pub variant: Variant,
-}
-
-/// Makes a coupling.
-pub type MakeCoupling<const S: usize, const N: usize> = Box<dyn Fn(CouplingOptions) -> Box<dyn Coupling<S, N>> + Send + Sync>;
+/// Makes a coupling from the values of its keys.
+pub type MakeCoupling<const S: usize, const N: usize> = Box<dyn Fn(&case::Given) -> Result<Box<dyn Coupling<S, N>>, Fault> + Send + Sync>;
+/// Makes a method of contact from the values of its keys.
+pub type MakeMethod<const S: usize, const N: usize> =
+    Box<dyn Fn(&case::Given) -> Result<Arc<dyn ContactMethod<S, N>>, Fault> + Send + Sync>;
 /// Options of a constraint solver.
 #[derive(Clone, Debug)]
 pub struct SolverOptions {
@@ -164,7 +168,9 @@ pub struct Names<const S: usize, const N: usize> {
     /// Multiplier spaces.
     pub multipliers: Family<Multiplier<S, N>>,
     /// Couplings of interfaces.
-    pub couplings: Family<MakeCoupling<S, N>>,
+    pub couplings: Family<Keyed<MakeCoupling<S, N>>>,
+    /// Methods of contact; one of the same name as in the other dimension has the same keys and needs.
+    pub methods: Family<Keyed<MakeMethod<S, N>>>,
     /// Integrations of interfaces and contacts.
     pub integrations: Family<Rule<S, N>>,
     /// Laws of materials beside those of the language, of as many components as the physics of a case.
@@ -189,6 +195,7 @@ impl<const S: usize, const N: usize> Names<S, N> {
             backends: Family::new("backend"),
             multipliers: Family::new("multiplier"),
             couplings: Family::new("coupling"),
+            methods: Family::new("method"),
             integrations: Family::new("integration"),
             materials: Family::new("law"),
             obstacles: Family::new("obstacle"),
@@ -216,8 +223,15 @@ pub(super) fn is_glue(coupling: &str) -> bool {
 }
 
 /// Every coupling of a family, and whether it makes rows.
-fn asked<const S: usize, const N: usize>(couplings: &Family<MakeCoupling<S, N>>) -> Vec<(String, bool)> {
-    couplings.entries.iter().map(|(name, make)| (name.clone(), make(CouplingOptions::default()).has_rows())).collect()
+fn asked<const S: usize, const N: usize>(couplings: &Family<Keyed<MakeCoupling<S, N>>>) -> Vec<(String, bool)> {
+    // one that is not made of its defaults has rows until it says otherwise
+    couplings.made().into_iter().map(|(entry, made)| (entry.name, made.is_none_or(|coupling| coupling.has_rows()))).collect()
+}
+
+/// Every method of contact of a family, and what it needs.
+fn methods<const S: usize, const N: usize>(methods: &Family<Keyed<MakeMethod<S, N>>>) -> Vec<case::MethodEntry> {
+    let needs = |made: Option<Arc<dyn ContactMethod<S, N>>>| made.map_or(Needs::FUNCTIONS, |method| method.needs());
+    methods.made().into_iter().map(|(entry, made)| case::MethodEntry { entry, needs: needs(made) }).collect()
 }
 
 /// All names a case file may use.
@@ -236,6 +250,13 @@ impl Registry {
     /// [`ReadOptions::names`](crate::case::ReadOptions::names).
     pub fn case_names(&self) -> case::Names {
         let mut names = case::Names::default();
+        let more = |list: &mut Vec<case::EntryKeys>, entries: &mut dyn Iterator<Item = case::EntryKeys>| {
+            for entry in entries {
+                if list.iter().all(|known| known.name != entry.name) {
+                    list.push(entry);
+                }
+            }
+        };
         for backends in [self.plane.backends.names(), self.volume.backends.names()] {
             case::Names::add(&mut names.backends, backends);
         }
@@ -245,6 +266,12 @@ impl Registry {
         let asked = [asked(&self.plane.couplings), asked(&self.volume.couplings)].concat();
         names.rowless.retain(|name| asked.iter().all(|(known, _)| known != name));
         case::Names::add(&mut names.rowless, asked.into_iter().filter(|(_, has_rows)| !has_rows).map(|(name, _)| name));
+        more(&mut names.coupling_keys, &mut self.plane.couplings.keys().chain(self.volume.couplings.keys()));
+        for method in methods(&self.plane.methods).into_iter().chain(methods(&self.volume.methods)) {
+            if names.methods.iter().all(|known| known.entry.name != method.entry.name) {
+                names.methods.push(method);
+            }
+        }
         for multipliers in [self.plane.multipliers.names(), self.volume.multipliers.names()] {
             case::Names::add(&mut names.multipliers, multipliers);
         }
@@ -252,13 +279,6 @@ impl Registry {
             case::Names::add(&mut names.integrations, rules);
         }
         case::Names::add(&mut names.constraints, self.solvers.names());
-        let more = |list: &mut Vec<case::EntryKeys>, entries: &mut dyn Iterator<Item = case::EntryKeys>| {
-            for entry in entries {
-                if list.iter().all(|known| known.name != entry.name) {
-                    list.push(entry);
-                }
-            }
-        };
         more(&mut names.laws, &mut self.plane.materials.keys().chain(self.volume.materials.keys()));
         more(&mut names.obstacles, &mut self.plane.obstacles.keys().chain(self.volume.obstacles.keys()));
         names

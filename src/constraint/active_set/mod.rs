@@ -24,6 +24,7 @@ mod first_guess;
 mod forces;
 mod groups;
 mod pivot;
+mod softening;
 mod springs;
 
 use super::scale::check_shape;
@@ -35,6 +36,7 @@ use pivot::{Next, Pivot, Try};
 
 pub use forces::sign_case_of_rows;
 pub(super) use forces::violated;
+pub use softening::Softening;
 
 /// Active set iteration around `inner`; rows of kind `Equal` and `Open` stay what they are.
 ///

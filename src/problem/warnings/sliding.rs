@@ -14,7 +14,7 @@
 
 use super::warning::{Subject, Warning};
 use crate::basis::Order;
-use crate::contact::{Contact, opposed};
+use crate::contact::{ContactRows, opposed};
 use crate::geometry::{ClosestPoint, MapTable};
 use crate::linalg::Vector;
 use crate::problem::Point;
@@ -74,7 +74,7 @@ fn closed<const S: usize, const N: usize>(
     model: &Model<S, N>,
     contact: &ContactModel<S, N>,
     part: &ContactPart<S, N>,
-    rows: &Contact<S, N>,
+    rows: &ContactRows<S, N>,
     state: &StepState<S, N>,
 ) -> Vec<Closed<N>> {
     let (s, frames) = (&rows.segments, &rows.frames);

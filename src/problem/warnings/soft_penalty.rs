@@ -1,7 +1,6 @@
 //! Penalties that let bodies sink into each other, or come apart, by more than a hundredth of their size.
 
 use super::warning::{Subject, Warning};
-use crate::problem::Formulation;
 use crate::problem::model::{Model, TieModel};
 use crate::problem::state::StepState;
 
@@ -14,7 +13,7 @@ pub(super) fn soft_penalties<const S: usize, const N: usize>(model: &Model<S, N>
     let size = |patches: &mut dyn Iterator<Item = usize>| {
         patches.filter_map(|k| model.patches[k].extent).map(|b| b.diagonal()).fold(f64::INFINITY, f64::min)
     };
-    for (k, contact) in model.contacts.iter().enumerate().filter(|(_, c)| matches!(c.formulation, Formulation::Penalty { .. })) {
+    for (k, contact) in model.contacts.iter().enumerate().filter(|(_, c)| c.is_soft()) {
         let size = size(&mut contact.parts.iter().flat_map(|p| p.masters.iter().chain([&p.slave])).map(|s| s.patch));
         let depth = -contact.least_gap(model, &state.contacts[k], &state.u);
         if depth > DEEP * size {

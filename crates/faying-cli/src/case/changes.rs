@@ -2,7 +2,6 @@
 
 use super::names::Names;
 use super::tree::{Node, Table, Value, parse_value};
-use super::types::Method;
 use crate::place::{Origin, Place};
 
 /// Changes of a case between its `--set` options and its reading; the default changes nothing.
@@ -39,7 +38,7 @@ pub(super) fn apply(root: &mut Table, changes: &Changes, names: &Names) {
         everywhere(root, "degree", whole(degree));
     }
     // a word that is missing is the default, and the reader rejects one that is not known: both have a multiplier
-    let method = |word: &str| Method::WORDS.iter().all(|(known, method)| *known != word || method.has_multiplier());
+    let method = |word: &str| names.needs(word).multiplier;
     let coupling = |word: &str| names.has_rows(word);
     for (list, kind, has_multiplier) in [("interface", "coupling", &coupling as &dyn Fn(&str) -> bool), ("contact", "method", &method)] {
         for couple in tables(root, list) {

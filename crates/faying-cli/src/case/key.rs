@@ -1,8 +1,10 @@
-//! Keys of obstacles and materials from outside, and the values that a case gives them.
+//! Keys of entries of the registry, and the values that a case gives them.
 
+use super::names::EntryKeys;
 use super::reader::{Block, Reader, Sign, Uses};
 use super::tree::Value;
 use crate::formula::{Formula, Point};
+use crate::place::Place;
 use faying::linalg::Vector;
 use serde_json::json;
 
@@ -25,6 +27,8 @@ pub enum KeyKind {
     Number(Option<f64>),
     /// A number above zero.
     Positive(Option<f64>),
+    /// "auto", its default, or a number above zero.
+    Auto,
     /// A formula of x, y, z, t.
     Formula(Option<f64>),
     /// A number per coordinate.
@@ -42,7 +46,7 @@ impl Key {
     }
 
     /// Whether a case must give it.
-    pub(super) fn is_required(&self) -> bool {
+    pub(crate) fn is_required(&self) -> bool {
         matches!(self.kind, KeyKind::Number(None) | KeyKind::Positive(None) | KeyKind::Formula(None) | KeyKind::Vector)
     }
 
@@ -51,6 +55,7 @@ impl Key {
         let (mut value, default) = match &self.kind {
             KeyKind::Number(default) => (json!({"$ref": "#/$defs/number"}), default.map(|v| json!(v))),
             KeyKind::Positive(default) => (json!({"$ref": "#/$defs/positive"}), default.map(|v| json!(v))),
+            KeyKind::Auto => (json!({"$ref": "#/$defs/auto"}), None),
             KeyKind::Formula(default) => (json!({"$ref": "#/$defs/formula"}), default.map(|v| json!(v))),
             KeyKind::Vector => (json!({"$ref": "#/$defs/vector"}), None),
             KeyKind::Flag(default) => (json!({"type": "boolean"}), Some(json!(default))),
@@ -67,6 +72,7 @@ impl Key {
 #[derive(Clone, Debug, PartialEq)]
 enum GivenValue {
     Number(f64),
+    Auto(Option<f64>),
     Formula(Formula),
     Vector(Vec<f64>),
     Flag(bool),
@@ -78,13 +84,39 @@ enum GivenValue {
 /// Every getter panics if the entry has no key of this name and type.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Given {
-    values: Vec<(&'static str, GivenValue)>,
+    values: Vec<(&'static str, GivenValue, Place)>,
 }
 
 impl Given {
+    /// The defaults of `keys`; those without default are left out.
+    pub(crate) fn of_defaults(keys: &[Key]) -> Self {
+        let default = |key: &Key| match &key.kind {
+            KeyKind::Number(v) | KeyKind::Positive(v) => v.map(GivenValue::Number),
+            KeyKind::Auto => Some(GivenValue::Auto(None)),
+            KeyKind::Formula(v) => v.map(|v| GivenValue::Formula(Formula::constant(v))),
+            KeyKind::Vector => None,
+            KeyKind::Flag(b) => Some(GivenValue::Flag(*b)),
+            KeyKind::Word(words) => words.first().map(|w| GivenValue::Word((*w).to_owned())),
+        };
+        Self { values: keys.iter().filter_map(|key| Some((key.name, default(key)?, Place::default()))).collect() }
+    }
+
+    /// Place of a key's value in the case; `None` if the entry has no such key.
+    pub fn at(&self, key: &str) -> Option<Place> {
+        self.values.iter().find(|(name, ..)| *name == key).map(|(_, _, at)| *at)
+    }
+
     fn value(&self, key: &str) -> &GivenValue {
-        let found = self.values.iter().find(|(name, _)| *name == key);
+        let found = self.values.iter().find(|(name, ..)| *name == key);
         &found.unwrap_or_else(|| panic!("the entry has no key `{key}`")).1
+    }
+
+    /// A number, or `None` for "auto".
+    pub fn auto(&self, key: &str) -> Option<f64> {
+        match self.value(key) {
+            GivenValue::Auto(v) => *v,
+            other => panic!("`{key}` may not be \"auto\": {other:?}"),
+        }
     }
 
     /// A number.
@@ -135,7 +167,7 @@ impl Given {
 
     /// Whether a formula depends on the time.
     pub fn depends_on_time(&self) -> bool {
-        self.values.iter().any(|(_, v)| matches!(v, GivenValue::Formula(f) if f.depends_on_time()))
+        self.values.iter().any(|(_, v, _)| matches!(v, GivenValue::Formula(f) if f.depends_on_time()))
     }
 }
 
@@ -146,23 +178,58 @@ impl Reader {
         let mut complete = true;
         for key in keys {
             match self.given_value(b, key) {
-                Some(value) => values.push((key.name, value)),
+                Some((value, at)) => values.push((key.name, value, at)),
                 None => complete = false,
             }
         }
         complete.then_some(Given { values })
     }
 
-    fn given_value(&mut self, b: &mut Block, key: &Key) -> Option<GivenValue> {
+    /// The values of the keys of the entry `chosen` of a family; `what` is the key that chooses it, "method". Keys of other entries are
+    /// accepted with their defaults alone (E015).
+    pub(super) fn entry(&mut self, b: &mut Block, what: &str, chosen: &str, entries: &[EntryKeys]) -> Option<Given> {
+        let own = entries.iter().find(|e| e.name == chosen).map_or(&[][..], |e| &e.keys);
+        let given = self.given(b, own);
+        let mut seen: Vec<&str> = own.iter().map(|key| key.name).collect();
+        for key in entries.iter().flat_map(|e| &e.keys) {
+            if seen.contains(&key.name) || !b.has(key.name) {
+                continue;
+            }
+            seen.push(key.name);
+            let Some((value, at)) = self.given_value(b, key) else { continue };
+            if Given::of_defaults(std::slice::from_ref(key)).values.first().is_some_and(|(_, default, _)| *default == value) {
+                continue;
+            }
+            let owners = entries.iter().filter(|e| e.keys.iter().any(|k| k.name == key.name)).map(|e| format!("{:?}", e.name));
+            let owners: Vec<String> = owners.collect();
+            let owners = match owners.split_last() {
+                Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+                _ => owners.concat(),
+            };
+            let (key, text) = (key.name, key.text);
+            let message = format!("`{key}` is not a key of {what} = {chosen:?}");
+            self.fault("E015", at, message, format!("it belongs to {what} = {owners}: {text}"));
+        }
+        given
+    }
+
+    fn given_value(&mut self, b: &mut Block, key: &Key) -> Option<(GivenValue, Place)> {
         let name = key.name;
         let numbers = if self.dimension == 2 { "[0.0, 1.0]" } else { "[0.0, 0.0, 1.0]" };
         let example = if key.kind == KeyKind::Vector { format!("{name} = {numbers}") } else { format!("{name} = 1.0") };
         match &key.kind {
-            KeyKind::Flag(default) => return Some(GivenValue::Flag(self.flag(b, name, *default).value)),
+            KeyKind::Flag(default) => {
+                let flag = self.flag(b, name, *default);
+                return Some((GivenValue::Flag(flag.value), flag.at));
+            }
+            KeyKind::Auto => {
+                let number = self.auto(b, name);
+                return Some((GivenValue::Auto(number.value), number.at));
+            }
             KeyKind::Word(words) => {
                 let all: Vec<(&str, usize)> = words.iter().enumerate().map(|(k, w)| (*w, k)).collect();
-                let chosen = self.word(b, name, &all).value;
-                return Some(GivenValue::Word(words[chosen].to_owned()));
+                let chosen = self.word(b, name, &all);
+                return Some((GivenValue::Word(words[chosen.value].to_owned()), chosen.at));
             }
             KeyKind::Number(Some(v)) | KeyKind::Positive(Some(v)) | KeyKind::Formula(Some(v)) if !b.has(name) => {
                 b.default(name, Value::Float(*v));
@@ -170,11 +237,12 @@ impl Reader {
             _ => {}
         }
         let node = self.required(b, name, &example)?;
-        Some(match &key.kind {
+        let value = match &key.kind {
             KeyKind::Number(_) => GivenValue::Number(self.number_of(&node, name, Sign::Any)?),
             KeyKind::Positive(_) => GivenValue::Number(self.number_of(&node, name, Sign::Positive)?),
             KeyKind::Formula(_) => GivenValue::Formula(self.formula_of(&node, name, Uses::Space)?.value),
             _ => GivenValue::Vector(self.vector_of(&node, name, false)?.value),
-        })
+        };
+        Some((value, node.at))
     }
 }

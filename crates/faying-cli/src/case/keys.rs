@@ -68,20 +68,8 @@ pub(super) const GRADE: &[&str] = &["toward", "ratio"];
 pub(super) const BOUNDARY: &[&str] =
     &["name", "on", "where", "fix", "dirichlet", "neumann", "traction", "pressure", "force", "spring", "rigid_force"];
 
-pub(super) const INTERFACE: &[&str] = &[
-    "name",
-    "slave",
-    "master",
-    "between",
-    "coupling",
-    "multiplier",
-    "integration",
-    "extra_points",
-    "tolerance",
-    "factor",
-    "variant",
-    "exact",
-];
+pub(super) const INTERFACE: &[&str] =
+    &["name", "slave", "master", "between", "coupling", "multiplier", "integration", "extra_points", "tolerance", "exact"];
 
 pub(super) const CONTACT: &[&str] = &[
     "name",
@@ -95,9 +83,6 @@ pub(super) const CONTACT: &[&str] = &[
     "extra_points",
     "cone",
     "reach",
-    "tolerance",
-    "factor",
-    "variant",
     "exact",
     "symmetry",
     "active_set",

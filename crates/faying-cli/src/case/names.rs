@@ -1,6 +1,7 @@
 //! Names that a case may use for backends, couplings, multipliers, constraint solvers, materials and obstacles.
 
-use super::key::Key;
+use super::key::{Key, KeyKind};
+use faying::contact::Needs;
 
 /// Known names; a registry adds its own to these.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +18,10 @@ pub struct Names {
     pub integrations: Vec<String>,
     /// `constraint` of the solver.
     pub constraints: Vec<String>,
+    /// Keys of couplings.
+    pub coupling_keys: Vec<EntryKeys>,
+    /// `method` of contacts.
+    pub methods: Vec<MethodEntry>,
     /// `law` of materials, beside those of the language.
     pub laws: Vec<EntryKeys>,
     /// `kind` of obstacles, beside those of the language.
@@ -32,6 +37,57 @@ pub struct EntryKeys {
     pub keys: Vec<Key>,
 }
 
+/// A method of contact: its name, its keys, what it needs of the sides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MethodEntry {
+    /// Name and keys.
+    pub entry: EntryKeys,
+    /// What it needs.
+    pub needs: Needs,
+}
+
+/// `factor` of penalties and of Nitsche's method.
+fn factor() -> Key {
+    Key::new("factor", KeyKind::Auto, "multiplies modulus/h")
+}
+
+/// `variant` of Nitsche's method.
+fn variant() -> Key {
+    Key::new("variant", KeyKind::Word(&["symmetric", "unsymmetric", "incomplete"]), "variant of Nitsche's method")
+}
+
+/// Keys of the couplings of the language.
+pub(crate) fn built_in_couplings() -> Vec<EntryKeys> {
+    let of = |name: &str, keys: Vec<Key>| EntryKeys { name: name.to_owned(), keys };
+    vec![of("penalty", vec![factor()]), of("nitsche", vec![factor(), variant()])]
+}
+
+/// The methods of contact of the language, the default first.
+pub(crate) fn built_in_methods() -> Vec<MethodEntry> {
+    let of = |name: &str, keys: Vec<Key>, needs: Needs| MethodEntry { entry: EntryKeys { name: name.to_owned(), keys }, needs };
+    let tolerance = "relative error of the multipliers at which the iteration ends; `reach` limits the distance of the sides";
+    let tolerance = Key::new("tolerance", KeyKind::Auto, tolerance);
+    vec![
+        of("lagrange", Vec::new(), Needs::FUNCTIONS),
+        of("penalty", vec![factor()], Needs::FUNCTIONS),
+        of("augmented", vec![tolerance, factor()], Needs::FUNCTIONS),
+        of("nitsche", vec![factor(), variant()], Needs::FLUXES),
+    ]
+}
+
+/// The keys of a block and those of entries of the registry, these after `after`, each once.
+pub(super) fn with_keys(block: &[&'static str], after: &str, entries: &[EntryKeys]) -> Vec<&'static str> {
+    let mut all: Vec<&'static str> = block.to_vec();
+    let mut at = all.iter().position(|key| *key == after).map_or(all.len(), |k| k + 1);
+    for key in entries.iter().flat_map(|e| &e.keys) {
+        if !all.contains(&key.name) {
+            all.insert(at, key.name);
+            at += 1;
+        }
+    }
+    all
+}
+
 impl Default for Names {
     /// The names of the case file's language, implemented or not.
     fn default() -> Self {
@@ -43,6 +99,8 @@ impl Default for Names {
             multipliers: list(&["auto", "p/p", "p/p-1", "p/p-2", "constant", "dual"]),
             integrations: list(&["merged", "segments", "slave", "mixed"]),
             constraints: list(&["auto", "saddle-point", "condensed", "schur", "uzawa"]),
+            coupling_keys: built_in_couplings(),
+            methods: built_in_methods(),
             laws: Vec::new(),
             obstacles: Vec::new(),
         }
@@ -54,6 +112,16 @@ impl Names {
     pub fn has_multiplier(&self, name: &str) -> bool {
         let lowered = name.strip_prefix("p/p-").and_then(|k| k.parse::<usize>().ok());
         lowered.is_some_and(|k| (1..=12).contains(&k)) || self.multipliers.iter().any(|known| known == name)
+    }
+
+    /// Keys of the methods of contact.
+    pub(super) fn method_keys(&self) -> Vec<EntryKeys> {
+        self.methods.iter().map(|m| m.entry.clone()).collect()
+    }
+
+    /// What a method of contact needs; a word that is none needs what the default does.
+    pub fn needs(&self, method: &str) -> Needs {
+        self.methods.iter().find(|m| m.entry.name == method).map_or(Needs::FUNCTIONS, |m| m.needs)
     }
 
     /// Whether an interface of this `coupling` has a multiplier; glued sides share their unknowns instead.

@@ -134,10 +134,14 @@ impl Reader {
     }
 
     fn later_contact(&mut self, c: &Contact) {
-        if let (Master::Rigid(o), Method::Nitsche) = (&c.master, c.method.value)
+        if let (Master::Rigid(o), false) = (&c.master, c.needs.pressed)
             && let Some(f) = o.force.iter().flatten().next()
         {
-            self.later(f.at, "`force` of an obstacle with method = \"nitsche\"", "write method = \"lagrange\", or use move");
+            self.later(
+                f.at,
+                &format!("`force` of an obstacle with method = {:?}", c.method.value),
+                "write method = \"lagrange\", or use move",
+            );
         }
     }
 }

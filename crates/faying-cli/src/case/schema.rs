@@ -1,7 +1,7 @@
 //! `faying schema`: the JSON Schema (2020-12) of the case file, made of the reader's own key tables and the known names.
 
 use super::keys;
-use super::names::{EntryKeys, Names};
+use super::names::{EntryKeys, Names, built_in_couplings, built_in_methods};
 use super::not_yet::{LATER_KEYS, Plain, later_of};
 use super::schema_keys::{ENTRIES, Entry};
 use serde_json::{Map, Value, json};
@@ -40,6 +40,12 @@ pub fn schema(names: &Names) -> Value {
                 all.entry(key.name).or_insert_with(|| key.schema());
             }
         }
+        let own = match name {
+            "interface" => names.coupling_keys.clone(),
+            "contact" => names.method_keys(),
+            _ => Vec::new(),
+        };
+        entry_keys(&mut item, &own);
         all.insert(name.into(), described("", name, json!({"type": "array", "items": item})));
     }
     let studies: Map<String, Value> = keys::STUDIES.iter().map(|s| ((*s).to_owned(), block("study", "study", keys::STUDY, &[]))).collect();
@@ -56,9 +62,22 @@ pub fn schema(names: &Names) -> Value {
     document
 }
 
+/// Adds the keys of entries of the registry to a block; each says whose it is.
+fn entry_keys(item: &mut Value, entries: &[EntryKeys]) {
+    let all = properties(item);
+    for key in entries.iter().flat_map(|e| &e.keys) {
+        let owners: Vec<&str> = entries.iter().filter(|e| e.keys.iter().any(|k| k.name == key.name)).map(|e| e.name.as_str()).collect();
+        let mut value = key.schema();
+        value["description"] = json!(format!("{}: {}", owners.join(", "), key.text));
+        all.entry(key.name).or_insert(value);
+    }
+}
+
 /// Whether `word` is a key of some block, built or not.
 pub(crate) fn is_key(word: &str) -> bool {
+    let own = built_in_couplings().into_iter().chain(built_in_methods().into_iter().map(|m| m.entry)).flat_map(|e| e.keys);
     ENTRIES.iter().any(|e| e.key == word)
+        || own.into_iter().any(|key| key.name == word)
         || keys::ALIASES.iter().any(|(alias, _)| *alias == word)
         || LATER_KEYS.iter().any(|(_, key, ..)| *key == word)
 }
@@ -206,9 +225,9 @@ fn definitions(names: &Names) -> Value {
         "extra_points": {"type": "integer", "minimum": 0, "maximum": 60},
         "backend": {"enum": names.backends},
         "coupling": {"enum": names.couplings},
+        "method": {"enum": names.methods.iter().map(|m| &m.entry.name).collect::<Vec<_>>()},
         "constraint": {"enum": names.constraints},
         "integration": {"enum": names.integrations},
-        "variant": {"enum": ["symmetric", "unsymmetric", "incomplete"]},
         "multiplier": {"anyOf": [{"enum": names.multipliers}, {"type": "string", "pattern": "^p/p-([1-9]|1[0-2])$"},
             block("multiplier", "multiplier", keys::MULTIPLIER, &["degree"])]},
         "active_set": block("active_set", "active_set", keys::ACTIVE_SET, &[]),

@@ -9,8 +9,7 @@ use crate::errors::{Diagnostic, nearest};
 use crate::formula::{Constants, Formula, Scope};
 use crate::place::Located;
 
-const VARIANTS: &[(&str, Variant)] =
-    &[("symmetric", Variant::Symmetric), ("unsymmetric", Variant::Unsymmetric), ("incomplete", Variant::Incomplete)];
+const NO_MULTIPLIER: &str = "this method has no multiplier";
 
 // k of the multiplier p/p-k
 fn lowered_by(name: &str) -> Option<usize> {
@@ -48,10 +47,7 @@ impl Reader {
         let integration = if glue { Located::new("merged".to_owned(), b.at) } else { self.integration(b, names) };
         let extra_points = if glue { Located::new(0, b.at) } else { self.whole(b, "extra_points", 0, 60, 0) };
         let tolerance = self.auto(b, "tolerance");
-        let soft = matches!(coupling.value.as_str(), "penalty" | "nitsche");
-        let kind = format!("coupling = {:?}", coupling.value);
-        let factor = self.factor(b, soft, &kind, "coupling = \"penalty\" or \"nitsche\"");
-        let variant = self.variant(b, coupling.value == "nitsche", &kind, "coupling = \"nitsche\"");
+        let given = self.entry(b, "coupling", &coupling.value, &names.coupling_keys);
         let exact = b.node("exact").cloned().map(|node| self.field_of(&node, "exact", Uses::Space, model.components()));
         Tie {
             head: b.head(),
@@ -64,8 +60,7 @@ impl Reader {
             integration,
             extra_points,
             tolerance,
-            factor,
-            variant,
+            given: given.unwrap_or_default(),
             exact,
         }
     }
@@ -94,35 +89,24 @@ impl Reader {
             }
         };
         let gap = gap.unwrap_or_else(|| Located::new(Formula::constant(0.0), b.at));
-        let method = self.word(b, "method", &Method::WORDS);
-        if !method.value.has_multiplier() {
-            let why = "Nitsche's method has no multiplier";
-            self.only_default(b, "multiplier", "auto", "method = \"nitsche\"", why);
-            self.only_default(b, "cone", "coefficients", "method = \"nitsche\"", why);
-            if b.node("integration").is_some_and(|node| matches!(&node.value, Value::Text(word) if word == "mixed")) {
-                let help = "write integration = \"merged\" or \"slave\"";
-                self.fault(
-                    "E015",
-                    b.key_at("integration"),
-                    "mixed integration has no meaning for method = \"nitsche\": it has no multiplier",
-                    help,
-                );
-            }
+        let methods: Vec<String> = names.methods.iter().map(|m| m.entry.name.clone()).collect();
+        let method = self.registered(b, "method", &methods, "lagrange");
+        let needs = names.needs(&method.value);
+        let kind = format!("method = {:?}", method.value);
+        if !needs.multiplier {
+            self.only_default(b, "multiplier", "auto", &kind, NO_MULTIPLIER);
+            self.only_default(b, "cone", "coefficients", &kind, NO_MULTIPLIER);
+        }
+        if !needs.mixed && b.node("integration").is_some_and(|node| matches!(&node.value, Value::Text(word) if word == "mixed")) {
+            let message = format!("mixed integration has no meaning for {kind}: it has no multiplier");
+            self.fault("E015", b.key_at("integration"), message, "write integration = \"merged\" or \"slave\"");
         }
         let multiplier = self.multiplier(b, names);
         let integration = self.integration(b, names);
         let extra_points = self.whole(b, "extra_points", 0, 60, 0);
         let cone = self.word(b, "cone", &[("coefficients", Cone::Coefficients), ("weights", Cone::Weights), ("values", Cone::Values)]);
         let reach = self.auto(b, "reach");
-        let soft = method.value != Method::Lagrange;
-        let factor = self.factor(b, soft, "method = \"lagrange\"", "method = \"penalty\", \"augmented\" or \"nitsche\"");
-        let variant = self.variant(b, method.value == Method::Nitsche, "this method", "method = \"nitsche\"");
-        let iterated = method.value == Method::Augmented;
-        let tolerance = if iterated || b.has("tolerance") { self.auto(b, "tolerance") } else { Located::new(None, b.at) };
-        if let (false, Some(_)) = (iterated, tolerance.value) {
-            let help = "it ends the iteration of method = \"augmented\"; use reach to limit the distance of the sides";
-            self.fault("E015", tolerance.at, "`tolerance` is not a key of this method", help);
-        }
+        let given = self.entry(b, "method", &method.value, &names.method_keys());
         let exact = self.formula(b, "exact", Uses::Space);
         let symmetry = self.flag(b, "symmetry", false);
         let active_set = self.active_set(b);
@@ -133,6 +117,8 @@ impl Reader {
             master,
             gap,
             method,
+            needs,
+            given: given.unwrap_or_default(),
             multiplier,
             integration,
             extra_points,
@@ -141,9 +127,6 @@ impl Reader {
             exact,
             symmetry,
             active_set,
-            tolerance,
-            factor,
-            variant,
         }
     }
 
@@ -176,29 +159,6 @@ impl Reader {
             }
         };
         Some(Located::new(names, node.at))
-    }
-
-    // "auto" is accepted everywhere, a number only if it is used
-    fn factor(&mut self, b: &mut Block, used: bool, kind: &str, where_used: &str) -> Located<Option<f64>> {
-        if !used && !b.has("factor") {
-            return Located::new(None, b.at);
-        }
-        let factor = self.auto(b, "factor");
-        if let (false, Some(_)) = (used, factor.value) {
-            self.fault("E015", factor.at, format!("`factor` is not a key of {kind}"), format!("it belongs to {where_used}"));
-        }
-        factor
-    }
-
-    fn variant(&mut self, b: &mut Block, used: bool, kind: &str, where_used: &str) -> Located<Variant> {
-        if !used && !b.has("variant") {
-            return Located::new(Variant::Symmetric, b.at);
-        }
-        let variant = self.word(b, "variant", VARIANTS);
-        if !used && variant.value != Variant::Symmetric {
-            self.fault("E015", variant.at, format!("`variant` is not a key of {kind}"), format!("it belongs to {where_used}"));
-        }
-        variant
     }
 
     fn multiplier(&mut self, b: &mut Block, names: &Names) -> Located<Multiplier> {

@@ -57,7 +57,7 @@ pub fn axes(kind: &Kind, options: &StudyArguments, table: Option<&Located<StudyV
     }
     // the default leaves out `mixed` if the case cannot have it; given values stay
     let no_mixed = loaded.case.interfaces.iter().any(|t| !is_glue(&t.coupling.value) && !r.names().has_rows(&t.coupling.value))
-        || loaded.case.contacts.iter().any(|c| !c.method.value.has_multiplier());
+        || loaded.case.contacts.iter().any(|c| !c.needs.mixed);
     let usual: Vec<&str> = kind.integrations.iter().copied().filter(|w| *w != "mixed" || !no_mixed).collect();
     let integrations = r.list("integration", options.integration.as_deref(), &values.integration, words(&usual))?;
     for name in &integrations.list {
@@ -194,7 +194,7 @@ impl Reader<'_> {
     fn multiplier(&self, needed: bool) -> Result<(), Ended> {
         let case = &self.loaded.case;
         let ties = case.interfaces.iter().map(|t| self.names().has_rows(&t.coupling.value));
-        let contacts = case.contacts.iter().map(|c| c.method.value.has_multiplier());
+        let contacts = case.contacts.iter().map(|c| c.needs.multiplier);
         if !needed || ties.chain(contacts).any(|has_one| has_one) {
             return Ok(());
         }

@@ -7,17 +7,17 @@ use super::obstacles::{opponent, swallowed};
 use super::places::{Places, Said};
 use super::refused::contact_fault;
 use super::sides::side;
-use super::ties::{nitsche_variant, rule};
+use super::ties::rule;
 use super::warned::tell;
-use crate::case::{self, Cone, Contact, Master, Method, SideRef};
+use crate::case::{self, Cone, Contact, Master, SideRef};
 use crate::errors::{Diagnostic, Severity};
 use crate::formula::Formula;
 use crate::place::{Located, Place};
-use faying::constraint::Proximal;
-use faying::contact::{self, ContactError};
+use crate::registry::Fault;
+use faying::contact::{self, ContactError, ContactMethod};
 use faying::coupling::multiplier::MultiplierKind;
-use faying::coupling::{Nitsche, Penalty};
-use faying::problem::{self, ErrorKind, Formulation, Multiplier, Opponent, Problem, Rule, Warning};
+use faying::problem::{self, ErrorKind, Multiplier, Opponent, Problem, Rule, Warning};
+use std::sync::Arc;
 
 /// Says all contacts of the case; errors go to the builder's faults.
 pub(super) fn say<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, problem: &mut Problem<S, N>, places: &mut Places) {
@@ -110,31 +110,15 @@ fn driven(obstacle: &case::Obstacle) -> Vec<Located<Formula>> {
 }
 
 /// Method, multiplier and rule of a contact.
-type Choices<const S: usize, const N: usize> = (Formulation, Multiplier<S, N>, Rule<S, N>);
+type Choices<const S: usize, const N: usize> = (Arc<dyn ContactMethod<S, N>>, Multiplier<S, N>, Rule<S, N>);
 
 fn choices<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, contact: &Contact) -> Result<Choices<S, N>, Box<Diagnostic>> {
-    let method = formulation(contact);
-    let multiplier = match method {
-        Formulation::Nitsche(_) => MultiplierKind::Auto.into(),
-        _ => multiplier(builder, &contact.multiplier)?,
-    };
+    let name = &contact.method;
+    let entry = builder.names.methods.get(&name.value).map_err(|e| builder.error("E015", e.to_string(), name.at))?;
+    let refused = |fault: &Fault| builder.error(fault.code, fault.message.clone(), contact.given.at(fault.key).unwrap_or(name.at));
+    let method = (entry.make)(&contact.given).map_err(|fault| refused(&fault))?;
+    let multiplier = if contact.needs.multiplier { multiplier(builder, &contact.multiplier)? } else { MultiplierKind::Auto.into() };
     Ok((method, multiplier, rule(builder, &contact.integration)?))
-}
-
-/// Returns the enforcement method of the contact, with automatic factors where the case gives none.
-fn formulation(contact: &case::Contact) -> Formulation {
-    let factor = contact.factor.value;
-    match contact.method.value {
-        Method::Penalty => Formulation::Penalty { factor: factor.unwrap_or(Penalty::AUTO) },
-        Method::Augmented => Formulation::Augmented {
-            factor: factor.unwrap_or(Proximal::<()>::FACTOR),
-            tolerance: contact.tolerance.value.unwrap_or(Proximal::<()>::TOLERANCE),
-        },
-        Method::Nitsche => {
-            Formulation::Nitsche(Nitsche { factor: factor.unwrap_or(Nitsche::AUTO), variant: nitsche_variant(contact.variant.value) })
-        }
-        _ => Formulation::Lagrange,
-    }
 }
 
 /// Checks that the model is one of elasticity and that the contact has the same `c` as all others (E015).

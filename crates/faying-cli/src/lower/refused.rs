@@ -124,9 +124,11 @@ fn fault<const S: usize, const N: usize>(
 ) -> Box<Diagnostic> {
     let name = &contact.name.value;
     Box::new(match error {
-        InterfaceError::Factor(e) => builder.error("E015", format!("contact \"{name}\": {e}"), contact.factor.at),
-        InterfaceError::PressedAtPoints => {
-            let text = "method = \"nitsche\" against an obstacle that a `force` presses is not in this version";
+        InterfaceError::Method(e) => {
+            builder.error("E015", format!("contact \"{name}\": {e}"), contact.given.at("factor").unwrap_or(contact.method.at))
+        }
+        InterfaceError::Refused { .. } => {
+            let text = format!("method = {:?} against an obstacle that a `force` presses is not in this version", contact.method.value);
             builder.error("E019", text, contact.method.at).with_help("write method = \"lagrange\", or give the obstacle a `move`")
         }
         InterfaceError::Segments(e) => builder.error("E023", format!("contact \"{name}\": {e}"), at),

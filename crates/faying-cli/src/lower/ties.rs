@@ -4,13 +4,12 @@ use super::builder::Builder;
 use super::couples::Couples;
 use super::multipliers::multiplier;
 use super::places::{Places, Said};
-use crate::case::{self, Tie};
+use crate::case::Tie;
 use crate::errors::Diagnostic;
 use crate::place::Located;
-use crate::registry::{CouplingOptions, is_glue};
+use crate::registry::{Fault, is_glue};
 use faying::coupling::Coupling;
 use faying::coupling::multiplier::MultiplierKind;
-use faying::coupling::nitsche::Variant;
 use faying::problem::{Integration, Multiplier, Problem, Rule};
 
 /// Says all ties of the case; errors go to the builder's faults.
@@ -44,21 +43,13 @@ pub(super) fn say<const S: usize, const N: usize>(
 type Choices<const S: usize, const N: usize> = (Box<dyn Coupling<S, N>>, Multiplier<S, N>, Rule<S, N>);
 
 fn choices<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, tie: &Tie) -> Result<Choices<S, N>, Box<Diagnostic>> {
-    let options = CouplingOptions { factor: tie.factor.value, variant: nitsche_variant(tie.variant.value) };
-    let make = builder.names.couplings.get(&tie.coupling.value).map_err(|e| builder.error("E015", e.to_string(), tie.coupling.at))?;
-    let coupling = make(options);
+    let name = &tie.coupling;
+    let entry = builder.names.couplings.get(&name.value).map_err(|e| builder.error("E015", e.to_string(), name.at))?;
+    let refused = |fault: &Fault| builder.error(fault.code, fault.message.clone(), tie.given.at(fault.key).unwrap_or(name.at));
+    let coupling = (entry.make)(&tie.given).map_err(|fault| refused(&fault))?;
     // a coupling without rows has no multiplier
     let multiplier = if coupling.has_rows() { multiplier(builder, &tie.multiplier)? } else { MultiplierKind::Auto.into() };
     Ok((coupling, multiplier, rule(builder, &tie.integration)?))
-}
-
-/// Variant of Nitsche's method for a keyword of the case.
-pub(super) fn nitsche_variant(word: case::Variant) -> Variant {
-    match word {
-        case::Variant::Unsymmetric => Variant::Unsymmetric,
-        case::Variant::Incomplete => Variant::Incomplete,
-        _ => Variant::Symmetric,
-    }
 }
 
 /// The rule of an interface by its keyword.

@@ -1,7 +1,7 @@
 //! Errors of a run as diagnostics with codes and messages.
 
 use super::room::Room;
-use crate::case::{Case, Method, Variant};
+use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::result::{Prediction, RunResult, Status};
 use crate::watch::Stop;
@@ -42,21 +42,20 @@ pub fn not_symmetric(case: &Case, who: &str, mixed: bool) -> Diagnostic {
 /// Builds E015 for a constraint solver that needs symmetry, with a contact whose system is not symmetric.
 pub fn contact_not_symmetric(case: &Case, contact: &str) -> Diagnostic {
     let word = &case.solver.constraint;
-    let variant = case.contacts.iter().find(|c| c.name.value == contact).map_or(Variant::Symmetric, |c| c.variant.value);
-    let text = format!(
-        "constraint = \"{}\" needs a symmetric system; the {} variant of contact \"{contact}\" makes one that is not",
-        word.value,
-        format!("{variant:?}").to_lowercase()
-    );
-    let help = "write constraint = \"saddle-point\", or variant = \"symmetric\"";
+    let given = case.contacts.iter().find(|c| c.name.value == contact).map(|c| &c.given).filter(|given| given.at("variant").is_some());
+    let what = given.map_or_else(|| "the method".to_owned(), |given| format!("the {} variant", given.word("variant")));
+    let text = format!("constraint = \"{}\" needs a symmetric system; {what} of contact \"{contact}\" makes one that is not", word.value);
+    let instead = if given.is_some() { "variant = \"symmetric\"" } else { "another method" };
+    let help = format!("write constraint = \"saddle-point\", or {instead}");
     Diagnostic::error("E015", text).at(&case.source, word.at).with_help(help)
 }
 
 /// Builds E015 for a constraint solver that needs as many slave unknowns as rows, with a contact that has a row per point.
 pub fn rows_at_points(case: &Case, contact: &str) -> Diagnostic {
     let word = &case.solver.constraint;
+    let method = case.contacts.iter().find(|c| c.name.value == contact).map_or("", |c| &c.method.value);
     let text = format!(
-        "constraint = \"{}\" eliminates an unknown per row; method = \"nitsche\" of contact \"{contact}\" has more rows, one per point",
+        "constraint = \"{}\" eliminates an unknown per row; method = {method:?} of contact \"{contact}\" has more rows, one per point",
         word.value
     );
     Diagnostic::error("E015", text).at(&case.source, word.at).with_help("write constraint = \"saddle-point\"")
@@ -109,7 +108,7 @@ pub fn step_fault<const S: usize, const N: usize>(
             (Status::NotConverged, "iterations", at(Diagnostic::error("E071", text)).with_help("raise active_set.max_iterations"))
         }
         StepError::Solve(SolveError::Multipliers { .. }) => {
-            let key = case.contacts.iter().find(|c| c.method.value == Method::Augmented).map_or(contact, |c| c.tolerance.at);
+            let key = case.contacts.iter().find_map(|c| c.given.at("tolerance")).unwrap_or(contact);
             let help = "raise `factor` or `tolerance` of the contact, or write method = \"lagrange\"";
             (Status::NotConverged, "iterations", Diagnostic::error("E074", error.to_string()).at(&case.source, key).with_help(help))
         }
@@ -205,7 +204,7 @@ fn owner<const S: usize, const N: usize>(system: &System<S, N>, row: usize) -> S
 
 /// Describes contact rows that change from set to set.
 fn flipping<const S: usize, const N: usize>(system: &System<S, N>, rows: &[usize]) -> String {
-    let of_side = |rows: faying::problem::ContactRows<N>| {
+    let of_side = |rows: faying::problem::RowsOfSide<N>| {
         let numbers: Vec<String> = rows.numbers.iter().take(8).map(usize::to_string).collect();
         let more = if rows.numbers.len() > 8 { format!(" and {} more", rows.numbers.len() - 8) } else { String::new() };
         let near = rows.place.map_or(String::new(), |x| format!(" (near {})", place(x.as_slice())));

@@ -9,8 +9,8 @@ use faying::geometry::shapes::{annulus_sector, disc_sector, rectangle};
 use faying::linalg::Vector;
 use faying::physics::{Conductor, Hooke, Jet};
 use faying::problem::{
-    BodyId, Components, Contact, Data, Derivatives, Exact, Formulation, Integration, InterfaceId, Multiplier, Point, Problem, Region,
-    Solution, Start, Tie, Value,
+    BodyId, Components, Contact, Data, Derivatives, Exact, Integration, InterfaceId, Multiplier, Point, Problem, Region, Solution, Start,
+    Tie, Value,
 };
 use faying::space::{Divisions, Grading, Mapping, Mesh, MeshCells, Patch, PatchSpec, Trace, divided};
 use faying_cli::case::ReadOptions;
@@ -487,14 +487,13 @@ fn every_choice_of_a_contact() {
         c.start(Start::Seed(3));
     });
     pressed("method = \"penalty\"\n", |c| {
-        c.method(Formulation::Penalty { factor: Penalty::AUTO });
+        c.method(Penalty::default());
     });
     pressed("method = \"augmented\"\nfactor = 100\n", |c| {
-        let tolerance = faying::constraint::Proximal::<()>::TOLERANCE;
-        c.method(Formulation::Augmented { factor: 100.0, tolerance });
+        c.method(faying::contact::Augmented { factor: 100.0, ..Default::default() });
     });
     pressed("method = \"nitsche\"\n", |c| {
-        c.method(Formulation::Nitsche(Nitsche::default()));
+        c.method(Nitsche::default());
     });
     both(
         &format!(

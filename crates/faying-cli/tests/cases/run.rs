@@ -713,7 +713,7 @@ fn names_of_a_registry_from_outside_run_from_a_case_file() {
         }),
     );
     registry.plane.multipliers.add("mine", Multiplier::of(|trace, _| build(&trace.space, MultiplierKind::Constant, &[])));
-    registry.plane.couplings.add("dowels", Box::new(|_| Box::new(Mortar)));
+    registry.plane.couplings.add_keyed("dowels", Vec::new(), Box::new(|_| Ok(Box::new(Mortar))));
     registry.solvers.add("direct", Box::new(|_| Ok(Box::new(Direct::new()))));
     let text = pair(
         "min = [0, 1], max = [1, 2]",

@@ -1,9 +1,9 @@
 //! A problem stated in a program and the same problem in a case file have the same numbers, to the bit.
 
-use faying::constraint::Proximal;
+use faying::contact::{Augmented, ContactMethod, Lagrange};
 use faying::coupling::Nitsche;
-use faying::problem::Formulation;
 use faying_cli::{Case, Registry, RunResult};
+use std::sync::Arc;
 
 #[path = "../../../../examples/03_contact.rs"]
 mod lesson;
@@ -26,8 +26,8 @@ fn by_case(method: &str) -> RunResult {
 
 #[test]
 fn a_program_and_a_case_have_the_same_numbers_by_every_method() {
-    let augmented = Formulation::Augmented { factor: Proximal::<()>::FACTOR, tolerance: Proximal::<()>::TOLERANCE };
-    let methods = [("lagrange", Formulation::Lagrange), ("augmented", augmented), ("nitsche", Formulation::Nitsche(Nitsche::default()))];
+    let methods: [(&str, Arc<dyn ContactMethod<1, 2>>); 3] =
+        [("lagrange", Arc::new(Lagrange)), ("augmented", Arc::new(Augmented::default())), ("nitsche", Arc::new(Nitsche::default()))];
     lesson::main().unwrap();
     for (word, method) in methods {
         let ((solution, contacts), result) = (lesson::pressed(method).unwrap(), by_case(word));

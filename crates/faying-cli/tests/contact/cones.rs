@@ -5,7 +5,7 @@ use coupled::{Bodies, KINDS, Kind};
 use faying::assembly::{gauss_rules, trace_load};
 use faying::basis::{BSpline, Basis, Order, ShapeTable};
 use faying::constraint::{ActiveSet, Condensed, ConstrainedSolution, ConstraintSolver, Direct, SolveError};
-use faying::contact::{Cone, Contact, ContactError, Opponent, Transmitted};
+use faying::contact::{Cone, ContactError, ContactRows, Opponent, Transmitted};
 use faying::coupling::interface::{MasterSums, MergedCurve, SlaveRule};
 use faying::coupling::multiplier::{Ends, MultiplierKind, build};
 use faying::coupling::{InterfaceQuadrature, Segments, Side};
@@ -39,7 +39,7 @@ enum Rule {
 struct Pressed {
     solution: ConstrainedSolution,
     lambda: Vec<f64>,
-    contact: Contact<1, 2>,
+    contact: ContactRows<1, 2>,
     sent: Transmitted<2>,
 }
 
@@ -61,14 +61,14 @@ fn contact(
     (rule, points): (Rule, usize),
     cone: Cone,
     gap: &dyn Fn(&Vector<2>, f64) -> f64,
-) -> Contact<1, 2> {
+) -> ContactRows<1, 2> {
     let side = |(body, trace): (usize, _)| Side { trace, field: model.fields[body], flux: None };
     let sides = (&*slave.1.space, &*master.1.space);
     let segments = match rule {
         Rule::Merged => MergedCurve::facing(points, None).segments(sides.0, sides.1),
         _ => SlaveRule::facing(points, None).segments(sides.0, sides.1),
     };
-    let built = Contact::new(side(slave), Opponent::Master(side(master)), psi, segments.unwrap(), gap, model.unknowns()).unwrap();
+    let built = ContactRows::new(side(slave), Opponent::Master(side(master)), psi, segments.unwrap(), gap, model.unknowns()).unwrap();
     let built = match rule {
         Rule::Mixed => {
             let second = MasterSums::facing(points, None).segments(sides.0, sides.1).unwrap();
@@ -79,7 +79,12 @@ fn contact(
     built.with_cone(cone, psi).unwrap()
 }
 
-fn solve(model: &Bodies<2>, contact: Contact<1, 2>, psi: &dyn Basis<1>, solver: &mut dyn ConstraintSolver) -> Result<Pressed, SolveError> {
+fn solve(
+    model: &Bodies<2>,
+    contact: ContactRows<1, 2>,
+    psi: &dyn Basis<1>,
+    solver: &mut dyn ConstraintSolver,
+) -> Result<Pressed, SolveError> {
     let rows = contact.turned(&contact.rows).into_owned();
     let reaction = contact.reaction.as_ref().map(|b| contact.turned(b).into_owned());
     let solution = model.solve(&rows, reaction.as_ref(), &contact.turned_offset(), &contact.kinds(), solver)?;
@@ -413,7 +418,7 @@ fn a_hydrostatic_state_crosses_an_arc_in_every_cone_and_mixed() {
 }
 
 /// Largest difference of the master blocks of B and C, as a share of the largest entry.
-fn difference(a: &Contact<1, 2>, b: &Contact<1, 2>) -> f64 {
+fn difference(a: &ContactRows<1, 2>, b: &ContactRows<1, 2>) -> f64 {
     let (a, b) = (a.reaction.as_ref().unwrap_or(&a.rows).master.to_csr(), b.rows.master.to_csr());
     let (mut worst, mut top) = (0.0f64, 0.0f64);
     for i in 0..b.num_rows() {

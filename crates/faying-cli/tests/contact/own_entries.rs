@@ -150,3 +150,80 @@ fn an_integration_from_outside_has_the_numbers_of_its_twin() {
     let error = read(&text.replace("RULE", "integration = \"slave-fine\""), &registry).unwrap_err();
     assert!(error.contains("E015") && error.contains("did you mean \"slave-finer\"?"), "{error}");
 }
+
+/// The lesson about methods of contact.
+#[allow(dead_code)]
+#[path = "../../../../examples/05_contact_method.rs"]
+mod method_lesson;
+
+/// A penalty with a stiffness per area of its own, and a coupling of springs.
+fn with_methods() -> Registry {
+    let mut registry = registry();
+    registry.plane.methods.add_keyed("interior-point", Vec::new(), Box::new(|_| Ok(Arc::new(method_lesson::InteriorPoint))));
+    let keys = vec![
+        Key::new("softness", KeyKind::Positive(None), "1 / factor, a pure number"),
+        Key::new("factor", KeyKind::Auto, "multiplies modulus/h"),
+    ];
+    let make = |given: &Given| {
+        let softness = given.number("softness");
+        if softness > 1.0 {
+            return Err(Fault { key: "softness", ..Fault::new("E015", "softer than the bodies") });
+        }
+        Ok(Arc::new(faying::coupling::Penalty { factor: given.auto("factor").unwrap_or(1.0) / softness }) as _)
+    };
+    registry.plane.methods.add_keyed("pads", keys, Box::new(make));
+    let keys = vec![Key::new("per_area", KeyKind::Positive(Some(4.0)), "factor of the springs")];
+    let make = |given: &Given| Ok(Box::new(faying::coupling::Penalty { factor: given.number("per_area") }) as _);
+    registry.plane.couplings.add_keyed("springs", keys, Box::new(make));
+    registry
+}
+
+#[test]
+fn a_method_of_contact_from_outside_is_used_by_name() {
+    let registry = with_methods();
+    let run = |method: &str| read(&format!("{CASE}{method}\n"), &registry).unwrap().run(&registry).unwrap();
+    let (own, exact) = (run("method = \"interior-point\""), run(""));
+    assert_eq!(own.exit, 0, "{:?}", own.diagnostics);
+    let (a, b) = (own.contact.get("bar").unwrap(), exact.contact.get("bar").unwrap());
+    assert!((a.force[1] - b.force[1]).abs() < 1e-9 * b.force[1].abs() && a.active == b.active, "{a:?} {b:?}");
+    assert!(own.solve.as_ref().unwrap().linear.starts_with("interior point"), "{:?}", own.solve);
+    // keys of its own, with the numbers of the twin in the language
+    let (own, twin) = (run("method = \"pads\"\nsoftness = 1e-3"), run("method = \"penalty\"\nfactor = 1e3"));
+    assert_eq!(own.contact.get("bar").unwrap().force, twin.contact.get("bar").unwrap().force);
+    assert_ne!(own.contact.get("bar").unwrap().force, b.force);
+    let effective = read(&format!("{CASE}method = \"pads\"\nsoftness = 1e-3\n"), &registry).unwrap().effective_toml().to_owned();
+    for line in ["method = \"pads\"", "softness = 0.001", "factor = \"auto\""] {
+        assert!(effective.contains(line), "{line} is not in\n{effective}");
+    }
+    read(&effective, &registry).unwrap();
+}
+
+#[test]
+fn keys_of_methods_and_couplings_are_read_as_strictly_as_those_of_the_language() {
+    let registry = with_methods();
+    for (method, parts) in [
+        ("method = \"interior-pont\"", &["E015", "did you mean \"interior-point\"?"][..]),
+        ("method = \"pads\"", &["E013", "`softness` is missing"]),
+        ("method = \"pads\"\nsoftness = -1", &["E015", "`softness` must be positive"]),
+        ("softness = 0.5", &["E015", "`softness` is not a key of method = \"lagrange\"", "method = \"pads\""]),
+        (
+            "method = \"pads\"\nsoftness = 0.5\nvariant = \"incomplete\"",
+            &["E015", "`variant` is not a key of method = \"pads\"", "\"nitsche\""],
+        ),
+        ("factor = 2", &["E015", "`factor` is not a key of method = \"lagrange\"", "\"penalty\", \"augmented\", \"nitsche\" or \"pads\""]),
+        ("per_area = 2", &["E012", "`per_area`"]),
+    ] {
+        let error = read(&format!("{CASE}{method}\n"), &registry).unwrap_err();
+        assert!(parts.iter().all(|p| error.contains(p)), "{method}: {error}");
+    }
+    // defaults of other entries say nothing, and stay
+    read(&format!("{CASE}factor = \"auto\"\nvariant = \"symmetric\"\n"), &registry).unwrap();
+    // faults of the entry have their place
+    let error = read(&format!("{CASE}method = \"pads\"\nsoftness = 2\n"), &registry).unwrap().run(&registry).unwrap_err().to_string();
+    assert!(error.contains("E015") && error.contains("softer than the bodies") && error.contains("softness = 2"), "{error}");
+    let schema = case::schema(&registry.case_names());
+    let contact = &schema["properties"]["contact"]["items"]["properties"];
+    assert_eq!(contact["softness"]["description"], "pads: 1 / factor, a pure number");
+    assert!(schema["$defs"]["method"]["enum"].as_array().unwrap().contains(&"interior-point".into()));
+    assert_eq!(schema["properties"]["interface"]["items"]["properties"]["per_area"]["default"], 4.0);
+}

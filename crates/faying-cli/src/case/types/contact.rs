@@ -1,9 +1,10 @@
 //! `[[contact]]`: slave sides, their masters or obstacles, and the enforcement of contact.
 
-use super::{Components, Geometry, Head, Multiplier, SideRef, Variant};
+use super::{Components, Geometry, Head, Multiplier, SideRef};
 use crate::case::key::Given;
 use crate::formula::Formula;
 use crate::place::Located;
+use faying::contact::Needs;
 pub use faying::problem::Start;
 
 /// The rigid shape of an obstacle.
@@ -100,31 +101,6 @@ pub enum Master {
     Rigid(Located<Obstacle>),
 }
 
-/// Method that enforces contact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Method {
-    /// Multipliers.
-    Lagrange,
-    /// Penalty.
-    Penalty,
-    /// Augmented Lagrangian.
-    Augmented,
-    /// Nitsche.
-    Nitsche,
-}
-
-impl Method {
-    /// Words of `method`, the default first.
-    pub(crate) const WORDS: [(&str, Self); 4] =
-        [("lagrange", Self::Lagrange), ("penalty", Self::Penalty), ("augmented", Self::Augmented), ("nitsche", Self::Nitsche)];
-
-    /// Whether contact has a multiplier.
-    pub fn has_multiplier(self) -> bool {
-        self != Self::Nitsche
-    }
-}
-
 /// The discrete cone of admissible multipliers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -162,7 +138,11 @@ pub struct Contact {
     /// The gap as a formula of the geometric gap g and x, y, z, t; default g.
     pub gap: Located<Formula>,
     /// Method.
-    pub method: Located<Method>,
+    pub method: Located<String>,
+    /// What the method needs.
+    pub needs: Needs,
+    /// Values of the keys of the method.
+    pub given: Given,
     /// Multiplier.
     pub multiplier: Located<Multiplier>,
     /// Integration, as of ties.
@@ -179,10 +159,4 @@ pub struct Contact {
     pub symmetry: Located<bool>,
     /// Active set.
     pub active_set: ActiveSetSpec,
-    /// Augmented: error of the multipliers at which the iteration ends, relative; `None`: auto.
-    pub tolerance: Located<Option<f64>>,
-    /// Multiplies modulus / h, `None`: auto.
-    pub factor: Located<Option<f64>>,
-    /// Variant of nitsche.
-    pub variant: Located<Variant>,
 }

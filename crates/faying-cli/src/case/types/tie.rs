@@ -1,6 +1,7 @@
 //! `[[interface]]`: tied sides and their coupling.
 
 use super::{Head, SideRef};
+use crate::case::key::Given;
 use crate::formula::Formula;
 use crate::place::Located;
 
@@ -33,18 +34,6 @@ pub enum Ends {
     Lowered,
 }
 
-/// Variant of Nitsche's method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Variant {
-    /// Symmetric.
-    Symmetric,
-    /// Unsymmetric.
-    Unsymmetric,
-    /// Incomplete.
-    Incomplete,
-}
-
 /// `[[interface]]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tie {
@@ -69,10 +58,8 @@ pub struct Tie {
     pub extra_points: Located<usize>,
     /// Largest distance of the sides (a length), `None`: auto.
     pub tolerance: Located<Option<f64>>,
-    /// Multiplies modulus / h, `None`: auto.
-    pub factor: Located<Option<f64>>,
-    /// Variant of nitsche.
-    pub variant: Located<Variant>,
+    /// Values of the keys of the coupling.
+    pub given: Given,
     /// Exact multiplier, one formula per component.
     pub exact: Option<Located<Vec<Located<Formula>>>>,
 }

@@ -64,7 +64,7 @@ fn tried(text: &str) -> RunResult {
 fn names() -> Registry {
     let mut registry = Registry::default();
     for (name, k, rows) in [("springs", 4.0, false), ("springs-and-rows", 4.0, true), ("pushes", -4.0, false)] {
-        registry.plane.couplings.add(name, Box::new(move |_| Box::new(Springs { k, rows })));
+        registry.plane.couplings.add_keyed(name, Vec::new(), Box::new(move |_| Ok(Box::new(Springs { k, rows }))));
     }
     registry
 }

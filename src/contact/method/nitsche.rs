@@ -23,65 +23,32 @@
 //! Sources: Chouly, Hild, SIAM J. Numer. Anal. 51 (2013) 1295-1307; Chouly, Hild, Renard, Math. Comp. 84 (2015) 1089-1112 (θ); Chouly,
 //! Mlika, Renard, Numer. Math. 139 (2018) 593-631 (two bodies).
 
-use super::cone::Turn;
-use super::{Contact, ContactError, Frames, Opponent};
+use super::{Begun, ContactAt, ContactMethod, MethodError, Needs, PointValues};
+use crate::contact::gap::wanted;
+use crate::contact::{ContactError, ContactRows, Frames, Opponent};
 use crate::coupling::nitsche::{Entries, Weights, Work, summed};
 use crate::coupling::{CouplingError, Interface, Nitsche, Rows, Segments, Side};
-use crate::linalg::{Real, Triplets, Vector, lit, to_f64};
+use crate::linalg::{Real, Triplets, Vector, lit};
 
-/// Data of Nitsche's method beside the rows of a contact, which are one per point.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AtPoints<T: Real = f64> {
-    /// w / γ of every row \[gap integral / (force/area)\]; zero if the point faces nothing.
-    pub compliance: Vec<T>,
-    /// -∫ θ/γ sigma(u) sigma(v) ds, added to the stiffness.
-    pub stiffness: Triplets<T>,
-    /// Row of every point of the segments; points that face nothing have a row as well.
-    pub row: Vec<usize>,
-}
-
-impl<T: Real> AtPoints<T> {
-    /// lambda per point of the segments.
-    pub fn of_points(&self, lambda: &[T]) -> Vec<T> {
-        self.row.iter().map(|&j| lambda[j]).collect()
+impl<const S: usize, const N: usize> ContactMethod<S, N> for Nitsche {
+    fn needs(&self) -> Needs {
+        Needs::FLUXES
     }
-}
 
-/// `lambda` and the gap at points.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PointValues<T: Real = f64> {
-    /// min(0, P(u)) \[force/area\].
-    pub lambda: Vec<T>,
-    /// g' + \[u\] . n \[length\].
-    pub gap: Vec<T>,
-}
+    fn check(&self) -> Result<(), MethodError> {
+        Ok(self.check_factor()?)
+    }
 
-/// The opponent if it has a body, the segments of the points that face it, and their frames.
-type Faced<'a, const S: usize, const N: usize, T> = (Option<Side<'a, S, N, T>>, Segments<S, T>, Frames<N, T>);
+    fn rows(&self, at: &ContactAt<'_, S, N>) -> Result<ContactRows<S, N>, ContactError> {
+        ContactRows::nitsche(self, at.slave, at.opponent, at.segments, at.gap, at.unknowns)
+    }
 
-fn faced<'a, const S: usize, const N: usize, T: Real>(
-    slave: Side<'_, S, N, T>,
-    opponent: Opponent<'a, S, N, T>,
-    segments: &Segments<S, T>,
-) -> Result<Faced<'a, S, N, T>, ContactError> {
-    Ok(match opponent {
-        Opponent::Master(master) => {
-            let (segments, frames) = Frames::against_master(slave.trace, master.trace, segments)?;
-            (Some(master), segments, frames)
-        }
-        Opponent::Rigid(target, reach) => {
-            let (segments, frames) = Frames::against_obstacle(slave.trace, target, segments, reach)?;
-            (None, segments, frames)
-        }
-    })
-}
+    fn begin(&self, rows: &ContactRows<S, N>, _: &dyn Fn(usize) -> f64) -> Begun {
+        Begun { compliance: rows.compliance.clone(), eased: true, iteration: None }
+    }
 
-/// g' at every point.
-fn wanted<const N: usize, T: Real>(frames: &Frames<N, T>, gap: &dyn Fn(&Vector<N, T>, T) -> T) -> Result<Vec<T>, ContactError> {
-    let wanted: Vec<T> = frames.x.iter().zip(&frames.gap).map(|(x, &g)| gap(x, g)).collect();
-    match wanted.iter().position(|g| !g.is_finite()) {
-        None => Ok(wanted),
-        Some(q) => Err(ContactError::Gap { at: std::array::from_fn(|k| if k < N { to_f64(frames.x[q][k]) } else { 0.0 }) }),
+    fn values(&self, at: &ContactAt<'_, S, N>, unknowns: &[f64]) -> Option<Result<PointValues, ContactError>> {
+        Some(point_values(self, at.slave, at.opponent, at.segments, at.gap, unknowns))
     }
 }
 
@@ -94,10 +61,10 @@ fn numbers<const S: usize, T: Real>(all: &Segments<S, T>, kept: &Segments<S, T>)
         .collect()
 }
 
-impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
+impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     /// Contact of `slave` and `opponent` by Nitsche's method; both sides need their fluxes.
     ///
-    /// Arguments as of [`Contact::new`]. There is one row per point of `segments`; those of points that face nothing are open and empty.
+    /// Arguments as of [`ContactRows::new`]. There is one row per point of `segments`; those of points that face nothing are open and empty.
     ///
     /// # Errors
     /// [`ContactError::Coupling`] if a flux is missing or has no bound, or the factor is too small for the variant;
@@ -111,7 +78,7 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
         unknowns: usize,
     ) -> Result<Self, ContactError> {
         nitsche.check_factor()?;
-        let (master, kept, frames) = faced(slave, opponent, segments)?;
+        let (master, kept, frames) = opponent.faced_by(slave, segments)?;
         let wanted = wanted(&frames, gap)?;
         let row = numbers(segments, &kept);
         let (theta, m) = (lit::<T>(nitsche.theta()), segments.ds.len());
@@ -151,31 +118,28 @@ impl<const S: usize, const N: usize, T: Real> Contact<S, N, T> {
             }
             entries.extend(summed(own));
         })?;
-        let stiffness = Triplets { entries: summed(entries), ..Triplets::new(unknowns, unknowns) };
-        let reaction = (theta != T::one()).then_some(reaction);
-        let points = Some(AtPoints { compliance, stiffness, row });
-        let (at_rest, translations, turn) = (wanted, Vec::new(), Turn::identity());
-        Ok(Self { segments: kept, frames, rows, reaction, offset, weights, at_rest, translations, facing, points, turn })
+        let made = Self::at_points((kept, frames, wanted), row, rows, (offset, weights, facing));
+        Ok(Self {
+            reaction: (theta != T::one()).then_some(reaction),
+            compliance,
+            stiffness: Some(Triplets { entries: summed(entries), ..Triplets::new(unknowns, unknowns) }),
+            ..made
+        })
     }
 }
 
 /// Returns lambda and gap of Nitsche's method at the points of `segments` that face `opponent`, with the numbers of these points.
-///
-/// Arguments as of [`Contact::nitsche`].
-///
-/// # Errors
-/// As for [`Contact::nitsche`].
-pub fn point_values<const S: usize, const N: usize, T: Real>(
+fn point_values<const S: usize, const N: usize, T: Real>(
     nitsche: &Nitsche,
     slave: Side<'_, S, N, T>,
     opponent: Opponent<'_, S, N, T>,
     segments: &Segments<S, T>,
     gap: &dyn Fn(&Vector<N, T>, T) -> T,
     unknowns: &[T],
-) -> Result<(Vec<usize>, PointValues<T>), ContactError> {
-    let (master, kept, frames) = faced(slave, opponent, segments)?;
+) -> Result<PointValues<T>, ContactError> {
+    let (master, kept, frames) = opponent.faced_by(slave, segments)?;
     let wanted = wanted(&frames, gap)?;
-    let mut values = PointValues { lambda: Vec::new(), gap: Vec::new() };
+    let mut values = PointValues { point: numbers(segments, &kept), lambda: Vec::new(), gap: Vec::new() };
     each_piece(nitsche, slave, master, &kept, &frames, |piece, points, gamma| {
         for (k, q) in kept.points(piece).enumerate() {
             let sum = |dofs: &[usize], values: &[T]| dofs.iter().zip(values).fold(T::zero(), |s, (&i, &v)| s + v * unknowns[i]);
@@ -185,7 +149,7 @@ pub fn point_values<const S: usize, const N: usize, T: Real>(
             values.gap.push(gap);
         }
     })?;
-    Ok((numbers(segments, &kept), values))
+    Ok(values)
 }
 
 /// \[u\] . n and sigma(u) at the points of a piece as linear maps of unknowns.
