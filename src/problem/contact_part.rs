@@ -1,7 +1,8 @@
 //! Construction of a slave side of a contact: multiplier, opponent and rows.
 
 use super::contact_rows::ContactSides;
-use super::coupled::Contact;
+use super::coupled::{Contact, Faced};
+use super::data::Point;
 use super::directions::{directions, slides};
 use super::held_part::HeldPart;
 use super::interface_error::InterfaceError;
@@ -11,7 +12,7 @@ use super::multipliers::{unstable_pairing, wrapped};
 use super::tie_part::{finer_segments, points_of};
 use crate::assembly::gauss_rules;
 use crate::basis::{Basis, Elements};
-use crate::contact::{Cone, Frames};
+use crate::contact::{Cone, ContactError, ContactRows, Frames};
 use crate::coupling::consistency::Finer;
 use crate::coupling::interface::{InterfaceQuadrature, Partners, slave_segments};
 use crate::coupling::{Interface, Segments, Side};
@@ -43,7 +44,7 @@ pub(super) struct SlaveOf<'a, const S: usize, const N: usize> {
 type Chosen<const S: usize> = (Box<dyn Basis<S>>, Option<Box<dyn Basis<S>>>, Option<(usize, usize)>);
 
 /// The opponent, its second segments, and finer ones.
-type Faced<const S: usize, const N: usize> = (Against<S, N>, Option<Segments<S>>, Option<Segments<S>>);
+type Opposed<const S: usize, const N: usize> = (Against<S, N>, Option<Segments<S>>, Option<Segments<S>>);
 
 impl<const S: usize, const N: usize> Model<S, N>
 where
@@ -78,6 +79,7 @@ where
         for &t in setup.times_of(moves) {
             let first = contact.rows(self, &sides, t, None).map_err(InterfaceError::Contact)?;
             if first.facing.contains(&true) {
+                self.sound_later(contact, setup, &sides, &first).map_err(InterfaceError::Contact)?;
                 let finer = finer.zip(psi).and_then(|(segments, psi)| self.finer_contact(slave, &against, psi, &segments));
                 return Ok(ContactPart {
                     number: 0,
@@ -100,8 +102,29 @@ where
         Err(InterfaceError::NothingFaces)
     }
 
+    /// Checks that the gap has a value at all times: its formula at the points that are faced `first`, an obstacle whose shape changes by its
+    /// rows.
+    fn sound_later(
+        &self,
+        contact: &ContactModel<S, N>,
+        setup: &SlaveOf<'_, S, N>,
+        sides: &ContactSides<'_, S, N>,
+        first: &ContactRows<S, N>,
+    ) -> Result<(), ContactError> {
+        if matches!(setup.contact.own.faced, Faced::Obstacle { changes: true, .. }) {
+            return setup.times.iter().try_for_each(|&t| contact.rows(self, sides, t, None).map(|_| ()));
+        }
+        for &t in setup.times_of(contact.gap.depends_on_time()) {
+            let value = |(x, g): &(&Vector<N>, &f64)| contact.gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(**g));
+            if let Some((x, _)) = first.frames.x.iter().zip(&first.frames.gap).find(|at| !value(at).is_finite()) {
+                return Err(ContactError::Gap { at: Point::new(x.as_slice()).x });
+            }
+        }
+        Ok(())
+    }
+
     /// The opponent with its segments.
-    fn opponent(&self, contact: &ContactModel<S, N>, setup: &SlaveOf<'_, S, N>) -> Result<Faced<S, N>, InterfaceError> {
+    fn opponent(&self, contact: &ContactModel<S, N>, setup: &SlaveOf<'_, S, N>) -> Result<Opposed<S, N>, InterfaceError> {
         let (slave, rule, extra_points) = (setup.slave, &setup.contact.rule, setup.contact.extra_points);
         // an obstacle has no quadrature points of its own: mixed integration uses those of the slave
         if let Some(obstacle) = &contact.obstacle {

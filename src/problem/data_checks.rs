@@ -1,17 +1,16 @@
-//! Checks of data at quadrature points: limits of materials, values that are not finite, components prescribed twice.
+//! Checks of data at quadrature points: limits of materials, values that are not finite.
 
 use super::builder::Problem;
 use super::data::{Data, Point};
 use super::error::{ErrorKind, ProblemError};
 use super::handles::Statement;
-use super::model::Action;
+use super::model::{Action, Value};
 use crate::basis::Order;
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::Vector;
 use crate::quadrature::Quadrature;
 use rayon::prelude::*;
-use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
+use std::collections::HashSet;
 
 /// The first quadrature point, elements ascending, at which `wrong` returns something.
 fn first_wrong<const D: usize, const N: usize, E: Send>(
@@ -67,7 +66,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
     }
 
-    /// Loads, springs, sources and densities that are not finite, springs and densities that are negative; each statement once.
+    /// Prescribed values, loads, springs, sources and densities that are not finite, springs and densities that are negative; each statement
+    /// once.
     pub(super) fn check_values(&self, errors: &mut Vec<ProblemError>) {
         let mut told: HashSet<Statement> = HashSet::new();
         let loads = self.said.loads.iter().filter_map(|l| match &l.action {
@@ -76,7 +76,11 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             Action::Exact(_) => None,
         });
         let springs = self.said.springs.iter().map(|s| (s.of, &s.name, &s.side, (&s.stiffness, s.component, false)));
-        let mut all: Vec<_> = loads.chain(springs).collect();
+        let values = self.said.conditions.iter().filter_map(|c| match &c.value {
+            Value::Data(f) => Some((c.of, &c.side.label, &c.side, (f, c.component, true))),
+            Value::Zero | Value::Exact => None,
+        });
+        let mut all: Vec<_> = values.chain(loads).chain(springs).collect();
         // as they were said
         all.sort_by_key(|(of, ..)| *of);
         for (of, name, side, data) in all {
@@ -87,6 +91,19 @@ impl<const S: usize, const N: usize> Problem<S, N> {
                 told.insert(of);
                 errors.push(ProblemError::new(kind, vec![of], vec![name.clone(), side.label.clone()]));
             }
+        }
+        for pin in &self.said.pins {
+            let Value::Data(f) = &pin.value else { continue };
+            let at = |t: f64| {
+                pin.rim.rim.x.iter().find_map(|x| {
+                    let value = f.value(&Point::new(x.as_slice()).at_time(t));
+                    (!value.is_finite()).then(|| (Point::new(x.as_slice()).x, value))
+                })
+            };
+            let wrong = self.times_of(f.depends_on_time()).iter().find_map(|&t| at(t).map(|(x, value)| (x, t, value)));
+            let Some((x, t, value)) = wrong.filter(|_| told.insert(pin.of)) else { continue };
+            let kind = ErrorKind::NotFinite { x, t, value, component: pin.component };
+            errors.push(ProblemError::new(kind, vec![pin.of], vec![pin.rim.label.clone(); 2]));
         }
         let components = self.components();
         let mut number = vec![0; self.bodies.len()];
@@ -119,29 +136,6 @@ impl<const S: usize, const N: usize> Problem<S, N> {
                     errors.push(ProblemError::new(kind, vec![contact.id().into()], vec![contact.name.clone(), contact.name.clone()]));
                 }
             }
-        }
-    }
-
-    /// Components of a side, an edge or a corner that are prescribed twice, and exact data without an exact solution.
-    pub(super) fn check_conditions(&self, errors: &mut Vec<ProblemError>) {
-        let sides = self.said.conditions.iter().map(|c| (Arc::as_ptr(&c.side).cast::<()>(), c.component, c.of, &c.side.label, &c.value));
-        let pins = self.said.pins.iter().map(|p| (Arc::as_ptr(&p.rim).cast::<()>(), p.component, p.of, &p.rim.label, &p.value));
-        let mut first: HashMap<(*const (), usize), Statement> = HashMap::new();
-        for (at, component, of, label, value) in sides.chain(pins) {
-            if let (super::model::Value::Exact, None) = (value, &self.exact) {
-                errors.push(ProblemError::new(ErrorKind::NoExact, vec![of], vec![label.clone()]));
-            }
-            if let Some(&before) = first.get(&(at, component)) {
-                errors.push(ProblemError::new(ErrorKind::Twice { component }, vec![before, of], vec![label.clone()]));
-            } else {
-                first.insert((at, component), of);
-            }
-        }
-        for load in self.said.loads.iter().filter(|l| self.exact.is_none() && matches!(l.action, Action::Exact(_))) {
-            errors.push(ProblemError::new(ErrorKind::NoExact, vec![load.of], vec![load.side.label.clone()]));
-        }
-        for body in self.bodies.iter().filter(|b| self.exact.is_some() && !(b.source.is_empty() && b.weights.is_empty())) {
-            errors.push(ProblemError::new(ErrorKind::SourceTwice, vec![body.id.into()], vec![body.name.clone()]));
         }
     }
 }

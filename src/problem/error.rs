@@ -100,6 +100,11 @@ pub enum ErrorKind {
         /// The component.
         component: usize,
     },
+    /// A load or springs in a component that is prescribed wherever they act: they would act on supports alone.
+    Held {
+        /// The component.
+        component: usize,
+    },
     /// Values of an exact solution, in a problem without one.
     NoExact,
     /// A source or a weight beside an exact solution, which has its own.
@@ -207,6 +212,9 @@ impl Display for ProblemError {
             ErrorKind::Scalar => write!(f, "\"{one}\" needs one component per coordinate"),
             ErrorKind::Prescribed { error, t, .. } => write!(f, "{error} (t = {t})"),
             ErrorKind::Twice { component } => write!(f, "component {component} of `{one}` is prescribed twice"),
+            ErrorKind::Held { component } => {
+                write!(f, "component {component} of `{one}` is loaded, and prescribed wherever the load acts")
+            }
             ErrorKind::NoExact => write!(f, "\"{one}\" takes the values of an exact solution, and the problem has none"),
             ErrorKind::SourceTwice => write!(f, "body \"{one}\" has a source; the exact solution has its own"),
             ErrorKind::NotFinite { x, t, value, .. } => write!(f, "\"{one}\" on `{other}`: {value} at {x:?}, t = {t}"),

@@ -13,6 +13,7 @@ mod builder;
 mod changing;
 mod climb;
 mod closed_points;
+mod condition_checks;
 mod contact_along;
 mod contact_field;
 mod contact_fluxes;

@@ -154,7 +154,7 @@ pub fn held_by<const S: usize, const N: usize>(
             fix(body, unit(p.component), *x);
         }
     }
-    for s in springs {
+    for s in springs.iter().filter(|s| s.stiffness.as_constant() != Some(0.0)) {
         for (body, x) in of(&s.side) {
             fix(body, unit(s.component), x);
         }

@@ -10,6 +10,7 @@ mod contact_methods;
 mod dual;
 mod exact_answers;
 mod faults;
+mod held_and_loaded;
 mod inf_sup;
 mod interface_quadrature;
 mod lessons;

@@ -31,7 +31,9 @@ pub(super) fn say<const S: usize, const N: usize>(
             if block.all_outer && couples.hold(wanted.value.patch, &wanted.value.side) {
                 continue;
             }
-            let made = match meeting_sides(&wanted.value.side) {
+            // a tag of a mesh may look like an edge or a corner
+            let named = said.problem.bodies_and_sides().0[wanted.value.patch].body.sides().contains(&wanted.value.side);
+            let made = match meeting_sides(&wanted.value.side).filter(|_| !named) {
                 Some(names) => said.edge_or_corner(wanted, &names).map(|()| None),
                 None => said.side(wanted),
             };
@@ -155,7 +157,12 @@ impl<const S: usize, const N: usize> Block<'_, '_, S, N> {
     fn dirichlet(&mut self, region: RegionId) -> Result<(), Box<Diagnostic>> {
         for (component, datum) in each(&self.block.dirichlet) {
             let made = self.problem.prescribe(region, component, value_of(&datum.value));
-            self.keep(made, datum.at, "the value")?;
+            let formulas = match &datum.value {
+                Datum::Formula(f) => vec![Located::new(f.clone(), datum.at)],
+                Datum::Exact => Vec::new(),
+            };
+            let statement = self.keep(made, datum.at, "the value")?;
+            self.places.keep(statement, Said { at: datum.at, block: Some(self.number), what: "the value", formulas, ..Said::default() });
         }
         Ok(())
     }

@@ -106,6 +106,12 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
             let text = format!("component {name} of `{}` is prescribed twice{line}", error.names()[0]);
             builder.error("E052", text, at).with_help("drop one of the two")
         }
+        ErrorKind::Held { component } => {
+            let name = component_name(*component, components);
+            let line = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(" in line {line}"));
+            let text = format!("component {name} of `{}` is loaded, and prescribed{line} wherever the load acts", error.names()[0]);
+            builder.error("E052", text, at).with_help("each component of a side is prescribed once, or loaded")
+        }
         ErrorKind::Glue(of_sides) => glue::fault(builder, at, error.names(), of_sides),
         ErrorKind::NoExact => {
             builder.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]")

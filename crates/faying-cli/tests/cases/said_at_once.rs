@@ -110,3 +110,47 @@ fn a_zone_between_the_functions_of_a_coarse_side_is_told() {
     assert_eq!(told("0.499 - y + 0.1*(x - 0.5)^2"), (0.0, 1));
     assert_eq!(told("0.501 - y + 0.1*(x - 0.5)^2"), (0.0, 0));
 }
+
+#[test]
+fn what_is_held_is_not_loaded_and_parts_are_prescribed_once() {
+    let side = |on: &str, rest: &str| format!("[[boundary]]\non = \"up.{on}\"\n{rest}\n");
+    for (tail, wrong) in [
+        (side("left", "fix = [\"normal\"]") + &side("left", "traction = { x = 1.0 }"), "traction = { x = 1.0 }"),
+        (side("left", "fix = [\"normal\"]") + &side("left", "pressure = 1.0"), "pressure = 1.0"),
+        (side("left", "fix = [\"tangential\"]") + &side("left", "force = { y = 1.0 }"), "force = { y = 1.0 }"),
+        (
+            side("top", "where = \"x < 0.5\"\nfix = [\"y\"]") + &side("top", "where = \"x < 0.3\"\ndirichlet = { y = 0.1 }"),
+            "dirichlet = { y = 0.1 }",
+        ),
+        (side("top", "fix = [\"y\"]") + &side("top", "where = \"x < 0.3\"\nforce = { y = 0.1 }"), "force = { y = 0.1 }"),
+    ] {
+        assert_eq!(refused(&format!("{}{TIE}{tail}", blocks())), [("E052", wrong.to_owned())]);
+    }
+    let sound =
+        side("left", "fix = [\"normal\"]") + &side("left", "traction = { y = 1.0 }") + &side("top", "where = \"x < 0.5\"\nfix = [\"y\"]");
+    assert_eq!(run(&format!("{}{TIE}{sound}", blocks())).unwrap().exit, 0);
+}
+
+#[test]
+fn every_prescribed_value_without_a_value_is_told_in_its_line() {
+    let tail = "[[boundary]]\non = \"up.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"up.top\"\ndirichlet = { y = \"log(x - 0.5)\" }\n\
+        [[boundary]]\non = \"up.right\"\ndirichlet = { x = \"1/(y - y)\" }\n";
+    let found = refused(&format!("{}{TIE}{tail}", blocks()));
+    let lines: Vec<&str> = found.iter().map(|(_, line)| line.as_str()).collect();
+    assert_eq!(lines, ["dirichlet = { y = \"log(x - 0.5)\" }", "dirichlet = { x = \"1/(y - y)\" }"]);
+    assert!(found.iter().all(|d| d.0 == "E017"), "{found:?}");
+}
+
+#[test]
+fn gaps_and_level_sets_are_asked_at_all_times() {
+    let steps = "[steps]\nt = [0.5, 1, 2]\n";
+    for contact in [
+        "rigid = { kind = \"half-plane\", point = [0, 1], normal = [0, -1] }\ngap = \"g + sqrt(1.5 - t)\"",
+        "rigid = { kind = \"level-set\", f = \"1.01 - y + 0*sqrt(1.5 - t)\" }",
+    ] {
+        let text = format!("{}{TIE}{steps}[[contact]]\nname = \"k\"\nslave = \"up.top\"\n{contact}\n", blocks());
+        assert!(Case::parse("case.toml", &text, &ReadOptions::default()).is_ok());
+        let found = refused(&text);
+        assert_eq!(found.iter().map(|d| d.0).collect::<Vec<_>>(), ["E017"], "{contact}");
+    }
+}

@@ -269,3 +269,13 @@ fn solids_that_touch_are_told_and_coarse_facets_of_one_cylinder_too() {
         + &on("[\"in.v0\", \"out.v1\"]", "dirichlet = \"0\"");
     names(&run(&rings), "in.v1", "out.v0", "touch", "[[interface]]");
 }
+
+#[test]
+fn a_tag_of_a_mesh_may_look_like_a_corner() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.msh"), halves(4, 5, 1.0, 0.0).replace("\"left\"", "\"u0v0\"")).unwrap();
+    let tagged = run_in(folder.path(), &beam("[\"beam.u0v0\", \"beam.right\"]")).unwrap();
+    std::fs::write(folder.path().join("m.msh"), halves(4, 5, 1.0, 0.0)).unwrap();
+    let plain = run_in(folder.path(), &beam("[\"beam.left\", \"beam.right\"]")).unwrap();
+    assert_eq!((tagged.exit, tagged.energy), (plain.exit, plain.energy));
+}
