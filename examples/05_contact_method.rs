@@ -33,7 +33,7 @@ impl<const S: usize, const N: usize> ContactMethod<S, N> for InteriorPoint {
     }
 }
 
-/// Where the iteration is.
+/// Stage of the iteration.
 #[derive(Debug)]
 enum Stage {
     /// Springs of the rows' own stiffness: bodies that contact alone holds are held.

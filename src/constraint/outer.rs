@@ -40,7 +40,7 @@ pub struct Answered<'a> {
     pub range: Range<usize>,
 }
 
-/// What follows an answer.
+/// Decision of a method about an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Next {
     /// The rows are as they shall be.

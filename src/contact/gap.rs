@@ -88,7 +88,7 @@ pub enum Opponent<'a, const S: usize, const N: usize, T: Real = f64> {
 pub(super) type Faced<'a, const S: usize, const N: usize, T> = (Option<Side<'a, S, N, T>>, Segments<S, T>, Frames<N, T>);
 
 impl<'a, const S: usize, const N: usize, T: Real> Opponent<'a, S, N, T> {
-    /// What of `segments` of `slave` faces it.
+    /// The points of `segments` of `slave` that face it, with their frames.
     pub(super) fn faced_by(self, slave: Side<'_, S, N, T>, segments: &Segments<S, T>) -> Result<Faced<'a, S, N, T>, ContactError> {
         Ok(match self {
             Opponent::Master(master) => {
@@ -112,7 +112,7 @@ pub(super) fn wanted<const N: usize, T: Real>(frames: &Frames<N, T>, gap: &dyn F
     }
 }
 
-/// What the rows of a contact belong to.
+/// Multiplier functions or points, to which the rows of a contact belong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum RowsAt {
@@ -146,7 +146,7 @@ pub struct ContactRows<const S: usize, const N: usize, T: Real = f64> {
     pub translations: Vec<(Vector<N, T>, usize, T)>,
     /// Whether the support of ψ_j faces the opponent and ψ_j belongs to the cone.
     pub facing: Vec<bool>,
-    /// What the rows belong to.
+    /// Functions or points to which the rows belong.
     pub at: RowsAt,
     /// Gap over lambda of every row that holds by itself; empty: all are exact. The method of the contact may choose others.
     pub compliance: Vec<T>,

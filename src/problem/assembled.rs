@@ -100,7 +100,7 @@ impl<const S: usize, const N: usize> System<S, N> {
         self.inner.motions_with_open(t, open)
     }
 
-    /// Those of `rows` of the system that belong to contacts, side by side.
+    /// Returns, side by side, those of `rows` of the system that belong to contacts.
     pub fn contact_rows(&self, rows: &[usize]) -> Vec<RowsOfSide<N>> {
         self.inner.contact_rows(rows)
     }

@@ -1,4 +1,4 @@
-//! How the rows of ties and contacts are enforced in a system: their compliance, and what changes them between systems.
+//! Enforcement of the rows of ties and contacts in a system: their compliance, and what changes them between systems.
 
 use super::model::Model;
 use super::observer::{Observer, Progress};
@@ -11,7 +11,7 @@ use crate::contact::ContactRows;
 use crate::coupling::Rows;
 use std::ops::Range;
 
-/// How rows are enforced.
+/// Enforcement of rows.
 #[derive(Debug, Default)]
 pub(super) struct Enforced {
     /// gap / lambda per row; empty: all rows are exact.

@@ -76,7 +76,7 @@ pub enum InterfaceError {
     },
 }
 
-/// What a method does not accept, in words.
+/// A choice that a method does not accept, in words.
 fn refused(pressed: bool, mixed: bool) -> &'static str {
     match (pressed, mixed) {
         (true, true) => "neither an obstacle that a force presses nor mixed integration",

@@ -21,7 +21,7 @@ pub struct RowsOfSide<const N: usize> {
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
-    /// Those of `rows` that belong to contacts, side by side in the order of the contacts.
+    /// Returns those of `rows` that belong to contacts, side by side in the order of the contacts.
     pub(super) fn contact_rows(&self, rows: &[usize]) -> Vec<RowsOfSide<N>> {
         let mut all = Vec::new();
         for contact in &self.contacts {

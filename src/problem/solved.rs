@@ -211,7 +211,7 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
     }
 }
 
-/// What all solutions of a system have in common, and the matrices of a time.
+/// Parts that all solutions of a system have in common, and the matrices of a time.
 struct Shared<'a, const S: usize, const N: usize> {
     identity: &'a Arc<Identity>,
     regions: &'a Arc<Regions<S, N>>,

@@ -1,4 +1,4 @@
-//! What is prescribed twice, loaded where it is held, or has no value at some time, is refused when the problem is assembled.
+//! Problems are refused that prescribe a component twice, load what is held, or have data without a value at some time.
 
 use faying::contact::{ContactError, HalfPlane};
 use faying::geometry::shapes::rectangle;

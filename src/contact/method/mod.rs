@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub use augmented::Augmented;
 pub use lagrange::Lagrange;
 
-/// What a method needs of the sides of a contact, and what it accepts.
+/// Needs of a method: what the sides of a contact must bring, and what it accepts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Needs {
     /// A multiplier space on the slave side: rows belong to its functions. Without one the method makes rows of its own.
@@ -55,7 +55,7 @@ pub struct Translation<const N: usize> {
 pub struct ContactAt<'a, const S: usize, const N: usize> {
     /// The slave side, with its flux if the method needs it.
     pub slave: Side<'a, S, N>,
-    /// What it faces.
+    /// Its opponent.
     pub opponent: Opponent<'a, S, N>,
     /// Quadrature points of both sides, or of the slave alone against an obstacle.
     pub segments: &'a Segments<S>,
@@ -110,14 +110,14 @@ impl<'a, const S: usize, const N: usize> ContactAt<'a, S, N> {
     }
 }
 
-/// How the rows of a contact enter the systems of a step.
+/// Enforcement of the rows of a contact in the systems of a step.
 #[derive(Debug, Default)]
 pub struct Begun {
     /// Gap over lambda of every row; empty: all are exact.
     pub compliance: Vec<f64>,
     /// Whether the rows are made softer on the way to a first state: those of points, whose first guess is arbitrary.
     pub eased: bool,
-    /// What changes the rows between systems; `None`: nothing, one solution is all.
+    /// Changes of the rows between systems; `None`: one solution is all.
     pub iteration: Option<Box<dyn RowIteration>>,
 }
 
@@ -156,7 +156,7 @@ pub enum MethodError {
 /// It makes the [rows](ContactRows), says how soft they are, and may change them from one system to the next. By default it is that of
 /// Lagrange multipliers: exact rows of multiplier functions. [`crate::check::contact_method`] checks a method on two blocks.
 pub trait ContactMethod<const S: usize, const N: usize>: Debug + Send + Sync {
-    /// What it needs of the sides.
+    /// Needs that the sides must meet.
     fn needs(&self) -> Needs {
         Needs::FUNCTIONS
     }

@@ -42,7 +42,7 @@ pub struct EntryKeys {
 pub struct MethodEntry {
     /// Name and keys.
     pub entry: EntryKeys,
-    /// What it needs.
+    /// Its needs.
     pub needs: Needs,
 }
 
@@ -119,7 +119,7 @@ impl Names {
         self.methods.iter().map(|m| m.entry.clone()).collect()
     }
 
-    /// What a method of contact needs; a word that is none needs what the default does.
+    /// Needs of a method of contact; those of the default for a word that is none.
     pub fn needs(&self, method: &str) -> Needs {
         self.methods.iter().find(|m| m.entry.name == method).map_or(Needs::FUNCTIONS, |m| m.needs)
     }

@@ -57,6 +57,33 @@ pub(super) fn stop<const S: usize, const N: usize>(
     })
 }
 
+/// The diagnostic of data that are not finite, or negative where they must not be.
+fn data_fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &Places, error: &ProblemError, at: Place) -> Diagnostic {
+    let (code, x, t, value, component) = match &error.kind {
+        ErrorKind::Negative { x, t, value, component } => ("E015", x, t, value, component),
+        ErrorKind::NotFinite { x, t, value, component } => ("E017", x, t, value, component),
+        _ => return builder.error("E015", error.to_string(), at),
+    };
+    let said = error.of.first().and_then(|of| places.said(*of));
+    let Some((what, formula)) = said.and_then(|s| Some((s.what, s.formulas.get(*component).or(s.formulas.first())?))) else {
+        return builder.error(code, error.to_string(), at);
+    };
+    let place = place_text::<N>(x) + &time_text(formula.value.depends_on_time(), *t);
+    if code == "E015" {
+        let text = format!("{what} of `{}` must not be negative, found {value:?} at {place}", error.names()[1]);
+        return builder.error(code, text, formula.at).with_help(
+            "a spring pulls back with the force stiffness times displacement, and weight is density times gravity: both are positive",
+        );
+    }
+    let of = match error.of.iter().find_map(|of| places.patch(*of)) {
+        Some(number) => format!("{what} in patch \"{}\"", builder.case.patches[number].name.value),
+        None => format!("{what} of `{}`", error.names()[1]),
+    };
+    let text = format!("{of}: `{}` is not finite at {place} (found {value})", formula.value.text());
+    let help = "data are needed on the whole side or patch: give a formula that has a value at each of its points";
+    builder.error(code, text, formula.at).with_help(help)
+}
+
 /// The diagnostic of an error.
 fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &Places, error: &ProblemError) -> Diagnostic {
     let (case, components) = (builder.case, builder.case.model.components());
@@ -74,32 +101,7 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
                 .error("E053", text, key(material, limit))
                 .with_help("formulas of materials are checked at the quadrature points of the patches that use them")
         }
-        ErrorKind::NotFinite { x, t, value, component } => {
-            let Some(Said { what, formulas, .. }) = said(0) else { return builder.error("E017", error.to_string(), at) };
-            let Some(formula) = formulas.get(*component).or(formulas.first()) else {
-                return builder.error("E017", error.to_string(), at);
-            };
-            let of = match patch() {
-                Some(number) => format!("{what} in patch \"{}\"", case.patches[number].name.value),
-                None => format!("{what} of `{}`", error.names()[1]),
-            };
-            let f = &formula.value;
-            let place = place_text::<N>(x) + &time_text(f.depends_on_time(), *t);
-            let text = format!("{of}: `{}` is not finite at {place} (found {value})", f.text());
-            let help = "loads are integrated over the whole side or patch: give a formula that has a value at each of its points";
-            builder.error("E017", text, formula.at).with_help(help)
-        }
-        ErrorKind::Negative { x, t, value, component } => {
-            let Some(Said { what, formulas, .. }) = said(0) else { return builder.error("E015", error.to_string(), at) };
-            let Some(formula) = formulas.get(*component).or(formulas.first()) else {
-                return builder.error("E015", error.to_string(), at);
-            };
-            let place = place_text::<N>(x) + &time_text(formula.value.depends_on_time(), *t);
-            let text = format!("{what} of `{}` must not be negative, found {value:?} at {place}", error.names()[1]);
-            builder.error("E015", text, formula.at).with_help(
-                "a spring pulls back with the force stiffness times displacement, and weight is density times gravity: both are positive",
-            )
-        }
+        ErrorKind::NotFinite { .. } | ErrorKind::Negative { .. } => data_fault::<S, N>(builder, places, error, at),
         ErrorKind::Twice { component } => {
             let name = component_name(*component, components);
             let line = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(", first in line {line}"));

@@ -96,12 +96,8 @@ pub fn step_fault<const S: usize, const N: usize>(
                  exchanges did not end within {iterations} iterations; {}",
                 flipping(system, rows)
             );
-            (
-                Status::NotConverged,
-                "cycling",
-                at(Diagnostic::error("E071", text))
-                    .with_help("raise active_set.max_iterations, or try another start: \"all\", \"gap\", { seed = 1 }"),
-            )
+            let help = "raise active_set.max_iterations, or try another start: \"all\", \"gap\", { seed = 1 }";
+            (Status::NotConverged, "cycling", at(Diagnostic::error("E071", text)).with_help(help))
         }
         StepError::Solve(SolveError::TooManyIterations { iterations, .. }) => {
             let text = format!("contact does not settle within {iterations} iterations of the active set");

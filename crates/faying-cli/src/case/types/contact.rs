@@ -139,7 +139,7 @@ pub struct Contact {
     pub gap: Located<Formula>,
     /// Method.
     pub method: Located<String>,
-    /// What the method needs.
+    /// Needs of the method.
     pub needs: Needs,
     /// Values of the keys of the method.
     pub given: Given,
