@@ -2,10 +2,11 @@
 
 use super::builder::Builder;
 use super::glue;
-use super::places::{Places, Said};
+use super::places::Places;
 use super::refused::slave_fault;
 use super::values::{constants, key, time_text};
 use crate::errors::{Diagnostic, Diagnostics};
+use crate::place::Place;
 use crate::words::{component_name, short};
 use faying::assembly::DirichletError;
 use faying::linalg::LinearError;
