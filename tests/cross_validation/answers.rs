@@ -35,21 +35,6 @@ pub fn side<const N: usize>(name: &str) -> &str {
 }
 
 impl<const S: usize, const N: usize> Setting<S, N> {
-    /// Number of all unknowns.
-    pub fn num_unknowns(&self) -> usize {
-        self.bodies.iter().map(|b| b.unknowns()).sum()
-    }
-
-    /// The unknowns of all bodies, one after the other.
-    pub fn unknowns(&self, solution: &Solution<S, N>) -> Vec<f64> {
-        self.bodies.iter().flat_map(|b| solution.coefficients(b.id).unwrap().iter().copied()).collect()
-    }
-
-    /// The energy of all bodies with their springs.
-    pub fn energy(&self, solution: &Solution<S, N>) -> f64 {
-        self.bodies.iter().map(|b| self.energy_of(b, solution.coefficients(b.id).unwrap())).sum()
-    }
-
     /// The solution at a place, the mean over all elements of the body that contain it.
     fn at(&self, solution: &Solution<S, N>, body: BodyId, x: &[f64; N]) -> Option<PointState<N>> {
         let found = solution.at(body, x).ok()?;
@@ -80,7 +65,7 @@ impl<const S: usize, const N: usize> Setting<S, N> {
     fn of_bodies(&self, solution: &Solution<S, N>, text: &str) -> Option<f64> {
         let asked = Asked::of(text);
         match &asked.path[..] {
-            ["energy"] => return Some(self.energy(solution)),
+            ["energy"] => return Some(solution.energy()),
             ["reaction", body, name, rest @ ..] => {
                 let force = solution.reaction(self.named(body).id.side(side::<N>(name))).unwrap();
                 return Some(force[rest.first().map_or(0, |c| axis(c))]);
@@ -112,24 +97,24 @@ pub trait Answers<const S: usize, const N: usize> {
 
 impl Answers<1, 2> for Setting<1, 2> {
     fn values(&self, solution: &Solution<1, 2>, quantities: &[String]) -> Vec<f64> {
-        let states: Vec<_> = self.contacts.iter().map(|c| c.in_state(self, solution)).collect();
         let of_interface = |text: &String| {
             let asked = Asked::of(text);
             let place = || -> [f64; 2] { asked.place.clone().unwrap()[..].try_into().unwrap() };
-            let found = |name: &str| self.contacts.iter().position(|c| c.name == name).unwrap_or_else(|| panic!("{text}"));
-            let result = |name: &str| solution.contact(self.contacts[found(name)].id).unwrap();
+            let found = |name: &str| self.contacts.iter().find(|c| c.name == name).unwrap_or_else(|| panic!("{text}"));
+            let result = |name: &str| solution.contact(found(name).id).unwrap();
             match &asked.path[..] {
                 ["interface", name, "lambda", rest @ ..] => {
                     let tie = self.ties.iter().find(|t| t.name == *name).unwrap_or_else(|| panic!("{text}"));
-                    tie.lambda(self, solution, &place())[rest.first().map_or(0, |c| axis(c))]
+                    self.lambda(solution, tie.id, &tie.slave, &place())[rest.first().map_or(0, |c| axis(c))]
                 }
                 ["contact", name, "force", c] => result(name).force[axis(c)],
                 ["contact", name, "moment"] => result(name).moment[2],
                 ["contact", name, "area"] => result(name).area,
                 ["contact", name, "active"] => result(name).active as f64,
                 ["contact", name, "pressure", "max"] => result(name).largest_pressure,
-                ["contact", name, "pressure"] => states[found(name)].pressure(&place()),
-                ["contact", name, "half_width"] => states[found(name)].half_width(),
+                ["contact", name, "pressure"] => -self.lambda(solution, found(name).id, &found(name).slave, &place())[0],
+                // not a number where the pressure does not tell the end of the zone, as on coarse sides
+                ["contact", name, "half_width"] => result(name).half_width.unwrap().unwrap_or(f64::NAN),
                 _ => panic!("{text}"),
             }
         };

@@ -45,7 +45,7 @@ fn values<const S: usize, const N: usize>(setting: &Setting<S, N>, solution: &So
     for body in &setting.bodies {
         for element in 0..body.body.space().num_elements() {
             let states = solution.in_element(body.id, element, &xi).unwrap();
-            all.extend(states.iter().flat_map(|s| s.u[..body.field.components].to_vec()));
+            all.extend(states.iter().flat_map(|s| s.u[..body.components].to_vec()));
         }
     }
     all

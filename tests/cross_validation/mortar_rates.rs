@@ -9,7 +9,7 @@ use faying::basis::Cell;
 use faying::coupling::multiplier::MultiplierKind;
 use faying::geometry::shapes::rectangle;
 use faying::physics::Conductor;
-use faying::problem::{Exact, Integration, Point, Value};
+use faying::problem::{Exact, Integration, Value};
 use faying::space::BasisKind;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -85,14 +85,10 @@ impl Squares {
         let sides = [(lower, "v1"), (upper, "v0")];
         let (slave, master) = if self.slave_is_lower { (sides[0], sides[1]) } else { (sides[1], sides[0]) };
         s.tie("i", slave, master, self.how);
-        let (solution, exact) = (solved(&s.problem), smooth());
-        let norms = solution.errors(&exact).into_iter().reduce(|a, b| a.hypot(b)).unwrap().error;
-        // lambda = minus the slave's flux
-        let lambda = s.ties[0].lambda_error(&s, &solution, |x, n| {
-            let slope = exact.slope(0, &Point::new(x.as_slice())).gradient;
-            -(slope[0] * n[0] + slope[1] * n[1])
-        });
-        Errors { errors: [norms.l2, norms.h1, lambda], balance: s.ties[0].balance(&s, &solution) }
+        let (solution, tie) = (solved(&s.problem), s.ties[0].id);
+        let norms = solution.errors(&smooth()).into_iter().reduce(|a, b| a.hypot(b)).unwrap().error;
+        let lambda = solution.lambda_error(tie).unwrap().error.sqrt();
+        Errors { errors: [norms.l2, norms.h1, lambda], balance: solution.tie(tie).unwrap().balance }
     }
 }
 

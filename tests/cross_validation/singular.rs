@@ -153,7 +153,7 @@ fn graded_elements_find_the_tip_of_cooks_membrane() {
     let tip_of = |case: &str, sets: &[String]| {
         let Said::Plane(setting) = said(case, sets) else { panic!("a case of the plane") };
         let solution = solved(&setting.problem);
-        (setting.values(&solution, std::slice::from_ref(&tip.quantity))[0], setting.num_unknowns())
+        (setting.values(&solution, std::slice::from_ref(&tip.quantity))[0], solution.unknowns().len())
     };
     let (uniform, unknowns) = tip_of("cook", &["patch.panel.refine=4".into(), "discretization.degree=3".into()]);
     let graded: Vec<(f64, usize)> = [3, 5]

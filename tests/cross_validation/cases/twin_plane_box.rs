@@ -32,7 +32,7 @@ pub fn said(choices: &Choices) -> Setting<1, 2> {
     p.traction(body.side("u1"), 0, Data::of(|x, _| 1.0 + (0.5 * x[1]).exp())).unwrap();
     p.traction(body.side("u1"), 1, -0.4).unwrap();
     p.pressure(body.side("v1"), Data::of(|x, _| 0.5 + x[0])).unwrap();
-    s.spring(body, "v1", 0, 2.0.into());
-    s.spring(body, "v1", 1, Data::of(|x, _| 1.5 + x[0]));
+    s.problem.spring(body.side("v1"), 0, 2.0).unwrap();
+    s.problem.spring(body.side("v1"), 1, Data::of(|x, _| 1.5 + x[0])).unwrap();
     s
 }

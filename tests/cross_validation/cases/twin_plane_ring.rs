@@ -19,6 +19,6 @@ pub fn said(choices: &Choices) -> Setting<1, 2> {
     p.pressure(body.side("v0"), Data::of(|x, _| 1.0 + x[0] * x[1])).unwrap();
     p.prescribe(body.side("v1"), 1, Data::of(|x, _| -0.05 * x[1])).unwrap();
     p.traction(body.side("v1"), 0, Data::of(|x, _| 0.1 * x[1])).unwrap();
-    s.spring(body, "v1", 0, Data::of(|x, _| 1.0 + x[1]));
+    s.problem.spring(body.side("v1"), 0, Data::of(|x, _| 1.0 + x[1])).unwrap();
     s
 }

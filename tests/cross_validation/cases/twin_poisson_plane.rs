@@ -21,7 +21,7 @@ pub fn on_a_box(choices: &Choices) -> Setting<1, 2> {
     }
     p.traction(body.side("u1"), 0, Data::of(|x, _| (2.0 * x[1]).sin() - 0.3)).unwrap();
     p.traction(body.side("v1"), 0, 0.2).unwrap();
-    s.spring(body, "v1", 0, Data::of(|x, _| 1.5 + x[0]));
+    s.problem.spring(body.side("v1"), 0, Data::of(|x, _| 1.5 + x[0])).unwrap();
     s
 }
 

@@ -21,7 +21,7 @@ pub fn in_a_block(choices: &Choices) -> Setting<2, 3> {
     }
     p.traction(body.side("u1"), 0, Data::of(|x, _| x[1] * x[2] - 0.3)).unwrap();
     p.traction(body.side("w1"), 0, 0.2).unwrap();
-    s.spring(body, "w1", 0, Data::of(|x, _| 1.5 + x[0]));
+    s.problem.spring(body.side("w1"), 0, Data::of(|x, _| 1.5 + x[0])).unwrap();
     s
 }
 

@@ -25,7 +25,7 @@ pub fn said(choices: &Choices) -> Setting<2, 3> {
     p.traction(body.side("u1"), 1, -0.4).unwrap();
     p.traction(body.side("u1"), 2, 0.2).unwrap();
     p.pressure(body.side("w1"), Data::of(|x, _| 0.5 + x[0])).unwrap();
-    s.spring(body, "w1", 0, 2.0.into());
-    s.spring(body, "w1", 2, Data::of(|x, _| 1.5 + x[0]));
+    s.problem.spring(body.side("w1"), 0, 2.0).unwrap();
+    s.problem.spring(body.side("w1"), 2, Data::of(|x, _| 1.5 + x[0])).unwrap();
     s
 }

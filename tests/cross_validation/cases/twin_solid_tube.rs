@@ -22,8 +22,8 @@ pub fn said(choices: &Choices) -> Setting<2, 3> {
     p.traction(body.side("w1"), 0, Data::of(|x, _| -0.3 * x[1])).unwrap();
     p.traction(body.side("w1"), 1, Data::of(|x, _| 0.3 * x[0])).unwrap();
     p.traction(body.side("w1"), 2, 0.1).unwrap();
-    s.spring(body, "v1", 0, Data::of(|x, _| 1.0 + x[1]));
-    s.spring(body, "v1", 1, 0.5.into());
-    s.spring(body, "v1", 2, 0.3.into());
+    s.problem.spring(body.side("v1"), 0, Data::of(|x, _| 1.0 + x[1])).unwrap();
+    s.problem.spring(body.side("v1"), 1, 0.5).unwrap();
+    s.problem.spring(body.side("v1"), 2, 0.3).unwrap();
     s
 }

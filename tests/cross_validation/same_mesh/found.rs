@@ -30,7 +30,7 @@ fn nodes<const N: usize>(cell: Cell, degree: usize) -> Vec<[f64; N]> {
 /// The numbers of a problem of one body.
 fn of_setting<const S: usize, const N: usize>(setting: &Setting<S, N>, solution: &Solution<S, N>) -> Found {
     let body = &setting.bodies[0];
-    let (space, components) = (body.body.space(), body.field.components);
+    let (space, components) = (body.body.space(), body.components);
     let (mut points, mut values) = (Vec::new(), Vec::new());
     for element in 0..space.num_elements() {
         let xi = nodes::<N>(space.cell(element), space.degree(element)[0]);
@@ -56,7 +56,7 @@ fn of_setting<const S: usize, const N: usize>(setting: &Setting<S, N>, solution:
             errors.insert(format!("error.u.{norm}.rel"), own[k] / whole[k]);
         }
     }
-    let (unknowns, energy) = (body.unknowns(), setting.energy(solution));
+    let (unknowns, energy) = (solution.coefficients(body.id).unwrap().len(), solution.energy());
     Found { points, components, values, unknowns, energy, reactions, errors, side: side::<N> }
 }
 

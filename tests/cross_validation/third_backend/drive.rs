@@ -1,16 +1,13 @@
 //! Ties and presses any two bodies by library calls alone: the lower one on [0, 1]², the upper one on [0, 1] x [1, 2].
 
-use crate::tied::{combined, kept};
 use faying::assembly::Norms;
 use faying::constraint::{Condensed, ConstraintSolver, Direct};
 use faying::coupling::multiplier::MultiplierKind;
 use faying::linalg::{Matrix, Vector};
 use faying::physics::{Hooke, Material};
-use faying::problem::{Derivatives, Exact, Point, Problem, Progress, SideOf, Solution, Value};
+use faying::problem::{Derivatives, Exact, Point, Problem, SideOf, Solution, Value};
 use faying::space::Body;
-use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A body with the names of its sides in the order left, right, bottom, top.
 #[derive(Clone)]
@@ -74,19 +71,9 @@ fn problem(parts: &[Part; 2], exact: Linear, fixed: impl Fn(usize, usize) -> Vec
     (p, interface)
 }
 
-/// The solution, and the iterations of its active set.
-fn solved(problem: &Problem<1, 2>, condensed: bool) -> (Solution<1, 2>, usize) {
+fn solved(problem: &Problem<1, 2>, condensed: bool) -> Solution<1, 2> {
     let solver: Box<dyn ConstraintSolver> = if condensed { Box::new(Condensed::new()) } else { Box::new(Direct::new()) };
-    let iterations = AtomicUsize::new(0);
-    let watch = |progress: &Progress<'_>| {
-        if let Progress::ActiveSet(report) = progress {
-            iterations.store(report.iterations, Ordering::Relaxed);
-        }
-        ControlFlow::Continue(())
-    };
-    let mut system = problem.assemble().expect("a sound problem").with_solver(solver);
-    let solution = system.solve_observed(1.0, None, &watch).expect("a solution");
-    (solution, iterations.into_inner())
+    problem.assemble().expect("a sound problem").with_solver(solver).solve(1.0, None).expect("a solution")
 }
 
 fn displacement(solution: &Solution<1, 2>, exact: Linear) -> Norms {
@@ -98,23 +85,19 @@ pub fn tied_patch(parts: &[Part; 2], slave: usize, multiplier: MultiplierKind, c
     let exact = Linear(Matrix::<2, 2>::new(0.3, -0.2, 0.5, 0.1));
     // bottom and top take the exact values, left and right the exact traction: the ends of the interface stay free
     let (mut p, sides) = problem(parts, exact, |_, side| if side >= 2 { vec![0, 1] } else { vec![] });
-    let (multiplier, kept) = kept(multiplier);
     let tie = p.tie(sides[slave], sides[1 - slave]).expect("sides").multiplier(multiplier).id();
-    let (solution, _) = solved(&p, condensed);
+    let solution = solved(&p, condensed);
     // lambda = -sigma n of the slave: compared as a function, since the multipliers need not sum to one
     let outward = if slave == 0 { 1.0 } else { -1.0 };
     let expected = -steel().respond(&Vector::<2>::zeros(), &exact.0).stress * Vector::<2>::new(0.0, outward);
-    let (lambda, spaces) = (solution.multiplier(tie).expect("a tie"), kept.lock().expect("not poisoned"));
-    let (mut worst, mut first) = (0.0_f64, 0);
-    for (c, psi) in spaces.iter().enumerate() {
-        let own = &lambda[first..first + psi.num_functions()];
-        first += psi.num_functions();
-        for element in 0..psi.num_elements() {
-            let value = combined(&**psi, own, element, &[Vector::<1>::new(0.3)])[0];
-            worst = worst.max((value - expected[c]).abs());
-        }
+    let lambda = solution.lambda(tie, 0).expect("a tie").expect("a slave side");
+    let elements = parts[slave].body.trace(parts[slave].sides[3 - slave]).expect("a side").space.num_elements();
+    let mut worst = 0.0_f64;
+    for element in 0..elements {
+        let values = lambda.at(element, &[Vector::<1>::new(0.3)]);
+        assert!(values.len() == 2 && values.iter().all(|v| v[0].is_finite()));
+        worst = values.iter().zip(&expected).fold(worst, |worst, (value, wanted)| worst.max((value[0] - wanted).abs()));
     }
-    assert!(first == lambda.len() && spaces.len() == 2, "one space per component");
     Outcome { displacement: displacement(&solution, exact), multiplier: worst, iterations: 1 }
 }
 
@@ -130,7 +113,8 @@ pub fn contact_patch(parts: &[Part; 2], slave: usize, condensed: bool) -> Outcom
         _ => vec![],
     });
     let pad = problem.contact(sides[slave], sides[1 - slave]).expect("sides").multiplier(MultiplierKind::Constant).id();
-    let (solution, iterations) = solved(&problem, condensed);
+    let solution = solved(&problem, condensed);
     let worst = solution.multiplier(pad).expect("a contact").iter().map(|l| (l + p).abs()).fold(0.0, f64::max);
+    let iterations = solution.active_set().map_or(0, |a| a.iterations);
     Outcome { displacement: displacement(&solution, exact), multiplier: worst, iterations }
 }
