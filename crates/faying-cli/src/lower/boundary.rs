@@ -32,7 +32,7 @@ pub(super) fn say<const S: usize, const N: usize>(
                 continue;
             }
             // a tag of a mesh may look like an edge or a corner
-            let named = said.problem.bodies_and_sides().0[wanted.value.patch].body.sides().contains(&wanted.value.side);
+            let named = said.problem.bodies().nth(wanted.value.patch).is_some_and(|b| b.body().sides().contains(&wanted.value.side));
             let made = match meeting_sides(&wanted.value.side).filter(|_| !named) {
                 Some(names) => said.edge_or_corner(wanted, &names).map(|()| None),
                 None => said.side(wanted),
