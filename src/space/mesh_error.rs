@@ -118,3 +118,19 @@ pub enum MeshError {
     #[error(transparent)]
     Inverted(#[from] InvertedElement),
 }
+
+impl MeshError {
+    /// The error with other numbers of its cells and points, such as those of the file that the mesh was read from.
+    #[must_use]
+    pub fn renumbered(mut self, id: impl Fn(usize) -> usize, node: impl Fn(usize) -> usize) -> Self {
+        match &mut self {
+            Self::Inverted(inverted) => inverted.element = id(inverted.element),
+            Self::Collapsed { cell, point } => (*cell, *point) = (id(*cell), node(*point)),
+            Self::Folded { cells, .. } | Self::Branched { cells, .. } | Self::Mismatch { cells, .. } => *cells = cells.map(id),
+            Self::Torn { cell, .. } => *cell = id(*cell),
+            Self::NotFinite { point } => *point = node(*point),
+            _ => {}
+        }
+        self
+    }
+}

@@ -18,6 +18,7 @@
 
 mod constants;
 mod continued;
+mod exact;
 mod jet;
 mod number;
 mod parse;
@@ -28,6 +29,7 @@ use faying::problem::{Data, Function};
 use std::sync::Arc;
 
 pub use constants::{ConstantText, Constants};
+pub(crate) use exact::exact;
 pub use faying::problem::Point;
 pub use jet::Jet;
 pub use program::Variable;

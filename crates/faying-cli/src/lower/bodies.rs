@@ -3,7 +3,7 @@
 use super::builder::{Builder, MakeNet};
 use super::couples::Couples;
 use super::places::Places;
-use super::{boundary, couples, exact, glue, meshes, patches, values};
+use super::{boundary, couples, glue, meshes, patches, values};
 use crate::errors::Diagnostics;
 use faying::problem::Problem;
 
@@ -21,7 +21,7 @@ pub(super) fn supported<const S: usize, const N: usize>(
     let most = case.contacts.iter().map(|c| c.active_set.max_iterations.value).max().unwrap_or(1);
     problem.active_set(case.contacts.first().map_or(1.0, |c| c.active_set.c.value), most);
     if let Some(exact) = &case.model.exact {
-        problem.exact(exact::of(&exact.value));
+        problem.exact(crate::formula::exact(&exact.value));
     }
     patches::say(builder, net, &mut problem, &mut places);
     builder.stop()?;

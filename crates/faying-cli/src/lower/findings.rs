@@ -5,7 +5,7 @@ use super::sides::side_fault;
 use crate::case::{Physics, SideRef};
 use crate::errors::Diagnostic;
 use crate::place::{Located, Place};
-use crate::words::{labels, short};
+use crate::words::{labels, place, short};
 use faying::problem::SideView;
 use faying::problem::touching::{Finding, NEAR, NearPair, Position, Search, THIN, TouchError};
 use faying::space::Clearance;
@@ -63,10 +63,9 @@ pub(super) fn warning<const S: usize, const N: usize>(builder: &Builder<'_, S, N
             (format!("`{}` and `{}` {how}, and nothing joins them", a.label(), b.label()), joining(builder, a, b))
         }
         Finding::Overlap { patches, x } => {
-            let place: Vec<String> = ["x", "y", "z"].iter().zip(x.iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
             let [a, b] = patches.map(|k| &builder.case.patches[k].name.value);
             (
-                format!("patches \"{a}\" and \"{b}\" overlap (at {}), and nothing joins them", place.join(", ")),
+                format!("patches \"{a}\" and \"{b}\" overlap (at {}), and nothing joins them", place(x.as_slice())),
                 "move them apart, join sides that touch by [[interface]], or press them together by [[contact]]".to_owned(),
             )
         }

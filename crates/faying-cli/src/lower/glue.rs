@@ -6,7 +6,7 @@ use super::meetings;
 use super::places::{Places, Said};
 use crate::errors::Diagnostic;
 use crate::place::Place;
-use crate::words::short;
+use crate::words::{place, short};
 use faying::problem::Problem;
 use faying::space::GlueError;
 
@@ -37,28 +37,28 @@ pub(super) fn fault<const S: usize, const N: usize>(
     error: &GlueError,
 ) -> Diagnostic {
     let (slave, masters) = (&names[0], names[1..].iter().map(|m| format!("`{m}`")).collect::<Vec<_>>().join(", "));
-    let spot = |x: &[f64; 3]| {
-        let list: Vec<String> = ["x", "y", "z"][..N].iter().zip(x).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
-        list.join(", ")
-    };
     let mortar = "use coupling = \"mortar\", which ties any two sides";
     match error {
         GlueError::Apart { distance, at: x, allowed } => {
-            let text =
-                format!("`{slave}` and {masters} are up to {} apart (at {}); allowed {}", short(*distance), spot(x), short(*allowed));
+            let text = format!(
+                "`{slave}` and {masters} are up to {} apart (at {}); allowed {}",
+                short(*distance),
+                place(&x[..N]),
+                short(*allowed)
+            );
             builder.error("E023", text, at).with_help("move the bodies together or raise `tolerance`; use [[contact]] if a gap is meant")
         }
         GlueError::Grids { element, at: x } => {
             let text = format!(
                 "`{slave}` and {masters} cannot be glued: their grids do not match at element {element} of `{slave}` (around {})",
-                spot(x)
+                place(&x[..N])
             );
             builder.error("E015", text, at).with_help(format!("give both the same breakpoints along the seam, or {mortar}"))
         }
         GlueError::Functions { element, at: x, difference } => {
             let text = format!(
                 "`{slave}` and {masters} cannot be glued: their functions differ on element {element} of `{slave}` (around {}): {difference}",
-                spot(x)
+                place(&x[..N])
             );
             builder.error("E015", text, at).with_help(format!("give both the same degree, continuity and weights, or {mortar}"))
         }

@@ -4,7 +4,7 @@ use super::builder::Builder;
 use crate::case::{FilePart, Geometry, Mapping, Master, Patch, SideRef};
 use crate::errors::Diagnostic;
 use crate::place::Located;
-use crate::words::short;
+use crate::words::place;
 use faying::geometry::{turn, turn_about};
 use faying::linalg::Vector;
 use faying::space::{self, Body, Mesh, MeshError, Unshared, refine_cells, unshared_points};
@@ -65,12 +65,11 @@ const UNSHARED: &str = "merge the nodes where the mesh is made (in Gmsh: fragmen
 
 /// "nodes of patch "a" coincide and are not shared: 9 pairs, the first at x = 5, y = 0; what is on both sides does not hang together there".
 pub(crate) fn unshared_text<const N: usize>(whose: &str, found: &Unshared<N>, at: &Vector<N>) -> String {
-    let place: Vec<String> = ["x", "y", "z"].iter().zip(at.iter()).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
     let parts = if found.parts > 1 { format!(" The mesh has {} parts that share no node", found.parts) } else { String::new() };
     let pairs = if found.pairs == 1 { "1 pair".to_owned() } else { format!("{} pairs", found.pairs) };
     format!(
         "nodes of {whose} coincide and are not shared: {pairs}, the first at {}. The cells on both sides are not joined there.{parts}",
-        place.join(", ")
+        place(at.as_slice())
     )
 }
 
@@ -101,20 +100,7 @@ pub(super) fn mesh_code(error: &MeshError) -> &'static str {
 pub(super) fn in_numbers_of(part: &FilePart, error: MeshError, shift: usize) -> MeshError {
     let cell = |k: usize| part.cell_ids().get(k >> shift).map_or(k, |id| *id as usize);
     let point = |k: usize| part.point_ids().get(k).map_or(k, |id| *id as usize);
-    in_numbers_of_the_file(error, cell, point)
-}
-
-fn in_numbers_of_the_file(error: MeshError, id: impl Fn(usize) -> usize, node: impl Fn(usize) -> usize) -> MeshError {
-    let mut error = error;
-    match &mut error {
-        MeshError::Inverted(inverted) => inverted.element = id(inverted.element),
-        MeshError::Collapsed { cell, point } => (*cell, *point) = (id(*cell), node(*point)),
-        MeshError::Folded { cells, .. } | MeshError::Branched { cells, .. } | MeshError::Mismatch { cells, .. } => *cells = cells.map(id),
-        MeshError::Torn { cell, .. } => *cell = id(*cell),
-        MeshError::NotFinite { point } => *point = node(*point),
-        _ => {}
-    }
-    error
+    error.renumbered(cell, point)
 }
 
 /// Rows of the rotation matrix of a geometry, `None` without rotation; in the plane the axis is z.

@@ -6,7 +6,6 @@ mod builder;
 mod built;
 mod contacts;
 mod couples;
-mod exact;
 mod faults;
 mod findings;
 mod glue;

@@ -2,12 +2,11 @@
 
 use super::meshes::{in_numbers_of, mesh_code};
 use super::patches::patch_fault;
-use super::plane::{net_fault, placed, plane_shape};
+use super::plane::{nurbs, placed, plane_shape};
 use crate::case::{self, FilePart, Shape};
 use crate::registry::Fault;
 use faying::contact::{OutlineError, OutlinePiece, Surface, area_outline, curve_outline, without_seams};
 use faying::geometry::ControlNet;
-use faying::linalg::Vector;
 use faying::space::{BasisKind, Body, Mapping, Mesh, MeshCells, Patch, PatchSpec};
 
 /// Ends of a curve nearer than this share of its size are one.
@@ -35,10 +34,7 @@ pub fn plane_outline(geometry: &case::Geometry) -> Result<Vec<OutlinePiece>, Fau
     let fault = |(code, text): (&'static str, String)| Fault::new(code, text);
     match shape {
         Shape::Nurbs { degree, knots, points, weights } if knots.len() == 1 => {
-            let points = points.value.iter().map(|x| Vector::<2>::from_fn(|k, _| x.get(k).copied().unwrap_or(0.0))).collect();
-            let degree = [degree.value.first().copied().unwrap_or(1)];
-            let net = ControlNet::from_knots(degree, [knots[0].value.clone()], points, weights.as_ref().map(|w| w.value.clone()));
-            curve(placed(net.map_err(|e| fault(net_fault(e)))?, geometry))
+            curve(placed(nurbs(&degree.value, knots, &points.value, weights.as_ref()).map_err(fault)?, geometry))
         }
         _ if parts.is_empty() => Ok(without_seams(area(placed(plane_shape(shape).map_err(fault)?, geometry))?)),
         _ => {

@@ -8,7 +8,7 @@ use super::warned::meant;
 use crate::case::{self, Master, Tie};
 use crate::errors::Diagnostic;
 use crate::place::Place;
-use crate::words::{component_name, labels, short};
+use crate::words::{component_name, labels, place, short};
 use faying::contact::ContactError;
 use faying::coupling::CouplingError;
 use faying::coupling::multiplier::MultiplierError;
@@ -93,13 +93,12 @@ fn apart<const S: usize, const N: usize>(
     let help = "move the bodies together or raise `tolerance`; use [[contact]] if a gap is meant";
     let masters = labels(masters);
     match error {
-        CouplingError::Apart { distance, at: place, allowed } => {
-            let coordinates: Vec<String> = ["x", "y", "z"][..N].iter().zip(place).map(|(l, v)| format!("{l} = {}", short(*v))).collect();
+        CouplingError::Apart { distance, at: x, allowed } => {
             let text = format!(
                 "`{}` and {masters} are up to {} apart (at {}); allowed {}",
                 slave.label(),
                 short(*distance),
-                coordinates.join(", "),
+                place(&x[..N]),
                 short(*allowed)
             );
             builder.error("E023", text, at).with_help(help)

@@ -1,25 +1,18 @@
 //! Nets of the shapes of cases in space: solids, and plane shapes that are extruded.
 
-use super::plane::{net_fault, plane_shape, shape_fault};
+use super::plane::{coordinates, nurbs, plane_shape, shape_fault};
 use crate::case::{FilePart, Geometry, Shape};
 use faying::geometry::{ControlNet, shapes, turn_about};
 use faying::linalg::Vector;
 
-fn triple(list: &[f64]) -> [f64; 3] {
-    std::array::from_fn(|k| list.get(k).copied().unwrap_or(0.0))
-}
-
 /// Builds the net of a solid, without transformations; `None` for plane shapes.
 fn solid(shape: &Shape) -> Option<Result<ControlNet<3, 3>, (&'static str, String)>> {
     Some(match shape {
-        Shape::Box { min, max } if min.value.len() == 3 => shapes::brick(triple(&min.value), triple(&max.value)).map_err(shape_fault),
-        Shape::SphereOctant { center, radius } => shapes::sphere_octant(triple(&center.value), radius.value).map_err(shape_fault),
-        Shape::Nurbs { degree, knots, points, weights } if knots.len() == 3 => {
-            let degree = std::array::from_fn(|k| degree.value.get(k).copied().unwrap_or(1));
-            let knots = std::array::from_fn(|k| knots[k].value.clone());
-            let points = points.value.iter().map(|x| Vector::<3>::from(triple(x))).collect();
-            ControlNet::from_knots(degree, knots, points, weights.as_ref().map(|w| w.value.clone())).map_err(net_fault)
+        Shape::Box { min, max } if min.value.len() == 3 => {
+            shapes::brick(coordinates(&min.value), coordinates(&max.value)).map_err(shape_fault)
         }
+        Shape::SphereOctant { center, radius } => shapes::sphere_octant(coordinates(&center.value), radius.value).map_err(shape_fault),
+        Shape::Nurbs { degree, knots, points, weights } if knots.len() == 3 => nurbs(&degree.value, knots, &points.value, weights.as_ref()),
         Shape::File { .. } => match shape.part().and_then(FilePart::spline) {
             Some(patch) if patch.dimension() == 3 => patch.net::<3, 3>().map_err(|e| (crate::codes::of_file(&e), e.to_string())),
             _ => return None,
@@ -52,12 +45,12 @@ pub fn volume_net(geometry: &Geometry) -> Result<ControlNet<3, 3>, (&'static str
         net = net.scale(factor.value);
     }
     if let Some(degrees) = &geometry.rotate_deg {
-        let axis = geometry.axis.as_ref().map_or([0.0, 0.0, 1.0], |a| triple(&a.value));
+        let axis = geometry.axis.as_ref().map_or([0.0, 0.0, 1.0], |a| coordinates(&a.value));
         let turn = turn_about(&Vector::from(axis), degrees.value);
         net = net.rotate(&turn.ok_or_else(|| ("E015", "`axis` of a rotation must not be zero".to_string()))?);
     }
     if let Some(by) = &geometry.translate {
-        net = net.translate(&Vector::from(triple(&by.value)));
+        net = net.translate(&Vector::from(coordinates(&by.value)));
     }
     Ok(net)
 }

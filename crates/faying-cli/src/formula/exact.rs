@@ -1,6 +1,6 @@
 //! The exact solution of a case, by derivatives of its formulas.
 
-use crate::formula::{Formula, Jet, Point};
+use super::{Formula, Jet, Point};
 use crate::place::Located;
 use faying::problem::{Derivatives, Exact};
 
@@ -9,7 +9,7 @@ use faying::problem::{Derivatives, Exact};
 struct Formulas(Vec<Formula>);
 
 /// The exact solution of a case.
-pub(super) fn of(formulas: &[Located<Formula>]) -> impl Exact + use<> {
+pub(crate) fn exact(formulas: &[Located<Formula>]) -> impl Exact + use<> {
     Formulas(formulas.iter().map(|f| f.value.clone()).collect())
 }
 
