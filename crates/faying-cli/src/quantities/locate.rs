@@ -30,7 +30,7 @@ impl<'a, const S: usize, const N: usize> Locators<'a, S, N> {
         Self { built, each: built.system.contents().bodies().map(|_| OnceCell::new()).collect() }
     }
 
-    /// What is built.
+    /// Bodies, ties and contacts.
     pub fn contents(&self) -> Contents<'a, S, N> {
         self.built.system.contents()
     }
