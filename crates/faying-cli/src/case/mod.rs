@@ -35,7 +35,6 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use self::names::with_keys;
 use self::reader::{Block, Reader};
 use self::tree::{Node, Table, Value};
 use super::errors::{Diagnostic, Diagnostics, Source, nearest};
@@ -263,10 +262,9 @@ impl Reader {
         let materials = self.materials(&mut root, &model);
         let mut patches = self.patches(&mut root, &model, &discretization, &materials, names);
         let read = self.list(&mut root, "boundary", keys::BOUNDARY, |r, b, k| r.boundary(b, k, &model, &patches));
-        let known =
-            [with_keys(keys::INTERFACE, "tolerance", &names.coupling_keys), with_keys(keys::CONTACT, "reach", &names.method_keys())];
-        let interfaces = self.list(&mut root, "interface", &known[0], |r, b, k| r.interface(b, k, &model, &patches, names));
-        let contacts = self.list(&mut root, "contact", &known[1], |r, b, k| r.contact(b, k, &model, &patches, names));
+        let [of_ties, of_contacts] = names.couple_keys();
+        let interfaces = self.list(&mut root, "interface", &of_ties, |r, b, k| r.interface(b, k, &model, &patches, names));
+        let contacts = self.list(&mut root, "contact", &of_contacts, |r, b, k| r.contact(b, k, &model, &patches, names));
         let written = root.has("steps").then(|| self.section(&mut root, "steps", keys::STEPS, false, |r, b| r.steps(Some(b))));
         let steps = written.flatten().unwrap_or_else(|| self.steps(None));
         let solver = self.section(&mut root, "solver", keys::SOLVER, false, |r, b| r.solver(b, names)).unwrap_or(case.solver);

@@ -1,6 +1,7 @@
 //! Names that a case may use for backends, couplings, multipliers, constraint solvers, materials and obstacles.
 
 use super::key::{Key, KeyKind};
+use super::keys;
 use faying::contact::Needs;
 
 /// Known names; a registry adds its own to these.
@@ -76,7 +77,7 @@ pub(crate) fn built_in_methods() -> Vec<MethodEntry> {
 }
 
 /// The keys of a block and those of entries of the registry, these after `after`, each once.
-pub(super) fn with_keys(block: &[&'static str], after: &str, entries: &[EntryKeys]) -> Vec<&'static str> {
+fn with_keys(block: &[&'static str], after: &str, entries: &[EntryKeys]) -> Vec<&'static str> {
     let mut all: Vec<&'static str> = block.to_vec();
     let mut at = all.iter().position(|key| *key == after).map_or(all.len(), |k| k + 1);
     for key in entries.iter().flat_map(|e| &e.keys) {
@@ -112,6 +113,11 @@ impl Names {
     pub fn has_multiplier(&self, name: &str) -> bool {
         let lowered = name.strip_prefix("p/p-").and_then(|k| k.parse::<usize>().ok());
         lowered.is_some_and(|k| (1..=12).contains(&k)) || self.multipliers.iter().any(|known| known == name)
+    }
+
+    /// Keys of `[[interface]]` and of `[[contact]]`, with those of couplings and methods.
+    pub(super) fn couple_keys(&self) -> [Vec<&'static str>; 2] {
+        [with_keys(keys::INTERFACE, "tolerance", &self.coupling_keys), with_keys(keys::CONTACT, "reach", &self.method_keys())]
     }
 
     /// Keys of the methods of contact.
