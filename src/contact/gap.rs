@@ -192,21 +192,19 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
             return Err(ContactError::Weight { function, weight: to_f64(weights[function]) });
         }
         let facing = weights.iter().map(|&w| w > threshold).collect();
-        Ok(Self {
-            segments,
-            frames,
-            rows,
-            reaction: None,
-            offset,
-            weights,
-            at_rest: wanted,
-            translations: Vec::new(),
-            facing,
-            at: RowsAt::Functions,
-            compliance: Vec::new(),
-            stiffness: None,
-            turn: Turn::identity(),
-        })
+        Ok(Self::exact((segments, frames, wanted), RowsAt::Functions, rows, (offset, weights, facing)))
+    }
+
+    /// Exact rows without reaction of their own, translations and turn.
+    fn exact(
+        (segments, frames, at_rest): (Segments<S, T>, Frames<N, T>, Vec<T>),
+        at: RowsAt,
+        rows: Rows<T>,
+        (offset, weights, facing): (Vec<T>, Vec<T>, Vec<bool>),
+    ) -> Self {
+        let (translations, compliance, turn) = (Vec::new(), Vec::new(), Turn::identity());
+        let (reaction, stiffness) = (None, None);
+        Self { segments, frames, rows, reaction, offset, weights, at_rest, translations, facing, at, compliance, stiffness, turn }
     }
 
     /// Rows at points: one per point that faces the opponent or not.
@@ -225,21 +223,7 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     ) -> Self {
         assert!(row.len() == segments.ds.len() && at_rest.len() == row.len(), "{} rows of {} points", row.len(), segments.ds.len());
         assert!(weights.len() == offset.len() && facing.len() == offset.len(), "{} weights of {} rows", weights.len(), offset.len());
-        Self {
-            segments,
-            frames,
-            rows,
-            reaction: None,
-            offset,
-            weights,
-            at_rest,
-            translations: Vec::new(),
-            facing,
-            at: RowsAt::Points { row },
-            compliance: Vec::new(),
-            stiffness: None,
-            turn: Turn::identity(),
-        }
+        Self::exact((segments, frames, at_rest), RowsAt::Points { row }, rows, (offset, weights, facing))
     }
 
     /// Checks that all parts have the same number of rows: that of `functions` of a multiplier, or, without one, rows at points.
