@@ -246,7 +246,7 @@ impl Reader {
             FilePart::Space(p) => p.cells.blocks.iter().any(|c| c.cell == Cell::Simplex),
             FilePart::Spline(_) => false,
         };
-        d.cells.value = if simplex { Cells::Simplex } else { Cells::Tensor };
+        d.cells.value = if simplex { Cell::Simplex } else { Cell::Tensor };
         if let (Some(p), false) = (d.degree.iter().find(|p| **p != d.degree[0]), simplex) {
             let message = format!("the cells of a mesh have one degree for all directions, found {} and {p}", d.degree[0]);
             self.fault("E015", d.degree.at, message, format!("write degree = {}", d.degree[0]));

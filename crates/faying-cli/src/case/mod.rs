@@ -463,7 +463,7 @@ impl Case {
                 degree: none(vec![2; 2]),
                 continuity: none(None),
                 basis: none(BasisKind::Auto),
-                cells: none(Cells::Tensor),
+                cells: none(Cell::Tensor),
                 mapping: none(Mapping::Isoparametric),
                 extra_points: none(0),
             },

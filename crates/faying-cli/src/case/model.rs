@@ -82,7 +82,7 @@ impl Reader {
                     if poisson { "plane elasticity, the physics here is poisson" } else { "plane elasticity, the dimension here is 3" };
                 self.fault("E015", b.key_at("assumption"), format!("`assumption` is a key of {why}"), "");
             }
-            Located::new(Assumption::PlaneStrain, Place::NONE)
+            Located::new(if dimension.value == 3 { Assumption::Solid } else { Assumption::PlaneStrain }, Place::NONE)
         } else {
             self.word(b, "assumption", &words)
         };
@@ -145,7 +145,7 @@ impl Reader {
             inherit(defaults, |d| &d.basis)
         };
         let cells = if own(b, "cells") {
-            self.word(b, "cells", &[("tensor", Cells::Tensor), ("simplex", Cells::Simplex)])
+            self.word(b, "cells", &[("tensor", Cell::Tensor), ("simplex", Cell::Simplex)])
         } else {
             inherit(defaults, |d| &d.cells)
         };
@@ -162,8 +162,8 @@ impl Reader {
     /// Checks the ranges that depend on several keys of one patch.
     pub fn check_discretization(&mut self, d: &Discretization) {
         let (most, what) = match (d.backend.value.as_str(), d.cells.value) {
-            ("fe", Cells::Tensor) => (8, " for backend fe"),
-            ("fe", Cells::Simplex) => (4, " for backend fe with simplex cells"),
+            ("fe", Cell::Tensor) => (8, " for backend fe"),
+            ("fe", Cell::Simplex) => (4, " for backend fe with simplex cells"),
             _ => (12, ""),
         };
         let at = d.degree.at;
@@ -175,7 +175,7 @@ impl Reader {
                 format!("write degree = {most}"),
             );
         }
-        if d.backend.value == "fe" && d.cells.value == Cells::Simplex && d.degree.iter().any(|p| *p != d.degree[0]) {
+        if d.backend.value == "fe" && d.cells.value == Cell::Simplex && d.degree.iter().any(|p| *p != d.degree[0]) {
             self.fault("E015", at, "simplex cells have one degree for all directions", format!("write degree = {}", d.degree[0]));
         }
         if let (Some(k), "iga") = (d.continuity.value, d.backend.value.as_str()) {
@@ -342,7 +342,7 @@ impl Reader {
             return Some(Elastic::Lame(p, q));
         }
         self.limit(&p, "young", "positive", |v| v > 0.0, "");
-        let stress = model.assumption.value == Assumption::PlaneStress && model.dimension.value == 2;
+        let stress = model.assumption.value == Assumption::PlaneStress;
         let what = if stress { "plane stress" } else { "plane strain" };
         if stress {
             self.limit(&q, "poisson", "between -1 and 0.5", |v| v > -1.0 && v <= 0.5, "");

@@ -302,7 +302,9 @@ impl Reader {
 
     fn elements(&mut self, b: &mut Block, shape: &Located<Shape>) -> Located<Vec<Located<Divisions>>> {
         let n = self.dimension;
-        let ones = |at| Located::new(vec![Located::new(Divisions::Count(1), at); n], at);
+        // built-in shapes count in total, others per knot span
+        let count = if shape.is_built_in() { Divisions::Total } else { Divisions::PerSpan };
+        let ones = |at| Located::new(vec![Located::new(count(1), at); n], at);
         let Some(node) = b.node("elements").cloned() else {
             if shape.is_built_in() {
                 self.missing(b, "elements", if n == 2 { "elements = [4, 4]" } else { "elements = [4, 4, 4]" });
@@ -321,7 +323,7 @@ impl Reader {
         };
         match &node.value {
             Value::List(list) if list.len() == n => {
-                let all = list.iter().enumerate().map(|(k, item)| Located::new(self.divisions(item, range(k)), item.at)).collect();
+                let all = list.iter().enumerate().map(|(k, item)| Located::new(self.divisions(item, range(k), count), item.at)).collect();
                 Located::new(all, node.at)
             }
             Value::List(list) => {
@@ -330,20 +332,20 @@ impl Reader {
                 ones(node.at)
             }
             _ => {
-                let count = self.whole_of(&node, "elements", 1, MOST_ELEMENTS).unwrap_or(1);
-                Located::new(vec![Located::new(Divisions::Count(count), node.at); n], node.at)
+                let number = self.whole_of(&node, "elements", 1, MOST_ELEMENTS).unwrap_or(1);
+                Located::new(vec![Located::new(count(number), node.at); n], node.at)
             }
         }
     }
 
-    fn divisions(&mut self, node: &Node, range: (f64, f64)) -> Divisions {
+    fn divisions(&mut self, node: &Node, range: (f64, f64), count: fn(usize) -> Divisions) -> Divisions {
         let Value::List(_) = &node.value else {
-            return Divisions::Count(self.whole_of(node, "elements", 1, MOST_ELEMENTS).unwrap_or(1));
+            return count(self.whole_of(node, "elements", 1, MOST_ELEMENTS).unwrap_or(1));
         };
-        let Some(points) = self.numbers_of(node, "elements") else { return Divisions::Count(1) };
+        let Some(points) = self.numbers_of(node, "elements") else { return count(1) };
         if let Some(w) = points.windows(2).find(|w| w[0].value >= w[1].value) {
             self.fault("E015", w[1].at, format!("breakpoints must increase, found {:?} after {:?}", w[1].value, w[0].value), "");
-            return Divisions::Count(1);
+            return count(1);
         }
         let (first, last) = (points.first().map(|p| p.value), points.last().map(|p| p.value));
         if points.len() < 2 || first != Some(range.0) || last != Some(range.1) {
@@ -354,12 +356,12 @@ impl Reader {
                 message,
                 format!("write a list such as [{:?}, {:?}, {:?}]", range.0, 0.5 * (range.0 + range.1), range.1),
             );
-            return Divisions::Count(1);
+            return count(1);
         }
         Divisions::Breakpoints(points.iter().map(|p| p.value).collect())
     }
 
-    fn grade(&mut self, b: &mut Block, elements: &Located<Vec<Located<Divisions>>>) -> Option<Located<Grade>> {
+    fn grade(&mut self, b: &mut Block, elements: &Located<Vec<Located<Divisions>>>) -> Option<Located<Vec<Option<Grading>>>> {
         let node = b.node("grade").cloned()?;
         let example = "grade = { toward = { u = 0.5, v = 0.0 }, ratio = 0.02 }";
         let inner = self.block(&node, "`grade`", keys::GRADE)?;
@@ -386,9 +388,9 @@ impl Reader {
                     self.fault("E015", p.at, format!("direction {d} has breakpoints and is graded too"), "leave one of them out");
                 }
             }
-            out.push(at.map(|p| p.value));
+            out.push(at.map(|p| Grading { toward: p.value, ratio: ratio.value }));
         }
-        Some(Located::new(Grade { toward: out, ratio: ratio.value }, node.at))
+        Some(Located::new(out, node.at))
     }
 }
 

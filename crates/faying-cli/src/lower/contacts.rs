@@ -9,12 +9,12 @@ use super::refused::contact_fault;
 use super::sides::side;
 use super::ties::rule;
 use super::warned::tell;
-use crate::case::{self, Cone, Contact, Master, SideRef};
+use crate::case::{self, Contact, Master, SideRef};
 use crate::errors::{Diagnostic, Severity};
 use crate::formula::Formula;
 use crate::place::{Located, Place};
 use crate::registry::Fault;
-use faying::contact::{self, ContactError, ContactMethod};
+use faying::contact::{ContactError, ContactMethod};
 use faying::coupling::multiplier::MultiplierKind;
 use faying::problem::{self, ErrorKind, Multiplier, Opponent, Problem, Rule, Warning};
 use std::sync::Arc;
@@ -71,12 +71,7 @@ fn one<const S: usize, const N: usize>(
         }]
     })?;
     said.named(&contact.name.value).method(method).multiplier(multiplier).rule(rule).extra_points(contact.extra_points.value);
-    said.cone(match contact.cone.value {
-        Cone::Weights => contact::Cone::Weights,
-        Cone::Values => contact::Cone::Values,
-        _ => contact::Cone::Coefficients,
-    });
-    said.gap(contact.gap.value.clone()).start(contact.active_set.start.value);
+    said.cone(contact.cone.value).gap(contact.gap.value.clone()).start(contact.active_set.start.value);
     said.exact(contact.exact.iter().map(|f| f.value.clone().into()).collect());
     if let Some(reach) = contact.reach.value {
         said.reach(reach);

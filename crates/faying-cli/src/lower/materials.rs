@@ -13,24 +13,11 @@ fn jet<const N: usize>(formula: &Formula, x: &Vector<N>, t: f64) -> Jet<N> {
     Jet::new(jet.value, Vector::from_fn(|k, _| jet.gradient[k]))
 }
 
-/// The word of the case in N dimensions.
-pub(super) fn assumption<const N: usize>(word: case::Assumption) -> Assumption {
-    match (N, word) {
-        (3, _) => Assumption::Solid,
-        (_, case::Assumption::PlaneStress) => Assumption::PlaneStress,
-        _ => Assumption::PlaneStrain,
-    }
-}
-
 /// The material of the case at time `t`.
 ///
 /// # Errors
 /// [`MaterialError`] for constants that make no stable material.
-pub(super) fn material<const N: usize>(
-    material: &case::Material,
-    assumption: case::Assumption,
-    t: f64,
-) -> Result<Physics<N>, MaterialError> {
+pub(super) fn material<const N: usize>(material: &case::Material, assumption: Assumption, t: f64) -> Result<Physics<N>, MaterialError> {
     let Some(elastic) = &material.elastic else {
         let k = material.conductivity.value.clone();
         return Ok(Physics::Scalar(match k.as_constant() {
@@ -38,7 +25,6 @@ pub(super) fn material<const N: usize>(
             None => Arc::new(Conductor::<N>::varying(move |x| jet(&k, x, t))),
         }));
     };
-    let assumption = self::assumption::<N>(assumption);
     let (a, b, young) = match elastic {
         Constants::YoungPoisson(e, nu) => (e.value.clone(), nu.value.clone(), true),
         Constants::Lame(l, m) => (l.value.clone(), m.value.clone(), false),

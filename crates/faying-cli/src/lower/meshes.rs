@@ -1,13 +1,13 @@
 //! Bodies of patches that are read from meshes: the cells are transformed, refined, and made a Lagrange mesh.
 
 use super::builder::Builder;
-use crate::case::{FilePart, Geometry, Mapping, Master, Patch, SideRef};
+use crate::case::{FilePart, Geometry, Master, Patch, SideRef};
 use crate::errors::Diagnostic;
 use crate::place::Located;
 use crate::words::place;
 use faying::geometry::{turn, turn_about};
 use faying::linalg::Vector;
-use faying::space::{self, Body, Mesh, MeshError, Unshared, refine_cells, unshared_points};
+use faying::space::{Body, Mapping, Mesh, MeshError, Unshared, refine_cells, unshared_points};
 
 /// Builds the body of a patch that is read from a mesh (backend `fe`).
 pub(crate) fn body<const S: usize, const N: usize>(
@@ -28,11 +28,7 @@ pub(crate) fn body<const S: usize, const N: usize>(
     }
     let d = &patch.discretization;
     let degree = d.degree.value.first().copied().unwrap_or(1);
-    let mapping = match d.mapping.value {
-        Mapping::Isoparametric => space::Mapping::Isoparametric,
-        Mapping::Exact => space::Mapping::Exact,
-    };
-    let mesh = Mesh::<S, N>::from_cells(&cells, degree, mapping).map_err(|error| {
+    let mesh = Mesh::<S, N>::from_cells(&cells, degree, d.mapping.value).map_err(|error| {
         let at = if matches!(error, MeshError::Degree { .. }) { d.degree.at } else { geometry.at };
         let error = match part {
             Some(part) => in_numbers_of(part, error, N * patch.refine.value),
@@ -78,7 +74,7 @@ pub(super) fn unrefined<const S: usize, const N: usize>(patch: &Patch) -> Option
     let part = patch.geometry.shape.part().filter(|p| p.is_mesh() && patch.refine.value > 0)?;
     let mut cells = part.cells::<N>()?;
     cells.points = placed_points(&cells.points, &patch.geometry).ok()?;
-    Some(Box::new(Mesh::<S, N>::from_cells(&cells, 1, space::Mapping::Exact).ok()?))
+    Some(Box::new(Mesh::<S, N>::from_cells(&cells, 1, Mapping::Exact).ok()?))
 }
 
 /// Scales, rotates and translates the points of a mesh as `geometry` says.

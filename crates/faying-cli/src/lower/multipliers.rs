@@ -2,13 +2,13 @@
 
 use super::builder::Builder;
 use super::places::Places;
-use crate::case::{self, Multiplier};
+use crate::case::Multiplier;
 use crate::errors::Diagnostic;
 use crate::place::{Located, Place};
 use crate::registry::is_glue;
 use crate::words::component_name;
 use faying::basis::Polynomials;
-use faying::coupling::multiplier::{Ends, MultiplierError, MultiplierKind};
+use faying::coupling::multiplier::{MultiplierError, MultiplierKind};
 use faying::problem::{self, Contents, Problem, SideView};
 
 /// Returns the multiplier `wanted` by the case.
@@ -21,18 +21,11 @@ pub(super) fn multiplier<const S: usize, const N: usize>(
             builder.names.multipliers.get(word).cloned().map_err(|unknown| Box::new(builder.error("E064", unknown.to_string(), wanted.at)))
         }
         Multiplier::Data { degree, continuity, ends } if S == 1 => {
-            let ends = match ends {
-                case::Ends::Auto => Ends::Auto,
-                case::Ends::Full => Ends::Full,
-                case::Ends::Lowered => Ends::Lowered,
-            };
-            Ok(MultiplierKind::Uniform { degree: *degree, continuity: *continuity, ends }.into())
+            Ok(MultiplierKind::Uniform { degree: *degree, continuity: *continuity, ends: *ends }.into())
         }
         Multiplier::Data { .. } => {
             Err(Box::new(builder.error("E019", "multipliers given by degree are not in this version here", wanted.at)))
         }
-        #[allow(unreachable_patterns)] // the enum may grow
-        _ => Err(Box::new(builder.error("E019", "this multiplier is not in this version", wanted.at))),
     }
 }
 

@@ -3,14 +3,14 @@
 use super::builder::{Builder, MakeNet};
 use super::materials::material as material_at;
 use super::places::{Places, Said};
-use crate::case::{self, Cells, Patch};
+use crate::case::{self, Patch};
 use crate::errors::Diagnostic;
 use crate::place::Located;
 use crate::registry::Fault;
-use faying::basis::Cell;
 use faying::geometry::ControlNet;
+use faying::physics::Assumption;
 use faying::problem::{BodyMaterial, BodySpec, Changing, Physics, Problem, ProblemError};
-use faying::space::{Body, Divisions, Grading, PatchSpec, SpecError, divided};
+use faying::space::{Body, Divisions, PatchSpec, SpecError, divided};
 use std::sync::Arc;
 
 /// Code and message of an error of a built-in backend.
@@ -89,7 +89,7 @@ fn one<const S: usize, const N: usize>(
 }
 
 /// A material of the case as a function of time, its constants checked at the first one.
-fn changing<const N: usize>(material: &case::Material, assumption: case::Assumption) -> Changing<Physics<N>> {
+fn changing<const N: usize>(material: &case::Material, assumption: Assumption) -> Changing<Physics<N>> {
     let material = material.clone();
     Changing(Arc::new(move |t| material_at(&material, assumption, t).expect("constants were checked when the first one was made")))
 }
@@ -148,37 +148,18 @@ pub(crate) fn specification<const S: usize, const N: usize>(
     net: ControlNet<N, N>,
 ) -> Result<PatchSpec<N>, Box<Diagnostic>> {
     let d = &patch.discretization;
-    let total = patch.geometry.value.shape.value.is_built_in();
     let mut lists: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
     for (k, list) in lists.iter_mut().enumerate() {
         let own = net.axes[k].breakpoints();
-        let grade = patch.grade.as_ref().map(|g| &g.value);
-        let grading = grade.and_then(|g| Some(Grading { toward: g.toward.get(k).copied().flatten()?, ratio: g.ratio }));
+        let grading = patch.grade.as_ref().and_then(|g| g.value.get(k).copied().flatten());
         let divisions = &patch.elements.value[k];
-        let wanted = match &divisions.value {
-            case::Divisions::Count(n) if total => Divisions::Total(*n),
-            case::Divisions::Count(n) => Divisions::PerSpan(*n),
-            case::Divisions::Breakpoints(list) => Divisions::Breakpoints(list.clone()),
-        };
-        *list = divided(own, &wanted, grading, patch.refine.value)
+        *list = divided(own, &divisions.value, grading, patch.refine.value)
             .map_err(|e| builder.error("E015", format!("elements of patch \"{}\": {e}", patch.name.value), divisions.at))?;
     }
     let mut spec = PatchSpec::new(net).with_breakpoints(lists);
     spec.degree = std::array::from_fn(|k| d.degree.value[k.min(d.degree.value.len() - 1)]);
     spec.continuity = d.continuity.value;
-    spec.basis = match d.basis.value {
-        case::BasisKind::Auto => faying::space::BasisKind::Auto,
-        case::BasisKind::Nurbs => faying::space::BasisKind::Nurbs,
-        case::BasisKind::BSpline => faying::space::BasisKind::BSpline,
-    };
-    spec.cells = match d.cells.value {
-        Cells::Tensor => Cell::Tensor,
-        Cells::Simplex => Cell::Simplex,
-    };
-    spec.mapping = match d.mapping.value {
-        case::Mapping::Isoparametric => faying::space::Mapping::Isoparametric,
-        case::Mapping::Exact => faying::space::Mapping::Exact,
-    };
+    (spec.basis, spec.cells, spec.mapping) = (d.basis.value, d.cells.value, d.mapping.value);
     Ok(spec)
 }
 
@@ -205,9 +186,9 @@ pub(super) fn shares<const S: usize, const N: usize>(
 pub(crate) fn elements_along(patch: &Patch, own: &[f64], axis: usize) -> Option<f64> {
     let pieces = own.len().checked_sub(1).filter(|&n| n > 0)?;
     let base = match &patch.elements.value.get(axis)?.value {
-        case::Divisions::Count(n) if patch.geometry.value.shape.value.is_built_in() => n.div_ceil(pieces) as f64 * pieces as f64,
-        case::Divisions::Count(n) => *n as f64 * pieces as f64,
-        case::Divisions::Breakpoints(list) => (list.len().saturating_sub(1) + pieces - 1) as f64,
+        Divisions::Total(n) => n.div_ceil(pieces) as f64 * pieces as f64,
+        Divisions::PerSpan(n) => *n as f64 * pieces as f64,
+        Divisions::Breakpoints(list) => (list.len().saturating_sub(1) + pieces - 1) as f64,
     };
     Some(base * f64::exp2(patch.refine.value as f64))
 }

@@ -14,7 +14,7 @@ use faying::geometry::{ClosestPoint, Embedding};
 use faying::linalg::{Matrix, Vector};
 use faying::problem::{Contents, InterfaceId, InterfaceSide, OtherField, SideView};
 use faying::quadrature::{PerElement, Quadrature, Rule, TensorRule, gauss_legendre};
-use faying::space::{Body, Field, PatchSpec, Space, Trace, field_at};
+use faying::space::{Body, Field, Mapping, PatchSpec, Space, Trace, field_at};
 use std::sync::Arc;
 
 /// Largest share of a side that a stored multiplier may leave out.
@@ -231,7 +231,7 @@ fn patch<const S: usize, const N: usize>(
             enough_for(mesh_counts::<N>(&halved).map_or(0.0, |n| n.iter().sum()), stored)?;
             halved.discretization.degree.value = stored.degree.clone();
             let exact = stored.mapping == "exact";
-            halved.discretization.mapping.value = if exact { case::Mapping::Exact } else { case::Mapping::Isoparametric };
+            halved.discretization.mapping.value = if exact { Mapping::Exact } else { Mapping::Isoparametric };
             (mesh_body(builder, &halved).map_err(|fault| format!("cannot be made: {}", fault.message))?, None)
         }
     };

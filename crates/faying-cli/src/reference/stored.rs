@@ -105,8 +105,7 @@ fn stored_patch<const S: usize, const N: usize>(
             stored.degree = vec![words.discretization.degree.value.first().copied().unwrap_or(1); N];
             stored.basis = word(&bases, &faying::space::BasisKind::Auto);
             stored.cells = word(&CELLS, &Cell::Tensor);
-            let exact = words.discretization.mapping.value == case::Mapping::Exact;
-            stored.mapping = word(&mappings, if exact { &faying::space::Mapping::Exact } else { &faying::space::Mapping::Isoparametric });
+            stored.mapping = word(&mappings, &words.discretization.mapping.value);
             stored.refine = words.refine.value;
         }
     }

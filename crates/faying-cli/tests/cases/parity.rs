@@ -262,11 +262,7 @@ fn a_cylinder_on_a_block() {
     let mut p = Problem::<1, 2>::new();
     let written = |patch: &str| {
         let read = case.patches.iter().find(|p| p.name.value == patch).unwrap();
-        [0, 1].map(|k| match &read.elements.value[k].value {
-            faying_cli::case::Divisions::Count(n) => Divisions::Total(*n),
-            faying_cli::case::Divisions::Breakpoints(list) => Divisions::Breakpoints(list.clone()),
-            other => panic!("{other:?}"),
-        })
+        [0, 1].map(|k| read.elements.value[k].value.clone())
     };
     let body = |patch: &str, net: ControlNet<2, 2>| {
         let [u, v] = written(patch);

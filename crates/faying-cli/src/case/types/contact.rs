@@ -4,6 +4,7 @@ use super::{Components, Geometry, Head, Multiplier, SideRef};
 use crate::case::key::Given;
 use crate::formula::Formula;
 use crate::place::Located;
+pub use faying::contact::Cone;
 use faying::contact::Needs;
 pub use faying::problem::Start;
 
@@ -99,18 +100,6 @@ pub enum Master {
     Sides(Vec<Located<SideRef>>),
     /// A rigid obstacle.
     Rigid(Located<Obstacle>),
-}
-
-/// The discrete cone of admissible multipliers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Cone {
-    /// P: coefficients.
-    Coefficients,
-    /// W: weights.
-    Weights,
-    /// E: values.
-    Values,
 }
 
 /// `active_set`.

@@ -5,6 +5,7 @@ use crate::case::key::Given;
 use crate::formula::Formula;
 use crate::place::Located;
 use crate::reference::StoredRun;
+pub use faying::physics::Assumption;
 use std::sync::Arc;
 
 /// The equation to solve.
@@ -17,16 +18,6 @@ pub enum Physics {
     Elasticity,
 }
 
-/// Plane assumption of elasticity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Assumption {
-    /// No strain out of the plane.
-    PlaneStrain,
-    /// No stress out of the plane.
-    PlaneStress,
-}
-
 /// `[model]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
@@ -36,7 +27,7 @@ pub struct Model {
     pub physics: Located<Physics>,
     /// 2 or 3.
     pub dimension: Located<usize>,
-    /// Plane strain or plane stress.
+    /// Plane strain or plane stress; none in space.
     pub assumption: Located<Assumption>,
     /// Manufactured solution, one formula per component.
     pub exact: Option<Located<Vec<Located<Formula>>>>,

@@ -1,6 +1,6 @@
 //! `[[patch]]`: bodies, and the joints between patches of one file.
 
-use super::{Discretization, Divisions, Grade, Head};
+use super::{Discretization, Divisions, Grading, Head};
 use crate::case::part::FilePart;
 use crate::formula::Formula;
 use crate::place::{Located, Place};
@@ -143,7 +143,7 @@ pub struct Patch {
     /// Halvings of every element.
     pub refine: Located<usize>,
     /// Grading.
-    pub grade: Option<Located<Grade>>,
+    pub grade: Option<Located<Vec<Option<Grading>>>>,
     /// Degree, backend, ...: the patch's own or the defaults.
     pub discretization: Discretization,
     /// Body force or source of this patch, beside that of the model, one formula per component.

@@ -4,6 +4,7 @@ use super::{Head, SideRef};
 use crate::case::key::Given;
 use crate::formula::Formula;
 use crate::place::Located;
+pub use faying::coupling::multiplier::Ends;
 
 /// Multiplier space.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,18 +21,6 @@ pub enum Multiplier {
         /// Degree in the end elements.
         ends: Ends,
     },
-}
-
-/// Degree of a multiplier in the end elements.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Ends {
-    /// Lowered where a component is constrained or at cross points.
-    Auto,
-    /// Never lowered.
-    Full,
-    /// Always lowered.
-    Lowered,
 }
 
 /// `[[interface]]`.
