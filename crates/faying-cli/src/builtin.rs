@@ -1,8 +1,8 @@
 //! Entries of the registry that come with the program.
 
 use super::case::{self, Given};
-use super::lower::{PLANE_OBSTACLES, patch_fault};
 use super::registry::{Family, Fault, MakeMethod, MakeSolver, Names, Registry, Shaped};
+use super::shapes::PLANE_OBSTACLES;
 use faying::constraint::{Augmented, Condensed, Direct, Krylov, Schur};
 use faying::contact::{self, Lagrange};
 use faying::coupling::multiplier::MultiplierKind;
@@ -18,8 +18,8 @@ impl<const S: usize, const N: usize> Names<S, N> {
         let mut names = Self::empty();
         names
             .backends
-            .add("iga", Box::new(|spec| Ok(Box::new(Patch::<S, N>::try_new(spec).map_err(|e| patch_fault(&e))?))))
-            .add("fe", Box::new(|spec| Ok(Box::new(Mesh::<S, N>::from_patch(spec).map_err(|e| patch_fault(&e))?))));
+            .add("iga", Box::new(|spec| Ok(Box::new(Patch::<S, N>::try_new(spec)?))))
+            .add("fe", Box::new(|spec| Ok(Box::new(Mesh::<S, N>::from_patch(spec)?))));
         for method in case::built_in_methods() {
             let make: MakeMethod<S, N> = match method.entry.name.as_str() {
                 "penalty" => Box::new(|given| Ok(Arc::new(penalty(given)))),

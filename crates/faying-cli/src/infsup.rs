@@ -1,10 +1,11 @@
 //! `faying infsup`: inf-sup constants of the slave sides of a case, and a study of them.
 
-use super::lower::{SlaveSpaces, plane_net, slave_spaces};
+use super::lower::{SlaveSpaces, slave_spaces};
 use super::quantities::{Kind, Quantity, look_up};
 use super::registry::Registry;
 use super::result::{CheckReport, ProbeReport, RunResult, Status};
 use super::run::{Room, end_early, too_large};
+use super::shapes::plane_net;
 use super::studies::{Method, Row, decided};
 use super::watch::Watch;
 use crate::case::{Case, Condition, Multiplier};

@@ -38,6 +38,7 @@ pub mod registry;
 pub mod result;
 mod result_schema;
 pub mod run;
+pub mod shapes;
 pub mod studies;
 pub mod table;
 mod unsolved;

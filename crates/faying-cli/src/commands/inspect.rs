@@ -8,9 +8,9 @@ use crate::Registry;
 use crate::case::{Case, Shape};
 use crate::errors::{Diagnostic, Diagnostics, nearest};
 use crate::inspect::{Inspection, add_fields, inspect as look, mesh_of, picture};
-use crate::lower::{plane_net, volume_net};
 use crate::plot::faces;
 use crate::run::memory_for_files;
+use crate::shapes::{plane_net, solid_net};
 use crate::words::bytes;
 use faying::geometry::ControlNet;
 use faying_files::{Contents, FileError, Format, Limits, SplineFile, SplinePatch, parse, read, read_bytes, vtu_read};
@@ -84,14 +84,14 @@ fn patches(case: &Case) -> Result<SplineFile, Diagnostics> {
             continue;
         }
         let made = match case.model.dimension.value {
-            3 => volume_net(&patch.geometry.value).map(|net| of_net(name, net)),
+            3 => solid_net(&patch.geometry.value).map(|net| of_net(name, net)),
             _ => plane_net(&patch.geometry.value).map(|net| of_net(name, net)),
         };
         match made {
             Ok(patch) => file.patches.push(patch),
-            Err((code, text)) => {
-                let text = format!("geometry of patch \"{name}\": {text}");
-                return Err(Diagnostic::error(code, text).at(&case.source, patch.geometry.at).into());
+            Err(fault) => {
+                let text = format!("geometry of patch \"{name}\": {fault}");
+                return Err(Diagnostic::error(fault.code, text).at(&case.source, patch.geometry.at).into());
             }
         }
     }

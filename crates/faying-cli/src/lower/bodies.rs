@@ -1,10 +1,11 @@
 //! Bodies with their gluing, boundary conditions and loads, without ties and contacts.
 
-use super::builder::{Builder, MakeNet};
+use super::builder::Builder;
 use super::couples::Couples;
 use super::places::Places;
 use super::{boundary, couples, glue, meshes, patches, values};
 use crate::errors::Diagnostics;
+use crate::shapes::MakeNet;
 use faying::problem::Problem;
 
 /// A problem without ties and contacts, the places of its statements, and which sides are coupled.

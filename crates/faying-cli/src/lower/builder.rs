@@ -4,10 +4,6 @@ use crate::case::Case;
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::place::Place;
 use crate::registry::Names;
-use faying::geometry::ControlNet;
-
-/// Builds the net of a shape with its transformations in N dimensions; an error is a code and a message.
-pub type MakeNet<const N: usize> = fn(&crate::case::Geometry) -> Result<ControlNet<N, N>, (&'static str, String)>;
 
 /// Common data of all build steps: the case, the registered names, and the diagnostics found so far.
 #[derive(Debug)]

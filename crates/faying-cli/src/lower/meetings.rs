@@ -1,7 +1,7 @@
 //! Points in which patches of one mesh meet without a common facet: they share the function of that point.
 
-use super::meshes::point_of;
 use crate::case::Case;
+use crate::shapes::point_of;
 use faying::linalg::Vector;
 use faying::problem::Problem;
 use std::collections::BTreeMap;

@@ -1,13 +1,13 @@
 //! Bodies of patches that are read from meshes: the cells are transformed, refined, and made a Lagrange mesh.
 
 use super::builder::Builder;
-use crate::case::{FilePart, Geometry, Master, Patch, SideRef};
+use crate::case::{Master, Patch, SideRef};
 use crate::errors::Diagnostic;
 use crate::place::Located;
+use crate::shapes::{mesh_fault, placed_points};
 use crate::words::place;
-use faying::geometry::{turn, turn_about};
 use faying::linalg::Vector;
-use faying::space::{Body, Mapping, Mesh, MeshError, Unshared, refine_cells, unshared_points};
+use faying::space::{Body, Mapping, Mesh, Unshared, refine_cells, unshared_points};
 
 /// Builds the body of a patch that is read from a mesh (backend `fe`).
 pub(crate) fn body<const S: usize, const N: usize>(
@@ -29,12 +29,9 @@ pub(crate) fn body<const S: usize, const N: usize>(
     let d = &patch.discretization;
     let degree = d.degree.value.first().copied().unwrap_or(1);
     let mesh = Mesh::<S, N>::from_cells(&cells, degree, d.mapping.value).map_err(|error| {
-        let at = if matches!(error, MeshError::Degree { .. }) { d.degree.at } else { geometry.at };
-        let error = match part {
-            Some(part) => in_numbers_of(part, error, N * patch.refine.value),
-            None => error,
-        };
-        builder.error(mesh_code(&error), format!("patch \"{name}\": {error}"), at)
+        let fault = mesh_fault(error, part, N * patch.refine.value);
+        let at = if fault.key == "degree" { d.degree.at } else { geometry.at };
+        builder.error(fault.code, format!("patch \"{name}\": {fault}"), at)
     })?;
     Ok(Box::new(mesh))
 }
@@ -75,74 +72,6 @@ pub(super) fn unrefined<const S: usize, const N: usize>(patch: &Patch) -> Option
     let mut cells = part.cells::<N>()?;
     cells.points = placed_points(&cells.points, &patch.geometry).ok()?;
     Some(Box::new(Mesh::<S, N>::from_cells(&cells, 1, Mapping::Exact).ok()?))
-}
-
-/// Scales, rotates and translates the points of a mesh as `geometry` says.
-pub(super) fn placed_points<const N: usize>(points: &[Vector<N>], geometry: &Geometry) -> Result<Vec<Vector<N>>, String> {
-    let turn = turn_of(geometry)?;
-    Ok(points.iter().map(|x| moved(x, geometry, &turn)).collect())
-}
-
-/// Error code of an unusable mesh.
-pub(super) fn mesh_code(error: &MeshError) -> &'static str {
-    match error {
-        MeshError::Inverted(_) | MeshError::Folded { .. } | MeshError::Collapsed { .. } => "E041",
-        MeshError::Degree { .. } => "E015",
-        _ => "E043",
-    }
-}
-
-/// Converts cells and points of `error` to the numbers in the file of `part`; cell k is a child of cell k >> `shift`.
-pub(super) fn in_numbers_of(part: &FilePart, error: MeshError, shift: usize) -> MeshError {
-    let cell = |k: usize| part.cell_ids().get(k >> shift).map_or(k, |id| *id as usize);
-    let point = |k: usize| part.point_ids().get(k).map_or(k, |id| *id as usize);
-    error.renumbered(cell, point)
-}
-
-/// Rows of the rotation matrix of a geometry, `None` without rotation; in the plane the axis is z.
-fn turn_of(geometry: &Geometry) -> Result<Option<[[f64; 3]; 3]>, String> {
-    let Some(degrees) = geometry.rotate_deg.as_ref().map(|d| d.value) else { return Ok(None) };
-    let rows = match &geometry.axis {
-        None => {
-            let q = turn(degrees);
-            [[q[(0, 0)], q[(0, 1)], 0.0], [q[(1, 0)], q[(1, 1)], 0.0], [0.0, 0.0, 1.0]]
-        }
-        Some(axis) => {
-            let axis = Vector::<3>::from_fn(|k, _| axis.get(k).copied().unwrap_or(0.0));
-            let q = turn_about(&axis, degrees).ok_or("`axis` of a rotation must not be zero")?;
-            std::array::from_fn(|i| std::array::from_fn(|k| q[(i, k)]))
-        }
-    };
-    Ok(Some(rows))
-}
-
-/// Scales, rotates and translates a point.
-fn moved<const N: usize>(x: &Vector<N>, geometry: &Geometry, turn: &Option<[[f64; 3]; 3]>) -> Vector<N> {
-    let mut x = *x;
-    if let Some(factor) = &geometry.scale {
-        x *= factor.value;
-    }
-    if let Some(rows) = turn {
-        x = Vector::from_fn(|i, _| (0..N).map(|k| rows[i][k] * x[k]).sum());
-    }
-    if let Some(by) = &geometry.translate {
-        x += Vector::from_fn(|k, _| by.get(k).copied().unwrap_or(0.0));
-    }
-    x
-}
-
-/// Position of a named point of the mesh that a patch is read from.
-pub(crate) fn named_point<const N: usize>(patch: &Patch, name: &str) -> Option<Vector<N>> {
-    let geometry = &patch.geometry;
-    let x = geometry.shape.part()?.point(name)?;
-    Some(moved(&Vector::<N>::from_fn(|k, _| x[k]), geometry, &turn_of(geometry).ok()?))
-}
-
-/// Position of a point of the mesh that a patch is read from, by its index in the file.
-pub(crate) fn point_of<const N: usize>(patch: &Patch, point: usize) -> Option<Vector<N>> {
-    let geometry = &patch.geometry;
-    let x = geometry.shape.part()?.place_of::<N>(point)?;
-    Some(moved(&x, geometry, &turn_of(geometry).ok()?))
 }
 
 /// Numbers of product cells and simplices of a mesh after refinement; `None` for other geometries.

@@ -14,38 +14,31 @@ mod meetings;
 mod meshes;
 mod multipliers;
 mod obstacles;
-mod outline;
 mod patches;
 mod places;
-mod plane;
 mod refused;
 mod sides;
 mod supports;
 mod ties;
 mod traces;
 mod values;
-mod volume;
 mod warned;
 
 use super::registry::Names;
 use crate::case::Case;
 use crate::errors::Diagnostics;
 use crate::reference::on_case;
+use crate::shapes::MakeNet;
 use bodies::supported;
 pub(crate) use builder::Builder;
 use faying::problem::{InterfaceSide, Warning};
 use faying::space::Trace;
 
-pub use builder::MakeNet;
 pub use built::Built;
-pub(crate) use meshes::{body as mesh_body, counts as mesh_counts, named_point, point_of, unshared_text};
-pub(crate) use obstacles::PLANE as PLANE_OBSTACLES;
-pub use patches::patch_fault;
+pub(crate) use meshes::{body as mesh_body, counts as mesh_counts, unshared_text};
 pub(crate) use patches::{elements_along, specification};
-pub use plane::plane_net;
 pub(crate) use sides::canonical as canonical_side;
 pub use traces::{SlaveSpaces, slave_spaces};
-pub use volume::volume_net;
 
 /// Builds the model of `case` with the bodies, multipliers and couplings of `names`.
 ///

@@ -1,13 +1,13 @@
 //! Rigid obstacles: their shape, their position at a given time, and the forces that drive them.
 
 use super::builder::Builder;
-use super::outline::{is_closed, is_curve, plane_outline, surface};
 use super::sides::alias;
 use crate::case::{self, ObstacleShape};
 use crate::errors::Diagnostic;
 use crate::formula::Point;
 use crate::place::{Located, Place};
-use crate::registry::{AtRest, Fault, MakeShaped};
+use crate::registry::{AtRest, Fault};
+use crate::shapes::{is_closed, is_curve};
 use faying::contact::{HalfPlane, LevelSet, Sphere};
 use faying::linalg::Vector;
 use faying::problem::{Changing, InterfaceId, Opponent, Problem, SideView, TurnedAway};
@@ -149,6 +149,3 @@ pub(super) fn swallowed<const S: usize, const N: usize>(
     let text = format!("the body of `{}` lies inside of the obstacle of contact \"{}\"", slave.label(), contact.name.value);
     Some(builder.error("E023", text, obstacle.at).with_help(way_round(&obstacle.shape.value)))
 }
-
-/// Builds obstacles from geometries in the plane.
-pub(crate) const PLANE: MakeShaped<1, 2> = |geometry| Ok(Arc::new(surface(&plane_outline(geometry)?)));

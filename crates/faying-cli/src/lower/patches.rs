@@ -1,29 +1,16 @@
 //! Bodies: the net of a patch, its elements, its space, its material.
 
-use super::builder::{Builder, MakeNet};
+use super::builder::Builder;
 use super::materials::material as material_at;
 use super::places::{Places, Said};
 use crate::case::{self, Patch};
 use crate::errors::Diagnostic;
 use crate::place::Located;
-use crate::registry::Fault;
-use faying::geometry::ControlNet;
+use crate::shapes::MakeNet;
 use faying::physics::Assumption;
 use faying::problem::{BodyMaterial, BodySpec, Changing, Physics, Problem, ProblemError};
-use faying::space::{Body, Divisions, PatchSpec, SpecError, divided};
+use faying::space::{Body, Divisions, PatchSpec, divided};
 use std::sync::Arc;
-
-/// Code and message of an error of a built-in backend.
-pub fn patch_fault(error: &SpecError) -> Fault {
-    let code = match error {
-        SpecError::Inverted(_) | SpecError::FlatCell { .. } => "E041",
-        SpecError::ExactCollapsed { .. } => "E019",
-        SpecError::Weights(_) => "E034",
-        _ => "E015",
-    };
-    let of_elements = matches!(error, SpecError::BreakpointOutside { .. } | SpecError::BreakpointsFall { .. });
-    Fault { key: if of_elements { "elements" } else { "" }, ..Fault::new(code, error.to_string()) }
-}
 
 /// Says all bodies of the case, with their sources and weights; errors go to the builder's faults.
 pub(super) fn say<const S: usize, const N: usize>(
@@ -127,8 +114,6 @@ fn of_net<const S: usize, const N: usize>(
     backend: &Located<String>,
 ) -> Result<Box<dyn Body<S, N>>, Box<Diagnostic>> {
     let name = &patch.name.value;
-    let net = net(&patch.geometry.value)
-        .map_err(|(code, text)| builder.error(code, format!("geometry of patch \"{name}\": {text}"), patch.geometry.at))?;
     let spec = specification(builder, patch, net)?;
     let make = builder.names.backends.get(&backend.value).map_err(|e| builder.error("E015", e.to_string(), backend.at))?;
     make(&spec).map_err(|fault| {
@@ -145,8 +130,11 @@ fn of_net<const S: usize, const N: usize>(
 pub(crate) fn specification<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: &Patch,
-    net: ControlNet<N, N>,
+    net: MakeNet<N>,
 ) -> Result<PatchSpec<N>, Box<Diagnostic>> {
+    let name = &patch.name.value;
+    let net = net(&patch.geometry.value)
+        .map_err(|fault| builder.error(fault.code, format!("geometry of patch \"{name}\": {fault}"), patch.geometry.at))?;
     let d = &patch.discretization;
     let mut lists: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
     for (k, list) in lists.iter_mut().enumerate() {
@@ -154,7 +142,7 @@ pub(crate) fn specification<const S: usize, const N: usize>(
         let grading = patch.grade.as_ref().and_then(|g| g.value.get(k).copied().flatten());
         let divisions = &patch.elements.value[k];
         *list = divided(own, &divisions.value, grading, patch.refine.value)
-            .map_err(|e| builder.error("E015", format!("elements of patch \"{}\": {e}", patch.name.value), divisions.at))?;
+            .map_err(|e| builder.error("E015", format!("elements of patch \"{name}\": {e}"), divisions.at))?;
     }
     let mut spec = PatchSpec::new(net).with_breakpoints(lists);
     spec.degree = std::array::from_fn(|k| d.degree.value[k.min(d.degree.value.len() - 1)]);
@@ -174,7 +162,7 @@ pub(super) fn shares<const S: usize, const N: usize>(
     if patch.geometry.shape.part().is_some_and(case::FilePart::is_mesh) {
         return None;
     }
-    let spec = specification(builder, patch, net(&patch.geometry.value).ok()?).ok()?;
+    let spec = specification(builder, patch, net).ok()?;
     let across = ["u0", "u1", "v0", "v1"].iter().position(|name| *name == side)? / 2;
     let points = &spec.breakpoints[1 - across];
     let length = points.last()? - points.first()?;

@@ -1,12 +1,13 @@
 //! Trace and multiplier spaces of slave sides, one pair per scalar problem, for the inf-sup test.
 
 use super::bodies::supported;
-use super::builder::{Builder, MakeNet};
+use super::builder::Builder;
 use super::faults::{refused, stop};
 use super::{contacts, patches, ties};
 use crate::case::{Case, Multiplier};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::registry::Names;
+use crate::shapes::MakeNet;
 use crate::words::component_name;
 use faying::coupling::multiplier::MultiplierKind;
 use faying::problem::{SlaveEnds, SlaveSpace};

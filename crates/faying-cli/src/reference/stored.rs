@@ -2,8 +2,9 @@
 
 use crate::case::{self, Case, FilePart};
 use crate::errors::Diagnostics;
-use crate::lower::{Builder, MakeNet, point_of, specification};
+use crate::lower::{Builder, specification};
 use crate::reference::{Fingerprint, StoredPatch, StoredRun, StoredSide, nodes};
+use crate::shapes::{MakeNet, point_of};
 use faying::basis::{Basis, Cell, Order, ShapeTable};
 use faying::geometry::Embedding;
 use faying::linalg::Vector;
@@ -121,9 +122,7 @@ pub(super) fn spec_of<const S: usize, const N: usize>(
     if patch.geometry.shape.part().is_some_and(FilePart::is_mesh) {
         return Ok(None);
     }
-    let made = net(&patch.geometry.value)
-        .map_err(|(code, text)| builder.error(code, format!("geometry of patch \"{}\": {text}", patch.name.value), patch.geometry.at))?;
-    specification(builder, patch, made).map(Some)
+    specification(builder, patch, net).map(Some)
 }
 
 /// Number of functions in a row of a grid: those of the third side (v0), if they are the first of the body, else 0.

@@ -5,8 +5,9 @@
 use super::room::Room;
 use crate::case::{Case, Linear, Patch};
 use crate::errors::Diagnostic;
-use crate::lower::{MakeNet, elements_along, mesh_counts};
+use crate::lower::{elements_along, mesh_counts};
 use crate::registry::is_spline;
+use crate::shapes::MakeNet;
 use crate::words::bytes;
 use faying::problem::Sizes;
 

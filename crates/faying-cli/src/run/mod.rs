@@ -14,11 +14,12 @@ mod solver;
 use faults::{memory_limit, step_fault, stopped};
 use forecast::avoids_factors;
 
-use super::lower::{self, Built, MakeNet, plane_net, volume_net};
+use super::lower::{self, Built};
 use super::output::{Finished, Output, RunOptions, StepOutput};
 use super::quantities::Questions;
 use super::registry::{Names, Registry};
 use super::result::{Prediction, RunResult, Status, StepReport};
+use super::shapes::{MakeNet, plane_net, solid_net};
 use super::watch::{Progress, Watch};
 use crate::case::Case;
 use crate::errors::{Diagnostic, Diagnostics, Severity};
@@ -55,7 +56,7 @@ fn plane(registry: &Registry) -> Dimension<'_, 1, 2> {
 }
 
 fn volume(registry: &Registry) -> Dimension<'_, 2, 3> {
-    Dimension { names: &registry.volume, net: volume_net, multipliers: None, output: fields::volume_output }
+    Dimension { names: &registry.volume, net: solid_net, multipliers: None, output: fields::volume_output }
 }
 
 /// Whether a case is one of space; every other is one of the plane.
