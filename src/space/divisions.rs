@@ -11,6 +11,23 @@ pub enum Divisions {
     Breakpoints(Vec<f64>),
 }
 
+impl Divisions {
+    /// Number of elements of a direction with this many spans of the geometry, each halved `refine` times; for a list an upper bound.
+    ///
+    /// A floating-point number, because repeated halving exceeds the range of integers.
+    ///
+    /// # Panics
+    /// If there is no span.
+    pub fn at_most(&self, spans: usize, refine: usize) -> f64 {
+        let elements = match self {
+            Self::Total(n) => n.div_ceil(spans) as f64 * spans as f64,
+            Self::PerSpan(n) => *n as f64 * spans as f64,
+            Self::Breakpoints(list) => (list.len().saturating_sub(1) + spans - 1) as f64,
+        };
+        elements * f64::exp2(refine as f64)
+    }
+}
+
 /// Sizes of elements that grow geometrically away from a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grading {

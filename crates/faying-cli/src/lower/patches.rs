@@ -9,7 +9,7 @@ use crate::place::Located;
 use crate::shapes::MakeNet;
 use faying::physics::Assumption;
 use faying::problem::{BodyMaterial, BodySpec, Changing, Physics, Problem, ProblemError};
-use faying::space::{Body, Divisions, PatchSpec, divided};
+use faying::space::{Body, PatchSpec, divided};
 use std::sync::Arc;
 
 /// Says all bodies of the case, with their sources and weights; errors go to the builder's faults.
@@ -149,34 +149,4 @@ pub(crate) fn specification<const S: usize, const N: usize>(
     spec.continuity = d.continuity.value;
     (spec.basis, spec.cells, spec.mapping) = (d.basis.value, d.cells.value, d.mapping.value);
     Ok(spec)
-}
-
-/// Lengths of the elements of a side in its parameter, as fractions of the whole, in their order; `None` for meshes.
-pub(super) fn shares<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
-    patch: usize,
-    side: &str,
-    net: MakeNet<N>,
-) -> Option<Vec<f64>> {
-    let patch = &builder.case.patches[patch];
-    if patch.geometry.shape.part().is_some_and(case::FilePart::is_mesh) {
-        return None;
-    }
-    let spec = specification(builder, patch, net).ok()?;
-    let across = ["u0", "u1", "v0", "v1"].iter().position(|name| *name == side)? / 2;
-    let points = &spec.breakpoints[1 - across];
-    let length = points.last()? - points.first()?;
-    Some(points.windows(2).map(|p| (p[1] - p[0]) / length).collect())
-}
-
-/// Returns the number of elements of `patch` in direction `axis` that [`divided`] makes of the geometry's breakpoints `own`; for a list
-/// an upper bound. `f64`, because repeated halving can exceed the range of integers.
-pub(crate) fn elements_along(patch: &Patch, own: &[f64], axis: usize) -> Option<f64> {
-    let pieces = own.len().checked_sub(1).filter(|&n| n > 0)?;
-    let base = match &patch.elements.value.get(axis)?.value {
-        Divisions::Total(n) => n.div_ceil(pieces) as f64 * pieces as f64,
-        Divisions::PerSpan(n) => *n as f64 * pieces as f64,
-        Divisions::Breakpoints(list) => (list.len().saturating_sub(1) + pieces - 1) as f64,
-    };
-    Some(base * f64::exp2(patch.refine.value as f64))
 }

@@ -5,7 +5,7 @@
 use super::room::Room;
 use crate::case::{Case, Linear, Patch};
 use crate::errors::Diagnostic;
-use crate::lower::{elements_along, mesh_counts};
+use crate::lower::mesh_counts;
 use crate::registry::is_spline;
 use crate::shapes::MakeNet;
 use crate::words::bytes;
@@ -34,7 +34,8 @@ fn of_patch<const N: usize>(case: &Case, patch: &Patch, net: MakeNet<N>) -> Opti
     for (k, size) in sizes.iter_mut().enumerate() {
         let p = *d.degree.value.get(k).or(d.degree.value.last())?;
         let smooth = if spline { d.continuity.value.unwrap_or(p.saturating_sub(1)).min(p.saturating_sub(1)) } else { 0 };
-        *size = (elements_along(patch, net.axes[k].breakpoints(), k)?, p, smooth);
+        let spans = net.axes[k].breakpoints().len().checked_sub(1).filter(|&n| n > 0)?;
+        *size = (patch.elements.value.get(k)?.value.at_most(spans, patch.refine.value), p, smooth);
     }
     Some(Sizes::of_patch(&sizes, case.model.components()))
 }

@@ -1,6 +1,7 @@
 //! `faying infsup`: inf-sup constants of the slave sides of a case, and a study of them.
 
-use super::lower::{SlaveSpaces, slave_spaces};
+mod slave_spaces;
+
 use super::quantities::{Kind, Quantity, look_up};
 use super::registry::Registry;
 use super::result::{CheckReport, ProbeReport, RunResult, Status};
@@ -15,6 +16,7 @@ use crate::table::short;
 use faying::coupling::inf_sup::{InfSup, InfSupError, Measure, Norm, Question, ZERO, degree_exponent, inf_sup, slope, verdict};
 use faying::linalg::LinearError;
 use faying::problem::SlaveEnds;
+use slave_spaces::{SlaveSpaces, slave_spaces};
 
 /// Options of the inf-sup test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

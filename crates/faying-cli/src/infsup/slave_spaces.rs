@@ -1,11 +1,8 @@
 //! Trace and multiplier spaces of slave sides, one pair per scalar problem, for the inf-sup test.
 
-use super::bodies::supported;
-use super::builder::Builder;
-use super::faults::{refused, stop};
-use super::{contacts, patches, ties};
-use crate::case::{Case, Multiplier};
+use crate::case::{Case, FilePart, Multiplier};
 use crate::errors::{Diagnostic, Diagnostics};
+use crate::lower::{Builder, specification, stated};
 use crate::registry::Names;
 use crate::shapes::MakeNet;
 use crate::words::component_name;
@@ -14,7 +11,7 @@ use faying::problem::{SlaveEnds, SlaveSpace};
 
 /// The spaces of one scalar problem on one slave side, in the words of the case.
 #[derive(Debug)]
-pub struct SlaveSpaces {
+pub(super) struct SlaveSpaces {
     /// The interface or contact.
     pub name: String,
     /// Component: "x", "y", "u"; "normal" for contacts.
@@ -31,15 +28,11 @@ pub struct SlaveSpaces {
 ///
 /// # Errors
 /// All errors of the bodies, sides and multipliers, with their source locations.
-pub fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: SlaveEnds) -> Result<Vec<SlaveSpaces>, Diagnostics> {
-    let mut builder = Builder { case, names, faults: Diagnostics::new() };
-    let (mut problem, mut places, couples) = supported(&mut builder, net)?;
-    ties::say(&mut builder, &mut problem, &mut places, &couples);
-    contacts::say(&mut builder, &mut problem, &mut places);
-    stop(&mut builder, &problem, &places)?;
-    let found = problem.slave_spaces(ends).map_err(|errors| {
+pub(super) fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: SlaveEnds) -> Result<Vec<SlaveSpaces>, Diagnostics> {
+    let stated = stated(case, names, net)?;
+    let found = stated.problem.slave_spaces(ends).map_err(|errors| {
         let mut faults: Vec<Diagnostic> = Vec::new();
-        for fault in refused(&builder, &problem, &places, &errors) {
+        for fault in stated.refused(&errors) {
             if !faults.contains(&fault) {
                 faults.push(fault);
             }
@@ -48,7 +41,7 @@ pub fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: Sla
     })?;
     let components = case.model.components();
     let of = |spaces: SlaveSpace| {
-        let block = places.said(spaces.of).and_then(|said| said.block)?;
+        let block = stated.places.said(spaces.of).and_then(|said| said.block)?;
         let (name, multiplier) = match spaces.component {
             Some(_) => (&case.interfaces[block].name.value, &case.interfaces[block].multiplier),
             None => (&case.contacts[block].name.value, &case.contacts[block].multiplier),
@@ -61,10 +54,23 @@ pub fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: Sla
             _ => None,
         };
         let n = spaces.side.trace().space.num_elements();
-        let own = patches::shares(&builder, spaces.side.body(), spaces.side.name(), net);
+        let own = shares(&stated.builder, spaces.side.body(), spaces.side.name(), net);
         let shares = own.filter(|s| s.len() == n).unwrap_or_else(|| vec![1.0 / n as f64; n]);
         let component = spaces.component.map_or("normal", |c| component_name(c, components));
         Some(SlaveSpaces { name: name.clone(), component, pairing, shares, spaces })
     };
     Ok(found.into_iter().filter_map(of).collect())
+}
+
+/// Lengths of the elements of a side in its parameter, as fractions of the whole, in their order; `None` for meshes.
+fn shares(builder: &Builder<'_, 1, 2>, patch: usize, side: &str, net: MakeNet<2>) -> Option<Vec<f64>> {
+    let patch = &builder.case.patches[patch];
+    if patch.geometry.shape.part().is_some_and(FilePart::is_mesh) {
+        return None;
+    }
+    let spec = specification(builder, patch, net).ok()?;
+    let across = ["u0", "u1", "v0", "v1"].iter().position(|name| *name == side)? / 2;
+    let points = &spec.breakpoints[1 - across];
+    let length = points.last()? - points.first()?;
+    Some(points.windows(2).map(|p| (p[1] - p[0]) / length).collect())
 }
