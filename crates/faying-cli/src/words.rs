@@ -31,6 +31,16 @@ pub(crate) fn place(x: &[f64]) -> String {
     ["x", "y", "z"].iter().zip(x).map(|(name, v)| format!("{name} = {}", short(*v))).collect::<Vec<_>>().join(", ")
 }
 
+/// Formats the coordinates of a point with all their digits: "0.25, 1".
+pub(crate) fn coordinates(x: &[f64]) -> String {
+    x.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// Text ", t = 0.5" if something changes with the time, else empty.
+pub(crate) fn time_text(changes: bool, t: f64) -> String {
+    if changes { format!(", t = {}", short(t)) } else { String::new() }
+}
+
 /// Names of components in messages.
 pub(crate) fn component_name(component: usize, components: usize) -> &'static str {
     if components == 1 { "u" } else { ["x", "y", "z"][component.min(2)] }

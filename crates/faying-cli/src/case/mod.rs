@@ -50,7 +50,7 @@ pub use opened::sha256;
 pub use part::{FilePart, MeshPart};
 pub(crate) use schema::is_key;
 pub use schema::schema;
-pub(crate) use sides::quoted;
+pub(crate) use sides::{alias, canonical, quoted};
 pub use types::*;
 
 /// The schema that this version writes and reads.

@@ -31,10 +31,20 @@ fn collapsed<P: AsRef<[f64]>>(degree: &[usize], knots: impl Iterator<Item = usiz
     collapsed_faces(&counts, points).into_iter().map(|f| 2 * f.axis + f.end).collect()
 }
 
-fn canonical(side: &str, dimension: usize) -> Option<&'static str> {
-    let aliases: &[(&str, &'static str)] = if dimension == 2 { &PLANE } else { &SPATIAL };
+/// Short names of the sides of a box with the sides.
+fn aliases(dimension: usize) -> &'static [(&'static str, &'static str)] {
+    if dimension == 2 { &PLANE } else { &SPATIAL }
+}
+
+/// The short name of a side of a box: left, right, bottom, top, front, back; others stay.
+pub(crate) fn alias(side: &str, dimension: usize) -> &str {
+    aliases(dimension).iter().find(|(_, s)| *s == side).map_or(side, |(a, _)| *a)
+}
+
+/// The side with a name or an alias.
+pub(crate) fn canonical(side: &str, dimension: usize) -> Option<&'static str> {
     let all = ALL[..2 * dimension].iter().find(|s| **s == side).copied();
-    all.or_else(|| aliases.iter().find(|(a, _)| *a == side).map(|(_, s)| *s))
+    all.or_else(|| aliases(dimension).iter().find(|(a, _)| *a == side).map(|(_, s)| *s))
 }
 
 /// The sides that meet in an edge or a corner such as u0w1, in the order u, v, w; `None` for other words.

@@ -3,7 +3,7 @@
 use super::builder::Builder;
 use super::couples::Couples;
 use super::places::Places;
-use super::{boundary, couples, glue, meshes, patches, values};
+use super::{boundary, couples, glue, meshes, patches};
 use crate::errors::Diagnostics;
 use crate::shapes::MakeNet;
 use faying::problem::Problem;
@@ -18,7 +18,7 @@ pub(super) fn supported<const S: usize, const N: usize>(
 ) -> Result<Supported<S, N>, Diagnostics> {
     let case = builder.case;
     let (mut problem, mut places) = (Problem::new(), Places::default());
-    problem.times(values::times(case, true));
+    problem.times(case.times(true));
     let most = case.contacts.iter().map(|c| c.active_set.max_iterations.value).max().unwrap_or(1);
     problem.active_set(case.contacts.first().map_or(1.0, |c| c.active_set.c.value), most);
     if let Some(exact) = &case.model.exact {

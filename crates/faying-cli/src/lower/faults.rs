@@ -4,18 +4,12 @@ use super::builder::Builder;
 use super::glue;
 use super::places::Places;
 use super::refused::slave_fault;
-use super::values::{constants, key, time_text};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::place::Place;
-use crate::words::{component_name, short};
+use crate::words::{component_name, coordinates, place, time_text};
 use faying::assembly::DirichletError;
 use faying::linalg::LinearError;
 use faying::problem::{ErrorKind, Problem, ProblemError, ProblemErrors};
-
-/// Formats a point: "x = 0.25, y = 1".
-fn place_text<const N: usize>(x: &[f64; 3]) -> String {
-    ["x", "y", "z"][..N].iter().zip(x).map(|(name, v)| format!("{name} = {}", short(*v))).collect::<Vec<_>>().join(", ")
-}
 
 /// One diagnostic per error of a problem.
 pub(super) fn refused<const S: usize, const N: usize>(
@@ -69,9 +63,9 @@ fn data_fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, place
     let Some((what, formula)) = said.and_then(|s| Some((s.what, s.formulas.get(*component).or(s.formulas.first())?))) else {
         return builder.error(code, error.to_string(), at);
     };
-    let place = place_text::<N>(x) + &time_text(formula.value.depends_on_time(), *t);
+    let x = place(&x[..N]) + &time_text(formula.value.depends_on_time(), *t);
     if code == "E015" {
-        let text = format!("{what} of `{}` must not be negative, found {value:?} at {place}", error.names()[1]);
+        let text = format!("{what} of `{}` must not be negative, found {value:?} at {x}", error.names()[1]);
         return builder.error(code, text, formula.at).with_help(
             "a spring pulls back with the force stiffness times displacement, and weight is density times gravity: both are positive",
         );
@@ -80,7 +74,7 @@ fn data_fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, place
         Some(number) => format!("{what} in patch \"{}\"", builder.case.patches[number].name.value),
         None => format!("{what} of `{}`", error.names()[1]),
     };
-    let text = format!("{of}: `{}` is not finite at {place} (found {value})", formula.value.text());
+    let text = format!("{of}: `{}` is not finite at {x} (found {value})", formula.value.text());
     let help = "data are needed on the whole side or patch: give a formula that has a value at each of its points";
     builder.error(code, text, formula.at).with_help(help)
 }
@@ -95,11 +89,10 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
         ErrorKind::OutOfLimits { error: limit, x, t } => {
             let Some(number) = patch() else { return builder.error("E053", error.to_string(), at) };
             let (patch, material) = (&case.patches[number].name.value, &case.materials[case.patches[number].material.value]);
-            let changes = constants(material).iter().any(|f| f.depends_on_time());
-            let place = place_text::<N>(x) + &time_text(changes, *t);
-            let text = format!("material \"{}\" in patch \"{patch}\", at {place}: {limit}", material.name.value);
+            let x = place(&x[..N]) + &time_text(material.changes(), *t);
+            let text = format!("material \"{}\" in patch \"{patch}\", at {x}: {limit}", material.name.value);
             builder
-                .error("E053", text, key(material, limit))
+                .error("E053", text, material.place_of(limit))
                 .with_help("formulas of materials are checked at the quadrature points of the patches that use them")
         }
         ErrorKind::NotFinite { .. } | ErrorKind::Negative { .. } => data_fault::<S, N>(builder, places, error, at),
@@ -124,11 +117,10 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
             match conflict {
                 DirichletError::Conflict { component, at: x, first_value, second_value, .. } => {
                     let name = component_name(*component, components);
-                    let place: Vec<String> = x[..N].iter().map(|x| format!("{x}")).collect();
                     let lines = first.in_file().map_or(String::new(), |(line, _)| format!(" (line {line})"));
                     let text = format!(
                         "component {name} is prescribed as {first_value}{lines} and as {second_value} at the common point ({}{})",
-                        place.join(", "),
+                        coordinates(&x[..N]),
                         time_text(*changes, *t)
                     );
                     builder.error("E052", text, at).with_help("make the values equal there, or prescribe one of them")

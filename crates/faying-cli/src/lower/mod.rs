@@ -20,7 +20,6 @@ mod refused;
 mod sides;
 mod supports;
 mod ties;
-mod values;
 mod warned;
 
 use super::registry::Names;
@@ -38,7 +37,6 @@ use places::Places;
 pub use built::Built;
 pub(crate) use meshes::{body as mesh_body, counts as mesh_counts, unshared_text};
 pub(crate) use patches::specification;
-pub(crate) use sides::canonical as canonical_side;
 
 /// A case as a problem that is not assembled yet, with what its statements stand for in the case.
 pub(crate) struct Stated<'a, const S: usize, const N: usize> {

@@ -1,8 +1,7 @@
 //! Rigid obstacles: their shape, their position at a given time, and the forces that drive them.
 
 use super::builder::Builder;
-use super::sides::alias;
-use crate::case::{self, ObstacleShape};
+use crate::case::{self, ObstacleShape, alias};
 use crate::errors::Diagnostic;
 use crate::formula::Point;
 use crate::place::{Located, Place};

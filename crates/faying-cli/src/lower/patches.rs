@@ -40,14 +40,13 @@ fn one<const S: usize, const N: usize>(
     let body = if is_mesh { super::meshes::body(builder, patch)? } else { of_net(builder, patch, net, backend)? };
     let material = &case.materials[patch.material.value];
     let assumption = case.model.assumption.value;
-    let first_time = super::values::times(case, false)[0];
+    let first_time = case.times(false)[0];
     let law = match &material.law {
         Some(law) => of_law(builder, &material.name.value, law)?,
         None => {
-            let refused = |e| builder.error("E053", format!("material \"{}\": {e}", material.name.value), super::values::key(material, &e));
+            let refused = |e| builder.error("E053", format!("material \"{}\": {e}", material.name.value), material.place_of(&e));
             let first = material_at(material, assumption, first_time).map_err(refused)?;
-            let changes = super::values::constants(material).iter().any(|f| f.depends_on_time());
-            if changes { BodyMaterial::Changing(changing(material, assumption)) } else { BodyMaterial::Constant(first) }
+            if material.changes() { BodyMaterial::Changing(changing(material, assumption)) } else { BodyMaterial::Constant(first) }
         }
     };
     let spec = BodySpec {
@@ -91,7 +90,7 @@ fn of_law<const S: usize, const N: usize>(
     let refused = |code: &'static str, text: &str| Box::new(builder.error(code, format!("material \"{material}\": {text}"), law.at));
     let changes = law.given.depends_on_time();
     let mut first = None;
-    for &t in super::values::times(builder.case, changes) {
+    for &t in builder.case.times(changes) {
         let made = (entry.make)(&law.given, t).map_err(|fault| refused(fault.code, &fault.message))?;
         let (found, wanted) = (made.components(), builder.case.model.components());
         if found != wanted {

@@ -2,30 +2,12 @@
 
 use super::builder::Builder;
 use super::places::Places;
-use crate::case::{Case, SideRef, quoted};
+use crate::case::{Case, SideRef, alias, quoted};
 use crate::errors::Diagnostic;
 use crate::place::Located;
 use faying::problem::{BodyView, ErrorKind, Problem, ProblemError, SideNames, SideView};
 use faying::space::SideError;
 use std::sync::Arc;
-
-/// The short name of a side of a box: left, right, bottom, top, front, back.
-pub(crate) fn alias(side: &str, dimension: usize) -> &str {
-    match (side, dimension) {
-        ("u0", _) => "left",
-        ("u1", _) => "right",
-        ("v0", 2) | ("w0", 3) => "bottom",
-        ("v1", 2) | ("w1", 3) => "top",
-        ("v0", 3) => "front",
-        ("v1", 3) => "back",
-        _ => side,
-    }
-}
-
-/// Canonical name of an alias.
-pub(crate) fn canonical(side: &str, dimension: usize) -> &str {
-    ["u0", "u1", "v0", "v1", "w0", "w1"].into_iter().find(|s| alias(s, dimension) == side).unwrap_or(side)
-}
 
 /// Looks up a side of a reference.
 pub(super) fn side<const S: usize, const N: usize>(

@@ -2,10 +2,9 @@
 
 use super::builder::Builder;
 use super::places::Places;
-use super::sides::alias;
-use super::values::time_text;
+use crate::case::alias;
 use crate::errors::Diagnostic;
-use crate::words::{component_name, place, short};
+use crate::words::{component_name, coordinates, place, short, time_text};
 use faying::problem::{Subject, SubjectKind, Warning};
 
 /// Adds the diagnostics of warnings to the builder's faults.
@@ -17,14 +16,13 @@ pub(super) fn tell<'w, const S: usize, const N: usize>(
     for warning in found {
         let diagnostic = match warning {
             Warning::CornerValues { of, sides: [a, b], component, values: [u, v], x, t } => {
-                let at: Vec<String> = x.iter().map(|x| format!("{x}")).collect();
                 let text = format!(
                     "component {} is prescribed as {} on `{a}` and as {} on `{b}` at their common point ({}{}), where the bodies are tied: \
                      the multiplier has to carry the jump",
                     component_name(*component, builder.case.components()),
                     short(*u),
                     short(*v),
-                    at.join(", "),
+                    coordinates(x),
                     time_text(builder.case.steps.value.len() > 1, *t)
                 );
                 let warning = builder.warning("E052", text, places.at(of[1]));

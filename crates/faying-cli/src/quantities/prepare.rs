@@ -3,10 +3,9 @@
 use super::grammar::{At, FieldName, Kind, Quantity, Reduce};
 use super::locate::{Locators, Spot};
 use super::path::{known, look_up};
-use crate::case::{Case, Multiplier};
+use crate::case::{Case, Multiplier, canonical};
 use crate::errors::{Diagnostic, nearest};
 use crate::formula::{Formula, Scope};
-use crate::lower::canonical_side;
 use crate::place::Place;
 use crate::shapes::named_point;
 use faying::geometry::ClosestPoint;
@@ -235,7 +234,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         }
         for p in self.contents.bodies() {
             if let Some(rest) = side.strip_prefix(&format!("{}.", p.name())) {
-                return match p.body().trace(canonical_side(rest, N)) {
+                return match p.body().trace(canonical(rest, N).unwrap_or(rest)) {
                     Ok(trace) => Ok(Prepared::Number(measure::<S, N, f64, _>(&*trace.space))),
                     Err(e) => Err(self.fault("E021", format!("`{text}`: patch \"{}\": {e}", p.name()), at)),
                 };

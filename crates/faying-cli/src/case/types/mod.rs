@@ -77,6 +77,17 @@ pub struct Case {
     pub(super) effective: String,
 }
 
+impl Case {
+    /// Times at which data are checked: all of the case if they change, else the first.
+    pub fn times(&self, changes: bool) -> &[f64] {
+        match self.steps.value.as_slice() {
+            [] => &[1.0],
+            all if changes => all,
+            all => &all[..1],
+        }
+    }
+}
+
 impl PartialEq for Case {
     /// Equal content; names of files, places and options do not count.
     fn eq(&self, other: &Self) -> bool {

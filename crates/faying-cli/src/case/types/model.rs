@@ -3,9 +3,10 @@
 use super::Head;
 use crate::case::key::Given;
 use crate::formula::Formula;
-use crate::place::Located;
+use crate::place::{Located, Place};
 use crate::reference::StoredRun;
 pub use faying::physics::Assumption;
+use faying::physics::MaterialError;
 use std::sync::Arc;
 
 /// The equation to solve.
@@ -66,6 +67,27 @@ pub struct Material {
     pub conductivity: Located<Formula>,
     /// Mass per volume.
     pub density: Option<Located<Formula>>,
+}
+
+impl Material {
+    /// Whether a constant depends on the time.
+    pub fn changes(&self) -> bool {
+        match &self.elastic {
+            Some(Elastic::YoungPoisson(a, b) | Elastic::Lame(a, b)) => a.depends_on_time() || b.depends_on_time(),
+            None => self.conductivity.depends_on_time(),
+        }
+    }
+
+    /// Place of the constant that an error concerns.
+    pub fn place_of(&self, error: &MaterialError) -> Place {
+        match (&self.elastic, error) {
+            (Some(Elastic::YoungPoisson(_, nu)), MaterialError::Singular { .. } | MaterialError::Ratio { .. }) => nu.at,
+            (Some(Elastic::YoungPoisson(e, _)), _) => e.at,
+            (Some(Elastic::Lame(l, _)), MaterialError::Lambda { .. }) => l.at,
+            (Some(Elastic::Lame(_, m)), _) => m.at,
+            (None, _) => self.conductivity.at,
+        }
+    }
 }
 
 /// A law of the registry.
