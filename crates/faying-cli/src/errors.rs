@@ -90,6 +90,14 @@ impl Diagnostic {
         self
     }
 
+    /// Adds advice if there is some.
+    pub(crate) fn with_some_help(self, help: Option<impl Into<String>>) -> Self {
+        match help {
+            Some(help) => self.with_help(help),
+            None => self,
+        }
+    }
+
     /// Adds the text beside the caret.
     pub fn with_label(mut self, label: impl Into<String>) -> Self {
         self.label = Some(label.into());

@@ -10,7 +10,7 @@ use crate::formula::{Formula, Point};
 use crate::place::{Located, Place};
 use crate::words::{place, short};
 use faying::linalg::Vector;
-use faying::problem::{ErrorKind, Problem, ProblemError, Region, RegionId, Statement, Value};
+use faying::problem::{Data, ErrorKind, Problem, ProblemError, Region, RegionId, Statement, Value};
 
 /// Share by which the facets that `where` keeps may differ from the part in which it holds.
 const CUT: f64 = 1e-3;
@@ -140,29 +140,35 @@ impl<const S: usize, const N: usize> Block<'_, '_, S, N> {
         self.dirichlet(region)
     }
 
-    fn keep(&mut self, made: Result<Statement, ProblemError>, at: Place, what: &'static str) -> Result<Statement, Box<Diagnostic>> {
+    /// Keeps the place of a statement, with its formula if it has one.
+    fn keep(
+        &mut self,
+        made: Result<Statement, ProblemError>,
+        at: Place,
+        what: &'static str,
+        formula: Option<&Formula>,
+    ) -> Result<Statement, Box<Diagnostic>> {
         let statement = made.map_err(|error| Box::new(self.error("E015", error.to_string(), at)))?;
-        self.places.keep(statement, Said { at, block: Some(self.number), what, ..Said::default() });
+        let formulas = formula.into_iter().map(|f| Located::new(f.clone(), at)).collect();
+        self.places.keep(statement, Said { at, block: Some(self.number), what, formulas, ..Said::default() });
         Ok(statement)
     }
 
     /// Keeps a load or springs, which have the name of the block.
     fn named(&mut self, made: Result<Statement, ProblemError>, f: &Located<Formula>, what: &'static str) -> Result<(), Box<Diagnostic>> {
-        let statement = self.keep(made, f.at, what)?;
+        let statement = self.keep(made, f.at, what, Some(&f.value))?;
         self.problem.name(statement, &self.block.name.value);
-        self.places.keep(statement, Said { at: f.at, block: Some(self.number), what, formulas: vec![f.clone()], ..Said::default() });
         Ok(())
     }
 
     fn dirichlet(&mut self, region: RegionId) -> Result<(), Box<Diagnostic>> {
         for (component, datum) in each(&self.block.dirichlet) {
-            let made = self.problem.prescribe(region, component, value_of(&datum.value));
-            let formulas = match &datum.value {
-                Datum::Formula(f) => vec![Located::new(f.clone(), datum.at)],
-                Datum::Exact => Vec::new(),
+            let (value, formula) = match &datum.value {
+                Datum::Exact => (Value::Exact, None),
+                Datum::Formula(f) => (Value::from(Data::from(f.clone())), Some(f)),
             };
-            let statement = self.keep(made, datum.at, "the value")?;
-            self.places.keep(statement, Said { at: datum.at, block: Some(self.number), what: "the value", formulas, ..Said::default() });
+            let made = self.problem.prescribe(region, component, value);
+            self.keep(made, datum.at, "the value", formula)?;
         }
         Ok(())
     }
@@ -180,17 +186,13 @@ impl<const S: usize, const N: usize> Block<'_, '_, S, N> {
             self.sliding(made, at, "tangential")?;
         }
         for (component, datum) in each(&block.traction) {
-            match &datum.value {
-                Datum::Exact => {
-                    let made = self.problem.traction(side, component, Value::Exact);
-                    let statement = self.keep(made, datum.at, "the traction")?;
-                    self.problem.name(statement, &block.name.value);
-                }
-                Datum::Formula(f) => {
-                    let made = self.problem.traction(side, component, Value::Data(f.clone().into()));
-                    self.named(made, &Located::new(f.clone(), datum.at), "the traction")?;
-                }
-            }
+            let (value, formula) = match &datum.value {
+                Datum::Exact => (Value::Exact, None),
+                Datum::Formula(f) => (Value::Data(f.clone().into()), Some(f)),
+            };
+            let made = self.problem.traction(side, component, value);
+            let statement = self.keep(made, datum.at, "the traction", formula)?;
+            self.problem.name(statement, &block.name.value);
         }
         if let Some(p) = &block.pressure {
             let made = self.problem.pressure(side, p.value.clone());
@@ -209,7 +211,7 @@ impl<const S: usize, const N: usize> Block<'_, '_, S, N> {
             let text = format!("fix = [\"{word}\"] needs a planar side; `{label}` is curved");
             return Err(Box::new(self.error("E015", text, at).with_help("prescribe components x, y on curved sides")));
         }
-        self.keep(made, at, "the value").map(|_| ())
+        self.keep(made, at, "the value", None).map(|_| ())
     }
 
     /// Says the resultants, spread evenly over all sides of the block, and that these move as one.
@@ -253,14 +255,6 @@ impl<const S: usize, const N: usize> Block<'_, '_, S, N> {
             let help = "let the border of `where` lie on edges of elements: give breakpoints there, or refine the mesh";
             self.builder.warning("E017", text, filter.at).with_help(help)
         })
-    }
-}
-
-/// The prescribed value of a datum.
-fn value_of(datum: &Datum) -> Value {
-    match datum {
-        Datum::Exact => Value::Exact,
-        Datum::Formula(f) => Value::from(faying::problem::Data::from(f.clone())),
     }
 }
 

@@ -4,9 +4,10 @@ use super::builder::Builder;
 use super::couples::Couples;
 use super::meetings;
 use super::places::{Places, Said};
+use super::refused::too_far;
 use crate::errors::Diagnostic;
 use crate::place::Place;
-use crate::words::{place, short};
+use crate::words::place;
 use faying::problem::Problem;
 use faying::space::GlueError;
 
@@ -39,15 +40,7 @@ pub(super) fn fault<const S: usize, const N: usize>(
     let (slave, masters) = (&names[0], names[1..].iter().map(|m| format!("`{m}`")).collect::<Vec<_>>().join(", "));
     let mortar = "use coupling = \"mortar\", which ties any two sides";
     match error {
-        GlueError::Apart { distance, at: x, allowed } => {
-            let text = format!(
-                "`{slave}` and {masters} are up to {} apart (at {}); allowed {}",
-                short(*distance),
-                place(&x[..N]),
-                short(*allowed)
-            );
-            builder.error("E023", text, at).with_help("move the bodies together or raise `tolerance`; use [[contact]] if a gap is meant")
-        }
+        GlueError::Apart { distance, at: x, allowed } => too_far(builder, (slave, &masters), (*distance, &x[..N], *allowed), at),
         GlueError::Grids { element, at: x } => {
             let text = format!(
                 "`{slave}` and {masters} cannot be glued: their grids do not match at element {element} of `{slave}` (around {})",

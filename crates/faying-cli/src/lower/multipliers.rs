@@ -84,6 +84,12 @@ fn stable_help<const S: usize, const N: usize>(slave: &SideView<S, N>) -> &'stat
     if has_lowered(slave) { "use p/p or p/p-2" } else { "use p/p, or raise the degree of the slave" }
 }
 
+/// Advice to divide a side further: "give patch "a" more elements along `a.top`".
+fn more_elements<const S: usize, const N: usize>(side: &SideView<S, N>) -> String {
+    let patch = side.label().split('.').next().unwrap_or(side.label());
+    format!("give patch \"{patch}\" more elements along `{}`", side.label())
+}
+
 /// Builds the diagnostic of a multiplier that cannot be built.
 pub(super) fn multiplier_fault<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
@@ -93,18 +99,13 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
     at: Place,
     components: usize,
 ) -> Diagnostic {
-    let patch = slave.label().split('.').next().unwrap_or(slave.label());
     match error {
         MultiplierError::NoDual { .. } => {
             builder.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label()), at).with_help(positive_help(slave))
         }
         MultiplierError::NothingLeft { .. } => builder
             .error("E024", format!("the multiplier of \"{name}\" on `{}` cannot be lowered at an end: {error}", slave.label()), at)
-            .with_help(format!(
-                "give patch \"{patch}\" more elements along `{}`{}",
-                slave.label(),
-                if has_lowered(slave) { ", or take p/p-2" } else { "" }
-            )),
+            .with_help(more_elements(slave) + if has_lowered(slave) { ", or take p/p-2" } else { "" }),
         MultiplierError::TooMany { component, multipliers, free } => {
             let direction = format!("component {}", component_name(*component, components));
             too_many(builder, name, slave, &direction, (*multipliers, *free), at)
@@ -122,14 +123,11 @@ pub(super) fn too_many<const S: usize, const N: usize>(
     (multipliers, free): (usize, usize),
     at: Place,
 ) -> Diagnostic {
-    let patch = slave.label().split('.').next().unwrap_or(slave.label());
     let text = format!(
         "the multiplier of \"{name}\" on `{}` is over-constrained: {direction} has {multipliers} functions for {free} free unknowns",
         slave.label()
     );
-    builder
-        .error("E024", text, at)
-        .with_help(format!("give patch \"{patch}\" more elements along `{}`, or take a multiplier of lower degree", slave.label()))
+    builder.error("E024", text, at).with_help(more_elements(slave) + ", or take a multiplier of lower degree")
 }
 
 /// Help text for a side prescribed in one of `components` itself, naming the conditions; `None` if there are none.

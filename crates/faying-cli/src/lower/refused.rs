@@ -58,11 +58,7 @@ fn tie_fault<const S: usize, const N: usize>(
                 slave.label(),
                 component_name(held[0], components)
             );
-            let fault = builder.error("E024", text, at);
-            match held_help(source, slave, held, *by_equations) {
-                Some(help) => fault.with_help(help),
-                None => fault,
-            }
+            builder.error("E024", text, at).with_some_help(held_help(source, slave, held, *by_equations))
         }
         InterfaceError::Multiplier { component, error } => {
             let mut fault = multiplier_fault(builder, name, slave, error, tie.multiplier.at, N.max(2));
@@ -72,7 +68,15 @@ fn tie_fault<const S: usize, const N: usize>(
             fault
         }
         InterfaceError::Counts(error) => multiplier_fault(builder, name, slave, error, tie.multiplier.at, components),
-        InterfaceError::Apart(error) => apart(builder, slave, masters, error, at),
+        InterfaceError::Apart(error) => {
+            let (slave, masters) = (slave.label(), labels(masters));
+            match error {
+                CouplingError::Apart { distance, at: x, allowed } => {
+                    too_far(builder, (slave, &masters), (*distance, &x[..N], *allowed), at)
+                }
+                other => builder.error("E023", format!("`{slave}` and {masters} do not meet: {other}"), at).with_help(CLOSER),
+            }
+        }
         InterfaceError::Uncovered { share } => {
             let text = format!("only {} % of the slave side `{}` meets {}", percent(*share), slave.label(), labels(masters));
             builder
@@ -83,28 +87,18 @@ fn tie_fault<const S: usize, const N: usize>(
     }
 }
 
-fn apart<const S: usize, const N: usize>(
+/// Advice for sides that are too far apart to be tied.
+const CLOSER: &str = "move the bodies together or raise `tolerance`; use [[contact]] if a gap is meant";
+
+/// E023 of a slave and its masters that are farther apart at a point than is allowed.
+pub(super) fn too_far<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
-    slave: &SideView<S, N>,
-    masters: &[Arc<SideView<S, N>>],
-    error: &CouplingError,
+    (slave, masters): (&str, &str),
+    (distance, x, allowed): (f64, &[f64], f64),
     at: Place,
 ) -> Diagnostic {
-    let help = "move the bodies together or raise `tolerance`; use [[contact]] if a gap is meant";
-    let masters = labels(masters);
-    match error {
-        CouplingError::Apart { distance, at: x, allowed } => {
-            let text = format!(
-                "`{}` and {masters} are up to {} apart (at {}); allowed {}",
-                slave.label(),
-                short(*distance),
-                place(&x[..N]),
-                short(*allowed)
-            );
-            builder.error("E023", text, at).with_help(help)
-        }
-        other => builder.error("E023", format!("`{}` and {masters} do not meet: {other}", slave.label()), at).with_help(help),
-    }
+    let text = format!("`{slave}` and {masters} are up to {} apart (at {}); allowed {}", short(distance), place(x), short(allowed));
+    builder.error("E023", text, at).with_help(CLOSER)
 }
 
 /// Formats a share in percent, rounded down to four decimals but for round-off.
@@ -133,14 +127,11 @@ fn fault<const S: usize, const N: usize>(
         InterfaceError::Segments(e) => builder.error("E023", format!("contact \"{name}\": {e}"), at),
         InterfaceError::Contact(e) => contact_fault(builder, contact, slave, masters, e, at),
         InterfaceError::NothingFaces => {
-            let plain = Box::new(contact_fault(builder, contact, slave, masters, &ContactError::NoTarget, at));
+            let plain = contact_fault(builder, contact, slave, masters, &ContactError::NoTarget, at);
             if masters.is_empty() {
-                return turned_away(builder, contact, source.0, (of, number), slave, plain);
+                return turned_away(builder, contact, source.0, (of, number), slave, Box::new(plain));
             }
-            return match source.0.meant_sides(slave, masters) {
-                Some(sides) => Box::new(plain.with_help(meant(builder, &sides))),
-                None => plain,
-            };
+            plain.with_some_help(source.0.meant_sides(slave, masters).map(|sides| meant(builder, &sides)))
         }
         InterfaceError::Held { components, by_equations } => {
             let text = format!(
@@ -152,10 +143,7 @@ fn fault<const S: usize, const N: usize>(
         }
         InterfaceError::TooMany { multipliers, free, components, by_equations } => {
             let fault = too_many(builder, name, slave, "the normal direction", (*multipliers, *free), contact.multiplier.at);
-            match held_help(source, slave, components, *by_equations) {
-                Some(help) => fault.with_help(help),
-                None => fault,
-            }
+            fault.with_some_help(held_help(source, slave, components, *by_equations))
         }
         InterfaceError::Multiplier { error, .. } => multiplier_fault(builder, name, slave, error, contact.multiplier.at, N.max(2)),
         other => builder.error("E041", format!("contact \"{name}\": {other}"), at),
