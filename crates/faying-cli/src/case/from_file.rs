@@ -219,7 +219,7 @@ impl Reader {
 
     /// Adapts the discretization of a patch of mesh cells: the backend is fe, keys of parametrised patches are errors (E015).
     pub fn mesh_discretization(&mut self, b: &mut Block, geometry: &Geometry, d: &mut Discretization) {
-        let Some(part) = geometry.shape.part().filter(|p| p.is_mesh()) else { return };
+        let Some(part) = geometry.shape.mesh_part() else { return };
         for (key, help) in [
             ("elements", "write refine = 1 to halve every element"),
             ("grade", "the sizes of a mesh are those of its file"),

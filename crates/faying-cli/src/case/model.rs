@@ -139,21 +139,9 @@ impl Reader {
             if own(b, "backend") { self.registered(b, "backend", &names.backends, "iga") } else { inherit(defaults, |d| &d.backend) };
         let degree = if own(b, "degree") { self.degrees(b) } else { inherit(defaults, |d| &d.degree) };
         let continuity = if own(b, "continuity") { self.continuity(b) } else { inherit(defaults, |d| &d.continuity) };
-        let basis = if own(b, "basis") {
-            self.word(b, "basis", &[("auto", BasisKind::Auto), ("nurbs", BasisKind::Nurbs), ("b-spline", BasisKind::BSpline)])
-        } else {
-            inherit(defaults, |d| &d.basis)
-        };
-        let cells = if own(b, "cells") {
-            self.word(b, "cells", &[("tensor", Cell::Tensor), ("simplex", Cell::Simplex)])
-        } else {
-            inherit(defaults, |d| &d.cells)
-        };
-        let mapping = if own(b, "mapping") {
-            self.word(b, "mapping", &[("isoparametric", Mapping::Isoparametric), ("exact", Mapping::Exact)])
-        } else {
-            inherit(defaults, |d| &d.mapping)
-        };
+        let basis = if own(b, "basis") { self.word(b, "basis", &BASES) } else { inherit(defaults, |d| &d.basis) };
+        let cells = if own(b, "cells") { self.word(b, "cells", &CELLS) } else { inherit(defaults, |d| &d.cells) };
+        let mapping = if own(b, "mapping") { self.word(b, "mapping", &MAPPINGS) } else { inherit(defaults, |d| &d.mapping) };
         let extra_points =
             if own(b, "extra_points") { self.whole(b, "extra_points", 0, 60, 0) } else { inherit(defaults, |d| &d.extra_points) };
         Discretization { backend, degree, continuity, basis, cells, mapping, extra_points }

@@ -2,7 +2,6 @@
 
 use super::keys;
 use super::names::Names;
-use super::part::FilePart;
 use super::reader::{Block, Reader, Sign};
 use super::tree::{Node, Table, Value};
 use super::types::*;
@@ -310,7 +309,7 @@ impl Reader {
                 self.missing(b, "elements", if n == 2 { "elements = [4, 4]" } else { "elements = [4, 4, 4]" });
                 return ones(b.at);
             }
-            if shape.part().is_some_and(FilePart::is_mesh) {
+            if shape.mesh_part().is_some() {
                 return ones(b.at);
             }
             let at = b.default("elements", Value::Integer(1));

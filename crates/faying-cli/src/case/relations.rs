@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, HashSet};
 
 use super::boundary::{Read, component};
 use super::from_file::outer_of;
-use super::part::FilePart;
 use super::reader::Reader;
 use super::sides::{show, sides_of};
 use super::types::*;
@@ -19,7 +18,7 @@ fn line(at: Place) -> String {
 fn rest(patches: &mut [Patch], used: &HashSet<SideRef>, dimension: usize) -> Vec<SideRef> {
     let mut out = Vec::new();
     for (patch, p) in patches.iter_mut().enumerate() {
-        let sides: Vec<String> = if p.geometry.shape.part().is_some_and(FilePart::is_mesh) {
+        let sides: Vec<String> = if p.geometry.shape.mesh_part().is_some() {
             let own: Vec<&str> = used.iter().filter(|s| s.patch == patch).map(|s| s.side.as_str()).collect();
             outer_of(p, &own)
         } else {

@@ -16,7 +16,7 @@ const SPATIAL: [(&str, &str); 6] = [("left", "u0"), ("right", "u1"), ("front", "
 /// The sides of a shape, without collapsed edges; of a mesh its tags.
 pub(super) fn sides_of(shape: &Shape, dimension: usize) -> Vec<&str> {
     let collapsed: Vec<usize> = match shape {
-        _ if shape.part().is_some_and(FilePart::is_mesh) => return shape.part().map_or(Vec::new(), FilePart::tags),
+        _ if shape.mesh_part().is_some() => return shape.part().map_or(Vec::new(), FilePart::tags),
         Shape::DiscSector { .. } => vec![2],
         Shape::SphereOctant { .. } => vec![3],
         Shape::Nurbs { degree, knots, points, .. } => collapsed(&degree.value, knots.iter().map(|u| u.len()), points),
@@ -115,7 +115,7 @@ fn of_patch(k: usize, rest: &str, patches: &[Patch], families: &[Family], dimens
             return Some(own);
         }
     }
-    if patches[k].geometry.shape.part().is_some_and(FilePart::is_mesh) {
+    if patches[k].geometry.shape.mesh_part().is_some() {
         return None;
     }
     canonical(side, dimension).filter(|s| known.contains(s)).map(one)
@@ -124,7 +124,7 @@ fn of_patch(k: usize, rest: &str, patches: &[Patch], families: &[Family], dimens
 // the sides that meet in an edge or a corner of the patch
 fn edge(rest: &str, patch: &Patch, dimension: usize) -> Option<String> {
     let shape = &patch.geometry.shape;
-    if shape.part().is_some_and(FilePart::is_mesh) {
+    if shape.mesh_part().is_some() {
         return None;
     }
     let known = sides_of(shape, dimension);
@@ -214,7 +214,7 @@ impl Reader {
             // its file could not be read, which was reported
             return;
         }
-        let part = shape.part().filter(|p| p.is_mesh());
+        let part = shape.mesh_part();
         let mut known: Vec<String> =
             part.map_or_else(|| sides_of(shape, dimension), FilePart::outer_tags).into_iter().map(quoted).collect();
         if let Some(family) = self.families.iter().find(|f| f.patches.contains(&k)) {

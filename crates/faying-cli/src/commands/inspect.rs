@@ -78,7 +78,7 @@ fn patches(case: &Case) -> Result<SplineFile, Diagnostics> {
         let name = &patch.name.value;
         // mesh cells are no splines; splines of files are already scaled, rotated and moved
         if let Shape::File { file: path, .. } = &patch.geometry.value.shape.value
-            && patch.geometry.shape.part().is_some_and(|p| p.is_mesh())
+            && patch.geometry.shape.mesh_part().is_some()
         {
             file.notes.push(format!("patch \"{name}\" is of a mesh: faying inspect {}", path.value));
             continue;

@@ -1,6 +1,6 @@
 //! Trace and multiplier spaces of slave sides, one pair per scalar problem, for the inf-sup test.
 
-use crate::case::{Case, FilePart, Multiplier};
+use crate::case::{Case, Multiplier};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::lower::{Builder, specification, stated};
 use crate::registry::Names;
@@ -65,10 +65,7 @@ pub(super) fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, en
 /// Lengths of the elements of a side in its parameter, as fractions of the whole, in their order; `None` for meshes.
 fn shares(builder: &Builder<'_, 1, 2>, patch: usize, side: &str, net: MakeNet<2>) -> Option<Vec<f64>> {
     let patch = &builder.case.patches[patch];
-    if patch.geometry.shape.part().is_some_and(FilePart::is_mesh) {
-        return None;
-    }
-    let spec = specification(builder, patch, net).ok()?;
+    let spec = specification(builder, patch, net).ok()??;
     let across = ["u0", "u1", "v0", "v1"].iter().position(|name| *name == side)? / 2;
     let points = &spec.breakpoints[1 - across];
     let length = points.last()? - points.first()?;

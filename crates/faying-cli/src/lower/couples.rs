@@ -260,7 +260,7 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
         let named = case.boundaries.iter().filter(|b| !b.all_outer).flat_map(|b| &b.on);
         // edges, corners and what is wrong are seen where the block is built
         let outer: Vec<_> = named.filter_map(|side| self.side(side).ok()).collect();
-        let spline = |patch: usize| !case.patches[patch].geometry.shape.part().is_some_and(|p| p.is_mesh());
+        let spline = |patch: usize| case.patches[patch].geometry.shape.mesh_part().is_none();
         self.search.unjoined(&pairs.collect::<Vec<_>>(), &outer, &spline);
         let found = std::mem::take(&mut self.search.findings);
         unjoined(self.builder, &found);

@@ -43,7 +43,7 @@ pub(super) fn unshared<const S: usize, const N: usize>(builder: &mut Builder<'_,
         let of = |list: &[Located<SideRef>]| list.iter().any(|side| side.value.patch == k);
         let tied = case.interfaces.iter().any(|t| of(&t.slave) && of(&t.master));
         let pressed = case.contacts.iter().any(|c| of(&c.slave) && matches!(&c.master, Master::Sides(list) if of(list)));
-        let cells = patch.geometry.shape.part().filter(|p| p.is_mesh()).and_then(|p| p.cells::<N>());
+        let cells = patch.geometry.shape.mesh_part().and_then(|p| p.cells::<N>());
         let Some(found) = cells.filter(|_| !tied && !pressed).and_then(|cells| unshared_points(&cells)) else { continue };
         let at = placed_points(&[found.at], &patch.geometry).unwrap_or_default();
         let text = unshared_text(&format!("patch \"{}\"", patch.name.value), &found, at.first().unwrap_or(&found.at));
@@ -68,7 +68,7 @@ pub(crate) fn unshared_text<const N: usize>(whose: &str, found: &Unshared<N>, at
 
 /// Returns the mesh of a patch, transformed but not refined: its facets determine the sag. `None` if the patch is no refined mesh.
 pub(super) fn unrefined<const S: usize, const N: usize>(patch: &Patch) -> Option<Box<dyn Body<S, N>>> {
-    let part = patch.geometry.shape.part().filter(|p| p.is_mesh() && patch.refine.value > 0)?;
+    let part = patch.geometry.shape.mesh_part().filter(|_| patch.refine.value > 0)?;
     let mut cells = part.cells::<N>()?;
     cells.points = placed_points(&cells.points, &patch.geometry).ok()?;
     Some(Box::new(Mesh::<S, N>::from_cells(&cells, 1, Mapping::Exact).ok()?))
@@ -76,7 +76,7 @@ pub(super) fn unrefined<const S: usize, const N: usize>(patch: &Patch) -> Option
 
 /// Numbers of product cells and simplices of a mesh after refinement; `None` for other geometries.
 pub(crate) fn counts<const N: usize>(patch: &Patch) -> Option<[f64; 2]> {
-    let part = patch.geometry.shape.part().filter(|p| p.is_mesh())?;
+    let part = patch.geometry.shape.mesh_part()?;
     let factor = f64::exp2((N * patch.refine.value) as f64);
     Some(part.counts().map(|n| n as f64 * factor))
 }

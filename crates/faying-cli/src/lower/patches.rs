@@ -36,8 +36,11 @@ fn one<const S: usize, const N: usize>(
     let case = builder.case;
     let patch = &case.patches[number];
     let backend = &patch.discretization.backend;
-    let is_mesh = patch.geometry.shape.part().is_some_and(case::FilePart::is_mesh);
-    let body = if is_mesh { super::meshes::body(builder, patch)? } else { of_net(builder, patch, net, backend)? };
+    let spec = specification(builder, patch, net)?;
+    let body = match &spec {
+        Some(spec) => of_spec(builder, patch, spec, backend)?,
+        None => super::meshes::body(builder, patch)?,
+    };
     let material = &case.materials[patch.material.value];
     let assumption = case.model.assumption.value;
     let first_time = case.times(false)[0];
@@ -52,7 +55,7 @@ fn one<const S: usize, const N: usize>(
     let spec = BodySpec {
         extra_points: patch.discretization.extra_points.value,
         unrefined: super::meshes::unrefined(patch).map(Arc::from),
-        is_shaped: !is_mesh,
+        is_shaped: spec.is_some(),
         side_names: Some(super::sides::names(case, number)),
         backend: backend.value.clone(),
         ..BodySpec::new(&patch.name.value, body.into(), law)
@@ -105,17 +108,16 @@ fn of_law<const S: usize, const N: usize>(
     Ok(BodyMaterial::Constant(first.expect("a case has a time")))
 }
 
-/// The body of a net.
-fn of_net<const S: usize, const N: usize>(
+/// The body of a specification.
+fn of_spec<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: &Patch,
-    net: MakeNet<N>,
+    spec: &PatchSpec<N>,
     backend: &Located<String>,
 ) -> Result<Box<dyn Body<S, N>>, Box<Diagnostic>> {
     let name = &patch.name.value;
-    let spec = specification(builder, patch, net)?;
     let make = builder.names.backends.get(&backend.value).map_err(|e| builder.error("E015", e.to_string(), backend.at))?;
-    make(&spec).map_err(|fault| {
+    make(spec).map_err(|fault| {
         let at = match fault.code {
             "E041" => patch.geometry.at,
             _ if fault.key == "elements" => patch.elements.at,
@@ -125,12 +127,15 @@ fn of_net<const S: usize, const N: usize>(
     })
 }
 
-/// Returns the specification of a patch for a backend.
+/// Returns the specification of a patch for a backend; `None` for meshes that are read from files.
 pub(crate) fn specification<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: &Patch,
     net: MakeNet<N>,
-) -> Result<PatchSpec<N>, Box<Diagnostic>> {
+) -> Result<Option<PatchSpec<N>>, Box<Diagnostic>> {
+    if patch.geometry.shape.mesh_part().is_some() {
+        return Ok(None);
+    }
     let name = &patch.name.value;
     let net = net(&patch.geometry.value)
         .map_err(|fault| builder.error(fault.code, format!("geometry of patch \"{name}\": {fault}"), patch.geometry.at))?;
@@ -147,5 +152,5 @@ pub(crate) fn specification<const S: usize, const N: usize>(
     spec.degree = std::array::from_fn(|k| d.degree.value[k.min(d.degree.value.len() - 1)]);
     spec.continuity = d.continuity.value;
     (spec.basis, spec.cells, spec.mapping) = (d.basis.value, d.cells.value, d.mapping.value);
-    Ok(spec)
+    Ok(Some(spec))
 }

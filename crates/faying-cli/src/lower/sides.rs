@@ -48,7 +48,7 @@ pub(super) fn side_fault<const S: usize, const N: usize>(
     error: &SideError,
     wanted: &Located<SideRef>,
 ) -> Diagnostic {
-    let part = builder.case.patches[wanted.value.patch].geometry.shape.part().filter(|p| p.is_mesh());
+    let part = builder.case.patches[wanted.value.patch].geometry.shape.mesh_part();
     let sides = part.map_or_else(|| body.body().sides(), |p| p.outer_tags().into_iter().map(quoted).collect());
     let patch = body.name();
     let known = match (part.is_some(), sides.is_empty()) {

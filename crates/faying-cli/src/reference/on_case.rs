@@ -1,10 +1,10 @@
 //! Stored run as a reference solution: its bodies on the geometry of the case, and its multipliers on the slave sides of the case.
 
 use super::parameters::Parameters;
-use super::stored::{BASES, CELLS, MAPPINGS, of_cells, of_net, physics_word, same_geometry, spec_of};
-use crate::case;
+use super::stored::{of_cells, of_net, physics_word, same_geometry};
+use crate::case::{self, BASES, CELLS, MAPPINGS};
 use crate::errors::Diagnostic;
-use crate::lower::{Builder, mesh_body, mesh_counts};
+use crate::lower::{Builder, mesh_body, mesh_counts, specification};
 use crate::reference::{StoredPatch, StoredRun, StoredSide, weights};
 use crate::shapes::MakeNet;
 use faying::assembly::gauss_rules;
@@ -203,7 +203,7 @@ fn patch<const S: usize, const N: usize>(
     stored: &StoredPatch,
     net: MakeNet<N>,
 ) -> Result<ReferencePatch<S, N>, String> {
-    let own = spec_of(builder, words, net).map_err(|fault| fault.message)?;
+    let own = specification(builder, words, net).map_err(|fault| fault.message)?;
     let geometry = own.as_ref().map_or_else(|| of_cells::<N>(words), of_net);
     if !same_geometry(&geometry, &stored.geometry) {
         return Err("has another geometry; store the run again".into());

@@ -1,6 +1,6 @@
 //! A solved model as a stored run, and the fingerprint of a geometry.
 
-use crate::case::{self, Case, FilePart};
+use crate::case::{self, BASES, BasisKind, CELLS, Case, MAPPINGS};
 use crate::errors::Diagnostics;
 use crate::lower::{Builder, specification};
 use crate::reference::{Fingerprint, StoredPatch, StoredRun, StoredSide, nodes};
@@ -10,15 +10,6 @@ use faying::geometry::Embedding;
 use faying::linalg::Vector;
 use faying::problem::{BodyView, Contents, SideView, Solution};
 use faying::space::{Body, MeshCells, PatchSpec};
-
-/// Keywords of the case file for spline bases.
-pub(super) const BASES: [(&str, faying::space::BasisKind); 3] =
-    [("auto", faying::space::BasisKind::Auto), ("nurbs", faying::space::BasisKind::Nurbs), ("b-spline", faying::space::BasisKind::BSpline)];
-/// Keywords for shapes of cells.
-pub(super) const CELLS: [(&str, Cell); 2] = [("tensor", Cell::Tensor), ("simplex", Cell::Simplex)];
-/// Keywords for maps of cells.
-pub(super) const MAPPINGS: [(&str, faying::space::Mapping); 2] =
-    [("isoparametric", faying::space::Mapping::Isoparametric), ("exact", faying::space::Mapping::Exact)];
 
 /// Keyword of the case's physics.
 pub(super) fn physics_word(case: &Case) -> &'static str {
@@ -90,39 +81,26 @@ fn stored_patch<const S: usize, const N: usize>(
         coefficients: u[body.unknowns()].to_vec(),
         ..StoredPatch::default()
     };
-    let (bases, mappings) = (BASES, MAPPINGS);
-    match spec_of(builder, words, net)? {
+    match specification(builder, words, net)? {
         Some(spec) => {
             stored.geometry = of_net(&spec);
             stored.degree = spec.degree.to_vec();
             stored.continuity = spec.continuity;
-            stored.basis = word(&bases, &spec.basis);
+            stored.basis = word(&BASES, &spec.basis);
             stored.cells = word(&CELLS, &spec.cells);
-            stored.mapping = word(&mappings, &spec.mapping);
+            stored.mapping = word(&MAPPINGS, &spec.mapping);
             stored.breakpoints = spec.breakpoints.to_vec();
         }
         None => {
             stored.geometry = of_cells::<N>(words);
             stored.degree = vec![words.discretization.degree.value.first().copied().unwrap_or(1); N];
-            stored.basis = word(&bases, &faying::space::BasisKind::Auto);
+            stored.basis = word(&BASES, &BasisKind::Auto);
             stored.cells = word(&CELLS, &Cell::Tensor);
-            stored.mapping = word(&mappings, &words.discretization.mapping.value);
+            stored.mapping = word(&MAPPINGS, &words.discretization.mapping.value);
             stored.refine = words.refine.value;
         }
     }
     Ok(stored)
-}
-
-/// Returns the specification of a patch for a backend; `None` for meshes that are read from files.
-pub(super) fn spec_of<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
-    patch: &case::Patch,
-    net: MakeNet<N>,
-) -> Result<Option<PatchSpec<N>>, Box<crate::errors::Diagnostic>> {
-    if patch.geometry.shape.part().is_some_and(FilePart::is_mesh) {
-        return Ok(None);
-    }
-    specification(builder, patch, net).map(Some)
 }
 
 /// Number of functions in a row of a grid: those of the third side (v0), if they are the first of the body, else 0.

@@ -2,7 +2,7 @@
 
 use super::choice::{Degrees, Vary};
 use super::rows::{Base, Spec, slaves};
-use crate::case::{Case, Changes, FilePart};
+use crate::case::{Case, Changes};
 use crate::registry::Registry;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -143,7 +143,7 @@ fn wanted(backend: Option<&str>, case: &Case, slave: &[bool]) -> Vec<(String, St
 
 /// The backend that every block of patches gets: that of [`wanted`], except that blocks read from a mesh keep theirs.
 fn used_by(backend: Option<&str>, case: &Case, slave: &[bool]) -> Vec<(String, String)> {
-    let read = case.patches.iter().filter(|p| p.geometry.shape.part().is_some_and(FilePart::is_mesh));
+    let read = case.patches.iter().filter(|p| p.geometry.shape.mesh_part().is_some());
     let stay: BTreeMap<&str, &str> = read.map(|p| (block(&p.name), p.discretization.backend.value.as_str())).collect();
     let mut list = wanted(backend, case, slave);
     for (name, word) in &mut list {

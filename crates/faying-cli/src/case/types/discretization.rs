@@ -4,6 +4,13 @@ use crate::place::Located;
 pub use faying::basis::Cell;
 pub use faying::space::{BasisKind, Divisions, Grading, Mapping};
 
+/// Words for the bases of splines.
+pub(crate) const BASES: [(&str, BasisKind); 3] = [("auto", BasisKind::Auto), ("nurbs", BasisKind::Nurbs), ("b-spline", BasisKind::BSpline)];
+/// Words for the shapes of cells.
+pub(crate) const CELLS: [(&str, Cell); 2] = [("tensor", Cell::Tensor), ("simplex", Cell::Simplex)];
+/// Words for the maps of cells.
+pub(crate) const MAPPINGS: [(&str, Mapping); 2] = [("isoparametric", Mapping::Isoparametric), ("exact", Mapping::Exact)];
+
 /// `[discretization]`, or the same keys of a patch merged with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Discretization {

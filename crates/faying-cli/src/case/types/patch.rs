@@ -84,6 +84,11 @@ impl Shape {
         }
     }
 
+    /// The part of a mesh that makes a patch; `None` for splines and other shapes.
+    pub fn mesh_part(&self) -> Option<&FilePart> {
+        self.part().filter(|part| part.is_mesh())
+    }
+
     pub(in crate::case) fn part_mut(&mut self) -> Option<&mut FilePart> {
         match self {
             Self::File { parts, .. } => parts.first_mut().map(Arc::make_mut),
