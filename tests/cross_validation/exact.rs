@@ -78,6 +78,8 @@ impl Add for Expr {
 
 impl Mul for Expr {
     type Output = Self;
+    // the product rule
+    #[allow(clippy::suspicious_arithmetic_impl)]
     fn mul(self, b: Self) -> Self {
         let (u, v) = (self.gradient, b.gradient);
         let second = |i: usize, j: usize| self.hessian[i][j] * b.value + u[i] * v[j] + u[j] * v[i] + self.value * b.hessian[i][j];

@@ -56,7 +56,8 @@ const KINDS: [&str; 5] = ["energy", "u", "stress", "flux", "lambda"];
 fn kinds(part: &Value) -> Vec<Kind> {
     KINDS
         .iter()
-        .filter_map(|name| part[*name].is_array().then(|| (name, all_known(&part[*name]))))
+        .filter(|&name| part[*name].is_array())
+        .map(|name| (name, all_known(&part[*name])))
         .map(|(name, list)| Kind {
             name,
             texts: list.iter().map(|q| q.quantity.clone()).collect(),

@@ -33,7 +33,7 @@ fn parts(p: &mut Problem<1, 2>, b: BodyId) -> [faying::problem::RegionId; 2] {
 
 fn refused(say: Say, expected: &ErrorKind) {
     for (kinds, of, said) in errors(say) {
-        assert_eq!(kinds, [expected.clone()]);
+        assert_eq!(kinds, std::slice::from_ref(expected));
         assert_eq!(of, said);
     }
 }
