@@ -71,6 +71,11 @@ pub trait RowIteration: Debug + Send {
     fn next(&mut self, answered: &Answered<'_>) -> Next;
     /// Error of the multipliers at which it ends, relative to the largest.
     fn tolerance(&self) -> f64;
+    /// Asks for an error of at most `tolerance`: rows of one system are as accurate as those of the strictest iteration, as an error in
+    /// some is one in all. Iterations without a tolerance of their own ignore it.
+    fn tighten(&mut self, tolerance: f64) {
+        let _ = tolerance;
+    }
 }
 
 /// Solver that changes rows between the systems of another.
@@ -85,8 +90,10 @@ pub struct Outer<C> {
 }
 
 impl<C> Outer<C> {
-    /// Iterates `inner` until all `parts` are done, in at most 200 systems.
-    pub fn new(inner: C, parts: Vec<(Range<usize>, Box<dyn RowIteration>)>) -> Self {
+    /// Iterates `inner` until all `parts` are done, to the least of their tolerances, in at most 200 systems.
+    pub fn new(inner: C, mut parts: Vec<(Range<usize>, Box<dyn RowIteration>)>) -> Self {
+        let least = parts.iter().map(|(_, part)| part.tolerance()).fold(f64::INFINITY, f64::min);
+        parts.iter_mut().for_each(|(_, part)| part.tighten(least));
         Self { inner, parts, max_updates: MAX_UPDATES }
     }
 

@@ -1,17 +1,14 @@
 //! Checks of what is prescribed and loaded together: components prescribed twice, loads on what is held, exact data without exact solution.
 
 use super::builder::Problem;
+use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::Statement;
-use super::model::{Action, SideModel, Value};
-use crate::assembly::planar_normal;
+use super::model::{Action, Condition, SideModel, Value};
 use crate::geometry::cell;
-use crate::linalg::Vector;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// Components of a unit normal below this count as zero.
-const PERPENDICULAR: f64 = 1e-9;
 /// Local coordinates of a facet's centre are compared in steps of this size.
 const SAME_FACET: f64 = 1e-6;
 
@@ -49,7 +46,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// Reports components that two statements prescribe on one facet, one edge or one corner; returns the first statement of every
     /// prescribed component of a facet.
     fn check_twice(&self, errors: &mut Vec<ProblemError>) -> HashMap<(Facet<N>, usize), Statement> {
-        let mut first = HashMap::new();
+        let mut first: HashMap<(Facet<N>, usize), &Condition<S, N>> = HashMap::new();
         let mut told: HashSet<(Statement, Statement, usize)> = HashSet::new();
         let mut twice = |before: Statement, of: Statement, component: usize, label: &str| {
             if before != of && told.insert((before, of, component)) {
@@ -58,8 +55,11 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         };
         for condition in &self.said.conditions {
             for facet in facets(&condition.side) {
-                let before = *first.entry((facet, condition.component)).or_insert(condition.of);
-                twice(before, condition.of, condition.component, &condition.side.label);
+                let before = *first.entry((facet, condition.component)).or_insert(condition);
+                // sides and parts may overlap where they prescribe the same
+                if Arc::ptr_eq(&before.side, &condition.side) || differ(&before.value, &condition.value) {
+                    twice(before.of, condition.of, condition.component, &condition.side.label);
+                }
             }
         }
         let mut of_rims = HashMap::new();
@@ -67,7 +67,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             let before = *of_rims.entry((Arc::as_ptr(&pin.rim), pin.component)).or_insert(pin.of);
             twice(before, pin.of, pin.component, &pin.rim.label);
         }
-        first
+        first.into_iter().map(|(at, condition)| (at, condition.of)).collect()
     }
 
     /// Reports loads and springs in a component that is prescribed on all facets on which they act: they would act on supports alone.
@@ -89,22 +89,20 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             }
         };
         for load in &self.said.loads {
-            let (side, is_zero) = (&*load.side, |f: &super::data::Data| f.as_constant() == Some(0.0));
+            let side = &*load.side;
+            // a formula may vanish where the component is held
+            let is_load = |f: &Data| f.as_constant().is_some_and(|value| value != 0.0);
             let component = match &load.action {
-                Action::Traction(c, f) | Action::Force(c, f, _) if !is_zero(f) => *c,
-                Action::Pressure(f) if !is_zero(f) => match along_axis(side) {
-                    Some(axis) => axis,
-                    // an inclined or curved side has no component of its own: all of them are held, or the load acts
-                    None if (0..components).all(|c| holds(side, c).is_some()) => components - 1,
-                    None => continue,
-                },
+                Action::Traction(c, f) | Action::Force(c, f, _) if is_load(f) => *c,
+                // along rollers a pressure on a list of sides acts on the supports alone
+                Action::Pressure(f) if is_load(f) && (0..components).all(|c| holds(side, c).is_some()) => components - 1,
                 _ => continue,
             };
             if let Some(held) = holds(side, component) {
                 loaded(held, load.of, component, &side.label);
             }
         }
-        for spring in self.said.springs.iter().filter(|s| s.stiffness.as_constant() != Some(0.0)) {
+        for spring in self.said.springs.iter().filter(|s| s.stiffness.as_constant().is_some_and(|k| k != 0.0)) {
             if let Some(held) = holds(&spring.side, spring.component) {
                 loaded(held, spring.of, spring.component, &spring.side.label);
             }
@@ -112,8 +110,12 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 }
 
-/// The axis along which a planar side has its normal.
-fn along_axis<const S: usize, const N: usize>(side: &SideModel<S, N>) -> Option<usize> {
-    let normal: Vector<N> = planar_normal(&side.trace)?;
-    (0..N).find(|&k| (normal[k].abs() - 1.0).abs() < PERPENDICULAR)
+/// Whether two values are known to differ; those of functions are compared where the sides meet.
+fn differ(a: &Value, b: &Value) -> bool {
+    let constant = |value: &Value| match value {
+        Value::Zero => Some(0.0),
+        Value::Data(f) => f.as_constant(),
+        Value::Exact => None,
+    };
+    constant(a).zip(constant(b)).is_some_and(|(a, b)| a != b)
 }

@@ -112,7 +112,7 @@ fn faults_of_a_method_are_found_and_named() {
         (Faulty::HalfOffset, "the offset is"),
         (Faulty::HalfWeights, "the weights add up to"),
         (Faulty::ShortCompliance, "compliances of"),
-        (Faulty::Soft, "the patch test has the least gap"),
+        (Faulty::Soft, "the patch test has the"),
         (Faulty::NothingSaid, "the patch test"),
         (Faulty::TooFewRows, "multiplier functions"),
         (Faulty::NoMultiplier, "there is no multiplier"),
@@ -218,4 +218,16 @@ fn answers_that_do_not_solve_a_linearised_system_are_refused() {
         assert!(matches!(error, StepError::Solve(_)), "{error}");
     }
     system.accept(&linearised, answer).unwrap();
+}
+
+#[test]
+fn the_strictest_of_several_iterations_counts_for_all() {
+    let lagrange = || Arc::new(Lagrange) as Arc<dyn ContactMethod<1, 2>>;
+    let (exact, of_exact) = pressed([lagrange(), lagrange()]).unwrap();
+    let augmented = |factor, tolerance| Arc::new(Augmented { factor, tolerance }) as Arc<dyn ContactMethod<1, 2>>;
+    let (own, of_own) = pressed([augmented(1e3, 1e-12), augmented(10.0, 0.5)]).unwrap();
+    for k in 0..2 {
+        let (found, right) = (own.contact(of_own[k]).unwrap(), exact.contact(of_exact[k]).unwrap());
+        assert!((found.largest_pressure - right.largest_pressure).abs() < 1e-10 * right.largest_pressure, "{found:?} {right:?}");
+    }
 }

@@ -80,6 +80,10 @@ impl RowIteration for Uzawa {
         self.tolerance
     }
 
+    fn tighten(&mut self, tolerance: f64) {
+        self.tolerance = self.tolerance.min(tolerance);
+    }
+
     fn row(&self, j: usize) -> RowChange {
         if self.softness[j] > 0.0 {
             RowChange { kind: None, shift: self.softness[j] * self.lambda[j], compliance: Some(self.softness[j]) }

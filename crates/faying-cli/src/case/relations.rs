@@ -8,6 +8,7 @@ use super::reader::Reader;
 use super::sides::{show, sides_of};
 use super::types::*;
 use crate::errors::Diagnostic;
+use crate::formula::Formula;
 use crate::place::{Located, Origin, Place};
 
 fn line(at: Place) -> String {
@@ -180,14 +181,10 @@ impl Reader {
             for s in &b.on {
                 for k in 0..n {
                     // a zero load is no condition
+                    let some = |f: &Option<Located<Formula>>| f.as_ref().filter(|f| f.value.as_constant() != Some(0.0)).map(|f| f.at);
                     let traction =
                         b.traction[k].as_ref().filter(|t| !matches!(&t.value, Datum::Formula(f) if f.as_constant() == Some(0.0)));
-                    let loads = [
-                        traction.map(|t| t.at),
-                        b.force[k].as_ref().map(|f| f.at),
-                        b.spring[k].as_ref().map(|f| f.at),
-                        b.rigid_force[k].as_ref().map(|f| f.at),
-                    ];
+                    let loads = [traction.map(|t| t.at), some(&b.force[k]), some(&b.spring[k]), b.rigid_force[k].as_ref().map(|f| f.at)];
                     let key = (s.patch, s.side.as_str(), k);
                     for at in loads.into_iter().flatten() {
                         loaded.insert(key, at);

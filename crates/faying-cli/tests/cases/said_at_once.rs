@@ -116,7 +116,7 @@ fn what_is_held_is_not_loaded_and_parts_are_prescribed_once() {
     let side = |on: &str, rest: &str| format!("[[boundary]]\non = \"up.{on}\"\n{rest}\n");
     for (tail, wrong) in [
         (side("left", "fix = [\"normal\"]") + &side("left", "traction = { x = 1.0 }"), "traction = { x = 1.0 }"),
-        (side("left", "fix = [\"normal\"]") + &side("left", "pressure = 1.0"), "pressure = 1.0"),
+        (side("left", "fix = [\"normal\", \"tangential\"]") + &side("left", "pressure = 1.0"), "pressure = 1.0"),
         (side("left", "fix = [\"tangential\"]") + &side("left", "force = { y = 1.0 }"), "force = { y = 1.0 }"),
         (
             side("top", "where = \"x < 0.5\"\nfix = [\"y\"]") + &side("top", "where = \"x < 0.3\"\ndirichlet = { y = 0.1 }"),
@@ -125,6 +125,11 @@ fn what_is_held_is_not_loaded_and_parts_are_prescribed_once() {
         (side("top", "fix = [\"y\"]") + &side("top", "where = \"x < 0.3\"\nforce = { y = 0.1 }"), "force = { y = 0.1 }"),
     ] {
         assert_eq!(refused(&format!("{}{TIE}{tail}", blocks())), [("E052", wrong.to_owned())]);
+    }
+    let overlapping = side("top", "where = \"x < 0.7\"\nfix = [\"y\"]") + &side("top", "where = \"x > 0.3\"\nfix = [\"y\"]");
+    let roller = side("left", "fix = [\"normal\"]") + "[[boundary]]\non = [\"up.left\", \"up.right\"]\npressure = 0.01\n";
+    for tail in [overlapping, roller, side("left", "fix = [\"normal\"]") + &side("left", "traction = [\"x\", \"1\"]")] {
+        assert_eq!(run(&format!("{}{TIE}{tail}", blocks())).unwrap().exit, 0, "{tail}");
     }
     let sound =
         side("left", "fix = [\"normal\"]") + &side("left", "traction = { y = 1.0 }") + &side("top", "where = \"x < 0.5\"\nfix = [\"y\"]");

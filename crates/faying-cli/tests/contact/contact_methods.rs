@@ -548,9 +548,9 @@ fn keys_that_do_not_go_with_a_method_are_named_where_they_stand() {
         ("nitsche", "integration = \"mixed\"", "mixed integration has no meaning for method = \"nitsche\""),
         ("nitsche", "factor = 0.5", "stable for factors from 1 on, found 0.5"),
         ("nitsche", "factor = 0.5\nvariant = \"incomplete\"", "stable for factors from 1 on, found 0.5"),
-        ("nitsche", "tolerance = 1e-9", "`tolerance` is not a key of this method"),
-        ("penalty", "tolerance = 1e-9", "`tolerance` is not a key of this method"),
-        ("penalty", "variant = \"incomplete\"", "`variant` is not a key of this method"),
+        ("nitsche", "tolerance = 1e-9", "`tolerance` is not a key of method = \"nitsche\""),
+        ("penalty", "tolerance = 1e-9", "`tolerance` is not a key of method = \"penalty\""),
+        ("penalty", "variant = \"incomplete\"", "`variant` is not a key of method = \"penalty\""),
         ("penalty", "factor = -1", "must be"),
         ("lagrange", "factor = 10", "`factor` is not a key of method = \"lagrange\""),
     ] {
