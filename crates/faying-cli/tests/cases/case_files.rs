@@ -689,7 +689,7 @@ fn e031_to_e034_name_direction_index_and_value() {
     let Shape::Nurbs { degree, knots: u, points: p, weights: w } = &case.patches[0].geometry.shape.value else { panic!() };
     assert_eq!((degree.value.as_slice(), u[1].value.as_slice()), (&[2, 1][..], &[0.0, 0.0, 1.0, 1.0][..]));
     assert_eq!((p[4].as_slice(), w.as_ref().unwrap()[4]), (&[0.5, 0.5][..], 0.9));
-    assert_eq!(case.patches[0].elements[0].value, Divisions::Total(4));
+    assert_eq!(case.patches[0].elements[0].value, Divisions::PerSpan(4));
 
     let k = "[[0, 0, 0, 0.6, 0.5, 1, 1, 1], [0, 0, 1, 1]]";
     fails(&net(k, points, weights), "E031", "knots of direction u decrease at index 4: 0.5 after 0.6", "0.5, 1, 1, 1]");

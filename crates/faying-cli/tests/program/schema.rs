@@ -99,7 +99,11 @@ fn what_the_reader_refuses_for_its_keys_words_and_types_the_schema_refuses() {
 /// Defaults that the schema states are those that the reader writes into the effective case.
 #[test]
 fn defaults_are_those_of_the_reader() {
-    let schema = schema(&Names::default());
+    let names = Names::default();
+    let schema = schema(&names);
+    // keys of other methods and couplings than those of this case have no value in it
+    let entries = names.coupling_keys.iter().chain(names.methods.iter().map(|m| &m.entry));
+    let of_entries: Vec<&str> = entries.flat_map(|e| &e.keys).map(|key| key.name).collect();
     let text = "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1\npoisson = 0.3\n\
         [[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [2, 2]\n\
         [[patch]]\nname = \"b\"\ngeometry = { kind = \"box\", min = [1, 0], max = [2, 1] }\nelements = [2, 2]\n\
@@ -122,6 +126,9 @@ fn defaults_are_those_of_the_reader() {
     ] {
         for (key, property) in properties.as_object().unwrap() {
             let Some(default) = property.get("default") else { continue };
+            if found[key].is_null() && of_entries.contains(&key.as_str()) {
+                continue;
+            }
             assert_eq!(default, &found[key], "{key}");
             compared += 1;
         }
