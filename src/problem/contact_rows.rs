@@ -116,7 +116,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
     }
 
     /// lambda and gap at the points of `segments` that face something; `None` of methods with multipliers, and where the method has no
-    /// value.
+    /// value; NaN everywhere where it returns lists of different lengths.
     pub(super) fn values(
         &self,
         model: &Model<S, N>,
@@ -125,7 +125,11 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
         segments: &Segments<S>,
         (u, t): (&[f64], f64),
     ) -> Option<PointValues> {
-        self.seen(model, &part.sides(), fluxes, Some(segments), (t, None), |at| self.method.values(at, u))?.ok()
+        let values = self.seen(model, &part.sides(), fluxes, Some(segments), (t, None), |at| self.method.values(at, u))?.ok()?;
+        let (found, points) = (values.point.len(), segments.ds.len());
+        let sound = values.lambda.len() == found && values.gap.len() == found && values.point.iter().all(|&q| q < points);
+        let none = || vec![f64::NAN; points];
+        Some(if sound { values } else { PointValues { point: (0..points).collect(), lambda: none(), gap: none() } })
     }
 
     /// Whether a force presses its obstacle.

@@ -7,7 +7,7 @@ use crate::assembly::Blocks;
 use crate::constraint::{
     ActiveSet, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Outer, RowIteration, Softening, SolveError, penalty,
 };
-use crate::contact::ContactRows;
+use crate::contact::{ContactError, ContactRows};
 use crate::coupling::Rows;
 use std::ops::Range;
 
@@ -25,13 +25,16 @@ pub(super) struct Enforced {
 impl Enforced {
     /// The enforcement of all ties and contacts, by the stiffness of the bodies, which supports do not change; `first`: no step before says
     /// which rows are closed.
+    ///
+    /// # Errors
+    /// [`ContactError::Rows`] for a method that has not one compliance per row.
     pub fn of<const S: usize, const N: usize>(
         model: &Model<S, N>,
         matrices: &Blocks<'_>,
         rows: &Rows,
         built: &[Vec<ContactRows<S, N>>],
         first: bool,
-    ) -> Self {
+    ) -> Result<Self, ContactError> {
         let mut all = Self { eased: vec![false; model.rows], ..Self::default() };
         let unit = std::cell::OnceCell::new();
         let unit = |row: usize| unit.get_or_init(|| penalty(&matrices.bodies_diagonal(), rows, model.rows, 1.0))[row];
@@ -45,6 +48,10 @@ impl Enforced {
             for (part, built) in contact.parts.iter().zip(built) {
                 let begun = contact.method.begin(built, &|j| unit(part.first_row + j));
                 if !begun.compliance.is_empty() {
+                    if begun.compliance.len() != part.num_rows {
+                        let (found, rows) = (begun.compliance.len(), part.num_rows);
+                        return Err(ContactError::Rows(format!("{found} compliances of {rows} rows of \"{}\"", contact.name)));
+                    }
                     all.compliance.resize(model.rows, 0.0);
                     all.compliance[part.rows()].copy_from_slice(&begun.compliance);
                 }
@@ -52,7 +59,7 @@ impl Enforced {
                 all.iterations.extend(begun.iteration.map(|iteration| (part.rows(), iteration)));
             }
         }
-        all
+        Ok(all)
     }
 
     /// Solves a system with contact rows by `set`, and `iterations` of methods around it; `eased`: rows that are made softer first.

@@ -83,7 +83,7 @@ impl<const S: usize, const N: usize> StepSystem<S, N> {
         let (slave, shift) = reduced.rows(&interface.rows.slave);
         let (master, shift_master) = reduced.rows(&interface.rows.master);
         let offset: Vec<f64> = (0..model.rows).map(|i| interface.offset[i] + shift[i] + shift_master[i]).collect();
-        let enforced = Enforced::of(model, &matrices, &interface.rows, &interface.contacts, before.is_none());
+        let enforced = Enforced::of(model, &matrices, &interface.rows, &interface.contacts, before.is_none())?;
         let reaction = interface.reaction.as_ref().map(|b| Rows { slave: reduced.rows(&b.slave).0, master: reduced.rows(&b.master).0 });
         Ok(Self { t, loads, total, interface, reduced, rows: Rows { slave, master }, reaction, offset, enforced })
     }

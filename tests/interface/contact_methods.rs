@@ -231,3 +231,9 @@ fn the_strictest_of_several_iterations_counts_for_all() {
         assert!((found.largest_pressure - right.largest_pressure).abs() < 1e-10 * right.largest_pressure, "{found:?} {right:?}");
     }
 }
+
+#[test]
+fn a_method_with_too_few_compliances_is_an_error_of_the_step() {
+    let error = pressed([Arc::new(Lagrange), Arc::new(Faulty::ShortCompliance)]).expect_err("a fault").to_string();
+    assert!(error.contains("compliances of"), "{error}");
+}

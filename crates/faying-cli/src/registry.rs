@@ -266,10 +266,17 @@ impl Registry {
         let asked = [asked(&self.plane.couplings), asked(&self.volume.couplings)].concat();
         names.rowless.retain(|name| asked.iter().all(|(known, _)| known != name));
         case::Names::add(&mut names.rowless, asked.into_iter().filter(|(_, has_rows)| !has_rows).map(|(name, _)| name));
-        more(&mut names.coupling_keys, &mut self.plane.couplings.keys().chain(self.volume.couplings.keys()));
-        for method in methods(&self.plane.methods).into_iter().chain(methods(&self.volume.methods)) {
-            if names.methods.iter().all(|known| known.entry.name != method.entry.name) {
-                names.methods.push(method);
+        // an entry takes the place of one of the language; those of the plane come last, and count
+        for entry in self.volume.couplings.keys().chain(self.plane.couplings.keys()) {
+            match names.coupling_keys.iter_mut().find(|known| known.name == entry.name) {
+                Some(known) => *known = entry,
+                None => names.coupling_keys.push(entry),
+            }
+        }
+        for method in methods(&self.volume.methods).into_iter().chain(methods(&self.plane.methods)) {
+            match names.methods.iter_mut().find(|known| known.entry.name == method.entry.name) {
+                Some(known) => *known = method,
+                None => names.methods.push(method),
             }
         }
         for multipliers in [self.plane.multipliers.names(), self.volume.multipliers.names()] {
