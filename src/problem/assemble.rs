@@ -13,6 +13,8 @@ use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
 use super::model::{ContactModel, Model, SideModel, TieModel};
 use super::obstacle::{ObstacleModel, Pressed};
+use super::places::Places;
+use super::solved::Common;
 use super::tie_part::Memberships;
 use super::touching::Search;
 use super::touching_bodies;
@@ -45,8 +47,9 @@ where
 
     /// The work of [`assemble_movable`](Self::assemble_movable).
     pub(super) fn system(&self) -> Result<System<S, N>, ProblemErrors> {
-        let model = self.built()?;
-        Ok(System::new(model, self.identity.clone(), self.regions.clone(), self.times.clone(), Trace::<S, N>::half_width))
+        let model = Arc::new(self.built()?);
+        let (identity, regions, places) = (self.identity.clone(), self.regions.clone(), Places::new(model.patches.len()));
+        Ok(System::new(Common { identity, regions, places, model, half_width: Trace::<S, N>::half_width }, self.times.clone()))
     }
 
     fn built(&self) -> Result<Model<S, N>, ProblemErrors> {

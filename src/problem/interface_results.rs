@@ -1,8 +1,8 @@
 //! Results of ties and contacts: forces between the bodies, and how well they meet.
 
+use super::contact_zone::{ContactZone, HalfWidth};
 use super::coupling_balance::CouplingBalance;
 use super::integrate::on_trace;
-use super::interface_side::{ContactZone, HalfWidth};
 use super::model::{Against, ContactModel, Model, TieModel};
 use super::resultant::Resultant;
 use super::state::{NO_CONTACT, StepState};

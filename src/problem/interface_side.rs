@@ -2,11 +2,12 @@
 
 use super::assembled::System;
 use super::builder::Problem;
+use super::contact_zone::ContactZone;
 use super::coupled::{Integration, Multiplier, Rule};
 use super::error::ProblemErrors;
 use super::multipliers::{DualPair, constrained_ends};
 use crate::basis::Basis;
-use crate::contact::{ClosedSide, ContactRows, NoHalfWidth, Transmitted, half_width};
+use crate::contact::{ClosedSide, NoHalfWidth, half_width};
 use crate::coupling::interface::{InterfaceQuadrature, MasterSums, MergedCurve, Partners, SlaveRule};
 use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind};
 use crate::coupling::{CouplingError, Segments};
@@ -46,20 +47,6 @@ pub trait InterfaceSide<const S: usize, const N: usize>: Sized {
     /// All that is wrong.
     fn system_of(problem: &Problem<S, N>) -> Result<System<S, N>, ProblemErrors>;
 }
-
-/// A slave side of a contact with its rows, and what these transmit.
-#[derive(Debug)]
-pub struct ContactZone<'a, const S: usize, const N: usize> {
-    /// The side.
-    pub slave: &'a dyn Geometry<S, N>,
-    /// Its rows and points.
-    pub contact: &'a ContactRows<S, N>,
-    /// Pressure and closed points.
-    pub sent: Transmitted<N>,
-}
-
-/// Half the extent of a zone, with the symmetry of the contact.
-pub(super) type HalfWidth<const S: usize, const N: usize> = fn(&[ContactZone<'_, S, N>], bool) -> Option<Result<f64, NoHalfWidth>>;
 
 impl<const S: usize, const N: usize> Rule<S, N>
 where

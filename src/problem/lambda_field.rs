@@ -21,7 +21,7 @@ trait Lambda<const S: usize>: Send + Sync {
 impl<const S: usize> LambdaField<S> {
     /// lambda on the slave side with a number; `None` if there is no such side.
     pub(super) fn of<const N: usize>(solved: Arc<Solved<S, N>>, of: InterfaceId, side: usize) -> Result<Option<Self>, ProblemError> {
-        let (model, t) = (Arc::clone(&solved.model), solved.state.t);
+        let (model, t) = (Arc::clone(&solved.common.model), solved.state.t);
         Ok(match of {
             InterfaceId::Tie(tie) => solved.of_tie(tie)?.parts.get(side).map(|part| {
                 let field = TieField::of(&model, part, t);
@@ -59,7 +59,7 @@ struct OfTie<const S: usize, const N: usize> {
 
 impl<const S: usize, const N: usize> Lambda<S> for OfTie<S, N> {
     fn at(&self, element: usize, xi: &[Vector<S>]) -> Vec<Vec<f64>> {
-        let (model, [tie, part]) = (&self.solved.model, self.place);
+        let (model, [tie, part]) = (&self.solved.common.model, self.place);
         self.field.at(model, &model.ties[tie].parts[part], &self.solved.state, element, xi)
     }
 }
@@ -72,7 +72,7 @@ struct OfContact<const S: usize, const N: usize> {
 
 impl<const S: usize, const N: usize> Lambda<S> for OfContact<S, N> {
     fn at(&self, element: usize, xi: &[Vector<S>]) -> Vec<Vec<f64>> {
-        let (model, [number, part]) = (&self.solved.model, self.place);
+        let (model, [number, part]) = (&self.solved.common.model, self.place);
         let contact = &model.contacts[number];
         let found = self.field.at(model, contact, &contact.parts[part], &self.solved.state, element, xi);
         vec![found.into_iter().map(|[lambda, _]| lambda).collect()]

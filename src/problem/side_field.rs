@@ -1,11 +1,11 @@
 //! Fields along the slave sides of ties and contacts in the plane: lambda, gap, normal, and their values function by function.
 
 use super::arc_length::ArcLength;
-use super::assembled::Solution;
 use super::contact_along::contact_along;
 use super::error::ProblemError;
 use super::handles::InterfaceId;
 use super::model::SideModel;
+use super::solution::Solution;
 use super::tie_along::tie_along;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::contact::{Obstacle, opposed};

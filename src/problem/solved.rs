@@ -1,64 +1,31 @@
-//! The work of systems and solutions.
+//! The work of solutions.
 //!
-//! Behind trait objects: everything is compiled with this crate, for the plane and for space, and no program compiles it again.
+//! Behind a trait object, as that of systems.
 
-use super::closed_points::left_free;
+use super::contact_zone::HalfWidth;
 use super::data::Exact;
-use super::error::{ErrorKind, ProblemError, ProblemErrors};
+use super::error::{ErrorKind, ProblemError};
 use super::extremes::Extreme;
-use super::forecast::Forecast;
 use super::handles::{BodyId, ContactId, InterfaceId, Region, TieId};
 use super::identity::Identity;
 use super::interface_results::{ContactResult, TieResult};
-use super::interface_side::HalfWidth;
 use super::lambda_error::SquaredError;
 use super::lambda_field::LambdaField;
-use super::linearised::{Linearised, StepSystem};
-use super::loads::LoadSum;
-use super::matrices::{Matrices, Stiffness};
+use super::matrices::Matrices;
 use super::model::{Against, ContactModel, ContactPart, Model, PatchModel, TieModel};
-use super::observer::Observer;
 use super::physics::{OtherField, Physics, PointState};
 use super::places::Places;
 use super::reactions::{Reaction, reactions};
 use super::regions::Regions;
 use super::resultant::Resultant;
-use super::rigid_motions::RigidMotion;
-use super::row_names::RowsOfSide;
-use super::solver::Solver;
-use super::state::{StepError, StepState, Unsolved};
-use super::step::step;
+use super::state::StepState;
 use super::warnings::Warning;
 use crate::assembly::Errors;
-use crate::constraint::{ConstrainedSolution, ConstraintSolver, Direct, verified};
-use crate::linalg::residual::RESIDUAL_LIMIT;
 use crate::linalg::{Csr, Operator, Vector};
 use crate::quadrature::Quadrature;
 use rayon::prelude::*;
 use std::fmt::Debug;
 use std::sync::{Arc, OnceLock};
-
-/// A state, or an error with the best one.
-type Solves<const S: usize, const N: usize> = Result<Arc<dyn State<S, N>>, Unsolved<Arc<dyn State<S, N>>>>;
-
-/// The methods of a system.
-pub(super) trait Solve<const S: usize, const N: usize>: Debug + Send {
-    fn model(&self) -> &Model<S, N>;
-    fn statement_warnings(&self) -> Vec<Warning>;
-    fn accuracy_warnings(&self) -> Vec<Warning>;
-    fn forecast(&self, factor: bool, steps: usize) -> Forecast;
-    fn rigid_motions(&self) -> Vec<RigidMotion>;
-    fn motions_with_open(&self, t: f64, open: &[usize]) -> Vec<RigidMotion>;
-    fn held(&self) -> Result<(), ProblemErrors>;
-    fn contact_rows(&self, rows: &[usize]) -> Vec<RowsOfSide<N>>;
-    fn row_owner(&self, row: usize) -> Option<(InterfaceId, &str, usize)>;
-    fn loads(&self, t: f64) -> Vec<LoadSum>;
-    fn replace_solver(&mut self, solver: Box<dyn ConstraintSolver>);
-    fn assemble_at(&mut self, t: f64);
-    fn solve(&mut self, t: f64, before: Option<&dyn State<S, N>>, observer: Observer<'_>) -> Solves<S, N>;
-    fn linearise(&mut self, t: f64, before: Option<&dyn State<S, N>>) -> Result<Linearised<S, N>, StepError>;
-    fn accept(&mut self, system: &Linearised<S, N>, solution: ConstrainedSolution) -> Solves<S, N>;
-}
 
 /// The methods of a solution.
 pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
@@ -86,171 +53,23 @@ pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
 /// A number of the state at a point.
 type Scalar<'a, const N: usize> = &'a (dyn Fn(&PointState<N>) -> f64 + Sync);
 
-/// A model with its matrices and its solver.
+/// Parts that a system and all its solutions have in common.
 #[derive(Debug)]
-pub(super) struct Assembled<const S: usize, const N: usize> {
-    identity: Arc<Identity>,
-    regions: Arc<Regions<S, N>>,
-    places: Arc<Places<N>>,
-    model: Arc<Model<S, N>>,
-    times: Vec<f64>,
-    stiffness: Option<Stiffness>,
-    solver: Solver,
-    half_width: HalfWidth<S, N>,
-}
-
-impl<const S: usize, const N: usize> Assembled<S, N> {
-    pub fn new(model: Model<S, N>, identity: Identity, regions: Regions<S, N>, times: Vec<f64>, half_width: HalfWidth<S, N>) -> Self {
-        Self {
-            identity: Arc::new(identity),
-            regions: Arc::new(regions),
-            places: Arc::new(Places::new(model.patches.len())),
-            model: Arc::new(model),
-            times,
-            stiffness: None,
-            solver: Solver::new(Box::new(Direct::new())),
-            half_width,
-        }
-    }
-}
-
-impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
-    fn model(&self) -> &Model<S, N> {
-        &self.model
-    }
-
-    fn statement_warnings(&self) -> Vec<Warning> {
-        self.model.statement_warnings(&self.times)
-    }
-
-    fn accuracy_warnings(&self) -> Vec<Warning> {
-        self.model.accuracy_warnings(&self.times)
-    }
-
-    fn forecast(&self, factor: bool, steps: usize) -> Forecast {
-        self.model.forecast(factor, steps)
-    }
-
-    fn rigid_motions(&self) -> Vec<RigidMotion> {
-        self.model.rigid_motions()
-    }
-
-    fn motions_with_open(&self, t: f64, open: &[usize]) -> Vec<RigidMotion> {
-        self.model.motions_with_open(t, open)
-    }
-
-    fn held(&self) -> Result<(), ProblemErrors> {
-        self.model.held()
-    }
-
-    fn contact_rows(&self, rows: &[usize]) -> Vec<RowsOfSide<N>> {
-        self.model.contact_rows(rows)
-    }
-
-    fn row_owner(&self, row: usize) -> Option<(InterfaceId, &str, usize)> {
-        self.model.row_owner(row)
-    }
-
-    fn loads(&self, t: f64) -> Vec<LoadSum> {
-        self.model.load_sums(t)
-    }
-
-    fn replace_solver(&mut self, solver: Box<dyn ConstraintSolver>) {
-        self.solver = Solver::new(solver);
-    }
-
-    fn assemble_at(&mut self, t: f64) {
-        self.stiffness.get_or_insert_with(|| Stiffness::new(&self.model, t)).at(&self.model, t);
-    }
-
-    fn solve(&mut self, t: f64, before: Option<&dyn State<S, N>>, observer: Observer<'_>) -> Solves<S, N> {
-        let model = &*self.model;
-        let stiffness = self.stiffness.get_or_insert_with(|| Stiffness::new(model, t));
-        let before = before.filter(|b| std::ptr::eq(b.model(), model)).map(|b| b.state());
-        let matrices = stiffness.at(model, t);
-        let stepped = step(model, matrices, &mut self.solver, t, before, observer);
-        let shared = Shared {
-            identity: &self.identity,
-            regions: &self.regions,
-            places: &self.places,
-            model: &self.model,
-            half_width: self.half_width,
-            matrices,
-        };
-        let state = stepped.map_err(|unsolved| unsolved.map(|state| shared.solution(*state)))?;
-        shared.held(state)
-    }
-
-    fn linearise(&mut self, t: f64, before: Option<&dyn State<S, N>>) -> Result<Linearised<S, N>, StepError> {
-        let model = &*self.model;
-        let stiffness = self.stiffness.get_or_insert_with(|| Stiffness::new(model, t));
-        let before = before.filter(|b| std::ptr::eq(b.model(), model) && !model.contacts.is_empty()).map(|b| b.state());
-        let place = before.map(|b| b.u.as_slice());
-        let inner = stiffness.at(model, t).with_blocks(model, |blocks| StepSystem::of(model, blocks, t, before, place))??;
-        Ok(Linearised { model: Arc::clone(&self.model), inner })
-    }
-
-    fn accept(&mut self, system: &Linearised<S, N>, solution: ConstrainedSolution) -> Solves<S, N> {
-        if !Arc::ptr_eq(&self.model, &system.model) {
-            return Err(StepError::OtherSystem.into());
-        }
-        let (model, inner) = (&*self.model, &system.inner);
-        let iterated = inner.enforced.iterations.iter().map(|(_, iteration)| iteration.tolerance());
-        let checked = verified(&inner.constrained(), solution, iterated.fold(RESIDUAL_LIMIT, f64::max)).map_err(StepError::Solve)?;
-        let matrices = self.stiffness.get_or_insert_with(|| Stiffness::new(model, inner.t)).at(model, inner.t);
-        let state = matrices.with_blocks(model, |blocks| inner.finished(model, blocks, checked))?;
-        let shared = Shared {
-            identity: &self.identity,
-            regions: &self.regions,
-            places: &self.places,
-            model: &self.model,
-            half_width: self.half_width,
-            matrices,
-        };
-        shared.held(state)
-    }
-}
-
-/// Parts that all solutions of a system have in common, and the matrices of a time.
-struct Shared<'a, const S: usize, const N: usize> {
-    identity: &'a Arc<Identity>,
-    regions: &'a Arc<Regions<S, N>>,
-    places: &'a Arc<Places<N>>,
-    model: &'a Arc<Model<S, N>>,
-    half_width: HalfWidth<S, N>,
-    matrices: &'a Matrices,
-}
-
-impl<const S: usize, const N: usize> Shared<'_, S, N> {
-    /// A state with its answers.
-    fn solution(&self, state: StepState<S, N>) -> Arc<dyn State<S, N>> {
-        let bodies = self.model.patches.iter().zip(&self.matrices.bodies);
-        let energy = bodies.map(|(p, k)| energy(k, &state.u[p.range()])).sum();
-        let (identity, regions) = (Arc::clone(self.identity), Arc::clone(self.regions));
-        let (places, model) = (Arc::clone(self.places), Arc::clone(self.model));
-        Arc::new(Solved { identity, regions, places, model, state, energy, half_width: self.half_width, outside: OnceLock::new() })
-    }
-
-    /// The solution, if its closed contacts hold all bodies.
-    fn held(&self, state: StepState<S, N>) -> Solves<S, N> {
-        match left_free(self.model, &state) {
-            Some(motions) => Err(Unsolved { error: StepError::Free { motions }, best: Some(self.solution(state)) }),
-            None => Ok(self.solution(state)),
-        }
-    }
+pub(super) struct Common<const S: usize, const N: usize> {
+    pub identity: Identity,
+    pub regions: Regions<S, N>,
+    pub places: Places<N>,
+    pub model: Arc<Model<S, N>>,
+    pub half_width: HalfWidth<S, N>,
 }
 
 /// A state of a model.
 #[derive(Debug)]
 pub(super) struct Solved<const S: usize, const N: usize> {
-    identity: Arc<Identity>,
-    regions: Arc<Regions<S, N>>,
-    places: Arc<Places<N>>,
-    pub(super) model: Arc<Model<S, N>>,
+    pub(super) common: Arc<Common<S, N>>,
     pub(super) state: StepState<S, N>,
     /// 1/2 uᵀ K u of all bodies.
     energy: f64,
-    half_width: HalfWidth<S, N>,
     /// Reactions, and the sum of all external forces.
     outside: OnceLock<(Vec<Reaction<S, N>>, Resultant)>,
 }
@@ -268,7 +87,7 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
     }
 
     fn model(&self) -> &Model<S, N> {
-        &self.model
+        &self.common.model
     }
 
     fn at(&self, body: BodyId, x: &[f64; N]) -> Result<PointState<N>, ProblemError> {
@@ -282,7 +101,7 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
             Err(error) => return vec![Err(error); x.len()],
         };
         let physics = patch.physics_at(self.state.t);
-        self.places.of(patch);
+        self.common.places.of(patch);
         x.par_iter().map(|x| self.place(patch, &physics, x)).collect()
     }
 
@@ -309,11 +128,11 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
     }
 
     fn tie(&self, tie: TieId) -> Result<TieResult, ProblemError> {
-        Ok(self.of_tie(tie)?.result(&self.model, &self.state))
+        Ok(self.of_tie(tie)?.result(&self.common.model, &self.state))
     }
 
     fn contact(&self, contact: ContactId) -> Result<ContactResult<N>, ProblemError> {
-        Ok(self.of_contact(contact)?.result(&self.model, &self.state.contacts[contact.number], &self.state, self.half_width))
+        Ok(self.of_contact(contact)?.result(&self.common.model, &self.state.contacts[contact.number], &self.state, self.common.half_width))
     }
 
     fn reaction(&self, on: Region<'_>) -> Result<Vec<f64>, ProblemError> {
@@ -322,14 +141,14 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
                 let patch = self.patch(side.body)?;
                 let refused = |error| ProblemError::new(ErrorKind::Side(error), vec![side.body.into()], vec![patch.name.clone()]);
                 patch.body.trace(side.name).map_err(refused)?;
-                self.regions.known(side.body.number, side.name)
+                self.common.regions.known(side.body.number, side.name)
             }
-            Region::Made(region) if self.identity.knows(region) && region.number < self.regions.len() => Some(region.number),
+            Region::Made(region) if self.common.identity.knows(region) && region.number < self.common.regions.len() => Some(region.number),
             Region::Made(_) => return Err(other_problem()),
         };
-        let mut sum = vec![0.0; self.model.components];
+        let mut sum = vec![0.0; self.common.model.components];
         let Some(number) = number else { return Ok(sum) };
-        let pieces = self.regions.pieces(number);
+        let pieces = self.common.regions.pieces(number);
         for reaction in self.reactions() {
             if pieces.iter().any(|piece| piece.is(&reaction.on)) {
                 sum.iter_mut().zip(&reaction.force).for_each(|(s, f)| *s += f);
@@ -352,7 +171,7 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
 
     fn errors(&self, exact: &dyn Exact) -> Vec<Errors> {
         let t = self.state.t;
-        let patches = self.model.patches.iter();
+        let patches = self.common.model.patches.iter();
         patches.map(|p| p.physics_at(t).errors(&**p.body.space(), &p.rules, &self.state.u[p.range()], exact, t)).collect()
     }
 
@@ -375,29 +194,36 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
 
     fn lambda_error(&self, of: InterfaceId) -> Result<SquaredError, ProblemError> {
         Ok(match of {
-            InterfaceId::Tie(tie) => self.of_tie(tie)?.lambda_error(&self.model, &self.state),
+            InterfaceId::Tie(tie) => self.of_tie(tie)?.lambda_error(&self.common.model, &self.state),
             InterfaceId::Contact(contact) => {
-                self.of_contact(contact)?.lambda_error(&self.model, &self.state.contacts[contact.number], &self.state)
+                self.of_contact(contact)?.lambda_error(&self.common.model, &self.state.contacts[contact.number], &self.state)
             }
         })
     }
 
     fn warnings(&self) -> Vec<Warning> {
-        self.model.state_warnings(&self.state)
+        self.common.model.state_warnings(&self.state)
     }
 }
 
 impl<const S: usize, const N: usize> Solved<S, N> {
+    /// A state with its answers, by the matrices of its time.
+    pub(super) fn new(common: &Arc<Common<S, N>>, matrices: &Matrices, state: StepState<S, N>) -> Self {
+        let bodies = common.model.patches.iter().zip(&matrices.bodies);
+        let energy = bodies.map(|(p, k)| energy(k, &state.u[p.range()])).sum();
+        Self { common: Arc::clone(common), state, energy, outside: OnceLock::new() }
+    }
+
     fn patch(&self, body: BodyId) -> Result<&PatchModel<S, N>, ProblemError> {
         // a body may have been added after the system was made
-        self.model.patches.get(body.number).filter(|_| self.identity.knows(body)).ok_or_else(other_problem)
+        self.common.model.patches.get(body.number).filter(|_| self.common.identity.knows(body)).ok_or_else(other_problem)
     }
 
     /// Reactions, and the sum of all external forces: of loads, obstacles and supports.
     fn outside(&self) -> &(Vec<Reaction<S, N>>, Resultant) {
         self.outside.get_or_init(|| {
             let mut outside = self.state.load;
-            for (contact, built) in self.model.contacts.iter().zip(&self.state.contacts) {
+            for (contact, built) in self.common.model.contacts.iter().zip(&self.state.contacts) {
                 for (part, rows) in contact.parts.iter().zip(built).filter(|(part, _)| matches!(part.against, Against::Rigid(..))) {
                     let sent = part.transmitted(rows, &self.state.lambda[part.rows()]);
                     let mut force = [0.0; 3];
@@ -407,16 +233,16 @@ impl<const S: usize, const N: usize> Solved<S, N> {
                     outside.sum(&Resultant { force, moment: sent.moment });
                 }
             }
-            (reactions(&self.model, &self.state, &mut outside), outside)
+            (reactions(&self.common.model, &self.state, &mut outside), outside)
         })
     }
 
     pub(super) fn of_tie(&self, tie: TieId) -> Result<&TieModel<S, N>, ProblemError> {
-        self.model.ties.get(tie.number).filter(|_| self.identity.knows(tie)).ok_or_else(other_problem)
+        self.common.model.ties.get(tie.number).filter(|_| self.common.identity.knows(tie)).ok_or_else(other_problem)
     }
 
     pub(super) fn of_contact(&self, contact: ContactId) -> Result<&ContactModel<S, N>, ProblemError> {
-        self.model.contacts.get(contact.number).filter(|_| self.identity.knows(contact)).ok_or_else(other_problem)
+        self.common.model.contacts.get(contact.number).filter(|_| self.common.identity.knows(contact)).ok_or_else(other_problem)
     }
 
     /// The state at a point of a body with its material at the time of the state.
@@ -425,7 +251,7 @@ impl<const S: usize, const N: usize> Solved<S, N> {
             let at = std::array::from_fn(|k| x.get(k).copied().unwrap_or(0.0));
             ProblemError::new(ErrorKind::Outside { x: at }, vec![patch.id.into()], vec![patch.name.clone()])
         };
-        let found = self.places.of(patch).locate(&Vector::from(*x)).map_err(|_| outside())?;
+        let found = self.common.places.of(patch).locate(&Vector::from(*x)).map_err(|_| outside())?;
         let states = physics.at(&**patch.body.space(), &patch.field, &self.state.u, found.element, &[found.xi]);
         states.first().copied().ok_or_else(outside)
     }

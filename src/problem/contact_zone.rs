@@ -1,0 +1,18 @@
+//! The zone of a contact, and its extent.
+
+use crate::contact::{ContactRows, NoHalfWidth, Transmitted};
+use crate::geometry::Geometry;
+
+/// A slave side of a contact with its rows, and what these transmit.
+#[derive(Debug)]
+pub struct ContactZone<'a, const S: usize, const N: usize> {
+    /// The side.
+    pub slave: &'a dyn Geometry<S, N>,
+    /// Its rows and points.
+    pub contact: &'a ContactRows<S, N>,
+    /// Pressure and closed points.
+    pub sent: Transmitted<N>,
+}
+
+/// Half the extent of a zone, with the symmetry of the contact.
+pub(super) type HalfWidth<const S: usize, const N: usize> = fn(&[ContactZone<'_, S, N>], bool) -> Option<Result<f64, NoHalfWidth>>;
