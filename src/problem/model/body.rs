@@ -1,0 +1,133 @@
+//! Bodies, their sides and rims.
+
+use crate::assembly::{Rim, gauss_rules_along, points_of_curved_cells};
+use crate::geometry::Bounds;
+use crate::linalg::Vector;
+use crate::problem::changing::Changing;
+use crate::problem::data::Data;
+use crate::problem::handles::BodyId;
+use crate::problem::physics::Physics;
+use crate::quadrature::PerElement;
+use crate::space::{Body, Connected, Field, Trace};
+use std::sync::Arc;
+
+/// A body with its unknowns and its material.
+#[derive(Clone, Debug)]
+pub struct PatchModel<const S: usize, const N: usize> {
+    /// Its handle.
+    pub id: BodyId,
+    /// Its name.
+    pub name: String,
+    /// Name of the backend that made it; empty if it has none.
+    pub backend: String,
+    /// The body.
+    pub body: Arc<dyn Body<S, N>>,
+    /// Place of its unknowns among those of the model.
+    pub field: Field,
+    /// Its material at the first time; [`PatchModel::physics_at`] at any other.
+    pub physics: Physics<N>,
+    /// The material as a function of time; `None` if it does not change.
+    pub changing: Option<Changing<Physics<N>>>,
+    /// Rules of the bulk integrals.
+    pub rules: PerElement<N>,
+    /// Gauss points per direction of its sides beyond degree + 1.
+    pub extra_points: usize,
+    /// The mesh before its refinement, by whose facets the surface is known; `None` if these are its own.
+    pub unrefined: Option<Arc<dyn Body<S, N>>>,
+    /// Whether its sides lie exactly on those of the geometry.
+    pub exact_map: bool,
+    /// Whether its facets stand for a geometry that is known, as those of a mesh made of a patch; not for meshes of cells, nor for exact maps.
+    pub is_shaped: bool,
+    /// Bounding box; `None` for a body without elements.
+    pub extent: Option<Bounds<N>>,
+    /// Its parts, which share no functions.
+    pub parts: Connected,
+    /// Body force or source of the patch, one function per component.
+    pub source: Vec<Data>,
+    /// Density and gravity, one pair per weight.
+    pub weights: Vec<(Data, Vector<N>)>,
+}
+
+impl<const S: usize, const N: usize> PatchModel<S, N> {
+    /// A body whose unknowns begin at `first`, without loads; `extra_points` Gauss points per direction beyond those that its degree and its
+    /// curved cells need.
+    pub fn new(id: BodyId, name: String, body: Arc<dyn Body<S, N>>, physics: Physics<N>, first: usize, extra_points: usize) -> Self {
+        let curved = points_of_curved_cells(&**body.space());
+        Self {
+            id,
+            name,
+            backend: String::new(),
+            field: Field { first, components: physics.components() },
+            rules: gauss_rules_along(&**body.space(), curved.map(|k| k + extra_points)),
+            // the normals of its sides are products of two derivatives of the map as well
+            extra_points: extra_points + curved.into_iter().max().unwrap_or(0),
+            exact_map: body.is_exact(),
+            extent: body.space().extent(),
+            parts: Connected::of(&**body.space()),
+            unrefined: None,
+            is_shaped: false,
+            body,
+            physics,
+            changing: None,
+            source: Vec::new(),
+            weights: Vec::new(),
+        }
+    }
+
+    /// Its material at time `t`.
+    pub fn physics_at(&self, t: f64) -> Physics<N> {
+        match &self.changing {
+            None => self.physics.clone(),
+            Some(Changing(of)) => of(t),
+        }
+    }
+
+    /// Number of unknowns.
+    pub fn num_unknowns(&self) -> usize {
+        self.field.components * self.body.space().num_functions()
+    }
+
+    /// Its unknowns within those of the model.
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.field.first..self.field.first + self.num_unknowns()
+    }
+}
+
+/// A side of a body, or several sides of a contact as one.
+#[derive(Debug)]
+pub struct SideModel<const S: usize, const N: usize> {
+    /// The patch.
+    pub(crate) patch: usize,
+    /// Canonical name of the side: u0, v1, ...
+    pub(crate) side: String,
+    /// Name in results: "lower.bottom".
+    pub(crate) label: String,
+    /// Functions, map and facets.
+    pub(crate) trace: Trace<S, N>,
+    /// Place of the unknowns of the trace's functions among those of the model.
+    pub(crate) field: Field,
+    /// (first element, patch) of every run of elements; one run, unless several sides are joined.
+    pub(crate) runs: Vec<(usize, usize)>,
+    /// Rules of integrals over the side.
+    pub(crate) rules: PerElement<S>,
+}
+
+impl<const S: usize, const N: usize> SideModel<S, N> {
+    /// The patch behind an element of the side.
+    pub(crate) fn patch_of(&self, element: usize) -> usize {
+        self.runs[self.runs.partition_point(|r| r.0 <= element) - 1].1
+    }
+}
+
+/// An edge or a corner of a body.
+#[derive(Debug)]
+pub struct RimModel<const N: usize> {
+    /// The patch.
+    pub patch: usize,
+    /// Canonical name: u0w1, u0v0w0, ...
+    pub name: String,
+    /// Name in results: "lower.u0w1".
+    pub label: String,
+    /// Its points and functions.
+    pub rim: Rim<N>,
+}

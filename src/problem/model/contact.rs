@@ -1,0 +1,101 @@
+//! Contacts.
+
+use super::SideModel;
+use crate::basis::Basis;
+use crate::contact::{Cone, ContactMethod, ContactRows};
+use crate::coupling::Segments;
+use crate::coupling::consistency::Finer;
+use crate::problem::data::Data;
+use crate::problem::handles::ContactId;
+use crate::problem::obstacle::ObstacleModel;
+use crate::problem::start::Start;
+use std::sync::Arc;
+
+/// The opponent of a contact side.
+pub enum Against<const S: usize, const N: usize> {
+    /// A deformable side.
+    Side(Arc<SideModel<S, N>>, Segments<S>),
+    /// A rigid obstacle.
+    Rigid(Arc<ObstacleModel<S, N>>, Segments<S>),
+}
+
+impl<const S: usize, const N: usize> std::fmt::Debug for Against<S, N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Side(side, _) => f.debug_tuple("Side").field(&side.label).finish(),
+            Self::Rigid(obstacle, _) => f.debug_tuple("Rigid").field(obstacle).finish(),
+        }
+    }
+}
+
+/// A slave side of a contact.
+#[derive(Debug)]
+pub struct ContactPart<const S: usize, const N: usize> {
+    /// Place of the slave side in the statement.
+    pub number: usize,
+    /// The side that carries the multiplier.
+    pub slave: Arc<SideModel<S, N>>,
+    /// Multiplier space; `None` for methods whose rows belong to points.
+    pub multiplier: Option<Box<dyn Basis<S>>>,
+    /// Functions by which the pressure is evaluated; `None`: those of the multiplier.
+    pub reading: Option<Box<dyn Basis<S>>>,
+    /// (p, k) if the multiplier is the unstable pairing p/p-k under another name.
+    pub unstable: Option<(usize, usize)>,
+    /// Cone of admissible multipliers.
+    pub cone: Cone,
+    /// The opponent.
+    pub against: Against<S, N>,
+    /// Segments for the integrals over the master, for mixed integration.
+    pub second: Option<Segments<S>>,
+    /// Rows of a finer integration, for the consistency error; `None` against an obstacle and without multiplier.
+    pub finer: Option<Finer>,
+    /// Deformable master sides, joined into one in `against`.
+    pub masters: Vec<Arc<SideModel<S, N>>>,
+    /// Rows, offsets and weights at the first time at which a point of the side faces the opponent.
+    pub first: ContactRows<S, N>,
+    /// Whether they change with the time.
+    pub changes: bool,
+    /// First row in the system.
+    pub first_row: usize,
+    /// Number of rows.
+    pub num_rows: usize,
+}
+
+impl<const S: usize, const N: usize> ContactPart<S, N> {
+    /// The functions through which lambda is read at points, one per multiplier; none without multiplier.
+    pub fn read_through(&self) -> Option<&dyn Basis<S>> {
+        self.reading.as_deref().or(self.multiplier.as_deref())
+    }
+
+    /// Its rows in the system.
+    pub fn rows(&self) -> std::ops::Range<usize> {
+        self.first_row..self.first_row + self.num_rows
+    }
+}
+
+/// A contact.
+#[derive(Debug)]
+pub struct ContactModel<const S: usize, const N: usize> {
+    /// Its handle.
+    pub id: ContactId,
+    /// Slave sides, by their places in the statement, that face nothing while others do.
+    pub idle: Vec<usize>,
+    /// Its name.
+    pub name: String,
+    /// One part per slave side.
+    pub parts: Vec<ContactPart<S, N>>,
+    /// The rigid obstacle that it faces, if it is one.
+    pub obstacle: Option<Arc<ObstacleModel<S, N>>>,
+    /// Gap as a function of position, time and geometric gap.
+    pub gap: Data,
+    /// Largest distance of partners of rigid obstacles.
+    pub reach: Option<f64>,
+    /// Exact multiplier; none: from the model's exact solution, if any.
+    pub exact: Option<Data>,
+    /// Whether a zone that ends at the end of a side goes on beyond it: half models.
+    pub symmetry: bool,
+    /// First guess of the active set.
+    pub start: Start,
+    /// The method by which it is enforced.
+    pub method: Arc<dyn ContactMethod<S, N>>,
+}

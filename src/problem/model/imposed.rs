@@ -1,0 +1,107 @@
+//! Supports and loads.
+
+use super::{RimModel, SideModel};
+use crate::problem::data::Data;
+use crate::problem::handles::Statement;
+use std::sync::Arc;
+
+/// A prescribed value.
+#[derive(Clone, Debug)]
+pub enum Value {
+    /// Zero.
+    Zero,
+    /// The exact solution.
+    Exact,
+    /// A function.
+    Data(Data),
+}
+
+impl From<Data> for Value {
+    fn from(data: Data) -> Self {
+        if data.as_constant() == Some(0.0) { Self::Zero } else { Self::Data(data) }
+    }
+}
+
+impl From<f64> for Value {
+    fn from(value: f64) -> Self {
+        Data::from(value).into()
+    }
+}
+
+/// A component prescribed on a side.
+#[derive(Clone, Debug)]
+pub struct Condition<const S: usize, const N: usize> {
+    /// The statement.
+    pub of: Statement,
+    /// The side.
+    pub side: Arc<SideModel<S, N>>,
+    /// The component.
+    pub component: usize,
+    /// Its value.
+    pub value: Value,
+}
+
+/// A component prescribed on an edge or in a corner.
+#[derive(Clone, Debug)]
+pub struct Pin<const N: usize> {
+    /// The statement.
+    pub of: Statement,
+    /// The edge or the corner.
+    pub rim: Arc<RimModel<N>>,
+    /// The component.
+    pub component: usize,
+    /// Its value.
+    pub value: Value,
+}
+
+/// A load per point of a side.
+#[derive(Clone, Debug)]
+pub enum Action {
+    /// Component of the traction [force/area], or k du/dn.
+    Traction(usize, Data),
+    /// Component of the traction of the exact solution.
+    Exact(usize),
+    /// Pressure along minus the outward normal.
+    Pressure(Data),
+    /// Component of a resultant, spread evenly \[force\].
+    Force(usize, Data, f64),
+}
+
+/// A load on a side.
+#[derive(Clone, Debug)]
+pub struct SideLoad<const S: usize, const N: usize> {
+    /// The statement.
+    pub of: Statement,
+    /// The first statement of its name; loads of one are summed in results.
+    pub group: Statement,
+    /// Name of the load in results.
+    pub name: String,
+    /// The side.
+    pub side: Arc<SideModel<S, N>>,
+    /// The load.
+    pub action: Action,
+}
+
+/// Sides that move as one in a component, driven by a resultant.
+#[derive(Clone, Debug)]
+pub struct RigidSides<const S: usize, const N: usize> {
+    /// The sides.
+    pub sides: Vec<Arc<SideModel<S, N>>>,
+    /// The component that all their points have in common.
+    pub component: usize,
+}
+
+/// Springs between a side and the ground.
+#[derive(Clone, Debug)]
+pub struct SideSpring<const S: usize, const N: usize> {
+    /// The statement.
+    pub of: Statement,
+    /// Name of the springs in messages.
+    pub name: String,
+    /// The side.
+    pub side: Arc<SideModel<S, N>>,
+    /// The component.
+    pub component: usize,
+    /// Force/area per length.
+    pub stiffness: Data,
+}

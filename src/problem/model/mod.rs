@@ -1,0 +1,126 @@
+//! Bodies, conditions, loads, interfaces and contacts, ready to be assembled.
+
+mod body;
+mod contact;
+mod imposed;
+mod tie;
+
+pub use body::{PatchModel, RimModel, SideModel};
+pub use contact::{Against, ContactModel, ContactPart};
+pub use imposed::{Action, Condition, Pin, RigidSides, SideLoad, SideSpring, Value};
+pub use tie::{Pairing, TieModel, TiePart};
+
+use super::corners::SharedCorner;
+use super::data::Exact;
+use super::facets_apart::FacetsApart;
+use super::glued::{Glued, Hinge};
+use crate::assembly::Equation;
+use crate::linalg::Vector;
+use std::sync::Arc;
+
+/// A problem, ready to be assembled.
+#[derive(Debug)]
+pub struct Model<const S: usize, const N: usize> {
+    /// Components of the unknown.
+    pub components: usize,
+    /// Number of unknowns, prescribed ones included.
+    pub unknowns: usize,
+    /// Bodies, with unknowns in their order.
+    pub patches: Vec<PatchModel<S, N>>,
+    /// Functions that glued patches share.
+    pub glued: Glued,
+    /// Points in which patches of one mesh hold together beside their common facets.
+    pub hinges: Vec<Hinge<N>>,
+    /// Prescribed components.
+    pub conditions: Vec<Condition<S, N>>,
+    /// Corners in which prescribed sides of several bodies meet.
+    pub corners: Vec<SharedCorner<N>>,
+    /// Components prescribed on edges and in corners.
+    pub pins: Vec<Pin<N>>,
+    /// Sides with at least one prescribed component.
+    pub supports: Vec<Arc<SideModel<S, N>>>,
+    /// Equations between unknowns: sliding along inclined sides, sides that move as one.
+    pub equations: Vec<Equation>,
+    /// Sides held by equations, with the direction: the normal, a tangent, or the axis along which the side moves as one.
+    pub held: Vec<(Arc<SideModel<S, N>>, Vector<N>)>,
+    /// Sides that move as one along an axis; their equations are among those above.
+    pub rigid_sides: Vec<RigidSides<S, N>>,
+    /// Loads on sides.
+    pub loads: Vec<SideLoad<S, N>>,
+    /// Springs on sides.
+    pub springs: Vec<SideSpring<S, N>>,
+    /// Warnings of the searches for touching sides from which the problem was made.
+    pub findings: Vec<FacetsApart>,
+    /// Manufactured solution.
+    pub exact: Option<Arc<dyn Exact>>,
+    /// Tied interfaces.
+    pub ties: Vec<TieModel<S, N>>,
+    /// Contacts.
+    pub contacts: Vec<ContactModel<S, N>>,
+    /// Rows of all interfaces and contacts.
+    pub rows: usize,
+    /// Largest number of iterations of the active set.
+    pub max_iterations: usize,
+    /// Weight of the gap in the active set.
+    pub c: f64,
+    /// Centre of the bounding box of all bodies.
+    pub center: Vector<N>,
+    /// Diagonal of the box around the model \[length\].
+    pub size: f64,
+}
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// A model of bodies without conditions, loads, ties and contacts; `glued` and `hinges` join them.
+    pub fn new(patches: Vec<PatchModel<S, N>>, glued: Glued, hinges: Vec<Hinge<N>>) -> Self {
+        let whole = patches.iter().filter_map(|p| p.extent).reduce(|a, b| a.union(&b));
+        let (center, size) = whole.map_or((Vector::zeros(), 1.0), |b| (b.center(), b.diagonal().max(f64::MIN_POSITIVE)));
+        Self {
+            components: patches.first().map_or(1, |p| p.field.components),
+            unknowns: patches.last().map_or(0, |p| p.range().end),
+            patches,
+            glued,
+            hinges,
+            conditions: Vec::new(),
+            corners: Vec::new(),
+            pins: Vec::new(),
+            supports: Vec::new(),
+            equations: Vec::new(),
+            held: Vec::new(),
+            rigid_sides: Vec::new(),
+            loads: Vec::new(),
+            springs: Vec::new(),
+            findings: Vec::new(),
+            exact: None,
+            ties: Vec::new(),
+            contacts: Vec::new(),
+            rows: 0,
+            max_iterations: 100,
+            c: 1.0,
+            center,
+            size,
+        }
+    }
+
+    /// Number (unknown / components) of `function` of `patch`, of its representative if it is glued.
+    pub fn function(&self, patch: usize, function: usize) -> usize {
+        self.glued.root(self.patches[patch].field.first / self.components + function)
+    }
+
+    /// Number of multipliers: rows of all interfaces and contacts except those at points.
+    pub fn num_multipliers(&self) -> usize {
+        let at_points = self.contacts.iter().flat_map(|c| &c.parts).filter(|part| part.multiplier.is_none());
+        self.rows - at_points.map(|part| part.num_rows).sum::<usize>()
+    }
+
+    /// Number of unknowns without those that gluing makes dependent.
+    pub fn num_primal(&self) -> usize {
+        self.unknowns - self.glued.num_bound()
+    }
+
+    /// All conditions between unknowns: glued functions first.
+    pub(super) fn all_equations(&self) -> Vec<Equation> {
+        let mut all = self.glued.equations();
+        all.extend(self.equations.iter().cloned());
+        all
+    }
+}

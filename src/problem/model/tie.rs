@@ -1,0 +1,66 @@
+//! Ties.
+
+use super::SideModel;
+use crate::basis::Basis;
+use crate::coupling::consistency::Finer;
+use crate::coupling::{Coupling, Rows, Segments};
+use crate::linalg::Triplets;
+use crate::problem::data::Data;
+use crate::problem::function_sums::FunctionSums;
+use crate::problem::handles::TieId;
+use std::sync::Arc;
+
+/// A slave side paired with one master side.
+#[derive(Debug)]
+pub struct Pairing<const S: usize, const N: usize> {
+    /// The master side.
+    pub master: Arc<SideModel<S, N>>,
+    /// Common segments of both sides.
+    pub segments: Segments<S>,
+    /// Second set of segments, for mixed integration.
+    pub second: Option<Segments<S>>,
+}
+
+/// A slave side of a tied interface.
+#[derive(Debug)]
+pub struct TiePart<const S: usize, const N: usize> {
+    /// The side that carries the multiplier.
+    pub slave: Arc<SideModel<S, N>>,
+    /// One multiplier space per component; empty if the coupling has no rows.
+    pub multipliers: Vec<Box<dyn Basis<S>>>,
+    /// (p, k) if the multiplier is the unstable pairing p/p-k under another name.
+    pub unstable: Option<(usize, usize)>,
+    /// The coupling of the sides.
+    pub coupling: Arc<dyn Coupling<S, N>>,
+    /// The master sides.
+    pub pairings: Vec<Pairing<S, N>>,
+    /// C in unknowns of the model.
+    pub rows: Rows,
+    /// B, if it differs from C.
+    pub reaction: Option<Rows>,
+    /// Per master, the integrals of every row's multiplier function; empty if the rows are not mortar rows.
+    pub function_sums: Vec<Vec<FunctionSums<N>>>,
+    /// Stiffness that the coupling adds in unknowns of the model, at the first time.
+    pub stiffness: Triplets,
+    /// Penalty stiffness over the stiffness of the slave unknowns; `None` for exact rows.
+    pub penalty: Option<f64>,
+    /// Rows of a finer integration, for the consistency error; `None` if the rows are not mortar rows.
+    pub finer: Option<Finer>,
+    /// First row in the system.
+    pub first_row: usize,
+    /// Number of rows.
+    pub num_rows: usize,
+}
+
+/// A tied interface.
+#[derive(Debug)]
+pub struct TieModel<const S: usize, const N: usize> {
+    /// Its handle.
+    pub id: TieId,
+    /// Its name.
+    pub name: String,
+    /// One part per slave side.
+    pub parts: Vec<TiePart<S, N>>,
+    /// Exact multiplier, one function per component; `None`: from the exact solution, if there is one.
+    pub exact: Option<Vec<Data>>,
+}
