@@ -4,16 +4,16 @@
 
 use super::Patches;
 use super::aligned::Aligned;
-use super::axis::Axis;
-use super::grid::{Cell, Grid, Here, Visit};
+use super::cell::{Cell, Here};
+use super::grid::{Grid, Visit};
 use super::law::Law;
 use super::sites::{Answer, Sites};
-use super::spread::{self, Coefficients, Spread};
+use super::spread::{Coefficients, Spread, Values};
 use super::squares::{SQUARES, Squares};
 use crate::assembly::Form;
 use crate::assembly::source::Source;
 use crate::linalg::Real;
-use pulp::{NullaryFnOnce, Simd, bytemuck};
+use pulp::{Simd, bytemuck};
 use std::ops::Range;
 
 struct Deviation<'a, V> {
@@ -71,31 +71,6 @@ impl<V: bytemuck::Pod> Deviation<'_, V> {
         let sums = self.squares.of::<S, N>(simd, cell, &mut self.g, &self.other);
         for k in 0..SQUARES {
             self.sums[k] = simd.add_f64s(self.sums[k], sums[k]);
-        }
-    }
-}
-
-/// Values and gradients of a cell; compiled apart from what is done with them.
-pub(super) struct Values<'a, S: Simd, const N: usize> {
-    pub simd: S,
-    pub axis: &'a Axis,
-    pub e: usize,
-    pub width: usize,
-    pub line: &'a [S::f64s],
-    pub out: &'a mut [S::f64s],
-}
-
-impl<S: Simd, const N: usize> NullaryFnOnce for Values<'_, S, N> {
-    type Output = ();
-    #[inline(always)]
-    fn call(self) {
-        let Self { simd, axis, e, width, line, out } = self;
-        match axis.active {
-            2 => spread::cell::<S, N, 2, true>(simd, axis, e, width, line, out),
-            3 => spread::cell::<S, N, 3, true>(simd, axis, e, width, line, out),
-            4 => spread::cell::<S, N, 4, true>(simd, axis, e, width, line, out),
-            5 => spread::cell::<S, N, 5, true>(simd, axis, e, width, line, out),
-            _ => spread::cell::<S, N, 6, true>(simd, axis, e, width, line, out),
         }
     }
 }

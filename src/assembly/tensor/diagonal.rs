@@ -5,7 +5,8 @@
 //! Per direction only the number of derivatives matters: N², N N', N'².
 
 use super::axis::Axis;
-use super::grid::{Cell, Grid, Here, Sink, Visit};
+use super::cell::{Cell, Here};
+use super::grid::{Grid, Sink, Visit};
 use super::law::Law;
 use pulp::{Simd, bytemuck};
 

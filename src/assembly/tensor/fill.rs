@@ -1,7 +1,7 @@
 //! The map at the points of a cell: from the line of a net, or evaluated element by element.
 
 use super::axis::Axis;
-use super::grid::Here;
+use super::cell::Here;
 use super::map::{self, Ask, numbers};
 use super::net::Net;
 use super::spread;

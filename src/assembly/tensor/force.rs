@@ -4,9 +4,10 @@
 use super::Patches;
 use super::aligned::Aligned;
 use super::axis::Axis;
+use super::cell::{Cell, Here};
 use super::gather::{self, Gather};
 use super::gradients::State;
-use super::grid::{Cell, Grid, Here, Sink, Visit};
+use super::grid::{Grid, Sink, Visit};
 use super::law;
 use super::map::numbers;
 use super::sites::{Answer, Sites};

@@ -1,13 +1,12 @@
 //! The gradient of a form's state at the points of a cell.
 
 use super::aligned::Aligned;
-use super::deviation::Values;
-use super::grid::{Cell, Here};
-use super::map::numbers;
+use super::cell::{Cell, Here, quotient};
+use super::map::{inverse, numbers};
 use super::net::Net;
 use super::part::Part;
-use super::spread::{Coefficients, Spread};
-use super::{Patch, law, squares};
+use super::spread::{Coefficients, Spread, Values};
+use super::{Patch, law};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 
 /// Unknowns of a state, and the share of a patch in them.
@@ -76,9 +75,9 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Physical<'_, S, N> {
         let Self { simd, cell, width, g, out } = self;
         let points = g.chunks_exact_mut(width * (N + 1)).zip(out.chunks_exact_mut(width * N));
         for (q, (g, out)) in points.enumerate() {
-            let r = squares::inverse::<S, N>(simd, &cell.map[q * numbers(N)..][..numbers(N)]);
+            let r = inverse::<S, N>(simd, &cell.map[q * numbers(N)..][..numbers(N)]);
             for (g, out) in g.chunks_exact_mut(N + 1).zip(out.chunks_exact_mut(N)) {
-                squares::quotient::<S, N>(simd, cell, q, g);
+                quotient::<S, N>(simd, cell, q, g);
                 out.copy_from_slice(&law::physical::<S, N>(simd, &r, g));
             }
         }

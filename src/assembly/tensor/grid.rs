@@ -6,6 +6,7 @@
 use super::Patch;
 use super::aligned::Aligned;
 use super::axis::Axis;
+use super::cell::{Cell, Here};
 use super::fill::{FromNet, ask_cell, fill_asked};
 use super::gradients::{Gradients, State};
 use super::map::{Ask, Asks, Map, numbers};
@@ -21,36 +22,6 @@ use std::ops::Range;
 const BATCH_BYTES: usize = 4 << 20;
 /// Tasks per thread of a batch.
 const TASKS_PER_THREAD: usize = 2;
-
-/// Position of a cell in the grid.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Here<'a> {
-    /// First element of the grid.
-    pub first_element: usize,
-    /// Element of the first direction.
-    pub first: usize,
-    /// Point of the middle direction and its number within its element; 0 in the plane.
-    pub middle: (usize, usize),
-    /// Element of the middle direction; 0 in the plane.
-    pub middle_element: usize,
-    /// (point, element) of the slowest direction per lane; lanes beyond the last point repeat it.
-    pub lanes: &'a [(usize, usize)],
-}
-
-/// The points of a cell: one element of the first direction, one point of the middle one, a tile of the slowest one.
-#[derive(Clone, Copy)]
-pub(in crate::assembly) struct Cell<'a, V> {
-    /// Number of points.
-    pub points: usize,
-    /// The map, `[point * numbers(N) + k]`, see `map`; empty if other data were stored.
-    pub map: &'a [V],
-    /// Data stored in place of the map, `[point * size + k]`.
-    pub kept: &'a [V],
-    /// W and its derivatives, `[point * (N + 1) + k]`, of a rational basis.
-    pub weight: Option<&'a [V]>,
-    /// Physical gradients of the state, `[(point * components + c) * N + k]`; empty if there is none.
-    pub state: &'a [V],
-}
 
 /// Visitor of the cells of the grid, with memory of its own.
 pub(super) trait Visit<S: Simd, const N: usize>: Send {

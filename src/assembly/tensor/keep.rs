@@ -1,7 +1,8 @@
 //! Quadrature-point data stored by the matrix-free operator.
 
 use super::aligned::{NUMBERS, offset};
-use super::grid::{Cell, Grid, Here, Points, Visit};
+use super::cell::{Cell, Here};
+use super::grid::{Grid, Points, Visit};
 use super::law::Law;
 use crate::linalg::Buffer;
 use pulp::{Simd, bytemuck};

@@ -2,8 +2,8 @@
 //!
 //!   t_ca = weight |det J| sum_l (J^-1)_al sum_ej tangent[e][j][(c,l)] sum_b (J^-1)_bj g_eb
 
-use super::grid::Cell;
-use super::map::numbers;
+use super::cell::Cell;
+use super::map::{inverse, numbers};
 use crate::assembly::source::{PointTangent, Source};
 use pulp::{Simd, bytemuck};
 
@@ -183,7 +183,7 @@ pub(in crate::assembly) fn tested<S: Simd, const N: usize>(
     t: &mut [S::f64s],
 ) {
     let zero = simd.splat_f64s(0.0);
-    let (r, dx) = (super::inverse::<S, N>(simd, map), map[N + N * N + 1]);
+    let (r, dx) = (inverse::<S, N>(simd, map), map[N + N * N + 1]);
     for (t, s) in t.chunks_exact_mut(N + 1).zip(stress.chunks_exact(N)) {
         local::<S, N>(simd, &r, dx, s, t);
         t[N] = zero;

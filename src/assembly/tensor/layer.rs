@@ -1,8 +1,8 @@
 //! The first sweep over a layer of elements: tiles of contracted points; sizes and memory of both.
 
+use super::cell::Cell;
 use super::fast;
 use super::gradients::Physical;
-use super::grid::Cell;
 use super::map::{self, ElementScratch, Map, Place, numbers};
 use super::march::Plan;
 use super::net::{Curves, Tile};

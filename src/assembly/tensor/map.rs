@@ -32,6 +32,19 @@ pub(in crate::assembly) const fn numbers(n: usize) -> usize {
     n + n * n + 3
 }
 
+/// J^-1 from the map of a point.
+#[inline(always)]
+pub(in crate::assembly) fn inverse<S: Simd, const N: usize>(simd: S, map: &[S::f64s]) -> [[S::f64s; N]; N] {
+    let inverse = simd.div_f64s(simd.splat_f64s(1.0), map[N + N * N + 2]);
+    let mut r = [[inverse; N]; N];
+    for a in 0..N {
+        for l in 0..N {
+            r[a][l] = simd.mul_f64s(map[N + a * N + l], inverse);
+        }
+    }
+    r
+}
+
 /// One tile of the grid: points of some elements of the first direction, up to a lane's worth of the second, one of the third.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place<'a> {

@@ -18,7 +18,7 @@
 //! | `glue`, `scatter` | several patches as one body: numbers, pattern of the union, rows |
 //! | `pattern`, `places` | row pointers and columns in closed form; coordinates of the unknowns |
 //! | `entry` | the matrix of a form |
-//! | `grid`, `fill`, `sites` | a walk over the points; closures that are called there |
+//! | `grid`, `cell`, `fill`, `sites` | a walk over the points, cell by cell; closures that are called there |
 //! | `spread`, `gather` | interpolation of coefficients to the points, and its transpose |
 //! | `law`, `product`, `diagonal` | the tangent at a point; products without a matrix, and their diagonal |
 //! | `force`, `deviation`, `squares`, `states` | loads and internal forces; norms of differences; a field and its gradient |
@@ -33,6 +33,7 @@ mod aligned;
 mod axis;
 #[cfg(all(test, target_arch = "x86_64"))]
 mod bits;
+mod cell;
 mod coefficient;
 #[cfg(test)]
 mod cuts;
@@ -73,18 +74,18 @@ mod sums;
 mod write;
 
 use axis::{Axis, COMPILED};
+pub(super) use cell::Cell;
 pub(super) use force::add_moments;
 pub(super) use free::Free;
 pub(super) use glue::Glue;
 pub(super) use gradients::Physical;
-pub(super) use grid::Cell;
 pub(in crate::assembly) use lanes::available as lanes_available;
 pub(super) use law::{Law, physical, tested};
 use map::Map;
-pub(super) use map::{Ask, Asks, finish, numbers as numbers_of_map};
+pub(super) use map::{Ask, Asks, finish, inverse, numbers as numbers_of_map};
 use net::Net;
 pub(super) use sites::{Answer, Sites};
-pub(super) use squares::{SQUARES, Squares, inverse};
+pub(super) use squares::{SQUARES, Squares};
 pub(super) use states::{size as state_size, state};
 
 use crate::basis::{Basis, Block};

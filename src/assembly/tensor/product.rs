@@ -6,8 +6,9 @@
 
 use super::aligned::Aligned;
 use super::axis::Axis;
+use super::cell::{Cell, Here};
 use super::gather::{self, Gather};
-use super::grid::{Cell, Grid, Here, Sink, Visit};
+use super::grid::{Grid, Sink, Visit};
 use super::lanes::rows;
 use super::law::{self, Law};
 use super::spread::{self, Coefficients, Read, Spread};

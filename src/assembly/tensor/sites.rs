@@ -1,7 +1,7 @@
 //! Points of a cell passed to a closure, and its values put back in lanes.
 
 use super::axis::Axis;
-use super::grid::{Cell, Here};
+use super::cell::{Cell, Here};
 use super::map::numbers;
 use pulp::{Simd, bytemuck};
 

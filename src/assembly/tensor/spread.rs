@@ -221,6 +221,31 @@ pub(super) fn at<S: Simd, const N: usize, const M: usize>(
     (value, slope)
 }
 
+/// Values and gradients of a cell; compiled apart from what is done with them.
+pub(super) struct Values<'a, S: Simd, const N: usize> {
+    pub simd: S,
+    pub axis: &'a Axis,
+    pub e: usize,
+    pub width: usize,
+    pub line: &'a [S::f64s],
+    pub out: &'a mut [S::f64s],
+}
+
+impl<S: Simd, const N: usize> NullaryFnOnce for Values<'_, S, N> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let Self { simd, axis, e, width, line, out } = self;
+        match axis.active {
+            2 => cell::<S, N, 2, true>(simd, axis, e, width, line, out),
+            3 => cell::<S, N, 3, true>(simd, axis, e, width, line, out),
+            4 => cell::<S, N, 4, true>(simd, axis, e, width, line, out),
+            5 => cell::<S, N, 5, true>(simd, axis, e, width, line, out),
+            _ => cell::<S, N, 6, true>(simd, axis, e, width, line, out),
+        }
+    }
+}
+
 /// Values and derivatives of all numbers per function at the points of element `e` of the first direction:
 /// `out[(point * width + number) * (N + 1) + d]`, d = N the value, which is left alone unless VALUE.
 #[inline(always)]

@@ -1,8 +1,8 @@
 //! Squares of the difference of two fields at the points of a cell: values, gradients, energy.
 
-use super::grid::Cell;
+use super::cell::{Cell, quotient};
 use super::law::{self, Law};
-use super::map::numbers;
+use super::map::{inverse, numbers};
 use pulp::{Simd, bytemuck};
 
 /// Squares that are summed: value, gradient, energy of the difference, then of the other field.
@@ -66,31 +66,6 @@ impl<'a, V: bytemuck::Pod> Squares<'a, V> {
             }
         }
         sums
-    }
-}
-
-/// J^-1 from the map of a point.
-#[inline(always)]
-pub(in crate::assembly) fn inverse<S: Simd, const N: usize>(simd: S, map: &[S::f64s]) -> [[S::f64s; N]; N] {
-    let inverse = simd.div_f64s(simd.splat_f64s(1.0), map[N + N * N + 2]);
-    let mut r = [[inverse; N]; N];
-    for a in 0..N {
-        for l in 0..N {
-            r[a][l] = simd.mul_f64s(map[N + a * N + l], inverse);
-        }
-    }
-    r
-}
-
-/// F / W and its local derivatives at point `q` from those of the numerator F, where the basis is rational.
-#[inline(always)]
-pub(super) fn quotient<S: Simd, const N: usize>(simd: S, cell: Cell<'_, S::f64s>, q: usize, g: &mut [S::f64s]) {
-    let Some(weight) = cell.weight else { return };
-    let w = &weight[q * (N + 1)..][..N + 1];
-    let inverse = simd.div_f64s(simd.splat_f64s(1.0), w[0]);
-    g[N] = simd.mul_f64s(g[N], inverse);
-    for k in 0..N {
-        g[k] = simd.mul_f64s(simd.negate_mul_add_e_f64s(g[N], w[1 + k], g[k]), inverse);
     }
 }
 

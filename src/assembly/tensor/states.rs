@@ -1,11 +1,11 @@
 //! A field and its gradient at all points of the grid, handed over element by element.
 
 use super::aligned::Aligned;
-use super::deviation::Values;
-use super::grid::{Cell, Grid, Here, Visit};
-use super::map::numbers;
-use super::spread::{Coefficients, Spread};
-use super::{Patch, Patches, law, squares};
+use super::cell::{Cell, Here, quotient};
+use super::grid::{Grid, Visit};
+use super::map::{inverse, numbers};
+use super::spread::{Coefficients, Spread, Values};
+use super::{Patch, Patches, law};
 use crate::linalg::{Matrix, Real, Vector, lit};
 use crate::space::FieldAt;
 use pulp::{Simd, bytemuck};
@@ -54,13 +54,13 @@ impl<S: Simd, const N: usize> Visit<S, N> for States<'_, S::f64s> {
         };
         for q in 0..cell.points {
             let map = &cell.map[q * numbers(N)..][..numbers(N)];
-            let r = squares::inverse::<S, N>(simd, map);
+            let r = inverse::<S, N>(simd, map);
             for k in 0..N {
                 put(q, k, map[k]);
             }
             for c in 0..width {
                 let g = &mut self.g[(q * width + c) * (N + 1)..][..N + 1];
-                squares::quotient::<S, N>(simd, cell, q, g);
+                quotient::<S, N>(simd, cell, q, g);
                 put(q, N + c, g[N]);
                 for (k, value) in law::physical::<S, N>(simd, &r, g).into_iter().enumerate() {
                     put(q, N + width + c * N + k, value);
