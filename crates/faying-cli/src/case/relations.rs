@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashSet};
 
 use super::boundary::{Read, component};
-use super::from_file::outer_of;
+use super::part::FilePart;
 use super::reader::Reader;
 use super::sides::{show, sides_of};
 use super::types::*;
@@ -240,5 +240,14 @@ impl Reader {
                 self.fault("E062", at, "data marked \"exact\" need `exact` in [model]", format!("write {example}"));
             }
         }
+    }
+}
+
+/// The sides that cover the boundary of a patch of mesh cells, except `used` ones.
+fn outer_of(patch: &mut Patch, used: &[&str]) -> Vec<String> {
+    match patch.geometry.value.shape.value.part_mut() {
+        Some(FilePart::Plane(p)) => p.outer(used),
+        Some(FilePart::Space(p)) => p.outer(used),
+        _ => Vec::new(),
     }
 }

@@ -1,16 +1,17 @@
 //! Typed reading of values: every getter reports errors at their place, and reading continues.
 
 mod block;
+mod entries;
 mod formulas;
 mod scalars;
+mod sections;
 
 pub(in crate::case) use block::Block;
 pub(in crate::case) use formulas::Uses;
 pub(in crate::case) use scalars::Sign;
 
-use crate::case::family::Family;
+use crate::case::family::{Family, FromFile};
 use crate::case::files::{FileRead, Opened};
-use crate::case::from_file::FromFile;
 use crate::case::names::Names;
 use crate::case::tree::Node;
 use crate::case::types::{Joint, Meeting};

@@ -1,0 +1,188 @@
+//! The whole document, block by block, and what is compared between blocks.
+
+use super::reader::{Block, Reader};
+use super::tree::{Node, Table, Value};
+use super::types::*;
+use super::{ReadOptions, SCHEMA, keys};
+use crate::errors::{Diagnostics, Source};
+use crate::formula::Constants;
+use crate::place::{Located, Place};
+use faying::basis::Cell;
+
+impl Reader {
+    pub(super) fn case(&mut self, root: Table, options: &ReadOptions) -> Case {
+        let names = &options.names;
+        let root = Node::new(Value::Table(root), Place::NONE);
+        let mut root = self.block(&root, "", keys::ROOT).expect("the document is a table");
+        let schema = self.schema(&mut root);
+        let mut case = Case::empty(schema);
+        if schema.value > SCHEMA {
+            return case;
+        }
+        let title = self.title(&mut root);
+        self.constants(root.node("let").cloned().as_ref());
+        self.names = name_list(&root);
+        let model = self.section(&mut root, "model", keys::MODEL, true, Self::model).unwrap_or(case.model);
+        self.dimension = model.dimension.value;
+        self.components = model.components();
+        let discretization = self
+            .section(&mut root, "discretization", keys::DISCRETIZATION, false, |r, b| r.discretization(b, None, names))
+            .unwrap_or(case.discretization);
+        // before the patches, which refer to them
+        let materials = self.materials(&mut root, &model);
+        let mut patches = self.patches(&mut root, &model, &discretization, &materials, names);
+        let read = self.list(&mut root, "boundary", keys::BOUNDARY, |r, b, k| r.boundary(b, k, &model, &patches));
+        let [of_ties, of_contacts] = names.couple_keys();
+        let interfaces = self.list(&mut root, "interface", &of_ties, |r, b, k| r.interface(b, k, &model, &patches, names));
+        let contacts = self.list(&mut root, "contact", &of_contacts, |r, b, k| r.contact(b, k, &model, &patches, names));
+        let written = root.has("steps").then(|| self.section(&mut root, "steps", keys::STEPS, false, |r, b| r.steps(Some(b))));
+        let steps = written.flatten().unwrap_or_else(|| self.steps(None));
+        let solver = self.section(&mut root, "solver", keys::SOLVER, false, |r, b| r.solver(b, names)).unwrap_or(case.solver);
+        let probes = self.list(&mut root, "probe", keys::PROBE, Self::probe);
+        let checks = self.list(&mut root, "check", keys::CHECK, |r, b, k| r.check(b, k, names));
+        let studies = self.studies(root.node("study").cloned().as_ref());
+
+        self.unique("boundary", &read.iter().map(|b| b.boundary.name.clone()).collect::<Vec<_>>());
+        let couples = interfaces.iter().map(|t| t.name.clone()).chain(contacts.iter().map(|c| c.name.clone()));
+        self.unique("interface or contact", &couples.collect::<Vec<_>>());
+        self.unique("probe", &probes.iter().map(|p| p.name.clone()).collect::<Vec<_>>());
+        self.unique("check", &checks.iter().map(|c| c.name.clone()).collect::<Vec<_>>());
+        let [joints, parted] = self.kept_joints(&interfaces, &contacts, &patches);
+        let meetings = self.kept_meetings(&interfaces, &contacts, &patches);
+        // joints separated by a list of `between` are tied again and are no outer sides
+        let inner: Vec<Joint> = joints.iter().chain(&parted).cloned().collect();
+        let boundaries = self.outer(read, &interfaces, &contacts, &inner, &mut patches);
+        self.slaves(&interfaces, &contacts, &patches);
+        self.iterations(&contacts);
+        self.conditions(&boundaries, &patches, model.components());
+        self.exact_data(&boundaries, &model);
+        self.weight(&model, &materials, &patches);
+
+        case = Case {
+            source: Source::default(),
+            warnings: Diagnostics::new(),
+            schema,
+            title,
+            constants: self.constants.clone(),
+            model,
+            discretization,
+            materials,
+            patches,
+            joints,
+            meetings,
+            files: std::mem::take(&mut self.files),
+            families: std::mem::take(&mut self.families),
+            boundaries,
+            interfaces,
+            contacts,
+            steps,
+            solver,
+            probes,
+            checks,
+            studies,
+            effective: String::new(),
+        };
+        self.not_in_this_version(&case);
+        case.effective = format!(
+            "# {} with every default written out by faying {}\n{}",
+            crate::errors::one_line(&self.source.name),
+            env!("CARGO_PKG_VERSION"),
+            root.finish().to_document()
+        );
+        case
+    }
+
+    // title: none by default
+    fn title(&mut self, root: &mut Block) -> Located<String> {
+        match root.node("title").cloned() {
+            Some(node) => self.text_of(&node, "title").unwrap_or_default(),
+            None => Located::new(String::new(), root.default("title", Value::Text(String::new()))),
+        }
+    }
+
+    fn schema(&mut self, root: &mut Block) -> Located<usize> {
+        let Some(node) = root.node("schema").cloned() else {
+            return Located::new(SCHEMA, root.default("schema", Value::Integer(SCHEMA as i64)));
+        };
+        if let Value::Integer(n) = node.value
+            && n > SCHEMA as i64
+        {
+            let message = format!("the case has schema {n}, this program reads schema {SCHEMA}");
+            self.fault("E001", node.at, message, "install a newer faying, or write the case for schema 1");
+            return Located::new(usize::MAX, node.at);
+        }
+        Located::new(self.whole_of(&node, "schema", 1, SCHEMA as i64).unwrap_or(SCHEMA), node.at)
+    }
+}
+
+// names that quantities may hold
+fn name_list(root: &Block) -> Vec<String> {
+    let mut out = Vec::new();
+    for key in ["patch", "interface", "contact", "boundary", "probe"] {
+        let Some(Value::List(items)) = root.node(key).map(|n| &n.value) else { continue };
+        for (k, item) in items.iter().enumerate() {
+            let Value::Table(t) = &item.value else { continue };
+            match t.get("name").map(|e| &e.node.value) {
+                Some(Value::Text(name)) => out.push(name.clone()),
+                _ => out.push(format!("{key}-{k}")),
+            }
+        }
+    }
+    out
+}
+
+impl Case {
+    // placeholder for blocks that could not be read; never returned
+    fn empty(schema: Located<usize>) -> Self {
+        fn none<T>(value: T) -> Located<T> {
+            Located::new(value, Place::NONE)
+        }
+        Self {
+            source: Source::default(),
+            warnings: Diagnostics::new(),
+            schema,
+            title: Located::default(),
+            constants: Constants::default(),
+            model: Model {
+                head: none(()),
+                physics: none(Physics::Elasticity),
+                dimension: none(2),
+                assumption: none(Assumption::PlaneStrain),
+                exact: None,
+                source: None,
+                gravity: None,
+                reference: None,
+                stored: None,
+            },
+            discretization: Discretization {
+                backend: none("iga".to_owned()),
+                degree: none(vec![2; 2]),
+                continuity: none(None),
+                basis: none(BasisKind::Auto),
+                cells: none(Cell::Tensor),
+                mapping: none(Mapping::Isoparametric),
+                extra_points: none(0),
+            },
+            materials: Vec::new(),
+            patches: Vec::new(),
+            joints: Vec::new(),
+            meetings: Vec::new(),
+            files: Vec::new(),
+            families: Vec::new(),
+            boundaries: Vec::new(),
+            interfaces: Vec::new(),
+            contacts: Vec::new(),
+            steps: none(vec![1.0]),
+            solver: Solver {
+                constraint: none("auto".to_owned()),
+                linear: none(Linear::Auto),
+                tolerance: none(1e-10),
+                max_iterations: None,
+            },
+            probes: Vec::new(),
+            checks: Vec::new(),
+            studies: Vec::new(),
+            effective: String::new(),
+        }
+    }
+}
