@@ -2,16 +2,15 @@
 
 mod slave_spaces;
 
-use super::quantities::{Kind, Quantity, look_up};
+use super::quantities::{Kind, Quantity, undecided};
 use super::registry::Registry;
 use super::result::{CheckReport, ProbeReport, RunResult, Status};
 use super::run::{Room, end_early, too_large};
 use super::shapes::plane_net;
 use super::studies::{Method, Row, decided};
 use super::watch::Watch;
-use crate::case::{Case, Condition, Multiplier};
+use crate::case::{Case, Multiplier};
 use crate::errors::{Diagnostic, Diagnostics};
-use crate::formula::Formula;
 use crate::table::short;
 use faying::coupling::inf_sup::{InfSup, InfSupError, Measure, Norm, Question, ZERO, degree_exponent, inf_sup, slope, verdict};
 use faying::linalg::LinearError;
@@ -284,37 +283,12 @@ fn answer(result: &mut RunResult, case: &Case, names: &[&str], beta: f64) {
         result.probes.push(ProbeReport { name, quantity, value: beta, at: None, reason: None });
     }
     let numbers = result.numbers();
-    let number = |f: &Formula| -> Result<f64, String> {
-        let values: Result<Vec<f64>, String> = f
-            .quantities()
-            .iter()
-            .map(|q| {
-                let path: Vec<String> = q.text.split('.').map(str::to_owned).collect();
-                look_up(&numbers, &path).unwrap_or_else(|| Err(format!("a check on beta cannot ask for `{}`", q.text)))
-            })
-            .collect();
-        Some(f.value_with(&values?)).filter(|v| v.is_finite()).ok_or_else(|| format!("`{}` is not finite", f.text()))
-    };
     for check in &case.checks {
-        let relation = match check.condition {
-            Condition::Below(_) => "below",
-            Condition::Above(_) => "above",
-            Condition::Equals { .. } => "equals",
-        };
-        let mut report = CheckReport {
-            name: check.name.value.clone(),
-            quantity: check.quantity.value.clone(),
-            value: f64::NAN,
-            at: None,
-            expected: f64::NAN,
-            ok: true,
-            relation: relation.to_owned(),
-            reason: Some("not a constant of this pair".to_owned()),
-            skipped: true,
-        };
+        let reason = Some("not a constant of this pair".to_owned());
+        let mut report = CheckReport { ok: true, reason, skipped: true, ..undecided(check) };
         let elsewhere = check.backend.as_ref().is_some_and(|b| result.backends.iter().any(|(_, used)| *used != b.value));
         if mine(&check.quantity.value) && !elsewhere {
-            decided(&mut report, Some(beta), &check.condition, &number);
+            decided(&mut report, Some(beta), &check.condition, &numbers, "beta");
         }
         result.checks.push(report);
     }

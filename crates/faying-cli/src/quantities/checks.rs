@@ -150,7 +150,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
 type Found = (f64, Option<Vec<f64>>);
 
 /// The report of a check before it is decided.
-fn undecided(check: &Check) -> CheckReport {
+pub(crate) fn undecided(check: &Check) -> CheckReport {
     CheckReport {
         name: check.name.value.clone(),
         quantity: check.quantity.value.clone(),

@@ -8,6 +8,7 @@ mod path;
 mod prepare;
 
 pub use checks::Questions;
+pub(crate) use checks::undecided;
 pub use evaluate::{Answer, evaluate};
 pub use grammar::{At, FieldName, GrammarError, Kind, Quantity, Reduce};
 pub use locate::{Locators, Spot};

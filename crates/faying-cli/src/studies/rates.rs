@@ -6,6 +6,7 @@ use crate::case::{Case, Condition};
 use crate::formula::Formula;
 use crate::quantities::{Kind, Quantity, look_up};
 use crate::result::{CheckReport, Status};
+use serde_json::Value;
 
 /// Fills `rates` of every row: of an error from the level before, log2(e_{k-1} / e_k); of any other quantity from two levels
 /// before, log2(|q_{k-1} - q_{k-2}| / |q_k - q_{k-1}|), the rate at which its changes fall. No rate where a number is missing or zero.
@@ -52,19 +53,7 @@ pub(super) fn decide(rows: &mut [Row], case: &Case, asked: &[Asked]) {
             }
             let name = asked.iter().find(|a| a.quantity == inner).map_or(inner.as_str(), |a| a.name.as_str());
             let rate = row.rates.get(&inner).or_else(|| row.rates.get(name)).copied();
-            let numbers = row.document.clone();
-            let number = |f: &Formula| -> Result<f64, String> {
-                let values: Result<Vec<f64>, String> = f
-                    .quantities()
-                    .iter()
-                    .map(|q| {
-                        let path: Vec<String> = q.text.split('.').map(str::to_owned).collect();
-                        look_up(&numbers, &path).unwrap_or_else(|| Err(format!("a check on a rate cannot ask for `{}`", q.text)))
-                    })
-                    .collect();
-                Some(f.value_with(&values?)).filter(|v| v.is_finite()).ok_or_else(|| format!("`{}` is not finite", f.text()))
-            };
-            decided(&mut row.result.checks[position], rate, &check.condition, &number);
+            decided(&mut row.result.checks[position], rate, &check.condition, &row.document, "a rate");
             let failed = !row.result.checks[position].ok;
             row.result.checks_skipped -= 1;
             row.result.checks_performed += 1;
@@ -86,13 +75,17 @@ fn asked_rate(text: &str, row: &Row) -> Option<String> {
     own.then(|| "beta".to_owned())
 }
 
-/// Decides a check on a number of the study, a rate or an inf-sup constant; it fails without one.
-pub(crate) fn decided(
-    report: &mut CheckReport,
-    rate: Option<f64>,
-    condition: &Condition,
-    number: &dyn Fn(&Formula) -> Result<f64, String>,
-) {
+/// Decides a check on a number of the study, a rate or an inf-sup constant; it fails without one. Quantities of its condition are among
+/// `numbers`; `on`: the kind of check, for messages.
+pub(crate) fn decided(report: &mut CheckReport, rate: Option<f64>, condition: &Condition, numbers: &Value, on: &str) {
+    let number = |f: &Formula| -> Result<f64, String> {
+        let value = |text: &str| {
+            let path: Vec<String> = text.split('.').map(str::to_owned).collect();
+            look_up(numbers, &path).unwrap_or_else(|| Err(format!("a check on {on} cannot ask for `{text}`")))
+        };
+        let values: Result<Vec<f64>, String> = f.quantities().iter().map(|q| value(&q.text)).collect();
+        Some(f.value_with(&values?)).filter(|v| v.is_finite()).ok_or_else(|| format!("`{}` is not finite", f.text()))
+    };
     let optional = |f: &Option<crate::place::Located<Formula>>| f.as_ref().map_or(Ok(0.0), |f| number(&f.value));
     let verdict = || -> Result<(f64, f64, bool), String> {
         let rate = rate.ok_or("the levels give no rate")?;
