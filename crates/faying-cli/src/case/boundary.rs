@@ -16,10 +16,10 @@ pub(super) struct Read {
 impl Reader {
     /// One `[[boundary]]`.
     pub fn boundary(&mut self, b: &mut Block, index: usize, model: &Model, patches: &[Patch]) -> Read {
-        let name = self.name(b, "boundary", index, false);
+        let name = self.name(b, "boundary", index);
         let n = model.components();
         let mut all_outer = None;
-        let on = match self.required(b, "on", "on = \"lower.bottom\"") {
+        let on = match self.required(b, "on") {
             None => Vec::new(),
             Some(node) if matches!(&node.value, Value::Text(s) if s == "all-outer") => {
                 all_outer = Some(node.at);
@@ -46,9 +46,6 @@ impl Reader {
         }
         let traction = self.traction(b, model);
         let pressure = self.formula(b, "pressure", Uses::Space);
-        if let (Some(p), Physics::Poisson) = (&pressure, model.physics.value) {
-            self.fault("E015", p.at, "`pressure` is a key of elasticity, the physics here is poisson", "use neumann");
-        }
         let mut resultant = |key: &str| -> Components<Formula> {
             let none = || (0..n).map(|_| None).collect();
             match b.node(key).cloned() {
@@ -69,8 +66,8 @@ impl Reader {
                 self.fault("E015", k.at, message, "a spring pulls back with the force stiffness times displacement: write it positive");
             }
         }
-        let kinds = ["fix", "dirichlet", "neumann", "traction", "pressure", "force", "spring", "rigid_force"];
-        if !kinds.iter().any(|k| b.has(k)) {
+        let kinds: Vec<&str> = b.keys.iter().map(|k| k.name).filter(|k| !["name", "on", "where"].contains(k)).collect();
+        if !kinds.iter().any(|k| b.has(k) || b.refused.contains(k)) {
             let message = format!("{} has no condition", b.what);
             self.fault("E013", b.at, message, format!("give one of {}", kinds.join(", ")));
         }
@@ -138,9 +135,6 @@ impl Reader {
     // `traction` and `neumann` mean the same
     fn traction(&mut self, b: &Block, model: &Model) -> Components<Datum> {
         let n = model.components();
-        if let (true, Physics::Poisson) = (b.has("traction"), model.physics.value) {
-            self.fault("E015", b.key_at("traction"), "`traction` is a key of elasticity, the physics here is poisson", "use neumann");
-        }
         if b.has("traction") && b.has("neumann") {
             self.fault(
                 "E015",

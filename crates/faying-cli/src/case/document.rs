@@ -3,17 +3,16 @@
 use super::reader::{Block, Reader};
 use super::tree::{Node, Table, Value};
 use super::types::*;
-use super::{ReadOptions, SCHEMA, keys};
+use super::{SCHEMA, rows};
 use crate::errors::{Diagnostics, Source};
 use crate::formula::Constants;
 use crate::place::{Located, Place};
 use faying::basis::Cell;
 
 impl Reader {
-    pub(super) fn case(&mut self, root: Table, options: &ReadOptions) -> Case {
-        let names = &options.names;
+    pub(super) fn case(&mut self, root: Table) -> Case {
         let root = Node::new(Value::Table(root), Place::NONE);
-        let mut root = self.block(&root, "", keys::ROOT).expect("the document is a table");
+        let mut root = self.block(&root, "", rows::ROOT).expect("the document is a table");
         let schema = self.schema(&mut root);
         let mut case = Case::empty(schema);
         if schema.value > SCHEMA {
@@ -22,24 +21,25 @@ impl Reader {
         let title = self.title(&mut root);
         self.constants(root.node("let").cloned().as_ref());
         self.names = name_list(&root);
-        let model = self.section(&mut root, "model", keys::MODEL, true, Self::model).unwrap_or(case.model);
+        let model = self.section(&mut root, "model", rows::MODEL, true, Self::model).unwrap_or(case.model);
         self.dimension = model.dimension.value;
         self.components = model.components();
         let discretization = self
-            .section(&mut root, "discretization", keys::DISCRETIZATION, false, |r, b| r.discretization(b, None, names))
+            .section(&mut root, "discretization", rows::DISCRETIZATION, false, |r, b| r.discretization(b, None))
             .unwrap_or(case.discretization);
+        self.backend = Some(discretization.backend.clone());
         // before the patches, which refer to them
         let materials = self.materials(&mut root, &model);
-        let mut patches = self.patches(&mut root, &model, &discretization, &materials, names);
-        let read = self.list(&mut root, "boundary", keys::BOUNDARY, |r, b, k| r.boundary(b, k, &model, &patches));
-        let [of_ties, of_contacts] = names.couple_keys();
-        let interfaces = self.list(&mut root, "interface", &of_ties, |r, b, k| r.interface(b, k, &model, &patches, names));
-        let contacts = self.list(&mut root, "contact", &of_contacts, |r, b, k| r.contact(b, k, &model, &patches, names));
-        let written = root.has("steps").then(|| self.section(&mut root, "steps", keys::STEPS, false, |r, b| r.steps(Some(b))));
+        let mut patches = self.patches(&mut root, &model, &discretization, &materials);
+        let read = self.list(&mut root, "boundary", rows::BOUNDARY, |r, b, k| r.boundary(b, k, &model, &patches));
+        let [of_ties, of_contacts] = [rows::INTERFACE, rows::CONTACT].map(|keys| self.known.extended(keys));
+        let interfaces = self.list(&mut root, "interface", &of_ties, |r, b, k| r.interface(b, k, &model, &patches));
+        let contacts = self.list(&mut root, "contact", &of_contacts, |r, b, k| r.contact(b, k, &model, &patches));
+        let written = root.has("steps").then(|| self.section(&mut root, "steps", rows::STEPS, false, |r, b| r.steps(Some(b))));
         let steps = written.flatten().unwrap_or_else(|| self.steps(None));
-        let solver = self.section(&mut root, "solver", keys::SOLVER, false, |r, b| r.solver(b, names)).unwrap_or(case.solver);
-        let probes = self.list(&mut root, "probe", keys::PROBE, Self::probe);
-        let checks = self.list(&mut root, "check", keys::CHECK, |r, b, k| r.check(b, k, names));
+        let solver = self.section(&mut root, "solver", rows::SOLVER, false, Self::solver).unwrap_or(case.solver);
+        let probes = self.list(&mut root, "probe", rows::PROBE, Self::probe);
+        let checks = self.list(&mut root, "check", rows::CHECK, Self::check);
         let studies = self.studies(root.node("study").cloned().as_ref());
 
         self.unique("boundary", &read.iter().map(|b| b.boundary.name.clone()).collect::<Vec<_>>());
@@ -82,7 +82,7 @@ impl Reader {
             studies,
             effective: String::new(),
         };
-        self.not_in_this_version(&case);
+        self.surfaces(&case);
         case.effective = format!(
             "# {} with every default written out by faying {}\n{}",
             crate::errors::one_line(&self.source.name),
@@ -94,16 +94,12 @@ impl Reader {
 
     // title: none by default
     fn title(&mut self, root: &mut Block) -> Located<String> {
-        match root.node("title").cloned() {
-            Some(node) => self.text_of(&node, "title").unwrap_or_default(),
-            None => Located::new(String::new(), root.default("title", Value::Text(String::new()))),
-        }
+        let node = self.value_of(root, "title");
+        self.text_of(&node, "title").unwrap_or_default()
     }
 
     fn schema(&mut self, root: &mut Block) -> Located<usize> {
-        let Some(node) = root.node("schema").cloned() else {
-            return Located::new(SCHEMA, root.default("schema", Value::Integer(SCHEMA as i64)));
-        };
+        let node = self.value_of(root, "schema");
         if let Value::Integer(n) = node.value
             && n > SCHEMA as i64
         {

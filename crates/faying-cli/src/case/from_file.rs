@@ -15,7 +15,7 @@ use std::sync::Arc;
 impl Reader {
     /// Reads the keys of the kind `file`; the file itself is not opened here.
     pub fn file_shape(&mut self, b: &mut Block) -> Shape {
-        let file = self.required(b, "file", "file = \"part.xml\"").and_then(|n| self.text_of(&n, "file"));
+        let file = self.required(b, "file").and_then(|n| self.text_of(&n, "file"));
         let mut word = |key: &str| -> Option<Located<String>> {
             let node = b.node(key).cloned()?;
             match &node.value {

@@ -4,20 +4,19 @@
 //! that are not implemented (E019). After an error of any stage reading continues if possible, so that several errors are
 //! reported together.
 
+mod axes;
 mod boundary;
-mod changes;
 mod document;
 mod expanded;
 mod family;
 mod files;
 mod from_file;
+mod given;
 mod joints;
 mod key;
-mod keys;
 mod mesh_part;
 mod model;
 mod names;
-mod not_yet;
 mod nurbs;
 mod obstacle;
 mod opened;
@@ -26,25 +25,26 @@ mod patch;
 mod queries;
 mod read;
 mod reader;
+pub mod reference;
 mod relations;
 mod reports;
+mod rows;
 mod schema;
-mod schema_keys;
 mod set;
 mod sides;
 mod tie;
 mod tree;
 mod types;
 
-pub use changes::Changes;
+pub use axes::Changes;
 pub use files::FileRead;
-pub use key::{Given, Key, KeyKind};
+pub use given::Given;
+pub use key::{Absent, Axis, Key, KeyKind, Language};
 pub use names::{EntryKeys, MethodEntry, Names};
 pub(crate) use names::{built_in_couplings, built_in_methods};
 pub use opened::sha256;
 pub use part::{FilePart, MeshPart};
 pub use read::{ReadOptions, not_found};
-pub(crate) use schema::is_key;
 pub use schema::schema;
 pub(crate) use sides::{alias, canonical, quoted};
 pub use types::*;

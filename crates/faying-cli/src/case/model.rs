@@ -1,13 +1,11 @@
 //! Reads `[let]`, `[model]`, `[discretization]`, `[[material]]`, `[steps]` and `[solver]`.
 
-use super::keys;
 use super::reader::{Block, Reader, Sign, Uses};
+use super::rows;
 use super::tree::{Node, Table, Value};
 use super::types::*;
 use crate::formula::{ConstantText, Constants, Formula, is_free_name};
 use crate::place::{Located, Place};
-
-use super::names::Names;
 
 impl Reader {
     /// `[let]`: constants of every formula.
@@ -56,39 +54,21 @@ impl Reader {
 
     /// `[model]`.
     pub fn model(&mut self, b: &mut Block) -> Model {
-        let physics = match self.required(b, "physics", "physics = \"elasticity\"") {
-            Some(node) => Located::new(
-                self.word_of(&node, "physics", &[("poisson", Physics::Poisson), ("elasticity", Physics::Elasticity)])
-                    .unwrap_or(Physics::Elasticity),
-                node.at,
-            ),
-            None => Located::new(Physics::Elasticity, b.at),
-        };
-        let dimension = match self.required(b, "dimension", "dimension = 2") {
-            Some(node) => Located::new(self.whole_of(&node, "dimension", 2, 3).unwrap_or(2), node.at),
-            None => Located::new(2, b.at),
-        };
+        let physics = self.required_word(b, "physics", &[Physics::Poisson, Physics::Elasticity]);
+        let physics = physics.unwrap_or(Located::new(Physics::Elasticity, b.at));
+        let dimension = self.required_whole(b, "dimension").unwrap_or(Located::new(2, b.at));
         self.dimension = dimension.value;
         let poisson = physics.value == Physics::Poisson;
         let n = if poisson { 1 } else { dimension.value };
         self.components = n;
-        let words = [("plane-strain", Assumption::PlaneStrain), ("plane-stress", Assumption::PlaneStress)];
-        let assumption = if poisson || dimension.value == 3 {
-            let axisymmetric = b.node("assumption").is_some_and(|node| matches!(&node.value, Value::Text(word) if word == "axisymmetric"));
-            if axisymmetric && dimension.value == 2 {
-                self.word(b, "assumption", &words);
-            } else if b.has("assumption") {
-                let why =
-                    if poisson { "plane elasticity, the physics here is poisson" } else { "plane elasticity, the dimension here is 3" };
-                self.fault("E015", b.key_at("assumption"), format!("`assumption` is a key of {why}"), "");
-            }
-            Located::new(if dimension.value == 3 { Assumption::Solid } else { Assumption::PlaneStrain }, Place::NONE)
+        let assumption = if dimension.value == 3 {
+            Located::new(Assumption::Solid, Place::NONE)
         } else {
-            self.word(b, "assumption", &words)
+            self.word(b, "assumption", &[Assumption::PlaneStrain, Assumption::PlaneStress])
         };
         let exact = b.node("exact").cloned().and_then(|node| {
-            let inner = self.block(&node, "`exact`", &["u"])?;
-            let u = self.required(&inner, "u", if n == 1 { "exact = { u = \"x*y\" }" } else { "exact = { u = [\"x*y\", \"0\"] }" })?;
+            let inner = self.block(&node, "`exact`", rows::EXACT)?;
+            let u = self.required(&inner, "u")?;
             let field = self.field_of(&u, "exact.u", Uses::Space, n);
             Some(field)
         });
@@ -104,7 +84,7 @@ impl Reader {
                 "it follows from `exact`; leave one of them out",
             );
         }
-        let gravity = self.gravity(b, poisson);
+        let gravity = self.gravity(b);
         let reference = b.node("reference").cloned().and_then(|node| self.text_of(&node, "reference"));
         let stored = reference.as_ref().and_then(|file| self.open_reference(file));
         self.absolute(b, "reference");
@@ -112,38 +92,27 @@ impl Reader {
     }
 
     /// `gravity` (elasticity).
-    pub fn gravity(&mut self, b: &Block, poisson: bool) -> Option<Located<Vec<f64>>> {
-        let gravity = b.node("gravity").cloned().and_then(|node| self.vector_of(&node, "gravity", true));
-        if let (true, Some(g)) = (poisson, &gravity) {
-            self.fault("E015", g.at, "`gravity` is a key of elasticity, the physics here is poisson", "use source");
-            return None;
-        }
-        gravity
+    pub fn gravity(&mut self, b: &Block) -> Option<Located<Vec<f64>>> {
+        b.node("gravity").cloned().and_then(|node| self.vector_of(&node, "gravity", true))
     }
 
     /// `source` (Poisson) or `body_force` (elasticity).
     pub fn source(&mut self, b: &Block, poisson: bool, n: usize) -> Option<Located<Vec<Located<Formula>>>> {
-        let (key, other) = if poisson { ("source", "body_force") } else { ("body_force", "source") };
-        if b.has(other) {
-            let physics = if poisson { "poisson" } else { "elasticity" };
-            self.fault("E015", b.key_at(other), format!("`{other}` is not a key of {physics}"), format!("write {key}"));
-        }
+        let key = if poisson { "source" } else { "body_force" };
         let node = b.node(key).cloned()?;
         Some(self.field_of(&node, key, Uses::Space, n))
     }
 
     /// `[discretization]`, or the keys of a patch over these defaults.
-    pub fn discretization(&mut self, b: &mut Block, defaults: Option<&Discretization>, names: &Names) -> Discretization {
+    pub fn discretization(&mut self, b: &mut Block, defaults: Option<&Discretization>) -> Discretization {
         let own = |b: &Block, key: &str| defaults.is_none() || b.has(key);
-        let backend =
-            if own(b, "backend") { self.registered(b, "backend", &names.backends, "iga") } else { inherit(defaults, |d| &d.backend) };
+        let backend = if own(b, "backend") { self.entry_name(b, "backend") } else { inherit(defaults, |d| &d.backend) };
         let degree = if own(b, "degree") { self.degrees(b) } else { inherit(defaults, |d| &d.degree) };
         let continuity = if own(b, "continuity") { self.continuity(b) } else { inherit(defaults, |d| &d.continuity) };
-        let basis = if own(b, "basis") { self.word(b, "basis", &BASES) } else { inherit(defaults, |d| &d.basis) };
-        let cells = if own(b, "cells") { self.word(b, "cells", &CELLS) } else { inherit(defaults, |d| &d.cells) };
-        let mapping = if own(b, "mapping") { self.word(b, "mapping", &MAPPINGS) } else { inherit(defaults, |d| &d.mapping) };
-        let extra_points =
-            if own(b, "extra_points") { self.whole(b, "extra_points", 0, 60, 0) } else { inherit(defaults, |d| &d.extra_points) };
+        let basis = if own(b, "basis") { self.word(b, "basis", &BASES.map(|(_, basis)| basis)) } else { inherit(defaults, |d| &d.basis) };
+        let cells = if own(b, "cells") { self.word(b, "cells", &CELLS.map(|(_, cell)| cell)) } else { inherit(defaults, |d| &d.cells) };
+        let mapping = if own(b, "mapping") { self.word(b, "mapping", &MAPPINGS.map(|(_, mapping)| mapping)) } else { inherit(defaults, |d| &d.mapping) };
+        let extra_points = if own(b, "extra_points") { self.whole(b, "extra_points") } else { inherit(defaults, |d| &d.extra_points) };
         Discretization { backend, degree, continuity, basis, cells, mapping, extra_points }
     }
 
@@ -175,69 +144,43 @@ impl Reader {
         }
     }
 
-    // a name of the registry
-    pub fn registered(&mut self, b: &mut Block, key: &str, known: &[String], default: &str) -> Located<String> {
-        match b.node(key).cloned() {
-            None => Located::new(default.to_owned(), b.default(key, Value::Text(default.to_owned()))),
-            Some(node) => Located::new(self.registered_of(&node, key, known).unwrap_or_else(|| default.to_owned()), node.at),
-        }
-    }
-
-    pub fn registered_of(&mut self, node: &Node, key: &str, known: &[String]) -> Option<String> {
-        let words: Vec<(&str, usize)> = known.iter().enumerate().map(|(k, n)| (n.as_str(), k)).collect();
-        self.word_of(node, key, &words).map(|k| known[k].clone())
-    }
-
     fn degrees(&mut self, b: &mut Block) -> Located<Vec<usize>> {
         let n = self.dimension;
-        match b.node("degree").cloned() {
-            None => Located::new(vec![2; n], b.default("degree", Value::Integer(2))),
-            Some(node) => {
-                let degree = match &node.value {
-                    Value::List(list) if list.len() == n => {
-                        list.iter().map(|item| self.whole_of(item, "degree", 1, 12).unwrap_or(2)).collect()
-                    }
-                    Value::List(list) => {
-                        let message = format!("`degree` must be one number or a list of {n}, found a list of {}", list.len());
-                        self.fault("E044", node.at, message, format!("the model has dimension {n}"));
-                        vec![2; n]
-                    }
-                    _ => vec![self.whole_of(&node, "degree", 1, 12).unwrap_or(2); n],
-                };
-                Located::new(degree, node.at)
+        let node = self.value_of(b, "degree");
+        let degree = match &node.value {
+            Value::List(list) if list.len() == n => list.iter().map(|item| self.whole_of(item, "degree", 1, 12).unwrap_or(2)).collect(),
+            Value::List(list) => {
+                let message = format!("`degree` must be one number or a list of {n}, found a list of {}", list.len());
+                self.fault("E044", node.at, message, format!("the model has dimension {n}"));
+                vec![2; n]
             }
-        }
+            _ => vec![self.whole_of(&node, "degree", 1, 12).unwrap_or(2); n],
+        };
+        Located::new(degree, node.at)
     }
 
     fn continuity(&mut self, b: &mut Block) -> Located<Option<usize>> {
-        match b.node("continuity").cloned() {
-            None => Located::new(None, b.default("continuity", Value::Text("max".to_owned()))),
-            Some(Node { value: Value::Text(s), at, .. }) if s == "max" => Located::new(None, at),
-            Some(node) if matches!(node.value, Value::Integer(_)) => Located::new(self.whole_of(&node, "continuity", 0, 11), node.at),
-            Some(node) => {
+        let node = self.value_of(b, "continuity");
+        let continuity = match &node.value {
+            Value::Text(s) if s == "max" => None,
+            Value::Integer(_) => self.whole_of(&node, "continuity", 0, 11),
+            _ => {
                 self.wrong_type(&node, "continuity", "\"max\" or a whole number from 0 to degree - 1", "write continuity = \"max\"");
-                Located::new(None, node.at)
+                None
             }
-        }
+        };
+        Located::new(continuity, node.at)
     }
 
     /// `[[material]]`; by default one without properties for Poisson.
     pub fn materials(&mut self, root: &mut Block, model: &Model) -> Vec<Material> {
-        let mut known = keys::MATERIAL.to_vec();
-        if !self.known.laws.is_empty() {
-            known.push("law");
-        }
-        for key in self.known.laws.iter().flat_map(|entry| &entry.keys) {
-            if !known.contains(&key.name) {
-                known.push(key.name);
-            }
-        }
+        let known = self.known.extended(rows::MATERIAL);
         let mut materials = self.list(root, "material", &known, |r, b, k| r.material(b, k, model));
         if materials.is_empty() && model.physics.value == Physics::Poisson && !root.has("material") {
             let mut table = Table::default();
             table.set("name", Place::NONE, Node::new(Value::Text("default".to_owned()), Place::NONE));
             root.default("material", Value::List(vec![Node::new(Value::Table(table), Place::NONE)]));
-            materials = self.list(root, "material", keys::MATERIAL, |r, b, k| r.material(b, k, model));
+            materials = self.list(root, "material", rows::MATERIAL, |r, b, k| r.material(b, k, model));
         }
         self.unique("material", &materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>());
         materials
@@ -245,61 +188,41 @@ impl Reader {
 
     /// One `[[material]]`.
     pub fn material(&mut self, b: &mut Block, index: usize, model: &Model) -> Material {
-        let name = self.name(b, "material", index, true);
+        let name = self.name(b, "material", index);
         let poisson = model.physics.value == Physics::Poisson;
-        if let Some(law) = self.law(b) {
-            let density = self.formula(b, "density", Uses::Space);
-            self.density_broken |= density.is_none() && b.has("density");
-            let conductivity = Located::new(Formula::constant(1.0), b.at);
-            return Material { head: b.head(), name, law: Some(law), elastic: None, conductivity, density };
-        }
-        let wrong: &[&str] = if poisson { &["young", "poisson", "lambda", "mu", "law"] } else { &["conductivity"] };
-        for key in wrong.iter().filter(|k| b.has(k)) {
-            let (physics, keys) = if poisson { ("poisson", "conductivity") } else { ("elasticity", "young, poisson, lambda, mu, density") };
-            self.fault(
-                "E015",
-                b.key_at(key),
-                format!("`{key}` is not a key of a material for physics {physics}"),
-                format!("keys here: name, {keys}"),
-            );
-        }
+        let law = self.law(b);
         let density = self.formula(b, "density", Uses::Space);
         self.density_broken |= density.is_none() && b.has("density");
-        let conductivity = match self.formula(b, "conductivity", Uses::Space) {
-            Some(k) => k,
-            None if poisson && !b.has("conductivity") => Located::new(Formula::constant(1.0), b.default("conductivity", Value::Float(1.0))),
-            None => Located::new(Formula::constant(1.0), b.at),
-        };
+        let node = self.value_of(b, "conductivity");
+        let conductivity = self.formula_of(&node, "conductivity", Uses::Space).unwrap_or(Located::new(Formula::constant(1.0), node.at));
         if poisson {
             self.limit(&conductivity, "conductivity", "positive", |v| v > 0.0, "");
         }
         if let Some(d) = &density {
             self.limit(d, "density", "0 or positive", |v| v >= 0.0, "");
         }
-        let elastic = if poisson { None } else { self.elastic(b, model) };
-        Material { head: b.head(), name, law: None, elastic, conductivity, density }
+        let elastic = if poisson || law.is_some() { None } else { self.elastic(b, model) };
+        Material { head: b.head(), name, law, elastic, conductivity, density }
     }
 
-    /// The law of the registry that a material names. Keys of other laws are reported; where a value cannot be read, the law is without.
+    /// The law of the registry that a material names; where a value cannot be read, it is without.
     fn law(&mut self, b: &mut Block) -> Option<Located<Law>> {
-        let node = b.node("law").cloned();
-        let named = |n: &Node| matches!(&n.value, Value::Text(word) if word == "hooke");
-        let word = node.as_ref().filter(|n| !named(n)).and_then(|n| self.text_of(n, "law"));
-        let entry = word.as_ref().and_then(|word| self.known.laws.iter().find(|entry| entry.name == word.value).cloned());
-        let own: Vec<&str> = entry.iter().flat_map(|e| &e.keys).map(|k| k.name).collect();
-        let given: Vec<&'static str> = b.keys.iter().copied().filter(|key| b.has(key)).collect();
-        for key in given {
-            let foreign =
-                if entry.is_some() { !["name", "density", "law"].contains(&key) } else { !keys::MATERIAL.contains(&key) && key != "law" };
-            if foreign && !own.contains(&key) {
-                let law = entry.as_ref().map_or("hooke", |e| e.name.as_str());
-                let known = if entry.is_some() { own.join(", ") } else { keys::MATERIAL[1..].join(", ") };
-                self.fault("E015", b.key_at(key), format!("`{key}` is not a key of law {law:?}"), format!("keys here: name, {known}"));
+        const LATER: &[&str] = &["neo-hooke", "saint-venant-kirchhoff", "mooney-rivlin"];
+        let named = b.node("law").cloned();
+        let mut word = None;
+        if let Some(node) = &named {
+            match &node.value {
+                Value::Text(text) if LATER.contains(&text.as_str()) && self.known.laws.iter().all(|law| law.name != *text) => {
+                    self.fault("E019", node.at, format!("law = {text:?} is not in this version"), "write law = \"hooke\"");
+                }
+                _ => word = self.entry_name_of(b, node, "law"),
             }
         }
-        let (word, entry) = (word?, entry?);
-        let given = self.given(b, &entry.keys).unwrap_or_default();
-        Some(Located::new(Law { name: entry.name, given }, word.at))
+        let laws = self.known.laws.clone();
+        let chosen = word.as_deref().unwrap_or("hooke");
+        let given = self.entry(b, "law", chosen, &laws);
+        let entry = laws.into_iter().find(|law| law.name == chosen)?;
+        Some(Located::new(Law { name: entry.name, given: given.unwrap_or_default() }, named?.at))
     }
 
     fn elastic(&mut self, b: &mut Block, model: &Model) -> Option<Elastic> {
@@ -313,9 +236,11 @@ impl Reader {
         }
         let (first, second, values) = if lame { ("lambda", "mu", (1.0, 1.0)) } else { ("young", "poisson", (1.0, 0.3)) };
         let take = |r: &mut Self, key: &str, value: f64| {
-            let example = format!("{key} = {value:?} (give young and poisson, or lambda and mu)");
-            let node = r.required(b, key, &example)?;
-            r.formula_of(&node, key, Uses::Space)
+            if !b.has(key) {
+                let help = format!("write {key} = {value:?} (give young and poisson, or lambda and mu)");
+                r.fault("E013", b.at, format!("`{key}` is missing in {}", b.what), help);
+            }
+            r.formula(b, key, Uses::Space)
         };
         let (p, q) = (take(self, first, values.0), take(self, second, values.1));
         let (p, q) = (p?, q?);
@@ -357,10 +282,10 @@ impl Reader {
         let at = b.at;
         match (b.node("t").cloned(), b.node("count").cloned()) {
             (Some(_), Some(count)) => self.fault("E015", count.at, "`count` does not stand beside `t`", "leave one of them out"),
-            (None, None) => self.missing(b, "t", "t = [0.5, 1.0], or count = 2"),
-            (None, Some(count)) => {
-                if let Some(n) = self.whole_of(&count, "count", 1, 100_000) {
-                    return Located::new((1..=n).map(|k| k as f64 / n as f64).collect(), at);
+            (None, None) => self.fault("E013", at, format!("`t` is missing in {}", b.what), "write t = [0.5, 1.0], or count = 2"),
+            (None, Some(_)) => {
+                if let Some(n) = self.optional_whole(b, "count") {
+                    return Located::new((1..=n.value).map(|k| k as f64 / n.value as f64).collect(), at);
                 }
             }
             (Some(t), None) => {
@@ -379,20 +304,11 @@ impl Reader {
     }
 
     /// `[solver]`.
-    pub fn solver(&mut self, b: &mut Block, names: &Names) -> Solver {
-        let constraint = self.registered(b, "constraint", &names.constraints, "auto");
-        let linear = self.word(b, "linear", &[("auto", Linear::Auto), ("direct", Linear::Direct), ("iterative", Linear::Iterative)]);
-        if linear.value != Linear::Iterative && FACTORISING.contains(&constraint.value.as_str()) {
-            for key in ["tolerance", "max_iterations"].iter().filter(|k| b.has(k)) {
-                let help = "leave it out, or take constraint = \"schur\" or \"uzawa\", which iterate";
-                self.fault("E015", b.key_at(key), format!("`{key}` is a key of linear = \"iterative\""), help);
-            }
-        }
-        let tolerance = self.number(b, "tolerance", Sign::Positive).unwrap_or(Located::new(1e-10, b.at));
-        let max_iterations = b
-            .node("max_iterations")
-            .cloned()
-            .and_then(|n| self.whole_of(&n, "max_iterations", 1, 10_000_000).map(|v| Located::new(v, n.at)));
+    pub fn solver(&mut self, b: &mut Block) -> Solver {
+        let constraint = self.entry_name(b, "constraint");
+        let linear = self.word(b, "linear", &[Linear::Auto, Linear::Direct, Linear::Iterative]);
+        let tolerance = self.number_or_default(b, "tolerance");
+        let max_iterations = self.optional_whole(b, "max_iterations");
         if tolerance.value >= 1.0 {
             let message = format!("`tolerance` of the solver is relative and must be below 1, found {}", tolerance.value);
             self.fault("E015", tolerance.at, message, "write for example tolerance = 1e-10");
@@ -400,9 +316,6 @@ impl Reader {
         Solver { constraint, linear, tolerance, max_iterations }
     }
 }
-
-/// Constraint solvers that do not iterate with `linear = "direct"`.
-const FACTORISING: &[&str] = &["auto", "saddle-point", "condensed"];
 
 fn inherit<T: Clone>(defaults: Option<&Discretization>, field: impl Fn(&Discretization) -> &T) -> T {
     field(defaults.expect("a key without defaults is read from the block")).clone()

@@ -1,7 +1,6 @@
 //! Names that a case may use for backends, couplings, multipliers, constraint solvers, materials and obstacles.
 
-use super::key::{Key, KeyKind};
-use super::keys;
+use super::key::{Key, KeyKind, Special};
 use faying::contact::Needs;
 
 /// Known names; a registry adds its own to these.
@@ -47,14 +46,25 @@ pub struct MethodEntry {
     pub needs: Needs,
 }
 
+/// A family of the registry whose entries the value of a key names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum EntryFamily {
+    Backends,
+    Couplings,
+    Methods,
+    Integrations,
+    Constraints,
+    Laws,
+}
+
 /// `factor` of penalties and of Nitsche's method.
 fn factor() -> Key {
-    Key::new("factor", KeyKind::Auto, "multiplies modulus/h")
+    Key::new("factor", KeyKind::Auto, "multiplies modulus/h").default("\"auto\"")
 }
 
 /// `variant` of Nitsche's method.
 fn variant() -> Key {
-    Key::new("variant", KeyKind::Word(&["symmetric", "unsymmetric", "incomplete"]), "variant of Nitsche's method")
+    Key::new("variant", KeyKind::Word(&["symmetric", "unsymmetric", "incomplete"]), "variant of Nitsche's method").default("\"symmetric\"")
 }
 
 /// Keys of the couplings of the language.
@@ -67,26 +77,13 @@ pub(crate) fn built_in_couplings() -> Vec<EntryKeys> {
 pub(crate) fn built_in_methods() -> Vec<MethodEntry> {
     let of = |name: &str, keys: Vec<Key>, needs: Needs| MethodEntry { entry: EntryKeys { name: name.to_owned(), keys }, needs };
     let tolerance = "relative error of the multipliers at which the iteration ends; `reach` limits the distance of the sides";
-    let tolerance = Key::new("tolerance", KeyKind::Auto, tolerance);
+    let tolerance = Key::new("tolerance", KeyKind::Auto, tolerance).default("\"auto\"");
     vec![
         of("lagrange", Vec::new(), Needs::FUNCTIONS),
         of("penalty", vec![factor()], Needs::FUNCTIONS),
         of("augmented", vec![tolerance, factor()], Needs::FUNCTIONS),
         of("nitsche", vec![factor(), variant()], Needs::FLUXES),
     ]
-}
-
-/// The keys of a block and those of entries of the registry, these after `after`, each once.
-fn with_keys(block: &[&'static str], after: &str, entries: &[EntryKeys]) -> Vec<&'static str> {
-    let mut all: Vec<&'static str> = block.to_vec();
-    let mut at = all.iter().position(|key| *key == after).map_or(all.len(), |k| k + 1);
-    for key in entries.iter().flat_map(|e| &e.keys) {
-        if !all.contains(&key.name) {
-            all.insert(at, key.name);
-            at += 1;
-        }
-    }
-    all
 }
 
 impl Default for Names {
@@ -115,9 +112,60 @@ impl Names {
         lowered.is_some_and(|k| (1..=12).contains(&k)) || self.multipliers.iter().any(|known| known == name)
     }
 
-    /// Keys of `[[interface]]` and of `[[contact]]`, with those of couplings and methods.
-    pub(super) fn couple_keys(&self) -> [Vec<&'static str>; 2] {
-        [with_keys(keys::INTERFACE, "tolerance", &self.coupling_keys), with_keys(keys::CONTACT, "reach", &self.method_keys())]
+    /// The names of a family.
+    pub(super) fn words(&self, family: EntryFamily) -> Vec<&str> {
+        fn all(names: &[String]) -> Vec<&str> {
+            names.iter().map(String::as_str).collect()
+        }
+        match family {
+            EntryFamily::Backends => all(&self.backends),
+            EntryFamily::Couplings => all(&self.couplings),
+            EntryFamily::Methods => self.methods.iter().map(|m| m.entry.name.as_str()).collect(),
+            EntryFamily::Integrations => all(&self.integrations),
+            EntryFamily::Constraints => all(&self.constraints),
+            EntryFamily::Laws => std::iter::once("hooke").chain(self.laws.iter().map(|law| law.name.as_str())).collect(),
+        }
+    }
+
+    /// Entries of a family that have keys.
+    pub(super) fn entries(&self, family: EntryFamily) -> Vec<&EntryKeys> {
+        match family {
+            EntryFamily::Couplings => self.coupling_keys.iter().collect(),
+            EntryFamily::Methods => self.methods.iter().map(|m| &m.entry).collect(),
+            EntryFamily::Laws => self.laws.iter().collect(),
+            EntryFamily::Backends | EntryFamily::Integrations | EntryFamily::Constraints => Vec::new(),
+        }
+    }
+
+    /// The keys of a block, and behind a key that names an entry those of all entries of its family, each once.
+    pub(super) fn extended(&self, block: &[Key]) -> Vec<Key> {
+        let mut all: Vec<Key> = Vec::new();
+        for key in block {
+            if all.iter().any(|known| known.name == key.name) {
+                continue;
+            }
+            all.push(key.clone());
+            let Some(Special::Entry(family)) = key.special() else { continue };
+            for own in self.entries(*family).into_iter().flat_map(|entry| &entry.keys) {
+                if block.iter().chain(&all).all(|known| known.name != own.name || known.is_later()) {
+                    all.push(own.clone());
+                }
+            }
+        }
+        all
+    }
+
+    /// The entries that bring a key to an extended block: `method = "penalty"`; none for the block's own keys.
+    pub(super) fn owners(&self, block: &[Key], key: &Key) -> Vec<String> {
+        let families = block.iter().filter_map(|row| match row.special() {
+            Some(Special::Entry(family)) => Some((row.name, *family)),
+            _ => None,
+        });
+        let of = |(what, family): (&'static str, EntryFamily)| {
+            let entries = self.entries(family).into_iter().filter(|e| e.keys.contains(key));
+            entries.map(move |e| format!("{what} = {:?}", e.name)).collect::<Vec<_>>()
+        };
+        families.flat_map(of).collect()
     }
 
     /// Keys of the methods of contact.

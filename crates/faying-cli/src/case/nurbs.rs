@@ -1,6 +1,7 @@
 //! Reads inline `nurbs` geometry and checks knots, counts and weights at their places.
 
 use super::reader::{Block, Reader};
+use super::rows;
 use super::tree::{Node, Value};
 use super::types::Shape;
 use crate::place::Located;
@@ -24,10 +25,12 @@ impl Reader {
             weights: None,
         };
         let curve = n == 1;
-        let degree = self.required(b, "degree", if curve { "degree = 2" } else { "degree = [2, 1]" });
-        let knots =
-            self.required(b, "knots", if curve { "knots = [0, 0, 0, 1, 1, 1]" } else { "knots = [[0, 0, 0, 1, 1, 1], [0, 0, 1, 1]]" });
-        let points = self.required(b, "points", "points = [[0, 0], [1, 0], ..]");
+        if curve {
+            b.keys = rows::CURVE.to_vec();
+        }
+        let degree = self.required(b, "degree");
+        let knots = self.required(b, "knots");
+        let points = self.required(b, "points");
         let (Some(degree), Some(knots), Some(points)) = (degree, knots, points) else { return fallback };
         if let (3, Value::List(lists)) = (n, &knots.value)
             && lists.len() == 2

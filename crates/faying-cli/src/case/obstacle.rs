@@ -1,7 +1,7 @@
 //! Reads `rigid = { kind = .. }`: an obstacle with its place and its motion.
 
-use super::keys;
-use super::reader::{Block, Reader, Sign, Uses};
+use super::reader::{Block, Reader, Uses};
+use super::rows;
 use super::tree::{Node, Table, Value};
 use super::types::*;
 use crate::place::Located;
@@ -12,10 +12,8 @@ impl Reader {
     /// The obstacle and its table with all defaults.
     pub(super) fn obstacle(&mut self, node: &Node) -> Option<(Obstacle, Table)> {
         let added = self.known.obstacles.clone();
-        let own: Vec<Vec<&'static str>> = added.iter().map(|entry| entry.keys.iter().map(|k| k.name).collect()).collect();
-        let mut kinds: Vec<(&str, &[&'static str])> = keys::OBSTACLES.iter().chain(keys::OBSTACLE_GEOMETRIES).copied().collect();
-        kinds.extend(added.iter().zip(&own).map(|(entry, keys)| (entry.name.as_str(), keys.as_slice())));
-        let (mut b, kind) = self.kinded(node, "rigid", &kinds, keys::OBSTACLE)?;
+        let (mut b, kind) = self.kinded(node, "rigid", &rows::obstacles(&self.known))?;
+        let kind = kind.as_str();
         let at = b.node("kind").map_or(node.at, |k| k.at);
         let plane = self.dimension == 2;
         if plane && matches!(kind, "cylinder" | "torus" | "sphere-octant") {
@@ -44,33 +42,32 @@ impl Reader {
 
     fn obstacle_shape(&mut self, b: &mut Block, kind: &str, at: crate::place::Place, plane: bool) -> Option<ObstacleShape> {
         let axis = |r: &mut Self, b: &Block| {
-            let v = r.required_vector(b, "axis", "axis = [0, 0, 1]");
+            let v = r.required_vector(b, "axis");
             r.unit(v, "axis")
         };
-        let origin = if plane { "center = [0, 0]" } else { "center = [0, 0, 0]" };
         Some(match kind {
             "half-plane" => {
-                let point = self.required_vector(b, "point", if plane { "point = [0, 0]" } else { "point = [0, 0, 0]" });
-                let normal = self.required_vector(b, "normal", if plane { "normal = [0, 1]" } else { "normal = [0, 0, 1]" });
+                let point = self.required_vector(b, "point");
+                let normal = self.required_vector(b, "normal");
                 let normal = if b.has("normal") { self.unit(normal, "normal") } else { normal };
                 ObstacleShape::HalfPlane { point, normal }
             }
             "sphere" => ObstacleShape::Sphere {
-                center: self.required_vector(b, "center", origin),
-                radius: self.required_number(b, "radius", Sign::Positive, "radius = 1.0"),
-                inside: self.flag(b, "inside", false),
+                center: self.required_vector(b, "center"),
+                radius: self.required_number(b, "radius"),
+                inside: self.flag(b, "inside"),
             },
             "cylinder" => ObstacleShape::Cylinder {
-                center: self.required_vector(b, "center", origin),
+                center: self.required_vector(b, "center"),
                 axis: axis(self, b),
-                radius: self.required_number(b, "radius", Sign::Positive, "radius = 1.0"),
+                radius: self.required_number(b, "radius"),
             },
             "torus" => ObstacleShape::Torus {
-                center: self.required_vector(b, "center", origin),
+                center: self.required_vector(b, "center"),
                 axis: axis(self, b),
                 radius: {
                     // [R, r]: the tube is thinner
-                    let node = self.required(b, "radius", "radius = [2.0, 0.5]")?;
+                    let node = self.required(b, "radius")?;
                     let r = self.numbers_of(&node, "radius")?;
                     if r.len() != 2 || r.iter().any(|v| v.value <= 0.0) {
                         self.fault("E015", node.at, "`radius` must be two positive numbers", "write radius = [2.0, 0.5]");
@@ -80,7 +77,7 @@ impl Reader {
                 },
             },
             "level-set" => {
-                let f = self.required(b, "f", "f = \"y - 0.1*x^2\"").and_then(|n| self.formula_of(&n, "f", Uses::Space));
+                let f = self.required(b, "f").and_then(|n| self.formula_of(&n, "f", Uses::Space));
                 let along = b.node("along").cloned().and_then(|n| self.vector_of(&n, "along", false));
                 let along = along.map(|v| self.unit(v, "along"));
                 ObstacleShape::LevelSet { f: f?, along }
@@ -91,14 +88,11 @@ impl Reader {
                 let mut geometry = Geometry {
                     shape: Located::new(shape, at),
                     extrude: None,
-                    scale: self.number(b, "scale", Sign::Positive),
-                    rotate_deg: self.number(b, "rotate_deg", Sign::Any),
+                    scale: self.number(b, "scale"),
+                    rotate_deg: self.number(b, "rotate_deg"),
                     axis: b.node("axis").cloned().and_then(|n| self.vector_of(&n, "axis", false)),
                     translate: None,
                 };
-                if let (true, Some(a)) = (plane, &geometry.axis) {
-                    self.fault("E015", a.at, "`axis` is a key of 3D rotations", "");
-                }
                 self.obstacle_parts(&mut geometry)?;
                 ObstacleShape::Geometry(Box::new(geometry))
             }

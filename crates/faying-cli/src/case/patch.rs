@@ -1,12 +1,15 @@
 //! Reads `[[patch]]`: shape, elements, grading, discretization.
 
-use super::keys;
-use super::names::Names;
+use super::key::Key;
 use super::reader::{Block, Reader, Sign};
+use super::rows;
 use super::tree::{Node, Table, Value};
 use super::types::*;
 use crate::errors::{Diagnostic, nearest};
 use crate::place::Located;
+
+/// The key that tells kinds apart.
+const KIND: Key = Key::new("kind", super::key::KeyKind::Text, "which kind").required("\"box\"");
 
 /// Most elements of one direction; the size of the whole is limited later.
 const MOST_ELEMENTS: i64 = 1_000_000;
@@ -19,9 +22,8 @@ impl Reader {
         model: &Model,
         defaults: &Discretization,
         materials: &[Material],
-        names: &Names,
     ) -> Vec<Patch> {
-        let patches = self.list(root, "patch", keys::PATCH, |r, b, k| r.patch(b, k, model, defaults, materials, names));
+        let patches = self.list(root, "patch", rows::PATCH, |r, b, k| r.patch(b, k, model, defaults, materials));
         self.unique("patch", &patches.iter().map(|p| p.name.clone()).collect::<Vec<_>>());
         if !root.has("patch") {
             let help = "write [[patch]] with name, geometry and elements";
@@ -39,18 +41,17 @@ impl Reader {
         model: &Model,
         defaults: &Discretization,
         materials: &[Material],
-        names: &Names,
     ) -> Patch {
-        let name = self.name(b, "patch", index, true);
+        let name = self.name(b, "patch", index);
         let mut geometry = self.patch_geometry(b);
         let from = self.parts(&mut geometry.value, false);
         self.from_files.push(from);
         let material = self.patch_material(b, materials);
-        let mut discretization = self.discretization(b, Some(defaults), names);
+        let mut discretization = self.discretization(b, Some(defaults));
         self.mesh_discretization(b, &geometry, &mut discretization);
         self.check_discretization(&discretization);
         let elements = self.elements(b, &geometry.shape);
-        let refine = self.whole(b, "refine", 0, 20, 0);
+        let refine = self.whole(b, "refine");
         let grade = self.grade(b, &elements);
         let poisson = model.physics.value == Physics::Poisson;
         let source = self.source(b, poisson, model.components());
@@ -62,18 +63,11 @@ impl Reader {
                 "it follows from `exact`; leave one of them out",
             );
         }
-        let gravity = self.gravity(b, poisson);
+        let gravity = self.gravity(b);
         let closed = b.node("closed").cloned().and_then(|n| self.text_of(&n, "closed"));
-        let glue = self.flag_without_default(b, "glue", true);
-        if b.has("glue") && !matches!(geometry.shape.value, Shape::File { .. }) {
-            let message = "`glue` is a key of files of several patches";
-            self.fault("E015", b.key_at("glue"), message, "write an interface with coupling = \"glue\" to glue patches");
-        }
+        let glue = b.node("glue").cloned().and_then(|n| self.flag_of(&n, "glue").map(|glue| Located::new(glue, n.at)));
+        let glue = glue.unwrap_or(Located::new(true, b.at));
         Patch { head: b.head(), name, geometry, material, elements, refine, grade, discretization, source, gravity, closed, glue }
-    }
-
-    fn flag_without_default(&mut self, b: &mut Block, key: &str, default: bool) -> Located<bool> {
-        if b.has(key) { self.flag(b, key, default) } else { Located::new(default, b.at) }
     }
 
     fn patch_material(&mut self, b: &mut Block, materials: &[Material]) -> Located<usize> {
@@ -120,7 +114,7 @@ impl Reader {
                 at,
             )
         };
-        let Some(node) = self.required(b, "geometry", "geometry = { kind = \"box\", min = [0, 0], max = [1, 1] }") else {
+        let Some(node) = self.required(b, "geometry") else {
             return fallback(b.at);
         };
         let Some((geometry, table)) = self.geometry(&node) else { return fallback(node.at) };
@@ -130,16 +124,13 @@ impl Reader {
 
     /// `geometry = { kind = .. }`.
     fn geometry(&mut self, node: &Node) -> Option<(Located<Geometry>, Table)> {
-        let (mut b, kind) = self.kinded(node, "geometry", keys::GEOMETRIES, keys::MOTIONS)?;
+        let (mut b, kind) = self.kinded(node, "geometry", &rows::geometries())?;
         let at = b.node("kind").map_or(node.at, |k| k.at);
-        let shape = Located::new(self.shape_of_patch(&mut b, kind), at);
-        let extrude = self.number(&b, "extrude", Sign::Positive);
-        let scale = self.number(&b, "scale", Sign::Positive);
-        let rotate_deg = self.number(&b, "rotate_deg", Sign::Any);
+        let shape = Located::new(self.shape_of_patch(&mut b, &kind), at);
+        let extrude = self.number(&b, "extrude");
+        let scale = self.number(&b, "scale");
+        let rotate_deg = self.number(&b, "rotate_deg");
         let axis = b.node("axis").cloned().and_then(|n| self.vector_of(&n, "axis", false));
-        if let (2, Some(a)) = (self.dimension, &axis) {
-            self.fault("E015", a.at, "`axis` is a key of 3D rotations", "");
-        }
         if let (2, Some(h)) = (self.dimension, &extrude) {
             self.fault(
                 "E044",
@@ -167,36 +158,32 @@ impl Reader {
     }
 
     /// Opens a table with a `kind`; keys of other kinds are E015, keys of none E012.
-    pub fn kinded<'k>(
-        &mut self,
-        node: &Node,
-        what: &str,
-        kinds: &[(&'k str, &'k [&'static str])],
-        common: &[&'static str],
-    ) -> Option<(Block, &'k str)> {
-        let all: Vec<&'static str> =
-            std::iter::once("kind").chain(kinds.iter().flat_map(|(_, k)| k.iter().copied())).chain(common.iter().copied()).collect();
+    pub fn kinded(&mut self, node: &Node, what: &str, kinds: &[(String, Vec<Key>)]) -> Option<(Block, String)> {
+        let all: Vec<&'static str> = std::iter::once("kind").chain(kinds.iter().flat_map(|(_, keys)| keys).map(|k| k.name)).collect();
+        let mut list: Vec<&str> = Vec::new();
+        for (kind, _) in kinds {
+            if !list.contains(&kind.as_str()) {
+                list.push(kind);
+            }
+        }
         // the kind first: its keys are the ones to suggest
         let kind_node = match &node.value {
             Value::Table(t) => self.kind_of(t, what, &all),
             _ => {
-                self.wrong_type(node, what, "a table with a `kind`", format!("write {what} = {{ kind = {:?}, .. }}", kinds[0].0));
+                self.wrong_type(node, what, "a table with a `kind`", format!("write {what} = {{ kind = {:?}, .. }}", list[0]));
                 return None;
             }
         };
-        let words: Vec<(&str, usize)> = kinds.iter().enumerate().map(|(k, (n, _))| (*n, k)).collect();
         let Some(kind_node) = kind_node else {
-            let list = kinds.iter().map(|(k, _)| *k).collect::<Vec<_>>().join(", ");
-            self.fault(
-                "E013",
-                node.at,
-                format!("`kind` is missing in `{what}`"),
-                format!("write {what} = {{ kind = {:?}, .. }}; kinds: {list}", kinds[0].0),
-            );
+            let help = format!("write {what} = {{ kind = {:?}, .. }}; kinds: {}", list[0], list.join(", "));
+            self.fault("E013", node.at, format!("`kind` is missing in `{what}`"), help);
             return None;
         };
-        let (kind, own) = kinds[self.word_of(&kind_node, "kind", &words)?];
-        let known: Vec<&'static str> = std::iter::once("kind").chain(own.iter().copied()).chain(common.iter().copied()).collect();
+        let words: Vec<(&str, usize)> = list.iter().enumerate().map(|(k, kind)| (*kind, k)).collect();
+        let kind = list[self.word_of(&kind_node, "kind", &words)?];
+        let (_, own) = kinds.iter().find(|(name, _)| name == kind)?;
+        let keys = [&[KIND], own.as_slice()].concat();
+        let known = |key: &str| keys.iter().any(|k| k.name == key);
         let Value::Table(table) = &node.value else { return None };
         let mut table = table.clone();
         if table.get("kind").is_none() {
@@ -206,15 +193,15 @@ impl Reader {
             }
         }
         for e in &table.entries {
-            if !known.contains(&e.key.as_str()) && all.contains(&e.key.as_str()) {
-                let help = format!("keys here: {}", known.join(", "));
+            if !known(&e.key) && all.contains(&e.key.as_str()) {
+                let help = format!("keys here: {}", keys.iter().map(|k| k.name).collect::<Vec<_>>().join(", "));
                 self.fault("E015", e.key_at, format!("`{}` is not a key of kind {kind:?}", e.key), help);
             }
         }
-        table.entries.retain(|e| known.contains(&e.key.as_str()) || !all.contains(&e.key.as_str()));
+        table.entries.retain(|e| known(&e.key) || !all.contains(&e.key.as_str()));
         let clean = Node { value: Value::Table(table), ..node.clone() };
-        let b = self.block(&clean, &format!("`{what}` of kind {kind:?}"), &known)?;
-        Some((b, kind))
+        let b = self.block(&clean, &format!("`{what}` of kind {kind:?}"), &keys)?;
+        Some((b, kind.to_owned()))
     }
 
     // `kind`, or the misspelt key nearest to it
@@ -223,7 +210,7 @@ impl Reader {
             return Some(e.node.clone());
         }
         let e = table.entries.iter().find(|e| !all.contains(&e.key.as_str()) && nearest(&e.key, all.iter().copied()) == Some("kind"))?;
-        self.unknown_key(&e.key, e.key_at, &format!("`{what}`"), &["kind"]);
+        self.unknown_key(&e.key, e.key_at, &format!("`{what}`"), &[KIND], "kind");
         Some(e.node.clone())
     }
 
@@ -231,8 +218,8 @@ impl Reader {
     pub fn shape(&mut self, b: &mut Block, kind: &str) -> Shape {
         match kind {
             "box" => {
-                let min = self.required_vector(b, "min", if self.dimension == 2 { "min = [0, 0]" } else { "min = [0, 0, 0]" });
-                let max = self.required_vector(b, "max", if self.dimension == 2 { "max = [1, 1]" } else { "max = [1, 1, 1]" });
+                let min = self.required_vector(b, "min");
+                let max = self.required_vector(b, "max");
                 if b.has("min") && b.has("max") {
                     let wrong = min.iter().zip(max.iter()).position(|(a, c)| a >= c);
                     // both zero: one of them was in error already
@@ -249,16 +236,16 @@ impl Reader {
                 Shape::Box { min, max }
             }
             "annulus-sector" => {
-                let radius = self.pair(b, "radius", Sign::Positive, "radius = [1.0, 2.0]");
+                let radius = self.pair(b, "radius", Sign::Positive);
                 Shape::AnnulusSector { center: self.center(b), radius, angle_deg: self.angles(b) }
             }
             "disc-sector" => {
-                let radius = self.required_number(b, "radius", Sign::Positive, "radius = 1.0");
+                let radius = self.required_number(b, "radius");
                 Shape::DiscSector { center: self.center(b), radius, angle_deg: self.angles(b) }
             }
             "plate-with-hole" => {
-                let radius = self.required_number(b, "radius", Sign::Positive, "radius = 1.0");
-                let half_width = self.required_number(b, "half_width", Sign::Positive, "half_width = 4.0");
+                let radius = self.required_number(b, "radius");
+                let half_width = self.required_number(b, "half_width");
                 if b.has("radius") && b.has("half_width") && half_width.value <= radius.value && half_width.value != 1.0 {
                     self.fault(
                         "E015",
@@ -270,7 +257,7 @@ impl Reader {
                 Shape::PlateWithHole { radius, half_width }
             }
             "sphere-octant" => {
-                let radius = self.pair(b, "radius", Sign::Positive, "radius = [1.0, 2.0]");
+                let radius = self.pair(b, "radius", Sign::Positive);
                 Shape::SphereOctant { center: self.center(b), radius }
             }
             "nurbs" => self.nurbs(b),
@@ -292,7 +279,7 @@ impl Reader {
     }
 
     fn angles(&mut self, b: &mut Block) -> Located<[f64; 2]> {
-        let angles = self.pair(b, "angle_deg", Sign::Any, "angle_deg = [0, 90]");
+        let angles = self.pair(b, "angle_deg", Sign::Any);
         if angles[1] - angles[0] > 360.0 {
             self.fault("E015", angles.at, format!("`angle_deg` spans more than 360 degrees: {:?} to {:?}", angles[0], angles[1]), "");
         }
@@ -306,7 +293,8 @@ impl Reader {
         let ones = |at| Located::new(vec![Located::new(count(1), at); n], at);
         let Some(node) = b.node("elements").cloned() else {
             if shape.is_built_in() {
-                self.missing(b, "elements", if n == 2 { "elements = [4, 4]" } else { "elements = [4, 4, 4]" });
+                let help = if n == 2 { "write elements = [4, 4]" } else { "write elements = [4, 4, 4]" };
+                self.fault("E013", b.at, format!("`elements` is missing in {}", b.what), help);
                 return ones(b.at);
             }
             if shape.mesh_part().is_some() {
@@ -362,10 +350,9 @@ impl Reader {
 
     fn grade(&mut self, b: &mut Block, elements: &Located<Vec<Located<Divisions>>>) -> Option<Located<Vec<Option<Grading>>>> {
         let node = b.node("grade").cloned()?;
-        let example = "grade = { toward = { u = 0.5, v = 0.0 }, ratio = 0.02 }";
-        let inner = self.block(&node, "`grade`", keys::GRADE)?;
-        let toward = self.required(&inner, "toward", example);
-        let ratio = self.required_number(&inner, "ratio", Sign::Positive, example);
+        let inner = self.block(&node, "`grade`", rows::GRADE)?;
+        let toward = self.required(&inner, "toward");
+        let ratio = self.required_number(&inner, "ratio");
         if ratio.value > 1.0 {
             self.fault(
                 "E015",
@@ -374,11 +361,10 @@ impl Reader {
                 "it is the first element's size over the uniform size",
             );
         }
-        let directions: &[&'static str] = &["u", "v", "w"][..self.dimension];
-        let places = self.block(&toward?, "`toward`", directions)?;
+        let places = self.block(&toward?, "`toward`", &rows::PARAMETERS[..self.dimension])?;
         let mut out = Vec::new();
-        for (k, d) in directions.iter().enumerate() {
-            let at = self.number(&places, d, Sign::Any);
+        for (k, d) in places.keys.iter().map(|key| key.name).enumerate() {
+            let at = self.number(&places, d);
             if let Some(p) = &at {
                 if !(0.0..=1.0).contains(&p.value) {
                     self.fault("E015", p.at, format!("`{d}` must be from 0 to 1, found {:?}", p.value), "it is a parameter of the patch");

@@ -2,7 +2,7 @@
 
 use super::reader::Reader;
 use super::types::Case;
-use super::{Changes, Names, changes, set, tree};
+use super::{Changes, Names, axes, set, tree};
 use crate::errors::{Diagnostic, Diagnostics, Source, nearest};
 use crate::formula::Constants;
 use crate::place::Lines;
@@ -71,7 +71,8 @@ impl Case {
             names: Vec::new(),
             known: options.names.clone(),
             dimension: 2,
-            components: 1,
+            components: 2,
+            backend: None,
             broken: BTreeSet::new(),
             density_broken: false,
             folder: options.folder.clone().unwrap_or_default(),
@@ -89,10 +90,10 @@ impl Case {
             }
         }
         if let Some(backend) = &options.backend {
-            changes::apply(&mut root, &Changes { backend: Some(backend.clone()), ..Changes::default() }, &options.names);
+            axes::apply(&mut root, &Changes { backend: Some(backend.clone()), ..Changes::default() }, &options.names);
         }
-        changes::apply(&mut root, &options.changes, &options.names);
-        let case = reader.case(root, options);
+        axes::apply(&mut root, &options.changes, &options.names);
+        let case = reader.case(root);
         let mut found = reader.found;
         found.sort();
         if found.has_errors() {

@@ -226,6 +226,26 @@ impl Reader {
         }
     }
 
+    /// Reports interfaces and contacts between surfaces, which this version does not have, and forces of obstacles that a method cannot take.
+    pub fn surfaces(&mut self, case: &Case) {
+        if case.model.dimension.value == 3 {
+            for tie in case.interfaces.iter().filter(|t| ["mortar", "nitsche", "penalty"].contains(&t.coupling.value.as_str())) {
+                let help = "share the unknowns of sides that match by coupling = \"glue\", or take a plane model";
+                self.fault("E019", tie.head.at, "interfaces between surfaces are not in this version", help);
+            }
+            for c in &case.contacts {
+                let help = "take a plane model of the cross-section: contact between lines is there";
+                self.fault("E019", c.head.at, "contact between surfaces is not in this version", help);
+            }
+        }
+        for c in case.contacts.iter().filter(|c| !c.needs.pressed) {
+            let Master::Rigid(obstacle) = &c.master else { continue };
+            let Some(f) = obstacle.force.iter().flatten().next() else { continue };
+            let message = format!("`force` of an obstacle with method = {:?} is not in this version", c.method.value);
+            self.fault("E019", f.at, message, "write method = \"lagrange\", or use move");
+        }
+    }
+
     /// Checks that data marked "exact" have `exact` in the model (E062).
     pub fn exact_data(&mut self, boundaries: &[Boundary], model: &Model) {
         if model.exact.is_some() || self.broken.contains("exact") {

@@ -1,8 +1,8 @@
 //! Reads `[[probe]]`, `[[check]]` and `[study.*]`.
 
-use super::keys;
-use super::names::Names;
+use super::key::KeyKind;
 use super::reader::{Block, Reader, Uses};
+use super::rows;
 use super::tree::{Node, Value};
 use super::types::*;
 use crate::errors::{Diagnostic, nearest};
@@ -11,7 +11,7 @@ use crate::place::Located;
 
 impl Reader {
     fn quantity(&mut self, b: &Block) -> Located<String> {
-        let node = self.required(b, "quantity", "quantity = \"u.y at [1.0, 0.5]\"");
+        let node = self.required(b, "quantity");
         let Some(text) = node.and_then(|n| self.text_of(&n, "quantity")) else { return Located::new("energy".to_owned(), b.at) };
         if text.trim().is_empty() {
             self.fault("E018", text.at, "the quantity is empty", "write for example quantity = \"energy\"");
@@ -21,12 +21,12 @@ impl Reader {
 
     /// One `[[probe]]`.
     pub fn probe(&mut self, b: &mut Block, index: usize) -> Probe {
-        Probe { head: b.head(), name: self.name(b, "probe", index, false), quantity: self.quantity(b) }
+        Probe { head: b.head(), name: self.name(b, "probe", index), quantity: self.quantity(b) }
     }
 
     /// One `[[check]]`.
-    pub fn check(&mut self, b: &mut Block, index: usize, names: &Names) -> Check {
-        let name = self.name(b, "check", index, false);
+    pub fn check(&mut self, b: &mut Block, index: usize) -> Check {
+        let name = self.name(b, "check", index);
         let quantity = self.quantity(b);
         let given: Vec<&str> = ["below", "above", "equals"].into_iter().filter(|k| b.has(k)).collect();
         let zero = || Located::new(Formula::constant(0.0), b.at);
@@ -34,17 +34,12 @@ impl Reader {
         if let Some(second) = given.get(1) {
             self.fault("E015", b.key_at(second), format!("`{second}` does not stand beside `{}`", given[0]), "write two checks");
         }
-        for key in ["rtol", "atol"] {
-            if b.has(key) && !b.has("equals") {
-                self.fault("E015", b.key_at(key), format!("`{key}` belongs to `equals`"), "");
-            }
-        }
         let condition = match given.first().copied() {
             Some("below") => Condition::Below(bound(self, "below")),
             Some("above") => Condition::Above(bound(self, "above")),
             Some(_) => {
                 if !b.has("rtol") && !b.has("atol") {
-                    self.missing(b, "rtol", "rtol = 1e-6, or atol");
+                    self.fault("E013", b.at, format!("`rtol` is missing in {}", b.what), "write rtol = 1e-6, or atol");
                 }
                 let value = bound(self, "equals");
                 Condition::Equals { value, rtol: self.tolerance(b, "rtol"), atol: self.tolerance(b, "atol") }
@@ -56,11 +51,10 @@ impl Reader {
             }
         };
         let backend = b.node("backend").cloned().and_then(|node| {
-            let value = self.registered_of(&node, "backend", &names.backends)?;
+            let value = self.entry_name_of(b, &node, "backend")?;
             Some(Located::new(value, node.at))
         });
-        let over_all =
-            b.node("over").cloned().and_then(|node| self.word_of(&node, "over", &[("all", ())]).map(|()| Located::new((), node.at)));
+        let over_all = self.optional_word(b, "over", &[()]);
         Check { head: b.head(), name, quantity, condition, backend, over_all }
     }
 
@@ -81,18 +75,18 @@ impl Reader {
         };
         let mut out = Vec::new();
         for e in &table.entries {
-            if !keys::STUDIES.contains(&e.key.as_str()) {
+            if !rows::STUDIES.contains(&e.key.as_str()) {
                 let mut d = Diagnostic::error("E012", format!("unknown study `{}`", e.key));
-                if let Some(near) = nearest(&e.key, keys::STUDIES.iter().copied()) {
+                if let Some(near) = nearest(&e.key, rows::STUDIES.iter().copied()) {
                     d = d.with_label(format!("did you mean `{near}`?"));
                 }
-                self.push(e.key_at, d.with_help(format!("studies: {}", keys::STUDIES.join(", "))));
+                self.push(e.key_at, d.with_help(format!("studies: {}", rows::STUDIES.join(", "))));
                 continue;
             }
-            let Some(b) = self.block(&e.node, &format!("`study.{}`", e.key), keys::STUDY) else { continue };
+            let Some(b) = self.block(&e.node, &format!("`study.{}`", e.key), rows::STUDY) else { continue };
             let values = StudyValues {
                 name: e.key.clone(),
-                levels: b.node("levels").cloned().and_then(|levels| self.whole_of(&levels, "levels", 1, 20)),
+                levels: self.optional_whole(&b, "levels").map(|n| n.value),
                 degrees: b.node("degrees").cloned().map_or(Vec::new(), |node| self.study_degrees(&node)),
                 backends: self.words(&b, "backends"),
                 pairings: self.words(&b, "pairings"),
@@ -100,24 +94,19 @@ impl Reader {
                 extra_points: self.study_points(&b),
                 vary: self.words(&b, "vary"),
                 quantities: self.words(&b, "quantities"),
-                norm: self.one_of(&b, "norm", &["l2", "h-half"]),
-                ends: self.one_of(&b, "ends", &["case", "zero", "free"]),
-                tol: b.node("tol").cloned().and_then(|tol| self.number_of(&tol, "tol", super::reader::Sign::Positive)),
+                norm: self.one_of(&b, "norm"),
+                ends: self.one_of(&b, "ends"),
+                tol: self.number(&b, "tol").map(|v| v.value),
             };
             out.push(Located::new(values, e.key_at));
         }
         out
     }
 
-    // one of some words
-    fn one_of(&mut self, b: &Block, key: &str, words: &[&str]) -> Option<String> {
-        let node = b.node(key).cloned()?;
-        let text = self.text_of(&node, key)?;
-        if !words.contains(&text.value.as_str()) {
-            self.fault("E015", text.at, format!("unknown {key} \"{}\"", text.value), format!("known: {}", words.join(", ")));
-            return None;
-        }
-        Some(text.value)
+    // one of the words of a key
+    fn one_of(&mut self, b: &Block, key: &str) -> Option<String> {
+        let KeyKind::Word(words) = b.key(key).kind else { panic!("`{key}` is no word") };
+        self.optional_word(b, key, words).map(|word| word.value.to_owned())
     }
 
     // a text or a list of texts

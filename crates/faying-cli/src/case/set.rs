@@ -3,7 +3,8 @@
 //! Entries of `[[lists]]` are named by their `name` or by their position from 0: `patch.lower.degree=3`,
 //! `boundary.1.pressure=2`. A value that is not TOML is taken as a text, so `patch.lower.backend=fe` needs no quotes.
 
-use super::keys;
+use super::key::Special;
+use super::rows;
 use super::tree::{Node, Table, Value, parse_value};
 use crate::errors::{Diagnostic, nearest};
 use crate::place::{Origin, Place};
@@ -46,7 +47,7 @@ fn put(table: &mut Table, path: &[&str], value: Node, at: Place) -> Result<(), F
         return Ok(());
     }
     if table.get(key).is_none() {
-        if keys::LISTS.contains(&key) {
+        if rows::ROOT.iter().any(|row| row.name == key && matches!(row.special(), Some(Special::Blocks(_)))) {
             return Err(("E012", format!("there is no [[{key}]] in the case"), None));
         }
         if path[1].parse::<usize>().is_ok() {

@@ -1,15 +1,12 @@
 //! Reads `[[interface]]` and `[[contact]]`.
 
-use super::keys;
-use super::names::Names;
-use super::reader::{Block, Reader, Sign, Uses};
+use super::reader::{Block, Reader, Uses};
+use super::rows;
 use super::tree::{Node, Table, Value};
 use super::types::*;
 use crate::errors::{Diagnostic, nearest};
-use crate::formula::{Constants, Formula, Scope};
+use crate::formula::Formula;
 use crate::place::Located;
-
-const NO_MULTIPLIER: &str = "this method has no multiplier";
 
 // k of the multiplier p/p-k
 fn lowered_by(name: &str) -> Option<usize> {
@@ -18,36 +15,25 @@ fn lowered_by(name: &str) -> Option<usize> {
 
 impl Reader {
     /// One `[[interface]]`.
-    pub fn interface(&mut self, b: &mut Block, index: usize, model: &Model, patches: &[Patch], names: &Names) -> Tie {
-        let name = self.name(b, "interface", index, false);
+    pub fn interface(&mut self, b: &mut Block, index: usize, model: &Model, patches: &[Patch]) -> Tie {
+        let name = self.name(b, "interface", index);
         let between = b.node("between").cloned().and_then(|node| self.between(&node, patches));
-        let mut side = |key: &str, example: &str| {
+        let mut side = |key: &str| {
             if b.has("between") {
                 if b.has(key) {
                     self.fault("E015", b.key_at(key), format!("`{key}` does not stand beside `between`"), "");
                 }
                 return Vec::new();
             }
-            self.required(b, key, example).map_or(Vec::new(), |node| self.sides(&node, key, patches))
+            self.required(b, key).map_or(Vec::new(), |node| self.sides(&node, key, patches))
         };
-        let (slave, master) = (side("slave", "slave = \"upper.v0\""), side("master", "master = \"lower.v1\""));
-        let coupling = self.registered(b, "coupling", &names.couplings, "mortar");
-        // glued sides share their unknowns: there is no multiplier and nothing to integrate
-        let glue = coupling.value == "glue";
-        for key in ["multiplier", "integration", "extra_points", "exact"].into_iter().filter(|key| glue && b.has(key)) {
-            let message = format!("`{key}` is not a key of coupling = \"glue\"");
-            self.fault("E015", b.key_at(key), message, "glued sides share their unknowns: there is no multiplier");
-        }
-        let none = || Located::new(Multiplier::Named("auto".to_owned()), b.at);
-        if !glue && !names.has_rows(&coupling.value) {
-            let kind = format!("coupling = {:?}", coupling.value);
-            self.only_default(b, "multiplier", "auto", &kind, "this coupling has no multiplier");
-        }
-        let multiplier = if glue { none() } else { self.multiplier(b, names) };
-        let integration = if glue { Located::new("merged".to_owned(), b.at) } else { self.integration(b, names) };
-        let extra_points = if glue { Located::new(0, b.at) } else { self.whole(b, "extra_points", 0, 60, 0) };
+        let (slave, master) = (side("slave"), side("master"));
+        let coupling = self.entry_name(b, "coupling");
+        let multiplier = self.multiplier(b);
+        let integration = self.integration(b);
+        let extra_points = self.whole(b, "extra_points");
         let tolerance = self.auto(b, "tolerance");
-        let given = self.entry(b, "coupling", &coupling.value, &names.coupling_keys);
+        let given = self.entry(b, "coupling", &coupling.value, &self.known.coupling_keys.clone());
         let exact = b.node("exact").cloned().map(|node| self.field_of(&node, "exact", Uses::Space, model.components()));
         Tie {
             head: b.head(),
@@ -66,49 +52,36 @@ impl Reader {
     }
 
     /// `integration`.
-    fn integration(&mut self, b: &mut Block, names: &Names) -> Located<String> {
-        let word = self.registered(b, "integration", &names.integrations, "merged");
+    fn integration(&mut self, b: &mut Block) -> Located<String> {
+        let word = self.entry_name(b, "integration");
         // another name
         if word.value == "segments" { Located::new("merged".to_owned(), word.at) } else { word }
     }
 
     /// One `[[contact]]`.
-    pub fn contact(&mut self, b: &mut Block, index: usize, model: &Model, patches: &[Patch], names: &Names) -> Contact {
-        let name = self.name(b, "contact", index, false);
+    pub fn contact(&mut self, b: &mut Block, index: usize, model: &Model, patches: &[Patch]) -> Contact {
+        let name = self.name(b, "contact", index);
         if model.physics.value == Physics::Poisson {
             self.fault("E015", b.at, "[[contact]] needs physics = \"elasticity\", the physics here is poisson", "");
         }
-        let slave = self.required(b, "slave", "slave = \"upper.v0\"").map_or(Vec::new(), |node| self.sides(&node, "slave", patches));
+        let slave = self.required(b, "slave").map_or(Vec::new(), |node| self.sides(&node, "slave", patches));
         let master = self.master(b, patches);
-        let gap = match b.node("gap").cloned() {
-            Some(node) => self.formula_of(&node, "gap", Uses::Gap),
-            None => {
-                let at = b.default("gap", Value::Text("g".to_owned()));
-                let f = Formula::parse("g", &Scope::gap(&Constants::default())).expect("g is a gap formula");
-                Some(Located::new(f, at))
-            }
-        };
-        let gap = gap.unwrap_or_else(|| Located::new(Formula::constant(0.0), b.at));
-        let methods: Vec<String> = names.methods.iter().map(|m| m.entry.name.clone()).collect();
-        let method = self.registered(b, "method", &methods, "lagrange");
-        let needs = names.needs(&method.value);
-        let kind = format!("method = {:?}", method.value);
-        if !needs.multiplier {
-            self.only_default(b, "multiplier", "auto", &kind, NO_MULTIPLIER);
-            self.only_default(b, "cone", "coefficients", &kind, NO_MULTIPLIER);
-        }
+        let node = self.value_of(b, "gap");
+        let gap = self.formula_of(&node, "gap", Uses::Gap).unwrap_or_else(|| Located::new(Formula::constant(0.0), b.at));
+        let method = self.entry_name(b, "method");
+        let needs = self.known.needs(&method.value);
         if !needs.mixed && b.node("integration").is_some_and(|node| matches!(&node.value, Value::Text(word) if word == "mixed")) {
-            let message = format!("mixed integration has no meaning for {kind}: it has no multiplier");
+            let message = format!("mixed integration has no meaning for method = {:?}: it has no multiplier", method.value);
             self.fault("E015", b.key_at("integration"), message, "write integration = \"merged\" or \"slave\"");
         }
-        let multiplier = self.multiplier(b, names);
-        let integration = self.integration(b, names);
-        let extra_points = self.whole(b, "extra_points", 0, 60, 0);
-        let cone = self.word(b, "cone", &[("coefficients", Cone::Coefficients), ("weights", Cone::Weights), ("values", Cone::Values)]);
+        let multiplier = self.multiplier(b);
+        let integration = self.integration(b);
+        let extra_points = self.whole(b, "extra_points");
+        let cone = self.word(b, "cone", &[Cone::Coefficients, Cone::Weights, Cone::Values]);
         let reach = self.auto(b, "reach");
-        let given = self.entry(b, "method", &method.value, &names.method_keys());
+        let given = self.entry(b, "method", &method.value, &self.known.method_keys());
         let exact = self.formula(b, "exact", Uses::Space);
-        let symmetry = self.flag(b, "symmetry", false);
+        let symmetry = self.flag(b, "symmetry");
         let active_set = self.active_set(b);
         Contact {
             head: b.head(),
@@ -127,14 +100,6 @@ impl Reader {
             exact,
             symmetry,
             active_set,
-        }
-    }
-
-    // a key without effect for `kind` is accepted with its default value alone
-    fn only_default(&mut self, b: &Block, key: &str, default: &str, kind: &str, why: &str) {
-        if b.node(key).is_some_and(|node| !matches!(&node.value, Value::Text(word) if word == default)) {
-            let message = format!("`{key}` is not a key of {kind}");
-            self.fault("E015", b.key_at(key), message, format!("{why}; leave it out or write {default:?}"));
         }
     }
 
@@ -161,25 +126,24 @@ impl Reader {
         Some(Located::new(names, node.at))
     }
 
-    fn multiplier(&mut self, b: &mut Block, names: &Names) -> Located<Multiplier> {
+    fn multiplier(&mut self, b: &mut Block) -> Located<Multiplier> {
         let auto = Multiplier::Named("auto".to_owned());
-        let Some(node) = b.node("multiplier").cloned() else {
-            return Located::new(auto, b.default("multiplier", Value::Text("auto".to_owned())));
-        };
+        let node = self.value_of(b, "multiplier");
+        let known = self.known.multipliers.clone();
         let value = match &node.value {
             Value::Text(name) => {
                 let lowered = lowered_by(name).is_some_and(|k| (1..=12).contains(&k));
-                if names.multipliers.contains(name) || lowered {
+                if known.contains(name) || lowered {
                     Multiplier::Named(name.clone())
                 } else {
                     let shown: String = name.chars().take(60).collect();
                     let mut d = Diagnostic::error("E064", format!("there is no multiplier {shown:?}"));
-                    if let Some(near) = nearest(&shown, names.multipliers.iter().map(String::as_str)) {
+                    if let Some(near) = nearest(&shown, known.iter().map(String::as_str)) {
                         d = d.with_label(format!("did you mean {near:?}?"));
                     }
                     // one entry for the whole family p/p-4, p/p-6, ...
                     let mut list: Vec<&str> =
-                        names.multipliers.iter().map(String::as_str).filter(|n| lowered_by(n).is_none_or(|k| k <= 2)).collect();
+                        known.iter().map(String::as_str).filter(|n| lowered_by(n).is_none_or(|k| k <= 2)).collect();
                     let family = list.iter().position(|n| *n == "p/p-2").map_or(list.len(), |k| k + 1);
                     list.insert(family, "p/p-2k");
                     let help = format!("known: {}, or {{ degree = 1, continuity = 0, ends = \"auto\" }}", list.join(", "));
@@ -203,9 +167,8 @@ impl Reader {
     }
 
     fn multiplier_data(&mut self, node: &Node) -> Option<(Multiplier, Table)> {
-        let mut b = self.block(node, "`multiplier`", keys::MULTIPLIER)?;
-        let degree = self.required(&b, "degree", "degree = 1");
-        let degree = degree.and_then(|n| self.whole_of(&n, "degree", 0, 12));
+        let mut b = self.block(node, "`multiplier`", rows::MULTIPLIER)?;
+        let degree = self.required_whole(&b, "degree").map(|p| p.value);
         let continuity = match b.node("continuity").cloned() {
             None => None,
             Some(n) => match n.value {
@@ -222,38 +185,28 @@ impl Reader {
                 }
             },
         };
-        let ends = self.word(&mut b, "ends", &[("auto", Ends::Auto), ("full", Ends::Full), ("lowered", Ends::Lowered)]);
+        let ends = self.word(&mut b, "ends", &[Ends::Auto, Ends::Full, Ends::Lowered]);
         Some((Multiplier::Data { degree: degree?, continuity, ends: ends.value }, b.finish()))
     }
 
     fn active_set(&mut self, b: &mut Block) -> ActiveSetSpec {
-        let node = match b.node("active_set").cloned() {
-            Some(node) if matches!(node.value, Value::Table(_)) => node,
-            other => {
-                if let Some(node) = other {
-                    self.wrong_type(&node, "active_set", "a table", "write active_set = { max_iterations = 100 }");
-                }
-                let at = b.default("active_set", Value::Table(Table::default()));
-                Node::new(Value::Table(Table::default()), at)
+        let mut node = self.value_of(b, "active_set");
+        if !matches!(node.value, Value::Table(_)) {
+            self.wrong_type(&node, "active_set", "a table", "write active_set = { max_iterations = 100 }");
+            node.value = Value::Table(Table::default());
+        }
+        let mut inner = self.block(&node, "`active_set`", rows::ACTIVE_SET).expect("the value is a table");
+        let start = self.value_of(&mut inner, "start");
+        let value = match &start.value {
+            Value::Table(_) => {
+                let seed = self.block(&start, "`start`", rows::SEED).and_then(|s| self.required_whole(&s, "seed"));
+                seed.map(|k| Start::Seed(k.value as u64))
             }
+            _ => self.word_of(&start, "start", &[("auto", Start::Auto), ("all", Start::All), ("none", Start::None), ("gap", Start::Gap)]),
         };
-        let mut inner = self.block(&node, "`active_set`", keys::ACTIVE_SET).expect("the value was just found to be a table");
-        let start = match inner.node("start").cloned() {
-            Some(n) if matches!(n.value, Value::Table(_)) => {
-                let seed = self.block(&n, "`start`", &["seed"]).and_then(|s| {
-                    let seed = self.required(&s, "seed", "start = { seed = 7 }")?;
-                    self.whole_of(&seed, "seed", 0, i64::MAX)
-                });
-                Located::new(seed.map_or(Start::Auto, |k| Start::Seed(k as u64)), n.at)
-            }
-            _ => self.word(&mut inner, "start", &[("auto", Start::Auto), ("all", Start::All), ("none", Start::None), ("gap", Start::Gap)]),
-        };
-        let max_iterations = self.whole(&mut inner, "max_iterations", 1, 100_000, 100);
-        let c = match self.number(&inner, "c", Sign::Positive) {
-            Some(c) => c,
-            None if inner.has("c") => Located::new(1.0, inner.at),
-            None => Located::new(1.0, inner.default("c", Value::Float(1.0))),
-        };
+        let start = Located::new(value.unwrap_or(Start::Auto), start.at);
+        let max_iterations = self.whole(&mut inner, "max_iterations");
+        let c = self.number_or_default(&mut inner, "c");
         b.replace("active_set", inner.finish());
         ActiveSetSpec { start, max_iterations, c }
     }

@@ -2,10 +2,11 @@
 
 use toml::de::{DeTable, DeValue};
 
+use super::key::Key;
 use crate::errors::{Diagnostic, Diagnostics, Source};
 use crate::place::{Lines, Place};
 
-/// A value of the file with its place.
+/// A value of the file with its place; equal to another one of the same value.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
     pub value: Value,
@@ -15,7 +16,7 @@ pub(super) struct Node {
 }
 
 /// A value of TOML; numbers that do not fit are infinite or not numbers and refused by the reader.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {
     Text(String),
     Integer(i64),
@@ -27,7 +28,7 @@ pub(super) enum Value {
 }
 
 /// Entries in the order of the file.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Table {
     pub entries: Vec<Entry>,
 }
@@ -38,6 +39,18 @@ pub(super) struct Entry {
     pub key: String,
     pub key_at: Place,
     pub node: Node,
+}
+
+impl PartialEq for Node {
+    fn eq(&self, other: &Self) -> bool {
+        self.value == other.value
+    }
+}
+
+impl PartialEq for Entry {
+    fn eq(&self, other: &Self) -> bool {
+        self.key == other.key && self.node == other.node
+    }
 }
 
 impl Node {
@@ -63,6 +76,11 @@ impl Node {
             Value::List(l) => format!("a list of {}", l.len()),
             Value::Table(_) => "a table".to_owned(),
         }
+    }
+
+    /// The value as JSON.
+    pub fn to_json(&self) -> serde_json::Value {
+        serde_json::to_value(self.to_toml()).unwrap_or_default()
     }
 
     fn to_toml(&self) -> toml::Value {
@@ -94,9 +112,9 @@ impl Table {
         }
     }
 
-    /// Brings the entries into this order; others come last.
-    pub fn order(&mut self, keys: &[&str]) {
-        self.entries.sort_by_key(|e| keys.iter().position(|k| *k == e.key).unwrap_or(keys.len()));
+    /// Brings the entries into the order of the keys; others come last.
+    pub fn order(&mut self, keys: &[Key]) {
+        self.entries.sort_by_key(|e| keys.iter().position(|k| k.name == e.key).unwrap_or(keys.len()));
     }
 
     /// The document: plain values first, then `[tables]` and `[[lists of tables]]`, everything below inline.

@@ -149,10 +149,11 @@ pub struct NewArguments {
     pub list: bool,
 }
 
-/// `explain [CODE]`.
+/// `explain [WORD]`.
 #[derive(Args, Clone, Debug)]
 pub struct ExplainArguments {
-    /// The code, such as E021; none: the list of all codes
+    /// A code such as E021, a key such as contact.gap, or a quantity such as half_width; none: the list of all codes
+    #[arg(value_name = "CODE|KEY|QUANTITY")]
     pub code: Option<String>,
 }
 

@@ -1,37 +1,25 @@
-//! `faying explain`: the long text of an error code, or the list of all codes.
+//! `faying explain`: the long text of an error code, of a key of case files, of a quantity, or the list of all codes.
 
 use super::arguments::ExplainArguments;
 use super::ended::Ended;
-use crate::case::is_key;
+use crate::case::{Names, reference};
 use crate::codes::{self, CODES};
 use crate::errors::nearest;
-use crate::quantities::{Kind, Quantity};
+use crate::quantities::reference as quantities;
 use crate::table::Table;
 use serde_json::{Value, json};
 
-/// Prints what a code means and what to do; without a code the list of all.
-pub fn explain(arguments: &ExplainArguments) -> Ended {
+/// Prints what a code, a key or a quantity means; without a word the list of all codes.
+pub fn explain(arguments: &ExplainArguments, names: &Names) -> Ended {
     let Some(given) = &arguments.code else { return all() };
-    let Some(code) = codes::find(given.trim()) else {
-        let word = given.trim();
-        // a code is a letter with digits; every other word may be a key or a quantity
-        let later = if is_key(word) {
-            Some(("key of case files", "keys", "`faying schema` describes every key"))
-        } else if is_quantity(word) {
-            Some(("quantity", "quantities", "write it in a [[probe]]: `faying check` says whether the case has it"))
-        } else {
-            None
-        };
-        if let Some((what, them, help)) = later {
-            return super::ended::usage(&format!("`{word}` is a {what}, and explaining {them} is not in this version"), Some(help));
-        }
-        let near = nearest(&given.trim().to_uppercase(), CODES.iter().map(|c| c.code));
-        let help = near.map_or_else(
-            || "`faying explain` lists all codes".to_owned(),
-            |n| format!("did you mean {n}? `faying explain` lists all codes"),
-        );
-        return super::ended::usage(&format!("there is no code `{given}`"), Some(&help));
-    };
+    let word = given.trim();
+    match codes::find(word) {
+        Some(code) => of_code(code),
+        None => of_word(word, names),
+    }
+}
+
+fn of_code(code: &codes::Code) -> Ended {
     let example: String = code.example.lines().map(|line| format!("    {line}\n")).collect();
     let text = format!(
         "{}: {} (exit {})\n\n{}\n\nFor example\n\n{example}\nWhat to do: {}\n",
@@ -45,12 +33,33 @@ pub fn explain(arguments: &ExplainArguments) -> Ended {
     Ended::done("explain", text, document)
 }
 
-/// Whether a word has the form of a quantity; numbers of results are named by paths of at least two parts.
-fn is_quantity(word: &str) -> bool {
-    Quantity::parse(word).is_ok_and(|quantity| match quantity.kind {
-        Kind::Path(path) => path.len() > 1 || matches!(word, "energy" | "unknowns"),
-        _ => true,
-    })
+/// Keys and quantities of a word; both where it is both.
+fn of_word(word: &str, names: &Names) -> Ended {
+    let keys = reference::find(word, names);
+    let found = quantities::find(word);
+    if keys.is_empty() && found.is_empty() {
+        let keys = reference::keys(names);
+        let words = CODES.iter().map(|c| c.code).chain(keys.iter().map(|k| k.key.name)).chain(quantities::QUANTITIES.iter().map(|k| k.pattern));
+        let near = nearest(word, words).or_else(|| nearest(&word.to_uppercase(), CODES.iter().map(|c| c.code)));
+        let help = near.map_or_else(|| "`faying explain` lists all codes".to_owned(), |n| format!("did you mean {n}? `faying explain` lists all codes"));
+        return super::ended::usage(&format!("there is no code, key or quantity `{word}`"), Some(&help));
+    }
+    // one text for keys that say the same in several blocks
+    let mut texts: Vec<String> = keys.iter().map(|found| reference::explained(found, names)).collect();
+    texts.extend(found.iter().map(|k| {
+        let unit = if k.unit.is_empty() { String::new() } else { format!(" [{}]", k.unit) };
+        format!("{}, a quantity{unit}\n    {}\n    example  quantity = \"{}\"\n", k.pattern, k.text, k.example)
+    }));
+    let of_keys: Vec<Value> = keys
+        .iter()
+        .map(|k| {
+            json!({"path": k.path, "text": k.key.text, "unit": k.key.unit, "values": reference::values(&k.key, names),
+                "default": reference::absent(&k.key), "only": k.only})
+        })
+        .collect();
+    let of_quantities: Vec<Value> =
+        found.iter().map(|k| json!({"quantity": k.pattern, "text": k.text, "unit": k.unit, "example": k.example})).collect();
+    Ended::done("explain", texts.join("\n"), json!({"keys": of_keys, "quantities": of_quantities}))
 }
 
 fn all() -> Ended {
@@ -59,7 +68,8 @@ fn all() -> Ended {
         table.row([c.code.to_owned(), c.exit.to_string(), c.title.to_owned()]);
     }
     let list: Vec<Value> = CODES.iter().map(|c| json!({"code": c.code, "title": c.title, "exit_of_code": c.exit})).collect();
-    Ended::done("explain", format!("{table}\n`faying explain E021` says more about one.\n"), json!({ "codes": list }))
+    let more = "`faying explain E021` says more about one, `faying explain KEY` about a key of case files, `faying explain QUANTITY` about a quantity.";
+    Ended::done("explain", format!("{table}\n{more}\n"), json!({ "codes": list }))
 }
 
 /// `text` in lines of at most `width` characters, broken at spaces.

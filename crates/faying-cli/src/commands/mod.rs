@@ -107,7 +107,7 @@ fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words:
         Command::Quadrature(command) => study::study(&study::QUADRATURE, &runs, &order(command, None)),
         Command::Sweep(command) => study::study(&study::SWEEP, &runs, &order(command, None)),
         Command::Schema(schema) => schema::schema(registry, schema),
-        Command::Explain(code) => explain::explain(code),
+        Command::Explain(code) => explain::explain(code, &registry.case_names()),
         Command::Inspect(inspect) => inspect::inspect(registry, inspect, &arguments.common),
         Command::Convert(convert) => convert::convert(convert, &arguments.common),
         Command::Infsup(command) => {

@@ -10,8 +10,6 @@ use crate::place::Located;
 use crate::registry::is_glue;
 use crate::studies::{Axes, Degrees, Vary, repeated, split};
 
-/// Words of `integration`.
-const INTEGRATIONS: [&str; 4] = ["merged", "segments", "slave", "mixed"];
 /// Most points beyond the default, as in the case file.
 const MOST_POINTS: usize = 60;
 
@@ -61,7 +59,7 @@ pub fn axes(kind: &Kind, options: &StudyArguments, table: Option<&Located<StudyV
     let usual: Vec<&str> = kind.integrations.iter().copied().filter(|w| *w != "mixed" || !no_mixed).collect();
     let integrations = r.list("integration", options.integration.as_deref(), &values.integration, words(&usual))?;
     for name in &integrations.list {
-        r.known("integration", &integrations, "integration", name, &words(&INTEGRATIONS))?;
+        r.known("integration", &integrations, "integration", name, &r.names().integrations)?;
     }
     let extra_points = r.extra_points(options.extra_points.as_deref(), &values.extra_points)?;
     let degrees = r.degrees(&options.degrees, &values.degrees)?;

@@ -5,6 +5,7 @@ mod evaluate;
 mod grammar;
 mod locate;
 mod path;
+pub mod reference;
 mod prepare;
 
 pub use checks::Questions;

@@ -23,19 +23,19 @@ fn registry() -> Registry {
     let mut registry = Registry::default();
     let key = Key::new;
     let constants = vec![
-        key("c11", KeyKind::Positive(None), "stiffness along x [force/area]"),
-        key("c22", KeyKind::Positive(None), "stiffness along y [force/area]"),
-        key("c12", KeyKind::Number(Some(0.0)), "coupling [force/area]"),
-        key("g", KeyKind::Positive(None), "shear modulus [force/area]"),
-        key("stiffer", KeyKind::Formula(Some(1.0)), "factor of all constants, a function of t"),
+        key("c11", KeyKind::Positive, "stiffness along x [force/area]"),
+        key("c22", KeyKind::Positive, "stiffness along y [force/area]"),
+        key("c12", KeyKind::Number, "coupling").unit("force/area").default("0.0"),
+        key("g", KeyKind::Positive, "shear modulus [force/area]"),
+        key("stiffer", KeyKind::Formula, "factor of all constants, a function of t").default("1.0"),
     ];
     registry.plane.materials.add_keyed("orthotropic", constants, Arc::new(wood));
     let bar = vec![
         key("from", KeyKind::Vector, "begin of the axis [length]"),
         key("to", KeyKind::Vector, "end of the axis [length]"),
-        key("radius", KeyKind::Positive(Some(0.1)), "radius [length]"),
-        key("solid", KeyKind::Flag(true), "whether it is no pipe"),
-        key("ends", KeyKind::Word(&["round", "flat"]), "shape of its ends"),
+        key("radius", KeyKind::Positive, "radius").unit("length").default("0.1"),
+        key("solid", KeyKind::Flag, "whether it is no pipe").default("true"),
+        key("ends", KeyKind::Word(&["round", "flat"]), "shape of its ends").default("\"round\""),
     ];
     let make = |given: &Given| {
         if given.word("ends") == "flat" || !given.flag("solid") {
@@ -105,8 +105,8 @@ fn their_keys_are_read_as_strictly_as_those_of_the_language() {
         ("c22 = 1.0", "c22 = -1.0", &["E015", "`c22` must be positive"]),
         ("c22 = 1.0", "c22 = \"x\"", &["E017"]),
         ("c12 =", "c21 =", &["E012", "unknown key `c21`"]),
-        ("c12 = 0.4", "young = 0.4", &["E015", "`young` is not a key of law \"orthotropic\""]),
-        ("law = \"orthotropic\"", "young = 1.0\npoisson = 0.3", &["E015", "`c11` is not a key of law \"hooke\""]),
+        ("c12 = 0.4", "young = 0.4", &["E015", "`young` is a key of law \"hooke\" of elasticity"]),
+        ("law = \"orthotropic\"", "young = 1.0\npoisson = 0.3", &["E015", "`c11` is not a key of law = \"hooke\""]),
         ("\"orthotropic\"", "\"orthotropc\"", &["E015", "did you mean \"orthotropic\"?"]),
         ("from = [0.3, -0.1]", "from = [0.3, -0.1, 1]", &["E044"]),
         ("from = [0.3, -0.1], ", "", &["E013", "`from` is missing"]),
@@ -161,8 +161,8 @@ fn with_methods() -> Registry {
     let mut registry = registry();
     registry.plane.methods.add_keyed("interior-point", Vec::new(), Box::new(|_| Ok(Arc::new(method_lesson::InteriorPoint))));
     let keys = vec![
-        Key::new("softness", KeyKind::Positive(None), "1 / factor, a pure number"),
-        Key::new("factor", KeyKind::Auto, "multiplies modulus/h"),
+        Key::new("softness", KeyKind::Positive, "1 / factor, a pure number"),
+        Key::new("factor", KeyKind::Auto, "multiplies modulus/h").default("\"auto\""),
     ];
     let make = |given: &Given| {
         let softness = given.number("softness");
@@ -172,7 +172,7 @@ fn with_methods() -> Registry {
         Ok(Arc::new(faying::coupling::Penalty { factor: given.auto("factor").unwrap_or(1.0) / softness }) as _)
     };
     registry.plane.methods.add_keyed("pads", keys, Box::new(make));
-    let keys = vec![Key::new("per_area", KeyKind::Positive(Some(4.0)), "factor of the springs")];
+    let keys = vec![Key::new("per_area", KeyKind::Positive, "factor of the springs").default("4.0")];
     let make = |given: &Given| Ok(Box::new(faying::coupling::Penalty { factor: given.number("per_area") }) as _);
     registry.plane.couplings.add_keyed("springs", keys, Box::new(make));
     registry
@@ -223,7 +223,7 @@ fn keys_of_methods_and_couplings_are_read_as_strictly_as_those_of_the_language()
     assert!(error.contains("E015") && error.contains("softer than the bodies") && error.contains("softness = 2"), "{error}");
     let schema = case::schema(&registry.case_names());
     let contact = &schema["properties"]["contact"]["items"]["properties"];
-    assert_eq!(contact["softness"]["description"], "pads: 1 / factor, a pure number");
-    assert!(schema["$defs"]["method"]["enum"].as_array().unwrap().contains(&"interior-point".into()));
+    assert_eq!(contact["softness"]["description"], "method = \"pads\": 1 / factor, a pure number");
+    assert!(contact["method"]["enum"].as_array().unwrap().contains(&"interior-point".into()));
     assert_eq!(schema["properties"]["interface"]["items"]["properties"]["per_area"]["default"], 4.0);
 }

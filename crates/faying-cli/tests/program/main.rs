@@ -8,6 +8,7 @@ mod engineer;
 mod files_cases;
 mod files_solid;
 mod foreign;
+mod grammar;
 mod hostile;
 mod infsup_command;
 mod inspect_convert;

@@ -137,12 +137,6 @@ fn known_words_of_the_command_line_that_are_not_built_are_exit_2() {
         let document = fails(at.path(), words, 2, &format!("`{word}` is not in this version"));
         assert_eq!((&document["status"], &document["exit"]), (&"invalid".into(), &2.into()));
     }
-    for word in ["young", "friction", "nonmortar", "active_set"] {
-        fails(at.path(), &["explain", word], 2, &format!("`{word}` is a key of case files, and explaining keys is not in this version"));
-    }
-    for word in ["error.u.L2", "von_mises", "contact.pad.force.y", "energy"] {
-        fails(at.path(), &["explain", word], 2, &format!("`{word}` is a quantity, and explaining quantities is not in this version"));
-    }
     // words of no contract and options of other commands are not understood
     fails(at.path(), &["run", "square.toml", "--dryer"], 2, "unexpected argument '--dryer' found");
     fails(at.path(), &["check", "square.toml", "--watch"], 2, "unexpected argument '--watch' found");

@@ -122,7 +122,7 @@ fn defaults_are_those_of_the_reader() {
         (at("/properties/patch/items/properties"), &effective["patch"][0]),
         (at("/properties/interface/items/properties"), &effective["interface"][0]),
         (at("/properties/contact/items/properties"), &effective["contact"][0]),
-        (at("/$defs/active_set/properties"), &effective["contact"][0]["active_set"]),
+        (at("/properties/contact/items/properties/active_set/properties"), &effective["contact"][0]["active_set"]),
     ] {
         for (key, property) in properties.as_object().unwrap() {
             let Some(default) = property.get("default") else { continue };

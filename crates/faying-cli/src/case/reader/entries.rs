@@ -1,10 +1,10 @@
 //! Keys of entries of the registry.
 
 use super::{Block, Reader, Sign, Uses};
-use crate::case::key::{Given, GivenValue, Key, KeyKind};
+use crate::case::given::{Given, GivenValue, default_of};
+use crate::case::key::{Absent, Key, KeyKind};
 use crate::case::names::EntryKeys;
-use crate::case::tree::Value;
-use crate::place::Place;
+use crate::place::{Origin, Place};
 
 impl Reader {
     /// The values of `keys` in a block; `None` where one cannot be read.
@@ -14,7 +14,7 @@ impl Reader {
         for key in keys {
             match self.given_value(b, key) {
                 Some((value, at)) => values.push((key.name, value, at)),
-                None => complete = false,
+                None => complete &= matches!(key.absent, Absent::None(_)) && !b.has(key.name),
             }
         }
         complete.then_some(Given { values })
@@ -32,7 +32,7 @@ impl Reader {
             }
             seen.push(key.name);
             let Some((value, at)) = self.given_value(b, key) else { continue };
-            if Given::of_defaults(std::slice::from_ref(key)).values.first().is_some_and(|(_, default, _)| *default == value) {
+            if default_of(key).is_some_and(|default| default == value) {
                 continue;
             }
             let owners = entries.iter().filter(|e| e.keys.iter().any(|k| k.name == key.name)).map(|e| format!("{:?}", e.name));
@@ -50,33 +50,31 @@ impl Reader {
 
     fn given_value(&mut self, b: &mut Block, key: &Key) -> Option<(GivenValue, Place)> {
         let name = key.name;
-        let numbers = if self.dimension == 2 { "[0.0, 1.0]" } else { "[0.0, 0.0, 1.0]" };
-        let example = if key.kind == KeyKind::Vector { format!("{name} = {numbers}") } else { format!("{name} = 1.0") };
-        match &key.kind {
-            KeyKind::Flag(default) => {
-                let flag = self.flag(b, name, *default);
-                return Some((GivenValue::Flag(flag.value), flag.at));
-            }
-            KeyKind::Auto => {
-                let number = self.auto(b, name);
-                return Some((GivenValue::Auto(number.value), number.at));
-            }
+        if !b.has(name)
+            && let Absent::Is(_) = key.absent
+        {
+            b.fill(key);
+            let at = Place { origin: Origin::Default, ..b.at };
+            return Some((default_of(key)?, at));
+        }
+        let node = match key.absent {
+            Absent::None(_) => b.node(name).cloned()?,
+            _ => self.required(b, name)?,
+        };
+        let value = match &key.kind {
+            KeyKind::Number => GivenValue::Number(self.number_of(&node, name, Sign::Any)?),
+            KeyKind::Positive => GivenValue::Number(self.number_of(&node, name, Sign::Positive)?),
+            KeyKind::Whole(least, most) => GivenValue::Whole(self.whole_of(&node, name, *least, *most)?),
+            KeyKind::Auto => GivenValue::Auto(self.auto_of(&node, name)?),
+            KeyKind::Formula => GivenValue::Formula(self.formula_of(&node, name, Uses::Space)?.value),
+            KeyKind::Vector => GivenValue::Vector(self.vector_of(&node, name, false)?.value),
+            KeyKind::Flag => GivenValue::Flag(self.flag_of(&node, name)?),
             KeyKind::Word(words) => {
                 let all: Vec<(&str, usize)> = words.iter().enumerate().map(|(k, w)| (*w, k)).collect();
-                let chosen = self.word(b, name, &all);
-                return Some((GivenValue::Word(words[chosen.value].to_owned()), chosen.at));
+                GivenValue::Word(words[self.word_of(&node, name, &all)?].to_owned())
             }
-            KeyKind::Number(Some(v)) | KeyKind::Positive(Some(v)) | KeyKind::Formula(Some(v)) if !b.has(name) => {
-                b.default(name, Value::Float(*v));
-            }
-            _ => {}
-        }
-        let node = self.required(b, name, &example)?;
-        let value = match &key.kind {
-            KeyKind::Number(_) => GivenValue::Number(self.number_of(&node, name, Sign::Any)?),
-            KeyKind::Positive(_) => GivenValue::Number(self.number_of(&node, name, Sign::Positive)?),
-            KeyKind::Formula(_) => GivenValue::Formula(self.formula_of(&node, name, Uses::Space)?.value),
-            _ => GivenValue::Vector(self.vector_of(&node, name, false)?.value),
+            KeyKind::Text => GivenValue::Word(self.text_of(&node, name)?.value),
+            KeyKind::Language(kind) => unreachable!("entries have no keys of type {kind:?}"),
         };
         Some((value, node.at))
     }

@@ -1,6 +1,7 @@
 //! Formulas and lists: vectors, components, fields.
 
 use super::{Block, Reader, Sign};
+use crate::case::rows;
 use crate::case::tree::{Node, Value};
 use crate::case::types::{Components, Datum};
 use crate::formula::{Formula, Scope};
@@ -76,9 +77,10 @@ impl Reader {
     }
 
     /// Two numbers, the second larger.
-    pub fn pair(&mut self, block: &Block, key: &str, sign: Sign, example: &str) -> Located<[f64; 2]> {
+    pub fn pair(&mut self, block: &Block, key: &str, sign: Sign) -> Located<[f64; 2]> {
         let fallback = Located::new([1.0, 2.0], block.at);
-        let Some(node) = self.required(block, key, example) else { return fallback };
+        let Some(node) = self.required(block, key) else { return fallback };
+        let example = block.key(key).example(self.dimension);
         let good = matches!(&node.value, Value::List(l) if l.len() == 2);
         if !good {
             self.wrong_type(&node, key, "a list of 2 numbers", format!("write {example}"));
@@ -117,9 +119,8 @@ impl Reader {
                 Some(Located::new(v, node.at))
             }
             Value::Table(_) if table => {
-                let known: &[&'static str] = &["x", "y", "z"][..n];
-                let b = self.block(node, &format!("`{what}`"), known)?;
-                let v = known.iter().map(|k| self.number(&b, k, Sign::Any).map_or(0.0, |v| v.value)).collect();
+                let b = self.block(node, &format!("`{what}`"), &rows::COORDINATES[..n])?;
+                let v = b.keys.iter().map(|k| self.number(&b, k.name).map_or(0.0, |v| v.value)).collect();
                 Some(Located::new(v, node.at))
             }
             _ => {
@@ -130,9 +131,9 @@ impl Reader {
         }
     }
 
-    pub fn required_vector(&mut self, block: &Block, key: &str, example: &str) -> Located<Vec<f64>> {
+    pub fn required_vector(&mut self, block: &Block, key: &str) -> Located<Vec<f64>> {
         let fallback = Located::new(vec![0.0; self.dimension], block.at);
-        let Some(node) = self.required(block, key, example) else { return fallback };
+        let Some(node) = self.required(block, key) else { return fallback };
         self.vector_of(&node, key, false).unwrap_or(fallback)
     }
 
@@ -151,9 +152,9 @@ impl Reader {
                 list.iter().map(|item| self.datum(item, what, uses, exact)).collect()
             }
             Value::Table(_) => {
-                let known: &[&'static str] = if n == 1 { &["u"] } else { &["x", "y", "z"][..n] };
-                let Some(b) = self.block(node, &format!("`{what}`"), known) else { return none() };
-                known.iter().map(|k| b.node(k).cloned().and_then(|item| self.datum(&item, what, uses, exact))).collect()
+                let keys = if n == 1 { rows::UNKNOWN } else { &rows::COORDINATES[..n] };
+                let Some(b) = self.block(node, &format!("`{what}`"), keys) else { return none() };
+                keys.iter().map(|k| b.node(k.name).cloned().and_then(|item| self.datum(&item, what, uses, exact))).collect()
             }
             _ => {
                 let expected =

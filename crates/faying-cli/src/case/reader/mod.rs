@@ -17,7 +17,7 @@ use crate::case::tree::Node;
 use crate::case::types::{Joint, Meeting};
 use crate::errors::{Diagnostic, Diagnostics, Source};
 use crate::formula::Constants;
-use crate::place::Place;
+use crate::place::{Located, Place};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -36,6 +36,8 @@ pub(in crate::case) struct Reader {
     pub known: Names,
     pub dimension: usize,
     pub components: usize,
+    /// Backend of [discretization].
+    pub backend: Option<Located<String>>,
     /// Keys and lists with errors, such as `exact` or `patch`: references to them are not reported again.
     pub broken: BTreeSet<String>,
     /// Whether a density is given but could not be read.

@@ -1,7 +1,8 @@
 //! Texts, flags, numbers, words and names.
 
 use super::{Block, Reader};
-use crate::case::keys;
+use crate::case::key::{KeyKind, Special};
+use crate::case::rows;
 use crate::case::tree::{Node, Value};
 use crate::errors::{Diagnostic, nearest};
 use crate::formula::{Formula, Scope};
@@ -25,15 +26,18 @@ impl Reader {
         }
     }
 
-    pub fn flag(&mut self, block: &mut Block, key: &str, default: bool) -> Located<bool> {
-        match block.node(key).cloned() {
-            None => Located::new(default, block.default(key, Value::Bool(default))),
-            Some(Node { value: Value::Bool(b), at, .. }) => Located::new(b, at),
-            Some(node) => {
-                self.wrong_type(&node, key, "true or false", format!("write {key} = {default}"));
-                Located::new(default, node.at)
-            }
+    pub fn flag_of(&mut self, node: &Node, what: &str) -> Option<bool> {
+        if let Value::Bool(b) = node.value {
+            return Some(b);
         }
+        self.wrong_type(node, what, "true or false", format!("write {what} = true"));
+        None
+    }
+
+    /// true or false, with a default.
+    pub fn flag(&mut self, block: &mut Block, key: &str) -> Located<bool> {
+        let node = self.value_of(block, key);
+        Located::new(self.flag_of(&node, key).unwrap_or_default(), node.at)
     }
 
     pub fn whole_of(&mut self, node: &Node, what: &str, least: i64, most: i64) -> Option<usize> {
@@ -55,11 +59,28 @@ impl Reader {
         None
     }
 
-    pub fn whole(&mut self, block: &mut Block, key: &str, least: i64, most: i64, default: usize) -> Located<usize> {
-        match block.node(key).cloned() {
-            None => Located::new(default, block.default(key, Value::Integer(default as i64))),
-            Some(node) => Located::new(self.whole_of(&node, key, least, most).unwrap_or(default), node.at),
-        }
+    /// A whole number within the range of its key.
+    fn whole_in(&mut self, block: &Block, node: &Node, key: &str) -> Option<usize> {
+        let KeyKind::Whole(least, most) = block.key(key).kind else { panic!("`{key}` is no whole number") };
+        self.whole_of(node, key, least, most)
+    }
+
+    /// A whole number, with a default.
+    pub fn whole(&mut self, block: &mut Block, key: &str) -> Located<usize> {
+        let node = self.value_of(block, key);
+        Located::new(self.whole_in(block, &node, key).unwrap_or(1), node.at)
+    }
+
+    /// A whole number, if it is given.
+    pub fn optional_whole(&mut self, block: &Block, key: &str) -> Option<Located<usize>> {
+        let node = block.node(key).cloned()?;
+        self.whole_in(block, &node, key).map(|n| Located::new(n, node.at))
+    }
+
+    /// A required whole number.
+    pub fn required_whole(&mut self, block: &Block, key: &str) -> Option<Located<usize>> {
+        let node = self.required(block, key)?;
+        self.whole_in(block, &node, key).map(|n| Located::new(n, node.at))
     }
 
     /// A number, or a formula of constants.
@@ -98,23 +119,41 @@ impl Reader {
         Some(value)
     }
 
-    /// "auto" or a positive number.
-    pub fn auto(&mut self, block: &mut Block, key: &str) -> Located<Option<f64>> {
-        match block.node(key).cloned() {
-            None => Located::new(None, block.default(key, Value::Text("auto".to_owned()))),
-            Some(Node { value: Value::Text(s), at, .. }) if s == "auto" => Located::new(None, at),
-            Some(node) => Located::new(self.number_of(&node, key, Sign::Positive), node.at),
+    /// "auto" or a number above zero.
+    pub fn auto_of(&mut self, node: &Node, what: &str) -> Option<Option<f64>> {
+        match &node.value {
+            Value::Text(s) if s == "auto" => Some(None),
+            _ => self.number_of(node, what, Sign::Positive).map(Some),
         }
     }
 
-    pub fn number(&mut self, block: &Block, key: &str, sign: Sign) -> Option<Located<f64>> {
-        let node = block.node(key).cloned()?;
-        self.number_of(&node, key, sign).map(|v| Located::new(v, node.at))
+    /// "auto" or a number above zero, with a default.
+    pub fn auto(&mut self, block: &mut Block, key: &str) -> Located<Option<f64>> {
+        let node = self.value_of(block, key);
+        Located::new(self.auto_of(&node, key).flatten(), node.at)
     }
 
-    pub fn required_number(&mut self, block: &Block, key: &str, sign: Sign, example: &str) -> Located<f64> {
-        let Some(node) = self.required(block, key, example) else { return Located::new(1.0, block.at) };
-        Located::new(self.number_of(&node, key, sign).unwrap_or(1.0), node.at)
+    /// A number, of the sign of its key.
+    fn signed(&mut self, block: &Block, node: &Node, key: &str) -> Option<f64> {
+        let sign = if block.key(key).kind == KeyKind::Positive { Sign::Positive } else { Sign::Any };
+        self.number_of(node, key, sign)
+    }
+
+    /// A number, if it is given.
+    pub fn number(&mut self, block: &Block, key: &str) -> Option<Located<f64>> {
+        let node = block.node(key).cloned()?;
+        self.signed(block, &node, key).map(|v| Located::new(v, node.at))
+    }
+
+    /// A number, with a default.
+    pub fn number_or_default(&mut self, block: &mut Block, key: &str) -> Located<f64> {
+        let node = self.value_of(block, key);
+        Located::new(self.signed(block, &node, key).unwrap_or(1.0), node.at)
+    }
+
+    pub fn required_number(&mut self, block: &Block, key: &str) -> Located<f64> {
+        let Some(node) = self.required(block, key) else { return Located::new(1.0, block.at) };
+        Located::new(self.signed(block, &node, key).unwrap_or(1.0), node.at)
     }
 
     /// One of some words.
@@ -127,7 +166,7 @@ impl Reader {
         if let Some((_, value)) = words.iter().find(|(w, _)| w == text) {
             return Some(*value);
         }
-        if keys::LATER.contains(&text.as_str()) {
+        if rows::LATER.contains(&text.as_str()) {
             self.fault("E019", node.at, format!("{text:?} is not in this version"), format!("`{what}` is one of {list}"));
             return None;
         }
@@ -140,21 +179,56 @@ impl Reader {
         None
     }
 
-    /// One of some words; the first is the default.
-    pub fn word<T: Copy>(&mut self, block: &mut Block, key: &str, words: &[(&str, T)]) -> Located<T> {
-        let (name, default) = words[0];
-        match block.node(key).cloned() {
-            None => Located::new(default, block.default(key, Value::Text(name.to_owned()))),
-            Some(node) => Located::new(self.word_of(&node, key, words).unwrap_or(default), node.at),
-        }
+    /// The value of one of the words of a key, which are those of `values` in their order.
+    pub fn word_in<T: Copy>(&mut self, block: &Block, node: &Node, key: &str, values: &[T]) -> Option<T> {
+        let KeyKind::Word(words) = block.key(key).kind else { panic!("`{key}` is no word") };
+        assert_eq!(words.len(), values.len(), "`{key}` has a value per word");
+        let words: Vec<(&str, T)> = words.iter().copied().zip(values.iter().copied()).collect();
+        self.word_of(node, key, &words)
     }
 
-    /// `name`: required with an example, or else made of the kind and the position.
-    pub fn name(&mut self, block: &mut Block, kind: &str, index: usize, required: bool) -> Located<String> {
+    /// One of some words, with a default.
+    pub fn word<T: Copy>(&mut self, block: &mut Block, key: &str, values: &[T]) -> Located<T> {
+        let node = self.value_of(block, key);
+        Located::new(self.word_in(block, &node, key, values).unwrap_or(values[0]), node.at)
+    }
+
+    /// A required word.
+    pub fn required_word<T: Copy>(&mut self, block: &Block, key: &str, values: &[T]) -> Option<Located<T>> {
+        let node = self.required(block, key)?;
+        self.word_in(block, &node, key, values).map(|v| Located::new(v, node.at))
+    }
+
+    /// One of some words, if it is given.
+    pub fn optional_word<T: Copy>(&mut self, block: &Block, key: &str, values: &[T]) -> Option<Located<T>> {
+        let node = block.node(key).cloned()?;
+        self.word_in(block, &node, key, values).map(|v| Located::new(v, node.at))
+    }
+
+    /// The name of an entry of the registry, with a default.
+    pub fn entry_name(&mut self, block: &mut Block, key: &str) -> Located<String> {
+        let node = self.value_of(block, key);
+        let name = self.entry_name_of(block, &node, key);
+        Located::new(name.unwrap_or_else(|| self.entry_names(block, key)[0].clone()), node.at)
+    }
+
+    pub fn entry_name_of(&mut self, block: &Block, node: &Node, key: &str) -> Option<String> {
+        let known = self.entry_names(block, key);
+        let words: Vec<(&str, usize)> = known.iter().enumerate().map(|(k, n)| (n.as_str(), k)).collect();
+        self.word_of(node, key, &words).map(|k| known[k].clone())
+    }
+
+    fn entry_names(&self, block: &Block, key: &str) -> Vec<String> {
+        let Some(Special::Entry(family)) = block.key(key).special() else { panic!("`{key}` names no entry") };
+        self.known.words(*family).into_iter().map(str::to_owned).collect()
+    }
+
+    /// `name`, by default made of the kind and the position where the key is not required.
+    pub fn name(&mut self, block: &mut Block, kind: &str, index: usize) -> Located<String> {
         let fallback = format!("{kind}-{index}");
         match block.node("name").cloned() {
-            None if required => {
-                self.missing(block, "name", if kind == "material" { "name = \"steel\"" } else { "name = \"lower\"" });
+            None if block.key("name").is_required() => {
+                self.missing(block, "name");
                 self.broken.insert(kind.to_owned());
                 Located::new(fallback, block.at)
             }

@@ -1,6 +1,7 @@
 //! Tables and lists of tables of the document.
 
 use super::{Block, Reader};
+use crate::case::key::Key;
 use crate::case::tree::{Node, Table, Value};
 
 impl Reader {
@@ -9,7 +10,7 @@ impl Reader {
         &mut self,
         root: &mut Block,
         key: &str,
-        known: &[&'static str],
+        known: &[Key],
         required: bool,
         read: impl FnOnce(&mut Self, &mut Block) -> T,
     ) -> Option<T> {
@@ -24,7 +25,7 @@ impl Reader {
                     "E013",
                     self.source.lines.place(0..0),
                     format!("[{key}] is missing in the case"),
-                    format!("keys of [{key}]: {}", known.join(", ")),
+                    format!("keys of [{key}]: {}", known.iter().filter(|k| !k.is_later()).map(|k| k.name).collect::<Vec<_>>().join(", ")),
                 );
                 return None;
             }
@@ -44,7 +45,7 @@ impl Reader {
         &mut self,
         root: &mut Block,
         key: &str,
-        known: &[&'static str],
+        known: &[Key],
         mut read: impl FnMut(&mut Self, &mut Block, usize) -> T,
     ) -> Vec<T> {
         if root.meant.contains(&key) {

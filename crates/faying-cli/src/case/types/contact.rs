@@ -1,7 +1,7 @@
 //! `[[contact]]`: slave sides, their masters or obstacles, and the enforcement of contact.
 
 use super::{Components, Geometry, Head, Multiplier, SideRef};
-use crate::case::key::Given;
+use crate::case::given::Given;
 use crate::formula::Formula;
 use crate::place::Located;
 pub use faying::contact::Cone;

@@ -1,7 +1,7 @@
 //! `[model]` and `[[material]]`: the equation and its constants.
 
 use super::Head;
-use crate::case::key::Given;
+use crate::case::given::Given;
 use crate::formula::Formula;
 use crate::place::{Located, Place};
 use crate::reference::StoredRun;

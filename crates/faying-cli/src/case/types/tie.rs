@@ -1,7 +1,7 @@
 //! `[[interface]]`: tied sides and their coupling.
 
 use super::{Head, SideRef};
-use crate::case::key::Given;
+use crate::case::given::Given;
 use crate::formula::Formula;
 use crate::place::Located;
 pub use faying::coupling::multiplier::Ends;

@@ -1,0 +1,101 @@
+//! All quantities of the language with their meaning, for `faying explain QUANTITY` and the reference.
+
+use super::grammar::Quantity;
+
+/// A quantity, or a family of them: words in capitals stand for a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct QuantityRow {
+    /// As it is written: `contact.NAME.force.x`.
+    pub pattern: &'static str,
+    /// Meaning, sign.
+    pub text: &'static str,
+    /// Unit; empty for numbers.
+    pub unit: &'static str,
+    /// An example.
+    pub example: &'static str,
+}
+
+const fn row(pattern: &'static str, text: &'static str, unit: &'static str, example: &'static str) -> QuantityRow {
+    QuantityRow { pattern, text, unit, example }
+}
+
+/// Quantities of this version.
+pub const QUANTITIES: &[QuantityRow] = &[
+    row("u", "the unknown of Poisson's equation at a point, or an extreme (.min, .max over the closed elements; .max.gauss at points of integration)", "", "u at [0.5, 0.5]"),
+    row("u.x", "a component of the displacement at a point, or an extreme; `displacement` is another name", "length", "u.y at [1.0, 0.5] in upper"),
+    row("flux.x", "a component of k grad u (Poisson) at a point, or an extreme", "unit of u/length", "flux.x at [0.5, 0.5]"),
+    row("stress.xx", "a component of the stress at a point, or an extreme; tension is positive", "force/area", "stress.yy.max in lower"),
+    row("von_mises", "the equivalent stress of von Mises at a point, or an extreme", "force/area", "von_mises.max"),
+    row("energy", "1/2 a(u, u): stored energy of all bodies and springs", "force length", "energy"),
+    row("unknowns", "number of unknowns, `unknowns.primal` and `unknowns.multipliers`", "", "unknowns.primal"),
+    row("error.u.L2", "norm of the error against `exact` or `reference`; with .rel over the norm of the exact solution", "", "error.u.L2.rel"),
+    row("error.u.H1", "semi-norm of the error of the gradient; with .rel relative", "", "error.u.H1"),
+    row("error.u.energy", "energy norm of the error; with .rel relative", "", "error.u.energy"),
+    row("error.lambda.L2", "L2 norm of the error of all multipliers over the slave sides; with .rel relative", "", "error.lambda.L2"),
+    row("error.NAME.lambda.L2", "L2 norm of the error of the multiplier of one interface or contact", "", "error.arc.lambda.L2"),
+    row("reactions.SIDE", "force of the supports of a side on its body, a list of components; reaction.SIDE.x is a component", "force", "reaction.lower.bottom.y"),
+    row("loads.NAME.force.x", "resultant of a load as the rules of the case integrate it", "force", "loads.boundary-0.force.y"),
+    row("balance.force.x", "sum of all external forces and reactions: zero up to rounding", "force", "balance.force.y"),
+    row("area.PATCH", "area of a patch in the plane, volume.PATCH in space", "length^2", "area.lower"),
+    row("length.PATCH.SIDE", "length of a side in the plane, area.PATCH.SIDE in space", "length", "length.lower.top"),
+    row("interface.NAME.lambda", "multiplier of a tie at a point of the slave side: minus the slave's traction (k du/dn in Poisson's equation)", "force/area", "interface.arc.lambda at [0, 1]"),
+    row("interface.NAME.jump.L2", "L2 norm of the jump of u over an interface", "", "interface.arc.jump.L2"),
+    row("interface.NAME.segments.count", "number of segments of integration, .segments.measure their length", "", "interface.arc.segments.count"),
+    row("interface.NAME.distance", "largest distance of the two sides", "length", "interface.arc.distance"),
+    row("contact.NAME.force.x", "force of the master on the slave", "force", "contact.pad.force.y"),
+    row("contact.NAME.moment", "its moment about the origin", "force length", "contact.pad.moment"),
+    row("contact.NAME.pressure", "pressure at a point of the slave side, positive in compression; .pressure.min and .pressure.max are extremes", "force/area", "contact.pad.pressure.max"),
+    row("contact.NAME.gap.min", "least lumped gap of the rows; .gap.least over points; positive when open", "length", "contact.pad.gap.min"),
+    row("contact.NAME.active", "number of closed rows", "", "contact.pad.active"),
+    row("contact.NAME.area", "measure of the zone, integrated on segments", "length", "contact.pad.area"),
+    row("contact.NAME.half_width", "half the extent of the zone along the slave (all of it with symmetry = true); null with a reason where the pressure near its end does not allow it", "length", "contact.pad.half_width"),
+    row("infsup.PAIRING.beta", "inf-sup constant of a multiplier, by `faying infsup`", "", "infsup.p/p-2.beta"),
+    row("rate.Q", "rate of any quantity Q over the levels, by `faying convergence`", "", "rate.error.u.L2"),
+];
+
+/// Whether a part of a path is one of a pattern: capitals stand for any name, `x` for a coordinate, `xx` for two.
+fn fits(pattern: &str, part: &str) -> bool {
+    match pattern {
+        "x" => matches!(part, "x" | "y" | "z"),
+        "xx" => matches!(part, "xx" | "yy" | "zz" | "xy" | "yz" | "xz"),
+        _ if pattern.chars().all(|c| c.is_ascii_uppercase()) => true,
+        _ => pattern == part,
+    }
+}
+
+/// The quantities that a word names: one of the list, a quantity as a probe has it, or a part of a path such as `half_width`.
+pub fn find(word: &str) -> Vec<&'static QuantityRow> {
+    let same: Vec<&QuantityRow> = QUANTITIES.iter().filter(|k| k.pattern == word || k.example == word).collect();
+    if !same.is_empty() {
+        return same;
+    }
+    let head = word.split([' ', '[']).next().unwrap_or_default().replace("displacement", "u").replace("reaction.", "reactions.");
+    let head = head.trim_end_matches(".gauss").trim_end_matches(".rel");
+    let whole: Vec<&QuantityRow> = QUANTITIES
+        .iter()
+        .filter(|k| {
+            let (pattern, path): (Vec<&str>, Vec<&str>) = (k.pattern.split('.').collect(), head.split('.').collect());
+            // extremes and components may follow
+            path.len() >= pattern.len() && pattern.iter().zip(&path).all(|(p, w)| fits(p, w)) && Quantity::parse(word).is_ok()
+        })
+        .collect();
+    let longest = whole.iter().map(|k| k.pattern.split('.').count()).max();
+    let whole: Vec<&QuantityRow> = whole.into_iter().filter(|k| Some(k.pattern.split('.').count()) == longest).collect();
+    if !whole.is_empty() {
+        return whole;
+    }
+    let parts: Vec<&str> = word.split('.').collect();
+    QUANTITIES.iter().filter(|k| k.pattern.split('.').collect::<Vec<_>>().windows(parts.len()).any(|w| w == parts)).collect()
+}
+
+/// The quantities as a chapter of the reference, in Markdown.
+pub fn page() -> String {
+    let mut out = String::from(
+        "\n## Quantities of probes and checks\n\nWords in capitals stand for names. Fields take `at [x, y]` or `at TAG`, `in PATCH`, and `.min`, `.max`; any number of \
+         result.json is a quantity by its path.\n\n| quantity | meaning | unit | example |\n| --- | --- | --- | --- |\n",
+    );
+    for row in QUANTITIES {
+        out.push_str(&format!("| `{}` | {} | {} | `{}` |\n", row.pattern, row.text, row.unit, row.example));
+    }
+    out
+}
