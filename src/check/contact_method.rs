@@ -26,8 +26,8 @@ const APART: f64 = 0.01;
 ///
 /// Rows, the blocks apart by a gap g: asked again they are the same; a translation of both bodies opens no gap, one of the slave by its
 /// distance d along the normal opens (C u)_j = w_j d, with weights w_j > 0 of rows that face something; offsets are w_j g. The compliance is
-/// empty or has one number per row, none negative. Patch test: under a constant load the blocks have its force and its pressure
-/// everywhere, and their gap is closed up to 1e-6 of their displacement.
+/// empty or has one number per row, none negative; values at points have one lambda and one gap each. Patch test: under a constant load the
+/// blocks have its force and its pressure everywhere, and their gap is closed up to 1e-6 of their displacement.
 ///
 /// # Errors
 /// A sentence that names the broken rule and the place.
@@ -99,6 +99,9 @@ fn rows(method: &dyn ContactMethod<1, 2>, rigid: bool) -> Result<(), Box<dyn Err
     if method.rows(&at)? != made {
         return Err("the same sides give different rows when asked again".into());
     }
+    if let Some(values) = method.values(&at, &vec![0.0; unknowns]) {
+        values?.sound(segments.ds.len())?;
+    }
     Ok(row_by_row(method, &made, of_slave, rigid)?)
 }
 
@@ -125,7 +128,7 @@ fn row_by_row(method: &dyn ContactMethod<1, 2>, built: &ContactRows<1, 2>, of_sl
         if weight.is_nan() || weight <= 0.0 {
             return Err(format!("row {j} faces something and has the weight {weight:e}"));
         }
-        if (offset - weight * APART).abs() > BALANCE * weight {
+        if offset.is_nan() || (offset - weight * APART).abs() > BALANCE * weight {
             return Err(format!("row {j}: the offset is {offset:e} for the weight {weight:e} and the gap {APART}"));
         }
     }
@@ -166,6 +169,12 @@ fn patch_test(system: &mut System<1, 2>, contact: ContactId) -> Result<(), Strin
     off("moment", found.moment[2], 0.5 * PRESSURE, PRESSURE)?;
     off("largest pressure", found.largest_pressure, PRESSURE, PRESSURE)?;
     off("area", found.area, 1.0, 1.0)?;
+    let lambda = solution.lambda(contact, 0).map_err(|e| e.to_string())?.ok_or("the slave side has no lambda")?;
+    for element in 0..4 {
+        for lambda in lambda.at(element, &[Vector::from([0.2]), Vector::from([0.7])]).concat() {
+            off("lambda at a point", lambda, -PRESSURE, PRESSURE)?;
+        }
+    }
     let largest = solution.unknowns().iter().fold(0.0f64, |m, u| m.max(u.abs()));
     off("least gap", found.least_gap, 0.0, largest)
 }

@@ -116,7 +116,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
     }
 
     /// lambda and gap at the points of `segments` that face something; `None` of methods with multipliers, and where the method has no
-    /// value; NaN everywhere where it returns lists of different lengths.
+    /// value; NaN everywhere where its lists do not fit together.
     pub(super) fn values(
         &self,
         model: &Model<S, N>,
@@ -126,10 +126,12 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
         (u, t): (&[f64], f64),
     ) -> Option<PointValues> {
         let values = self.seen(model, &part.sides(), fluxes, Some(segments), (t, None), |at| self.method.values(at, u))?.ok()?;
-        let (found, points) = (values.point.len(), segments.ds.len());
-        let sound = values.lambda.len() == found && values.gap.len() == found && values.point.iter().all(|&q| q < points);
+        let points = segments.ds.len();
         let none = || vec![f64::NAN; points];
-        Some(if sound { values } else { PointValues { point: (0..points).collect(), lambda: none(), gap: none() } })
+        Some(match values.sound(points) {
+            Ok(()) => values,
+            Err(_) => PointValues { point: (0..points).collect(), lambda: none(), gap: none() },
+        })
     }
 
     /// Whether a force presses its obstacle.

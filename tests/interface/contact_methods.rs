@@ -3,7 +3,7 @@
 use crate::lessons::contact_method::{InteriorPoint, pressed};
 use faying::check::contact_method;
 use faying::constraint::{ActiveSet, ConstraintSolver, Direct, RowIteration};
-use faying::contact::{Augmented, Begun, ContactAt, ContactError, ContactMethod, ContactRows, HalfPlane, Lagrange, Needs};
+use faying::contact::{Augmented, Begun, ContactAt, ContactError, ContactMethod, ContactRows, HalfPlane, Lagrange, Needs, PointValues};
 use faying::coupling::nitsche::Variant;
 use faying::coupling::{Nitsche, Penalty};
 use faying::geometry::shapes::rectangle;
@@ -42,6 +42,9 @@ enum Faulty {
     NothingSaid,
     TooFewRows,
     NoMultiplier,
+    NoOffset,
+    NoWeight,
+    NoCompliance,
 }
 
 impl ContactMethod<1, 2> for Faulty {
@@ -69,6 +72,8 @@ impl ContactMethod<1, 2> for Faulty {
             Self::TooFewRows => {
                 rows.offset.pop();
             }
+            Self::NoOffset => rows.offset[1] = f64::NAN,
+            Self::NoWeight => rows.weights[1] = f64::NAN,
             _ => {}
         }
         Ok(rows)
@@ -78,6 +83,7 @@ impl ContactMethod<1, 2> for Faulty {
         let compliance = match self {
             Self::ShortCompliance => vec![0.0; rows.offset.len() - 1],
             Self::Soft => (0..rows.offset.len()).map(unit).collect(),
+            Self::NoCompliance => vec![f64::NAN; rows.offset.len()],
             _ => Vec::new(),
         };
         let iteration = (*self == Self::NothingSaid).then(|| Box::new(Open) as Box<dyn RowIteration>);
@@ -116,6 +122,9 @@ fn faults_of_a_method_are_found_and_named() {
         (Faulty::NothingSaid, "the patch test"),
         (Faulty::TooFewRows, "multiplier functions"),
         (Faulty::NoMultiplier, "there is no multiplier"),
+        (Faulty::NoOffset, "row 1: the offset is NaN"),
+        (Faulty::NoWeight, "row 1 faces something and has the weight NaN"),
+        (Faulty::NoCompliance, "row 0 has the compliance NaN"),
     ] {
         let error = contact_method(Arc::new(fault)).expect_err("a fault");
         assert!(error.contains(part), "{fault:?}: {error}");
@@ -236,4 +245,72 @@ fn the_strictest_of_several_iterations_counts_for_all() {
 fn a_method_with_too_few_compliances_is_an_error_of_the_step() {
     let error = pressed([Arc::new(Lagrange), Arc::new(Faulty::ShortCompliance)]).expect_err("a fault").to_string();
     assert!(error.contains("compliances of"), "{error}");
+}
+
+#[test]
+fn rows_of_a_method_that_are_no_numbers_are_errors() {
+    for fault in [Faulty::NoOffset, Faulty::NoWeight, Faulty::NoCompliance] {
+        let error = pressed([Arc::new(Lagrange), Arc::new(fault)]).expect_err("a fault").to_string();
+        assert!(error.contains("NaN"), "{fault:?}: {error}");
+    }
+}
+
+/// A fault of the values at points of a method without multiplier, which is else Nitsche's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum FaultyValues {
+    ShortLambda,
+    LongGap,
+    NoSuchPoint,
+    NoNumber,
+}
+
+impl ContactMethod<1, 2> for FaultyValues {
+    fn needs(&self) -> Needs {
+        Needs::FLUXES
+    }
+
+    fn rows(&self, at: &ContactAt<'_, 1, 2>) -> Result<ContactRows<1, 2>, ContactError> {
+        ContactMethod::rows(&Nitsche::default(), at)
+    }
+
+    fn begin(&self, rows: &ContactRows<1, 2>, unit: &dyn Fn(usize) -> f64) -> Begun {
+        Nitsche::default().begin(rows, unit)
+    }
+
+    fn values(&self, at: &ContactAt<'_, 1, 2>, unknowns: &[f64]) -> Option<Result<PointValues, ContactError>> {
+        let spoiled = |mut values: PointValues| {
+            match self {
+                Self::ShortLambda => drop(values.lambda.pop()),
+                Self::LongGap => values.gap.push(0.0),
+                Self::NoSuchPoint => values.point[0] = at.segments.ds.len(),
+                Self::NoNumber => values.lambda[0] = f64::NAN,
+            }
+            values
+        };
+        Nitsche::default().values(at, unknowns).map(|values| values.map(spoiled))
+    }
+}
+
+#[test]
+fn values_at_points_that_do_not_fit_together_are_no_numbers() {
+    let nitsche = || Arc::new(Nitsche::default()) as Arc<dyn ContactMethod<1, 2>>;
+    let (right, of_right) = pressed([nitsche(), nitsche()]).unwrap();
+    let xi = [0.2, 0.7].map(|xi| Vector::from([xi]));
+    for (fault, part) in [
+        (FaultyValues::ShortLambda, "numbers of lambda"),
+        (FaultyValues::LongGap, "gaps"),
+        (FaultyValues::NoSuchPoint, "at point"),
+        (FaultyValues::NoNumber, "the lambda at a point NaN"),
+    ] {
+        let error = contact_method(Arc::new(fault)).expect_err("a fault");
+        assert!(error.contains(part), "{fault:?}: {error}");
+        // the rows are sound: all but values between their points is right
+        let (own, of_own) = pressed([Arc::new(fault), Arc::new(fault)]).unwrap();
+        for k in 0..2 {
+            assert_eq!(own.contact(of_own[k]).unwrap().force, right.contact(of_right[k]).unwrap().force);
+            let lambda = own.lambda(of_own[k], 0).unwrap().unwrap().at(1, &xi).concat();
+            let none: Vec<bool> = lambda.iter().map(|l| l.is_nan()).collect();
+            assert_eq!(none, [true, fault != FaultyValues::NoNumber], "{fault:?}: {lambda:?}");
+        }
+    }
 }

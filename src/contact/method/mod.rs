@@ -132,6 +132,20 @@ pub struct PointValues<T: Real = f64> {
     pub gap: Vec<T>,
 }
 
+impl<T: Real> PointValues<T> {
+    /// Checks that every point has one lambda and one gap, and that it is one of so many `points`.
+    ///
+    /// # Errors
+    /// A sentence that names what is wrong.
+    pub(crate) fn sound(&self, points: usize) -> Result<(), String> {
+        let (found, lambdas, gaps) = (self.point.len(), self.lambda.len(), self.gap.len());
+        if [lambdas, gaps] != [found; 2] {
+            return Err(format!("values at {found} points have {lambdas} numbers of lambda and {gaps} gaps"));
+        }
+        self.point.iter().find(|q| **q >= points).map_or(Ok(()), |q| Err(format!("there are values at point {q} of {points}")))
+    }
+}
+
 /// A method whose own numbers are wrong.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

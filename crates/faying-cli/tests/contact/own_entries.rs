@@ -1,6 +1,7 @@
 //! A material and an obstacle from outside have names and keys of their own in case files.
 
 use faying::coupling::interface::{InterfaceQuadrature, SlaveRule};
+use faying::coupling::multiplier::MultiplierKind;
 use faying::problem::{Physics, Rule};
 use faying_cli::case::{Given, Key, KeyKind, ReadOptions};
 use faying_cli::{Case, Fault, Registry, case};
@@ -131,14 +132,19 @@ fn their_keys_are_read_as_strictly_as_those_of_the_language() {
     assert!(schema.contains("coupling [force/area]") && schema.contains("whether it is no pipe") && schema.contains("orthotropic"));
 }
 
-#[test]
-fn an_integration_from_outside_has_the_numbers_of_its_twin() {
-    let registry = registry();
+/// The block below another one, with a KIND of seam that has the keys RULE.
+fn two_blocks() -> String {
     let base = "[[patch]]\nname = \"base\"\nmaterial = \"steel\"\ngeometry = { kind = \"box\", min = [0, 1], max = [1, 2] }\nelements = [7, 4]\n\
         [[material]]\nname = \"steel\"\nyoung = 100.0\npoisson = 0.3\n\
         [[boundary]]\non = \"block.left\"\nfix = [\"x\"]\n\
         [[KIND]]\nname = \"seam\"\nslave = \"block.top\"\nmaster = \"base.bottom\"\nRULE\n";
-    let text = CASE.replace("block.top", "base.top").replace("elements = [16, 8]", "elements = [16, 8]\nmaterial = \"wood\"") + base;
+    CASE.replace("block.top", "base.top").replace("elements = [16, 8]", "elements = [16, 8]\nmaterial = \"wood\"") + base
+}
+
+#[test]
+fn an_integration_from_outside_has_the_numbers_of_its_twin() {
+    let registry = registry();
+    let text = two_blocks();
     for kind in ["interface", "contact"] {
         let run = |rule: &str| read(&text.replace("KIND", kind).replace("RULE", rule), &registry).unwrap().run(&registry).unwrap();
         let (own, twin) = (run("integration = \"slave-finer\""), run("integration = \"slave\"\nextra_points = 3"));
@@ -160,6 +166,12 @@ mod method_lesson;
 fn with_methods() -> Registry {
     let mut registry = registry();
     registry.plane.methods.add_keyed("interior-point", Vec::new(), Box::new(|_| Ok(Arc::new(method_lesson::InteriorPoint))));
+    add_penalties(&mut registry, "pads", "springs");
+    registry
+}
+
+/// Adds a method of contact and a coupling with keys of their own.
+fn add_penalties(registry: &mut Registry, method: &str, coupling: &str) {
     let keys = vec![
         Key::new("softness", KeyKind::Positive, "1 / factor, a pure number"),
         Key::new("factor", KeyKind::Auto, "multiplies modulus/h").default("\"auto\""),
@@ -171,11 +183,10 @@ fn with_methods() -> Registry {
         }
         Ok(Arc::new(faying::coupling::Penalty { factor: given.auto("factor").unwrap_or(1.0) / softness }) as _)
     };
-    registry.plane.methods.add_keyed("pads", keys, Box::new(make));
+    registry.plane.methods.add_keyed(method, keys, Box::new(make));
     let keys = vec![Key::new("per_area", KeyKind::Positive, "factor of the springs").default("4.0")];
     let make = |given: &Given| Ok(Box::new(faying::coupling::Penalty { factor: given.number("per_area") }) as _);
-    registry.plane.couplings.add_keyed("springs", keys, Box::new(make));
-    registry
+    registry.plane.couplings.add_keyed(coupling, keys, Box::new(make));
 }
 
 #[test]
@@ -226,4 +237,40 @@ fn keys_of_methods_and_couplings_are_read_as_strictly_as_those_of_the_language()
     assert_eq!(contact["softness"]["description"], "method = \"pads\": 1 / factor, a pure number");
     assert!(contact["method"]["enum"].as_array().unwrap().contains(&"interior-point".into()));
     assert_eq!(schema["properties"]["interface"]["items"]["properties"]["per_area"]["default"], 4.0);
+}
+
+#[test]
+fn an_entry_takes_the_place_of_one_of_the_language_with_its_keys() {
+    let (plain, mut registry) = (registry(), registry());
+    add_penalties(&mut registry, "penalty", "penalty");
+    registry.plane.multipliers.add("constant", MultiplierKind::Lowered(1).into());
+    let energy = |registry: &Registry, kind: &str, rule: &str| {
+        let text = two_blocks().replace("KIND", kind).replace("RULE", rule);
+        let result = read(&text, registry).unwrap().run(registry).unwrap();
+        assert_eq!(result.exit, 0, "{kind}, {rule}: {:?}", result.diagnostics);
+        result.energy
+    };
+    for (kind, own, twin) in [
+        ("contact", "method = \"penalty\"\nsoftness = 1e-3", "method = \"penalty\"\nfactor = 1e3"),
+        ("interface", "coupling = \"penalty\"\nper_area = 7", "coupling = \"penalty\"\nfactor = 7"),
+        ("interface", "coupling = \"penalty\"", "coupling = \"penalty\"\nfactor = 4"),
+        ("interface", "multiplier = \"constant\"", "multiplier = \"p/p-1\""),
+        ("contact", "multiplier = \"constant\"", "multiplier = \"p/p-1\""),
+    ] {
+        assert_eq!(energy(&registry, kind, own), energy(&plain, kind, twin), "{kind}, {own}");
+    }
+    assert_ne!(energy(&plain, "interface", "multiplier = \"constant\""), energy(&registry, "interface", "multiplier = \"constant\""));
+    // keys of the entry that was there before are none, its defaults are not asked for
+    for (kind, rule, parts) in [
+        ("contact", "method = \"penalty\"", ["E013", "`softness` is missing"]),
+        (
+            "contact",
+            "method = \"penalty\"\nsoftness = 1\nvariant = \"incomplete\"",
+            ["E015", "`variant` is not a key of method = \"penalty\""],
+        ),
+        ("interface", "coupling = \"penalty\"\nfactor = 7", ["E015", "`factor` is not a key of coupling = \"penalty\""]),
+    ] {
+        let error = read(&two_blocks().replace("KIND", kind).replace("RULE", rule), &registry).unwrap_err();
+        assert!(parts.iter().all(|p| error.contains(p)), "{rule}: {error}");
+    }
 }
