@@ -39,6 +39,7 @@ pub use norms::{Errors, Norms, difference, errors};
 pub use pattern::Pattern;
 pub use places::places;
 pub(crate) use plain::element_stiffness;
+pub(crate) use reduce::consistent;
 pub use reduce::{Equation, Reduced, ReductionError};
 pub use rim::{Pinned, Rim};
 pub use rules::element_rule;

@@ -197,6 +197,14 @@ impl<T: Real> Reduced<T> {
     }
 }
 
+/// Checks that prescribed values, as (unknown, value), and equations of so many unknowns do not contradict each other.
+///
+/// # Errors
+/// [`ReductionError::Contradiction`].
+pub(crate) fn consistent<T: Real>(unknowns: usize, prescribed: &[(usize, T)], equations: &[Equation<T>]) -> Result<(), ReductionError> {
+    eliminate(unknowns, prescribed, equations).map(|_| ())
+}
+
 /// Rows of P, u0, and the free unknowns.
 fn eliminate<T: Real>(
     unknowns: usize,

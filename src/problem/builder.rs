@@ -199,15 +199,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// The unknowns of a model of this problem that supports eliminate.
     ///
     /// # Errors
-    /// [`ErrorKind::Prescribed`].
+    /// [`ErrorKind::Prescribed`], [`ErrorKind::Contradiction`].
     pub(super) fn fixed(&self, model: &Model<S, N>) -> Result<Fixed, ProblemError> {
-        Fixed::of(model, &self.times).map_err(|conflict| {
-            let statement = |k: usize| {
-                let of_pin = || model.pins.get(k - model.conditions.len()).map(|p| p.of);
-                model.conditions.get(k).map(|c| c.of).or_else(of_pin)
-            };
-            let of = conflict.conditions.iter().flat_map(|&(a, b)| [statement(a), statement(b)]).flatten().collect();
-            ProblemError::new(conflict.into(), of, Vec::new())
-        })
+        Fixed::of(model, &self.times)
     }
 }

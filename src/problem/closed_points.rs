@@ -13,7 +13,7 @@ pub fn left_free<const S: usize, const N: usize>(model: &Model<S, N>, state: &St
     }
     let contacts: Vec<Vec<_>> = state.contacts.iter().map(|c| c.iter().collect()).collect();
     let closed = closed_points(model, &contacts, &|row| state.active[row]);
-    let free = free_motions(model, &contacts, &|k, p, q| closed[k][p][q]);
+    let free = free_motions(model, state.t, &contacts, &|k, p, q| closed[k][p][q]);
     (!free.is_empty()).then(|| sentences(model, &free))
 }
 

@@ -1,16 +1,20 @@
 //! Checks of what is prescribed and loaded together: components prescribed twice, loads on what is held, exact data without exact solution.
 
 use super::builder::Problem;
-use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::Statement;
 use super::model::{Action, Condition, SideModel, Value};
+use super::rigid_bodies::unit;
 use crate::geometry::cell;
+use crate::linalg::Vector;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Local coordinates of a facet's centre are compared in steps of this size.
 const SAME_FACET: f64 = 1e-6;
+
+/// Sines below this are those of parallel directions, loads below this share of those beside them none.
+const ALONG: f64 = 1e-9;
 
 /// A facet of a body: the body, the element, and its centre in the element.
 type Facet<const N: usize> = (usize, usize, [i64; N]);
@@ -70,43 +74,110 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         first.into_iter().map(|(at, condition)| (at, condition.of)).collect()
     }
 
-    /// Reports loads and springs in a component that is prescribed on all facets on which they act: they would act on supports alone.
+    /// Reports loads and springs along components and directions that are held on all facets on which they act: they would act on supports
+    /// alone.
     fn check_loads_on_supports(&self, prescribed: &HashMap<(Facet<N>, usize), Statement>, errors: &mut Vec<ProblemError>) {
-        if prescribed.is_empty() && self.said.held.is_empty() {
+        let slides = self.slides();
+        if prescribed.is_empty() && slides.is_empty() {
             return;
         }
-        // the statement that holds a component on all facets
-        let holds = |side: &SideModel<S, N>, component: usize| {
-            let mut all = facets(side).map(|facet| prescribed.get(&(facet, component)));
-            let first = all.next().flatten()?;
-            all.all(|of| of.is_some()).then_some(*first)
-        };
         let components = self.components();
+        // what is held on all facets: components, and the directions of sliding
+        let held_on = |side: &SideModel<S, N>| {
+            let of_all = |at: &dyn Fn(Facet<N>) -> Option<Statement>| {
+                let mut all = facets(side).map(at);
+                let first = all.next().flatten()?;
+                all.all(|of| of.is_some()).then_some(first)
+            };
+            let axes = (0..components).filter_map(|c| Some((unit::<N>(c), of_all(&|f| prescribed.get(&(f, c)).copied())?)));
+            let mut all: Vec<(Vector<N>, Statement)> = axes.collect();
+            let first = facets(side).next().and_then(|f| slides.get(&f));
+            all.extend(first.into_iter().flatten().filter_map(|(d, _)| {
+                let along = |f: Facet<N>| slides.get(&f)?.iter().find(|(other, _)| (other - d).norm() <= ALONG).map(|s| s.1);
+                Some((*d, of_all(&along)?))
+            }));
+            all
+        };
         let mut told: HashSet<(Statement, usize)> = HashSet::new();
-        let mut loaded = |held: Statement, of: Statement, component: usize, label: &str| {
-            if told.insert((of, component)) {
-                errors.push(ProblemError::new(ErrorKind::Held { component }, vec![held, of], vec![label.to_owned()]));
+        let mut refuse = |of: Statement, group: Statement, found: Option<(ErrorKind, Statement)>, label: &str| {
+            let Some((kind, held)) = found else { return };
+            // all components of a load along held directions are one
+            let told_of = if let ErrorKind::Held { component } = kind { (of, component) } else { (group, components) };
+            if told.insert(told_of) {
+                errors.push(ProblemError::new(kind, vec![held, of], vec![label.to_owned()]));
             }
         };
+        let along = |held: &[(Vector<N>, Statement)], force: &Vector<N>| Some((ErrorKind::HeldAlong, within(held, force)?));
+        let component = |held: &[(Vector<N>, Statement)], c: usize| {
+            let of = held.iter().find(|(d, _)| *d == unit::<N>(c))?.1;
+            Some((ErrorKind::Held { component: c }, of))
+        };
         for load in &self.said.loads {
-            let side = &*load.side;
-            // a formula may vanish where the component is held
-            let is_load = |f: &Data| f.as_constant().is_some_and(|value| value != 0.0);
-            let component = match &load.action {
-                Action::Traction(c, f) | Action::Force(c, f, _) if is_load(f) => *c,
+            let (side, held) = (&load.side, held_on(&load.side));
+            match &load.action {
+                Action::Traction(c, _) | Action::Force(c, ..) => {
+                    let beside = || self.said.loads.iter().filter(|l| Arc::ptr_eq(&l.side, side));
+                    let largest = beside().map(|l| constant::<N>(&l.action).norm()).fold(0.0, f64::max);
+                    // a formula may vanish where the component is held, and what is left of zero by rounding is no load
+                    if constant::<N>(&load.action).norm() <= ALONG * largest {
+                        continue;
+                    }
+                    let group: Vector<N> = beside().filter(|l| l.group == load.group).map(|l| constant(&l.action)).sum();
+                    let whole: Vector<N> = beside().map(|l| constant(&l.action)).sum();
+                    refuse(
+                        load.of,
+                        load.group,
+                        component(&held, *c).or_else(|| along(&held, &group)).or_else(|| along(&held, &whole)),
+                        &side.label,
+                    );
+                }
                 // along rollers a pressure on a list of sides acts on the supports alone
-                Action::Pressure(f) if is_load(f) && (0..components).all(|c| holds(side, c).is_some()) => components - 1,
-                _ => continue,
-            };
-            if let Some(held) = holds(side, component) {
-                loaded(held, load.of, component, &side.label);
+                Action::Pressure(f) if f.as_constant().is_some_and(|p| p != 0.0) => {
+                    let all = (0..components).all(|c| within(&held, &unit(c)).is_some());
+                    let last = components - 1;
+                    refuse(load.of, load.group, component(&held, last).or_else(|| along(&held, &unit(last))).filter(|_| all), &side.label);
+                }
+                _ => {}
             }
         }
         for spring in self.said.springs.iter().filter(|s| s.stiffness.as_constant().is_some_and(|k| k != 0.0)) {
-            if let Some(held) = holds(&spring.side, spring.component) {
-                loaded(held, spring.of, spring.component, &spring.side.label);
-            }
+            let (held, c) = (held_on(&spring.side), spring.component);
+            refuse(spring.of, spring.of, component(&held, c).or_else(|| along(&held, &unit(c))), &spring.side.label);
         }
+    }
+
+    /// The directions along which sliding holds facets.
+    fn slides(&self) -> HashMap<Facet<N>, Vec<(Vector<N>, Statement)>> {
+        let mut all: HashMap<Facet<N>, Vec<(Vector<N>, Statement)>> = HashMap::new();
+        // a side that moves as one is loaded itself
+        let is_rigid = |of: Statement| self.said.rigid_sides.iter().any(|r| r.of == of);
+        for held in self.said.held.iter().filter(|h| !is_rigid(h.of)) {
+            facets(&held.side).for_each(|facet| all.entry(facet).or_default().push((held.direction, held.of)));
+        }
+        all
+    }
+}
+
+/// The first statement that takes part in a force within the span of what is held; `None` of a force that is not, and of none.
+fn within<const N: usize>(held: &[(Vector<N>, Statement)], force: &Vector<N>) -> Option<Statement> {
+    let (mut rest, mut basis) = (*force, Vec::<Vector<N>>::new());
+    for (d, _) in held {
+        let across = basis.iter().fold(*d, |v, b| v - b * b.dot(d));
+        if across.norm() > ALONG {
+            basis.push(across / across.norm());
+        }
+    }
+    basis.iter().for_each(|b| rest -= b * b.dot(&rest));
+    let takes_part = || held.iter().find(|(d, _)| d.dot(force).abs() > ALONG * force.norm()).map(|h| h.1);
+    (rest.norm() <= ALONG * force.norm()).then(takes_part).flatten()
+}
+
+/// The force per area of a load that is the same everywhere and at any time, else zero.
+fn constant<const N: usize>(action: &Action) -> Vector<N> {
+    match action {
+        Action::Traction(c, f) => unit(*c) * f.as_constant().unwrap_or(0.0),
+        Action::Force(c, f, area) => unit(*c) * (f.as_constant().unwrap_or(0.0) / area),
+        Action::Exact(_) | Action::Pressure(_) => Vector::zeros(),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Checks of data at quadrature points: limits of materials, values that are not finite.
+//! Checks of data at quadrature points: limits of materials, values that are not finite, negative or too large.
 
 use super::builder::Problem;
 use super::data::{Data, Point};
@@ -11,6 +11,38 @@ use crate::linalg::Vector;
 use crate::quadrature::Quadrature;
 use rayon::prelude::*;
 use std::collections::HashSet;
+
+/// Largest size of data: squares of larger numbers overflow.
+const LARGEST: f64 = 1e150;
+
+/// Values that data may take.
+#[derive(Clone, Copy)]
+struct Limits {
+    least: f64,
+    most: f64,
+}
+
+impl Limits {
+    const ANY: Self = Self { least: -LARGEST, most: LARGEST };
+    const DENSITY: Self = Self { least: 0.0, ..Self::ANY };
+    /// Springs may be as stiff as supports.
+    const STIFFNESS: Self = Self { least: 0.0, most: LARGEST * LARGEST };
+
+    fn hold(self, value: f64) -> bool {
+        (self.least..=self.most).contains(&value)
+    }
+
+    /// The error of a value beyond the limits, at a point and a time.
+    fn error(self, value: f64, (x, t): ([f64; 3], f64), component: usize) -> ErrorKind {
+        if !value.is_finite() {
+            ErrorKind::NotFinite { x, t, value, component }
+        } else if value < 0.0 && self.least == 0.0 {
+            ErrorKind::Negative { x, t, value, component }
+        } else {
+            ErrorKind::TooLarge { x, t, value, component }
+        }
+    }
+}
 
 /// The first quadrature point, elements ascending, at which `wrong` returns something.
 fn first_wrong<const D: usize, const N: usize, E: Send>(
@@ -31,23 +63,19 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         if changes { &self.times } else { &self.times[..1] }
     }
 
-    /// A point and a time at which data are not finite, or negative where they must not be.
+    /// A point and a time at which data are beyond their limits.
     fn wrong_value<const D: usize>(
         &self,
         space: &dyn Geometry<D, N>,
         rules: &dyn Quadrature<D>,
-        (data, component, may_be_negative): (&Data, usize, bool),
+        (data, component, limits): (&Data, usize, Limits),
     ) -> Option<ErrorKind> {
-        let sound = |v: f64| v.is_finite() && (may_be_negative || v >= 0.0);
-        if data.as_constant().is_some_and(sound) {
+        if data.as_constant().is_some_and(|value| limits.hold(value)) {
             return None;
         }
         self.times_of(data.depends_on_time()).iter().find_map(|&t| {
-            let value = |x: &Vector<N>| Some(data.value(&Point::new(x.as_slice()).at_time(t))).filter(|v| !sound(*v));
-            first_wrong(space, rules, &value).map(|(x, value)| match value.is_finite() {
-                true => ErrorKind::Negative { x, t, value, component },
-                false => ErrorKind::NotFinite { x, t, value, component },
-            })
+            let value = |x: &Vector<N>| Some(data.value(&Point::new(x.as_slice()).at_time(t))).filter(|v| !limits.hold(*v));
+            first_wrong(space, rules, &value).map(|(x, value)| limits.error(value, (x, t), component))
         })
     }
 
@@ -66,18 +94,17 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
     }
 
-    /// Prescribed values, loads, springs, sources and densities that are not finite, springs and densities that are negative; each statement
-    /// once.
+    /// Prescribed values, loads, springs, sources and densities beyond their limits; each statement once.
     pub(super) fn check_values(&self, errors: &mut Vec<ProblemError>) {
         let mut told: HashSet<Statement> = HashSet::new();
         let loads = self.said.loads.iter().filter_map(|l| match &l.action {
-            Action::Traction(c, f) | Action::Force(c, f, _) => Some((l.of, &l.name, &l.side, (f, *c, true))),
-            Action::Pressure(f) => Some((l.of, &l.name, &l.side, (f, 0, true))),
+            Action::Traction(c, f) | Action::Force(c, f, _) => Some((l.of, &l.name, &l.side, (f, *c, Limits::ANY))),
+            Action::Pressure(f) => Some((l.of, &l.name, &l.side, (f, 0, Limits::ANY))),
             Action::Exact(_) => None,
         });
-        let springs = self.said.springs.iter().map(|s| (s.of, &s.name, &s.side, (&s.stiffness, s.component, false)));
+        let springs = self.said.springs.iter().map(|s| (s.of, &s.name, &s.side, (&s.stiffness, s.component, Limits::STIFFNESS)));
         let values = self.said.conditions.iter().filter_map(|c| match &c.value {
-            Value::Data(f) => Some((c.of, &c.side.label, &c.side, (f, c.component, true))),
+            Value::Data(f) => Some((c.of, &c.side.label, &c.side, (f, c.component, Limits::ANY))),
             Value::Zero | Value::Exact => None,
         });
         let mut all: Vec<_> = values.chain(loads).chain(springs).collect();
@@ -97,12 +124,12 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             let at = |t: f64| {
                 pin.rim.rim.x.iter().find_map(|x| {
                     let value = f.value(&Point::new(x.as_slice()).at_time(t));
-                    (!value.is_finite()).then(|| (Point::new(x.as_slice()).x, value))
+                    (!Limits::ANY.hold(value)).then(|| (Point::new(x.as_slice()).x, value))
                 })
             };
             let wrong = self.times_of(f.depends_on_time()).iter().find_map(|&t| at(t).map(|(x, value)| (x, t, value)));
             let Some((x, t, value)) = wrong.filter(|_| told.insert(pin.of)) else { continue };
-            let kind = ErrorKind::NotFinite { x, t, value, component: pin.component };
+            let kind = Limits::ANY.error(value, (x, t), pin.component);
             errors.push(ProblemError::new(kind, vec![pin.of], vec![pin.rim.label.clone(); 2]));
         }
         let components = self.components();
@@ -112,11 +139,11 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             number[body] += components;
             (0..components).map(move |c| (of, body, first + c, c)).collect::<Vec<_>>()
         });
-        let sources: Vec<_> = sources.map(|(of, body, k, c)| (of, body, (&self.bodies[body].source[k], c, true))).collect();
+        let sources: Vec<_> = sources.map(|(of, body, k, c)| (of, body, (&self.bodies[body].source[k], c, Limits::ANY))).collect();
         let mut number = vec![0; self.bodies.len()];
         let weights = self.weight_loads.iter().map(|&(of, body)| {
             number[body] += 1;
-            (of, body, (&self.bodies[body].weights[number[body] - 1].0, 0, false))
+            (of, body, (&self.bodies[body].weights[number[body] - 1].0, 0, Limits::DENSITY))
         });
         for (of, body, data) in sources.into_iter().chain(weights) {
             let body = &self.bodies[body];
@@ -126,13 +153,13 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
     }
 
-    /// Motions and forces of obstacles that are not finite.
+    /// Motions and forces of obstacles that are not finite or too large.
     pub(super) fn check_obstacles(&self, errors: &mut Vec<ProblemError>) {
         for contact in &self.contacts {
             for (component, f) in contact.own.motion.iter().chain(&contact.own.forces) {
                 let value = |t: f64| f.value(&Point::default().at_time(t));
-                if let Some(&t) = self.times_of(f.depends_on_time()).iter().find(|t| !value(**t).is_finite()) {
-                    let kind = ErrorKind::NotFinite { x: [0.0; 3], t, value: value(t), component: *component };
+                if let Some(&t) = self.times_of(f.depends_on_time()).iter().find(|t| !Limits::ANY.hold(value(**t))) {
+                    let kind = Limits::ANY.error(value(t), ([0.0; 3], t), *component);
                     errors.push(ProblemError::new(kind, vec![contact.id().into()], vec![contact.name.clone(), contact.name.clone()]));
                 }
             }

@@ -15,7 +15,7 @@ pub fn slides<const S: usize, const N: usize>(model: &Model<S, N>, side: &SideMo
     let field = model.patches[side.patch].field;
     let range = model.patches[side.patch].range();
     let mut out = Vec::new();
-    for e in &model.equations {
+    for e in model.equations.iter().map(|e| &e.equation) {
         let place = |i: usize| range.contains(&i).then(|| ((i - field.first) / field.components, (i - field.first) % field.components));
         let Some((function, _)) = e.terms.first().and_then(|t| place(t.0)) else { continue };
         let mut d = Vector::<N>::zeros();

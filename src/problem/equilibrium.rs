@@ -39,10 +39,11 @@ pub(super) struct Unheld {
 
 /// Loads that no contact pressure balances, none where one does.
 ///
-/// `contacts` at a time, per contact and part; `loads` per patch, then on the obstacle of every contact; `size`: sum of the
+/// `contacts` at time `t`, per contact and part; `loads` per patch, then on the obstacle of every contact; `size`: sum of the
 /// sizes of all nodal loads.
 pub(super) fn unheld<const S: usize, const N: usize>(
     model: &Model<S, N>,
+    t: f64,
     contacts: &[Vec<ContactRows<S, N>>],
     loads: &[Push],
     size: f64,
@@ -52,7 +53,7 @@ pub(super) fn unheld<const S: usize, const N: usize>(
     if !bodies.are_whole() {
         return None;
     }
-    let (modes, forms) = held(model, &bodies);
+    let (modes, forms) = held(model, t, &bodies);
     let null = modes.null(&forms);
     // the cones W and E allow tension locally: a test per function does not apply
     if null.ncols() == 0 || model.contacts.iter().flat_map(|c| &c.parts).any(|part| part.cone != Cone::Coefficients) {

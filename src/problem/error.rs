@@ -1,6 +1,5 @@
 //! Errors of problems before they are solved.
 
-use super::fixed::Conflict;
 use super::handles::Statement;
 use super::interface_error::InterfaceError;
 use super::physics::PhysicsError;
@@ -95,6 +94,15 @@ pub enum ErrorKind {
         /// Whether values change with the time.
         changes: bool,
     },
+    /// Sliding along a side, a side that moves as one, or an equation, which values prescribed beside it contradict in a common function.
+    Contradiction {
+        /// Its defect with these values, in the unit of its unknowns.
+        defect: f64,
+        /// The time.
+        t: f64,
+        /// Whether values change with the time.
+        changes: bool,
+    },
     /// A component of a side, an edge or a corner that is prescribed twice.
     Twice {
         /// The component.
@@ -105,12 +113,25 @@ pub enum ErrorKind {
         /// The component.
         component: usize,
     },
+    /// A load or springs along directions that are held wherever they act, such as the normal of a side that slides.
+    HeldAlong,
     /// Values of an exact solution, in a problem without one.
     NoExact,
     /// A source or a weight beside an exact solution, which has its own.
     SourceTwice,
     /// Data that are not finite at a quadrature point.
     NotFinite {
+        /// The point \[length\]; coordinates beyond the dimension are zero.
+        x: [f64; 3],
+        /// The time.
+        t: f64,
+        /// The value.
+        value: f64,
+        /// Number of the function in the statement, from 0.
+        component: usize,
+    },
+    /// Data so large at a quadrature point that their squares overflow; of springs their product with a number of that size.
+    TooLarge {
         /// The point \[length\]; coordinates beyond the dimension are zero.
         x: [f64; 3],
         /// The time.
@@ -211,13 +232,21 @@ impl Display for ProblemError {
             ErrorKind::NotPlanar => write!(f, "`{one}` is curved: bodies slide along planar sides only"),
             ErrorKind::Scalar => write!(f, "\"{one}\" needs one component per coordinate"),
             ErrorKind::Prescribed { error, t, .. } => write!(f, "{error} (t = {t})"),
+            ErrorKind::Contradiction { defect, t, .. } => {
+                let others: Vec<String> = self.names.iter().skip(1).map(|name| format!("`{name}`")).collect();
+                write!(f, "the condition on `{one}` contradicts {} by {defect:e} (t = {t})", others.join(", "))
+            }
             ErrorKind::Twice { component } => write!(f, "component {component} of `{one}` is prescribed twice"),
             ErrorKind::Held { component } => {
                 write!(f, "component {component} of `{one}` is loaded, and prescribed wherever the load acts")
             }
+            ErrorKind::HeldAlong => write!(f, "the load on `{one}` acts along directions that are held wherever it acts"),
             ErrorKind::NoExact => write!(f, "\"{one}\" takes the values of an exact solution, and the problem has none"),
             ErrorKind::SourceTwice => write!(f, "body \"{one}\" has a source; the exact solution has its own"),
             ErrorKind::NotFinite { x, t, value, .. } => write!(f, "\"{one}\" on `{other}`: {value} at {x:?}, t = {t}"),
+            ErrorKind::TooLarge { x, t, value, .. } => {
+                write!(f, "\"{one}\" on `{other}` is too large: {value:e} at {x:?}, t = {t}; its square overflows")
+            }
             ErrorKind::Negative { x, t, value, .. } => write!(f, "\"{one}\" on `{other}` is negative: {value} at {x:?}, t = {t}"),
             ErrorKind::Glue(error) => write!(f, "`{one}` and {} cannot be glued: {error}", self.names[1..].join(", ")),
             ErrorKind::Interface { error, .. } => write!(f, "\"{one}\", slave side `{other}`: {error}"),
@@ -266,11 +295,5 @@ impl std::error::Error for ProblemErrors {}
 impl From<ProblemError> for ProblemErrors {
     fn from(error: ProblemError) -> Self {
         Self(vec![error])
-    }
-}
-
-impl From<Box<Conflict>> for ErrorKind {
-    fn from(conflict: Box<Conflict>) -> Self {
-        Self::Prescribed { error: conflict.error, t: conflict.t, changes: conflict.changes }
     }
 }

@@ -1,21 +1,9 @@
 //! Unknowns that supports eliminate.
 
+use super::error::{ErrorKind, ProblemError};
+use super::handles::Statement;
 use super::model::{Model, Value};
 use super::prescribed::Conditions;
-use crate::assembly::DirichletError;
-
-/// Prescribed values that contradict each other or do not exist at a time.
-#[derive(Clone, Debug)]
-pub struct Conflict {
-    /// The error.
-    pub error: DirichletError,
-    /// The conditions that have it.
-    pub conditions: Conditions,
-    /// The time.
-    pub t: f64,
-    /// Whether values change with the time.
-    pub changes: bool,
-}
 
 /// Unknowns eliminated by supports.
 #[derive(Clone, Debug)]
@@ -28,8 +16,8 @@ impl Fixed {
     /// first.
     ///
     /// # Errors
-    /// [`Conflict`] at the first time that has one.
-    pub fn of<const S: usize, const N: usize>(model: &Model<S, N>, times: &[f64]) -> Result<Self, Box<Conflict>> {
+    /// [`ErrorKind::Prescribed`], [`ErrorKind::Contradiction`] at the first time that has one.
+    pub fn of<const S: usize, const N: usize>(model: &Model<S, N>, times: &[f64]) -> Result<Self, ProblemError> {
         let mut taken = vec![false; model.unknowns];
         let values = model.conditions.iter().map(|c| &c.value).chain(model.pins.iter().map(|p| &p.value));
         let changes = values.into_iter().any(|value| match value {
@@ -40,10 +28,16 @@ impl Fixed {
         let times = if changes { times } else { &times[..times.len().min(1)] };
         // values that contradict each other at a later time are reported now, too
         for &t in times {
-            let prescribed = model.prescribed(t).map_err(|e| Conflict { error: e.0, conditions: e.1, t, changes })?;
+            let prescribed = model.prescribed(t).map_err(|e| {
+                let (error, conditions) = *e;
+                ProblemError::new(ErrorKind::Prescribed { error, t, changes }, statements(model, conditions), Vec::new())
+            })?;
+            if let Some(error) = model.contradiction(&prescribed, t, changes) {
+                return Err(error);
+            }
             prescribed.iter().for_each(|&(unknown, _)| taken[unknown] = true);
         }
-        for equation in &model.equations {
+        for equation in model.equations.iter().map(|e| &e.equation) {
             // the reduction binds the unknown with the largest coefficient that is still free
             let free = equation.terms.iter().map(|&(i, c)| (model.glued.unknown(i), c)).filter(|(i, _)| !taken[*i]);
             if let Some((i, _)) = free.fold(None, |best: Option<(usize, f64)>, t| best.filter(|b| b.1.abs() >= t.1.abs()).or(Some(t))) {
@@ -66,4 +60,13 @@ impl Fixed {
     pub fn is(&self, unknown: usize) -> bool {
         self.taken[unknown]
     }
+}
+
+/// The statements of two conditions.
+fn statements<const S: usize, const N: usize>(model: &Model<S, N>, conditions: Conditions) -> Vec<Statement> {
+    let statement = |k: usize| {
+        let of_pin = || model.pins.get(k - model.conditions.len()).map(|p| p.of);
+        model.conditions.get(k).map(|c| c.of).or_else(of_pin)
+    };
+    conditions.iter().flat_map(|&(a, b)| [statement(a), statement(b)]).flatten().collect()
 }

@@ -13,6 +13,7 @@ const ZERO: f64 = 1e-12;
 /// Initial guess row by row.
 pub(super) struct Guess<'a, const S: usize, const N: usize> {
     model: &'a Model<S, N>,
+    t: f64,
     before: Option<&'a StepState<S, N>>,
     /// Whether each row is closed.
     pub closed: Vec<bool>,
@@ -21,9 +22,9 @@ pub(super) struct Guess<'a, const S: usize, const N: usize> {
 }
 
 impl<'a, const S: usize, const N: usize> Guess<'a, S, N> {
-    /// Starts with all rows closed; `before`: the step whose active rows are the guess.
-    pub fn new(model: &'a Model<S, N>, before: Option<&'a StepState<S, N>>) -> Self {
-        Self { model, before, closed: vec![true; model.rows], auto: Vec::new() }
+    /// Starts with all rows closed at time `t`; `before`: the step whose active rows are the guess.
+    pub fn new(model: &'a Model<S, N>, t: f64, before: Option<&'a StepState<S, N>>) -> Self {
+        Self { model, t, before, closed: vec![true; model.rows], auto: Vec::new() }
     }
 
     /// Round-off of a gap, as a fraction of the lengths it is computed from.
@@ -76,7 +77,7 @@ impl<'a, const S: usize, const N: usize> Guess<'a, S, N> {
         if self.before.is_some() {
             return;
         }
-        for body in floating(self.model) {
+        for body in floating(self.model, self.t) {
             let mut holds = vec![false; self.closed.len()];
             for &(row, unknown, _) in rows.slave.entries.iter().chain(&rows.master.entries) {
                 holds[row] |= body.iter().any(|range| range.contains(&unknown));

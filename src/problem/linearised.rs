@@ -1,5 +1,6 @@
 //! The system of a problem at a time and a state: stiffness, load and rows, for any solver of constrained systems.
 
+use super::blocked::blocked;
 use super::data::Point;
 use super::enforced::Enforced;
 use super::equilibrium::{Unheld, unheld};
@@ -83,9 +84,13 @@ impl<const S: usize, const N: usize> StepSystem<S, N> {
         let (slave, shift) = reduced.rows(&interface.rows.slave);
         let (master, shift_master) = reduced.rows(&interface.rows.master);
         let offset: Vec<f64> = (0..model.rows).map(|i| interface.offset[i] + shift[i] + shift_master[i]).collect();
+        let rows = Rows { slave, master };
+        if let Some(error) = blocked(model, &interface, &rows, &offset) {
+            return Err(error);
+        }
         let enforced = Enforced::of(model, &matrices, &interface.rows, &interface.contacts, before.is_none())?;
         let reaction = interface.reaction.as_ref().map(|b| Rows { slave: reduced.rows(&b.slave).0, master: reduced.rows(&b.master).0 });
-        Ok(Self { t, loads, total, interface, reduced, rows: Rows { slave, master }, reaction, offset, enforced })
+        Ok(Self { t, loads, total, interface, reduced, rows, reaction, offset, enforced })
     }
 
     pub(super) fn constrained(&self) -> ConstrainedSystem<'_> {
@@ -107,7 +112,7 @@ impl<const S: usize, const N: usize> StepSystem<S, N> {
     /// Loads that no contact pressure balances; none where one does.
     pub(super) fn unheld_load(&self, model: &Model<S, N>) -> Option<Unheld> {
         let pushes: Vec<_> = self.loads.totals.iter().map(|r| (r.force, r.moment)).collect();
-        unheld(model, &self.interface.contacts, &pushes, self.loads.vector.iter().map(|f| f.abs()).sum())
+        unheld(model, self.t, &self.interface.contacts, &pushes, self.loads.vector.iter().map(|f| f.abs()).sum())
     }
 
     /// The state of the model with a solution of the system; `matrices`: those that it was assembled with.

@@ -107,7 +107,8 @@ fn holds<const S: usize, const N: usize>(model: &Model<S, N>) -> (Vec<Piece<S, N
         let support = supports.len();
         supports.push(Piece::Side(side.clone()));
         let conditions = model.conditions.iter().filter(|d| Arc::ptr_eq(&d.side, side)).map(|d| axis(d.component));
-        let directions: Vec<Vector<N>> = conditions.chain(model.held.iter().filter(|h| Arc::ptr_eq(&h.0, side)).map(|h| h.1)).collect();
+        let held = model.held.iter().filter(|h| Arc::ptr_eq(&h.side, side)).map(|h| h.direction);
+        let directions: Vec<Vector<N>> = conditions.chain(held).collect();
         for (function, weight) in integrals(model, side) {
             all.extend(directions.iter().map(|&direction| Hold { function, support, direction, weight }));
         }

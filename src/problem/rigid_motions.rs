@@ -22,26 +22,35 @@ pub struct RigidMotion {
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
-    /// Motions that are left with all points of ties held and all contacts closed.
-    pub(super) fn rigid_motions(&self) -> Vec<RigidMotion> {
-        self.motions(self.left_by_points())
+    /// Motions that are left with all points of ties held and all contacts closed, at the first of `times` that leaves any.
+    pub(super) fn rigid_motions(&self, times: &[f64]) -> Vec<RigidMotion> {
+        self.motions(self.left_by_points(times))
     }
 
-    fn left_by_points(&self) -> Vec<FreeBody> {
+    fn left_by_points(&self, times: &[f64]) -> Vec<FreeBody> {
         let first: Vec<Vec<_>> = self.contacts.iter().map(|c| c.parts.iter().map(|p| &p.first).collect()).collect();
-        free_by(self, &first, &|_, _, _| true, Ties::Points)
+        self.first_left(times, |t| free_by(self, t, &first, &|_, _, _| true, Ties::Points))
+    }
+
+    /// What is left at the first of `times` that leaves anything: springs may vanish at some of them.
+    fn first_left(&self, times: &[f64], left: impl Fn(f64) -> Vec<FreeBody>) -> Vec<FreeBody> {
+        let changes = self.springs.iter().any(|s| s.stiffness.depends_on_time());
+        let times = if changes { times } else { &times[..times.len().min(1)] };
+        times.iter().map(|t| left(*t)).find(|free| !free.is_empty()).unwrap_or_default()
     }
 
     /// Checks that nothing can move as a rigid body with every contact closed: neither where points of ties hold nor where only the
-    /// functions of multipliers do.
-    pub(super) fn held(&self) -> Result<(), ProblemErrors> {
-        let mut free = self.left_by_points();
+    /// functions of multipliers do, at all `times`.
+    pub(super) fn held(&self, times: &[f64]) -> Result<(), ProblemErrors> {
+        let mut free = self.left_by_points(times);
         if free.is_empty() {
             let bodies = RigidBodies::of(self);
-            let (modes, mut forms) = held_by(self, &bodies, &self.springs, Ties::Functions);
-            forms.extend(closed_forms(self, &modes, &bodies));
-            let left = modes.names(&modes.null(&forms)).into_iter();
-            free = left.map(|f| bodies.numbered(self, &modes, f)).collect();
+            free = self.first_left(times, |t| {
+                let (modes, mut forms) = held_by(self, &bodies, Some(t), Ties::Functions);
+                forms.extend(closed_forms(self, &modes, &bodies));
+                let left = modes.names(&modes.null(&forms)).into_iter();
+                left.map(|f| bodies.numbered(self, &modes, f)).collect()
+            });
         }
         if free.is_empty() { Ok(()) } else { Err(ProblemError::named(ErrorKind::Motions(sentences(self, &free)), &[]).into()) }
     }
@@ -55,7 +64,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let contacts: Vec<Vec<_>> = contacts.iter().map(|c| c.iter().collect()).collect();
         // a point counts as closed if an enforced function is active there
         let closed = closed_points(self, &contacts, &|row| !open.contains(&row));
-        self.motions(free_motions(self, &contacts, &|k, p, q| closed[k][p][q]))
+        self.motions(free_motions(self, t, &contacts, &|k, p, q| closed[k][p][q]))
     }
 
     fn motions(&self, free: Vec<FreeBody>) -> Vec<RigidMotion> {

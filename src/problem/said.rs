@@ -1,9 +1,8 @@
 //! Supports, loads and joints of a problem as they were said.
 
 use super::handles::Statement;
-use super::model::{Condition, Pin, RigidSides, SideLoad, SideModel, SideSpring, Value};
+use super::model::{Condition, HeldSide, Pin, RigidSides, SaidEquation, SideLoad, SideModel, SideSpring, Value};
 use super::regions::Piece;
-use crate::assembly::Equation;
 use crate::linalg::Vector;
 use crate::space::Near;
 use std::sync::Arc;
@@ -15,8 +14,8 @@ pub(super) struct Said<const S: usize, const N: usize> {
     pub pins: Vec<Pin<N>>,
     /// Sides with at least one prescribed component.
     pub supports: Vec<Arc<SideModel<S, N>>>,
-    pub equations: Vec<Equation>,
-    pub held: Vec<(Arc<SideModel<S, N>>, Vector<N>)>,
+    pub equations: Vec<SaidEquation>,
+    pub held: Vec<HeldSide<S, N>>,
     pub rigid_sides: Vec<RigidSides<S, N>>,
     pub loads: Vec<SideLoad<S, N>>,
     pub springs: Vec<SideSpring<S, N>>,

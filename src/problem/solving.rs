@@ -78,7 +78,7 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
     }
 
     fn rigid_motions(&self) -> Vec<RigidMotion> {
-        self.common.model.rigid_motions()
+        self.common.model.rigid_motions(&self.times)
     }
 
     fn motions_with_open(&self, t: f64, open: &[usize]) -> Vec<RigidMotion> {
@@ -86,7 +86,7 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
     }
 
     fn held(&self) -> Result<(), ProblemErrors> {
-        self.common.model.held()
+        self.common.model.held(&self.times)
     }
 
     fn contact_rows(&self, rows: &[usize]) -> Vec<RowsOfSide<N>> {

@@ -1,5 +1,6 @@
 //! States of a problem, and errors of steps without one.
 
+use super::handles::{ContactId, Statement};
 use super::loads::LoadSum;
 use super::resultant::Resultant;
 use crate::assembly::{DirichletError, ReductionError};
@@ -71,6 +72,18 @@ pub enum StepError {
     #[error("infeasible load: {what}")]
     Infeasible {
         /// Sentence with the body, its motion, and the missing force.
+        what: String,
+    },
+    /// Prescribed values hold a slave side within what it faces, where no pressure moves it.
+    #[error("infeasible contact: {what}")]
+    Blocked {
+        /// The contact.
+        contact: ContactId,
+        /// The slave side, by its place in the statement.
+        slave: usize,
+        /// The statements that prescribe the values.
+        of: Vec<Statement>,
+        /// Sentence with the side, the depth, what it faces, and where.
         what: String,
     },
     /// No contact pressure of these multipliers balances the loads, though forces at the ends of the sides would.

@@ -1,5 +1,6 @@
 //! Rigid motions that are left when every contact is closed.
 
+use super::data::Point;
 use super::model::{ContactPart, Model, SideModel, SideSpring, TiePart};
 use super::rigid::{FreeBody, RigidForm, RigidModes, RigidRow, short};
 use super::rigid_bodies::{RigidBodies, contact_terms, unit};
@@ -30,6 +31,27 @@ fn points<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBod
         out.extend(table.x.iter().map(|x| (bodies.of_facet(model, side, elements - 1), *x)));
     }
     out
+}
+
+/// Some of the points at which springs pull at time `t`, each with its body: none where their stiffness is zero at all of them.
+fn pulled<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    bodies: &RigidBodies,
+    spring: &SideSpring<S, N>,
+    t: f64,
+) -> Vec<(usize, Vector<N>)> {
+    let side = &spring.side;
+    if let Some(stiffness) = spring.stiffness.as_constant() {
+        return if stiffness == 0.0 { Vec::new() } else { points(model, bodies, side) };
+    }
+    let (space, mut table, mut all) = (&*side.trace.space, MapTable::new(), Vec::new());
+    for e in 0..space.num_elements() {
+        space.map(e, &side.rules.rule(e).points, Order::Values, &mut table);
+        let pulls = |x: &&Vector<N>| spring.stiffness.value(&Point::new(x.as_slice()).at_time(t)) != 0.0;
+        all.extend(table.x.iter().filter(pulls).map(|x| (bodies.of_facet(model, side, e), *x)));
+    }
+    let last = all.last().copied();
+    all.iter().copied().step_by(all.len().div_ceil(SAMPLES).max(1)).chain(last).collect()
 }
 
 /// The points of a contact for which `closed` holds, as rows along the normal.
@@ -74,24 +96,26 @@ pub fn tie_points<const S: usize, const N: usize>(
 
 /// Motions that supports, ties and contacts leave, of patches and, numbered behind them by contact, of obstacles that forces press.
 ///
-/// `contacts` at a time, per contact and part; of them the points in `closed`.
+/// `contacts` at time `t`, per contact and part; of them the points in `closed`.
 pub fn free_motions<const S: usize, const N: usize>(
     model: &Model<S, N>,
+    t: f64,
     contacts: &[Vec<&ContactRows<S, N>>],
     closed: &dyn Fn(usize, usize, usize) -> bool,
 ) -> Vec<FreeBody> {
-    free_by(model, contacts, closed, Ties::Functions)
+    free_by(model, t, contacts, closed, Ties::Functions)
 }
 
 /// Computes [`free_motions`] with ties by points or by functions.
 pub fn free_by<const S: usize, const N: usize>(
     model: &Model<S, N>,
+    t: f64,
     contacts: &[Vec<&ContactRows<S, N>>],
     closed: &dyn Fn(usize, usize, usize) -> bool,
     ties: Ties,
 ) -> Vec<FreeBody> {
     let bodies = RigidBodies::of(model);
-    let (modes, mut forms) = held_by(model, &bodies, &model.springs, ties);
+    let (modes, mut forms) = held_by(model, &bodies, Some(t), ties);
     for (k, contact) in model.contacts.iter().enumerate() {
         for (p, part) in contact.parts.iter().enumerate() {
             forms.extend(contact_points(model, &modes, &bodies, k, part, contacts[k][p], &|q| closed(k, p, q)));
@@ -109,10 +133,11 @@ pub enum Ties {
     Functions,
 }
 
-/// The unknowns of every body that supports and ties leave a rigid motion, patches and obstacles that forces press: contact has to hold it.
-pub(super) fn floating<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<Vec<Range<usize>>> {
+/// The unknowns of every body that supports and ties leave a rigid motion at time `t`, patches and obstacles that forces press: contact has
+/// to hold it.
+pub(super) fn floating<const S: usize, const N: usize>(model: &Model<S, N>, t: f64) -> Vec<Vec<Range<usize>>> {
     let bodies = RigidBodies::of(model);
-    let (modes, rows) = held(model, &bodies);
+    let (modes, rows) = held(model, t, &bodies);
     let unknowns = |body: usize| match bodies.first.get(body) {
         Some(_) => bodies.unknowns(model, body),
         None => {
@@ -123,16 +148,16 @@ pub(super) fn floating<const S: usize, const N: usize>(model: &Model<S, N>) -> V
     modes.free(&rows).iter().map(|f| unknowns(f.body)).collect()
 }
 
-/// The rigid motions of a model and what supports, springs and ties ask of them: both ways, without contacts.
-pub(super) fn held<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies) -> (RigidModes<N>, Vec<RigidForm>) {
-    held_by(model, bodies, &model.springs, Ties::Functions)
+/// The rigid motions of a model and what supports, springs and ties ask of them at time `t`: both ways, without contacts.
+pub(super) fn held<const S: usize, const N: usize>(model: &Model<S, N>, t: f64, bodies: &RigidBodies) -> (RigidModes<N>, Vec<RigidForm>) {
+    held_by(model, bodies, Some(t), Ties::Functions)
 }
 
-/// The rigid motions of a model and what supports and ties ask of them, with `springs` in the place of those of the model.
+/// The rigid motions of a model and what supports and ties ask of them, with the springs of a time, or without any.
 pub fn held_by<const S: usize, const N: usize>(
     model: &Model<S, N>,
     bodies: &RigidBodies,
-    springs: &[SideSpring<S, N>],
+    springs: Option<f64>,
     ties: Ties,
 ) -> (RigidModes<N>, Vec<RigidForm>) {
     let of = |side: &SideModel<S, N>| points(model, bodies, side);
@@ -154,13 +179,13 @@ pub fn held_by<const S: usize, const N: usize>(
             fix(body, unit(p.component), *x);
         }
     }
-    for s in springs.iter().filter(|s| s.stiffness.as_constant() != Some(0.0)) {
-        for (body, x) in of(&s.side) {
+    for (t, s) in springs.iter().flat_map(|t| model.springs.iter().map(move |s| (*t, s))) {
+        for (body, x) in pulled(model, bodies, s, t) {
             fix(body, unit(s.component), x);
         }
     }
     // equations between components of one function: inclined sliding
-    for e in &model.equations {
+    for e in model.equations.iter().map(|e| &e.equation) {
         let Some(&(first, _)) = e.terms.first() else { continue };
         let Some(patch) = model.patches.iter().position(|p| p.range().contains(&first)) else { continue };
         let field = model.patches[patch].field;
@@ -177,7 +202,7 @@ pub fn held_by<const S: usize, const N: usize>(
         let has = |s: &SideModel<S, N>| s.patch == patch && s.trace.dofs.contains(&function);
         // in a corner of two such sides each has its own direction
         let along = |d: &Vector<N>| (direction - d * direction.dot(d) / d.norm_squared()).norm() <= PARALLEL * direction.norm();
-        let own = model.held.iter().find(|(side, d)| has(side) && along(d)).map(|(side, _)| side);
+        let own = model.held.iter().find(|h| has(&h.side) && along(&h.direction)).map(|h| &h.side);
         let side = own.or_else(|| model.supports.iter().find(|s| has(s)));
         for (body, x) in side.map(|s| of(s)).unwrap_or_default() {
             fix(body, direction, x);

@@ -4,7 +4,7 @@ use super::builder::Problem;
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{Components, Kind, Region, Statement, Unknown};
-use super::model::{Action, RigidSides, SideLoad, SideModel, SideSpring, Value};
+use super::model::{Action, HeldSide, RigidSides, SaidEquation, SideLoad, SideModel, SideSpring, Value};
 use super::regions::Piece;
 use crate::assembly::{Equation, measure, planar_normal};
 use crate::linalg::Vector;
@@ -106,14 +106,14 @@ impl<const S: usize, const N: usize> Problem<S, N> {
                 continue;
             }
             let directions: Vec<Vector<N>> = if along_normal { vec![normal] } else { tangents(&normal) };
-            self.said.held.extend(directions.iter().map(|d| (side.clone(), *d)));
+            self.said.held.extend(directions.iter().map(|d| HeldSide { of, side: side.clone(), direction: *d }));
             let mut dofs = side.trace.dofs.clone();
             dofs.sort_unstable();
             dofs.dedup();
             for dof in dofs {
                 for d in &directions {
                     let terms = (0..N).filter(|&c| d[c].abs() > PERPENDICULAR).map(|c| (side.field.unknown(dof, c), d[c])).collect();
-                    self.said.equations.push(Equation { terms, value: 0.0 });
+                    self.said.equations.push(SaidEquation { of, equation: Equation { terms, value: 0.0 } });
                 }
             }
             self.said.support(side);
@@ -138,8 +138,9 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             }
             all.push((body.field.unknown(unknown.function, component), *factor));
         }
-        self.said.equations.push(Equation { terms: all, value });
-        Ok(self.statement())
+        let of = self.statement();
+        self.said.equations.push(SaidEquation { of, equation: Equation { terms: all, value } });
+        Ok(of)
     }
 
     /// Applies a component of a traction [force/area], or of a flux k du/dn: a number, a function, or [`Value::Exact`].
@@ -215,12 +216,14 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         unknowns.sort_unstable();
         unknowns.dedup();
         let Some((&first, rest)) = unknowns.split_first() else { return Ok(of) };
-        self.said.equations.extend(rest.iter().map(|&i| Equation { terms: vec![(i, 1.0), (first, -1.0)], value: 0.0 }));
+        let as_first = |&i: &usize| Equation { terms: vec![(i, 1.0), (first, -1.0)], value: 0.0 };
+        self.said.equations.extend(rest.iter().map(|i| SaidEquation { of, equation: as_first(i) }));
+        let direction = Vector::from_fn(|k, _| f64::from(u8::from(k == component)));
         for side in &sides {
             self.said.support(side);
-            self.said.held.push((side.clone(), Vector::from_fn(|k, _| f64::from(u8::from(k == component)))));
+            self.said.held.push(HeldSide { of, side: side.clone(), direction });
         }
-        self.said.rigid_sides.push(RigidSides { sides, component });
+        self.said.rigid_sides.push(RigidSides { of, sides, component });
         Ok(of)
     }
 

@@ -43,7 +43,7 @@ impl<const S: usize, const N: usize> InterfaceSystem<S, N> {
         let mut rows = empty(m, model.unknowns);
         let (mut reaction, mut differs) = (empty(m, model.unknowns), false);
         let (mut offset, mut kind) = (vec![0.0; m], vec![RowKind::Equal; m]);
-        let (mut guess, mut elements) = (Guess::new(model, before), Vec::new());
+        let (mut guess, mut elements) = (Guess::new(model, t, before), Vec::new());
         for part in model.ties.iter().flat_map(|tie| &tie.parts) {
             append(&mut rows, &part.rows, part.first_row);
             append(&mut reaction, part.reaction.as_ref().unwrap_or(&part.rows), part.first_row);

@@ -1,10 +1,12 @@
 //! Problems are refused that prescribe a component twice, load what is held, or have data without a value at some time.
 
+use faying::basis::BSpline;
 use faying::contact::{ContactError, HalfPlane};
+use faying::geometry::ControlNet;
 use faying::geometry::shapes::rectangle;
 use faying::linalg::Vector;
 use faying::physics::Hooke;
-use faying::problem::{BodyId, Components, Data, ErrorKind, InterfaceError, Problem, Statement};
+use faying::problem::{BodyId, Components, Data, ErrorKind, InterfaceError, Problem, Statement, Unknown};
 use faying::space::{Mesh, Patch, PatchSpec};
 
 type Say = fn(&mut Problem<1, 2>, BodyId) -> Vec<Statement>;
@@ -129,7 +131,91 @@ fn springs_without_stiffness_hold_nothing() {
     for (kinds, ..) in errors(|p, b| vec![p.spring(b.side("v0"), 0, 0.0).unwrap(), p.spring(b.side("v0"), 1, 0.0).unwrap()]) {
         assert!(matches!(&kinds[..], [ErrorKind::Motions(motions)] if motions.len() == 1), "{kinds:?}");
     }
+    // everywhere on their side, or at one of the times
+    let vanish: [Say; 2] = [
+        |p, b| {
+            let beyond = Data::of(|x, _| (x[0] - 2.0).max(0.0));
+            vec![p.spring(b.side("v0"), 0, beyond).unwrap(), p.spring(b.side("v0"), 1, 1.0).unwrap()]
+        },
+        |p, b| {
+            p.times(&[0.0, 1.0, 2.0]);
+            let late = Data::of(|_, t| if t > 1.5 { 0.0 } else { 1.0 });
+            vec![p.spring(b.side("v0"), 0, late).unwrap(), p.spring(b.side("v0"), 1, 1.0).unwrap()]
+        },
+    ];
+    for say in vanish {
+        for (kinds, ..) in errors(say) {
+            assert!(matches!(&kinds[..], [ErrorKind::Motions(motions)] if motions[0].ends_with("translation x")), "{kinds:?}");
+        }
+    }
     accepted(|p, b| vec![p.spring(b.side("v0"), 0, 1.0).unwrap(), p.spring(b.side("v0"), 1, 1.0).unwrap()]);
+    accepted(|p, b| {
+        let on_the_left = Data::of(|x, _| (0.2 - x[0]).max(0.0));
+        vec![p.spring(b.side("v0"), 0, on_the_left).unwrap(), p.spring(b.side("v0"), 1, 1.0).unwrap()]
+    });
+}
+
+#[test]
+fn equations_that_prescribed_values_contradict_are_refused_with_both_statements() {
+    let unknown = |body, function, component| Unknown { body, function, component };
+    for (value, good) in [(0.0, true), (0.5, false)] {
+        let mut p = Problem::<1, 2>::new();
+        let square = PatchSpec::new(rectangle([0.0, 0.0], [1.0, 1.0]).unwrap()).with_elements([2, 2]);
+        let b = p.body("square", Mesh::from_patch(&square).unwrap(), Hooke::plane_strain(1.0, 0.3).unwrap()).unwrap();
+        p.fix(b.side("v1"), Components::All).unwrap();
+        let held = p.prescribe(b.side("v0"), 0, 0.5).unwrap();
+        // in the lower left corner, whose function is the first
+        let equation = p.equation(&[(unknown(b, 0, 0), 1.0), (unknown(b, 0, 1), 1.0)], 0.5 + value).unwrap();
+        let bound = p.prescribe(b.side("u0"), 1, 0.0).unwrap();
+        let errors = p.assemble().err().map_or(Vec::new(), |e| e.0);
+        if good {
+            assert!(errors.is_empty(), "{errors:?}");
+        } else {
+            assert_eq!(errors.len(), 1, "{errors:?}");
+            assert_eq!(errors[0].kind, ErrorKind::Contradiction { defect: 0.5, t: 1.0, changes: false });
+            assert_eq!(errors[0].of, [held, bound, equation]);
+        }
+    }
+}
+
+#[test]
+fn data_whose_squares_overflow_are_refused() {
+    for (kinds, ..) in errors(|p, b| {
+        p.fix(b.side("v0"), Components::All).unwrap();
+        vec![p.pressure(b.side("v1"), 1e160).unwrap(), p.prescribe(b.side("u1"), 0, Data::of(|x, _| -1e308 * x[1])).unwrap()]
+    }) {
+        assert!(matches!(kinds[..], [ErrorKind::TooLarge { .. }, ErrorKind::TooLarge { .. }]), "{kinds:?}");
+    }
+}
+
+#[test]
+fn loads_along_directions_that_are_held_are_refused() {
+    let turned = |fix: fn(&mut Problem<1, 2>, BodyId) -> Statement, forces: &[[f64; 2]]| {
+        let mut p = Problem::<1, 2>::new();
+        let corners = [[0.0, 0.0], [0.8, 0.6], [-0.6, 0.8], [0.2, 1.4]].map(Vector::from).to_vec();
+        let line = || BSpline::try_new(1, vec![0.0, 0.0, 1.0, 1.0]).unwrap();
+        let spec = PatchSpec::new(ControlNet::try_new([line(), line()], corners, None).unwrap()).with_elements([2, 2]);
+        let b = p.body("turned", Patch::try_new(&spec).unwrap(), Hooke::plane_strain(1.0, 0.3).unwrap()).unwrap();
+        p.fix(b.side("v1"), Components::All).unwrap();
+        let held = fix(&mut p, b);
+        for force in forces {
+            for (c, f) in force.iter().enumerate() {
+                let load = p.traction(b.side("v0"), c, *f).unwrap();
+                p.name(load, "load");
+            }
+        }
+        let errors = p.assemble().err().map_or(Vec::new(), |e| e.0);
+        assert!(errors.iter().all(|e| e.kind == ErrorKind::HeldAlong && e.of[0] == held), "{errors:?}");
+        errors.len()
+    };
+    let (normal, tangent): (fn(&mut Problem<1, 2>, BodyId) -> Statement, fn(&mut Problem<1, 2>, BodyId) -> Statement) =
+        (|p, b| p.fix_normal(b.side("v0")).unwrap(), |p, b| p.fix_tangential(b.side("v0")).unwrap());
+    assert_eq!(turned(normal, &[[0.6, -0.8]]), 1);
+    assert_eq!(turned(normal, &[[0.8, 0.6]]), 0);
+    assert_eq!(turned(normal, &[[0.6, -0.8], [0.8, 0.6]]), 0);
+    assert_eq!(turned(normal, &[[0.0, 0.0]]), 0);
+    assert_eq!(turned(tangent, &[[0.8, 0.6]]), 1);
+    assert_eq!(turned(tangent, &[[0.6, -0.8]]), 0);
 }
 
 #[test]

@@ -77,7 +77,7 @@ pub const CODES: &[Code] = &[
         "E015",
         3,
         "value out of range, or key not for this kind",
-        "A value is outside its range, is not one of the allowed words, or a key does not belong to the kind of block it stands in.",
+        "A value is outside its range, or so large that its square overflows, is not one of the allowed words, or a key does not belong to the kind of block it stands in.",
         "degree = 40          # at most 12 (iga), 8 (fe), 4 (fe, simplex cells)",
         "choose a value from the range that the message states, or take a key out that belongs to another kind.",
     ),
@@ -248,7 +248,8 @@ pub const CODES: &[Code] = &[
         "E052",
         3,
         "two conditions on one side and component",
-        "Each component of a side has one kind of condition: prescribed once, or loaded. Both lines are named. \
+        "Each component of a side has one kind of condition: prescribed once, or loaded. Loads along directions that are held act on supports alone. \
+         Sides that slide or move as one must agree with what is prescribed where they meet it. Both lines are named. \
          As a warning: prescribed values of two tied bodies differ in their common corner, and the multiplier there has to carry the jump.",
         "[[boundary]]\non = \"a.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"a.left\"\ntraction = { x = 1.0 }",
         "keep one of the two blocks.",
@@ -333,9 +334,10 @@ pub const CODES: &[Code] = &[
         5,
         "singular",
         "The system of equations is singular or has negative energy: a body can move, a constraint is redundant, or the factor of a \
-         Nitsche coupling is too small. With contact two outcomes are told apart. \"infeasible load\": contact presses and never pulls, and \
+         coupling or contact is too small or too large. With contact three outcomes are told apart. \"infeasible load\": contact presses and never pulls, and \
          no pressure balances the loads on a body that nothing else holds; the message names the motion and the force that is missing. \
-         \"rigid motion left\": the loads could be balanced, but the contact that holds the body has opened and its place is not determined.",
+         \"rigid motion left\": the loads could be balanced, but the contact that holds the body has opened and its place is not determined. \
+         \"infeasible contact\": prescribed values hold a part of the slave side within what it faces, where no pressure moves it.",
         "[[interface]]          # the same pair of sides tied a second time, exchanged",
         "fix the body that can move, or take out the constraint that says a thing twice.",
     ),

@@ -1,6 +1,8 @@
 //! Supports and loads.
 
 use super::{RimModel, SideModel};
+use crate::assembly::Equation;
+use crate::linalg::Vector;
 use crate::problem::data::Data;
 use crate::problem::handles::Statement;
 use std::sync::Arc;
@@ -82,9 +84,31 @@ pub struct SideLoad<const S: usize, const N: usize> {
     pub action: Action,
 }
 
+/// An equation between unknowns.
+#[derive(Clone, Debug)]
+pub struct SaidEquation {
+    /// The statement.
+    pub of: Statement,
+    /// The equation.
+    pub equation: Equation,
+}
+
+/// A side whose functions equations hold along a direction.
+#[derive(Clone, Debug)]
+pub struct HeldSide<const S: usize, const N: usize> {
+    /// The statement.
+    pub of: Statement,
+    /// The side.
+    pub side: Arc<SideModel<S, N>>,
+    /// The normal, a tangent, or the axis along which the side moves as one.
+    pub direction: Vector<N>,
+}
+
 /// Sides that move as one in a component, driven by a resultant.
 #[derive(Clone, Debug)]
 pub struct RigidSides<const S: usize, const N: usize> {
+    /// The statement.
+    pub of: Statement,
     /// The sides.
     pub sides: Vec<Arc<SideModel<S, N>>>,
     /// The component that all their points have in common.

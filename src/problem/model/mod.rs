@@ -7,7 +7,7 @@ mod tie;
 
 pub use body::{PatchModel, RimModel, SideModel};
 pub use contact::{Against, ContactModel, ContactPart};
-pub use imposed::{Action, Condition, Pin, RigidSides, SideLoad, SideSpring, Value};
+pub use imposed::{Action, Condition, HeldSide, Pin, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
 pub use tie::{Pairing, TieModel, TiePart};
 
 use super::corners::SharedCorner;
@@ -40,9 +40,9 @@ pub struct Model<const S: usize, const N: usize> {
     /// Sides with at least one prescribed component.
     pub supports: Vec<Arc<SideModel<S, N>>>,
     /// Equations between unknowns: sliding along inclined sides, sides that move as one.
-    pub equations: Vec<Equation>,
-    /// Sides held by equations, with the direction: the normal, a tangent, or the axis along which the side moves as one.
-    pub held: Vec<(Arc<SideModel<S, N>>, Vector<N>)>,
+    pub equations: Vec<SaidEquation>,
+    /// Sides held by equations.
+    pub held: Vec<HeldSide<S, N>>,
     /// Sides that move as one along an axis; their equations are among those above.
     pub rigid_sides: Vec<RigidSides<S, N>>,
     /// Loads on sides.
@@ -120,7 +120,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     /// All conditions between unknowns: glued functions first.
     pub(super) fn all_equations(&self) -> Vec<Equation> {
         let mut all = self.glued.equations();
-        all.extend(self.equations.iter().cloned());
+        all.extend(self.equations.iter().map(|e| e.equation.clone()));
         all
     }
 }

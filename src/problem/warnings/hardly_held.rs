@@ -28,7 +28,7 @@ pub(super) fn hardly_held<const S: usize, const N: usize>(model: &Model<S, N>, t
         return Vec::new();
     }
     let bodies = RigidBodies::of(model);
-    let (modes, mut forms) = held_by(model, &bodies, &[], Ties::Functions);
+    let (modes, mut forms) = held_by(model, &bodies, None, Ties::Functions);
     forms.extend(closed_forms(model, &modes, &bodies));
     let left = modes.null(&forms);
     if left.ncols() == 0 {

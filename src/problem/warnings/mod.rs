@@ -53,7 +53,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let mut found: Vec<Warning> = self.findings.iter().cloned().map(Warning::FacetsApart).collect();
         found.extend(self.corner_values(times));
         found.extend(self.contacts.iter().enumerate().filter_map(|(k, contact)| self.overlap(k, contact, first)));
-        found.extend(self.too_few_functions());
+        found.extend(self.too_few_functions(first));
         found
     }
 

@@ -23,13 +23,13 @@ struct Loose<'a> {
 
 impl<const S: usize, const N: usize> Model<S, N> {
     /// [`Warning::TooFewFunctions`] of every interface whose points would hold what its functions do not; of models whose bodies are held
-    /// by the points of ties and closed contacts.
-    pub fn too_few_functions(&self) -> Vec<Warning> {
+    /// by the points of ties and closed contacts at time `t`.
+    pub fn too_few_functions(&self, t: f64) -> Vec<Warning> {
         if self.rows == 0 {
             return Vec::new();
         }
         let bodies = RigidBodies::of(self);
-        let (modes, mut forms) = held_by(self, &bodies, &self.springs, Ties::Functions);
+        let (modes, mut forms) = held_by(self, &bodies, Some(t), Ties::Functions);
         forms.extend(closed_forms(self, &modes, &bodies));
         let left = modes.null(&forms);
         if left.ncols() == 0 {

@@ -3,7 +3,7 @@
 use super::key::{Absent, Key, KeyKind};
 use super::tree::{Node, Value, parse_value};
 use crate::formula::{Formula, Point};
-use crate::place::Place;
+use crate::place::{Located, Origin, Place};
 use faying::linalg::Vector;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +54,15 @@ impl Given {
         match self.value(key) {
             GivenValue::Number(v) => *v,
             other => panic!("`{key}` is no number: {other:?}"),
+        }
+    }
+
+    /// A number that stands in the case, with its place; `None` without such a key, and where it is "auto".
+    pub(crate) fn written(&self, key: &str) -> Option<Located<f64>> {
+        let (_, value, at) = self.values.iter().find(|(name, ..)| *name == key)?;
+        match value {
+            GivenValue::Auto(Some(v)) | GivenValue::Number(v) if at.origin != Origin::Default => Some(Located::new(*v, *at)),
+            _ => None,
         }
     }
 

@@ -121,6 +121,12 @@ fn of_patch(k: usize, rest: &str, patches: &[Patch], families: &[Family], dimens
     canonical(side, dimension).filter(|s| known.contains(s)).map(one)
 }
 
+// whether a text names a point of a mesh
+fn is_point(text: &str, patches: &[Patch], families: &[Family]) -> bool {
+    let Some(Named::Patch(k, rest)) = owner(text, patches, families) else { return false };
+    patches[k].geometry.shape.mesh_part().is_some_and(|part| part.points().contains(&unquoted(rest)))
+}
+
 // the sides that meet in an edge or a corner of the patch
 fn edge(rest: &str, patch: &Patch, dimension: usize) -> Option<String> {
     let shape = &patch.geometry.shape;
@@ -166,6 +172,16 @@ impl Reader {
             return sides.into_iter().map(|s| Located::new(s, node.at)).collect();
         }
         let shown: String = text.chars().take(60).collect();
+        if what == "on" && is_point(text, patches, &self.families) {
+            let help = "name a side, or its part that `where` keeps; a [[probe]] takes the point";
+            self.fault(
+                "E019",
+                node.at,
+                format!("`{shown}` is a point of a mesh: conditions and loads there are not in this version"),
+                help,
+            );
+            return Vec::new();
+        }
         match owner(text, patches, &self.families) {
             None => self.no_patch(node, text, patches),
             Some(Named::Family(k, rest)) => {

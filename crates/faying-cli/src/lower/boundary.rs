@@ -11,6 +11,7 @@ use crate::place::{Located, Place};
 use crate::words::{place, short};
 use faying::linalg::Vector;
 use faying::problem::{Data, ErrorKind, Problem, ProblemError, Region, RegionId, Statement, Value};
+use faying::space::SideError;
 
 /// Share by which the facets that `where` keeps may differ from the part in which it holds.
 const CUT: f64 = 1e-3;
@@ -97,6 +98,11 @@ impl<const S: usize, const N: usize> Block<'_, '_, S, N> {
         }
         made.map_err(|error| {
             Box::new(match (&error.kind, &self.block.filter) {
+                (ErrorKind::Side(SideError::Interior { .. }), _) => {
+                    let text =
+                        format!("`{}` lies inside of its body: conditions and loads there are not in this version", wanted.value.side);
+                    self.error("E019", text, wanted.at).with_help("name a side on the boundary")
+                }
                 (ErrorKind::Side(_), _) => refused(self.builder, self.problem, &error, wanted),
                 (_, Some(filter)) => {
                     let text = format!("`where` on `{}`, a side of triangles and quadrilaterals, is not in this version", error.names()[0]);
@@ -116,6 +122,12 @@ impl<const S: usize, const N: usize> Block<'_, '_, S, N> {
         let loads = block.traction.iter().any(Option::is_some)
             || block.pressure.is_some()
             || [&block.force, &block.spring, &block.rigid_force].into_iter().any(|list| list.iter().any(Option::is_some));
+        if let Some((_, force)) = each(&block.force).next().filter(|_| what == "corner") {
+            let text = format!("`force` in a corner, `{label}`, is not in this version");
+            return Err(Box::new(
+                self.error("E019", text, force.at).with_help("spread it over a side, or over the part that `where` keeps"),
+            ));
+        }
         if loads {
             let text = format!("`{label}` is {an}; loads and springs act on sides");
             return Err(Box::new(self.error("E015", text, wanted.at).with_help("name a side, or prescribe values by fix or dirichlet")));

@@ -6,7 +6,7 @@ use super::places::Places;
 use super::refused::slave_fault;
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::place::Place;
-use crate::words::{component_name, coordinates, place, time_text};
+use crate::words::{component_name, coordinates, place, short, time_text};
 use faying::assembly::DirichletError;
 use faying::linalg::LinearError;
 use faying::problem::{ErrorKind, Problem, ProblemError, ProblemErrors};
@@ -52,10 +52,11 @@ pub(super) fn stop<const S: usize, const N: usize>(
     })
 }
 
-/// The diagnostic of data that are not finite, or negative where they must not be.
+/// The diagnostic of data that are not finite, too large, or negative where they must not be.
 fn data_fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &Places, error: &ProblemError, at: Place) -> Diagnostic {
     let (code, x, t, value, component) = match &error.kind {
         ErrorKind::Negative { x, t, value, component } => ("E015", x, t, value, component),
+        ErrorKind::TooLarge { x, t, value, component } => ("E015", x, t, value, component),
         ErrorKind::NotFinite { x, t, value, component } => ("E017", x, t, value, component),
         _ => return builder.error("E015", error.to_string(), at),
     };
@@ -64,7 +65,7 @@ fn data_fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, place
         return builder.error(code, error.to_string(), at);
     };
     let x = place(&x[..N]) + &time_text(formula.value.depends_on_time(), *t);
-    if code == "E015" {
+    if matches!(error.kind, ErrorKind::Negative { .. }) {
         let text = format!("{what} of `{}` must not be negative, found {value:?} at {x}", error.names()[1]);
         return builder.error(code, text, formula.at).with_help(
             "a spring pulls back with the force stiffness times displacement, and weight is density times gravity: both are positive",
@@ -74,6 +75,10 @@ fn data_fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, place
         Some(number) => format!("{what} in patch \"{}\"", builder.case.patches[number].name.value),
         None => format!("{what} of `{}`", error.names()[1]),
     };
+    if matches!(error.kind, ErrorKind::TooLarge { .. }) {
+        let text = format!("{of} is too large at {x}: the square of {value:e} overflows");
+        return builder.error(code, text, formula.at).with_help("look for an exponent that slipped, or choose units of middling numbers");
+    }
     let text = format!("{of}: `{}` is not finite at {x} (found {value})", formula.value.text());
     let help = "data are needed on the whole side or patch: give a formula that has a value at each of its points";
     builder.error(code, text, formula.at).with_help(help)
@@ -95,7 +100,9 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
                 .error("E053", text, material.place_of(limit))
                 .with_help("formulas of materials are checked at the quadrature points of the patches that use them")
         }
-        ErrorKind::NotFinite { .. } | ErrorKind::Negative { .. } => data_fault::<S, N>(builder, places, error, at),
+        ErrorKind::NotFinite { .. } | ErrorKind::TooLarge { .. } | ErrorKind::Negative { .. } => {
+            data_fault::<S, N>(builder, places, error, at)
+        }
         ErrorKind::Twice { component } => {
             let name = component_name(*component, components);
             let line = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(", first in line {line}"));
@@ -107,6 +114,19 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
             let line = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(" in line {line}"));
             let text = format!("component {name} of `{}` is loaded, and prescribed{line} wherever the load acts", error.names()[0]);
             builder.error("E052", text, at).with_help("each component of a side is prescribed once, or loaded")
+        }
+        ErrorKind::HeldAlong => {
+            let line = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(" in line {line}"));
+            let text = format!("what acts on `{}` acts along directions that are held{line} wherever it acts", error.names()[0]);
+            builder.error("E052", text, at).with_help("load directions that are free, or another side: supports alone would carry this")
+        }
+        ErrorKind::Contradiction { defect, t, changes } => {
+            let line = |k: usize| said(k).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(" (line {line})"));
+            let others: Vec<String> = error.names().iter().skip(1).enumerate().map(|(k, name)| format!("`{name}`{}", line(k))).collect();
+            let (when, own) = (time_text(*changes, *t), &error.names()[0]);
+            let text =
+                format!("the condition on `{own}` contradicts {} where they meet, by {}{when}", others.join(" and "), short(*defect));
+            builder.error("E052", text, at).with_help("make the values agree in common points, or drop one of the conditions")
         }
         ErrorKind::Glue(of_sides) => glue::fault(builder, at, error.names(), of_sides),
         ErrorKind::NoExact => {

@@ -32,11 +32,11 @@ pub(crate) use builder::Builder;
 use couples::Couples;
 use faying::problem::{InterfaceSide, Problem, ProblemErrors, Warning};
 use faying::space::Trace;
-use places::Places;
 
 pub use built::Built;
 pub(crate) use meshes::{body as mesh_body, counts as mesh_counts, unshared_text};
 pub(crate) use patches::specification;
+pub(crate) use places::Places;
 
 /// A case as a problem that is not assembled yet, with what its statements stand for in the case.
 pub(crate) struct Stated<'a, const S: usize, const N: usize> {

@@ -3,6 +3,8 @@
 use super::room::Room;
 use crate::case::Case;
 use crate::errors::Diagnostic;
+use crate::lower::Places;
+use crate::place::Located;
 use crate::result::{Prediction, RunResult, Status};
 use crate::watch::Stop;
 use crate::words::{bytes, place};
@@ -10,6 +12,9 @@ use faying::constraint::SolveError;
 use faying::contact::ContactError;
 use faying::linalg::LinearError;
 use faying::problem::{StepError, System};
+
+/// Powers of ten by which a `factor` may differ from 1 without being to blame for a system that is not solved.
+const FAR: f64 = 6.0;
 
 /// Builds E081 for a prediction that exceeds the available memory.
 pub fn memory_limit<const S: usize, const N: usize>(
@@ -81,14 +86,17 @@ pub fn stopped(result: &mut RunResult, stop: Stop) {
 /// Returns status, reason and diagnostic of a failed step.
 pub fn step_fault<const S: usize, const N: usize>(
     case: &Case,
-    system: &System<S, N>,
+    (system, places): (&System<S, N>, &Places),
     error: &StepError,
     t: f64,
 ) -> (Status, &'static str, Diagnostic) {
     // all contacts settle together: the largest limit counts
     let limits = case.contacts.iter().map(|c| &c.active_set.max_iterations);
-    let contact = limits.rev().max_by_key(|limit| limit.value).map(|limit| limit.at).unwrap_or_default();
-    let at = |d: Diagnostic| d.at(&case.source, contact);
+    let limit = limits.rev().max_by_key(|limit| limit.value).map(|limit| limit.at).unwrap_or_default();
+    let at = |d: Diagnostic| d.at(&case.source, limit);
+    if let Some(fault) = factor_fault(case, error) {
+        return fault;
+    }
     match error {
         StepError::Solve(SolveError::Cycling { first, second, rows, iterations, .. }) => {
             let text = format!(
@@ -104,7 +112,7 @@ pub fn step_fault<const S: usize, const N: usize>(
             (Status::NotConverged, "iterations", at(Diagnostic::error("E071", text)).with_help("raise active_set.max_iterations"))
         }
         StepError::Solve(SolveError::Multipliers { .. }) => {
-            let key = case.contacts.iter().find_map(|c| c.given.at("tolerance")).unwrap_or(contact);
+            let key = case.contacts.iter().find_map(|c| c.given.at("tolerance")).unwrap_or(limit);
             let help = "raise `factor` or `tolerance` of the contact, or write method = \"lagrange\"";
             (Status::NotConverged, "iterations", Diagnostic::error("E074", error.to_string()).at(&case.source, key).with_help(help))
         }
@@ -127,6 +135,14 @@ pub fn step_fault<const S: usize, const N: usize>(
             "infeasible load",
             Diagnostic::error("E072", format!("infeasible load: {what}")).with_help("support the body beside its contacts, or press it on"),
         ),
+        StepError::Blocked { contact, slave, of, .. } => {
+            let side = places.said((*contact).into()).and_then(|said| said.slaves.get(*slave).copied()).unwrap_or(limit);
+            let lines: Vec<String> = of.iter().filter_map(|of| places.at(*of).in_file()).map(|(line, _)| format!("line {line}")).collect();
+            let of_lines = if lines.is_empty() { String::new() } else { format!(" ({})", lines.join(", ")) };
+            let help = format!("prescribe values{of_lines} that leave no overlap, or let another side be the slave");
+            let fault = Diagnostic::error("E072", error.to_string()).at(&case.source, side).with_help(help);
+            (Status::Singular, "infeasible contact", fault)
+        }
         StepError::Coarse { what } => {
             let text = format!("the contact side is too coarse for its load, which acts beyond the middle of its last function: {what}");
             let help = "give the contact side more elements, or take a multiplier of higher degree";
@@ -158,11 +174,36 @@ pub fn step_fault<const S: usize, const N: usize>(
     }
 }
 
+/// Status, reason and diagnostic of a system that the `factor` of an interface or contact spoils.
+fn factor_fault(case: &Case, error: &StepError) -> Option<(Status, &'static str, Diagnostic)> {
+    let (status, code) = match error {
+        StepError::Solve(SolveError::Linear(LinearError::NotFinite)) => (Status::NotFinite, "E073"),
+        StepError::Solve(SolveError::Linear(LinearError::Singular { .. })) => (Status::Singular, "E072"),
+        StepError::Solve(SolveError::Residual { .. } | SolveError::Conditions { .. }) => (Status::NotConverged, "E074"),
+        _ => return None,
+    };
+    let (who, factor) = extreme_factor(case)?;
+    let size = if factor.value < 1.0 { "small" } else { "large" };
+    let text = format!("`factor` of {who} is too {size}, found {:e}: {error}", factor.value);
+    let fault = Diagnostic::error(code, text).at(&case.source, factor.at);
+    Some((status, "factor", fault.with_help("leave `factor` out, or write a number nearer to 1")))
+}
+
+/// The `factor` of an interface or contact that is farthest from 1, with the name of that, if it is far enough to spoil the system.
+fn extreme_factor(case: &Case) -> Option<(String, Located<f64>)> {
+    let ties = case.interfaces.iter().map(|t| (format!("interface \"{}\"", t.name.value), t.given.written("factor")));
+    let contacts = case.contacts.iter().map(|c| (format!("contact \"{}\"", c.name.value), c.given.written("factor")));
+    let far = |factor: f64| factor.log10().abs();
+    let all = ties.chain(contacts).filter_map(|(who, factor)| Some((who, factor?)));
+    all.filter(|(_, f)| far(f.value) > FAR).max_by(|a, b| far(a.1.value).total_cmp(&far(b.1.value)))
+}
+
 /// Returns status, reason and diagnostic of linear algebra that failed with the error `message` on a system of `size` unknowns.
 fn linear_fault(case: &Case, size: usize, error: &LinearError, message: String) -> (Status, &'static str, Diagnostic) {
     match error {
         LinearError::NotFinite => {
-            let text = "a number in the system is not finite; a load or a material formula has no value somewhere on its body";
+            let text = "a number in the system is not finite: a load or a material formula has no value somewhere on its body, or a \
+                        product of large numbers overflows";
             (Status::NotFinite, "not-finite", Diagnostic::error("E073", text))
         }
         LinearError::NotConverged { iterations, residual, tolerance } => {

@@ -14,7 +14,7 @@ mod solver;
 use faults::{memory_limit, step_fault, stopped};
 use forecast::avoids_factors;
 
-use super::lower::{self, Built};
+use super::lower::{self, Built, Places};
 use super::output::{Finished, Output, RunOptions, StepOutput};
 use super::quantities::Questions;
 use super::registry::{Names, Registry};
@@ -334,7 +334,7 @@ where
     let times = &case.steps.value;
     let (system, reference) = (&mut model.system, model.reference.as_ref());
     let mut solved = Vec::<Arc<Solved<S, N>>>::new();
-    let mut measures = Measures { case, reference, questions: &questions, told: Vec::new() };
+    let mut measures = Measures { case, reference, questions: &questions, places: &model.places, told: Vec::new() };
     let mut finished = false;
     for (k, &t) in times.iter().enumerate() {
         if let Some(stop) = watch.stop() {
@@ -382,6 +382,7 @@ struct Measures<'a, const S: usize, const N: usize> {
     case: &'a Case,
     reference: Option<&'a Reference<S, N>>,
     questions: &'a Questions<S, N>,
+    places: &'a Places,
     /// Warnings about the states so far.
     told: Vec<Warning>,
 }
@@ -403,7 +404,7 @@ impl<const S: usize, const N: usize> Measures<'_, S, N> {
             None => (Status::Ok, "converged", None),
             Some(StepError::Solve(SolveError::Stopped { .. })) => (Status::Ok, "stopped", None),
             Some(error) => {
-                let (status, reason, fault) = step_fault(case, system, error, t);
+                let (status, reason, fault) = step_fault(case, (system, self.places), error, t);
                 (status, reason, Some(fault))
             }
         };

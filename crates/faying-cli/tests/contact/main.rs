@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod active_set;
+mod blocked;
 mod by_program;
 mod common;
 mod cones;

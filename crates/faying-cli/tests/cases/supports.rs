@@ -1,0 +1,164 @@
+//! Supports that hold nothing, contradict each other or carry loads alone: `check` and `run` say the same, at any size and angle.
+
+use faying_cli::case::ReadOptions;
+use faying_cli::errors::Diagnostic;
+use faying_cli::run::{check, run};
+use faying_cli::{Case, Registry, RunOptions, RunResult, Status, Watch};
+
+fn both(text: &str) -> [RunResult; 2] {
+    let case = Case::parse("case.toml", text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    [check, run].map(|f| f(&case, &Registry::default(), &RunOptions::default(), &Watch::default()).result)
+}
+
+/// The errors of a case that is refused.
+fn refused(text: &str) -> Vec<Diagnostic> {
+    let [checked, run] = both(text);
+    assert_eq!((checked.exit, run.exit), (3, 3), "{:?} {:?}\n{text}", checked.diagnostics, run.diagnostics);
+    assert_eq!(checked.diagnostics, run.diagnostics);
+    run.diagnostics
+}
+
+fn solved(text: &str) {
+    let [checked, run] = both(text);
+    assert_eq!((checked.exit, run.status), (0, Status::Ok), "{:?} {:?}\n{text}", checked.diagnostics, run.diagnostics);
+}
+
+/// A square of `size`, turned by `angle` degrees about the origin, with blocks of (side, lines).
+fn square(backend: &str, size: f64, angle: f64, blocks: &[(&str, &str)]) -> String {
+    let mut text = format!(
+        "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\nbackend = \"{backend}\"\n[[material]]\nname = \"m\"\nyoung = 1e3\n\
+         poisson = 0.3\n[[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [{size:e}, {size:e}], rotate_deg = {angle:?} }}\n\
+         elements = [3, 2]\n"
+    );
+    for (side, lines) in blocks {
+        text += &format!("[[boundary]]\non = \"b.{side}\"\n{lines}\n");
+    }
+    text
+}
+
+/// Line of the last text that begins with `word`.
+fn line_of(text: &str, word: &str) -> Option<usize> {
+    Some(text.lines().count() - text.lines().rev().position(|line| line.starts_with(word))?)
+}
+
+#[test]
+fn springs_that_vanish_on_their_side_hold_nothing() {
+    for backend in ["iga", "fe"] {
+        for size in [1.0, 1e-3, 1e4] {
+            let case = |spring: &str, more: &str| {
+                let spring = format!("spring = {{ x = {spring} }}");
+                square(backend, size, 0.0, &[("bottom", "fix = [\"y\"]"), ("top", &spring), ("right", "traction = { x = 1e-3 }")]) + more
+            };
+            let steps = "[steps]\nt = [0.5, 1]\n";
+            let beyond = format!("\"max(0, x - {:e})\"", 2.0 * size);
+            for (spring, more) in [
+                ("\"x*0\"", ""),
+                (&*beyond, ""),
+                ("\"if(t > 0.7, 0, 1)\"", ""),
+                ("\"max(0, t - 0.7)\"", steps),
+                ("\"max(0, 0.7 - t)\"", steps),
+            ] {
+                let found = refused(&case(spring, more));
+                assert_eq!(found.len(), 1, "{found:?}");
+                assert_eq!((found[0].code, &*found[0].message), ("E051", "body \"b\" can still move: translation x"), "{spring}");
+            }
+            // on one element of the side, at one time of the case
+            solved(&case(&format!("\"if(x > {:e}, 10, 0)\"", 0.7 * size), ""));
+            solved(&case("\"if(t > 0.7, 10, 0)\"", ""));
+        }
+    }
+}
+
+#[test]
+fn sides_that_slide_or_move_as_one_agree_with_what_is_prescribed_beside_them() {
+    for backend in ["iga", "fe"] {
+        for (size, angle) in [(1.0, 30.0), (1e-3, -75.0), (1e4, 200.0)] {
+            let u = 0.01 * size;
+            // along the lower side, and along its normal
+            let (s, c) = f64::to_radians(angle).sin_cos();
+            let moved = |along: f64, normal: f64| {
+                format!("dirichlet = {{ x = {:e}, y = {:e} }}", u * (along * c - normal * s), u * (along * s + normal * c))
+            };
+            for (fix, good, bad) in [
+                ("fix = [\"normal\"]", [moved(1.0, 0.0), moved(0.0, 0.0)], [moved(1.0, 1.0), moved(0.0, 1e-3)]),
+                ("fix = [\"tangential\"]", [moved(0.0, 1.0), moved(0.0, 0.0)], [moved(1.0, 1.0), moved(1e-3, 1.0)]),
+            ] {
+                good.iter().for_each(|beside| solved(&square(backend, size, angle, &[("bottom", fix), ("right", beside)])));
+                for beside in &bad {
+                    for blocks in [[("bottom", fix), ("right", &**beside)], [("right", &**beside), ("bottom", fix)]] {
+                        let text = square(backend, size, angle, &blocks);
+                        let found = refused(&text);
+                        assert_eq!((found.len(), found[0].code, found[0].line), (1, "E052", line_of(&text, "fix")), "{found:?}\n{text}");
+                        let other = format!("`b.right` (line {})", line_of(&text, "dirichlet").unwrap());
+                        assert!(found[0].message.starts_with("the condition on `b.bottom` contradicts"), "{found:?}");
+                        assert!(found[0].message.contains(&other), "{found:?}");
+                    }
+                }
+            }
+            // a side that moves as one between two others
+            let held = |left: f64, right: f64| {
+                let [left, right] = [left, right].map(|v| format!("dirichlet = {{ y = {:e} }}", v * u));
+                let sides = [("bottom", "fix = [\"x\"]"), ("left", &left), ("right", &right), ("top", "rigid_force = { y = 1e-3 }")];
+                square(backend, size, 0.0, &sides)
+            };
+            solved(&held(1.0, 1.0));
+            let text = held(1.0, 0.9);
+            let found = refused(&text);
+            assert_eq!((found.len(), found[0].code, found[0].line), (1, "E052", line_of(&text, "rigid_force")), "{found:?}");
+            assert!(found[0].message.contains("`b.left` (line 19) and `b.right` (line 22)"), "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_contradiction_at_a_later_time_tells_the_time() {
+    let blocks = [("bottom", "fix = [\"normal\"]"), ("right", "dirichlet = { x = \"max(0, t - 1)\", y = 0 }")];
+    let found = refused(&(square("iga", 1.0, 30.0, &blocks) + "[steps]\nt = [0.5, 1, 1.5]\n"));
+    assert!(found[0].code == "E052" && found[0].message.ends_with("by 0.25, t = 1.5"), "{found:?}");
+}
+
+#[test]
+fn loads_that_supports_carry_alone_are_refused_at_any_angle() {
+    for angle in [0.0, 90.0, 30.0, -110.0] {
+        let (s, c) = f64::to_radians(angle).sin_cos();
+        // outward from the lower side, and along it
+        let (normal, along) = ([s, -c], [c, s]);
+        let by = |what: &str, d: [f64; 2]| format!("{what} = {{ x = {:e}, y = {:e} }}", d[0], d[1]);
+        let all = "fix = [\"normal\", \"tangential\"]";
+        for (fix, load, carried) in [
+            ("fix = [\"normal\"]", by("traction", normal), true),
+            ("fix = [\"normal\"]", by("force", normal), true),
+            ("fix = [\"normal\"]", by("traction", along), false),
+            ("fix = [\"normal\"]", "pressure = 1".to_owned(), false),
+            ("fix = [\"tangential\"]", by("traction", along), true),
+            ("fix = [\"tangential\"]", by("force", normal), false),
+            ("fix = [\"tangential\"]", "pressure = 1".to_owned(), false),
+            (all, by("traction", along), true),
+            (all, "traction = { x = 1 }".to_owned(), true),
+            (all, "pressure = 1".to_owned(), true),
+            (all, "spring = { x = 1 }".to_owned(), true),
+        ] {
+            let text = square("iga", 1.0, angle, &[("top", "fix = [\"x\", \"y\"]"), ("bottom", fix), ("bottom", &load)]);
+            if !carried {
+                solved(&text);
+                continue;
+            }
+            let found = refused(&text);
+            let at = |d: &Diagnostic| d.code == "E052" && d.line == Some(text.lines().count()) && d.message.contains("in line 19");
+            assert!(found.iter().all(at), "{angle}: {found:?}\n{text}");
+        }
+        // part of the load is free
+        let both = [normal[0] + along[0], normal[1] + along[1]];
+        if s * c != 0.0 && angle != 90.0 {
+            let text = [("top", "fix = [\"x\", \"y\"]"), ("bottom", "fix = [\"normal\"]"), ("bottom", &by("traction", both))];
+            solved(&square("iga", 1.0, angle, &text));
+        }
+    }
+}
+
+#[test]
+fn what_acts_at_points_is_not_in_this_version() {
+    let found = refused(&square("iga", 1.0, 0.0, &[("bottom", "fix = [\"x\", \"y\"]"), ("u1v1", "force = { y = -1 }")]));
+    assert_eq!((found.len(), found[0].code, found[0].line), (1, "E019", Some(19)), "{found:?}");
+    assert!(found[0].message.contains("`b.u1v1`"), "{found:?}");
+}
