@@ -280,12 +280,13 @@ pub enum SolveError {
     },
     /// An augmented Lagrangian did not reach its tolerance.
     #[error(
-        "the augmented Lagrangian stopped after {updates} updates of the multipliers at the relative change {error:.1e}; wanted {tolerance:.1e}"
+        "the augmented Lagrangian stopped after {updates} updates of the multipliers with a relative error of {error:.1e}; wanted {tolerance:.1e}"
     )]
     Multipliers {
         /// Updates done.
         updates: usize,
-        /// Last change of the multipliers, as forces, relative to the largest one.
+        /// The greater of what the multipliers still have to change and of the gaps left times the stiffness of the bodies, as forces,
+        /// relative to the largest multiplier.
         error: f64,
         /// The tolerance.
         tolerance: f64,

@@ -109,17 +109,20 @@ impl RowIteration for Uzawa {
             noise = noise.max(rounding[j] / self.softness[j] * weight[j]);
         }
         // remaining gaps relative to the bodies: weak springs may leave large gaps at small changes of the multipliers
-        let closed = own().all(|j| {
+        let open = own().fold(0.0f64, |open, j| {
             let gap = self.softness[j] * (lambda[j] - self.lambda[j]).abs();
-            gap <= rounding[j].max(self.tolerance * largest * weight[j] / stiffness[j])
+            if gap <= rounding[j] { open } else { open.max(gap * stiffness[j] / weight[j]) }
         });
+        let closed = open <= self.tolerance * largest;
         let rate = if self.before.is_finite() && self.before > 0.0 { step / self.before } else { 1.0 };
         let left = if rate < 1.0 { step * rate / (1.0 - rate) } else { f64::INFINITY };
         let settled = left <= self.tolerance * largest && closed;
         if step == 0.0 || settled || (closed && rate > STALLED && step <= noise.max(self.tolerance * largest)) {
             return Next::Done;
         }
-        let (error, tolerance) = (if largest > 0.0 { step / largest } else { f64::INFINITY }, self.tolerance);
+        // of all that is left the worst, so that it is never below the tolerance
+        let worst = if left.is_finite() { left } else { step }.max(open);
+        let (error, tolerance) = (if largest > 0.0 { worst / largest } else { f64::INFINITY }, self.tolerance);
         if !step.is_finite() {
             return Next::Failed { error, tolerance };
         }

@@ -639,3 +639,29 @@ fn a_half_disc_as_slave_is_definite_with_the_default_factor_and_presses_as_with_
         .collect();
     println!("forces of half discs are off by {rows:?}");
 }
+
+#[test]
+fn an_augmented_iteration_that_stops_tells_what_it_did_not_reach() {
+    for size in [1.0, 1e-3, 1e4] {
+        for load in ["pressure = 1.0", "dirichlet = { y = \"-0.01*L\" }"] {
+            for factor in ["1e-12", "1e-9", "1e-6", "1e-3"] {
+                let text = format!(
+                    "[let]\nL = {size:e}\n[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 100.0\npoisson = 0.3\n\
+                     [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [{size:e}, {size:e}] }}\nelements = [4, 4]\n\
+                     [[boundary]]\non = \"b.top\"\n{load}\n[[boundary]]\non = \"b.left\"\nfix = [\"x\"]\n\
+                     [[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nrigid = {{ kind = \"half-plane\", point = [0, 0], normal = [0, 1] }}\n\
+                     method = \"augmented\"\nfactor = {factor}\n"
+                );
+                let found = result(&text, &[]);
+                let [fault] = &found.diagnostics[..] else { panic!("{:?}", found.diagnostics) };
+                assert_eq!((found.exit, fault.code), (5, "E074"), "{fault:?}");
+                let number = |before: &str| -> f64 {
+                    let rest = fault.message.split_once(before).unwrap_or_else(|| panic!("{fault:?}")).1;
+                    rest.split(';').next().unwrap().trim().parse().unwrap()
+                };
+                let (reached, wanted) = (number("relative error of "), number("; wanted "));
+                assert!(reached > wanted && wanted == 1e-12, "{load} {factor}: {fault:?}");
+            }
+        }
+    }
+}
