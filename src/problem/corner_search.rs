@@ -13,7 +13,7 @@ use crate::linalg::Vector;
 use crate::space::Trace;
 
 /// Corners nearer than this share of their elements are one.
-const SAME_PLACE: f64 = 1e-3;
+pub(super) const SAME_PLACE: f64 = 1e-3;
 
 /// The shared corners of all conditions, in their order; `in_model` gives the trace of a condition in functions of the model.
 pub(super) fn shared<const S: usize, const N: usize>(model: &Model<S, N>, in_model: &dyn Fn(usize) -> Trace<S, N>) -> Vec<SharedCorner<N>> {
@@ -53,17 +53,12 @@ pub(super) fn shared<const S: usize, const N: usize>(model: &Model<S, N>, in_mod
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
-    /// The patch with the prescribed side of a corner.
-    pub fn patch_of_corner(&self, corner: usize) -> usize {
-        self.conditions[self.corners[corner].condition].side.patch
-    }
-
-    /// The value that a condition prescribes in a point at time `t`.
-    pub fn value_of(&self, condition: usize, x: &Vector<N>, t: f64) -> f64 {
-        let (condition, at) = (&self.conditions[condition], Point::new(x.as_slice()).at_time(t));
-        match &condition.value {
+    /// The prescribed value of a component in a point at time `t`.
+    pub fn value_at(&self, value: &Value, component: usize, x: &Vector<N>, t: f64) -> f64 {
+        let at = Point::new(x.as_slice()).at_time(t);
+        match value {
             Value::Zero => 0.0,
-            Value::Exact => self.exact.as_ref().map_or(0.0, |exact| exact.value(condition.component, &at)),
+            Value::Exact => self.exact.as_ref().map_or(0.0, |exact| exact.value(component, &at)),
             Value::Data(f) => f.value(&at),
         }
     }

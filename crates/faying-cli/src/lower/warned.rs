@@ -16,9 +16,10 @@ pub(super) fn tell<'w, const S: usize, const N: usize>(
     for warning in found {
         let diagnostic = match warning {
             Warning::CornerValues { of, sides: [a, b], component, values: [u, v], x, t } => {
+                let line = places.at(of[0]).in_file().map_or(String::new(), |(line, _)| format!(" (line {line})"));
                 let text = format!(
-                    "component {} is prescribed as {} on `{a}` and as {} on `{b}` at their common point ({}{}), where the bodies are tied: \
-                     the multiplier has to carry the jump",
+                    "component {} is prescribed as {} on `{a}`{line} and as {} on `{b}` at their common point ({}{}), where the bodies are \
+                     tied: the interface has to carry the jump",
                     component_name(*component, builder.case.components()),
                     short(*u),
                     short(*v),

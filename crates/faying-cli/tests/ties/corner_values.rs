@@ -116,3 +116,45 @@ fn data_that_jump_between_tied_bodies_are_warned() {
         assert!(warnings(&text).is_empty());
     }
 }
+
+#[test]
+fn values_that_contradict_each_other_in_a_corner_of_two_tied_bodies_are_warned_with_both_lines() {
+    let text = |backend: &str, coupling: &str, [slave, master]: [&str; 2], size: f64, on: [(&str, &str); 2]| {
+        let mut text = format!(
+            "[model]\nphysics = \"poisson\"\ndimension = 2\n[discretization]\nbackend = \"{backend}\"\ndegree = 2\n\
+             [[boundary]]\non = \"{}\"\ndirichlet = \"{}\"\n[[boundary]]\non = \"{}\"\ndirichlet = \"{}\"\n\
+             [[interface]]\nname = \"t\"\nslave = \"{slave}\"\nmaster = \"{master}\"\ncoupling = \"{coupling}\"\n",
+            on[0].0, on[0].1, on[1].0, on[1].1
+        );
+        for (name, k, n) in [("a", 0.0, 4), ("b", 1.0, 6)] {
+            text += &format!(
+                "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = [{:e}, 0], max = [{:e}, {size:e}] }}\nelements = [{n}, {n}]\n",
+                k * size,
+                (k + 1.0) * size
+            );
+        }
+        text
+    };
+    let found = |text: &str| -> Vec<(Option<usize>, String)> {
+        let finished = solved(text);
+        finished.result.warnings.iter().filter(|w| w.code == "E052").map(|w| (w.line, w.message.clone())).collect()
+    };
+    for backend in BACKENDS {
+        for coupling in ["mortar", "nitsche", "penalty"] {
+            for sides in [["a.right", "b.left"], ["b.left", "a.right"]] {
+                for size in [1.0, 1e-4, 1e5] {
+                    for on in [["a.bottom", "b.bottom"], ["a.bottom", "b.u0v0"], ["b.bottom", "a.u1v0"], ["a.u1v0", "b.u0v0"]] {
+                        let with = |v: &str| text(backend, coupling, sides, size, [(on[0], "0"), (on[1], v)]);
+                        let [(line, message)] = &found(&with("1"))[..] else { panic!("{coupling} {on:?} {size}") };
+                        let lines = [line.unwrap(), message.split_once("(line ").unwrap().1.split_once(')').unwrap().0.parse().unwrap()];
+                        assert!(lines == [9, 12] || lines == [12, 9], "{message}, line {line:?}");
+                        assert!(on.iter().all(|side| message.contains(&format!("`{side}`"))) && message.contains("tied"), "{message}");
+                        assert_eq!(found(&with(&format!("x - {size:e}"))), [], "{coupling} {on:?} {size}");
+                    }
+                    // a corner at the other end of the body is none of the interface
+                    assert_eq!(found(&text(backend, coupling, sides, size, [("a.bottom", "0"), ("b.u1v0", "1")])), []);
+                }
+            }
+        }
+    }
+}
