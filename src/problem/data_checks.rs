@@ -4,7 +4,7 @@ use super::builder::Problem;
 use super::data::{Data, Point};
 use super::error::{ErrorKind, ProblemError};
 use super::handles::Statement;
-use super::model::{Action, Value};
+use super::model::{Action, SideModel, Value};
 use crate::basis::Order;
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::Vector;
@@ -73,10 +73,29 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         if data.as_constant().is_some_and(|value| limits.hold(value)) {
             return None;
         }
-        self.times_of(data.depends_on_time()).iter().find_map(|&t| {
-            let value = |x: &Vector<N>| Some(data.value(&Point::new(x.as_slice()).at_time(t))).filter(|v| !limits.hold(*v));
-            first_wrong(space, rules, &value).map(|(x, value)| limits.error(value, (x, t), component))
+        self.beyond(space, rules, data.depends_on_time(), &|at| data.value(at), (component, limits))
+    }
+
+    /// The first time and quadrature point at which a value is beyond its limits.
+    fn beyond<const D: usize>(
+        &self,
+        space: &dyn Geometry<D, N>,
+        rules: &dyn Quadrature<D>,
+        changes: bool,
+        value: &(dyn Fn(&Point) -> f64 + Sync),
+        (component, limits): (usize, Limits),
+    ) -> Option<ErrorKind> {
+        self.times_of(changes).iter().find_map(|&t| {
+            let wrong = |x: &Vector<N>| Some(value(&Point::new(x.as_slice()).at_time(t))).filter(|v| !limits.hold(*v));
+            first_wrong(space, rules, &wrong).map(|(x, value)| limits.error(value, (x, t), component))
         })
+    }
+
+    /// A point and a time at which a component of the exact solution is beyond the limits on a side.
+    fn wrong_exact(&self, side: &SideModel<S, N>, component: usize) -> Option<ErrorKind> {
+        let exact = self.exact.as_ref()?;
+        let value = |at: &Point| exact.value(component, at);
+        self.beyond(&*side.trace.space, &side.rules, exact.depends_on_time(), &value, (component, Limits::ANY))
     }
 
     /// Materials beyond their limits.
@@ -119,15 +138,24 @@ impl<const S: usize, const N: usize> Problem<S, N> {
                 errors.push(ProblemError::new(kind, vec![of], vec![name.clone(), side.label.clone()]));
             }
         }
+        for c in self.said.conditions.iter().filter(|c| matches!(c.value, Value::Exact) && !told.contains(&c.of)) {
+            if let Some(kind) = self.wrong_exact(&c.side, c.component) {
+                errors.push(ProblemError::new(kind, vec![c.of], vec![c.side.label.clone(); 2]));
+            }
+        }
         for pin in &self.said.pins {
-            let Value::Data(f) = &pin.value else { continue };
+            let (value, changes): (&dyn Fn(&Point) -> f64, bool) = match (&pin.value, &self.exact) {
+                (Value::Data(f), _) => (&|at| f.value(at), f.depends_on_time()),
+                (Value::Exact, Some(exact)) => (&|at| exact.value(pin.component, at), exact.depends_on_time()),
+                _ => continue,
+            };
             let at = |t: f64| {
                 pin.rim.rim.x.iter().find_map(|x| {
-                    let value = f.value(&Point::new(x.as_slice()).at_time(t));
+                    let value = value(&Point::new(x.as_slice()).at_time(t));
                     (!Limits::ANY.hold(value)).then(|| (Point::new(x.as_slice()).x, value))
                 })
             };
-            let wrong = self.times_of(f.depends_on_time()).iter().find_map(|&t| at(t).map(|(x, value)| (x, t, value)));
+            let wrong = self.times_of(changes).iter().find_map(|&t| at(t).map(|(x, value)| (x, t, value)));
             let Some((x, t, value)) = wrong.filter(|_| told.insert(pin.of)) else { continue };
             let kind = Limits::ANY.error(value, (x, t), pin.component);
             errors.push(ProblemError::new(kind, vec![pin.of], vec![pin.rim.label.clone(); 2]));

@@ -1,4 +1,4 @@
-//! Accuracy of integrals over given data: loads, springs and moduli that jump inside of elements.
+//! Accuracy of integrals over given data: loads, springs, prescribed values and moduli that jump inside of elements or have no bound.
 //!
 //! With F, M the force and the moment by the rule of the problem, F*, M* those by elements that are halved ([`Halved`]), moments about the
 //! centre c = ∫ |f| x / ∫ |f| of the load, and L² = ∫ |f| |x - c|² / ∫ |f| its spread, the error of a load is
@@ -7,16 +7,17 @@
 //! e = max( |F - F*|, |M - M*| / L ) / ∫ |f|.
 //! ```
 //!
-//! Of springs it is |∫ k - ∫* k| / ∫ |k|, of a modulus E, whose errors in different elements do not make up for each other, the sum of
-//! |∫ E - ∫* E| over the elements, over ∫ E. Loads and sources of an exact solution without pieces are smooth: they are left out.
+//! Of springs it is |∫ k - ∫* k| / ∫ |k|, of a modulus E and of prescribed values, whose errors in different elements do not make up for each
+//! other, the sum of |∫ E - ∫* E| over the elements, over ∫ |E|. Loads and sources of an exact solution without pieces are smooth: they are left
+//! out, and so are its values where they are finite at the corners of elements.
 
 use super::data::{Data, Exact, Point};
 use super::handles::Statement;
 use super::loads::LoadSum;
-use super::model::{Action, Model, PatchModel, SideLoad, SideModel};
+use super::model::{Action, Condition, Model, PatchModel, SideLoad, SideModel, Value};
 use super::resultant::{Resultant, cross};
 use crate::assembly::{Halved, HalvedScratch};
-use crate::geometry::{Bounds, MapTable};
+use crate::geometry::{Bounds, MapTable, cell};
 use crate::linalg::{Matrix, Vector, measure};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -58,6 +59,15 @@ pub enum Integral {
         /// The component.
         component: usize,
     },
+    /// The values prescribed on a side along a component, which are projected.
+    Prescribed {
+        /// The statement.
+        of: Statement,
+        /// Label of the side.
+        side: String,
+        /// The component.
+        component: usize,
+    },
     /// The modulus of the material of a patch.
     Modulus {
         /// The patch.
@@ -70,11 +80,11 @@ pub enum Integral {
 /// An integral that the rule of a problem misses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inexact {
-    /// The load, spring or modulus.
+    /// The load, spring, prescribed value or modulus.
     pub of: Integral,
     /// The time at which it is most inexact.
     pub t: f64,
-    /// The resultant by the rule of the problem; of springs and moduli the first component of the force is their integral.
+    /// The resultant by the rule of the problem; of all others the first component of the force is their integral.
     pub integrated: Resultant,
     /// The resultant by halved elements.
     pub finer: Resultant,
@@ -180,7 +190,7 @@ fn looked_at(times: &[f64], changes: bool) -> impl Iterator<Item = f64> + '_ {
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
-    /// The loads, springs and moduli whose integrals are inexact by more than 1e-3 at one of `times`, each at the worst of them.
+    /// The loads, springs, prescribed values and moduli whose integrals are inexact by more than 1e-3 at one of `times`, each at the worst of them.
     pub fn inexact_integrals(&self, times: &[f64]) -> Vec<Inexact> {
         let mut found: Vec<Inexact> = self.no_loads().iter().filter_map(|load| self.inexact_load(load, times)).collect();
         for spring in &self.springs {
@@ -191,6 +201,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 found.extend(worst(looked_at(times, spring.stiffness.depends_on_time()), of, 1, at));
             }
         }
+        found.extend(self.conditions.iter().filter_map(|c| self.inexact_value(c, times)));
         found.extend((0..self.patches.len()).filter_map(|k| self.inexact_modulus(k, times)));
         found
     }
@@ -273,25 +284,67 @@ impl<const S: usize, const N: usize> Model<S, N> {
         if patch.physics.is_homogeneous() {
             return None;
         }
-        let space = &**patch.body.space();
-        let halved = Halved::new(space, most_points(space), LEAST[N - 1]);
-        let mut found: Option<Inexact> = None;
-        for t in looked_at(times, patch.changing.is_some()) {
+        let of = || Integral::Modulus { patch: number, name: patch.name.clone() };
+        worst_by_elements(looked_at(times, patch.changing.is_some()), of, |t| {
             let physics = patch.physics_at(t);
-            let density = |x: &Vector<N>, _: &Matrix<N, N>| [physics.modulus(x)];
-            let [own, finer, off] = over_elements(space.num_elements(), |e, both: &mut (MapTable<N, N>, HalvedScratch<N, N>)| {
-                let own = by_rule(space, &patch.rules, e, &mut both.0, &density)[0];
-                let finer = halved.element(e, &mut both.1, &density)[0];
-                [own, finer, (own - finer).abs()]
-            });
-            let error = off / finer.abs();
-            if error > found.as_ref().map_or(ACCEPTED, |f| f.error) {
-                let [integrated, finer] = [own, finer].map(|v| Resultant { force: [v, 0.0, 0.0], moment: [0.0; 3] });
-                found = Some(Inexact { of: Integral::Modulus { patch: number, name: patch.name.clone() }, t, integrated, finer, error });
-            }
-        }
-        found
+            by_elements(&**patch.body.space(), &patch.rules, &|x| physics.modulus(x))
+        })
     }
+
+    fn inexact_value(&self, condition: &Condition<S, N>, times: &[f64]) -> Option<Inexact> {
+        let (side, component) = (&condition.side, condition.component);
+        let (changes, is_smooth) = match &condition.value {
+            Value::Zero => return None,
+            Value::Data(f) if f.as_constant().is_some() => return None,
+            Value::Data(f) => (f.depends_on_time(), false),
+            Value::Exact => self.exact.as_ref().map(|e| (e.depends_on_time(), !e.is_piecewise()))?,
+        };
+        let of = || Integral::Prescribed { of: condition.of, side: side.label.clone(), component };
+        worst_by_elements(looked_at(times, changes), of, |t| {
+            let value = |x: &Vector<N>| self.value_at(&condition.value, component, x, t);
+            if is_smooth && is_finite_at_corners(&*side.trace.space, &value) {
+                return ([0.0; 2], 0.0);
+            }
+            by_elements(&*side.trace.space, &side.rules, &value)
+        })
+    }
+}
+
+/// ∫ f by the rule of the problem and by halves, and the error that sums up those of the elements.
+fn by_elements<const D: usize, const N: usize>(
+    space: &dyn Space<D, N>,
+    rules: &dyn Quadrature<D>,
+    f: &(dyn Fn(&Vector<N>) -> f64 + Sync),
+) -> ([f64; 2], f64) {
+    let halved = Halved::new(space, most_points(space), LEAST[D - 1]);
+    let density = |x: &Vector<N>, _: &Matrix<N, D>| [f(x), f(x).abs()];
+    let [own, finer, off, size] = over_elements(space.num_elements(), |e, both: &mut (MapTable<D, N>, HalvedScratch<D, N>)| {
+        let [own, own_size] = by_rule(space, rules, e, &mut both.0, &density);
+        let [finer, size] = halved.element(e, &mut both.1, &density);
+        [own, finer, (own - finer).abs(), size.max(own_size)]
+    });
+    ([own, finer], if size > 0.0 { off / size } else { 0.0 })
+}
+
+fn is_finite_at_corners<const D: usize, const N: usize>(space: &dyn Space<D, N>, f: &dyn Fn(&Vector<N>) -> f64) -> bool {
+    let mut map = MapTable::new();
+    (0..space.num_elements()).all(|e| {
+        space.map(e, &cell::corners::<D, f64>(space.cell(e)), crate::basis::Order::Values, &mut map);
+        map.x.iter().all(|x| f(x).is_finite())
+    })
+}
+
+/// The worst of `times` of what [`by_elements`] finds, if the error is beyond what is accepted there.
+fn worst_by_elements(times: impl Iterator<Item = f64>, of: impl Fn() -> Integral, at: impl Fn(f64) -> ([f64; 2], f64)) -> Option<Inexact> {
+    let mut found: Option<Inexact> = None;
+    for t in times {
+        let (sums, error) = at(t);
+        if error > found.as_ref().map_or(ACCEPTED, |f| f.error) {
+            let [integrated, finer] = sums.map(|v| Resultant { force: [v, 0.0, 0.0], moment: [0.0; 3] });
+            found = Some(Inexact { of: of(), t, integrated, finer, error });
+        }
+    }
+    found
 }
 
 /// The norm of the gradient of an exact solution.

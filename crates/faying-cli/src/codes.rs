@@ -96,7 +96,7 @@ pub const CODES: &[Code] = &[
         "A quoted formula cannot be read. The caret stands at the character where reading stopped. Formulas know + - * / ^, comparisons, if(c, a, b), the usual functions, pi, e, x, y, z, t, r, theta and the names of [let]. Data of sides and loads must be finite at every point where they are integrated. \
          As a warning: an `exact` made of pieces whose flux jumps inside a body or across an interface. The source that follows from it is taken at points and \
          lacks the jump, so that the case solves for something else and errors do not fall. \
-         Or a load, springs or a modulus jump inside of elements, or `where` cuts facets: the rule of integration misses more than 1e-3 of the force, the moment or the stiffness; both values are told.",
+         Or a load, springs, prescribed values or a modulus jump inside of elements or have no bound, or `where` cuts facets: the rule of integration misses more than 1e-3 of the force, the moment, the value or the stiffness; both values are told.",
         "pressure = \"p*sin(x\"  # a bracket is missing",
         "correct the formula at the caret; define the names it uses in [let].",
     ),

@@ -19,7 +19,7 @@
 //! | `soft_penalty` | places of bodies that a soft penalty lets sink into each other |
 //! | `kinematics` | all, where bodies deform too far for small kinematics |
 //!
-//! Loads, springs and moduli that jump inside of elements are found by [`Model::inexact_integrals`].
+//! Loads, springs, prescribed values and moduli that jump inside of elements or have no bound are found by [`Model::inexact_integrals`].
 
 mod coarse_zone;
 mod corner_values;

@@ -155,7 +155,7 @@ pub enum Warning {
     },
     /// Sides whose facets do not explain their distance.
     FacetsApart(FacetsApart),
-    /// An integral of a load, of springs or of a modulus that is wrong by more than 1e-3.
+    /// An integral of a load, of springs, of prescribed values or of a modulus that is wrong by more than 1e-3.
     Inexact(Inexact),
     /// The [consistency error](crate::coupling::consistency) of an interface is above 1e-2: its forces may be wrong by as much.
     Integration {

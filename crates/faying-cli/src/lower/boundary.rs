@@ -73,7 +73,7 @@ struct Block<'a, 'b, const S: usize, const N: usize> {
     block: &'b Boundary,
 }
 
-impl<const S: usize, const N: usize> Block<'_, '_, S, N> {
+impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
     fn error(&self, code: &'static str, text: String, at: Place) -> Diagnostic {
         self.builder.error(code, text, at)
     }
@@ -173,10 +173,15 @@ impl<const S: usize, const N: usize> Block<'_, '_, S, N> {
         Ok(())
     }
 
+    /// The formula of the exact solution.
+    fn exact(&self, component: usize) -> Option<&'b Formula> {
+        self.builder.case.model.exact.as_ref()?.get(component).map(|f| &f.value)
+    }
+
     fn dirichlet(&mut self, region: RegionId) -> Result<(), Box<Diagnostic>> {
         for (component, datum) in each(&self.block.dirichlet) {
             let (value, formula) = match &datum.value {
-                Datum::Exact => (Value::Exact, None),
+                Datum::Exact => (Value::Exact, self.exact(component)),
                 Datum::Formula(f) => (Value::from(Data::from(f.clone())), Some(f)),
             };
             let made = self.problem.prescribe(region, component, value);

@@ -216,3 +216,65 @@ fn loads_that_move_are_looked_at_in_every_step_and_by_check() {
     let document = checked.to_value();
     assert!(document["loads"]["top"]["moment"].is_number() && document.get("reactions").is_none(), "{document}");
 }
+
+/// A plate whose bottom has prescribed values.
+fn plate(degree: usize, n: usize, backend: &str, value: &str) -> String {
+    format!(
+        "[model]\nphysics = \"poisson\"\ndimension = 2\n[discretization]\nbackend = \"{backend}\"\ndegree = {degree}\n\
+         [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [1, 1] }}\nelements = [{n}, {n}]\n\
+         [[boundary]]\non = \"a.top\"\nfix = \"u\"\n[[boundary]]\non = \"a.bottom\"\ndirichlet = {value}\n"
+    )
+}
+
+#[test]
+fn prescribed_values_without_a_bound_or_with_jumps_inside_of_elements_are_told() {
+    for backend in ["iga", "fe"] {
+        for n in [2, 8, 32] {
+            for degree in 1..=3 {
+                for value in ["1/r", "1/x^2", "x^(-0.5)", "log(r)^3", "1/(x - 0.371)", "if(x < 0.37, 0, 1)"] {
+                    // fine meshes see the mean of what is not singular to 1e-3
+                    if n == 32 && value.starts_with("log") {
+                        continue;
+                    }
+                    let result = run(&plate(degree, n, backend, &format!("\"{value}\"")));
+                    let [found] = e017(&result)[..] else { panic!("{value}, {degree}, {n}: {:?}", result.warnings) };
+                    assert!(found.message.contains("the value of u prescribed on `a.bottom` is integrated inexactly"), "{found:?}");
+                    assert!(found.line == Some(16) && found.help.as_ref().unwrap().contains("depend on the mesh"), "{found:?}");
+                }
+                let degree = degree + 1;
+                for value in ["\"sin(pi*x)\"", "\"x^3 - x\"", "\"exp(2*x)\"", "\"abs(x - 0.5)\"", "\"if(x < 0.5, 1, 2)\"", "\"r\"", "0.3"] {
+                    let result = run(&plate(degree, n, backend, value));
+                    assert!(e017(&result).is_empty(), "{value}, {degree}, {n}: {:?}", result.warnings);
+                }
+            }
+        }
+        // values of an exact solution that has no value in a corner
+        for (u, warnings) in [("log(r)", 2), ("sin(20*x)*exp(-20*y)", 0), ("log(r + 1e-3)", 0)] {
+            let text = plate(1, 2, backend, "\"exact\"").replace("dimension = 2", &format!("dimension = 2\nexact = {{ u = \"{u}\" }}"));
+            let text = text.replace("on = \"a.bottom\"", "on = [\"a.bottom\", \"a.left\"]").replace("fix = \"u\"", "dirichlet = \"exact\"");
+            let found = run(&text);
+            let of_values = e017(&found).into_iter().filter(|w| w.message.contains("the value of u")).count();
+            assert_eq!(of_values, warnings, "{u}: {:?}", found.warnings);
+        }
+    }
+}
+
+#[test]
+fn values_of_an_exact_solution_that_are_not_finite_name_the_point_and_the_time() {
+    let on = |side: &str, u: &str, steps: &str| {
+        let text = plate(2, 4, "iga", "\"exact\"").replace("a.bottom", side);
+        text.replace("dimension = 2", &format!("dimension = 2\nexact = {{ u = \"{u}\" }}"))
+            .replace("[[patch]]", &format!("{steps}[[patch]]"))
+    };
+    for (text, words) in [
+        (on("a.left", "1/x", ""), "the value of `a.left`: `1/x` is not finite at x = 0, y = 0.0"),
+        (on("a.bottom", "sqrt(x - 0.5)", ""), "the value of `a.bottom`: `sqrt(x - 0.5)` is not finite at x = 0.0"),
+        (on("a.bottom", "x/(t - 2)", "[steps]\nt = [1, 2]\n"), ", y = 0, t = 2 (found"),
+        (on("a.u0v0", "1/x", ""), "the value of `a.u0v0`: `1/x` is not finite at x = 0, y = 0 (found"),
+    ] {
+        let case = Case::parse("case.toml", &text, &ReadOptions::default()).unwrap();
+        let faults = case.run(&Registry::default()).unwrap_err();
+        let [found] = &faults.items[..] else { panic!("{faults}") };
+        assert!(found.code == "E017" && found.message.contains(words) && found.line.is_some(), "{words}\n{faults}");
+    }
+}

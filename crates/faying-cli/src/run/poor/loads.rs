@@ -1,4 +1,5 @@
-//! Diagnostics of loads, springs and moduli that jump inside of elements, of which the rule of integration misses a part.
+//! Diagnostics of loads, springs, prescribed values and moduli that jump inside of elements or have no bound, of which the rule of integration
+//! misses a part.
 
 use crate::case::{Boundary, Case, Datum};
 use crate::errors::Diagnostic;
@@ -12,7 +13,7 @@ use faying::problem::{Inexact, Integral, Resultant, Statement};
 const ROUNDING: f64 = 1e-9;
 const HELP: &str = "let it jump on edges of elements only: give breakpoints there, as in elements = [[0, 0.23, 1], 4], or refine the mesh";
 
-/// Returns the diagnostic of a load, springs or a material whose integral is inexact.
+/// Returns the diagnostic of a load, springs, a prescribed value or a material whose integral is inexact.
 pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, found: &Inexact) -> Option<Diagnostic> {
     let (components, error) = (model.system.contents().components(), percent(found.error));
     let when = if case.has_steps() { format!(" at t = {}", short(found.t)) } else { String::new() };
@@ -42,6 +43,16 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Built<S, 
                 one(finer)
             );
             (text, at, HELP)
+        }
+        Integral::Prescribed { of, side, component } => {
+            let text = format!(
+                "the value of {} prescribed on `{side}` is integrated inexactly{when}: {} for {} by a finer rule, {error} % off",
+                component_name(*component, components),
+                one(by_rule),
+                one(finer)
+            );
+            let help = "data without a bound give results that depend on the mesh; let jumps lie on edges of elements, or refine the mesh";
+            (text, model.places.at(*of), help)
         }
         Integral::Modulus { patch, name } => {
             let text = format!(
