@@ -112,6 +112,7 @@ pub fn values(key: &Key, names: &Names) -> String {
         Special::Only(words, _) => (*words).to_owned(),
         Special::Later(Plain::Never, _) => "none in this version".to_owned(),
         Special::Later(Plain::Zero, _) => "0; other values are not in this version".to_owned(),
+        Special::Later(Plain::Off, _) => "false; true is not in this version".to_owned(),
         Special::Later(Plain::Words(words, others), _) => format!("{}; not in this version: {}", quoted(words), quoted(others)),
     }
 }

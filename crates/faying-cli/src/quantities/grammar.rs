@@ -184,6 +184,8 @@ fn later(path: &[String]) -> Option<&'static str> {
         ["principal", "1" | "2" | "3"] => Some("ask for the components stress.xx, stress.yy, stress.xy, or for von_mises"),
         ["strain", c] if axes(c).is_some() => Some("ask for the stress: stress.xx, stress.yy, stress.xy"),
         ["nominal", c] if axes(c).is_some() => Some("under small kinematics it is the stress: stress.xx, stress.yy, stress.xy"),
+        ["stress", "rr" | "tt" | "rt"] => Some("ask for the components stress.xx, stress.yy, stress.xy"),
+        ["newton", "iterations" | "rate"] => Some("it belongs to finite kinematics: small ones need no Newton iteration"),
         ["stretch", _, .., "least"] => Some("it belongs to finite kinematics: displacements and rotations are small here"),
         ["contact", _, "friction", c] if axis(c).is_some() => Some("contact is frictionless here: leave it out"),
         ["contact", _, "stick" | "slip" | "dissipated"] => Some("contact is frictionless here: leave it out"),

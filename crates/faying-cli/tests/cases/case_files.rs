@@ -589,6 +589,12 @@ fn e019_every_key_of_the_contract_that_is_not_built() {
         (solver, "preconditioner = \"gauss-seidel\"", "preconditioner = \"gauss-seidel\""),
         (solver, "operator = \"matrix-free\"", "operator = \"matrix-free\""),
         (solver, "precision = \"mixed\"", "precision = \"mixed\""),
+        (contact, "where = \"x > 0\"", "`where`"),
+        (contact, "adjust = true", "`adjust`"),
+        (solver, "\n[[interface]]\nslave = \"upper.top\"\nmaster = \"lower.bottom\"\nwhere = \"x > 0\"", "`where`"),
+        (solver, "\n[[probe]]\nquantity = \"energy\"\nt = 0.5", "`t`"),
+        (solver, "\n[[probe]]\nquantity = \"energy\"\nt = \"all\"", "`t`"),
+        (solver, "\n[[check]]\nquantity = \"energy\"\nbelow = 1\nt = \"all\"", "`t`"),
     ] {
         let d = error_of(&put(after, line));
         assert_eq!((d.code, d.message), ("E019", format!("{key} is not in this version")), "{line}");
@@ -597,6 +603,7 @@ fn e019_every_key_of_the_contract_that_is_not_built() {
     let same = parse(&base).unwrap();
     for (after, line) in [
         (model, "kinematics = \"small\""),
+        (contact, "adjust = false"),
         (model, "reaction = 0"),
         (model, "foundation = { y = 0.0 }"),
         (material, "law = \"hooke\""),

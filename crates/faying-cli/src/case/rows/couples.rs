@@ -49,7 +49,11 @@ pub(in crate::case) const INTERFACE: &[Key] = &[
     extra_points().only(NOT_GLUED),
     Key::new("tolerance", KeyKind::Auto, "largest distance of the sides").unit("length").default("\"auto\""),
     Key::of("exact", Special::Field, "exact multiplier, for its error").unit("force/area").optional("[\"0\", \"-1\"]").only(NOT_GLUED),
+    PART,
 ];
+
+const PART: Key =
+    later("where", Plain::Never, "\"x > 0\"", "give the part a side of its own: a tag in the mesh, or a patch that ends there");
 
 pub(in crate::case) const CONTACT: &[Key] = &[
     name(),
@@ -68,6 +72,8 @@ pub(in crate::case) const CONTACT: &[Key] = &[
     Key::new("exact", KeyKind::Formula, "exact multiplier, negative in compression, for its error").unit("force/area").optional("-1.25e-3"),
     Key::new("symmetry", KeyKind::Flag, "a zone that ends at the end of the side goes on beyond it (half models)").default("false"),
     Key::of("active_set", Special::Block(ACTIVE_SET), "settings of the active set").default("{}"),
+    PART,
+    later("adjust", Plain::Off, "false", "state the gap by its formula: gap = \"0\" is closed everywhere at first"),
     later("friction", Plain::Zero, "0", "contact is frictionless here: leave it out, or write 0"),
 ];
 

@@ -35,7 +35,11 @@ pub(in crate::case) const SOLVER: &[Key] = &[
     later("precision", Plain::Words(&["double"], &["mixed"]), "\"double\"", "everything is in double precision here: leave it out"),
 ];
 
-pub(in crate::case) const PROBE: &[Key] = &[name(), quantity()];
+pub(in crate::case) const PROBE: &[Key] = &[
+    name(),
+    quantity(),
+    later("t", Plain::Never, "0.5", "leave it out: `steps` of result.json and history.csv hold every probe at every step"),
+];
 
 const fn quantity() -> Key {
     Key::new("quantity", KeyKind::Text, "a quantity").required("\"u.y at [1.0, 0.5]\"")
@@ -54,6 +58,7 @@ pub(in crate::case) const CHECK: &[Key] = &[
     Key::of("atol", BOUND, "absolute tolerance of equals").optional("1e-12").only(EQUALS),
     Key::new("over", KeyKind::Word(&["all"]), "check minimum and maximum of the field").optional("\"all\""),
     Key::of("backend", Special::Entry(EntryFamily::Backends), "evaluate only if all patches use this backend").optional("\"iga\""),
+    later("t", Plain::Never, "0.5", "a check is one of the last step: end [steps] at that time"),
 ];
 
 /// Commands with a table of their own.
