@@ -68,10 +68,12 @@ pub enum ContactError {
     #[error("the rows of the method of contact are not sound: {0}")]
     Rows(String),
     /// The gap formula, or the obstacle, gave no finite number.
-    #[error("the gap, by its formula or its obstacle, is no number at {at:?}")]
+    #[error("{} at {at:?}", if geometric.is_finite() { "the formula of the gap gives no finite number" } else { "the obstacle has no finite gap" })]
     Gap {
         /// Coordinates of the point.
         at: [f64; 3],
+        /// The geometric gap there \[length\]; where it is no number the obstacle has none.
+        geometric: f64,
     },
 }
 
@@ -108,7 +110,10 @@ pub(super) fn wanted<const N: usize, T: Real>(frames: &Frames<N, T>, gap: &dyn F
     let wanted: Vec<T> = frames.x.iter().zip(&frames.gap).map(|(x, &g)| gap(x, g)).collect();
     match wanted.iter().position(|g| !g.is_finite()) {
         None => Ok(wanted),
-        Some(q) => Err(ContactError::Gap { at: std::array::from_fn(|k| if k < N { to_f64(frames.x[q][k]) } else { 0.0 }) }),
+        Some(q) => Err(ContactError::Gap {
+            at: std::array::from_fn(|k| if k < N { to_f64(frames.x[q][k]) } else { 0.0 }),
+            geometric: to_f64(frames.gap[q]),
+        }),
     }
 }
 

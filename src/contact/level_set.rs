@@ -20,6 +20,8 @@ use std::fmt::{self, Debug};
 const LINES: usize = 40;
 /// Steps along the surface; they converge as fast as a secant method.
 const SLIDES: usize = 200;
+/// Steps that leave a zero.
+const LEAVING: usize = 16;
 /// Times that a step is shortened.
 const SHORTER: usize = 40;
 /// Tangential part of x - y, as a share of |x - y|, that ends the search.
@@ -106,9 +108,27 @@ impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send +
         let (value, gradient) = self.at(from)?;
         let direction = unit(gradient).unwrap_or(*normal);
         if value == T::zero() {
-            return Some((*from, direction));
+            return self.separates(from, &direction).then_some((*from, direction));
         }
         Line { function: &self.function, from, along, value, length: from.amax() }.zero(&gradient, direction)
+    }
+
+    /// Whether f is positive on one side of a zero and negative on the other: it is climbed and descended from there in steps along its
+    /// gradient, the first one along `normal`; they grow where f is still zero, which may be rounding.
+    fn separates(&self, zero: &Vector<N, T>, normal: &Vector<N, T>) -> bool {
+        let length = if zero.amax() > T::zero() { zero.amax() } else { T::one() };
+        [T::one(), -T::one()].into_iter().all(|sign| {
+            let (mut x, mut along, mut step) = (*zero, *normal, T::default_epsilon().sqrt() * length);
+            (0..LEAVING).any(|_| {
+                x += along * (step * sign);
+                let Some((value, gradient)) = self.at(&x) else { return false };
+                along = unit(gradient).unwrap_or(along);
+                if value == T::zero() {
+                    step *= lit(2.0);
+                }
+                value * sign > T::zero()
+            })
+        })
     }
 
     /// Moves a point of f = 0 along the surface to where its distance to `x` is least.

@@ -8,7 +8,7 @@ use super::facets_apart::FacetsApart;
 use super::fixed::Fixed;
 use super::handles::{Sides, Statement};
 use super::identity::Identity;
-use super::model::{Model, PatchModel, SideModel};
+use super::model::{Model, PatchModel, RigidSides, SideModel};
 use super::regions::Regions;
 use super::said::{Gluing, Said, Shared};
 use std::collections::HashMap;
@@ -149,6 +149,12 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     pub fn supports_of(&self, side: &SideModel<S, N>) -> Vec<(Statement, usize)> {
         let of_side = self.said.conditions.iter().filter(|c| c.side.patch == side.patch && c.side.side == side.side);
         of_side.map(|c| (c.of, c.component)).collect()
+    }
+
+    /// Statements that make a side move as one in a component, with the component.
+    pub fn moved_as_one(&self, side: &SideModel<S, N>) -> Vec<(Statement, usize)> {
+        let has = |group: &&RigidSides<S, N>| group.sides.iter().any(|s| s.patch == side.patch && s.side == side.side);
+        self.said.rigid_sides.iter().filter(has).map(|group| (group.of, group.component)).collect()
     }
 
     /// Whether supports hold a side, in components or along its normal or tangents.

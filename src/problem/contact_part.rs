@@ -4,6 +4,7 @@ use super::contact_rows::ContactSides;
 use super::coupled::{Contact, Faced};
 use super::data::Point;
 use super::directions::{directions, slides};
+use super::facing_obstacle::is_turned_round;
 use super::held_part::HeldPart;
 use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
@@ -77,9 +78,9 @@ where
         let changes = moves || contact.gap.depends_on_time() || (needs.fluxes && sides.change(self));
         // an obstacle may come within reach later
         for &t in setup.times_of(moves) {
-            let first = contact.rows(self, &sides, t, None).map_err(InterfaceError::Contact)?;
+            let first = contact.rows(self, &sides, t, None).map_err(|error| at_time(error, t))?;
             if first.facing.contains(&true) {
-                self.sound_later(contact, setup, &sides, &first).map_err(InterfaceError::Contact)?;
+                self.sound_later(contact, setup, &sides, &first)?;
                 let finer = finer.zip(psi).and_then(|(segments, psi)| self.finer_contact(slave, &against, psi, &segments));
                 return Ok(ContactPart {
                     number: 0,
@@ -103,21 +104,25 @@ where
     }
 
     /// Checks that the gap has a value at all times: its formula at the points that are faced `first`, an obstacle whose shape changes by its
-    /// rows.
+    /// rows. Such an obstacle must not be turned round, either.
     fn sound_later(
         &self,
         contact: &ContactModel<S, N>,
         setup: &SlaveOf<'_, S, N>,
         sides: &ContactSides<'_, S, N>,
         first: &ContactRows<S, N>,
-    ) -> Result<(), ContactError> {
-        if matches!(setup.contact.own.faced, Faced::Obstacle { changes: true, .. }) {
-            return setup.times.iter().try_for_each(|&t| contact.rows(self, sides, t, None).map(|_| ()));
+    ) -> Result<(), InterfaceError> {
+        if let (Faced::Obstacle { changes: true, .. }, Against::Rigid(obstacle, _)) = (&setup.contact.own.faced, sides.against) {
+            return setup.times.iter().try_for_each(|&t| {
+                let rows = contact.rows(self, sides, t, None).map_err(|error| at_time(error, t))?;
+                let turned = !rows.facing.contains(&true) && is_turned_round(&setup.slave.trace, &*obstacle.target(t, None));
+                if turned { Err(InterfaceError::TurnedRound { t }) } else { Ok(()) }
+            });
         }
         for &t in setup.times_of(contact.gap.depends_on_time()) {
             let value = |(x, g): &(&Vector<N>, &f64)| contact.gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(**g));
-            if let Some((x, _)) = first.frames.x.iter().zip(&first.frames.gap).find(|at| !value(at).is_finite()) {
-                return Err(ContactError::Gap { at: Point::new(x.as_slice()).x });
+            if let Some((x, g)) = first.frames.x.iter().zip(&first.frames.gap).find(|at| !value(at).is_finite()) {
+                return Err(InterfaceError::Gap { at: Point::new(x.as_slice()).x, geometric: *g, t });
             }
         }
         Ok(())
@@ -235,6 +240,14 @@ impl<const S: usize, const N: usize> SlaveOf<'_, S, N> {
     /// All times if something changes with them, else the first.
     fn times_of(&self, changes: bool) -> &[f64] {
         if changes { self.times } else { &self.times[..self.times.len().min(1)] }
+    }
+}
+
+/// The error of rows at time `t`.
+fn at_time(error: ContactError, t: f64) -> InterfaceError {
+    match error {
+        ContactError::Gap { at, geometric } => InterfaceError::Gap { at, geometric, t },
+        other => InterfaceError::Contact(other),
     }
 }
 

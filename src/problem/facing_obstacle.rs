@@ -33,8 +33,8 @@ struct Look {
     share: f64,
     /// Share of those that would face it if their normals were reversed.
     reversed: f64,
-    /// Mean gap of those that face it \[length\].
-    gap: f64,
+    /// Mean gap of those that face it, and of those that would \[length\].
+    gap: [f64; 2],
 }
 
 impl<const S: usize, const N: usize> Problem<S, N> {
@@ -50,8 +50,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let sides = body.sides().into_iter().filter_map(|name| Some((body.trace(&name).ok()?, name)));
         let meant = sides
             .map(|(trace, name)| (look(&trace, &*target), trace.space.extent().map_or(0.0, |b| b.diagonal()), name))
-            .filter(|(look, size, _)| look.share > SEEN && look.gap > -DEEP * size)
-            .min_by(|a, b| a.0.gap.abs().total_cmp(&b.0.gap.abs()));
+            .filter(|(look, size, _)| look.share > SEEN && look.gap[0] > -DEEP * size)
+            .min_by(|a, b| a.0.gap[0].abs().total_cmp(&b.0.gap[0].abs()));
         match meant {
             Some((_, _, name)) => Some(TurnedAway::OtherSide(name)),
             None => (own.reversed >= WHOLE).then_some(TurnedAway::SameWay),
@@ -85,22 +85,27 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 }
 
+/// Whether a side and an obstacle look the same way, the obstacle no farther outside of the side than a tenth of its size: it was turned
+/// round.
+pub(super) fn is_turned_round<const S: usize, const N: usize>(trace: &Trace<S, N>, target: &dyn Obstacle<S, N>) -> bool {
+    let (own, size) = (look(trace, target), trace.space.extent().map_or(0.0, |b| b.diagonal()));
+    own.share == 0.0 && own.reversed >= WHOLE && own.gap[1] < DEEP * size
+}
+
 fn look<const S: usize, const N: usize>(trace: &Trace<S, N>, target: &dyn Obstacle<S, N>) -> Look {
     let (mut map, facets) = (MapTable::new(), trace.facets.len());
-    let (mut faced, mut reversed, mut gap) = (0.0, 0.0, 0.0);
+    let (mut count, mut gap) = ([0.0; 2], [0.0; 2]);
     for element in 0..facets {
         trace.space.map(element, &[cell::center(trace.space.cell(element))], Order::Gradients, &mut map);
         let (x, normal) = (map.x[0], trace.normal(element, &map.jacobian[0]));
         let sees = |n: &Vector<N>| opposed(target, &x, n).filter(|hit| hit.gap.is_finite());
-        match sees(&normal) {
-            Some(hit) => {
-                faced += 1.0;
-                gap += hit.gap;
-            }
-            None => reversed += f64::from(u8::from(sees(&-normal).is_some())),
+        if let Some((way, hit)) = sees(&normal).map(|hit| (0, hit)).or_else(|| sees(&-normal).map(|hit| (1, hit))) {
+            count[way] += 1.0;
+            gap[way] += hit.gap;
         }
     }
-    Look { share: faced / facets as f64, reversed: reversed / facets as f64, gap: if faced > 0.0 { gap / faced } else { 0.0 } }
+    let [share, reversed] = count.map(|n: f64| n / facets as f64);
+    Look { share, reversed, gap: [0, 1].map(|way| if count[way] > 0.0 { gap[way] / count[way] } else { 0.0 }) }
 }
 
 /// Unit vectors all around in the plane of the first two axes.

@@ -40,6 +40,22 @@ pub enum InterfaceError {
     /// Rows of a contact that cannot be built.
     #[error(transparent)]
     Contact(ContactError),
+    /// A gap that is no number at a point of the slave side.
+    #[error("{} (t = {t})", ContactError::Gap { at: *.at, geometric: *.geometric })]
+    Gap {
+        /// The point \[length\]; coordinates beyond the dimension are zero.
+        at: [f64; 3],
+        /// The geometric gap there \[length\]; where it is no number the obstacle has none.
+        geometric: f64,
+        /// The time.
+        t: f64,
+    },
+    /// An obstacle that looks the same way as the slave side at a time at which nothing of it faces the side: it was turned round.
+    #[error("the obstacle looks the same way as the slave side at t = {t}")]
+    TurnedRound {
+        /// The time.
+        t: f64,
+    },
     /// A slave side of which no point faces the opponent.
     #[error("no part of the slave side faces the opponent")]
     NothingFaces,

@@ -9,7 +9,8 @@ use crate::registry::is_glue;
 use crate::words::component_name;
 use faying::basis::Polynomials;
 use faying::coupling::multiplier::{MultiplierError, MultiplierKind};
-use faying::problem::{self, Contents, Problem, SideView};
+use faying::problem::{self, Contents, Problem, SideView, Statement};
+use std::sync::Arc;
 
 /// Returns the multiplier `wanted` by the case.
 pub(super) fn multiplier<const S: usize, const N: usize>(
@@ -130,27 +131,33 @@ pub(super) fn too_many<const S: usize, const N: usize>(
     builder.error("E024", text, at).with_help(more_elements(slave) + ", or take a multiplier of lower degree")
 }
 
-/// Help text for a side prescribed in one of `components` itself, naming the conditions; `None` if there are none.
+/// Help text for a side that conditions hold in one of `components`, naming them; `None` if there are none. Obstacles, which have no side,
+/// cannot be the slave.
 pub(super) fn held_help<const S: usize, const N: usize>(
     (problem, places): (&Problem<S, N>, &Places),
-    slave: &SideView<S, N>,
+    (slave, masters): (&SideView<S, N>, &[Arc<SideView<S, N>>]),
     components: &[usize],
     slides: bool,
 ) -> Option<String> {
-    let mut places: Vec<String> = problem
-        .supports_of(slave)
-        .into_iter()
-        .filter(|(_, component)| components.contains(component))
-        .map(|(of, component)| {
-            let line = places.at(of).in_file().map_or(String::new(), |(line, _)| format!(" (line {line})"));
-            format!("component {} by `fix` or `dirichlet`{line}", component_name(component, problem.components()))
-        })
-        .collect();
-    places.dedup();
-    if places.is_empty() && slides && problem.is_supported(slave) {
-        places.push("by fix = [\"normal\"] or fix = [\"tangential\"]".into());
+    let named = |found: Vec<(Statement, usize)>, by: &str| -> Vec<String> {
+        let mut named: Vec<String> = found
+            .into_iter()
+            .filter(|(_, component)| components.contains(component))
+            .map(|(of, component)| {
+                let line = places.at(of).in_file().map_or(String::new(), |(line, _)| format!(" (line {line})"));
+                format!("component {} by {by}{line}", component_name(component, problem.components()))
+            })
+            .collect();
+        named.dedup();
+        named
+    };
+    let (mut held, mut how) = (named(problem.supports_of(slave), "`fix` or `dirichlet`"), "is prescribed itself");
+    if held.is_empty() {
+        (held, how) = (named(problem.moved_as_one(slave), "`rigid_force`"), "moves as one");
     }
-    (!places.is_empty()).then(|| {
-        format!("`{}` is prescribed itself: {}; drop that condition, or let another side be the slave", slave.label(), places.join(", "))
-    })
+    if held.is_empty() && slides && problem.is_supported(slave) {
+        (held, how) = (vec!["by fix = [\"normal\"] or fix = [\"tangential\"]".into()], "is prescribed itself");
+    }
+    let or = if masters.is_empty() { "" } else { ", or let another side be the slave" };
+    (!held.is_empty()).then(|| format!("`{}` {how}: {}; drop that condition{or}", slave.label(), held.join(", ")))
 }

@@ -7,6 +7,7 @@ use crate::formula::Point;
 use crate::place::{Located, Place};
 use crate::registry::{AtRest, Fault};
 use crate::shapes::{is_closed, is_curve};
+use crate::words::short;
 use faying::contact::{HalfPlane, LevelSet, Sphere};
 use faying::linalg::Vector;
 use faying::problem::{Changing, InterfaceId, Opponent, Problem, SideView, TurnedAway};
@@ -114,6 +115,27 @@ pub(super) fn turned_away<const S: usize, const N: usize>(
         }
         None => plain,
     }
+}
+
+/// The diagnostic of an obstacle that looks the same way as a slave side at time `t`, though it faces it at others.
+pub(super) fn turned_round<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    contact: &case::Contact,
+    slave: &SideView<S, N>,
+    t: f64,
+    at: Place,
+) -> Diagnostic {
+    let (label, name) = (slave.label(), &contact.name.value);
+    let text = format!(
+        "the obstacle of contact \"{name}\" is turned round: nothing of it faces `{label}` at t = {}, it looks the same way",
+        short(t)
+    );
+    let case::Master::Rigid(obstacle) = &contact.master else { return builder.error("E023", text, at) };
+    let (at, help) = match &obstacle.shape.value {
+        ObstacleShape::LevelSet { f, .. } => (f.at, "`f` is positive outside of the obstacle at all times of [steps]"),
+        _ => (obstacle.at, "the obstacle must face the side at all times of [steps]"),
+    };
+    builder.error("E023", text, at).with_help(help)
 }
 
 /// Change of a case that turns an obstacle round.

@@ -2,13 +2,14 @@
 
 use super::builder::Builder;
 use super::multipliers::{has_lowered, held_help, multiplier_fault, positive_help, too_many};
-use super::obstacles::turned_away;
+use super::obstacles::{turned_away, turned_round};
 use super::places::Places;
 use super::warned::meant;
 use crate::case::{self, Master, Tie};
 use crate::errors::Diagnostic;
+use crate::formula::Point;
 use crate::place::Place;
-use crate::words::{component_name, labels, place, short};
+use crate::words::{component_name, labels, place, short, time_text};
 use faying::contact::ContactError;
 use faying::coupling::CouplingError;
 use faying::coupling::multiplier::MultiplierError;
@@ -58,7 +59,7 @@ fn tie_fault<const S: usize, const N: usize>(
                 slave.label(),
                 component_name(held[0], components)
             );
-            builder.error("E024", text, at).with_some_help(held_help(source, slave, held, *by_equations))
+            builder.error("E024", text, at).with_some_help(held_help(source, (slave, masters), held, *by_equations))
         }
         InterfaceError::Multiplier { component, error } => {
             let mut fault = multiplier_fault(builder, name, slave, error, tie.multiplier.at, N.max(2));
@@ -67,7 +68,15 @@ fn tie_fault<const S: usize, const N: usize>(
             }
             fault
         }
-        InterfaceError::Counts(error) => multiplier_fault(builder, name, slave, error, tie.multiplier.at, components),
+        InterfaceError::Counts(error) => {
+            let fault = multiplier_fault(builder, name, slave, error, tie.multiplier.at, components);
+            match error {
+                MultiplierError::TooMany { component, .. } => {
+                    fault.with_some_help(held_help(source, (slave, masters), &[*component], false))
+                }
+                _ => fault,
+            }
+        }
         InterfaceError::Apart(error) => {
             let (slave, masters) = (slave.label(), labels(masters));
             match error {
@@ -126,6 +135,8 @@ fn fault<const S: usize, const N: usize>(
         }
         InterfaceError::Segments(e) => builder.error("E023", format!("contact \"{name}\": {e}"), at),
         InterfaceError::Contact(e) => contact_fault(builder, contact, slave, masters, e, at),
+        InterfaceError::Gap { at, geometric, t } => gap_fault(builder, contact, (&at[..N], *t), *geometric),
+        InterfaceError::TurnedRound { t } => turned_round(builder, contact, slave, *t, at),
         InterfaceError::NothingFaces => {
             let plain = contact_fault(builder, contact, slave, masters, &ContactError::NoTarget, at);
             if masters.is_empty() {
@@ -138,16 +149,46 @@ fn fault<const S: usize, const N: usize>(
                 "the multiplier of \"{name}\" on `{}` is over-constrained: the normal direction has 0 free unknowns",
                 slave.label()
             );
-            let help = held_help(source, slave, components, *by_equations);
+            let help = held_help(source, (slave, masters), components, *by_equations);
             builder.error("E024", text, at).with_help(help.unwrap_or_else(|| "free the side, or give it more elements".into()))
         }
         InterfaceError::TooMany { multipliers, free, components, by_equations } => {
             let fault = too_many(builder, name, slave, "the normal direction", (*multipliers, *free), contact.multiplier.at);
-            fault.with_some_help(held_help(source, slave, components, *by_equations))
+            fault.with_some_help(held_help(source, (slave, masters), components, *by_equations))
         }
         InterfaceError::Multiplier { error, .. } => multiplier_fault(builder, name, slave, error, contact.multiplier.at, N.max(2)),
         other => builder.error("E041", format!("contact \"{name}\": {other}"), at),
     })
+}
+
+/// E017 of a gap that is no number in a point at a time, where the geometric gap is `geometric`.
+fn gap_fault<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    contact: &case::Contact,
+    (x, t): (&[f64], f64),
+    geometric: f64,
+) -> Diagnostic {
+    let (name, there) = (&contact.name.value, place(x) + &time_text(builder.case.steps.value.len() > 1, t));
+    let obstacle = match &contact.master {
+        Master::Rigid(obstacle) if !geometric.is_finite() => obstacle,
+        _ => {
+            let text = format!("contact \"{name}\": the gap `{}` is not finite at {there}", contact.gap.value.text());
+            let help = "the formula is needed at all points of the slave side that face something, at all times of [steps]";
+            return builder.error("E017", text, contact.gap.at).with_help(help);
+        }
+    };
+    let case::ObstacleShape::LevelSet { f, .. } = &obstacle.shape.value else {
+        return builder.error("E017", format!("contact \"{name}\": the obstacle has no finite gap at {there}"), obstacle.at);
+    };
+    if !f.value.value(&Point::new(x).at_time(t)).is_finite() {
+        let text = format!("contact \"{name}\": `{}` is not finite at {there}", f.value.text());
+        return builder
+            .error("E017", text, f.at)
+            .with_help("`f` is needed at and around all points of the slave side, at all times of [steps]");
+    }
+    let text = format!("contact \"{name}\": `{}` has no zero at which its sign changes, looked for from {there}", f.value.text());
+    let help = "`f` is positive outside of the obstacle and negative inside, and its zero is found along its gradient; `along` takes f itself as the gap";
+    builder.error("E017", text, f.at).with_help(help)
 }
 
 pub(super) fn contact_fault<const S: usize, const N: usize>(
@@ -170,15 +211,6 @@ pub(super) fn contact_fault<const S: usize, const N: usize>(
         }
         ContactError::ConeSize { .. } => {
             builder.error("E081", text, contact.cone.at).with_help("write cone = \"coefficients\", or give the slave side fewer elements")
-        }
-        ContactError::Gap { .. } => {
-            let fault = builder.error("E017", text, contact.gap.at);
-            match &contact.master {
-                Master::Rigid(obstacle) if matches!(obstacle.shape.value, case::ObstacleShape::LevelSet { .. }) => {
-                    fault.with_help("`f` must have a zero on the line along its gradient from there; `along` takes f itself as the gap")
-                }
-                _ => fault,
-            }
         }
         ContactError::NoTarget if masters.is_empty() => builder
             .error("E023", format!("no part of `{}` faces the obstacle of contact \"{}\"", slave.label(), contact.name.value), at)

@@ -7,7 +7,7 @@ use crate::lower::Places;
 use crate::place::Located;
 use crate::result::{Prediction, RunResult, Status};
 use crate::watch::Stop;
-use crate::words::{bytes, place};
+use crate::words::{bytes, place, short};
 use faying::constraint::SolveError;
 use faying::contact::ContactError;
 use faying::linalg::LinearError;
@@ -152,7 +152,11 @@ pub fn step_fault<const S: usize, const N: usize>(
             let text = format!("rigid motion left: {}", motions.join("; "));
             (Status::Singular, "singular", Diagnostic::error("E072", text).with_help("every contact that held it has opened"))
         }
-        StepError::Contact(ContactError::Gap { .. }) => (Status::NotFinite, "not-finite", Diagnostic::error("E073", error.to_string())),
+        StepError::Contact(ContactError::Gap { at: x, geometric }) => {
+            let what = if geometric.is_finite() { "a gap is not finite by its formula" } else { "an obstacle has no finite gap" };
+            let text = format!("{what} at {}, t = {}", place(&x[..N]), short(t));
+            (Status::NotFinite, "not-finite", Diagnostic::error("E073", text))
+        }
         StepError::Solve(SolveError::OverConstrained { row, .. }) => {
             let text = format!("the constraints are redundant: {}", owner(system, *row));
             (

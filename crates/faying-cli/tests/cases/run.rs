@@ -411,7 +411,7 @@ fn wrong_cases_are_refused_with_code_place_and_advice() {
         (
             pair(upper, "[[boundary]]\non = \"b.left\"\nfix = [\"x\"]\n[[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nrigid = { kind = \"sphere\", center = [0.5, 0], radius = 1 }\ngap = \"g/(x - x)\"\n"),
             "E017",
-            "is no number at",
+            "the gap `g/(x - x)` is not finite at x = ",
         ),
         // geometry: the second column of control points lies behind the first
         (
@@ -451,7 +451,8 @@ fn quantities_of_the_contract_that_are_not_built_are_not_in_this_version() {
     let mut all: Vec<String> = fields.iter().flat_map(|f| forms.iter().map(move |form| format!("{f}{form}"))).collect();
     let contact = ["friction.x", "friction.y", "stick", "slip", "slip.max", "dissipated"];
     all.extend(contact.iter().flat_map(|q| ["", "rate."].map(|before| format!("{before}contact.c.{q}"))));
-    all.push("stretch.a.least".into());
+    all.extend(["rr", "tt", "rt"].map(|c| format!("stress.{c} at [0.5, 0.2] about [0, 0]")));
+    all.extend(["stretch.a.least", "newton.iterations", "newton.rate"].map(str::to_owned));
     let mut wrong: Vec<String> = Vec::new();
     for quantity in &all {
         let name = quantity.trim_start_matches("rate.");
@@ -642,6 +643,35 @@ fn a_contact_side_held_along_the_normal_is_refused_with_the_condition() {
     );
     assert_eq!(refuses(&tied, "E024", "component x has 0 free unknowns"), None);
     assert_eq!(refuses(&tied, "E024", "component x by `fix` or `dirichlet` (line "), None);
+}
+
+#[test]
+fn the_remedy_for_a_slave_side_that_conditions_hold_fits_these_conditions() {
+    let upper = "min = [0, 1], max = [1, 2]";
+    let rigid = "[[boundary]]\non = \"b.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"b.bottom\"\nrigid_force = { y = -1.0 }\n";
+    let fixed = "[[boundary]]\non = \"b.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"b.bottom\"\nfix = [\"y\"]\n";
+    let faced = |opponent: &str, more: &str| format!("[[contact]]\nname = \"c\"\nslave = \"b.bottom\"\n{opponent}\n{more}");
+    let (side, plane) = ("master = \"a.top\"", "rigid = { kind = \"half-plane\", point = [0, 1], normal = [0, 1] }");
+    let pressed = plane.replace(" }", ", force = { y = 1.0 } }");
+    let (one, other) =
+        ("`b.bottom` moves as one: component y by `rigid_force` (line ", "drop that condition, or let another side be the slave");
+    let tied = format!("{rigid}[[interface]]\nname = \"c\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n");
+    let dual = "multiplier = \"dual\"\n";
+    for (rest, has_side) in [
+        (tied, true),
+        (faced(side, dual) + rigid, true),
+        (faced(plane, dual) + rigid, false),
+        (faced(&pressed, dual) + rigid, false),
+        (faced(side, "") + fixed, true),
+        (faced(plane, "") + fixed, false),
+        (faced(&pressed, "") + fixed, false),
+    ] {
+        let text = pair(upper, &rest);
+        assert_eq!(refuses(&text, "E024", if rest.contains("rigid_force") { one } else { "`b.bottom` is prescribed itself" }), None);
+        assert_eq!(refuses(&text, "E024", "drop that condition"), None);
+        assert_eq!(refuses(&text, "E024", other).is_none(), has_side, "{rest}");
+        assert!(refuses(&text, "E024", "more elements").is_some(), "{rest}");
+    }
 }
 
 #[test]

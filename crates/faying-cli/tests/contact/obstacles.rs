@@ -630,3 +630,93 @@ fn a_circular_punch_pressed_with_a_force_makes_the_pressure_of_hertz_on_both_bac
     }
     assert!((peaks[0] - peaks[1]).abs() < 1e-3 * peaks[0].abs(), "both sink alike: {peaks:?}");
 }
+
+/// A square of the given size whose bottom lies on y = 0, turned by `angle` in degrees, pressed on a level set by its top.
+fn on_level_set(backend: &str, size: f64, angle: f64, f: &str, rest: &str) -> String {
+    format!(
+        "[let]\nL = {size:e}\nc = \"cos(pi*{angle}/180)\"\ns = \"sin(pi*{angle}/180)\"\n{HEAD}[discretization]\nbackend = \"{backend}\"\ndegree = 2\n\
+         [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [{size:e}, {size:e}], rotate_deg = {angle} }}\nelements = [4, 4]\n\
+         [[boundary]]\non = \"b.top\"\ndirichlet = [\"0.01*L*s*t\", \"-0.01*L*c*t\"]\n\
+         [[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nrigid = {{ kind = \"level-set\", f = \"{}\" }}\n{rest}",
+        f.replace('Y', "(c*y - s*x)").replace('X', "(c*x + s*y)")
+    )
+}
+
+#[test]
+fn a_level_set_that_turns_round_in_later_steps_is_refused_with_the_time() {
+    let steps = "[steps]\nt = [1, 2, 3]\n";
+    for backend in BACKENDS {
+        for (size, angle) in [(1.0, 0.0), (1e-3, 30.0), (2e4, 200.0)] {
+            let block = |f: &str| on_level_set(backend, size, angle, f, steps);
+            // the sign of f, its gradient, and f at the first time
+            for (f, t) in [
+                ("Y*(1.5 - t)", 2),
+                ("Y*cos(pi*(t - 1)/2) + X*sin(pi*(t - 1)/2)", 3),
+                ("Y*(t - 1.5)", 1),
+                ("if(t < 3, 2*Y, -Y) - 0.05*L", 3),
+            ] {
+                let text = block(f);
+                let found = refused(&text);
+                let words = format!("nothing of it faces `b.bottom` at t = {t}");
+                assert!(found.contains("E023") && found.contains(&words) && found.contains("all times of [steps]"), "{text}\n{found}");
+                let checked = faying_cli::run::check(&read(&text), &Registry::default(), &Default::default(), &Default::default()).result;
+                assert!(checked.exit == 3 && checked.diagnostics[0].message.contains(&words), "{:?}", checked.diagnostics);
+            }
+            // moving away, or tilting below a body that it leaves, is no turn
+            for f in ["Y + 0.02*L*(t - 1)", "Y + 0.1*(t - 1)*(X - L/2)", "Y*cos(pi*(t - 1)/4) + X*sin(pi*(t - 1)/4)"] {
+                assert!(run(&block(f)).steps[0].contact.get("c").unwrap().force.iter().any(|f| f.abs() > 0.0), "{backend} {size} {f}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_formula_without_a_change_of_sign_is_no_level_set() {
+    for backend in BACKENDS {
+        for (size, angle) in [(1.0, 0.0), (1e-3, 30.0), (2e4, 200.0)] {
+            let block = |f: &str| on_level_set(backend, size, angle, f, "");
+            for f in [
+                "Y*0",
+                "Y^2",
+                "-Y^2",
+                "Y^4",
+                "max(0, Y)",
+                "min(0, Y)",
+                "abs(Y)",
+                "Y^2*(Y + L)",
+                "Y^2*X",
+                "max(0, Y - L/10)",
+                "(Y + L/9)^2",
+                "1",
+            ] {
+                let found = refused(&block(f));
+                // rounding makes a turned double zero two of them, or none
+                let told = found.contains("E017") && found.contains("no zero at which its sign changes, looked for from x = ");
+                assert!(told && found.contains("f = \""), "{backend} {size} {angle} {f}: {found}");
+            }
+            let expected = run(&block("Y")).contact.get("c").unwrap().force.clone();
+            for f in ["Y^3", "sin(Y/L)", "exp(Y/L) - 1", "1e-100*Y", "max(Y, X - L*2)", "max(Y, min(X, L - X)/1e3 - L)", "Y^2 + L*Y"] {
+                let found = run(&block(f)).contact.get("c").unwrap().force.clone();
+                let off = (0..2).map(|k| (found[k] - expected[k]).abs()).fold(0.0, f64::max);
+                assert!(off <= 1e-6 * expected[0].abs().max(expected[1].abs()), "{backend} {size} {f}: {found:?} for {expected:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn gaps_that_are_no_number_name_the_point_and_the_time() {
+    let steps = "[steps]\nt = [1, 2]\n";
+    let by_gap = |gap: &str| on_level_set("iga", 1.0, 0.0, "Y", steps).replace("slave =", &format!("gap = \"{gap}\"\nslave ="));
+    for (text, words) in [
+        (by_gap("g/(2 - t)"), "the gap `g/(2 - t)` is not finite at x = "),
+        (by_gap("g + log(1.5 - t)"), "the gap `g + log(1.5 - t)` is not finite at x = "),
+        (on_level_set("iga", 1.0, 0.0, "Y + 0*sqrt(1.5 - t)", steps), "is not finite at x = "),
+        (on_level_set("iga", 1.0, 0.0, "if(t < 1.5, Y, Y^2)", steps), "no zero at which its sign changes, looked for from x = "),
+    ] {
+        let found = refused(&text);
+        assert!(found.contains("E017") && found.contains(words) && found.contains(", y = 0, t = 2"), "{text}\n{found}");
+    }
+    // at one time alone there is none to name
+    assert!(!refused(&on_level_set("iga", 1.0, 0.0, "Y^2", "")).contains("t = "));
+}
