@@ -37,7 +37,9 @@ impl Changes {
     fn values(&self) -> Vec<(Axis, Option<&str>, Node)> {
         let text = |word: &str| Node::new(Value::Text(word.to_owned()), AT);
         let whole = |n: usize| Node::new(Value::Integer(i64::try_from(n).unwrap_or(i64::MAX)), AT);
-        let data = |pairing: &str| if pairing.starts_with('{') { parse_value(pairing, AT).unwrap_or_else(|_| text(pairing)) } else { text(pairing) };
+        let data = |pairing: &str| {
+            if pairing.starts_with('{') { parse_value(pairing, AT).unwrap_or_else(|_| text(pairing)) } else { text(pairing) }
+        };
         let mut all = Vec::new();
         all.extend(self.backend.iter().map(|word| (Axis::Backend, None, text(word))));
         all.extend(self.degree.iter().map(|p| (Axis::Degree, None, whole(*p))));

@@ -111,7 +111,11 @@ impl Reader {
         let continuity = if own(b, "continuity") { self.continuity(b) } else { inherit(defaults, |d| &d.continuity) };
         let basis = if own(b, "basis") { self.word(b, "basis", &BASES.map(|(_, basis)| basis)) } else { inherit(defaults, |d| &d.basis) };
         let cells = if own(b, "cells") { self.word(b, "cells", &CELLS.map(|(_, cell)| cell)) } else { inherit(defaults, |d| &d.cells) };
-        let mapping = if own(b, "mapping") { self.word(b, "mapping", &MAPPINGS.map(|(_, mapping)| mapping)) } else { inherit(defaults, |d| &d.mapping) };
+        let mapping = if own(b, "mapping") {
+            self.word(b, "mapping", &MAPPINGS.map(|(_, mapping)| mapping))
+        } else {
+            inherit(defaults, |d| &d.mapping)
+        };
         let extra_points = if own(b, "extra_points") { self.whole(b, "extra_points") } else { inherit(defaults, |d| &d.extra_points) };
         Discretization { backend, degree, continuity, basis, cells, mapping, extra_points }
     }

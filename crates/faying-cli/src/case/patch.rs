@@ -16,13 +16,7 @@ const MOST_ELEMENTS: i64 = 1_000_000;
 
 impl Reader {
     /// `[[patch]]`, every file expanded into its patches.
-    pub fn patches(
-        &mut self,
-        root: &mut Block,
-        model: &Model,
-        defaults: &Discretization,
-        materials: &[Material],
-    ) -> Vec<Patch> {
+    pub fn patches(&mut self, root: &mut Block, model: &Model, defaults: &Discretization, materials: &[Material]) -> Vec<Patch> {
         let patches = self.list(root, "patch", rows::PATCH, |r, b, k| r.patch(b, k, model, defaults, materials));
         self.unique("patch", &patches.iter().map(|p| p.name.clone()).collect::<Vec<_>>());
         if !root.has("patch") {
@@ -34,14 +28,7 @@ impl Reader {
     }
 
     /// One `[[patch]]`.
-    pub fn patch(
-        &mut self,
-        b: &mut Block,
-        index: usize,
-        model: &Model,
-        defaults: &Discretization,
-        materials: &[Material],
-    ) -> Patch {
+    pub fn patch(&mut self, b: &mut Block, index: usize, model: &Model, defaults: &Discretization, materials: &[Material]) -> Patch {
         let name = self.name(b, "patch", index);
         let mut geometry = self.patch_geometry(b);
         let from = self.parts(&mut geometry.value, false);

@@ -135,7 +135,9 @@ pub fn explained(found: &KeyPath, names: &Names) -> String {
     line("values", &values(key, names));
     line("default", &absent(key));
     match key.absent {
-        Absent::Required(example) | Absent::None(example) | Absent::Is(example) if !example.is_empty() && !matches!(key.special(), Some(Special::Blocks(_))) => {
+        Absent::Required(example) | Absent::None(example) | Absent::Is(example)
+            if !example.is_empty() && !matches!(key.special(), Some(Special::Blocks(_))) =>
+        {
             line("example", &format!("{} = {example}", key.name));
         }
         _ => {}

@@ -131,7 +131,9 @@ fn conditions(item: &mut Value, name: &str, keys: &[Key]) {
         "interface" => item["anyOf"] = json!([{"required": ["between"]}, {"allOf": [one_of_names("slave"), one_of_names("master")]}]),
         "contact" => item["allOf"] = json!([one_of_names("slave"), {"anyOf": [one_of_names("master"), {"required": ["rigid"]}]}]),
         "check" => item["oneOf"] = any(&["below", "above", "equals"]),
-        "boundary" => item["anyOf"] = any(&keys.iter().map(|k| k.name).filter(|k| !["name", "on", "where"].contains(k)).collect::<Vec<_>>()),
+        "boundary" => {
+            item["anyOf"] = any(&keys.iter().map(|k| k.name).filter(|k| !["name", "on", "where"].contains(k)).collect::<Vec<_>>())
+        }
         _ => {}
     }
 }

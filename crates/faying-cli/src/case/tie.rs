@@ -142,8 +142,7 @@ impl Reader {
                         d = d.with_label(format!("did you mean {near:?}?"));
                     }
                     // one entry for the whole family p/p-4, p/p-6, ...
-                    let mut list: Vec<&str> =
-                        known.iter().map(String::as_str).filter(|n| lowered_by(n).is_none_or(|k| k <= 2)).collect();
+                    let mut list: Vec<&str> = known.iter().map(String::as_str).filter(|n| lowered_by(n).is_none_or(|k| k <= 2)).collect();
                     let family = list.iter().position(|n| *n == "p/p-2").map_or(list.len(), |k| k + 1);
                     list.insert(family, "p/p-2k");
                     let help = format!("known: {}, or {{ degree = 1, continuity = 0, ends = \"auto\" }}", list.join(", "));

@@ -39,9 +39,13 @@ fn of_word(word: &str, names: &Names) -> Ended {
     let found = quantities::find(word);
     if keys.is_empty() && found.is_empty() {
         let keys = reference::keys(names);
-        let words = CODES.iter().map(|c| c.code).chain(keys.iter().map(|k| k.key.name)).chain(quantities::QUANTITIES.iter().map(|k| k.pattern));
+        let words =
+            CODES.iter().map(|c| c.code).chain(keys.iter().map(|k| k.key.name)).chain(quantities::QUANTITIES.iter().map(|k| k.pattern));
         let near = nearest(word, words).or_else(|| nearest(&word.to_uppercase(), CODES.iter().map(|c| c.code)));
-        let help = near.map_or_else(|| "`faying explain` lists all codes".to_owned(), |n| format!("did you mean {n}? `faying explain` lists all codes"));
+        let help = near.map_or_else(
+            || "`faying explain` lists all codes".to_owned(),
+            |n| format!("did you mean {n}? `faying explain` lists all codes"),
+        );
         return super::ended::usage(&format!("there is no code, key or quantity `{word}`"), Some(&help));
     }
     // one text for keys that say the same in several blocks

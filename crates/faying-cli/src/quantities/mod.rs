@@ -5,8 +5,8 @@ mod evaluate;
 mod grammar;
 mod locate;
 mod path;
-pub mod reference;
 mod prepare;
+pub mod reference;
 
 pub use checks::Questions;
 pub(crate) use checks::undecided;

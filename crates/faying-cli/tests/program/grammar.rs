@@ -61,7 +61,11 @@ fn keys_with_a_condition_are_taken_where_it_holds_and_refused_elsewhere() {
     for found in keys(&Names::default()) {
         let Some((block, key)) = found.path.rsplit_once('.') else { continue };
         // keys of entries of the registry have a rule and tests of their own
-        if found.only.is_empty() || found.only.contains(" = \"") && !found.only.starts_with("linear") || block.contains("rigid") || block.starts_with("patch.geometry") {
+        if found.only.is_empty()
+            || found.only.contains(" = \"") && !found.only.starts_with("linear")
+            || block.contains("rigid")
+            || block.starts_with("patch.geometry")
+        {
             continue;
         }
         let (Absent::Required(value) | Absent::Is(value) | Absent::None(value)) = found.key.absent else { panic!("{}", found.path) };
@@ -80,7 +84,12 @@ fn keys_with_a_condition_are_taken_where_it_holds_and_refused_elsewhere() {
         let answers: Vec<bool> = scenes()
             .iter()
             .filter(|scene| scene.contains(&mark))
-            .flat_map(|scene| [scene.replace(&mark, &format!("{key} = {value}\n")), scene.replace("young = 1\npoisson = 0.3\n", "lambda = 1\nmu = 1\n").replace(&mark, &format!("{key} = {value}\n"))])
+            .flat_map(|scene| {
+                [
+                    scene.replace(&mark, &format!("{key} = {value}\n")),
+                    scene.replace("young = 1\npoisson = 0.3\n", "lambda = 1\nmu = 1\n").replace(&mark, &format!("{key} = {value}\n")),
+                ]
+            })
             .filter_map(|text| takes(&text, key))
             .collect();
         assert!(answers.contains(&false), "{} is never refused: {answers:?}", found.path);

@@ -145,7 +145,11 @@ impl Reader {
             Some(Special::Entry(family)) => Some((rows::word(table, key.name)?, scene.names.entries(*family))),
             _ => None,
         });
-        let own: Vec<&str> = entries.flat_map(|(word, list)| list.into_iter().filter(move |e| e.name == word)).flat_map(|e| &e.keys).map(|k| k.name).collect();
+        let own: Vec<&str> = entries
+            .flat_map(|(word, list)| list.into_iter().filter(move |e| e.name == word))
+            .flat_map(|e| &e.keys)
+            .map(|k| k.name)
+            .collect();
         let mut idle = Vec::new();
         for key in keys.iter().filter(|key| !own.contains(&key.name)) {
             let (Some(only), Some(entry)) = (key.only, table.get(key.name)) else { continue };

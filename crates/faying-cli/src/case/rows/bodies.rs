@@ -110,7 +110,10 @@ const BOX: &[Key] = &[
 const NURBS: &[Key] = &[
     Key::of(
         "degree",
-        Special::Only("a whole number per direction", r#"{"type":"array","items":{"type":"integer","minimum":1},"minItems":2,"maxItems":3}"#),
+        Special::Only(
+            "a whole number per direction",
+            r#"{"type":"array","items":{"type":"integer","minimum":1},"minItems":2,"maxItems":3}"#,
+        ),
         "degree per direction",
     )
     .required("[2, 1]"),

@@ -8,8 +8,11 @@ use crate::case::reader::Uses;
 use crate::case::tree::Table;
 
 const NOT_GLUED: Only = Only { holds: not_glued, of: "couplings that tie: glued sides share their unknowns", instead: "" };
-const TIED_BY_ROWS: Only =
-    Only { holds: |t, s| not_glued(t, s) && s.names.has_rows(word(t, "coupling").unwrap_or("mortar")), of: "couplings with a multiplier", instead: "" };
+const TIED_BY_ROWS: Only = Only {
+    holds: |t, s| not_glued(t, s) && s.names.has_rows(word(t, "coupling").unwrap_or("mortar")),
+    of: "couplings with a multiplier",
+    instead: "",
+};
 const MULTIPLIED: Only = Only { holds: |t, s| s.names.needs(method(t)).multiplier, of: "methods with a multiplier", instead: "" };
 
 fn not_glued(table: &Table, _: &Scene<'_>) -> bool {
@@ -59,7 +62,8 @@ pub(in crate::case) const CONTACT: &[Key] = &[
     name(),
     slave(),
     Key::of("master", Special::Sides, "side that the slave faces; or rigid").optional("\"lower.v1\"").aliases(&["mortar", "primary"]),
-    Key::of("rigid", Special::Obstacle, "a rigid obstacle instead of a master").optional("{ kind = \"half-plane\", point = [0, 0], normal = [0, 1] }"),
+    Key::of("rigid", Special::Obstacle, "a rigid obstacle instead of a master")
+        .optional("{ kind = \"half-plane\", point = [0, 0], normal = [0, 1] }"),
     Key::of("gap", Special::FormulaOf(Uses::Gap), "formula of the geometric gap g and x, y, z, t").unit("length").default("\"g\""),
     Key::of("method", Special::Entry(EntryFamily::Methods), "how contact is enforced").default("\"lagrange\""),
     multiplier().only(MULTIPLIED),

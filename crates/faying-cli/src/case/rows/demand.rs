@@ -23,7 +23,9 @@ pub(in crate::case) const SOLVER: &[Key] = &[
     Key::of("constraint", Special::Entry(EntryFamily::Constraints), "solver of the constrained systems").default("\"auto\""),
     Key::new("linear", KeyKind::Word(&["auto", "direct", "iterative"]), "solver of the linear systems").default("\"auto\""),
     Key::new("tolerance", KeyKind::Positive, "error and residual at which iterations end, relative").default("1e-10").only(ITERATES),
-    Key::new("max_iterations", KeyKind::Whole(1, 10_000_000), "largest number of iterations of an iterative solver").optional("1000").only(ITERATES),
+    Key::new("max_iterations", KeyKind::Whole(1, 10_000_000), "largest number of iterations of an iterative solver")
+        .optional("1000")
+        .only(ITERATES),
     later("newton", Plain::Never, "{}", "small kinematics needs no Newton iteration: leave it out"),
     later(
         "preconditioner",

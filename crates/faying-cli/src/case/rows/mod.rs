@@ -26,8 +26,10 @@ pub(super) const ROOT: &[Key] = &[
     later("units", Plain::Never, "\"mm\"", "numbers are in any one consistent system of units; say which in `title`"),
     later("output", Plain::Never, "{}", "fields.vtu holds all fields, for pictures of another program"),
     Key::of("let", Special::Let, "constants for every formula").optional("{ F = 1e-4, a = \"sqrt(F)\" }"),
-    Key::of("model", Special::Block(MODEL), "equation, dimension of space, exact solution").required("{ physics = \"poisson\", dimension = 2 }"),
-    Key::of("discretization", Special::Block(DISCRETIZATION), "defaults of every patch, which may override each").optional("{ degree = 2 }"),
+    Key::of("model", Special::Block(MODEL), "equation, dimension of space, exact solution")
+        .required("{ physics = \"poisson\", dimension = 2 }"),
+    Key::of("discretization", Special::Block(DISCRETIZATION), "defaults of every patch, which may override each")
+        .optional("{ degree = 2 }"),
     Key::of("material", Special::Blocks(MATERIAL), "constants of materials").optional("[]"),
     Key::of("patch", Special::Blocks(PATCH), "bodies").required("[]"),
     Key::of("boundary", Special::Blocks(BOUNDARY), "prescribed values and loads on sides").optional("[]"),

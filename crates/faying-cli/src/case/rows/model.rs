@@ -1,10 +1,10 @@
 //! `[model]`, `[discretization]`, `[[material]]`.
 
+use super::Scene;
 use super::{later, word};
 use crate::case::key::{Axis, Key, KeyKind, Only, Plain, Special};
 use crate::case::names::EntryFamily;
 use crate::case::tree::Table;
-use super::Scene;
 use crate::case::types::{BASES, CELLS, MAPPINGS};
 
 const ELASTIC: Only = Only { holds: |t, _| word(t, "physics") != Some("poisson"), of: "elasticity", instead: "use source" };
@@ -24,13 +24,21 @@ pub(in crate::case) const MODEL: &[Key] = &[
     Key::new("physics", KeyKind::Word(&["poisson", "elasticity"]), "-div(k grad u) = f, or -div sigma(u) = f").required("\"elasticity\""),
     Key::new("dimension", KeyKind::Whole(2, 3), "dimension of space").required("2"),
     later("kinematics", Plain::Words(&["small"], &["finite"]), "\"small\"", "displacements and rotations are small here"),
-    Key::new("assumption", KeyKind::Word(&["plane-strain", "plane-stress"]), "elasticity in the plane").default("\"plane-strain\"").only(PLANE),
+    Key::new("assumption", KeyKind::Word(&["plane-strain", "plane-stress"]), "elasticity in the plane")
+        .default("\"plane-strain\"")
+        .only(PLANE),
     Key::of("exact", Special::Block(EXACT), "manufactured solution: source, data marked \"exact\" and errors follow from it")
         .optional("{ u = [\"x*y\", \"0\"] }"),
     Key::new("reference", KeyKind::Text, "a stored run that errors are measured against").optional("\"p4.ref\""),
     Key::new("source", KeyKind::Formula, "source of Poisson's equation; not beside exact").optional("\"x*y\"").only(POISSON),
-    Key::of("body_force", Special::Field, "force per volume; not beside exact").unit("force/volume").optional("[\"0\", \"-1\"]").only(ELASTIC),
-    Key::of("gravity", Special::SomeCoordinates, "acceleration; needs a density").unit("length/time^2").optional("[0, -9.81]").only(ELASTIC),
+    Key::of("body_force", Special::Field, "force per volume; not beside exact")
+        .unit("force/volume")
+        .optional("[\"0\", \"-1\"]")
+        .only(ELASTIC),
+    Key::of("gravity", Special::SomeCoordinates, "acceleration; needs a density")
+        .unit("length/time^2")
+        .optional("[0, -9.81]")
+        .only(ELASTIC),
     later("reaction", Plain::Zero, "0", "leave it out, or write 0"),
     later("foundation", Plain::Zero, "0", "a `spring` of [[boundary]] acts on sides"),
 ];
@@ -39,21 +47,32 @@ pub(in crate::case) const EXACT: &[Key] =
     &[Key::of("u", Special::Field, "a formula of x, y, z per component of the unknown").required("\"x*y\"")];
 
 pub(in crate::case) const DISCRETIZATION: &[Key] = &[
-    Key::of("backend", Special::Entry(EntryFamily::Backends), "functions: iga (splines), fe (Lagrange elements)").default("\"iga\"").axis(Axis::Backend),
-    Key::of("degree", DEGREE, "polynomial degree, or one per direction; at most 12 (iga), 8 (fe tensor), 4 (fe simplex)").default("2").axis(Axis::Degree),
+    Key::of("backend", Special::Entry(EntryFamily::Backends), "functions: iga (splines), fe (Lagrange elements)")
+        .default("\"iga\"")
+        .axis(Axis::Backend),
+    Key::of("degree", DEGREE, "polynomial degree, or one per direction; at most 12 (iga), 8 (fe tensor), 4 (fe simplex)")
+        .default("2")
+        .axis(Axis::Degree),
     Key::of("continuity", CONTINUITY, "iga: C^(p-1) at new knots, or C^k").default("\"max\""),
     Key::new("basis", BASIS, "iga: rational where the geometry is").default("\"auto\""),
     Key::new("cells", CELL, "fe: quadrilaterals and hexahedra, or triangles and tetrahedra").default("\"tensor\""),
     Key::new("mapping", MAPPING, "fe: degree of the space, or the patch's own map").default("\"isoparametric\""),
-    Key::new("extra_points", POINTS, "Gauss points per direction beyond the default: degree + 1; more in curved splines in space, result.json says how many").default("0"),
+    Key::new(
+        "extra_points",
+        POINTS,
+        "Gauss points per direction beyond the default: degree + 1; more in curved splines in space, result.json says how many",
+    )
+    .default("0"),
 ];
 
 pub(super) const DEGREE: Special = Special::Only(
     "a whole number from 1 to 12, or one per direction",
     r##"{"anyOf":[{"$ref":"#/$defs/degree"},{"type":"array","items":{"$ref":"#/$defs/degree"},"minItems":2,"maxItems":3}]}"##,
 );
-pub(super) const CONTINUITY: Special =
-    Special::Only("\"max\" or a whole number from 0 to degree - 1", r#"{"anyOf":[{"const":"max"},{"type":"integer","minimum":0,"maximum":11}]}"#);
+pub(super) const CONTINUITY: Special = Special::Only(
+    "\"max\" or a whole number from 0 to degree - 1",
+    r#"{"anyOf":[{"const":"max"},{"type":"integer","minimum":0,"maximum":11}]}"#,
+);
 pub(super) const BASIS: KeyKind = KeyKind::Word(&[BASES[0].0, BASES[1].0, BASES[2].0]);
 pub(super) const CELL: KeyKind = KeyKind::Word(&[CELLS[0].0, CELLS[1].0]);
 pub(super) const MAPPING: KeyKind = KeyKind::Word(&[MAPPINGS[0].0, MAPPINGS[1].0]);

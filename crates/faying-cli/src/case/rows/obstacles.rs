@@ -6,7 +6,9 @@ use crate::case::names::Names;
 
 /// Keys of every obstacle.
 const MOTION: &[Key] = &[
-    Key::of("move", Special::Components { exact: false }, "prescribed motion, formulas of t").unit("length").optional("{ y = \"-0.05*t\" }"),
+    Key::of("move", Special::Components { exact: false }, "prescribed motion, formulas of t")
+        .unit("length")
+        .optional("{ y = \"-0.05*t\" }"),
     Key::of("force", Special::Components { exact: false }, "force that drives it, formulas of t").unit("force").optional("{ y = -1.0 }"),
 ];
 
@@ -33,7 +35,10 @@ const KINDS: &[(&str, &[Key])] = &[
     ),
     ("sphere", &[center(), radius(), Key::new("inside", KeyKind::Flag, "whether the body is inside").default("false")]),
     ("cylinder", &[center(), axis(), radius()]),
-    ("torus", &[center(), axis(), Key::of("radius", Special::Pair, "radius of the circle and of the tube").unit("length").required("[2.0, 0.5]")]),
+    (
+        "torus",
+        &[center(), axis(), Key::of("radius", Special::Pair, "radius of the circle and of the tube").unit("length").required("[2.0, 0.5]")],
+    ),
     (
         "level-set",
         &[
