@@ -9,7 +9,7 @@
 //!
 //! Of springs it is |∫ k - ∫* k| / ∫ |k|, of a modulus E and of prescribed values, whose errors in different elements do not make up for each
 //! other, the sum of |∫ E - ∫* E| over the elements, over ∫ |E|. Loads and sources of an exact solution without pieces are smooth: they are left
-//! out, and so are its values where they are finite at the corners of elements.
+//! out, and so are prescribed values that are bounded: those of a coarse mesh converge with the solution.
 
 use super::data::{Data, Exact, Point};
 use super::handles::Statement;
@@ -17,6 +17,7 @@ use super::loads::LoadSum;
 use super::model::{Action, Condition, Model, PatchModel, SideLoad, SideModel, Value};
 use super::resultant::{Resultant, cross};
 use crate::assembly::{Halved, HalvedScratch};
+use crate::basis::Order;
 use crate::geometry::{Bounds, MapTable, cell};
 use crate::linalg::{Matrix, Vector, measure};
 use crate::quadrature::Quadrature;
@@ -293,16 +294,17 @@ impl<const S: usize, const N: usize> Model<S, N> {
 
     fn inexact_value(&self, condition: &Condition<S, N>, times: &[f64]) -> Option<Inexact> {
         let (side, component) = (&condition.side, condition.component);
-        let (changes, is_smooth) = match &condition.value {
+        let changes = match &condition.value {
             Value::Zero => return None,
             Value::Data(f) if f.as_constant().is_some() => return None,
-            Value::Data(f) => (f.depends_on_time(), false),
-            Value::Exact => self.exact.as_ref().map(|e| (e.depends_on_time(), !e.is_piecewise()))?,
+            Value::Data(f) => f.depends_on_time(),
+            Value::Exact => self.exact.as_ref()?.depends_on_time(),
         };
         let of = || Integral::Prescribed { of: condition.of, side: side.label.clone(), component };
         worst_by_elements(looked_at(times, changes), of, |t| {
             let value = |x: &Vector<N>| self.value_at(&condition.value, component, x, t);
-            if is_smooth && is_finite_at_corners(&*side.trace.space, &value) {
+            // bounded data that are coarse converge with the solution
+            if is_bounded(&*side.trace.space, &side.rules, &value) {
                 return ([0.0; 2], 0.0);
             }
             by_elements(&*side.trace.space, &side.rules, &value)
@@ -326,12 +328,27 @@ fn by_elements<const D: usize, const N: usize>(
     ([own, finer], if size > 0.0 { off / size } else { 0.0 })
 }
 
-fn is_finite_at_corners<const D: usize, const N: usize>(space: &dyn Space<D, N>, f: &dyn Fn(&Vector<N>) -> f64) -> bool {
+/// Whether `f` is finite in the corners of all elements, and nowhere, as far as samples tell, several times as large as at the points of the
+/// rule.
+fn is_bounded<const D: usize, const N: usize>(space: &dyn Space<D, N>, rules: &dyn Quadrature<D>, f: &dyn Fn(&Vector<N>) -> f64) -> bool {
+    const SAMPLES: usize = 65;
+    const GROWTH: f64 = 4.0;
     let mut map = MapTable::new();
-    (0..space.num_elements()).all(|e| {
-        space.map(e, &cell::corners::<D, f64>(space.cell(e)), crate::basis::Order::Values, &mut map);
-        map.x.iter().all(|x| f(x).is_finite())
-    })
+    let mut largest = |e: usize, points: &[Vector<D>]| {
+        space.map(e, points, Order::Values, &mut map);
+        map.x.iter().map(|x| f(x).abs()).fold(0.0_f64, |a, b| if b.is_nan() { f64::INFINITY } else { a.max(b) })
+    };
+    let (mut seen, mut sampled) = (0.0_f64, 0.0_f64);
+    for e in 0..space.num_elements() {
+        let corners = cell::corners::<D, f64>(space.cell(e));
+        seen = seen.max(largest(e, &rules.rule(e).points));
+        // along the lines between corners
+        let between = |a: &Vector<D>, b: &Vector<D>, k: usize| a + (b - a) * (k as f64 / (SAMPLES - 1) as f64);
+        let points: Vec<_> =
+            corners.iter().flat_map(|a| corners.iter().flat_map(move |b| (0..SAMPLES).map(move |k| between(a, b, k)))).collect();
+        sampled = sampled.max(largest(e, &points));
+    }
+    sampled <= GROWTH * seen
 }
 
 /// The worst of `times` of what [`by_elements`] finds, if the error is beyond what is accepted there.

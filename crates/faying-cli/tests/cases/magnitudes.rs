@@ -40,7 +40,7 @@ fn data_whose_squares_overflow_are_refused_at_their_place() {
     for above in ["pressure = 1e140", "dirichlet = { y = 1e-200 }", "pressure = 1\nspring = { x = 1e200, y = 1e200 }"] {
         let [checked, run] = both(&block(above));
         assert_eq!((checked.exit, run.status), (0, Status::Ok), "{above}: {:?}", run.diagnostics);
-        assert!(run.energy.is_some_and(f64::is_finite), "{above}: {:?}", run.energy);
+        assert!(run.energy.is_finite(), "{above}: {:?}", run.energy);
     }
 }
 

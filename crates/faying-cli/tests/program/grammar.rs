@@ -1,10 +1,19 @@
 //! The table of keys: what the reader, the schema, `faying explain` and the reference make of its rows.
 
-use super::common::{code, faying, folder, stdout};
 use faying_cli::case::reference::{find, keys, reference};
 use faying_cli::case::{Absent, Names, ReadOptions};
 use faying_cli::{Case, Registry};
 use std::path::Path;
+use std::process::{Command, Output};
+
+fn explain(words: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_faying")).arg("explain").args(words).output().unwrap()
+}
+
+fn stdout(out: Output) -> String {
+    assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
+    String::from_utf8(out.stdout).unwrap()
+}
 
 /// Cases in which every block stands, with a mark where a key of it may be added.
 fn scenes() -> Vec<String> {
@@ -122,12 +131,6 @@ fn every_row_has_a_meaning_and_values_of_its_type() {
 
 #[test]
 fn keys_and_quantities_are_explained() {
-    let at = folder();
-    let said = |word: &str| {
-        let out = faying(at.path(), &["explain", word]);
-        assert_eq!(code(&out), 0, "{word}");
-        stdout(&out)
-    };
     for (word, parts) in [
         ("contact.gap", &["contact.gap: formula of the geometric gap", "[length]", "default  \"g\""][..]),
         ("young", &["material.young: Young's modulus", "[force/area]", "only for law \"hooke\" of elasticity"]),
@@ -144,13 +147,13 @@ fn keys_and_quantities_are_explained() {
         ("u.y at [1, 0] in upper", &["a component of the displacement"]),
         ("energy", &["1/2 a(u, u)"]),
     ] {
-        let said = said(word);
+        let said = stdout(explain(&[word]));
         assert!(parts.iter().all(|part| said.contains(part)), "{word}: {said}");
     }
-    let out = faying(at.path(), &["explain", "foo.bar"]);
+    let out = explain(&["foo.bar"]);
     let error = String::from_utf8_lossy(&out.stderr).into_owned();
-    assert!(code(&out) == 2 && error.contains("there is no code, key or quantity `foo.bar`"), "{error}");
-    let document: serde_json::Value = serde_json::from_str(&stdout(&faying(at.path(), &["explain", "contact.gap", "--json"]))).unwrap();
+    assert!(out.status.code() == Some(2) && error.contains("there is no code, key or quantity `foo.bar`"), "{error}");
+    let document: serde_json::Value = serde_json::from_str(&stdout(explain(&["contact.gap", "--json"]))).unwrap();
     assert_eq!(document["keys"][0]["unit"], "length");
     // every key and every quantity of the lists is found by its own name
     let names = Names::default();
