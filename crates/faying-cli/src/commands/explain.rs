@@ -46,7 +46,9 @@ fn of_word(word: &str, names: &Names) -> Ended {
             || "`faying explain` lists all codes".to_owned(),
             |n| format!("did you mean {n}? `faying explain` lists all codes"),
         );
-        return super::ended::usage(&format!("there is no code, key or quantity `{word}`"), Some(&help));
+        let is_code = word.len() == 4 && word.bytes().skip(1).all(|b| b.is_ascii_digit());
+        let what = if is_code { "code" } else { "code, key or quantity" };
+        return super::ended::usage(&format!("there is no {what} `{word}`"), Some(&help));
     }
     // one text for keys that say the same in several blocks
     let mut texts: Vec<String> = keys.iter().map(|found| reference::explained(found, names)).collect();
