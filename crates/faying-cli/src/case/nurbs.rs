@@ -26,7 +26,11 @@ impl Reader {
         };
         let curve = n == 1;
         if curve {
-            b.keys = rows::CURVE.to_vec();
+            for key in &mut b.keys {
+                if let Some(own) = rows::CURVE.iter().find(|own| own.name == key.name) {
+                    *key = own.clone();
+                }
+            }
         }
         let degree = self.required(b, "degree");
         let knots = self.required(b, "knots");

@@ -132,7 +132,7 @@ fn a_misspelt_key_reads_as_in_the_contract() {
            |\n \
          {line} | yougn = 1.0\n   \
            | ^^^^^ did you mean `young`?\n   \
-           = help: keys here: name, young, poisson, lambda, mu, conductivity, density       (faying explain E012)\n"
+           = help: keys here: name, young, poisson, lambda, mu, density, law       (faying explain E012)\n"
     );
     // two digits: one column more in the margin
     let expected = expected.replace("\n  --> ", "\n   --> ").replace("\n   |", "\n    |").replace("\n   =", "\n    =");
@@ -411,7 +411,7 @@ fn e015_ranges_words_and_keys_of_other_kinds() {
     fails(&with("elements = [4, 2]", "elements = [[0, 0.5, 0.9], 2]"), "E015", "breakpoints go from 0.0 to 1.0", "[0, 0.5, 0.9]");
     fails(&with("young = 1.0", "young = inf"), "E015", "`young` must be finite, found inf", "inf");
     fails(&with("rtol = 1e-9", "rtol = 1e-9\nbelow = 2"), "E015", "`equals` does not stand beside `below`", "equals");
-    fails(&with("equals = \"F\"\nrtol", "below = \"F\"\nrtol"), "E015", "`rtol` belongs to `equals`", "rtol");
+    fails(&with("equals = \"F\"\nrtol", "below = \"F\"\nrtol"), "E015", "`rtol` is a key of checks by `equals`", "rtol");
     fails(&with("young = 1.0", "young = 1.0\nlambda = 1.0"), "E015", "material \"steel\" gives constants of both pairs", "lambda");
     fails(&with("dimension = 2", "dimension = 2\nsource = 1"), "E015", "`source` is a key of poisson", "source");
     fails(&with("slave =", "factor = 10\nslave ="), "E015", "`factor` is not a key of method = \"lagrange\"", "10");

@@ -51,7 +51,7 @@ fn values_that_hold_a_side_within_what_it_faces_are_infeasible() {
                     for word in ["infeasible contact", faced, "contact \"pad\"", if turned { "`b.left`" } else { "`b.bottom`" }] {
                         assert!(found.message.contains(word), "{word}: {found:?}");
                     }
-                    assert!(found.help.as_ref().unwrap().contains("line 17"), "{found:?}");
+                    assert!(found.help.as_ref().unwrap().contains("line 18"), "{found:?}");
                 }
             }
         }

@@ -323,7 +323,7 @@ fn what_cannot_be_glued_says_why() {
         (
             two("elements = [2, 3]\n", &(neighbour(1.0) + "elements = [2, 3]\n"), "multiplier = \"p/p\"\n"),
             "E015",
-            "`multiplier` is not a key",
+            "`multiplier` is a key of couplings with a multiplier",
         ),
     ];
     for (text, code, words) in cases {

@@ -11,7 +11,7 @@ const ELASTIC: Only = Only { holds: |t, _| word(t, "physics") != Some("poisson")
 const POISSON: Only = Only { holds: |t, _| word(t, "physics") != Some("elasticity"), of: "poisson", instead: "use body_force" };
 const PLANE: Only = Only {
     // refused as a word of its own
-    holds: |t, _| word(t, "assumption") == Some("axisymmetric") || word(t, "physics") != Some("poisson") && !in_space(t),
+    holds: |t, _| !in_space(t) && (word(t, "assumption") == Some("axisymmetric") || word(t, "physics") != Some("poisson")),
     of: "plane elasticity",
     instead: "",
 };

@@ -37,7 +37,7 @@ fn keys_that_soft_couplings_do_not_know_are_refused_with_a_remedy() {
         };
         assert!(found.items.iter().any(|d| d.code == code && d.line.is_some() && d.render().contains(part)), "{tie}: {found}");
     };
-    refuses("coupling = \"nitsche\"\nmultiplier = \"p/p\"", "E015", "`multiplier` is not a key");
+    refuses("coupling = \"nitsche\"\nmultiplier = \"p/p\"", "E015", "`multiplier` is a key of couplings with a multiplier");
     refuses("coupling = \"nitsche\"\nvariant = \"incomplete\"\nfactor = 0.5", "E015", "stable for factors from 1 on");
     refuses("coupling = \"nitsche\"\nfactor = 0.9", "E015", "stable for factors from 1 on");
     refuses("coupling = \"penalty\"\nvariant = \"incomplete\"", "E015", "`variant` is not a key");
