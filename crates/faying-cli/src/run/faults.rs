@@ -183,7 +183,9 @@ fn factor_fault(case: &Case, error: &StepError) -> Option<(Status, &'static str,
     let (status, code) = match error {
         StepError::Solve(SolveError::Linear(LinearError::NotFinite)) => (Status::NotFinite, "E073"),
         StepError::Solve(SolveError::Linear(LinearError::Singular { .. })) => (Status::Singular, "E072"),
-        StepError::Solve(SolveError::Residual { .. } | SolveError::Conditions { .. } | SolveError::Multipliers { .. }) => (Status::NotConverged, "E074"),
+        StepError::Solve(SolveError::Residual { .. } | SolveError::Conditions { .. } | SolveError::Multipliers { .. }) => {
+            (Status::NotConverged, "E074")
+        }
         _ => return None,
     };
     let (who, factor) = extreme_factor(case)?;
