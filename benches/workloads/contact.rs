@@ -2,7 +2,7 @@
 
 use crate::measure::{Time, median, timed};
 use crate::run::{Options, own_record};
-use faying::assembly::{Fixed, Reduced, dirichlet, gauss_rules, stiffness};
+use faying::assembly::{Prescribed, Reduced, dirichlet, gauss_rules, stiffness};
 use faying::basis::BSpline;
 use faying::constraint::{ActiveSet, ConstrainedSystem, ConstraintSolver, Direct};
 use faying::contact::{ContactRows, Opponent};
@@ -75,7 +75,7 @@ fn solve(bodies: &[Box<dyn Body<1, 2>>; 2], sides: &[Trace<1, 2>; 2], held: &[Tr
         let down = |_: &Vector<2>| -0.02;
         let mut prescribed = Vec::new();
         for k in 0..2 {
-            let fixed = |component: usize| Fixed {
+            let fixed = |component: usize| Prescribed {
                 trace: &held[k],
                 component,
                 value: (k == 0 && component == 1).then_some(&down as &(dyn Fn(&Vector<2>) -> f64 + Sync)),

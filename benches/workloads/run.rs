@@ -3,7 +3,7 @@
 use crate::beside::{Beside, beside};
 use crate::bodies::{self, Jet};
 use crate::measure::{Time, median, peak_rss_mb, timed};
-use faying::assembly::{Assembler, Fixed, Form, Reduced, dirichlet, errors, gauss_rules, load, stiffness};
+use faying::assembly::{Assembler, Form, Prescribed, Reduced, dirichlet, errors, gauss_rules, load, stiffness};
 use faying::linalg::{Csr, Ldlt, LinearSolver, Operator, Vector};
 use faying::physics::{Conductor, Hooke, Material, form};
 use faying::space::{Body, Field, Space};
@@ -103,8 +103,8 @@ fn solve<const C: usize, const S: usize, const N: usize>(
         -material.divergence(x, &gradient, &hessian)
     });
     let traces: Vec<_> = body.sides().iter().map(|s| body.trace(s).unwrap()).collect();
-    let held: Vec<Fixed<'_, S, N>> =
-        traces.iter().flat_map(|trace| (0..C).map(move |component| Fixed { trace, component, value: None })).collect();
+    let held: Vec<Prescribed<'_, S, N>> =
+        traces.iter().flat_map(|trace| (0..C).map(move |component| Prescribed { trace, component, value: None })).collect();
     let prescribed = dirichlet(&held, Field { first: 0, components: C }, 0, &mut Ldlt::new()).unwrap();
     let reduced = Reduced::try_new(&[k], &f, &prescribed, &[]).unwrap();
     let mut v = vec![0.0; reduced.num_free()];

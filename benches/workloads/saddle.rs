@@ -5,7 +5,7 @@ use crate::interface::strip;
 use crate::measure::{Time, median, peak_rss_mb, timed};
 use crate::run::Options;
 use crate::solvers::{System, export};
-use faying::assembly::{Fixed, Reduced, dirichlet, gauss_rules, load, stiffness};
+use faying::assembly::{Prescribed, Reduced, dirichlet, gauss_rules, load, stiffness};
 use faying::constraint::{ConstrainedSystem, ConstraintSolver, Direct, RowKind};
 use faying::contact::{ContactRows, Opponent};
 use faying::coupling::interface::{InterfaceQuadrature, MergedCurve, Tolerance};
@@ -54,8 +54,8 @@ fn two<const C: usize>(
         let space = &**body.space();
         let one = |_: &Vector<2>| Vector::<C>::from_fn(|c, _| f64::from(c + 1 == C));
         force.extend(load::<C, 2, 2, _, _, _>(space, &gauss_rules(space, 0), &one));
-        let fixed: Vec<Fixed<'_, 1, 2>> = (0..C)
-            .map(|component| Fixed {
+        let fixed: Vec<Prescribed<'_, 1, 2>> = (0..C)
+            .map(|component| Prescribed {
                 trace: &held[k],
                 component,
                 value: (k == 0 && component + 1 == C).then_some(&down as &(dyn Fn(&Vector<2>) -> f64 + Sync)),

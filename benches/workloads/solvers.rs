@@ -5,7 +5,7 @@ use crate::measure::{Time, median, peak_rss_mb, timed};
 use crate::meshes::cells;
 use crate::run::Options;
 use crate::saddle;
-use faying::assembly::{Fixed, Reduced, dirichlet, gauss_rules, load, stiffness};
+use faying::assembly::{Prescribed, Reduced, dirichlet, gauss_rules, load, stiffness};
 use faying::basis::Cell;
 use faying::linalg::{Csr, Ldlt, LinearSolver, Vector, ordering};
 use faying::physics::{Conductor, Hooke, Material, form};
@@ -106,8 +106,8 @@ fn held<const C: usize, const S: usize, const N: usize>(body: &dyn Body<S, N>, m
     let k = stiffness(space, &gauss_rules(space, 0), &form(material).unwrap());
     let f = load::<C, N, N, _, _, _>(space, &gauss_rules(space, 0), &|_: &Vector<N>| Vector::<C>::from_fn(|c, _| f64::from(c == 0)));
     let traces: Vec<_> = body.sides().iter().map(|s| body.trace(s).unwrap()).collect();
-    let sides: Vec<Fixed<'_, S, N>> =
-        traces.iter().flat_map(|trace| (0..C).map(move |component| Fixed { trace, component, value: None })).collect();
+    let sides: Vec<Prescribed<'_, S, N>> =
+        traces.iter().flat_map(|trace| (0..C).map(move |component| Prescribed { trace, component, value: None })).collect();
     let prescribed = dirichlet(&sides, Field { first: 0, components: C }, 0, &mut Ldlt::new()).unwrap();
     let reduced = Reduced::try_new(&[&k], &f, &prescribed, &[]).unwrap();
     System { matrix: reduced.stiffness, load: reduced.load }

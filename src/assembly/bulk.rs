@@ -1,6 +1,6 @@
 //! Bulk matrices: sum factorisation on spaces of tensor-product patches, loops over elements on others.
 
-use super::cells::Cells;
+use super::cells::CellSpace;
 use super::pattern::Pattern;
 use super::tensor::{Ask, Glue, Patches};
 use super::{Form, places, plain};
@@ -49,15 +49,15 @@ where
     if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
         let two = TensorRule::gauss([2; N]);
         let coarse = Patches::with_glue(space, &two, &|e| space.map_structure().map_block(e), &asks, patches.glue());
-        let mut matrix = patches.csr(C).with_places(coarse.map(|p| p.mean_places(C)).unwrap_or_default());
+        let mut matrix = patches.csr(C).with_dof_coordinates(coarse.map(|p| p.mean_coordinates(C)).unwrap_or_default());
         patches.stiffness(form, false, &mut matrix);
         return matrix;
     }
     let mut pattern = Pattern::new(space);
     let places = places(space, &pattern, C);
-    let cells = Cells::new(&pattern, space, quadrature);
+    let cells = CellSpace::new(&pattern, space, quadrature);
     let new = if cells.is_some() { pattern.csr_once(C) } else { pattern.csr(C) };
-    let mut matrix = new.with_places(places);
+    let mut matrix = new.with_dof_coordinates(places);
     // cells write zeros before they add: reading a new page of memory before writing it costs two page faults
     let add = cells.is_none();
     elements(cells, &pattern, space, quadrature, form, add, &mut matrix);
@@ -66,7 +66,7 @@ where
 
 /// Assembles the matrix of `form` element by element, in SIMD lanes if there are `cells`; `add`: adds to the values of `matrix`.
 fn elements<const C: usize, const N: usize, T, S, Q>(
-    cells: Option<Cells<'_, N, N, T>>,
+    cells: Option<CellSpace<'_, N, N, T>>,
     pattern: &Pattern,
     space: &S,
     quadrature: &Q,
@@ -108,7 +108,7 @@ pub fn add_stiffness<const C: usize, const N: usize, T, S, Q>(
     let asks = || ask::<N, N, T, S>(space);
     match Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
         Some(patches) => patches.stiffness(form, true, matrix),
-        None => elements(Cells::new(pattern, space, quadrature), pattern, space, quadrature, form, true, matrix),
+        None => elements(CellSpace::new(pattern, space, quadrature), pattern, space, quadrature, form, true, matrix),
     }
 }
 
@@ -131,7 +131,7 @@ where
         Some(patches) => patches.stiffness(form, false, matrix),
         None => {
             let pattern = Pattern::new(space);
-            elements(Cells::new(&pattern, space, quadrature), &pattern, space, quadrature, form, false, matrix);
+            elements(CellSpace::new(&pattern, space, quadrature), &pattern, space, quadrature, form, false, matrix);
         }
     }
 }
@@ -182,7 +182,7 @@ impl Assembler {
     {
         form.check_state(space.num_functions());
         if let Some(pattern) = &self.pattern {
-            elements(Cells::new(pattern, space, quadrature), pattern, space, quadrature, form, false, matrix);
+            elements(CellSpace::new(pattern, space, quadrature), pattern, space, quadrature, form, false, matrix);
             return;
         }
         let asks = || ask::<N, N, T, S>(space);
@@ -208,13 +208,13 @@ where
     if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
         let two = TensorRule::gauss([2; D]);
         let coarse = Patches::with_glue(space, &two, &|e| space.map_structure().map_block(e), &asks, patches.glue());
-        let mut matrix = patches.csr(1).with_places(coarse.map(|p| p.mean_places(1)).unwrap_or_default());
+        let mut matrix = patches.csr(1).with_dof_coordinates(coarse.map(|p| p.mean_coordinates(1)).unwrap_or_default());
         patches.mass(&mut matrix);
         return matrix;
     }
     let pattern = Pattern::new(space);
-    let mut matrix = pattern.csr(1).with_places(places(space, &pattern, 1));
-    match Cells::new(&pattern, space, quadrature) {
+    let mut matrix = pattern.csr(1).with_dof_coordinates(places(space, &pattern, 1));
+    match CellSpace::new(&pattern, space, quadrature) {
         Some(cells) => cells.mass(&pattern, &mut matrix),
         None => plain::add_mass(&pattern, space, quadrature, &mut matrix),
     }

@@ -12,7 +12,7 @@ use std::fmt::Debug;
 
 /// A component prescribed on a side.
 #[derive(Clone, Copy)]
-pub struct Fixed<'a, const S: usize, const N: usize, T: Real = f64> {
+pub struct Prescribed<'a, const S: usize, const N: usize, T: Real = f64> {
     /// The side.
     pub trace: &'a Trace<S, N, T>,
     /// The component.
@@ -21,7 +21,7 @@ pub struct Fixed<'a, const S: usize, const N: usize, T: Real = f64> {
     pub value: Option<&'a (dyn Fn(&Vector<N, T>) -> T + Sync)>,
 }
 
-impl<const S: usize, const N: usize, T: Real> Debug for Fixed<'_, S, N, T> {
+impl<const S: usize, const N: usize, T: Real> Debug for Prescribed<'_, S, N, T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Fixed").field("trace", self.trace).field("component", &self.component).finish_non_exhaustive()
     }
@@ -75,7 +75,7 @@ const SAME_PLACE: f64 = 1e-9;
 /// [`DirichletError::Conflict`] if sides that share a function prescribe different values in a common corner;
 /// [`DirichletError::Projection`] if `solver` fails.
 pub fn dirichlet<const S: usize, const N: usize, T: Real>(
-    conditions: &[Fixed<'_, S, N, T>],
+    conditions: &[Prescribed<'_, S, N, T>],
     field: Field,
     extra_points: usize,
     solver: &mut dyn LinearSolver<T>,
@@ -89,7 +89,7 @@ pub fn dirichlet<const S: usize, const N: usize, T: Real>(
 /// # Errors
 /// As [`dirichlet`]; positions in errors count on from the conditions through `pinned`.
 pub fn dirichlet_with<const S: usize, const N: usize, T: Real>(
-    conditions: &[Fixed<'_, S, N, T>],
+    conditions: &[Prescribed<'_, S, N, T>],
     pinned: &[Pinned<'_, N, T>],
     held: &[(usize, T)],
     field: Field,
@@ -99,7 +99,7 @@ pub fn dirichlet_with<const S: usize, const N: usize, T: Real>(
     let mut values = Vec::new();
     let largest = largest_value(conditions, pinned);
     for component in 0..field.components {
-        let mine: Vec<(usize, Fixed<'_, S, N, T>)> =
+        let mine: Vec<(usize, Prescribed<'_, S, N, T>)> =
             conditions.iter().copied().enumerate().filter(|(_, f)| f.component == component).collect();
         if mine.iter().any(|(_, f)| f.value.is_some()) {
             conflicts(component, &mine, largest)?;
@@ -122,7 +122,7 @@ pub fn dirichlet_with<const S: usize, const N: usize, T: Real>(
 
 /// The projection of one component on the union of its sides: (function of the body, coefficient), each function once.
 fn project<const S: usize, const N: usize, T: Real>(
-    conditions: &[(usize, Fixed<'_, S, N, T>)],
+    conditions: &[(usize, Prescribed<'_, S, N, T>)],
     held: &[(usize, T)],
     extra_points: usize,
     solver: &mut dyn LinearSolver<T>,
@@ -244,7 +244,7 @@ impl<T: Real> Moments<T> {
 
 /// The largest value of any component in the corners of elements and at the points of edges and corners: the scale of components that
 /// are zero up to rounding, as for data along inclined directions.
-fn largest_value<const S: usize, const N: usize, T: Real>(conditions: &[Fixed<'_, S, N, T>], pinned: &[Pinned<'_, N, T>]) -> T {
+fn largest_value<const S: usize, const N: usize, T: Real>(conditions: &[Prescribed<'_, S, N, T>], pinned: &[Pinned<'_, N, T>]) -> T {
     let (mut largest, mut map) = (T::zero(), MapTable::new());
     for f in conditions {
         let (Some(value), space) = (f.value, &*f.trace.space) else { continue };
@@ -259,7 +259,7 @@ fn largest_value<const S: usize, const N: usize, T: Real>(conditions: &[Fixed<'_
 /// Compares the data of different sides in the corners of their elements that coincide and share a function.
 fn conflicts<const S: usize, const N: usize, T: Real>(
     component: usize,
-    conditions: &[(usize, Fixed<'_, S, N, T>)],
+    conditions: &[(usize, Prescribed<'_, S, N, T>)],
     largest: T,
 ) -> Result<(), DirichletError> {
     struct Corner<const N: usize, T: Real> {

@@ -3,7 +3,7 @@
 //! Every task owns a range of functions, visits the elements that reach them and writes only its own rows, in an order that does not
 //! depend on the number of owners. Everything is linear in the number of entries, and nothing is sorted.
 
-use super::cells::{BATCH, Place};
+use super::cells::{BATCH, Slot};
 use crate::basis::{Basis, Listed};
 use crate::linalg::{Buffer, Real};
 use rayon::prelude::*;
@@ -151,11 +151,11 @@ impl Graph {
 
     /// Columns of all rows, and the place of every entry of every element matrix in its row; quick where few elements reach the functions
     /// of several of `owners`.
-    pub fn columns_and_places<P: Place>(&self, ptr: &[usize], sites: Sites<'_, P>, owners: usize) -> Buffer<u32> {
+    pub fn columns_and_places<P: Slot>(&self, ptr: &[usize], sites: Sites<'_, P>, owners: usize) -> Buffer<u32> {
         self.rows::<true, _>(ptr, sites, owners)
     }
 
-    fn rows<const SITES: bool, P: Place>(&self, ptr: &[usize], sites: Sites<'_, P>, owners: usize) -> Buffer<u32> {
+    fn rows<const SITES: bool, P: Slot>(&self, ptr: &[usize], sites: Sites<'_, P>, owners: usize) -> Buffer<u32> {
         let mut cols = Buffer::<u32>::zeros(ptr[self.num_functions()]);
         let ranges = shares(ptr, owners);
         let own_cols = parts(&mut cols, &ranges, |i| ptr[i]);
@@ -178,7 +178,7 @@ impl Graph {
     }
 
     /// Writes columns and positions of the rows of `range`; returns (index, position) of entries stored in slices of other owners.
-    fn own_rows<const SITES: bool, P: Place>(
+    fn own_rows<const SITES: bool, P: Slot>(
         &self,
         ptr: &[usize],
         range: Range<usize>,

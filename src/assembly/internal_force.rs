@@ -5,7 +5,7 @@ use super::cells::Sums;
 use super::check_field;
 use super::fields::field_at;
 use super::scratch::Scratch;
-use super::tensor::{Patches, Sites};
+use super::tensor::{Patches, QuadraturePoints};
 use super::vectors::add_elements;
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
 use crate::quadrature::Quadrature;
@@ -57,7 +57,7 @@ where
 {
     check_field::<C, T>(u, space.num_functions());
     let first = Mutex::new(None::<Collapsed>);
-    let in_lanes = |sites: &Sites, out: &mut [f64]| {
+    let in_lanes = |sites: &QuadraturePoints, out: &mut [f64]| {
         let per_lane = sites.xi.len() / (N * sites.elements.len().max(1));
         let points = sites.x.chunks_exact(N).zip(sites.gradients.chunks_exact(C * N));
         for (k, ((x, g), out)) in points.zip(out.chunks_exact_mut(C * N + 1)).enumerate() {

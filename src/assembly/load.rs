@@ -3,7 +3,7 @@
 use super::bulk::ask;
 use super::cells::Sums;
 use super::scratch::Scratch;
-use super::tensor::{Patches, Sites};
+use super::tensor::{Patches, QuadraturePoints};
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::geometry::MapTable;
 use crate::linalg::{Csr, Matrix, Real, Vector, lit, measure as stretch, to_f64};
@@ -51,7 +51,7 @@ where
     Q: Quadrature<D, T> + ?Sized,
 {
     let asks = || ask::<D, N, T, S>(space);
-    let answer = |sites: &Sites, out: &mut [f64]| {
+    let answer = |sites: &QuadraturePoints, out: &mut [f64]| {
         for (x, out) in sites.x.chunks_exact(N).zip(out.chunks_exact_mut(C)) {
             let force = f(&Vector::from_fn(|k, _| lit(x[k])));
             out.iter_mut().zip(force.iter()).for_each(|(out, &f)| *out = to_f64(f));

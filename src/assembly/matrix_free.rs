@@ -67,7 +67,7 @@ where
         let map = |e| space.map_structure().map_block(e);
         let grid = Patches::new(space, quadrature, &map, &asks).and_then(|patches| Free::new(patches, form, keeps));
         let places = match Patches::new(space, &TensorRule::gauss([2; N]), &map, &asks) {
-            Some(patches) => patches.mean_places(C),
+            Some(patches) => patches.mean_coordinates(C),
             None => places(space, &Pattern::new(space), C),
         };
         Self { space, quadrature, form, grid, places }

@@ -28,7 +28,7 @@ use std::fmt::Debug;
 
 pub use blocks::Blocks;
 pub use bulk::{Assembler, add_stiffness, mass, refill_stiffness, stiffness};
-pub use dirichlet::{DirichletError, Fixed, SideCorner, dirichlet, dirichlet_with, planar_normal, side_corners};
+pub use dirichlet::{DirichletError, Prescribed, SideCorner, dirichlet, dirichlet_with, planar_normal, side_corners};
 pub use fields::fields;
 pub(crate) use fields::fields_keeping;
 pub use halved::{Halved, HalvedScratch};

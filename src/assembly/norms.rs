@@ -3,7 +3,7 @@
 use super::bulk::ask;
 use super::cells::Sums;
 use super::fields::{field_at, tangent_at};
-use super::tensor::{Patches, Sites};
+use super::tensor::{Patches, QuadraturePoints};
 use super::{Form, contract, scratch::Scratch};
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
 use crate::quadrature::Quadrature;
@@ -90,7 +90,7 @@ where
 {
     form.check_state(space.num_functions());
     let asks = || ask::<N, N, T, S>(space);
-    let answer = |sites: &Sites, out: &mut [f64]| {
+    let answer = |sites: &QuadraturePoints, out: &mut [f64]| {
         let per_lane = sites.xi.len() / (N * sites.elements.len().max(1));
         let points = sites.x.chunks_exact(N).zip(sites.xi.chunks_exact(N));
         for (k, ((x, xi), out)) in points.zip(out.chunks_exact_mut(C + C * N)).enumerate() {

@@ -19,7 +19,7 @@ impl<T: Real> Reduced<T> {
             return matrix;
         }
         let places: Vec<[f64; 3]> = matrices.bodies.iter().flat_map(|m| m.places().iter().copied()).collect();
-        matrix.with_places(self.free.iter().map(|&i| places[i]).collect())
+        matrix.with_dof_coordinates(self.free.iter().map(|&i| places[i]).collect())
     }
 
     /// The block of all bodies, where they have one and all unknowns of a block are free or all are prescribed.

@@ -3,7 +3,7 @@
 //! The functions of an edge or a corner are those that all its sides share. Data on an edge are projected (L2) along it, data
 //! in a corner are one value. Sides take precedence over edges; corners determine the functions that are left.
 
-use super::dirichlet::{DirichletError, EQUAL_VALUES, Fixed};
+use super::dirichlet::{DirichletError, EQUAL_VALUES, Prescribed};
 use crate::basis::{Order, ShapeTable};
 use crate::geometry::{MapTable, cell};
 use crate::linalg::{LinearError, LinearSolver, Real, Triplets, Vector, lit, to_f64};
@@ -168,7 +168,7 @@ pub(super) fn project<const N: usize, T: Real>(
 /// Compares data of edges and corners with that of sides, edges and corners that hold all functions of one of its points.
 pub(super) fn conflicts<const S: usize, const N: usize, T: Real>(
     component: usize,
-    sides: &[(usize, Fixed<'_, S, N, T>)],
+    sides: &[(usize, Prescribed<'_, S, N, T>)],
     pinned: &[(usize, Pinned<'_, N, T>)],
     largest: T,
 ) -> Result<(), DirichletError> {

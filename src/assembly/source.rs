@@ -9,7 +9,7 @@ use std::fmt::Debug;
 pub(super) type PointTangent<'a> = dyn Fn(&[f64], &[f64], &mut [f64]) + Sync + 'a;
 
 /// Integrand of a bulk matrix.
-pub(super) enum Source<'a> {
+pub(super) enum Integrand<'a> {
     /// Products of function values.
     Mass,
     /// One tangent everywhere, in the order of [`PointTangent`].
@@ -23,7 +23,7 @@ pub(super) enum Source<'a> {
     },
 }
 
-impl<'a> Source<'a> {
+impl<'a> Integrand<'a> {
     /// Type-erased coefficient of `form`.
     pub fn new<const C: usize, const N: usize, T: Real>(form: &'a Form<'_, C, N, T>) -> Self {
         match &form.coefficient {
@@ -54,7 +54,7 @@ impl<'a> Source<'a> {
     }
 }
 
-impl Debug for Source<'_> {
+impl Debug for Integrand<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Mass => "Mass",

@@ -26,7 +26,7 @@ pub use extracted::Extracted;
 pub use knots::{ContainError, KnotError};
 pub use lagrange::{LagrangeLine, lagrange_nodes};
 pub(crate) use numbering::lattice;
-pub use piecewise::{Piece, Piecewise, legendre_polynomials};
+pub use piecewise::{ElementPolynomials, Piecewise, legendre_polynomials};
 pub use rational::{Rational, WeightError, check_weights};
 pub use refined::Refined;
 pub use simplex::{LagrangeSimplex, simplex_lattice, simplex_nodes, simplex_numbering};

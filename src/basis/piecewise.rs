@@ -5,7 +5,7 @@ use crate::linalg::{Real, Vector, lit, num};
 
 /// The polynomials of one element.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Piece<T: Real = f64> {
+pub struct ElementPolynomials<T: Real = f64> {
     /// The functions active on the element, each once.
     pub ids: Vec<usize>,
     /// Highest degree.
@@ -22,7 +22,7 @@ pub struct Piecewise<T: Real = f64> {
     cells: Vec<Cell>,
     corners: Vec<Vec<usize>>,
     functions: usize,
-    pieces: Vec<Piece<T>>,
+    pieces: Vec<ElementPolynomials<T>>,
 }
 
 impl<T: Real> Piecewise<T> {
@@ -31,7 +31,7 @@ impl<T: Real> Piecewise<T> {
     /// # Panics
     /// If there is not one piece per element, a piece has not degree + 1 coefficients per function, or an id is not
     /// below `functions`.
-    pub fn new<E: Elements + ?Sized>(elements: &E, functions: usize, pieces: Vec<Piece<T>>) -> Self {
+    pub fn new<E: Elements + ?Sized>(elements: &E, functions: usize, pieces: Vec<ElementPolynomials<T>>) -> Self {
         assert_eq!(pieces.len(), elements.num_elements(), "one piece per element");
         for piece in &pieces {
             assert_eq!(piece.coefficients.len(), piece.ids.len() * (piece.degree + 1), "degree + 1 coefficients per function");

@@ -81,7 +81,7 @@ fn grid(n: usize, places: bool) -> Csr {
         }
     }
     let k = k.to_csr();
-    if places { k.with_places(at) } else { k }
+    if places { k.with_dof_coordinates(at) } else { k }
 }
 
 fn prepared(solver: &mut dyn LinearSolver, a: &Csr, name: &str) -> Result<(), String> {

@@ -14,7 +14,7 @@
 
 use super::scale::{Scaled, gaps, penalty};
 use super::verified::complete;
-use super::{Abilities, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Free, SolveError};
+use super::{Abilities, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, PenaltyElimination, SolveError};
 use crate::linalg::residual::{RESIDUAL_LIMIT, max, ratio};
 use crate::linalg::{Cg, Ldlt, Limits, LinearError};
 
@@ -44,7 +44,7 @@ pub struct Augmented<C> {
 }
 
 /// Uzawa's iteration with an augmented Lagrangian over a factor.
-pub type Uzawa = Augmented<Free<Ldlt>>;
+pub type Uzawa = Augmented<PenaltyElimination<Ldlt>>;
 
 impl<C> Augmented<C> {
     /// Iterates `inner` until the error is below 1e-12.
@@ -53,18 +53,18 @@ impl<C> Augmented<C> {
     }
 }
 
-impl Augmented<Free<Ldlt>> {
+impl Augmented<PenaltyElimination<Ldlt>> {
     /// Uzawa's iteration over a factor of K + Cᵀ W C.
     pub fn uzawa(limits: Limits) -> Self {
-        Self { limits, ..Self::new(Free::new()) }
+        Self { limits, ..Self::new(PenaltyElimination::new()) }
     }
 }
 
-impl Augmented<Free<Cg>> {
+impl Augmented<PenaltyElimination<Cg>> {
     /// Uzawa's iteration over conjugate gradients, without a factor.
     pub fn uzawa_iterative(limits: Limits) -> Self {
         let inner = Limits { tolerance: INNER, max_iterations: limits.max_iterations, stop: limits.stop.clone() };
-        Self { limits, ..Self::new(Free::iterative(&inner)) }
+        Self { limits, ..Self::new(PenaltyElimination::iterative(&inner)) }
     }
 }
 

@@ -80,7 +80,7 @@ impl ConstraintSolver<f64> for Condensed {
         let (block, block_transposed) = pivot_blocks(&s, &enforced, &reduced);
         self.pivots.prepare(&block)?;
         self.pivots_transposed.prepare(&block_transposed)?;
-        let stiffness = product(&map.transposed, &product(&map.stiffness, &map.t)).with_places(map.places.clone());
+        let stiffness = product(&map.transposed, &product(&map.stiffness, &map.t)).with_dof_coordinates(map.places.clone());
         let blocks = (&block, &block_transposed);
         let scale: Vec<f64> = s.diagonal.iter().map(|d| if *d != 0.0 { 1.0 / d.abs() } else { 1.0 }).collect();
         let (method, (u, l, size, iterations)) = if let Some(limits) = self.iterative.clone() {

@@ -15,7 +15,7 @@ use super::interface::{Interface, InterfaceWork};
 use super::quasidefinite::Layout;
 use super::refinement::Refinement;
 use super::rows_alone::RowsAlone;
-use super::scale::{Kept, Scaled, check_shape, gaps};
+use super::scale::{Scaled, ScaledPattern, check_shape, gaps};
 use super::{Abilities, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError, kinds_of_set};
 use crate::linalg::residual::{InverseIteration, KERNEL, RESIDUAL_LIMIT, Soft, max, ratio};
 use crate::linalg::{Csr, Ldlt, LinearError, LinearSolver, Lu, Upper};
@@ -41,7 +41,7 @@ pub struct Direct {
     layout: Option<Layout>,
     interface: Interface,
     /// Scaled system kept for its next set of contact rows.
-    kept: Option<Kept>,
+    kept: Option<ScaledPattern>,
 }
 
 /// Weights and scales of a factorised matrix, and its condition.

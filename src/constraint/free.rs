@@ -19,7 +19,7 @@ const ENOUGH: f64 = 1e-14;
 ///
 /// Wrap it in [`Augmented`](super::Augmented) for exact rows.
 #[derive(Debug)]
-pub struct Free<L> {
+pub struct PenaltyElimination<L> {
     /// Solves with K + Cᵀ s⁻¹ C.
     pub linear: L,
     krylov: bool,
@@ -31,20 +31,20 @@ pub struct Free<L> {
     factors: usize,
 }
 
-impl Free<Ldlt> {
+impl PenaltyElimination<Ldlt> {
     /// Creates a solver that uses a factor.
     pub fn new() -> Self {
         Self { linear: Ldlt::new(), krylov: false, tolerance: RESIDUAL_LIMIT, matrix: None, factors: 0 }
     }
 }
 
-impl Default for Free<Ldlt> {
+impl Default for PenaltyElimination<Ldlt> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Free<Cg> {
+impl PenaltyElimination<Cg> {
     /// Creates a solver that uses conjugate gradients with symmetric Gauss-Seidel sweeps.
     pub fn iterative(limits: &Limits) -> Self {
         let mut linear = Cg::new(limits.tolerance).with_gauss_seidel();
@@ -54,7 +54,7 @@ impl Free<Cg> {
     }
 }
 
-impl<L: LinearSolver<f64>> ConstraintSolver<f64> for Free<L> {
+impl<L: LinearSolver<f64>> ConstraintSolver<f64> for PenaltyElimination<L> {
     fn abilities(&self) -> Abilities {
         Abilities { more_rows_than_unknowns: true, ..Abilities::default() }
     }

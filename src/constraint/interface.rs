@@ -104,7 +104,7 @@ struct Held {
 }
 
 /// Unknowns, scaled multipliers, residual, condition.
-pub(super) type Answer = (Vec<f64>, Vec<f64>, f64, f64);
+pub(super) type InterfaceSolution = (Vec<f64>, Vec<f64>, f64, f64);
 
 impl Default for Interface {
     fn default() -> Self {
@@ -151,7 +151,13 @@ impl Interface {
     ///
     /// # Errors
     /// [`LinearError::Singular`] if the set has a zero-energy mode.
-    pub fn solve(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]], again: bool) -> Result<Option<Answer>, LinearError> {
+    pub fn solve(
+        &mut self,
+        s: &Scaled<'_>,
+        contact: &[usize],
+        places: &[[f64; 3]],
+        again: bool,
+    ) -> Result<Option<InterfaceSolution>, LinearError> {
         if !again {
             self.plan(s, contact, places)?;
         }
@@ -353,7 +359,7 @@ impl Interface {
         Ok(motion.solved().is_some() && motion.end().growth < SAFE_GROWTH)
     }
 
-    fn solve_set(&mut self, s: &Scaled<'_>) -> Result<Option<Answer>, LinearError> {
+    fn solve_set(&mut self, s: &Scaled<'_>) -> Result<Option<InterfaceSolution>, LinearError> {
         let (Some(Plan { border: Some(border), contact, .. }), Some(Held { w, complement: Some(complement), .. }), Some(layout)) =
             (&self.plan, &self.held, &self.layout)
         else {
@@ -570,7 +576,7 @@ mod tests {
             let numbers = trial_numbers(count + m);
             let places = (0..count).map(|i| [(i % n) as f64, (i / n) as f64, 0.0]).collect();
             Self {
-                stiffness: k.to_csr().with_places(places),
+                stiffness: k.to_csr().with_dof_coordinates(places),
                 load: numbers[..count].iter().map(|v| v - 0.7).collect(),
                 rows: Rows { slave, master },
                 offset: (0..m).map(|a| if a < ties { 0.0 } else { numbers[count + a] * 10f64.powf(-(a as f64) / 4.0) }).collect(),

@@ -28,11 +28,11 @@ use crate::linalg::{LinearError, Operator, Real};
 use std::fmt::Debug;
 
 pub use abilities::Abilities;
-pub use active_set::{ActiveSet, IterationNews, Softening, sign_case_of_rows};
+pub use active_set::{ActiveSet, SetIteration, Softening, sign_case_of_rows};
 pub use augmented::{Augmented, Uzawa};
 pub use condensed::Condensed;
 pub use direct::Direct;
-pub use free::Free;
+pub use free::PenaltyElimination;
 pub use interface::InterfaceWork;
 pub use krylov::Krylov;
 pub use outer::{Answered, Next, Outer, RowChange, RowIteration};

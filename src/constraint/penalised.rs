@@ -15,7 +15,7 @@ pub(crate) fn penalised(s: &Scaled<'_>, columns: &Csr<f64>, w: &[f64], places: &
     for (a, &wa) in w.iter().enumerate() {
         weighted.row_mut(a).1.iter_mut().for_each(|v| *v *= wa);
     }
-    sum(1.0, s.stiffness, 1.0, &product(columns, &weighted)).with_places(places.to_vec())
+    sum(1.0, s.stiffness, 1.0, &product(columns, &weighted)).with_dof_coordinates(places.to_vec())
 }
 
 /// 1 / diagonal of a matrix that should be positive definite.

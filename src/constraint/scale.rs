@@ -196,7 +196,7 @@ fn enforced(system: &ConstrainedSystem<'_, f64>, rows: &Csr<f64>) -> Result<Vec<
 
 /// Parts of [`Scaled`] reused for another active set: all but stiffness, load and `enforced`.
 #[derive(Debug)]
-pub(crate) struct Kept {
+pub(crate) struct ScaledPattern {
     diagonal: Vec<f64>,
     rows: Csr<f64>,
     symmetric: bool,
@@ -209,7 +209,7 @@ pub(crate) struct Kept {
     places: Vec<[f64; 3]>,
 }
 
-impl Kept {
+impl ScaledPattern {
     /// Restores the scaled system for another set of rows; `system` is otherwise the one that was kept.
     pub(crate) fn with<'a>(self, system: &ConstrainedSystem<'a, f64>) -> Result<Scaled<'a>, SolveError> {
         check_shape(system)?;
@@ -220,7 +220,7 @@ impl Kept {
     }
 }
 
-impl From<Scaled<'_>> for Kept {
+impl From<Scaled<'_>> for ScaledPattern {
     fn from(s: Scaled<'_>) -> Self {
         let Scaled { diagonal, rows, symmetric, reaction, columns, offset, compliance, k, factor, places, .. } = s;
         Self { diagonal, rows, symmetric, reaction, columns, offset, compliance, k, factor, places }

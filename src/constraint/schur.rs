@@ -25,7 +25,7 @@
 
 use super::complement::{Complement, border};
 use super::penalised::penalised;
-use super::scale::{Kept, Scaled, gaps};
+use super::scale::{Scaled, ScaledPattern, gaps};
 use super::{Abilities, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError, kinds_of_set};
 use crate::linalg::{
     Csr, DenseLdlt, Ldlt, Limits, LinearError, LinearSolver, Operator, Sparsity, Upper, conjugate_gradients, product, sum,
@@ -52,7 +52,7 @@ pub struct Schur {
     shared: Option<Shared>,
     dense: DenseLdlt,
     /// Scaled system kept for its next set of contact rows.
-    kept: Option<Kept>,
+    kept: Option<ScaledPattern>,
 }
 
 /// Schur complement shared by the sets of a system.
@@ -235,7 +235,7 @@ impl Parts {
         let own = inner.diagonal();
         let diagonal: Vec<f64> = (0..m).map(|a| if s.enforced[a] { s.compliance[a] + REGULARISATION * own[a] } else { s.k[a] }).collect();
         let index = (0..m).map(|a| u32::try_from(a).expect("fewer than 2^32 rows")).collect();
-        let n = sum(1.0, &inner, 1.0, &Csr::from_parts(m, (0..=m).collect(), index, diagonal)).with_places(s.places.clone());
+        let n = sum(1.0, &inner, 1.0, &Csr::from_parts(m, (0..=m).collect(), index, diagonal)).with_dof_coordinates(s.places.clone());
         Self { w, f, enforced, scale, q, n }
     }
 

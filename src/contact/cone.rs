@@ -81,7 +81,7 @@ pub enum Cone {
 
 /// T of the cone over its functions; the identity if `inverse` is `None`.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Turn<T: Real> {
+pub(super) struct ConeTransform<T: Real> {
     functions: Vec<usize>,
     inverse: Option<(Csr<T>, ProfileLu<T>)>,
     weights: Vec<T>,
@@ -94,7 +94,7 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     /// [`ContactError::NoGreville`] if E has no points, [`ContactError::ConeWeight`] if a function has a non-positive weight in the cone,
     /// [`ContactError::ConeSize`] above [`MOST_FUNCTIONS`].
     pub fn with_cone(mut self, cone: Cone, multiplier: &dyn Basis<S, T>) -> Result<Self, ContactError> {
-        self.turn = Turn::identity();
+        self.turn = ConeTransform::identity();
         if cone == Cone::Coefficients {
             return Ok(self);
         }
@@ -127,7 +127,7 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
                         for j in (0..m).filter(|j| functions.binary_search(j).is_err()) {
                             self.facing[j] = false;
                         }
-                        self.turn = Turn { functions, inverse: Some((part, lu)), weights };
+                        self.turn = ConeTransform { functions, inverse: Some((part, lu)), weights };
                         return Ok(self);
                     }
                     let partly: Vec<usize> = bad.iter().copied().filter(|&k| !whole[functions[k]]).collect();
@@ -197,12 +197,12 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     }
 
     /// Tᵀ g.
-    pub fn turned_offset(&self) -> Vec<T> {
+    pub fn transformed_offset(&self) -> Vec<T> {
         self.turn.transposed(self.offset.clone())
     }
 
     /// Tᵀ w: weights that convert the gaps of the cone to lengths; zero for functions outside the cone.
-    pub fn turned_weights(&self) -> Vec<T> {
+    pub fn transformed_weights(&self) -> Vec<T> {
         match self.turn.inverse {
             None => self.weights.clone(),
             Some(_) => self.turn.scattered(&self.turn.weights, self.weights.len()),
@@ -227,7 +227,7 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     }
 }
 
-impl<T: Real> Turn<T> {
+impl<T: Real> ConeTransform<T> {
     /// T of the cone P.
     pub(super) fn identity() -> Self {
         Self { functions: Vec::new(), inverse: None, weights: Vec::new() }

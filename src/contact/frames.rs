@@ -23,7 +23,7 @@ const UNIT: f64 = 1e-9;
 
 /// Positions, normals and gaps, one per point of the segments.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frames<const N: usize, T: Real = f64> {
+pub struct ContactKinematics<const N: usize, T: Real = f64> {
     /// The slave point.
     pub x: Vec<Vector<N, T>>,
     /// Unit normal out of the master at its partner.
@@ -32,13 +32,13 @@ pub struct Frames<const N: usize, T: Real = f64> {
     pub gap: Vec<T>,
 }
 
-impl<const N: usize, T: Real> Default for Frames<N, T> {
+impl<const N: usize, T: Real> Default for ContactKinematics<N, T> {
     fn default() -> Self {
         Self { x: Vec::new(), normal: Vec::new(), gap: Vec::new() }
     }
 }
 
-impl<const N: usize, T: Real> Frames<N, T> {
+impl<const N: usize, T: Real> ContactKinematics<N, T> {
     /// Returns the points of `segments` at which `slave` and `master` face each other, and their frames.
     ///
     /// Outward normals oppose there ([`opposes`]); other points are dropped, also from the report's covered measure.

@@ -13,8 +13,8 @@
 //! Sign: K u + Cᵀ lambda = f with C u + g >= 0, lambda <= 0; lambda is the normal stress sigma_N \[force/area\].
 //! A function whose support faces nothing has weight zero; its row stays open.
 
-use super::cone::Turn;
-use super::{Frames, Obstacle};
+use super::cone::ConeTransform;
+use super::{ContactKinematics, Obstacle};
 use crate::basis::Basis;
 use crate::constraint::RowKind;
 use crate::coupling::mortar::{multiplier_weights, weighted_sums};
@@ -87,18 +87,18 @@ pub enum Opponent<'a, const S: usize, const N: usize, T: Real = f64> {
 }
 
 /// The opponent if it has a body, the segments of the points that face it, and their frames.
-pub(super) type Faced<'a, const S: usize, const N: usize, T> = (Option<Side<'a, S, N, T>>, Segments<S, T>, Frames<N, T>);
+pub(super) type Faced<'a, const S: usize, const N: usize, T> = (Option<Side<'a, S, N, T>>, Segments<S, T>, ContactKinematics<N, T>);
 
 impl<'a, const S: usize, const N: usize, T: Real> Opponent<'a, S, N, T> {
     /// The points of `segments` of `slave` that face it, with their frames.
     pub(super) fn faced_by(self, slave: Side<'_, S, N, T>, segments: &Segments<S, T>) -> Result<Faced<'a, S, N, T>, ContactError> {
         Ok(match self {
             Opponent::Master(master) => {
-                let (segments, frames) = Frames::against_master(slave.trace, master.trace, segments)?;
+                let (segments, frames) = ContactKinematics::against_master(slave.trace, master.trace, segments)?;
                 (Some(master), segments, frames)
             }
             Opponent::Rigid(target, reach) => {
-                let (segments, frames) = Frames::against_obstacle(slave.trace, target, segments, reach)?;
+                let (segments, frames) = ContactKinematics::against_obstacle(slave.trace, target, segments, reach)?;
                 (None, segments, frames)
             }
         })
@@ -106,7 +106,10 @@ impl<'a, const S: usize, const N: usize, T: Real> Opponent<'a, S, N, T> {
 }
 
 /// g' at every point.
-pub(super) fn wanted<const N: usize, T: Real>(frames: &Frames<N, T>, gap: &dyn Fn(&Vector<N, T>, T) -> T) -> Result<Vec<T>, ContactError> {
+pub(super) fn wanted<const N: usize, T: Real>(
+    frames: &ContactKinematics<N, T>,
+    gap: &dyn Fn(&Vector<N, T>, T) -> T,
+) -> Result<Vec<T>, ContactError> {
     let wanted: Vec<T> = frames.x.iter().zip(&frames.gap).map(|(x, &g)| gap(x, g)).collect();
     match wanted.iter().position(|g| !g.is_finite()) {
         None => Ok(wanted),
@@ -136,7 +139,7 @@ pub struct ContactRows<const S: usize, const N: usize, T: Real = f64> {
     /// Segments of slave and master; points that face nothing are left out.
     pub segments: Segments<S, T>,
     /// Position, normal and geometric gap per point.
-    pub frames: Frames<N, T>,
+    pub frames: ContactKinematics<N, T>,
     /// C, one row per multiplier function, or per point.
     pub rows: Rows<T>,
     /// B if it differs from C: mixed integration, Nitsche's method.
@@ -158,7 +161,7 @@ pub struct ContactRows<const S: usize, const N: usize, T: Real = f64> {
     /// Matrix in all unknowns that is added to the stiffness; `None`: nothing is.
     pub stiffness: Option<Triplets<T>>,
     /// T of the cone; rows, offset and weights are those of lambda for every T.
-    pub(super) turn: Turn<T>,
+    pub(super) turn: ConeTransform<T>,
 }
 
 impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
@@ -202,12 +205,12 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
 
     /// Exact rows without reaction of their own, translations and turn.
     fn exact(
-        (segments, frames, at_rest): (Segments<S, T>, Frames<N, T>, Vec<T>),
+        (segments, frames, at_rest): (Segments<S, T>, ContactKinematics<N, T>, Vec<T>),
         at: RowsAt,
         rows: Rows<T>,
         (offset, weights, facing): (Vec<T>, Vec<T>, Vec<bool>),
     ) -> Self {
-        let (translations, compliance, turn) = (Vec::new(), Vec::new(), Turn::identity());
+        let (translations, compliance, turn) = (Vec::new(), Vec::new(), ConeTransform::identity());
         let (reaction, stiffness) = (None, None);
         Self { segments, frames, rows, reaction, offset, weights, at_rest, translations, facing, at, compliance, stiffness, turn }
     }
@@ -221,7 +224,7 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     /// # Panics
     /// If the lengths differ.
     pub fn at_points(
-        (segments, frames, at_rest): (Segments<S, T>, Frames<N, T>, Vec<T>),
+        (segments, frames, at_rest): (Segments<S, T>, ContactKinematics<N, T>, Vec<T>),
         row: Vec<usize>,
         rows: Rows<T>,
         (offset, weights, facing): (Vec<T>, Vec<T>, Vec<bool>),
@@ -292,7 +295,7 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
         second: &Segments<S, T>,
         unknowns: usize,
     ) -> Result<Self, ContactError> {
-        let (second, frames) = Frames::against_master(slave.trace, master.trace, second)?;
+        let (second, frames) = ContactKinematics::against_master(slave.trace, master.trace, second)?;
         let interface = Interface {
             slave,
             master: Some(master),
@@ -322,7 +325,7 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
                 gap[row] += value * unknowns[col];
             }
         }
-        let (gap, weights) = (self.turn.transposed(gap), self.turned_weights());
+        let (gap, weights) = (self.turn.transposed(gap), self.transformed_weights());
         (0..gap.len()).map(|j| self.facing[j].then(|| gap[j] / weights[j])).collect()
     }
 

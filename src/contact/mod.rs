@@ -22,14 +22,14 @@ use std::fmt::Debug;
 
 pub use crate::geometry::opposes;
 pub use cone::{Cone, MOST_FUNCTIONS};
-pub use frames::Frames;
+pub use frames::ContactKinematics;
 pub use gap::{ContactError, ContactRows, Opponent, RowsAt};
 pub use greville::greville_points;
 pub use level_set::LevelSet;
 pub use method::{Augmented, Begun, ContactAt, ContactMethod, Lagrange, MethodError, Needs, PointValues, Translation};
 pub use obstacles::{HalfPlane, Moved, Sphere};
 pub use outline::{OutlineError, area_outline, curve_outline, without_seams};
-pub use pressure::Transmitted;
+pub use pressure::ContactResultants;
 pub use surface::{OutlinePiece, Surface, pieces};
 pub use width::{ClosedSide, NoHalfWidth, half_width};
 

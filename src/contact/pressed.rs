@@ -19,7 +19,7 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     ///
     /// # Panics
     /// If the rows have no such unknown.
-    pub fn let_obstacle_move(&mut self, multiplier: &dyn Basis<S, T>, direction: &Vector<N, T>, unknown: usize, at: T) {
+    pub fn add_translation(&mut self, multiplier: &dyn Basis<S, T>, direction: &Vector<N, T>, unknown: usize, at: T) {
         assert!(unknown < self.rows.master.cols, "unknown {unknown} of {}", self.rows.master.cols);
         self.translations.push((*direction, unknown, at));
         let column = weighted_sums(multiplier, &self.segments, |q| -self.frames.normal[q].dot(direction));

@@ -22,7 +22,7 @@ const NO_PRESSURE: f64 = 1e-12;
 
 /// Resultants, pressures and closed zone of a contact side.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Transmitted<const N: usize, T: Real = f64> {
+pub struct ContactResultants<const N: usize, T: Real = f64> {
     /// Force of the master on the slave \[force; 2D: per thickness\].
     pub force: Vector<N, T>,
     /// Its moment about the origin: (0, 0, m) in 2D.
@@ -59,12 +59,12 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     }
 
     /// Force, moment, pressures and zone for the multipliers `lambda`.
-    pub fn transmitted(&self, multiplier: &dyn Basis<S, T>, lambda: &[T]) -> Transmitted<N, T> {
+    pub fn transmitted(&self, multiplier: &dyn Basis<S, T>, lambda: &[T]) -> ContactResultants<N, T> {
         self.transmitted_as_read(multiplier, multiplier, lambda)
     }
 
     /// [`ContactRows::transmitted`] with pressures and zone evaluated with the functions `reading`, as many as there are multipliers.
-    pub fn transmitted_as_read(&self, multiplier: &dyn Basis<S, T>, reading: &dyn Basis<S, T>, lambda: &[T]) -> Transmitted<N, T> {
+    pub fn transmitted_as_read(&self, multiplier: &dyn Basis<S, T>, reading: &dyn Basis<S, T>, lambda: &[T]) -> ContactResultants<N, T> {
         let mu = self.in_cone(lambda);
         let threshold = threshold(&mu);
         let zone = self.combined(reading, |j| if mu[j] < threshold { T::one() } else { T::zero() });
@@ -72,7 +72,7 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     }
 
     /// Force, moment, pressures and zone for `lambda` at the points of the segments: without functions χ is one where lambda < 0.
-    pub fn transmitted_at_points(&self, lambda: &[T]) -> Transmitted<N, T> {
+    pub fn transmitted_at_points(&self, lambda: &[T]) -> ContactResultants<N, T> {
         let threshold = threshold(lambda);
         let zone: Vec<T> = lambda.iter().map(|&l| if l < threshold { T::one() } else { T::zero() }).collect();
         let pressure: Vec<T> = lambda.iter().map(|&l| -l).collect();
@@ -80,8 +80,8 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     }
 
     /// Integrates χ (`zone`) and the pressure `pushes` over the points; extremes are those of `pressure`.
-    fn summed(&self, pressure: Vec<T>, zone: &[T], pushes: &[T]) -> Transmitted<N, T> {
-        let mut out = Transmitted {
+    fn summed(&self, pressure: Vec<T>, zone: &[T], pushes: &[T]) -> ContactResultants<N, T> {
+        let mut out = ContactResultants {
             force: Vector::zeros(),
             moment: [T::zero(); 3],
             least_pressure: pressure.iter().copied().reduce(|a, b| a.min(b)).unwrap_or_else(T::zero),

@@ -3,7 +3,7 @@
 use super::curves::Curves;
 use super::{Hit, Location, Obstacle, opposes};
 use crate::basis::Order;
-use crate::coupling::interface::{MasterCurve, Place};
+use crate::coupling::interface::{MasterCurve, Partner};
 use crate::geometry::{Geometry, MapTable, Oriented, unit_normal};
 use crate::linalg::{Real, Vector, lit};
 use crate::space::{Space, Trace};
@@ -94,7 +94,7 @@ impl<T: Real> Surface<T> {
                 return None;
             }
             let xi = if at == 0 { T::zero() } else { T::one() };
-            let found = self.hit(x, Place { element: other, xi, distance: T::zero(), beyond: false, rim: false })?;
+            let found = self.hit(x, Partner { element: other, xi, distance: T::zero(), beyond: false, rim: false })?;
             let eta = found.at?.xi[0];
             let more = found.normal.dot(outward) < hit.normal.dot(outward) - lit(ROUNDING) && opposes(outward, &found.normal);
             let near = found.gap.abs() <= hit.gap.abs() * lit(FARTHER) && found.gap * hit.gap > T::zero();
@@ -102,7 +102,7 @@ impl<T: Real> Surface<T> {
         })
     }
 
-    fn hit(&self, x: &Vector<2, T>, place: Place<T>) -> Option<Hit<1, 2, T>> {
+    fn hit(&self, x: &Vector<2, T>, place: Partner<T>) -> Option<Hit<1, 2, T>> {
         if place.beyond || self.reach.is_some_and(|r| place.distance > r) {
             return None;
         }

@@ -66,7 +66,7 @@ pub struct ClosedSide<'a, const N: usize, T: Real = f64> {
     pub slave: &'a dyn Geometry<1, N, T>,
     /// Its rows and points.
     pub contact: &'a ContactRows<1, N, T>,
-    /// Whether each point of the segments lies in the closed zone, as in [`super::Transmitted`].
+    /// Whether each point of the segments lies in the closed zone, as in [`super::ContactResultants`].
     pub closed: &'a [bool],
     /// The pressure at each of them [force/area].
     pub pressure: &'a [T],

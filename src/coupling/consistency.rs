@@ -20,7 +20,7 @@ use crate::linalg::{Real, Triplets, Vector};
 
 /// Finer mortar rows of one slave side, and the weights of the norms. As expensive as assembling the rows.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Finer<T: Real = f64> {
+pub struct ConsistencyEstimate<T: Real = f64> {
     rows: Rows<T>,
     /// W, one per row.
     multiplier: Vec<T>,
@@ -28,7 +28,7 @@ pub struct Finer<T: Real = f64> {
     unknowns: Vec<(usize, T, bool)>,
 }
 
-impl<T: Real> Finer<T> {
+impl<T: Real> ConsistencyEstimate<T> {
     /// Assembles the finer rows from the interfaces of one slave side with all its masters, each with finer segments.
     ///
     /// # Errors

@@ -199,7 +199,7 @@ impl<T: Real> Weights<T> {
 }
 
 /// Jump and mean flux at the points of a piece; work arrays of one thread, reused from piece to piece.
-pub(crate) struct Work<const S: usize, T: Real> {
+pub(crate) struct PointFluxes<const S: usize, T: Real> {
     shapes: ShapeTable<S, T>,
     table: FluxTable<T>,
     ids: Vec<usize>,
@@ -219,7 +219,7 @@ pub(crate) struct Work<const S: usize, T: Real> {
     sides: [[Vec<T>; 2]; 2],
 }
 
-impl<const S: usize, T: Real> Work<S, T> {
+impl<const S: usize, T: Real> PointFluxes<S, T> {
     pub fn new() -> Self {
         Self {
             shapes: ShapeTable::new(),
@@ -342,7 +342,7 @@ impl<const S: usize, const N: usize, T: Real> Coupling<S, N, T> for Nitsche {
         self.check(interface)?;
         let weights = Weights::of(self, interface)?;
         let theta = lit(self.theta());
-        let of_run = |work: &mut Work<S, T>, pieces: Range<usize>| -> Result<Entries<T>, CouplingError> {
+        let of_run = |work: &mut PointFluxes<S, T>, pieces: Range<usize>| -> Result<Entries<T>, CouplingError> {
             let mut entries = Vec::new();
             for piece in pieces {
                 work.tabulate(interface, &weights, piece)?;
@@ -350,7 +350,8 @@ impl<const S: usize, const N: usize, T: Real> Coupling<S, N, T> for Nitsche {
             }
             Ok(summed(entries))
         };
-        let parts: Vec<Result<Entries<T>, CouplingError>> = interface.segments.runs().into_par_iter().map_init(Work::new, of_run).collect();
+        let parts: Vec<Result<Entries<T>, CouplingError>> =
+            interface.segments.runs().into_par_iter().map_init(PointFluxes::new, of_run).collect();
         let mut stiffness = Triplets::new(unknowns, unknowns);
         stiffness.entries = parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
         Ok(CouplingBlocks { stiffness, ..CouplingBlocks::empty(unknowns) })
@@ -366,7 +367,7 @@ impl<const S: usize, const N: usize, T: Real> Coupling<S, N, T> for Nitsche {
         let segments: &Segments<S, T> = interface.segments;
         let components = interface.slave.field.components;
         let mut values = vec![Vec::with_capacity(segments.ds.len()); components];
-        let mut work = Work::new();
+        let mut work = PointFluxes::new();
         for piece in 0..segments.num_pieces() {
             work.tabulate(interface, &weights, piece)?;
             let (nj, nf) = (work.jump.len() / components, work.flux.len());

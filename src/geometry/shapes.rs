@@ -51,7 +51,7 @@ pub enum ShapeError {
     },
     /// The control net is invalid.
     #[error(transparent)]
-    Net(#[from] NetError),
+    TensorField(#[from] NetError),
 }
 
 fn finite(name: &'static str, values: &[f64]) -> Result<(), ShapeError> {

@@ -44,7 +44,7 @@ impl<T: Real> Csr<T> {
 
     /// Sets the coordinates of the unknowns (one point per row), see [`Operator::places`].
     #[must_use]
-    pub fn with_places(mut self, places: Vec<[f64; 3]>) -> Self {
+    pub fn with_dof_coordinates(mut self, places: Vec<[f64; 3]>) -> Self {
         self.places = places;
         self
     }

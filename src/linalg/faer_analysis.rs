@@ -170,7 +170,7 @@ pub(super) fn analyse(pattern: &Arc<(Vec<usize>, Vec<usize>)>, places: &[[f64; 3
         cholesky::factorize_symbolic_cholesky(matrix, Side::Lower, choice, Default::default()).map_err(|_| LinearError::Memory)?;
     let fronts = match (symbolic.raw(), symbolic.perm()) {
         (SymbolicCholeskyRaw::Supernodal(s), Some(perm)) => {
-            Fronts::of(s, ptr, cols, perm.arrays().1).filter(|fronts| fronts.pay(symbolic.len_val()))
+            Fronts::of(s, ptr, cols, perm.arrays().1).filter(|fronts| fronts.is_profitable(symbolic.len_val()))
         }
         _ => None,
     };

@@ -21,14 +21,14 @@ use std::ops::Range;
 pub(super) struct Nodes<'a>(pub &'a SymbolicCholeskyRaw<usize>);
 
 /// A node: its columns, the rows below them, and the range of its values.
-pub(super) struct Node<'a> {
+pub(super) struct Supernode<'a> {
     pub begin: usize,
     pub width: usize,
     pub below: &'a [usize],
     pub values: Range<usize>,
 }
 
-impl Node<'_> {
+impl Supernode<'_> {
     fn height(&self) -> usize {
         self.width + self.below.len()
     }
@@ -42,15 +42,15 @@ impl<'a> Nodes<'a> {
         }
     }
 
-    pub fn node(self, k: usize) -> Node<'a> {
+    pub fn node(self, k: usize) -> Supernode<'a> {
         match self.0 {
             SymbolicCholeskyRaw::Simplicial(s) => {
                 let values = s.col_ptr()[k]..s.col_ptr()[k + 1];
-                Node { begin: k, width: 1, below: &s.row_idx()[values.start + 1..values.end], values }
+                Supernode { begin: k, width: 1, below: &s.row_idx()[values.start + 1..values.end], values }
             }
             SymbolicCholeskyRaw::Supernodal(s) => {
                 let (begin, end) = (s.supernode_begin()[k], s.supernode_end()[k]);
-                Node {
+                Supernode {
                     begin,
                     width: end - begin,
                     below: s.supernode(k).pattern(),
@@ -78,7 +78,7 @@ impl<'a> Nodes<'a> {
     fn of_columns(self, n: usize) -> Vec<usize> {
         let mut node = vec![0; n];
         for k in 0..self.len() {
-            let Node { begin, width, .. } = self.node(k);
+            let Supernode { begin, width, .. } = self.node(k);
             node[begin..begin + width].fill(k);
         }
         node
@@ -121,7 +121,7 @@ impl Border {
             }
             reaching.sort_unstable();
             reaching.dedup();
-            let Node { width, below, .. } = nodes.node(k);
+            let Supernode { width, below, .. } = nodes.node(k);
             if let Some(&row) = below.iter().min() {
                 waiting[node[row]].extend_from_slice(&reaching);
             }
@@ -221,7 +221,7 @@ impl Border {
             let mut begin = 0;
             while begin < below {
                 let above = node[own.below[begin]];
-                let Node { begin: first, width, .. } = nodes.node(above);
+                let Supernode { begin: first, width, .. } = nodes.node(above);
                 let end = begin + own.below[begin..].iter().take_while(|&&row| node[row] == above).count();
                 let place = self.place(above);
                 let others = self.reaching(place);
@@ -292,7 +292,7 @@ mod tests {
             all.push(i, i, if i % 7 == 3 { -own } else { own });
         }
         let matrix = all.to_csr();
-        if placed { matrix.with_places((0..count).map(|i| place(i).map(|x| x as f64)).collect()) } else { matrix }
+        if placed { matrix.with_dof_coordinates((0..count).map(|i| place(i).map(|x| x as f64)).collect()) } else { matrix }
     }
 
     /// Rows with two to five entries, some of which meet the same unknowns; the last has none.

@@ -125,7 +125,7 @@ impl Fronts {
 
     /// Whether the memory of the fronts is small enough beside a factor of `factor` values. In 2D fronts are faster than columns;
     /// in 3D dense products take most of the time either way, and the stack is a third of the factor.
-    pub fn pay(&self, factor: usize) -> bool {
+    pub fn is_profitable(&self, factor: usize) -> bool {
         SHARE * (self.stack + self.largest) <= factor
     }
 
@@ -253,7 +253,7 @@ mod tests {
                 }
             }
         }
-        all.to_csr().with_places(places)
+        all.to_csr().with_dof_coordinates(places)
     }
 
     /// The factor of `a` by fronts and by columns.

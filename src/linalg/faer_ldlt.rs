@@ -68,7 +68,7 @@ impl Ldlt {
     }
 
     /// Whether the last analysis used the coordinates of the unknowns.
-    pub fn dissected(&self) -> bool {
+    pub fn uses_nested_dissection(&self) -> bool {
         self.analysis.as_ref().is_some_and(|a| a.dissected)
     }
 

@@ -1,6 +1,6 @@
 //! Solves with an L D Lᵀ factor, node by node and four columns at a time.
 
-use super::faer_border::{Border, Node, Nodes};
+use super::faer_border::{Border, Nodes, Supernode};
 use super::faer_panel::subtract_each;
 use super::{Buffer, Csr};
 use pulp::{Arch, Simd, WithSimd};
@@ -144,7 +144,7 @@ impl<const R: usize> WithSimd for Sweep<'_, '_, R> {
         let count = chosen.map_or(nodes.len(), <[usize]>::len);
         for at in 0..count {
             let at = if matches!(half, Half::Forward) { at } else { count - 1 - at };
-            let Node { begin, width, below, values } = nodes.node(chosen.map_or(at, |chosen| chosen[at]));
+            let Supernode { begin, width, below, values } = nodes.node(chosen.map_or(at, |chosen| chosen[at]));
             let (panel, end) = (&factor[values], begin + width);
             match half {
                 Half::Forward => {
@@ -354,7 +354,7 @@ mod tests {
             a.mul(&x, &mut b);
             let mut solver = Ldlt::new();
             solver.prepare(&a).unwrap();
-            assert!(!solver.dissected());
+            assert!(!solver.uses_nested_dissection());
             solver.solve(&a, &b, &mut y).unwrap();
             assert!(apart(&x, &y) < 1e-14 * 8.0, "{n:?}: {:e}", apart(&x, &y));
         }

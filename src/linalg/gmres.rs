@@ -9,7 +9,7 @@
 //! Numer. Math. 101 (2005) 87-100.
 
 use super::krylov::{Map, diagonal, dot, framed};
-use super::{Limits, LinearError, LinearSolver, Operator, Real, StopSign, lit, to_f64};
+use super::{Cancellation, Limits, LinearError, LinearSolver, Operator, Real, lit, to_f64};
 
 /// GMRES, preconditioned by the diagonal from the right.
 ///
@@ -24,7 +24,7 @@ pub struct Gmres<T: Real = f64> {
     /// Vectors kept before a restart.
     pub restart: usize,
     /// Cancellation callback, polled before every iteration.
-    pub stop: StopSign,
+    pub stop: Cancellation,
     inverse_diagonal: Vec<T>,
 }
 
@@ -34,7 +34,7 @@ const RESTART: usize = 100;
 impl<T: Real> Gmres<T> {
     /// Creates a solver that stops at the relative residual `tolerance` and keeps 100 vectors.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, max_iterations: 0, restart: RESTART, stop: StopSign::default(), inverse_diagonal: Vec::new() }
+        Self { tolerance, max_iterations: 0, restart: RESTART, stop: Cancellation::default(), inverse_diagonal: Vec::new() }
     }
 
     /// Sets the number of vectors kept before a restart.

@@ -7,7 +7,7 @@
 use super::precondition::Preconditioner;
 use super::residual::{residual, row_scale};
 use super::solver::NO_SYMMETRY;
-use super::{Limits, LinearError, LinearSolver, Operator, Real, StopSign, lit, to_f64};
+use super::{Cancellation, Limits, LinearError, LinearSolver, Operator, Real, lit, to_f64};
 
 /// Conjugate gradients.
 ///
@@ -22,7 +22,7 @@ pub struct Cg<T: Real = f64> {
     /// M; the diagonal if the operator has no matrix.
     pub preconditioner: Preconditioner,
     /// Cancellation callback, polled before every iteration.
-    pub stop: StopSign,
+    pub stop: Cancellation,
     inverse_diagonal: Vec<T>,
 }
 
@@ -30,7 +30,7 @@ impl<T: Real> Cg<T> {
     /// Creates a solver that stops at the relative residual `tolerance`; M is the diagonal.
     pub fn new(tolerance: f64) -> Self {
         let preconditioner = Preconditioner::Diagonal;
-        Self { tolerance, max_iterations: 0, preconditioner, stop: StopSign::default(), inverse_diagonal: Vec::new() }
+        Self { tolerance, max_iterations: 0, preconditioner, stop: Cancellation::default(), inverse_diagonal: Vec::new() }
     }
 
     /// Uses symmetric Gauss-Seidel sweeps as M.

@@ -6,21 +6,21 @@ use std::sync::Arc;
 
 /// Cancellation callback, polled once per iteration. The default one never stops.
 #[derive(Clone, Default)]
-pub struct StopSign(Option<Arc<dyn Fn() -> bool + Send + Sync>>);
+pub struct Cancellation(Option<Arc<dyn Fn() -> bool + Send + Sync>>);
 
-impl StopSign {
+impl Cancellation {
     /// Stops as soon as `asked` returns true.
     pub fn new(asked: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(asked)))
     }
 
     /// Whether to stop now.
-    pub fn stops(&self) -> bool {
+    pub fn is_requested(&self) -> bool {
         self.0.as_ref().is_some_and(|asked| asked())
     }
 }
 
-impl fmt::Debug for StopSign {
+impl fmt::Debug for Cancellation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_tuple("StopSign").field(&self.0.is_some()).finish()
     }
@@ -34,13 +34,13 @@ pub struct Limits {
     /// Iterations allowed; 0: the default of the method.
     pub max_iterations: usize,
     /// Cancellation callback, polled before every iteration.
-    pub stop: StopSign,
+    pub stop: Cancellation,
 }
 
 impl Limits {
     /// Creates limits with the relative residual `tolerance` and the default number of iterations.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, max_iterations: 0, stop: StopSign::default() }
+        Self { tolerance, max_iterations: 0, stop: Cancellation::default() }
     }
 
     /// Sets the iteration limit.
@@ -60,7 +60,7 @@ impl Limits {
         if done >= most || residual.is_nan() {
             return Err(LinearError::NotConverged { iterations: done, residual, tolerance: self.tolerance });
         }
-        if self.stop.stops() {
+        if self.stop.is_requested() {
             return Err(LinearError::Stopped { iterations: done });
         }
         Ok(())

@@ -8,7 +8,7 @@
 //! Elements and Fast Iterative Solvers, 2nd ed. (2014), algorithm 4.1.
 
 use super::krylov::{Map, diagonal, dot, framed};
-use super::{Limits, LinearError, LinearSolver, Operator, Real, StopSign, lit, to_f64};
+use super::{Cancellation, Limits, LinearError, LinearSolver, Operator, Real, lit, to_f64};
 
 /// MINRES, preconditioned by the sizes of the diagonal.
 ///
@@ -21,14 +21,14 @@ pub struct Minres<T: Real = f64> {
     /// Iterations allowed; 0: ten times the number of unknowns, at least 100.
     pub max_iterations: usize,
     /// Cancellation callback, polled before every iteration.
-    pub stop: StopSign,
+    pub stop: Cancellation,
     inverse_diagonal: Vec<T>,
 }
 
 impl<T: Real> Minres<T> {
     /// Creates a solver that stops at the relative residual `tolerance`.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, max_iterations: 0, stop: StopSign::default(), inverse_diagonal: Vec::new() }
+        Self { tolerance, max_iterations: 0, stop: Cancellation::default(), inverse_diagonal: Vec::new() }
     }
 }
 

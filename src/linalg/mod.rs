@@ -44,7 +44,7 @@ pub use gmres::Gmres;
 pub(crate) use gmres::gmres;
 pub use krylov::Cg;
 pub(crate) use krylov::{conjugate_gradients, meets_kernel};
-pub use limits::{Limits, StopSign};
+pub use limits::{Cancellation, Limits};
 pub use minres::Minres;
 pub(crate) use minres::minres;
 pub use nnls::nonnegative_least_squares;

@@ -7,7 +7,7 @@ pub(super) fn triangle(n: usize) -> usize {
 
 /// Adds the columns of a packed lower triangle whose positions lie in `from..to` to `target`, the columns `from..` of a front and its rows
 /// from `from` on, `height` numbers from column to column.
-pub(super) fn add(packed: &[f64], position: &[u32], [from, to]: [usize; 2], target: &mut [f64], height: usize, runs: &mut Vec<Run>) {
+pub(super) fn add(packed: &[f64], position: &[u32], [from, to]: [usize; 2], target: &mut [f64], height: usize, runs: &mut Vec<RowRun>) {
     let n = position.len();
     let [first, last] = [from, to].map(|bound| position.partition_point(|&p| (p as usize) < bound));
     // positions mostly follow one another
@@ -15,7 +15,7 @@ pub(super) fn add(packed: &[f64], position: &[u32], [from, to]: [usize; 2], targ
     for (row, &p) in position.iter().enumerate().skip(first) {
         match runs.last_mut() {
             Some(run) if run.at + row - run.first == p as usize => run.end = row + 1,
-            _ => runs.push(Run { first: row, end: row + 1, at: p as usize }),
+            _ => runs.push(RowRun { first: row, end: row + 1, at: p as usize }),
         }
     }
     let (mut at, mut current) = (triangle(n) - triangle(n - first), 0);
@@ -35,7 +35,7 @@ pub(super) fn add(packed: &[f64], position: &[u32], [from, to]: [usize; 2], targ
 }
 
 /// Rows `first..end` of a child at positions from `at` on.
-pub(super) struct Run {
+pub(super) struct RowRun {
     first: usize,
     end: usize,
     at: usize,

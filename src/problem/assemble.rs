@@ -7,15 +7,15 @@ use super::coupled::{Contact, Faced, Tie};
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
 use super::facets_apart::FacetsApart;
-use super::fixed::Fixed;
+use super::fixed::Eliminated;
 use super::handles::{InterfaceId, Statement};
 use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
-use super::model::{ContactModel, Model, SideModel, TieModel};
-use super::obstacle::{ObstacleModel, Pressed};
+use super::model::{BodySide, ContactModel, Model, TieModel};
+use super::obstacle::{MovingObstacle, Pressed};
 use super::places::Places;
 use super::solved::Common;
-use super::tie_part::Memberships;
+use super::tie_part::TieCounts;
 use super::touching::Search;
 use super::touching_bodies;
 use crate::space::{SideError, Trace};
@@ -66,7 +66,7 @@ where
     }
 
     /// Builds all ties; returns what is wrong.
-    fn build_ties(&self, ties: &[Tie<S, N>], model: &mut Model<S, N>, fixed: &Fixed, members: &Memberships) -> Vec<ProblemError> {
+    fn build_ties(&self, ties: &[Tie<S, N>], model: &mut Model<S, N>, fixed: &Eliminated, members: &TieCounts) -> Vec<ProblemError> {
         let mut errors = Vec::new();
         for tie in ties {
             let mut parts = Vec::new();
@@ -86,7 +86,7 @@ where
     }
 
     /// Builds all contacts; returns what is wrong.
-    fn build_contacts(&self, model: &mut Model<S, N>, pressed: usize, fixed: &Fixed, tied: &Memberships) -> Vec<ProblemError> {
+    fn build_contacts(&self, model: &mut Model<S, N>, pressed: usize, fixed: &Eliminated, tied: &TieCounts) -> Vec<ProblemError> {
         let (mut errors, seams) = (Vec::new(), self.seams(model));
         let mut next = model.unknowns - pressed;
         for contact in &self.contacts {
@@ -151,14 +151,14 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             }
             names.insert(name, id);
         }
-        let mut slaves: HashMap<*const SideModel<S, N>, Statement> = HashMap::new();
+        let mut slaves: HashMap<*const BodySide<S, N>, Statement> = HashMap::new();
         for (slave, id) in ties.iter().flat_map(|t| t.own.pairs.iter().map(|p| (&p.slave, t.id().into()))) {
             if let Some(&first) = slaves.get(&Arc::as_ptr(slave)) {
                 errors.push(ProblemError::new(ErrorKind::SlaveTwice, vec![first, id], vec![slave.label.clone()]));
             }
             slaves.insert(Arc::as_ptr(slave), id);
         }
-        let mut pairs: BTreeMap<[*const SideModel<S, N>; 2], Statement> = BTreeMap::new();
+        let mut pairs: BTreeMap<[*const BodySide<S, N>; 2], Statement> = BTreeMap::new();
         let of_ties =
             ties.iter().flat_map(|t| t.own.pairs.iter().flat_map(move |p| p.masters.iter().map(move |m| (&p.slave, m, t.id().into()))));
         let of_contacts = contacts.iter().flat_map(|c| {
@@ -198,8 +198,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// Number of tied sides of every function, of couplings with rows: others constrain no functions.
-    pub(super) fn memberships(&self, model: &Model<S, N>) -> Memberships {
-        let mut members = Memberships::default();
+    pub(super) fn memberships(&self, model: &Model<S, N>) -> TieCounts {
+        let mut members = TieCounts::default();
         for tie in self.ties.iter().filter(|t| t.own.coupling.has_rows()) {
             // a side in two lists of one tie counts once
             let mut seen = BTreeSet::new();
@@ -240,7 +240,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
 
     /// The slave side with a number, from 0, of a tie or a contact, and its masters; no masters against an obstacle. `None` if there is no
     /// such side.
-    pub fn slave_and_masters(&self, of: Statement, slave: usize) -> Option<(Arc<SideModel<S, N>>, Vec<Arc<SideModel<S, N>>>)> {
+    pub fn slave_and_masters(&self, of: Statement, slave: usize) -> Option<(Arc<BodySide<S, N>>, Vec<Arc<BodySide<S, N>>>)> {
         if let Some(tie) = self.ties.iter().find(|t| of == t.id().into()) {
             return tie.own.pairs.get(slave).map(|p| (p.slave.clone(), p.masters.clone()));
         }
@@ -250,7 +250,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// The obstacle of a contact.
-    pub(super) fn obstacle(&self, of: Statement) -> Option<ObstacleModel<S, N>> {
+    pub(super) fn obstacle(&self, of: Statement) -> Option<MovingObstacle<S, N>> {
         let contact = self.contacts.iter().find(|c| of == c.id().into())?;
         matches!(contact.own.faced, Faced::Obstacle { .. }).then(|| obstacle(contact, 0))
     }
@@ -265,14 +265,14 @@ fn of_slave<const S: usize, const N: usize>(
     id: impl Into<Statement>,
     slave: usize,
     name: &str,
-    side: &SideModel<S, N>,
+    side: &BodySide<S, N>,
     error: InterfaceError,
 ) -> ProblemError {
     ProblemError::new(ErrorKind::Interface { slave, error }, vec![id.into()], vec![name.to_owned(), side.label.clone()])
 }
 
 /// The obstacle of a contact, whose unknowns begin at `unknown`.
-fn obstacle<const S: usize, const N: usize>(contact: &Contact<S, N>, unknown: usize) -> ObstacleModel<S, N> {
+fn obstacle<const S: usize, const N: usize>(contact: &Contact<S, N>, unknown: usize) -> MovingObstacle<S, N> {
     let Faced::Obstacle { at_rest, changes } = &contact.own.faced else { unreachable!("the contact faces an obstacle") };
     let pressed = contact.own.forces.iter().enumerate();
     let pressed = pressed.map(|(k, (component, force))| Pressed { component: *component, unknown: unknown + k, force: force.clone() });
@@ -281,5 +281,5 @@ fn obstacle<const S: usize, const N: usize>(contact: &Contact<S, N>, unknown: us
         motion[*component] = Some(by.clone());
     }
     let changes = *changes || motion.iter().flatten().any(Data::depends_on_time);
-    ObstacleModel { at_rest: at_rest.clone(), motion, pressed: pressed.collect(), changes }
+    MovingObstacle { at_rest: at_rest.clone(), motion, pressed: pressed.collect(), changes }
 }

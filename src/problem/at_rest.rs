@@ -41,7 +41,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             .collect();
         let n = places.len();
         let cols = (0..n).map(|k| u32::try_from(k).expect("a few unknowns")).collect();
-        Csr::from_parts(n, (0..=n).collect(), cols, vec![0.0; n]).with_places(places)
+        Csr::from_parts(n, (0..=n).collect(), cols, vec![0.0; n]).with_dof_coordinates(places)
     }
 }
 

@@ -32,7 +32,7 @@ pub(super) fn blocked<const S: usize, const N: usize>(
     let mut deepest: Option<(usize, usize, usize, f64)> = None;
     for (k, (contact, built)) in model.contacts.iter().zip(&interface.contacts).enumerate() {
         for (part, rows) in contact.parts.iter().zip(built).filter(|(part, _)| part.multiplier.is_some()) {
-            for (row, weight) in part.rows().zip(rows.turned_weights()) {
+            for (row, weight) in part.rows().zip(rows.transformed_weights()) {
                 let stuck = interface.kind[row] == RowKind::Contact && free[row] <= NONE * all[row] && weight > 0.0;
                 let depth = if stuck { -offset[row] / weight } else { 0.0 };
                 if depth > deepest.map_or(ROUNDING * (model.size + model.center.norm()), |d| d.3) {

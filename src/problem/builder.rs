@@ -5,10 +5,10 @@ use super::coupled::{Contact, Tie};
 use super::data::Exact;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
 use super::facets_apart::FacetsApart;
-use super::fixed::Fixed;
+use super::fixed::Eliminated;
 use super::handles::{Sides, Statement};
 use super::identity::Identity;
-use super::model::{Model, PatchModel, RigidSides, SideModel};
+use super::model::{BodyModel, BodySide, Model, RigidSides};
 use super::regions::Regions;
 use super::said::{Gluing, Said, Shared};
 use std::collections::HashMap;
@@ -26,7 +26,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Problem<const S: usize, const N: usize> {
     pub(super) identity: Identity,
-    pub(super) bodies: Vec<PatchModel<S, N>>,
+    pub(super) bodies: Vec<BodyModel<S, N>>,
     pub(super) regions: Regions<S, N>,
     pub(super) said: Said<S, N>,
     /// (statement, body) of sources, and of weights.
@@ -125,7 +125,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// Sides of a list.
-    pub(super) fn sides(&mut self, sides: Sides<'_>) -> Result<Vec<Arc<SideModel<S, N>>>, ProblemError> {
+    pub(super) fn sides(&mut self, sides: Sides<'_>) -> Result<Vec<Arc<BodySide<S, N>>>, ProblemError> {
         if sides.0.is_empty() {
             return Err(ProblemError::named(ErrorKind::NoMaster, &[]));
         }
@@ -146,25 +146,25 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// Supports that prescribe components of a side, with the component.
-    pub fn supports_of(&self, side: &SideModel<S, N>) -> Vec<(Statement, usize)> {
+    pub fn supports_of(&self, side: &BodySide<S, N>) -> Vec<(Statement, usize)> {
         let of_side = self.said.conditions.iter().filter(|c| c.side.patch == side.patch && c.side.side == side.side);
         of_side.map(|c| (c.of, c.component)).collect()
     }
 
     /// Statements that make a side move as one in a component, with the component.
-    pub fn moved_as_one(&self, side: &SideModel<S, N>) -> Vec<(Statement, usize)> {
+    pub fn moved_as_one(&self, side: &BodySide<S, N>) -> Vec<(Statement, usize)> {
         let has = |group: &&RigidSides<S, N>| group.sides.iter().any(|s| s.patch == side.patch && s.side == side.side);
         self.said.rigid_sides.iter().filter(has).map(|group| (group.of, group.component)).collect()
     }
 
     /// Whether supports hold a side, in components or along its normal or tangents.
-    pub fn is_supported(&self, side: &SideModel<S, N>) -> bool {
+    pub fn is_supported(&self, side: &BodySide<S, N>) -> bool {
         self.said.supports.iter().any(|s| s.patch == side.patch && s.side == side.side)
     }
 
     /// Sides of the bodies of `slave` and of `masters`, by body and name, that face each other best; `None` if they are no closer than half
     /// the distance of the named ones, which may be right but too far apart, and while bodies, supports or loads are wrong.
-    pub fn meant_sides(&self, slave: &SideModel<S, N>, masters: &[Arc<SideModel<S, N>>]) -> Option<[(usize, String); 2]> {
+    pub fn meant_sides(&self, slave: &BodySide<S, N>, masters: &[Arc<BodySide<S, N>>]) -> Option<[(usize, String); 2]> {
         self.model(0).ok()?.meant_sides(slave, masters)
     }
 
@@ -206,7 +206,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     ///
     /// # Errors
     /// [`ErrorKind::Prescribed`], [`ErrorKind::Contradiction`].
-    pub(super) fn fixed(&self, model: &Model<S, N>) -> Result<Fixed, ProblemError> {
-        Fixed::of(model, &self.times)
+    pub(super) fn fixed(&self, model: &Model<S, N>) -> Result<Eliminated, ProblemError> {
+        Eliminated::of(model, &self.times)
     }
 }

@@ -7,7 +7,7 @@ use crate::contact::ContactRows;
 use std::collections::BTreeMap;
 
 /// Rigid motions that the closed contacts of a solution leave, a sentence per body; `None` without any, and without contacts.
-pub fn left_free<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Option<Vec<String>> {
+pub fn remaining_motions<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Option<Vec<String>> {
     if model.contacts.is_empty() {
         return None;
     }

@@ -3,7 +3,7 @@
 use super::builder::Problem;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::Statement;
-use super::model::{Action, Condition, SideModel, Value};
+use super::model::{Action, BodySide, Condition, Value};
 use super::rigid_bodies::unit;
 use crate::geometry::cell;
 use crate::linalg::Vector;
@@ -20,7 +20,7 @@ const ALONG: f64 = 1e-9;
 type Facet<const N: usize> = (usize, usize, [i64; N]);
 
 /// The facets of a side.
-fn facets<const S: usize, const N: usize>(side: &SideModel<S, N>) -> impl Iterator<Item = Facet<N>> + '_ {
+fn facets<const S: usize, const N: usize>(side: &BodySide<S, N>) -> impl Iterator<Item = Facet<N>> + '_ {
     side.trace.facets.iter().enumerate().map(|(e, facet)| {
         let center = facet.lift(&cell::center(side.trace.space.cell(e)));
         (side.patch, facet.element, std::array::from_fn(|k| (center[k] / SAME_FACET).round() as i64))
@@ -83,7 +83,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
         let components = self.components();
         // what is held on all facets: components, and the directions of sliding
-        let held_on = |side: &SideModel<S, N>| {
+        let held_on = |side: &BodySide<S, N>| {
             let of_all = |at: &dyn Fn(Facet<N>) -> Option<Statement>| {
                 let mut all = facets(side).map(at);
                 let first = all.next().flatten()?;

@@ -2,7 +2,7 @@
 
 use super::arc_length::ArcLength;
 use super::contact_field::ContactField;
-use super::model::Against;
+use super::model::Opposing;
 use super::side_field::{Field, SideField, SidePoint, centres, degree, normals};
 use super::solved::State;
 use super::tie_field::multiplier_at;
@@ -16,8 +16,8 @@ pub(super) fn contact_along(state: &Plane, [c, p]: [usize; 2]) -> SideField {
     let part = &state.model().contacts[c].parts[p];
     let target = || -> Box<dyn Obstacle<1, 2>> {
         match &part.against {
-            Against::Side(master, _) => Box::new(Surface::new(&master.trace, None)),
-            Against::Rigid(obstacle, _) => obstacle.target(state.state().t, Some(&state.state().u)),
+            Opposing::Side(master, _) => Box::new(Surface::new(&master.trace, None)),
+            Opposing::Rigid(obstacle, _) => obstacle.target(state.state().t, Some(&state.state().u)),
         }
     };
     let facing = normals(&part.slave, target());

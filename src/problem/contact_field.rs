@@ -1,11 +1,11 @@
 //! Pressure at any point of a contact's slave side: that of its multiplier, or where it has none, that of its method.
 
 use super::contact_fluxes::ContactFluxes;
-use super::model::{Against, ContactModel, ContactPart, Model};
+use super::model::{ContactModel, ContactPart, Model, Opposing};
 use super::state::StepState;
 use super::tie_field::multiplier_at;
 use crate::basis::Order;
-use crate::contact::{ContactRows, Transmitted};
+use crate::contact::{ContactResultants, ContactRows};
 use crate::coupling::evaluate::jumps;
 use crate::coupling::{Interface, Segments, Side};
 use crate::geometry::{ClosestPoint, Geometry, MapTable, Oriented};
@@ -31,8 +31,8 @@ impl<const S: usize, const N: usize> ContactField<S, N> {
     /// Creates the evaluator of `part` at time `t`.
     pub fn of(model: &Model<S, N>, contact: &ContactModel<S, N>, part: &ContactPart<S, N>, t: f64) -> Self {
         let master = match &part.against {
-            Against::Side(master, _) => Some(ClosestPoint::new(master.trace.oriented())),
-            Against::Rigid(..) => None,
+            Opposing::Side(master, _) => Some(ClosestPoint::new(master.trace.oriented())),
+            Opposing::Rigid(..) => None,
         };
         let fluxes = || contact.method.needs().fluxes.then(|| part.sides().fluxes(model, t));
         Self(part.multiplier.is_none().then(|| WithoutRows { fluxes: fluxes(), master }))
@@ -59,7 +59,7 @@ impl<const S: usize, const N: usize> ContactField<S, N> {
         part.slave.trace.space.map(element, xi, Order::Gradients, &mut map);
         for (q, x) in map.x.iter().enumerate() {
             let (other, eta) = match (&own.master, &part.against) {
-                (Some(closest), Against::Side(master, _)) => {
+                (Some(closest), Opposing::Side(master, _)) => {
                     let outward = part.slave.trace.normal(element, &map.jacobian[q]);
                     let foot = closest.project_opposed(x, &outward, closest.size() * BESIDE);
                     let Some(foot) = foot.filter(|foot| contact.reach.is_none_or(|r| foot.distance <= r)) else { continue };
@@ -86,7 +86,7 @@ impl<const S: usize, const N: usize> ContactField<S, N> {
 
 impl<const S: usize, const N: usize> ContactPart<S, N> {
     /// Pressure, force and moment that the part transmits by the multipliers `lambda` of its rows.
-    pub fn transmitted(&self, built: &ContactRows<S, N>, lambda: &[f64]) -> Transmitted<N> {
+    pub fn transmitted(&self, built: &ContactRows<S, N>, lambda: &[f64]) -> ContactResultants<N> {
         match &self.multiplier {
             Some(psi) => built.transmitted_as_read(&**psi, self.read_through().unwrap_or(&**psi), lambda),
             None => built.transmitted_at_points(&built.row_of_points().unwrap_or_default().iter().map(|&j| lambda[j]).collect::<Vec<_>>()),
@@ -109,8 +109,8 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
         let interface = Interface {
             slave: side(&self.slave.trace, model.patches[self.slave.patch].field),
             master: match &self.against {
-                Against::Side(master, _) => Some(side(&master.trace, master.field)),
-                Against::Rigid(..) => None,
+                Opposing::Side(master, _) => Some(side(&master.trace, master.field)),
+                Opposing::Rigid(..) => None,
             },
             multiplier: &[],
             segments: &built.segments,

@@ -1,7 +1,7 @@
 //! Fluxes of the bodies at both sides of a contact, for methods that need them.
 
 use super::contact_rows::ContactSides;
-use super::model::{Model, SideModel};
+use super::model::{BodySide, Model};
 use crate::linalg::Vector;
 use crate::physics::{Flux, FluxTable};
 
@@ -59,7 +59,7 @@ impl<const S: usize, const N: usize> ContactFluxes<S, N> {
 impl<const S: usize, const N: usize> ContactSides<'_, S, N> {
     /// The fluxes of the bodies at time `t`.
     pub(super) fn fluxes(&self, model: &Model<S, N>, t: f64) -> ContactFluxes<S, N> {
-        let of = |side: &SideModel<S, N>| {
+        let of = |side: &BodySide<S, N>| {
             let patch = &model.patches[side.patch];
             patch.physics_at(t).flux(patch.body.space(), &side.trace, patch.field)
         };

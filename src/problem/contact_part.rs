@@ -8,13 +8,13 @@ use super::facing_obstacle::is_turned_round;
 use super::held_part::HeldPart;
 use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
-use super::model::{Against, ContactModel, ContactPart, Model, SideModel};
+use super::model::{BodySide, ContactModel, ContactPart, Model, Opposing};
 use super::multipliers::{unstable_pairing, wrapped};
 use super::tie_part::{finer_segments, points_of};
 use crate::assembly::gauss_rules;
 use crate::basis::{Basis, Elements};
-use crate::contact::{Cone, ContactError, ContactRows, Frames};
-use crate::coupling::consistency::Finer;
+use crate::contact::{Cone, ContactError, ContactKinematics, ContactRows};
+use crate::coupling::consistency::ConsistencyEstimate;
 use crate::coupling::interface::{InterfaceQuadrature, Partners, slave_segments};
 use crate::coupling::{Interface, Segments, Side};
 use crate::linalg::Vector;
@@ -30,9 +30,9 @@ pub(super) struct SlaveOf<'a, const S: usize, const N: usize> {
     /// The contact as it was stated.
     pub contact: &'a Contact<S, N>,
     /// The side that carries the multiplier.
-    pub slave: &'a Arc<SideModel<S, N>>,
+    pub slave: &'a Arc<BodySide<S, N>>,
     /// The sides it faces; none against an obstacle.
-    pub masters: &'a [Arc<SideModel<S, N>>],
+    pub masters: &'a [Arc<BodySide<S, N>>],
     /// All times, in order; at least one.
     pub times: &'a [f64],
     /// Whether an unknown (function of the body, component) is prescribed, or its function tied.
@@ -45,7 +45,7 @@ pub(super) struct SlaveOf<'a, const S: usize, const N: usize> {
 type Chosen<const S: usize> = (Box<dyn Basis<S>>, Option<Box<dyn Basis<S>>>, Option<(usize, usize)>);
 
 /// The opponent, its second segments, and finer ones.
-type Opposed<const S: usize, const N: usize> = (Against<S, N>, Option<Segments<S>>, Option<Segments<S>>);
+type Opposed<const S: usize, const N: usize> = (Opposing<S, N>, Option<Segments<S>>, Option<Segments<S>>);
 
 impl<const S: usize, const N: usize> Model<S, N>
 where
@@ -112,7 +112,7 @@ where
         sides: &ContactSides<'_, S, N>,
         first: &ContactRows<S, N>,
     ) -> Result<(), InterfaceError> {
-        if let (Faced::Obstacle { changes: true, .. }, Against::Rigid(obstacle, _)) = (&setup.contact.own.faced, sides.against) {
+        if let (Faced::Obstacle { changes: true, .. }, Opposing::Rigid(obstacle, _)) = (&setup.contact.own.faced, sides.against) {
             return setup.times.iter().try_for_each(|&t| {
                 let rows = contact.rows(self, sides, t, None).map_err(|error| at_time(error, t))?;
                 let turned = !rows.facing.contains(&true) && is_turned_round(&setup.slave.trace, &*obstacle.target(t, None));
@@ -134,9 +134,9 @@ where
         // an obstacle has no quadrature points of its own: mixed integration uses those of the slave
         if let Some(obstacle) = &contact.obstacle {
             let points = gauss_rules(&*slave.trace.space, extra_points);
-            return Ok((Against::Rigid(Arc::clone(obstacle), slave_segments(&*slave.trace.space, &points)), None, None));
+            return Ok((Opposing::Rigid(Arc::clone(obstacle), slave_segments(&*slave.trace.space, &points)), None, None));
         }
-        let master = SideModel::joined(self, setup.masters).ok_or(InterfaceError::NoMaster)?;
+        let master = BodySide::joined(self, setup.masters).ok_or(InterfaceError::NoMaster)?;
         let partners = Partners::Facing { reach: contact.reach };
         let points = points_of(slave, &master, extra_points);
         let make = |rule: Box<dyn InterfaceQuadrature<S, N>>| {
@@ -153,7 +153,7 @@ where
         let sums = rule.is_mixed().then(|| Trace::<S, N>::master_sums(points, partners));
         let second = sums.map(make).transpose().map_err(InterfaceError::Segments)?;
         let finer = finer_segments(slave, &master, points, partners);
-        Ok((Against::Side(master, segments), second, finer))
+        Ok((Opposing::Side(master, segments), second, finer))
     }
 
     /// The multiplier of a slave side, lowered where it cannot move along the normals of its opponent.
@@ -161,7 +161,7 @@ where
         &self,
         contact: &ContactModel<S, N>,
         setup: &SlaveOf<'_, S, N>,
-        against: &Against<S, N>,
+        against: &Opposing<S, N>,
     ) -> Result<Chosen<S>, InterfaceError> {
         let (slave, taken) = (setup.slave, setup.taken);
         let times = setup.times_of(contact.obstacle.as_ref().is_some_and(|o| o.changes));
@@ -197,7 +197,7 @@ where
         let is_dual = setup.contact.multiplier.is_dual();
         // what faces something at the first time at which anything does
         let faced = match against {
-            Against::Side(_, segments) if !is_dual => Some(segments.clone()).filter(|s| !s.ds.is_empty()),
+            Opposing::Side(_, segments) if !is_dual => Some(segments.clone()).filter(|s| !s.ds.is_empty()),
             _ => times.iter().map(|&t| faced(slave, against, contact.reach, t)).find(|s| !s.ds.is_empty()),
         };
         match &faced {
@@ -221,9 +221,15 @@ where
     }
 
     /// Rows on finer segments, against which the consistency error is estimated.
-    fn finer_contact(&self, slave: &SideModel<S, N>, against: &Against<S, N>, psi: &dyn Basis<S>, segments: &Segments<S>) -> Option<Finer> {
-        let Against::Side(master, _) = against else { return None };
-        let (segments, frames) = Frames::against_master(&slave.trace, &master.trace, segments).ok()?;
+    fn finer_contact(
+        &self,
+        slave: &BodySide<S, N>,
+        against: &Opposing<S, N>,
+        psi: &dyn Basis<S>,
+        segments: &Segments<S>,
+    ) -> Option<ConsistencyEstimate> {
+        let Opposing::Side(master, _) = against else { return None };
+        let (segments, frames) = ContactKinematics::against_master(&slave.trace, &master.trace, segments).ok()?;
         let interface = Interface {
             slave: Side { trace: &slave.trace, field: self.patches[slave.patch].field, flux: None },
             master: Some(Side { trace: &master.trace, field: master.field, flux: None }),
@@ -232,7 +238,7 @@ where
             master_segments: None,
             direction: Some(&frames.normal),
         };
-        Finer::try_new(&[interface], self.unknowns).ok()
+        ConsistencyEstimate::try_new(&[interface], self.unknowns).ok()
     }
 }
 
@@ -252,13 +258,14 @@ fn at_time(error: ContactError, t: f64) -> InterfaceError {
 }
 
 /// Returns the points of a slave side that face its opponent at time `t`.
-fn faced<const S: usize, const N: usize>(slave: &SideModel<S, N>, against: &Against<S, N>, reach: Option<f64>, t: f64) -> Segments<S> {
+fn faced<const S: usize, const N: usize>(slave: &BodySide<S, N>, against: &Opposing<S, N>, reach: Option<f64>, t: f64) -> Segments<S> {
     match against {
         // a master without tangent, or a normal that is none, is reported when the rows are built
-        Against::Side(master, segments) => {
-            Frames::against_master(&slave.trace, &master.trace, segments).map_or_else(|_| segments.clone(), |(segments, _)| segments)
-        }
-        Against::Rigid(obstacle, segments) => Frames::against_obstacle(&slave.trace, &*obstacle.target(t, None), segments, reach)
+        Opposing::Side(master, segments) => ContactKinematics::against_master(&slave.trace, &master.trace, segments)
             .map_or_else(|_| segments.clone(), |(segments, _)| segments),
+        Opposing::Rigid(obstacle, segments) => {
+            ContactKinematics::against_obstacle(&slave.trace, &*obstacle.target(t, None), segments, reach)
+                .map_or_else(|_| segments.clone(), |(segments, _)| segments)
+        }
     }
 }

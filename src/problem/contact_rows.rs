@@ -2,7 +2,7 @@
 
 use super::contact_fluxes::ContactFluxes;
 use super::data::Point;
-use super::model::{Against, ContactModel, ContactPart, Model, SideModel};
+use super::model::{BodySide, ContactModel, ContactPart, Model, Opposing};
 use super::rigid_bodies::unit;
 use crate::basis::Basis;
 use crate::contact::{Cone, ContactAt, ContactError, ContactRows, Opponent, PointValues, RowsAt, Translation};
@@ -14,11 +14,11 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContactSides<'a, const S: usize, const N: usize> {
     /// The slave side.
-    pub slave: &'a SideModel<S, N>,
+    pub slave: &'a BodySide<S, N>,
     /// The opponent.
-    pub against: &'a Against<S, N>,
+    pub against: &'a Opposing<S, N>,
     /// Master sides, joined into one in `against`.
-    pub masters: &'a [Arc<SideModel<S, N>>],
+    pub masters: &'a [Arc<BodySide<S, N>>],
     /// The multiplier space, if the method needs one.
     pub multiplier: Option<&'a dyn Basis<S>>,
     /// Cone of admissible multipliers.
@@ -62,11 +62,11 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
             ..ContactAt::new(slave, opponent, segments.unwrap_or(own), sides.multiplier, &gap, model.unknowns)
         };
         match sides.against {
-            Against::Side(master, own) => {
+            Opposing::Side(master, own) => {
                 let master = Side { trace: &master.trace, field: master.field, flux: fluxes.map(ContactFluxes::master) };
                 ask(&at(Opponent::Master(master), own, &[]))
             }
-            Against::Rigid(obstacle, own) => {
+            Opposing::Rigid(obstacle, own) => {
                 let target = obstacle.target(t, place);
                 let stands = |unknown: usize| place.and_then(|u| u.get(unknown)).copied().unwrap_or(0.0);
                 let pressed = obstacle.pressed.iter();

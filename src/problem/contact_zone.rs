@@ -1,6 +1,6 @@
 //! The zone of a contact, and its extent.
 
-use crate::contact::{ContactRows, NoHalfWidth, Transmitted};
+use crate::contact::{ContactResultants, ContactRows, NoHalfWidth};
 use crate::geometry::Geometry;
 
 /// A slave side of a contact with its rows, and what these transmit.
@@ -11,7 +11,7 @@ pub struct ContactZone<'a, const S: usize, const N: usize> {
     /// Its rows and points.
     pub contact: &'a ContactRows<S, N>,
     /// Pressure and closed points.
-    pub sent: Transmitted<N>,
+    pub sent: ContactResultants<N>,
 }
 
 /// Half the extent of a zone, with the symmetry of the contact.

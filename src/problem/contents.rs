@@ -3,7 +3,7 @@
 use super::data::Exact;
 use super::handles::BodyId;
 use super::interface_view::InterfaceView;
-use super::model::{Model, PatchModel};
+use super::model::{BodyModel, Model};
 use crate::quadrature::PerElement;
 use crate::space::{Body, Space};
 use std::ops::Range;
@@ -92,7 +92,7 @@ pub struct SizeModel {
 /// A body of a problem or a system.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyView<'a, const S: usize, const N: usize> {
-    pub(super) patch: &'a PatchModel<S, N>,
+    pub(super) patch: &'a BodyModel<S, N>,
 }
 
 impl<'a, const S: usize, const N: usize> BodyView<'a, S, N> {

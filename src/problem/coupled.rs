@@ -3,7 +3,7 @@
 use super::changing::Changing;
 use super::data::Data;
 use super::handles::{ContactId, SideOf, Sides, TieId};
-use super::model::SideModel;
+use super::model::BodySide;
 use super::multipliers::MakeMultiplier;
 use super::start::Start;
 use crate::basis::Basis;
@@ -163,9 +163,9 @@ impl<const S: usize, const N: usize, K> Coupled<S, N, K> {
 #[derive(Clone, Debug)]
 pub struct TiePair<const S: usize, const N: usize> {
     /// The slave side.
-    pub slave: Arc<SideModel<S, N>>,
+    pub slave: Arc<BodySide<S, N>>,
     /// Its masters.
-    pub masters: Vec<Arc<SideModel<S, N>>>,
+    pub masters: Vec<Arc<BodySide<S, N>>>,
     /// Largest distance of tied points of facets, if the facets explain it \[length\].
     pub explained: Option<f64>,
     /// Whether that distance is to be found when the problem is assembled.
@@ -258,14 +258,14 @@ impl<const S: usize, const N: usize> From<ChangingObstacle<S, N>> for Opponent<'
 /// The opponent of a contact of a problem.
 #[derive(Clone, Debug)]
 pub(super) enum Faced<const S: usize, const N: usize> {
-    Sides(Vec<Arc<SideModel<S, N>>>),
+    Sides(Vec<Arc<BodySide<S, N>>>),
     Obstacle { at_rest: ChangingObstacle<S, N>, changes: bool },
 }
 
 /// Choices of a contact.
 #[derive(Clone, Debug)]
 pub struct ContactOptions<const S: usize, const N: usize> {
-    pub(super) slaves: Vec<Arc<SideModel<S, N>>>,
+    pub(super) slaves: Vec<Arc<BodySide<S, N>>>,
     pub(super) faced: Faced<S, N>,
     pub(super) method: Arc<dyn ContactMethod<S, N>>,
     pub(super) cone: Cone,
@@ -284,7 +284,7 @@ impl<const S: usize, const N: usize> Coupled<S, N, ContactOptions<S, N>> {
     }
 
     /// The sides that it faces, none of an obstacle.
-    pub(super) fn masters(&self) -> &[Arc<SideModel<S, N>>] {
+    pub(super) fn masters(&self) -> &[Arc<BodySide<S, N>>] {
         if let Faced::Sides(masters) = &self.own.faced { masters } else { &[] }
     }
 

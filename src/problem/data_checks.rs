@@ -4,7 +4,7 @@ use super::builder::Problem;
 use super::data::{Data, Point};
 use super::error::{ErrorKind, ProblemError};
 use super::handles::Statement;
-use super::model::{Action, SideModel, Value};
+use super::model::{Action, BodySide, Value};
 use crate::basis::Order;
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::Vector;
@@ -92,7 +92,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// A point and a time at which a component of the exact solution is beyond the limits on a side.
-    fn wrong_exact(&self, side: &SideModel<S, N>, component: usize) -> Option<ErrorKind> {
+    fn wrong_exact(&self, side: &BodySide<S, N>, component: usize) -> Option<ErrorKind> {
         let exact = self.exact.as_ref()?;
         let value = |at: &Point| exact.value(component, at);
         self.beyond(&*side.trace.space, &side.rules, exact.depends_on_time(), &value, (component, Limits::ANY))

@@ -1,6 +1,6 @@
 //! Sizes of strains and rotations, for small kinematics to hold.
 
-use super::model::PatchModel;
+use super::model::BodyModel;
 use crate::basis::{Cell, Order, ShapeTable};
 use crate::geometry::MapTable;
 use crate::linalg::{Matrix, determinant, inverse};
@@ -29,7 +29,7 @@ pub struct Deformation {
     pub rotation: Beyond,
 }
 
-impl<const S: usize, const N: usize> PatchModel<S, N> {
+impl<const S: usize, const N: usize> BodyModel<S, N> {
     /// The strains and rotations of a displacement at two Gauss points per direction, against `bound`; `u` holds the unknowns of all bodies.
     pub fn deformation(&self, u: &[f64], bound: f64) -> Deformation {
         let space = &**self.body.space();

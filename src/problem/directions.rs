@@ -1,6 +1,6 @@
 //! Directions along which the functions of a contact side are pressed, and along which they cannot move.
 
-use super::model::{Against, Model, SideModel};
+use super::model::{BodySide, Model, Opposing};
 use crate::basis::{Order, ShapeTable};
 use crate::contact::opposed;
 use crate::geometry::{ClosestPoint, MapTable, cell};
@@ -11,7 +11,7 @@ use std::collections::HashMap;
 const NO_VALUE: f64 = 1e-10;
 
 /// Directions along which the functions of a side cannot move by conditions between components: inclined sliding.
-pub fn slides<const S: usize, const N: usize>(model: &Model<S, N>, side: &SideModel<S, N>) -> Vec<(usize, Vector<N>)> {
+pub fn slides<const S: usize, const N: usize>(model: &Model<S, N>, side: &BodySide<S, N>) -> Vec<(usize, Vector<N>)> {
     let field = model.patches[side.patch].field;
     let range = model.patches[side.patch].range();
     let mut out = Vec::new();
@@ -36,20 +36,20 @@ pub fn slides<const S: usize, const N: usize>(model: &Model<S, N>, side: &SideMo
 /// The direction of contact of every function, where it is largest among `n` points per direction of each element that
 /// it does not vanish at: the normal of what is faced, the slave's own where nothing is. Two points are the corners.
 pub fn directions<const S: usize, const N: usize>(
-    side: &SideModel<S, N>,
-    against: &Against<S, N>,
+    side: &BodySide<S, N>,
+    against: &Opposing<S, N>,
     t: f64,
     n: usize,
 ) -> HashMap<usize, Vector<N>> {
     let (space, trace) = (&*side.trace.space, &side.trace);
     let mut other = MapTable::new();
     let (closest, target) = match against {
-        Against::Side(master, _) => (Some(ClosestPoint::new(master.trace.oriented())), None),
-        Against::Rigid(obstacle, _) => (None, Some(obstacle.target(t, None))),
+        Opposing::Side(master, _) => (Some(ClosestPoint::new(master.trace.oriented())), None),
+        Opposing::Rigid(obstacle, _) => (None, Some(obstacle.target(t, None))),
     };
     let mut facing = |x: &Vector<N>, own: &Vector<N>| match against {
-        Against::Rigid(..) => opposed(&**target.as_ref()?, x, own).map(|hit| hit.normal),
-        Against::Side(master, _) => {
+        Opposing::Rigid(..) => opposed(&**target.as_ref()?, x, own).map(|hit| hit.normal),
+        Opposing::Side(master, _) => {
             let closest = closest.as_ref()?;
             // beyond an end of the master its direction there counts
             let foot = closest.project_opposed(x, own, closest.size())?;

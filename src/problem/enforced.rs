@@ -73,7 +73,7 @@ impl Enforced {
         system: &ConstrainedSystem<'_>,
         observer: Observer<'_>,
     ) -> Result<ConstrainedSolution, SolveError> {
-        let mut watch = |done: usize, news: crate::constraint::IterationNews| {
+        let mut watch = |done: usize, news: crate::constraint::SetIteration| {
             let at = Progress::Iteration { iteration: done + news.iteration, active: news.active, rows: news.rows };
             observer(&at).is_continue()
         };

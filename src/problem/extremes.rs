@@ -5,7 +5,7 @@
 //! climbs to the top. Where elements meet in a point their values differ; each of them counts.
 
 use super::climb::climb;
-use super::model::PatchModel;
+use super::model::BodyModel;
 use super::physics::{Physics, PointState};
 use crate::basis::Cell;
 use crate::geometry::cell;
@@ -34,7 +34,7 @@ pub struct Extreme<const N: usize> {
 
 /// A body with its solution, and the field that is asked for.
 struct Asked<'a, const S: usize, const N: usize> {
-    patch: &'a PatchModel<S, N>,
+    patch: &'a BodyModel<S, N>,
     physics: Physics<N>,
     u: &'a [f64],
     field: &'a (dyn Fn(&PointState<N>) -> f64 + Sync),
@@ -44,7 +44,7 @@ struct Asked<'a, const S: usize, const N: usize> {
     looks: Vec<Look<N>>,
 }
 
-impl<const S: usize, const N: usize> PatchModel<S, N> {
+impl<const S: usize, const N: usize> BodyModel<S, N> {
     /// The least and the greatest value of `field` in this body over its closed elements, for the unknowns `u` of the model at the time
     /// `t`; `None` if it is not finite everywhere, or there are no elements. `derived`: whether it takes derivatives of u.
     pub fn extremes(&self, u: &[f64], t: f64, derived: bool, field: &(dyn Fn(&PointState<N>) -> f64 + Sync)) -> Option<[Extreme<N>; 2]> {
@@ -54,7 +54,7 @@ impl<const S: usize, const N: usize> PatchModel<S, N> {
         Some([asked.extreme(&ranges, -1.0)?, asked.extreme(&ranges, 1.0)?])
     }
 
-    /// As [`PatchModel::extremes`], over the points of integration alone.
+    /// As [`BodyModel::extremes`], over the points of integration alone.
     pub fn extremes_at_points(&self, u: &[f64], t: f64, field: &(dyn Fn(&PointState<N>) -> f64 + Sync)) -> Option<[Extreme<N>; 2]> {
         let (space, physics) = (&**self.body.space(), self.physics_at(t));
         let of_element = |e: usize| {

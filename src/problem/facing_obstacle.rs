@@ -2,7 +2,7 @@
 
 use super::builder::Problem;
 use super::handles::ContactId;
-use super::obstacle::ObstacleModel;
+use super::obstacle::MovingObstacle;
 use crate::basis::Order;
 use crate::contact::{Obstacle, opposed};
 use crate::geometry::{MapTable, cell};
@@ -78,9 +78,9 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         &self,
         contact: ContactId,
         slave: usize,
-    ) -> Option<(std::sync::Arc<super::model::SideModel<S, N>>, Box<dyn Obstacle<S, N>>)> {
+    ) -> Option<(std::sync::Arc<super::model::BodySide<S, N>>, Box<dyn Obstacle<S, N>>)> {
         let (side, _) = self.slave_and_masters(contact.into(), slave)?;
-        let obstacle: ObstacleModel<S, N> = self.obstacle(contact.into())?;
+        let obstacle: MovingObstacle<S, N> = self.obstacle(contact.into())?;
         Some((side, obstacle.target(self.times[0], None)))
     }
 }

@@ -7,11 +7,11 @@ use super::prescribed::Conditions;
 
 /// Unknowns eliminated by supports.
 #[derive(Clone, Debug)]
-pub struct Fixed {
+pub struct Eliminated {
     taken: Vec<bool>,
 }
 
-impl Fixed {
+impl Eliminated {
     /// The unknowns of `model` that are prescribed or bound by an equation; values are found at all `times` if they change, else at the
     /// first.
     ///

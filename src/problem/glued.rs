@@ -8,7 +8,7 @@ use crate::linalg::Vector;
 
 /// Two patches that move together in a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hinge<const N: usize> {
+pub struct SharedPoint<const N: usize> {
     /// The patches.
     pub patches: [usize; 2],
     /// A function of each that is not zero there.

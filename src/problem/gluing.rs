@@ -1,7 +1,7 @@
 //! Gluing of sides.
 
 use super::glued::Glued;
-use super::model::{PatchModel, SideModel};
+use super::model::{BodyModel, BodySide};
 use crate::space::{GlueError, Near, glue};
 use std::sync::Arc;
 
@@ -12,9 +12,9 @@ impl Glued {
     /// [`GlueError`] if the sides are apart, or their grids or functions differ.
     pub fn add<const S: usize, const N: usize>(
         &mut self,
-        patches: &[PatchModel<S, N>],
-        slave: &SideModel<S, N>,
-        masters: &[Arc<SideModel<S, N>>],
+        patches: &[BodyModel<S, N>],
+        slave: &BodySide<S, N>,
+        masters: &[Arc<BodySide<S, N>>],
         near: Near,
     ) -> Result<(), GlueError> {
         let traces: Vec<_> = masters.iter().map(|m| &m.trace).collect();

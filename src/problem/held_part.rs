@@ -8,7 +8,7 @@
 //! it shares most of the displacements that are free, as where an end is lowered. Functions of share one have no free displacement of the
 //! slave: their rows are those of the opponent alone.
 
-use super::model::SideModel;
+use super::model::BodySide;
 use crate::assembly::gauss_rules;
 use crate::basis::{Basis, Extracted, Order, ShapeTable};
 use crate::geometry::MapTable;
@@ -32,7 +32,7 @@ pub(super) struct HeldPart {
 
 impl HeldPart {
     /// Shares and heirs of the functions of `psi` on `slave`; `held`: whether a function of the body cannot move along the normal.
-    pub fn of<const S: usize, const N: usize>(slave: &SideModel<S, N>, psi: &dyn Basis<S>, held: &dyn Fn(usize) -> bool) -> Self {
+    pub fn of<const S: usize, const N: usize>(slave: &BodySide<S, N>, psi: &dyn Basis<S>, held: &dyn Fn(usize) -> bool) -> Self {
         let products = products(slave, psi);
         let is_held: Vec<bool> = slave.trace.dofs.iter().map(|&f| held(f)).collect();
         let share = |own: &BTreeMap<usize, f64>| {
@@ -81,7 +81,7 @@ impl HeldPart {
 }
 
 /// ∫ ψ_j N_i ds, a list by i for every j.
-fn products<const S: usize, const N: usize>(slave: &SideModel<S, N>, psi: &dyn Basis<S>) -> Vec<BTreeMap<usize, f64>> {
+fn products<const S: usize, const N: usize>(slave: &BodySide<S, N>, psi: &dyn Basis<S>) -> Vec<BTreeMap<usize, f64>> {
     let space = &*slave.trace.space;
     let rules = gauss_rules(space, 0);
     let (mut own, mut others, mut map) = (ShapeTable::new(), ShapeTable::new(), MapTable::new());

@@ -1,6 +1,6 @@
 //! Sums over points of bodies and sides, and fields on sides.
 
-use super::model::SideModel;
+use super::model::BodySide;
 use crate::basis::{Order, ShapeTable};
 use crate::geometry::MapTable;
 use crate::linalg::{Vector, measure};
@@ -9,7 +9,7 @@ use crate::space::{Field, Trace};
 
 /// Calls `visit(element, xi, x, outward normal, ds)` at every point of a side, elements ascending.
 pub(super) fn over_side<const S: usize, const N: usize>(
-    side: &SideModel<S, N>,
+    side: &BodySide<S, N>,
     mut visit: impl FnMut(usize, &Vector<S>, &Vector<N>, &Vector<N>, f64),
 ) {
     let (space, mut map) = (&*side.trace.space, MapTable::new());

@@ -3,7 +3,7 @@
 use super::contact_zone::{ContactZone, HalfWidth};
 use super::coupling_balance::CouplingBalance;
 use super::integrate::on_trace;
-use super::model::{Against, ContactModel, Model, TieModel};
+use super::model::{ContactModel, Model, Opposing, TieModel};
 use super::resultant::Resultant;
 use super::state::{NO_CONTACT, StepState};
 use super::tie_field::TieField;
@@ -206,7 +206,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
             sum.least_point_gap = part.point_gaps(model, rows, &state.u).into_iter().fold(sum.least_point_gap, f64::min);
             sum.pieces += rows.segments.num_pieces();
             sum.measure += rows.segments.measure();
-            if let Against::Side(..) = part.against {
+            if let Opposing::Side(..) = part.against {
                 balance.add(model, rows.reaction.as_ref().unwrap_or(&rows.rows), lambda);
             }
             zones.push(ContactZone { slave: &*part.slave.trace.space, contact: rows, sent });

@@ -2,7 +2,7 @@
 
 use super::data::Data;
 use super::handles::InterfaceId;
-use super::model::{Against, ContactModel, ContactPart, SideModel, TieModel, TiePart};
+use super::model::{BodySide, ContactModel, ContactPart, Opposing, TieModel, TiePart};
 use crate::basis::Basis;
 use crate::coupling::Segments;
 use crate::linalg::NO_SYMMETRY;
@@ -110,7 +110,7 @@ enum Part<'a, const S: usize, const N: usize> {
 
 impl<'a, const S: usize, const N: usize> SlaveSide<'a, S, N> {
     /// The side.
-    pub fn side(&self) -> &'a SideModel<S, N> {
+    pub fn side(&self) -> &'a BodySide<S, N> {
         match self.part {
             Part::Tie(part) => &part.slave,
             Part::Contact(part) => &part.slave,
@@ -162,8 +162,8 @@ impl<'a, const S: usize, const N: usize> SlaveSide<'a, S, N> {
         match self.part {
             Part::Tie(part) => part.pairings.iter().map(|p| PairView { master: &p.master, segments: &p.segments }).collect(),
             Part::Contact(part) => match &part.against {
-                Against::Side(master, segments) => vec![PairView { master, segments }],
-                Against::Rigid(..) => Vec::new(),
+                Opposing::Side(master, segments) => vec![PairView { master, segments }],
+                Opposing::Rigid(..) => Vec::new(),
             },
         }
     }
@@ -172,13 +172,13 @@ impl<'a, const S: usize, const N: usize> SlaveSide<'a, S, N> {
 /// A master side of a slave side.
 #[derive(Clone, Copy, Debug)]
 pub struct PairView<'a, const S: usize, const N: usize> {
-    master: &'a SideModel<S, N>,
+    master: &'a BodySide<S, N>,
     segments: &'a Segments<S>,
 }
 
 impl<'a, const S: usize, const N: usize> PairView<'a, S, N> {
     /// The master side.
-    pub fn master(&self) -> &'a SideModel<S, N> {
+    pub fn master(&self) -> &'a BodySide<S, N> {
         self.master
     }
 

@@ -2,7 +2,7 @@
 
 use super::builder::Problem;
 use super::error::{ErrorKind, ProblemError};
-use super::glued::{Glued, Hinge};
+use super::glued::{Glued, SharedPoint};
 use super::handles::{BodyId, Sides, Statement};
 use super::said::{Gluing, Shared};
 use crate::linalg::Vector;
@@ -48,7 +48,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// Functions that glued bodies share.
-    pub(super) fn joined(&self, errors: &mut Vec<ProblemError>) -> (Glued, Vec<Hinge<N>>) {
+    pub(super) fn joined(&self, errors: &mut Vec<ProblemError>) -> (Glued, Vec<SharedPoint<N>>) {
         let components = self.components().max(1);
         let functions = self.bodies.last().map_or(0, |b| b.range().end) / components;
         let mut glued = Glued::new(components, functions, self.bodies.len());
@@ -65,7 +65,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             for pair in functions.windows(2) {
                 let [a, b] = [pair[0], pair[1]].map(|(body, function)| self.bodies[body].field.first / components + function);
                 glued.same(a, b);
-                hinges.push(Hinge { patches: [pair[0].0, pair[1].0], functions: [pair[0].1, pair[1].1], x: *x });
+                hinges.push(SharedPoint { patches: [pair[0].0, pair[1].0], functions: [pair[0].1, pair[1].1], x: *x });
             }
         }
         glued.finish();

@@ -1,7 +1,7 @@
 //! Errors of lambda against the exact solution.
 
 use super::data::Point;
-use super::model::{ContactModel, Model, SideModel, TieModel};
+use super::model::{BodySide, ContactModel, Model, TieModel};
 use super::own_side::OwnSide;
 use super::state::StepState;
 use super::tie_field::TieField;
@@ -22,7 +22,7 @@ pub struct SquaredError {
 
 /// Calls `visit(piece, points, outward normals of the slave)` for the pieces of a slave side.
 fn each_piece<const S: usize, const N: usize>(
-    slave: &SideModel<S, N>,
+    slave: &BodySide<S, N>,
     segments: &Segments<S>,
     mut visit: impl FnMut(usize, &[Vector<N>], &[Vector<N>]),
 ) {
@@ -41,7 +41,7 @@ fn each_piece<const S: usize, const N: usize>(
 fn exact_traction<const S: usize, const N: usize>(
     model: &Model<S, N>,
     own: &OwnSide<'_, S, N>,
-    slave: &SideModel<S, N>,
+    slave: &BodySide<S, N>,
     t: f64,
     element: usize,
     [x, normal]: [&Vector<N>; 2],

@@ -14,7 +14,7 @@
 use super::data::{Data, Exact, Point};
 use super::handles::Statement;
 use super::loads::LoadSum;
-use super::model::{Action, Condition, Model, PatchModel, SideLoad, SideModel, Value};
+use super::model::{Action, BodyModel, BodySide, Condition, Model, SideLoad, Value};
 use super::resultant::{Resultant, cross};
 use crate::assembly::{Halved, HalvedScratch};
 use crate::basis::Order;
@@ -251,14 +251,14 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 
     /// The sums over a side by its rule and by halves.
-    fn side_sums(&self, side: &SideModel<S, N>, is_constant: bool, f: &SideDensity<'_, N>, components: usize) -> (Levers<N>, Sums, Sums) {
+    fn side_sums(&self, side: &BodySide<S, N>, is_constant: bool, f: &SideDensity<'_, N>, components: usize) -> (Levers<N>, Sums, Sums) {
         let levers = Levers::of(side.trace.space.extent());
         let (own, finer) = sums_of_side(side, &levers, is_constant, f, components);
         (levers, own, finer)
     }
 
     /// The sums over a patch by its rule and by halves.
-    fn volume_sums(&self, patch: &PatchModel<S, N>, t: f64) -> (Levers<N>, Sums, Sums) {
+    fn volume_sums(&self, patch: &BodyModel<S, N>, t: f64) -> (Levers<N>, Sums, Sums) {
         let levers = Levers::of(patch.extent);
         let Some(force) = self.volume_force(patch, t) else { return (levers, [0.0; 11], [0.0; 11]) };
         let space = &**patch.body.space();
@@ -381,7 +381,7 @@ type SideDensity<'a, const N: usize> = dyn Fn(&Vector<N>, &Vector<N>, &mut [f64]
 
 /// The sums over a side by its rule and by halves.
 fn sums_of_side<const S: usize, const N: usize>(
-    side: &SideModel<S, N>,
+    side: &BodySide<S, N>,
     levers: &Levers<N>,
     is_constant: bool,
     f: &SideDensity<'_, N>,

@@ -3,7 +3,7 @@
 use super::data::Point;
 use super::handles::Statement;
 use super::integrate::over_side;
-use super::model::{Action, Model, PatchModel, SideLoad};
+use super::model::{Action, BodyModel, Model, SideLoad};
 use super::physics::Physics;
 use super::resultant::Resultant;
 use crate::linalg::Vector;
@@ -38,7 +38,7 @@ fn place<const N: usize>(x: &Vector<N>, t: f64) -> Point {
 
 impl<const S: usize, const N: usize> Model<S, N> {
     /// The force per volume of a patch at a point; none where there is none at all.
-    pub(super) fn volume_force(&self, patch: &PatchModel<S, N>, t: f64) -> Option<Box<dyn Fn(&Vector<N>, &mut [f64]) + Sync + '_>> {
+    pub(super) fn volume_force(&self, patch: &BodyModel<S, N>, t: f64) -> Option<Box<dyn Fn(&Vector<N>, &mut [f64]) + Sync + '_>> {
         if let Some(exact) = &self.exact {
             let physics = patch.physics_at(t);
             return Some(Box::new(move |x: &Vector<N>, out: &mut [f64]| physics.exact_source(&**exact, &place(x, t), x, out)));
@@ -130,7 +130,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     /// All loads with the resultant zero: those of the bodies' volumes, then those of sides, each name once.
     pub fn no_loads(&self) -> Vec<LoadSum> {
         let kind = if self.components == 1 { "source" } else { "body_force" };
-        let loaded = |p: &PatchModel<S, N>| self.exact.is_some() || !p.source.is_empty() || !p.weights.is_empty();
+        let loaded = |p: &BodyModel<S, N>| self.exact.is_some() || !p.source.is_empty() || !p.weights.is_empty();
         let volumes = self.patches.iter().enumerate().filter(|(_, p)| loaded(p));
         let sum = |of, name: String, patch| LoadSum { of, name, patch, resultant: Resultant::default() };
         let mut all: Vec<LoadSum> = volumes.map(|(k, p)| sum(p.id.into(), format!("{}.{kind}", p.name), Some(k))).collect();

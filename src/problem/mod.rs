@@ -130,7 +130,7 @@ pub use lambda_field::LambdaField;
 pub use linearised::Linearised;
 pub use load_accuracy::{Inexact, Integral};
 pub use loads::LoadSum;
-pub use model::{SideModel as SideView, Value};
+pub use model::{BodySide as SideView, Value};
 pub use multipliers::{DualPair, MakeMultiplier};
 pub use observer::{Observer, Progress};
 pub use own_piece::Depths;

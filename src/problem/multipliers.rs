@@ -1,6 +1,6 @@
 //! Multiplier spaces of slave sides.
 
-use super::model::{Model, SideModel};
+use super::model::{BodySide, Model};
 use crate::basis::{Basis, Cell, Extracted, Order, Polynomials, ShapeTable};
 use crate::coupling::multiplier::{MultiplierError, side_ends};
 use crate::linalg::Vector;
@@ -55,7 +55,7 @@ pub(super) fn unstable_pairing<const S: usize, const N: usize>(space: &dyn Space
 /// like the trace follows the numbers of the trace; of any other, functions that are the only nonzero ones at a corner are matched.
 pub fn wrapped<const S: usize, const N: usize>(
     model: &Model<S, N>,
-    slave: &SideModel<S, N>,
+    slave: &BodySide<S, N>,
     constrained: &dyn Fn(usize) -> bool,
     psi: Box<dyn Basis<S>>,
 ) -> Box<dyn Basis<S>> {

@@ -17,7 +17,7 @@ pub struct Pressed {
 }
 
 /// A rigid obstacle: it translates, as prescribed or as forces want.
-pub struct ObstacleModel<const S: usize, const N: usize> {
+pub struct MovingObstacle<const S: usize, const N: usize> {
     /// The obstacle without its motion, as a function of time.
     pub at_rest: Changing<Box<dyn Obstacle<S, N>>>,
     /// Prescribed translation per component.
@@ -28,13 +28,13 @@ pub struct ObstacleModel<const S: usize, const N: usize> {
     pub changes: bool,
 }
 
-impl<const S: usize, const N: usize> std::fmt::Debug for ObstacleModel<S, N> {
+impl<const S: usize, const N: usize> std::fmt::Debug for MovingObstacle<S, N> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("ObstacleModel").field("motion", &self.motion).field("pressed", &self.pressed).finish_non_exhaustive()
     }
 }
 
-impl<const S: usize, const N: usize> ObstacleModel<S, N> {
+impl<const S: usize, const N: usize> MovingObstacle<S, N> {
     /// Its translation at time `t` \[length\]: prescribed components, and those of `unknowns`; zero without any.
     pub fn displacement(&self, t: f64, unknowns: Option<&[f64]>) -> Vector<N> {
         let mut by =

@@ -1,6 +1,6 @@
 //! Depths at which a side is asked for its own piece of the exact solution.
 
-use super::model::{Model, SideModel};
+use super::model::{BodySide, Model};
 use super::own_piece::Depths;
 use super::touching::sag;
 use crate::geometry::{Geometry, Sag};
@@ -19,7 +19,7 @@ const COARSE: f64 = 0.25;
 /// A side with the deviation of its facets.
 #[derive(Debug)]
 pub(super) struct OwnSide<'a, const S: usize, const N: usize> {
-    side: &'a SideModel<S, N>,
+    side: &'a BodySide<S, N>,
     sag: Sag<S, N>,
     inside: f64,
     /// Whether the surface is known that the facets stand for.
@@ -28,7 +28,7 @@ pub(super) struct OwnSide<'a, const S: usize, const N: usize> {
 
 impl<'a, const S: usize, const N: usize> OwnSide<'a, S, N> {
     /// Measures a side of a model; where the exact solution has no pieces there is nothing to measure.
-    pub fn new(model: &'a Model<S, N>, side: &'a SideModel<S, N>) -> Self {
+    pub fn new(model: &'a Model<S, N>, side: &'a BodySide<S, N>) -> Self {
         let by_pieces = model.exact.as_ref().is_some_and(|exact| exact.is_piecewise());
         let shaped = by_pieces && model.patches[side.patch].is_shaped;
         let sag = if by_pieces { sag(&model.patches, side) } else { Sag::none(side.trace.facets.len()) };

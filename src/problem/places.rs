@@ -1,6 +1,6 @@
 //! Points of bodies, found by one tree per body.
 
-use super::model::PatchModel;
+use super::model::BodyModel;
 use crate::space::{Locator, Space};
 use std::fmt::{Debug, Formatter};
 use std::sync::{Arc, OnceLock};
@@ -21,7 +21,7 @@ impl<const N: usize> Places<N> {
     }
 
     /// The tree of a body.
-    pub fn of<const S: usize>(&self, patch: &PatchModel<S, N>) -> &Locator<N, Arc<dyn Space<N, N>>> {
+    pub fn of<const S: usize>(&self, patch: &BodyModel<S, N>) -> &Locator<N, Arc<dyn Space<N, N>>> {
         let tree = &self.0[patch.id.number];
         tree.get().unwrap_or_else(|| {
             // built before the lock is taken: a thread that builds in parallel may be given another point of the same body meanwhile

@@ -2,11 +2,11 @@
 
 use super::corner_search;
 use super::data::Point;
-use super::model::{Condition, Model, Pin, RimModel, SideModel, Value};
-use crate::assembly::{DirichletError, Fixed as Prescribed, Pinned, Rim, dirichlet_with};
+use super::model::{BodyRim, BodySide, Condition, Model, PointCondition, Value};
+use crate::assembly::{DirichletError, Pinned, Prescribed, Rim, dirichlet_with};
 use crate::basis::Extracted;
 use crate::linalg::{Ldlt, Vector};
-use crate::space::{Field, Over, Trace};
+use crate::space::{Field, FunctionSpace, Trace};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
@@ -51,7 +51,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         }
         for (body, [of_sides, of_rims]) in &by_body {
             let mine: Vec<&Condition<S, N>> = of_sides.iter().map(|&k| &self.conditions[k]).collect();
-            let pins: Vec<&Pin<N>> = of_rims.iter().map(|&k| &self.pins[k]).collect();
+            let pins: Vec<&PointCondition<N>> = of_rims.iter().map(|&k| &self.pins[k]).collect();
             let values: Vec<_> = mine.iter().map(|c| value(&c.value, c.component)).collect();
             let pin_values: Vec<_> = pins.iter().map(|p| value(&p.value, p.component)).collect();
             let rims: Vec<Rim<N>> = pins.iter().map(|p| self.rim_in_model(&p.rim)).collect();
@@ -149,7 +149,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
 
     /// The trace of a side in functions of the model: unknown / components, glued ones by the one that stands for all, those
     /// that are combinations by the functions they are made of.
-    fn in_model(&self, side: &SideModel<S, N>) -> Trace<S, N> {
+    fn in_model(&self, side: &BodySide<S, N>) -> Trace<S, N> {
         let own: Vec<usize> = side.trace.dofs.iter().map(|&dof| self.function(side.patch, dof)).collect();
         let combined = self.glued.combined();
         let parts: HashMap<usize, &[(usize, f64)]> = combined.iter().map(|(a, terms)| (self.glued.root(*a), terms.as_slice())).collect();
@@ -172,13 +172,13 @@ impl<const S: usize, const N: usize> Model<S, N> {
             .collect();
         let geometry = side.trace.space.clone();
         let basis = Extracted::new::<S>(geometry.clone(), dofs.len(), rows);
-        Trace { space: Arc::new(Over { basis, geometry }), dofs, ..side.trace.clone() }
+        Trace { space: Arc::new(FunctionSpace { basis, geometry }), dofs, ..side.trace.clone() }
     }
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
     /// An edge or a corner in functions of the model, as [`Self::in_model`].
-    fn rim_in_model(&self, rim: &RimModel<N>) -> Rim<N> {
+    fn rim_in_model(&self, rim: &BodyRim<N>) -> Rim<N> {
         let mut out = rim.rim.clone();
         for f in out.shapes.iter_mut().flatten() {
             f.0 = self.function(rim.patch, f.0);

@@ -1,6 +1,6 @@
 //! Reactions of supports: forces on the bodies per side, edge and corner.
 
-use super::model::{Model, SideModel};
+use super::model::{BodySide, Model};
 use super::regions::Piece;
 use super::resultant::{Resultant, cross};
 use super::state::StepState;
@@ -126,7 +126,7 @@ fn holds<const S: usize, const N: usize>(model: &Model<S, N>) -> (Vec<Piece<S, N
 }
 
 /// Returns (function, its integral over the side \[area\]), ascending; `None` if it is not positive.
-fn integrals<const S: usize, const N: usize>(model: &Model<S, N>, side: &SideModel<S, N>) -> Vec<(usize, Option<f64>)> {
+fn integrals<const S: usize, const N: usize>(model: &Model<S, N>, side: &BodySide<S, N>) -> Vec<(usize, Option<f64>)> {
     let space = &*side.trace.space;
     let (mut ids, mut table, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
     let mut sums: BTreeMap<usize, (f64, f64)> = side.trace.dofs.iter().map(|&i| (model.function(side.patch, i), (0.0, 0.0))).collect();

@@ -3,7 +3,7 @@
 use super::builder::Problem;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{BodyId, Kind, Region, RegionId, SideOf};
-use super::model::{RimModel, SideModel};
+use super::model::{BodyRim, BodySide};
 use super::regions::Piece;
 use crate::assembly::{Halved, HalvedScratch, Rim, measure};
 use crate::basis::{Cell, Order};
@@ -53,7 +53,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let refused = |error| ProblemError::named(ErrorKind::Side(error), &[&body.name]);
         let trace = Trace::from_facets(body.body.space(), facets, kind).map_err(refused)?;
         let label = format!("{} where {what}", whole.label);
-        let part = SideModel::of_trace(body, whole.patch, side.name, label, trace);
+        let part = BodySide::of_trace(body, whole.patch, side.name, label, trace);
         Ok(Some(self.new_region(vec![Piece::Side(Arc::new(part))])))
     }
 
@@ -63,7 +63,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// [`ErrorKind::Side`] for a side that does not exist, [`ErrorKind::NoRegion`] for sides of several bodies, of another number, and
     /// for those that share no function in an edge or a corner.
     pub fn meeting(&mut self, sides: &[SideOf<'_>]) -> Result<RegionId, ProblemError> {
-        let met: Vec<Arc<SideModel<S, N>>> = sides.iter().map(|side| self.side(*side)).collect::<Result<_, _>>()?;
+        let met: Vec<Arc<BodySide<S, N>>> = sides.iter().map(|side| self.side(*side)).collect::<Result<_, _>>()?;
         let labels: Vec<&str> = met.iter().map(|s| s.label.as_str()).collect();
         let none = || ProblemError::named(ErrorKind::NoRegion, &labels);
         if !(2..=S + 1).contains(&met.len()) || met.iter().any(|s| s.patch != met[0].patch) {
@@ -79,7 +79,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             return Err(none());
         }
         let label = format!("{}.{name}", self.bodies[patch].name);
-        let region = self.new_region(vec![Piece::Rim(Arc::new(RimModel { patch, name: name.clone(), label, rim }))]);
+        let region = self.new_region(vec![Piece::Rim(Arc::new(BodyRim { patch, name: name.clone(), label, rim }))]);
         self.regions.rims.insert((patch, name), region.number);
         Ok(region)
     }
@@ -130,7 +130,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     ///
     /// # Errors
     /// [`ErrorKind::Side`], [`ErrorKind::OtherProblem`].
-    pub fn side(&mut self, side: SideOf<'_>) -> Result<Arc<SideModel<S, N>>, ProblemError> {
+    pub fn side(&mut self, side: SideOf<'_>) -> Result<Arc<BodySide<S, N>>, ProblemError> {
         let number = self.side_number(side)?;
         match self.regions.pieces(number) {
             [Piece::Side(side)] => Ok(side.clone()),
@@ -169,7 +169,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// The sides of a region without edges and corners.
-    pub(super) fn only_sides(&mut self, on: Region<'_>) -> Result<Vec<Arc<SideModel<S, N>>>, ProblemError> {
+    pub(super) fn only_sides(&mut self, on: Region<'_>) -> Result<Vec<Arc<BodySide<S, N>>>, ProblemError> {
         let pieces = self.pieces(on)?;
         let side = |piece: Piece<S, N>| match piece {
             Piece::Side(side) => Ok(side),

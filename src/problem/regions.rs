@@ -1,6 +1,6 @@
 //! The regions of a problem by their numbers, and the sides of its bodies, each made once.
 
-use super::model::{PatchModel, RimModel, SideModel};
+use super::model::{BodyModel, BodyRim, BodySide};
 use crate::space::SideError;
 use std::collections::HashMap;
 use std::fmt::{Debug, Formatter};
@@ -13,9 +13,9 @@ pub type SideNames = Arc<dyn Fn(&str) -> String + Send + Sync>;
 #[derive(Clone, Debug)]
 pub(super) enum Piece<const S: usize, const N: usize> {
     /// A side or a part of one.
-    Side(Arc<SideModel<S, N>>),
+    Side(Arc<BodySide<S, N>>),
     /// An edge or a corner.
-    Rim(Arc<RimModel<N>>),
+    Rim(Arc<BodyRim<N>>),
 }
 
 impl<const S: usize, const N: usize> Piece<S, N> {
@@ -82,7 +82,7 @@ impl<const S: usize, const N: usize> Regions<S, N> {
         self.sides.get(&(body, side.to_owned())).copied()
     }
 
-    pub(super) fn number(&mut self, bodies: &[PatchModel<S, N>], body: usize, side: &str) -> Result<usize, SideError> {
+    pub(super) fn number(&mut self, bodies: &[BodyModel<S, N>], body: usize, side: &str) -> Result<usize, SideError> {
         if let Some(known) = self.known(body, side) {
             return Ok(known);
         }
@@ -90,7 +90,7 @@ impl<const S: usize, const N: usize> Regions<S, N> {
             Some(name) => format!("{}.{}", bodies[body].name, name(side)),
             None => format!("{}.{side}", bodies[body].name),
         };
-        let made = Arc::new(SideModel::new(&bodies[body], body, side, label)?);
+        let made = Arc::new(BodySide::new(&bodies[body], body, side, label)?);
         let number = self.add(vec![Piece::Side(made)]);
         self.sides.insert((body, side.to_owned()), number);
         Ok(number)
@@ -100,7 +100,7 @@ impl<const S: usize, const N: usize> Regions<S, N> {
     ///
     /// # Errors
     /// [`SideError`] of the body.
-    pub fn side(&mut self, bodies: &[PatchModel<S, N>], body: usize, side: &str) -> Result<Arc<SideModel<S, N>>, SideError> {
+    pub fn side(&mut self, bodies: &[BodyModel<S, N>], body: usize, side: &str) -> Result<Arc<BodySide<S, N>>, SideError> {
         let number = self.number(bodies, body, side)?;
         match &self.list[number][..] {
             [Piece::Side(side)] => Ok(side.clone()),

@@ -1,6 +1,6 @@
 //! Bodies that move as rigid bodies: parts of patches, glued ones as one, and obstacles that forces press.
 
-use super::model::{Against, ContactPart, Model, SideModel};
+use super::model::{BodySide, ContactPart, Model, Opposing};
 use super::rigid::{FreeBody, RigidModes};
 use crate::contact::ContactRows;
 use crate::geometry::Bounds;
@@ -80,7 +80,7 @@ impl RigidBodies {
     }
 
     /// The body behind a facet of a side.
-    pub fn of_facet<const S: usize, const N: usize>(&self, model: &Model<S, N>, side: &SideModel<S, N>, facet: usize) -> usize {
+    pub fn of_facet<const S: usize, const N: usize>(&self, model: &Model<S, N>, side: &BodySide<S, N>, facet: usize) -> usize {
         self.of_element(model, side.patch_of(facet), side.trace.facets[facet].element)
     }
 
@@ -198,7 +198,7 @@ pub(super) fn contact_terms<const S: usize, const N: usize>(
     let x = frames.x[q];
     let piece = segments.start.partition_point(|&s| s <= q) - 1;
     let mut terms = vec![(bodies.of_facet(model, &part.slave, segments.slave[piece]), 1.0, x)];
-    if let Against::Side(master, _) = &part.against {
+    if let Opposing::Side(master, _) = &part.against {
         let foot = x - frames.normal[q] * frames.gap[q];
         terms.push((bodies.of_facet(model, master, segments.master[piece]), -1.0, foot));
     }

@@ -1,7 +1,7 @@
 //! Supports, loads and joints of a problem as they were said.
 
 use super::handles::Statement;
-use super::model::{Condition, HeldSide, Pin, RigidSides, SaidEquation, SideLoad, SideModel, SideSpring, Value};
+use super::model::{BodySide, Condition, HeldSide, PointCondition, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
 use super::regions::Piece;
 use crate::linalg::Vector;
 use crate::space::Near;
@@ -11,9 +11,9 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub(super) struct Said<const S: usize, const N: usize> {
     pub conditions: Vec<Condition<S, N>>,
-    pub pins: Vec<Pin<N>>,
+    pub pins: Vec<PointCondition<N>>,
     /// Sides with at least one prescribed component.
-    pub supports: Vec<Arc<SideModel<S, N>>>,
+    pub supports: Vec<Arc<BodySide<S, N>>>,
     pub equations: Vec<SaidEquation>,
     pub held: Vec<HeldSide<S, N>>,
     pub rigid_sides: Vec<RigidSides<S, N>>,
@@ -37,7 +37,7 @@ impl<const S: usize, const N: usize> Default for Said<S, N> {
 }
 
 impl<const S: usize, const N: usize> Said<S, N> {
-    pub fn support(&mut self, side: &Arc<SideModel<S, N>>) {
+    pub fn support(&mut self, side: &Arc<BodySide<S, N>>) {
         if !self.supports.iter().any(|s| Arc::ptr_eq(s, side)) {
             self.supports.push(side.clone());
         }
@@ -49,7 +49,7 @@ impl<const S: usize, const N: usize> Said<S, N> {
                 self.conditions.push(Condition { of, side: side.clone(), component, value });
                 self.support(side);
             }
-            Piece::Rim(rim) => self.pins.push(Pin { of, rim: rim.clone(), component, value }),
+            Piece::Rim(rim) => self.pins.push(PointCondition { of, rim: rim.clone(), component, value }),
         }
     }
 }
@@ -58,8 +58,8 @@ impl<const S: usize, const N: usize> Said<S, N> {
 #[derive(Clone, Debug)]
 pub(super) struct Gluing<const S: usize, const N: usize> {
     pub of: Statement,
-    pub slave: Arc<SideModel<S, N>>,
-    pub masters: Vec<Arc<SideModel<S, N>>>,
+    pub slave: Arc<BodySide<S, N>>,
+    pub masters: Vec<Arc<BodySide<S, N>>>,
     pub near: Option<Near>,
 }
 

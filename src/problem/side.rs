@@ -1,21 +1,21 @@
 //! Sides of bodies as parts of a problem.
 
-use super::model::{Model, PatchModel, SideModel};
+use super::model::{BodyModel, BodySide, Model};
 use crate::assembly::gauss_rules;
 use crate::space::{Field, JoinedSide, SideError, Trace};
 use std::sync::Arc;
 
-impl<const S: usize, const N: usize> SideModel<S, N> {
+impl<const S: usize, const N: usize> BodySide<S, N> {
     /// The side `side` of `patch`, the patch number `number` of its model; `label` is its name in results.
     ///
     /// # Errors
     /// [`SideError`] of the body.
-    pub(crate) fn new(patch: &PatchModel<S, N>, number: usize, side: &str, label: String) -> Result<Self, SideError> {
+    pub(crate) fn new(patch: &BodyModel<S, N>, number: usize, side: &str, label: String) -> Result<Self, SideError> {
         Ok(Self::of_trace(patch, number, side, label, patch.body.trace(side)?))
     }
 
-    /// The part `trace` of a side, arguments before it as in [`SideModel::new`].
-    pub(crate) fn of_trace(patch: &PatchModel<S, N>, number: usize, side: &str, label: String, trace: Trace<S, N>) -> Self {
+    /// The part `trace` of a side, arguments before it as in [`BodySide::new`].
+    pub(crate) fn of_trace(patch: &BodyModel<S, N>, number: usize, side: &str, label: String, trace: Trace<S, N>) -> Self {
         let rules = gauss_rules(&*trace.space, patch.extra_points);
         Self { patch: number, side: side.to_owned(), label, field: patch.field, runs: vec![(0, number)], trace, rules }
     }

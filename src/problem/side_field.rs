@@ -4,7 +4,7 @@ use super::arc_length::ArcLength;
 use super::contact_along::contact_along;
 use super::error::ProblemError;
 use super::handles::InterfaceId;
-use super::model::SideModel;
+use super::model::BodySide;
 use super::solution::Solution;
 use super::tie_along::tie_along;
 use crate::basis::{Basis, Order, ShapeTable};
@@ -114,7 +114,7 @@ pub(super) fn degree(psi: &dyn Basis<1>) -> usize {
 }
 
 /// The centre of every function along the side: arc length and point.
-pub(super) fn centres(side: &SideModel<1, 2>, psi: &dyn Basis<1>) -> Vec<(f64, Vector<2>)> {
+pub(super) fn centres(side: &BodySide<1, 2>, psi: &dyn Basis<1>) -> Vec<(f64, Vector<2>)> {
     let space = &*side.trace.space;
     let arc = ArcLength::new(space);
     let (mut sums, mut table, mut ids, mut map) = (vec![[0.0; 2]; psi.num_functions()], ShapeTable::new(), Vec::new(), MapTable::new());
@@ -140,7 +140,7 @@ pub(super) fn centres(side: &SideModel<1, 2>, psi: &dyn Basis<1>) -> Vec<(f64, V
 }
 
 /// The normal of the obstacle or master that faces each point of a slave element.
-pub(super) fn normals(slave: &Arc<SideModel<1, 2>>, target: Box<dyn Obstacle<1, 2>>) -> Field {
+pub(super) fn normals(slave: &Arc<BodySide<1, 2>>, target: Box<dyn Obstacle<1, 2>>) -> Field {
     let slave = Arc::clone(slave);
     Box::new(move |element, xi| {
         let mut map = MapTable::new();

@@ -3,10 +3,10 @@
 use super::builder::Problem;
 use super::coupled::Multiplier;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
-use super::fixed::Fixed;
+use super::fixed::Eliminated;
 use super::handles::Statement;
 use super::interface_error::InterfaceError;
-use super::model::{Model, SideModel};
+use super::model::{BodySide, Model};
 use super::multipliers::wrapped;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::coupling::multiplier::{MultiplierError, side_ends};
@@ -39,7 +39,7 @@ pub struct SlaveSpace {
     /// The tie or contact.
     pub of: Statement,
     /// The slave side.
-    pub side: Arc<SideModel<1, 2>>,
+    pub side: Arc<BodySide<1, 2>>,
     /// The component of a tie; `None`: the normal of a contact.
     pub component: Option<usize>,
     /// Number of every function of the side in the trace space; `None` if it is constrained.
@@ -107,13 +107,13 @@ impl Problem<1, 2> {
     }
 }
 
-fn is_taken(model: &Model<1, 2>, fixed: &Fixed, slave: &SideModel<1, 2>, function: usize, component: usize) -> bool {
+fn is_taken(model: &Model<1, 2>, fixed: &Eliminated, slave: &BodySide<1, 2>, function: usize, component: usize) -> bool {
     fixed.is(model.patches[slave.patch].field.unknown(function, component))
 }
 
 fn spaces(
     model: &Model<1, 2>,
-    slave: &Arc<SideModel<1, 2>>,
+    slave: &Arc<BodySide<1, 2>>,
     wanted: &Wanted<'_>,
     ends: SlaveEnds,
     held: &dyn Fn(usize) -> bool,
@@ -148,7 +148,7 @@ fn spaces(
 }
 
 /// Functions of the body that do not vanish at an end of the side; a side that closes on itself has no end.
-fn end_functions(model: &Model<1, 2>, slave: &SideModel<1, 2>) -> HashSet<usize> {
+fn end_functions(model: &Model<1, 2>, slave: &BodySide<1, 2>) -> HashSet<usize> {
     let (space, dofs) = (&*slave.trace.space, &slave.trace.dofs);
     let mut count: HashMap<usize, usize> = HashMap::new();
     dofs.iter().for_each(|&dof| *count.entry(model.function(slave.patch, dof)).or_default() += 1);
@@ -163,7 +163,7 @@ fn end_functions(model: &Model<1, 2>, slave: &SideModel<1, 2>) -> HashSet<usize>
 }
 
 /// Unit normal of the side at the point where each function of the body is largest, among some points of every element.
-fn normals(slave: &SideModel<1, 2>) -> HashMap<usize, Vector<2>> {
+fn normals(slave: &BodySide<1, 2>) -> HashMap<usize, Vector<2>> {
     let space = &*slave.trace.space;
     let (mut ids, mut shapes, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
     let mut best: HashMap<usize, (f64, Vector<2>)> = HashMap::new();

@@ -12,7 +12,7 @@ use super::interface_results::{ContactResult, TieResult};
 use super::lambda_error::SquaredError;
 use super::lambda_field::LambdaField;
 use super::matrices::Matrices;
-use super::model::{Against, ContactModel, ContactPart, Model, PatchModel, TieModel};
+use super::model::{BodyModel, ContactModel, ContactPart, Model, Opposing, TieModel};
 use super::physics::{OtherField, Physics, PointState};
 use super::places::Places;
 use super::reactions::{Reaction, reactions};
@@ -214,7 +214,7 @@ impl<const S: usize, const N: usize> Solved<S, N> {
         Self { common: Arc::clone(common), state, energy, outside: OnceLock::new() }
     }
 
-    fn patch(&self, body: BodyId) -> Result<&PatchModel<S, N>, ProblemError> {
+    fn patch(&self, body: BodyId) -> Result<&BodyModel<S, N>, ProblemError> {
         // a body may have been added after the system was made
         self.common.model.patches.get(body.number).filter(|_| self.common.identity.knows(body)).ok_or_else(other_problem)
     }
@@ -224,7 +224,7 @@ impl<const S: usize, const N: usize> Solved<S, N> {
         self.outside.get_or_init(|| {
             let mut outside = self.state.load;
             for (contact, built) in self.common.model.contacts.iter().zip(&self.state.contacts) {
-                for (part, rows) in contact.parts.iter().zip(built).filter(|(part, _)| matches!(part.against, Against::Rigid(..))) {
+                for (part, rows) in contact.parts.iter().zip(built).filter(|(part, _)| matches!(part.against, Opposing::Rigid(..))) {
                     let sent = part.transmitted(rows, &self.state.lambda[part.rows()]);
                     let mut force = [0.0; 3];
                     force[..N].copy_from_slice(sent.force.as_slice());
@@ -246,7 +246,7 @@ impl<const S: usize, const N: usize> Solved<S, N> {
     }
 
     /// The state at a point of a body with its material at the time of the state.
-    fn place(&self, patch: &PatchModel<S, N>, physics: &Physics<N>, x: &[f64; N]) -> Result<PointState<N>, ProblemError> {
+    fn place(&self, patch: &BodyModel<S, N>, physics: &Physics<N>, x: &[f64; N]) -> Result<PointState<N>, ProblemError> {
         let outside = || {
             let at = std::array::from_fn(|k| x.get(k).copied().unwrap_or(0.0));
             ProblemError::new(ErrorKind::Outside { x: at }, vec![patch.id.into()], vec![patch.name.clone()])

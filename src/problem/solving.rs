@@ -2,7 +2,7 @@
 //!
 //! Behind a trait object: everything is compiled with this crate, for the plane and for space, and no program compiles it again.
 
-use super::closed_points::left_free;
+use super::closed_points::remaining_motions;
 use super::error::ProblemErrors;
 use super::forecast::Forecast;
 use super::handles::InterfaceId;
@@ -143,7 +143,7 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
 
 /// The solution, if its closed contacts hold all bodies.
 fn held<const S: usize, const N: usize>(common: &Arc<Common<S, N>>, matrices: &Matrices, state: StepState<S, N>) -> Solves<S, N> {
-    let free = left_free(&common.model, &state);
+    let free = remaining_motions(&common.model, &state);
     let solved: Arc<dyn State<S, N>> = Arc::new(Solved::new(common, matrices, state));
     match free {
         Some(motions) => Err(Unsolved { error: StepError::Free { motions }, best: Some(solved) }),

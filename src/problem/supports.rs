@@ -1,7 +1,7 @@
 //! Rigid motions that are left when every contact is closed.
 
 use super::data::Point;
-use super::model::{ContactPart, Model, SideModel, SideSpring, TiePart};
+use super::model::{BodySide, ContactPart, Model, SideSpring, TiePart};
 use super::rigid::{FreeBody, RigidForm, RigidModes, RigidRow, short};
 use super::rigid_bodies::{RigidBodies, contact_terms, unit};
 use super::rigid_rows::tie_forms;
@@ -18,7 +18,7 @@ const SAMPLES: usize = 24;
 const PARALLEL: f64 = 1e-9;
 
 /// Some points of a side, each with its body.
-fn points<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies, side: &SideModel<S, N>) -> Vec<(usize, Vector<N>)> {
+fn points<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies, side: &BodySide<S, N>) -> Vec<(usize, Vector<N>)> {
     let space = &*side.trace.space;
     let (elements, mut table, mut out) = (space.num_elements(), MapTable::new(), Vec::new());
     for e in (0..elements).step_by(elements.div_ceil(SAMPLES).max(1)) {
@@ -160,7 +160,7 @@ pub fn held_by<const S: usize, const N: usize>(
     springs: Option<f64>,
     ties: Ties,
 ) -> (RigidModes<N>, Vec<RigidForm>) {
-    let of = |side: &SideModel<S, N>| points(model, bodies, side);
+    let of = |side: &BodySide<S, N>| points(model, bodies, side);
     let modes = bodies.modes(model);
     let mut rows: Vec<RigidRow<N>> = Vec::new();
     for (k, &contact) in bodies.pressed.iter().enumerate() {
@@ -199,7 +199,7 @@ pub fn held_by<const S: usize, const N: usize>(
             direction[(i - field.first) % field.components] = value;
         }
         let function = (first - field.first) / field.components;
-        let has = |s: &SideModel<S, N>| s.patch == patch && s.trace.dofs.contains(&function);
+        let has = |s: &BodySide<S, N>| s.patch == patch && s.trace.dofs.contains(&function);
         // in a corner of two such sides each has its own direction
         let along = |d: &Vector<N>| (direction - d * direction.dot(d) / d.norm_squared()).norm() <= PARALLEL * direction.norm();
         let own = model.held.iter().find(|h| has(&h.side) && along(&h.direction)).map(|h| &h.side);

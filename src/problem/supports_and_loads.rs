@@ -4,7 +4,7 @@ use super::builder::Problem;
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{Components, Kind, Region, Statement, Unknown};
-use super::model::{Action, HeldSide, RigidSides, SaidEquation, SideLoad, SideModel, SideSpring, Value};
+use super::model::{Action, BodySide, HeldSide, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
 use super::regions::Piece;
 use crate::assembly::{Equation, measure, planar_normal};
 use crate::linalg::Vector;
@@ -227,10 +227,10 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         Ok(of)
     }
 
-    fn load(&mut self, sides: &[Arc<SideModel<S, N>>], action: &Action) -> Statement {
+    fn load(&mut self, sides: &[Arc<BodySide<S, N>>], action: &Action) -> Statement {
         let of = self.statement();
         let load =
-            |side: &Arc<SideModel<S, N>>| SideLoad { of, group: of, name: side.label.clone(), side: side.clone(), action: action.clone() };
+            |side: &Arc<BodySide<S, N>>| SideLoad { of, group: of, name: side.label.clone(), side: side.clone(), action: action.clone() };
         self.said.loads.extend(sides.iter().map(load));
         of
     }

@@ -60,7 +60,7 @@ impl<const S: usize, const N: usize> InterfaceSystem<S, N> {
                 let pulls = built.reaction.as_ref().map(|b| built.turned(b));
                 append(&mut reaction, pulls.as_ref().unwrap_or(&turned), part.first_row);
                 differs |= built.reaction.is_some();
-                let (own, weights) = (built.turned_offset(), built.turned_weights());
+                let (own, weights) = (built.transformed_offset(), built.transformed_weights());
                 for (j, (&g, k)) in own.iter().zip(built.kinds()).enumerate() {
                     let row = part.first_row + j;
                     // sides that touch: what rounding leaves of their gap is none

@@ -1,6 +1,6 @@
 //! Fluxes of the bodies at the sides of a tie, for couplings that add stiffness.
 
-use super::model::{Model, SideModel, TiePart};
+use super::model::{BodySide, Model, TiePart};
 use crate::basis::Basis;
 use crate::coupling::{Coupling, CouplingBlocks, CouplingError, Interface, Segments, Side};
 use crate::linalg::{Csr, Triplets};
@@ -16,7 +16,7 @@ pub struct Fluxes<const S: usize, const N: usize> {
 impl<const S: usize, const N: usize> TiePart<S, N> {
     /// The fluxes of the bodies at time `t`.
     pub fn fluxes(&self, model: &Model<S, N>, t: f64) -> Fluxes<S, N> {
-        let of = |side: &SideModel<S, N>| {
+        let of = |side: &BodySide<S, N>| {
             let patch = &model.patches[side.patch];
             patch.physics_at(t).flux(patch.body.space(), &side.trace, patch.field)
         };
@@ -33,7 +33,7 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
         segments: Option<&'a Segments<S>>,
     ) -> Interface<'a, S, N> {
         let pairing = &self.pairings[k];
-        let side = |side: &'a SideModel<S, N>, flux| Side { trace: &side.trace, field: model.patches[side.patch].field, flux: Some(flux) };
+        let side = |side: &'a BodySide<S, N>, flux| Side { trace: &side.trace, field: model.patches[side.patch].field, flux: Some(flux) };
         Interface {
             slave: side(&self.slave, &*fluxes.slave),
             master: Some(side(&pairing.master, &*fluxes.masters[k])),

@@ -1,15 +1,15 @@
 //! Construction of a tied slave side: multipliers, segments and rows.
 
 use super::coupled::{Tie, TiePair};
-use super::fixed::Fixed;
+use super::fixed::Eliminated;
 use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
-use super::model::{Model, Pairing, SideModel, TiePart};
+use super::model::{BodySide, Model, Pairing, TiePart};
 use super::multipliers::{unstable_pairing, wrapped};
 use super::rigid_rows::function_sums;
 use super::system::{append, empty};
 use crate::basis::{Basis, Elements};
-use crate::coupling::consistency::Finer;
+use crate::coupling::consistency::ConsistencyEstimate;
 use crate::coupling::interface::{Partners, Tolerance};
 use crate::coupling::multiplier::check_counts;
 use crate::coupling::{CouplingError, Interface, Segments, Side};
@@ -24,14 +24,14 @@ const UNCOVERED: f64 = 1e-6;
 const FINER_POINTS: usize = 2;
 
 /// Points per direction of a piece of two sides.
-pub(super) fn points_of<const S: usize, const N: usize>(slave: &SideModel<S, N>, master: &SideModel<S, N>, extra_points: usize) -> usize {
+pub(super) fn points_of<const S: usize, const N: usize>(slave: &BodySide<S, N>, master: &BodySide<S, N>, extra_points: usize) -> usize {
     slave.degree().max(master.degree()) + 1 + extra_points
 }
 
 /// Segments for checking the rows: finer ones, `partners` as far as the caller has checked them.
 pub(super) fn finer_segments<const S: usize, const N: usize>(
-    slave: &SideModel<S, N>,
-    master: &SideModel<S, N>,
+    slave: &BodySide<S, N>,
+    master: &BodySide<S, N>,
     points: usize,
     partners: Partners,
 ) -> Option<Segments<S>>
@@ -48,11 +48,11 @@ type TieMultipliers<const S: usize> = (Vec<Box<dyn Basis<S>>>, Option<(usize, us
 
 /// Number of sides of tied interfaces on which each function of a body lies.
 #[derive(Debug, Default)]
-pub struct Memberships(HashMap<usize, usize>);
+pub struct TieCounts(HashMap<usize, usize>);
 
-impl Memberships {
+impl TieCounts {
     /// Counts the functions of a side.
-    pub fn add<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, side: &SideModel<S, N>) {
+    pub fn add<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, side: &BodySide<S, N>) {
         let mut functions: Vec<usize> = side.trace.dofs.iter().map(|&dof| model.function(side.patch, dof)).collect();
         functions.sort_unstable();
         functions.dedup();
@@ -69,8 +69,8 @@ impl Memberships {
 
 impl<const S: usize, const N: usize> Model<S, N> {
     /// Whether conditions prescribe `side` in one of `components` itself, or, with `by_equations`, equations hold it.
-    pub fn is_supported(&self, side: &SideModel<S, N>, components: &[usize], by_equations: bool) -> bool {
-        let own = |s: &SideModel<S, N>| s.patch == side.patch && s.side == side.side;
+    pub fn is_supported(&self, side: &BodySide<S, N>, components: &[usize], by_equations: bool) -> bool {
+        let own = |s: &BodySide<S, N>| s.patch == side.patch && s.side == side.side;
         self.conditions.iter().any(|c| own(&c.side) && components.contains(&c.component))
             || (by_equations && self.supports.iter().any(|s| own(s)))
     }
@@ -84,8 +84,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
         tie: &Tie<S, N>,
         pair: &TiePair<S, N>,
         t: f64,
-        fixed: &Fixed,
-        members: &Memberships,
+        fixed: &Eliminated,
+        members: &TieCounts,
     ) -> Result<TiePart<S, N>, InterfaceError>
     where
         Trace<S, N>: InterfaceSide<S, N>,
@@ -159,9 +159,9 @@ impl<const S: usize, const N: usize> Model<S, N> {
     fn tie_multipliers(
         &self,
         tie: &Tie<S, N>,
-        slave: &SideModel<S, N>,
-        fixed: &Fixed,
-        members: &Memberships,
+        slave: &BodySide<S, N>,
+        fixed: &Eliminated,
+        members: &TieCounts,
     ) -> Result<TieMultipliers<S>, InterfaceError>
     where
         Trace<S, N>: InterfaceSide<S, N>,
@@ -194,7 +194,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 
     /// Largest distance of tied points of two sides.
-    fn tolerance(&self, slave: &SideModel<S, N>, master: &SideModel<S, N>, given: Option<f64>, explained: Option<f64>) -> Tolerance {
+    fn tolerance(&self, slave: &BodySide<S, N>, master: &BodySide<S, N>, given: Option<f64>, explained: Option<f64>) -> Tolerance {
         match given {
             Some(distance) => Tolerance::Given(distance),
             None if self.patches[slave.patch].exact_map && self.patches[master.patch].exact_map => Tolerance::Exact,
@@ -206,8 +206,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
     fn segments(
         &self,
         tie: &Tie<S, N>,
-        slave: &SideModel<S, N>,
-        master: &SideModel<S, N>,
+        slave: &BodySide<S, N>,
+        master: &BodySide<S, N>,
         tolerance: Tolerance,
     ) -> Result<(Segments<S>, Option<Segments<S>>), CouplingError>
     where
@@ -227,9 +227,9 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 
     /// Rows on finer segments, one list per master, against which the consistency error is estimated.
-    fn finer_tie(&self, part: &TiePart<S, N>, finer: &[Segments<S>]) -> Option<Finer> {
+    fn finer_tie(&self, part: &TiePart<S, N>, finer: &[Segments<S>]) -> Option<ConsistencyEstimate> {
         let borrowed: Vec<&dyn Basis<S>> = part.multipliers.iter().map(|m| &**m).collect();
-        let side = |side: &'_ SideModel<S, N>| self.patches[side.patch].field;
+        let side = |side: &'_ BodySide<S, N>| self.patches[side.patch].field;
         let interfaces: Vec<Interface<'_, S, N>> = part
             .pairings
             .iter()
@@ -243,6 +243,6 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 direction: None,
             })
             .collect();
-        Finer::try_new(&interfaces, self.unknowns).ok()
+        ConsistencyEstimate::try_new(&interfaces, self.unknowns).ok()
     }
 }

@@ -6,7 +6,7 @@ use super::coupled::{Contact, ContactOptions, Coupled, Faced, Opponent, Tie, Tie
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{Kind, Sides};
-use super::model::SideModel;
+use super::model::BodySide;
 use super::start::Start;
 use crate::contact::{Cone, Lagrange, Obstacle};
 use crate::coupling::Mortar;
@@ -79,6 +79,6 @@ impl<const S: usize, const N: usize> Problem<S, N> {
 }
 
 /// Names of sides in a sentence.
-fn labels<const S: usize, const N: usize>(sides: &[Arc<SideModel<S, N>>]) -> String {
+fn labels<const S: usize, const N: usize>(sides: &[Arc<BodySide<S, N>>]) -> String {
     sides.iter().map(|s| s.label.as_str()).collect::<Vec<_>>().join(", ")
 }

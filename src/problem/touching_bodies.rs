@@ -127,7 +127,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
 
     fn not_found(&self, error: &TouchError<S, N>, bodies: &[BodyId]) -> ProblemError {
         let of = bodies.iter().map(|body| (*body).into()).collect();
-        let labels = |sides: &[std::sync::Arc<super::model::SideModel<S, N>>; 2]| sides.iter().map(|s| s.label.clone()).collect();
+        let labels = |sides: &[std::sync::Arc<super::model::BodySide<S, N>>; 2]| sides.iter().map(|s| s.label.clone()).collect();
         match error {
             TouchError::Side { patch, error, .. } => {
                 ProblemError::new(ErrorKind::Side(error.clone()), of, vec![self.bodies[*patch].name.clone()])

@@ -58,7 +58,7 @@ pub(crate) struct Collapse {
 
 /// The element grid of a patch with its exact map.
 #[derive(Clone, Debug)]
-pub(crate) struct Grid<const N: usize> {
+pub(crate) struct ElementGrid<const N: usize> {
     /// Element ends per direction in the parameters of the net.
     pub breakpoints: [Vec<f64>; N],
     /// The exact map of the net on these elements.
@@ -66,7 +66,7 @@ pub(crate) struct Grid<const N: usize> {
     pub collapsed: Vec<Collapse>,
 }
 
-impl<const N: usize> Grid<N> {
+impl<const N: usize> ElementGrid<N> {
     /// Builds the grid of `breakpoints`, to which the knots of the net are added.
     pub fn new(net: &ControlNet<N, N>, breakpoints: &[Vec<f64>; N]) -> Result<Self, SpecError> {
         let mut all: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());

@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// A part keeps its blocks, shifted: one block per patch for sum factorisation. Multipliers of the whole are those of
 /// the parts, discontinuous between them.
 #[derive(Clone, Debug)]
-pub struct Joined<X> {
+pub struct DirectSum<X> {
     parts: Vec<Part<X>>,
     functions: usize,
 }
@@ -28,7 +28,7 @@ struct Part<X> {
     corners: HashMap<usize, usize>,
 }
 
-impl<X: Elements> Joined<X> {
+impl<X: Elements> DirectSum<X> {
     /// Joins parts, given with the numbers of their functions and corners in the whole.
     ///
     /// No two functions of one element may have the same number; see [`one_each`].
@@ -63,7 +63,7 @@ impl<X: Elements> Joined<X> {
     }
 }
 
-impl<X: Elements> Elements for Joined<X> {
+impl<X: Elements> Elements for DirectSum<X> {
     fn num_elements(&self) -> usize {
         self.parts.last().map_or(0, |p| p.first + p.inner.num_elements())
     }
@@ -80,7 +80,7 @@ impl<X: Elements> Elements for Joined<X> {
     }
 }
 
-impl<const D: usize, T: Real, X: Basis<D, T>> Basis<D, T> for Joined<X> {
+impl<const D: usize, T: Real, X: Basis<D, T>> Basis<D, T> for DirectSum<X> {
     fn num_functions(&self) -> usize {
         self.functions
     }
@@ -112,11 +112,11 @@ impl<const D: usize, T: Real, X: Basis<D, T>> Basis<D, T> for Joined<X> {
             let corners = corner_ids(&own, &part.corners);
             parts.push((own, ids, corners));
         }
-        Some(Box::new(Joined::new(parts, functions)))
+        Some(Box::new(DirectSum::new(parts, functions)))
     }
 }
 
-impl<const D: usize, T: Real, X: Basis<D, T>> BasisStructure<D, T> for Joined<X> {
+impl<const D: usize, T: Real, X: Basis<D, T>> BasisStructure<D, T> for DirectSum<X> {
     fn block(&self, element: usize) -> Option<Block<'_, D, T>> {
         let (part, e) = self.at(element);
         part.inner.structure().block(e).map(|block| Block { first: block.first + part.first, ..block })
@@ -147,7 +147,7 @@ fn corner_ids<X: Elements>(part: &X, known: &HashMap<usize, usize>) -> HashMap<u
     out
 }
 
-impl<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T>> Geometry<D, N, T> for Joined<X> {
+impl<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T>> Geometry<D, N, T> for DirectSum<X> {
     fn map(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut MapTable<D, N, T>) {
         let (part, e) = self.at(element);
         part.inner.map(e, xi, order, table);
@@ -167,7 +167,7 @@ impl<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T>> Geometry<D, 
     }
 }
 
-impl<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T>> MapStructure<D, N, T> for Joined<X> {
+impl<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T>> MapStructure<D, N, T> for DirectSum<X> {
     fn is_affine(&self, element: usize) -> bool {
         let (part, e) = self.at(element);
         part.inner.map_structure().is_affine(e)
@@ -178,7 +178,7 @@ impl<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T>> MapStructure
     }
 }
 
-impl<const D: usize, const N: usize, T: Real, X: Space<D, N, T>> Space<D, N, T> for Joined<X> {
+impl<const D: usize, const N: usize, T: Real, X: Space<D, N, T>> Space<D, N, T> for DirectSum<X> {
     fn evaluate(&self, element: usize, xi: &[Vector<D, T>], order: Order, shapes: &mut ShapeTable<D, T>, map: &mut MapTable<D, N, T>) {
         let (part, e) = self.at(element);
         part.inner.evaluate(e, xi, order, shapes, map);
@@ -214,5 +214,5 @@ pub(super) fn one_each<const D: usize, const N: usize, T: Real>(
         })
         .collect();
     let basis = Extracted::new::<D>(space.clone(), own.len(), rows);
-    (Arc::new(super::Over { basis, geometry: space.clone() }), own)
+    (Arc::new(super::FunctionSpace { basis, geometry: space.clone() }), own)
 }

@@ -1,8 +1,8 @@
 //! Lagrange meshes: finite elements.
 
-use super::grid::Grid;
+use super::grid::ElementGrid;
 use super::mesh_trace::FacetSides;
-use super::{Body, Over, Quality, SideError, Space, Trace};
+use super::{Body, FunctionSpace, Quality, SideError, Space, Trace};
 use crate::basis::{Basis, Cell, LagrangeLine, TensorProduct};
 use crate::geometry::{Embedded, Embedding, Geometry};
 use crate::linalg::Vector;
@@ -15,20 +15,20 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Mesh<const S: usize, const N: usize> {
     /// Element grid of the patch; `None` for a mesh of cells.
-    pub(super) grid: Option<Grid<N>>,
+    pub(super) grid: Option<ElementGrid<N>>,
     pub(super) space: Arc<dyn Space<N, N>>,
     /// The map of the mesh's elements.
     pub(super) geometry: Arc<dyn Geometry<N, N>>,
-    pub(super) sides: Sides<S, N>,
+    pub(super) sides: FacetTables<S, N>,
     pub(super) quality: Quality<N>,
-    pub(super) named: Named<N>,
+    pub(super) named: MeshPoints<N>,
     /// Whether its sides lie exactly on those of a patch.
     pub(super) exact: bool,
 }
 
 /// Data from which the traces of a mesh are built.
 #[derive(Clone, Debug)]
-pub(super) enum Sides<const S: usize, const N: usize> {
+pub(super) enum FacetTables<const S: usize, const N: usize> {
     /// Products of lines along the sides of a patch.
     Lines(HashMap<String, MeshSide<S, N>>),
     /// Facets of cells.
@@ -47,7 +47,7 @@ pub(super) struct MeshSide<const S: usize, const N: usize> {
 
 /// The points of a mesh of cells.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Named<const N: usize> {
+pub(super) struct MeshPoints<const N: usize> {
     pub points: Vec<Vector<N>>,
     /// The function whose node is there, [`usize::MAX`] for none.
     pub function: Vec<usize>,
@@ -56,12 +56,12 @@ pub(super) struct Named<const N: usize> {
 impl<const S: usize, const N: usize> Mesh<S, N> {
     /// Elements per direction of the patch; a simplex mesh cuts each in two or six. `None` for a mesh of cells.
     pub fn elements(&self) -> Option<[usize; N]> {
-        self.grid.as_ref().map(Grid::counts)
+        self.grid.as_ref().map(ElementGrid::counts)
     }
 
     /// Names of the faces of the patch that are points or edges; empty for a mesh of cells.
     pub fn collapsed_sides(&self) -> Vec<String> {
-        self.grid.as_ref().map(Grid::collapsed_sides).unwrap_or_default()
+        self.grid.as_ref().map(ElementGrid::collapsed_sides).unwrap_or_default()
     }
 
     /// Least Jacobian, orientation, degenerate points.
@@ -73,8 +73,8 @@ impl<const S: usize, const N: usize> Mesh<S, N> {
     /// until it differs from all tags; `None` if every boundary facet has a tag.
     pub fn untagged(&self) -> Option<&str> {
         match &self.sides {
-            Sides::Lines(_) => None,
-            Sides::Facets(sides) => sides.named.untagged.as_deref(),
+            FacetTables::Lines(_) => None,
+            FacetTables::Facets(sides) => sides.named.untagged.as_deref(),
         }
     }
 
@@ -108,8 +108,8 @@ impl<const S: usize, const N: usize> Body<S, N> for Mesh<S, N> {
 
     fn sides(&self) -> Vec<String> {
         match &self.sides {
-            Sides::Lines(_) => self.grid.as_ref().map(Grid::sides).unwrap_or_default(),
-            Sides::Facets(sides) => sides.names(),
+            FacetTables::Lines(_) => self.grid.as_ref().map(ElementGrid::sides).unwrap_or_default(),
+            FacetTables::Facets(sides) => sides.names(),
         }
     }
 
@@ -119,11 +119,11 @@ impl<const S: usize, const N: usize> Body<S, N> for Mesh<S, N> {
             None => side.to_string(),
         };
         let side = match &self.sides {
-            Sides::Facets(sides) => return sides.trace(&self.space, &name),
-            Sides::Lines(sides) => &sides[&name],
+            FacetTables::Facets(sides) => return sides.trace(&self.space, &name),
+            FacetTables::Lines(sides) => &sides[&name],
         };
         let (basis, dofs): (Box<dyn Basis<S>>, _) = super::grid::merge::<S>(TensorProduct::new(side.lines.clone()), &side.ids);
         let geometry = Embedded::new(self.geometry.clone(), side.facets.clone(), Cell::Tensor);
-        Ok(Trace::on_boundary(&self.space, Arc::new(Over { basis, geometry }), dofs, side.facets.clone()))
+        Ok(Trace::on_boundary(&self.space, Arc::new(FunctionSpace { basis, geometry }), dofs, side.facets.clone()))
     }
 }

@@ -1,10 +1,10 @@
 //! Lagrange meshes of cells as stored in mesh files.
 
 use super::curve;
-use super::mesh::{Named, Sides};
+use super::mesh::{FacetTables, MeshPoints};
 use super::mesh_facets::Facets;
 use super::mesh_trace::{FacetMap, FacetSides};
-use super::{InvertedElement, MAX_DEGREE_SIMPLEX, MAX_DEGREE_TENSOR, Mapping, Mesh, MeshCells, MeshError, Over, Space, quality};
+use super::{FunctionSpace, InvertedElement, MAX_DEGREE_SIMPLEX, MAX_DEGREE_TENSOR, Mapping, Mesh, MeshCells, MeshError, Space, quality};
 use crate::basis::{Basis, Cell, Order, ShapeTable, Topology, Unstructured, corner_places, lagrange_nodes, lattice, simplex_nodes};
 use crate::geometry::{ControlPoints, Geometry, cell};
 use crate::linalg::{Matrix, Vector, determinant};
@@ -55,11 +55,11 @@ impl<const S: usize, const N: usize> Mesh<S, N> {
             (isoparametric.clone(), map)
         } else {
             let basis = Unstructured::lagrange_along(degree, topology.clone(), &along);
-            (Arc::new(Over { basis: basis.clone(), geometry: geometry.clone() }), basis)
+            (Arc::new(FunctionSpace { basis: basis.clone(), geometry: geometry.clone() }), basis)
         };
-        let named = Named { function: raw.functions_at_points(&flipped, &basis, degree), points: cells.points.clone() };
+        let named = MeshPoints { function: raw.functions_at_points(&flipped, &basis, degree), points: cells.points.clone() };
         let quality = quality(&*space)?;
-        let sides = Sides::Facets(FacetSides { basis, map: FacetMap::Nodes(isoparametric), named: named_facets });
+        let sides = FacetTables::Facets(FacetSides { basis, map: FacetMap::Nodes(isoparametric), named: named_facets });
         Ok(Mesh { grid: None, space, geometry, sides, quality, named, exact: false })
     }
 }

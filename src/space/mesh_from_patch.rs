@@ -1,10 +1,10 @@
 //! The Lagrange mesh of a patch.
 
-use super::grid::{Grid, Merged, SideOf, join, merge, on_side, split};
-use super::mesh::{MeshSide, Named, Sides};
+use super::grid::{ElementGrid, Merged, SideOf, join, merge, on_side, split};
+use super::mesh::{FacetTables, MeshPoints, MeshSide};
 use super::mesh_tetrahedra::tetrahedra;
 use super::patch::side_axes;
-use super::{MAX_DEGREE_SIMPLEX, MAX_DEGREE_TENSOR, Mapping, Mesh, Over, PatchSpec, Space, SpecError, quality};
+use super::{FunctionSpace, MAX_DEGREE_SIMPLEX, MAX_DEGREE_TENSOR, Mapping, Mesh, PatchSpec, Space, SpecError, quality};
 use crate::basis::{
     Basis, Cell, LagrangeLine, LagrangeSimplex, Order, TensorProduct, lagrange_nodes, simplex_lattice, simplex_nodes, simplex_numbering,
 };
@@ -37,13 +37,13 @@ impl<const S: usize, const N: usize> Mesh<S, N> {
     }
 }
 
-fn lines<const N: usize>(spec: &PatchSpec<N>, grid: &Grid<N>) -> [LagrangeLine<f64>; N] {
+fn lines<const N: usize>(spec: &PatchSpec<N>, grid: &ElementGrid<N>) -> [LagrangeLine<f64>; N] {
     std::array::from_fn(|k| LagrangeLine::with_breakpoints(spec.degree[k], grid.breakpoints[k].clone()))
 }
 
 fn tensor<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S, N>, SpecError> {
     spec.check_degree(MAX_DEGREE_TENSOR, "tensor cells")?;
-    let grid = Grid::new(&spec.net, &spec.breakpoints)?;
+    let grid = ElementGrid::new(&spec.net, &spec.breakpoints)?;
     let lines = lines(spec, &grid);
     let counts = lines.each_ref().map(|l| l.num_functions());
     let product = TensorProduct::new(lines.clone());
@@ -57,7 +57,7 @@ fn tensor<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S,
         // one table serves the functions and the map
         Arc::new(isoparametric())
     } else {
-        Arc::new(Over { basis: merge::<N>(product, &merged.id).0, geometry: geometry.clone() })
+        Arc::new(FunctionSpace { basis: merge::<N>(product, &merged.id).0, geometry: geometry.clone() })
     };
     let quality = quality(&*space)?;
     let sides = SideOf::all(N)
@@ -68,11 +68,19 @@ fn tensor<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S,
             (side.name(), MeshSide { lines: side_axes::<S, N, _>(&lines, side), ids, facets: grid.facets(side) })
         })
         .collect();
-    Ok(Mesh { grid: Some(grid), space, geometry, sides: Sides::Lines(sides), quality, named: Named::default(), exact: spec.is_exact() })
+    Ok(Mesh {
+        grid: Some(grid),
+        space,
+        geometry,
+        sides: FacetTables::Lines(sides),
+        quality,
+        named: MeshPoints::default(),
+        exact: spec.is_exact(),
+    })
 }
 
 /// The nodes of a tensor mesh on the exact map, one per function.
-fn nodes_of<const N: usize>(spec: &PatchSpec<N>, grid: &Grid<N>, basis: &TensorProduct<N, LagrangeLine<f64>>) -> Vec<Vector<N>> {
+fn nodes_of<const N: usize>(spec: &PatchSpec<N>, grid: &ElementGrid<N>, basis: &TensorProduct<N, LagrangeLine<f64>>) -> Vec<Vector<N>> {
     let axes: [Vec<f64>; N] = spec.degree.map(lagrange_nodes);
     let counts = axes.each_ref().map(Vec::len);
     let local: Vec<Vector<N>> = (0..counts.iter().product())
@@ -118,7 +126,7 @@ fn simplex<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S
     if spec.degree.iter().any(|&d| d != degree) {
         return Err(SpecError::MixedDegree { degree: spec.degree.to_vec() });
     }
-    let grid = Grid::new(&spec.net, &spec.breakpoints)?;
+    let grid = ElementGrid::new(&spec.net, &spec.breakpoints)?;
     let exact = spec.mapping == Mapping::Exact;
     let triangles = cut(&grid, exact);
     let corners: Vec<usize> = triangles.iter().flat_map(|t| t.ids).collect();
@@ -161,14 +169,22 @@ fn simplex<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S
         let (basis, dofs) = merge::<N>(basis, &same);
         let place: HashMap<usize, usize> = dofs.iter().enumerate().map(|(k, &i)| (i, k)).collect();
         let id = same.iter().map(|i| place[i]).collect();
-        (Arc::new(Over { basis, geometry: geometry.clone() }), geometry, id)
+        (Arc::new(FunctionSpace { basis, geometry: geometry.clone() }), geometry, id)
     } else {
         let isoparametric = Arc::new(ControlPoints { basis, points });
         (isoparametric.clone(), isoparametric, (0..functions).collect())
     };
     let quality = quality(&*space)?;
     let sides = sides(spec, &grid, &triangles, exact, &connectivity, &id);
-    Ok(Mesh { grid: Some(grid), space, geometry, sides: Sides::Lines(sides), quality, named: Named::default(), exact: spec.is_exact() })
+    Ok(Mesh {
+        grid: Some(grid),
+        space,
+        geometry,
+        sides: FacetTables::Lines(sides),
+        quality,
+        named: MeshPoints::default(),
+        exact: spec.is_exact(),
+    })
 }
 
 impl<const N: usize> Triangle<N> {
@@ -191,7 +207,7 @@ impl<const N: usize> Triangle<N> {
 }
 
 /// The vertex ids of the grid; those of collapsed faces are one where `merge` is set.
-fn vertices<const N: usize>(grid: &Grid<N>, merge: bool) -> ([usize; N], Vec<usize>) {
+fn vertices<const N: usize>(grid: &ElementGrid<N>, merge: bool) -> ([usize; N], Vec<usize>) {
     let counts = grid.counts().map(|n| n + 1);
     let id = Merged::new(&counts, if merge { &grid.collapsed } else { &[] }).id;
     (counts, id)
@@ -199,7 +215,7 @@ fn vertices<const N: usize>(grid: &Grid<N>, merge: bool) -> ([usize; N], Vec<usi
 
 /// Cuts every cell into two triangles along the diagonal (u0, v0)-(u1, v1); in an isoparametric mesh those whose edge is a
 /// point are dropped.
-fn cut<const N: usize>(grid: &Grid<N>, exact: bool) -> Vec<Triangle<N>> {
+fn cut<const N: usize>(grid: &ElementGrid<N>, exact: bool) -> Vec<Triangle<N>> {
     const CORNERS: [[[usize; 2]; 3]; 2] = [[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]];
     let (counts, id) = vertices(grid, !exact);
     let cells = grid.counts();
@@ -224,7 +240,7 @@ fn cut<const N: usize>(grid: &Grid<N>, exact: bool) -> Vec<Triangle<N>> {
 }
 
 /// Returns the fan of the triangle that remains in a cell; `None` if no collapsed edge of the cell holds exactly one of its vertices.
-fn fan<const N: usize>(grid: &Grid<N>, at: &[usize; N], vertices: &[Vector<N>; 3]) -> Option<Fan> {
+fn fan<const N: usize>(grid: &ElementGrid<N>, at: &[usize; N], vertices: &[Vector<N>; 3]) -> Option<Fan> {
     grid.collapsed.iter().find_map(|c| {
         let side = c.side;
         let touches = at[side.axis] == side.end * (grid.counts()[side.axis] - 1);
@@ -238,7 +254,7 @@ fn fan<const N: usize>(grid: &Grid<N>, at: &[usize; N], vertices: &[Vector<N>; 3
 /// The sides of a triangle mesh: edges in the direction of increasing parameter, found by their vertices.
 fn sides<const S: usize, const N: usize>(
     spec: &PatchSpec<N>,
-    grid: &Grid<N>,
+    grid: &ElementGrid<N>,
     triangles: &[Triangle<N>],
     exact: bool,
     connectivity: &[usize],

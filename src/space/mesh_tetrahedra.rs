@@ -1,10 +1,10 @@
 //! Tetrahedral meshes of a solid patch.
 
-use super::grid::{Grid, Merged, SideOf, join, on_side, split};
-use super::mesh::{Named, Sides};
+use super::grid::{ElementGrid, Merged, SideOf, join, on_side, split};
+use super::mesh::{FacetTables, MeshPoints};
 use super::mesh_facets::{Facets, NamedFacets, vertices_of};
 use super::mesh_trace::{FacetMap, FacetSides};
-use super::{MAX_DEGREE_SIMPLEX, Mapping, Mesh, Over, PatchSpec, Space, SpecError, quality};
+use super::{FunctionSpace, MAX_DEGREE_SIMPLEX, Mapping, Mesh, PatchSpec, Space, SpecError, quality};
 use crate::basis::{Basis, Cell, Order, Topology, Unstructured, simplex_nodes};
 use crate::geometry::{ControlPoints, Embedded, Embedding, Geometry, MapTable};
 use crate::linalg::{Matrix, Vector};
@@ -29,7 +29,7 @@ pub(super) fn tetrahedra<const S: usize, const N: usize>(spec: &PatchSpec<N>) ->
     if spec.degree.iter().any(|&d| d != degree) {
         return Err(SpecError::MixedDegree { degree: spec.degree.to_vec() });
     }
-    let grid = Grid::new(&spec.net, &spec.breakpoints)?;
+    let grid = ElementGrid::new(&spec.net, &spec.breakpoints)?;
     let exact = spec.mapping == Mapping::Exact;
     if let Some(c) = grid.collapsed.first().filter(|_| exact) {
         return Err(SpecError::ExactCollapsed { side: c.side.name() });
@@ -51,17 +51,17 @@ pub(super) fn tetrahedra<const S: usize, const N: usize>(spec: &PatchSpec<N>) ->
         };
         let cells = cut.iter().map(embedding).collect();
         let geometry: Arc<dyn Geometry<N, N>> = Arc::new(Embedded::new(grid.exact.clone(), cells, Cell::Simplex));
-        (Arc::new(Over { basis: basis.clone(), geometry: geometry.clone() }), geometry.clone(), FacetMap::Through(geometry))
+        (Arc::new(FunctionSpace { basis: basis.clone(), geometry: geometry.clone() }), geometry.clone(), FacetMap::Through(geometry))
     } else {
         (isoparametric.clone(), isoparametric.clone(), FacetMap::Nodes(isoparametric))
     };
     let quality = quality(&*space)?;
-    let sides = Sides::Facets(FacetSides { basis, map, named });
-    Ok(Mesh { grid: Some(grid), space, geometry, sides, quality, named: Named::default(), exact: spec.is_exact() })
+    let sides = FacetTables::Facets(FacetSides { basis, map, named });
+    Ok(Mesh { grid: Some(grid), space, geometry, sides, quality, named: MeshPoints::default(), exact: spec.is_exact() })
 }
 
 /// Cuts all cells into tetrahedra with merged vertices.
-fn cut<const N: usize>(grid: &Grid<N>, counts: &[usize; N], id: &[usize]) -> Result<Vec<Tetrahedron>, SpecError> {
+fn cut<const N: usize>(grid: &ElementGrid<N>, counts: &[usize; N], id: &[usize]) -> Result<Vec<Tetrahedron>, SpecError> {
     let cells = grid.counts();
     let mut all = Vec::new();
     for cell in 0..cells.iter().product() {
@@ -81,7 +81,7 @@ fn cut<const N: usize>(grid: &Grid<N>, counts: &[usize; N], id: &[usize]) -> Res
 }
 
 /// The nodes of all functions on the exact map.
-fn nodes_of<const N: usize>(grid: &Grid<N>, cut: &[Tetrahedron], basis: &Unstructured<N>, degree: usize) -> Vec<Vector<N>> {
+fn nodes_of<const N: usize>(grid: &ElementGrid<N>, cut: &[Tetrahedron], basis: &Unstructured<N>, degree: usize) -> Vec<Vector<N>> {
     let nodes = simplex_nodes::<N, f64>(degree);
     let mut points = vec![Vector::zeros(); basis.num_functions()];
     let (mut map, mut places) = (MapTable::new(), Vec::new());
@@ -106,7 +106,7 @@ struct Fan {
 }
 
 /// The collapsed faces of a cell, those that are points before those that are edges.
-fn fans<const N: usize>(grid: &Grid<N>, cell: usize) -> Vec<Fan> {
+fn fans<const N: usize>(grid: &ElementGrid<N>, cell: usize) -> Vec<Fan> {
     let (counts, at) = (grid.counts(), split(&grid.counts(), cell));
     let touches = |side: SideOf| at[side.axis] == side.end * (counts[side.axis] - 1);
     let here = grid.collapsed.iter().filter(|c| touches(c.side));
@@ -125,7 +125,7 @@ fn spread<const N: usize>(mut place: Vector<N>, fan: &Fan) -> Vector<N> {
 }
 
 /// The boundary facets of every face of the patch, by their vertices.
-fn sides<const N: usize>(grid: &Grid<N>, counts: &[usize; N], id: &[usize], topology: &Topology<N>) -> NamedFacets {
+fn sides<const N: usize>(grid: &ElementGrid<N>, counts: &[usize; N], id: &[usize], topology: &Topology<N>) -> NamedFacets {
     let all: Vec<SideOf> = SideOf::all(N).into_iter().filter(|s| !grid.is_collapsed(*s)).collect();
     // per merged vertex: its faces, as bits; the topology has its own numbers of vertices
     let mut faces = vec![0u8; id.len()];

@@ -1,7 +1,7 @@
 //! Traces of meshes of cells: curves and surfaces of facets with functions of their own.
 
 use super::mesh_facets::{FaceOf, NamedFacets, outward_corners};
-use super::{Over, SideError, Space, Trace};
+use super::{FunctionSpace, SideError, Space, Trace};
 use crate::basis::{Basis, Cell, Elements, LagrangeLine, TensorProduct, Topology, Unstructured, lattice};
 use crate::geometry::{ControlPoints, Embedded, Embedding, Geometry, cell};
 use crate::linalg::{Matrix, Vector};
@@ -56,12 +56,12 @@ impl<const N: usize> FacetSides<N> {
                 } else {
                     let (nodes, places) = functions(&map.basis, &facets, &side, breakpoints.as_deref());
                     let points = places.iter().map(|&i| map.points[i]).collect();
-                    (Arc::new(Over { basis, geometry: ControlPoints { basis: nodes, points } }), dofs)
+                    (Arc::new(FunctionSpace { basis, geometry: ControlPoints { basis: nodes, points } }), dofs)
                 }
             }
             FacetMap::Through(map) => {
                 let (basis, dofs) = functions(&self.basis, &facets, &Arc::new(Topology::new(kinds, corners)), None);
-                (Arc::new(Over { basis, geometry: Embedded::new(map.clone(), facets.clone(), Cell::Simplex) }), dofs)
+                (Arc::new(FunctionSpace { basis, geometry: Embedded::new(map.clone(), facets.clone(), Cell::Simplex) }), dofs)
             }
         };
         Ok(Trace::on_boundary(body, space, dofs, facets))

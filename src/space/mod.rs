@@ -41,7 +41,7 @@ pub use diameter::diameter;
 pub use divisions::{DivisionError, Divisions, Grading, divided};
 pub use field::{FieldAt, Located, Locator, OutsideBody, field_at, locate};
 pub use glue::{GlueError, GlueRow, GluedFacet, Near, glue, glue_facets};
-pub use joined::Joined;
+pub use joined::DirectSum;
 pub use mesh::Mesh;
 pub use mesh_error::MeshError;
 pub use mesh_from_cells::MAX_ORDER;
@@ -75,14 +75,14 @@ forward_space!(&X, Box<X>, Arc<X>);
 
 /// Any basis over any geometry on the same elements.
 #[derive(Clone, Copy, Debug)]
-pub struct Over<B, G> {
+pub struct FunctionSpace<B, G> {
     /// The functions.
     pub basis: B,
     /// The map.
     pub geometry: G,
 }
 
-impl<B: Elements, G: Elements> Elements for Over<B, G> {
+impl<B: Elements, G: Elements> Elements for FunctionSpace<B, G> {
     fn num_elements(&self) -> usize {
         self.basis.num_elements()
     }
@@ -94,7 +94,7 @@ impl<B: Elements, G: Elements> Elements for Over<B, G> {
     }
 }
 
-impl<const D: usize, T: Real, B: Basis<D, T>, G: Elements> Basis<D, T> for Over<B, G> {
+impl<const D: usize, T: Real, B: Basis<D, T>, G: Elements> Basis<D, T> for FunctionSpace<B, G> {
     fn num_functions(&self) -> usize {
         self.basis.num_functions()
     }
@@ -115,7 +115,7 @@ impl<const D: usize, T: Real, B: Basis<D, T>, G: Elements> Basis<D, T> for Over<
     }
 }
 
-impl<const D: usize, const N: usize, T: Real, B: Elements, G: Geometry<D, N, T>> Geometry<D, N, T> for Over<B, G> {
+impl<const D: usize, const N: usize, T: Real, B: Elements, G: Geometry<D, N, T>> Geometry<D, N, T> for FunctionSpace<B, G> {
     fn map(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut MapTable<D, N, T>) {
         self.geometry.map(element, xi, order, table);
     }
@@ -133,7 +133,7 @@ impl<const D: usize, const N: usize, T: Real, B: Elements, G: Geometry<D, N, T>>
     }
 }
 
-impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>, G: Geometry<D, N, T>> Space<D, N, T> for Over<B, G> {}
+impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>, G: Geometry<D, N, T>> Space<D, N, T> for FunctionSpace<B, G> {}
 
 /// Control points over a basis are an isoparametric space: one table serves the functions and the map.
 impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Space<D, N, T> for ControlPoints<B, N, T> {

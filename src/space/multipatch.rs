@@ -1,6 +1,6 @@
 //! Several bodies glued to one: functions that agree on common sides are one function.
 
-use super::joined::{Joined, one_each};
+use super::joined::{DirectSum, one_each};
 use super::{Body, GlueError, Near, SideError, Space, Trace, glue_facets};
 use crate::basis::Order;
 use crate::geometry::{Bounds, Embedding, MapTable, Tree, cell};
@@ -146,7 +146,7 @@ impl<const S: usize, const N: usize, T: Real> MultiPatch<S, N, T> {
             parts.push((space, own, named));
             ids.push(mine);
         }
-        let space: Arc<dyn Space<N, N, T>> = Arc::new(Joined::new(parts, count));
+        let space: Arc<dyn Space<N, N, T>> = Arc::new(DirectSum::new(parts, count));
         Ok(Self { space, first, names, bodies, ids, inside })
     }
 
@@ -256,7 +256,7 @@ impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
         let facets =
             sides.iter().flat_map(|s| s.trace.facets.iter().map(|f| Embedding { element: f.element + s.first_element, ..*f })).collect();
         let outward = sides.iter().flat_map(|s| s.trace.outward.iter().copied()).collect();
-        Self { space: Arc::new(Joined::new(parts, functions)), dofs, facets, outward }
+        Self { space: Arc::new(DirectSum::new(parts, functions)), dofs, facets, outward }
     }
 }
 

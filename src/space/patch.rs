@@ -1,7 +1,7 @@
 //! Spline patches: isogeometric analysis.
 
-use super::grid::{Grid, Merged, SideOf, merge, on_side};
-use super::{BasisKind, Body, Over, PatchSpec, Quality, SideError, Space, SpecError, Trace, quality};
+use super::grid::{ElementGrid, Merged, SideOf, merge, on_side};
+use super::{BasisKind, Body, FunctionSpace, PatchSpec, Quality, SideError, Space, SpecError, Trace, quality};
 use crate::basis::{BSpline, Basis, Rational, TensorProduct};
 use crate::geometry::Embedded;
 use crate::linalg::to_f64;
@@ -13,7 +13,7 @@ const SAME_WEIGHT: f64 = 1e-14;
 /// A spline patch: NURBS or B-splines over the exact coarse map of its geometry. (S, N) stands for (N - 1, N).
 #[derive(Clone, Debug)]
 pub struct Patch<const S: usize, const N: usize> {
-    grid: Grid<N>,
+    grid: ElementGrid<N>,
     axes: [BSpline<f64>; N],
     weights: Option<Vec<f64>>,
     merged: Merged,
@@ -37,7 +37,7 @@ impl<const S: usize, const N: usize> Patch<S, N> {
         {
             return Err(SpecError::Continuity { direction, continuity, degree: spec.degree[direction] });
         }
-        let grid = Grid::new(&spec.net, &spec.breakpoints)?;
+        let grid = ElementGrid::new(&spec.net, &spec.breakpoints)?;
         let axes: [BSpline<f64>; N] = std::array::from_fn(|k| axis(spec, k, &grid.breakpoints[k]));
         let weights = weights(spec, &axes)?;
         let product = TensorProduct::new(axes.clone());
@@ -47,7 +47,7 @@ impl<const S: usize, const N: usize> Patch<S, N> {
             Some(w) => merge::<N>(Rational::try_new::<N>(product, w.clone())?, &merged.id),
             None => merge::<N>(product, &merged.id),
         };
-        let space: Arc<dyn Space<N, N>> = Arc::new(Over { basis, geometry: grid.exact.clone() });
+        let space: Arc<dyn Space<N, N>> = Arc::new(FunctionSpace { basis, geometry: grid.exact.clone() });
         let quality = quality(&*space)?;
         Ok(Self { grid, axes, weights, merged, space, quality })
     }
@@ -118,7 +118,7 @@ impl<const S: usize, const N: usize> Body<S, N> for Patch<S, N> {
         };
         let facets = self.grid.facets::<S>(side);
         let geometry = Embedded::new(self.grid.exact.clone(), facets.clone(), crate::basis::Cell::Tensor);
-        Ok(Trace::on_boundary(&self.space, Arc::new(Over { basis, geometry }), dofs, facets))
+        Ok(Trace::on_boundary(&self.space, Arc::new(FunctionSpace { basis, geometry }), dofs, facets))
     }
 }
 

@@ -1,6 +1,6 @@
 //! The space on a side of a body, with the embedding of each of its elements in the body.
 
-use super::{Over, SideError, Space};
+use super::{FunctionSpace, SideError, Space};
 use crate::basis::{Cell, Order};
 use crate::geometry::{Bounds, ClosestPoint, Embedded, Embedding, MapTable, Oriented, Tree, cell, cross, unit_normal};
 use crate::linalg::{Matrix, Real, Vector, lit};
@@ -72,7 +72,7 @@ impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
         let corners = corner_ids(&**body, &facets, kind);
         let geometry = Embedded::new(body.clone(), facets.clone(), kind).with_corners(corners.clone());
         let (basis, dofs) = Embedded::new(body.clone(), facets.clone(), kind).with_corners(corners).restricted();
-        Ok(Self { space: Arc::new(Over { basis, geometry }), dofs, facets, outward })
+        Ok(Self { space: Arc::new(FunctionSpace { basis, geometry }), dofs, facets, outward })
     }
 
     /// Replaces the space on the elements of the side, for instance by a [`Deformed`](super::Deformed) one.

@@ -1,7 +1,7 @@
 //! The bulk loop, linear forms, projections and the reduction, on maps written down here.
 
 use faying::assembly::{
-    Coefficient, Equation, Fixed, Form, Pattern, Reduced, ReductionError, add_stiffness, dirichlet, errors, gauss_rules, load, mass,
+    Coefficient, Equation, Form, Pattern, Prescribed, Reduced, ReductionError, add_stiffness, dirichlet, errors, gauss_rules, load, mass,
     measure, stiffness, trace_load, trace_springs,
 };
 use faying::basis::{BSpline, Basis, Cell, Elements, LagrangeLine, Order, Polynomials, ShapeTable, TensorProduct};
@@ -11,7 +11,7 @@ use faying::linalg::{LinearError, LinearSolver, Matrix, Operator, Triplets, Vect
 use faying::physics::{
     Assumption, BodyFlux, Conductor, Elastic, Hooke, Jet, Material, MaterialError, Response, form, stress_at, von_mises,
 };
-use faying::space::{Field, Over, Space, Trace};
+use faying::space::{Field, FunctionSpace, Space, Trace};
 use std::sync::Arc;
 
 /// x = A s + b s_1 s_2 .. e_1 on a grid of equal elements, s in the unit cube; `shear` bends it.
@@ -56,16 +56,16 @@ impl<const N: usize> Geometry<N, N> for Bent<N> {
     }
 }
 
-fn splines<const N: usize>(degree: usize, elements: [usize; N], shear: f64) -> Over<TensorProduct<N, BSpline>, Bent<N>> {
+fn splines<const N: usize>(degree: usize, elements: [usize; N], shear: f64) -> FunctionSpace<TensorProduct<N, BSpline>, Bent<N>> {
     let axes = elements.map(|n| BSpline::uniform(degree, n, degree as isize - 1));
     let size = std::array::from_fn(|k| 1.0 + 0.5 * k as f64);
-    Over { basis: TensorProduct::new(axes), geometry: Bent { elements, size, shear } }
+    FunctionSpace { basis: TensorProduct::new(axes), geometry: Bent { elements, size, shear } }
 }
 
-fn lagrange<const N: usize>(degree: usize, elements: [usize; N], shear: f64) -> Over<TensorProduct<N, LagrangeLine>, Bent<N>> {
+fn lagrange<const N: usize>(degree: usize, elements: [usize; N], shear: f64) -> FunctionSpace<TensorProduct<N, LagrangeLine>, Bent<N>> {
     let axes = elements.map(|n| LagrangeLine::new(degree, n));
     let size = std::array::from_fn(|k| 1.0 + 0.5 * k as f64);
-    Over { basis: TensorProduct::new(axes), geometry: Bent { elements, size, shear } }
+    FunctionSpace { basis: TensorProduct::new(axes), geometry: Bent { elements, size, shear } }
 }
 
 /// The plain formula on dense matrices.
@@ -280,8 +280,8 @@ fn two_sides(degree: usize, elements: [usize; 2]) -> [Trace<1, 2>; 2] {
         origin: Vector::<2>::zeros(),
         axes: Matrix::<2, 1>::from_fn(|i, _| if i == along { 1.0 } else { 0.0 }),
     };
-    let bottom = Over { basis: axis(elements[0]), geometry: Line(elements[0], Vector::<2>::new(1.0, 0.0)) };
-    let left = Over { basis: axis(elements[1]), geometry: Line(elements[1], Vector::<2>::new(0.0, 1.5)) };
+    let bottom = FunctionSpace { basis: axis(elements[0]), geometry: Line(elements[0], Vector::<2>::new(1.0, 0.0)) };
+    let left = FunctionSpace { basis: axis(elements[1]), geometry: Line(elements[1], Vector::<2>::new(0.0, 1.5)) };
     let m = left.num_functions();
     [
         Trace {
@@ -306,9 +306,9 @@ fn one_projection_over_two_sides_meets_data_of_the_space_and_its_corner() {
         let [bottom, left] = two_sides(degree, [4, 3]);
         let data = |x: &Vector<2>| 1.0 + 2.0 * x[0] - x[0] * x[0] + 0.5 * x[1] * x[1];
         let conditions = [
-            Fixed { trace: &bottom, component: 0, value: Some(&data) },
-            Fixed { trace: &left, component: 0, value: Some(&data) },
-            Fixed { trace: &left, component: 1, value: None },
+            Prescribed { trace: &bottom, component: 0, value: Some(&data) },
+            Prescribed { trace: &left, component: 0, value: Some(&data) },
+            Prescribed { trace: &left, component: 1, value: None },
         ];
         let found = dirichlet(&conditions, Field { first: 100, components: 2 }, 0, &mut Dense).unwrap();
         assert!(found.windows(2).all(|w| w[0].0 < w[1].0));
@@ -333,13 +333,14 @@ fn one_projection_over_two_sides_meets_data_of_the_space_and_its_corner() {
 fn a_side_without_a_value_stays_zero_beside_data_that_is_not_in_the_space() {
     let [bottom, left] = two_sides(2, [4, 3]);
     let data = |x: &Vector<2>| (9.0 * x[0]).sin();
-    let conditions = [Fixed { trace: &bottom, component: 0, value: Some(&data) }, Fixed { trace: &left, component: 0, value: None }];
+    let conditions =
+        [Prescribed { trace: &bottom, component: 0, value: Some(&data) }, Prescribed { trace: &left, component: 0, value: None }];
     let found = dirichlet(&conditions, Field { first: 0, components: 1 }, 0, &mut Dense).unwrap();
     assert_eq!(found.len(), bottom.dofs.len() + left.dofs.len() - 1, "every function once");
     assert!(found.iter().filter(|f| left.dofs.contains(&f.0)).all(|f| f.1 == 0.0));
     // zero given as a value takes part in the projection instead
     let zero = |_: &Vector<2>| 0.0;
-    let joint = [conditions[0], Fixed { trace: &left, component: 0, value: Some(&zero) }];
+    let joint = [conditions[0], Prescribed { trace: &left, component: 0, value: Some(&zero) }];
     let joint = dirichlet(&joint, Field { first: 0, components: 1 }, 0, &mut Dense).unwrap();
     assert!(joint.iter().any(|f| left.dofs.contains(&f.0) && f.1 != 0.0));
 }
@@ -349,10 +350,11 @@ fn unequal_values_in_a_common_corner_are_reported_with_place_and_values() {
     let [bottom, left] = two_sides(2, [4, 3]);
     let (one, two) = (|_: &Vector<2>| 1.0, |_: &Vector<2>| 2.0);
     let field = Field { first: 0, components: 1 };
-    let conditions = [Fixed { trace: &bottom, component: 0, value: Some(&one) }, Fixed { trace: &left, component: 0, value: Some(&two) }];
+    let conditions =
+        [Prescribed { trace: &bottom, component: 0, value: Some(&one) }, Prescribed { trace: &left, component: 0, value: Some(&two) }];
     let text = dirichlet(&conditions, field, 0, &mut Dense).unwrap_err().to_string();
     assert!(text.contains("[0.0, 0.0, 0.0]") && text.contains("1e0 by condition 0 and 2e0 by condition 1"), "{text}");
-    let zero = [Fixed { trace: &bottom, component: 0, value: None }, Fixed { trace: &left, component: 0, value: Some(&two) }];
+    let zero = [Prescribed { trace: &bottom, component: 0, value: None }, Prescribed { trace: &left, component: 0, value: Some(&two) }];
     assert!(dirichlet(&zero, field, 0, &mut Dense).is_err());
 }
 

@@ -8,7 +8,7 @@ use faying::geometry::ControlPoints;
 use faying::linalg::{Cg, LinearSolver, Operator, Vector};
 use faying::physics::{Hooke, form};
 use faying::quadrature::{Quadrature, TensorRule};
-use faying::space::{Deformed, Over, Space};
+use faying::space::{Deformed, FunctionSpace, Space};
 use products::{Anyhow, Plain, coarse, forms, lagrange, largest, maps, net, noise, smooth, spline, weights};
 
 /// Entries may differ by this share of |A| |x|.
@@ -65,7 +65,7 @@ fn products_on_plane_patches_of_all_pairs_of_degrees_are_those_of_the_matrix() {
         for q in 1..=5 {
             let axes = || [spline(p, 4), spline(q, 6)];
             for geometry in maps(axes) {
-                let space = Over { basis: TensorProduct::new(axes()), geometry };
+                let space = FunctionSpace { basis: TensorProduct::new(axes()), geometry };
                 most = most.max(compare::<1, 2>(&space, &gauss_rules(&space, 0), &Form::laplace()));
             }
         }
@@ -79,7 +79,7 @@ fn products_on_solid_patches_of_mixed_degrees_are_those_of_the_matrix() {
     for p in [[1, 2, 3], [2, 3, 1], [3, 1, 2], [4, 5, 1], [1, 4, 5], [5, 1, 4], [3, 3, 3]] {
         let axes = || [spline(p[0], 2), spline(p[1], 4), spline(p[2], 4)];
         for geometry in maps(axes) {
-            let space = Over { basis: TensorProduct::new(axes()), geometry };
+            let space = FunctionSpace { basis: TensorProduct::new(axes()), geometry };
             most = most.max(compare::<1, 3>(&space, &gauss_rules(&space, 0), &Form::laplace()));
         }
     }
@@ -91,11 +91,11 @@ fn all_kinds_of_coefficients_act_as_in_the_matrix() {
     let mut most = 0.0f64;
     let axes = || [smooth(2, 4), spline(3, 4)];
     for geometry in maps(axes) {
-        most = most.max(all_forms(&Over { basis: TensorProduct::new(axes()), geometry }));
+        most = most.max(all_forms(&FunctionSpace { basis: TensorProduct::new(axes()), geometry }));
     }
     let axes = || [spline(2, 2), smooth(1, 2), smooth(3, 2)];
     for geometry in maps(axes) {
-        most = most.max(all_forms(&Over { basis: TensorProduct::new(axes()), geometry }));
+        most = most.max(all_forms(&FunctionSpace { basis: TensorProduct::new(axes()), geometry }));
     }
     println!("coefficients: apart by {most:.1e} at most");
 }
@@ -126,13 +126,13 @@ fn rational_functions_act_as_in_the_matrix() {
     for geometry in maps(axes) {
         let product = TensorProduct::new(axes());
         let w = weights(product.num_functions());
-        most = most.max(all_forms(&Over { basis: Rational::new::<2>(product, w), geometry }));
+        most = most.max(all_forms(&FunctionSpace { basis: Rational::new::<2>(product, w), geometry }));
     }
     let axes = || [spline(1, 2), smooth(2, 2), spline(3, 2)];
     for geometry in maps(axes) {
         let product = TensorProduct::new(axes());
         let w = weights(product.num_functions());
-        most = most.max(all_forms(&Over { basis: Rational::new::<3>(product, w), geometry }));
+        most = most.max(all_forms(&FunctionSpace { basis: Rational::new::<3>(product, w), geometry }));
     }
     println!("rational: apart by {most:.1e} at most");
 }
@@ -170,7 +170,7 @@ fn operators_keep_the_contract_on_patches_and_on_cells() {
     let axes = || [spline(2, 3), smooth(3, 3)];
     let product = || TensorProduct::new(axes());
     let points = net(&axes());
-    all::<1, 2>(&Over { basis: product(), geometry: Anyhow(ControlPoints { basis: product(), points: points.clone() }) });
+    all::<1, 2>(&FunctionSpace { basis: product(), geometry: Anyhow(ControlPoints { basis: product(), points: points.clone() }) });
     all::<2, 2>(&ControlPoints { basis: Rational::new::<2>(product(), weights(points.len())), points });
     let axes = || [smooth(1, 2), spline(2, 2), smooth(2, 2)];
     all::<3, 3>(&ControlPoints { basis: TensorProduct::new(axes()), points: net(&axes()) });

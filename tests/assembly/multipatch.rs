@@ -8,7 +8,8 @@ use faying::geometry::{ControlNet, shapes};
 use faying::linalg::{Matrix, Vector};
 use faying::physics::Hooke;
 use faying::space::{
-    Body, Field, GlueError, Locator, Mesh, MultiPatch, MultiPatchError, Near, Over, Patch, PatchSpec, Seam, SideError, field_at, glue,
+    Body, Field, FunctionSpace, GlueError, Locator, Mesh, MultiPatch, MultiPatchError, Near, Patch, PatchSpec, Seam, SideError, field_at,
+    glue,
 };
 use std::sync::Arc;
 
@@ -317,7 +318,7 @@ fn functions_of_any_sign_and_order_find_their_partners() {
     let sign = |i: usize| if i % 3 == 1 { -1.0 } else { 1.0 + i as f64 };
     let place = |i: usize| (i * 2 + 3) % n;
     let basis = Extracted::new::<1>(a.space.clone(), n, (0..n).map(|i| vec![(place(i), sign(i))]).collect());
-    let mut strange = a.with_space(Arc::new(Over { basis, geometry: a.space.clone() }));
+    let mut strange = a.with_space(Arc::new(FunctionSpace { basis, geometry: a.space.clone() }));
     for i in 0..n {
         strange.dofs[place(i)] = 100 + i;
     }

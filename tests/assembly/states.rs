@@ -9,7 +9,7 @@ use faying::assembly::{
 use faying::basis::{Rational, TensorProduct};
 use faying::geometry::{ControlPoints, shapes};
 use faying::linalg::{Matrix, Operator, Vector};
-use faying::space::{BasisKind, Body, FieldAt, Mapping, Mesh, MultiPatch, Near, Over, Patch, PatchSpec, Seam, Space};
+use faying::space::{BasisKind, Body, FieldAt, FunctionSpace, Mapping, Mesh, MultiPatch, Near, Patch, PatchSpec, Seam, Space};
 use plain::{Plain, apart, largest};
 use products::{maps, net, noise, smooth, spline, weights};
 use std::sync::Arc;
@@ -111,12 +111,12 @@ fn product(a: &dyn Operator, x: &[f64]) -> Vec<f64> {
 fn plane(visit: &mut dyn FnMut(&dyn Space<2, 2>, &str)) {
     let axes = || [smooth(2, 4), spline(3, 6)];
     for (k, geometry) in maps(axes).into_iter().enumerate() {
-        visit(&Over { basis: TensorProduct::new(axes()), geometry }, &format!("splines on map {k}"));
+        visit(&FunctionSpace { basis: TensorProduct::new(axes()), geometry }, &format!("splines on map {k}"));
     }
     for (k, geometry) in maps(axes).into_iter().enumerate() {
         let product = TensorProduct::new(axes());
         let w = weights(faying::basis::Basis::num_functions(&product));
-        visit(&Over { basis: Rational::new::<2>(product, w), geometry }, &format!("rational functions on map {k}"));
+        visit(&FunctionSpace { basis: Rational::new::<2>(product, w), geometry }, &format!("rational functions on map {k}"));
     }
     let ring = shapes::annulus_sector([0.0; 2], [1.0, 2.0], [0.0, 90.0]).unwrap();
     let disc = shapes::disc_sector([0.0; 2], 1.0, [0.0, 90.0]).unwrap();
@@ -138,7 +138,7 @@ fn solid(visit: &mut dyn FnMut(&dyn Space<3, 3>, &str)) {
     for (k, geometry) in maps(axes).into_iter().enumerate() {
         let product = TensorProduct::new(axes());
         let w = weights(faying::basis::Basis::num_functions(&product));
-        visit(&Over { basis: Rational::new::<3>(product, w), geometry }, &format!("rational functions on map {k}"));
+        visit(&FunctionSpace { basis: Rational::new::<3>(product, w), geometry }, &format!("rational functions on map {k}"));
     }
     let body = |x: f64| {
         let brick = shapes::brick([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]).unwrap();

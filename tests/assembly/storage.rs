@@ -147,7 +147,7 @@ fn reduction_keeps_blocks_where_nodes_are_held_as_a_whole() {
     let net = faying::geometry::shapes::brick([0.0; 3], [1.0; 3]).unwrap();
     let patch = Patch::<2, 3>::try_new(&PatchSpec::new(net).with_degree([2; 3]).with_elements([2; 3])).unwrap();
     let k = stiffness(patch.space(), &gauss_rules(patch.space(), 0), &form(&Hooke::<3>::solid(1.0, 0.3).unwrap()).unwrap());
-    let single = scattered(&k).with_places(k.places().to_vec());
+    let single = scattered(&k).with_dof_coordinates(k.places().to_vec());
     let n = k.num_rows();
     let f: Vec<f64> = (0..2 * n).map(|i| (i as f64).sin()).collect();
     let whole: Vec<(usize, f64)> = (0..30).chain(n + 60..n + 75).map(|i| (i, 0.1 * i as f64)).collect();

@@ -9,7 +9,7 @@ use faying::geometry::ControlPoints;
 use faying::linalg::{Matrix, Vector};
 use faying::physics::{Hooke, form};
 use faying::quadrature::{Quadrature, TensorRule};
-use faying::space::{Body, Deformed, Mapping, Mesh, Over, Space};
+use faying::space::{Body, Deformed, FunctionSpace, Mapping, Mesh, Space};
 use products::{Plain, coarse, forms, lagrange, largest, maps, net, noise, smooth, spline, weights};
 
 const SAME: f64 = 1e-13;
@@ -75,7 +75,7 @@ fn sums_on_patches_of_all_degrees_are_those_of_the_plain_loops() {
         for q in 1..=5 {
             let axes = || [spline(p, 4), spline(q, 6)];
             for geometry in maps(axes) {
-                let space = Over { basis: TensorProduct::new(axes()), geometry };
+                let space = FunctionSpace { basis: TensorProduct::new(axes()), geometry };
                 most = most.max(compare::<1, 2>(&space, &gauss_rules(&space, 0), &Form::laplace()));
             }
         }
@@ -83,7 +83,7 @@ fn sums_on_patches_of_all_degrees_are_those_of_the_plain_loops() {
     for p in [[1, 2, 3], [2, 3, 1], [4, 5, 1], [1, 4, 5], [5, 1, 4], [3, 3, 3]] {
         let axes = || [spline(p[0], 2), spline(p[1], 4), spline(p[2], 4)];
         for geometry in maps(axes) {
-            let space = Over { basis: TensorProduct::new(axes()), geometry };
+            let space = FunctionSpace { basis: TensorProduct::new(axes()), geometry };
             most = most.max(compare::<1, 3>(&space, &gauss_rules(&space, 0), &Form::laplace()));
         }
     }
@@ -95,21 +95,21 @@ fn sums_with_all_kinds_of_coefficients_and_functions_are_those_of_the_plain_loop
     let mut most = 0.0f64;
     let axes = || [smooth(2, 4), spline(3, 4)];
     for geometry in maps(axes) {
-        most = most.max(all_forms(&Over { basis: TensorProduct::new(axes()), geometry }));
+        most = most.max(all_forms(&FunctionSpace { basis: TensorProduct::new(axes()), geometry }));
     }
     for geometry in maps(axes) {
         let product = TensorProduct::new(axes());
         let w = weights(product.num_functions());
-        most = most.max(all_forms(&Over { basis: Rational::new::<2>(product, w), geometry }));
+        most = most.max(all_forms(&FunctionSpace { basis: Rational::new::<2>(product, w), geometry }));
     }
     let axes = || [spline(2, 2), smooth(1, 2), smooth(3, 2)];
     for geometry in maps(axes) {
-        most = most.max(all_forms(&Over { basis: TensorProduct::new(axes()), geometry }));
+        most = most.max(all_forms(&FunctionSpace { basis: TensorProduct::new(axes()), geometry }));
     }
     for geometry in maps(axes) {
         let product = TensorProduct::new(axes());
         let w = weights(product.num_functions());
-        most = most.max(all_forms(&Over { basis: Rational::new::<3>(product, w), geometry }));
+        most = most.max(all_forms(&FunctionSpace { basis: Rational::new::<3>(product, w), geometry }));
     }
     let axes = || [coarse(6), smooth(3, 4)];
     most = most.max(all_forms(&ControlPoints { basis: TensorProduct::new(axes()), points: net(&axes()) }));

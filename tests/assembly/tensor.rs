@@ -8,7 +8,7 @@ use faying::geometry::ControlPoints;
 use faying::linalg::{Csr, Vector};
 use faying::physics::{Hooke, form};
 use faying::quadrature::{PerElement, Quadrature, TensorRule};
-use faying::space::{Deformed, Field, FieldAt, Over, Space, field_at};
+use faying::space::{Deformed, Field, FieldAt, FunctionSpace, Space, field_at};
 use products::{Plain, apart, coarse, forms, lagrange, maps, net, noise, smooth, spline, weights};
 use states::states_are_those_of_each_element;
 use std::sync::Arc;
@@ -69,7 +69,7 @@ fn plane_patches_of_all_pairs_of_degrees_equal_the_plain_loop() {
         for q in 1..=5 {
             let axes = || [spline(p, 4), spline(q, 6)];
             for geometry in maps(axes) {
-                let space = Over { basis: TensorProduct::new(axes()), geometry };
+                let space = FunctionSpace { basis: TensorProduct::new(axes()), geometry };
                 most = most.max(compare::<1, 2>(&space, &gauss_rules(&space, 0), &Form::laplace()));
             }
         }
@@ -83,7 +83,7 @@ fn solid_patches_of_mixed_degrees_equal_the_plain_loop() {
     for p in [[1, 2, 3], [2, 3, 1], [3, 1, 2], [4, 5, 1], [1, 4, 5], [5, 1, 4], [3, 3, 3]] {
         let axes = || [spline(p[0], 2), spline(p[1], 4), spline(p[2], 2)];
         for geometry in maps(axes) {
-            let space = Over { basis: TensorProduct::new(axes()), geometry };
+            let space = FunctionSpace { basis: TensorProduct::new(axes()), geometry };
             most = most.max(compare::<1, 3>(&space, &gauss_rules(&space, 0), &Form::laplace()));
         }
     }
@@ -95,11 +95,11 @@ fn all_kinds_of_coefficients_equal_the_plain_loop_in_the_plane_and_in_space() {
     let mut most = 0.0f64;
     let axes = || [smooth(2, 4), spline(3, 4)];
     for geometry in maps(axes) {
-        most = most.max(all_forms(&Over { basis: TensorProduct::new(axes()), geometry }));
+        most = most.max(all_forms(&FunctionSpace { basis: TensorProduct::new(axes()), geometry }));
     }
     let axes = || [spline(2, 2), smooth(1, 2), smooth(3, 2)];
     for geometry in maps(axes) {
-        most = most.max(all_forms(&Over { basis: TensorProduct::new(axes()), geometry }));
+        most = most.max(all_forms(&FunctionSpace { basis: TensorProduct::new(axes()), geometry }));
     }
     println!("coefficients: apart by {most:.1e} at most");
 }
@@ -127,13 +127,13 @@ fn rational_functions_equal_the_plain_loop() {
     for geometry in maps(axes) {
         let product = TensorProduct::new(axes());
         let w = weights(product.num_functions());
-        most = most.max(all_forms(&Over { basis: Rational::new::<2>(product, w), geometry }));
+        most = most.max(all_forms(&FunctionSpace { basis: Rational::new::<2>(product, w), geometry }));
     }
     let axes = || [spline(1, 2), smooth(2, 2), spline(3, 2)];
     for geometry in maps(axes) {
         let product = TensorProduct::new(axes());
         let w = weights(product.num_functions());
-        most = most.max(all_forms(&Over { basis: Rational::new::<3>(product, w), geometry }));
+        most = most.max(all_forms(&FunctionSpace { basis: Rational::new::<3>(product, w), geometry }));
     }
     println!("rational: apart by {most:.1e} at most");
 }
@@ -148,13 +148,13 @@ fn mass_matrices_equal_the_plain_loop() {
     }
     let axes = || [spline(2, 4), lagrange(3, 4)];
     for geometry in maps(axes) {
-        both(&Over { basis: TensorProduct::new(axes()), geometry });
+        both(&FunctionSpace { basis: TensorProduct::new(axes()), geometry });
     }
     let axes = || [smooth(2, 2), spline(3, 4), lagrange(1, 2)];
     for geometry in maps(axes) {
         let product = TensorProduct::new(axes());
         let w = weights(product.num_functions());
-        both(&Over { basis: Rational::new::<3>(product, w), geometry });
+        both(&FunctionSpace { basis: Rational::new::<3>(product, w), geometry });
     }
 }
 
@@ -172,7 +172,7 @@ fn rules_with_other_numbers_of_points_per_direction_and_deformed_maps_equal_the_
 fn a_patch_whose_elements_have_different_rules_is_integrated_with_each_of_them() {
     let axes = || [spline(2, 4), spline(3, 3)];
     for geometry in maps(axes) {
-        let space = Over { basis: TensorProduct::new(axes()), geometry };
+        let space = FunctionSpace { basis: TensorProduct::new(axes()), geometry };
         let kinds: Vec<Arc<dyn Quadrature<2>>> = vec![Arc::new(TensorRule::gauss([3, 4])), Arc::new(TensorRule::gauss([2, 5]))];
         let last = PerElement::new(kinds.clone(), (0..12).map(|e| usize::from(e == 11)).collect());
         let one = PerElement::new(kinds, vec![1; 12]);
@@ -275,7 +275,7 @@ fn degrees_beyond_the_kernels_and_permuted_blocks_take_the_plain_loop() {
     }
     let axes = || [smooth(2, 3), smooth(2, 4)];
     let geometry = ControlPoints { basis: TensorProduct::new(axes()), points: net(&axes()) };
-    let space = Over { basis: Turned(TensorProduct::new(axes())), geometry };
+    let space = FunctionSpace { basis: Turned(TensorProduct::new(axes())), geometry };
     let rules = gauss_rules(&space, 0);
     assert_eq!(stiffness(&space, &rules, &laplace).vals(), stiffness(&Plain(&space), &rules, &laplace).vals());
 }

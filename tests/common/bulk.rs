@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, dead_code)]
 
-use faying::assembly::{Equation, Errors, Fixed, Reduced, dirichlet, errors, gauss_rules, load, stiffness, trace_load};
+use faying::assembly::{Equation, Errors, Prescribed, Reduced, dirichlet, errors, gauss_rules, load, stiffness, trace_load};
 use faying::linalg::{Csr, Ldlt, LinearSolver, Matrix, Vector};
 use faying::physics::{Material, form};
 use faying::space::{Body, Field, Trace, field_at};
@@ -101,9 +101,9 @@ impl<'a, const C: usize, const N: usize> Problem<'a, C, N> {
         let fixed: Vec<(Trace<S, N>, usize)> = self.fixed.iter().map(|(side, c)| (of(side), *c)).collect();
         let exact = self.exact;
         let values: Vec<_> = (0..C).map(|c| move |x: &Vector<N>| exact(x).0[c]).collect();
-        let mut conditions: Vec<Fixed<'_, S, N>> =
-            held.iter().map(|(trace, c)| Fixed { trace, component: *c, value: Some(&values[*c]) }).collect();
-        conditions.extend(fixed.iter().map(|(trace, c)| Fixed { trace, component: *c, value: None }));
+        let mut conditions: Vec<Prescribed<'_, S, N>> =
+            held.iter().map(|(trace, c)| Prescribed { trace, component: *c, value: Some(&values[*c]) }).collect();
+        conditions.extend(fixed.iter().map(|(trace, c)| Prescribed { trace, component: *c, value: None }));
         dirichlet(&conditions, Field { first: 0, components: C }, self.extra, &mut Ldlt::new()).unwrap()
     }
 }

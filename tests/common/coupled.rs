@@ -1,7 +1,7 @@
 //! Two bodies in one system: what the tied and the contact tests share.
 #![allow(dead_code, clippy::unwrap_used)]
 
-use faying::assembly::{Fixed, Form, Reduced, dirichlet, errors, gauss_rules, stiffness};
+use faying::assembly::{Form, Prescribed, Reduced, dirichlet, errors, gauss_rules, stiffness};
 use faying::basis::Basis;
 use faying::basis::Cell;
 use faying::basis::Order;
@@ -97,8 +97,8 @@ impl<const C: usize> Bodies<C> {
     pub fn fix(&mut self, body: usize, sides: &[(&str, usize)], value: Formula<'_, C>) {
         let traces: Vec<(Trace<1, 2>, usize)> = sides.iter().map(|&(s, c)| (self.trace(body, s), c)).collect();
         let values: Vec<_> = (0..C).map(|c| move |x: &Vector<2>| value(x)[c]).collect();
-        let conditions: Vec<Fixed<'_, 1, 2>> =
-            traces.iter().map(|(trace, c)| Fixed { trace, component: *c, value: Some(&values[*c]) }).collect();
+        let conditions: Vec<Prescribed<'_, 1, 2>> =
+            traces.iter().map(|(trace, c)| Prescribed { trace, component: *c, value: Some(&values[*c]) }).collect();
         let found = dirichlet(&conditions, self.fields[body], self.extra, &mut Ldlt::new()).unwrap();
         self.prescribed.extend(found);
     }

@@ -4,7 +4,9 @@ use faying::basis::{BSpline, Basis, Cell, Elements, LagrangeLine, Order, Polynom
 use faying::check;
 use faying::geometry::{Bounds, ControlNet, ControlPoints, Embedded, Embedding, Geometry, MapTable, shapes};
 use faying::linalg::{Matrix, Vector};
-use faying::space::{BasisKind, Body, Deformed, Mapping, Mesh, Over, Patch, PatchSpec, SideError, Space, SpecError, Trace, refine};
+use faying::space::{
+    BasisKind, Body, Deformed, FunctionSpace, Mapping, Mesh, Patch, PatchSpec, SideError, Space, SpecError, Trace, refine,
+};
 use std::sync::Arc;
 
 /// A few plane geometries: straight, curved, left-handed, closed, collapsed, with a kink.
@@ -264,7 +266,7 @@ fn maps_of_curves_keep_the_contract_in_double_and_single_precision() {
     let single: Vec<Vector<2, f32>> = points.iter().map(|p| p.map(|v| v as f32)).collect();
     let basis = TensorProduct::<1, _, f32>::new([BSpline::<f32>::uniform(3, 4, 2)]);
     check::space::<1, 2, f32, _>(&ControlPoints { basis: basis.clone(), points: single.clone() }).unwrap();
-    let over = Over { geometry: ControlPoints { basis: basis.clone(), points: single }, basis };
+    let over = FunctionSpace { geometry: ControlPoints { basis: basis.clone(), points: single }, basis };
     check::space::<1, 2, f32, _>(&over).unwrap();
 }
 

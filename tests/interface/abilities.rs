@@ -2,8 +2,8 @@
 
 use faying::check;
 use faying::constraint::{
-    Abilities, ActiveSet, Augmented, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, Free, Krylov, Outer,
-    Schur, SolveError,
+    Abilities, ActiveSet, Augmented, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, Krylov, Outer,
+    PenaltyElimination, Schur, SolveError,
 };
 use faying::linalg::Limits;
 
@@ -38,7 +38,7 @@ fn solvers_say_what_they_solve_and_solve_what_they_say() {
         assert_eq!(uzawa.abilities(), ROWS);
     }
     // it solves no exact rows
-    assert_eq!(Free::new().abilities(), ROWS);
+    assert_eq!(PenaltyElimination::new().abilities(), ROWS);
 }
 
 /// A solver that says other things of itself than are true.

@@ -5,7 +5,7 @@ use coupled::{Bodies, KINDS, Kind};
 use faying::assembly::{gauss_rules, trace_load};
 use faying::basis::Basis;
 use faying::constraint::{ActiveSet, Condensed, ConstrainedSolution, ConstraintSolver, Direct};
-use faying::contact::{ClosedSide, ContactRows, HalfPlane, Obstacle, Opponent, Surface, Transmitted, half_width};
+use faying::contact::{ClosedSide, ContactResultants, ContactRows, HalfPlane, Obstacle, Opponent, Surface, half_width};
 use faying::coupling::interface::{MergedCurve, slave_segments};
 use faying::coupling::multiplier::{MultiplierKind, build};
 use faying::coupling::{InterfaceQuadrature, Side};
@@ -33,7 +33,7 @@ fn press(model: &mut Bodies<2>, body: usize, side: &str, p: f64) {
 
 struct Pressed {
     solution: ConstrainedSolution,
-    transmitted: Transmitted<2>,
+    transmitted: ContactResultants<2>,
     contact: ContactRows<1, 2>,
 }
 

@@ -13,7 +13,7 @@ use faying::geometry::shapes::rectangle;
 use faying::linalg::{LinearError, Vector};
 use faying::physics::Hooke;
 use faying::problem::{BodyId, Components, ErrorKind, Problem, ProblemError, Rule, StepError};
-use faying::space::{Body, Field, Over, Patch, PatchSpec, SideError, Space, Trace};
+use faying::space::{Body, Field, FunctionSpace, Patch, PatchSpec, SideError, Space, Trace};
 use std::sync::Arc;
 
 /// The functions of a space with a fault.
@@ -76,7 +76,7 @@ struct FaultyBody {
 impl FaultyBody {
     fn new(inner: Box<dyn Body<1, 2>>, fault: &'static str) -> Self {
         let own = Arc::clone(inner.space());
-        Self { space: Arc::new(Over { basis: Faulty(Arc::clone(&own), fault), geometry: own }), inner }
+        Self { space: Arc::new(FunctionSpace { basis: Faulty(Arc::clone(&own), fault), geometry: own }), inner }
     }
 }
 

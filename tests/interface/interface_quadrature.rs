@@ -3,7 +3,7 @@
 use faying::assembly::gauss_rules;
 use faying::basis::{BSpline, Basis, Elements, Order, ShapeTable};
 use faying::check::{SegmentLimits, coupling, interface_quadrature, obstacle};
-use faying::contact::{Frames, HalfPlane, Hit, Moved, Obstacle, Sphere, Surface};
+use faying::contact::{ContactKinematics, HalfPlane, Hit, Moved, Obstacle, Sphere, Surface};
 use faying::coupling::interface::{Chain, MasterSums, MergedCurve, SlaveRule, Tolerance, crossing, slave_segments};
 use faying::coupling::multiplier::{Ends, MultiplierError, MultiplierKind, build, side_ends};
 use faying::coupling::{Coupling, CouplingError, Interface, InterfaceQuadrature, Mortar, Side};
@@ -11,7 +11,7 @@ use faying::geometry::shapes::rectangle;
 use faying::geometry::{Bounds, ControlPoints, Geometry, MapTable};
 use faying::linalg::Vector;
 use faying::quadrature::{PerElement, Quadrature, TensorRule};
-use faying::space::{Body, Field, Over, Patch, PatchSpec, Space, Trace};
+use faying::space::{Body, Field, FunctionSpace, Patch, PatchSpec, Space, Trace};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -107,7 +107,7 @@ fn spline_on(breakpoints: &[f64], degree: usize, shape: Shape, reversed: bool) -
         own = own.iter().rev().map(|t| 1.0 - t).collect();
     }
     let basis = BSpline::<f64>::from_breakpoints(degree, &own, &vec![degree as isize - 1; own.len() - 2]);
-    Arc::new(Over { basis, geometry: curve })
+    Arc::new(FunctionSpace { basis, geometry: curve })
 }
 
 /// A side without a body behind it: all that mortar rows need.
@@ -271,8 +271,8 @@ fn kinked_facets_of_one_arc_are_paired_within_a_quarter_of_an_element() {
         for reversed in [false, true] {
             let (mut a, mut b) = (Curve::new(&uniform(n), arc, false), Curve::new(&uniform(m), arc, reversed));
             (a.facet_degree, b.facet_degree) = (p, q);
-            let slave = Over { basis: BSpline::<f64>::uniform(1, n, 0), geometry: a };
-            let master = Over { basis: BSpline::<f64>::uniform(1, m, 0), geometry: b };
+            let slave = FunctionSpace { basis: BSpline::<f64>::uniform(1, n, 0), geometry: a };
+            let master = FunctionSpace { basis: BSpline::<f64>::uniform(1, m, 0), geometry: b };
             let rules = [gauss(8, n), gauss(8, m)];
             let rule = MergedCurve::tied(8, Tolerance::Local);
             // the sagitta of a chord: h^2 / 8 r; columns agree to the gap only
@@ -539,7 +539,7 @@ fn faults_of_obstacles_are_found_by_their_checker_and_where_contact_meets_them()
     let square = Patch::<1, 2>::try_new(&PatchSpec::new(rectangle([0.0, 0.0], [1.0, 1.0]).unwrap())).unwrap();
     let mut trace = square.trace("v0").unwrap();
     let segments = slave_segments(&*trace.space, &gauss_rules(&*trace.space, 0));
-    let frames = |trace: &Trace<1, 2>, fault| Frames::against_obstacle(trace, &Faulty(plane, fault), &segments, None);
+    let frames = |trace: &Trace<1, 2>, fault| ContactKinematics::against_obstacle(trace, &Faulty(plane, fault), &segments, None);
     assert_eq!(frames(&trace, |_| {}).unwrap().1.x.len(), segments.ds.len());
     assert!(matches!(frames(&trace, |hit| hit.normal *= 3.0), Err(CouplingError::Missing(text)) if text.contains("length 3")));
     // a side whose normal points into its body faces nothing

@@ -60,7 +60,7 @@ fn obstacle() -> Obstacle {
         }
     }
     Obstacle {
-        stiffness: k.to_csr().with_places(places),
+        stiffness: k.to_csr().with_dof_coordinates(places),
         load: vec![-10.0 * h * h; n], // ∫ f N_i of an interior node
         rows: Rows { slave, master: Triplets::new(n, n) },
         offset,

@@ -675,16 +675,16 @@ fn grid(n: [usize; 3], components: usize, map: impl Fn([f64; 3]) -> [f64; 3]) ->
             }
         }
     }
-    Csr::from_parts(total, ptr, cols, vals).with_places(places)
+    Csr::from_parts(total, ptr, cols, vals).with_dof_coordinates(places)
 }
 
 /// Numbers in the factor with dissection and with minimum degree.
 fn fills(a: &Csr) -> (usize, usize) {
     let (mut with, mut without) = (Ldlt::new(), Ldlt::new());
     with.prepare(a).unwrap();
-    assert!(with.dissected());
-    without.prepare(&a.clone().with_places(Vec::new())).unwrap();
-    assert!(!without.dissected());
+    assert!(with.uses_nested_dissection());
+    without.prepare(&a.clone().with_dof_coordinates(Vec::new())).unwrap();
+    assert!(!without.uses_nested_dissection());
     (with.factor_entries(), without.factor_entries())
 }
 
@@ -718,7 +718,7 @@ fn unknowns_without_places_of_their_own_are_not_dissected() {
     assert!(ordering::nested_dissection(&ptr, &cols, b.places()).is_none());
     let mut solver = Ldlt::new();
     solver.prepare(&b).unwrap();
-    assert!(!solver.dissected());
+    assert!(!solver.uses_nested_dissection());
 }
 
 /// An unknown tied to all others (the motion of a rigid body) comes last and does not spoil the rest.
@@ -736,7 +736,7 @@ fn an_unknown_tied_to_all_others_comes_last() {
     all.push(n, n, 1e3);
     let mut places = a.places().to_vec();
     places.push([0.5, 0.5, 1.0]);
-    let b = all.to_csr().with_places(places);
+    let b = all.to_csr().with_dof_coordinates(places);
     let (ptr, cols) = usizes(&b);
     let order = ordering::nested_dissection(&ptr, &cols, b.places()).unwrap();
     assert_eq!(order[n], n);

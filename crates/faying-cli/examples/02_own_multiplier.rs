@@ -155,7 +155,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         use faying::problem::Multiplier;
         use faying_cli::infsup::{InfSupOptions, constants};
         use faying_cli::{Case, case::ReadOptions};
-        use faying_cli::{Registry, Status, Watch};
+        use faying_cli::{Registry, RunControl, Status};
 
         let mut registry = Registry::default();
         registry.plane.multipliers.add(
@@ -186,7 +186,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
                 );
                 assert!(result.status == Status::Ok && error < 1e-3);
                 // what `faying infsup` prints
-                for found in constants(&seam, &registry, &InfSupOptions::default(), &Watch::default())? {
+                for found in constants(&seam, &registry, &InfSupOptions::default(), &RunControl::default())? {
                     println!("            beta {:.4} on {} elements of {}", found.found.beta, found.elements, found.side);
                     assert!(found.found.beta > 0.5);
                 }

@@ -111,7 +111,7 @@ impl Diagnostic {
     }
 
     /// Adds a place in a source, with its snippet.
-    pub fn at(mut self, source: &Source, place: Place) -> Self {
+    pub fn at(mut self, source: &CaseText, place: Place) -> Self {
         match place.origin {
             Origin::Set(k) => {
                 self.file = Some(source.sets.get(k).map_or_else(|| "--set".to_owned(), |s| format!("--set {s}")));
@@ -206,7 +206,7 @@ impl Serialize for Diagnostic {
 
 /// The text of a case with its name and its `--set` options: the source of all places.
 #[derive(Clone, Debug, Default)]
-pub struct Source {
+pub struct CaseText {
     /// Name of the file as the user wrote it.
     pub name: String,
     /// Its lines.

@@ -55,4 +55,4 @@ pub use place::{Located, Place};
 pub use registry::{Family, Fault, MakeSolver, Names, Registry, SolverOptions, UnknownName};
 pub use result::{RunResult, Status};
 pub use result_schema::result_schema;
-pub use watch::{Progress, Stop, Watch};
+pub use watch::{Progress, RunControl, Stop};

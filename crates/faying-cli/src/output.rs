@@ -18,7 +18,7 @@ pub struct RunOptions {
 
 /// Outcome of a run, successful or not: its numbers and the data of its files.
 ///
-/// The command line calls `run::run(&Case, &Registry, &RunOptions, &Watch) -> Finished` for `faying run` and
+/// The command line calls `run::run(&Case, &Registry, &RunOptions, &RunControl) -> Finished` for `faying run` and
 /// `run::check(..) -> Finished` (same arguments) for `faying check`; all errors are in `result.diagnostics`, all warnings,
 /// those of the case included, in `result.warnings`.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! Progress callbacks and cancellation.
 
-use faying::linalg::StopSign;
+use faying::linalg::Cancellation;
 use std::fmt::Debug;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -50,7 +50,7 @@ pub enum Stop {
 
 /// Progress listener, limits and cancellation flag of a run. The default has no listener and never stops a run.
 #[derive(Default)]
-pub struct Watch {
+pub struct RunControl {
     /// Set by the caller to end the run.
     pub interrupted: Arc<AtomicBool>,
     /// Time at which the run must end, with the limit in seconds.
@@ -62,13 +62,13 @@ pub struct Watch {
     pub listener: Option<Box<dyn Fn(Progress<'_>) + Send + Sync>>,
 }
 
-impl Debug for Watch {
+impl Debug for RunControl {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Watch").field("deadline", &self.deadline).field("max_memory", &self.max_memory).finish_non_exhaustive()
     }
 }
 
-impl Watch {
+impl RunControl {
     /// Passes `news` to the listener, if there is one.
     pub fn report(&self, news: Progress<'_>) {
         if let Some(listener) = &self.listener {
@@ -82,9 +82,9 @@ impl Watch {
     }
 
     /// Stopping criterion for iterative solvers, evaluated in every iteration.
-    pub fn stop_sign(&self) -> StopSign {
+    pub fn stop_sign(&self) -> Cancellation {
         let (interrupted, deadline) = (Arc::clone(&self.interrupted), self.deadline);
-        StopSign::new(move || interrupted.load(Ordering::Relaxed) || deadline.is_some_and(|(end, _)| Instant::now() >= end))
+        Cancellation::new(move || interrupted.load(Ordering::Relaxed) || deadline.is_some_and(|(end, _)| Instant::now() >= end))
     }
 
     /// Returns the reason to stop now, if any; called between phases, steps and iterations.

@@ -7,7 +7,7 @@
 use super::budget::Budget;
 use super::sides::SIDES;
 use super::text::{Words, broken, check_knots, check_weights, shown, unsupported};
-use super::xml::{self, Node};
+use super::xml::{self, XmlElement};
 use super::{FileError, Format, Label, Limits, PatchSide, SplineFile, SplinePatch};
 use std::collections::BTreeMap;
 
@@ -54,7 +54,7 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<SplineFile, FileError> {
 }
 
 /// Error for a file without geometry.
-fn nothing(root: &Node<'_>) -> FileError {
+fn nothing(root: &XmlElement<'_>) -> FileError {
     match root.named("Basis").next() {
         Some(basis) => match basis.attribute("type") {
             Some(kind) if hierarchical(kind) => unsupported(basis.line, format!("a THB-spline basis ({})", shown(kind.as_bytes()))),
@@ -69,19 +69,19 @@ fn hierarchical(kind: &str) -> bool {
 }
 
 /// A whole number in an attribute.
-fn whole(node: &Node<'_>, name: &str) -> Result<Option<i64>, FileError> {
+fn whole(node: &XmlElement<'_>, name: &str) -> Result<Option<i64>, FileError> {
     let Some(text) = node.attribute(name) else { return Ok(None) };
     let value = text.trim().parse();
     value.map(Some).map_err(|_| broken(node.line, format!("{name} must be a whole number, found \"{}\"", shown(text.as_bytes()))))
 }
 
-fn natural(node: &Node<'_>, name: &str) -> Result<Option<usize>, FileError> {
+fn natural(node: &XmlElement<'_>, name: &str) -> Result<Option<usize>, FileError> {
     let value = whole(node, name)?;
     value.map(|v| usize::try_from(v).map_err(|_| broken(node.line, format!("{name} must not be negative, found {v}")))).transpose()
 }
 
 /// Degree and knots of the univariate basis.
-fn univariate(basis: &Node<'_>, budget: &mut Budget) -> Result<(usize, Vec<f64>), FileError> {
+fn univariate(basis: &XmlElement<'_>, budget: &mut Budget) -> Result<(usize, Vec<f64>), FileError> {
     let vector = basis.only("KnotVector")?;
     if let Some(format) = vector.attribute("format").filter(|f| !f.eq_ignore_ascii_case("ASCII")) {
         return Err(unsupported(vector.line, format!("the format {} of numbers", shown(format.as_bytes()))));
@@ -99,7 +99,7 @@ fn univariate(basis: &Node<'_>, budget: &mut Budget) -> Result<(usize, Vec<f64>)
 }
 
 /// The univariate bases of a tensor product (or of a curve) in the order of their directions.
-fn directions(basis: &Node<'_>, budget: &mut Budget) -> Result<Vec<(usize, Vec<f64>)>, FileError> {
+fn directions(basis: &XmlElement<'_>, budget: &mut Budget) -> Result<Vec<(usize, Vec<f64>)>, FileError> {
     let kind = basis.attribute("type").unwrap_or_default();
     if kind == "BSplineBasis" {
         return Ok(vec![univariate(basis, budget)?]);
@@ -128,7 +128,7 @@ fn directions(basis: &Node<'_>, budget: &mut Budget) -> Result<Vec<(usize, Vec<f
 }
 
 /// A geometry.
-fn patch(node: &Node<'_>, budget: &mut Budget) -> Result<SplinePatch, FileError> {
+fn patch(node: &XmlElement<'_>, budget: &mut Budget) -> Result<SplinePatch, FileError> {
     let kind = node.attribute("type").unwrap_or_default();
     if hierarchical(kind) {
         return Err(unsupported(node.line, format!("a THB-spline ({})", shown(kind.as_bytes()))));
@@ -187,7 +187,7 @@ fn patch(node: &Node<'_>, budget: &mut Budget) -> Result<SplinePatch, FileError>
 }
 
 /// Fills the file with the patches of a MultiPatch, its interfaces and its named boundaries.
-fn multipatch(node: &Node<'_>, all: Vec<(SplinePatch, usize)>, file: &mut SplineFile, budget: &mut Budget) -> Result<(), FileError> {
+fn multipatch(node: &XmlElement<'_>, all: Vec<(SplinePatch, usize)>, file: &mut SplineFile, budget: &mut Budget) -> Result<(), FileError> {
     let mut geometries: BTreeMap<i64, (SplinePatch, usize)> = BTreeMap::new();
     let mut without = 0;
     for (patch, line) in all {
@@ -262,7 +262,7 @@ fn multipatch(node: &Node<'_>, all: Vec<(SplinePatch, usize)>, file: &mut Spline
 
 /// Adds the named lists of boundary sides of a MultiPatch to the labels of the file.
 fn named_boundaries(
-    node: &Node<'_>,
+    node: &XmlElement<'_>,
     dimension: usize,
     place: &BTreeMap<i64, usize>,
     file: &mut SplineFile,

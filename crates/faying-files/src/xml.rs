@@ -13,7 +13,7 @@ const DEPTH: usize = 32;
 
 /// An element.
 #[derive(Debug)]
-pub(super) struct Node<'a> {
+pub(super) struct XmlElement<'a> {
     /// Its name.
     pub name: String,
     /// The line it begins in.
@@ -21,21 +21,21 @@ pub(super) struct Node<'a> {
     /// Names and values of its attributes.
     pub attributes: Vec<(String, String)>,
     /// The elements in it.
-    pub children: Vec<Node<'a>>,
+    pub children: Vec<XmlElement<'a>>,
     /// Pieces of its text that are not blank, with their lines.
     text: Vec<(&'a [u8], usize)>,
     /// The line of an entity within the text.
     entity: Option<usize>,
 }
 
-impl<'a> Node<'a> {
+impl<'a> XmlElement<'a> {
     /// The value of an attribute.
     pub(super) fn attribute(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(n, _)| n == name).map(|(_, v)| v.as_str())
     }
 
     /// The elements called `name` in it.
-    pub(super) fn named<'b>(&'b self, name: &'b str) -> impl Iterator<Item = &'b Node<'a>> {
+    pub(super) fn named<'b>(&'b self, name: &'b str) -> impl Iterator<Item = &'b XmlElement<'a>> {
         self.children.iter().filter(move |c| c.name == name)
     }
 
@@ -43,7 +43,7 @@ impl<'a> Node<'a> {
     ///
     /// # Errors
     /// [`FileError::Broken`] if there is none, or several.
-    pub(super) fn only(&self, name: &str) -> Result<&Node<'a>, FileError> {
+    pub(super) fn only(&self, name: &str) -> Result<&XmlElement<'a>, FileError> {
         let mut all = self.children.iter().filter(|c| c.name == name);
         let first = all.next().ok_or_else(|| broken(self.line, format!("<{}> has no <{name}>", self.name)))?;
         match all.next() {
@@ -117,11 +117,11 @@ impl Lines<'_> {
 /// # Errors
 /// [`FileError::Broken`] for what is not XML, [`FileError::Unsupported`] for document types and more than [`DEPTH`] levels,
 /// [`FileError::Memory`].
-pub(super) fn parse<'a>(bytes: &'a [u8], budget: &mut Budget) -> Result<Node<'a>, FileError> {
+pub(super) fn parse<'a>(bytes: &'a [u8], budget: &mut Budget) -> Result<XmlElement<'a>, FileError> {
     let mut reader = Reader::from_reader(bytes);
     let mut lines = Lines { bytes, at: 0, line: 1 };
-    let mut open: Vec<Node<'a>> = Vec::new();
-    let mut root: Option<Node<'a>> = None;
+    let mut open: Vec<XmlElement<'a>> = Vec::new();
+    let mut root: Option<XmlElement<'a>> = None;
     loop {
         let start = place(reader.buffer_position());
         let event = reader.read_event();
@@ -177,9 +177,9 @@ fn place(position: u64) -> usize {
     usize::try_from(position).unwrap_or(usize::MAX)
 }
 
-fn node<'a>(tag: &BytesStart<'_>, line: usize, budget: &mut Budget) -> Result<Node<'a>, FileError> {
+fn node<'a>(tag: &BytesStart<'_>, line: usize, budget: &mut Budget) -> Result<XmlElement<'a>, FileError> {
     // The vectors that grow may hold twice as much, and three times while they move.
-    budget.items(3, size_of::<Node<'_>>())?;
+    budget.items(3, size_of::<XmlElement<'_>>())?;
     budget.items(2, tag.len())?;
     let mut attributes = Vec::new();
     for attribute in tag.attributes().with_checks(false) {
@@ -189,5 +189,5 @@ fn node<'a>(tag: &BytesStart<'_>, line: usize, budget: &mut Budget) -> Result<No
         attributes.push((String::from_utf8_lossy(attribute.key.as_ref()).into_owned(), value.into_owned()));
     }
     let name = String::from_utf8_lossy(tag.name().as_ref()).into_owned();
-    Ok(Node { name, line, attributes, children: Vec::new(), text: Vec::new(), entity: None })
+    Ok(XmlElement { name, line, attributes, children: Vec::new(), text: Vec::new(), entity: None })
 }

@@ -4,7 +4,7 @@ pub(super) use super::lanes::Entries;
 use super::lanes::{Jacobians, Layout, bent, constant, jacobians, products, pulled_back};
 use super::slots::{BATCH, Batch};
 use super::tables::Tables;
-use crate::assembly::source::{PointTangent, Source};
+use crate::assembly::source::{Integrand, PointTangent};
 use crate::assembly::tensor::physical;
 use pulp::{Simd, WithSimd, bytemuck};
 use std::ops::Range;
@@ -33,7 +33,7 @@ pub(super) struct Matrices<'a> {
 pub(super) struct Run<'a, const N: usize> {
     pub tables: &'a Tables<N>,
     pub nodes: &'a Nodes<'a>,
-    pub source: &'a Source<'a>,
+    pub source: &'a Integrand<'a>,
     /// Writes the coefficients of the state, as [`Nodes`] writes nodes, if the source has one.
     pub state: Option<&'a Nodes<'a>>,
     /// Non-zero entries of a constant tangent, per pair of components.
@@ -85,7 +85,7 @@ fn run<S: Simd, const N: usize>(simd: S, run: Run<'_, N>) {
         weights: Vec::new(),
         tested: Vec::new(),
         tested_values: Vec::new(),
-        tangents: vec![[[zero; N]; N]; if matches!(run.source, Source::PerPoint { .. }) { tables.at.weights.len() * pairs } else { 0 }],
+        tangents: vec![[[zero; N]; N]; if matches!(run.source, Integrand::PerPoint { .. }) { tables.at.weights.len() * pairs } else { 0 }],
         gradient: vec![[zero; N]; if run.state.is_some() { run.components } else { 0 }],
         numbers: vec![0.0; if run.state.is_some() { run.components * N } else { 0 }],
         ids: Vec::new(),
@@ -163,11 +163,11 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Part<'_, '_, S, N> {
     fn call(self) {
         let Self { simd, run, used, straight, nodes, state, scratch, out } = self;
         let tables = run.tables;
-        let is_constant = straight && matches!(run.source, Source::Constant(_));
+        let is_constant = straight && matches!(run.source, Integrand::Constant(_));
         let points = if straight { 1 } else { tables.at.weights.len() };
         jacobians(simd, tables, points, nodes, &mut scratch.jacobians);
         let at = |q: usize| if straight { 0 } else { q };
-        if let Source::Mass = run.source {
+        if let Integrand::Mass = run.source {
             scratch.weights.clear();
             for (q, &w) in tables.at.weights.iter().enumerate() {
                 scratch.weights.push([[simd.mul_f64s(simd.splat_f64s(w), simd.abs_f64s(scratch.jacobians.det[at(q)]))]]);
@@ -176,7 +176,7 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Part<'_, '_, S, N> {
             products(simd, &tables.values, &scratch.weights, &mut scratch.tested_values, layout, out);
             return;
         }
-        if let Source::PerPoint { at: tangent, .. } = run.source {
+        if let Integrand::PerPoint { at: tangent, .. } = run.source {
             tangents(simd, run, tangent, (used, straight), nodes, state, scratch);
         }
         let pairs = run.components * run.components;
@@ -191,7 +191,7 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Part<'_, '_, S, N> {
             scratch.d.clear();
             for (q, &w) in tables.at.weights.iter().enumerate() {
                 let d = match run.source {
-                    Source::Constant(_) => {
+                    Integrand::Constant(_) => {
                         let entries = run.constant[pair].iter().map(|&(i, j, t)| (i, j, simd.splat_f64s(t)));
                         pulled_back(simd, &scratch.jacobians, at(q), w, entries)
                     }

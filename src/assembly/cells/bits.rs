@@ -1,7 +1,7 @@
 //! Tests for the same bits at every SIMD width: AVX2 against AVX-512 if the processor has both, straight and bent cells in one batch.
 
-use super::{Cells, Sums};
-use crate::assembly::tensor::Sites;
+use super::{CellSpace, Sums};
+use crate::assembly::tensor::QuadraturePoints;
 use crate::assembly::{Coefficient, Form, Pattern, gauss_rules};
 use crate::basis::Cell;
 use crate::linalg::{Csr, Matrix, Vector};
@@ -30,7 +30,7 @@ fn row(cell: Cell) -> MeshCells<2> {
 fn numbers(space: &dyn Space<2, 2>, arch: pulp::Arch) -> Vec<f64> {
     let (rules, pattern, form) = (gauss_rules(space, 0), Pattern::new(space), Form::<1, 2>::laplace());
     let mut matrix: Csr = pattern.csr(1);
-    let mut cells = Cells::new(&pattern, space, &rules).expect("cells with reference cells");
+    let mut cells = CellSpace::new(&pattern, space, &rules).expect("cells with reference cells");
     cells.arch = arch;
     cells.stiffness(&pattern, &form, false, &mut matrix);
     let mut all = matrix.vals().to_vec();
@@ -43,14 +43,14 @@ fn numbers(space: &dyn Space<2, 2>, arch: pulp::Arch) -> Vec<f64> {
     all.extend(matrix.vals());
     let mut sums = Sums::new(space, &rules).expect("cells with reference cells");
     sums.arch = arch;
-    let sine = |sites: &Sites, out: &mut [f64]| {
+    let sine = |sites: &QuadraturePoints, out: &mut [f64]| {
         let size = out.len() * 2 / sites.x.len();
         out.iter_mut().enumerate().for_each(|(k, out)| *out = (sites.x[k / size * 2] + k as f64 % size as f64).sin());
     };
     let (load, moments) = sums.load(1, &sine);
     all.extend(sums.deviation(&form, &load, &sine));
     all.extend(sums.deviation(&stated, &load, &sine));
-    let cubes = |sites: &Sites, out: &mut [f64]| {
+    let cubes = |sites: &QuadraturePoints, out: &mut [f64]| {
         for (h, out) in sites.gradients.chunks_exact(2).zip(out.chunks_exact_mut(3)) {
             out.copy_from_slice(&[h[0] + h[0] * h[1], h[1], h[0] * h[0]]);
         }

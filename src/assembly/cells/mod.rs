@@ -35,19 +35,19 @@ mod tables;
 mod visit;
 
 pub(super) use means::means;
-pub(super) use slots::{BATCH, Place, Slots};
+pub(super) use slots::{BATCH, Slot, Slots};
 pub(super) use sums::Sums;
 
 use super::Form;
 use super::graph::{parts, shares};
 use super::pattern::Pattern;
-use super::source::Source;
+use super::source::Integrand;
 use crate::linalg::{Csr, Real};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 use batch::{Entries, Member, Run};
 use nodes::MapNodes;
-use points::{Group, Key, Kinds, PointTables};
+use points::{Key, Kinds, PointTables, SameTables};
 use rayon::prelude::*;
 use scatter::Rows;
 use slots::Places;
@@ -60,14 +60,14 @@ const BATCHES_PER_TASK: usize = 512;
 
 /// A space of cells that share reference cells, with its rule.
 #[derive(Debug)]
-pub(super) struct Cells<'a, const D: usize, const N: usize, T: Real> {
-    groups: Vec<Group<Tables<D>, Member>>,
+pub(super) struct CellSpace<'a, const D: usize, const N: usize, T: Real> {
+    groups: Vec<SameTables<Tables<D>, Member>>,
     nodes: MapNodes<'a, D, N, T>,
     /// The instruction set.
     arch: pulp::Arch,
 }
 
-impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
+impl<'a, const D: usize, const N: usize, T: Real> CellSpace<'a, D, N, T> {
     /// The cells of `space`; `None` if the plain loop has to be used.
     pub fn new<S, Q>(pattern: &Pattern, space: &'a S, quadrature: &Q) -> Option<Self>
     where
@@ -109,10 +109,10 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
 
     /// Writes the matrix of products of functions over the values of `matrix`, which has the pattern `pattern.csr(1)`.
     pub fn mass(&self, pattern: &Pattern, matrix: &mut Csr<T>) {
-        self.fill::<1>(pattern, &Source::Mass, true, false, matrix);
+        self.fill::<1>(pattern, &Integrand::Mass, true, false, matrix);
     }
 
-    fn fill<const C: usize>(&self, pattern: &Pattern, source: &Source<'_>, symmetric: bool, add: bool, matrix: &mut Csr<T>) {
+    fn fill<const C: usize>(&self, pattern: &Pattern, source: &Integrand<'_>, symmetric: bool, add: bool, matrix: &mut Csr<T>) {
         let (ptr, values) = (pattern.ptr(), matrix.vals_mut());
         assert_eq!(values.len(), C * C * ptr[pattern.num_functions()], "the matrix has the pattern of the basis");
         let slots = pattern.slots().expect("cells are made of them");
@@ -126,16 +126,16 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
     }
 
     /// Adds all cells to the rows of `functions`, over zeros unless `add` is set.
-    fn rows<const C: usize, P: Place>(
+    fn rows<const C: usize, P: Slot>(
         &self,
         pattern: &Pattern,
         places: &[P],
-        source: &Source<'_>,
+        source: &Integrand<'_>,
         symmetric: bool,
         functions: Range<usize>,
         (values, add): (&mut [T], bool),
     ) {
-        let constant = if let Source::Constant(all) = source { entries::<D>(all) } else { Vec::new() };
+        let constant = if let Integrand::Constant(all) = source { entries::<D>(all) } else { Vec::new() };
         let field = source.state().map(|u| {
             move |elements: &[u32], _: &mut Vec<usize>, out: &mut [f64]| {
                 for (lane, &e) in elements.iter().enumerate() {
@@ -147,7 +147,7 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
         let ready = if add { values.len() } else { 0 };
         let reach = functions.start as u32..functions.end as u32;
         let mut rows = Rows { ptr: pattern.ptr(), slots, places, functions, upper: symmetric, values, ready, starts: Vec::new() };
-        for Group { tables, members } in &self.groups {
+        for SameTables { tables, members } in &self.groups {
             self.arch.dispatch(Run {
                 tables,
                 nodes: &|elements, ids, out| self.nodes.gather(elements, ids, out),
@@ -166,10 +166,10 @@ impl<'a, const D: usize, const N: usize, T: Real> Cells<'a, D, N, T> {
     }
 }
 
-impl<const N: usize, T: Real> Cells<'_, N, N, T> {
+impl<const N: usize, T: Real> CellSpace<'_, N, N, T> {
     /// Adds the matrix of `form` to `matrix`, which has the pattern `pattern.csr(C)`, or writes it over the values.
     pub fn stiffness<const C: usize>(&self, pattern: &Pattern, form: &Form<'_, C, N, T>, add: bool, matrix: &mut Csr<T>) {
-        self.fill::<C>(pattern, &Source::new(form), form.symmetric, add, matrix);
+        self.fill::<C>(pattern, &Integrand::new(form), form.symmetric, add, matrix);
     }
 }
 

@@ -55,15 +55,15 @@ impl<K: Copy + Eq + Hash, X> Kinds<K, X> {
 
 /// Elements with common tables, in the order in which they are added.
 #[derive(Debug)]
-pub(super) struct Group<X, M> {
+pub(super) struct SameTables<X, M> {
     pub tables: X,
     pub members: Vec<M>,
 }
 
-impl<X, M> Kinds<Key, Group<X, M>> {
+impl<X, M> Kinds<Key, SameTables<X, M>> {
     /// Adds `member` to the group of `key`; `None` if there are too many kinds, or no tables.
     pub fn put(&mut self, key: Key, member: M, tables: impl FnOnce() -> Option<X>) -> Option<()> {
-        let new = |k: usize| if k < KINDS { Some(Group { tables: tables()?, members: Vec::new() }) } else { None };
+        let new = |k: usize| if k < KINDS { Some(SameTables { tables: tables()?, members: Vec::new() }) } else { None };
         let place = self.place(key, new)?;
         self.of[place].members.push(member);
         Some(())

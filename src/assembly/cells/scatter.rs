@@ -1,7 +1,7 @@
 //! Adds the matrices of cells to the rows of a range, in the order of the batches.
 
 use super::batch::Matrices;
-use super::slots::{BATCH, Batch, Place, Slots};
+use super::slots::{BATCH, Batch, Slot, Slots};
 use crate::linalg::{Real, lit};
 use std::ops::Range;
 
@@ -29,7 +29,7 @@ pub(super) struct Rows<'a, P, T> {
     pub starts: Vec<([usize; BATCH], [usize; BATCH])>,
 }
 
-impl<P: Place, T: Real> Rows<'_, P, T> {
+impl<P: Slot, T: Real> Rows<'_, P, T> {
     /// Adds the matrices of the cells of `batch` that `lanes` has a bit for, fields of C components.
     pub fn add<const C: usize>(&mut self, batch: &Batch, lanes: u8, matrices: Matrices<'_>) {
         self.begin::<C>(batch, lanes);

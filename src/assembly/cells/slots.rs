@@ -63,13 +63,13 @@ pub(in crate::assembly) enum Places {
 }
 
 /// A place in a row.
-pub(in crate::assembly) trait Place: Copy + Send + Sync {
+pub(in crate::assembly) trait Slot: Copy + Send + Sync {
     /// The place `k`, which fits.
     fn new(k: u32) -> Self;
     fn get(self) -> usize;
 }
 
-impl Place for u16 {
+impl Slot for u16 {
     #[inline(always)]
     fn new(k: u32) -> Self {
         k as Self
@@ -80,7 +80,7 @@ impl Place for u16 {
     }
 }
 
-impl Place for u32 {
+impl Slot for u32 {
     #[inline(always)]
     fn new(k: u32) -> Self {
         k

@@ -1,8 +1,8 @@
 //! A field and its gradient at all points of cells in lanes, handed over element by element.
 
-use super::points::{Group, PointTables};
+use super::points::{PointTables, SameTables};
 use super::sums::Sums;
-use super::visit::{Kind, Run};
+use super::visit::{PointQuantity, Run};
 use crate::assembly::tensor::{state, state_size};
 use crate::linalg::Real;
 use crate::space::{FieldAt, Space};
@@ -54,7 +54,7 @@ impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
         places.resize(range.len(), 0..0);
         let nodes = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.nodes.gather(elements, ids, out);
         let field = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.coefficients::<C, T>(u, elements, ids, out);
-        for Group { tables, members } in &self.groups {
+        for SameTables { tables, members } in &self.groups {
             let before = |end: usize| members.partition_point(|&e| (e as usize) < end);
             let (elements, first) = (&members[before(range.start)..before(range.end)], numbers.len());
             if elements.is_empty() {
@@ -64,7 +64,7 @@ impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
             for (k, &e) in elements.iter().enumerate() {
                 places[e as usize - range.start] = first + k * length..first + (k + 1) * length;
             }
-            let kind = Kind::States((!u.is_empty()).then_some(&field));
+            let kind = PointQuantity::States((!u.is_empty()).then_some(&field));
             self.arch.dispatch(Run::<N> { tables, nodes: &nodes, state: None, kind, width: C, elements, ids, numbers });
         }
     }

@@ -4,11 +4,11 @@
 
 use super::batch::Nodes;
 use super::nodes::{self, MapNodes};
-use super::points::{self, Group, Kinds, PointTables};
-use super::visit::{Kind, Run};
+use super::points::{self, Kinds, PointTables, SameTables};
+use super::visit::{PointQuantity, Run};
 use crate::assembly::Form;
-use crate::assembly::source::Source;
-use crate::assembly::tensor::{Answer, Law, SQUARES};
+use crate::assembly::source::Integrand;
+use crate::assembly::tensor::{PointCallback, PointOperator, SQUARES};
 use crate::linalg::{Real, lit};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -22,7 +22,7 @@ const TASKS_AT_ONCE: usize = 16;
 #[derive(Debug)]
 pub(in crate::assembly) struct Sums<'a, const D: usize, const N: usize, T: Real, S: ?Sized> {
     /// Elements ascend in each.
-    pub(super) groups: Vec<Group<PointTables<D>, u32>>,
+    pub(super) groups: Vec<SameTables<PointTables<D>, u32>>,
     pub(super) nodes: MapNodes<'a, D, N, T>,
     pub(super) space: &'a S,
     /// The instruction set.
@@ -57,12 +57,12 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
 
     /// ∫ f . N dx for forces of `width` components, computed by `answer`, then their moments as
     /// [`Patches::load`](crate::assembly::tensor::Patches::load) has them.
-    pub fn load(&self, width: usize, answer: &Answer<'_>) -> (Vec<T>, Vec<f64>) {
-        self.forces(Kind::Load(answer), width, None, width * (D + 1))
+    pub fn load(&self, width: usize, answer: &PointCallback<'_>) -> (Vec<T>, Vec<f64>) {
+        self.forces(PointQuantity::Load(answer), width, None, width * (D + 1))
     }
 
     /// Numbers per function of `kind` with a `state`, added to those of the whole; then the `extra` sums beside them.
-    fn forces(&self, kind: Kind<'_>, width: usize, state: Option<&Nodes<'_>>, extra: usize) -> (Vec<T>, Vec<f64>) {
+    fn forces(&self, kind: PointQuantity<'_>, width: usize, state: Option<&Nodes<'_>>, extra: usize) -> (Vec<T>, Vec<f64>) {
         let mut out = vec![T::zero(); width * self.space.num_functions()];
         let mut sums = vec![0.0; extra];
         self.each(kind, width, state, true, |tables, task| {
@@ -79,9 +79,16 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
     }
 
     /// Sums over the cells, task by task.
-    fn each(&self, kind: Kind<'_>, width: usize, state: Option<&Nodes<'_>>, ids: bool, mut sink: impl FnMut(&PointTables<D>, &Task)) {
+    fn each(
+        &self,
+        kind: PointQuantity<'_>,
+        width: usize,
+        state: Option<&Nodes<'_>>,
+        ids: bool,
+        mut sink: impl FnMut(&PointTables<D>, &Task),
+    ) {
         let mut tasks: Vec<Task> = (0..TASKS_AT_ONCE).map(|_| Task::default()).collect();
-        for Group { tables, members } in &self.groups {
+        for SameTables { tables, members } in &self.groups {
             for block in members.chunks(ELEMENTS_PER_TASK * TASKS_AT_ONCE) {
                 tasks.par_iter_mut().zip(block.par_chunks(ELEMENTS_PER_TASK)).for_each(|(task, elements)| {
                     task.numbers.clear();
@@ -103,16 +110,16 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
 impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
     /// The sums of squares of the difference between the field `u` (empty: zero) and the one of `answer`, as in
     /// [`Patches::deviation`](crate::assembly::tensor::Patches::deviation).
-    pub fn deviation<const C: usize>(&self, form: &Form<'_, C, N, T>, u: &[T], answer: &Answer<'_>) -> [f64; SQUARES] {
+    pub fn deviation<const C: usize>(&self, form: &Form<'_, C, N, T>, u: &[T], answer: &PointCallback<'_>) -> [f64; SQUARES] {
         let mut total = [0.0; SQUARES];
-        let source = Source::new(form);
-        let Some(law) = Law::new::<N>(&source, C) else { return total };
+        let source = Integrand::new(form);
+        let Some(law) = PointOperator::new::<N>(&source, C) else { return total };
         let field = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.coefficients::<C, T>(u, elements, ids, out);
         let state = source.state().map(|state| {
             move |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.coefficients::<C, f64>(state, elements, ids, out)
         });
         let state = state.as_ref().map(|state| state as &Nodes<'_>);
-        self.each(Kind::Squares { law: &law, field: &field, answer }, C, state, false, |_, task| {
+        self.each(PointQuantity::Squares { law: &law, field: &field, answer }, C, state, false, |_, task| {
             for sums in task.numbers.chunks_exact(SQUARES) {
                 total.iter_mut().zip(sums).for_each(|(total, sum)| *total += sum);
             }
@@ -122,9 +129,9 @@ impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
 
     /// ∫ P : grad N dx for the stress P and the energy density computed by `answer` from the gradient of `u` (empty: zero); then the
     /// energy.
-    pub fn internal_force<const C: usize>(&self, u: &[T], answer: &Answer<'_>) -> (Vec<T>, f64) {
+    pub fn internal_force<const C: usize>(&self, u: &[T], answer: &PointCallback<'_>) -> (Vec<T>, f64) {
         let field = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.coefficients::<C, T>(u, elements, ids, out);
-        let (forces, energy) = self.forces(Kind::Stress(answer), C, Some(&field), 1);
+        let (forces, energy) = self.forces(PointQuantity::Stress(answer), C, Some(&field), 1);
         (forces, energy.iter().sum())
     }
 

@@ -3,19 +3,20 @@
 use super::batch::Nodes;
 use super::points::PointTables;
 use crate::assembly::tensor::{
-    Answer, Cell, Law, Physical, Sites, Squares, add_moments, finish, inverse, numbers_of_map, physical, state_size, tested,
+    Cell, Physical, PointCallback, PointOperator, QuadraturePoints, Squares, add_moments, finish, inverse, numbers_of_map, physical,
+    state_size, tested,
 };
 use pulp::{NullaryFnOnce, Simd, WithSimd, bytemuck};
 
 /// Quantity to compute.
 #[derive(Clone, Copy)]
-pub(super) enum Kind<'a> {
+pub(super) enum PointQuantity<'a> {
     /// Forces times functions, then the moments of the forces.
-    Load(&'a Answer<'a>),
+    Load(&'a PointCallback<'a>),
     /// Stresses times gradients of functions, then the energy.
-    Stress(&'a Answer<'a>),
+    Stress(&'a PointCallback<'a>),
     /// Squares of the difference between a field and the values of `answer`; `field` writes its coefficients as [`Nodes`] writes nodes.
-    Squares { law: &'a Law<'a>, field: &'a Nodes<'a>, answer: &'a Answer<'a> },
+    Squares { law: &'a PointOperator<'a>, field: &'a Nodes<'a>, answer: &'a PointCallback<'a> },
     /// Position, values and gradients of a field at every point; `None` is the zero field, for any map.
     States(Option<&'a Nodes<'a>>),
 }
@@ -26,7 +27,7 @@ pub(super) struct Run<'a, const D: usize> {
     pub nodes: &'a Nodes<'a>,
     /// Writes the coefficients of a state as [`Nodes`] writes nodes: its gradient belongs to the points.
     pub state: Option<&'a Nodes<'a>>,
-    pub kind: Kind<'a>,
+    pub kind: PointQuantity<'a>,
     /// Components of the force or of the field.
     pub width: usize,
     pub elements: &'a [u32],
@@ -46,11 +47,11 @@ impl<const D: usize> WithSimd for Run<'_, D> {
         let (zero, lanes, points) = (simd.splat_f64s(0.0), S::F64_LANES, tables.weights.len());
         let mut places = vec![[zero; D]; tables.nodes];
         let mut map = vec![zero; points * numbers_of_map(D)];
-        let (mut sites, mut answers, mut out) = (Sites::default(), Vec::new(), Vec::<S::f64s>::new());
+        let (mut sites, mut answers, mut out) = (QuadraturePoints::default(), Vec::new(), Vec::<S::f64s>::new());
         let (mut field, mut g) = (vec![zero; tables.functions * width], vec![zero; points * width * (D + 1)]);
         let per_state = |n: usize| vec![zero; if state.is_some() { n * width } else { 0 }];
         let (mut unknowns, mut gradients) = (per_state(tables.functions), per_state(points * D));
-        let mut squares = if let Kind::Squares { law, .. } = kind { Some(Squares::new(law, width)) } else { None };
+        let mut squares = if let PointQuantity::Squares { law, .. } = kind { Some(Squares::new(law, width)) } else { None };
         let (mut which, mut here) = (Vec::with_capacity(lanes), Vec::with_capacity(lanes));
         sites.xi = tables.xi.repeat(lanes);
         sites.first = vec![0; lanes];
@@ -73,26 +74,26 @@ impl<const D: usize> WithSimd for Run<'_, D> {
                 simd.vectorize(Physical::<'_, S, D> { simd, cell, width, g: &mut g, out: &mut gradients });
                 cell.state = &gradients;
             }
-            if let Kind::Squares { field: read, .. } | Kind::States(Some(read)) = kind {
+            if let PointQuantity::Squares { field: read, .. } | PointQuantity::States(Some(read)) = kind {
                 read(&here, ids, bytemuck::cast_slice_mut(&mut field));
                 simd.vectorize(Spread::<'_, S, D> { simd, tables, width, field: &field, out: &mut g });
             }
             match (kind, &mut squares) {
-                (Kind::Load(answer), _) => {
+                (PointQuantity::Load(answer), _) => {
                     sites.ask::<S, D>(simd, cell, &which, answer, width, &mut answers);
                     simd.vectorize(Load { simd, tables, width, map: &map, forces: &mut answers, out: &mut out });
                 }
-                (Kind::Stress(answer), _) => {
+                (PointQuantity::Stress(answer), _) => {
                     sites.ask::<S, D>(simd, cell, &which, answer, width * D + 1, &mut answers);
                     simd.vectorize(Force { simd, tables, width, map: &map, answers: &answers, t: &mut g, out: &mut out });
                 }
-                (Kind::Squares { answer, .. }, Some(squares)) => {
+                (PointQuantity::Squares { answer, .. }, Some(squares)) => {
                     sites.ask::<S, D>(simd, cell, &which, answer, width * (D + 1), &mut answers);
                     let (g, other, out) = (&mut g, &answers, &mut out);
                     simd.vectorize(Compare::<'_, '_, S, D> { simd, cell, g, squares, other, out });
                 }
                 _ => {
-                    let g = matches!(kind, Kind::States(Some(_))).then_some(&g[..]);
+                    let g = matches!(kind, PointQuantity::States(Some(_))).then_some(&g[..]);
                     simd.vectorize(Show::<'_, S, D> { simd, width, map: &map, g, out: &mut out });
                 }
             }

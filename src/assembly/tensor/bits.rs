@@ -1,7 +1,7 @@
 //! Tests for the same bits at every SIMD width: AVX2 against AVX-512 if the processor has both.
 
 use super::map::Ask;
-use super::{Free, Patches, Sites};
+use super::{Free, Patches, QuadraturePoints};
 use crate::assembly::{Coefficient, Form, gauss_rules};
 use crate::basis::{BSpline, Basis, Rational, TensorProduct};
 use crate::geometry::ControlPoints;
@@ -67,14 +67,14 @@ fn sums<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_,
         patches.patches.iter_mut().for_each(|patch| patch.arch = arch);
         patches
     };
-    let sine = |sites: &Sites, out: &mut [f64]| {
+    let sine = |sites: &QuadraturePoints, out: &mut [f64]| {
         let size = out.len() * N / sites.x.len();
         out.iter_mut().enumerate().for_each(|(k, out)| *out = (sites.x[k / size * N] + k as f64 % size as f64).sin());
     };
     let (mut all, moments): (Vec<f64>, _) = patches().load(C, space.num_functions(), &sine);
     let x = all.clone();
     all.extend(moments);
-    let cubes = |sites: &Sites, out: &mut [f64]| {
+    let cubes = |sites: &QuadraturePoints, out: &mut [f64]| {
         for (h, out) in sites.gradients.chunks_exact(C * N).zip(out.chunks_exact_mut(C * N + 1)) {
             out.iter_mut().zip(h).for_each(|(out, h)| *out = h + h * h * h);
             out[C * N] = h.iter().sum();

@@ -10,12 +10,12 @@
 
 use super::law;
 use super::map::numbers;
-use crate::assembly::source::Source;
+use crate::assembly::source::Integrand;
 use pulp::Simd;
 
 /// A pair of components, or its transpose.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
+pub(super) struct ComponentPair {
     /// Component of the test function.
     pub test: usize,
     /// Component of the trial function.
@@ -36,18 +36,18 @@ pub(super) struct Coefficient<'a> {
     /// Whether the form is symmetric.
     pub symmetric: bool,
     /// Integrand.
-    pub source: Source<'a>,
+    pub source: Integrand<'a>,
 }
 
 impl Coefficient<'_> {
     /// Pairs of components to contract: all, and their transposes if the form is not symmetric.
-    pub fn pairs(&self) -> Vec<Pair> {
+    pub fn pairs(&self) -> Vec<ComponentPair> {
         let c = self.components;
         let pair = |k: usize, transposed| {
             let (test, trial) = (k / c, k % c);
             let symmetric = self.symmetric && test == trial;
             let mirror = if self.symmetric { trial * c + test } else { c * c + k };
-            Pair { test, trial, transposed, symmetric, mirror }
+            ComponentPair { test, trial, transposed, symmetric, mirror }
         };
         let all = (0..c * c).map(|k| pair(k, false));
         if self.symmetric { all.collect() } else { all.chain((0..c * c).map(|k| pair(k, true))).collect() }
@@ -56,7 +56,7 @@ impl Coefficient<'_> {
     /// Numbers of D per point over a rational or polynomial basis.
     pub fn stride<const N: usize>(&self, rational: bool) -> usize {
         match (&self.source, rational) {
-            (Source::Mass, _) => 1,
+            (Integrand::Mass, _) => 1,
             (_, false) => N * N,
             (_, true) => (N + 1) * (N + 1),
         }
@@ -65,7 +65,7 @@ impl Coefficient<'_> {
     /// Tangents of all points of a tile, where they vary: `out[point * C² N² + ..]`, points of the tile in lanes; `state` as in
     /// [`law::tangents`].
     pub fn tangents<S: Simd, const N: usize>(&self, geo: &[S::f64s], state: &[S::f64s], buffer: &mut Vec<f64>, out: &mut [S::f64s]) {
-        if let Source::PerPoint { at, .. } = &self.source {
+        if let Integrand::PerPoint { at, .. } = &self.source {
             law::tangents::<S, N>(at, self.components, geo, state, buffer, out);
         }
     }
@@ -77,7 +77,7 @@ impl Coefficient<'_> {
     pub fn pull<S: Simd, const N: usize>(
         &self,
         simd: S,
-        pair: &Pair,
+        pair: &ComponentPair,
         geo: &[S::f64s],
         tangents: &[S::f64s],
         weight: Option<&[S::f64s]>,
@@ -87,7 +87,7 @@ impl Coefficient<'_> {
         let start = (pair.test * self.components + pair.trial) * N * N;
         let mut m = [[simd.splat_f64s(0.0); N]; N];
         let mut multiple = None;
-        if let Source::Constant(all) = &self.source {
+        if let Integrand::Constant(all) = &self.source {
             let all = &all[start..start + N * N];
             for l in 0..N {
                 for j in 0..N {
@@ -101,7 +101,7 @@ impl Coefficient<'_> {
         for (q, (geo, d)) in geo.chunks_exact(numbers(N)).zip(d.chunks_exact_mut(stride)).enumerate() {
             let mut local = [[simd.splat_f64s(0.0); N]; N];
             match &self.source {
-                Source::Mass => {
+                Integrand::Mass => {
                     d[0] = geo[N + N * N + 1];
                     if let Some(w) = weight {
                         let inverse = simd.div_f64s(simd.splat_f64s(1.0), w[q * (N + 1)]);
@@ -109,14 +109,14 @@ impl Coefficient<'_> {
                     }
                     continue;
                 }
-                Source::Constant(_) => {
+                Integrand::Constant(_) => {
                     if let Some(k) = multiple {
                         isotropic::<S, N>(simd, geo, k, &mut local);
                     } else {
                         general::<S, N>(simd, geo, &m, &mut local);
                     }
                 }
-                Source::PerPoint { .. } => {
+                Integrand::PerPoint { .. } => {
                     let here = &tangents[q * size + start..][..N * N];
                     for l in 0..N {
                         for j in 0..N {

@@ -2,8 +2,8 @@
 
 use super::Patches;
 use super::coefficient::Coefficient;
-use super::march::Plan;
-use crate::assembly::source::Source;
+use super::march::SweepPlan;
+use crate::assembly::source::Integrand;
 use crate::assembly::{Coefficient as Given, Form, Pattern, Tangent, bulk, gauss_rules, plain};
 use crate::basis::{BSpline, Basis, Rational, TensorProduct};
 use crate::geometry::{ControlPoints, shapes};
@@ -69,8 +69,8 @@ fn filled(
     add: bool,
     matrix: &mut Csr,
 ) {
-    let sized = |k| Plan { strip: [fast, middle], window: [window; 2], ..patches.plan(k, coefficient) };
-    let plans: Vec<Plan<'_, '_>> = (0..patches.patches.len()).map(sized).collect();
+    let sized = |k| SweepPlan { strip: [fast, middle], window: [window; 2], ..patches.plan(k, coefficient) };
+    let plans: Vec<SweepPlan<'_, '_>> = (0..patches.patches.len()).map(sized).collect();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     pool.install(|| patches.fill_strips(&plans, add, matrix));
 }
@@ -95,7 +95,7 @@ fn check<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_
     let asks = || bulk::ask::<N, N, f64, dyn Space<N, N>>(space);
     let patches = Patches::new(space, &rules, &|e| if asked { None } else { space.map_structure().map_block(e) }, &asks)
         .expect("products of splines");
-    let coefficient = Coefficient { components: C, symmetric: form.symmetric, source: Source::new(form) };
+    let coefficient = Coefficient { components: C, symmetric: form.symmetric, source: Integrand::new(form) };
     let to = patches.patches[0].directions();
     let (f, m) = (to.fast.functions, to.middle.functions);
 
@@ -235,7 +235,7 @@ fn long_lines_of_the_plane_are_cut() {
         let asks = || bulk::ask::<2, 2, f64, dyn Space<2, 2>>(space);
         let patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks).expect("products of splines");
         let form = Form::<1, 2>::laplace();
-        let coefficient = Coefficient { components: 1, symmetric: true, source: Source::new(&form) };
+        let coefficient = Coefficient { components: 1, symmetric: true, source: Integrand::new(&form) };
         assert_eq!(patches.plan(0, &coefficient).strips()[0].len(), strips, "{long} elements");
     }
 }
@@ -249,7 +249,7 @@ fn strips_are_cut_where_sums_are_large_and_not_too_narrow() {
         let asks = || bulk::ask::<3, 3, f64, dyn Space<3, 3>>(space);
         let patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks).expect("products of splines");
         let form = Form::<1, 3>::laplace();
-        let coefficient = Coefficient { components: 1, symmetric: true, source: Source::new(&form) };
+        let coefficient = Coefficient { components: 1, symmetric: true, source: Integrand::new(&form) };
         let (patch, functions, active) = (&patches.patches[0], long + p, p + 1);
         let [fast, middle] = patches.plan(0, &coefficient).strip;
         let bytes = 8 * functions * functions * active * patch.directions().sums(active);

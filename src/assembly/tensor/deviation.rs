@@ -5,24 +5,24 @@
 use super::Patches;
 use super::aligned::Aligned;
 use super::cell::{Cell, Here};
-use super::grid::{Grid, Visit};
-use super::law::Law;
-use super::sites::{Answer, Sites};
-use super::spread::{Coefficients, Spread, Values};
+use super::grid::{QuadratureGrid, Visit};
+use super::law::PointOperator;
+use super::sites::{PointCallback, QuadraturePoints};
+use super::spread::{Coefficients, Interpolation, Values};
 use super::squares::{SQUARES, Squares};
 use crate::assembly::Form;
-use crate::assembly::source::Source;
+use crate::assembly::source::Integrand;
 use crate::linalg::Real;
 use pulp::{Simd, bytemuck};
 use std::ops::Range;
 
 struct Deviation<'a, V> {
     field: Coefficients<'a>,
-    answer: &'a Answer<'a>,
-    sites: Sites,
+    answer: &'a PointCallback<'a>,
+    sites: QuadraturePoints,
     /// Values and gradients of the other field, `C + C N` numbers per point.
     other: Vec<V>,
-    spread: Spread<V>,
+    spread: Interpolation<V>,
     g: Aligned<V>,
     squares: Squares<'a, V>,
     sums: [V; SQUARES],
@@ -76,10 +76,10 @@ impl<V: bytemuck::Pod> Deviation<'_, V> {
 }
 
 struct Run<'a, 'p, const N: usize> {
-    grid: Grid<'a, 'p>,
+    grid: QuadratureGrid<'a, 'p>,
     field: Coefficients<'a>,
-    law: &'a Law<'a>,
-    answer: &'a Answer<'a>,
+    law: &'a PointOperator<'a>,
+    answer: &'a PointCallback<'a>,
 }
 
 impl<const N: usize> pulp::WithSimd for Run<'_, '_, N> {
@@ -93,9 +93,9 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, N> {
         let new = || Deviation {
             field,
             answer,
-            sites: Sites::default(),
+            sites: QuadraturePoints::default(),
             other: Vec::new(),
-            spread: Spread::default(),
+            spread: Interpolation::default(),
             g: Aligned::default(),
             squares: Squares::new(law, field.width),
             sums: [simd.splat_f64s(0.0); SQUARES],
@@ -116,11 +116,11 @@ impl Patches<'_> {
         &self,
         form: &Form<'_, C, N, T>,
         u: &[T],
-        answer: &Answer<'_>,
+        answer: &PointCallback<'_>,
     ) -> [f64; SQUARES] {
-        let source = Source::new(form);
+        let source = Integrand::new(form);
         let mut total = [0.0; SQUARES];
-        let Some(law) = Law::new::<N>(&source, C) else { return total };
+        let Some(law) = PointOperator::new::<N>(&source, C) else { return total };
         for (k, patch) in self.patches.iter().enumerate() {
             let part = self.part(k, C);
             let read = |from: usize, to: &mut [f64]| part.read(u, from, to);

@@ -6,8 +6,8 @@
 
 use super::axis::Axis;
 use super::cell::{Cell, Here};
-use super::grid::{Grid, Sink, Visit};
-use super::law::Law;
+use super::grid::{QuadratureGrid, Sink, Visit};
+use super::law::PointOperator;
 use pulp::{Simd, bytemuck};
 
 /// Numbers of derivatives along a direction: none, one, two.
@@ -22,7 +22,7 @@ pub(super) fn squares(axis: &Axis, q: usize, a: usize) -> [f64; ORDERS] {
 
 struct Diagonal<'a, V> {
     axes: &'a [Axis],
-    law: &'a Law<'a>,
+    law: &'a PointOperator<'a>,
     components: usize,
     planes: Vec<V>,
     lines: Vec<V>,
@@ -59,7 +59,7 @@ impl<S: Simd, const N: usize> Visit<S, N> for Diagonal<'_, S::f64s> {
         let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
         let (axis, width) = (&self.axes[0], self.components);
         self.law.tangents::<S, N>(simd, width, cell, &mut self.buffer, &mut self.tangents);
-        let tangents = if matches!(self.law, Law::Kept { .. }) { cell.kept } else { &self.tangents };
+        let tangents = if matches!(self.law, PointOperator::Kept { .. }) { cell.kept } else { &self.tangents };
         let (size, map_size) = (tangents.len() / cell.points.max(1), cell.map.len() / cell.points.max(1));
         self.h.resize(2 * width * N, zero);
         let line = here.middle.1 * axis.functions * width * Self::kinds(N);
@@ -124,8 +124,8 @@ impl<S: Simd, const N: usize> Visit<S, N> for Diagonal<'_, S::f64s> {
 }
 
 struct Run<'a, 'p, 's, const N: usize> {
-    grid: Grid<'a, 'p>,
-    law: &'a Law<'a>,
+    grid: QuadratureGrid<'a, 'p>,
+    law: &'a PointOperator<'a>,
     components: usize,
     sink: &'a mut Sink<'s>,
 }
@@ -155,7 +155,7 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, '_, N> {
 }
 
 /// Squared contractions of all but the slowest direction, point by point of it: `number * ORDERS + order`.
-pub(super) fn diagonal(grid: Grid<'_, '_>, law: &Law<'_>, components: usize, sink: &mut Sink<'_>) {
+pub(super) fn diagonal(grid: QuadratureGrid<'_, '_>, law: &PointOperator<'_>, components: usize, sink: &mut Sink<'_>) {
     let arch = grid.arch;
     if grid.axes.len() == 2 {
         arch.dispatch(Run::<2> { grid, law, components, sink });

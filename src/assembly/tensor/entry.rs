@@ -1,12 +1,12 @@
 //! The matrix of a patch: pattern, then values.
 
 use super::coefficient::Coefficient;
-use super::march::{Part, Plan, march};
+use super::march::{RowRange, SweepPlan, march};
 use super::pattern::pattern;
 use super::write::{Directions, RowScratch, Sums};
 use super::{Patch, Patches, scatter, strip};
 use crate::assembly::Form;
-use crate::assembly::source::Source;
+use crate::assembly::source::Integrand;
 use crate::linalg::{Csr, Real, Sparsity};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -45,27 +45,27 @@ impl<'p> Patches<'p> {
     /// # Panics
     /// If `matrix` does not have the pattern of the basis.
     pub fn stiffness<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, add: bool, matrix: &mut Csr<T>) {
-        self.fill(&Coefficient { components: C, symmetric: form.symmetric, source: Source::new(form) }, add, matrix);
+        self.fill(&Coefficient { components: C, symmetric: form.symmetric, source: Integrand::new(form) }, add, matrix);
     }
 
     /// Writes the matrix of products of functions to the values of `matrix`.
     pub fn mass<T: Real>(&self, matrix: &mut Csr<T>) {
-        self.fill(&Coefficient { components: 1, symmetric: true, source: Source::Mass }, false, matrix);
+        self.fill(&Coefficient { components: 1, symmetric: true, source: Integrand::Mass }, false, matrix);
     }
 
     fn fill<T: Real>(&self, coefficient: &Coefficient<'_>, add: bool, matrix: &mut Csr<T>) {
         assert_eq!(matrix.num_rows(), coefficient.components * self.functions(), "the matrix has the pattern of the basis");
-        let plans: Vec<Plan<'_, '_>> = (0..self.patches.len()).map(|k| self.plan(k, coefficient)).collect();
+        let plans: Vec<SweepPlan<'_, '_>> = (0..self.patches.len()).map(|k| self.plan(k, coefficient)).collect();
         self.fill_strips(&plans, add, matrix);
     }
 
     /// The plan of patch `k`.
-    pub(super) fn plan<'a>(&'a self, k: usize, coefficient: &'a Coefficient<'a>) -> Plan<'a, 'p> {
-        Plan::new(&self.patches[k], self.part(k, coefficient.components), coefficient)
+    pub(super) fn plan<'a>(&'a self, k: usize, coefficient: &'a Coefficient<'a>) -> SweepPlan<'a, 'p> {
+        SweepPlan::new(&self.patches[k], self.part(k, coefficient.components), coefficient)
     }
 
     /// Writes the matrix of `plans`, one per patch, to the values of `matrix`.
-    pub(super) fn fill_strips<T: Real>(&self, plans: &[Plan<'_, '_>], add: bool, matrix: &mut Csr<T>) {
+    pub(super) fn fill_strips<T: Real>(&self, plans: &[SweepPlan<'_, '_>], add: bool, matrix: &mut Csr<T>) {
         match &self.glue {
             None => self.patches[0].fill_strips(&plans[0], add, matrix.vals_mut()),
             Some(glue) => scatter::fill(plans, glue, add, matrix),
@@ -86,7 +86,7 @@ impl Patch<'_> {
     }
 
     /// Writes the matrix of `plan` to `values`, in strips of two directions, one thread per strip as far as all threads are busy.
-    fn fill_strips<T: Real>(&self, plan: &Plan<'_, '_>, add: bool, values: &mut [T]) {
+    fn fill_strips<T: Real>(&self, plan: &SweepPlan<'_, '_>, add: bool, values: &mut [T]) {
         let threads = rayon::current_num_threads();
         let write = Write { to: self.directions(), components: plan.coefficient.components, add };
         let (rows, middle) = (write.to.slow.functions, write.to.middle.functions);
@@ -121,7 +121,7 @@ struct Write<'a> {
 }
 
 /// A part of the rows and their values, one piece per function of the slow and of the middle direction.
-type Pieces<'v, T> = (Part, Vec<&'v mut [T]>);
+type Pieces<'v, T> = (RowRange, Vec<&'v mut [T]>);
 
 impl Write<'_> {
     /// Place of all rows of one function of the middle and one of the slow direction.
@@ -137,7 +137,7 @@ impl Write<'_> {
             let first = parts.len();
             for middle in middle {
                 parts.extend(fast.iter().map(|fast| {
-                    let part = Part { fast: fast.clone(), middle: middle.clone(), slow: slow.clone() };
+                    let part = RowRange { fast: fast.clone(), middle: middle.clone(), slow: slow.clone() };
                     (part, Vec::with_capacity(middle.len() * slow.len()))
                 }));
             }
@@ -159,7 +159,7 @@ impl Write<'_> {
     }
 
     /// The rows of a part, made by `threads`.
-    fn march<T: Real>(&self, plan: &Plan<'_, '_>, (part, pieces): Pieces<'_, T>, threads: usize) {
+    fn march<T: Real>(&self, plan: &SweepPlan<'_, '_>, (part, pieces): Pieces<'_, T>, threads: usize) {
         let middle = part.middle.clone();
         let tasks = if threads == 1 { 1 } else { TASKS_PER_THREAD * threads };
         let share = middle.len().div_ceil(tasks).max(1);

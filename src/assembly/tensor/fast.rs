@@ -24,7 +24,7 @@ const ALL: u8 = VV | SV | VS | SS;
 
 /// Components of T that are contracted together, because they share the factors of the trial function.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Group {
+pub(super) struct ContractionGroup {
     /// Bit mask of the products summed: [`VV`], [`SV`], [`VS`], [`SS`].
     pub mask: u8,
     /// Number of components.
@@ -42,7 +42,7 @@ pub(super) struct Contract<'a, S: Simd> {
     pub strip: &'a Strip,
     pub d: &'a [S::f64s],
     pub stride: usize,
-    pub groups: &'a [Group],
+    pub groups: &'a [ContractionGroup],
     pub components: usize,
     pub out: &'a mut [f64],
 }
@@ -72,7 +72,7 @@ fn contract<S: Simd, const NP: usize>(
     strip: &Strip,
     d: &[S::f64s],
     stride: usize,
-    groups: &[Group],
+    groups: &[ContractionGroup],
     components: usize,
     out: &mut [f64],
 ) {
@@ -100,7 +100,7 @@ fn group<S: Simd, const NP: usize, const K: usize, const MASK: u8>(
     strip: &Strip,
     d: &[S::f64s],
     stride: usize,
-    g: &Group,
+    g: &ContractionGroup,
     components: usize,
     out: &mut [f64],
 ) {
@@ -155,7 +155,7 @@ fn segment<S: Simd, const NP: usize, const K: usize, const MASK: u8, const A: us
     e: usize,
     d: &[S::f64s],
     stride: usize,
-    g: &Group,
+    g: &ContractionGroup,
     acc: &mut [[S::f64s; NP]; K],
 ) {
     if A >= NP {

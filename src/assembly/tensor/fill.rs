@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::cell::Here;
 use super::map::{self, Ask, numbers};
-use super::net::Net;
+use super::net::TensorField;
 use super::spread;
 use pulp::{NullaryFnOnce, Simd};
 
@@ -11,7 +11,7 @@ use pulp::{NullaryFnOnce, Simd};
 pub(super) struct FromNet<'a, S: Simd, const N: usize> {
     pub simd: S,
     /// The net of the map.
-    pub net: &'a Net,
+    pub net: &'a TensorField,
     /// First direction of the grid, and its element.
     pub axis: &'a Axis,
     pub first: usize,

@@ -7,10 +7,10 @@ use super::axis::Axis;
 use super::cell::{Cell, Here};
 use super::gather::{self, Gather};
 use super::gradients::State;
-use super::grid::{Grid, Sink, Visit};
+use super::grid::{QuadratureGrid, Sink, Visit};
 use super::law;
 use super::map::numbers;
-use super::sites::{Answer, Sites};
+use super::sites::{PointCallback, QuadraturePoints};
 use crate::linalg::{Real, to_f64};
 use pulp::{Simd, bytemuck};
 use std::ops::Range;
@@ -19,8 +19,8 @@ use std::ops::Range;
 struct Force<'a, V, const K: usize> {
     axes: &'a [Axis],
     width: usize,
-    answer: &'a Answer<'a>,
-    sites: Sites,
+    answer: &'a PointCallback<'a>,
+    sites: QuadraturePoints,
     answers: Vec<V>,
     gather: Gather<V, K>,
     t: Aligned<V>,
@@ -114,9 +114,9 @@ pub(in crate::assembly) fn add_moments<S: Simd, const N: usize>(simd: S, map: &[
 }
 
 struct Run<'a, 'p, 's, const N: usize, const K: usize> {
-    grid: Grid<'a, 'p>,
+    grid: QuadratureGrid<'a, 'p>,
     width: usize,
-    answer: &'a Answer<'a>,
+    answer: &'a PointCallback<'a>,
     sink: &'a mut Sink<'s>,
 }
 
@@ -132,7 +132,7 @@ impl<const N: usize, const K: usize> pulp::WithSimd for Run<'_, '_, '_, N, K> {
             axes,
             width,
             answer,
-            sites: Sites::default(),
+            sites: QuadraturePoints::default(),
             answers: Vec::new(),
             gather: Gather::new(width),
             t: Aligned::default(),
@@ -146,20 +146,26 @@ impl<const N: usize, const K: usize> pulp::WithSimd for Run<'_, '_, '_, N, K> {
 impl Patches<'_> {
     /// ∫ f . N dx for forces of `components` components, computed by `answer`; `functions` of the whole. Then the moments,
     /// see [`add_moments`].
-    pub fn load<T: Real>(&self, components: usize, functions: usize, answer: &Answer<'_>) -> (Vec<T>, Vec<f64>) {
+    pub fn load<T: Real>(&self, components: usize, functions: usize, answer: &PointCallback<'_>) -> (Vec<T>, Vec<f64>) {
         self.forces(components, functions, None, answer)
     }
 
     /// ∫ P : grad N dx for the stress P and the energy density computed by `answer` from the gradient of `u` (empty: zero);
     /// `functions` of the whole. Then the energy.
-    pub fn internal_force<T: Real>(&self, components: usize, functions: usize, u: &[T], answer: &Answer<'_>) -> (Vec<T>, f64) {
+    pub fn internal_force<T: Real>(&self, components: usize, functions: usize, u: &[T], answer: &PointCallback<'_>) -> (Vec<T>, f64) {
         let u: Vec<f64> = u.iter().map(|&u| to_f64(u)).collect();
         let (forces, energy) = self.forces(components, functions, Some(&u), answer);
         (forces, energy.iter().sum())
     }
 
     /// Forces times functions, or, with a `state`, stresses times their gradients; then the sums beside them.
-    fn forces<T: Real>(&self, components: usize, functions: usize, state: Option<&[f64]>, answer: &Answer<'_>) -> (Vec<T>, Vec<f64>) {
+    fn forces<T: Real>(
+        &self,
+        components: usize,
+        functions: usize,
+        state: Option<&[f64]>,
+        answer: &PointCallback<'_>,
+    ) -> (Vec<T>, Vec<f64>) {
         let mut out = vec![T::zero(); components * functions];
         let dimension = self.patches.first().map_or(0, |patch| patch.axes.len());
         let kinds = if state.is_some() { gather::plane_kinds(dimension) } else { 1 };
@@ -177,7 +183,7 @@ impl Patches<'_> {
                     }
                     gather::slow(slow, &owners, (kinds, size), planes, points, own);
                 };
-                let grid = Grid { state: state.map(|u| State { part, u }), ..patch.grid() };
+                let grid = QuadratureGrid { state: state.map(|u| State { part, u }), ..patch.grid() };
                 force(grid, components, answer, &mut sink);
             });
         }
@@ -185,7 +191,7 @@ impl Patches<'_> {
     }
 }
 
-fn force(grid: Grid<'_, '_>, width: usize, answer: &Answer<'_>, sink: &mut Sink<'_>) {
+fn force(grid: QuadratureGrid<'_, '_>, width: usize, answer: &PointCallback<'_>, sink: &mut Sink<'_>) {
     let arch = grid.arch;
     match (grid.axes.len(), grid.state.is_some()) {
         (2, false) => arch.dispatch(Run::<2, 1> { grid, width, answer, sink }),

@@ -3,15 +3,15 @@
 use super::axis::Axis;
 use super::diagonal::{self, ORDERS, squares};
 use super::gather;
-use super::grid::{Grid, Points};
-use super::keep::{Kept, keep};
-use super::law::Law;
+use super::grid::{Points, QuadratureGrid};
+use super::keep::{PointCache, keep};
+use super::law::PointOperator;
 use super::map::{Asks, Map};
-use super::net::Net;
-use super::part::Part;
+use super::net::TensorField;
+use super::part::PatchNumbering;
 use super::product::product;
 use super::{Patch, Patches};
-use crate::assembly::source::Source;
+use crate::assembly::source::Integrand;
 use crate::assembly::{Coefficient, Form};
 use crate::linalg::{Real, lit};
 use std::ops::Range;
@@ -27,9 +27,9 @@ pub(in crate::assembly) struct Free {
 #[derive(Debug)]
 struct FreePatch {
     axes: Vec<Axis>,
-    weight: Option<(Net, Vec<f64>)>,
-    net: Option<Net>,
-    kept: Option<Kept>,
+    weight: Option<(TensorField, Vec<f64>)>,
+    net: Option<TensorField>,
+    kept: Option<PointCache>,
     first_element: usize,
     /// Its functions among those of all patches.
     functions: Range<usize>,
@@ -48,7 +48,7 @@ impl Free {
         }
         let (mut element, mut function) = (0, 0);
         let mut all = Vec::with_capacity(patches.len());
-        let source = Source::new(form);
+        let source = Integrand::new(form);
         for patch in patches {
             let functions = function..function + patch.functions();
             let ids = glue.as_ref().map(|glue| &glue.ids[functions.clone()]);
@@ -66,16 +66,16 @@ impl Free {
         ids + self.patches.iter().map(FreePatch::bytes).sum::<usize>()
     }
 
-    fn part(&self, patch: &FreePatch, width: usize) -> Part<'_> {
-        Part { ids: self.ids.as_ref().map(|ids| &ids[patch.functions.clone()]), weights: None, width }
+    fn part(&self, patch: &FreePatch, width: usize) -> PatchNumbering<'_> {
+        PatchNumbering { ids: self.ids.as_ref().map(|ids| &ids[patch.functions.clone()]), weights: None, width }
     }
 
     /// y = A x; `asks` returns an evaluator of the map of one element, for maps that are no net and not stored.
     pub fn apply<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &Asks<'_>, x: &[T], y: &mut [T]) {
         y.fill(T::zero());
-        let source = Source::new(form);
+        let source = Integrand::new(form);
         for patch in &self.patches {
-            let part = Part { weights: patch.weights(), ..self.part(patch, C) };
+            let part = PatchNumbering { weights: patch.weights(), ..self.part(patch, C) };
             let read = |from: usize, to: &mut [f64]| part.read(x, from, to);
             let slow = &patch.axes[N - 1];
             let owners = slow.owners();
@@ -90,7 +90,7 @@ impl Free {
     /// The diagonal.
     pub fn diagonal<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &Asks<'_>, out: &mut [T]) {
         out.fill(T::zero());
-        let source = Source::new(form);
+        let source = Integrand::new(form);
         for patch in &self.patches {
             let part = self.part(patch, C);
             part.add(patch.functions.len(), out, |own| patch.diagonal::<C, N, T>(part, &source, asks, own));
@@ -104,18 +104,18 @@ impl FreePatch {
         first_element: usize,
         functions: Range<usize>,
         ids: Option<&[u32]>,
-        (form, source): (&Form<'_, C, N, T>, &Source<'_>),
+        (form, source): (&Form<'_, C, N, T>, &Integrand<'_>),
         keeps: bool,
     ) -> Self {
         // for one component the map costs more than the rest of a product, for several components less
         let tangents = C == 1 || !matches!(form.coefficient, Coefficient::Constant(_));
         let kept = (keeps && (tangents || matches!(patch.map, Map::Elements(..)))).then(|| {
-            let law = if tangents { Law::new::<N>(source, C) } else { None };
-            let part = Part { ids, weights: patch.weight.as_ref().map(|(_, weights)| &weights[..]), width: C };
+            let law = if tangents { PointOperator::new::<N>(source, C) } else { None };
+            let part = PatchNumbering { ids, weights: patch.weight.as_ref().map(|(_, weights)| &weights[..]), width: C };
             keep(patch.grid().with_state(part, source), law.as_ref(), form.symmetric, C)
         });
         let Patch { axes, map, weight, arch, .. } = patch;
-        let net = if let (Map::Net(net), None) = (map, &kept) { Some(net) } else { None };
+        let net = if let (Map::TensorField(net), None) = (map, &kept) { Some(net) } else { None };
         Self { axes, weight, net, kept, first_element, functions, arch }
     }
 
@@ -124,38 +124,44 @@ impl FreePatch {
     }
 
     fn bytes(&self) -> usize {
-        let kept = self.kept.as_ref().map_or(0, Kept::bytes);
+        let kept = self.kept.as_ref().map_or(0, PointCache::bytes);
         kept + 8 * (self.net.as_ref().map_or(0, |net| net.coefficients.len()) + 2 * self.weights().map_or(0, <[f64]>::len))
     }
 
-    fn grid<'a, 'p>(&'a self, asks: &'a Asks<'p>) -> Grid<'a, 'p> {
+    fn grid<'a, 'p>(&'a self, asks: &'a Asks<'p>) -> QuadratureGrid<'a, 'p> {
         let points = match (&self.kept, &self.net) {
             (Some(kept), _) => kept.points(),
-            (None, Some(net)) => Points::Net(net),
+            (None, Some(net)) => Points::TensorField(net),
             (None, None) => Points::Elements(asks),
         };
         let weight = self.weight.as_ref().map(|(net, _)| net);
-        Grid { axes: &self.axes, weight, state: None, points, first_element: self.first_element, arch: self.arch }
+        QuadratureGrid { axes: &self.axes, weight, state: None, points, first_element: self.first_element, arch: self.arch }
     }
 
     /// Calls `work` with the grid and the law of `source`, or that of the tangents that were kept; `part`: the functions of the patch.
     fn with_law<const C: usize, const N: usize>(
         &self,
-        part: Part<'_>,
-        source: &Source<'_>,
+        part: PatchNumbering<'_>,
+        source: &Integrand<'_>,
         asks: &Asks<'_>,
-        work: impl FnOnce(Grid<'_, '_>, &Law<'_>),
+        work: impl FnOnce(QuadratureGrid<'_, '_>, &PointOperator<'_>),
     ) {
         if let Some(tangent) = self.kept.as_ref().and_then(|kept| kept.tangent) {
-            work(self.grid(asks), &Law::Kept { symmetric: tangent.symmetric });
-        } else if let Some(law) = Law::new::<N>(source, C) {
-            let part = Part { weights: self.weights(), ..part };
+            work(self.grid(asks), &PointOperator::Kept { symmetric: tangent.symmetric });
+        } else if let Some(law) = PointOperator::new::<N>(source, C) {
+            let part = PatchNumbering { weights: self.weights(), ..part };
             work(self.grid(asks).with_state(part, source), &law);
         }
     }
 
     /// Adds the diagonal to `out`, the functions of the patch alone, `part` of all.
-    fn diagonal<const C: usize, const N: usize, T: Real>(&self, part: Part<'_>, source: &Source<'_>, asks: &Asks<'_>, out: &mut [T]) {
+    fn diagonal<const C: usize, const N: usize, T: Real>(
+        &self,
+        part: PatchNumbering<'_>,
+        source: &Integrand<'_>,
+        asks: &Asks<'_>,
+        out: &mut [T],
+    ) {
         let slow = &self.axes[N - 1];
         let owners = slow.owners();
         let mut sums = vec![0.0; out.len()];

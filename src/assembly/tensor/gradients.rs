@@ -3,16 +3,16 @@
 use super::aligned::Aligned;
 use super::cell::{Cell, Here, quotient};
 use super::map::{inverse, numbers};
-use super::net::Net;
-use super::part::Part;
-use super::spread::{Coefficients, Spread, Values};
+use super::net::TensorField;
+use super::part::PatchNumbering;
+use super::spread::{Coefficients, Interpolation, Values};
 use super::{Patch, law};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 
 /// Unknowns of a state, and the share of a patch in them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct State<'a> {
-    pub part: Part<'a>,
+    pub part: PatchNumbering<'a>,
     pub u: &'a [f64],
 }
 
@@ -23,24 +23,24 @@ impl State<'_> {
     }
 
     /// The state on `patch` as a net; of a rational basis its numerator.
-    pub fn net(&self, patch: &Patch<'_>) -> Net {
+    pub fn net(&self, patch: &Patch<'_>) -> TensorField {
         let mut coefficients = vec![0.0; self.part.width * patch.functions()];
         self.read(0, &mut coefficients);
-        Net { axes: patch.axes.clone(), width: self.part.width, coefficients }
+        TensorField { axes: patch.axes.clone(), width: self.part.width, coefficients }
     }
 }
 
 /// Memory of the gradients of a state on a grid of points.
 #[derive(Clone, Debug)]
 pub(super) struct Gradients<V> {
-    pub spread: Spread<V>,
+    pub spread: Interpolation<V>,
     g: Aligned<V>,
     out: Aligned<V>,
 }
 
 impl<V> Default for Gradients<V> {
     fn default() -> Self {
-        Self { spread: Spread::default(), g: Aligned::default(), out: Aligned::default() }
+        Self { spread: Interpolation::default(), g: Aligned::default(), out: Aligned::default() }
     }
 }
 

@@ -10,10 +10,10 @@ use super::cell::{Cell, Here};
 use super::fill::{FromNet, ask_cell, fill_asked};
 use super::gradients::{Gradients, State};
 use super::map::{Ask, Asks, Map, numbers};
-use super::net::Net;
-use super::part::Part;
-use super::spread::{self, Coefficients, Spread};
-use crate::assembly::source::Source;
+use super::net::TensorField;
+use super::part::PatchNumbering;
+use super::spread::{self, Coefficients, Interpolation};
+use crate::assembly::source::Integrand;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -50,7 +50,7 @@ pub(super) type Sink<'a> = dyn FnMut(Range<usize>, &[f64]) + Send + 'a;
 #[derive(Clone, Copy)]
 pub(super) enum Points<'a, 'p> {
     /// Control points, with weights as last number where it is rational.
-    Net(&'a Net),
+    TensorField(&'a TensorField),
     /// Any map, element by element.
     Elements(&'a Asks<'p>),
     /// The map as stored on this processor, `numbers(N)` vectors per point; tile by tile, the first direction fastest.
@@ -61,11 +61,11 @@ pub(super) enum Points<'a, 'p> {
 
 /// A grid of points with its map and weight function.
 #[derive(Clone, Copy)]
-pub(super) struct Grid<'a, 'p> {
+pub(super) struct QuadratureGrid<'a, 'p> {
     /// The directions.
     pub axes: &'a [Axis],
     /// The weight function of a rational basis.
-    pub weight: Option<&'a Net>,
+    pub weight: Option<&'a TensorField>,
     /// The state whose gradients are evaluated; none where other data were stored in place of the map.
     pub state: Option<State<'a>>,
     /// The map.
@@ -77,20 +77,20 @@ pub(super) struct Grid<'a, 'p> {
 }
 
 impl<'p> Patch<'p> {
-    pub(super) fn grid(&self) -> Grid<'_, 'p> {
+    pub(super) fn grid(&self) -> QuadratureGrid<'_, 'p> {
         let points = match &self.map {
-            Map::Net(net) => Points::Net(net),
+            Map::TensorField(net) => Points::TensorField(net),
             Map::Elements(asks, _) => Points::Elements(*asks),
         };
         let weight = self.weight.as_ref().map(|(net, _)| net);
-        Grid { axes: &self.axes, weight, state: None, points, first_element: self.first_element, arch: self.arch }
+        QuadratureGrid { axes: &self.axes, weight, state: None, points, first_element: self.first_element, arch: self.arch }
     }
 }
 
 /// Memory of one task.
 struct Scratch<'a, V> {
-    map: Spread<V>,
-    weight: Spread<V>,
+    map: Interpolation<V>,
+    weight: Interpolation<V>,
     state: Gradients<V>,
     numbers: Aligned<V>,
     weights: Aligned<V>,
@@ -100,9 +100,9 @@ struct Scratch<'a, V> {
     asked: Vec<f64>,
 }
 
-impl<'a, 'p> Grid<'a, 'p> {
+impl<'a, 'p> QuadratureGrid<'a, 'p> {
     /// The grid with the state of `source`, of whose unknowns the patch has the share `part`.
-    pub fn with_state(self, part: Part<'a>, source: &'a Source<'_>) -> Self {
+    pub fn with_state(self, part: PatchNumbering<'a>, source: &'a Integrand<'_>) -> Self {
         Self { state: source.state().map(|u| State { part, u }), ..self }
     }
 
@@ -131,7 +131,7 @@ impl<'a, 'p> Grid<'a, 'p> {
                         let points = (tile * lanes..(tile + 1) * lanes).map(|q| q.min(slow.points() - 1));
                         scratch.lanes.extend(points.map(|q| (q, owners[q])));
                         let points = self.tile(tile, tiles);
-                        simd.vectorize(Tile::<'_, '_, S, N, V> { simd, grid: Grid { points, ..*self }, scratch, visit, out });
+                        simd.vectorize(Tile::<'_, '_, S, N, V> { simd, grid: QuadratureGrid { points, ..*self }, scratch, visit, out });
                     }
                 });
                 sink(from * lanes..((from + count) * lanes).min(slow.points()), results);
@@ -152,8 +152,8 @@ impl<'a, 'p> Grid<'a, 'p> {
     fn scratch<V>(&self) -> Scratch<'p, V> {
         let ask = if let Points::Elements(asks) = self.points { Some(asks()) } else { None };
         Scratch {
-            map: Spread::default(),
-            weight: Spread::default(),
+            map: Interpolation::default(),
+            weight: Interpolation::default(),
             state: Gradients::default(),
             numbers: Aligned::default(),
             weights: Aligned::default(),
@@ -167,7 +167,7 @@ impl<'a, 'p> Grid<'a, 'p> {
 
 struct Tile<'a, 'p, S: Simd, const N: usize, V> {
     simd: S,
-    grid: Grid<'a, 'p>,
+    grid: QuadratureGrid<'a, 'p>,
     scratch: &'a mut Scratch<'p, S::f64s>,
     visit: &'a mut V,
     out: &'a mut [f64],
@@ -180,7 +180,7 @@ impl<S: Simd, const N: usize, V: Visit<S, N>> NullaryFnOnce for Tile<'_, '_, S, 
         let Self { simd, grid, scratch, visit, out } = self;
         let Scratch { map, weight, state, numbers: filled, weights, lanes, ask, xi, asked } = scratch;
         let axes = grid.axes;
-        let (map_net, weight_net) = (if let Points::Net(net) = grid.points { Some(net) } else { None }, grid.weight);
+        let (map_net, weight_net) = (if let Points::TensorField(net) = grid.points { Some(net) } else { None }, grid.weight);
         let (read_map, read_weight) = (reader(map_net), reader(weight_net));
         let of_map = map_net.map(|net| Coefficients { axes: &net.axes, width: net.width, read: &read_map });
         let of_weight = weight_net.map(|net| Coefficients { axes: &net.axes, width: 1, read: &read_weight });
@@ -216,7 +216,7 @@ impl<S: Simd, const N: usize, V: Visit<S, N>> NullaryFnOnce for Tile<'_, '_, S, 
                     match grid.points {
                         Points::Map(all) => cell.map = part(all, numbers(N)),
                         Points::Other(all, size) => cell.kept = part(all, size),
-                        Points::Net(net) => {
+                        Points::TensorField(net) => {
                             filled.resize(points.len() * numbers(N));
                             let line = of_map.map_or(&[][..], |field| map.line::<N>(field, k));
                             simd.vectorize(FromNet::<'_, S, N> { simd, net, axis: &axes[0], first, line, outer, out: filled });
@@ -267,7 +267,7 @@ fn fill_weights<S: Simd, const N: usize>(
 }
 
 /// Copies coefficients of a net.
-fn reader(net: Option<&Net>) -> impl Fn(usize, &mut [f64]) + Sync + '_ {
+fn reader(net: Option<&TensorField>) -> impl Fn(usize, &mut [f64]) + Sync + '_ {
     move |from, to| {
         if let Some(net) = net {
             to.copy_from_slice(&net.coefficients[from..from + to.len()]);

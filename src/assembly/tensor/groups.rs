@@ -3,7 +3,7 @@
 //! Directions of local coordinates: 0 is the fastest; 1 in the plane, 2 and 1 in space are the outer ones; index N is
 //! the value itself. An outer direction keeps its component; the fastest one and the value share "neither".
 
-use super::fast::{Group, SS, SV, VS, VV};
+use super::fast::{ContractionGroup, SS, SV, VS, VV};
 use super::lanes::COMPONENTS_AT_ONCE;
 use super::middle;
 
@@ -13,12 +13,12 @@ pub(super) const fn components(n: usize) -> usize {
 }
 
 /// The groups of a form; `symmetric`: D_ab = D_ba, `extended`: D has the value as index N.
-pub(super) fn groups<const N: usize>(symmetric: bool, extended: bool) -> Vec<Group> {
+pub(super) fn groups<const N: usize>(symmetric: bool, extended: bool) -> Vec<ContractionGroup> {
     let outer: &[usize] = if N == 2 { &[1] } else { &[2, 1] };
     let (o, m) = (outer.len(), if extended { N + 1 } else { N });
     let d = |a: usize, b: usize| a * m + b;
     let t = |a: usize, b: usize| a * (o + 1) + b;
-    let blank = |mask, count| Group { mask, count, from: [[0; COMPONENTS_AT_ONCE]; 4], to: [0; COMPONENTS_AT_ONCE] };
+    let blank = |mask, count| ContractionGroup { mask, count, from: [[0; COMPONENTS_AT_ONCE]; 4], to: [0; COMPONENTS_AT_ONCE] };
     let pairs: Vec<(usize, usize)> = (0..o).flat_map(|a| (0..o).map(move |b| (a, b))).filter(|&(a, b)| !symmetric || a <= b).collect();
     let mut groups = Vec::new();
     for part in pairs.chunks(COMPONENTS_AT_ONCE) {
@@ -55,8 +55,8 @@ pub(super) fn groups<const N: usize>(symmetric: bool, extended: bool) -> Vec<Gro
 }
 
 /// The group of products of values: one component of D, one of the contraction.
-pub(super) fn mass() -> Vec<Group> {
-    vec![Group { mask: VV, count: 1, from: [[0; COMPONENTS_AT_ONCE]; 4], to: [0; COMPONENTS_AT_ONCE] }]
+pub(super) fn mass() -> Vec<ContractionGroup> {
+    vec![ContractionGroup { mask: VV, count: 1, from: [[0; COMPONENTS_AT_ONCE]; 4], to: [0; COMPONENTS_AT_ONCE] }]
 }
 
 /// Places of the components for the middle contraction: for a symmetric D (middle, slow) is read at (slow, middle).

@@ -2,15 +2,15 @@
 
 use super::aligned::{NUMBERS, offset};
 use super::cell::{Cell, Here};
-use super::grid::{Grid, Points, Visit};
-use super::law::Law;
+use super::grid::{Points, QuadratureGrid, Visit};
+use super::law::PointOperator;
 use crate::linalg::Buffer;
 use pulp::{Simd, bytemuck};
 use std::ops::Range;
 
 /// Stored quadrature-point data, in SIMD lanes of this processor.
 #[derive(Debug)]
-pub(super) struct Kept {
+pub(super) struct PointCache {
     all: Buffer<f64>,
     /// Range of the data in `all`.
     range: Range<usize>,
@@ -27,7 +27,7 @@ pub(super) struct Tangent {
     pub symmetric: bool,
 }
 
-impl Kept {
+impl PointCache {
     /// The data as points of a grid.
     pub fn points<'p>(&self) -> Points<'_, 'p> {
         let all = &self.all[self.range.clone()];
@@ -42,7 +42,7 @@ impl Kept {
 
 /// Visitor that stores the tangent of `law` in local coordinates at the points, or the map without a law.
 struct Keep<'a, V> {
-    law: Option<&'a Law<'a>>,
+    law: Option<&'a PointOperator<'a>>,
     symmetric: bool,
     components: usize,
     all: Vec<V>,
@@ -100,8 +100,8 @@ impl<S: Simd, const N: usize> Visit<S, N> for Keep<'_, S::f64s> {
 }
 
 struct Run<'a, 'p, const N: usize> {
-    grid: Grid<'a, 'p>,
-    law: Option<&'a Law<'a>>,
+    grid: QuadratureGrid<'a, 'p>,
+    law: Option<&'a PointOperator<'a>>,
     symmetric: bool,
     components: usize,
     size: usize,
@@ -123,7 +123,7 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, N> {
         let first = offset(&all);
         let mut next = first;
         // map and tangent do not depend on the weight function, but the gradient of a state does
-        let grid = Grid { weight: self.grid.weight.filter(|_| self.grid.state.is_some()), ..self.grid };
+        let grid = QuadratureGrid { weight: self.grid.weight.filter(|_| self.grid.state.is_some()), ..self.grid };
         grid.walk::<S, N, _>(simd, points * self.size, new, &mut |_: Range<usize>, numbers: &[f64]| {
             all[next..next + numbers.len()].copy_from_slice(numbers);
             next += numbers.len();
@@ -138,7 +138,7 @@ const fn size_of_tangent(rows: usize, symmetric: bool) -> usize {
 }
 
 /// Stores the map of `grid`, or the tangent `law` in local coordinates.
-pub(super) fn keep(grid: Grid<'_, '_>, law: Option<&Law<'_>>, symmetric: bool, components: usize) -> Kept {
+pub(super) fn keep(grid: QuadratureGrid<'_, '_>, law: Option<&PointOperator<'_>>, symmetric: bool, components: usize) -> PointCache {
     let n = grid.axes.len();
     let size = if law.is_some() { size_of_tangent(components * n, symmetric) } else { super::map::numbers(n) };
     let arch = grid.arch;
@@ -146,5 +146,5 @@ pub(super) fn keep(grid: Grid<'_, '_>, law: Option<&Law<'_>>, symmetric: bool, c
         2 => arch.dispatch(Run::<2> { grid, law, symmetric, components, size }),
         _ => arch.dispatch(Run::<3> { grid, law, symmetric, components, size }),
     };
-    Kept { all, range, tangent: law.map(|_| Tangent { size, symmetric }) }
+    PointCache { all, range, tangent: law.map(|_| Tangent { size, symmetric }) }
 }

@@ -4,11 +4,11 @@
 
 use super::cell::Cell;
 use super::map::{inverse, numbers};
-use crate::assembly::source::{PointTangent, Source};
+use crate::assembly::source::{Integrand, PointTangent};
 use pulp::{Simd, bytemuck};
 
 /// A tangent, classified by its structure.
-pub(in crate::assembly) enum Law<'a> {
+pub(in crate::assembly) enum PointOperator<'a> {
     /// A multiple of the gradient, component by component.
     Multiple(f64),
     /// Of N components: entries (cc, cc), (cc, ee), and the shear that (cl) and (lc) share.
@@ -22,13 +22,13 @@ pub(in crate::assembly) enum Law<'a> {
     Kept { symmetric: bool },
 }
 
-impl<'a> Law<'a> {
-    /// The law of `source` for fields of `components` components in N dimensions; `None` for [`Source::Mass`].
-    pub fn new<const N: usize>(source: &'a Source<'a>, components: usize) -> Option<Self> {
+impl<'a> PointOperator<'a> {
+    /// The law of `source` for fields of `components` components in N dimensions; `None` for [`Integrand::Mass`].
+    pub fn new<const N: usize>(source: &'a Integrand<'a>, components: usize) -> Option<Self> {
         let all = match source {
-            Source::Mass => return None,
-            Source::PerPoint { at, .. } => return Some(Self::PerPoint(&**at)),
-            Source::Constant(all) => all,
+            Integrand::Mass => return None,
+            Integrand::PerPoint { at, .. } => return Some(Self::PerPoint(&**at)),
+            Integrand::Constant(all) => all,
         };
         let c = components;
         let is = |entry: &dyn Fn(usize, usize, usize, usize) -> f64| {
@@ -210,7 +210,7 @@ fn quotients<S: Simd, const N: usize>(simd: S, inverse: S::f64s, dw: &[S::f64s; 
     }
 }
 
-impl Law<'_> {
+impl PointOperator<'_> {
     /// Writes the stress of the gradient `h[component * N + direction]` in the same layout; does nothing for [`Self::Kept`].
     #[inline(always)]
     pub fn stress<S: Simd, const N: usize>(&self, simd: S, tangent: &[S::f64s], h: &[S::f64s], stress: &mut [S::f64s]) {

@@ -3,12 +3,12 @@
 use super::cell::Cell;
 use super::fast;
 use super::gradients::Physical;
-use super::map::{self, ElementScratch, Map, Place, numbers};
-use super::march::Plan;
+use super::map::{self, ElementScratch, Map, MapTile, numbers};
+use super::march::SweepPlan;
 use super::net::{Curves, Tile};
 use super::strip::{Strip, Window, Windows};
 use super::write::Directions;
-use crate::assembly::source::Source;
+use crate::assembly::source::Integrand;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -40,7 +40,7 @@ pub(super) struct Scratch<'a, V> {
 
 /// Functions on the lines of the fastest direction, per point of the third direction.
 #[derive(Debug, Default)]
-pub(super) struct Lines {
+pub(super) struct AxisLines {
     map: Vec<Curves>,
     weight: Vec<Curves>,
     state: Vec<Curves>,
@@ -50,7 +50,7 @@ pub(super) struct Lines {
 
 /// Sizes of a march and what its sweeps read.
 pub(super) struct Sweep<'a, 'p, const N: usize> {
-    pub plan: &'a Plan<'a, 'p>,
+    pub plan: &'a SweepPlan<'a, 'p>,
     /// The directions.
     pub to: Directions<'a>,
     /// The functions of the fast and of the middle direction.
@@ -82,7 +82,7 @@ pub(super) struct Sweep<'a, 'p, const N: usize> {
 }
 
 impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
-    pub fn new(plan: &'a Plan<'a, 'p>, [fast, middle]: [Strip; 2], threads: usize, points: usize, slots: usize, lanes: usize) -> Self {
+    pub fn new(plan: &'a SweepPlan<'a, 'p>, [fast, middle]: [Strip; 2], threads: usize, points: usize, slots: usize, lanes: usize) -> Self {
         let (axes, to, third) = (&plan.patch.axes, plan.patch.directions(), N == 3);
         let windows = Windows::new(to.middle, &middle, plan.window[usize::from(threads > 1)], lanes);
         let vectors = (fast.held.len() * axes[0].active).div_ceil(lanes);
@@ -100,7 +100,7 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
         let (patch, form) = (self.plan.patch, self.plan.coefficient);
         let zeros = |n: usize| vec![simd.splat_f64s(0.0); n];
         let points = self.fast.points.len();
-        let varies = matches!(form.source, Source::PerPoint { .. });
+        let varies = matches!(form.source, Integrand::PerPoint { .. });
         let gradients = self.plan.state.as_ref().map_or(0, |net| points * net.width);
         let rational = patch.weight.is_some();
         Scratch {
@@ -121,16 +121,16 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
     }
 
     /// Room for the lines of a layer.
-    pub fn lines(&self) -> Lines {
+    pub fn lines(&self) -> AxisLines {
         let count = if N == 3 { self.points } else { 1 };
         let curves = || vec![Curves::default(); count];
-        Lines { map: curves(), weight: curves(), state: curves(), planes: vec![Vec::new(); count] }
+        AxisLines { map: curves(), weight: curves(), state: curves(), planes: vec![Vec::new(); count] }
     }
 
     /// Contracts the nets of map, weights and state for the points of a layer; in the plane once for all elements of the march, `slow`.
-    pub fn fill_lines(&self, layer: &Layer, slow: &Range<usize>, lines: &mut Lines) {
+    pub fn fill_lines(&self, layer: &Layer, slow: &Range<usize>, lines: &mut AxisLines) {
         let patch = self.plan.patch;
-        let net = if let Map::Net(net) = &patch.map { Some(net) } else { None };
+        let net = if let Map::TensorField(net) = &patch.map { Some(net) } else { None };
         let weight = patch.weight.as_ref().map(|w| &w.0);
         let elements = [&self.fast.elements, if N == 3 { &self.middle.elements } else { slow }];
         let state = self.plan.state.as_ref();
@@ -163,7 +163,7 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
         simd: S,
         layer: &Layer,
         [tile, line]: [usize; 2],
-        lines: &Lines,
+        lines: &AxisLines,
         scratch: &mut Scratch<'p, S::f64s>,
         out: &mut [S::f64s],
     ) {
@@ -173,7 +173,7 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
         let slow = if N == 3 { (layer.points.start + line, self.owners[1][layer.points.start + line]) } else { (0, 0) };
         scratch.lanes.clear();
         scratch.lanes.extend((first..first + self.lanes).map(|q| q.min(end - 1)).map(|q| (q, self.owners[0][q])));
-        let place = Place { along: [self.fast.elements.start, self.fast.elements.end], lanes: &scratch.lanes, slow };
+        let place = MapTile { along: [self.fast.elements.start, self.fast.elements.end], lanes: &scratch.lanes, slow };
         map::fill_elements::<S, N>(simd, &patch.axes, place, &mut scratch.element, &mut scratch.geo);
         simd.vectorize(Fast { simd, sweep: self, slow, line, lines, scratch, out });
     }
@@ -184,7 +184,7 @@ struct Fast<'a, 'p, S: Simd, const N: usize> {
     sweep: &'a Sweep<'a, 'p, N>,
     slow: (usize, usize),
     line: usize,
-    lines: &'a Lines,
+    lines: &'a AxisLines,
     scratch: &'a mut Scratch<'p, S::f64s>,
     out: &'a mut [S::f64s],
 }
@@ -195,8 +195,8 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Fast<'_, '_, S, N> {
     fn call(self) {
         let Self { simd, sweep, slow, line, lines, scratch, out } = self;
         let (plan, patch) = (sweep.plan, sweep.plan.patch);
-        let place = Place { along: [sweep.fast.elements.start, sweep.fast.elements.end], lanes: &scratch.lanes, slow };
-        if let Map::Net(net) = &patch.map {
+        let place = MapTile { along: [sweep.fast.elements.start, sweep.fast.elements.end], lanes: &scratch.lanes, slow };
+        if let Map::TensorField(net) = &patch.map {
             net.tile(simd, &scratch.lanes, &mut scratch.tile);
             map::fill_net::<S, N>(simd, net, &patch.axes, place, &lines.map[line], &scratch.tile, &mut scratch.geo);
         }

@@ -3,7 +3,7 @@
 //! Per point: x (N numbers), the rows of det J times the inverse of J (N x N), weight / |det J|, weight |det J|, det J.
 
 use super::axis::Axis;
-use super::net::{Curves, Net, Tile};
+use super::net::{Curves, TensorField, Tile};
 use pulp::{Simd, bytemuck};
 use std::fmt::Debug;
 use std::ops::Range;
@@ -16,14 +16,14 @@ pub(in crate::assembly) type Asks<'a> = dyn Fn() -> Box<Ask<'a>> + Sync + 'a;
 /// Source of the map.
 pub(super) enum Map<'a> {
     /// Control points, with weights as last number where it is rational.
-    Net(Net),
+    TensorField(TensorField),
     /// Any map, element by element, and the first element of the patch.
     Elements(&'a Asks<'a>, usize),
 }
 
 impl Debug for Map<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(if matches!(self, Self::Net(_)) { "Net" } else { "Elements" })
+        f.write_str(if matches!(self, Self::TensorField(_)) { "Net" } else { "Elements" })
     }
 }
 
@@ -47,7 +47,7 @@ pub(in crate::assembly) fn inverse<S: Simd, const N: usize>(simd: S, map: &[S::f
 
 /// One tile of the grid: points of some elements of the first direction, up to a lane's worth of the second, one of the third.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place<'a> {
+pub(super) struct MapTile<'a> {
     /// Elements of the first direction, from and to.
     pub along: [usize; 2],
     /// (point, element) of the second direction per lane; lanes beyond the last point repeat it.
@@ -56,7 +56,7 @@ pub(super) struct Place<'a> {
     pub slow: (usize, usize),
 }
 
-impl Place<'_> {
+impl MapTile<'_> {
     /// Points of the first direction.
     #[inline(always)]
     fn points(&self, axes: &[Axis]) -> Range<usize> {
@@ -68,9 +68,9 @@ impl Place<'_> {
 #[inline(always)]
 pub(super) fn fill_net<S: Simd, const N: usize>(
     simd: S,
-    net: &Net,
+    net: &TensorField,
     axes: &[Axis],
-    place: Place<'_>,
+    place: MapTile<'_>,
     curves: &Curves,
     tile: &Tile<S::f64s>,
     out: &mut [S::f64s],
@@ -89,7 +89,7 @@ pub(super) fn fill_net<S: Simd, const N: usize>(
 
 /// Weights of the second and third direction.
 #[inline(always)]
-fn weights<S: Simd>(simd: S, axes: &[Axis], place: Place<'_>) -> S::f64s {
+fn weights<S: Simd>(simd: S, axes: &[Axis], place: MapTile<'_>) -> S::f64s {
     let slow = axes.get(2).map_or(1.0, |axis| axis.weights[place.slow.0]);
     let mut weight = simd.splat_f64s(0.0);
     let lanes: &mut [f64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut weight));
@@ -184,7 +184,7 @@ impl<'a> ElementScratch<'a> {
 pub(super) fn fill_elements<S: Simd, const N: usize>(
     simd: S,
     axes: &[Axis],
-    place: Place<'_>,
+    place: MapTile<'_>,
     scratch: &mut ElementScratch<'_>,
     out: &mut [S::f64s],
 ) {
@@ -223,7 +223,7 @@ pub(super) fn fill_elements<S: Simd, const N: usize>(
 struct Finish<'a, S: Simd, const N: usize> {
     simd: S,
     axes: &'a [Axis],
-    place: Place<'a>,
+    place: MapTile<'a>,
     out: &'a mut [S::f64s],
 }
 

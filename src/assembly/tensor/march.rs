@@ -10,17 +10,17 @@
 use super::Patch;
 use super::aligned::Aligned;
 use super::axis::Axis;
-use super::coefficient::{Coefficient, Pair};
-use super::fast::Group;
+use super::coefficient::{Coefficient, ComponentPair};
+use super::fast::ContractionGroup;
 use super::gradients::State;
 use super::groups;
 use super::layer::{Layer, Scratch, Sweep};
-use super::net::Net;
-use super::part::Part as Share;
+use super::net::TensorField;
+use super::part::PatchNumbering;
 use super::strip::{self, Strip};
 use super::sums::Add;
 use super::write::{Directions, Sums};
-use crate::assembly::source::Source;
+use crate::assembly::source::Integrand;
 use pulp::{Simd, bytemuck};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -56,26 +56,26 @@ fn sizes(to: Directions<'_>, bytes: usize) -> [usize; 2] {
 }
 
 /// Constant data of a march.
-pub(super) struct Plan<'a, 'p> {
+pub(super) struct SweepPlan<'a, 'p> {
     pub patch: &'a Patch<'p>,
     pub coefficient: &'a Coefficient<'a>,
     /// The state that the tangent depends on.
-    pub state: Option<Net>,
-    pub pairs: Vec<Pair>,
+    pub state: Option<TensorField>,
+    pub pairs: Vec<ComponentPair>,
     /// Groups of pairs whose D is symmetric, and of the others.
-    pub groups: [Vec<Group>; 2],
+    pub groups: [Vec<ContractionGroup>; 2],
     /// Functions of the fast and of the middle direction in a strip, at most.
     pub strip: [usize; 2],
     /// Functions of the middle direction in a window, for one thread and for several.
     pub window: [usize; 2],
 }
 
-impl<'a, 'p> Plan<'a, 'p> {
+impl<'a, 'p> SweepPlan<'a, 'p> {
     /// Creates the plan of `patch`, which has the share `part` of the unknowns.
-    pub fn new(patch: &'a Patch<'p>, part: Share<'_>, coefficient: &'a Coefficient<'a>) -> Self {
+    pub fn new(patch: &'a Patch<'p>, part: PatchNumbering<'_>, coefficient: &'a Coefficient<'a>) -> Self {
         let extended = patch.weight.is_some();
         let groups = match (&coefficient.source, patch.axes.len()) {
-            (Source::Mass, _) => [groups::mass(), groups::mass()],
+            (Integrand::Mass, _) => [groups::mass(), groups::mass()],
             (_, 2) => [true, false].map(|symmetric| groups::groups::<2>(symmetric, extended)),
             _ => [true, false].map(|symmetric| groups::groups::<3>(symmetric, extended)),
         };
@@ -95,7 +95,7 @@ impl<'a, 'p> Plan<'a, 'p> {
 
     /// Components of the contraction along the fastest direction.
     pub fn components(&self) -> usize {
-        if matches!(self.coefficient.source, Source::Mass) { 1 } else { groups::components(self.patch.axes.len()) }
+        if matches!(self.coefficient.source, Integrand::Mass) { 1 } else { groups::components(self.patch.axes.len()) }
     }
 }
 
@@ -104,7 +104,7 @@ pub(super) type Sink<'a> = dyn FnMut(Sums<'_>, Range<usize>) + Send + 'a;
 
 /// Rows made by a march, as a range of functions per direction.
 #[derive(Clone, Debug)]
-pub(super) struct Part {
+pub(super) struct RowRange {
     pub fast: Range<usize>,
     pub middle: Range<usize>,
     pub slow: Range<usize>,
@@ -113,7 +113,7 @@ pub(super) struct Part {
 /// Runs the march through `part`, with `threads` threads sharing a layer.
 ///
 /// No type parameter reaches the kernels from outside, so that they are compiled once.
-pub(super) fn march(plan: &Plan<'_, '_>, part: Part, threads: usize, sink: &mut Sink<'_>) {
+pub(super) fn march(plan: &SweepPlan<'_, '_>, part: RowRange, threads: usize, sink: &mut Sink<'_>) {
     let arch = plan.patch.arch;
     match plan.patch.axes.len() {
         2 => arch.dispatch(March::<2> { plan, part, threads, sink }),
@@ -122,8 +122,8 @@ pub(super) fn march(plan: &Plan<'_, '_>, part: Part, threads: usize, sink: &mut 
 }
 
 struct March<'a, 'p, 's, const N: usize> {
-    plan: &'a Plan<'a, 'p>,
-    part: Part,
+    plan: &'a SweepPlan<'a, 'p>,
+    part: RowRange,
     threads: usize,
     sink: &'a mut Sink<'s>,
 }
@@ -146,7 +146,7 @@ fn layer_elements<const N: usize>(axes: &[Axis], fast: &Strip, components: usize
 }
 
 fn run<S: Simd, const N: usize>(simd: S, march: March<'_, '_, '_, N>) {
-    let March { plan, part: Part { fast, middle, slow: rows }, threads, sink } = march;
+    let March { plan, part: RowRange { fast, middle, slow: rows }, threads, sink } = march;
     let axes = &plan.patch.axes;
     let slow = &axes[N - 1];
     let mut reached = rows.clone().filter(|&i| slow.support[i].1 > 0);

@@ -80,11 +80,11 @@ pub(super) use free::Free;
 pub(super) use glue::Glue;
 pub(super) use gradients::Physical;
 pub(in crate::assembly) use lanes::available as lanes_available;
-pub(super) use law::{Law, physical, tested};
+pub(super) use law::{PointOperator, physical, tested};
 use map::Map;
 pub(super) use map::{Ask, Asks, finish, inverse, numbers as numbers_of_map};
-use net::Net;
-pub(super) use sites::{Answer, Sites};
+use net::TensorField;
+pub(super) use sites::{PointCallback, QuadraturePoints};
 pub(super) use squares::{SQUARES, Squares};
 pub(super) use states::{size as state_size, state};
 
@@ -114,7 +114,7 @@ struct Patch<'a> {
     none: Axis,
     map: Map<'a>,
     /// The weight function of a rational basis, and its weights.
-    weight: Option<(Net, Vec<f64>)>,
+    weight: Option<(TensorField, Vec<f64>)>,
     /// The instruction set.
     arch: pulp::Arch,
 }
@@ -203,7 +203,7 @@ impl<'a> Patch<'a> {
             None => None,
             Some(weights) => {
                 let weights: Vec<f64> = weights.iter().map(|&w| to_f64(w)).collect();
-                Some((Net::new(block, rules, 1, weights.clone())?, weights))
+                Some((TensorField::new(block, rules, 1, weights.clone())?, weights))
             }
         };
         let elements: Vec<usize> = axes.iter().map(Axis::elements).collect();
@@ -212,7 +212,7 @@ impl<'a> Patch<'a> {
             axes,
             first_element: block.first,
             none: Axis::none(),
-            map: net.map_or(Map::Elements(asks, block.first), Map::Net),
+            map: net.map_or(Map::Elements(asks, block.first), Map::TensorField),
             weight,
             arch: pulp::Arch::new(),
         })
@@ -220,7 +220,10 @@ impl<'a> Patch<'a> {
 }
 
 /// The net of a map: control points, in homogeneous form where it is rational.
-fn control<const N: usize, const M: usize, T: Real>(map: &MapBlock<'_, N, M, T>, rules: &[&dyn Quadrature<1, T>; N]) -> Option<Net> {
+fn control<const N: usize, const M: usize, T: Real>(
+    map: &MapBlock<'_, N, M, T>,
+    rules: &[&dyn Quadrature<1, T>; N],
+) -> Option<TensorField> {
     let width = if map.basis.weights.is_some() { N + 1 } else { N };
     let mut coefficients = Vec::with_capacity(map.control.len() * width);
     for (k, point) in map.control.iter().enumerate() {
@@ -228,5 +231,5 @@ fn control<const N: usize, const M: usize, T: Real>(map: &MapBlock<'_, N, M, T>,
         coefficients.extend(point.iter().map(|&x| to_f64(x) * weight.unwrap_or(1.0)));
         coefficients.extend(weight);
     }
-    Net::new(&map.basis, rules, width, coefficients)
+    TensorField::new(&map.basis, rules, width, coefficients)
 }

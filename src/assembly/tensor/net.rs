@@ -9,7 +9,7 @@ use std::ops::Range;
 
 /// sum_k N_k c_k with `width` numbers c_k per function: positions in homogeneous form, or a weight function.
 #[derive(Clone, Debug)]
-pub(super) struct Net {
+pub(super) struct TensorField {
     /// The directions of the functions.
     pub axes: Vec<Axis>,
     /// Numbers per function.
@@ -49,7 +49,7 @@ impl<V> Default for Tile<V> {
     }
 }
 
-impl Net {
+impl TensorField {
     /// The functions of `block` with `coefficients`, at the points of `rules`; `None` where an axis has no simple form.
     pub fn new<const N: usize, T: Real>(
         block: &Block<'_, N, T>,

@@ -5,7 +5,7 @@ use crate::linalg::{Real, lit, to_f64};
 
 /// Unknowns of a patch within the whole.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Part<'a> {
+pub(super) struct PatchNumbering<'a> {
     /// Number in the whole of every function of the patch; `None` if they are the same.
     pub ids: Option<&'a [u32]>,
     /// One weight per function of a rational basis.
@@ -14,7 +14,7 @@ pub(super) struct Part<'a> {
     pub width: usize,
 }
 
-impl Part<'_> {
+impl PatchNumbering<'_> {
     /// Reads the coefficients of the patch's functions times their weights, from number `from` of the patch on; an empty `u` is zero.
     pub fn read<T: Real>(&self, u: &[T], from: usize, to: &mut [f64]) {
         if u.is_empty() {
@@ -62,8 +62,8 @@ impl Part<'_> {
 
 impl Patches<'_> {
     /// The unknowns of patch `k` for fields of `width` components.
-    pub(super) fn part(&self, k: usize, width: usize) -> Part<'_> {
+    pub(super) fn part(&self, k: usize, width: usize) -> PatchNumbering<'_> {
         let ids = self.glue.as_ref().map(|glue| &glue.ids[glue.first[k]..glue.first[k + 1]]);
-        Part { ids, weights: self.patches[k].weight.as_ref().map(|(_, weights)| &weights[..]), width }
+        PatchNumbering { ids, weights: self.patches[k].weight.as_ref().map(|(_, weights)| &weights[..]), width }
     }
 }

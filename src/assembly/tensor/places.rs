@@ -1,7 +1,7 @@
 //! Coordinates of the unknowns of a patch: the mean of x over the points, weighted by the squared function.
 
 use super::axis::Axis;
-use super::map::{self, ElementScratch, Map, Place, numbers};
+use super::map::{self, ElementScratch, Map, MapTile, numbers};
 use super::net::{Curves, Tile};
 use super::{Patch, Patches};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
@@ -43,7 +43,7 @@ impl Contraction {
     fn of<const N: usize>(patch: &Patch<'_>, slow: (usize, usize)) -> Self {
         let (mut all, mut scratch) = (Self::default(), Vec::new());
         let [fast, second] = [0, 1].map(|k| 0..patch.axes[k].elements());
-        if let Map::Net(net) = &patch.map {
+        if let Map::TensorField(net) = &patch.map {
             net.curves::<N>(slow, [&fast, &second], &mut all.map, &mut scratch);
         }
         if let Some((net, _)) = &patch.weight {
@@ -79,9 +79,9 @@ fn planes<S: Simd, const N: usize>(
     let mut grid = vec![0.0; (to - from) * q0 * (N + 1)];
     for first in (from..to).step_by(lanes) {
         let here: Vec<(usize, usize)> = (first..first + lanes).map(|q| q.min(to - 1)).map(|q| (q, owners[0][q])).collect();
-        let place = Place { along: [elements.start, elements.end], lanes: &here, slow };
+        let place = MapTile { along: [elements.start, elements.end], lanes: &here, slow };
         match &patch.map {
-            Map::Net(net) => {
+            Map::TensorField(net) => {
                 net.tile(simd, &here, &mut tile);
                 simd.vectorize(Positions::<'_, S, N> { simd, net, axes, place, curves: &curves.map, tile: &tile, out: &mut geo });
             }
@@ -130,9 +130,9 @@ fn contracted(axis: &Axis, values: &[f64], width: usize) -> Contracted {
 
 struct Positions<'a, S: Simd, const N: usize> {
     simd: S,
-    net: &'a super::Net,
+    net: &'a super::TensorField,
     axes: &'a [Axis],
-    place: Place<'a>,
+    place: MapTile<'a>,
     curves: &'a Curves,
     tile: &'a Tile<S::f64s>,
     out: &'a mut [S::f64s],
@@ -150,7 +150,7 @@ impl Patches<'_> {
     /// A point per unknown of a field of `components` components; these patches have two points per direction.
     ///
     /// A function that is a sum of several of a patch gets the mean weighted by the sum of their squares.
-    pub fn mean_places(&self, components: usize) -> Vec<[f64; 3]> {
+    pub fn mean_coordinates(&self, components: usize) -> Vec<[f64; 3]> {
         let parts = self.patches.iter().map(Patch::place_sums);
         let sums = match &self.glue {
             None => parts.flatten().collect(),

@@ -8,10 +8,10 @@ use super::aligned::Aligned;
 use super::axis::Axis;
 use super::cell::{Cell, Here};
 use super::gather::{self, Gather};
-use super::grid::{Grid, Sink, Visit};
+use super::grid::{QuadratureGrid, Sink, Visit};
 use super::lanes::rows;
-use super::law::{self, Law};
-use super::spread::{self, Coefficients, Read, Spread};
+use super::law::{self, PointOperator};
+use super::spread::{self, Coefficients, Interpolation, Read};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 
 /// Functions along the first direction at most for which a point is done at once: more do not fit the registers.
@@ -20,8 +20,8 @@ const MOST_ACTIVE: usize = 5;
 /// The field's way to the points, the tangent, the way back.
 struct Product<'a, V, const N: usize> {
     field: Coefficients<'a>,
-    law: &'a Law<'a>,
-    spread: Spread<V>,
+    law: &'a PointOperator<'a>,
+    spread: Interpolation<V>,
     gather: Gather<V, N>,
     g: Aligned<V>,
     h: Aligned<V>,
@@ -44,7 +44,7 @@ impl<S: Simd, const N: usize> Visit<S, N> for Product<'_, S::f64s, N> {
 
     #[inline(always)]
     fn line(&mut self, simd: S, (_, k): (usize, usize), kept: &[S::f64s]) -> bool {
-        let scalar = matches!(self.law, Law::Kept { symmetric: true }) && self.field.width == 1;
+        let scalar = matches!(self.law, PointOperator::Kept { symmetric: true }) && self.field.width == 1;
         let fits = self.field.axes[0].active <= MOST_ACTIVE;
         if scalar && fits {
             simd.vectorize(Line::<'_, '_, S, N> { simd, product: self, k, kept });
@@ -170,7 +170,7 @@ impl<V: bytemuck::Pod, const N: usize> Product<'_, V, N> {
         self.h.resize(2 * width * N);
         let line = self.spread.line::<N>(self.field, here.middle.1);
         spread::cell::<S, N, NP, RATIONAL>(simd, &axes[0], here.first, width, line, &mut self.g);
-        if let Law::Kept { symmetric: true } = self.law
+        if let PointOperator::Kept { symmetric: true } = self.law
             && width == 1
             && !RATIONAL
         {
@@ -200,7 +200,7 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Tangents<'_, '_, S, N> {
         let Product { law, field, g, h, tangents, buffer, .. } = product;
         let width = field.width;
         law.tangents::<S, N>(simd, width, cell, buffer, tangents);
-        let tangents = if matches!(law, Law::Kept { .. }) { cell.kept } else { &tangents[..] };
+        let tangents = if matches!(law, PointOperator::Kept { .. }) { cell.kept } else { &tangents[..] };
         let (size, map_size) = (tangents.len() / cell.points.max(1), cell.map.len() / cell.points.max(1));
         for (q, g) in g.chunks_exact_mut(width * (N + 1)).enumerate() {
             let weight = cell.weight.map(|w| &w[q * (N + 1)..][..N + 1]);
@@ -211,8 +211,8 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Tangents<'_, '_, S, N> {
 }
 
 struct Apply<'a, 'p, 's, const N: usize> {
-    grid: Grid<'a, 'p>,
-    law: &'a Law<'a>,
+    grid: QuadratureGrid<'a, 'p>,
+    law: &'a PointOperator<'a>,
     field: Coefficients<'a>,
     sink: &'a mut Sink<'s>,
 }
@@ -227,7 +227,7 @@ impl<const N: usize> pulp::WithSimd for Apply<'_, '_, '_, N> {
         let new = || Product::<S::f64s, N> {
             field,
             law,
-            spread: Spread::default(),
+            spread: Interpolation::default(),
             gather: Gather::new(field.width),
             g: Aligned::default(),
             h: Aligned::default(),
@@ -239,7 +239,7 @@ impl<const N: usize> pulp::WithSimd for Apply<'_, '_, '_, N> {
 }
 
 /// Planes of the product with the field that `read` gives, point by point of the slowest direction.
-pub(super) fn product(grid: Grid<'_, '_>, law: &Law<'_>, components: usize, read: &Read<'_>, sink: &mut Sink<'_>) {
+pub(super) fn product(grid: QuadratureGrid<'_, '_>, law: &PointOperator<'_>, components: usize, read: &Read<'_>, sink: &mut Sink<'_>) {
     let field = Coefficients { axes: grid.axes, width: components, read };
     let arch = grid.arch;
     if grid.axes.len() == 2 {

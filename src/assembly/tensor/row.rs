@@ -16,7 +16,7 @@ const ROWS_AT_LEAST: usize = 32;
 
 /// Functions of the fastest direction beside one pair of functions of the others.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Run {
+pub(super) struct FunctionRun {
     /// Place of the sums of pairs j >= i.
     upper: usize,
     /// Place of the sums of pairs (j, i) of all directions.
@@ -31,7 +31,7 @@ pub(super) struct Run {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lines {
     /// One per pair of functions of the outer directions, columns ascending.
-    pub runs: Vec<Run>,
+    pub runs: Vec<FunctionRun>,
     /// The mirrored and the own line of every run and component of the trial function.
     values: Vec<f64>,
     /// Numbers of a line, the first that is copied, and the first that has sums.
@@ -49,7 +49,7 @@ impl Lines {
         self.runs.clear();
         for js in to.slow.columns[slow].0..to.slow.columns[slow].1 {
             for jm in to.middle.columns[middle].0..to.middle.columns[middle].1 {
-                self.runs.push(Run {
+                self.runs.push(FunctionRun {
                     upper: to.ring(sums.slots, sums.first, middle, jm).at(to.slow.active, slow, js),
                     mirror: to.ring(sums.slots, sums.first, jm, middle).at(to.slow.active, js, slow),
                     order: (js, jm).cmp(&(slow, middle)),

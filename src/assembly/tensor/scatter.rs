@@ -5,7 +5,7 @@
 //! same number comes after all others. So every entry is summed in an order that does not depend on the threads.
 
 use super::glue::Glue;
-use super::march::{Part, Plan, march};
+use super::march::{RowRange, SweepPlan, march};
 use super::write::{Directions, RowScratch, Sums};
 use crate::assembly::pattern::each_row;
 use crate::linalg::{Csr, Real, Sparsity};
@@ -16,7 +16,7 @@ use std::ops::Range;
 const TASKS_PER_THREAD: usize = 2;
 
 /// The matrix of one form, a plan per patch, to `matrix`; `add`: on top of what is there.
-pub(super) fn fill<T: Real>(plans: &[Plan<'_, '_>], glue: &Glue, add: bool, matrix: &mut Csr<T>) {
+pub(super) fn fill<T: Real>(plans: &[SweepPlan<'_, '_>], glue: &Glue, add: bool, matrix: &mut Csr<T>) {
     let (coefficient, threads) = (plans[0].coefficient, rayon::current_num_threads());
     let c = coefficient.components;
     let graph = matrix.pattern().clone();
@@ -38,7 +38,7 @@ pub(super) fn fill<T: Real>(plans: &[Plan<'_, '_>], glue: &Glue, add: bool, matr
             // the order of sums of merged functions follows from the strips: they depend on nothing but the patch
             let strips = plan.strips();
             for (middle, fast) in strips[1].iter().flat_map(|middle| strips[0].iter().map(move |fast| (middle, fast))) {
-                let part = Part { fast: fast.clone(), middle: middle.clone(), slow: 0..directions.slow.functions };
+                let part = RowRange { fast: fast.clone(), middle: middle.clone(), slow: 0..directions.slow.functions };
                 march(plan, part, threads, &mut |sums: Sums<'_>, rows: Range<usize>| {
                     to.stretch(&sums, directions, first, [middle.clone(), rows], threads, values);
                 });

@@ -7,7 +7,7 @@ use pulp::{Simd, bytemuck};
 
 /// The points of a cell, those of one lane together.
 #[derive(Clone, Debug, Default)]
-pub(in crate::assembly) struct Sites {
+pub(in crate::assembly) struct QuadraturePoints {
     /// Physical points, N numbers each.
     pub x: Vec<f64>,
     /// Element per lane.
@@ -22,9 +22,9 @@ pub(in crate::assembly) struct Sites {
 }
 
 /// Closure that writes values at all points of a cell, `size` numbers each.
-pub(in crate::assembly) type Answer<'a> = dyn Fn(&Sites, &mut [f64]) + Sync + 'a;
+pub(in crate::assembly) type PointCallback<'a> = dyn Fn(&QuadraturePoints, &mut [f64]) + Sync + 'a;
 
-impl Sites {
+impl QuadraturePoints {
     /// Calls `answer` at all points of a cell: `out[point * size + number]`, zero in lanes beyond the last point.
     #[inline(always)]
     pub(in crate::assembly) fn ask<S: Simd, const N: usize>(
@@ -32,7 +32,7 @@ impl Sites {
         simd: S,
         cell: Cell<'_, S::f64s>,
         lanes: &[(usize, usize)],
-        answer: &Answer<'_>,
+        answer: &PointCallback<'_>,
         size: usize,
         out: &mut Vec<S::f64s>,
     ) {

@@ -31,20 +31,20 @@ impl Coefficients<'_> {
 
 /// Memory of the planes and lines of one field.
 #[derive(Clone, Debug)]
-pub(super) struct Spread<V> {
+pub(super) struct Interpolation<V> {
     tables: Vec<[V; 2]>,
     numbers: Vec<f64>,
     planes: Aligned<V>,
     lines: Aligned<V>,
 }
 
-impl<V> Default for Spread<V> {
+impl<V> Default for Interpolation<V> {
     fn default() -> Self {
         Self { tables: Vec::new(), numbers: Vec::new(), planes: Aligned::default(), lines: Aligned::default() }
     }
 }
 
-impl<V: bytemuck::Pod> Spread<V> {
+impl<V: bytemuck::Pod> Interpolation<V> {
     /// Contracts the slowest direction at `points[lane]` = (point, element): `planes[number * 2 + derivative]`.
     pub fn planes<S: Simd<f64s = V>>(&mut self, simd: S, field: Coefficients<'_>, points: &[(usize, usize)]) {
         simd.vectorize(Planes { simd, to: self, field, points });
@@ -168,7 +168,7 @@ impl<V: bytemuck::Pod> Spread<V> {
 
 struct Planes<'a, S: Simd> {
     simd: S,
-    to: &'a mut Spread<S::f64s>,
+    to: &'a mut Interpolation<S::f64s>,
     field: Coefficients<'a>,
     points: &'a [(usize, usize)],
 }
@@ -183,7 +183,7 @@ impl<S: Simd> NullaryFnOnce for Planes<'_, S> {
 
 struct Lines<'a, S: Simd> {
     simd: S,
-    to: &'a mut Spread<S::f64s>,
+    to: &'a mut Interpolation<S::f64s>,
     field: Coefficients<'a>,
     e: usize,
 }

@@ -1,7 +1,7 @@
 //! Squares of the difference of two fields at the points of a cell: values, gradients, energy.
 
 use super::cell::{Cell, quotient};
-use super::law::{self, Law};
+use super::law::{self, PointOperator};
 use super::map::{inverse, numbers};
 use pulp::{Simd, bytemuck};
 
@@ -10,7 +10,7 @@ pub(in crate::assembly) const SQUARES: usize = 6;
 
 /// Sums squares; what it needs in between is kept from cell to cell.
 pub(in crate::assembly) struct Squares<'a, V> {
-    law: &'a Law<'a>,
+    law: &'a PointOperator<'a>,
     width: usize,
     h: Vec<V>,
     stress: Vec<V>,
@@ -20,7 +20,7 @@ pub(in crate::assembly) struct Squares<'a, V> {
 
 impl<'a, V: bytemuck::Pod> Squares<'a, V> {
     /// For fields of `width` components, with the energy of `law`.
-    pub fn new(law: &'a Law<'a>, width: usize) -> Self {
+    pub fn new(law: &'a PointOperator<'a>, width: usize) -> Self {
         Self { law, width, h: Vec::new(), stress: Vec::new(), tangents: Vec::new(), buffer: Vec::new() }
     }
 

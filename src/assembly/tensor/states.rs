@@ -2,9 +2,9 @@
 
 use super::aligned::Aligned;
 use super::cell::{Cell, Here, quotient};
-use super::grid::{Grid, Visit};
+use super::grid::{QuadratureGrid, Visit};
 use super::map::{inverse, numbers};
-use super::spread::{Coefficients, Spread, Values};
+use super::spread::{Coefficients, Interpolation, Values};
 use super::{Patch, Patches, law};
 use crate::linalg::{Matrix, Real, Vector, lit};
 use crate::space::FieldAt;
@@ -21,7 +21,7 @@ struct States<'a, V> {
     field: Coefficients<'a>,
     /// Points of the first direction.
     line: usize,
-    spread: Spread<V>,
+    spread: Interpolation<V>,
     g: Aligned<V>,
     /// `[lane][middle point][first point][number]`.
     all: Vec<f64>,
@@ -82,7 +82,7 @@ impl<S: Simd, const N: usize> Visit<S, N> for States<'_, S::f64s> {
 type Slab<'a> = dyn FnMut(usize, &[f64]) + Send + 'a;
 
 struct Run<'a, 'p, 's, const N: usize> {
-    grid: Grid<'a, 'p>,
+    grid: QuadratureGrid<'a, 'p>,
     field: Coefficients<'a>,
     slab: &'a mut Slab<'s>,
 }
@@ -96,7 +96,7 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, '_, N> {
         let Self { grid, field, slab } = self;
         let (line, slow) = (grid.axes[0].points(), &grid.axes[N - 1]);
         let plane = line * if N == 3 { grid.axes[1].points() } else { 1 } * size(N, field.width);
-        let new = || States { field, line, spread: Spread::default(), g: Aligned::default(), all: vec![0.0; plane * S::F64_LANES] };
+        let new = || States { field, line, spread: Interpolation::default(), g: Aligned::default(), all: vec![0.0; plane * S::F64_LANES] };
         // planes wait until an element has all of its own
         let (mut waiting, mut next) = (Vec::new(), 0);
         grid.walk::<S, N, _>(simd, plane, new, &mut |points: Range<usize>, planes: &[f64]| {

@@ -6,7 +6,7 @@
 //! it is copied to one line first, from which all rows take their entries.
 
 use super::axis::Axis;
-use super::coefficient::Pair;
+use super::coefficient::ComponentPair;
 use super::row::Lines;
 use super::slow::Ring;
 use super::strip::Strip;
@@ -30,7 +30,7 @@ pub(super) struct Sums<'a> {
     /// Components of the field.
     pub components: usize,
     /// Pairs of components.
-    pub pairs: &'a [Pair],
+    pub pairs: &'a [ComponentPair],
     /// Whether the form is symmetric.
     pub symmetric: bool,
     /// One weight per function of a rational basis.

@@ -12,7 +12,7 @@ use super::super::rows_alone::RowsAlone;
 use super::super::{ActiveSetEvent, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, RowKind, SolveError};
 use super::forces::Measure;
 use super::groups::{Groups, Summed};
-use super::{ActiveSet, IterationNews};
+use super::{ActiveSet, SetIteration};
 
 /// Rows from which groups come first.
 const MANY: usize = 64;
@@ -52,14 +52,14 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
     pub(super) fn guess(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
-        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+        goes_on: &mut dyn FnMut(SetIteration) -> bool,
     ) -> Result<Option<Guess>, SolveError> {
         let differs = system.reaction.is_some_and(|b| b != system.constraint);
         if differs && self.near || self.start.len() > system.offset.len() {
             return Ok(None);
         }
         let symmetric = ConstrainedSystem { reaction: None, ..*system };
-        let mut goes_on = |news: IterationNews| goes_on(IterationNews { iteration: 1, ..news });
+        let mut goes_on = |news: SetIteration| goes_on(SetIteration { iteration: 1, ..news });
         let guess = match self.decided(&symmetric, &mut goes_on) {
             Err(SolveError::Stopped { .. }) => return Err(SolveError::Stopped { iterations: 0, best: None }),
             // a guess is never why a system is not solved
@@ -78,7 +78,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
     fn decided(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
-        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+        goes_on: &mut dyn FnMut(SetIteration) -> bool,
     ) -> Result<Option<Guess>, SolveError> {
         super::check_shape(system)?;
         let m = system.offset.len();
@@ -110,7 +110,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
         system: &ConstrainedSystem<'_, f64>,
         rows: &[usize],
         guess: &mut Guess,
-        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+        goes_on: &mut dyn FnMut(SetIteration) -> bool,
     ) -> Result<bool, SolveError> {
         let Some(mut groups) = Groups::of(system, rows, &guess.closed) else { return Ok(false) };
         let mut near = false;
@@ -141,7 +141,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
         lists: &[Vec<usize>],
         (start, near, elements): (Vec<bool>, bool, Vec<Vec<usize>>),
         guess: &mut Guess,
-        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+        goes_on: &mut dyn FnMut(SetIteration) -> bool,
     ) -> Result<Vec<bool>, SolveError> {
         let summed = Summed::of(system, lists);
         let of_rows = ConstrainedSystem {

@@ -99,7 +99,7 @@ impl<C> ActiveSet<C> {
 /// A linear system that an active set is about to solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct IterationNews {
+pub struct SetIteration {
     /// Number of the iteration, from 1; a system tried after a singular one has the same number.
     pub iteration: usize,
     /// Active contact rows in it.
@@ -171,7 +171,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
     pub fn solve_watched(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
-        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+        goes_on: &mut dyn FnMut(SetIteration) -> bool,
     ) -> Result<ConstrainedSolution<f64>, SolveError> {
         let Some(mut guess) = self.guess(system, goes_on)? else { return self.without_guess(system, goes_on) };
         let start = std::mem::replace(&mut self.start, std::mem::take(&mut guess.closed));
@@ -194,7 +194,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
     fn without_guess(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
-        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+        goes_on: &mut dyn FnMut(SetIteration) -> bool,
     ) -> Result<ConstrainedSolution<f64>, SolveError> {
         match self.iterate(system, goes_on) {
             Err(SolveError::RigidMotion { iteration, open, best }) if self.retreat => {
@@ -207,7 +207,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
     fn iterate(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
-        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+        goes_on: &mut dyn FnMut(SetIteration) -> bool,
     ) -> Result<ConstrainedSolution<f64>, SolveError> {
         check_shape(system)?;
         let m = system.offset.len();
@@ -277,12 +277,12 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
         tries: &[Try],
         iteration: usize,
         singular: &mut usize,
-        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+        goes_on: &mut dyn FnMut(SetIteration) -> bool,
     ) -> Result<Tried, SolveError> {
         let mut closed = vec![false; system.kind.len()];
         for (number, attempt) in tries.iter().enumerate() {
             let active = attempt.state.iter().filter(|&&a| a).count();
-            if !goes_on(IterationNews { iteration, active, rows: measure.contact.len() }) {
+            if !goes_on(SetIteration { iteration, active, rows: measure.contact.len() }) {
                 return Ok(Tried::Stopped);
             }
             for (k, &j) in measure.contact.iter().enumerate() {

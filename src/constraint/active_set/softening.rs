@@ -4,7 +4,7 @@
 //! too large zone oscillate. Softer rows do not: each is open or closed by its own gap. Where points do not settle soon, they settle on
 //! softer rows first, from each softness to the next.
 
-use super::{ActiveSet, IterationNews};
+use super::{ActiveSet, SetIteration};
 use crate::constraint::{Abilities, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
 use std::fmt::{Debug, Formatter};
 
@@ -17,7 +17,7 @@ const SOFTER: [f64; 4] = [1e4, 1e3, 1e2, 1e1];
 pub struct Softening<'a, C> {
     set: &'a mut ActiveSet<C>,
     /// Called before every system with (iterations before it, the system); `false` stops.
-    watch: &'a mut (dyn FnMut(usize, IterationNews) -> bool + Send),
+    watch: &'a mut (dyn FnMut(usize, SetIteration) -> bool + Send),
     /// Rows that are made softer on the way; empty: none.
     eased: Vec<bool>,
     /// Iterations so far.
@@ -33,7 +33,7 @@ impl<C: Debug> Debug for Softening<'_, C> {
 impl<'a, C: ConstraintSolver<f64>> Softening<'a, C> {
     /// Solves by `set`; `eased`: rows that are made softer first, one flag per row or none; `watch`: called before every system with the
     /// number of iterations of earlier calls and the system, and returns whether to go on.
-    pub fn new(set: &'a mut ActiveSet<C>, eased: Vec<bool>, watch: &'a mut (dyn FnMut(usize, IterationNews) -> bool + Send)) -> Self {
+    pub fn new(set: &'a mut ActiveSet<C>, eased: Vec<bool>, watch: &'a mut (dyn FnMut(usize, SetIteration) -> bool + Send)) -> Self {
         Self { set, watch, eased, done: 0 }
     }
 
@@ -42,7 +42,7 @@ impl<'a, C: ConstraintSolver<f64>> Softening<'a, C> {
         let (done, limit) = (self.done, self.set.max_iterations);
         let (mut last, watch) = (0, &mut *self.watch);
         self.set.max_iterations = most;
-        let solved = self.set.solve_watched(system, &mut |news: IterationNews| {
+        let solved = self.set.solve_watched(system, &mut |news: SetIteration| {
             last = news.iteration;
             watch(done, news)
         });

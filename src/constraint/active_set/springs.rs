@@ -8,7 +8,7 @@
 //! start of the iteration without springs, so that the solution contains none.
 
 use super::super::{ActiveSetEvent, ActiveSetReport, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, SolveError};
-use super::{ActiveSet, IterationNews};
+use super::{ActiveSet, SetIteration};
 use crate::linalg::{Csr, Operator, Triplets, sum};
 
 /// δ: far below the stiffness of a body, far above rounding.
@@ -20,7 +20,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
         lost: SolveError,
-        goes_on: &mut dyn FnMut(IterationNews) -> bool,
+        goes_on: &mut dyn FnMut(SetIteration) -> bool,
     ) -> Result<ConstrainedSolution<f64>, SolveError> {
         let (SolveError::RigidMotion { iteration, best, .. }, Some(stiffness)) = (&lost, held(system.stiffness)) else { return Err(lost) };
         let first = best.as_ref().and_then(|b| b.active_set.clone()).unwrap_or_default();
@@ -30,7 +30,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
         let mut phase = |set: &mut Self, stiffness: &dyn Operator<f64>, report: &mut ActiveSetReport| {
             set.max_iterations = most.saturating_sub(report.iterations);
             let before = report.iterations;
-            let news = &mut |news: IterationNews| goes_on(IterationNews { iteration: before + news.iteration, ..news });
+            let news = &mut |news: SetIteration| goes_on(SetIteration { iteration: before + news.iteration, ..news });
             let mut solution = set.iterate(&ConstrainedSystem { stiffness, ..*system }, news)?;
             *report = solution.active_set.take().unwrap_or_default().after(report);
             Ok(solution)
@@ -57,5 +57,5 @@ fn held(stiffness: &dyn Operator<f64>) -> Option<Csr<f64>> {
     for (i, &d) in diagonal.iter().enumerate() {
         springs.push(i, i, if d > 0.0 { d } else { largest });
     }
-    Some(sum(1.0, matrix, WEAK, &springs.to_csr()).with_places(stiffness.places().to_vec()))
+    Some(sum(1.0, matrix, WEAK, &springs.to_csr()).with_dof_coordinates(stiffness.places().to_vec()))
 }

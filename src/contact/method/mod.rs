@@ -104,7 +104,7 @@ impl<'a, const S: usize, const N: usize> ContactAt<'a, S, N> {
             rows = rows.with_master_sums(self.slave, master, psi, second, self.unknowns)?;
         }
         for translation in self.translations {
-            rows.let_obstacle_move(psi, &translation.direction, translation.unknown, translation.at);
+            rows.add_translation(psi, &translation.direction, translation.unknown, translation.at);
         }
         rows.with_cone(self.cone, psi)
     }

@@ -25,8 +25,8 @@
 
 use super::{Begun, ContactAt, ContactMethod, MethodError, Needs, PointValues};
 use crate::contact::gap::wanted;
-use crate::contact::{ContactError, ContactRows, Frames, Opponent};
-use crate::coupling::nitsche::{Entries, Weights, Work, summed};
+use crate::contact::{ContactError, ContactKinematics, ContactRows, Opponent};
+use crate::coupling::nitsche::{Entries, PointFluxes, Weights, summed};
 use crate::coupling::{CouplingError, Interface, Nitsche, Rows, Segments, Side};
 use crate::linalg::{Real, Triplets, Vector, lit};
 
@@ -154,7 +154,7 @@ fn point_values<const S: usize, const N: usize, T: Real>(
 
 /// \[u\] . n and sigma(u) at the points of a piece as linear maps of unknowns.
 struct Points<'a, const S: usize, T: Real> {
-    work: &'a Work<S, T>,
+    work: &'a PointFluxes<S, T>,
     jump: &'a [T],
     sigma: &'a [T],
 }
@@ -177,12 +177,12 @@ fn each_piece<const S: usize, const N: usize, T: Real>(
     slave: Side<'_, S, N, T>,
     master: Option<Side<'_, S, N, T>>,
     segments: &Segments<S, T>,
-    frames: &Frames<N, T>,
+    frames: &ContactKinematics<N, T>,
     mut visit: impl FnMut(usize, &Points<'_, S, T>, T),
 ) -> Result<(), CouplingError> {
     let interface = Interface { slave, master, multiplier: &[], segments, master_segments: None, direction: None };
     let weights = Weights::of(nitsche, &interface)?;
-    let (mut work, mut jump, mut sigma) = (Work::new(), Vec::new(), Vec::new());
+    let (mut work, mut jump, mut sigma) = (PointFluxes::new(), Vec::new(), Vec::new());
     for piece in 0..segments.num_pieces() {
         work.tabulate(&interface, &weights, piece)?;
         let (functions, width) = (work.jump.len() / N, work.flux.len());

@@ -18,7 +18,7 @@
 //! Slave pieces are assigned to master elements as in merged integration.
 //! Source: Brivadis, defence slides, Pavia 2017: the master part of B for contact.
 
-use super::merged_curve::{Sides, Work};
+use super::merged_curve::{PieceSides, Work};
 use super::pairing::{crossing, place_of};
 use super::{Coverage, InterfaceQuadrature, Partners, Segments};
 use crate::basis::Order;
@@ -64,7 +64,7 @@ impl<const N: usize, T: Real> InterfaceQuadrature<1, N, T> for MasterSums<T> {
         if master.num_elements() == 0 {
             return Err(CouplingError::NothingFaces);
         }
-        let sides = Sides::new(slave, master, self.partners, self.points);
+        let sides = PieceSides::new(slave, master, self.partners, self.points);
         let found: Vec<Result<Vec<(usize, Arc<T>)>, CouplingError>> =
             (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| arcs(&sides, e, work)).collect();
         // the first error in the order of elements, at any number of threads
@@ -111,7 +111,7 @@ fn listed<const N: usize, T: Real>(slave: &dyn Geometry<1, N, T>, pieces: Vec<(u
 
 /// The arcs of a slave element and the master elements that they face; their ends and feet are finite.
 fn arcs<const N: usize, T: Real>(
-    sides: &Sides<'_, N, T>,
+    sides: &PieceSides<'_, N, T>,
     element: usize,
     work: &mut Work<N, T>,
 ) -> Result<Vec<(usize, Arc<T>)>, CouplingError> {
@@ -143,7 +143,7 @@ fn arcs<const N: usize, T: Real>(
 }
 
 /// The points of a master element: Gauss points of every range that the slave faces without a break.
-fn sums<const N: usize, T: Real>(sides: &Sides<'_, N, T>, master: usize, arcs: &[Arc<T>], work: &mut Work<N, T>) -> Vec<Summed<T>> {
+fn sums<const N: usize, T: Real>(sides: &PieceSides<'_, N, T>, master: usize, arcs: &[Arc<T>], work: &mut Work<N, T>) -> Vec<Summed<T>> {
     let mut arcs = arcs.to_vec();
     // the numbers are finite and so have an order
     arcs.sort_by(|a, b| a.eta[0].partial_cmp(&b.eta[0]).unwrap_or(Ordering::Equal).then(a.slave.cmp(&b.slave)));

@@ -54,15 +54,16 @@ impl<const N: usize, T: Real> InterfaceQuadrature<1, N, T> for MergedCurve<T> {
         if master.num_elements() == 0 {
             return Err(CouplingError::NothingFaces);
         }
-        let sides = Sides::new(slave, master, self.partners, self.points);
-        let parts: Vec<Part<T>> = (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| sides.element(e, work)).collect();
+        let sides = PieceSides::new(slave, master, self.partners, self.points);
+        let parts: Vec<SlavePieces<T>> =
+            (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| sides.element(e, work)).collect();
         join(parts, matches!(self.partners, Partners::Touching(_)))
     }
 }
 
 /// The pieces of one slave element.
 #[derive(Debug)]
-pub(super) struct Part<T: Real> {
+pub(super) struct SlavePieces<T: Real> {
     pub element: usize,
     /// master element and points (slave xi, master xi, ds) of each piece
     pub pieces: Vec<(usize, Vec<(Vector<1, T>, Vector<1, T>, T)>)>,
@@ -72,7 +73,7 @@ pub(super) struct Part<T: Real> {
     pub farthest: (T, [f64; 3]),
 }
 
-impl<T: Real> Part<T> {
+impl<T: Real> SlavePieces<T> {
     pub fn new(element: usize) -> Self {
         Self { element, pieces: Vec::new(), measure: T::zero(), covered: T::zero(), worst: Worst::none(), farthest: (T::zero(), [0.0; 3]) }
     }
@@ -90,7 +91,7 @@ impl<T: Real> Part<T> {
 }
 
 /// Joins the parts into one list in the order of slave elements, with its coverage; checks distances of touching sides.
-pub(super) fn join<T: Real>(parts: Vec<Part<T>>, touching: bool) -> Result<Segments<1, T>, CouplingError> {
+pub(super) fn join<T: Real>(parts: Vec<SlavePieces<T>>, touching: bool) -> Result<Segments<1, T>, CouplingError> {
     let mut out = Segments::new();
     let (mut report, mut worst) = (Coverage::default(), Worst::none());
     for part in parts {
@@ -120,7 +121,7 @@ pub(super) fn join<T: Real>(parts: Vec<Part<T>>, touching: bool) -> Result<Segme
 }
 
 /// Both sides and the rule of a piece.
-pub(super) struct Sides<'a, const N: usize, T: Real> {
+pub(super) struct PieceSides<'a, const N: usize, T: Real> {
     pub slave: &'a dyn Geometry<1, N, T>,
     pub master: MasterCurve<&'a dyn Geometry<1, N, T>, N, T>,
     slave_size: T,
@@ -147,7 +148,7 @@ impl<const N: usize, T: Real> Work<N, T> {
 /// A piece of a slave element: from, to, and its master element.
 pub(super) type Piece<T> = (T, T, Option<usize>);
 
-impl<'a, const N: usize, T: Real> Sides<'a, N, T> {
+impl<'a, const N: usize, T: Real> PieceSides<'a, N, T> {
     pub fn new(slave: &'a dyn Geometry<1, N, T>, master: &'a dyn Geometry<1, N, T>, partners: Partners<T>, points: usize) -> Self {
         let slave_size = size_of(slave);
         let gauss = gauss_legendre::<T>(points.max(1));
@@ -172,8 +173,8 @@ impl<'a, const N: usize, T: Real> Sides<'a, N, T> {
         merged
     }
 
-    fn element(&self, element: usize, work: &mut Work<N, T>) -> Part<T> {
-        let mut part = Part::new(element);
+    fn element(&self, element: usize, work: &mut Work<N, T>) -> SlavePieces<T> {
+        let mut part = SlavePieces::new(element);
         for piece in self.pieces(element, work) {
             self.integrate(piece, work, &mut part);
         }
@@ -243,7 +244,7 @@ impl<'a, const N: usize, T: Real> Sides<'a, N, T> {
     }
 
     /// Computes the Gauss points of a piece and their partners.
-    fn integrate(&self, (from, to, owner): Piece<T>, work: &mut Work<N, T>, part: &mut Part<T>) {
+    fn integrate(&self, (from, to, owner): Piece<T>, work: &mut Work<N, T>, part: &mut SlavePieces<T>) {
         let width = to - from;
         work.xi.clear();
         work.xi.extend(self.gauss.points.iter().map(|p| Vector::<1, T>::new(from + width * p[0])));

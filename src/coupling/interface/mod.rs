@@ -17,7 +17,7 @@ use std::ops::Range;
 pub use chain::{Chain, Vertex};
 pub use master_sums::MasterSums;
 pub use merged_curve::MergedCurve;
-pub use pairing::{MasterCurve, Partners, Place, Tolerance, crossing};
+pub use pairing::{MasterCurve, Partner, Partners, Tolerance, crossing};
 pub use slave::{SlaveRule, slave_segments};
 
 /// Coverage of the slave side by a list of segments.

@@ -69,7 +69,7 @@ impl<T: Real> Partners<T> {
     /// Whether a point with this place on a curve of this size can have a partner there.
     ///
     /// A side may continue at right angles to the end of the other; its closest point is then that end, but no foot point.
-    pub(super) fn face(&self, place: &Place<T>, size: T) -> bool {
+    pub(super) fn face(&self, place: &Partner<T>, size: T) -> bool {
         let past = place.rim && place.distance > size * lit(EXACT) && matches!(self, Self::Near(_));
         !(place.beyond || past)
     }
@@ -97,7 +97,7 @@ pub struct MasterCurve<G, const N: usize, T: Real = f64> {
 
 /// Closest point of a master curve and the element paired with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place<T: Real = f64> {
+pub struct Partner<T: Real = f64> {
     /// The element paired with the point.
     pub element: usize,
     /// Local coordinate of the closest point on it.
@@ -142,9 +142,9 @@ impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
 
     /// Finds the place of `x`: its closest element, and at a vertex the one on x's side of the vertex's normal plane. `None` if the
     /// curve has no elements or `x` is not finite.
-    pub fn place(&self, x: &Vector<N, T>) -> Option<Place<T>> {
+    pub fn place(&self, x: &Vector<N, T>) -> Option<Partner<T>> {
         let hit = self.closest.project(x)?;
-        let mut place = Place { element: hit.element, xi: hit.xi[0], distance: hit.distance, beyond: false, rim: false };
+        let mut place = Partner { element: hit.element, xi: hit.xi[0], distance: hit.distance, beyond: false, rim: false };
         let end = if place.xi <= lit(AT_END) {
             0
         } else if place.xi >= T::one() - lit::<T>(AT_END) {
@@ -169,12 +169,12 @@ impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
 
     /// Finds the place of `x` among what opposes `normal`, the outward unit normal there ([`ClosestPoint::project_opposed`]); never
     /// beyond a rim. `None` where nothing opposes. Without outward signs it is the place of `x`.
-    pub fn place_opposed(&self, x: &Vector<N, T>, normal: &Vector<N, T>) -> Option<Place<T>> {
+    pub fn place_opposed(&self, x: &Vector<N, T>, normal: &Vector<N, T>) -> Option<Partner<T>> {
         if self.chain.lengths.is_empty() || self.geometry().outward(0).is_none() {
             return self.place(x);
         }
         let hit = self.closest.project_opposed(x, normal, self.size * lit(RIM))?;
-        let mut place = Place { element: hit.element, xi: hit.xi[0], distance: hit.distance, beyond: false, rim: false };
+        let mut place = Partner { element: hit.element, xi: hit.xi[0], distance: hit.distance, beyond: false, rim: false };
         let end = if place.xi <= lit(AT_END) {
             0
         } else if place.xi >= T::one() - lit::<T>(AT_END) {
@@ -195,7 +195,7 @@ impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
     }
 
     /// Finds the place of `x` on a curve with this derivative: among what opposes it if it has an outward sign.
-    pub(super) fn faced_place(&self, x: &Vector<N, T>, derivative: &Vector<N, T>, outward: Option<T>) -> Option<Place<T>> {
+    pub(super) fn faced_place(&self, x: &Vector<N, T>, derivative: &Vector<N, T>, outward: Option<T>) -> Option<Partner<T>> {
         match outward.and_then(|outward| normal(derivative, outward)) {
             Some(normal) => self.place_opposed(x, &normal),
             None => self.place(x),

@@ -6,7 +6,7 @@
 //! are longer than the slave. For rigid targets there is no master and the rule is exact.
 
 use super::cuts::Cuts;
-use super::merged_curve::{Part, join};
+use super::merged_curve::{SlavePieces, join};
 use super::pairing::{MasterCurve, size_of};
 use super::{Coverage, InterfaceQuadrature, Partners, Segments, Tolerance};
 use crate::basis::Order;
@@ -50,7 +50,8 @@ impl<const N: usize, T: Real> InterfaceQuadrature<1, N, T> for SlaveRule<T> {
             partners: self.partners,
             gauss: gauss_legendre::<T>(self.points.max(1)),
         };
-        let parts: Vec<Part<T>> = (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| sides.element(e, work)).collect();
+        let parts: Vec<SlavePieces<T>> =
+            (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| sides.element(e, work)).collect();
         join(parts, matches!(self.partners, Partners::Touching(_)))
     }
 }
@@ -78,8 +79,8 @@ impl<const N: usize, T: Real> Work<N, T> {
 
 impl<const N: usize, T: Real> Sides<'_, N, T> {
     /// Integrates an element at its Gauss points; if the master ends inside it, at those of each of its parts.
-    fn element(&self, element: usize, work: &mut Work<N, T>) -> Part<T> {
-        let mut part = Part::new(element);
+    fn element(&self, element: usize, work: &mut Work<N, T>) -> SlavePieces<T> {
+        let mut part = SlavePieces::new(element);
         let outward = self.partners.outward(self.slave, element);
         work.cuts.at_rims(self.slave, element, &self.master, outward, &mut work.slave);
         for k in 1..work.cuts.at.len() {

@@ -27,7 +27,7 @@
 use super::dual::{NO_WEIGHT, Work};
 use super::sliver::lives_on_sliver;
 use super::{MultiplierError, SideEnd};
-use crate::basis::{BSpline, Basis, Cell, Elements, Order, Piece, Piecewise, ShapeTable, legendre_polynomials};
+use crate::basis::{BSpline, Basis, Cell, ElementPolynomials, Elements, Order, Piecewise, ShapeTable, legendre_polynomials};
 use crate::coupling::Segments;
 use crate::geometry::Geometry;
 use crate::linalg::{Real, Vector, lit, num, to_f64};
@@ -129,7 +129,7 @@ fn refuse_weightless<T: Real>(psi: &Piecewise<T>, segments: &Segments<1, T>) -> 
 
 /// Renumbers the functions used on any element consecutively; returns their number. A function merged into others everywhere
 /// is used on none.
-fn drop_unused<T: Real>(functions: usize, pieces: &mut [Piece<T>], elements: &mut [Read]) -> usize {
+fn drop_unused<T: Real>(functions: usize, pieces: &mut [ElementPolynomials<T>], elements: &mut [Read]) -> usize {
     let mut number = vec![0; functions];
     pieces.iter().flat_map(|p| &p.ids).for_each(|&i| number[i] = 1);
     let mut used = 0;
@@ -197,7 +197,7 @@ fn over_part<const N: usize, T: Real>(
     own: &Ordered,
     segments: &Segments<1, T>,
     pieces: &[Range<usize>],
-) -> Result<(Piece<T>, Vec<usize>, bool), MultiplierError> {
+) -> Result<(ElementPolynomials<T>, Vec<usize>, bool), MultiplierError> {
     let degree = space.degree(element)[0];
     if own.gone.iter().all(|&g| g) {
         return Err(MultiplierError::NothingLeft { element, degree });
@@ -235,7 +235,7 @@ fn over_part<const N: usize, T: Real>(
             (0..xi.len()).for_each(|q| sums[(row, q)] += values[(k, q)]);
         }
         if let Some(coefficients) = dual_at_points(&sums, &xi, &ds) {
-            let piece = Piece { ids: kept.iter().map(|&k| own.functions[k].0).collect(), degree: m - 1, coefficients };
+            let piece = ElementPolynomials { ids: kept.iter().map(|&k| own.functions[k].0).collect(), degree: m - 1, coefficients };
             return Ok((piece, owner, is_bernstein));
         }
         // merge the one of least weight into the heavier of its neighbours

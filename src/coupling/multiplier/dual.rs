@@ -25,7 +25,7 @@
 //! (Gauss-Lobatto nodes).
 
 use super::{MultiplierError, SideEnd};
-use crate::basis::{Order, Piece, Piecewise, ShapeTable, legendre_polynomials};
+use crate::basis::{ElementPolynomials, Order, Piecewise, ShapeTable, legendre_polynomials};
 use crate::geometry::MapTable;
 use crate::linalg::{Real, Vector, measure, to_f64};
 use crate::quadrature::{Rule, gauss_legendre};
@@ -159,7 +159,7 @@ impl<T: Real> Work<T> {
     }
 
     /// Computes A of the element from Gᵀ Aᵀ = diag(d), with rows scaled to one and one correction.
-    pub fn piece(&self, element: usize, degree: usize) -> Result<Piece<T>, MultiplierError> {
+    pub fn piece(&self, element: usize, degree: usize) -> Result<ElementPolynomials<T>, MultiplierError> {
         let m = self.kept.len();
         if m == 0 {
             return Err(MultiplierError::NothingLeft { element, degree });
@@ -185,7 +185,7 @@ impl<T: Real> Work<T> {
         }
         // a function without weight on this element has no dual part here
         let lives: Vec<usize> = (0..m).filter(|&j| transposed.column(j).amax() != T::zero()).collect();
-        Ok(Piece {
+        Ok(ElementPolynomials {
             ids: lives.iter().map(|&j| self.kept[j]).collect(),
             degree: m - 1,
             coefficients: lives.iter().flat_map(|&j| transposed.column(j).iter().copied().collect::<Vec<T>>()).collect(),

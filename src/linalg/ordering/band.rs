@@ -1,7 +1,7 @@
 //! The smallest separator in a band of vertices.
 
 use super::flow::Network;
-use super::graph::Piece;
+use super::graph::Subgraph;
 use super::halving::{Coordinate, cost};
 use super::parts::index;
 use super::parts::{LEFT, RIGHT, SEPARATOR};
@@ -12,7 +12,7 @@ const BAND: f64 = 0.1;
 const LAYERS: usize = 2;
 
 /// The smallest separator between the lowest and the highest coordinates, by maximum flow through the band between them.
-pub(super) fn band_cut(piece: &Piece, coordinate: &Coordinate, separator: usize) -> Option<(f64, Vec<u8>)> {
+pub(super) fn band_cut(piece: &Subgraph, coordinate: &Coordinate, separator: usize) -> Option<(f64, Vec<u8>)> {
     let t = coordinate.values();
     let n = t.len();
     let mut values = t.to_vec();

@@ -1,7 +1,7 @@
 //! The cheapest cut of a set of points and edges in two halves and a small separator.
 
 use super::frame::frame;
-use super::graph::Piece;
+use super::graph::Subgraph;
 use super::halving::{Coordinate, Cut, Halving};
 use super::level::Levels;
 
@@ -16,7 +16,7 @@ const CLEARLY: f64 = 0.6;
 ///
 /// The cheapest plane, unless its separator is wider than twice the mean level of a body of this `width`, or than twice the side of a
 /// square or cube of as many vertices. Then disconnected parts are separated, or the levels of the graph are tried.
-pub(super) fn best_cut(piece: &Piece, width: f64) -> Option<(Vec<u8>, f64)> {
+pub(super) fn best_cut(piece: &Subgraph, width: f64) -> Option<(Vec<u8>, f64)> {
     let plane = plane_cut(piece);
     if plane.as_ref().is_some_and(|cut| cut.cost <= WIDE * width.min(side(piece))) {
         return plane.map(|cut| (cut.label, width));
@@ -37,7 +37,7 @@ pub(super) fn best_cut(piece: &Piece, width: f64) -> Option<(Vec<u8>, f64)> {
 }
 
 /// Weight of a separator along the side of a square (planar coordinates) or cube of as many vertices with as many neighbours.
-fn side(piece: &Piece) -> f64 {
+fn side(piece: &Subgraph) -> f64 {
     let n = piece.ids.len() as f64;
     let dim = if piece.at.iter().all(|x| x[2] == piece.at[0][2]) { 2.0 } else { 3.0 };
     // the neighbours of a vertex lie on both sides
@@ -46,7 +46,7 @@ fn side(piece: &Piece) -> f64 {
 }
 
 /// The cheapest cut over the directions of the grid, or the axes and the longest direction of inertia.
-fn plane_cut(piece: &Piece) -> Option<Cut> {
+fn plane_cut(piece: &Subgraph) -> Option<Cut> {
     let mut directions = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     match frame(piece) {
         Some((axes, share)) if share > ALIGNED => directions = axes.to_vec(),

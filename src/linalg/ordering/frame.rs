@@ -1,6 +1,6 @@
 //! The directions of the grid that a set of vertices lies on.
 
-use super::graph::Piece;
+use super::graph::Subgraph;
 
 /// Number of sampled vertices: `SAMPLES` + n / `SHARE` of n.
 const SAMPLES: usize = 8;
@@ -15,7 +15,7 @@ const SNAP: f64 = 1e-6;
 ///
 /// a_k <- orthonormal rows of sum w (a_k . d)³ d, the fixed point of the largest sum of fourth powers. Weights fall like the fourth power
 /// of the length, so diagonals count little.
-pub(super) fn frame(piece: &Piece) -> Option<([[f64; 3]; 3], f64)> {
+pub(super) fn frame(piece: &Subgraph) -> Option<([[f64; 3]; 3], f64)> {
     let n = piece.ids.len();
     let step = n.div_ceil(SAMPLES + n / SHARE);
     let mut edges: Vec<([f64; 3], f64)> = Vec::new();

@@ -86,7 +86,7 @@ fn symmetric(first: &[usize], to: &[u32]) -> Graph {
 }
 
 /// A part of the graph with coordinates; `ids` are the vertices' numbers in the whole graph.
-pub(super) struct Piece {
+pub(super) struct Subgraph {
     pub ids: Vec<u32>,
     graph: Graph,
     pub weight: Vec<u32>,
@@ -95,7 +95,7 @@ pub(super) struct Piece {
     pub reach: Vec<f64>,
 }
 
-impl Piece {
+impl Subgraph {
     /// All vertices of a graph.
     pub(super) fn whole(graph: Graph, weight: Vec<u32>, at: Vec<[f64; 3]>) -> Self {
         let size = at.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));

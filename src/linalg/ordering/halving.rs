@@ -1,7 +1,7 @@
 //! Two halves of a set of vertices along a coordinate, and the separator between them.
 
 use super::band::band_cut;
-use super::graph::Piece;
+use super::graph::Subgraph;
 use super::parts::{LEFT, RIGHT, SEPARATOR};
 
 /// Coordinates closer than this part of the extent count as equal, so that a cut follows a line of the grid.
@@ -17,7 +17,7 @@ pub(super) enum Coordinate {
 
 impl Coordinate {
     /// Projections on a unit vector.
-    pub(super) fn along(piece: &Piece, d: &[f64; 3]) -> Self {
+    pub(super) fn along(piece: &Subgraph, d: &[f64; 3]) -> Self {
         Self::Projections(piece.at.iter().map(|x| x[0] * d[0] + x[1] * d[1] + x[2] * d[2]).collect())
     }
 
@@ -28,7 +28,7 @@ impl Coordinate {
     }
 
     /// Upper bound of the step of the coordinate along any edge of `v`.
-    pub(super) fn reach(&self, piece: &Piece, v: usize) -> f64 {
+    pub(super) fn reach(&self, piece: &Subgraph, v: usize) -> f64 {
         match self {
             Self::Projections(_) => piece.reach[v],
             Self::Levels(_) => 1.0,
@@ -47,7 +47,7 @@ pub(super) struct Halving {
 }
 
 impl Halving {
-    pub(super) fn through_median(piece: &Piece, coordinate: Coordinate) -> Option<Self> {
+    pub(super) fn through_median(piece: &Subgraph, coordinate: Coordinate) -> Option<Self> {
         let (n, t) = (piece.ids.len(), coordinate.values());
         let (low, high) = t.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
         let extent = high - low;
@@ -74,7 +74,7 @@ impl Halving {
     }
 
     /// Cuts the set; the separator is the rim of one half, or of the other if the rim is all of the first.
-    pub(super) fn cut(self, piece: &Piece) -> Option<Cut> {
+    pub(super) fn cut(self, piece: &Subgraph) -> Option<Cut> {
         let Self { coordinate, bound, extent, .. } = self;
         let (n, t) = (piece.ids.len(), coordinate.values());
         let mut label: Vec<u8> = t.iter().map(|&x| if x < bound { LEFT } else { RIGHT }).collect();
@@ -116,7 +116,7 @@ impl Cut {
     }
 
     /// The smallest separator near this one, if it is smaller.
-    pub(super) fn smoothed(self, piece: &Piece) -> Self {
+    pub(super) fn smoothed(self, piece: &Subgraph) -> Self {
         let separator = self.label.iter().filter(|&&l| l == SEPARATOR).count();
         match band_cut(piece, &self.coordinate, separator) {
             Some((cost, label)) if cost < 0.98 * self.cost => Self { cost, label, ..self },
@@ -126,7 +126,7 @@ impl Cut {
 }
 
 /// Weight of a separator, more if the halves differ; `None` if a half is empty.
-pub(super) fn cost(piece: &Piece, label: &[u8]) -> Option<f64> {
+pub(super) fn cost(piece: &Subgraph, label: &[u8]) -> Option<f64> {
     let mut weight = [0u64; 3];
     for v in 0..label.len() {
         weight[label[v] as usize] += u64::from(piece.weight[v]);

@@ -1,13 +1,13 @@
 //! Minimum degree orders of small sets.
 
-use super::graph::Piece;
+use super::graph::Subgraph;
 use super::parts::index;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Minimum degree order of a small part of `whole`; its neighbours outside, all of them ordered later, count in the degrees.
 ///
 /// Adjacency as bits: first the vertices of the set, then the neighbours.
-pub(super) fn minimum_degree(piece: &Piece, whole: &Piece) -> Vec<u32> {
+pub(super) fn minimum_degree(piece: &Subgraph, whole: &Subgraph) -> Vec<u32> {
     let (n, ids) = (piece.ids.len(), &piece.ids);
     let mut others: Vec<u32> = Vec::new();
     // ids ascend in the piece and in both graphs: what is not met in the piece lies outside

@@ -1,6 +1,6 @@
 //! Level structure of a graph: steps along edges from one end, one connected part after the other.
 
-use super::graph::Piece;
+use super::graph::Subgraph;
 use super::parts::index;
 use super::parts::{LEFT, RIGHT};
 
@@ -16,12 +16,12 @@ pub(super) struct Levels {
 
 impl Levels {
     /// Levels from the vertex farthest away from `start`.
-    pub(super) fn of(piece: &Piece, start: usize) -> Self {
+    pub(super) fn of(piece: &Subgraph, start: usize) -> Self {
         search(piece, search(piece, start).1).0
     }
 
     /// Mean weight of the levels of the heaviest part, counted from the first vertex.
-    pub(super) fn width(piece: &Piece) -> f64 {
+    pub(super) fn width(piece: &Subgraph) -> f64 {
         search(piece, 0).0.width
     }
 
@@ -35,7 +35,7 @@ impl Levels {
 }
 
 /// Levels from `start`, and the vertex of its part met last.
-fn search(piece: &Piece, start: usize) -> (Levels, usize) {
+fn search(piece: &Subgraph, start: usize) -> (Levels, usize) {
     let n = piece.ids.len();
     let (mut level, mut queue, mut far) = (vec![f64::NAN; n], Vec::with_capacity(n), start);
     let (mut first, mut weight, mut parts, mut heaviest, mut width) = (0.0, 0, Vec::new(), 0, 0.0);

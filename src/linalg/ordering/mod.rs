@@ -21,7 +21,7 @@ mod parts;
 mod tree;
 
 use cut::best_cut;
-use graph::{Graph, Piece};
+use graph::{Graph, Subgraph};
 use leaf::minimum_degree;
 use level::Levels;
 use parts::{LEFT, SEPARATOR, index};
@@ -74,7 +74,7 @@ pub fn nested_dissection(ptr: &[usize], cols: &[usize], places: &[[f64; 3]]) -> 
     let num_dense = dense.iter().filter(|&&d| d).count();
     let keep_dense = num_dense == 0 || 10 * num_dense > groups;
     let weight = start.windows(2).map(|w| w[1] - w[0]).collect();
-    let whole = Piece::whole(graph, weight, scaled((0..groups).map(|g| places[members(g)[0] as usize]).collect()));
+    let whole = Subgraph::whole(graph, weight, scaled((0..groups).map(|g| places[members(g)[0] as usize]).collect()));
     // groups ascend by their coordinates: the first lies at one end
     let mut order = if keep_dense {
         dissect(&whole, &whole, Levels::width(&whole))
@@ -94,7 +94,7 @@ pub fn nested_dissection(ptr: &[usize], cols: &[usize], places: &[[f64; 3]]) -> 
 }
 
 /// Order of the ids of a part of `whole`, a body with levels of mean weight `width`: left half, right half, separator.
-fn dissect(piece: &Piece, whole: &Piece, width: f64) -> Vec<u32> {
+fn dissect(piece: &Subgraph, whole: &Subgraph, width: f64) -> Vec<u32> {
     let n = piece.ids.len();
     if n <= LEAF {
         return minimum_degree(piece, whole);

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 /// A body with its unknowns and its material.
 #[derive(Clone, Debug)]
-pub struct PatchModel<const S: usize, const N: usize> {
+pub struct BodyModel<const S: usize, const N: usize> {
     /// Its handle.
     pub id: BodyId,
     /// Its name.
@@ -24,7 +24,7 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub body: Arc<dyn Body<S, N>>,
     /// Place of its unknowns among those of the model.
     pub field: Field,
-    /// Its material at the first time; [`PatchModel::physics_at`] at any other.
+    /// Its material at the first time; [`BodyModel::physics_at`] at any other.
     pub physics: Physics<N>,
     /// The material as a function of time; `None` if it does not change.
     pub changing: Option<Changing<Physics<N>>>,
@@ -48,7 +48,7 @@ pub struct PatchModel<const S: usize, const N: usize> {
     pub weights: Vec<(Data, Vector<N>)>,
 }
 
-impl<const S: usize, const N: usize> PatchModel<S, N> {
+impl<const S: usize, const N: usize> BodyModel<S, N> {
     /// A body whose unknowns begin at `first`, without loads; `extra_points` Gauss points per direction beyond those that its degree and its
     /// curved cells need.
     pub fn new(id: BodyId, name: String, body: Arc<dyn Body<S, N>>, physics: Physics<N>, first: usize, extra_points: usize) -> Self {
@@ -95,7 +95,7 @@ impl<const S: usize, const N: usize> PatchModel<S, N> {
 
 /// A side of a body, or several sides of a contact as one.
 #[derive(Debug)]
-pub struct SideModel<const S: usize, const N: usize> {
+pub struct BodySide<const S: usize, const N: usize> {
     /// The patch.
     pub(crate) patch: usize,
     /// Canonical name of the side: u0, v1, ...
@@ -112,7 +112,7 @@ pub struct SideModel<const S: usize, const N: usize> {
     pub(crate) rules: PerElement<S>,
 }
 
-impl<const S: usize, const N: usize> SideModel<S, N> {
+impl<const S: usize, const N: usize> BodySide<S, N> {
     /// The patch behind an element of the side.
     pub(crate) fn patch_of(&self, element: usize) -> usize {
         self.runs[self.runs.partition_point(|r| r.0 <= element) - 1].1
@@ -121,7 +121,7 @@ impl<const S: usize, const N: usize> SideModel<S, N> {
 
 /// An edge or a corner of a body.
 #[derive(Debug)]
-pub struct RimModel<const N: usize> {
+pub struct BodyRim<const N: usize> {
     /// The patch.
     pub patch: usize,
     /// Canonical name: u0w1, u0v0w0, ...

@@ -1,25 +1,25 @@
 //! Contacts.
 
-use super::SideModel;
+use super::BodySide;
 use crate::basis::Basis;
 use crate::contact::{Cone, ContactMethod, ContactRows};
 use crate::coupling::Segments;
-use crate::coupling::consistency::Finer;
+use crate::coupling::consistency::ConsistencyEstimate;
 use crate::problem::data::Data;
 use crate::problem::handles::ContactId;
-use crate::problem::obstacle::ObstacleModel;
+use crate::problem::obstacle::MovingObstacle;
 use crate::problem::start::Start;
 use std::sync::Arc;
 
 /// The opponent of a contact side.
-pub enum Against<const S: usize, const N: usize> {
+pub enum Opposing<const S: usize, const N: usize> {
     /// A deformable side.
-    Side(Arc<SideModel<S, N>>, Segments<S>),
+    Side(Arc<BodySide<S, N>>, Segments<S>),
     /// A rigid obstacle.
-    Rigid(Arc<ObstacleModel<S, N>>, Segments<S>),
+    Rigid(Arc<MovingObstacle<S, N>>, Segments<S>),
 }
 
-impl<const S: usize, const N: usize> std::fmt::Debug for Against<S, N> {
+impl<const S: usize, const N: usize> std::fmt::Debug for Opposing<S, N> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Side(side, _) => f.debug_tuple("Side").field(&side.label).finish(),
@@ -34,7 +34,7 @@ pub struct ContactPart<const S: usize, const N: usize> {
     /// Place of the slave side in the statement.
     pub number: usize,
     /// The side that carries the multiplier.
-    pub slave: Arc<SideModel<S, N>>,
+    pub slave: Arc<BodySide<S, N>>,
     /// Multiplier space; `None` for methods whose rows belong to points.
     pub multiplier: Option<Box<dyn Basis<S>>>,
     /// Functions by which the pressure is evaluated; `None`: those of the multiplier.
@@ -44,13 +44,13 @@ pub struct ContactPart<const S: usize, const N: usize> {
     /// Cone of admissible multipliers.
     pub cone: Cone,
     /// The opponent.
-    pub against: Against<S, N>,
+    pub against: Opposing<S, N>,
     /// Segments for the integrals over the master, for mixed integration.
     pub second: Option<Segments<S>>,
     /// Rows of a finer integration, for the consistency error; `None` against an obstacle and without multiplier.
-    pub finer: Option<Finer>,
+    pub finer: Option<ConsistencyEstimate>,
     /// Deformable master sides, joined into one in `against`.
-    pub masters: Vec<Arc<SideModel<S, N>>>,
+    pub masters: Vec<Arc<BodySide<S, N>>>,
     /// Rows, offsets and weights at the first time at which a point of the side faces the opponent.
     pub first: ContactRows<S, N>,
     /// Whether they change with the time.
@@ -85,7 +85,7 @@ pub struct ContactModel<const S: usize, const N: usize> {
     /// One part per slave side.
     pub parts: Vec<ContactPart<S, N>>,
     /// The rigid obstacle that it faces, if it is one.
-    pub obstacle: Option<Arc<ObstacleModel<S, N>>>,
+    pub obstacle: Option<Arc<MovingObstacle<S, N>>>,
     /// Gap as a function of position, time and geometric gap.
     pub gap: Data,
     /// Largest distance of partners of rigid obstacles.

@@ -1,6 +1,6 @@
 //! Supports and loads.
 
-use super::{RimModel, SideModel};
+use super::{BodyRim, BodySide};
 use crate::assembly::Equation;
 use crate::linalg::Vector;
 use crate::problem::data::Data;
@@ -36,7 +36,7 @@ pub struct Condition<const S: usize, const N: usize> {
     /// The statement.
     pub of: Statement,
     /// The side.
-    pub side: Arc<SideModel<S, N>>,
+    pub side: Arc<BodySide<S, N>>,
     /// The component.
     pub component: usize,
     /// Its value.
@@ -45,11 +45,11 @@ pub struct Condition<const S: usize, const N: usize> {
 
 /// A component prescribed on an edge or in a corner.
 #[derive(Clone, Debug)]
-pub struct Pin<const N: usize> {
+pub struct PointCondition<const N: usize> {
     /// The statement.
     pub of: Statement,
     /// The edge or the corner.
-    pub rim: Arc<RimModel<N>>,
+    pub rim: Arc<BodyRim<N>>,
     /// The component.
     pub component: usize,
     /// Its value.
@@ -79,7 +79,7 @@ pub struct SideLoad<const S: usize, const N: usize> {
     /// Name of the load in results.
     pub name: String,
     /// The side.
-    pub side: Arc<SideModel<S, N>>,
+    pub side: Arc<BodySide<S, N>>,
     /// The load.
     pub action: Action,
 }
@@ -99,7 +99,7 @@ pub struct HeldSide<const S: usize, const N: usize> {
     /// The statement.
     pub of: Statement,
     /// The side.
-    pub side: Arc<SideModel<S, N>>,
+    pub side: Arc<BodySide<S, N>>,
     /// The normal, a tangent, or the axis along which the side moves as one.
     pub direction: Vector<N>,
 }
@@ -110,7 +110,7 @@ pub struct RigidSides<const S: usize, const N: usize> {
     /// The statement.
     pub of: Statement,
     /// The sides.
-    pub sides: Vec<Arc<SideModel<S, N>>>,
+    pub sides: Vec<Arc<BodySide<S, N>>>,
     /// The component that all their points have in common.
     pub component: usize,
 }
@@ -123,7 +123,7 @@ pub struct SideSpring<const S: usize, const N: usize> {
     /// Name of the springs in messages.
     pub name: String,
     /// The side.
-    pub side: Arc<SideModel<S, N>>,
+    pub side: Arc<BodySide<S, N>>,
     /// The component.
     pub component: usize,
     /// Force/area per length.

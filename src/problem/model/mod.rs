@@ -5,15 +5,15 @@ mod contact;
 mod imposed;
 mod tie;
 
-pub use body::{PatchModel, RimModel, SideModel};
-pub use contact::{Against, ContactModel, ContactPart};
-pub use imposed::{Action, Condition, HeldSide, Pin, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
+pub use body::{BodyModel, BodyRim, BodySide};
+pub use contact::{ContactModel, ContactPart, Opposing};
+pub use imposed::{Action, Condition, HeldSide, PointCondition, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
 pub use tie::{Pairing, TieModel, TiePart};
 
 use super::corners::SharedCorner;
 use super::data::Exact;
 use super::facets_apart::FacetsApart;
-use super::glued::{Glued, Hinge};
+use super::glued::{Glued, SharedPoint};
 use crate::assembly::Equation;
 use crate::linalg::Vector;
 use std::sync::Arc;
@@ -26,19 +26,19 @@ pub struct Model<const S: usize, const N: usize> {
     /// Number of unknowns, prescribed ones included.
     pub unknowns: usize,
     /// Bodies, with unknowns in their order.
-    pub patches: Vec<PatchModel<S, N>>,
+    pub patches: Vec<BodyModel<S, N>>,
     /// Functions that glued patches share.
     pub glued: Glued,
     /// Points in which patches of one mesh hold together beside their common facets.
-    pub hinges: Vec<Hinge<N>>,
+    pub hinges: Vec<SharedPoint<N>>,
     /// Prescribed components.
     pub conditions: Vec<Condition<S, N>>,
     /// Corners in which prescribed sides of several bodies meet.
     pub corners: Vec<SharedCorner<N>>,
     /// Components prescribed on edges and in corners.
-    pub pins: Vec<Pin<N>>,
+    pub pins: Vec<PointCondition<N>>,
     /// Sides with at least one prescribed component.
-    pub supports: Vec<Arc<SideModel<S, N>>>,
+    pub supports: Vec<Arc<BodySide<S, N>>>,
     /// Equations between unknowns: sliding along inclined sides, sides that move as one.
     pub equations: Vec<SaidEquation>,
     /// Sides held by equations.
@@ -71,7 +71,7 @@ pub struct Model<const S: usize, const N: usize> {
 
 impl<const S: usize, const N: usize> Model<S, N> {
     /// A model of bodies without conditions, loads, ties and contacts; `glued` and `hinges` join them.
-    pub fn new(patches: Vec<PatchModel<S, N>>, glued: Glued, hinges: Vec<Hinge<N>>) -> Self {
+    pub fn new(patches: Vec<BodyModel<S, N>>, glued: Glued, hinges: Vec<SharedPoint<N>>) -> Self {
         let whole = patches.iter().filter_map(|p| p.extent).reduce(|a, b| a.union(&b));
         let (center, size) = whole.map_or((Vector::zeros(), 1.0), |b| (b.center(), b.diagonal().max(f64::MIN_POSITIVE)));
         Self {

@@ -1,8 +1,8 @@
 //! Ties.
 
-use super::SideModel;
+use super::BodySide;
 use crate::basis::Basis;
-use crate::coupling::consistency::Finer;
+use crate::coupling::consistency::ConsistencyEstimate;
 use crate::coupling::{Coupling, Rows, Segments};
 use crate::linalg::Triplets;
 use crate::problem::data::Data;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Pairing<const S: usize, const N: usize> {
     /// The master side.
-    pub master: Arc<SideModel<S, N>>,
+    pub master: Arc<BodySide<S, N>>,
     /// Common segments of both sides.
     pub segments: Segments<S>,
     /// Second set of segments, for mixed integration.
@@ -25,7 +25,7 @@ pub struct Pairing<const S: usize, const N: usize> {
 #[derive(Debug)]
 pub struct TiePart<const S: usize, const N: usize> {
     /// The side that carries the multiplier.
-    pub slave: Arc<SideModel<S, N>>,
+    pub slave: Arc<BodySide<S, N>>,
     /// One multiplier space per component; empty if the coupling has no rows.
     pub multipliers: Vec<Box<dyn Basis<S>>>,
     /// (p, k) if the multiplier is the unstable pairing p/p-k under another name.
@@ -45,7 +45,7 @@ pub struct TiePart<const S: usize, const N: usize> {
     /// Penalty stiffness over the stiffness of the slave unknowns; `None` for exact rows.
     pub penalty: Option<f64>,
     /// Rows of a finer integration, for the consistency error; `None` if the rows are not mortar rows.
-    pub finer: Option<Finer>,
+    pub finer: Option<ConsistencyEstimate>,
     /// First row in the system.
     pub first_row: usize,
     /// Number of rows.

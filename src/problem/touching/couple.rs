@@ -2,7 +2,7 @@
 
 use crate::basis::Order;
 use crate::geometry::{ClosestPoint, MapTable};
-use crate::problem::model::SideModel;
+use crate::problem::model::BodySide;
 use crate::space::skin_points;
 use std::sync::Arc;
 
@@ -13,9 +13,9 @@ const REACH: f64 = 0.25;
 #[derive(Clone, Debug)]
 pub struct Couple<const S: usize, const N: usize> {
     /// The side that carries the multiplier.
-    pub slave: Arc<SideModel<S, N>>,
+    pub slave: Arc<BodySide<S, N>>,
     /// The sides that it is joined to.
-    pub masters: Vec<Arc<SideModel<S, N>>>,
+    pub masters: Vec<Arc<BodySide<S, N>>>,
     /// Largest admissible distance of the sides, if given \[length\].
     pub tolerance: Option<f64>,
     /// Whether slave and masters are named, so that they are meant to be tied.
@@ -28,7 +28,7 @@ pub struct Couple<const S: usize, const N: usize> {
 #[derive(Clone, Debug)]
 pub struct Share<const S: usize, const N: usize> {
     /// The master.
-    pub master: Arc<SideModel<S, N>>,
+    pub master: Arc<BodySide<S, N>>,
     /// Greatest distance of its points from the master \[length\].
     pub distance: f64,
     /// Its share of the slave.

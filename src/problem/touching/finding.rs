@@ -2,7 +2,7 @@
 
 use super::facing::Facing;
 use crate::linalg::Vector;
-use crate::problem::model::SideModel;
+use crate::problem::model::BodySide;
 use crate::space::{Clearance, SideError};
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct NearPair<const S: usize, const N: usize> {
     /// The sides.
-    pub sides: [Arc<SideModel<S, N>>; 2],
+    pub sides: [Arc<BodySide<S, N>>; 2],
     /// Their distance, seen from the side of which the larger share faces the other.
     pub facing: Facing,
 }
@@ -32,16 +32,16 @@ pub enum Finding<const S: usize, const N: usize> {
     /// Sides that nearly touch and are not tied, because their facets do not explain their distance.
     NotTied {
         /// The sides.
-        sides: [Arc<SideModel<S, N>>; 2],
+        sides: [Arc<BodySide<S, N>>; 2],
         /// Their distance.
         clearance: Clearance,
     },
     /// Named sides that are tied though their facets do not explain their distance.
     NotExplained {
         /// The slave.
-        slave: Arc<SideModel<S, N>>,
+        slave: Arc<BodySide<S, N>>,
         /// Its masters.
-        masters: Vec<Arc<SideModel<S, N>>>,
+        masters: Vec<Arc<BodySide<S, N>>>,
         /// Their distance.
         clearance: Clearance,
     },
@@ -50,7 +50,7 @@ pub enum Finding<const S: usize, const N: usize> {
     /// Sides that touch, nearly touch or overlap, and that nothing joins; of one body if they would close it to a ring.
     Unjoined {
         /// The sides.
-        sides: [Arc<SideModel<S, N>>; 2],
+        sides: [Arc<BodySide<S, N>>; 2],
         /// Their position to each other.
         position: Position,
     },
@@ -94,7 +94,7 @@ pub enum TouchError<const S: usize, const N: usize> {
     #[error("`{}` touches `{}` beyond the sides with which it shares facets", .sides[0].label, .sides[1].label)]
     Beyond {
         /// The side, and the one it touches.
-        sides: [Arc<SideModel<S, N>>; 2],
+        sides: [Arc<BodySide<S, N>>; 2],
     },
     /// No sides touch that are not joined yet.
     #[error("no sides of the bodies touch each other that are not joined yet")]

@@ -2,7 +2,7 @@
 
 use super::couple::Couple;
 use crate::geometry::cell;
-use crate::problem::model::SideModel;
+use crate::problem::model::BodySide;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ const UNITS: f64 = 1048576.0;
 /// Shares that differ by less than this are equal.
 const SAME: f64 = 1e-9;
 
-fn facet_keys<const S: usize, const N: usize>(side: &SideModel<S, N>) -> impl Iterator<Item = FacetKey> + '_ {
+fn facet_keys<const S: usize, const N: usize>(side: &BodySide<S, N>) -> impl Iterator<Item = FacetKey> + '_ {
     side.trace.facets.iter().enumerate().map(|(f, facet)| {
         let middle = facet.lift(&cell::center(side.trace.space.cell(f)));
         let part = std::array::from_fn(|k| if k < N { (middle[k] * UNITS).round() as i64 } else { 0 });
@@ -32,7 +32,7 @@ pub(super) fn side_pair(a: (usize, &str), b: (usize, &str)) -> SidePair {
 }
 
 /// The body and the name of a side.
-pub(super) fn key<const S: usize, const N: usize>(side: &SideModel<S, N>) -> (usize, &str) {
+pub(super) fn key<const S: usize, const N: usize>(side: &BodySide<S, N>) -> (usize, &str) {
     (side.patch, &side.side)
 }
 
@@ -81,7 +81,7 @@ impl JoinedSides {
     }
 
     /// Marks the facets of sides that meet, every slave with all masters.
-    pub fn contact<const S: usize, const N: usize>(&mut self, slaves: &[Arc<SideModel<S, N>>], masters: &[Arc<SideModel<S, N>>]) {
+    pub fn contact<const S: usize, const N: usize>(&mut self, slaves: &[Arc<BodySide<S, N>>], masters: &[Arc<BodySide<S, N>>]) {
         for (side, slave) in masters.iter().map(|m| (m, false)).chain(slaves.iter().map(|s| (s, true))) {
             facet_keys(side).for_each(|f| self.of_facet.entry(f).or_default().push((self.couples, slave)));
         }
@@ -100,12 +100,12 @@ impl JoinedSides {
     }
 
     /// Returns the couples that share a facet with a side.
-    pub fn marks<const S: usize, const N: usize>(&self, side: &SideModel<S, N>) -> Marks {
+    pub fn marks<const S: usize, const N: usize>(&self, side: &BodySide<S, N>) -> Marks {
         facet_keys(side).filter_map(|f| self.of_facet.get(&f)).flatten().copied().collect()
     }
 
     /// Whether a pair of sides, each with its marks, is excluded.
-    pub fn hold<const S: usize, const N: usize>(&self, a: (&SideModel<S, N>, &Marks), b: (&SideModel<S, N>, &Marks)) -> bool {
+    pub fn hold<const S: usize, const N: usize>(&self, a: (&BodySide<S, N>, &Marks), b: (&BodySide<S, N>, &Marks)) -> bool {
         self.named.contains(&side_pair(key(a.0), key(b.0))) || a.1.iter().any(|&(couple, slave)| b.1.contains(&(couple, !slave)))
     }
 }
@@ -116,7 +116,7 @@ impl JoinedSides {
 /// # Errors
 /// Indices of a dropped side and of one it touches with facets that lie on no kept side.
 pub(super) fn disjoint<const S: usize, const N: usize>(
-    all: &[Arc<SideModel<S, N>>],
+    all: &[Arc<BodySide<S, N>>],
     shares: &mut BTreeMap<(usize, usize), f64>,
     touched: &[f64],
 ) -> Result<(), [usize; 2]> {

@@ -1,7 +1,7 @@
 //! Lengths of sides: the sag of their facets, the size of these, the thickness of the body behind them.
 
 use crate::geometry::{Bounds, Sag};
-use crate::problem::model::{PatchModel, SideModel};
+use crate::problem::model::{BodyModel, BodySide};
 use crate::space::measure;
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub(super) const SAME_PLACE: f64 = 1e-8;
 
 /// Returns the sag of a side's facets: zero if they are the surface itself; for refined meshes that of the unrefined facets.
-pub fn sag<const S: usize, const N: usize>(patches: &[PatchModel<S, N>], side: &SideModel<S, N>) -> Sag<S, N> {
+pub fn sag<const S: usize, const N: usize>(patches: &[BodyModel<S, N>], side: &BodySide<S, N>) -> Sag<S, N> {
     let patch = &patches[side.patch];
     if patch.exact_map {
         return Sag::none(side.trace.facets.len());
@@ -32,19 +32,19 @@ pub(super) fn size<const N: usize>(boxes: impl Iterator<Item = Bounds<N>>) -> f6
 }
 
 /// Distance that counts as zero \[length\].
-pub(super) fn floor<const S: usize, const N: usize>(sides: &[Arc<SideModel<S, N>>]) -> f64 {
+pub(super) fn floor<const S: usize, const N: usize>(sides: &[Arc<BodySide<S, N>>]) -> f64 {
     size(sides.iter().flat_map(|s| s.trace.space.all_bounds())) * SAME_PLACE
 }
 
 /// Mean thickness of the body behind a side: its volume over the area of the side \[length\].
-pub(super) fn thickness<const S: usize, const N: usize>(patches: &[PatchModel<S, N>], side: &SideModel<S, N>) -> f64 {
+pub(super) fn thickness<const S: usize, const N: usize>(patches: &[BodyModel<S, N>], side: &BodySide<S, N>) -> f64 {
     measure::<N, N, f64, _>(&**patches[side.patch].body.space()) / measure::<S, N, f64, _>(&*side.trace.space)
 }
 
 /// A side with its boxes.
 #[derive(Debug)]
 pub(super) struct Extent<const S: usize, const N: usize> {
-    pub side: Arc<SideModel<S, N>>,
+    pub side: Arc<BodySide<S, N>>,
     /// Box of every facet.
     pub facets: Vec<Bounds<N>>,
     /// Box of all facets.
@@ -55,7 +55,7 @@ pub(super) struct Extent<const S: usize, const N: usize> {
 
 impl<const S: usize, const N: usize> Extent<S, N> {
     /// Returns the boxes of a side; `None` for one without facets.
-    pub fn of(side: Arc<SideModel<S, N>>) -> Option<Self> {
+    pub fn of(side: Arc<BodySide<S, N>>) -> Option<Self> {
         let facets = side.trace.space.all_bounds();
         let whole = facets.iter().copied().reduce(|a, b| a.union(&b))?;
         let facet = facets.iter().map(Bounds::diagonal).sum::<f64>() / facets.len() as f64;

@@ -5,7 +5,7 @@ use super::finding::Finding;
 use super::lengths::{floor, sag, widest};
 use super::search::Search;
 use crate::geometry::Sag;
-use crate::problem::model::SideModel;
+use crate::problem::model::BodySide;
 use crate::space::{Clearance, clearance};
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
     /// Ties a slave side to its masters, which are named; [`Finding::NotExplained`] if faceting does not explain their distance.
     ///
     /// `tolerance`: the largest admissible distance \[length\]; with it no explanation is asked for.
-    pub fn tie(&mut self, slave: Arc<SideModel<S, N>>, masters: Vec<Arc<SideModel<S, N>>>, tolerance: Option<f64>) -> Couple<S, N> {
+    pub fn tie(&mut self, slave: Arc<BodySide<S, N>>, masters: Vec<Arc<BodySide<S, N>>>, tolerance: Option<f64>) -> Couple<S, N> {
         let mut couple = Couple { slave, masters, tolerance, is_named: true, explained: None };
         if tolerance.is_none() {
             match self.explained(&couple) {
@@ -38,7 +38,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
     /// # Errors
     /// The distance that faceting does not explain.
     fn explained(&self, couple: &Couple<S, N>) -> Result<Option<f64>, Clearance> {
-        let all: Vec<Arc<SideModel<S, N>>> = std::iter::once(&couple.slave).chain(&couple.masters).cloned().collect();
+        let all: Vec<Arc<BodySide<S, N>>> = std::iter::once(&couple.slave).chain(&couple.masters).cloned().collect();
         if all.iter().all(|side| self.patches[side.patch].exact_map) {
             // exact sides may be 1e-8 of their size apart; more is reported as an error when they are tied
             return Ok(None);

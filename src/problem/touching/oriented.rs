@@ -1,6 +1,6 @@
 //! Slaves and masters among sides that touch one another.
 
-use crate::problem::model::SideModel;
+use crate::problem::model::BodySide;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ const ALL: f64 = 1e-9;
 
 /// Chooses slaves and masters from `shares`, the share of facets of one side that another covers.
 pub(super) fn oriented<const S: usize, const N: usize>(
-    all: &[Arc<SideModel<S, N>>],
+    all: &[Arc<BodySide<S, N>>],
     shares: &BTreeMap<(usize, usize), f64>,
 ) -> Vec<(usize, Vec<usize>)> {
     let mut neighbours: BTreeMap<usize, Vec<usize>> = BTreeMap::new();

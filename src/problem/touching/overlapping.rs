@@ -3,7 +3,7 @@
 use crate::basis::Order;
 use crate::geometry::{Bounds, ClosestPoint, MapTable, Tree, cell};
 use crate::linalg::Vector;
-use crate::problem::model::PatchModel;
+use crate::problem::model::BodyModel;
 use crate::space::Space;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ type Points<const N: usize> = ClosestPoint<N, N, Arc<dyn Space<N, N>>>;
 
 /// Finds pairs of bodies of which one has the middle of an element in the other, with that point; `may` says which pairs are looked at.
 pub(super) fn overlapping<const S: usize, const N: usize>(
-    patches: &[PatchModel<S, N>],
+    patches: &[BodyModel<S, N>],
     may: &dyn Fn(usize, usize) -> bool,
 ) -> Vec<([usize; 2], Vector<N>)> {
     let known: Vec<usize> = (0..patches.len()).filter(|&k| patches[k].extent.is_some()).collect();
@@ -38,7 +38,7 @@ pub(super) fn overlapping<const S: usize, const N: usize>(
 }
 
 /// The middle of an element of a body that lies in another; `None` without one.
-fn inside<const S: usize, const N: usize>(patch: &PatchModel<S, N>, other: &Points<N>) -> Option<Vector<N>> {
+fn inside<const S: usize, const N: usize>(patch: &BodyModel<S, N>, other: &Points<N>) -> Option<Vector<N>> {
     let (space, mut table) = (&**patch.body.space(), MapTable::new());
     let near = other.tree().bounds()?;
     let reach = INSIDE * (other.size() + patch.extent.map_or(0.0, |b| b.diagonal()));

@@ -6,17 +6,17 @@ use super::joined_sides::{JoinedSides, SidePair, key, side_pair};
 use super::lengths::sag;
 use crate::geometry::Sag;
 use crate::problem::contents::BodyView;
-use crate::problem::model::{PatchModel, SideModel};
+use crate::problem::model::{BodyModel, BodySide};
 use crate::space::SideError;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Source of sides: returns the side of a body (its number) by its name.
-pub(crate) type SideSource<'a, const S: usize, const N: usize> = dyn FnMut(usize, &str) -> Result<Arc<SideModel<S, N>>, SideError> + 'a;
+pub(crate) type SideSource<'a, const S: usize, const N: usize> = dyn FnMut(usize, &str) -> Result<Arc<BodySide<S, N>>, SideError> + 'a;
 
 /// A search for sides that touch, among bodies of which some sides are joined already.
 pub struct Search<'a, const S: usize, const N: usize> {
-    pub(super) patches: &'a [PatchModel<S, N>],
+    pub(super) patches: &'a [BodyModel<S, N>],
     sides: &'a mut SideSource<'a, S, N>,
     pub(super) joined: JoinedSides,
     told: BTreeSet<SidePair>,
@@ -32,7 +32,7 @@ impl<const S: usize, const N: usize> std::fmt::Debug for Search<'_, S, N> {
 
 impl<'a, const S: usize, const N: usize> Search<'a, S, N> {
     /// A search among `patches`, of which no sides are joined.
-    pub(crate) fn new(patches: &'a [PatchModel<S, N>], sides: &'a mut SideSource<'a, S, N>) -> Self {
+    pub(crate) fn new(patches: &'a [BodyModel<S, N>], sides: &'a mut SideSource<'a, S, N>) -> Self {
         Self { patches, sides, joined: JoinedSides::default(), told: BTreeSet::new(), findings: Vec::new() }
     }
 
@@ -48,12 +48,12 @@ impl<'a, const S: usize, const N: usize> Search<'a, S, N> {
     ///
     /// # Errors
     /// [`SideError`] of the source.
-    pub fn side(&mut self, patch: usize, side: &str) -> Result<Arc<SideModel<S, N>>, SideError> {
+    pub fn side(&mut self, patch: usize, side: &str) -> Result<Arc<BodySide<S, N>>, SideError> {
         (self.sides)(patch, side)
     }
 
     /// The sag of the facets of a side: zero if they are the surface itself; for refined meshes that of the unrefined facets.
-    pub fn sag(&self, side: &SideModel<S, N>) -> Sag<S, N> {
+    pub fn sag(&self, side: &BodySide<S, N>) -> Sag<S, N> {
         sag(self.patches, side)
     }
 
@@ -63,7 +63,7 @@ impl<'a, const S: usize, const N: usize> Search<'a, S, N> {
     }
 
     /// Joins two sides whose functions are shared.
-    pub fn glue(&mut self, slave: Arc<SideModel<S, N>>, master: Arc<SideModel<S, N>>) -> Couple<S, N> {
+    pub fn glue(&mut self, slave: Arc<BodySide<S, N>>, master: Arc<BodySide<S, N>>) -> Couple<S, N> {
         let couple = Couple { slave, masters: vec![master], tolerance: None, is_named: false, explained: None };
         self.joined.join(&couple);
         couple
@@ -75,12 +75,12 @@ impl<'a, const S: usize, const N: usize> Search<'a, S, N> {
     }
 
     /// Marks the sides of a contact: they are no candidates for a tie.
-    pub fn contact(&mut self, slaves: &[Arc<SideModel<S, N>>], masters: &[Arc<SideModel<S, N>>]) {
+    pub fn contact(&mut self, slaves: &[Arc<BodySide<S, N>>], masters: &[Arc<BodySide<S, N>>]) {
         self.joined.contact(slaves, masters);
     }
 
     /// Notes that a finding or an error names these sides together; returns whether there is a pair that none has named before.
-    pub(super) fn tell(&mut self, sides: &[Arc<SideModel<S, N>>]) -> bool {
+    pub(super) fn tell(&mut self, sides: &[Arc<BodySide<S, N>>]) -> bool {
         let pairs = sides.iter().enumerate().flat_map(|(k, a)| sides[k + 1..].iter().map(move |b| side_pair(key(a), key(b))));
         let before = self.told.len();
         self.told.extend(pairs);

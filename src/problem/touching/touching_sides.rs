@@ -2,7 +2,7 @@
 
 use super::lengths::SAME_PLACE;
 use crate::geometry::{Bounds, MapTable, Sag, Tree};
-use crate::problem::model::SideModel;
+use crate::problem::model::BodySide;
 use crate::space::{Clearance, Sight, Skin, SkinPoint, raised, skin_points};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -33,7 +33,7 @@ type Seen = Vec<(usize, bool, Clearance)>;
 /// facets explains their distance ([`Clearance::touches`]); distances below `floor` count as zero. Pairs for which `left_out` holds are
 /// skipped. One tree of boxes over all facets.
 pub(super) fn touching_sides<const S: usize, const N: usize>(
-    sides: &[Arc<SideModel<S, N>>],
+    sides: &[Arc<BodySide<S, N>>],
     tolerance: Option<f64>,
     sags: &[Sag<S, N>],
     floor: f64,
@@ -127,7 +127,7 @@ fn candidates<const S: usize, const N: usize>(
 /// Separates pairs that touch, their distance explained by faceting, from those that are merely near; with `given` no explanation is
 /// needed.
 fn decided<const S: usize, const N: usize>(
-    sides: &[Arc<SideModel<S, N>>],
+    sides: &[Arc<BodySide<S, N>>],
     facets: &[(usize, usize)],
     seen: &[Seen],
     given: bool,

@@ -7,7 +7,7 @@ use crate::geometry::{MapTable, cell};
 use crate::linalg::Vector;
 use crate::problem::Statement;
 use crate::problem::corner_search::SAME_PLACE;
-use crate::problem::model::{Condition, Model, Pin, Value};
+use crate::problem::model::{Condition, Model, PointCondition, Value};
 
 /// Values that differ by less than this share of the largest are equal.
 const EQUAL_VALUES: f64 = 1e-9;
@@ -29,8 +29,8 @@ impl<'a, const N: usize> Held<'a, N> {
         Self { of: *of, patch: side.patch, label: &side.label, component: *component, value, x }
     }
 
-    fn in_corner(pin: &'a Pin<N>, x: Vector<N>) -> Self {
-        let Pin { of, rim, component, value } = pin;
+    fn in_corner(pin: &'a PointCondition<N>, x: Vector<N>) -> Self {
+        let PointCondition { of, rim, component, value } = pin;
         Self { of: *of, patch: rim.patch, label: &rim.label, component: *component, value, x }
     }
 }

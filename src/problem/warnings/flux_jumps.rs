@@ -11,7 +11,7 @@ use super::warning::{Subject, Warning};
 use crate::basis::{Cell, Order};
 use crate::geometry::{ClosestPoint, MapTable, cell};
 use crate::linalg::{Matrix, Vector};
-use crate::problem::model::{Model, PatchModel, SideModel, TiePart};
+use crate::problem::model::{BodyModel, BodySide, Model, TiePart};
 use crate::problem::own_side::OwnSide;
 use crate::problem::{Exact, Point, field_slope};
 use crate::space::Space;
@@ -66,7 +66,7 @@ pub(super) fn flux_jumps<const S: usize, const N: usize>(model: &Model<S, N>, t:
 
 /// sigma n of the exact solution.
 fn traction<const S: usize, const N: usize>(
-    patch: &PatchModel<S, N>,
+    patch: &BodyModel<S, N>,
     exact: &dyn Exact,
     t: f64,
     x: &Vector<N>,
@@ -97,7 +97,7 @@ fn gradient<const N: usize>(exact: &dyn Exact, components: usize, t: f64, x: &Ve
 
 /// The largest jump of the flux inside a patch, but at points where `in_rim` holds.
 fn inside<const S: usize, const N: usize>(
-    patch: &PatchModel<S, N>,
+    patch: &BodyModel<S, N>,
     in_rim: &dyn Fn(&Vector<N>) -> bool,
     exact: &dyn Exact,
     t: f64,
@@ -151,7 +151,7 @@ impl<const S: usize, const N: usize> Rims<S, N> {
         let patch = &model.patches[number];
         let sides = patch.body.sides().into_iter().filter(|_| !patch.exact_map);
         let of_side = |name: String| {
-            let side = SideModel::new(patch, number, &name, name.clone()).ok()?;
+            let side = BodySide::new(patch, number, &name, name.clone()).ok()?;
             let own = OwnSide::new(model, &side);
             let layer: Vec<f64> = (0..side.trace.facets.len()).map(|e| own.depths(e, 0.0).certain).collect();
             layer.iter().any(|d| *d > 0.0).then(|| (ClosestPoint::new(Arc::clone(&side.trace.space)), layer))
@@ -175,7 +175,7 @@ fn direction<const N: usize>(jump: &Matrix<3, N>) -> Option<Vector<N>> {
 }
 
 /// Lines from the middle of every element to the middle of each face, to just before it, and across each inner face.
-fn lines<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> Vec<[Vector<N>; 2]> {
+fn lines<const S: usize, const N: usize>(patch: &BodyModel<S, N>) -> Vec<[Vector<N>; 2]> {
     let space = &**patch.body.space();
     let step = space.num_elements().div_ceil(ELEMENTS).max(1);
     let (mut table, mut ids) = (MapTable::new(), Vec::new());

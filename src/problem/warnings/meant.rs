@@ -1,6 +1,6 @@
 //! Sides that were probably meant, where those that are named do not face each other.
 
-use crate::problem::model::{Model, PatchModel, SideModel};
+use crate::problem::model::{BodyModel, BodySide, Model};
 use crate::problem::touching::facing;
 use crate::space::Trace;
 use std::collections::BTreeSet;
@@ -14,7 +14,7 @@ const NEARER: f64 = 0.5;
 impl<const S: usize, const N: usize> Model<S, N> {
     /// Sides of the bodies of `slave` and of `masters`, by patch and name, that face each other best; `None` if they are no closer than half
     /// the distance of the named ones, which may be right but too far apart.
-    pub fn meant_sides(&self, slave: &SideModel<S, N>, masters: &[Arc<SideModel<S, N>>]) -> Option<[(usize, String); 2]> {
+    pub fn meant_sides(&self, slave: &BodySide<S, N>, masters: &[Arc<BodySide<S, N>>]) -> Option<[(usize, String); 2]> {
         let patches: BTreeSet<usize> = masters.iter().map(|m| m.patch).collect();
         let own = skins(&self.patches[slave.patch]);
         let mut best: Option<(f64, [(usize, String); 2])> = None;
@@ -33,7 +33,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 }
 
-fn skins<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> Vec<(String, Trace<S, N>)> {
+fn skins<const S: usize, const N: usize>(patch: &BodyModel<S, N>) -> Vec<(String, Trace<S, N>)> {
     patch.body.sides().into_iter().filter_map(|name| Some((name.clone(), patch.body.trace(&name).ok()?))).collect()
 }
 

@@ -4,7 +4,7 @@ use super::warning::{Subject, SubjectKind, Warning};
 use crate::basis::Order;
 use crate::geometry::{ClosestPoint, MapTable, cell};
 use crate::linalg::Vector;
-use crate::problem::model::{Against, ContactModel, ContactPart, Model};
+use crate::problem::model::{ContactModel, ContactPart, Model, Opposing};
 use crate::space::{Space, Trace};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -60,7 +60,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 }
                 overlapping += segments.ds[q];
                 let mut sides = vec![(&part.slave.trace, part.slave.patch_of(e), e, frames.x[q], normal)];
-                if let Against::Side(master, _) = &part.against {
+                if let Opposing::Side(master, _) = &part.against {
                     let f = segments.master[piece];
                     sides.push((&master.trace, master.patch_of(f), f, frames.x[q] - normal * gap, -normal));
                 }

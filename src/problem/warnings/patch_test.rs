@@ -16,7 +16,7 @@ use crate::assembly::element_rule;
 use crate::basis::{Cell, Order, ShapeTable};
 use crate::geometry::{MapTable, cell};
 use crate::linalg::{Vector, determinant, inverse};
-use crate::problem::model::{Model, PatchModel};
+use crate::problem::model::{BodyModel, Model};
 use crate::quadrature::{Quadrature, Rule};
 use crate::space::Space;
 use rayon::prelude::*;
@@ -56,7 +56,7 @@ pub(super) fn patch_test<const S: usize, const N: usize>(model: &Model<S, N>) ->
 }
 
 /// Returns the least number of more points with which the defect is small, and the defect that is left.
-fn enough<const S: usize, const N: usize>(patch: &PatchModel<S, N>, bent: &[usize]) -> Option<(usize, f64)> {
+fn enough<const S: usize, const N: usize>(patch: &BodyModel<S, N>, bent: &[usize]) -> Option<(usize, f64)> {
     let space = &**patch.body.space();
     // added to the points of the case and of curved cells
     let more = |e: usize, k: usize| element_rule(space, e, patch.extra_points + k).rule(0).clone();

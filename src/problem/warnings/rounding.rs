@@ -6,7 +6,7 @@
 use super::warning::{Subject, Warning};
 use crate::basis::Order;
 use crate::geometry::{MapTable, cell};
-use crate::problem::model::{Model, PatchModel};
+use crate::problem::model::{BodyModel, Model};
 use crate::problem::state::StepState;
 use std::cmp::Ordering;
 
@@ -28,7 +28,7 @@ pub(super) fn rounding<const S: usize, const N: usize>(model: &Model<S, N>, stat
 }
 
 /// The modulus in the middle of the first element.
-fn modulus<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> f64 {
+fn modulus<const S: usize, const N: usize>(patch: &BodyModel<S, N>) -> f64 {
     let (space, mut table) = (&**patch.body.space(), MapTable::new());
     if space.num_elements() == 0 {
         return 0.0;

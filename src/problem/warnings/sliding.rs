@@ -19,7 +19,7 @@ use crate::geometry::{ClosestPoint, MapTable};
 use crate::linalg::Vector;
 use crate::problem::Point;
 use crate::problem::integrate::on_trace;
-use crate::problem::model::{Against, ContactModel, ContactPart, Model};
+use crate::problem::model::{ContactModel, ContactPart, Model, Opposing};
 use crate::problem::state::StepState;
 
 /// Error e above which the warning is given.
@@ -98,9 +98,9 @@ fn closed<const S: usize, const N: usize>(
         let field = model.patches[part.slave.patch].field;
         let own = on_trace(&part.slave.trace, field, &state.u, s.slave[piece], &s.slave_xi[points.clone()]);
         let other = match &part.against {
-            Against::Side(master, _) => on_trace(&master.trace, master.field, &state.u, s.master[piece], &s.master_xi[points.clone()]),
+            Opposing::Side(master, _) => on_trace(&master.trace, master.field, &state.u, s.master[piece], &s.master_xi[points.clone()]),
             // the gap is measured from the present position of the obstacle
-            Against::Rigid(..) => vec![[0.0; 3]; points.len()],
+            Opposing::Rigid(..) => vec![[0.0; 3]; points.len()],
         };
         for (k, q) in points.enumerate() {
             let (x, normal) = (frames.x[q], frames.normal[q]);
@@ -116,7 +116,7 @@ fn closed<const S: usize, const N: usize>(
 /// ∫ |d| ds over points; points that slide beyond the edge of the master are left out.
 fn second_order<const S: usize, const N: usize>(part: &ContactPart<S, N>, state: &StepState<S, N>, points: &[Closed<N>]) -> f64 {
     match &part.against {
-        Against::Side(master, _) => {
+        Opposing::Side(master, _) => {
             let surface = ClosestPoint::new(master.trace.oriented());
             let mut table = MapTable::new();
             let mut gap = |x: &Vector<N>, normal: &Vector<N>| {
@@ -130,7 +130,7 @@ fn second_order<const S: usize, const N: usize>(part: &ContactPart<S, N>, state:
                 .filter_map(|p| Some(p.ds * (gap(&(p.x + p.shift), &p.normal)? - gap(&p.x, &p.normal)? - p.shift.dot(&p.normal)).abs()))
                 .sum()
         }
-        Against::Rigid(obstacle, _) => {
+        Opposing::Rigid(obstacle, _) => {
             let target = obstacle.target(state.t, Some(&state.u));
             let gap = |x: &Vector<N>, normal: &Vector<N>| opposed(&*target, x, &-normal).map(|hit| hit.gap);
             let moved =

@@ -7,7 +7,7 @@ use super::warning::{Subject, Warning};
 use crate::basis::{Cell, Order};
 use crate::geometry::{MapTable, cell};
 use crate::linalg::{Matrix, Vector, determinant};
-use crate::problem::model::{Model, PatchModel};
+use crate::problem::model::{BodyModel, Model};
 use rayon::prelude::*;
 
 /// Largest aspect without a warning: the inverse of its square is the round-off of a double.
@@ -24,7 +24,7 @@ pub(super) fn thin_cells<const S: usize, const N: usize>(model: &Model<S, N>) ->
 }
 
 /// Returns the largest aspect, the first element that has it, and its position.
-fn worst<const S: usize, const N: usize>(patch: &PatchModel<S, N>) -> (f64, usize, Vector<N>) {
+fn worst<const S: usize, const N: usize>(patch: &BodyModel<S, N>) -> (f64, usize, Vector<N>) {
     let space = &**patch.body.space();
     let centers = [Cell::Tensor, Cell::Simplex].map(cell::center::<N, f64>);
     let of = |table: &mut MapTable<N, N>, e: usize| {

@@ -3,7 +3,7 @@
 use faying::basis::{Basis, Cell, Elements, Order, ShapeTable};
 use faying::geometry::{Bounds, Embedding, Geometry, MapTable};
 use faying::linalg::{Matrix, Vector};
-use faying::space::{Body, Over, SideError, Space, Trace};
+use faying::space::{Body, FunctionSpace, SideError, Space, Trace};
 use std::sync::Arc;
 
 /// Vertex functions 1 - x, x and the bubbles (P_k(s) - P_{k-2}(s)) / (2k - 1), s = 2x - 1, k = 2..p, with two derivatives.
@@ -139,7 +139,7 @@ impl ModalBody {
         let basis = ModalBasis { lines: cells.map(|elements| Line { elements, degree }) };
         let axes = Matrix::<2, 2>::from_columns(&axes.map(Vector::<2>::from));
         let geometry = Parallelogram { cells, origin: origin.into(), axes };
-        Self { space: Arc::new(Over { basis, geometry }), cells }
+        Self { space: Arc::new(FunctionSpace { basis, geometry }), cells }
     }
 }
 

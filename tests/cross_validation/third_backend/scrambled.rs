@@ -2,7 +2,7 @@
 
 use faying::basis::{Basis, Cell, Elements, Order, ShapeTable};
 use faying::linalg::Vector;
-use faying::space::{Body, Over, SideError, Space, Trace};
+use faying::space::{Body, FunctionSpace, SideError, Space, Trace};
 use std::sync::Arc;
 
 /// Function `order[i]` is `scale[i]` times the inner function i.
@@ -70,7 +70,7 @@ impl ScrambledBody {
         let scale = (0..n).map(|i| if i % 3 == 1 { -1.5 } else { 0.4 + (i % 5) as f64 }).collect();
         let space = Arc::clone(inner.space());
         let basis = Scrambled { inner: Arc::clone(&space), order, scale };
-        Self { space: Arc::new(Over { basis, geometry: space }), inner }
+        Self { space: Arc::new(FunctionSpace { basis, geometry: space }), inner }
     }
 }
 

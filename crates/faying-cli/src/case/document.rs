@@ -4,7 +4,7 @@ use super::reader::{Block, Reader};
 use super::tree::{Node, Table, Value};
 use super::types::*;
 use super::{SCHEMA, rows};
-use crate::errors::{Diagnostics, Source};
+use crate::errors::{CaseText, Diagnostics};
 use crate::formula::Constants;
 use crate::place::{Located, Place};
 use faying::basis::Cell;
@@ -59,7 +59,7 @@ impl Reader {
         self.weight(&model, &materials, &patches);
 
         case = Case {
-            source: Source::default(),
+            source: CaseText::default(),
             warnings: Diagnostics::new(),
             schema,
             title,
@@ -134,7 +134,7 @@ impl Case {
             Located::new(value, Place::NONE)
         }
         Self {
-            source: Source::default(),
+            source: CaseText::default(),
             warnings: Diagnostics::new(),
             schema,
             title: Located::default(),

@@ -3,7 +3,7 @@
 use toml::de::{DeTable, DeValue};
 
 use super::key::Key;
-use crate::errors::{Diagnostic, Diagnostics, Source};
+use crate::errors::{CaseText, Diagnostic, Diagnostics};
 use crate::place::{Lines, Place};
 
 /// A value of the file with its place; equal to another one of the same value.
@@ -180,7 +180,7 @@ fn bare(key: &str) -> String {
 }
 
 /// Parses a text; syntax errors carry the parser's own spans.
-pub(super) fn parse(source: &Source) -> Result<Table, Diagnostics> {
+pub(super) fn parse(source: &CaseText) -> Result<Table, Diagnostics> {
     const MOST: usize = 5;
     let (document, mut errors) = DeTable::parse_recoverable(source.lines.text());
     if !errors.is_empty() {

@@ -1,13 +1,13 @@
 //! Reading the case that a command names: a file or stdin.
 
 use super::arguments::Common;
-use super::ended::Ended;
+use super::ended::Exit;
 use super::manifest::Input;
 use super::signals;
 use crate::case::{Case, ReadOptions, not_found};
 use crate::errors::Diagnostic;
 use crate::run::most_threads;
-use crate::{Registry, Watch};
+use crate::{Registry, RunControl};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -41,7 +41,7 @@ fn bounded(from: impl std::io::Read) -> std::io::Result<Option<Vec<u8>>> {
     Ok((bytes.len() as u64 <= LONGEST).then_some(bytes))
 }
 
-fn too_long(name: &str) -> Ended {
+fn too_long(name: &str) -> Exit {
     let message = format!("{name} is longer than {} MiB, the longest case that is read", LONGEST >> 20);
     Diagnostic::error("E081", message).with_help("give a case file, a TOML text of some lines").in_file(name).into()
 }
@@ -62,7 +62,7 @@ pub fn folder(path: &Path, common: &Common, end: &str) -> PathBuf {
 }
 
 /// Reads the case at `path`, with the names of `registry` and the changes of the options.
-pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Registry) -> Result<Loaded, Ended> {
+pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Registry) -> Result<Loaded, Exit> {
     if let Some(name) = backend {
         known_backend(registry, name, "--backend")?;
     }
@@ -77,13 +77,13 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
     };
     if path.as_os_str() == "-" {
         let read = bounded(std::io::stdin().lock());
-        let bytes = read.map_err(|e| Ended::from(Diagnostic::error("E003", format!("stdin cannot be read: {e}"))))?;
+        let bytes = read.map_err(|e| Exit::from(Diagnostic::error("E003", format!("stdin cannot be read: {e}"))))?;
         let bytes = bytes.ok_or_else(|| too_long("stdin"))?;
         let text = std::str::from_utf8(&bytes).map_err(|e| {
             let message = format!("stdin is not valid TOML: byte {} is not UTF-8", e.valid_up_to());
-            Ended::from(Diagnostic::error("E005", message).in_file("stdin"))
+            Exit::from(Diagnostic::error("E005", message).in_file("stdin"))
         })?;
-        let case = Case::parse("stdin", text, &options).map_err(Ended::failed)?;
+        let case = Case::parse("stdin", text, &options).map_err(Exit::failed)?;
         let inputs = inputs(Input::new("-", &bytes), &case);
         return Ok(Loaded { case, name: "stdin".to_owned(), path: "-".to_owned(), inputs, text: text.to_owned(), options });
     }
@@ -95,12 +95,12 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
         return Err(Diagnostic::error("E003", message).in_file(name).with_help("write - for a case on stdin").into());
     }
     let read = std::fs::File::open(path).and_then(bounded);
-    let bytes = read.map_err(|e| Ended::from(not_found(path, &e)))?.ok_or_else(|| too_long(&name))?;
+    let bytes = read.map_err(|e| Exit::from(not_found(path, &e)))?.ok_or_else(|| too_long(&name))?;
     let case = match std::str::from_utf8(&bytes) {
         Ok(text) => Case::parse(&name, text, &options),
         Err(_) => Case::read_with(path, &options), // reports where the text is not UTF-8
     };
-    let case = case.map_err(Ended::failed)?;
+    let case = case.map_err(Exit::failed)?;
     let absolute = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let inputs = inputs(Input::new(name.clone(), &bytes), &case);
     let text = String::from_utf8_lossy(&bytes).into_owned();
@@ -114,24 +114,24 @@ fn inputs(case_file: Input, case: &Case) -> Vec<Input> {
 }
 
 /// Whether the registry has the backend that an option names.
-pub fn known_backend(registry: &Registry, name: &str, option: &str) -> Result<(), Ended> {
+pub fn known_backend(registry: &Registry, name: &str, option: &str) -> Result<(), Exit> {
     let known = registry.volume.backends.get(name).map(|_| ());
     known.or_else(|_| registry.plane.backends.get(name).map(|_| ())).map_err(|e| super::ended::usage(&format!("{option}: {e}"), None))
 }
 
 /// The limits of the options, and a flag that requests to end set; see [`signals::listen`].
-pub fn watch(common: &Common) -> Watch {
+pub fn watch(common: &Common) -> RunControl {
     let interrupted = Arc::new(AtomicBool::new(false));
     signals::listen(&interrupted);
     let deadline = common.time_limit.map(|seconds| (Instant::now() + Duration::from_secs_f64(seconds), seconds));
-    Watch { interrupted, deadline, max_memory: common.max_memory, listener: None }
+    RunControl { interrupted, deadline, max_memory: common.max_memory, listener: None }
 }
 
 /// The threads of the options, as many of them as the limits of the process leave room for.
 ///
 /// # Errors
 /// E081 if not even one can be started.
-pub fn pool(common: &Common) -> Result<rayon::ThreadPool, Ended> {
+pub fn pool(common: &Common) -> Result<rayon::ThreadPool, Exit> {
     let wanted = common.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     let mut threads = wanted.min(most_threads());
     loop {

@@ -2,7 +2,7 @@
 
 use super::arguments::{Common, ConvertArguments};
 use super::case;
-use super::ended::Ended;
+use super::ended::Exit;
 use super::inspect::{contents, fault, room, write};
 use super::place;
 use crate::convert::{ConvertOptions, convert as written, format_of, memory};
@@ -11,7 +11,7 @@ use serde_json::json;
 use std::path::Path;
 
 /// Checks that the output may be written to its file.
-pub fn check_place(arguments: &ConvertArguments, common: &Common, json: Option<&Path>) -> Result<(), Ended> {
+pub fn check_place(arguments: &ConvertArguments, common: &Common, json: Option<&Path>) -> Result<(), Exit> {
     place::apart(&arguments.output, &arguments.input, "convert")?;
     place::not_over(json, &arguments.output)?;
     if format_of(&arguments.output).is_none() {
@@ -26,18 +26,18 @@ pub fn check_place(arguments: &ConvertArguments, common: &Common, json: Option<&
 }
 
 /// Converts a file.
-pub fn convert(arguments: &ConvertArguments, common: &Common) -> Ended {
+pub fn convert(arguments: &ConvertArguments, common: &Common) -> Exit {
     converted(arguments, common).unwrap_or_else(|ended| ended)
 }
 
-fn converted(arguments: &ConvertArguments, common: &Common) -> Result<Ended, Ended> {
+fn converted(arguments: &ConvertArguments, common: &Common) -> Result<Exit, Exit> {
     let (input, output) = (&arguments.input, &arguments.output);
     let to = format_of(output).expect("its place was checked before");
     let read = contents(input, common)?;
     let options = ConvertOptions { order: arguments.order.map(usize::from), binary: arguments.binary };
     room(input, memory(&read, to, &options), common)?;
     let pool = case::pool(common)?;
-    let made = pool.install(|| written(&read, to, &options)).map_err(|e| Ended::from(fault(input, &e)))?;
+    let made = pool.install(|| written(&read, to, &options)).map_err(|e| Exit::from(fault(input, &e)))?;
     write(output, &made.bytes, common.force)?;
     let shown = output.display().to_string();
     let mut diagnostics = Diagnostics::new();
@@ -47,5 +47,5 @@ fn converted(arguments: &ConvertArguments, common: &Common) -> Result<Ended, End
     let fields = json!({"file": input.display().to_string(), "files": [shown], "bytes": made.bytes.len(), "lost": made.lost,
         "warnings": diagnostics.to_json()});
     let text = format!("{shown} written, {} bytes\n", made.bytes.len());
-    Ok(Ended { diagnostics, ..Ended::done("convert", text, fields) })
+    Ok(Exit { diagnostics, ..Exit::done("convert", text, fields) })
 }

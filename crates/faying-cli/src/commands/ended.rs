@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 /// The end of a command.
 #[derive(Clone, Debug, Default)]
-pub struct Ended {
+pub struct Exit {
     /// The exit code.
     pub exit: i32,
     /// Summary on stdout, unless the document is written there.
@@ -33,7 +33,7 @@ pub fn status(exit: i32) -> &'static str {
     }
 }
 
-impl Ended {
+impl Exit {
     /// Ended by `diagnostics`, before there was a result.
     pub fn failed(diagnostics: Diagnostics) -> Self {
         Self::refused(diagnostics.exit(), diagnostics)
@@ -68,7 +68,7 @@ impl Ended {
     }
 }
 
-impl From<Diagnostic> for Ended {
+impl From<Diagnostic> for Exit {
     fn from(diagnostic: Diagnostic) -> Self {
         Self::failed(diagnostic.into())
     }
@@ -91,6 +91,6 @@ pub fn plain_failure(status: &str, exit: i32, message: &str, help: Option<&str>)
 }
 
 /// A wrong use of the command line: exit 2.
-pub(super) fn usage(message: &str, help: Option<&str>) -> Ended {
-    Ended::plain("invalid", 2, message, help)
+pub(super) fn usage(message: &str, help: Option<&str>) -> Exit {
+    Exit::plain("invalid", 2, message, help)
 }

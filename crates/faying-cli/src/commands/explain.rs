@@ -1,7 +1,7 @@
 //! `faying explain`: the long text of an error code, of a key of case files, of a quantity, or the list of all codes.
 
 use super::arguments::ExplainArguments;
-use super::ended::Ended;
+use super::ended::Exit;
 use crate::case::{Names, reference};
 use crate::codes::{self, CODES};
 use crate::errors::nearest;
@@ -10,7 +10,7 @@ use crate::table::Table;
 use serde_json::{Value, json};
 
 /// Prints what a code, a key or a quantity means; without a word the list of all codes.
-pub fn explain(arguments: &ExplainArguments, names: &Names) -> Ended {
+pub fn explain(arguments: &ExplainArguments, names: &Names) -> Exit {
     let Some(given) = &arguments.code else { return all() };
     let word = given.trim();
     match codes::find(word) {
@@ -19,7 +19,7 @@ pub fn explain(arguments: &ExplainArguments, names: &Names) -> Ended {
     }
 }
 
-fn of_code(code: &codes::Code) -> Ended {
+fn of_code(code: &codes::Code) -> Exit {
     let example: String = code.example.lines().map(|line| format!("    {line}\n")).collect();
     let text = format!(
         "{}: {} (exit {})\n\n{}\n\nFor example\n\n{example}\nWhat to do: {}\n",
@@ -30,11 +30,11 @@ fn of_code(code: &codes::Code) -> Ended {
         wrapped(code.remedy, 88)
     );
     let document = json!({"code": code.code, "title": code.title, "exit_of_code": code.exit, "text": code.text, "example": code.example, "remedy": code.remedy});
-    Ended::done("explain", text, document)
+    Exit::done("explain", text, document)
 }
 
 /// Keys and quantities of a word; both where it is both.
-fn of_word(word: &str, names: &Names) -> Ended {
+fn of_word(word: &str, names: &Names) -> Exit {
     let keys = reference::find(word, names);
     let found = quantities::find(word);
     if keys.is_empty() && found.is_empty() {
@@ -65,17 +65,17 @@ fn of_word(word: &str, names: &Names) -> Ended {
         .collect();
     let of_quantities: Vec<Value> =
         found.iter().map(|k| json!({"quantity": k.pattern, "text": k.text, "unit": k.unit, "example": k.example})).collect();
-    Ended::done("explain", texts.join("\n"), json!({"keys": of_keys, "quantities": of_quantities}))
+    Exit::done("explain", texts.join("\n"), json!({"keys": of_keys, "quantities": of_quantities}))
 }
 
-fn all() -> Ended {
+fn all() -> Exit {
     let mut table = Table::new(["code", "exit", "mistake"]);
     for c in CODES {
         table.row([c.code.to_owned(), c.exit.to_string(), c.title.to_owned()]);
     }
     let list: Vec<Value> = CODES.iter().map(|c| json!({"code": c.code, "title": c.title, "exit_of_code": c.exit})).collect();
     let more = "`faying explain E021` says more about one, `faying explain KEY` about a key of case files, `faying explain QUANTITY` about a quantity.";
-    Ended::done("explain", format!("{table}\n{more}\n"), json!({ "codes": list }))
+    Exit::done("explain", format!("{table}\n{more}\n"), json!({ "codes": list }))
 }
 
 /// `text` in lines of at most `width` characters, broken at spaces.

@@ -1,7 +1,7 @@
 //! `faying inspect`: contents of a mesh, a geometry, a .vtu or a case.
 
 use super::arguments::{Common, InspectArguments};
-use super::ended::Ended;
+use super::ended::Exit;
 use super::folder::{write_new, write_whole};
 use super::{case, place};
 use crate::Registry;
@@ -54,12 +54,12 @@ pub fn fault(path: &Path, error: &FileError) -> Diagnostic {
 }
 
 /// Reads a file of any format.
-pub fn contents(path: &Path, common: &Common) -> Result<Contents, Ended> {
+pub fn contents(path: &Path, common: &Common) -> Result<Contents, Exit> {
     read(path, &Limits { memory: memory_for_files(common.max_memory) }).map_err(|e| fault(path, &e).into())
 }
 
 /// Checks that `needed` bytes beside the contents, which take at least the size of the file, stay below `--max-memory`.
-pub fn room(path: &Path, needed: u64, common: &Common) -> Result<(), Ended> {
+pub fn room(path: &Path, needed: u64, common: &Common) -> Result<(), Exit> {
     let Some(allowed) = memory_for_files(common.max_memory) else { return Ok(()) };
     let held = std::fs::metadata(path).map_or(0, |about| about.len());
     let needed = needed.saturating_add(held);
@@ -112,21 +112,21 @@ fn of_net<const N: usize>(name: &str, net: ControlNet<N, N>) -> SplinePatch {
 }
 
 /// Inspects a file.
-pub fn inspect(registry: &Registry, arguments: &InspectArguments, common: &Common) -> Ended {
+pub fn inspect(registry: &Registry, arguments: &InspectArguments, common: &Common) -> Exit {
     inspected(registry, arguments, common).unwrap_or_else(|ended| ended)
 }
 
-fn inspected(registry: &Registry, arguments: &InspectArguments, common: &Common) -> Result<Ended, Ended> {
+fn inspected(registry: &Registry, arguments: &InspectArguments, common: &Common) -> Result<Exit, Exit> {
     let path = &arguments.file;
     let name = path.display().to_string();
     let is_case = path.as_os_str() == "-" || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
     let mut grid = None;
     let (contents, case) = if is_case {
         let loaded = case::load(path, None, common, registry)?;
-        (Contents::Patches(patches(&loaded.case).map_err(Ended::failed)?), Some(loaded.case))
+        (Contents::Patches(patches(&loaded.case).map_err(Exit::failed)?), Some(loaded.case))
     } else {
         let limits = Limits { memory: memory_for_files(common.max_memory) };
-        let failed = |e: FileError| Ended::from(fault(path, &e));
+        let failed = |e: FileError| Exit::from(fault(path, &e));
         let bytes = read_bytes(path, &limits).map_err(failed)?;
         if vtu_read::recognises(&bytes) {
             let file = vtu_read::parse(&bytes, &limits).map_err(failed)?;
@@ -139,7 +139,7 @@ fn inspected(registry: &Registry, arguments: &InspectArguments, common: &Common)
     };
     room(path, crate::inspect::memory(&contents), common)?;
     let pool = case::pool(common)?;
-    let mut found: Inspection = pool.install(|| look(&contents)).map_err(|e| Ended::from(fault(path, &e)))?;
+    let mut found: Inspection = pool.install(|| look(&contents)).map_err(|e| Exit::from(fault(path, &e)))?;
     if let Some(file) = &grid {
         add_fields(&mut found, file);
     }
@@ -159,18 +159,18 @@ fn inspected(registry: &Registry, arguments: &InspectArguments, common: &Common)
     if let Some(file) = svg_file(arguments) {
         let svg = faces::faces(&picture(&contents, &name)).ok_or_else(|| {
             let message = format!("there is no picture of `{name}`: it has no faces, or more than {}", faces::MOST_FACES);
-            Ended::from(Diagnostic::error("E091", message))
+            Exit::from(Diagnostic::error("E091", message))
         })?;
         write(&file, svg.as_bytes(), common.force)?;
         fields["files"] = json!([file.display().to_string()]);
         text += &format!("\npicture in {}\n", file.display());
     }
     crate::json::add_reasons(&mut fields);
-    Ok(Ended::done("inspect", text, fields))
+    Ok(Exit::done("inspect", text, fields))
 }
 
 /// Writes a file, over another one only with `force`.
-pub fn write(file: &Path, bytes: &[u8], force: bool) -> Result<(), Ended> {
+pub fn write(file: &Path, bytes: &[u8], force: bool) -> Result<(), Exit> {
     let written = if force { write_whole(file, bytes) } else { write_new(file, bytes) };
     written.map_err(|e| {
         if e.kind() == std::io::ErrorKind::AlreadyExists {
@@ -182,7 +182,7 @@ pub fn write(file: &Path, bytes: &[u8], force: bool) -> Result<(), Ended> {
 }
 
 /// Checks that the picture may be written to its file.
-pub fn check_place(arguments: &InspectArguments, json: Option<&Path>) -> Result<(), Ended> {
+pub fn check_place(arguments: &InspectArguments, json: Option<&Path>) -> Result<(), Exit> {
     let Some(file) = svg_file(arguments) else { return Ok(()) };
     place::apart(&file, &arguments.file, "--svg")?;
     place::not_over(json, &file)

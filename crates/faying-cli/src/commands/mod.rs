@@ -30,7 +30,7 @@ mod study_axes;
 mod summary;
 
 use self::arguments::{Arguments, Command, EndsChoice, NormChoice};
-use self::ended::{Ended, plain_failure};
+use self::ended::{Exit, plain_failure};
 use self::streams::Streams;
 use self::study::Order;
 use crate::Registry;
@@ -78,7 +78,7 @@ fn obey(registry: &Registry, arguments: &Arguments, words: &[OsString]) -> i32 {
 }
 
 /// Checks that the document can be written, before anything else is done.
-fn place_of_document(arguments: &Arguments, streams: &Streams, words: &[OsString]) -> Result<(), Ended> {
+fn place_of_document(arguments: &Arguments, streams: &Streams, words: &[OsString]) -> Result<(), Exit> {
     let file = streams.json.as_deref();
     if let Some(study) = arguments.command.study() {
         place::beside_results(file, &case::folder(&study.case, &arguments.common, arguments.command.name()))?;
@@ -94,7 +94,7 @@ fn place_of_document(arguments: &Arguments, streams: &Streams, words: &[OsString
     place::document(file, words)
 }
 
-fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words: &[OsString]) -> Ended {
+fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words: &[OsString]) -> Exit {
     let common = &arguments.common;
     let order = |command, tol| Order { registry, command, tol, common, streams, words };
     let runs = |_: Option<&StudyValues>| -> Box<dyn Method + Sync + '_> { Box::new(Runs { registry }) };
@@ -129,7 +129,7 @@ fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words:
 }
 
 /// Writes the messages, summary and document of a command; returns its exit code, 4 if a stream cannot be written.
-fn tell(streams: &Streams, ended: &Ended) -> i32 {
+fn tell(streams: &Streams, ended: &Exit) -> i32 {
     streams.diagnostics(&ended.diagnostics);
     if let Some((message, help)) = &ended.message {
         let help = help.as_ref().map_or(String::new(), |h| format!("  = help: {h}\n"));

@@ -1,7 +1,7 @@
 //! `faying new`: sample cases that run as they are.
 
 use super::arguments::{Common, NewArguments};
-use super::ended::Ended;
+use super::ended::Exit;
 use super::folder::write_new;
 use crate::errors::{Diagnostic, nearest};
 use crate::table::Table;
@@ -56,7 +56,7 @@ pub fn file(arguments: &NewArguments, common: &Common) -> PathBuf {
 }
 
 /// Lists, prints or writes a sample.
-pub fn new(arguments: &NewArguments, common: &Common) -> Ended {
+pub fn new(arguments: &NewArguments, common: &Common) -> Exit {
     let names: Vec<&str> = SAMPLES.iter().map(|s| s.name).collect();
     let Some(name) = arguments.name.as_deref().filter(|_| !arguments.list) else {
         let mut table = Table::new(["sample", "what it shows"]);
@@ -64,14 +64,14 @@ pub fn new(arguments: &NewArguments, common: &Common) -> Ended {
             table.row([s.name, s.about]);
         }
         let samples: Vec<_> = SAMPLES.iter().map(|s| json!({"name": s.name, "about": s.about})).collect();
-        return Ended::done("new", table.to_string(), json!({"samples": samples}));
+        return Exit::done("new", table.to_string(), json!({"samples": samples}));
     };
     let Some(sample) = SAMPLES.iter().find(|s| s.name == name.trim_end_matches(".toml")) else {
         let near = nearest(name, names.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
         return super::ended::usage(&format!("there is no sample `{name}`; known: {}{near}", names.join(", ")), Some("faying new --list"));
     };
     if arguments.to.is_some() {
-        return Ended::done("new", sample.text.to_owned(), json!({"name": sample.name, "text": sample.text}));
+        return Exit::done("new", sample.text.to_owned(), json!({"name": sample.name, "text": sample.text}));
     }
     let file = file(arguments, common);
     let beside = |name: &str| file.with_file_name(name);
@@ -91,10 +91,10 @@ pub fn new(arguments: &NewArguments, common: &Common) -> Ended {
     let shown = file.display().to_string();
     let all: Vec<String> =
         std::iter::once(shown.clone()).chain(sample.files.iter().map(|(n, _)| beside(n).display().to_string())).collect();
-    Ended::done("new", format!("{} written; solve it with: faying run {shown}\n", all.join(", ")), json!({"files": all}))
+    Exit::done("new", format!("{} written; solve it with: faying run {shown}\n", all.join(", ")), json!({"files": all}))
 }
 
-fn exists(file: &std::path::Path, sample: &str) -> Ended {
+fn exists(file: &std::path::Path, sample: &str) -> Exit {
     Diagnostic::error("E090", format!("`{}` exists; `faying new` never writes over a file", file.display()))
         .with_help(format!("remove it, choose another folder with --out, or print the sample: faying new {sample} -"))
         .into()

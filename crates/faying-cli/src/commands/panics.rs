@@ -1,12 +1,12 @@
 //! A panic is a bug: it ends with exit 70 and a document instead of a trace.
 
-use super::ended::Ended;
+use super::ended::Exit;
 use super::streams::Streams;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Runs `act`; a panic in it, in any thread, becomes an internal error.
-pub fn caught(streams: &Streams, act: impl FnOnce() -> Ended) -> Ended {
+pub fn caught(streams: &Streams, act: impl FnOnce() -> Exit) -> Exit {
     let first: Arc<Mutex<Option<String>>> = Arc::default();
     let hears = first.clone();
     let verbose = streams.verbose;
@@ -30,7 +30,7 @@ pub fn caught(streams: &Streams, act: impl FnOnce() -> Ended) -> Ended {
         let what = first.lock().unwrap_or_else(PoisonError::into_inner).take().unwrap_or_default();
         let message = format!("internal error: {}", crate::errors::one_line(&what));
         let help = "this is a bug of faying; please report it with the case file";
-        Ended::plain("internal", 70, &message, Some(help))
+        Exit::plain("internal", 70, &message, Some(help))
     })
 }
 

@@ -1,6 +1,6 @@
 //! Place of the document of `--json=FILE`: never over a file that the command reads or writes itself.
 
-use super::ended::Ended;
+use super::ended::Exit;
 use crate::errors::Diagnostic;
 use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
@@ -9,7 +9,7 @@ use std::path::{Component, Path, PathBuf};
 ///
 /// # Errors
 /// Exit 2 or E091, without a document.
-pub fn document(file: Option<&Path>, words: &[OsString]) -> Result<(), Ended> {
+pub fn document(file: Option<&Path>, words: &[OsString]) -> Result<(), Exit> {
     let Some(file) = file.filter(|f| f.as_os_str() != "-") else { return Ok(()) };
     if let Some(word) = words.iter().skip(1).find(|word| !is_option(word) && same(Path::new(word), file)) {
         let message = format!("--json would write over `{}`", word.to_string_lossy());
@@ -23,14 +23,14 @@ pub fn document(file: Option<&Path>, words: &[OsString]) -> Result<(), Ended> {
     }
     let why = if file.is_dir() { "it is a folder".to_owned() } else { format!("there is no folder `{}`", folder.display()) };
     let problem = Diagnostic::error("E091", format!("--json cannot write `{}`: {why}", file.display()));
-    Err(Ended::from(problem.with_help("make the folder, or give another file")).without_document())
+    Err(Exit::from(problem.with_help("make the folder, or give another file")).without_document())
 }
 
 /// Checks that the document is no file in the folder of results, which the run owns.
 ///
 /// # Errors
 /// Exit 2, without a document.
-pub fn beside_results(file: Option<&Path>, out: &Path) -> Result<(), Ended> {
+pub fn beside_results(file: Option<&Path>, out: &Path) -> Result<(), Exit> {
     let Some(file) = file.filter(|f| f.as_os_str() != "-") else { return Ok(()) };
     if absolute(parent(file)) != absolute(out) {
         return Ok(());
@@ -44,7 +44,7 @@ pub fn beside_results(file: Option<&Path>, out: &Path) -> Result<(), Ended> {
 ///
 /// # Errors
 /// Exit 2, without a document.
-pub fn not_over(file: Option<&Path>, written: &Path) -> Result<(), Ended> {
+pub fn not_over(file: Option<&Path>, written: &Path) -> Result<(), Exit> {
     match file {
         Some(file) if file.as_os_str() != "-" && absolute(file) == absolute(written) => {
             let message = format!("--json would write over `{}`", written.display());
@@ -58,7 +58,7 @@ pub fn not_over(file: Option<&Path>, written: &Path) -> Result<(), Ended> {
 ///
 /// # Errors
 /// Exit 2.
-pub fn apart(written: &Path, read: &Path, option: &str) -> Result<(), Ended> {
+pub fn apart(written: &Path, read: &Path, option: &str) -> Result<(), Exit> {
     if absolute(written) != absolute(read) {
         return Ok(());
     }

@@ -3,7 +3,7 @@
 use super::arguments::{Common, RunArguments, VtuCells};
 use super::case;
 use super::clock::Clock;
-use super::ended::{Ended, failure, status};
+use super::ended::{Exit, failure, status};
 use super::files::{self, Named};
 use super::folder::Folder;
 use super::history;
@@ -11,30 +11,30 @@ use super::results::Results;
 use super::streams::Streams;
 use super::summary;
 use crate::errors::{Diagnostic, Diagnostics};
-use crate::{Finished, Progress, Registry, RunOptions, RunResult, StepOutput, Watch};
+use crate::{Finished, Progress, Registry, RunControl, RunOptions, RunResult, StepOutput};
 use faying_files::pvd;
 use faying_files::vtu::CellStyle;
 use std::ffi::OsString;
 use std::path::Path;
 
 /// Solves a case and writes its folder.
-pub fn run(registry: &Registry, arguments: &RunArguments, common: &Common, streams: &Streams, words: &[OsString]) -> Ended {
+pub fn run(registry: &Registry, arguments: &RunArguments, common: &Common, streams: &Streams, words: &[OsString]) -> Exit {
     let clock = Clock::start(streams);
     let ended = solved(registry, arguments, common, words, &clock).unwrap_or_else(|ended| ended);
     clock.stop();
     ended
 }
 
-fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words: &[OsString], clock: &Clock) -> Result<Ended, Ended> {
+fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words: &[OsString], clock: &Clock) -> Result<Exit, Exit> {
     let hears = clock.clone();
-    let watch = Watch { listener: Some(Box::new(move |news| hears.hear(news))), ..case::watch(common) };
+    let watch = RunControl { listener: Some(Box::new(move |news| hears.hear(news))), ..case::watch(common) };
     clock.note(&format!("faying {} {}", env!("CARGO_PKG_VERSION"), shown(words).join(" ")));
     clock.hear(Progress::Phase("read"));
     let path = case::out(&arguments.case, common);
     let loaded = case::load(&arguments.case, arguments.backend.as_deref(), common, registry)?;
-    let folder = Folder::claim(&path, &loaded.path, &loaded.inputs[0].sha256, common.force).map_err(Ended::from)?;
+    let folder = Folder::claim(&path, &loaded.path, &loaded.inputs[0].sha256, common.force).map_err(Exit::from)?;
     let keep = arguments.save_reference.as_deref();
-    keep.map_or(Ok(()), |file| super::keep::claim(file, &loaded.inputs, common.force)).map_err(Ended::from)?;
+    keep.map_or(Ok(()), |file| super::keep::claim(file, &loaded.inputs, common.force)).map_err(Exit::from)?;
     let pool = case::pool(common)?;
     let cells = match arguments.vtu {
         Some(VtuCells::Bezier) => Some(CellStyle::Bezier),
@@ -103,15 +103,15 @@ struct Job<'a> {
     results: Results<'a>,
     vtu: Option<VtuCells>,
     keep: Option<&'a Path>,
-    watch: &'a Watch,
+    watch: &'a RunControl,
 }
 
 impl Job<'_> {
-    fn write(&self, finished: Finished) -> Ended {
+    fn write(&self, finished: Finished) -> Exit {
         let Finished { mut result, output, steps, stored } = finished;
         // refused before anything began: no folder
         if result.exit == 3 || (matches!(result.exit, 4 | 6) && output.is_none() && result.solve.is_none()) {
-            return Ended::refused(result.exit, messages(&result));
+            return Exit::refused(result.exit, messages(&result));
         }
         self.results.clock.hear(Progress::Phase("draw"));
         let mut trouble = Diagnostics::new();
@@ -131,7 +131,7 @@ impl Job<'_> {
         match kept.and_then(|()| self.files(&mut result, &shown, &steps)) {
             Ok(document) => {
                 let summary = summary::of(&result, Some(&self.results.folder.path().display().to_string()));
-                Ended { exit: result.exit, summary, document, diagnostics: messages(&result), message: None }
+                Exit { exit: result.exit, summary, document, diagnostics: messages(&result), message: None }
             }
             Err(problem) => {
                 let mut diagnostics = messages(&result);
@@ -139,7 +139,7 @@ impl Job<'_> {
                 // 130 and 70 come before 4
                 let exit = if matches!(result.exit, 70 | 130) { result.exit } else { 4 };
                 let document = failure(status(exit), exit, diagnostics.to_json());
-                Ended { exit, document, diagnostics, ..Ended::default() }
+                Exit { exit, document, diagnostics, ..Exit::default() }
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::arguments::{Common, StudyCommand};
 use super::case;
 use super::clock::Clock;
-use super::ended::Ended;
+use super::ended::Exit;
 use super::folder::Folder;
 use super::results::Results;
 use super::run::shown;
@@ -11,13 +11,13 @@ use super::streams::Streams;
 use super::study_axes;
 use crate::case::StudyValues;
 use crate::errors::{Diagnostic, Diagnostics};
-use crate::studies::{Base, Kept, MOST_ROWS, Method, Plan, Study, html, picture, split};
-use crate::{Progress, Registry, Watch};
+use crate::studies::{Base, MOST_ROWS, Method, StoredRows, Study, StudyPlan, html, picture, split};
+use crate::{Progress, Registry, RunControl};
 use std::ffi::OsString;
 
 /// Kind of a study: its command, default axes and requirements.
 #[derive(Clone, Copy, Debug)]
-pub struct Kind {
+pub struct StudyKind {
     /// Name of the command.
     pub command: &'static str,
     /// Backends; empty: as written.
@@ -36,7 +36,7 @@ pub struct Kind {
     pub compares: bool,
 }
 
-const PLAIN: Kind = Kind {
+const PLAIN: StudyKind = StudyKind {
     command: "",
     backends: &[],
     levels: 1,
@@ -48,11 +48,11 @@ const PLAIN: Kind = Kind {
 };
 
 /// `faying compare`.
-pub const COMPARE: Kind = Kind { command: "compare", backends: &["iga", "fe"], compares: true, ..PLAIN };
+pub const COMPARE: StudyKind = StudyKind { command: "compare", backends: &["iga", "fe"], compares: true, ..PLAIN };
 /// `faying convergence`.
-pub const CONVERGENCE: Kind = Kind { command: "convergence", levels: 5, ..PLAIN };
+pub const CONVERGENCE: StudyKind = StudyKind { command: "convergence", levels: 5, ..PLAIN };
 /// `faying quadrature`.
-pub const QUADRATURE: Kind = Kind {
+pub const QUADRATURE: StudyKind = StudyKind {
     command: "quadrature",
     levels: 3,
     integrations: &["merged", "slave", "mixed"],
@@ -61,9 +61,9 @@ pub const QUADRATURE: Kind = Kind {
     ..PLAIN
 };
 /// `faying infsup`.
-pub const INFSUP: Kind = Kind { command: "infsup", levels: 5, needs_interface: true, ..PLAIN };
+pub const INFSUP: StudyKind = StudyKind { command: "infsup", levels: 5, needs_interface: true, ..PLAIN };
 /// `faying sweep`.
-pub const SWEEP: Kind = Kind { command: "sweep", needs_vary: true, ..PLAIN };
+pub const SWEEP: StudyKind = StudyKind { command: "sweep", needs_vary: true, ..PLAIN };
 
 /// Arguments of a command on studies.
 #[derive(Clone, Copy, Debug)]
@@ -86,14 +86,14 @@ pub struct Order<'a> {
 pub type MakeMethod<'a> = dyn Fn(Option<&StudyValues>) -> Box<dyn Method + Sync + 'a> + 'a;
 
 /// Solves every row by the method that `make` makes and writes the folder.
-pub fn study<'a>(kind: &Kind, make: &MakeMethod<'a>, order: &Order<'_>) -> Ended {
+pub fn study<'a>(kind: &StudyKind, make: &MakeMethod<'a>, order: &Order<'_>) -> Exit {
     let clock = Clock::start(order.streams);
     let ended = studied(kind, make, order, &clock).unwrap_or_else(|ended| ended);
     clock.stop();
     ended
 }
 
-fn studied<'a>(kind: &Kind, make: &MakeMethod<'a>, order: &Order<'_>, clock: &Clock) -> Result<Ended, Ended> {
+fn studied<'a>(kind: &StudyKind, make: &MakeMethod<'a>, order: &Order<'_>, clock: &Clock) -> Result<Exit, Exit> {
     let hears = clock.clone();
     // phases inside a row are no phases of the study: their seconds are the row's
     let listener = move |news: Progress<'_>| match news {
@@ -101,7 +101,7 @@ fn studied<'a>(kind: &Kind, make: &MakeMethod<'a>, order: &Order<'_>, clock: &Cl
         other => hears.hear(other),
     };
     let (arguments, common) = (order.command, order.common);
-    let watch = Watch { listener: Some(Box::new(listener)), ..case::watch(common) };
+    let watch = RunControl { listener: Some(Box::new(listener)), ..case::watch(common) };
     clock.note(&format!("faying {} {}", env!("CARGO_PKG_VERSION"), shown(order.words).join(" ")));
     clock.hear(Progress::Phase("read"));
     let path = case::folder(&arguments.case, common, kind.command);
@@ -116,9 +116,9 @@ fn studied<'a>(kind: &Kind, make: &MakeMethod<'a>, order: &Order<'_>, clock: &Cl
         false => arguments.quantity.iter().flat_map(|q| split(q)).filter(|q| !q.is_empty()).collect(),
     };
     let tol = order.tol.or(values.and_then(|v| v.tol)).filter(|_| kind.compares);
-    let folder = Folder::claim(&path, &loaded.path, &loaded.inputs[0].sha256, common.force).map_err(Ended::from)?;
+    let folder = Folder::claim(&path, &loaded.path, &loaded.inputs[0].sha256, common.force).map_err(Exit::from)?;
     let kept = arguments.axes.resume.then(|| earlier(&folder));
-    let plan = Plan {
+    let plan = StudyPlan {
         command: kind.command,
         written: &loaded.case,
         base: Base { name: &loaded.name, text: &loaded.text, options: loaded.options.clone() },
@@ -160,17 +160,17 @@ fn studied<'a>(kind: &Kind, make: &MakeMethod<'a>, order: &Order<'_>, clock: &Cl
 const ROWS: &str = "rows.json";
 
 /// Rows of the study that wrote the folder; empty if their file is missing or cannot be read.
-fn earlier(folder: &Folder) -> Kept {
-    std::fs::read_to_string(folder.path().join(ROWS)).ok().and_then(|text| Kept::read(&text)).unwrap_or_default()
+fn earlier(folder: &Folder) -> StoredRows {
+    std::fs::read_to_string(folder.path().join(ROWS)).ok().and_then(|text| StoredRows::read(&text)).unwrap_or_default()
 }
 
 /// Writes the folder of a study, unless nothing was begun.
-fn written(results: &Results<'_>, study: &Study, kept: Option<&Kept>) -> Ended {
+fn written(results: &Results<'_>, study: &Study, kept: Option<&StoredRows>) -> Exit {
     let exit = study.exit();
     let mut diagnostics = study.diagnostics();
     // nothing was begun in any row: no folder
     if study.rows.iter().all(|row| matches!(row.result.exit, 3 | 4 | 6) && row.result.solve.is_none() && !row.kept) {
-        return Ended::refused(exit, diagnostics);
+        return Exit::refused(exit, diagnostics);
     }
     let clock = results.clock;
     clock.hear(Progress::Phase("write"));
@@ -190,12 +190,12 @@ fn written(results: &Results<'_>, study: &Study, kept: Option<&Kept>) -> Ended {
             if let Some(kept) = kept {
                 summary.push_str(&resumed(study, kept));
             }
-            Ended { exit, summary, document, diagnostics, message: None }
+            Exit { exit, summary, document, diagnostics, message: None }
         }
         Err(problem) => {
             diagnostics.push(problem);
             let exit = if matches!(exit, 70 | 130) { exit } else { 4 };
-            Ended::refused(exit, diagnostics)
+            Exit::refused(exit, diagnostics)
         }
     }
 }
@@ -212,7 +212,7 @@ fn write(results: &Results<'_>, study: &Study, files: &[(&str, String)], message
 }
 
 /// Sentence on the rows of the earlier study: kept, solved now, not used.
-fn resumed(study: &Study, kept: &Kept) -> String {
+fn resumed(study: &Study, kept: &StoredRows) -> String {
     let taken = study.rows.iter().filter(|row| row.kept).count();
     let solved = study.rows.len() - taken;
     let others = match kept.len() - taken.min(kept.len()) {

@@ -2,8 +2,8 @@
 
 use super::arguments::StudyArguments;
 use super::case::Loaded;
-use super::ended::Ended;
-use super::study::Kind;
+use super::ended::Exit;
+use super::study::StudyKind;
 use crate::case::{Names, StudyValues};
 use crate::errors::{Diagnostic, nearest};
 use crate::place::Located;
@@ -15,7 +15,7 @@ const MOST_POINTS: usize = 60;
 
 /// Sources of the values of axes, for reading them and for messages.
 struct Reader<'a> {
-    kind: &'a Kind,
+    kind: &'a StudyKind,
     table: Option<&'a Located<StudyValues>>,
     loaded: &'a Loaded,
 }
@@ -30,7 +30,7 @@ struct Values {
 ///
 /// # Errors
 /// Usage (exit 2) for values of the command line, E015 for those of the case; E063 if an interface is missing.
-pub fn axes(kind: &Kind, options: &StudyArguments, table: Option<&Located<StudyValues>>, loaded: &Loaded) -> Result<Axes, Ended> {
+pub fn axes(kind: &StudyKind, options: &StudyArguments, table: Option<&Located<StudyValues>>, loaded: &Loaded) -> Result<Axes, Exit> {
     let r = Reader { kind, table, loaded };
     let none = StudyValues::default();
     let values = table.map_or(&none, |t| &t.value);
@@ -111,7 +111,7 @@ impl Reader<'_> {
     }
 
     /// The values of an axis, each once.
-    fn list(&self, axis: &str, option: Option<&str>, table: &[String], default: Vec<String>) -> Result<Values, Ended> {
+    fn list(&self, axis: &str, option: Option<&str>, table: &[String], default: Vec<String>) -> Result<Values, Exit> {
         let values = match option {
             Some(text) => Values { list: split(text).into_iter().filter(|word| !word.is_empty()).collect(), of_case: false },
             None if !table.is_empty() => Values { list: table.to_vec(), of_case: true },
@@ -127,7 +127,7 @@ impl Reader<'_> {
     }
 
     /// The numbers of points beyond the default.
-    fn extra_points(&self, option: Option<&str>, table: &[usize]) -> Result<Vec<usize>, Ended> {
+    fn extra_points(&self, option: Option<&str>, table: &[usize]) -> Result<Vec<usize>, Exit> {
         let numbers = |list: &[usize]| list.iter().map(usize::to_string).collect::<Vec<_>>();
         let points = self.list("extra-points", option, &numbers(table), numbers(self.kind.extra_points))?;
         let numbers = points.list.iter().map(|text| match text.parse::<usize>() {
@@ -141,7 +141,7 @@ impl Reader<'_> {
     }
 
     /// The degrees, of all backends and of single ones.
-    fn degrees(&self, options: &[String], table: &[String]) -> Result<Degrees, Ended> {
+    fn degrees(&self, options: &[String], table: &[String]) -> Result<Degrees, Exit> {
         let (given, of_case) = if options.is_empty() { (table, true) } else { (options, false) };
         let mut degrees = Degrees::default();
         for text in given {
@@ -155,7 +155,7 @@ impl Reader<'_> {
     }
 
     /// Checks that `name` is one of `known`.
-    fn known(&self, axis: &str, values: &Values, what: &str, name: &str, known: &[String]) -> Result<(), Ended> {
+    fn known(&self, axis: &str, values: &Values, what: &str, name: &str, known: &[String]) -> Result<(), Exit> {
         if known.iter().any(|k| k == name) {
             return Ok(());
         }
@@ -165,7 +165,7 @@ impl Reader<'_> {
     }
 
     /// Error in an axis of the command line, or of the table of the case.
-    fn wrong(&self, axis: &str, of_case: bool, why: &str, help: &str) -> Ended {
+    fn wrong(&self, axis: &str, of_case: bool, why: &str, help: &str) -> Exit {
         match self.table.filter(|_| of_case) {
             Some(table) => {
                 let key = axis.replace('-', "_");
@@ -177,7 +177,7 @@ impl Reader<'_> {
     }
 
     /// E063 if the axes need an interface and the case has neither an interface nor a contact.
-    fn interface(&self, needed: bool) -> Result<(), Ended> {
+    fn interface(&self, needed: bool) -> Result<(), Exit> {
         let case = &self.loaded.case;
         let missing = needed && case.interfaces.is_empty() && case.contacts.is_empty();
         if !missing {
@@ -189,7 +189,7 @@ impl Reader<'_> {
     }
 
     /// E063 if the axes need a multiplier and no interface or contact of the case has one.
-    fn multiplier(&self, needed: bool) -> Result<(), Ended> {
+    fn multiplier(&self, needed: bool) -> Result<(), Exit> {
         let case = &self.loaded.case;
         let ties = case.interfaces.iter().map(|t| self.names().has_rows(&t.coupling.value));
         let contacts = case.contacts.iter().map(|c| c.needs.multiplier);

@@ -2,13 +2,13 @@
 
 mod slave_spaces;
 
-use super::quantities::{Kind, Quantity, undecided};
+use super::quantities::{Quantity, QuantityKind, undecided};
 use super::registry::Registry;
 use super::result::{CheckReport, ProbeReport, RunResult, Status};
-use super::run::{Room, end_early, too_large};
+use super::run::{MemoryLimit, end_early, too_large};
 use super::shapes::plane_net;
 use super::studies::{Method, Row, decided};
-use super::watch::Watch;
+use super::watch::RunControl;
 use crate::case::{Case, Multiplier};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::table::short;
@@ -62,8 +62,9 @@ pub struct Constant {
 /// assert!((found[0].found.beta - 0.873201).abs() < 1e-6);
 /// # Ok::<(), faying_cli::Diagnostics>(())
 /// ```
-pub fn constants(case: &Case, registry: &Registry, options: &InfSupOptions, watch: &Watch) -> Result<Vec<Constant>, Diagnostics> {
-    if let Some(fault) = too_large(case, plane_net, Room::least(watch.max_memory), true).filter(|_| case.model.dimension.value == 2) {
+pub fn constants(case: &Case, registry: &Registry, options: &InfSupOptions, watch: &RunControl) -> Result<Vec<Constant>, Diagnostics> {
+    if let Some(fault) = too_large(case, plane_net, MemoryLimit::least(watch.max_memory), true).filter(|_| case.model.dimension.value == 2)
+    {
         return Err(fault.into());
     }
     let spaces = match case.model.dimension.value {
@@ -122,7 +123,7 @@ pub struct Constants<'a> {
 }
 
 impl Method for Constants<'_> {
-    fn solve(&self, mut row: Row, case: &Case, watch: &Watch) -> Vec<Row> {
+    fn solve(&self, mut row: Row, case: &Case, watch: &RunControl) -> Vec<Row> {
         row.result.backends = case.patches.iter().map(|p| (p.name.value.clone(), p.discretization.backend.value.clone())).collect();
         row.result.checks_expected = case.checks.len();
         let found = match constants(case, self.registry, &self.options, watch) {
@@ -277,7 +278,8 @@ fn fill(row: &mut Row, case: &Case, own: &[&Constant]) {
 
 /// Answers probes and checks on `infsup.PAIRING.beta` where the pairing is one of `names`; all others are left to a run.
 fn answer(result: &mut RunResult, case: &Case, names: &[&str], beta: f64) {
-    let mine = |text: &str| matches!(Quantity::parse(text).map(|q| q.kind), Ok(Kind::Beta(pairing)) if names.contains(&pairing.as_str()));
+    let mine =
+        |text: &str| matches!(Quantity::parse(text).map(|q| q.kind), Ok(QuantityKind::Beta(pairing)) if names.contains(&pairing.as_str()));
     for probe in case.probes.iter().filter(|p| mine(&p.quantity.value)) {
         let (name, quantity) = (probe.name.value.clone(), probe.quantity.value.clone());
         result.probes.push(ProbeReport { name, quantity, value: beta, at: None, reason: None });

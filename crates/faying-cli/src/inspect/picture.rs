@@ -2,7 +2,7 @@
 
 use super::CellMap;
 use super::splines::{faces, map_of, middle, name_of};
-use crate::plot::faces::{Face, FacePlot};
+use crate::plot::faces::{FacePlot, Polygon};
 use faying::basis::{Elements, Order};
 use faying::geometry::{Geometry, MapTable, cell};
 use faying::linalg::Vector;
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 const FINE: usize = 7;
 
 /// The outline of every element of a map of two parameters.
-fn outlines(map: &dyn Geometry<2, 3>, straight: bool, part: usize, out: &mut Vec<Face>) {
+fn outlines(map: &dyn Geometry<2, 3>, straight: bool, part: usize, out: &mut Vec<Polygon>) {
     let mut table = MapTable::new();
     let n = if straight { 1 } else { FINE };
     for e in 0..map.num_elements() {
@@ -26,12 +26,12 @@ fn outlines(map: &dyn Geometry<2, 3>, straight: bool, part: usize, out: &mut Vec
             })
             .collect();
         map.map(e, &points, Order::Values, &mut table);
-        out.push(Face { points: table.x.iter().map(|x| [x[0], x[1], x[2]]).collect(), part, lines: None });
+        out.push(Polygon { points: table.x.iter().map(|x| [x[0], x[1], x[2]]).collect(), part, lines: None });
     }
 }
 
 /// The elements of a surface of quadrilaterals in space in small pieces, which hide each other as they should.
-fn pieces(map: &dyn Geometry<2, 3>, part: usize, out: &mut Vec<Face>) {
+fn pieces(map: &dyn Geometry<2, 3>, part: usize, out: &mut Vec<Polygon>) {
     let grid = cell::grid::<2, f64>(faying::basis::Cell::Tensor, FINE);
     let mut table = MapTable::new();
     for e in 0..map.num_elements() {
@@ -41,12 +41,12 @@ fn pieces(map: &dyn Geometry<2, 3>, part: usize, out: &mut Vec<Face>) {
             let corners = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
             let border = [j == 0, i + 2 == FINE, j + 2 == FINE, i == 0];
             let lines = (0..4).filter(|&k| border[k]).map(|k| [corners[k], corners[(k + 1) % 4]]).collect();
-            out.push(Face { points: corners.to_vec(), part, lines: Some(lines) });
+            out.push(Polygon { points: corners.to_vec(), part, lines: Some(lines) });
         }
     }
 }
 
-fn of_patch(patch: &SplinePatch, part: usize, out: &mut Vec<Face>) {
+fn of_patch(patch: &SplinePatch, part: usize, out: &mut Vec<Polygon>) {
     match patch.dimension() {
         2 => {
             if let Ok(map) = map_of::<2>(patch) {
@@ -76,7 +76,7 @@ fn of_splines(file: &SplineFile, plot: &mut FacePlot) {
 }
 
 /// Outlines of the facets that bound exactly one cell.
-fn surface(mesh: &MeshFile, out: &mut Vec<Face>, parts: &BTreeMap<usize, usize>) {
+fn surface(mesh: &MeshFile, out: &mut Vec<Polygon>, parts: &BTreeMap<usize, usize>) {
     let mut seen: BTreeMap<Vec<u32>, (usize, Vec<u32>, usize)> = BTreeMap::new();
     for (b, block) in mesh.blocks.iter().enumerate().filter(|(_, b)| b.shape.dimension() == 3) {
         let Some(map) = CellMap::<3>::new(block, &mesh.points) else { continue };
@@ -97,7 +97,7 @@ fn surface(mesh: &MeshFile, out: &mut Vec<Face>, parts: &BTreeMap<usize, usize>)
         }
     }
     for (block, ring, _) in seen.into_values().filter(|(_, _, n)| *n == 1) {
-        out.push(Face { points: ring.iter().map(|&n| mesh.points[n as usize]).collect(), part: parts[&block], lines: None });
+        out.push(Polygon { points: ring.iter().map(|&n| mesh.points[n as usize]).collect(), part: parts[&block], lines: None });
     }
 }
 

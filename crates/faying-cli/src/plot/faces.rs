@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 /// A polygon.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Face {
+pub struct Polygon {
     /// Its corners in order.
     pub points: Vec<[f64; 3]>,
     /// The part it belongs to.
@@ -21,7 +21,7 @@ pub struct FacePlot {
     /// Names of the parts.
     pub parts: Vec<String>,
     /// The polygons.
-    pub faces: Vec<Face>,
+    pub faces: Vec<Polygon>,
     /// Labels and their positions.
     pub labels: Vec<([f64; 3], String)>,
 }
@@ -161,7 +161,7 @@ mod tests {
     use super::*;
 
     fn plot(parts: usize, title: &str) -> String {
-        let face = |part: usize| Face { points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]], part, lines: None };
+        let face = |part: usize| Polygon { points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]], part, lines: None };
         let names = (0..parts).map(|k| format!("part-{k}")).collect();
         let plot = FacePlot { title: title.into(), parts: names, faces: (0..parts).map(face).collect(), labels: Vec::new() };
         faces(&plot).expect("there is something to draw")

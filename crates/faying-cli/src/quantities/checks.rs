@@ -66,7 +66,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
         for c in &case.checks {
             let before = faults.items.len();
             let prepared = understand(&of_checks, &mut faults, &c.quantity, c.over_all.is_some());
-            let field = matches!(prepared, Prepared::Over(_, _, Reduce::None));
+            let field = matches!(prepared, Prepared::FunctionSpace(_, _, Reduce::None));
             if let (Some(over), false, true) = (&c.over_all, field, faults.items.len() == before) {
                 let message = format!("`over` holds both extremes of a field to a check, `{}` is one number", c.quantity.value);
                 let help = "leave it out, or name a field as a whole such as stress.yy";

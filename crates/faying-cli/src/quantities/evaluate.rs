@@ -98,7 +98,7 @@ pub fn evaluate<const S: usize, const N: usize>(prepared: &Prepared<S, N>, solut
             }
             finite(component(*field, &mean))
         }
-        Prepared::Over(field, bodies, reduce) => over(solution, *field, bodies, *reduce),
+        Prepared::FunctionSpace(field, bodies, reduce) => over(solution, *field, bodies, *reduce),
         Prepared::Lambda(spot, component) => finite(lambda(solution, spot, *component)),
         Prepared::Pressure(spot, pressure) => {
             let lambda = lambda(solution, spot, 0);

@@ -44,7 +44,7 @@ pub enum Reduce {
 /// Kind of a quantity, with its data.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Kind {
+pub enum QuantityKind {
     /// A field at a point, or its extreme.
     Field {
         /// The field.
@@ -85,7 +85,7 @@ pub struct Quantity {
     /// Text as written.
     pub text: String,
     /// Parsed quantity.
-    pub kind: Kind,
+    pub kind: QuantityKind,
 }
 
 /// Error of a text that is no quantity.
@@ -231,7 +231,7 @@ impl Quantity {
         }
         // the inner quantity is parsed when it is prepared
         if let Some(inner) = trimmed.strip_prefix("rate.").filter(|inner| !inner.is_empty()) {
-            return Ok(Self { text: text.to_string(), kind: Kind::Rate(inner.to_string()) });
+            return Ok(Self { text: text.to_string(), kind: QuantityKind::Rate(inner.to_string()) });
         }
         let (before, patch) = match keyword(trimmed, "in") {
             Some(end) => {
@@ -263,10 +263,10 @@ impl Quantity {
         Ok(Self { text: text.to_string(), kind })
     }
 
-    fn kind(path: &mut Vec<String>, at: At, patch: Option<String>) -> Result<Kind, GrammarError> {
+    fn kind(path: &mut Vec<String>, at: At, patch: Option<String>) -> Result<QuantityKind, GrammarError> {
         let placed = at != At::Everywhere;
         if let Some(instead) = later(path) {
-            return Ok(Kind::Later(std::mem::take(path), instead));
+            return Ok(QuantityKind::Later(std::mem::take(path), instead));
         }
         if matches!(path[0].as_str(), "u" | "displacement" | "flux" | "stress" | "von_mises") {
             let words: Vec<&str> = path.iter().map(String::as_str).collect();
@@ -284,7 +284,7 @@ impl Quantity {
                 }
             }
             if let Some(field) = field(path)? {
-                return Ok(Kind::Field { field, at, patch, reduce });
+                return Ok(QuantityKind::Field { field, at, patch, reduce });
             }
         }
         if patch.is_some() {
@@ -293,7 +293,7 @@ impl Quantity {
         match (path[0].as_str(), path.len()) {
             ("infsup", n) if n > 1 && !placed => {
                 return match path.last().map(String::as_str) {
-                    Some("beta") if n == 3 => Ok(Kind::Beta(path[1].clone())),
+                    Some("beta") if n == 3 => Ok(QuantityKind::Beta(path[1].clone())),
                     _ => wrong("inf-sup constants are written infsup.PAIRING.beta, such as infsup.p/p-2.beta"),
                 };
             }
@@ -305,10 +305,10 @@ impl Quantity {
                         None => return wrong(format!("unknown component `{c}` of lambda; components are x, y, z")),
                     },
                 };
-                return Ok(Kind::Multiplier { pressure: false, name: path[1].clone(), component, at });
+                return Ok(QuantityKind::Multiplier { pressure: false, name: path[1].clone(), component, at });
             }
             ("contact", 3) if placed && matches!(path[2].as_str(), "pressure" | "lambda") => {
-                return Ok(Kind::Multiplier { pressure: path[2] == "pressure", name: path[1].clone(), component: None, at });
+                return Ok(QuantityKind::Multiplier { pressure: path[2] == "pressure", name: path[1].clone(), component: None, at });
             }
             _ => {}
         }
@@ -319,14 +319,14 @@ impl Quantity {
             ));
         }
         Ok(match (path[0].as_str(), path.len()) {
-            ("length" | "area", n) if n > 2 => Kind::SideMeasure(path[1..].join(".")),
-            _ => Kind::Path(std::mem::take(path)),
+            ("length" | "area", n) if n > 2 => QuantityKind::SideMeasure(path[1..].join(".")),
+            _ => QuantityKind::Path(std::mem::take(path)),
         })
     }
 
     /// Whether the value is known to studies only.
     pub fn is_study(&self) -> bool {
-        matches!(self.kind, Kind::Beta(_) | Kind::Rate(_))
+        matches!(self.kind, QuantityKind::Beta(_) | QuantityKind::Rate(_))
     }
 }
 
@@ -334,7 +334,7 @@ impl Quantity {
 mod tests {
     use super::*;
 
-    fn kind(text: &str) -> Kind {
+    fn kind(text: &str) -> QuantityKind {
         Quantity::parse(text).unwrap().kind
     }
 
@@ -342,7 +342,7 @@ mod tests {
     fn fields_have_components_places_patches_and_extremes() {
         assert_eq!(
             kind("u.y at [1.0, 0.5] in upper"),
-            Kind::Field {
+            QuantityKind::Field {
                 field: FieldName::U(Some(1)),
                 at: At::Point(vec!["1.0".into(), "0.5".into()]),
                 patch: Some("upper".into()),
@@ -351,23 +351,23 @@ mod tests {
         );
         assert_eq!(
             kind("displacement.x.max"),
-            Kind::Field { field: FieldName::U(Some(0)), at: At::Everywhere, patch: None, reduce: Reduce::Max }
+            QuantityKind::Field { field: FieldName::U(Some(0)), at: At::Everywhere, patch: None, reduce: Reduce::Max }
         );
         assert_eq!(
             kind("stress.xy.min in a"),
-            Kind::Field { field: FieldName::Stress(0, 1), at: At::Everywhere, patch: Some("a".into()), reduce: Reduce::Min }
+            QuantityKind::Field { field: FieldName::Stress(0, 1), at: At::Everywhere, patch: Some("a".into()), reduce: Reduce::Min }
         );
         assert_eq!(
             kind("von_mises.max.gauss"),
-            Kind::Field { field: FieldName::VonMises, at: At::Everywhere, patch: None, reduce: Reduce::MaxGauss }
+            QuantityKind::Field { field: FieldName::VonMises, at: At::Everywhere, patch: None, reduce: Reduce::MaxGauss }
         );
         assert_eq!(
             kind("von_mises at TIP"),
-            Kind::Field { field: FieldName::VonMises, at: At::Tag("TIP".into()), patch: None, reduce: Reduce::None }
+            QuantityKind::Field { field: FieldName::VonMises, at: At::Tag("TIP".into()), patch: None, reduce: Reduce::None }
         );
         assert_eq!(
             kind("u at [max(a, b), 0]"),
-            Kind::Field {
+            QuantityKind::Field {
                 field: FieldName::U(None),
                 at: At::Point(vec!["max(a, b)".into(), "0".into()]),
                 patch: None,
@@ -380,17 +380,22 @@ mod tests {
     fn multipliers_sides_and_paths_are_told_apart() {
         assert_eq!(
             kind("interface.arc.lambda.x at [1,2]"),
-            Kind::Multiplier { pressure: false, name: "arc".into(), component: Some(0), at: At::Point(vec!["1".into(), "2".into()]) }
+            QuantityKind::Multiplier {
+                pressure: false,
+                name: "arc".into(),
+                component: Some(0),
+                at: At::Point(vec!["1".into(), "2".into()])
+            }
         );
-        assert_eq!(kind("length.lower.top"), Kind::SideMeasure("lower.top".into()));
-        assert_eq!(kind("area.lower"), Kind::Path(vec!["area".into(), "lower".into()]));
-        assert_eq!(kind("contact.pad.pressure.max"), Kind::Path(["contact", "pad", "pressure", "max"].map(String::from).to_vec()));
+        assert_eq!(kind("length.lower.top"), QuantityKind::SideMeasure("lower.top".into()));
+        assert_eq!(kind("area.lower"), QuantityKind::Path(vec!["area".into(), "lower".into()]));
+        assert_eq!(kind("contact.pad.pressure.max"), QuantityKind::Path(["contact", "pad", "pressure", "max"].map(String::from).to_vec()));
         assert!(Quantity::parse("rate.error.u.L2").unwrap().is_study());
-        assert_eq!(kind("rate.u.y at [0, 1] in a"), Kind::Rate("u.y at [0, 1] in a".into()));
+        assert_eq!(kind("rate.u.y at [0, 1] in a"), QuantityKind::Rate("u.y at [0, 1] in a".into()));
         assert!(Quantity::parse("infsup.p/p-2.beta").unwrap().is_study());
         assert_eq!(
             kind("reaction.bracket.\"top face\".y"),
-            Kind::Path(["reaction", "bracket", "top face", "y"].map(String::from).to_vec())
+            QuantityKind::Path(["reaction", "bracket", "top face", "y"].map(String::from).to_vec())
         );
     }
 

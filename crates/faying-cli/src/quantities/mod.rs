@@ -11,7 +11,7 @@ pub mod reference;
 pub use checks::Questions;
 pub(crate) use checks::undecided;
 pub use evaluate::{Answer, evaluate};
-pub use grammar::{At, FieldName, GrammarError, Kind, Quantity, Reduce};
+pub use grammar::{At, FieldName, GrammarError, Quantity, QuantityKind, Reduce};
 pub use locate::{Locators, Spot};
 pub use path::{known, look_up, resolve};
 pub use prepare::{Prepared, Preparer, SideSpot};

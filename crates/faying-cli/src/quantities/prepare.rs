@@ -1,6 +1,6 @@
 //! Preparation of quantities with the model, before anything is solved: names, components, points.
 
-use super::grammar::{At, FieldName, Kind, Quantity, Reduce};
+use super::grammar::{At, FieldName, Quantity, QuantityKind, Reduce};
 use super::locate::{Locators, Spot};
 use super::path::{known, look_up};
 use crate::case::{Case, Multiplier, canonical};
@@ -39,7 +39,7 @@ pub enum Prepared<const S: usize, const N: usize> {
     /// A field at a place.
     At(FieldName, Spot<N>),
     /// The least or largest value of a field, or both; in one patch or all.
-    Over(FieldName, Vec<usize>, Reduce),
+    FunctionSpace(FieldName, Vec<usize>, Reduce),
     /// lambda of an interface at a place, one component.
     Lambda(SideSpot<S>, usize),
     /// Pressure (true) or lambda of a contact at a place.
@@ -82,22 +82,24 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
             Box::new(self.suggest(*fault, text))
         })?;
         match quantity.kind {
-            Kind::Beta(pairing) => self.beta(text, &pairing, at),
-            Kind::Rate(inner) => self.rate(&inner, at),
-            Kind::Later(path, _) if path[0] == "contact" && !self.contents.contacts().any(|c| c.name() == path[1]) => {
+            QuantityKind::Beta(pairing) => self.beta(text, &pairing, at),
+            QuantityKind::Rate(inner) => self.rate(&inner, at),
+            QuantityKind::Later(path, _) if path[0] == "contact" && !self.contents.contacts().any(|c| c.name() == path[1]) => {
                 self.path(text, path, at)
             }
-            Kind::Later(_, instead) => Err(Box::new(self.fault("E019", format!("`{text}` is not in this version"), at).with_help(instead))),
-            Kind::Path(path) => self.path(text, path, at),
-            Kind::SideMeasure(side) => self.side_measure(text, &side, at),
-            Kind::Multiplier { pressure, name, component, at: place } => {
+            QuantityKind::Later(_, instead) => {
+                Err(Box::new(self.fault("E019", format!("`{text}` is not in this version"), at).with_help(instead)))
+            }
+            QuantityKind::Path(path) => self.path(text, path, at),
+            QuantityKind::SideMeasure(side) => self.side_measure(text, &side, at),
+            QuantityKind::Multiplier { pressure, name, component, at: place } => {
                 if self.contents.ties().any(|t| t.name() == name) {
                     self.lambda(text, &name, component, &place, at)
                 } else {
                     self.pressure(text, &name, pressure, &place, at)
                 }
             }
-            Kind::Field { field, at: place, patch, reduce } => {
+            QuantityKind::Field { field, at: place, patch, reduce } => {
                 self.field_exists(text, field, at)?;
                 let bodies = match &patch {
                     Some(name) => self.bodies(name, at)?,
@@ -109,7 +111,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
                             .at(&self.case.source, at)
                             .with_help(format!("add `at {}`, `.min` or `.max`; a check may say over = \"all\"", POINT[N - 2])),
                     )),
-                    (At::Everywhere, ..) => Ok(Prepared::Over(field, bodies, reduce)),
+                    (At::Everywhere, ..) => Ok(Prepared::FunctionSpace(field, bodies, reduce)),
                     _ => Ok(Prepared::At(field, self.spot(text, &place, &bodies, at)?)),
                 }
             }

@@ -1,6 +1,6 @@
 //! Errors of a run as diagnostics with codes and messages.
 
-use super::room::Room;
+use super::room::MemoryLimit;
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::lower::Places;
@@ -21,7 +21,7 @@ pub fn memory_limit<const S: usize, const N: usize>(
     case: &Case,
     system: &System<S, N>,
     prediction: &Prediction,
-    room: &Room,
+    room: &MemoryLimit,
 ) -> Diagnostic {
     let contents = system.contents();
     let largest = (0..contents.bodies().len()).max_by_key(|&k| contents.body(k).unknowns().len()).unwrap_or(0);
@@ -228,7 +228,7 @@ fn linear_fault(case: &Case, size: usize, error: &LinearError, message: String) 
         LinearError::Memory => {
             let text = format!("{size} unknowns: the memory that is left does not hold the factor and what dense products take beside it");
             let key = case.patches.first().map(|p| p.elements.at).unwrap_or_default();
-            let raise = Room::least(None).map_or("raise the limits of the process", |room| room.raise());
+            let raise = MemoryLimit::least(None).map_or("raise the limits of the process", |room| room.raise());
             let help = format!("{raise}; give the bodies fewer elements, or write linear = \"iterative\"");
             (Status::Limit, "memory", Diagnostic::error("E081", text).at(&case.source, key).with_help(help))
         }

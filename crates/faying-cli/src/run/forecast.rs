@@ -2,7 +2,7 @@
 //!
 //! Counts are `f64`, so that products of large counts do not overflow.
 
-use super::room::Room;
+use super::room::MemoryLimit;
 use crate::case::{Case, Linear, Patch};
 use crate::errors::Diagnostic;
 use crate::lower::mesh_counts;
@@ -61,7 +61,7 @@ pub fn avoids_factors(case: &Case) -> bool {
 }
 
 /// Returns E081 if `case`, solved with a factor or without, exceeds the memory `room` or the limits of this version.
-pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, room: Option<Room>, factor: bool) -> Option<Diagnostic> {
+pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, room: Option<MemoryLimit>, factor: bool) -> Option<Diagnostic> {
     let mut forecast = Forecast::of(case, net);
     if !factor {
         forecast.sizes = forecast.sizes.without_factor();

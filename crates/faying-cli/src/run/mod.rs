@@ -20,7 +20,7 @@ use super::quantities::Questions;
 use super::registry::{Names, Registry};
 use super::result::{Prediction, RunResult, Status, StepReport};
 use super::shapes::{MakeNet, plane_net, solid_net};
-use super::watch::{Progress, Watch};
+use super::watch::{Progress, RunControl};
 use crate::case::Case;
 use crate::errors::{Diagnostic, Diagnostics, Severity};
 use crate::reference::Reference;
@@ -31,7 +31,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 pub(crate) use forecast::too_large;
-pub(crate) use room::{Room, memory_for_files, most_threads};
+pub(crate) use room::{MemoryLimit, memory_for_files, most_threads};
 pub use solver::solver;
 
 /// The solution of a step.
@@ -81,7 +81,7 @@ impl Case {
     /// # Ok::<(), faying_cli::Diagnostics>(())
     /// ```
     pub fn run(&self, registry: &Registry) -> Result<RunResult, Diagnostics> {
-        let watch = Watch::default();
+        let watch = RunControl::default();
         if in_space(self) {
             solve_case("run", self, registry, &volume(registry), &watch).map(|(result, _)| result)
         } else {
@@ -92,7 +92,7 @@ impl Case {
 
 /// Runs a case and keeps its fields for the files. Errors of the case are in the result's diagnostics, with status `Invalid` (exit 3), or
 /// `Limit` (exit 6) if the predicted memory is too large.
-pub fn run(case: &Case, registry: &Registry, options: &RunOptions, watch: &Watch) -> Finished {
+pub fn run(case: &Case, registry: &Registry, options: &RunOptions, watch: &RunControl) -> Finished {
     if in_space(case) {
         run_in(case, registry, &volume(registry), options, watch)
     } else {
@@ -105,7 +105,7 @@ fn run_in<const S: usize, const N: usize>(
     registry: &Registry,
     dimension: &Dimension<'_, S, N>,
     options: &RunOptions,
-    watch: &Watch,
+    watch: &RunControl,
 ) -> Finished
 where
     Trace<S, N>: InterfaceSide<S, N>,
@@ -134,7 +134,7 @@ where
 }
 
 /// Runs a case and returns its numbers without fields, as `command` reports them: a row of a study. Faults as in [`run`].
-pub fn numbers(command: &str, case: &Case, registry: &Registry, watch: &Watch) -> RunResult {
+pub fn numbers(command: &str, case: &Case, registry: &Registry, watch: &RunControl) -> RunResult {
     let solved = if in_space(case) {
         solve_case(command, case, registry, &volume(registry), watch).map(|(result, _)| result)
     } else {
@@ -165,24 +165,29 @@ fn slaves_in<const S: usize, const N: usize>(
 where
     Trace<S, N>: InterfaceSide<S, N>,
 {
-    let model = built(case, registry, dimension, &Watch::default(), Room::least(None))?;
+    let model = built(case, registry, dimension, &RunControl::default(), MemoryLimit::least(None))?;
     let mut slave = vec![false; case.patches.len()];
     model.system.contents().interfaces().flat_map(|of| of.sides()).for_each(|of| slave[of.side().body()] = true);
     Ok(slave)
 }
 
 /// Does everything but the solve: the result has the names, the counts and the prediction.
-pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &Watch) -> Finished {
+pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &RunControl) -> Finished {
     if in_space(case) { check_in(case, registry, &volume(registry), watch) } else { check_in(case, registry, &plane(registry), watch) }
 }
 
-fn check_in<const S: usize, const N: usize>(case: &Case, registry: &Registry, dimension: &Dimension<'_, S, N>, watch: &Watch) -> Finished
+fn check_in<const S: usize, const N: usize>(
+    case: &Case,
+    registry: &Registry,
+    dimension: &Dimension<'_, S, N>,
+    watch: &RunControl,
+) -> Finished
 where
     Trace<S, N>: InterfaceSide<S, N>,
 {
     let outcome = || -> Result<RunResult, Diagnostics> {
         watch.phase("build");
-        let room = Room::least(watch.max_memory);
+        let room = MemoryLimit::least(watch.max_memory);
         let model = built(case, registry, dimension, watch, room)?;
         let mut result = report::skeleton("check", case, &model);
         Questions::of(case, &model, &result.numbers())?;
@@ -213,7 +218,7 @@ fn step_output<const S: usize, const N: usize>(
 }
 
 /// Marks a result without errors as ended early if `watch` requests it; returns whether it did.
-pub(super) fn end_early(result: &mut RunResult, watch: &Watch) -> bool {
+pub(super) fn end_early(result: &mut RunResult, watch: &RunControl) -> bool {
     let stop = watch.stop().filter(|_| matches!(result.status, Status::Ok | Status::CheckFailed));
     if let Some(stop) = stop {
         stopped(result, stop);
@@ -243,8 +248,8 @@ fn built<const S: usize, const N: usize>(
     case: &Case,
     registry: &Registry,
     dimension: &Dimension<'_, S, N>,
-    watch: &Watch,
-    room: Option<Room>,
+    watch: &RunControl,
+    room: Option<MemoryLimit>,
 ) -> Result<Built<S, N>, Diagnostics>
 where
     Trace<S, N>: InterfaceSide<S, N>,
@@ -278,7 +283,7 @@ where
 ///
 /// # Errors
 /// E081 if the memory exceeds `room`.
-fn fitting<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, room: Option<Room>) -> Result<Prediction, Diagnostics> {
+fn fitting<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, room: Option<MemoryLimit>) -> Result<Prediction, Diagnostics> {
     let factor = !avoids_factors(case) || model.system.contents().interfaces().any(|of| !of.is_symmetric());
     let prediction: Prediction = model.system.forecast(factor, case.steps.value.len()).into();
     match room.filter(|room| prediction.memory > room.bytes) {
@@ -288,7 +293,7 @@ fn fitting<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, roo
 }
 
 /// Reports the progress of a step to `watch`, and cancels it where `watch` says so.
-fn observer(watch: &Watch) -> impl Fn(&problem::Progress<'_>) -> ControlFlow<()> + Sync {
+fn observer(watch: &RunControl) -> impl Fn(&problem::Progress<'_>) -> ControlFlow<()> + Sync {
     move |news| match news {
         // a step that is solved is told, whatever the watch says
         problem::Progress::ActiveSet(report) => {
@@ -312,14 +317,14 @@ fn solve_case<const S: usize, const N: usize>(
     case: &Case,
     registry: &Registry,
     dimension: &Dimension<'_, S, N>,
-    watch: &Watch,
+    watch: &RunControl,
 ) -> Result<Outcome<S, N>, Diagnostics>
 where
     Trace<S, N>: InterfaceSide<S, N>,
 {
     watch.phase("build");
     // determined before the model takes memory
-    let room = Room::least(watch.max_memory);
+    let room = MemoryLimit::least(watch.max_memory);
     let mut model = built(case, registry, dimension, watch, room)?;
     let mut result = report::skeleton(command, case, &model);
     if let Some(one) = dimension.multipliers {

@@ -15,7 +15,7 @@ const PER_THREAD: u64 = (64 + 2) << 20;
 
 /// The most restrictive of all memory limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Room {
+pub struct MemoryLimit {
     /// Bytes that a run may be predicted to need.
     pub bytes: u64,
     /// The limit itself.
@@ -35,7 +35,7 @@ enum Whose {
     ControlGroup,
 }
 
-impl Room {
+impl MemoryLimit {
     /// Returns the least limit: `asked` (in place of the machine's memory), control groups, and limits of the process less what it has
     /// taken; `None` if there are none.
     pub fn least(asked: Option<u64>) -> Option<Self> {
@@ -86,7 +86,7 @@ impl Room {
 
 /// Largest number of bytes that reading a geometry file may take.
 pub fn memory_for_files(limit: Option<u64>) -> Option<u64> {
-    Room::least(limit).map(|room| room.bytes)
+    MemoryLimit::least(limit).map(|room| room.bytes)
 }
 
 /// Largest number of threads whose stacks and heaps leave a run most of the address space; results do not depend on it.
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn the_limit_of_the_user_stands_in_place_of_the_machine() {
-        let room = Room::least(Some(1000)).unwrap();
+        let room = MemoryLimit::least(Some(1000)).unwrap();
         assert_eq!((room.bytes, room.why().as_str(), room.raise()), (1000, "the limit is 1 kB", "raise --max-memory"));
         assert!(memory_for_files(Some(77)) == Some(77) && most_threads() >= 1);
     }

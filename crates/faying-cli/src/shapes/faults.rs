@@ -25,7 +25,7 @@ impl From<NetError> for Fault {
 
 impl From<ShapeError> for Fault {
     fn from(error: ShapeError) -> Self {
-        let code = if let ShapeError::Net(inner) = &error { of_net(inner) } else { "E015" };
+        let code = if let ShapeError::TensorField(inner) = &error { of_net(inner) } else { "E015" };
         Self::new(code, error.to_string())
     }
 }

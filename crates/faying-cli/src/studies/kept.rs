@@ -18,7 +18,7 @@ const SCHEMA: &str = "faying.rows/1";
 
 /// Rows of an earlier study, by their keys.
 #[derive(Clone, Debug, Default)]
-pub struct Kept {
+pub struct StoredRows {
     rows: BTreeMap<String, Vec<Value>>,
 }
 
@@ -62,7 +62,7 @@ pub(super) fn text(rows: &[Row], keys: &[Option<String>]) -> String {
     json::text(&json!({"schema": SCHEMA, "version": env!("CARGO_PKG_VERSION"), "rows": list}))
 }
 
-impl Kept {
+impl StoredRows {
     /// Reads the file; `None` if it is not a file of this schema.
     pub fn read(text: &str) -> Option<Self> {
         let document: Value = serde_json::from_str(text).ok()?;
@@ -219,7 +219,7 @@ mod tests {
         (row.document, row.beta, row.degree) = (row.result.to_value(), Some(0.1), "3x2".into());
         let keys = [Some("k".to_owned())];
         let text = text(std::slice::from_ref(&row), &keys);
-        let kept = Kept::read(&text).unwrap();
+        let kept = StoredRows::read(&text).unwrap();
         let back = kept.rows(&keys[0], "compare", &Spec::default(), &base).unwrap();
         assert_eq!((kept.len(), back.len(), back[0].kept), (1, 1, true));
         assert_eq!(back[0].result.errors, row.result.errors);
@@ -229,7 +229,7 @@ mod tests {
         assert!(back[0].result.probes[0].value.is_nan() && back[0].beta == row.beta && back[0].degree == row.degree);
         assert_eq!(super::text(&back, &keys), text);
         assert!(kept.rows(&Some("other".into()), "compare", &Spec::default(), &base).is_none());
-        assert!(Kept::read("{}").is_none() && Kept::read("no json").is_none());
+        assert!(StoredRows::read("{}").is_none() && StoredRows::read("no json").is_none());
     }
 
     #[test]
@@ -239,7 +239,7 @@ mod tests {
             let mut row = Row::begun("compare", &Spec::default(), &base);
             row.result.status = status;
             row.document = row.result.to_value();
-            let stored = Kept::read(&text(std::slice::from_ref(&row), &[Some("k".into())])).unwrap();
+            let stored = StoredRows::read(&text(std::slice::from_ref(&row), &[Some("k".into())])).unwrap();
             assert_eq!(stored.rows(&Some("k".into()), "compare", &Spec::default(), &base).is_some(), kept, "{status:?}");
         }
     }

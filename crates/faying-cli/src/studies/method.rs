@@ -3,13 +3,13 @@
 use super::rows::Row;
 use crate::case::Case;
 use crate::registry::Registry;
-use crate::watch::Watch;
+use crate::watch::RunControl;
 
 /// Computation of a command on the case of every row.
 pub trait Method {
     /// Solves `case`, which `row` describes: returns the row with its numbers, or several copies of it with one result each. Failures are
     /// reported by the status of the row.
-    fn solve(&self, row: Row, case: &Case, watch: &Watch) -> Vec<Row>;
+    fn solve(&self, row: Row, case: &Case, watch: &RunControl) -> Vec<Row>;
 
     /// Evaluates all rows together, in the order of the table; `case` is the case as written. Changes nothing by default.
     fn judge(&self, _rows: &mut [Row], _case: &Case) {}
@@ -38,7 +38,7 @@ pub struct Runs<'a> {
 }
 
 impl Method for Runs<'_> {
-    fn solve(&self, mut row: Row, case: &Case, watch: &Watch) -> Vec<Row> {
+    fn solve(&self, mut row: Row, case: &Case, watch: &RunControl) -> Vec<Row> {
         let command = row.result.command.clone();
         row.result = crate::run::numbers(&command, case, self.registry, watch);
         vec![row]

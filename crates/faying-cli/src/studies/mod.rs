@@ -22,11 +22,11 @@ mod table;
 
 pub use axes::{Axes, MOST_ROWS};
 pub use choice::{Degrees, Vary, repeated, split};
-pub use kept::Kept;
+pub use kept::StoredRows;
 pub use method::{Method, Runs};
 pub use picture::picture;
 pub use quantities::{Asked, asked};
 pub(crate) use rates::decided;
 pub use report::html;
 pub use rows::{Base, Row, Spec, slaves};
-pub use study::{Plan, Study, Tolerance};
+pub use study::{Study, StudyPlan, Tolerance};

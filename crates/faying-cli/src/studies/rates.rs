@@ -4,7 +4,7 @@ use super::quantities::{Asked, rate_of};
 use super::rows::Row;
 use crate::case::{Case, Condition};
 use crate::formula::Formula;
-use crate::quantities::{Kind, Quantity, look_up};
+use crate::quantities::{Quantity, QuantityKind, look_up};
 use crate::result::{CheckReport, Status};
 use serde_json::Value;
 
@@ -71,7 +71,7 @@ fn asked_rate(text: &str, row: &Row) -> Option<String> {
         return rate_of(text);
     }
     let inner = text.trim().strip_prefix("rate.")?.trim();
-    let own = matches!(Quantity::parse(inner).map(|q| q.kind), Ok(Kind::Beta(pairing)) if pairing == row.pairing);
+    let own = matches!(Quantity::parse(inner).map(|q| q.kind), Ok(QuantityKind::Beta(pairing)) if pairing == row.pairing);
     own.then(|| "beta".to_owned())
 }
 

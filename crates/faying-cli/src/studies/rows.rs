@@ -6,7 +6,7 @@ use crate::errors::{Diagnostics, Severity};
 use crate::named::Named;
 use crate::registry::Registry;
 use crate::result::{RunResult, Status};
-use crate::watch::Watch;
+use crate::watch::RunControl;
 use serde_json::Value;
 use std::fmt::Write as _;
 
@@ -166,7 +166,13 @@ impl Row {
     }
 
     /// Solves the row by `method` if `case` could be read; returns several rows if the method has several results.
-    pub(super) fn solved_by(mut self, method: &dyn Method, case: Result<&Case, Diagnostics>, base: &Base<'_>, watch: &Watch) -> Vec<Self> {
+    pub(super) fn solved_by(
+        mut self,
+        method: &dyn Method,
+        case: Result<&Case, Diagnostics>,
+        base: &Base<'_>,
+        watch: &RunControl,
+    ) -> Vec<Self> {
         let begun = std::time::Instant::now();
         let mut rows = match case {
             Ok(case) => {

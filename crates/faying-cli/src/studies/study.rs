@@ -1,7 +1,7 @@
 //! A study with all its rows: solved in order, compared, judged.
 
 use super::axes::Axes;
-use super::kept::{self, Kept};
+use super::kept::{self, StoredRows};
 use super::method::Method;
 use super::quantities::{Asked, asked};
 use super::rates;
@@ -11,7 +11,7 @@ use crate::errors::{Diagnostic, Diagnostics};
 use crate::named::Named;
 use crate::registry::Registry;
 use crate::result::Status;
-use crate::watch::{Stop, Watch};
+use crate::watch::{RunControl, Stop};
 use std::collections::BTreeMap;
 
 /// Codes in the order in which they decide the exit code of several rows.
@@ -32,7 +32,7 @@ pub struct Tolerance {
 
 /// Definition of a study.
 #[derive(Clone, Debug)]
-pub struct Plan<'a> {
+pub struct StudyPlan<'a> {
     /// "compare", "convergence", ...
     pub command: &'a str,
     /// The case as written.
@@ -50,7 +50,7 @@ pub struct Plan<'a> {
     /// Largest relative difference that is allowed between them.
     pub tol: Option<f64>,
     /// Rows of an earlier study.
-    pub kept: Option<&'a Kept>,
+    pub kept: Option<&'a StoredRows>,
 }
 
 /// A study and its rows.
@@ -82,7 +82,7 @@ pub struct Study {
     pub stored: String,
 }
 
-impl Plan<'_> {
+impl StudyPlan<'_> {
     /// The rows in their order.
     ///
     /// # Errors
@@ -94,7 +94,7 @@ impl Plan<'_> {
     /// Reads and solves every row of `specs` by `method`; calls `begins` before each with position, number of rows, name.
     ///
     /// A row that fails stays and the next ones are solved; after a stop by `watch` no further row is begun.
-    pub fn solve(self, specs: &[Spec], method: &dyn Method, watch: &Watch, mut begins: impl FnMut(usize, usize, &str)) -> Study {
+    pub fn solve(self, specs: &[Spec], method: &dyn Method, watch: &RunControl, mut begins: impl FnMut(usize, usize, &str)) -> Study {
         let asked = if method.answers_quantities() { asked(self.written, self.quantities, self.axes.levels) } else { Vec::new() };
         let added = asked.iter().filter(|a| a.is_added()).map(|a| (a.probe.clone(), a.quantity.clone())).collect();
         let mut base = self.base.clone();

@@ -3,7 +3,7 @@
 use faying_cli::case::ReadOptions;
 use faying_cli::errors::Diagnostic;
 use faying_cli::result::{LoadReport, Moment};
-use faying_cli::{Case, Registry, RunOptions, RunResult, Status, Watch};
+use faying_cli::{Case, Registry, RunControl, RunOptions, RunResult, Status};
 
 fn run(text: &str) -> RunResult {
     let case = Case::parse("case.toml", text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
@@ -210,7 +210,7 @@ fn loads_that_move_are_looked_at_in_every_step_and_by_check() {
     near(load(&result, "top").force[1], -3e-3, 1e-12);
     assert!(e017(&run(&text.replace("2.5", "2"))).is_empty());
     let case = Case::parse("case.toml", &text, &ReadOptions::default()).unwrap();
-    let checked = faying_cli::run::check(&case, &Registry::default(), &RunOptions::default(), &Watch::default()).result;
+    let checked = faying_cli::run::check(&case, &Registry::default(), &RunOptions::default(), &RunControl::default()).result;
     assert_eq!((checked.exit, e017(&checked).len()), (0, 1), "{:?}", checked.warnings);
     near(load(&checked, "top").force[1], -3e-3, 1e-12);
     let document = checked.to_value();

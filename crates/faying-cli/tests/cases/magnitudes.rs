@@ -2,11 +2,11 @@
 
 use faying_cli::case::ReadOptions;
 use faying_cli::run::{check, run};
-use faying_cli::{Case, Registry, RunOptions, RunResult, Status, Watch};
+use faying_cli::{Case, Registry, RunControl, RunOptions, RunResult, Status};
 
 fn both(text: &str) -> [RunResult; 2] {
     let case = Case::parse("case.toml", text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
-    [check, run].map(|f| f(&case, &Registry::default(), &RunOptions::default(), &Watch::default()).result)
+    [check, run].map(|f| f(&case, &Registry::default(), &RunOptions::default(), &RunControl::default()).result)
 }
 
 /// A block on its lower side and what acts above, whose line is the last.

@@ -14,7 +14,7 @@ use faying_cli::convert::{ConvertOptions, convert};
 use faying_cli::errors::{Diagnostic, Severity};
 use faying_cli::inspect::{inspect, picture};
 use faying_cli::run::{check, run};
-use faying_cli::{Registry, RunOptions, Watch};
+use faying_cli::{Registry, RunControl, RunOptions};
 use faying_files::{self, FileError, Format, Limits};
 use mutate::{Random, mutate, mutate_case};
 use seeds::{cases, seeds};
@@ -52,10 +52,10 @@ fn fair(all: &[Diagnostic], exit: i32, about: &str) {
     }
 }
 
-fn watch() -> Watch {
+fn watch() -> RunControl {
     let limit = Duration::from_secs(20);
     let deadline = Some((Instant::now() + limit, limit.as_secs_f64()));
-    Watch { max_memory: Some(RUNNING), deadline, ..Watch::default() }
+    RunControl { max_memory: Some(RUNNING), deadline, ..RunControl::default() }
 }
 
 /// Reads, checks and runs a case; the exit.

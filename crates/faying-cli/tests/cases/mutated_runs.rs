@@ -4,7 +4,7 @@
 use faying_cli::Case;
 use faying_cli::case::ReadOptions;
 use faying_cli::run::{check, run};
-use faying_cli::{Registry, RunOptions, Watch};
+use faying_cli::{Registry, RunControl, RunOptions};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
@@ -216,10 +216,10 @@ fn mutated_cases_end_as_the_contract_says() {
                 Err(_) => return 3,
             };
             let limit = Duration::from_secs(10);
-            let watch = || Watch {
+            let watch = || RunControl {
                 max_memory: Some(200_000_000),
                 deadline: Some((Instant::now() + limit, limit.as_secs_f64())),
-                ..Watch::default()
+                ..RunControl::default()
             };
             let checked = check(&case, &registry, &RunOptions::default(), &watch()).result;
             let finished = run(&case, &registry, &RunOptions::default(), &watch());

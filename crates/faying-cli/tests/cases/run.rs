@@ -3,7 +3,7 @@
 use faying_cli::Case;
 use faying_cli::case::{ReadOptions, Start};
 use faying_cli::errors::Diagnostics;
-use faying_cli::{Progress, Registry, RunResult, Status, Watch};
+use faying_cli::{Progress, Registry, RunControl, RunResult, Status};
 
 fn read(text: &str) -> Result<Case, Diagnostics> {
     Case::parse("case.toml", text, &ReadOptions::default())
@@ -518,13 +518,14 @@ fn an_active_set_that_does_not_settle_keeps_its_last_state() {
 #[test]
 fn memory_is_predicted_before_anything_is_allocated() {
     let case = read(&square("")).unwrap();
-    let watch = faying_cli::Watch { max_memory: Some(1000), ..Default::default() };
+    let watch = faying_cli::RunControl { max_memory: Some(1000), ..Default::default() };
     let finished = faying_cli::run::run(&case, &Registry::default(), &faying_cli::RunOptions::default(), &watch);
     assert_eq!((finished.result.status, finished.result.exit), (Status::Limit, 6));
     let d = &finished.result.diagnostics[0];
     assert!(d.code == "E081" && d.message.contains("the limit is 1 kB"), "{}", d.render());
     assert!(finished.output.is_none());
-    let checked = faying_cli::run::check(&case, &Registry::default(), &faying_cli::RunOptions::default(), &faying_cli::Watch::default());
+    let checked =
+        faying_cli::run::check(&case, &Registry::default(), &faying_cli::RunOptions::default(), &faying_cli::RunControl::default());
     assert!(checked.result.predicted.is_some_and(|p| p.memory > 1_000_000) && checked.result.solve.is_none());
 }
 
@@ -828,7 +829,7 @@ fn cases_too_large_for_the_machine_are_refused_at_once_at_their_elements() {
         (&["patch.a.elements=[1500, 1500]"], Some(1_000_000_000), "about 4512008 unknowns"),
     ] {
         let case = Case::parse("case.toml", &square(""), &options(sets)).unwrap_or_else(|e| panic!("{e}"));
-        let watch = faying_cli::Watch { max_memory: limit, ..Default::default() };
+        let watch = faying_cli::RunControl { max_memory: limit, ..Default::default() };
         for go in [faying_cli::run::run, faying_cli::run::check] {
             let finished = go(&case, &Registry::default(), &faying_cli::RunOptions::default(), &watch);
             assert_eq!((finished.result.status, finished.result.exit), (Status::Limit, 6), "{sets:?}");
@@ -844,7 +845,7 @@ fn cases_too_large_for_the_machine_are_refused_at_once_at_their_elements() {
 }
 
 /// A watch that raises its flag at the first news that `pick` chooses.
-fn interrupts(pick: fn(&Progress<'_>) -> bool) -> Watch {
+fn interrupts(pick: fn(&Progress<'_>) -> bool) -> RunControl {
     let interrupted = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
     let flag = interrupted.clone();
     let listener = move |news: Progress<'_>| {
@@ -852,7 +853,7 @@ fn interrupts(pick: fn(&Progress<'_>) -> bool) -> Watch {
             flag.store(true, std::sync::atomic::Ordering::Relaxed);
         }
     };
-    Watch { interrupted, listener: Some(Box::new(listener)), ..Watch::default() }
+    RunControl { interrupted, listener: Some(Box::new(listener)), ..RunControl::default() }
 }
 
 #[test]
@@ -862,7 +863,7 @@ fn a_run_stops_where_it_is_told_to_and_says_null_for_what_it_did_not_compute() {
     // the guess of `auto` needs one system alone; condensation solves every set as a whole
     case.contacts[0].active_set.start.value = Start::All;
     case.solver.constraint.value = "condensed".into();
-    let go = |watch: &Watch| faying_cli::run::run(&case, &Registry::default(), &faying_cli::RunOptions::default(), watch);
+    let go = |watch: &RunControl| faying_cli::run::run(&case, &Registry::default(), &faying_cli::RunOptions::default(), watch);
     for phase in ["assemble", "solve"] {
         let watch = if phase == "solve" {
             interrupts(|n| matches!(n, Progress::Phase("solve")))
@@ -889,7 +890,7 @@ fn a_run_stops_where_it_is_told_to_and_says_null_for_what_it_did_not_compute() {
     assert_eq!((finished.result.status, finished.result.exit), (Status::Interrupted, 130));
     assert!(finished.output.is_some() && finished.result.to_value()["energy"].as_f64() > Some(0.0));
     // a deadline that has passed
-    let watch = Watch { deadline: Some((std::time::Instant::now(), 1e-9)), ..Watch::default() };
+    let watch = RunControl { deadline: Some((std::time::Instant::now(), 1e-9)), ..RunControl::default() };
     let finished = go(&watch);
     assert_eq!((finished.result.status, finished.result.exit), (Status::Limit, 6));
     assert_eq!(finished.result.diagnostics.len(), 1);
@@ -897,8 +898,8 @@ fn a_run_stops_where_it_is_told_to_and_says_null_for_what_it_did_not_compute() {
 
 #[test]
 fn documents_have_no_numbers_that_nobody_computed() {
-    let go = |text: &str, command: fn(&Case, &Registry, &faying_cli::RunOptions, &Watch) -> faying_cli::Finished| {
-        command(&read(text).unwrap(), &Registry::default(), &faying_cli::RunOptions::default(), &Watch::default()).result
+    let go = |text: &str, command: fn(&Case, &Registry, &faying_cli::RunOptions, &RunControl) -> faying_cli::Finished| {
+        command(&read(text).unwrap(), &Registry::default(), &faying_cli::RunOptions::default(), &RunControl::default()).result
     };
     let checked = go(&square(""), faying_cli::run::check).to_value();
     for key in ["energy", "reactions", "contact", "interface", "balance", "errors", "solve"] {
@@ -906,7 +907,7 @@ fn documents_have_no_numbers_that_nobody_computed() {
     }
     assert!(checked["geometry"]["least_jacobian"].as_f64() > Some(0.0));
     // interrupted before anything was solved
-    let watch = Watch::default();
+    let watch = RunControl::default();
     watch.interrupted.store(true, std::sync::atomic::Ordering::Relaxed);
     let case = read(&square("")).unwrap();
     let result = faying_cli::run::run(&case, &Registry::default(), &faying_cli::RunOptions::default(), &watch).result;

@@ -4,7 +4,7 @@ use faying_cli::Case;
 use faying_cli::case::ReadOptions;
 use faying_cli::errors::Diagnostics;
 use faying_cli::plot::FieldPlot;
-use faying_cli::{Registry, RunOptions, RunResult, Status, Watch};
+use faying_cli::{Registry, RunControl, RunOptions, RunResult, Status};
 use faying_files::vtu::CellStyle;
 use std::f64::consts::PI;
 
@@ -287,7 +287,7 @@ fn files_of_a_solid_are_written_with_every_kind_of_cell() {
         let case = read(&text, Some(backend)).unwrap();
         for cells in [None, Some(CellStyle::Bezier), Some(CellStyle::Lagrange), Some(CellStyle::Linear)] {
             let finished =
-                faying_cli::run::run(&case, &Registry::default(), &RunOptions { cells, ..RunOptions::default() }, &Watch::default());
+                faying_cli::run::run(&case, &Registry::default(), &RunOptions { cells, ..RunOptions::default() }, &RunControl::default());
             let output = finished.output.unwrap();
             let vtu = output.parts.vtu().unwrap();
             assert!(vtu.windows(16).any(|w| w == b"UnstructuredGrid"));

@@ -5,7 +5,7 @@ use coupled::{Bodies, KINDS, Kind};
 use faying::assembly::{gauss_rules, trace_load};
 use faying::basis::{BSpline, Basis, Order, ShapeTable};
 use faying::constraint::{ActiveSet, Condensed, ConstrainedSolution, ConstraintSolver, Direct, SolveError};
-use faying::contact::{Cone, ContactError, ContactRows, Opponent, Transmitted};
+use faying::contact::{Cone, ContactError, ContactResultants, ContactRows, Opponent};
 use faying::coupling::interface::{MasterSums, MergedCurve, SlaveRule};
 use faying::coupling::multiplier::{Ends, MultiplierKind, build};
 use faying::coupling::{InterfaceQuadrature, Segments, Side};
@@ -40,7 +40,7 @@ struct Pressed {
     solution: ConstrainedSolution,
     lambda: Vec<f64>,
     contact: ContactRows<1, 2>,
-    sent: Transmitted<2>,
+    sent: ContactResultants<2>,
 }
 
 /// Adds a pressure on a side to the load.
@@ -87,7 +87,7 @@ fn solve(
 ) -> Result<Pressed, SolveError> {
     let rows = contact.turned(&contact.rows).into_owned();
     let reaction = contact.reaction.as_ref().map(|b| contact.turned(b).into_owned());
-    let solution = model.solve(&rows, reaction.as_ref(), &contact.turned_offset(), &contact.kinds(), solver)?;
+    let solution = model.solve(&rows, reaction.as_ref(), &contact.transformed_offset(), &contact.kinds(), solver)?;
     let lambda = contact.multipliers(&solution.multipliers);
     let sent = contact.transmitted(psi, &lambda);
     Ok(Pressed { solution, lambda, contact, sent })
@@ -360,7 +360,7 @@ fn sides_that_face_each_other_in_part_have_every_cone() {
         let mut forces = Vec::new();
         for cone in CONES {
             let built = contact(&model, (1, &sides[1]), (0, &sides[0]), &*psi, (Rule::Merged, 8), cone, &|_, g| g);
-            assert!(built.turned_weights().iter().zip(&built.facing).all(|(&w, &f)| (w > 0.0) == f), "{kind:?} {cone:?}");
+            assert!(built.transformed_weights().iter().zip(&built.facing).all(|(&w, &f)| (w > 0.0) == f), "{kind:?} {cone:?}");
             let r = solve(&model, built, &*psi, &mut direct()).unwrap();
             assert!((r.contact.segments.report.covered - 1.0).abs() < 1e-12);
             assert!(!r.contact.facing[r.lambda.len() - 1] && r.lambda[r.lambda.len() - 1] == 0.0);

@@ -6,7 +6,7 @@ use faying_cli::Case;
 use faying_cli::case::ReadOptions;
 use faying_cli::run::run;
 use faying_cli::table::InterfaceRow;
-use faying_cli::{Finished, Registry, RunOptions, Status, Watch};
+use faying_cli::{Finished, Registry, RunControl, RunOptions, Status};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -16,7 +16,7 @@ const HERTZ: &str = include_str!("../../../../examples/cases/hertz.toml");
 fn solved(text: &str, sets: &[String]) -> Finished {
     let options = ReadOptions { sets: sets.to_vec(), ..ReadOptions::default() };
     let case = Case::parse("case.toml", text, &options).unwrap_or_else(|e| panic!("{e}\n{text}"));
-    run(&case, &Registry::default(), &RunOptions::default(), &Watch::default())
+    run(&case, &Registry::default(), &RunOptions::default(), &RunControl::default())
 }
 
 /// Rows closed in every system.

@@ -8,7 +8,7 @@ use faying::constraint::{
 use faying_cli::Case;
 use faying_cli::case::ReadOptions;
 use faying_cli::run::run;
-use faying_cli::{Finished, Registry, RunOptions, Status, Watch};
+use faying_cli::{Finished, Registry, RunControl, RunOptions, Status};
 use std::sync::{Arc, Mutex};
 
 /// A direct solver that has a factor for every set.
@@ -65,7 +65,7 @@ fn solved(text: &str, solver: &str) -> (Finished, Counts) {
     let options = ReadOptions { names: registry.case_names(), ..ReadOptions::default() };
     let text = format!("{text}[solver]\nconstraint = \"{solver}\"\n");
     let case = Case::parse("case.toml", &text, &options).unwrap_or_else(|e| panic!("{e}\n{text}"));
-    (run(&case, &registry, &RunOptions::default(), &Watch::default()), counts)
+    (run(&case, &registry, &RunOptions::default(), &RunControl::default()), counts)
 }
 
 fn said(finished: &Finished) -> String {

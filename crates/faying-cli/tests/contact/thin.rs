@@ -1,13 +1,13 @@
 //! Bodies of thin cells: their measures, and the memory that is forecast for their factors.
 
-use faying::assembly::{Fixed, Reduced, dirichlet, gauss_rules, stiffness};
+use faying::assembly::{Prescribed, Reduced, dirichlet, gauss_rules, stiffness};
 use faying::basis::BSpline;
 use faying::geometry::{ControlNet, shapes};
 use faying::linalg::{Ldlt, LinearSolver, Vector};
 use faying::physics::{Conductor, Hooke, Material, form};
 use faying::space::{Body, Field, Patch, PatchSpec, measure};
 use faying_cli::Case;
-use faying_cli::{Registry, RunOptions, Watch};
+use faying_cli::{Registry, RunControl, RunOptions};
 use std::f64::consts::PI;
 
 /// The quarter ring 1 < r < 2.
@@ -49,7 +49,7 @@ fn factor<const C: usize, const S: usize, const N: usize>(body: &dyn Body<S, N>,
     let space = &**body.space();
     let k = stiffness(space, &gauss_rules(space, 0), &form(material).unwrap());
     let trace = body.trace("u0").unwrap();
-    let held: Vec<Fixed<'_, S, N>> = (0..C).map(|component| Fixed { trace: &trace, component, value: None }).collect();
+    let held: Vec<Prescribed<'_, S, N>> = (0..C).map(|component| Prescribed { trace: &trace, component, value: None }).collect();
     let prescribed = dirichlet(&held, Field { first: 0, components: C }, 0, &mut Ldlt::new()).unwrap();
     let reduced = Reduced::try_new(&[&k], &vec![0.0; k.num_rows()], &prescribed, &[]).unwrap();
     let mut solver = Ldlt::new();
@@ -72,7 +72,7 @@ fn forecast(dimension: usize, extrude: &str, elements: &[usize]) -> f64 {
          [[boundary]]\non = \"b.u0\"\n{held}\n"
     );
     let case = Case::parse("thin.toml", &text, &Default::default()).unwrap_or_else(|e| panic!("{e}"));
-    let checked = faying_cli::run::check(&case, &Registry::default(), &RunOptions::default(), &Watch::default());
+    let checked = faying_cli::run::check(&case, &Registry::default(), &RunOptions::default(), &RunControl::default());
     checked.result.predicted.unwrap_or_else(|| panic!("{:?}", checked.result.diagnostics)).factor as f64
 }
 

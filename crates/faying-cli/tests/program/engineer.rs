@@ -2,7 +2,7 @@
 
 use faying_cli::Case;
 use faying_cli::case::ReadOptions;
-use faying_cli::{Progress, Registry, RunOptions, RunResult, Status, Watch};
+use faying_cli::{Progress, Registry, RunControl, RunOptions, RunResult, Status};
 use std::f64::consts::PI;
 use std::process::{Command, Stdio};
 
@@ -331,7 +331,7 @@ above = -10
 
 #[test]
 fn a_step_that_fails_leaves_the_steps_before_it() {
-    let finished = faying_cli::run::run(&read(LIFTED), &Registry::default(), &RunOptions::default(), &Watch::default());
+    let finished = faying_cli::run::run(&read(LIFTED), &Registry::default(), &RunOptions::default(), &RunControl::default());
     let result = &finished.result;
     assert_eq!((result.status, result.exit), (Status::Singular, 5), "{:?}", result.diagnostics);
     let statuses: Vec<Status> = result.steps.iter().map(|s| s.status).collect();
@@ -357,7 +357,7 @@ fn a_run_that_is_interrupted_between_steps_keeps_those_that_were_solved() {
             flag.store(true, std::sync::atomic::Ordering::Relaxed);
         }
     };
-    let watch = Watch { interrupted, listener: Some(Box::new(listener)), ..Watch::default() };
+    let watch = RunControl { interrupted, listener: Some(Box::new(listener)), ..RunControl::default() };
     let finished = faying_cli::run::run(&read(LIFTED), &Registry::default(), &RunOptions::default(), &watch);
     let result = &finished.result;
     assert_eq!((result.status, result.exit), (Status::Interrupted, 130));

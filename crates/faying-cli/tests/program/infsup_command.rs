@@ -6,7 +6,7 @@ use faying::problem::Multiplier;
 use faying_cli::Case;
 use faying_cli::case::ReadOptions;
 use faying_cli::infsup::{InfSupOptions, constants};
-use faying_cli::{Registry, Watch, result_schema};
+use faying_cli::{Registry, RunControl, result_schema};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -159,7 +159,7 @@ fn ends_of_the_case_are_those_of_each_component() {
         &ReadOptions::default(),
     )
     .unwrap();
-    let found = constants(&case, &Registry::default(), &InfSupOptions::default(), &Watch::default()).unwrap();
+    let found = constants(&case, &Registry::default(), &InfSupOptions::default(), &RunControl::default()).unwrap();
     let all: Vec<(&str, usize, usize)> = found.iter().map(|c| (c.component, c.found.functions, c.found.multipliers)).collect();
     assert_eq!(all, [("x", 9, 10), ("y", 10, 10)]);
     assert!(found[0].found.beta == 0.0 && (found[1].found.beta - 1.0).abs() < 1e-12);
@@ -204,7 +204,7 @@ fn a_multiplier_from_outside_is_tested_by_its_name() {
     registry.plane.multipliers.add("mine", Multiplier::of(|side, _| Ok(Box::new(PiecewiseConstant::of(&*side.space)))));
     let options = ReadOptions { names: registry.case_names(), ..ReadOptions::default() };
     let case = Case::parse("a.toml", &BOXES.replace("name = \"seam\"", "name = \"seam\"\nmultiplier = \"mine\""), &options).unwrap();
-    let found = constants(&case, &registry, &InfSupOptions::default(), &Watch::default()).unwrap();
+    let found = constants(&case, &registry, &InfSupOptions::default(), &RunControl::default()).unwrap();
     assert_eq!((found.len(), found[0].pairing.as_deref()), (1, Some("mine")));
     // constants against quadratic splines are p/p-2
     assert!((found[0].found.beta - 0.873201).abs() < 1e-6);
@@ -281,7 +281,7 @@ fn a_case_without_multipliers_is_refused() {
 fn thousands_of_elements_need_no_bulk_problem() {
     let text = BOXES.replace("elements = [8, 1]", "elements = [4000, 1]\ndegree = 3");
     let case = Case::parse("a.toml", &text, &ReadOptions::default()).unwrap();
-    let found = constants(&case, &Registry::default(), &InfSupOptions::default(), &Watch::default()).unwrap();
+    let found = constants(&case, &Registry::default(), &InfSupOptions::default(), &RunControl::default()).unwrap();
     assert!(found[0].found.iterations > 0);
     assert!((found[0].found.beta - 0.808955).abs() < 1e-6, "{}", found[0].found.beta);
 }

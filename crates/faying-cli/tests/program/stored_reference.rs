@@ -5,7 +5,7 @@ use faying_cli::case::ReadOptions;
 use faying_cli::errors::Diagnostics;
 use faying_cli::reference::{MAGIC, StoredRun, read, write};
 use faying_cli::run::run;
-use faying_cli::{Registry, RunOptions, RunResult, Watch};
+use faying_cli::{Registry, RunControl, RunOptions, RunResult};
 use faying_files::{FileError, Limits};
 use std::path::Path;
 use std::process::Command;
@@ -76,7 +76,7 @@ fn solve(folder: &Path, text: &str, sets: &[&str], backend: Option<&str>) -> Res
 fn stored(folder: &Path, text: &str, sets: &[&str], backend: Option<&str>) -> StoredRun {
     let case = case(folder, text, sets, backend).unwrap_or_else(|e| panic!("{e}"));
     let keep = RunOptions { keep: true, ..RunOptions::default() };
-    let finished = run(&case, &Registry::default(), &keep, &Watch::default());
+    let finished = run(&case, &Registry::default(), &keep, &RunControl::default());
     finished.stored.unwrap_or_else(|| panic!("{:?}", finished.result.diagnostics))
 }
 

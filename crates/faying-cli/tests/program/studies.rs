@@ -2,8 +2,8 @@
 
 use faying_cli::Case;
 use faying_cli::case::ReadOptions;
-use faying_cli::studies::{Axes, Base, Kept, Plan, Runs, Study, html, picture};
-use faying_cli::{Registry, Watch};
+use faying_cli::studies::{Axes, Base, Runs, StoredRows, Study, StudyPlan, html, picture};
+use faying_cli::{Registry, RunControl};
 use quick_xml::Reader;
 use quick_xml::events::Event;
 use serde_json::Value;
@@ -489,14 +489,23 @@ fn resuming_keeps_what_is_finished_and_ends_with_the_same_bytes() {
 }
 
 /// A study of PAIR over three levels of two backends; ended as soon as row `end` begins.
-fn interrupted(case: &Case, kept: Option<&Kept>, end: usize) -> Study {
+fn interrupted(case: &Case, kept: Option<&StoredRows>, end: usize) -> Study {
     let registry = Registry::default();
     let axes = Axes { backends: ["iga", "fe"].map(String::from).to_vec(), levels: 3, ..Axes::default() };
     let base = Base { name: "a.toml", text: PAIR, options: ReadOptions::default() };
-    let plan =
-        Plan { command: "convergence", written: case, base, registry: &registry, axes, quantities: &[], compares: false, tol: None, kept };
+    let plan = StudyPlan {
+        command: "convergence",
+        written: case,
+        base,
+        registry: &registry,
+        axes,
+        quantities: &[],
+        compares: false,
+        tol: None,
+        kept,
+    };
     let specs = plan.rows().unwrap();
-    let watch = Watch::default();
+    let watch = RunControl::default();
     plan.solve(&specs, &Runs { registry: &registry }, &watch, |k, _, _| {
         if k == end {
             watch.interrupted.store(true, Ordering::Relaxed);
@@ -512,7 +521,7 @@ fn a_study_that_is_interrupted_goes_on_where_it_was() {
     assert_eq!((whole.exit(), part.exit(), part.rows.len()), (0, 130, 4));
     assert_eq!(part.rows[3].result.exit, 130);
     assert!(part.to_json(&[]).contains("rows that were not begun: 2 of 6") && part.summary(None).contains("2 of 6"));
-    let kept = Kept::read(&part.stored).unwrap();
+    let kept = StoredRows::read(&part.stored).unwrap();
     let rest = interrupted(&case, Some(&kept), 99);
     // the row that was interrupted is solved again
     assert_eq!(rest.rows.iter().map(|r| r.kept).collect::<Vec<_>>(), [true, true, true, false, false, false]);

@@ -3,13 +3,13 @@
 use faying_cli::Case;
 use faying_cli::case::ReadOptions;
 use faying_cli::run::run;
-use faying_cli::{Finished, Registry, RunOptions, Status, Watch};
+use faying_cli::{Finished, Registry, RunControl, RunOptions, Status};
 
 const BACKENDS: [&str; 2] = ["iga", "fe"];
 
 fn solved(text: &str) -> Finished {
     let case = Case::parse("corners.toml", text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
-    let finished = run(&case, &Registry::default(), &RunOptions::default(), &Watch::default());
+    let finished = run(&case, &Registry::default(), &RunOptions::default(), &RunControl::default());
     assert_eq!(finished.result.status, Status::Ok, "{:?}\n{text}", finished.result.diagnostics);
     finished
 }

@@ -5,7 +5,7 @@ use faying_cli::Case;
 use faying_cli::case::ReadOptions;
 use faying_cli::errors::Diagnostics;
 use faying_cli::run::run;
-use faying_cli::{Finished, Parts, Registry, RunOptions, Status, Watch};
+use faying_cli::{Finished, Parts, Registry, RunControl, RunOptions, Status};
 
 fn read(text: &str) -> Result<Case, Diagnostics> {
     Case::parse("glue.toml", text, &ReadOptions::default())
@@ -13,7 +13,7 @@ fn read(text: &str) -> Result<Case, Diagnostics> {
 
 fn solve(text: &str) -> Finished {
     let case = read(text).unwrap_or_else(|e| panic!("{e}\n{text}"));
-    let finished = run(&case, &Registry::default(), &RunOptions::default(), &Watch::default());
+    let finished = run(&case, &Registry::default(), &RunOptions::default(), &RunControl::default());
     assert_eq!(finished.result.status, Status::Ok, "{:?}\n{text}", finished.result.diagnostics);
     finished
 }

@@ -3,7 +3,7 @@
 use faying_cli::Case;
 use faying_cli::case::ReadOptions;
 use faying_cli::run::{check, run};
-use faying_cli::{Finished, Registry, RunOptions, Status, Watch};
+use faying_cli::{Finished, Registry, RunControl, RunOptions, Status};
 
 const BACKENDS: [&str; 2] = ["iga", "fe"];
 
@@ -12,7 +12,7 @@ fn read(text: &str) -> Case {
 }
 
 fn solved(text: &str) -> Finished {
-    let finished = run(&read(text), &Registry::default(), &RunOptions::default(), &Watch::default());
+    let finished = run(&read(text), &Registry::default(), &RunOptions::default(), &RunControl::default());
     assert_eq!(finished.result.status, Status::Ok, "{:?}\n{text}", finished.result.diagnostics);
     finished
 }
@@ -24,7 +24,7 @@ fn probe(finished: &Finished, name: &str) -> f64 {
 /// "E024: ..." of every error, by `check` and by `run`, which say the same.
 fn refused(text: &str) -> String {
     let case = read(text);
-    let [first, second] = [check, run].map(|f| f(&case, &Registry::default(), &RunOptions::default(), &Watch::default()).result);
+    let [first, second] = [check, run].map(|f| f(&case, &Registry::default(), &RunOptions::default(), &RunControl::default()).result);
     assert_eq!(first.diagnostics, second.diagnostics);
     assert_eq!((first.exit, second.exit), (3, 3), "{text}\n{:?}", first.diagnostics);
     first.diagnostics.iter().map(|d| format!("{}: {}\n", d.code, d.message)).collect()
@@ -110,7 +110,7 @@ fn the_rank_does_not_depend_on_where_and_how_large_bodies_are() {
             let boxes = Boxes { backend, size, at };
             let found = refused(&stacked(&boxes, 1, ""));
             assert!(found.starts_with("E024") && found.contains("rotation about ("), "{size:e} {at:?}: {found}");
-            let good = check(&read(&stacked(&boxes, 2, "")), &Registry::default(), &RunOptions::default(), &Watch::default()).result;
+            let good = check(&read(&stacked(&boxes, 2, "")), &Registry::default(), &RunOptions::default(), &RunControl::default()).result;
             assert_eq!(good.status, Status::Ok, "{size:e} {at:?}: {:?}", good.diagnostics);
         }
     }

@@ -4,11 +4,11 @@ use crate::common::blocks;
 use blocks::{Blocks, contact_blocks, difference, differences, largest};
 use faying::check;
 use faying::constraint::{
-    ActiveSet, Augmented, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, Free, Krylov, RowKind, Schur,
-    SolveError, penalty,
+    ActiveSet, Augmented, Condensed, ConstrainedSolution, ConstrainedSystem, ConstraintSolver, Direct, Krylov, PenaltyElimination, RowKind,
+    Schur, SolveError, penalty,
 };
 use faying::coupling::Rows;
-use faying::linalg::{Cg, Csr, Gmres, Limits, LinearError, LinearSolver, Minres, Operator, StopSign, Triplets};
+use faying::linalg::{Cancellation, Cg, Csr, Gmres, Limits, LinearError, LinearSolver, Minres, Operator, Triplets};
 
 type Make = fn(Limits) -> Box<dyn ConstraintSolver>;
 
@@ -185,7 +185,7 @@ fn iterations_that_are_not_allowed_or_stopped_are_errors_with_their_number() {
     let b = vec![1.0; 60];
     let symmetric = Blocks::new((4, 1.0), (3, 1.0), &[0, 1]).saddle();
     let load = vec![1.0; symmetric.num_rows()];
-    let limited = |max_iterations, stop: StopSign| {
+    let limited = |max_iterations, stop: Cancellation| {
         let (mut gmres, mut minres) = (Gmres::new(1e-12), Minres::new(1e-12));
         (gmres.max_iterations, gmres.stop) = (max_iterations, stop.clone());
         (minres.max_iterations, minres.stop) = (max_iterations, stop);
@@ -193,11 +193,11 @@ fn iterations_that_are_not_allowed_or_stopped_are_errors_with_their_number() {
         minres.prepare(&symmetric).unwrap();
         [gmres.solve(&a, &b, &mut [0.0; 60]).unwrap_err(), minres.solve(&symmetric, &load, &mut vec![0.0; load.len()]).unwrap_err()]
     };
-    for error in limited(3, StopSign::default()) {
+    for error in limited(3, Cancellation::default()) {
         let LinearError::NotConverged { iterations: 3, residual, tolerance } = error else { panic!("{error}") };
         assert!(residual > tolerance && residual < 1.0 && tolerance == 1e-12);
     }
-    for error in limited(0, StopSign::new(|| true)) {
+    for error in limited(0, Cancellation::new(|| true)) {
         assert_eq!(error, LinearError::Stopped { iterations: 0 });
     }
 }
@@ -250,11 +250,11 @@ fn soft_rows_of_any_softness_have_the_same_answer() {
             assert!(d.iter().all(|&x| x < 1e-9), "{name}, factor {factor:.0e}: {d:?}");
         }
         if factor <= 1e4 {
-            let free = Free::new().solve(&system).unwrap();
+            let free = PenaltyElimination::new().solve(&system).unwrap();
             assert!(differences(&blocks, &direct, &free).iter().all(|&x| x < 1e-9), "factor {factor:.0e}");
         }
     }
-    assert_eq!(Free::new().solve(&blocks.system()).unwrap_err(), SolveError::ExactRow { row: 0 });
+    assert_eq!(PenaltyElimination::new().solve(&blocks.system()).unwrap_err(), SolveError::ExactRow { row: 0 });
 }
 
 #[test]
@@ -263,7 +263,7 @@ fn one_iteration_of_the_augmented_lagrangian_is_penalty() {
     for factor in [10.0, 1e4] {
         let compliance = penalty(&blocks.stiffness.diagonal(), &blocks.rows, blocks.offset.len(), factor);
         let soft = Direct::new().solve(&ConstrainedSystem { compliance: &compliance, ..blocks.system() }).unwrap();
-        let once = Augmented { factor, iterations: 1, ..Augmented::new(Free::new()) }.solve(&blocks.system()).unwrap();
+        let once = Augmented { factor, iterations: 1, ..Augmented::new(PenaltyElimination::new()) }.solve(&blocks.system()).unwrap();
         assert!(differences(&blocks, &soft, &once).iter().all(|&x| x < 1e-9), "factor {factor:.0e}");
         assert_eq!(once.iterations, 1);
     }
@@ -344,7 +344,7 @@ fn the_schur_complement_factorises_a_stiffness_once_for_all_states_of_contact() 
         cols.zip(vals).for_each(|(j, &v)| k.push(i, j, v));
         k.push(i, i, 1e-4);
     }
-    blocks.stiffness = k.to_csr().with_places(blocks.stiffness.places().to_vec());
+    blocks.stiffness = k.to_csr().with_dof_coordinates(blocks.stiffness.places().to_vec());
     let mut schur = ActiveSet::new(Schur::default());
     let solution = schur.solve(&blocks.system()).unwrap();
     let report = solution.active_set.as_ref().unwrap();
@@ -412,7 +412,7 @@ fn too_few_iterations_are_an_error_with_the_residual_and_a_stop_is_one() {
             }
             other => panic!("{name}: {other}"),
         }
-        let stopped = Limits { stop: StopSign::new(|| true), ..Limits::default() };
+        let stopped = Limits { stop: Cancellation::new(|| true), ..Limits::default() };
         let error = make(stopped.clone()).solve(&blocks.system()).unwrap_err();
         assert!(matches!(error, SolveError::Linear(LinearError::Stopped { .. })), "{name}: {error}");
         let contact = contact_blocks(0.006);
@@ -517,7 +517,7 @@ fn gmres_with_the_symmetric_part_meets_lu_where_the_stiffness_is_not_symmetric()
             k.push(i + 3, i, -0.1);
         }
     }
-    blocks.stiffness = k.to_csr().with_places(blocks.stiffness.places().to_vec());
+    blocks.stiffness = k.to_csr().with_dof_coordinates(blocks.stiffness.places().to_vec());
     let lu = Direct::new().solve(&blocks.system()).unwrap();
     assert_eq!(lu.method, "saddle-point, LU");
     let gmres = Krylov::new(Limits::default()).solve(&blocks.system()).unwrap();

@@ -1,6 +1,6 @@
 //! Elements in the order of reading, and their conversion to blocks and groups.
 
-use super::kinds::Kind;
+use super::kinds::ElementType;
 use crate::budget::Budget;
 use crate::{FileError, Group, MeshBlock};
 use std::collections::BTreeMap;
@@ -12,7 +12,7 @@ const ENTRY: u64 = 256;
 #[derive(Debug)]
 pub(super) struct Bucket {
     pub number: i64,
-    pub kind: Kind,
+    pub kind: ElementType,
     pub nodes: Vec<u32>,
     pub ids: Vec<u64>,
     /// First element and key of every run of elements with the same key.
@@ -20,7 +20,7 @@ pub(super) struct Bucket {
 }
 
 impl Bucket {
-    pub fn new(number: i64, kind: Kind) -> Self {
+    pub fn new(number: i64, kind: ElementType) -> Self {
         Self { number, kind, nodes: Vec::new(), ids: Vec::new(), runs: Vec::new() }
     }
 

@@ -56,14 +56,14 @@ const SERENDIPITY: [(i64, &str); 12] = [
 
 /// A type of elements with its nodes.
 #[derive(Clone, Debug)]
-pub(super) struct Kind {
+pub(super) struct ElementType {
     pub shape: CellShape,
     pub order: usize,
     /// Position of the file's a-th node in the list with the first axis fastest.
     pub place: Vec<usize>,
 }
 
-impl Kind {
+impl ElementType {
     /// Returns the type of the given number; else the reason why it is not read.
     pub fn of_number(number: i64) -> Result<Self, String> {
         if let Some(&(_, shape, order)) = TYPES.iter().find(|t| t.0 == number) {
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn refused_types_say_what_they_are() {
-        assert!(Kind::of_number(16).unwrap_err().contains("8-node"));
-        assert!(Kind::of_number(31).unwrap_err().contains("type 31"));
+        assert!(ElementType::of_number(16).unwrap_err().contains("8-node"));
+        assert!(ElementType::of_number(31).unwrap_err().contains("type 31"));
     }
 }

@@ -1,7 +1,7 @@
 //! Sections of an MSH file.
 
 use super::collect::{Bucket, Entities, Keys, finish};
-use super::kinds::Kind;
+use super::kinds::ElementType;
 use super::nodes::Lookup;
 use super::scan::{Ascii, Binary, Source, line_of};
 use crate::budget::Budget;
@@ -409,7 +409,7 @@ impl<'a> Reader<'a> {
         if let Some(k) = self.buckets.iter().position(|b| b.number == number) {
             return Ok(k);
         }
-        match Kind::of_number(number) {
+        match ElementType::of_number(number) {
             Ok(kind) => {
                 self.budget.take((kind.place.len() * 8 + 256) as u64)?;
                 self.buckets.push(Bucket::new(number, kind));

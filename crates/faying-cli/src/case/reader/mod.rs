@@ -15,7 +15,7 @@ use crate::case::files::{FileRead, Opened};
 use crate::case::names::Names;
 use crate::case::tree::Node;
 use crate::case::types::{Joint, Meeting};
-use crate::errors::{Diagnostic, Diagnostics, Source};
+use crate::errors::{CaseText, Diagnostic, Diagnostics};
 use crate::formula::Constants;
 use crate::place::{Located, Place};
 use std::collections::BTreeSet;
@@ -27,7 +27,7 @@ const KEPT: usize = 500;
 /// State of reading a case.
 #[derive(Debug)]
 pub(in crate::case) struct Reader {
-    pub source: Source,
+    pub source: CaseText,
     pub found: Diagnostics,
     pub constants: Constants,
     /// Names of blocks, which may hold `-` in formulas of checks.

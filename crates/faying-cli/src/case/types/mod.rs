@@ -23,7 +23,7 @@ pub use tie::*;
 
 use crate::case::family::Family;
 use crate::case::files::FileRead;
-use crate::errors::{Diagnostics, Source};
+use crate::errors::{CaseText, Diagnostics};
 use crate::formula::Constants;
 use crate::place::Located;
 
@@ -34,7 +34,7 @@ pub type Head = Located<()>;
 #[derive(Clone, Debug)]
 pub struct Case {
     /// The text that places refer to.
-    pub source: Source,
+    pub source: CaseText,
     /// Warnings found while reading.
     pub warnings: Diagnostics,
     /// Version of the case file's grammar: 1.

@@ -4,7 +4,7 @@
 
 use faying_cli::case::ReadOptions;
 use faying_cli::run::run;
-use faying_cli::{Case, Registry, RunOptions, Status, Watch};
+use faying_cli::{Case, Registry, RunControl, RunOptions, Status};
 use faying_files::vtu::CellStyle;
 use faying_files::{Limits, vtu_read};
 use serde_json::Value;
@@ -85,7 +85,7 @@ fn what_fenicsx_reads_of_a_run_has_the_nodes_and_numbers_that_it_stores() {
             }
             let file = reference().join("dolfinx/cases").join(format!("{}.toml", twin["case"].as_str().unwrap()));
             let options = RunOptions { cells: Some(CellStyle::Lagrange), ..RunOptions::default() };
-            let finished = run(&case(&file, texts(&twin["set"])), &Registry::default(), &options, &Watch::default());
+            let finished = run(&case(&file, texts(&twin["set"])), &Registry::default(), &options, &RunControl::default());
             let (result, title) = (serde_json::to_value(&finished.result).unwrap(), format!("{name} {}", twin["case"]));
             let near = |a: f64, b: f64, scale: f64| assert!((a - b).abs() <= 1e-11 * scale, "{title}: {a} for {b}");
             let number = |v: &Value| v.as_f64().unwrap();
